@@ -1,4 +1,4 @@
-//! From the file of an altitude map to a map ready for computation.
+//! Reads the file of an altitude map and prepares the map for computation.
 
 use std::io::BufReader;
 use std::path::Path;
@@ -17,7 +17,7 @@ use crate::source::{Source, read_text, stream};
 use crate::surface::MapOptions;
 use slipgrid_units::{LENGTH_UM, significant};
 
-/// What a file should be.
+/// Description of the expected file in messages.
 const EXPECTED: &str = "the file of an altitude map";
 
 /// Reads the map at `path` as one period, for a contact computation.
@@ -34,11 +34,11 @@ pub fn read_period(
     PreparedMap::one_period(read, how, monitor).map_err(|error| refuse(path, &error))
 }
 
-/// Reads the map at `path`, and says how it is still to be prepared. Spikes are removed before points are joined: a mean over a spike is none
-/// any more that could be found.
+/// Reads the map at `path` and returns the preparation that remains to be done. Spikes are removed before points are
+/// joined, because a spike can no longer be found in a mean over several points.
 ///
 /// # Errors
-/// As [`open`].
+/// Errors of [`open`].
 pub fn read_for(
     source: &Source,
     path: &Path,
@@ -55,7 +55,7 @@ pub fn read_for(
     Ok((read, Preparation { despike: false, ..how }))
 }
 
-/// What is wrong with the map at `path`.
+/// Diagnostic for an error while the map at `path` was prepared.
 #[must_use]
 pub fn refuse(path: &Path, error: &PreparationError) -> Diagnostic {
     let mut refused = Diagnostic::file(path, error.to_string());
@@ -74,12 +74,12 @@ pub fn refuse(path: &Path, error: &PreparationError) -> Diagnostic {
     }
 }
 
-/// Warnings that follow what they explain.
+/// Joins warnings to a text that follows their explanation.
 fn listed(warnings: &[MapWarning]) -> String {
     warnings.iter().map(|warning| format!("; {}", told(warning))).collect()
 }
 
-/// What makes an area law doubtful, with what can be done about it.
+/// Warnings of a doubtful area law, with advice on each.
 #[must_use]
 pub fn law_warnings(warnings: &[SurfaceWarning]) -> Vec<String> {
     let text = |warning: &SurfaceWarning| match warning {
@@ -89,7 +89,7 @@ pub fn law_warnings(warnings: &[SurfaceWarning]) -> Vec<String> {
     warnings.iter().map(text).collect()
 }
 
-/// A warning with what can be done about it.
+/// Text of a warning with advice.
 #[must_use]
 pub fn told(warning: &MapWarning) -> String {
     match warning {
@@ -111,7 +111,7 @@ pub fn told(warning: &MapWarning) -> String {
 pub fn open(source: &Source, path: &Path, options: &ReadOptions, monitor: &dyn Monitor) -> Result<ReadMap, Diagnostic> {
     let file = stream(source, path, EXPECTED)?;
     read_map(BufReader::new(CancellableReader::new(file, monitor)), options).map_err(|error| {
-        // A file of settings in place of a map is told by its name: maps may be large.
+        // A file of settings in place of a map is recognised by its name, because maps may be large.
         let text = path.extension().filter(|&extension| extension == "toml").map(|_| read_text(source, path, EXPECTED));
         let found = text.and_then(Result::ok).and_then(|text| FileKind::of(&text));
         match (found, error) {
@@ -123,7 +123,7 @@ pub fn open(source: &Source, path: &Path, options: &ReadOptions, monitor: &dyn M
     })
 }
 
-/// What is wrong with the map at `path`, with the options that would help.
+/// Diagnostic for an error while the map at `path` was read, with the options that would help.
 fn ways(path: &Path, error: &ReadError) -> Diagnostic {
     let ways: Vec<String> = match error {
         ReadError::NotGiven { missing } | ReadError::DecimalComma { missing, .. } => {
@@ -143,7 +143,7 @@ fn ways(path: &Path, error: &ReadError) -> Diagnostic {
     Diagnostic::file(path, reason).expected(format!("{expected} ({})", ways.join("; ")))
 }
 
-/// What gives an option on the command line and in a calibration file.
+/// How an option is given on the command line and in a calibration file.
 const fn how_to_give(option: MapOption) -> &'static str {
     match option {
         MapOption::HeightUnit => "--height-unit um; in a calibration's [surface]: height_unit = \"um\"",
@@ -152,7 +152,7 @@ const fn how_to_give(option: MapOption) -> &'static str {
     }
 }
 
-/// What is wrong with the area law of the map at `path`, ; nothing where its computation was cancelled.
+/// Diagnostic for an error in the area law of the map at `path`; `None` if the computation was cancelled.
 #[must_use]
 pub fn refuse_law(path: &Path, error: &AreaLawError) -> Option<Diagnostic> {
     let mut refused = Diagnostic::file(path, error.to_string());
@@ -170,7 +170,7 @@ pub fn refuse_law(path: &Path, error: &AreaLawError) -> Option<Diagnostic> {
     Some(refused)
 }
 
-/// The one cure for a map on which f exceeds 1, by what is wrong with it.
+/// Advice for a map on which f exceeds 1, chosen by its warnings.
 fn cure(warnings: &[MapWarning]) -> &'static str {
     let is_any = |wanted: fn(&MapWarning) -> bool| warnings.iter().any(wanted);
     if is_any(|warning| matches!(warning, MapWarning::Lowered { .. } | MapWarning::Missing { .. })) {

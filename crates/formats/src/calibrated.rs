@@ -1,4 +1,4 @@
-//! Calibrations that are made because a file asks for them: of itself, or as the material of a design.
+//! Runs the calibrations that files ask for: a calibration file itself, or a design whose material names one.
 
 use std::path::Path;
 
@@ -22,7 +22,7 @@ use crate::refused_calibration::refuse;
 use crate::source::Source;
 use crate::written_material::material_toml;
 
-/// Why there is no material.
+/// Reason why a calibration gave no material.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Uncalibrated {
     /// A file was refused.
@@ -31,7 +31,7 @@ pub enum Uncalibrated {
     /// The monitor asked to stop.
     #[error("stopped")]
     Cancelled,
-    /// Anything else.
+    /// Any other failure.
     #[error("{0}")]
     Failed(String),
 }
@@ -42,10 +42,10 @@ impl From<Cancelled> for Uncalibrated {
     }
 }
 
-/// Gives the task of `design` its material where that has to be calibrated first, and returns the calibration.
+/// Calibrates the material of the task of `design` if necessary, and returns the calibration.
 ///
 /// # Errors
-/// [`Uncalibrated`] for a calibration that is refused or fails.
+/// [`Uncalibrated`] if the calibration is refused or fails.
 pub fn complete(
     design: &mut Design,
     files: &Source,
@@ -56,7 +56,7 @@ pub fn complete(
     Ok(Some(calibration))
 }
 
-/// The calibration that gives the task of `design` its material; `None` where its material is known.
+/// Calibration that gives the task of `design` its material; `None` if the material is known.
 ///
 /// # Errors
 /// [`Diagnostic`] for anything refused in it.
@@ -64,10 +64,10 @@ pub fn read_calibration(design: &Design, files: &Source) -> Result<Option<Calibr
     design.calibration.as_ref().map(|path| Calibration::read(files, path)).transpose()
 }
 
-/// Gives the task of `design` the material of its `calibration`; nothing is done where its material is known.
+/// Gives the task of `design` the material of its `calibration`; does nothing if the material is known.
 ///
 /// # Errors
-/// As [`complete`].
+/// Errors of [`complete`].
 pub fn complete_by(
     design: &mut Design,
     calibration: &Calibration,
@@ -75,7 +75,7 @@ pub fn complete_by(
     monitor: &dyn Monitor,
 ) -> Result<(), Uncalibrated> {
     let Some(path) = design.calibration.clone() else { return Ok(()) };
-    // A pressure or condition that was not measured is refused before anything is computed.
+    // A pressure or condition that was not measured is refused before any computation.
     let measured = as_measured(calibration)?;
     let checked = design.task.resolve(&measured.friction);
     checked.map_err(|refused| design.refuse(&refused))?;
@@ -84,12 +84,12 @@ pub fn complete_by(
     let conditions = task.condition.iter().chain(&task.also_at).copied().collect();
     let selection = Selection { conditions, pressures_pa: task.pressures_pa() };
     let asked = calibration.task(files, (task.layer, task.seed), selection, monitor)?;
-    // The blocks are the design's: what they make of the samples is no fault of the calibration.
+    // The design sets the block size, so an error in the number of blocks is not reported as one of the calibration.
     if let Err(CalibrationError::Scene(error)) = sample_bytes(&asked) {
         return Err(design.refuse(&task.refuse_samples(&error)).into());
     }
     let material = known_material(&asked, monitor).map_err(|error| match &error {
-        // Nor are those of the flat sample.
+        // The blocks of the flat sample are set by the design as well.
         CalibrationError::Fit {
             error: FitError::Scene(error @ (SceneError::TooLarge { .. } | SceneError::TooLong { .. })),
             ..
@@ -100,9 +100,9 @@ pub fn complete_by(
     Ok(())
 }
 
-/// The material of `task`: read from the file that is kept of it, or calibrated now.
+/// Material of `task`: read from the cache, or calibrated now.
 fn known_material(task: &CalibrationTask, monitor: &dyn Monitor) -> Result<KnownMaterial, CalibrationError> {
-    // Files that earlier versions kept had no flat friction.
+    // Cached files of earlier versions had no flat friction.
     let memory = monitor.memory().map(|memory| (memory, Key::of("material", &("with flat friction", task))));
     let recalled = memory.as_ref().and_then(|(memory, key)| memory.recall(key));
     if let Some(known) = recalled.and_then(|bytes| read_kept(String::from_utf8(bytes).ok()?)) {
@@ -111,7 +111,7 @@ fn known_material(task: &CalibrationTask, monitor: &dyn Monitor) -> Result<Known
     let found = outcome(task, monitor)?;
     let file = memory.and_then(|(memory, key)| Some((memory, key, material_toml(task, &found, None).ok()?)));
     let known = KnownMaterial { material: found.material, uncertainty: found.uncertainty };
-    // Only what reads back as it was written is kept.
+    // Only a file that reads back unchanged is cached.
     if let Some((memory, key, text)) = file
         && read_kept(text.clone()).as_ref() == Some(&known)
     {
@@ -120,14 +120,14 @@ fn known_material(task: &CalibrationTask, monitor: &dyn Monitor) -> Result<Known
     Ok(known)
 }
 
-/// The material that a kept file holds.
+/// Parses a cached material file.
 fn read_kept(text: String) -> Option<KnownMaterial> {
     let document = Document::new("kept.toml", text);
     let (material, uncertainty) = read_known(&document, &document.parse().ok()?, &(0..0)).ok()?;
     Some(KnownMaterial { material, uncertainty })
 }
 
-/// The material as measured, before anything is fitted.
+/// Material as measured, before the fit.
 fn as_measured(calibration: &Calibration) -> Result<Material, Uncalibrated> {
     let Calibration { flat, specimen_area_m2, coefficients, relative_std, .. } = calibration;
     let friction = measured_friction(flat, *specimen_area_m2, *coefficients, *relative_std)
@@ -135,10 +135,10 @@ fn as_measured(calibration: &Calibration) -> Result<Material, Uncalibrated> {
     Ok(Material { elastic: calibration.elastic, friction, area_law: None, provenance: Provenance::default() })
 }
 
-/// The `calibration` that stands at `path`, of a sample with this layer and seed, as far as `selection` needs it.
+/// Runs the `calibration` from `path` for a sample with this layer and seed, as far as `selection` needs it.
 ///
 /// # Errors
-/// [`Uncalibrated`] where it is refused or fails.
+/// [`Uncalibrated`] if the calibration is refused or fails.
 pub fn calibrate(
     calibration: &Calibration,
     path: &Path,
@@ -152,7 +152,7 @@ pub fn calibrate(
     Ok((task, outcome))
 }
 
-/// Runs `task`, and adds to warnings of a doubtful map what can be done about it.
+/// Runs `task` and adds advice to warnings of a doubtful map.
 fn outcome(task: &CalibrationTask, monitor: &dyn Monitor) -> Result<CalibrationOutcome, CalibrationError> {
     let mut outcome = slipgrid_calibrate::run(task, monitor)?;
     let warnings = &mut outcome.material.provenance.warnings;
@@ -160,10 +160,10 @@ fn outcome(task: &CalibrationTask, monitor: &dyn Monitor) -> Result<CalibrationO
     Ok(outcome)
 }
 
-/// What the trials of the `calibration` that stands at `path` say, without a fit where none is needed.
+/// Discrepancy from the trials of the `calibration` from `path`, without a fit if none is needed.
 ///
 /// # Errors
-/// [`Uncalibrated`] where it is refused or fails.
+/// [`Uncalibrated`] if the calibration is refused or fails.
 pub fn learn(
     calibration: &Calibration,
     path: &Path,
@@ -176,7 +176,7 @@ pub fn learn(
     Ok((task, learned))
 }
 
-/// Why a calibration ended without a material.
+/// Converts the error of a calibration that gave no material.
 fn failed(error: &CalibrationError, path: &Path, calibration: &Calibration) -> Uncalibrated {
     match (refuse(error, path, calibration), error) {
         (Some(refused), _) => refused.into(),

@@ -1,4 +1,4 @@
-//! Calibration files: what `calibrate` takes.
+//! Calibration files, the input of `calibrate`.
 
 use std::path::{Path, PathBuf};
 
@@ -36,7 +36,7 @@ use crate::plausible::{DENSITY, MODULUS, stiff_for_its_density};
 use crate::source::Source;
 use slipgrid_units::{DENSITY_G_CM3, LENGTH_MM, MODULUS_GPA, MODULUS_STD_GPA, POISSON, PRESSURE_MPA, RELATIVE_STD};
 
-/// Poisson's ratio of the contact computation where a file names none: that of the lattice.
+/// Default Poisson's ratio of the contact computation: the value of the lattice.
 pub const DEFAULT_POISSON_RATIO: f64 = 1.0 / 3.0;
 
 /// A calibration ready to be fitted.
@@ -52,47 +52,47 @@ pub struct Calibration {
     pub youngs_modulus_std_pa: Option<f64>,
     /// Poisson's ratio of the contact computation.
     pub poisson_ratio: f64,
-    /// Where the area law comes from.
+    /// Source of the area law.
     pub surface: Surface,
     /// Stated pressure P0 up to which friction is proportional to load, in pascals; `None` for the limit of small loads.
     pub threshold_pa: Option<f64>,
     /// Area of one specimen's face, in square metres.
     pub specimen_area_m2: f64,
-    /// Thickness of the specimen, in metres, where it is stated.
+    /// Thickness of the specimen, in metres, if stated.
     pub thickness_m: Option<f64>,
     /// Measurements on flat samples.
     pub flat: Vec<Measurement>,
     /// Measurements on patterned samples; empty without any.
     pub patterned: Vec<Measurement>,
-    /// Traces behind the measurements, where they were read from traces.
+    /// Traces from which the measurements were read, if any.
     pub traces: Vec<ConditionTraces>,
-    /// Pattern of the patterned samples, where the file names it.
+    /// Pattern of the patterned samples, if the file names it.
     pub pattern: Option<Pattern>,
-    /// Samples that were cut and measured, that of `pattern` first, and what is believed before.
+    /// Samples that were cut and measured, with that of `pattern` first, and the prior.
     pub trials: TrialsTask,
-    /// Bounds of the area law's scale E* h'rms, in pascals, where no surface is given and it is fitted.
+    /// Bounds of the area law's scale E* h'rms, in pascals, if no surface is given and the scale is fitted.
     pub area_law_scale_pa: Option<[f64; 2]>,
-    /// Measured flat friction as the law of local pressure, where the calibration takes it for that: its shape is the mean over
-    /// the conditions that were measured at several pressures.
+    /// Measured flat friction as the law of local pressure, if the calibration uses it as such. The shape is the mean
+    /// over the conditions that were measured at several pressures.
     pub measured_law: Option<AreaLaw>,
-    /// What is fitted.
+    /// Coefficients that are fitted.
     pub coefficients: Coefficients,
-    /// Scatter of the local coefficients, which no mean identifies.
+    /// Scatter of the local coefficients, which no mean value identifies.
     pub relative_std: f64,
-    /// Where the measurements on flat samples stand, in their order in the files.
+    /// File positions of the measurements on flat samples, in the order of the files.
     pub placed: Vec<Placed>,
-    /// What is unusual, one sentence each.
+    /// Unusual inputs, one sentence each.
     pub told: Vec<String>,
-    /// Measured numbers that are hardly meant, one sentence each.
+    /// Measured numbers that are probably mistakes, one sentence each.
     pub doubts: Vec<String>,
-    /// Tables that it names: of flat samples, patterned samples and trials.
+    /// Tables that the file names: of flat samples, patterned samples and trials.
     pub tables: Vec<PathBuf>,
-    /// The files that it was read from.
+    /// Files from which the calibration was read.
     pub inputs: Vec<PathBuf>,
 }
 
 impl Calibration {
-    /// Reads the calibration file at `path`, its measurements included; the map is only looked for.
+    /// Reads the calibration file at `path` and its measurements; of the map only the existence is checked.
     ///
     /// # Errors
     /// [`Diagnostic`] for anything refused in it or in its tables.
@@ -100,11 +100,11 @@ impl Calibration {
         Self::from_document(&Document::read(source, path, FileKind::Calibration)?)
     }
 
-    /// The trial that a validation of this calibration at `path` compares: the one of this `name`, or without patterned samples the
-    /// first that was measured.
+    /// Trial that a validation of this calibration at `path` compares: the trial called `name`; without a name and
+    /// without patterned samples, the first measured one.
     ///
     /// # Errors
-    /// [`Diagnostic`] where there is no ratio to compare, and for a name that no measured trial has.
+    /// [`Diagnostic`] if there is no ratio to compare, or if no measured trial has the name.
     pub fn compared_trial(&self, path: &Path, name: Option<&str>) -> Result<Option<&CutSample>, Diagnostic> {
         let mut measured = self.trials.samples.iter().filter(|cut| !cut.measured.is_empty());
         let Some(name) = name else {
@@ -124,7 +124,7 @@ impl Calibration {
         measured.find(|cut| cut.name == name).map(Some).ok_or_else(|| refused.expected(expected))
     }
 
-    /// Standard deviation of Young's modulus over itself, where it is named.
+    /// Relative standard deviation of Young's modulus, if given.
     #[must_use]
     pub fn modulus_relative_std(&self) -> Option<f64> {
         Some(self.youngs_modulus_std_pa? / self.elastic.youngs_modulus_pa())
@@ -133,7 +133,7 @@ impl Calibration {
     /// Reads a calibration from a document.
     ///
     /// # Errors
-    /// As [`Calibration::read`].
+    /// Errors of [`Calibration::read`].
     pub fn from_document(document: &Document) -> Result<Self, Diagnostic> {
         let document = &document.clone().as_kind(FileKind::Calibration);
         let file: CalibrationFile = document.parse()?;
@@ -228,10 +228,10 @@ impl Calibration {
         })
     }
 
-    /// The calibration of a `layer` with this `seed`, as far as `selection` needs it; maps are read from `files`.
+    /// Calibration task for a `layer` with this `seed`, as far as `selection` needs it; maps are read from `files`.
     ///
     /// # Errors
-    /// [`Diagnostic`] for a map that cannot be read, and once `monitor` has cancelled.
+    /// [`Diagnostic`] if a map cannot be read, or if `monitor` has cancelled.
     pub fn task(
         &self,
         files: &Source,
@@ -264,7 +264,7 @@ impl Calibration {
         })
     }
 
-    /// Where the area law comes from, with the maps read.
+    /// Source of the area law, with the maps read.
     fn read_surface(&self, files: &Source, monitor: &dyn Monitor) -> Result<LawSource, Diagnostic> {
         Ok(match (&self.surface, &self.measured_law, self.area_law_scale_pa) {
             (Surface::Measured { extrapolation }, Some(law), _) => {
@@ -282,7 +282,7 @@ impl Calibration {
         })
     }
 
-    /// Where `measurement` on a flat sample stands.
+    /// File position of `measurement` on a flat sample.
     #[must_use]
     pub fn place(&self, measurement: &Measurement) -> Option<&Placed> {
         self.placed.iter().find(|placed| placed.measurement == *measurement)
@@ -296,7 +296,7 @@ impl Calibration {
     }
 }
 
-/// The law that flat friction `rows` says of local pressure.
+/// Law of local pressure that follows from flat friction in `rows`.
 fn measured_law(
     document: &Document,
     table: &Spanned<SurfaceFile>,
@@ -317,7 +317,7 @@ fn measured_law(
     })
 }
 
-/// What is unusual of the bulk.
+/// Diagnostics for unusual properties of the bulk.
 fn bulk_told(document: &Document, bulk: &BulkFile) -> Result<Vec<Diagnostic>, Diagnostic> {
     let modulus_gpa = *bulk.youngs_modulus_gpa.get_ref();
     check_modulus_std(document, modulus_gpa, bulk.youngs_modulus_std_gpa.as_ref())?;
@@ -330,7 +330,8 @@ fn bulk_told(document: &Document, bulk: &BulkFile) -> Result<Vec<Diagnostic>, Di
     told.chain(stiff).collect()
 }
 
-/// The pattern, of which one period fits on the specimen: what the model's cell takes grows with it.
+/// Reads the pattern and checks that one period fits on the specimen, because memory and time of the model's cell grow
+/// with the period.
 pub(crate) fn read_fitting_pattern(
     document: &Document,
     table: &Spanned<PatternFile>,
@@ -354,7 +355,7 @@ pub(crate) fn read_fitting_pattern(
     Ok(pattern)
 }
 
-/// The calibration's file, its tables, its map and its traces.
+/// Paths of the calibration's file, tables, map and traces.
 fn inputs(document: &Document, file: &CalibrationFile, surface: &Surface, traces: &[ConditionTraces]) -> Vec<PathBuf> {
     let maps: Vec<PathBuf> = match surface {
         Surface::Map { path, after, .. } => std::iter::once(path.clone()).chain(after.clone()).collect(),
@@ -364,7 +365,7 @@ fn inputs(document: &Document, file: &CalibrationFile, surface: &Surface, traces
     std::iter::once(document.path().to_owned()).chain(tables(document, file)).chain(maps).chain(traces).collect()
 }
 
-/// The tables that it names.
+/// Paths of the tables that the calibration names.
 fn tables(document: &Document, file: &CalibrationFile) -> Vec<PathBuf> {
     let tables = file.measurements.iter().flat_map(|table| [&table.get_ref().flat, &table.get_ref().patterned]);
     let tables = tables.flatten().map(|name| name.get_ref().as_str());

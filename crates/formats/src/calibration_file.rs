@@ -1,4 +1,4 @@
-//! The tables of a calibration file, as they are written.
+//! Tables of a calibration file in their serialized form.
 
 use serde::Deserialize;
 use toml::Spanned;
@@ -9,7 +9,7 @@ use super::trace_table::TracesFile;
 use super::trials::{PriorFile, TrialFile};
 use super::values::{Number, NumberList};
 
-/// A calibration as its file writes it.
+/// Calibration in the form of its file.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct CalibrationFile {
@@ -19,7 +19,7 @@ pub(crate) struct CalibrationFile {
     pub source: String,
     /// The softer body, which is modelled.
     pub material: Spanned<BulkFile>,
-    /// Where the area law comes from; friction is proportional to load when absent.
+    /// Source of the area law; friction is proportional to load when absent.
     pub surface: Option<Spanned<SurfaceFile>>,
     /// The face of one specimen: pressure is force over its area.
     pub specimen: Spanned<FaceFile>,
@@ -32,9 +32,9 @@ pub(crate) struct CalibrationFile {
     /// One table for each sample that was cut.
     #[serde(default)]
     pub trial: Vec<Spanned<TrialFile>>,
-    /// What is believed of ln(measured / modelled ratio) before any trial, as standard deviations.
+    /// Prior standard deviations of ln(measured / modelled ratio), before any trial.
     pub trial_prior: Option<Spanned<PriorFile>>,
-    /// What is fitted.
+    /// Options of the fit.
     pub fit: Option<FitFile>,
 }
 
@@ -44,11 +44,12 @@ pub(crate) struct CalibrationFile {
 pub(crate) struct BulkFile {
     /// Young's modulus at small strains, at the temperature of the test.
     pub youngs_modulus_gpa: Number,
-    /// Its standard deviation; the errors leave it out when absent.
+    /// Standard deviation of Young's modulus; the errors leave it out when absent.
     pub youngs_modulus_std_gpa: Option<Number>,
     /// Density.
     pub density_g_cm3: Number,
-    /// Contact pressure at which rims flatten for good, some three times the yield stress; rims are elastic when absent.
+    /// Contact pressure at which rims flatten permanently, about three times the yield stress; rims are elastic when
+    /// absent.
     pub yield_pressure_mpa: Option<Number>,
     /// Poisson's ratio of the contact computation; 1/3 when absent.
     pub poisson_ratio: Option<Number>,
@@ -60,11 +61,11 @@ pub(crate) struct BulkFile {
 pub struct FaceFile {
     /// Radius of a disc.
     pub radius_mm: Option<Number>,
-    /// `disc`, `rectangle` or `ring`; the lengths say it when absent.
+    /// `disc`, `rectangle` or `ring`; follows from the lengths when absent.
     pub shape: Option<Spanned<String>>,
     /// Diameter of a disc.
     pub diameter_mm: Option<Number>,
-    /// Length of a rectangle along x, the sliding direction where `sliding_angle_deg` does not turn it.
+    /// Length of a rectangle along x, the sliding direction unless `sliding_angle_deg` turns it.
     pub length_mm: Option<Number>,
     /// Width of a rectangle across the sliding direction.
     pub width_mm: Option<Number>,
@@ -72,15 +73,15 @@ pub struct FaceFile {
     pub outer_diameter_mm: Option<Number>,
     /// Diameter of a ring's hole.
     pub inner_diameter_mm: Option<Number>,
-    /// Thickness of the specimen, 0.2 to 1000, all of it elastic, which patterned samples are modelled with; that of the design that asks or 7 when
-    /// absent.
+    /// Thickness of the elastic specimen with which patterned samples are modelled, 0.2 to 1000; that of the requesting
+    /// design or 7 when absent.
     pub thickness_mm: Option<Number>,
-    /// Cavities at the rim of patterned samples: `whole` where those that pass it were left out, `clipped` where they were cut;
+    /// Cavities that cross the rim of patterned samples: `whole` if they were left out, `clipped` if they were cut;
     /// `whole` when absent.
     pub cavities: Option<Spanned<String>>,
 }
 
-/// Tables of measured friction, one row a condition.
+/// Tables of measured friction, one row per condition.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct MeasurementsFile {
@@ -90,14 +91,15 @@ pub(crate) struct MeasurementsFile {
     pub patterned: Option<Spanned<String>>,
 }
 
-/// What is fitted.
+/// Options of the fit.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct FitFile {
     /// `per-condition`, or `single`: one pair for all loads, speeds and humidities; `per-condition` when absent.
     pub coefficients: Option<Spanned<String>>,
-    /// Bounds of the area law's scale E* h'rms, which is then fitted: without `[surface]`, with `single` coefficients.
+    /// Bounds of the area law's scale E* h'rms, which is then fitted; only without `[surface]` and with `single`
+    /// coefficients.
     pub area_law_scale_mpa: Option<NumberList>,
-    /// Scatter of the local coefficients over their means; 0.05 when absent.
+    /// Relative scatter of the local coefficients; 0.05 when absent.
     pub relative_std: Option<Number>,
 }

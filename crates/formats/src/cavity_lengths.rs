@@ -1,4 +1,4 @@
-//! Lengths of a cut sample's cavities that were likely written in another unit.
+//! Checks whether the cavity lengths of a cut sample were probably written in another unit.
 
 use toml::Spanned;
 
@@ -7,7 +7,7 @@ use super::pattern::PatternFile;
 use crate::diagnostic::Diagnostic;
 use crate::plausible::{CAVITY_DEPTH, CAVITY_WIDTH, Plausible};
 
-/// Says which lengths in the `table` are those of no cavity that is cut.
+/// Warns of lengths in the `table` that no cut cavity has.
 pub(crate) fn unusual(document: &Document, table: &Spanned<PatternFile>) -> Vec<Diagnostic> {
     let file = table.get_ref();
     let lengths = [

@@ -1,4 +1,4 @@
-//! Speeds and humidities at which a design must do what it is made for: each a number, or from a lowest to a highest.
+//! Speeds and humidities at which a design must meet its target, each a number or a range.
 
 use serde::Deserialize;
 use slipgrid_material::ConditionRange;
@@ -9,27 +9,27 @@ use super::values::{Numbers, list};
 use crate::diagnostic::Diagnostic;
 use slipgrid_units::{HUMIDITY_PCT, Quantity, SPEED_MM_S};
 
-/// A condition, or a range of them, as a design writes it.
+/// A condition or a range of conditions in the form of a design file.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ConditionRangeFile {
-    /// Sliding speed: one number, or the lowest and the highest.
+    /// Sliding speed: one number, or minimum and maximum.
     speed_mm_s: Spanned<Numbers>,
-    /// Relative humidity: one number, or the lowest and the highest.
+    /// Relative humidity: one number, or minimum and maximum.
     humidity_pct: Spanned<Numbers>,
 }
 
 impl ConditionRangeFile {
-    /// The humidity as it is written.
+    /// Humidity as written.
     pub(crate) const fn humidity(&self) -> &Spanned<Numbers> {
         &self.humidity_pct
     }
 }
 
-/// Reads a condition or a range of them.
+/// Reads a condition or a range of conditions.
 ///
 /// # Errors
-/// [`Diagnostic`] for numbers out of range, lists of another length than two, and ends in the wrong order.
+/// [`Diagnostic`] if numbers are out of range, a list has not two entries, or the ends are in the wrong order.
 pub fn read_conditions(document: &Document, file: &ConditionRangeFile) -> Result<ConditionRange, Diagnostic> {
     let speed_m_s = ends(document, &file.speed_mm_s, SPEED_MM_S)?;
     let humidity = ends(document, &file.humidity_pct, HUMIDITY_PCT)?;

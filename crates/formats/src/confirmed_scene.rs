@@ -1,4 +1,4 @@
-//! The scene of a design: scene.toml, which `simulate` takes.
+//! Scene of a design: scene.toml, an input of `simulate`.
 
 use slipgrid_calibrate::uncertainty::InputUncertainty;
 use slipgrid_material::{Condition, LocalFriction, Material, MaterialError};
@@ -24,27 +24,27 @@ use slipgrid_units::{
 /// A design that cannot be written as a scene.
 #[derive(Debug, thiserror::Error)]
 pub enum UnwritableScene {
-    /// Its numbers have no TOML form.
+    /// The numbers have no TOML form.
     #[error("the design has no TOML form: {0}")]
     Toml(#[from] toml::ser::Error),
-    /// Its material cannot be moved by its errors.
+    /// The material cannot be varied within its errors.
     #[error(transparent)]
     Material(#[from] MaterialError),
 }
 
-/// What scene.toml is made of.
+/// Contents of scene.toml.
 pub struct DesignScene<'a> {
     /// Name of the design.
     pub name: &'a str,
     /// The material.
     pub material: &'a Material,
-    /// How well it is known.
+    /// Uncertainty of the material.
     pub uncertainty: &'a MaterialUncertainty,
-    /// Speed and humidity of the loads' coefficients.
+    /// Speed and humidity for which the coefficients of the loads hold.
     pub condition: Option<&'a Condition>,
     /// The design.
     pub pattern: &'a Pattern,
-    /// The specimen that it is laid on.
+    /// Specimen on which the pattern is laid.
     pub specimen: &'a Specimen,
     /// The modelled layer.
     pub layer: &'a Layer,
@@ -52,11 +52,11 @@ pub struct DesignScene<'a> {
     pub loads: &'a [Load],
     /// Sliding speed, in m/s.
     pub speed_m_s: f64,
-    /// How the confirming run was made.
+    /// Options of the confirming run.
     pub run: &'a RunOptions,
 }
 
-/// The steady scene of a period of `pattern` at the loads of `task`, of the material `known`, as TOML.
+/// Steady scene of one period of `pattern` at the loads of `task` with the material `known`, as TOML.
 ///
 /// # Errors
 /// [`UnwritableScene`] if the values have no TOML form.
@@ -83,7 +83,7 @@ pub fn steady_scene(
 }
 
 impl DesignScene<'_> {
-    /// The scene as TOML. It stands alone: the material is written into it.
+    /// Scene as TOML. The file is self-contained: it includes the material.
     ///
     /// # Errors
     /// [`UnwritableScene`] if the values have no TOML form.
@@ -93,7 +93,7 @@ impl DesignScene<'_> {
         let file = SceneFile {
             name: Some(self.name.to_owned()),
             schema: Some(unplaced(SCHEMA)),
-            // What trials say depends on it.
+            // The discrepancy depends on the condition.
             condition: self.condition.filter(|_| self.learned().is_some()).map(|condition| {
                 unplaced(ConditionFile {
                     speed_mm_s: number(SPEED_MM_S.from_si(condition.speed_m_s)),
@@ -115,7 +115,7 @@ impl DesignScene<'_> {
             }),
             run: RunFile {
                 fidelity: Some(unplaced(self.run.fidelity.name().to_owned())),
-                // Of a sample in space one cell is run.
+                // A sample in space is run as one cell.
                 extent: Some(unplaced(
                     if self.run.extent == Extent::Strip { Extent::Strip } else { Extent::Sample }.name().to_owned(),
                 )),
@@ -153,7 +153,7 @@ impl DesignScene<'_> {
             density_g_cm3: number(DENSITY_G_CM3.from_si(self.material.elastic.density_kg_m3())),
             yield_pressure_mpa: self.material.elastic.yield_pressure_pa().map(|pa| number(PRESSURE_MPA.from_si(pa))),
             friction: unplaced(self.friction(knowledge)),
-            // Of use to what trials say alone.
+            // Flat friction serves only the discrepancy.
             flat_friction: self.learned().map_or_else(Vec::new, |_| flat_friction(&self.uncertainty.flat_friction)),
             discrepancy: None,
             made_from: None,
@@ -179,17 +179,18 @@ impl DesignScene<'_> {
         }
     }
 
-    /// What trials say, where there are any.
+    /// Discrepancy learned from trials, if any.
     fn learned(&self) -> Option<&Discrepancy> {
         self.uncertainty.learned.as_ref().filter(|learned| !learned.trials().is_empty())
     }
 
-    /// One pair where all loads share it, otherwise one per pressure, with their standard errors.
+    /// One pair of coefficients if all loads share it, otherwise one pair per pressure, with standard errors.
     fn friction(&self, knowledge: &InputUncertainty) -> FrictionFile {
         let mut order: Vec<usize> = (0..self.loads.len()).collect();
         order.sort_by(|&a, &b| self.loads[a].pressure_pa.total_cmp(&self.loads[b].pressure_pa));
         let loads: Vec<&Load> = order.iter().map(|&place| &self.loads[place]).collect();
-        // Relative errors of the coefficients; where the law's scale was fitted with them their covariance has them.
+        // Relative errors of the coefficients. If the scale of the law was fitted together with the coefficients, the
+        // covariance includes them.
         let relative = |known: &Option<Vec<f64>>| -> Option<Vec<f64>> {
             let known = known.as_ref()?;
             Some(order.iter().map(|&place| known[place].sqrt()).collect())

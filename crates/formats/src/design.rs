@@ -1,4 +1,4 @@
-//! Design files: what `optimize` takes.
+//! Design files, the input of `optimize`.
 
 mod contradictions;
 mod read;
@@ -40,41 +40,41 @@ use crate::source::Source;
 struct DesignFile {
     /// Name for reports; the file's name when absent.
     name: Option<String>,
-    /// The day of the design, shown beside its name on the page: a date of the calendar as YYYY-MM-DD.
+    /// Date of the design, shown beside its name on the page: a calendar date as YYYY-MM-DD.
     date: Option<Spanned<String>>,
     /// The material: a table, the path of a material file, or that of a calibration, which is then fitted first.
     material: Spanned<PathOr<MaterialFile>>,
-    /// Speed and humidity that select coefficients of a material that has them per condition.
+    /// Speed and humidity that select coefficients of a material with coefficients per condition.
     condition: Option<Spanned<ConditionRangeFile>>,
-    /// Further conditions, or ranges of them, at which the target must hold, too.
+    /// Further conditions, or ranges of conditions, at which the target must also hold.
     also_at: Option<Spanned<Vec<Spanned<ConditionRangeFile>>>>,
-    /// What friction is wanted.
+    /// Friction target.
     target: Spanned<TargetFile>,
-    /// The ranges of dimensions in which the search looks.
+    /// Ranges of the dimensions that are searched.
     bounds: Spanned<BoundsFile>,
-    /// The part of the texture that is not searched; grooves across the sliding direction when absent.
+    /// Fixed properties of the texture, which are not searched; grooves across the sliding direction when absent.
     #[serde(default = "plain_texture")]
     pattern: Spanned<TextureFile>,
-    /// What the laser and the surface demand.
+    /// Limits set by the laser and the surface.
     #[serde(default)]
     limits: LimitsFile,
-    /// The laser, for the process sheet and the files that it takes.
+    /// The laser, for the process sheet and the laser's input files.
     laser: Option<Spanned<LaserFile>>,
-    /// The specimen that the pattern is laid on.
+    /// Specimen on which the pattern is laid.
     specimen: Spanned<SpecimenFile>,
     /// The modelled layer.
     #[serde(default = "default_sample")]
     sample: Spanned<SampleFile>,
-    /// How to solve, and for how long.
+    /// Solver options and time limit.
     #[serde(default)]
     search: SearchFile,
-    /// How the mean dimensions of samples scatter; without this table the chance leaves them out.
+    /// Scatter of the mean dimensions from sample to sample; without this table the chance leaves it out.
     tolerances: Option<TolerancesFile>,
-    /// A table of designs that no other beats in every goal.
+    /// Table of Pareto-optimal designs: no other design is better in every goal.
     trade_offs: Option<Spanned<TradeOffsFile>>,
 }
 
-/// Grooves across the sliding direction, where a design names nothing else.
+/// Default texture: grooves across the sliding direction.
 fn plain_texture() -> Spanned<TextureFile> {
     Spanned::new(0..0, TextureFile::default())
 }
@@ -82,11 +82,11 @@ fn plain_texture() -> Spanned<TextureFile> {
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct BoundsFile {
-    /// Width of a cavity along its row: the least and the greatest, or one number, which fixes it.
+    /// Width of a cavity along its row: minimum and maximum, or one number, which fixes it.
     width_um: Spanned<Numbers>,
-    /// Gap between two cavities of a row: the least and the greatest, or one number.
+    /// Gap between two cavities of a row: minimum and maximum, or one number.
     spacing_um: Spanned<Numbers>,
-    /// Depth of a cavity: the least and the greatest, or one number.
+    /// Depth of a cavity: minimum and maximum, or one number.
     depth_um: Spanned<Numbers>,
 }
 
@@ -95,47 +95,47 @@ struct BoundsFile {
 struct SearchFile {
     /// Seed of the local coefficients; 1 when absent.
     seed: Option<u64>,
-    /// Most seconds of the whole job; no limit when absent.
+    /// Time limit of the whole job; no limit when absent.
     max_seconds: Option<Number>,
-    /// Also write what is expected of every design of whole blocks and bursts: `table.csv`; false when absent.
+    /// Also write the predictions for every design of whole blocks and bursts to `table.csv`; false when absent.
     table: Option<bool>,
-    /// Confirm from an unloaded layer at rest, with static friction; false when absent.
+    /// Start the confirming run from an unloaded layer at rest, with static friction; false when absent.
     from_rest: Option<bool>,
-    /// Confirm designs in space on a strip of the specimen with its own ends and margins, the row of cavities through its middle, in place of one
-    /// cell: minutes in place of seconds; false when absent.
+    /// Confirm designs in space on a strip of the specimen with its ends and margins, along the row of cavities through
+    /// its middle, instead of on one cell; takes minutes instead of seconds; false when absent.
     strip: Option<Spanned<bool>>,
     /// 2 solves in the vertical plane, 3 in space; the planform decides when absent.
     dimensions: Option<Spanned<u64>>,
 }
 
-/// A design as its file has it: the task, and where its parts stand in the file.
+/// A design read from its file: the task, and the file positions of its parts.
 #[derive(Clone, Debug)]
 pub struct Design {
-    /// The task; without its material where that has to be calibrated first.
+    /// Task; without a material if the material must be calibrated first.
     pub task: DesignTask,
-    /// The file that the material has to be calibrated from.
+    /// Calibration file from which the material must be calibrated.
     pub calibration: Option<PathBuf>,
-    /// The design's file, that of its material, and the drawing of its outline.
+    /// Paths of the design file, the material file and the drawing of the outline.
     pub inputs: Vec<PathBuf>,
-    /// What is unusual in the design's file.
+    /// Unusual inputs in the design file.
     pub told: Vec<Diagnostic>,
-    /// The material or calibration that was given in place of a design.
+    /// Path of the material or calibration that was given in place of a design.
     pub(crate) stands_for: Option<PathBuf>,
     document: Document,
     places: Places,
 }
 
-/// Where parts of a task stand in the file.
+/// File positions of the parts of a task.
 #[derive(Clone, Debug)]
 struct Places {
-    /// Of the conditions as given: the one designed for first.
+    /// Positions of the conditions as given; the condition designed for is first.
     ranges: Vec<Range<usize>>,
     condition: Range<usize>,
     also_at: Range<usize>,
     pressures: Spanned<Numbers>,
-    /// Absent where the default holds.
+    /// `None` if the default holds.
     block: Option<Range<usize>>,
-    /// Absent where the default holds.
+    /// `None` if the default holds.
     thickness: Option<Range<usize>>,
 }
 
@@ -143,15 +143,15 @@ impl Design {
     /// Reads the design file at `path` and the material file it names.
     ///
     /// # Errors
-    /// [`Diagnostic`] for anything refused.
+    /// [`Diagnostic`] for any refused input.
     pub fn read(source: &Source, path: &Path) -> Result<Self, Diagnostic> {
         Self::from_document(Document::read(source, path, FileKind::Design)?)
     }
 
-    /// A pattern of its texture, of the lengths that the flag `--candidate` gives.
+    /// Pattern with the design's texture and the lengths that the flag `--candidate` gives.
     ///
     /// # Errors
-    /// [`Diagnostic`] for what is no pattern.
+    /// [`Diagnostic`] if the text gives no valid pattern.
     pub fn candidate(&self, text: &str) -> Result<Pattern, Diagnostic> {
         let lengths: Vec<f64> = text.split(',').filter_map(|length| length.trim().parse().ok()).collect();
         let refuse = |reason: &str| {
@@ -166,7 +166,7 @@ impl Design {
     /// Reads a design from a document.
     ///
     /// # Errors
-    /// As [`Design::read`].
+    /// Errors of [`Design::read`].
     pub fn from_document(document: Document) -> Result<Self, Diagnostic> {
         let document = document.as_kind(FileKind::Design);
         let file: DesignFile = document.parse()?;
@@ -193,7 +193,7 @@ impl Design {
             file.tolerances.as_ref().map(|table| read_tolerances(&document, table, largest_m)).transpose()?;
         let texture = match file.tolerances.as_ref().and_then(|table| table.rim_height_std_um.as_ref()) {
             Some(std) if *std.get_ref() > 0.0 => {
-                // Rims that are expected to be of no height may still have one.
+                // A rim of zero mean height may still scatter in height.
                 let rim = read_rim(&document, file.pattern.get_ref())?;
                 texture.with_rim(rim.ok_or_else(|| {
                     document
@@ -210,7 +210,7 @@ impl Design {
         if dimensions.is_some_and(|asked| !Dimension::numbered(asked).sees_face()) {
             each.iter().try_for_each(|texture| require_section(&document, file.pattern.get_ref(), texture))?;
         }
-        // One model serves all directions: where one of them needs space, all are solved there.
+        // One model serves all directions: if one direction must be solved in space, all are.
         let dimensions = dimensions.or_else(|| (each.len() > 1).then(|| Dimension::required_for(&each).number()));
         let limits = &file.limits;
         let laser = read_laser(&document, file.laser.as_ref(), (&limits.depth_per_burst_um, &limits.min_land_um))?;
@@ -278,14 +278,14 @@ impl Design {
         Ok(design)
     }
 
-    /// What is told of the target's pressures, by Young's modulus of the material where that is known.
+    /// Diagnostic of the target's pressures relative to the material's Young's modulus, if that is known.
     fn strained(&self) -> Option<Diagnostic> {
         let material = &self.task.material.as_ref()?.material;
         let modulus_gpa = MODULUS_GPA.from_si(material.elastic.youngs_modulus_pa());
         unusual::of_pressures(&self.document, &self.places.pressures, modulus_gpa).map(|told| self.named(told))
     }
 
-    /// What is told of the design, which may stand for a material.
+    /// Adapts a diagnostic of a design that may stand for a material.
     fn named(&self, told: Diagnostic) -> Diagnostic {
         match &self.stands_for {
             Some(material) => of_material(told, self.document.path(), material),
@@ -299,7 +299,7 @@ impl Design {
         self.refuse(&Refusal::new(TaskPart::Whole, reason))
     }
 
-    /// Where `refused` stands in the file.
+    /// Diagnostic at the file position of `refused`.
     #[must_use]
     pub fn refuse(&self, refused: &Refusal) -> Diagnostic {
         let at = |place: &Range<usize>| self.document.refuse(place.clone(), refused.reason.clone());
@@ -331,7 +331,7 @@ impl Design {
     }
 }
 
-/// Whether a strip confirms the design: of what is solved in space, where it slides along rows or across them.
+/// Reads whether a strip confirms the design; possible for models in space that slide along or across the rows.
 fn read_strip(
     document: &Document,
     file: &DesignFile,

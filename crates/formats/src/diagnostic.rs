@@ -1,4 +1,4 @@
-//! Refused input: which file, line and key, what stood there, why not, and what would be accepted.
+//! Diagnostics of refused input: file, line, key, value, reason and accepted values.
 
 use std::fmt;
 use std::path::Path;
@@ -6,41 +6,41 @@ use std::path::Path;
 use slipgrid_units::{Quantity, in_digits};
 use strsim::levenshtein;
 
-/// Why an input was refused.
+/// Reason why an input was refused.
 #[derive(Clone, Debug, Default, PartialEq, thiserror::Error)]
 pub struct Diagnostic {
     /// The file, as the user named it; `None` for the command line.
     pub file: Option<Box<Path>>,
     /// Line in the file, from 1.
     pub line: Option<u32>,
-    /// Key, with the tables it stands in: `bounds.width_um`; a flag on the command line.
+    /// Key with the tables that hold it, for example `bounds.width_um`; a flag on the command line.
     pub key: Option<Box<str>>,
-    /// What stood there.
+    /// Refused value.
     pub value: Option<Box<str>>,
-    /// Why it was refused.
+    /// Reason of the refusal.
     pub reason: String,
-    /// What would be accepted.
+    /// Accepted values.
     pub expected: Option<Box<str>>,
-    /// A guess at what was meant.
+    /// Probable intended value.
     pub suggestion: Option<Box<str>>,
-    /// Nothing stands where the file should.
+    /// The file does not exist.
     pub is_absent: bool,
 }
 
 impl Diagnostic {
-    /// A refused file as a whole.
+    /// Refuses a file as a whole.
     #[must_use]
     pub fn file(path: &Path, reason: impl Into<String>) -> Self {
         Self { file: Some(path.into()), reason: reason.into(), ..Self::default() }
     }
 
-    /// A refused flag of the command line.
+    /// Refuses a flag of the command line.
     #[must_use]
     pub fn flag(flag: &str, value: impl Into<Box<str>>, reason: impl Into<String>) -> Self {
         Self { key: Some(flag.into()), value: Some(value.into()), reason: reason.into(), ..Self::default() }
     }
 
-    /// The same, with what would be accepted.
+    /// Adds the accepted values.
     #[must_use]
     pub fn expected(mut self, expected: impl Into<String>) -> Self {
         self.expected = Some(expected.into().into());
@@ -48,16 +48,16 @@ impl Diagnostic {
     }
 }
 
-/// Most letters of a path, a key or a value that a message repeats.
+/// Maximum number of letters of a path, a key or a value in a message.
 const LONGEST_PATH: usize = 300;
 const LONGEST_KEY: usize = 120;
 const LONGEST_VALUE: usize = 120;
-/// Most letters of a reason, which may quote what stood there, and of a line on a terminal.
+/// Maximum number of letters of a reason, which may quote the refused value, and of a line on a terminal.
 const LONGEST_REASON: usize = 1000;
 const LONGEST_LINE: usize = 4000;
 
-/// `text` as a terminal may show it: control characters and those that turn the direction of writing escaped, and what
-/// goes beyond `most` letters left out.
+/// Makes `text` safe for a terminal: escapes control characters and characters that change the direction of writing,
+/// and cuts the text after `most` letters.
 #[must_use]
 pub fn printable(text: &str, most: usize) -> String {
     let turns = |letter: char| matches!(letter, '\u{61c}' | '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
@@ -75,7 +75,7 @@ pub fn printable(text: &str, most: usize) -> String {
     shown
 }
 
-/// The same of every line of `text`.
+/// Makes every line of `text` safe for a terminal.
 #[must_use]
 pub fn printable_lines(text: &str) -> String {
     text.split('\n').map(|line| printable(line, LONGEST_LINE)).collect::<Vec<_>>().join("\n")
@@ -107,15 +107,15 @@ impl fmt::Display for Diagnostic {
     }
 }
 
-/// The candidate that `name` most resembles, if any comes close.
+/// Candidate most similar to `name`, if any is similar enough.
 #[must_use]
 pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
-    // A quarter of the letters may be wrong, and at least two: `widht_um`, `spacing_mm`.
+    // A quarter of the letters may differ, and at least two: `widht_um`, `spacing_mm`.
     let most = (name.chars().count() / 4).max(2);
     candidates
         .into_iter()
         .map(|candidate| {
-            // A key that differs only in its unit is meant before any other.
+            // A key that differs only in its unit is the most probable.
             let same_quantity = stem(name).is_some_and(|quantity| stem(candidate) == Some(quantity));
             (if same_quantity { 0 } else { levenshtein(name, candidate) }, candidate)
         })
@@ -124,20 +124,20 @@ pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) ->
         .map(|(_, candidate)| candidate)
 }
 
-/// The key without its last word, which is the unit: `width` of `width_um`.
+/// Key without the last word, its unit: `width` from `width_um`.
 fn stem(key: &str) -> Option<&str> {
     key.rsplit_once('_').map(|(quantity, _)| quantity)
 }
 
-/// The number of a flag in SI units.
+/// Converts the number of a flag to SI units.
 ///
 /// # Errors
-/// [`Diagnostic`] for a number that `quantity` does not accept.
+/// [`Diagnostic`] if `quantity` does not accept the number.
 pub fn checked(flag: &str, value: f64, quantity: Quantity) -> Result<f64, Diagnostic> {
     if quantity.accepts(value) {
         return Ok(quantity.to_si(value));
     }
-    // Not with three hundred digits.
+    // Limits the digits: a float may have three hundred.
     let given = in_digits(value);
     let slip = crate::plausible::slip(quantity, value).map_or_else(String::new, |slip| format!("; {slip}"));
     Err(Diagnostic::flag(flag, given, "is out of range").expected(format!("{quantity}{slip}")))

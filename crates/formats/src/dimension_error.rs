@@ -6,13 +6,15 @@ use crate::diagnostic::Diagnostic;
 use slipgrid_pattern::Pattern;
 use slipgrid_units::{LENGTH_STD_UM, LENGTH_UM, tidy};
 
-/// Largest standard error of a dimension of a trial over the dimension: beyond, it is known that there is a cavity and hardly more.
+/// Maximum relative standard error of a dimension of a trial. With a larger error little more is known than that a
+/// cavity exists.
 const MAX_RELATIVE_STD: f64 = 1.0 / 3.0;
 
-/// Standard errors of the width, spacing and depth of `pattern`, a measured one, in metres; 0 where the file does not say them.
+/// Standard errors of the width, spacing and depth of the measured `pattern`, in metres; 0 if the file does not state
+/// them.
 ///
 /// # Errors
-/// [`Diagnostic`] for a number out of range, and for more than a third of the dimension.
+/// [`Diagnostic`] if a number is out of range, or more than a third of the dimension.
 pub fn read(document: &Document, written: [&Option<Number>; 3], pattern: &Pattern) -> Result<[f64; 3], Diagnostic> {
     let measured = [("width", pattern.width_m()), ("spacing", pattern.spacing_m()), ("depth", pattern.depth_m())];
     let mut stds_m = [0.0; 3];
@@ -30,10 +32,10 @@ pub fn read(document: &Document, written: [&Option<Number>; 3], pattern: &Patter
     Ok(stds_m)
 }
 
-/// The standard errors of a trial, which its own table states or its pattern's.
+/// Standard errors of a trial, stated in its own table or in that of its pattern.
 ///
 /// # Errors
-/// [`Diagnostic`] for one that both tables state.
+/// [`Diagnostic`] if both tables state one.
 pub fn of_trial<'a>(
     document: &Document,
     trial: [&'a Option<Number>; 3],

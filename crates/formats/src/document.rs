@@ -1,4 +1,4 @@
-//! A TOML file with its text, so that every refusal can point at a line.
+//! TOML files with their text, so that every refusal can name a line.
 
 mod tables_only;
 
@@ -20,7 +20,7 @@ use slipgrid_units::{
     DENSITY_G_CM3, HUMIDITY_PCT, LENGTH_MM, LENGTH_UM, MODULUS_GPA, PRESSURE_MPA, Quantity, SPEED_MM_S,
 };
 
-/// Keys that earlier versions took, and what holds in their place.
+/// Keys of earlier versions, and their replacements.
 const GONE: [(&str, &str); 4] = [
     ("target.discrepancy", "chances and expected values always have what trials say that the model lacks"),
     ("search.robust", "textures are chosen by the chance that a sample is on target, which counts how samples scatter"),
@@ -28,7 +28,7 @@ const GONE: [(&str, &str); 4] = [
     ("tolerances.draws", "what is expected of samples is computed without draws"),
 ];
 
-/// Letters of a refused value that a message repeats.
+/// Maximum number of letters of a refused value in a message.
 const LONGEST_VALUE: usize = 60;
 
 /// A TOML file in memory.
@@ -37,12 +37,12 @@ pub struct Document {
     source: Source,
     path: PathBuf,
     text: String,
-    /// What it should be, where that is known.
+    /// Expected kind of file, if known.
     kind: Option<FileKind>,
 }
 
 impl Document {
-    /// Reads the file at `path` of `source`, which should be a `kind`.
+    /// Reads the file at `path` of `source`, which is expected to be a `kind`.
     ///
     /// # Errors
     /// [`Diagnostic`] if it is a folder, cannot be read, is not UTF-8, or seems to be another kind of file.
@@ -52,27 +52,27 @@ impl Document {
         Ok(document.as_kind(kind))
     }
 
-    /// Whether it is known to be meant as a `kind`.
+    /// Whether the document is known to be intended as a `kind`.
     pub fn is_meant_as(&self, kind: FileKind) -> bool {
         self.kind == Some(kind)
     }
 
-    /// The same, known to be meant as a `kind`: what is missing is said with what such a file needs.
+    /// Marks the document as intended as a `kind`, so that messages about missing keys list the needs of such a file.
     #[must_use]
     pub fn as_kind(mut self, kind: FileKind) -> Self {
         self.kind = Some(kind);
         self
     }
 
-    /// Refuses the document if it seems to be something else than a `kind`.
+    /// Refuses the document if it seems to be of another kind than `kind`.
     ///
     /// # Errors
-    /// [`Diagnostic`] that says what it seems to be.
+    /// [`Diagnostic`] that names the apparent kind.
     pub fn require(&self, kind: FileKind) -> Result<(), Diagnostic> {
         kind.require(&self.path, &self.text)
     }
 
-    /// Reads the file at `path`, whatever it is; `kind` is what a folder should have been.
+    /// Reads the file at `path`, of any kind; `kind` is the file expected in place of a folder.
     ///
     /// # Errors
     /// [`Diagnostic`] if it is a folder, cannot be read or is not UTF-8.
@@ -84,13 +84,13 @@ impl Document {
         Ok(Self { source: Arc::clone(source), path: path.to_owned(), text, kind: None })
     }
 
-    /// Where the files come from that this one names.
+    /// Source of the files that this document names.
     #[must_use]
     pub const fn source(&self) -> &Source {
         &self.source
     }
 
-    /// What the document seems to be, by its tables.
+    /// Apparent kind of the document, from its tables.
     #[must_use]
     pub fn kind(&self) -> Option<FileKind> {
         FileKind::of(&self.text)
@@ -102,13 +102,13 @@ impl Document {
         Self::within(&(Arc::new(NoFiles) as Source), path, text)
     }
 
-    /// A document from text; the files that it names are those of `source`.
+    /// A document from text; the files that it names are read from `source`.
     #[must_use]
     pub fn within(source: &Source, path: impl Into<PathBuf>, text: impl Into<String>) -> Self {
         Self { source: Arc::clone(source), path: path.into(), text: text.into(), kind: None }
     }
 
-    /// What it says.
+    /// Text of the document.
     #[must_use]
     pub fn text(&self) -> &str {
         &self.text
@@ -120,19 +120,19 @@ impl Document {
         &self.path
     }
 
-    /// A path in this file, taken relative to the file's folder.
+    /// Resolves a path in this document relative to the folder of the document.
     #[must_use]
     pub fn resolve(&self, relative: &str) -> PathBuf {
         self.path.parent().map_or_else(|| PathBuf::from(relative), |folder| folder.join(relative))
     }
 
-    /// The file's name without extension, for default output names.
+    /// File name without extension, for default output names.
     #[must_use]
     pub fn stem(&self) -> String {
         self.path.file_stem().map_or_else(|| "result".to_owned(), |stem| stem.to_string_lossy().into_owned())
     }
 
-    /// The document as a `T`.
+    /// Parses the document as a `T`.
     ///
     /// # Errors
     /// [`Diagnostic`] for bad TOML, unknown and missing keys, and values of a wrong type.
@@ -141,7 +141,7 @@ impl Document {
         read.map_err(|error| self.explain(&error))
     }
 
-    /// Refuses what stands at `span`.
+    /// Refuses the value at `span`.
     #[must_use]
     pub fn refuse(&self, span: Range<usize>, reason: impl Into<String>) -> Diagnostic {
         Diagnostic {
@@ -154,10 +154,10 @@ impl Document {
         }
     }
 
-    /// Says that `key` is missing in the table at `table`.
+    /// Reports that `key` is missing in the table at `table`.
     #[must_use]
     pub fn missing(&self, table: Range<usize>, key: &str) -> Diagnostic {
-        // The document itself has no key.
+        // The document as a whole has no key.
         let outer = Some(&table).filter(|span| !span.is_empty() && **span != (0..self.text.len()));
         let outer = outer.and_then(|span| self.key_at(span));
         if outer.is_none() && DeTable::parse(&self.text).is_ok_and(|table| table.get_ref().is_empty()) {
@@ -186,7 +186,7 @@ impl Document {
         }
     }
 
-    /// Refuses a file of a later schema than this program knows.
+    /// Refuses a file of a later schema than this version supports.
     ///
     /// # Errors
     /// [`Diagnostic`] at the key.
@@ -199,7 +199,7 @@ impl Document {
         }
     }
 
-    /// A number of the file in SI units.
+    /// Converts a number of the file to SI units.
     ///
     /// # Errors
     /// [`Diagnostic`] if it is not finite or outside `quantity`'s range.
@@ -212,15 +212,15 @@ impl Document {
         }
     }
 
-    /// An optional number of the file in SI units.
+    /// Converts an optional number of the file to SI units.
     ///
     /// # Errors
-    /// As [`Document::number`].
+    /// Errors of [`Document::number`].
     pub fn optional(&self, value: Option<&Spanned<f64>>, quantity: Quantity) -> Result<Option<f64>, Diagnostic> {
         value.map(|value| self.number(value, quantity)).transpose()
     }
 
-    /// A list of numbers in SI units, at least one.
+    /// Converts a list of at least one number to SI units.
     ///
     /// # Errors
     /// [`Diagnostic`] if it is empty or one of them is refused.
@@ -231,10 +231,10 @@ impl Document {
         values.get_ref().iter().map(|value| self.number(value, quantity)).collect()
     }
 
-    /// One of `all`, by its name.
+    /// Selects one of `all` by its name.
     ///
     /// # Errors
-    /// [`Diagnostic`] that lists the names there are.
+    /// [`Diagnostic`] that lists the accepted names.
     pub fn choice<T: Copy>(
         &self,
         value: &Spanned<String>,
@@ -249,13 +249,13 @@ impl Document {
         })
     }
 
-    /// Line of a byte, from 1.
+    /// Line of a byte, counted from 1.
     fn line(&self, byte: usize) -> u32 {
         let before = self.text.as_bytes().iter().take(byte);
         before.filter(|&&letter| letter == b'\n').fold(1, |line, _| line + 1)
     }
 
-    /// The source text of a span on one line, shortened; `None` for tables.
+    /// Source text of a span on one line, shortened; `None` for tables.
     fn value_at(&self, span: Range<usize>) -> Option<Box<str>> {
         let text = self.text.get(span)?;
         if text.is_empty() || text.starts_with('{') || (text.starts_with('[') && !text.contains(['.', ',', '1'])) {
@@ -269,18 +269,18 @@ impl Document {
         })
     }
 
-    /// The dotted key of what stands at `span`.
+    /// Dotted key of the value at `span`.
     fn key_at(&self, span: &Range<usize>) -> Option<Box<str>> {
         let table = DeTable::parse(&self.text).ok()?;
         let mut path = Vec::new();
         find_in_table(table.get_ref(), span, &mut path).then(|| path.join(".").into())
     }
 
-    /// Refuses a key or the heading of a table that occurs a second time at `span`, and names the first.
+    /// Refuses a key or table heading that occurs for the second time at `span`, and names the first occurrence.
     fn duplicate(&self, span: Range<usize>) -> Diagnostic {
         let name = self.text.get(span.clone()).unwrap_or_default().trim_matches(['"', '\'']).to_owned();
         let is_heading = self.line_text(span.start).trim_start().starts_with('[');
-        // A second heading takes the place of the first in what is read.
+        // The second heading replaces the first in the parsed document.
         let line_start = self.text[..span.start].rfind('\n').map_or(0, |end| end + 1);
         let text = if is_heading { &self.text[..line_start] } else { &*self.text };
         let (table, _) = DeTable::parse_recoverable(text);
@@ -306,7 +306,7 @@ impl Document {
         .expected(if is_heading { "one table with all of its keys" } else { "one line with this key" })
     }
 
-    /// The line that holds a byte.
+    /// Line that holds a byte.
     fn line_text(&self, byte: usize) -> &str {
         self.text.lines().nth(self.line(byte) as usize - 1).unwrap_or_default()
     }
@@ -355,7 +355,7 @@ impl Document {
             ("map", "table"),
         ];
         let said = plain.iter().fold(message.to_owned(), |said, (code, word)| replace_word(&said, code, word));
-        // Names of the program's own types are none of the user's words.
+        // Names of the program's own types mean nothing to the user.
         let said = said.find("expected struct ").map_or(said.clone(), |at| format!("{}expected a table", &said[..at]));
         let is_listed = self.line_text(span.start).trim_start().starts_with("[[");
         let mut refused = self.refuse(span, "");
@@ -382,7 +382,7 @@ impl Document {
     }
 }
 
-/// What a required key of that name takes, with an example, where every file means the same by it.
+/// Values that a required key of this name takes, with an example, if the key means the same in every file.
 fn needed_value(key: &str) -> Option<String> {
     let number = |quantity: Quantity, example: &str| Some(format!("{quantity}, such as {key} = {example}"));
     match key {
@@ -402,7 +402,7 @@ fn needed_value(key: &str) -> Option<String> {
     }
 }
 
-/// Replaces `code` where it stands as a word of its own.
+/// Replaces `code` where it occurs as a separate word.
 fn replace_word(text: &str, code: &str, word: &str) -> String {
     let alphanumeric = |letter: Option<char>| letter.is_some_and(|letter| letter.is_alphanumeric() || letter == '_');
     let mut replaced = String::new();
@@ -418,7 +418,7 @@ fn replace_word(text: &str, code: &str, word: &str) -> String {
     replaced + rest
 }
 
-/// Appends the keys that lead to `span` within `table` to `path`; false if nothing there covers it.
+/// Appends the keys that lead to `span` within `table` to `path`; returns false if no value there covers the span.
 fn find_in_table(table: &DeTable<'_>, span: &Range<usize>, path: &mut Vec<String>) -> bool {
     for (key, value) in table {
         path.push(key.get_ref().to_string());
@@ -430,8 +430,8 @@ fn find_in_table(table: &DeTable<'_>, span: &Range<usize>, path: &mut Vec<String
     false
 }
 
-/// Keys called `name` before `second` in the tables that can hold `second`, with their dotted paths. Tables in braces are none
-/// of these, unless it stands in them.
+/// Keys called `name` before `second` in the tables that can hold `second`, with their dotted paths. Inline tables are
+/// skipped unless they hold `second`.
 fn namesakes(
     text: &str,
     table: &DeTable<'_>,
@@ -463,7 +463,7 @@ fn find_in_value(value: &Spanned<DeValue<'_>>, span: &Range<usize>, path: &mut V
     match value.get_ref() {
         DeValue::Table(table) if find_in_table(table, span, path) => true,
         DeValue::Array(array) => {
-            // Elements of an array of tables have keys of their own; numbers go by the array's.
+            // Elements of an array of tables have their own keys; numbers use the key of the array.
             array
                 .iter()
                 .any(|element| matches!(element.get_ref(), DeValue::Table(_)) && find_in_value(element, span, path))
@@ -477,7 +477,7 @@ fn covers(outer: &Range<usize>, inner: &Range<usize>) -> bool {
     outer.start <= inner.start && inner.end <= outer.end && outer.start < outer.end
 }
 
-/// The number with a decimal comma in a line such as `key = 2,7`.
+/// Number with a decimal comma in a line such as `key = 2,7`.
 fn decimal_comma(line: &str) -> Option<String> {
     let (_, value) = line.split_once('=')?;
     let value = value.split('#').next().unwrap_or_default();

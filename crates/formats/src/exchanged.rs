@@ -1,5 +1,5 @@
-//! Dimensions of a cut sample that were likely mistaken, as other samples show: width and spacing in each other's place, and a depth with
-//! its decimal point in another place.
+//! Detects mistaken dimensions of a cut sample by comparison with other samples: width and spacing exchanged, or the
+//! decimal point of a depth misplaced.
 
 use slipgrid_calibrate::CutSample;
 use slipgrid_pattern::Pattern;
@@ -10,12 +10,12 @@ use super::pattern::PatternFile;
 use crate::diagnostic::Diagnostic;
 use slipgrid_units::{LENGTH_UM, tidy};
 
-/// Lengths that differ by less than this part are those of one sample, as designed and as measured.
+/// Relative difference below which lengths belong to one sample, as designed and as measured.
 const SAME: f64 = 0.02;
-/// Width and spacing that differ by less than this part are not told apart.
+/// Relative difference below which width and spacing cannot be told apart.
 const APART: f64 = 0.1;
 
-/// Says that the `pattern` in the table `file` has width and spacing of one of the `others` the other way round.
+/// Warns if the `pattern` in the table `file` has exchanged width and spacing of one of the `others`.
 pub(crate) fn check(
     document: &Document,
     file: &Spanned<PatternFile>,
@@ -47,10 +47,11 @@ pub(crate) fn check(
     Some(document.refuse(file.get_ref().width_um.span(), reason).expected(expected))
 }
 
-/// Depths of two samples whose ratio lies within this range differ by the place of the decimal point.
+/// Ratio of the depths of two samples within which the decimal point was probably misplaced.
 const TENFOLD: [f64; 2] = [9.0, 11.0];
 
-/// Says that the `pattern` in the table `file` has width and spacing of one of the `others`, and ten times its depth, or a tenth of it.
+/// Warns if the `pattern` in the table `file` has width and spacing of one of the `others`, but ten times or a tenth of
+/// the depth.
 pub(crate) fn check_depth(
     document: &Document,
     file: &Spanned<PatternFile>,

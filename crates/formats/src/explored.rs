@@ -1,4 +1,4 @@
-//! What is explored: a design file as it is, or a material with bounds that a laser has.
+//! Input of the explorer: a design file, or a material with default bounds of a laser.
 
 use std::path::Path;
 
@@ -9,16 +9,16 @@ use crate::file_kind::FileKind;
 use crate::source::Source;
 use slipgrid_units::{HUMIDITY_PCT, SPEED_MM_S};
 
-/// What is asked of a material alone.
+/// Design that is explored for a material alone.
 const OF_A_MATERIAL: &str = "[target]\nquantity = \"ratio\"\npressure_mpa = [0.65, 1.3, 1.95, 2.6]\ngoal = \"lowest\"\n\
     [bounds]\nwidth_um = [20.0, 400.0]\nspacing_um = [40.0, 1000.0]\ndepth_um = [2.0, 50.0]\n[pattern]\nplanform = \"groove\"\n\
     [specimen]\nshape = \"disc\"\ndiameter_mm = 10.0\n";
 
-/// The design of the file at `path`; of a material or a calibration grooves of it, at the `condition` of a speed in mm/s and a relative
-/// humidity in per cent where that is given.
+/// Design from the file at `path`. For a material or a calibration: grooves in it, at the `condition` of a speed in
+/// mm/s and a relative humidity in per cent, if given.
 ///
 /// # Errors
-/// [`Diagnostic`] for a file that is refused, for a material that needs a condition, and for a condition beside a design.
+/// [`Diagnostic`] if a file is refused, if a material needs a condition, or if a condition is given with a design.
 pub fn explored(source: &Source, path: &Path, condition: Option<[f64; 2]>) -> Result<Design, Diagnostic> {
     if let Some([speed_mm_s, humidity_pct]) = condition {
         checked("--speed-mm-s", speed_mm_s, SPEED_MM_S)?;
@@ -51,8 +51,8 @@ pub fn explored(source: &Source, path: &Path, condition: Option<[f64; 2]>) -> Re
     Ok(design)
 }
 
-/// A refusal or a warning about the `made_up` design, which nobody wrote, as one about the `material` that it stands for. One about a file
-/// that somebody wrote stays as it is.
+/// Turns a diagnostic of the `made_up` design, which no user wrote, into one of the `material` behind it. Diagnostics
+/// of user files are unchanged.
 pub(crate) fn of_material(told: Diagnostic, made_up: &Path, material: &Path) -> Diagnostic {
     if told.file.as_deref() != Some(made_up) {
         return told;
@@ -60,7 +60,7 @@ pub(crate) fn of_material(told: Diagnostic, made_up: &Path, material: &Path) -> 
     let file = Some(material.into());
     match (told.key.as_deref(), told.value.as_deref()) {
         (Some("target.pressure_mpa"), Some(value)) => {
-            // What the number would be in another unit is a guess at what was typed.
+            // The interpretation in another unit assumes that the number was typed by a user.
             let reason = told.reason.split_once("; in ").map_or(told.reason.as_str(), |(reason, _)| reason);
             let reason = format!("the page's {value} {reason}");
             Diagnostic { file, reason, ..Diagnostic::default() }.expected("a design file with pressures of its own")

@@ -1,4 +1,4 @@
-//! What a file seems to be, by its tables: a design given to `simulate` is told so.
+//! Recognises the kind of a file by its tables, so that a design given to `simulate` is reported as such.
 
 use std::path::{Path, PathBuf};
 
@@ -10,22 +10,22 @@ use crate::source::Source;
 /// Kinds of files that commands take.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FileKind {
-    /// What `simulate` takes.
+    /// Input of `simulate`.
     Scene,
-    /// What `optimize` takes.
+    /// Input of `optimize`.
     Design,
-    /// What `calibrate` takes.
+    /// Input of `calibrate`.
     Calibration,
-    /// What `calibrate` writes.
+    /// Output of `calibrate`.
     Material,
-    /// What `optimize` writes.
+    /// Output of `optimize`.
     Result,
-    /// What `campaign plan` takes.
+    /// Input of `campaign plan`.
     Campaign,
 }
 
 impl FileKind {
-    /// What `text` seems to be; `None` where nothing tells, or several things do.
+    /// Apparent kind of `text`; `None` if there is no evidence or the evidence is contradictory.
     #[must_use]
     pub fn of(text: &str) -> Option<Self> {
         if text.trim_start().starts_with('{') {
@@ -50,10 +50,10 @@ impl FileKind {
         seen.next().filter(|_| seen.next().is_none())
     }
 
-    /// Refuses `text`, read from `path`, if it seems to be something else than this.
+    /// Refuses `text`, read from `path`, if it seems to be of another kind.
     ///
     /// # Errors
-    /// [`Diagnostic`] that says what it seems to be, what takes it, and what is expected.
+    /// [`Diagnostic`] that names the apparent kind, the command that takes it, and the expected kind.
     pub fn require(self, path: &Path, text: &str) -> Result<(), Diagnostic> {
         match Self::of(text).filter(|&found| found != self) {
             Some(found) => Err(Diagnostic::file(path, found.seems()).expected(self.expected())),
@@ -61,7 +61,7 @@ impl FileKind {
         }
     }
 
-    /// Refuses the folder at `path`, with the file of this kind in it, if there is one.
+    /// Refuses the folder at `path`, and names the first file of this kind in it, if any.
     #[must_use]
     pub fn refuse_folder(self, source: &Source, path: &Path) -> Diagnostic {
         let mut refused = Diagnostic::file(path, "is a folder").expected(self.expected());
@@ -69,7 +69,7 @@ impl FileKind {
         refused
     }
 
-    /// What is expected of a file of this kind.
+    /// Description of the expected file for messages.
     #[must_use]
     pub const fn expected(self) -> &'static str {
         match self {
@@ -82,7 +82,7 @@ impl FileKind {
         }
     }
 
-    /// What writes a file of this kind to start from.
+    /// Command that writes a starting file of this kind.
     #[must_use]
     pub const fn written_by(self) -> &'static str {
         match self {
@@ -95,7 +95,7 @@ impl FileKind {
         }
     }
 
-    /// What an outermost table that a file of this kind must have holds at least; `None` for what may be no table.
+    /// Minimum content of an outermost table that a file of this kind must have; `None` if the key need not be a table.
     #[must_use]
     pub fn needed_table(self, key: &str) -> Option<&'static str> {
         match (self, key) {
@@ -111,7 +111,7 @@ impl FileKind {
         }
     }
 
-    /// What a file of this kind is, and what takes it.
+    /// Description of a file of this kind, and of the command that takes it.
     #[must_use]
     pub const fn seems(self) -> &'static str {
         match self {
@@ -124,7 +124,7 @@ impl FileKind {
         }
     }
 
-    /// The first file of this kind in `folder`, by name.
+    /// First file of this kind in `folder`, by name.
     fn first_in(self, source: &Source, folder: &Path) -> Option<PathBuf> {
         let mut paths: Vec<PathBuf> = source.names(folder).iter().map(|name| folder.join(name)).collect();
         paths.retain(|path| path.extension().is_some_and(|extension| extension == "toml"));

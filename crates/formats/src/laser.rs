@@ -1,4 +1,4 @@
-//! Laser and specimen in design files.
+//! Laser and specimen tables of design files.
 
 use std::ops::Range;
 
@@ -15,7 +15,7 @@ use slipgrid_export::{AT_THE_RIM, Specimen};
 use slipgrid_results::SpecimenReport;
 use slipgrid_units::{LENGTH_MM, LENGTH_UM, POSITIVE, WALL_TAPER_DEG, significant, significant_to, tidy};
 
-/// The laser as a design writes it.
+/// The laser in the form of a design file.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LaserFile {
@@ -31,13 +31,14 @@ pub struct LaserFile {
     repetition_hz: Option<Number>,
     /// Speed of the spot; with the repetition rate it gives pulses, overlap, passes and time.
     speed_mm_s: Option<Number>,
-    /// Distance of marked lines; the spot when absent.
+    /// Distance between marked lines; the spot when absent.
     hatch_um: Option<Number>,
-    /// How far walls lean from upright; 0 when absent.
+    /// Inclination of walls from the vertical; 0 when absent.
     pub(crate) wall_taper_deg: Option<Number>,
-    /// `hatch` marks lines inside each contour, `mask` exposes contours as wholes, one with each burst; `hatch` when absent.
+    /// `hatch` marks lines inside each contour, `mask` exposes whole contours, one with each burst; `hatch` when
+    /// absent.
     exposure: Option<Spanned<String>>,
-    /// Fluence in use, with `[laser.ablation]`.
+    /// Fluence used, with `[laser.ablation]`.
     fluence_j_cm2: Option<Number>,
     /// Measured depths per burst, to which d = delta ln(F / F_th) is fitted, in place of `limits.depth_per_burst_um`.
     ablation: Option<Spanned<AblationFile>>,
@@ -55,7 +56,7 @@ struct AblationFile {
     depth_std_um: Option<NumberList>,
 }
 
-/// The specimen as a design or a scene writes it.
+/// The specimen in the form of a design or scene file.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct SpecimenFile {
@@ -63,7 +64,7 @@ pub struct SpecimenFile {
     pub shape: Spanned<String>,
     /// Diameter of a disc.
     pub diameter_mm: Option<Number>,
-    /// Length of a rectangle along x, the sliding direction where `sliding_angle_deg` does not turn it.
+    /// Length of a rectangle along x, the sliding direction unless `sliding_angle_deg` turns it.
     pub length_mm: Option<Number>,
     /// Width of a rectangle across the sliding direction.
     pub width_mm: Option<Number>,
@@ -71,8 +72,7 @@ pub struct SpecimenFile {
     pub outer_diameter_mm: Option<Number>,
     /// Diameter of a ring's hole.
     pub inner_diameter_mm: Option<Number>,
-    /// Cavities at the rim of the specimen: with `whole` those that pass it are left out, with `clipped` they are
-    /// cut; `whole` when absent.
+    /// Cavities that cross the rim of the specimen: `whole` leaves them out, `clipped` cuts them; `whole` when absent.
     pub cavities: Option<Spanned<String>>,
 }
 
@@ -92,18 +92,18 @@ impl From<&Specimen> for SpecimenFile {
     }
 }
 
-/// Reads the laser; `limits` are depth per burst and smallest land, as the limits give them.
+/// Reads the laser; `limits` holds the depth per burst and the smallest land from the table of limits.
 ///
 /// # Errors
-/// [`Diagnostic`] for numbers out of range, for settings whose lines or pulses lie farther apart than the spot is
-/// wide, and for measurements to which no law of ablation fits.
+/// [`Diagnostic`] if numbers are out of range, if lines or pulses lie farther apart than the spot is wide, or if no
+/// ablation law fits the measurements.
 pub fn read_laser(
     document: &Document,
     file: Option<&Spanned<LaserFile>>,
     limits: (&Option<Number>, &Option<Number>),
 ) -> Result<Laser, Diagnostic> {
     let copied = |value: Option<&Number>| document.optional(value, POSITIVE);
-    // As written: only solvers take lengths in metres.
+    // In the units of the file: only solvers take lengths in metres.
     let length = |value: Option<&Number>| {
         document.optional(value, LENGTH_UM)?;
         copied(value)
@@ -139,7 +139,7 @@ pub fn read_laser(
     Ok(laser)
 }
 
-/// Names the number that most likely is wrong where lines or pulses lie farther apart than the spot is wide.
+/// Names the number that is most probably wrong if lines or pulses lie farther apart than the spot is wide.
 fn unlike_spot(document: &Document, table: &Spanned<LaserFile>, error: &ExportError) -> Diagnostic {
     let file = table.get_ref();
     match (error, &file.hatch_um, &file.speed_mm_s, &file.repetition_hz) {
@@ -152,12 +152,12 @@ fn unlike_spot(document: &Document, table: &Spanned<LaserFile>, error: &ExportEr
             Some(speed),
             Some(repetition),
         ) => {
-            // Rounded to where the limits still hold.
+            // Rounded to a value at which the limits still hold.
             let least_hz = significant_to(repetition_hz * pulse_um / spot_um * (1.0 - EXACT), 3, f64::ceil);
             let most_mm_s = significant_to(speed_mm_s * spot_um / pulse_um * (1.0 + EXACT), 3, f64::floor);
             let apart = format!("pulses {} um apart on a spot of {spot_um} um", significant(pulse_um, 4));
             let either = format!("repetition_hz of at least {least_hz}, or speed_mm_s of at most {most_mm_s}");
-            // Lasers pulse thousands of times a second.
+            // Lasers pulse thousands of times per second.
             if repetition_hz < KILO && repetition_hz * KILO >= least_hz {
                 let meant = significant(repetition_hz * KILO, 4);
                 document
@@ -174,7 +174,7 @@ fn unlike_spot(document: &Document, table: &Spanned<LaserFile>, error: &ExportEr
 }
 
 const KILO: f64 = 1e3;
-/// Share of a number that is forgiven as rounding.
+/// Relative tolerance for rounding.
 const EXACT: f64 = 1e-9;
 
 const EXPOSURES: [Exposure; 2] = [Exposure::Hatch, Exposure::Mask];
@@ -186,7 +186,7 @@ const fn exposure_name(exposure: Exposure) -> &'static str {
     }
 }
 
-/// The laser with the depth per burst that its fluence gives.
+/// Returns the laser with the depth per burst that its fluence gives.
 fn with_ablation(
     document: &Document,
     laser: Laser,
@@ -229,7 +229,7 @@ fn with_ablation(
     Ok(Laser { depth_per_burst_um: Some(law.depth_per_burst_um), ablation: Some(law), ..laser })
 }
 
-/// That the fluence in use lies outside those at which depths were measured.
+/// Warns if the fluence used lies outside the fluences at which depths were measured.
 pub(crate) fn unmeasured_fluence(
     document: &Document,
     file: Option<&Spanned<LaserFile>>,
@@ -237,7 +237,7 @@ pub(crate) fn unmeasured_fluence(
 ) -> Option<Diagnostic> {
     let (file, law) = (file?.get_ref(), laser.ablation?);
     let (used, table) = (file.fluence_j_cm2.as_ref()?, file.ablation.as_ref()?);
-    // What is no number has been refused before.
+    // Values that are not numbers have been refused before.
     let fluences = document.numbers(&table.get_ref().fluence_j_cm2, POSITIVE).ok()?;
     let least = fluences.iter().copied().fold(f64::INFINITY, f64::min);
     let most = fluences.into_iter().fold(0.0, f64::max);
@@ -255,7 +255,7 @@ pub(crate) fn unmeasured_fluence(
 /// Reads the specimen.
 ///
 /// # Errors
-/// [`Diagnostic`] for unknown shapes, missing, stray or impossible lengths.
+/// [`Diagnostic`] if the shape is unknown, or if a length is missing, superfluous or impossible.
 pub fn read_specimen(document: &Document, file: &Spanned<SpecimenFile>) -> Result<Specimen, Diagnostic> {
     const EXPECTED: &str = "diameter_mm for a disc, length_mm and width_mm for a rectangle, outer_diameter_mm and inner_diameter_mm for a ring";
     let specimen = file.get_ref();
@@ -294,17 +294,17 @@ pub fn read_specimen(document: &Document, file: &Spanned<SpecimenFile>) -> Resul
     Ok(Specimen { outline, is_clipped: read_is_clipped(document, specimen.cavities.as_ref())? })
 }
 
-/// Whether cavities that pass the rim are cut, by the name of what becomes of them.
+/// Reads whether cavities that cross the rim are cut.
 pub(crate) fn read_is_clipped(document: &Document, name: Option<&Spanned<String>>) -> Result<bool, Diagnostic> {
     let at_the_rim = name.map(|name| document.choice(name, &AT_THE_RIM, |name| name)).transpose()?;
     Ok(at_the_rim == Some(AT_THE_RIM[1]))
 }
 
 /// Refuses a specimen on which the smallest cavity within the bounds does not fit, or on which even the largest and
-/// most distant are too many.
+/// most distant cavities are too many.
 ///
 /// # Errors
-/// [`Diagnostic`] at the width, whose place is `width_um`, or at the specimen.
+/// [`Diagnostic`] at the width, whose file position is `width_um`, or at the specimen.
 pub fn check_fits(
     document: &Document,
     (table, width_um): (&Spanned<SpecimenFile>, Range<usize>),
@@ -313,11 +313,11 @@ pub fn check_fits(
     (width_m, spacing_m, depth_m): ([f64; 2], [f64; 2], [f64; 2]),
 ) -> Result<(), Diagnostic> {
     for end in [0, 1] {
-        // Lengths that no texture takes are refused with the bounds.
+        // Lengths that the texture does not allow are refused with the bounds.
         let Ok(pattern) = Pattern::new(*texture, width_m[end], spacing_m[end], depth_m[0]) else { continue };
         match outline.check(pattern) {
             Err(ExportError::NoCavityFits { needed_m, extent_m, .. }) if end == 0 => {
-                // The greatest width that fits, by halves.
+                // Greatest width that fits, by bisection.
                 let fits = |width_m: f64| {
                     let pattern = Pattern::new(*texture, width_m, spacing_m[0], depth_m[0]);
                     !matches!(

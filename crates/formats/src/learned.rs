@@ -1,4 +1,4 @@
-//! `[learned]` of a material file: the trials from which the discrepancy follows.
+//! `[learned]` of a material file: the trials that determine the discrepancy.
 
 use serde::{Deserialize, Serialize};
 use slipgrid_discrepancy::{Conditions, DimensionShift, Discrepancy, Features, Load, Measured, Sensitivity, Trial};
@@ -9,7 +9,7 @@ use super::document::Document;
 use super::trials::PriorFile;
 use crate::diagnostic::Diagnostic;
 
-/// `[learned]` of a material file: the trials beside the model, from which the discrepancy follows.
+/// `[learned]` of a material file: the trials with model predictions that determine the discrepancy.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct LearnedFile {
@@ -17,13 +17,13 @@ pub struct LearnedFile {
     reference_pressure_mpa: f64,
     /// P1, the lowest measured pressure.
     lowest_pressure_mpa: f64,
-    /// Reference speed, from which the effect of speed is counted.
+    /// Reference speed for the effect of speed.
     reference_speed_mm_s: f64,
-    /// Standard deviation of Young's modulus over the modulus.
+    /// Relative standard deviation of Young's modulus.
     modulus_relative_std: f64,
-    /// What is believed before any trial.
+    /// Prior, before any trial.
     prior: PriorFile,
-    /// The trials, as they were learned from.
+    /// The trials that were learned from.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     trial: Vec<LearnedTrial>,
 }
@@ -33,31 +33,31 @@ pub struct LearnedFile {
 struct LearnedTrial {
     /// Name of the sample.
     name: String,
-    /// Share of the face that is cavity.
+    /// Fraction of the face that is cavity.
     areal_density: f64,
-    /// Length of edges over area.
+    /// Length of edges per area.
     edge_per_mm: f64,
     /// Width of a cavity.
     width_um: f64,
-    /// Distance of two cavities, from middle to middle.
+    /// Distance between two cavities, from middle to middle.
     pitch_um: f64,
     /// Depth of a cavity.
     depth_um: f64,
-    /// Scatter of ln(ratio) from one such sample to the next.
+    /// Scatter of ln(ratio) between samples of this texture.
     sample_std: Option<f64>,
-    /// Standard error of its width, which tells whether it is of one texture with another; 0 when absent.
+    /// Standard error of the width, used to decide whether two trials have the same texture; 0 when absent.
     width_std_um: Option<f64>,
-    /// Standard error of its spacing; 0 when absent.
+    /// Standard error of the spacing; 0 when absent.
     spacing_std_um: Option<f64>,
-    /// Standard error of its depth; 0 when absent.
+    /// Standard error of the depth; 0 when absent.
     depth_std_um: Option<f64>,
-    /// The disc of which the sample was a sector: trials with one disc name share what differs from disc to disc.
+    /// Name of the disc of which the sample was a sector. Trials on one disc share the scatter from disc to disc.
     disc: Option<String>,
     /// Nominal pressures of the measurements.
     pressure_mpa: Vec<f64>,
-    /// Their speeds.
+    /// Sliding speeds of the measurements.
     speed_mm_s: Vec<f64>,
-    /// Their relative humidities.
+    /// Relative humidities of the measurements.
     humidity_pct: Vec<f64>,
     /// Measured ratios, patterned over flat.
     measured_ratio: Vec<f64>,
@@ -69,13 +69,15 @@ struct LearnedTrial {
     flat_std: Vec<f64>,
     /// d ln(modelled ratio) / d ln(Young's modulus).
     modulus_sensitivity: Vec<f64>,
-    /// Changes of ln(modelled ratio) where local friction follows the local pressure in place of the nominal one; zeros when absent.
+    /// Changes of ln(modelled ratio) if local friction follows the local instead of the nominal pressure; zeros when
+    /// absent.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     local_law_change: Vec<f64>,
-    /// Changes of ln(modelled ratio) by the errors of width, spacing and depth, one list each.
+    /// Changes of ln(modelled ratio) for one standard error of width, spacing and depth, one list each.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     of_dimensions: Vec<Vec<f64>>,
-    /// Areal density, edges per mm, width, pitch and depth in um of the texture with each of these dimensions one standard error larger.
+    /// Areal density, edges per mm, width, pitch and depth in um of the texture if one of these dimensions is one
+    /// standard error larger.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     texture_of_dimensions: Vec<Vec<f64>>,
 }
@@ -90,14 +92,14 @@ fn to_columns(of: &Features) -> [f64; 5] {
     [of.areal_density, tidy(of.edge_1_m * PER_MM), width_um, pitch_um, depth_um]
 }
 
-/// The features that [`to_columns`] wrote.
+/// Features from the columns that [`to_columns`] wrote.
 fn from_columns([areal_density, edge_per_mm, lengths_um @ ..]: &[f64; 5]) -> Features {
     let [width_m, pitch_m, depth_m] = lengths_um.map(|length_um| tidy(LENGTH_UM.to_si(length_um)));
     Features { areal_density: *areal_density, edge_1_m: tidy(edge_per_mm / PER_MM), width_m, pitch_m, depth_m }
 }
 
 impl LearnedFile {
-    /// What is kept of `learned`.
+    /// Serialized form of `learned`.
     #[must_use]
     pub fn new(learned: &Discrepancy) -> Self {
         let conditions = learned.conditions();
@@ -149,10 +151,10 @@ impl LearnedFile {
         }
     }
 
-    /// The discrepancy that it says.
+    /// Reads the discrepancy.
     ///
     /// # Errors
-    /// [`Diagnostic`] at the table for numbers that mean nothing.
+    /// [`Diagnostic`] at the table if the numbers are invalid.
     pub fn read(document: &Document, table: &Spanned<Self>) -> Result<Discrepancy, Diagnostic> {
         let file = table.get_ref();
         let refuse = |reason: String| document.refuse(table.span(), reason);
@@ -167,7 +169,7 @@ impl LearnedFile {
                 &trial.flat_std,
                 &trial.modulus_sensitivity,
             ];
-            // A file of before that key holds zeros.
+            // Zeros for a file written before the key existed.
             let by_law = Some(&trial.local_law_change).filter(|column| !column.is_empty());
             if columns.into_iter().chain(&trial.of_dimensions).chain(by_law).any(|column| column.len() != n) {
                 let reason = format!("has columns of different lengths in trial \"{}\"", trial.name);
@@ -194,7 +196,7 @@ impl LearnedFile {
             };
             let LearnedTrial { areal_density, edge_per_mm, width_um, pitch_um, depth_um, .. } = *trial;
             let features = from_columns(&[areal_density, edge_per_mm, width_um, pitch_um, depth_um]);
-            // A file of before that key holds what moves the model alone.
+            // For a file written before the key existed: the changes of the model alone.
             let above = |place: usize| {
                 let columns = trial.texture_of_dimensions.get(place).and_then(|columns| columns.first_chunk::<5>());
                 columns.map_or(features, from_columns)

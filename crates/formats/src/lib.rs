@@ -1,23 +1,23 @@
-//! File formats: types of their own, converted once into the validated types of the library crates.
+//! File formats: serialized types, converted once into the validated types of the library crates.
 //!
-//! A [`Document`] is a file with its text, so that every refusal, a [`Diagnostic`], names file, line, key and what would be
-//! accepted. Bytes come through [`source::Files`]: this crate opens no files, reads no clock, prints nothing, and does not touch
-//! the environment.
+//! A [`Document`] is a file with its text, so that every refusal, a [`Diagnostic`], names file, line, key and accepted
+//! values. Bytes come through [`source::Files`]: this crate opens no files, reads no clock, prints nothing, and does
+//! not touch the environment.
 //!
 //! | module | reads |
 //! |---|---|
-//! | [`scene`], [`run`] | what is simulated |
+//! | [`scene`], [`run`] | scenes to simulate |
 //! | [`design`], [`target`], [`limits`], [`tolerances`], [`trade_offs`], [`condition_ranges`] | a design task |
-//! | [`calibration`], [`measurements`], [`measured`], [`surface`] | what was measured |
+//! | [`calibration`], [`measurements`], [`measured`], [`surface`] | measurements |
 //! | [`altitude_map`] | an altitude map, ready for computation |
 //! | [`traces`] | tribometer exports |
-//! | [`material`], [`material_uncertainty`] | a material and how well it is known |
+//! | [`material`], [`material_uncertainty`] | a material and its uncertainty |
 //! | [`pattern`], [`outline`], [`rim`], [`relief`], [`laser`] | textures, outlines of cavities, rims, measured reliefs, specimens, lasers |
 //! | [`stored_pattern`] | the design of a result |
-//! | [`plausible`], [`unusual`] | numbers that are likely slips |
-//! | [`confirmed_scene`], [`written_material`] | what is written: the scene of a design, the material of a calibration |
+//! | [`plausible`], [`unusual`] | numbers that are probably mistakes |
+//! | [`confirmed_scene`], [`written_material`] | output files: the scene of a design, the material of a calibration |
 //!
-//! A number in a file is one of a [`slipgrid_units::Quantity`], and what is outside of its range is refused where it stands:
+//! A number in a file is one of a [`slipgrid_units::Quantity`]; a number outside its range is refused at its key:
 //!
 //! ```
 //! use slipgrid_formats::{Document, material::{MaterialFile, read_material}};

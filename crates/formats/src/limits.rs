@@ -1,4 +1,4 @@
-//! What a design must keep to beside its bounds: `[limits]` of design files.
+//! Constraints of a design in addition to its bounds: `[limits]` of design files.
 
 use serde::Deserialize;
 use slipgrid_design::ConstraintQuantity;
@@ -11,37 +11,40 @@ use super::values::{Number, Numbers, list, number_span};
 use crate::diagnostic::Diagnostic;
 use slipgrid_units::{FRACTION, LENGTH_UM, PRESSURE_MPA, Quantity, TIME_S, in_digits};
 
-/// Limits as a design writes them.
+/// Limits in the form of a design file.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LimitsFile {
     /// Smallest gap between two cavities.
     pub min_land_um: Option<Number>,
-    /// Depth that one burst removes. Depths are whole multiples of it where each spot is burnt by itself; where `[laser]` has a spot, a speed and
-    /// a repetition rate, they are whole multiples of what one pass over an endless hatch removes, which is `depth_per_burst_um` times the
-    /// bursts that reach a point in a pass.
+    /// Depth that one burst removes. Depths are whole multiples of it if each spot is burnt separately. If `[laser]`
+    /// has a spot, a speed and a repetition rate, depths are whole multiples of the depth that one pass over an endless
+    /// hatch removes: `depth_per_burst_um` times the bursts that reach a point in a pass.
     pub depth_per_burst_um: Option<Number>,
-    /// Greatest pressure on a contact block at the block size of `[sample]`, at every target pressure: in the steady cell of every design,
-    /// and in the confirming run of the specimen, whose outer lands may be pressed harder. A design that breaks the limit there is
-    /// searched again with cells taken to be pressed as much harder.
+    /// Maximum pressure on a contact block at the block size of `[sample]`, at every target pressure: in the steady
+    /// cell of every design, and in the confirming run of the specimen, whose outer lands may bear a higher pressure.
+    /// If a design breaks the limit in that run, the search is repeated with the pressures of cells increased by the
+    /// same factor.
     max_peak_pressure_mpa: Option<Number>,
-    /// Least share of the face that is land.
+    /// Minimum fraction of the face that is land.
     min_bearing_area: Option<Number>,
-    /// Greatest share of the face that is cavity.
+    /// Maximum fraction of the face that is cavity.
     max_areal_density: Option<Number>,
-    /// Most time under the laser, as the process sheet estimates it; needs repetition rate, depth per burst and, but for a mask, the spot.
+    /// Maximum time under the laser, as the process sheet estimates it; needs repetition rate, depth per burst and,
+    /// except for a mask, the spot.
     max_laser_time_s: Option<Number>,
-    /// Least gap left under a cavity's ceiling at every target pressure.
+    /// Minimum gap left under the ceiling of a cavity at every target pressure.
     min_clearance_um: Option<Number>,
     /// `refuse` rejects designs in which a contact block is under tension in the steady model.
     lift_off: Option<Spanned<String>>,
 }
 
 impl LimitsFile {
-    /// Refuses a nominal pressure of the target that `max_peak_pressure_mpa` forbids of every design, the flat surface included.
+    /// Refuses a nominal pressure of the target at which every design, the flat surface included, breaks
+    /// `max_peak_pressure_mpa`.
     ///
     /// # Errors
-    /// [`Diagnostic`] at the first that is as high as the limit or higher.
+    /// [`Diagnostic`] at the first pressure that is not below the limit.
     pub fn check_peak(&self, document: &Document, pressures: &Spanned<Numbers>) -> Result<(), Diagnostic> {
         let Some(limit) = &self.max_peak_pressure_mpa else { return Ok(()) };
         let (read, limit_mpa) = (list(document, pressures, PRESSURE_MPA)?, *limit.get_ref());
@@ -66,23 +69,23 @@ type Side = fn(f64) -> Bound;
 /// A key that limits a quantity.
 struct Entry<'a> {
     measure: ConstraintQuantity,
-    /// What it is, in words.
+    /// Description of the quantity.
     name: &'static str,
     number: &'a Option<Number>,
     side: Side,
-    /// The loosest limit that means something, SI units.
+    /// Loosest meaningful limit, in SI units.
     loosest: f64,
     quantity: Quantity,
     unit: &'static str,
 }
 
-/// Clearances are compared with a micrometre where none is demanded.
+/// Scale of clearances if no minimum is given.
 const CLEARANCE_SCALE_M: f64 = 1e-6;
 
-/// What the model measures, and the limits, in one order.
+/// Quantities that the model measures, and their limits, in the same order.
 ///
 /// # Errors
-/// [`Diagnostic`] for a number out of range, and for a time that the laser's data do not give.
+/// [`Diagnostic`] if a number is out of range, or if the laser's data do not give a time that is limited.
 pub fn read_limited(
     document: &Document,
     file: &LimitsFile,
@@ -160,7 +163,7 @@ pub fn read_limited(
     Ok(limited)
 }
 
-/// Refuses a limit on a time that cannot be estimated.
+/// Refuses a time limit if the time cannot be estimated.
 fn needs_time(document: &Document, limit: &Number, laser: &Laser) -> Result<(), Diagnostic> {
     let missing = missing_for_time(laser);
     if missing.is_empty() {

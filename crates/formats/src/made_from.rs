@@ -1,4 +1,5 @@
-//! `[made_from]` of a material file: the calibration that it was made from, so that a calibration which has changed since is noticed.
+//! `[made_from]` of a material file: the calibration behind the material, so that a later change of the calibration is
+//! noticed.
 
 use std::path::{Component, Path, PathBuf};
 
@@ -10,25 +11,26 @@ use crate::diagnostic::Diagnostic;
 use crate::document::Document;
 use crate::source::{Entry, Source};
 
-/// Bytes of a fingerprint, of two letters each: two calibrations share them once in 10^19 times.
+/// Bytes of a fingerprint, written as two letters each. Two calibrations share a fingerprint with a probability of 1 in
+/// 10^19.
 const BYTES: usize = 8;
 
-/// The calibration that a material was made from.
+/// The calibration from which a material was made.
 #[derive(Clone, Debug, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct MadeFrom {
     /// The calibration file, relative to the folder of this file.
     calibration: String,
-    /// Tables that it names: of flat samples, patterned samples and trials.
+    /// Tables that the calibration names: of flat samples, patterned samples and trials.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     tables: Vec<String>,
-    /// What their contents come to; maps and traces are not in it.
+    /// Fingerprint of the contents of calibration file and tables; maps and traces are not included.
     fingerprint: String,
 }
 
 impl MadeFrom {
-    /// What the material at `output` remembers of the `calibration` that stands at `path`; nothing where no relative path leads from one
-    /// to the other, or where a file cannot be read.
+    /// Record of the `calibration` from `path` for the material at `output`; `None` if no relative path leads from one
+    /// to the other, or if a file cannot be read.
     #[must_use]
     pub fn new(calibration: &Calibration, path: &Path, output: &Path, files: &Source) -> Option<Self> {
         let folder = output.parent().unwrap_or_else(|| Path::new(""));
@@ -44,7 +46,8 @@ impl MadeFrom {
         })
     }
 
-    /// Says that the calibration of the material `document` has changed since; nothing where it has not, or is not there any more.
+    /// Warns that the calibration of the material `document` has changed since; `None` if it has not changed, or no
+    /// longer exists.
     #[must_use]
     pub fn changed(&self, document: &Document) -> Option<Diagnostic> {
         let (files, path) = (document.source(), document.resolve(&self.calibration));
@@ -63,7 +66,7 @@ impl MadeFrom {
     }
 }
 
-/// The path by which a `folder` is known under any name, though it may not be made yet: that of its nearest part which is there.
+/// Canonical path of a `folder` that may not exist yet, from its nearest existing parent.
 fn canonical(folder: &Path, files: &Source) -> PathBuf {
     let here = |folder: &Path| if folder.as_os_str().is_empty() { Path::new(".").into() } else { folder.to_owned() };
     let there = folder.ancestors().find(|part| files.entry(&here(part)).is_ok()).unwrap_or(folder);
@@ -71,7 +74,7 @@ fn canonical(folder: &Path, files: &Source) -> PathBuf {
     files.canonical(&here(there)).join(rest)
 }
 
-/// What the contents of `paths` come to, each behind its length; nothing where one cannot be read.
+/// Fingerprint of the contents of `paths`, each preceded by its length; `None` if one cannot be read.
 fn fingerprint<'a>(paths: impl Iterator<Item = &'a Path>, files: &Source) -> Option<String> {
     let mut hash = Sha256::new();
     for path in paths {
@@ -82,8 +85,8 @@ fn fingerprint<'a>(paths: impl Iterator<Item = &'a Path>, files: &Source) -> Opt
     Some(hash.finalize().iter().take(BYTES).map(|byte| format!("{byte:02x}")).collect())
 }
 
-/// The way from `folder` to `path`, by their names alone; nothing where one of them starts at the root and the other does not, or where they
-/// have no folder in common but the root.
+/// Relative path from `folder` to `path`, from their names alone; `None` if only one of them starts at the root, or if
+/// they share no folder but the root.
 fn relative(folder: &Path, path: &Path) -> Option<String> {
     if folder.is_absolute() != path.is_absolute() {
         return None;

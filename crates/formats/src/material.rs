@@ -1,4 +1,4 @@
-//! Material tables: inline in a scene or design, or a file of their own. The keys are the same.
+//! Material tables: inline in a scene or design, or in a separate file, with the same keys.
 
 use serde::{Deserialize, Serialize};
 use slipgrid_calibrate::area_law::table_warnings;
@@ -19,12 +19,12 @@ use slipgrid_units::{
     MODULUS_STD_GPA, POISSON, PRESSURE_MPA, RELATIVE_STD, SLOPE, SPEED_MM_S, significant_to, tidy,
 };
 
-/// Scatter of the local coefficients where a file names none: the paper's 5 %.
+/// Default scatter of the local coefficients: 5 %, as in the paper.
 pub const DEFAULT_RELATIVE_STD: f64 = 0.05;
-/// mu_s over mu_d where no static friction was measured: the paper's 0.30 over 0.27.
+/// Default ratio mu_s / mu_d if no static friction was measured: 0.30 / 0.27, as in the paper.
 pub const DEFAULT_STATIC_OVER_DYNAMIC: f64 = 0.30 / 0.27;
 
-/// A material as a file writes it.
+/// A material in the form of its file.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct MaterialFile {
@@ -38,39 +38,38 @@ pub struct MaterialFile {
     pub slipgrid_version: Option<String>,
     /// The surface behind the area law is synthetic, not measured; false when absent.
     pub synthetic_surface: Option<bool>,
-    /// How values were obtained.
+    /// Provenance of the values.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub notes: Vec<String>,
-    /// What makes results that rest on the material doubtful; each begins with its name.
+    /// Warnings of doubtful results that depend on the material; each begins with its name.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub warnings: Vec<String>,
     /// Young's modulus.
     pub youngs_modulus_gpa: Number,
-    /// Its standard deviation.
+    /// Standard deviation of Young's modulus.
     pub youngs_modulus_std_gpa: Option<Number>,
     /// Density.
     pub density_g_cm3: Number,
-    /// Contact pressure at which rims flatten for good; absent where they are elastic.
+    /// Contact pressure at which rims flatten permanently; absent where they are elastic.
     pub yield_pressure_mpa: Option<Number>,
     /// Local friction coefficients.
     pub friction: Spanned<FrictionFile>,
     /// Area law; absent for Amontons-Coulomb.
     pub area_law: Option<Spanned<AreaLawFile>>,
-    /// Dynamic friction of flat samples as measured, per condition: where it contradicts the area law, nothing says whether friction follows the
-    /// local or the nominal pressure.
+    /// Dynamic friction of flat samples as measured, per condition. If it contradicts the area law, there is no
+    /// evidence whether friction follows the local or the nominal pressure.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub flat_friction: Vec<Spanned<FlatFrictionTable>>,
-    /// One factor for every texture, which earlier versions wrote; it is ignored.
+    /// One factor for every texture, written by earlier versions; it is ignored.
     #[serde(default, skip_serializing)]
     pub discrepancy: Option<toml::Table>,
-    /// What was learned from trials, for any texture.
+    /// Discrepancy learned from trials, for any texture.
     pub learned: Option<Spanned<LearnedFile>>,
-    /// The calibration that the file was made from.
+    /// The calibration from which the file was made.
     pub made_from: Option<MadeFrom>,
 }
 
-/// Local friction coefficients as a file writes them: one pair, one pair per pressure, or tables
-/// per condition.
+/// Local friction coefficients in the form of a file: one pair, one pair per pressure, or tables per condition.
 #[derive(Clone, Debug, Default, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct FrictionFile {
@@ -80,20 +79,20 @@ pub struct FrictionFile {
     pub static_mean: Option<Spanned<Numbers>>,
     /// Mean local dynamic coefficient.
     pub dynamic_mean: Option<Spanned<Numbers>>,
-    /// Scatter of both coefficients over their means; 0.05 when absent.
+    /// Relative scatter of both coefficients; 0.05 when absent.
     pub relative_std: Option<Number>,
     /// Standard errors of `static_mean`.
     pub static_std_error: Option<Spanned<Numbers>>,
-    /// Standard errors of `dynamic_mean`, with those of Young's modulus and the area law in them. Without
-    /// `dynamic_std_error_given_law` beside them they hold at the given law.
+    /// Standard errors of `dynamic_mean`, including those of Young's modulus and the area law. Without
+    /// `dynamic_std_error_given_law` they hold at the given law.
     pub dynamic_std_error: Option<Spanned<Numbers>>,
-    /// The same at the given area law: those of flat friction.
+    /// Standard errors of `dynamic_mean` at the given area law: those of flat friction.
     pub dynamic_std_error_given_law: Option<Spanned<Numbers>>,
-    /// Dynamic friction of the flat sample over mu_d f(P), which is the friction of an endless one in steady sliding.
+    /// Dynamic friction of the flat sample over mu_d f(P), the friction of an endless flat sample in steady sliding.
     pub dynamic_over_steady: Option<Spanned<Numbers>>,
     /// Model minus measurement of the flat sample, one per measurement.
     pub residual: Option<Vec<f64>>,
-    /// Covariance of `dynamic_mean` and of the logarithm of the area law's pressure scale, where that was fitted.
+    /// Covariance of `dynamic_mean` and of the logarithm of the area law's pressure scale, if the scale was fitted.
     pub scale_covariance: Option<Spanned<Vec<Vec<f64>>>>,
     /// Coefficients per condition.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -116,12 +115,12 @@ pub struct ConditionTable {
     pub dynamic_mean: Spanned<Numbers>,
     /// Standard errors of `static_mean`.
     pub static_std_error: Option<Spanned<Numbers>>,
-    /// Standard errors of `dynamic_mean`, with those of Young's modulus and the area law in them. Without
-    /// `dynamic_std_error_given_law` beside them they hold at the given law.
+    /// Standard errors of `dynamic_mean`, including those of Young's modulus and the area law. Without
+    /// `dynamic_std_error_given_law` they hold at the given law.
     pub dynamic_std_error: Option<Spanned<Numbers>>,
-    /// The same at the given area law: those of flat friction.
+    /// Standard errors of `dynamic_mean` at the given area law: those of flat friction.
     pub dynamic_std_error_given_law: Option<Spanned<Numbers>>,
-    /// Dynamic friction of the flat sample over mu_d f(P), which is the friction of an endless one in steady sliding.
+    /// Dynamic friction of the flat sample over mu_d f(P), the friction of an endless flat sample in steady sliding.
     pub dynamic_over_steady: Option<Spanned<Numbers>>,
     /// Model minus measurement of the flat sample, one per pressure.
     pub residual: Option<Vec<f64>>,
@@ -137,23 +136,23 @@ pub struct FlatFrictionTable {
     pub humidity_pct: Number,
     /// Nominal pressures.
     pub pressure_mpa: NumberList,
-    /// Dynamic friction at each.
+    /// Dynamic friction at each pressure.
     pub mu_dynamic: Spanned<Numbers>,
 }
 
-/// An area law as a file writes it.
+/// An area law in the form of a file.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct AreaLawFile {
-    /// Where the law came from: `map`, `persson`, `fit`, or `measured` for flat friction itself.
+    /// Source of the law: `map`, `persson`, `fit`, or `measured` for flat friction itself.
     pub origin: Option<String>,
-    /// Rms slope of the map behind the law.
+    /// Rms slope of the map from which the law was computed.
     pub rms_slope: Option<Number>,
-    /// Arithmetic mean height of that map.
+    /// Arithmetic mean height of the map.
     pub sa_um: Option<Number>,
-    /// Its pixel size along the sliding direction.
+    /// Pixel size of the map along the sliding direction.
     pub pixel_um: Option<Number>,
-    /// Its pixel size across the sliding direction; as along it when absent.
+    /// Pixel size of the map across the sliding direction; as along it when absent.
     pub pixel_y_um: Option<Number>,
     /// Poisson's ratio of the contact computation.
     pub poisson_ratio: Option<Number>,
@@ -161,9 +160,9 @@ pub struct AreaLawFile {
     pub pressure_mpa: NumberList,
     /// Factors f.
     pub factor: NumberList,
-    /// Their standard errors, from windows of the map.
+    /// Standard errors of the factors, from windows of the map.
     pub factor_std: Option<NumberList>,
-    /// Real contact area fractions behind them.
+    /// Real contact area fractions behind the factors.
     pub area_fraction: Option<NumberList>,
 }
 
@@ -188,10 +187,10 @@ pub fn read_condition(document: &Document, condition: &ConditionFile) -> Result<
     })
 }
 
-/// The path of a file that a key names, relative to its document.
+/// Path of a file that a key names, relative to its document.
 ///
 /// # Errors
-/// [`Diagnostic`] at the key if there is no such file.
+/// [`Diagnostic`] at the key if the file does not exist.
 pub fn existing<T>(document: &Document, key: &Spanned<T>, path: &str) -> Result<std::path::PathBuf, Diagnostic> {
     let path = document.resolve(path);
     match document.source().entry(&path) {
@@ -205,10 +204,10 @@ pub fn existing<T>(document: &Document, key: &Spanned<T>, path: &str) -> Result<
     }
 }
 
-/// Turns a material as written into the validated one.
+/// Converts a material from its file form to the validated one.
 ///
 /// # Errors
-/// [`Diagnostic`] for anything refused in it.
+/// [`Diagnostic`] for any refused input.
 pub fn read_material(
     document: &Document,
     file: &MaterialFile,
@@ -225,10 +224,10 @@ pub fn read_material(
     let friction = read_friction(document, &file.friction)?;
     let area_law = file.area_law.as_ref().map(|law| read_area_law(document, law)).transpose()?;
     let mut warnings = file.warnings.clone();
-    // What the file says of its law already is not said twice.
+    // Warnings that the file states about its law are not repeated.
     let named = |warning: &str| warning.split(':').next().map(str::to_owned);
     let told = |warning: &String| file.warnings.iter().any(|known| named(known) == named(warning));
-    // A measured law may rise: it is none of contact area.
+    // A measured law may rise with pressure, because it is not one of contact area.
     let is_measured = file.area_law.as_ref().is_some_and(|law| law.get_ref().origin.as_deref() == Some("measured"));
     warnings.extend(area_law.iter().filter(|_| !is_measured).flat_map(table_warnings).filter(|warning| !told(warning)));
     let mut notes = file.notes.clone();
@@ -249,14 +248,15 @@ pub fn read_material(
     })
 }
 
-/// Refuses a standard deviation of Young's modulus that is not below the modulus: nothing follows from such a modulus.
+/// Refuses a standard deviation of Young's modulus that is not below the modulus, because such a modulus determines
+/// nothing.
 pub(crate) fn check_modulus_std(document: &Document, modulus_gpa: f64, std: Option<&Number>) -> Result<(), Diagnostic> {
     let Some(std) = std.filter(|std| *std.get_ref() >= modulus_gpa) else { return Ok(()) };
     let reason = format!("leaves Young's modulus of {modulus_gpa} GPa open altogether");
     Err(document.refuse(std.span(), reason).expected("a standard deviation below the modulus, in GPa"))
 }
 
-/// What is said of a table of earlier versions.
+/// Warning about a table of earlier versions.
 const OUTDATED_DISCREPANCY: &str = "[discrepancy] of the material file is not used: it is one factor whatever the texture, as earlier \
                                     versions wrote it; `slipgrid calibrate` writes [learned], what trials say of every texture";
 
@@ -308,7 +308,8 @@ fn read_friction(document: &Document, file: &Spanned<FrictionFile>) -> Result<Fr
     Ok(Friction::PerCondition(rows))
 }
 
-/// Refuses coefficients, and what belongs to them, beside those per condition: nothing would be taken from them.
+/// Refuses coefficients, and keys that belong to them, in addition to coefficients per condition, because they would be
+/// ignored.
 fn refuse_beside_conditions(document: &Document, friction: &FrictionFile) -> Result<(), Diagnostic> {
     let numbers = [
         ("static_mean", &friction.static_mean),
@@ -372,14 +373,14 @@ fn read_conditions(
     Ok(Friction::PerCondition(rows))
 }
 
-/// Part by which tabulated contact area may fall: tables are written to three digits or more.
+/// Relative decrease that is allowed in tabulated contact area: tables are written with three digits or more.
 const AREA_TOLERANCE: f64 = 5e-3;
 
 fn read_area_law(document: &Document, file: &Spanned<AreaLawFile>) -> Result<AreaLaw, Diagnostic> {
     let law = file.get_ref();
     let pressure_pa = increasing(document, &law.pressure_mpa, PRESSURE_MPA)?;
     let factor = document.numbers(&law.factor, FACTOR)?;
-    // A scene ends with the status `no_friction`; a design has nothing to search for.
+    // A scene would end with the status `no_friction`, and a design would have nothing to search.
     let nil = law.factor.get_ref().iter().find(|factor| *factor.get_ref() <= 0.0);
     if let Some(nil) = nil.filter(|_| document.is_meant_as(FileKind::Design)) {
         return Err(document
@@ -420,7 +421,7 @@ fn read_area_law(document: &Document, file: &Spanned<AreaLawFile>) -> Result<Are
     AreaLaw::new(pressure_pa, factor).and_then(|law| law.with_factor_std(factor_std)).map_err(law_of)
 }
 
-/// Refuses factors by which contact area falls from one pressure to the next: area goes as P f(P).
+/// Refuses factors by which contact area decreases from one pressure to the next: area is proportional to P f(P).
 fn refuse_falling_area(
     document: &Document,
     file: &NumberList,

@@ -1,4 +1,4 @@
-//! What a material file says of its own errors.
+//! Uncertainty of a material, as its file states it.
 
 use slipgrid_calibrate::uncertainty::{CoefficientEstimate, MaterialUncertainty};
 use slipgrid_calibrate::{contradicting_samples, is_of_contradicting_samples};
@@ -15,10 +15,10 @@ use slipgrid_units::{
     EXCESS, FRICTION, FRICTION_STD, HUMIDITY_PCT, MODULUS_GPA, MODULUS_STD_GPA, PRESSURE_MPA, SPEED_MM_S,
 };
 
-/// Reads `file`, in `document`, and what it says of its errors; `place` is where a table stands as a whole.
+/// Reads the material and its uncertainty from `file` in `document`; `place` is the span of the whole table.
 ///
 /// # Errors
-/// [`Diagnostic`] for anything refused in it.
+/// [`Diagnostic`] for any refused input.
 pub fn read_known(
     document: &Document,
     file: &MaterialFile,
@@ -27,17 +27,17 @@ pub fn read_known(
     document.check_schema(file.schema.as_ref())?;
     let (mut material, uncertainty) = (read_material(document, file, place)?, read_uncertainty(document, file)?);
     let warnings = &mut material.provenance.warnings;
-    // Of a file of an earlier version, which does not say so itself.
+    // Files of earlier versions do not state this warning themselves.
     if !warnings.iter().any(|warning| is_of_contradicting_samples(warning)) {
         warnings.extend(uncertainty.learned.iter().flat_map(contradicting_samples));
     }
     Ok((material, uncertainty))
 }
 
-/// The same of the material that a key of `document` names or holds.
+/// Reads the material and its uncertainty from the table or file that a key of `document` gives.
 ///
 /// # Errors
-/// [`Diagnostic`] for a file that cannot be read, or anything refused in it.
+/// [`Diagnostic`] if a file cannot be read, or for any refused input.
 pub fn read_referenced(
     document: &Document,
     material: &Spanned<PathOr<MaterialFile>>,
@@ -73,7 +73,7 @@ fn read_uncertainty(document: &Document, file: &MaterialFile) -> Result<Material
     })
 }
 
-/// Friction of flat samples as measured, without standard errors: those of the coefficients are kept with these.
+/// Friction of flat samples as measured. Its standard errors are stored with the coefficients.
 fn flat_friction(
     document: &Document,
     tables: &[Spanned<FlatFrictionTable>],
@@ -113,18 +113,18 @@ fn scale_covariance(document: &Document, file: &FrictionFile) -> Result<Option<[
     Ok(Some([[a / (mean * mean), b / mean], [c / mean, *d]]))
 }
 
-/// What is read beside a mean coefficient.
+/// Column that is read together with a mean coefficient.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Column {
     /// Standard errors of the static coefficients.
     Static,
-    /// Those of the dynamic ones at the given area law, which are those of flat friction.
+    /// Standard errors of the dynamic coefficients at the given area law, equal to those of flat friction.
     Dynamic,
     /// Dynamic over steady friction.
     Excess,
 }
 
-/// Means of the static coefficients, or of the dynamic ones, with what stands in a column beside them.
+/// Mean static or dynamic coefficients, together with one further column.
 fn friction_errors(
     document: &Document,
     file: &FrictionFile,
@@ -232,7 +232,8 @@ mod tests {
         );
         assert!(known.law_is_fitted);
         let condition = Condition { speed_m_s: 2e-3, humidity: 0.15 };
-        // mu(1.5) = 0.25, known to the mean of both errors; mu(0.5) and mu(3) are the ends', one of which has four fifths of what they share.
+        // mu(1.5) = 0.25 has the mean of both errors. mu(0.5) and mu(3) have the values at the ends; one of them has
+        // four fifths of the shared error.
         let covariance = known.friction_covariance(&[0.5e6, 1.5e6, 3e6], &[Some(condition)]).unwrap();
         let (own, rho) = (0.0035 / 0.25, [0.004, 0.003].map(|error| error / 0.005));
         let expected = [
@@ -259,11 +260,11 @@ mod tests {
         let known = read(&format!("{}{}", condition(1.0, 0.2, 0.004), condition(4.0, 0.3, 0.003)), "");
         let at = |speed_m_s: f64| Some(Condition { speed_m_s, humidity: 0.15 });
         let covariance = known.friction_covariance(&[1e6], &[at(2e-3), at(1e-3)]).unwrap();
-        // Half of each: mean 0.25, known to the mean of both errors, with a correlation of 0.8 to the first.
+        // Half of each: mean 0.25 with the mean of both errors, and a correlation of 0.8 to the first.
         let own = 0.0035 / 0.25;
         assert!((covariance[0][0] - own * own).abs() < 1e-12, "{covariance:?}");
         assert!((covariance[0][1] - 0.8 * own * 0.02).abs() < 1e-12, "{covariance:?}");
-        // One pair for all conditions is off alike at all.
+        // A single pair has the same error in all conditions.
         let single = read("static_mean = 0.3\ndynamic_mean = 0.25\ndynamic_std_error = 0.005", "");
         let covariance = single.friction_covariance(&[1e6, 2e6], &[at(2e-3), at(1e-3)]).unwrap();
         assert!(covariance.len() == 4 && covariance.iter().flatten().all(|entry| (entry - 4e-4).abs() < 1e-15));

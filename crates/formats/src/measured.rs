@@ -1,4 +1,4 @@
-//! What a calibration's measurements must be before anything is computed from them, and where each stands.
+//! Checks of a calibration's measurements before any computation, with the file position of each.
 
 use std::path::{Path, PathBuf};
 
@@ -10,52 +10,53 @@ use crate::plausible::{
 };
 use slipgrid_units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, significant, tidy};
 
-/// Values that differ by less than this part are the same.
+/// Relative difference below which two values are equal.
 const SAME: f64 = 1e-9;
 
-/// A measurement and where it stands: a row of a table, or the traces of a condition.
+/// A measurement with its file position: a row of a table, or the traces of a condition.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Placed {
     /// The measurement.
     pub measurement: Measurement,
     /// The file that holds it.
     pub path: PathBuf,
-    /// Its line there, from 1.
+    /// Line in the file, counted from 1.
     pub line: u32,
 }
 
-/// What is said of measurements that are read all the same.
+/// Remarks about measurements that are accepted.
 #[derive(Debug, Default)]
 pub(crate) struct Remarks {
-    /// What is unusual.
+    /// Unusual values.
     pub(crate) told: Vec<Diagnostic>,
-    /// Ratios that are hardly meant.
+    /// Ratios that are probably mistakes.
     pub(crate) doubts: Vec<Diagnostic>,
-    /// Rows that hold what another row holds.
+    /// Rows that repeat the numbers of another row.
     pub(crate) repeated: Vec<Diagnostic>,
 }
 
 impl Remarks {
-    /// What makes results doubtful, each with its name.
+    /// Named warnings of doubtful results.
     pub(crate) fn warnings(&self) -> Vec<String> {
         let doubts = self.doubts.iter().map(|doubt| format!("measured ratio: {doubt}"));
         doubts.chain(self.repeated.iter().map(|repeated| format!("repeated row: {repeated}"))).collect()
     }
 }
 
-/// Part by which the pressure on a face of another size may differ from the one that a flat sample was measured at, and count as it: forces
-/// are set in round numbers. Friction changes by a tenth of that at most.
+/// Relative difference up to which the pressure on a face of another size counts as the pressure at which a flat sample
+/// was measured, because forces are set in round numbers. Friction changes by at most a tenth of this difference.
 const SAME_PRESSURE: f64 = 0.01;
 
-/// Highest pressure of a table, in MPa, below which forces are likely in another unit: flat faces are mostly pressed harder.
+/// If the highest pressure of a table, in MPa, is below this value, forces are probably in another unit: flat faces
+/// usually bear a higher pressure.
 const LOW_PRESSURE_MPA: f64 = 0.01;
-/// Highest speed of a table, in mm/s, below which speeds are likely in another unit.
+/// If the highest speed of a table, in mm/s, is below this value, speeds are probably in another unit.
 const LOW_SPEED_MM_S: f64 = 0.02;
 
-/// Conditions that a message names.
+/// Maximum number of conditions that a message lists.
 const MAX_NAMED: usize = 4;
 
-/// What the measurements are judged by.
+/// Properties of the specimens by which measurements are checked.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Specimens {
     /// Area of one specimen's face, in square metres.
@@ -71,8 +72,8 @@ impl Placed {
         rows.into_iter().map(|(line, measurement)| Self { measurement, path: path.to_owned(), line }).collect()
     }
 
-    /// The same measurement with the force that presses as much on a face of `specimens` as its own does on one of `own`; where `flat`
-    /// samples were measured at nearly this pressure, at theirs.
+    /// Converts the force from a face of `own` to the same pressure on a face of `specimens`; if `flat` samples were
+    /// measured at nearly this pressure, to theirs.
     #[must_use]
     pub(crate) fn on(&self, own: &Specimens, specimens: &Specimens, flat: &[Self]) -> Self {
         let mut row = self.clone();
@@ -87,7 +88,7 @@ impl Placed {
         row
     }
 
-    /// A diagnostic that points at `key` of it.
+    /// A diagnostic that points at `key` of the measurement.
     #[must_use]
     pub fn at(&self, key: &str, value: f64) -> Diagnostic {
         Diagnostic {
@@ -98,7 +99,7 @@ impl Placed {
         }
     }
 
-    /// Its condition in words.
+    /// Describes the condition in words.
     #[must_use]
     pub fn condition(&self) -> String {
         self.measurement.condition_in_words()
@@ -111,10 +112,10 @@ impl Placed {
     }
 }
 
-/// Checks every measurement by itself; returns what is unusual.
+/// Checks each measurement separately; returns remarks about unusual ones.
 ///
 /// # Errors
-/// [`Diagnostic`] at file and line of the first that cannot be measured or used.
+/// [`Diagnostic`] at file and line of the first measurement that is impossible or unusable.
 pub fn check(rows: &[Placed], specimens: &Specimens) -> Result<Vec<Diagnostic>, Diagnostic> {
     let mut told = Vec::new();
     for row in rows {
@@ -151,14 +152,15 @@ pub fn check(rows: &[Placed], specimens: &Specimens) -> Result<Vec<Diagnostic>, 
     Ok(told)
 }
 
-/// The row of the greatest friction, where nearly all `rows` have so much that friction force and normal force are likely exchanged.
+/// Row of the greatest friction, if friction is so high in nearly all `rows` that friction force and normal force are
+/// probably exchanged.
 fn high_friction(rows: &[Placed]) -> Option<Diagnostic> {
     let row = rows.iter().max_by(|a, b| a.measurement.mu_dynamic.total_cmp(&b.measurement.mu_dynamic))?;
     let friction: Vec<f64> = rows.iter().map(|row| row.measurement.mu_dynamic).collect();
     Some(Diagnostic { reason: exchanged_forces(&friction)?, ..row.at("mu_dynamic", row.measurement.mu_dynamic) })
 }
 
-/// The row of the greatest force, where all `rows` press so little that forces are likely in kN.
+/// Row of the greatest force, if the forces in all `rows` are so low that they are probably in kN.
 fn low_force(rows: &[Placed], specimens: &Specimens) -> Option<Diagnostic> {
     let row = rows.iter().max_by(|a, b| a.measurement.force_n.total_cmp(&b.measurement.force_n))?;
     let force_n = row.measurement.force_n;
@@ -173,7 +175,7 @@ fn low_force(rows: &[Placed], specimens: &Specimens) -> Option<Diagnostic> {
     Some(Diagnostic { reason, ..row.at("force_n", force_n) })
 }
 
-/// The row of the greatest speed, where all `rows` slide so slowly that speeds are likely in m/s.
+/// Row of the greatest speed, if the speeds in all `rows` are so low that they are probably in m/s.
 fn low_speed(rows: &[Placed]) -> Option<Diagnostic> {
     let row = rows.iter().max_by(|a, b| a.measurement.speed_m_s.total_cmp(&b.measurement.speed_m_s))?;
     let speed_mm_s = SPEED_MM_S.from_si(row.measurement.speed_m_s);
@@ -185,7 +187,7 @@ fn low_speed(rows: &[Placed]) -> Option<Diagnostic> {
     Some(Diagnostic { reason, ..row.at("speed_mm_s", speed_mm_s) })
 }
 
-/// The row of the greatest humidity, where all `rows` have so little that humidities are likely shares of 1.
+/// Row of the greatest humidity, if nearly all `rows` have so little that humidities are probably fractions of 1.
 fn low_humidity(rows: &[Placed]) -> Option<Diagnostic> {
     let row = rows.iter().max_by(|a, b| a.measurement.humidity.total_cmp(&b.measurement.humidity))?;
     let humidity_pct = tidy(HUMIDITY_PCT.from_si(row.measurement.humidity));
@@ -193,11 +195,12 @@ fn low_humidity(rows: &[Placed]) -> Option<Diagnostic> {
     Some(Diagnostic { reason, ..row.at("humidity_pct", humidity_pct) })
 }
 
-/// Names the `rows` of a patterned sample at whose force, speed and humidity none of the `flat` samples was measured: they have no ratio
-/// and are left out. Their forces are those on the calibration's face; `written` are the same rows as their table has them.
+/// Warns of `rows` of a patterned sample at whose force, speed and humidity no `flat` sample was measured: they have no
+/// ratio and are left out. Forces in `rows` are those on the calibration's face; `written` has the same rows in the
+/// form of their table.
 ///
 /// # Errors
-/// [`Diagnostic`] where that is all of them.
+/// [`Diagnostic`] if no row has a flat partner.
 pub fn check_partners(rows: &[Placed], written: &[Placed], flat: &[Placed]) -> Result<Vec<Diagnostic>, Diagnostic> {
     let is_alone = |row: &Placed| !flat.iter().any(|other| other.measurement.is_at(&row.measurement));
     let alone: Vec<(&Placed, &Placed)> = rows.iter().zip(written).filter(|(row, _)| is_alone(row)).collect();
@@ -225,13 +228,13 @@ pub fn check_partners(rows: &[Placed], written: &[Placed], flat: &[Placed]) -> R
     Ok(alone.iter().map(|row| named(row, "this row has no ratio and is left out")).collect())
 }
 
-/// Names the `rows` of a patterned sample whose friction over that of the `flat` sample beside it is hardly meant.
+/// Warns of `rows` of a patterned sample whose ratio to the friction of the `flat` sample is probably a mistake.
 #[must_use]
 pub fn doubtful_ratios(rows: &[Placed], flat: &[Placed]) -> Vec<Diagnostic> {
     let doubtful = |row: &Placed| {
         let partner = flat.iter().find(|other| other.measurement.is_at(&row.measurement))?;
         let ratio = row.measurement.mu_dynamic / partner.measurement.mu_dynamic;
-        // To the digits that are said.
+        // Rounded to the digits of the message.
         RATIO.tell((ratio * 1e3).round() / 1e3, || {
             let (own, flat) = (row.measurement.mu_dynamic, partner.measurement.mu_dynamic);
             let place = format!("{}:{}", partner.path.display(), partner.line);
@@ -243,11 +246,11 @@ pub fn doubtful_ratios(rows: &[Placed], flat: &[Placed]) -> Vec<Diagnostic> {
     rows.iter().filter_map(doubtful).collect()
 }
 
-/// Refuses one condition twice: of a flat sample with coefficients per condition, or of one cut sample, where two ratios would count as if
-/// they knew nothing of each other.
+/// Refuses a repeated condition: of a flat sample with coefficients per condition, or of one cut sample, where two
+/// ratios would count as independent.
 ///
 /// # Errors
-/// [`Diagnostic`] at the second.
+/// [`Diagnostic`] at the second occurrence.
 pub fn refuse_repeated(rows: &[Placed]) -> Result<(), Diagnostic> {
     for (place, row) in rows.iter().enumerate() {
         if let Some(first) = rows[..place].iter().find(|first| first.is_at_condition_of(row)) {
@@ -259,8 +262,9 @@ pub fn refuse_repeated(rows: &[Placed]) -> Result<(), Diagnostic> {
     Ok(())
 }
 
-/// Names each of the `rows` that holds the same numbers as a row before it or one of `others`: measured twice, friction would differ by its
-/// scatter. Of two tables a single row may agree by chance, to the digits that are written: two have to.
+/// Warns of each of the `rows` that repeats the numbers of an earlier row or of one of `others`: a repeated measurement
+/// would differ by its scatter. Between two tables a single row may agree by chance, within the written digits, so two
+/// rows must agree.
 #[must_use]
 pub(crate) fn identical(others: &[Placed], rows: &[Placed]) -> Vec<Diagnostic> {
     let same = |place: usize| {
@@ -335,7 +339,7 @@ mod tests {
             ]
         );
         assert_eq!(said(&[of_humidity(0.0, 2)]), Vec::<String>::new());
-        // One usual row is enough, and a small pin is pressed with little.
+        // One usual row is sufficient; a small pin bears a small force.
         assert_eq!(said(&[row_of(0.2, 4e-6, 2), row_of(50.0, 2e-3, 3)]), Vec::<String>::new());
         let pin = Specimens { area_m2: 1e-6, ..specimens };
         assert_eq!(check(&[row_of(0.2, 2e-3, 2)], &pin).unwrap(), []);
@@ -357,7 +361,7 @@ mod tests {
             "{said:?}"
         );
         assert!(said[0].contains("the flat samples, with forces on the calibration's face: 50 N"), "{said:?}");
-        // On a face of the calibration's size nothing is converted.
+        // On a face of the calibration's size no force is converted.
         let refused = check_partners(&written[1..], &written[1..], &flat).unwrap_err().to_string();
         assert!(refused.starts_with("flat.csv:4: force_n: 60 has no flat sample beside it"), "{refused}");
         assert!(!refused.contains("face"), "{refused}");

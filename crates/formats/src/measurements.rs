@@ -1,4 +1,4 @@
-//! Tables of measured friction: CSV with a header line, as spreadsheets of any country write it.
+//! Tables of measured friction: CSV with a header line, in the dialects of spreadsheets of all countries.
 
 use std::path::Path;
 
@@ -9,7 +9,7 @@ use crate::source::{Source, read_letters};
 use slipgrid_traces::cells::{DecimalSigns, cut, number_in, separator, unquoted};
 use slipgrid_units::{FORCE_N, FRICTION, FRICTION_STD, HUMIDITY_PCT, Quantity, SPEED_MM_S, tidy};
 
-/// Columns: name, range, whether every table must have it.
+/// Columns: name, range, and whether the column is required.
 const COLUMNS: [(&str, Quantity, bool); 7] = [
     ("force_n", FORCE_N, true),
     ("speed_mm_s", SPEED_MM_S, true),
@@ -20,20 +20,20 @@ const COLUMNS: [(&str, Quantity, bool); 7] = [
     ("mu_static_std", FRICTION_STD, false),
 ];
 
-/// Reads the table at `path` of `source`: every row with its line.
+/// Reads the table at `path` of `source` and returns every row with its line.
 ///
 /// # Errors
-/// [`Diagnostic`] that names line and column of what was refused.
+/// [`Diagnostic`] that names line and column of the refused value.
 pub fn read(source: &Source, path: &Path) -> Result<Vec<(u32, Measurement)>, Diagnostic> {
     let text = read_letters(source, path, "a table of measurements")?;
     rows(path, &text)
 }
 
-/// Reads a table from text; `path` names it in messages. Lines that start with `#` are comments. Tabs, semicolons or commas part
-/// the cells; decimals may have commas where these do not.
+/// Reads a table from text; `path` names it in messages. Lines that start with `#` are comments. Tabs, semicolons or
+/// commas separate cells; decimals may have commas unless commas separate cells.
 ///
 /// # Errors
-/// [`Diagnostic`] that names line and column of what was refused.
+/// [`Diagnostic`] that names line and column of the refused value.
 pub fn parse(path: &Path, text: &str) -> Result<Vec<Measurement>, Diagnostic> {
     Ok(rows(path, text)?.into_iter().map(|(_, row)| row).collect())
 }
@@ -53,7 +53,7 @@ fn rows(path: &Path, text: &str) -> Result<Vec<(u32, Measurement)>, Diagnostic> 
         .lines()
         .zip(1..)
         .map(|(line, number)| (number, line))
-        // Spreadsheets write empty rows as separators, and quote what holds one.
+        // Spreadsheets write empty rows as separators, and quote cells that contain a separator.
         .filter(|(_, line)| {
             !line.trim_matches([' ', '\t', ';', ',', '"']).is_empty()
                 && !line.trim_start_matches([' ', '"']).starts_with('#')
@@ -95,7 +95,7 @@ fn rows(path: &Path, text: &str) -> Result<Vec<(u32, Measurement)>, Diagnostic> 
 
     let (mut rows, mut signs) = (Vec::new(), DecimalSigns::default());
     for (line, content) in lines {
-        // Tables that were joined repeat their header.
+        // Concatenated tables repeat their header.
         if cut(content, separator).first().is_some_and(|cell| unquoted(cell) == COLUMNS[order[0]].0) {
             if filled(content).into_iter().map(unquoted).eq(filled(header).into_iter().map(unquoted)) {
                 continue;
@@ -107,7 +107,8 @@ fn rows(path: &Path, text: &str) -> Result<Vec<(u32, Measurement)>, Diagnostic> 
                 )));
         }
         let mut cells = cut(content, separator);
-        // As many empty cells behind the last column as the header has, no more: a decimal comma would shift the others.
+        // Allows as many empty cells behind the last column as the header has, because a decimal comma would shift the
+        // other cells.
         if cells.len() == width && filled(content).len() <= order.len() {
             cells.truncate(order.len());
         }
@@ -182,7 +183,7 @@ fn rows(path: &Path, text: &str) -> Result<Vec<(u32, Measurement)>, Diagnostic> 
     Ok(rows)
 }
 
-/// The table as text, with `comment` above it.
+/// Writes the table as text, with `comment` above it.
 #[must_use]
 pub fn table(comment: &str, rows: &[Measurement]) -> String {
     let mut text = format!("# {comment}\n{}\n", COLUMNS.map(|(name, _, _)| name).join(","));
@@ -240,7 +241,7 @@ mod tests {
         let expected = parse(Path::new("a.csv"), plain).unwrap();
         assert_eq!((expected.len(), expected[0].force_n, expected[1].speed_m_s), (2, 12.5, 0.4e-3));
         let comma = |mark: &str| plain.replace(',', mark).replace('.', ",");
-        // Commas part the cells and the decimals, which are quoted.
+        // Commas separate cells and decimals; the decimals are quoted.
         let quoted =
             |cell: &str| if cell.contains('.') { format!("\"{}\"", cell.replace('.', ",")) } else { cell.to_owned() };
         let quoted_line = |line: &str| line.split(',').map(quoted).collect::<Vec<_>>().join(",") + "\n";
@@ -250,7 +251,7 @@ mod tests {
             comma(";"),
             comma("\t"),
             format!("\u{feff}{}", comma(";").replace('\n', "\r\n")),
-            // Columns and rows of a sheet that hold nothing, and cells in quotes.
+            // Empty columns and rows of a sheet, and cells in quotes.
             comma(";").replace('\n', ";;\n") + ";;;;;;;;\n",
             plain.replace("12.5", "\"12.5\"").replace("force_n", "\"force_n\""),
             quoted,

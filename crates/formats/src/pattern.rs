@@ -1,4 +1,4 @@
-//! Patterns in files: the table of a scene, and what a design fixes of it.
+//! Pattern tables of scenes, and texture tables of designs.
 
 use std::ops::Range;
 
@@ -18,11 +18,11 @@ use crate::diagnostic::Diagnostic;
 use crate::outline::read_outline;
 use slipgrid_units::{CROSSING_ANGLE_DEG, GROOVE_ANGLE_DEG, LENGTH_UM, SLIDING_ANGLE_DEG};
 
-/// A pattern as a scene writes it.
+/// A pattern in the form of a scene file.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct PatternFile {
-    /// Width of a cavity along its row; of a disc its diameter.
+    /// Width of a cavity along its row; the diameter of a disc.
     pub width_um: Number,
     /// Gap between two cavities of a row.
     pub spacing_um: Number,
@@ -68,7 +68,7 @@ pub struct PatternFile {
     pub rim_height_std_um: Option<Number>,
 }
 
-/// A texture as a design writes it: all of a pattern that the design does not search.
+/// A texture in the form of a design file: all properties of a pattern that the design does not search.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TextureFile {
@@ -76,10 +76,10 @@ pub struct TextureFile {
     pub planform: Option<Spanned<String>>,
     /// Extent of a rectangle across its row.
     pub length_um: Option<Number>,
-    /// The outline of a polygon: its corners as `[x, y]` in order, the last joined to the first. Their shape counts: they are
+    /// Outline of a polygon: corners as `[x, y]` in order, the last joined to the first. Only the shape matters: it is
     /// scaled so that the extent along x is the width.
     pub vertices_um: Option<Spanned<Vec<[f64; 2]>>>,
-    /// A drawing, SVG or DXF, whose one closed outline is taken in place of `vertices_um`.
+    /// A drawing, SVG or DXF, whose only closed outline is used in place of `vertices_um`.
     pub outline: Option<Spanned<String>>,
     /// The layer of the DXF drawing that holds the outline; any when absent.
     pub outline_layer: Option<Spanned<String>>,
@@ -87,21 +87,22 @@ pub struct TextureFile {
     pub spacing_across_um: Option<Number>,
     /// `square`, `staggered` or `hexagonal`; `square` when absent.
     pub arrangement: Option<Spanned<String>>,
-    /// Angle of grooves (of the first family of crossing ones) from lying across the specimen's x axis; 0 when absent.
+    /// Angle of grooves (of the first family of crossing grooves) from the direction across the specimen's x axis; 0
+    /// when absent.
     pub angle_deg: Option<Number>,
     /// Angle of the second family of crossing grooves from the first; 90 when absent.
     pub crossing_angle_deg: Option<Number>,
     /// Angle of the sliding direction from the specimen's x axis; 0 when absent. A design may name several.
     pub sliding_angle_deg: Option<Spanned<Numbers>>,
-    /// Height of the rims at the edges of cavities, whatever their depth; no rims when neither this nor the next is given.
+    /// Height of the rims at the edges of cavities, for any depth; no rims when neither this nor the next is given.
     pub rim_height_um: Option<Number>,
-    /// Pairs of a cavity's depth and its rim's height, ascending.
+    /// Pairs of cavity depth and rim height, in ascending order.
     pub rim_heights_um: Option<Spanned<Vec<NumberList>>>,
     /// Distance from the edge at which a rim ends.
     pub rim_width_um: Option<Number>,
-    /// How rims fall outward: `round`, `flat` or `ramp`; `round` when absent.
+    /// Outward profile of rims: `round`, `flat` or `ramp`; `round` when absent.
     pub rim_profile: Option<Spanned<String>>,
-    /// Standard deviation of heights from rim to rim of one sample; 0 when absent.
+    /// Standard deviation of the height between rims of one sample; 0 when absent.
     pub rim_height_std_um: Option<Number>,
 }
 
@@ -111,7 +112,7 @@ impl PatternFile {
         [&self.width_std_um, &self.spacing_std_um, &self.depth_std_um]
     }
 
-    /// The texture's part.
+    /// Texture properties of the pattern.
     #[must_use]
     pub fn texture(&self) -> TextureFile {
         TextureFile {
@@ -138,7 +139,7 @@ impl PatternFile {
 }
 
 impl From<&Pattern> for PatternFile {
-    /// The pattern as it is written: what is plain is left out.
+    /// Converts the pattern to its file form; defaults are left out.
     fn from(pattern: &Pattern) -> Self {
         let written = PatternReport::from(pattern);
         let named = |name: String| Spanned::new(0..0, name);
@@ -175,7 +176,7 @@ impl From<&Pattern> for PatternFile {
 /// Reads a pattern.
 ///
 /// # Errors
-/// [`Diagnostic`] for numbers out of range, and for keys that the planform has no use for.
+/// [`Diagnostic`] if numbers are out of range, or if the planform does not use a key.
 pub fn read_pattern(document: &Document, file: &Spanned<PatternFile>) -> Result<Pattern, Diagnostic> {
     let pattern = file.get_ref();
     let texture = read_texture(document, &pattern.texture(), file.span())?;
@@ -185,7 +186,7 @@ pub fn read_pattern(document: &Document, file: &Spanned<PatternFile>) -> Result<
     Pattern::new(texture, width_m, spacing_m, depth_m).map_err(|error| document.refuse(file.span(), error.to_string()))
 }
 
-/// Refuses cavities that leave nothing of `layer`.
+/// Refuses cavities as deep as `layer` or deeper.
 ///
 /// # Errors
 /// [`Diagnostic`] at the depth.
@@ -199,10 +200,10 @@ pub fn check_depth(document: &Document, file: &PatternFile, depth_m: f64, layer:
         .expected(format!("a depth below {layer_um} um")))
 }
 
-/// Reads the texture in the table at `table`, sliding along the first direction that it names.
+/// Reads the texture in the table at `table`, with the first sliding direction that it names.
 ///
 /// # Errors
-/// [`Diagnostic`] for unknown names, numbers out of range, and keys that the planform has no use for.
+/// [`Diagnostic`] if names are unknown, numbers are out of range, or the planform does not use a key.
 pub fn read_texture(document: &Document, file: &TextureFile, table: Range<usize>) -> Result<Texture, Diagnostic> {
     let planform = file.planform.as_ref();
     let planform =
@@ -219,7 +220,7 @@ pub fn read_texture(document: &Document, file: &TextureFile, table: Range<usize>
         let refused = document.refuse(key, format!("has no meaning for planform \"{planform}\""));
         return Err(refused.expected("planform = \"polygon\", or no such key"));
     }
-    // What the planform lacks is refused at the key that asks for it.
+    // A property that the planform lacks is refused at the key that needs it.
     let refuse = |span: Range<usize>, error: &PatternError, expected: &'static str| match error {
         PatternError::NoSuchProperty { .. } => {
             document.refuse(span, format!("has no meaning for planform \"{planform}\"")).expected(expected)
@@ -268,11 +269,11 @@ pub fn read_texture(document: &Document, file: &TextureFile, table: Range<usize>
             .with_sliding_angle_deg(list(document, angle, SLIDING_ANGLE_DEG)?[0])
             .map_err(|error| document.refuse(angle.span(), error.to_string()))?;
     }
-    // A rim of no height is none.
+    // A rim without height is left out.
     Ok(texture.with_rim(read_rim(document, file)?.filter(Rim::stands)))
 }
 
-/// The directions that `file` names beside the first, which `texture` has, on `specimen`.
+/// Sliding directions of `file` on `specimen`, without the first, which `texture` has.
 ///
 /// # Errors
 /// [`Diagnostic`] for numbers out of range.
@@ -297,11 +298,11 @@ pub fn read_directions(
     Ok(found)
 }
 
-/// Refuses a texture of which the vertical plane takes no meaningful section: it models grooves across
-/// the sliding direction, and squares, in rows along it, by their section.
+/// Refuses a texture that has no meaningful section in the vertical plane. The plane models the sections of grooves
+/// across the sliding direction, and of squares in rows along it.
 ///
 /// # Errors
-/// [`Diagnostic`] at the first key that asks for more.
+/// [`Diagnostic`] at the first key that needs a model in space.
 pub fn require_section(document: &Document, file: &TextureFile, texture: &Texture) -> Result<(), Diagnostic> {
     const WHY: &str = "needs three dimensions, which scenes with extent = \"cell\" or \"strip\" have: the vertical \
                        section along the sliding direction says little of it";
@@ -319,7 +320,7 @@ pub fn require_section(document: &Document, file: &TextureFile, texture: &Textur
     if texture.sliding_direction()[1] == 0.0 {
         return Ok(());
     }
-    // Grooves are turned, or the sliding direction is, or both by different angles.
+    // Grooves or the sliding direction are turned, or both by different angles.
     match (&file.sliding_angle_deg, &file.angle_deg) {
         (Some(sliding), Some(groove)) => refuse(sliding.span(), &format!("that of the grooves, {}", groove.get_ref())),
         (Some(sliding), None) => refuse(sliding.span(), "0"),

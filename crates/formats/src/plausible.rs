@@ -1,8 +1,8 @@
-//! Limits of plausibility: what dry friction experiments on solids give, and what cannot be measured at all.
+//! Limits of plausibility: values that dry friction experiments on solids give, and values that cannot be measured.
 //!
-//! The ranges of [`slipgrid_units`] say which numbers a file may hold; these say which of them are likely meant. A
-//! calibration refuses what cannot be measured and tells what is unusual; a scene, which may be a thought experiment, is
-//! only told.
+//! The ranges of [`slipgrid_units`] define the numbers that a file may hold; the ranges here define the plausible ones.
+//! A calibration refuses impossible values and warns of unusual ones; a scene, which may be a thought experiment, only
+//! gets warnings.
 
 use crate::diagnostic::Diagnostic;
 use slipgrid_units::{MAX_DENSITY_G_CM3, MAX_MODULUS_GPA, Quantity, significant, tidy};
@@ -10,21 +10,21 @@ use slipgrid_units::{MAX_DENSITY_G_CM3, MAX_MODULUS_GPA, Quantity, significant, 
 /// A quantity of an experiment, in the unit of its key.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Plausible {
-    /// What it is, in the plural.
+    /// Name of the quantity, in the plural.
     pub what: &'static str,
-    /// Its unit, as in the key.
+    /// Unit, as in the key.
     pub unit: &'static str,
-    /// Beyond these nothing was measured.
+    /// Range of measured values; values outside cannot be measured.
     pub measurable: [f64; 2],
-    /// Beyond these a slip is likelier than a discovery.
+    /// Range outside which a mistake is more probable than a discovery.
     pub usual: [f64; 2],
-    /// What lies at the ends.
+    /// Examples at the ends of the ranges.
     pub why: &'static str,
-    /// Units that are taken for it, and what turns them into it.
+    /// Units that are often mistaken for the unit of the key, with conversion factors.
     slips: &'static [(&'static str, f64)],
 }
 
-/// What is taken for micrometres.
+/// Units often mistaken for micrometres.
 const OF_MICROMETRES: &[(&str, f64)] = &[("in mm, that", 1e3), ("in nm, that", 1e-3)];
 
 /// Friction coefficients.
@@ -81,7 +81,7 @@ pub const PRESSURE: Plausible = Plausible {
     why: "a specimen's own weight presses with 100 Pa, bearings with 100 MPa",
     slips: &[],
 };
-/// The same where a key holds them, and no force makes them.
+/// Nominal pressures that a key states directly, not through a force.
 pub const GIVEN_PRESSURE: Plausible = Plausible { slips: &[("in kPa, that", 1e-3), ("in Pa, that", 1e-6)], ..PRESSURE };
 /// Nominal pressures over Young's modulus.
 pub const STRAIN: Plausible = Plausible {
@@ -92,8 +92,9 @@ pub const STRAIN: Plausible = Plausible {
     why: "polymers yield at 0.05 and below, and the model is linear",
     slips: &[],
 };
-/// Static over dynamic local coefficients: those that a calibration finds. Blocks slide one after another, so that a specimen's peak is lower
-/// than theirs: one of twice dynamic friction, the highest that tables may have, needs three times.
+/// Ratios of static to dynamic local coefficients that a calibration finds. Blocks slide one after another, so the peak
+/// of a specimen is lower than that of its blocks: a peak of twice dynamic friction, the highest that tables may have,
+/// needs three times.
 pub const STATIC_OVER_DYNAMIC: Plausible = Plausible {
     what: "static over dynamic local coefficients",
     unit: "",
@@ -153,12 +154,13 @@ pub const CAVITY_DEPTH: Plausible = Plausible {
     slips: OF_MICROMETRES,
 };
 
-/// Densities below which no fibre, metal or mineral is the bulk of a solid, in g/cm3: polymers, elastomers and wood.
+/// Density in g/cm3 below which a solid is a polymer, an elastomer or wood: fibres, metals and minerals are denser in
+/// bulk.
 const LIGHT_G_CM3: f64 = 1.4;
-/// Young's modulus up to which such solids are known, along the grain of wood, in GPa.
+/// Highest known Young's modulus of light solids in GPa, along the grain of wood.
 const LIGHT_MODULUS_GPA: f64 = 20.0;
 
-/// What a usual modulus is told that is too high for a solid so light, with the unit that was likely meant.
+/// Warning of a usual modulus that is too high for a solid of this density, with the probable unit.
 #[must_use]
 pub fn stiff_for_its_density(modulus_gpa: f64, density_g_cm3: f64) -> Option<String> {
     let is_doubtful = density_g_cm3 < LIGHT_G_CM3 && modulus_gpa > LIGHT_MODULUS_GPA;
@@ -169,7 +171,8 @@ pub fn stiff_for_its_density(modulus_gpa: f64, density_g_cm3: f64) -> Option<Str
     ))
 }
 
-/// What a relative humidity that is likely a share of 1 is told: air in a room has 20 to 80 %. Nil is air without water.
+/// Warning of a relative humidity that is probably a fraction of 1: air in a room has 20 to 80 %. Zero stands for dry
+/// air.
 #[must_use]
 pub fn share_of_one(humidity_pct: f64) -> Option<String> {
     (humidity_pct > 0.0 && humidity_pct <= 1.0).then(|| {
@@ -178,7 +181,8 @@ pub fn share_of_one(humidity_pct: f64) -> Option<String> {
     })
 }
 
-/// Friction of a patterned sample over that of a flat one at the same load, speed and humidity. None is refused.
+/// Ratio of the friction of a patterned to that of a flat sample at equal load, speed and humidity. No ratio is
+/// refused.
 pub const RATIO: Plausible = Plausible {
     what: "ratios of patterned to flat friction",
     unit: "",
@@ -192,15 +196,15 @@ pub const RATIO: Plausible = Plausible {
     ],
 };
 
-/// Friction above which most solids do not slide dry: rubber does.
+/// Friction above which most solids do not slide dry; rubber does.
 const HIGH_FRICTION: f64 = 1.0;
-/// What friction is that two columns in each other's place make greater than that.
+/// Usual range of friction after exchange of two columns.
 const EXCHANGED: [f64; 2] = [0.05, 1.0];
-/// Share of values that have to be so for all to be asked about.
+/// Fraction of values that must be unusual before all are questioned.
 const NEARLY_ALL: f64 = 0.9;
 
-/// What friction coefficients are told that are nearly all above 1, and of which nearly all would be usual the other way round: friction force
-/// and normal force are likely in each other's place.
+/// Warning of friction coefficients that are nearly all above 1 and whose reciprocals are nearly all usual: friction
+/// force and normal force are probably exchanged.
 #[must_use]
 pub fn exchanged_forces(friction: &[f64]) -> Option<String> {
     let is_likely = |mu: &&f64| **mu > HIGH_FRICTION && 1.0 / **mu >= EXCHANGED[0] && 1.0 / **mu < EXCHANGED[1];
@@ -218,7 +222,7 @@ pub fn exchanged_forces(friction: &[f64]) -> Option<String> {
     ))
 }
 
-/// Every quantity that is judged.
+/// All quantities that are checked.
 pub const ALL: [Plausible; 14] = [
     FRICTION,
     STATIC_OVER_DYNAMIC,
@@ -236,7 +240,7 @@ pub const ALL: [Plausible; 14] = [
     CAVITY_DEPTH,
 ];
 
-/// The unit that is likely to have been meant by a `value` that a key's `quantity` does not accept.
+/// The probable intended unit of a `value` that a key's `quantity` does not accept.
 #[must_use]
 pub fn slip(quantity: Quantity, value: f64) -> Option<String> {
     let judged = [
@@ -252,16 +256,16 @@ pub fn slip(quantity: Quantity, value: f64) -> Option<String> {
 }
 
 impl Plausible {
-    /// The same where what is usual is known better.
+    /// Replaces the usual range by a better known one.
     #[must_use]
     pub const fn within(self, usual: [f64; 2]) -> Self {
         Self { usual, ..self }
     }
 
-    /// Judges `value`, in the key's unit: nothing where it is usual.
+    /// Checks `value`, in the key's unit; returns nothing if it is usual.
     ///
     /// # Errors
-    /// What is wrong with a value that cannot be measured.
+    /// Reason why a value cannot be measured.
     pub fn judge(&self, value: f64) -> Result<Option<String>, String> {
         let within = |[from, to]: [f64; 2]| value >= from && value <= to;
         if within(self.usual) {
@@ -277,14 +281,14 @@ impl Plausible {
         }
     }
 
-    /// What is likely to have been mistaken, and what turns `value` into what is usual.
+    /// Probable mistake, and the factor that converts `value` to a usual value.
     #[must_use]
     pub fn slips_of(&self, value: f64) -> Option<(&'static str, f64)> {
         let within = |value: f64| value >= self.usual[0] && value <= self.usual[1];
         self.slips.iter().copied().find(|(_, factor)| within(value * factor))
     }
 
-    /// The unit that is likely to have been meant: that in which `value` is usual.
+    /// The probable intended unit, in which `value` is usual.
     #[must_use]
     pub fn slip(&self, value: f64) -> Option<String> {
         let (what, factor) = self.slips_of(value)?;
@@ -292,17 +296,17 @@ impl Plausible {
         Some(format!("{what} would be {}{unit}", tidy(value * factor)))
     }
 
-    /// The unit that is likely to have been meant where `value` is small for what it stands for: one in which it is greater, and usual.
+    /// The probable intended unit of a `value` that is too small: a unit in which it is greater, and usual.
     #[must_use]
     pub fn greater(&self, value: f64) -> Option<String> {
         let slips = self.slips.iter().filter(|(_, factor)| *factor > 1.0);
         slips.map(|slip| Self { slips: std::slice::from_ref(slip), ..*self }).find_map(|one| one.slip(value))
     }
 
-    /// Judges `value` for a calibration; `place` names file, line, key and value. Returns what is to be told.
+    /// Checks `value` for a calibration and returns a warning, if any; `place` gives file, line, key and value.
     ///
     /// # Errors
-    /// `place` with what would be accepted, for a value that cannot be measured.
+    /// `place` with the accepted values, if the value cannot be measured.
     pub fn check(&self, value: f64, place: impl FnOnce() -> Diagnostic) -> Result<Option<Diagnostic>, Diagnostic> {
         match self.judge(value) {
             Ok(told) => Ok(told.map(|reason| Diagnostic { reason, ..place() })),
@@ -313,7 +317,7 @@ impl Plausible {
         }
     }
 
-    /// Judges `value` for a scene, of which nothing is refused.
+    /// Checks `value` for a scene, which refuses no value.
     pub fn tell(&self, value: f64, place: impl FnOnce() -> Diagnostic) -> Option<Diagnostic> {
         self.check(value, place).unwrap_or_else(Some)
     }
@@ -339,7 +343,7 @@ mod tests {
         let said = exchanged_forces(&[4.0, 3.2, 2.5]).unwrap();
         assert!(said.contains("3 of 3") && said.contains("friction would be 0.25 to 0.4"), "{said}");
         assert!(exchanged_forces(&[1.6]).unwrap().contains("would be 0.625"));
-        // One of ten may be another, as at the smallest load.
+        // One value of ten may differ, for example at the smallest load.
         let mut ten = [2.0; 10];
         ten[0] = 0.9;
         assert!(exchanged_forces(&ten).unwrap().contains("9 of 10"));
@@ -356,7 +360,7 @@ mod tests {
             let said = stiff_for_its_density(modulus_gpa, density_g_cm3).unwrap();
             assert!(said.ends_with(&format!("in MPa, that would be {meant} GPa")), "{said}");
         }
-        // Polymers, wood, a fibre composite, magnesium; and what is unusual for any solid is told once.
+        // Polymers, wood, a fibre composite, magnesium; a value that is unusual for any solid gets one warning only.
         for (modulus_gpa, density_g_cm3) in [(3.6, 1.3), (15.0, 0.6), (140.0, 1.55), (45.0, 1.74), (380.0, 0.9)] {
             assert_eq!(stiff_for_its_density(modulus_gpa, density_g_cm3), None);
         }

@@ -1,4 +1,4 @@
-//! A refused calibration, at the file, line and key that it is about.
+//! Converts calibration errors to diagnostics at file, line and key.
 
 use std::path::Path;
 
@@ -12,7 +12,7 @@ use crate::plausible::MODULUS;
 use crate::surface::Surface;
 use slipgrid_units::{MODULUS_GPA, SPEED_MM_S, significant_to, tidy};
 
-/// What is wrong with the calibration at `path`; nothing where its numbers are not what ended it.
+/// Diagnostic for an error in the calibration at `path`; `None` if the input did not cause it.
 #[must_use]
 pub fn refuse(error: &CalibrationError, path: &Path, calibration: &Calibration) -> Option<Diagnostic> {
     let at_key = || Diagnostic { key: error.field().map(Into::into), ..Diagnostic::file(path, error.to_string()) };
@@ -35,7 +35,7 @@ pub fn refuse(error: &CalibrationError, path: &Path, calibration: &Calibration) 
     }
 }
 
-/// A refused fit, at the measurement that it is about.
+/// Diagnostic for an error of the fit, at the measurement concerned.
 fn refuse_fit(
     error: &FitError,
     measurement: Option<&Measurement>,
@@ -80,7 +80,7 @@ fn refuse_fit(
     let reason = text.split_once(": expected").map_or(text.as_str(), |(reason, _)| reason);
     let row = measurement.and_then(|measurement| calibration.place(measurement));
     let Some(row) = row else { return Some(Diagnostic::file(path, reason).expected(expected)) };
-    // The row is named by its condition instead of by its number.
+    // The condition replaces the row number in the message.
     let reason = reason.split_once(": ").map_or(reason, |(_, reason)| reason);
     let measured = match error {
         FitError::NotQuasiStatic { .. } | FitError::NoSliding { .. } => {

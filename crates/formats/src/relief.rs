@@ -1,4 +1,4 @@
-//! The measured relief of a pattern: the map of one period that a scene or a calibration names.
+//! Measured relief of a pattern: a map of one period, named by a scene or a calibration.
 
 use std::sync::Arc;
 
@@ -13,12 +13,12 @@ use super::material::existing;
 use super::pattern::PatternFile;
 use crate::diagnostic::Diagnostic;
 
-/// Reads the relief that `file` names for `pattern`, if it does: one period with the centre of a cavity at its centre, as
-/// `surface --cavities --period-out` writes it; of grooves it may be turned by a right angle.
+/// Reads the relief that `file` names for `pattern`, if any: one period with a cavity at its centre, as `surface
+/// --cavities --period-out` writes it. A relief of grooves may be turned by a right angle.
 ///
 /// # Errors
-/// [`Diagnostic`] for a file that cannot be read or is no map, for one of another period or with its cavity
-/// elsewhere, and beside rims.
+/// [`Diagnostic`] if the file cannot be read or is no map, if its period differs or its cavity is off centre, or if
+/// rims are given as well.
 pub fn read_relief(
     document: &Document,
     file: &Spanned<PatternFile>,
@@ -39,7 +39,7 @@ pub fn read_relief(
     Ok(Some(Arc::new(relief)))
 }
 
-/// The heights of `map`, whose rows follow each other along x.
+/// Relief with the heights of `map`, whose rows follow one another along x.
 fn relief_of(map: &HeightMap) -> Result<ReliefMap, slipgrid_pattern::PatternError> {
     let [nx, ny] = [map.rows(), map.cols()];
     let heights_m = (0..nx * ny).map(|n| map.heights_m()[n % nx * ny + n / nx]).collect();

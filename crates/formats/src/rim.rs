@@ -1,4 +1,4 @@
-//! The keys of a pattern that say how its cavities' edges are raised.
+//! Keys of a pattern for the rims at the edges of cavities.
 
 use slipgrid_pattern::{Rim, RimProfile};
 use slipgrid_units::{LENGTH_UM, RIM_HEIGHT_UM};
@@ -9,14 +9,15 @@ use super::pattern::TextureFile;
 use super::values::NumberList;
 use crate::diagnostic::Diagnostic;
 
-/// What gives a rim its height.
+/// Keys that give the height of a rim.
 const HEIGHTS: &str = "rim_height_um, or rim_heights_um = [[depth, height], ...], beside it";
 
-/// Reads the rims of a texture, those of no height included; `None` where no key speaks of them.
+/// Reads the rims of a texture, including rims of zero height; `None` if no key of rims is present.
 ///
 /// # Errors
-/// [`Diagnostic`] for a height without a width, a width, profile or scatter without a height, heights of both kinds, pairs that
-/// are none or whose depths do not ascend, an unknown profile, and numbers out of range.
+/// [`Diagnostic`] if a height has no width, if a width, profile or scatter has no height, if heights of both kinds are
+/// given, if pairs are malformed or their depths do not ascend, if the profile is unknown, or if numbers are out of
+/// range.
 pub fn read_rim(document: &Document, file: &TextureFile) -> Result<Option<Rim>, Diagnostic> {
     let height = file.rim_height_um.as_ref();
     let (heights, place) = match (height, &file.rim_heights_um) {
@@ -56,7 +57,7 @@ pub fn read_rim(document: &Document, file: &TextureFile) -> Result<Option<Rim>, 
         .map_err(|error| document.refuse(place, error.to_string()))
 }
 
-/// Pairs of depth and height, in metres.
+/// Reads pairs of depth and height, in metres.
 fn read_pairs(document: &Document, pairs: &Spanned<Vec<NumberList>>) -> Result<Vec<[f64; 2]>, Diagnostic> {
     let most = Rim::MAX_HEIGHTS;
     if pairs.get_ref().is_empty() || pairs.get_ref().len() > most {

@@ -1,4 +1,4 @@
-//! The table `[run]` of scenes: how they are solved.
+//! Solver options: the table `[run]` of scenes.
 
 use serde::{Deserialize, Serialize};
 use slipgrid_springblock::{Extent, Fidelity, MAX_DRAWS, RunOptions, Springs};
@@ -9,11 +9,11 @@ use super::values::Number;
 use crate::diagnostic::Diagnostic;
 use slipgrid_units::{DAMPING, LENGTH_UM, STEP_NS, TOLERANCE};
 
-/// Run options as a file writes them; absent ones have the defaults of `RunOptions`.
+/// Run options in the form of a file; absent ones have the defaults of `RunOptions`.
 #[derive(Clone, Debug, Default, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct RunFile {
-    /// How the scene is solved: `steady`, `dynamic` or `reference`; `steady` when absent.
+    /// Method of solution: `steady`, `dynamic` or `reference`; `steady` when absent.
     pub fidelity: Option<Spanned<String>>,
     /// `cell`, one period; `sample`, the whole specimen; or `strip`, a strip of it in space, one period wide with periodic sides and with two
     /// ends; `cell` when absent. On a `[specimen]` that is solved in space, a sample is one cell, and a strip the row of cavities through
@@ -23,9 +23,9 @@ pub struct RunFile {
     pub seed: Option<u64>,
     /// Planned travel of the bulk in dynamic runs; 2 when absent.
     pub sliding_um: Option<Number>,
-    /// A block under tension leaves the counterface, in place of being pinned; false when absent.
+    /// A block under tension leaves the counterface instead of being pinned; false when absent.
     pub liftoff: Option<bool>,
-    /// Standard error of mu over mu at which a dynamic run may end; without it no such error is sought.
+    /// Relative standard error of mu at which a dynamic run may end; without it no such error is sought.
     pub mu_stderr: Option<Number>,
     /// Time step; without it 0.34 sqrt(m/k) for `dynamic`, which is 6 ns for the published polymer in blocks of 10 um, and 1 ns for
     /// `reference`.
@@ -34,16 +34,16 @@ pub struct RunFile {
     pub damping: Option<Number>,
     /// Start dynamic runs from the sheared steady equilibrium; false when absent.
     pub warm_start: Option<bool>,
-    /// `linear` springs, for small displacements, or `exact` ones; without it the fidelity decides.
+    /// `linear` springs, for small displacements, or `exact` springs; without it the fidelity decides.
     pub springs: Option<Spanned<String>>,
     /// 2 solves in the vertical plane, 3 in space; the planform decides when absent, and a strip is solved in space.
     pub dimensions: Option<Spanned<u64>>,
-    /// Surfaces with coefficients of their own in dynamic runs, 1 to 64; 1 when absent.
+    /// Surfaces with independent coefficients in dynamic runs, 1 to 64; 1 when absent.
     pub draws: Option<Spanned<u64>>,
-    /// Give ratios for vanishing blocks, as well as steady cells in smaller blocks tell them; false when absent. It serves in the vertical
-    /// plane, and in space without rims, by smaller cells and by what it changes of grooves like them, where such cells are not too dear and
-    /// cavities are at least two of their blocks deep, and where the error is smaller for it. Elsewhere ratios stay those of the blocks of `[sample]`, and
-    /// the result's model says why.
+    /// Extrapolate ratios to vanishing block size from steady cells in smaller blocks; false when absent. Applies in
+    /// the vertical plane. In space it applies without rims, through smaller cells and the changes found in similar
+    /// grooves, if such cells are affordable, if cavities are at least two of their blocks deep, and if the error
+    /// decreases. Otherwise ratios remain those of the blocks of `[sample]`, and the result's model states the reason.
     pub refine: Option<bool>,
 }
 
@@ -56,10 +56,10 @@ pub struct Overrides {
     pub extent: Option<Extent>,
 }
 
-/// Reads the table; on a specimen patterns of three dimensions are solved as one cell, or as a strip.
+/// Reads the table. On a specimen, patterns of three dimensions are solved as one cell, or as a strip.
 ///
 /// # Errors
-/// [`Diagnostic`] for unknown names, numbers out of range and what cannot be solved together.
+/// [`Diagnostic`] if names are unknown, numbers are out of range, or options contradict each other.
 pub fn read_run(
     document: &Document,
     file: &RunFile,

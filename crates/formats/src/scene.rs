@@ -1,4 +1,4 @@
-//! Scene files: what `simulate` takes.
+//! Scene files, the input of `simulate`.
 
 use std::ops::Range;
 
@@ -27,7 +27,7 @@ use slipgrid_units::{
     LENGTH_MM, LENGTH_STD_UM, LENGTH_UM, PRESSURE_MPA, Quantity, SPEED_MM_S, STEP_NS, significant_to, tidy,
 };
 
-/// A scene as a file writes it.
+/// A scene in the form of its file.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct SceneFile {
@@ -41,50 +41,50 @@ pub struct SceneFile {
     pub material: Spanned<PathOr<MaterialFile>>,
     /// Texture; absent for a flat surface.
     pub pattern: Option<Spanned<PatternFile>>,
-    /// The specimen that the pattern is laid on; absent where a sample is one strip of `sample.length_um`.
+    /// Specimen on which the pattern is laid; absent where a sample is one strip of `sample.length_um`.
     pub specimen: Option<Spanned<SpecimenFile>>,
     /// The modelled layer.
     #[serde(default = "default_sample")]
     pub sample: Spanned<SampleFile>,
     /// Loads and speed.
     pub load: Spanned<LoadFile>,
-    /// How to solve.
+    /// Solver options.
     #[serde(default)]
     pub run: RunFile,
 }
 
-/// The modelled layer as a file writes it.
+/// The modelled layer in the form of a file.
 #[derive(Clone, Debug, Default, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct SampleFile {
     /// Length of the specimen along the sliding direction; that of `[specimen]` where there is one, otherwise 9960 when
     /// absent.
     pub length_um: Option<Number>,
-    /// Height of the layer that strips and runs in time hold block by block; 200 um below the rest of the specimen when absent.
-    /// Given alone, it is all that is elastic.
+    /// Height of the layer that strips and runs in time represent by blocks; 200 um below the rest of the specimen when
+    /// absent. If it is given alone, nothing else is elastic.
     pub layer_um: Option<Number>,
-    /// Thickness of the specimen, all of it elastic; 7 when neither this nor the layer is given.
+    /// Thickness of the elastic specimen; 7 when neither this nor the layer is given.
     pub thickness_mm: Option<Number>,
     /// Lattice spacing; 10 when absent.
     pub block_um: Option<Number>,
 }
 
-/// The paper's specimens are as thick, in metres.
+/// Thickness of the specimens in the paper, in metres.
 pub const DEFAULT_THICKNESS_M: f64 = 7e-3;
 
-/// The paper's layer: 996 x 20 blocks of 10 um, under a rigid bulk.
+/// Layer of the paper: 996 x 20 blocks of 10 um, under a rigid bulk.
 pub const DEFAULT_LAYER: Layer = Layer { length_m: 9960e-6, height_m: 200e-6, block_m: 10e-6, thickness_m: None };
 
-/// The same layer as the lowest part of a specimen as thick as the paper's: that of files that do not say more.
+/// Layer of the paper as the lowest part of a specimen of the paper's thickness; the default of files.
 pub const DEFAULT_SPECIMEN: Layer = Layer { thickness_m: Some(DEFAULT_THICKNESS_M), ..DEFAULT_LAYER };
 
-/// The layer of a file that has no `[sample]`.
+/// Layer of a file without `[sample]`.
 #[must_use]
 pub fn default_sample() -> Spanned<SampleFile> {
     Spanned::new(0..0, SampleFile::default())
 }
 
-/// Loads as a file writes them.
+/// Loads in the form of a file.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct LoadFile {
@@ -94,28 +94,28 @@ pub struct LoadFile {
     pub speed_mm_s: Option<Number>,
 }
 
-/// A scene ready to be solved, and what reports about it need.
+/// A scene ready to be solved, with the data for its report.
 #[derive(Clone, Debug)]
 pub struct SceneInput {
-    /// What is solved.
+    /// Scene to be solved.
     pub scene: Scene,
     /// The material, with its provenance.
     pub material: Material,
-    /// How well it is known.
+    /// Uncertainty of the material.
     pub uncertainty: MaterialUncertainty,
-    /// Speed and humidity that select its coefficients.
+    /// Speed and humidity that select the coefficients.
     pub condition: Option<Condition>,
-    /// The specimen whose layout a sample is; absent for one strip, and for cells.
+    /// Specimen whose layout a sample represents; `None` for one strip, and for cells.
     pub specimen: Option<Specimen>,
-    /// Per load: coefficients were taken from the nearest measured pressure.
+    /// For each load, whether coefficients were taken from the nearest measured pressure.
     pub friction_extrapolated: Vec<bool>,
-    /// What is unusual in the file and its material.
+    /// Unusual inputs in the file and its material.
     pub told: Vec<Diagnostic>,
     document: Document,
     places: Places,
 }
 
-/// Where in the file a refused scene points to; absent where the default holds.
+/// File positions for diagnostics of a scene; `None` where the default holds.
 #[derive(Clone, Debug)]
 struct Places {
     length: Option<Range<usize>>,
@@ -131,17 +131,17 @@ impl SceneInput {
     /// Reads the scene file at `path`.
     ///
     /// # Errors
-    /// [`Diagnostic`] for anything refused in it or in a file it names.
+    /// [`Diagnostic`] for any refused input in the file or in a file that it names.
     pub fn read(source: &Source, path: &std::path::Path, overrides: Overrides) -> Result<Self, Diagnostic> {
         let document = Document::read(source, path, FileKind::Scene)?;
         let file: SceneFile = document.parse()?;
         Self::from_file(document, &file, overrides)
     }
 
-    /// Turns a scene as written into one that can be solved.
+    /// Converts a scene from its file form to one that can be solved.
     ///
     /// # Errors
-    /// [`Diagnostic`] for anything refused.
+    /// [`Diagnostic`] for any refused input.
     pub fn from_file(document: Document, file: &SceneFile, overrides: Overrides) -> Result<Self, Diagnostic> {
         document.check_schema(file.schema.as_ref())?;
         let (mut material, uncertainty) = read_referenced(&document, &file.material)?;
@@ -170,7 +170,7 @@ impl SceneInput {
         };
         let run = read_run(&document, &file.run, overrides, specimen.is_some())?;
         let speed_m_s = read_speed(&document, &file.load, condition.as_ref())?;
-        // A scene may ask for no load and for no speed: both have a meaning, if no coefficient.
+        // A scene may have zero load and zero speed: both are meaningful, though without a friction coefficient.
         let load = PRESSURE_MPA.or_zero();
         let pressures_pa = read_pressures(&document, &file.load.get_ref().pressure_mpa, load, &material)?;
         let asked = file.condition.as_ref().map_or(file.material.span(), Spanned::span);
@@ -188,7 +188,7 @@ impl SceneInput {
             step: place(file.run.step_ns.as_ref()),
             travel: place(file.run.sliding_um.as_ref()),
         };
-        // A flat specimen is its strip, and one period has no rim.
+        // A flat specimen is represented by its strip, and one period has no rim.
         let specimen = specimen.filter(|_| pattern.is_some() && run.extent.has_ends());
         let scene = Scene {
             elastic: material.elastic,
@@ -223,7 +223,7 @@ impl SceneInput {
         Ok(input)
     }
 
-    /// Points at the place in the file where the solver found the scene wanting, in the file's units.
+    /// Diagnostic for an error of the solver, at the file position concerned and in the file's units.
     #[must_use]
     pub fn refuse(&self, error: &SceneError) -> Diagnostic {
         let (places, layer) = (&self.places, &self.scene.layer);
@@ -272,7 +272,7 @@ impl SceneInput {
                     self.at(&places.step, "run.step_ns", STEP_NS.from_si(*step_s), reason)
                         .expected(format!("at most {limit_ns}"))
                 } else {
-                    // The fidelity's own step: blocks are too small for it.
+                    // The default step of the fidelity: blocks are too small for it.
                     let step_ns = STEP_NS.from_si(*step_s);
                     let reason =
                         format!("um brings the stability limit of the {scheme} below its step of {step_ns} ns");
@@ -291,14 +291,14 @@ impl SceneInput {
             SceneError::Unsupported { what, instead } => {
                 Diagnostic::file(self.document.path(), format!("{what} is not available")).expected(*instead)
             }
-            // Numbers out of range and empty lists are refused where they are read.
+            // Numbers out of range and empty lists are refused by the reader.
             SceneError::OutOfRange { .. } | SceneError::NoLoads | SceneError::Relief(_) => {
                 Diagnostic::file(self.document.path(), error.to_string())
             }
         }
     }
 
-    /// Points at the place where the solver found the scene wanting, or the specimen the pattern.
+    /// Diagnostic for an error of the solver, or of the pattern's layout on the specimen.
     #[must_use]
     pub fn refuse_on_specimen(&self, error: &SpecimenError) -> Diagnostic {
         match error {
@@ -309,7 +309,7 @@ impl SceneInput {
         }
     }
 
-    /// Refuses what stands at `place`, or `key` by name where the file leaves its value to the default.
+    /// Refuses the value at `place`, or `key` by name if the file leaves the value to the default.
     fn at(&self, place: &Option<Range<usize>>, key: &str, default: f64, reason: String) -> Diagnostic {
         match place {
             Some(span) => self.document.refuse(span.clone(), reason),
@@ -321,11 +321,11 @@ impl SceneInput {
         }
     }
 
-    /// What came of solving it on its specimen in `wall_s` seconds on so many threads: friction in time corrected by the calibrated
-    /// one, and its record.
+    /// Report of the scene's solution on its specimen, which took `wall_s` seconds on the given number of threads:
+    /// friction in time corrected by the calibrated one, and the record.
     ///
     /// # Errors
-    /// [`MaterialError`] for an area law that cannot be moved by its errors.
+    /// [`MaterialError`] if the area law cannot be varied within its errors.
     pub fn report(
         &self,
         mut simulation: Simulation,
@@ -343,10 +343,10 @@ impl SceneInput {
     }
 }
 
-/// Blocks that the face of a specimen is wide at least, wherever it is measured: fewer are no strip of it.
+/// Minimum width of a specimen's face in blocks, anywhere on it: a narrower face is no strip.
 const MIN_FACE_BLOCKS: f64 = 2.0;
 
-/// Refuses a specimen whose face is narrower than the blocks of `layer` can show.
+/// Refuses a specimen whose face is too narrow for the blocks of `layer`.
 ///
 /// # Errors
 /// [`Diagnostic`] at the table of the specimen.
@@ -372,7 +372,7 @@ pub fn check_face(
         .expected(format!("a {what} of at least {MIN_FACE_BLOCKS} blocks, or a smaller sample.block_um")))
 }
 
-/// Reads the modelled layer, as long as `specimen` where there is one, and checks that it is made of whole blocks.
+/// Reads the modelled layer, as long as `specimen` if given, and checks that it consists of whole blocks.
 ///
 /// # Errors
 /// [`Diagnostic`] for numbers out of range.
@@ -397,13 +397,13 @@ pub fn read_layer(
                     tidy(LENGTH_MM.from_si(length_m))
                 )));
         }
-        // The nearest whole blocks: strips of the layout keep their own lengths.
+        // Rounded to whole blocks; strips of the layout keep their lengths.
         (None, Some((specimen, sliding))) => specimen.whole_length_m(sliding, block_m),
         (length, None) => or(length.as_ref(), DEFAULT_LAYER.length_m)?,
     };
     let thickness_m = document.optional(sample.thickness_mm.as_ref(), LENGTH_MM)?;
     let thickness_m = match &sample.layer_um {
-        // The layer alone is what it says.
+        // A layer given alone has no elastic body above it.
         Some(_) => thickness_m,
         None => thickness_m.or(DEFAULT_SPECIMEN.thickness_m),
     };
@@ -454,7 +454,7 @@ pub fn read_layer(
 /// Reads nominal pressures in the range of `quantity` and checks them against the elastic modulus.
 ///
 /// # Errors
-/// [`Diagnostic`] for numbers out of range and for one that stands there twice.
+/// [`Diagnostic`] if numbers are out of range, or if one is repeated.
 fn read_pressures(
     document: &Document,
     pressures: &Spanned<Numbers>,
@@ -480,7 +480,7 @@ fn read_speed(document: &Document, load: &Spanned<LoadFile>, condition: Option<&
         (None, Some(condition)) => Ok(condition.speed_m_s),
         (Some(speed), condition) => {
             let speed_m_s = document.number(speed, SPEED_MM_S.or_zero())?;
-            // A run in time may be slower, as that of a design is where the modelled layer would slide in waves.
+            // A run in time may be slower, as that of a design in which the modelled layer would slide in waves.
             let other = condition.filter(|condition| speed_m_s > (1.0 + 1e-6) * condition.speed_m_s);
             other.map_or(Ok(speed_m_s), |condition| {
                 Err(document

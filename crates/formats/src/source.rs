@@ -1,4 +1,4 @@
-//! Where files come from: a disk, memory, a page. This crate asks for bytes by their path and opens nothing itself.
+//! Sources of files: a disk, memory or a page. This crate requests bytes by path and opens no file itself.
 
 use std::fmt::Debug;
 use std::io;
@@ -7,52 +7,52 @@ use std::sync::Arc;
 
 use crate::diagnostic::Diagnostic;
 
-/// What stands at a path.
+/// Kind of entry at a path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Entry {
     /// A file.
     File,
     /// A folder.
     Folder,
-    /// Something else: a device, a pipe.
+    /// Another kind of entry: a device or a pipe.
     Other,
 }
 
-/// Files by their paths.
+/// Access to files by their paths.
 pub trait Files: Debug + Send + Sync {
     /// The bytes of the file at `path`.
     ///
     /// # Errors
-    /// What the system said.
+    /// The error of the system.
     fn read(&self, path: &Path) -> io::Result<Vec<u8>>;
 
-    /// The file at `path` as a stream, for what is too large to be read at once.
+    /// The file at `path` as a stream, for files too large to be read at once.
     ///
     /// # Errors
-    /// What the system said.
+    /// The error of the system.
     fn stream(&self, path: &Path) -> io::Result<Box<dyn io::Read>> {
         Ok(Box::new(io::Cursor::new(self.read(path)?)))
     }
 
-    /// What stands at `path`.
+    /// Kind of entry at `path`.
     ///
     /// # Errors
-    /// What the system said, where nothing does or it cannot be told.
+    /// The error of the system, if there is no entry or its kind is unknown.
     fn entry(&self, path: &Path) -> io::Result<Entry>;
 
-    /// Names of what stands in `folder`, in any order; empty where that is none.
+    /// Names of the entries of `folder`, in any order; empty if it is no folder.
     fn names(&self, folder: &Path) -> Vec<String>;
 
-    /// The path by which a file is known under any name.
+    /// Canonical path of a file, equal for all its names.
     fn canonical(&self, path: &Path) -> PathBuf {
         path.to_owned()
     }
 }
 
-/// Files that documents share.
+/// File source shared by documents.
 pub type Source = Arc<dyn Files>;
 
-/// No files at all: documents that stand alone.
+/// Source without files, for self-contained documents.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct NoFiles;
 
@@ -70,7 +70,7 @@ impl Files for NoFiles {
     }
 }
 
-/// The content of the file at `path` of `source`; `expected` says what it should be.
+/// Content of the file at `path` of `source`; `expected` describes the expected file.
 ///
 /// # Errors
 /// [`Diagnostic`] if it is a folder or cannot be read.
@@ -92,10 +92,10 @@ pub fn stream(source: &Source, path: &Path, expected: &str) -> Result<Box<dyn io
     source.stream(path).map_err(|error| unreadable(path, &error))
 }
 
-/// The text of the file at `path` of `source`, in UTF-8 or in UTF-16 with its mark.
+/// Text of the file at `path` of `source`, in UTF-8, or in UTF-16 with a byte order mark.
 ///
 /// # Errors
-/// As [`read_bytes`], or if it is neither.
+/// Errors of [`read_bytes`], or a refusal of other encodings.
 pub fn read_text(source: &Source, path: &Path, expected: &str) -> Result<String, Diagnostic> {
     decoded(path, read_bytes(source, path, expected)?, expected)?.map_err(|bytes| {
         let valid = bytes.utf8_chunks().next().map_or(0, |chunk| chunk.valid().len());
@@ -105,24 +105,24 @@ pub fn read_text(source: &Source, path: &Path, expected: &str) -> Result<String,
     })
 }
 
-/// The text of a table at `path` of `source`; where it is neither UTF-8 nor UTF-16 with its mark, as instruments and spreadsheets write it in
-/// Latin-1, whose letters have the same numbers in Unicode.
+/// Text of a table at `path` of `source`. If it is neither UTF-8 nor UTF-16 with a byte order mark it is read as
+/// Latin-1, the encoding of many instruments and spreadsheets, whose letters have the same numbers in Unicode.
 ///
 /// # Errors
-/// As [`read_bytes`], or if it is no text.
+/// Errors of [`read_bytes`], or a refusal of binary content.
 pub fn read_letters(source: &Source, path: &Path, expected: &str) -> Result<String, Diagnostic> {
     let text = decoded(path, read_bytes(source, path, expected)?, expected)?;
     Ok(text.unwrap_or_else(|bytes| bytes.into_iter().map(char::from).collect()))
 }
 
-/// Bytes at the beginning of a file that tell text from what is none.
+/// Bytes at the beginning of a file by which text is told from binary content.
 const HEAD: usize = 512;
 
-/// What some editors write in front of UTF-8.
+/// Byte order mark that some editors write in front of UTF-8.
 const UTF_8_MARK: &[u8] = b"\xEF\xBB\xBF";
 
-/// `bytes` as text, in UTF-8 with or without its mark or in UTF-16 with it, or as they are where they are neither. Lines that end with carriage
-/// returns alone end with line feeds.
+/// Decodes UTF-8 with or without byte order mark, or UTF-16 with it; other `bytes` are returned unchanged. Lone
+/// carriage returns become line feeds.
 fn decoded(path: &Path, bytes: Vec<u8>, expected: &str) -> Result<Result<String, Vec<u8>>, Diagnostic> {
     let units = |rest: &[u8], unit: fn([u8; 2]) -> u16| {
         let pairs = rest.as_chunks::<2>().0.iter().map(|pair| unit(*pair));
@@ -155,7 +155,7 @@ fn unreadable(path: &Path, error: &io::Error) -> Diagnostic {
 mod tests {
     use super::*;
 
-    /// The same file at every path.
+    /// Source with the same file at every path.
     #[derive(Debug)]
     struct One(&'static [u8]);
 

@@ -14,20 +14,21 @@ use crate::diagnostic::Diagnostic;
 use crate::plausible::SPECIMEN;
 use slipgrid_units::LENGTH_MM;
 
-/// Least and greatest thickness of a specimen that a calibration may state, in metres: the layer's, and as many blocks as a solver takes.
+/// Minimum and maximum thickness of a specimen that a calibration may state, in metres: the height of the layer, and
+/// the maximum number of blocks of a solver.
 const THICKNESS_M: [f64; 2] = [DEFAULT_LAYER.height_m, MAX_ROWS * DEFAULT_LAYER.block_m];
 
-/// A specimen as a table of a calibration states it.
+/// A specimen as stated by a table of a calibration.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct StatedSpecimen {
-    /// Its face, and what becomes of cavities at its rim.
+    /// Face, and treatment of cavities at the rim.
     pub(crate) specimen: Specimen,
-    /// Its thickness, in metres, where it is given.
+    /// Thickness, in metres, if given.
     pub(crate) thickness_m: Option<f64>,
 }
 
 impl StatedSpecimen {
-    /// What `table` states; rim and thickness are those of `usual` where it does not.
+    /// Reads the specimen of `table`; rim and thickness default to those of `usual`.
     pub(crate) fn read(
         document: &Document,
         table: &Spanned<FaceFile>,
@@ -46,13 +47,13 @@ impl StatedSpecimen {
         Ok(Self { specimen, thickness_m })
     }
 
-    /// A sample that was cut into it.
+    /// Converts to the specimen of a sample that was cut into it.
     pub(crate) fn cut(self) -> CutSpecimen {
         CutSpecimen { face: Some(self.specimen), thickness_m: self.thickness_m }
     }
 }
 
-/// A thickness in metres, within [`THICKNESS_M`].
+/// Reads a thickness in metres, within [`THICKNESS_M`].
 fn read_thickness_m(document: &Document, given: &Number) -> Result<f64, Diagnostic> {
     let thickness_m = document.number(given, LENGTH_MM)?;
     let [least_m, most_m] = THICKNESS_M;
@@ -65,7 +66,7 @@ fn read_thickness_m(document: &Document, given: &Number) -> Result<f64, Diagnost
         .expected(format!("a thickness in millimetres, from {least_mm} to {most_mm}")))
 }
 
-/// A specimen's face: a disc by its radius, or the shapes of a design's specimen.
+/// Reads the face of a specimen: a disc by its radius, or one of the shapes of a design's specimen.
 fn read_outline(document: &Document, table: &Spanned<FaceFile>) -> Result<Outline, Diagnostic> {
     let file = table.get_ref();
     let others = [
@@ -84,7 +85,7 @@ fn read_outline(document: &Document, table: &Spanned<FaceFile>) -> Result<Outlin
         }
         return Ok(Outline::Disc { diameter_m: 2.0 * document.number(radius, LENGTH_MM)? });
     }
-    // The lengths say what shape it is where the file does not.
+    // Without a shape key the lengths determine the shape.
     let shape = others.iter().find(|(_, length)| length.is_some()).map(|(shape, _)| *shape);
     let named = shape.map(|shape| Spanned::new(table.span(), shape.to_owned()));
     let shape = file.shape.clone().or(named).ok_or_else(|| {
@@ -114,7 +115,7 @@ pub(crate) fn area_m2(outline: &Outline) -> f64 {
     }
 }
 
-/// Its greatest extent, in metres.
+/// Greatest extent of a face, in metres.
 pub(crate) fn extent_m(outline: &Outline) -> f64 {
     match *outline {
         Outline::Disc { diameter_m } => diameter_m,
@@ -123,7 +124,7 @@ pub(crate) fn extent_m(outline: &Outline) -> f64 {
     }
 }
 
-/// What is unusual of the specimen's size.
+/// Diagnostics for an unusual size of the specimen.
 pub(crate) fn outline_told(
     document: &Document,
     table: &Spanned<FaceFile>,

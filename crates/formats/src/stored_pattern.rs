@@ -1,4 +1,4 @@
-//! Patterns in results: the design of a result.json, read back.
+//! Reads the design of a result.json back as a pattern.
 
 use std::path::Path;
 
@@ -8,10 +8,10 @@ use slipgrid_units::LENGTH_UM;
 
 use crate::diagnostic::Diagnostic;
 
-/// The design that the result at `path` holds as `design`.
+/// Pattern of the `design` in the result at `path`.
 ///
 /// # Errors
-/// [`Diagnostic`] names the key whose value makes no pattern.
+/// [`Diagnostic`] at the key whose value gives no valid pattern.
 pub fn stored_pattern(path: &Path, design: &PatternReport) -> Result<Pattern, Diagnostic> {
     let refuse = |key: &str, error: PatternError| Diagnostic {
         key: Some(format!("design.{key}").into()),

@@ -1,4 +1,4 @@
-//! `[surface]` of a calibration file: where the area law comes from, and how an altitude map is read.
+//! `[surface]` of a calibration file: source of the area law, and options for reading an altitude map.
 
 use std::path::PathBuf;
 
@@ -13,93 +13,95 @@ use super::values::Number;
 use crate::diagnostic::Diagnostic;
 use slipgrid_units::{LENGTH_UM, SLOPE};
 
-/// The table as it stands in a file.
+/// The table in the form of a file.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SurfaceFile {
-    /// Altitude map of a flat sample before the test; the area law comes from it.
+    /// Altitude map of a flat sample before the test, from which the area law is computed.
     map: Option<Spanned<String>>,
     /// Altitude map of a flat sample after the test; its difference from `map` is reported.
     map_after: Option<Spanned<String>>,
-    /// `area` takes contact area, `measured` takes flat friction itself as the law of local pressure; `area` when absent.
+    /// Law of local pressure: `area` for contact area, `measured` for flat friction itself; `area` when absent.
     local_law: Option<Spanned<String>>,
-    /// How a measured law continues above the last measured pressure: `constant` or `logarithmic`.
+    /// Extrapolation of a measured law above the last measured pressure: `constant` or `logarithmic`.
     extrapolation: Option<Spanned<String>>,
-    /// Rms slope for Persson's law, where there is no map.
+    /// Rms slope for Persson's law, if there is no map.
     persson_rms_slope: Option<Number>,
-    /// The map was made, not measured; false when absent.
+    /// The map is synthetic, not measured; false when absent.
     synthetic: Option<bool>,
-    /// Distance of points along x, on one line of the file, where the file does not say.
+    /// Distance of points along x, on one line of the file, if the file does not state it.
     pixel_um: Option<Number>,
     /// Distance of points along y, from line to line; as along x when absent.
     pixel_y_um: Option<Number>,
-    /// Unit of heights, where the file does not say: `m`, `cm`, `mm`, `um`, `nm` or `pm`.
+    /// Unit of heights, if the file does not state it: `m`, `cm`, `mm`, `um`, `nm` or `pm`.
     height_unit: Option<Spanned<String>>,
-    /// Unit of x and y in lists of points x y z, in the same words.
+    /// Unit of x and y in lists of points x y z; takes the values of `height_unit`.
     lateral_unit: Option<Spanned<String>>,
-    /// Numbers are written with a decimal comma; false when absent, and needed only where commas may be marks of thousands, as in 1,234.
+    /// Numbers are written with a decimal comma; false when absent, and needed only if commas may be thousands
+    /// separators, as in 1,234.
     decimal_comma: Option<bool>,
-    /// Part of the map that is wanted: first row, first column, rows, columns.
+    /// Part of the map to use: first row, first column, rows, columns.
     crop: Option<Spanned<Vec<usize>>>,
     /// Number N of points along each side that are joined into one: N x N points become one.
     decimate: Option<Spanned<usize>>,
-    /// `mean` of the points or `pick` the first; `mean` when absent.
+    /// Value of joined points: `mean` of the points or `pick` the first; `mean` when absent.
     decimate_by: Option<Spanned<String>>,
-    /// `fill` points that were not measured, or `refuse` the map; `fill` when absent.
+    /// Treatment of points that were not measured: `fill` them, or `refuse` the map; `fill` when absent.
     missing: Option<Spanned<String>>,
-    /// Spikes are replaced by the median of the points about them; false when absent.
+    /// Replace spikes by the median of the neighbouring points; false when absent.
     despike: Option<bool>,
-    /// What is subtracted: `mean`, `plane` or `second-order`; `plane` when absent.
+    /// Form that is subtracted: `mean`, `plane` or `second-order`; `plane` when absent.
     form: Option<Spanned<String>>,
     /// Older name of `form`: true is `plane`, false is `mean`.
     level: Option<Spanned<bool>>,
     /// P0, up to which friction counts as proportional to load; without it f is A/P over its limit at small loads.
     pub threshold_mpa: Option<Number>,
-    /// Windows along each side, whose spread gives the errors of the law: 0 or 1 for none; without the key 2, where the map has room.
+    /// Windows along each side, whose scatter gives the errors of the law: 0 or 1 for none; without the key 2, if the
+    /// map is large enough.
     windows: Option<Spanned<usize>>,
 }
 
-/// How a map is read.
+/// Options for reading a map.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MapOptions {
-    /// What is known about the file, and the part of it that is wanted.
+    /// Known properties of the file, and the part to use.
     pub read: ReadOptions,
-    /// The form that is subtracted; the mean of a map that is one whole period, in any case.
+    /// Form that is subtracted; for a map of one whole period always the mean.
     pub form: Form,
-    /// What is done about missing points.
+    /// Treatment of missing points.
     pub missing: Missing,
-    /// Spikes are replaced by the median of the points about them.
+    /// Replace spikes by the median of the neighbouring points.
     pub despike: bool,
 }
 
 impl MapOptions {
-    /// How the map is made ready once it is read.
+    /// Preparation of the map after reading.
     #[must_use]
     pub const fn preparation(&self) -> Preparation {
         Preparation { form: self.form, missing: self.missing, despike: self.despike }
     }
 }
 
-/// Where the area law comes from.
+/// Source of the area law.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Surface {
     /// Rough contact of a measured or synthetic altitude map.
     Map {
-        /// The map's file.
+        /// Path of the map.
         path: PathBuf,
-        /// The calibration file says that the map is synthetic.
+        /// Whether the calibration file declares the map synthetic.
         synthetic: bool,
-        /// How the map is read.
+        /// Options for reading the map.
         options: MapOptions,
-        /// Windows along either side whose spread gives the law's standard errors; fewer than 2 for none, `None`
+        /// Windows along either side whose scatter gives the standard errors of the law; fewer than 2 for none, `None`
         /// for the default.
         windows: Option<usize>,
-        /// A map of the same kind of sample after the test, read as the first: only compared with it.
+        /// Map of a sample of this kind after the test, read like the first and only compared with it.
         after: Option<PathBuf>,
     },
-    /// None: measured flat friction is the law of local pressure.
+    /// No surface: measured flat friction is the law of local pressure.
     Measured {
-        /// How it goes on above the last measured pressure.
+        /// Extrapolation above the last measured pressure.
         extrapolation: Extrapolation,
     },
     /// Persson's theory for an rms slope.
@@ -112,10 +114,10 @@ pub enum Surface {
 }
 
 impl Surface {
-    /// What the table says.
+    /// Reads the table.
     ///
     /// # Errors
-    /// [`Diagnostic`] unless it names either a map or a slope, and every value means something.
+    /// [`Diagnostic`] unless the table names either a map or a slope and every value is valid.
     pub fn new(document: &Document, file: &Spanned<SurfaceFile>) -> Result<Self, Diagnostic> {
         let surface = file.get_ref();
         if let Some(law) = &surface.local_law {
@@ -156,7 +158,7 @@ impl Surface {
     }
 }
 
-/// Measured flat friction as the local law: it takes no surface.
+/// Reads the options of measured flat friction as the local law, which needs no surface.
 fn measured(document: &Document, file: &SurfaceFile, law: &Spanned<String>) -> Result<Surface, Diagnostic> {
     if !document.choice(law, &[true, false], |measured| if measured { "measured" } else { "area" })? {
         let rest = SurfaceFile { local_law: None, ..file.clone() };

@@ -1,4 +1,4 @@
-//! What friction should be: `[target]` of design files.
+//! Friction target: `[target]` of design files.
 
 use serde::Deserialize;
 use slipgrid_optimize::{Demand, Goal, Quantity, Target, Wanted};
@@ -9,36 +9,36 @@ use super::values::{MAX_TARGET_PRESSURES, Numbers, check_count, distinct_pressur
 use crate::diagnostic::Diagnostic;
 use slipgrid_units::{FRICTION, PRESSURE_MPA, RATIO, TOLERANCE, WEIGHT};
 
-/// A target as a design writes it.
+/// A target in the form of a design file.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TargetFile {
-    /// `ratio`, patterned over flat, or `mu_dynamic`.
+    /// Target quantity: `ratio`, patterned over flat, or `mu_dynamic`.
     quantity: Spanned<String>,
     /// Nominal pressures.
     pub pressure_mpa: Spanned<Numbers>,
-    /// Value wanted: one number, or one per pressure.
+    /// Target value: one number, or one per pressure.
     value: Option<Spanned<Numbers>>,
-    /// Half-width about `value` within which the target is met, or how far beyond `lowest` or `highest` alone is aimed, 0.01 of it when
-    /// absent there: one number, or one per pressure.
+    /// Half-width about `value` within which the target is met, or how far beyond `lowest` or `highest` alone is aimed,
+    /// 0.01 of it when absent there: one number, or one per pressure.
     tolerance: Option<Spanned<Numbers>>,
     /// Lower end of a band, in place of `value`: one number, or one per pressure.
     lowest: Option<Spanned<Numbers>>,
     /// Upper end of a band, in place of `value`: one number, or one per pressure.
     highest: Option<Spanned<Numbers>>,
-    /// `lowest` or `highest` mean over the pressures, or `even`, the least standard deviation over mean.
+    /// `lowest` or `highest` mean over the pressures, or `even`, the smallest relative standard deviation.
     goal: Option<Spanned<String>>,
-    /// How much each pressure counts in means; all alike when absent.
+    /// Weight of each pressure in means; all alike when absent.
     weights: Option<Spanned<Numbers>>,
 }
 
-/// Share of a one-sided limit that is aimed at beyond it where no tolerance says otherwise.
+/// Default relative distance beyond a one-sided limit at which the search aims.
 const MARGIN: f64 = 0.01;
 
 /// Reads a target.
 ///
 /// # Errors
-/// [`Diagnostic`] for numbers out of range, lists of another length, and keys that do not go together.
+/// [`Diagnostic`] if numbers are out of range, lists differ in length, or keys contradict each other.
 pub fn read_target(document: &Document, file: &Spanned<TargetFile>) -> Result<Target, Diagnostic> {
     let target = file.get_ref();
     let all = [Quantity::Ratio, Quantity::DynamicFriction];
@@ -88,7 +88,7 @@ pub fn read_target(document: &Document, file: &Spanned<TargetFile>) -> Result<Ta
         .map_err(|error| document.refuse(file.span(), error.to_string()))
 }
 
-/// Refuses keys that do not go together.
+/// Refuses contradictory keys.
 fn combined(document: &Document, file: &Spanned<TargetFile>, goal: Option<Goal>) -> Result<(), Diagnostic> {
     let target = file.get_ref();
     let band = target.lowest.as_ref().or(target.highest.as_ref());

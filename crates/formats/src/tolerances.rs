@@ -1,4 +1,4 @@
-//! `[tolerances]` of a design: how what is made scatters about what is designed.
+//! `[tolerances]` of a design: scatter of manufactured samples about the design.
 
 use serde::Deserialize;
 use slipgrid_optimize::Tolerances;
@@ -8,7 +8,7 @@ use super::values::Number;
 use crate::diagnostic::Diagnostic;
 use slipgrid_units::{CORRELATION, LENGTH_STD_UM, LENGTH_UM, RIM_HEIGHT_UM};
 
-/// The table as a design writes it.
+/// The table in the form of a design file.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TolerancesFile {
@@ -26,17 +26,19 @@ pub struct TolerancesFile {
 
 /// Reads the table.
 ///
-/// `largest_m` are the largest width, spacing and depth within the bounds.
+/// `largest_m` holds the largest width, spacing and depth within the bounds.
 ///
 /// # Errors
-/// [`Diagnostic`] for numbers out of range, and for dimensions that scatter by more than the largest within the bounds.
+/// [`Diagnostic`] if numbers are out of range, or if a dimension scatters by more than its largest value within the
+/// bounds.
 pub fn read_tolerances(
     document: &Document,
     file: &TolerancesFile,
     largest_m: [f64; 3],
 ) -> Result<Tolerances, Diagnostic> {
-    // Draws are normal, and one that is not positive is drawn again: Phi(-1) = 16 % where a dimension scatters by as much as it measures.
-    // Beyond, that is more of any design, and the others are cells many times as large as any within the bounds.
+    // Draws are normal, and a draw that is not positive is repeated: Phi(-1) = 16 % of draws if a dimension scatters by
+    // as much as it measures. With larger scatter more draws are repeated, and the remaining cells are many times as
+    // large as any within the bounds.
     let std_m = |std: &Option<Number>, name: &str, largest_m: f64| {
         let Some(written) = std else { return Ok(0.0) };
         let std_m = document.number(written, LENGTH_STD_UM)?;

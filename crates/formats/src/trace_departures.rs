@@ -1,4 +1,4 @@
-//! Where a trace is not what its condition says, in words.
+//! Describes deviations of a trace from its condition.
 
 use slipgrid_traces::columns::Channel;
 use slipgrid_traces::export::{Recorded, TraceFile};
@@ -7,21 +7,23 @@ use slipgrid_units::{HUMIDITY_PCT, SPEED_MM_S};
 
 use crate::traces::TraceCondition;
 
-/// Departure of a recorded speed from the nominal one that is told.
+/// Relative deviation of a recorded speed from the nominal one that gives a warning.
 const SPEED_OFF: f64 = 0.1;
-/// The same of a speed that the recorded position says: strokes are not all of one speed.
+/// Relative deviation of a speed from the recorded position that gives a warning: strokes differ in speed.
 const POSITION_OFF: f64 = 0.2;
-/// Departure of a recorded humidity that is told.
+/// Deviation of a recorded humidity that gives a warning.
 const HUMIDITY_OFF: f64 = 0.05;
-/// Recorded speed over the nominal one below which the drive stood still.
+/// Ratio of recorded to nominal speed below which the drive stood still.
 const STILL: f64 = 0.01;
-/// Departure of the instrument's own friction coefficient that is told: it may be divided by the nominal load and have an offset.
+/// Relative deviation of the instrument's own friction coefficient that gives a warning: it may be divided by the
+/// nominal load and have an offset.
 const COEFFICIENT_OFF: f64 = 0.1;
-/// Lag of friction behind the position over the duration of a stroke that is told: a filter that lags by 0.05 strokes
-/// takes half a per cent of friction from the middle half of a stroke, one of 0.1 strokes three per cent.
+/// Lag of friction behind the position, relative to the duration of a stroke, that gives a warning. A filter lag of
+/// 0.05 strokes reduces friction in the middle half of a stroke by half a per cent, a lag of 0.1 strokes by three per
+/// cent.
 const LAG: f64 = 0.05;
 
-/// Says that a trace was recorded at rest, where it has a column of speed.
+/// Warns that a trace was recorded at rest, if it has a column of speed.
 pub(crate) fn stands_still(condition: &TraceCondition, repeat: &Recorded) -> Option<String> {
     let speed = repeat.speed_m_s.map(f64::abs).filter(|speed| *speed < STILL * condition.speed_m_s)?;
     let (found, nominal) = (SPEED_MM_S.from_si(speed), SPEED_MM_S.from_si(condition.speed_m_s));
@@ -30,8 +32,8 @@ pub(crate) fn stands_still(condition: &TraceCondition, repeat: &Recorded) -> Opt
     ))
 }
 
-/// Where recorded speed, humidity, friction coefficient, position and rows of `repeat` in `file` are not what the condition and the
-/// `findings` say.
+/// Deviations of speed, humidity, friction coefficient, position and rows of `repeat` in `file` from the condition and
+/// the `findings`.
 pub(crate) fn departures(
     condition: &TraceCondition,
     repeat: &Recorded,
@@ -67,9 +69,9 @@ pub(crate) fn departures(
     flags
 }
 
-/// Says where the instrument's own friction coefficient is another one than that of its torque or force.
+/// Warns if the instrument's own friction coefficient differs from that of its torque or force.
 fn coefficient_off(condition: &TraceCondition, repeat: &Recorded, findings: &TraceFindings) -> Option<String> {
-    // The instrument knows nothing of a zero that is subtracted.
+    // The instrument does not subtract the zero.
     let own = repeat.usual_coefficient(condition.window_s).filter(|_| condition.zero_s.is_none())?;
     let (mu, force_n) = (findings.window.mu, findings.normal_force_n);
     if (own / mu - 1.0).abs() <= COEFFICIENT_OFF {
@@ -82,7 +84,7 @@ fn coefficient_off(condition: &TraceCondition, repeat: &Recorded, findings: &Tra
         (_, true) => (Channel::FrictionForce, "the stated force", "the stated force or a channel is wrong"),
         (_, false) => (Channel::FrictionForce, "normal force", "a channel or its unit is wrong"),
     };
-    // Exchanged, the column of friction holds the coefficient, and that of the coefficient the force.
+    // If exchanged, the friction column holds the coefficient, and the coefficient column the force.
     let is_exchanged =
         channel == Channel::FrictionForce && (own / (mu * force_n * force_n) - 1.0).abs() <= COEFFICIENT_OFF;
     let wrong =
@@ -94,7 +96,7 @@ fn coefficient_off(condition: &TraceCondition, repeat: &Recorded, findings: &Tra
     ))
 }
 
-/// Says where friction turns later than the position, of a sample that slides back and forth.
+/// Warns if friction reverses later than the position of a reciprocating sample.
 fn lags(condition: &TraceCondition, repeat: &Recorded) -> Option<String> {
     condition.stroke_share?;
     let lag = lag_of_friction(&repeat.channels, &repeat.position_m, condition.window_s)?;
@@ -108,7 +110,7 @@ fn lags(condition: &TraceCondition, repeat: &Recorded) -> Option<String> {
     })
 }
 
-/// Says where the recorded position moves at another speed than the nominal one.
+/// Warns if the recorded position moves at another speed than the nominal one.
 fn position_speed_off(condition: &TraceCondition, repeat: &Recorded) -> Option<String> {
     let moved = speed_of_position(
         &repeat.channels.time_s,
@@ -117,7 +119,7 @@ fn position_speed_off(condition: &TraceCondition, repeat: &Recorded) -> Option<S
         condition.window_s,
         condition.stroke_share.is_some(),
     );
-    // A position that hardly changes is not that of sliding: where a pin stands on its disc, or how far it is worn.
+    // A nearly constant position is not that of sliding: the position of a pin on its disc, or its wear.
     let moved = moved.map(|speed| speed / condition.speed_m_s).filter(|ratio| *ratio > STILL);
     let ratio = moved.filter(|ratio| (ratio - 1.0).abs() > POSITION_OFF)?;
     let nominal = SPEED_MM_S.from_si(condition.speed_m_s);

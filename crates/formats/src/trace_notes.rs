@@ -1,11 +1,12 @@
-//! Notes of traces: what is odd about those of a calibration, in words.
+//! Notes on anomalies in the traces of a calibration.
 
 use slipgrid_traces::TraceFlag;
 use slipgrid_units::{HUMIDITY_PCT, SPEED_MM_S};
 
 use super::traces::ConditionTraces;
 
-/// Notes of conditions for a material's provenance: what concerns many alike is said once, with the first of them.
+/// Notes on conditions for a material's provenance. A note that concerns many conditions is written once, with the
+/// first of them.
 #[must_use]
 pub fn notes(conditions: &[ConditionTraces]) -> Vec<String> {
     let (mut notes, said) = common(conditions);
@@ -25,7 +26,7 @@ pub fn notes(conditions: &[ConditionTraces]) -> Vec<String> {
     notes
 }
 
-/// What errors lack where no condition was measured more than once; `None` otherwise.
+/// Note on the missing part of the errors if no condition was measured more than once; `None` otherwise.
 #[must_use]
 pub fn unrepeated(conditions: &[ConditionTraces]) -> Option<String> {
     let is_alone = |traces: &ConditionTraces| traces.mean.count == 1 && traces.mean.mu_dynamic.freedom == 0;
@@ -40,19 +41,19 @@ pub fn unrepeated(conditions: &[ConditionTraces]) -> Option<String> {
     })
 }
 
-/// What is odd, and where.
+/// An anomaly and its location.
 struct Remark {
     place: String,
     words: String,
 }
 
-/// Remarks that differ in their numbers at most, in one sentence.
+/// Remarks that differ at most in their numbers, in one sentence.
 struct Group {
     words: String,
     is_of_many: bool,
 }
 
-/// One sentence for remarks in the same words, whatever their numbers are; `(what, all)` is what they are about, and how many there are.
+/// One sentence for remarks that differ only in their numbers; `(what, all)` gives the subject and the total number.
 fn grouped(remarks: &[Remark], (what, all): (&str, usize)) -> Vec<Group> {
     let kind = |words: &str| words.replace(|letter: char| letter.is_ascii_digit(), "");
     let mut groups: Vec<(String, &Remark, usize)> = Vec::new();
@@ -73,7 +74,7 @@ fn grouped(remarks: &[Remark], (what, all): (&str, usize)) -> Vec<Group> {
     groups.into_iter().map(in_words).collect()
 }
 
-/// Where the traces of a condition stand.
+/// File position of the traces of a condition.
 fn place(traces: &ConditionTraces) -> String {
     let condition = &traces.condition;
     format!(
@@ -85,7 +86,7 @@ fn place(traces: &ConditionTraces) -> String {
     )
 }
 
-/// What is odd about single traces, without what was `said`.
+/// Anomalies of single traces, without the ones already `said`.
 fn of_traces(conditions: &[ConditionTraces], said: &[String]) -> Vec<Remark> {
     let of_condition = |traces: &ConditionTraces| -> Vec<Remark> {
         let place = place(traces);
@@ -98,7 +99,7 @@ fn of_traces(conditions: &[ConditionTraces], said: &[String]) -> Vec<Remark> {
     conditions.iter().flat_map(of_condition).collect()
 }
 
-/// What is odd about the repeats of a condition.
+/// Anomalies of the repeats of a condition.
 fn of_conditions(conditions: &[ConditionTraces]) -> Vec<Remark> {
     let mut remarks = Vec::new();
     for traces in conditions {
@@ -132,7 +133,7 @@ fn of_conditions(conditions: &[ConditionTraces]) -> Vec<Remark> {
     remarks
 }
 
-/// Notes for several traces at once, and the flags that they stand for.
+/// Notes on several traces at once, and the flags that they replace.
 fn common(conditions: &[ConditionTraces]) -> (Vec<String>, Vec<String>) {
     let all = || conditions.iter().flat_map(|traces| &traces.traces);
     let of = all().count();
@@ -159,7 +160,7 @@ fn common(conditions: &[ConditionTraces]) -> (Vec<String>, Vec<String>) {
         ));
         said.extend(flags().filter(|flag| matches!(flag, TraceFlag::StrokesDiffer { .. })).map(TraceFlag::to_string));
     }
-    // What a recording lacks, it lacks in the same words.
+    // Flags of missing columns have the same words in all traces.
     for flag in [TraceFlag::SignNotRecorded, TraceFlag::LoadNotRecorded] {
         let count = flags().filter(|other| **other == flag).count();
         if count > 1 {

@@ -1,4 +1,4 @@
-//! The table `[traces]` of a calibration and `[[trial.traces]]` of a trial, as they are written.
+//! The tables `[traces]` of a calibration and `[[trial.traces]]` of a trial, in their serialized form.
 
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -17,7 +17,7 @@ use crate::diagnostic::Diagnostic;
 use crate::source::{Entry, Source};
 use slipgrid_units::{FORCE_N, HUMIDITY_PCT, LENGTH_MM, SPEED_MM_S, STROKE_SHARE, TIME_S};
 
-/// `[traces]` as a file writes it.
+/// `[traces]` in the form of a file.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TracesFile {
@@ -31,43 +31,45 @@ pub struct TracesFile {
     static_peak: Option<bool>,
     /// The sample slides back and forth; false when absent. Friction is half the width of the loop of two strokes.
     reciprocating: Option<bool>,
-    /// Share of every stroke, about its middle, that is averaged with `reciprocating`; 0.5 when absent.
+    /// Fraction of every stroke, about its middle, that is averaged with `reciprocating`; 0.5 when absent.
     stroke_share: Option<Number>,
-    /// Seconds since the first row, before touchdown, between which the means of normal force and of friction force (or torque) are the
-    /// sensors' zero, which is subtracted; nothing is when absent.
+    /// Seconds since the first row, before touchdown, between which the means of normal force and of friction force (or
+    /// torque) are the zero of the sensors, which is subtracted; nothing is when absent.
     zero_s: Option<NumberList>,
-    /// Titles of columns that are not among the known ones, as `{ friction_force = "F_tan", normal_force = "F_norm [mN]" }`.
+    /// Titles of columns that are not among the known ones, as `{ friction_force = "F_tan", normal_force = "F_norm
+    /// [mN]" }`.
     columns: Option<ColumnsFile>,
-    /// One table a condition; needed unless a trial has `[[trial.traces]]`.
+    /// One table per condition; needed unless a trial has `[[trial.traces]]`.
     condition: Option<Spanned<Vec<TraceConditionFile>>>,
 }
 
-/// Titles of one's own for columns of exports, units in them as in an export; the known titles of the same quantity then mean nothing.
-/// `#2` behind a title means the second column that has it, and `none` that no column is of the quantity.
+/// Custom titles of columns of exports, with units as in an export; the known titles of the same quantity are then
+/// ignored. `#2` behind a title selects the second column with this title, and `none` states that no column holds the
+/// quantity.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ColumnsFile {
-    /// Title of the column of time; the unit in its brackets is that of a column that names none, s without it.
+    /// Title of the time column; a unit in its brackets applies to a column without a unit, which otherwise has s.
     time: Option<Spanned<String>>,
-    /// Of the torque; N m without a unit.
+    /// Title of the torque column; N m without a unit.
     torque: Option<Spanned<String>>,
-    /// Of the friction force; N without a unit.
+    /// Title of the friction force column; N without a unit.
     friction_force: Option<Spanned<String>>,
-    /// Of the friction coefficient.
+    /// Title of the friction coefficient column.
     friction_coefficient: Option<Spanned<String>>,
-    /// Of the normal force; N without a unit.
+    /// Title of the normal force column; N without a unit.
     normal_force: Option<Spanned<String>>,
-    /// Of the sliding speed; mm/s without a unit.
+    /// Title of the sliding speed column; mm/s without a unit.
     speed: Option<Spanned<String>>,
-    /// Of the revolutions; rpm without a unit.
+    /// Title of the revolutions column; rpm without a unit.
     revolutions: Option<Spanned<String>>,
-    /// Of the relative humidity; % without a unit.
+    /// Title of the relative humidity column; % without a unit.
     humidity: Option<Spanned<String>>,
-    /// Of the number of the repeat.
+    /// Title of the column with the number of the repeat.
     repeat: Option<Spanned<String>>,
-    /// Of the number of the step.
+    /// Title of the column with the number of the step.
     step: Option<Spanned<String>>,
-    /// Of the position along the way of sliding; not read without a unit.
+    /// Title of the column with the position along the sliding path; not read without a unit.
     position: Option<Spanned<String>>,
 }
 
@@ -102,7 +104,7 @@ impl ColumnsFile {
     }
 }
 
-/// Exports of one condition; tables of one condition are repeats of it.
+/// Exports of one condition; further tables of the condition are repeats.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TraceConditionFile {
@@ -110,13 +112,14 @@ pub struct TraceConditionFile {
     force_n: Number,
     /// Sliding speed.
     speed_mm_s: Number,
-    /// Relative humidity; where it was not measured, one number in all conditions.
+    /// Relative humidity; if it was not measured, one number in all conditions.
     humidity_pct: Number,
     /// `flat` or `patterned`; `flat` when absent, of a trial `patterned`.
     surface: Option<Spanned<String>>,
     /// Exports, each once; `*` stands for any letters.
     files: Spanned<Vec<Spanned<String>>>,
-    /// The step of the exports that is read, by the number that they give it, or counted from 1 where they give none; the whole export when absent.
+    /// Step of the exports to read, by its number in the export, or counted from 1 if steps are not numbered; the whole
+    /// export when absent.
     step: Option<Spanned<u64>>,
     /// Exports of `files` that are left out, such as a spoilt repeat; `*` stands for any letters.
     exclude: Option<Vec<Spanned<String>>>,
@@ -124,38 +127,38 @@ pub struct TraceConditionFile {
     window_s: Option<NumberList>,
     /// The sample slides back and forth in this condition; as `[traces]` says when absent.
     reciprocating: Option<bool>,
-    /// Share of every stroke in this condition; as `[traces]` says when absent.
+    /// Fraction of every stroke in this condition; as `[traces]` says when absent.
     stroke_share: Option<Number>,
-    /// Seconds between which the sensors' zero of this condition is read; as `[traces]` says when absent.
+    /// Seconds between which the zero of the sensors is read in this condition; as `[traces]` says when absent.
     zero_s: Option<NumberList>,
 }
 
-/// Conditions, each with its place in the file.
+/// Conditions, each with its file position.
 pub(crate) type PlacedConditions = Vec<(Range<usize>, TraceCondition)>;
 
-/// The span of the sensors' zero, in seconds since the first row, and the place of its key.
+/// Time span of the sensors' zero, in seconds since the first row, and the file position of its key.
 type Zero = ([f64; 2], Range<usize>);
 
-/// What reads the traces of a calibration, each export once.
+/// Reads the traces of a calibration, each export once.
 pub(crate) struct TraceReader<'d> {
     document: &'d Document,
     setup: TraceSetup,
     window_s: [f64; 2],
     reciprocating: bool,
     stroke_share: Option<f64>,
-    /// With the place of its key.
+    /// With the file position of the key.
     zero_s: Option<Zero>,
-    /// Every export that was named, with its own place and line.
+    /// Every named export, with its path in the table and its line.
     named: Vec<(Export, Option<u32>)>,
-    /// Every trace that was read.
+    /// Every trace read so far.
     seen: Vec<Seen>,
 }
 
 impl<'d> TraceReader<'d> {
-    /// What the table `[traces]` says of all traces, those of the conditions `of_trials` among them.
+    /// Reads the options of the table `[traces]` for all traces, including the conditions `of_trials`.
     ///
     /// # Errors
-    /// [`Diagnostic`] for anything refused in it.
+    /// [`Diagnostic`] for any refused input.
     pub(crate) fn new<'f>(
         document: &'d Document,
         file: Option<&TracesFile>,
@@ -199,10 +202,10 @@ impl<'d> TraceReader<'d> {
         })
     }
 
-    /// The conditions of the table; `needed` where no trial has traces of its own. Files are looked for.
+    /// Reads the conditions of the table; they are `needed` if no trial has its own traces. Checks that files exist.
     ///
     /// # Errors
-    /// [`Diagnostic`] for anything refused in them.
+    /// [`Diagnostic`] for any refused input.
     pub(crate) fn table(&mut self, table: &Spanned<TracesFile>, needed: bool) -> Result<PlacedConditions, Diagnostic> {
         match &table.get_ref().condition {
             Some(list) => self.conditions(list, None),
@@ -213,11 +216,11 @@ impl<'d> TraceReader<'d> {
         }
     }
 
-    /// Conditions of a list, of a trial or of the table; files are looked for. A condition that is named again, as once for each repeat,
-    /// has the exports of both.
+    /// Reads the conditions of a list, of a trial or of the table; checks that files exist. Exports of a condition that
+    /// is named several times, for example once per repeat, are joined.
     ///
     /// # Errors
-    /// [`Diagnostic`] for anything refused in them.
+    /// [`Diagnostic`] for any refused input.
     pub(crate) fn conditions(
         &mut self,
         list: &Spanned<Vec<TraceConditionFile>>,
@@ -242,10 +245,12 @@ impl<'d> TraceReader<'d> {
         Ok(all)
     }
 
-    /// Reads and analyses every trace of `conditions`, whose scatter is drawn toward that of the others of the same surface.
+    /// Reads and analyses every trace of `conditions`; the scatter is shrunk towards that of the other conditions of
+    /// the surface.
     ///
     /// # Errors
-    /// As [`analyse_condition`](super::traces::analyse_condition), and for an export that holds what another holds.
+    /// Errors of [`analyse_condition`](super::traces::analyse_condition), and a refusal of an export with the content
+    /// of another.
     pub(crate) fn analyse(
         &mut self,
         conditions: &[(Range<usize>, TraceCondition)],
@@ -307,7 +312,7 @@ impl<'d> TraceReader<'d> {
         })
     }
 
-    /// The exports of a list, and those of them that `exclude` leaves out.
+    /// Exports of a list, separated into used ones and those that `exclude` leaves out.
     fn files(
         &mut self,
         list: &Spanned<Vec<Spanned<String>>>,
@@ -327,7 +332,7 @@ impl<'d> TraceReader<'d> {
             for path in &found {
                 let own = Export { path: document.source().canonical(path), step };
                 let here = document.refuse(name.span(), "");
-                // Other steps of an export are other traces.
+                // Other steps of an export are separate traces.
                 let is_same = |other: &Export| {
                     other.path == own.path && (other.step == own.step || other.step.is_none() || own.step.is_none())
                 };
@@ -345,7 +350,7 @@ impl<'d> TraceReader<'d> {
         }
         let mut excluded = Vec::new();
         for name in exclude {
-            // A name alone is of the folder of any of them, as a message says it.
+            // A plain file name applies in the folder of any export, as messages show it.
             let pattern = document.resolve(name.get_ref());
             let parts: Vec<&str> = name.get_ref().split('*').collect();
             let is_named = |path: &PathBuf| {
@@ -398,7 +403,7 @@ fn read_span(
     }
 }
 
-/// Files whose names fit `pattern`, in which * stands for any letters of the name; sorted.
+/// Files whose names match `pattern`, in which * stands for any letters of the name; sorted.
 fn matching(source: &Source, pattern: &Path) -> Vec<PathBuf> {
     let is_file = |path: &Path| source.entry(path).is_ok_and(|entry| entry == Entry::File);
     let name = pattern.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
@@ -414,7 +419,7 @@ fn matching(source: &Source, pattern: &Path) -> Vec<PathBuf> {
     found
 }
 
-/// Whether `name` is the parts in their order with anything between them.
+/// Whether `name` consists of the parts in order, with any text between them.
 fn fits(name: &str, parts: &[&str]) -> bool {
     let [first, middle @ .., last] = parts else { return parts == [name] };
     let Some(mut rest) = name.strip_prefix(first).and_then(|rest| rest.strip_suffix(last)) else { return false };

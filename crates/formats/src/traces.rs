@@ -1,4 +1,4 @@
-//! What the traces of a calibration's conditions say.
+//! Reads and analyses the traces of a calibration's conditions.
 
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -19,7 +19,7 @@ use crate::source::{Source, read_letters};
 use crate::trace_departures::{departures, stands_still};
 use crate::unused_columns::near_titles;
 
-/// Number of specimens in a holder, at most.
+/// Maximum number of specimens in a holder.
 pub const MAX_SPECIMENS: u32 = 100;
 
 /// The surface of a specimen.
@@ -32,10 +32,10 @@ pub enum SurfaceKind {
 }
 
 impl SurfaceKind {
-    /// Both.
+    /// All kinds of surface.
     pub const ALL: [Self; 2] = [Self::Flat, Self::Patterned];
 
-    /// The name used in files.
+    /// Name used in files.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -45,7 +45,7 @@ impl SurfaceKind {
     }
 }
 
-/// How all traces of a calibration are read.
+/// Options for reading all traces of a calibration.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TraceSetup {
     /// Distance from the axis to a specimen's centre, in metres; a torque needs it.
@@ -54,33 +54,33 @@ pub struct TraceSetup {
     pub specimens: u32,
     /// Look for a static peak.
     pub static_peak: bool,
-    /// Titles of columns beside those that are known.
+    /// Titles of columns in addition to the known ones.
     pub titles: Titles,
 }
 
 impl TraceSetup {
-    /// Traces with the titles of columns that are known; `effective_radius_m` in metres.
+    /// Traces with known column titles; `effective_radius_m` in metres.
     #[must_use]
     pub fn new(effective_radius_m: Option<f64>, specimens: u32, static_peak: bool) -> Self {
         Self { effective_radius_m, specimens, static_peak, titles: Titles::default() }
     }
 }
 
-/// The trial of a calibration that traces belong to.
+/// Trial of a calibration to which traces belong.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct OfTrial {
-    /// Its number in the file, from 1.
+    /// Number in the file, counted from 1.
     pub number: usize,
-    /// Its name.
+    /// Name of the trial.
     pub name: String,
 }
 
-/// An export, and the step of it that belongs to a condition.
+/// An export, and the step in it that belongs to a condition.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Export {
     /// The file.
     pub path: PathBuf,
-    /// The step that is read, by the number the instrument gave it; `None` for the whole file.
+    /// Step to read, by the instrument's number; `None` for the whole file.
     pub step: Option<u32>,
 }
 
@@ -102,7 +102,7 @@ impl Export {
 pub struct TraceCondition {
     /// Flat or patterned.
     pub surface: SurfaceKind,
-    /// The trial that was measured, where it is one.
+    /// Trial that was measured, if any.
     pub trial: Option<OfTrial>,
     /// Nominal normal force on one specimen, in newtons.
     pub force_n: f64,
@@ -112,9 +112,10 @@ pub struct TraceCondition {
     pub humidity: f64,
     /// Averaging window, in seconds since the first row.
     pub window_s: [f64; 2],
-    /// Part in the middle of every stroke that counts where the sample slides back and forth.
+    /// Fraction in the middle of every stroke that is averaged, if the sample slides back and forth.
     pub stroke_share: Option<f64>,
-    /// Span before touchdown whose mean forces are subtracted as the sensors' zero, in seconds since the first row.
+    /// Span before touchdown whose mean forces are subtracted as the zero of the sensors, in seconds since the first
+    /// row.
     pub zero_s: Option<[f64; 2]>,
     /// Exports, in the order of their names.
     pub files: Vec<Export>,
@@ -123,13 +124,13 @@ pub struct TraceCondition {
 }
 
 impl TraceCondition {
-    /// Whether `other` is the same condition of the same sample, read in the same way: its exports are further repeats.
+    /// Whether `other` is a repeat: equal condition, sample and options.
     #[must_use]
     pub fn is_repeated_by(&self, other: &Self) -> bool {
         Self { files: other.files.clone(), excluded: other.excluded.clone(), ..self.clone() } == *other
     }
 
-    /// The sample in words: `flat sample`, or the name of a trial.
+    /// Describes the sample: `flat sample`, or the name of a trial.
     #[must_use]
     pub fn sample(&self) -> String {
         self.trial
@@ -138,14 +139,14 @@ impl TraceCondition {
     }
 }
 
-/// One repeat, read.
+/// One analysed repeat.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ReadTrace {
-    /// File, and number in it where there are several.
+    /// File, and number in the file if there are several.
     pub label: String,
-    /// What it says.
+    /// Results of the analysis.
     pub findings: TraceFindings,
-    /// What is odd, in words.
+    /// Anomalies, in words.
     pub flags: Vec<String>,
 }
 
@@ -154,14 +155,14 @@ pub struct ReadTrace {
 pub struct ConditionTraces {
     /// The condition.
     pub condition: TraceCondition,
-    /// Its repeats.
+    /// Repeats of the condition.
     pub traces: Vec<ReadTrace>,
-    /// Their mean.
+    /// Mean over the repeats.
     pub mean: Repeats,
 }
 
 impl ConditionTraces {
-    /// The row of a table of measurements; its deviations say how far another sample may be.
+    /// Row of a table of measurements; its deviations describe the scatter between samples.
     #[must_use]
     pub fn measurement(&self) -> Measurement {
         let (condition, mean) = (&self.condition, &self.mean);
@@ -178,7 +179,7 @@ impl ConditionTraces {
         }
     }
 
-    /// The same with its place: the condition at `span` of `document`.
+    /// Measurement with its file position: the condition at `span` of `document`.
     pub(crate) fn placed(&self, document: &Document, span: &Range<usize>) -> Placed {
         let line = document.refuse(span.clone(), "").line.unwrap_or(1);
         Placed { measurement: self.measurement(), path: document.path().to_owned(), line }
@@ -188,8 +189,8 @@ impl ConditionTraces {
 /// Reads and analyses every trace of a condition.
 ///
 /// # Errors
-/// [`Diagnostic`] for a file that is no export, that is given twice or holds what another holds, or the first trace
-/// that cannot be used; how many more there are is said.
+/// [`Diagnostic`] if a file is no export, is given twice or repeats another, or for the first trace that cannot be
+/// used, with the number of further ones.
 pub fn analyse_condition(
     source: &Source,
     setup: &TraceSetup,
@@ -198,20 +199,20 @@ pub fn analyse_condition(
     analyse_among(source, setup, condition, &mut Vec::new())
 }
 
-/// A trace that was read.
+/// A trace read earlier, used to detect repeated content.
 pub(crate) struct Seen {
-    /// Its file, and its number there.
+    /// File, and number in the file.
     label: String,
-    /// How many samples it has.
+    /// Number of samples.
     samples: usize,
     /// [`TraceChannels::fingerprint`](slipgrid_traces::TraceChannels::fingerprint).
     sums: [u64; 3],
 }
 
-/// The same among the traces that were `seen` before, to which it adds its own.
+/// Analyses a condition; compares its traces with those `seen` before and adds them.
 ///
 /// # Errors
-/// As [`analyse_condition`]; a trace that was seen is given twice.
+/// Errors of [`analyse_condition`]; a trace seen before is refused as given twice.
 pub(crate) fn analyse_among(
     source: &Source,
     setup: &TraceSetup,
@@ -297,7 +298,7 @@ pub(crate) fn analyse_among(
     }
 }
 
-/// The refusal of a trace with `error`; where rows without a number are to blame, of these.
+/// Diagnostic for a trace with `error`; if rows without a number cause it, for these rows.
 fn refuse_trace(path: &Path, which: &str, repeat: &Recorded, error: &TraceError, window_s: [f64; 2]) -> Diagnostic {
     let missing = repeat.missing.as_ref();
     match missing.and_then(|missing| Some((&missing.longest, missing.explains(error, window_s)?))) {
@@ -310,7 +311,7 @@ fn refuse_trace(path: &Path, which: &str, repeat: &Recorded, error: &TraceError,
     }
 }
 
-/// Says how a repeat differs from the others; `first` is the first of two.
+/// Describes how a repeat differs from the others; `first` is the first of two.
 fn words_of_odd(odd: &OddRepeat, mu: f64, first: &str) -> String {
     let (amount, others) = (100.0 * odd.relative.abs(), odd.others);
     let side = if odd.relative < 0.0 { "below" } else { "above" };
@@ -334,7 +335,7 @@ fn read_export(source: &Source, export: &Export, setup: &TraceSetup) -> Result<T
 /// Reads an export from its text; its path names it in messages.
 ///
 /// # Errors
-/// [`Diagnostic`] that names line and column of what was refused.
+/// [`Diagnostic`] that names line and column of the refused value.
 pub fn parse_export(export: &Export, text: &str, setup: &TraceSetup) -> Result<TraceFile, Diagnostic> {
     let (effective_radius_m, titles) = (setup.effective_radius_m, Some(&setup.titles));
     parse(text, &ExportOptions { effective_radius_m, titles, step: export.step }).map_err(|refused| Diagnostic {

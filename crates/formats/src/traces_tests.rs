@@ -25,13 +25,13 @@ impl Files for Memory {
     }
 }
 
-/// `rows` lines at 10 Hz, each from its time and a ripple, so that no sensor stands still.
+/// `rows` lines at 10 Hz, each from its time and a ripple, so that no sensor is constant.
 fn lines(rows: u32, line: impl Fn(f64, f64) -> String) -> String {
     let ripple = |t: f64| 1.0 + 0.01 * (7.0 * t).sin();
     (0..rows).map(|row| f64::from(row) * 0.1).map(|t| line(t, ripple(t)) + "\n").collect()
 }
 
-/// The traces of a calibration whose conditions have these speeds and keys, read from `export`.
+/// Traces of a calibration whose conditions have these speeds and keys, read from `export`.
 fn read(export: &str, keys: &str, conditions: &[(u32, &str)]) -> Result<Vec<ConditionTraces>, String> {
     let condition = |(speed, own): &(u32, &str)| {
         format!(
@@ -88,7 +88,7 @@ fn a_recorded_coefficient_that_contradicts_the_forces_is_told() {
     let says = "the recorded friction coefficient is 0.5005, 2.00 times the 0.2500 of torque / (normal force x radius): the radius or a channel is wrong";
     assert!(said.contains(says), "{said}");
     assert!(!notes_of(&export(1.05), radius).contains("coefficient"));
-    // Of a dead weight the stated force is doubtful; a force and a coefficient may be exchanged.
+    // With a dead weight the stated force is doubtful; a force and a coefficient may be exchanged.
     let dead = "time,Fx [N],COF\n".to_owned()
         + &lines(101, |t, ripple| format!("{t:.1},{:.5},{:.5}", 2.5 * ripple, 0.5 * ripple));
     assert!(

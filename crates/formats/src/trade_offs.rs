@@ -1,4 +1,4 @@
-//! `[trade_offs]` of a design: by what designs are compared beside the search.
+//! `[trade_offs]` of a design: goals for the comparison of designs in addition to the search.
 
 use serde::Deserialize;
 use slipgrid_design::{TradeOffGoal, TradeOffsWanted};
@@ -11,12 +11,12 @@ use super::document::Document;
 use super::limits::missing_for_time;
 use crate::diagnostic::Diagnostic;
 
-/// Designs compared at first where a file names no number.
+/// Default number of designs that are compared first.
 const DEFAULT_DESIGNS: usize = 2000;
-/// The same where each takes its neighbours too.
+/// Default number of designs that are compared first, if each needs its neighbours as well.
 const DEFAULT_DESIGNS_WITH_SPREAD: usize = 400;
 
-/// The table as a design writes it.
+/// The table in the form of a design file.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TradeOffsFile {
@@ -26,7 +26,7 @@ pub struct TradeOffsFile {
     designs: Option<Spanned<u64>>,
 }
 
-/// What the goals rest on.
+/// Inputs that goals need.
 #[derive(Clone, Copy, Debug)]
 pub struct Given<'a> {
     /// The laser.
@@ -35,14 +35,14 @@ pub struct Given<'a> {
     pub target: &'a Target,
     /// The texture of every design.
     pub texture: &'a Texture,
-    /// The design says how samples scatter.
+    /// Whether the design states the scatter of samples.
     pub has_tolerances: bool,
 }
 
 /// Reads the table.
 ///
 /// # Errors
-/// [`Diagnostic`] for goals that are unknown, repeated, too few or too many, or that rest on what is not given.
+/// [`Diagnostic`] if goals are unknown, repeated, too few or too many, or if they need inputs that are not given.
 pub fn read_trade_offs(
     document: &Document,
     table: &Spanned<TradeOffsFile>,
@@ -81,7 +81,7 @@ pub fn read_trade_offs(
     Ok(TradeOffsWanted { goals, designs })
 }
 
-/// Refuses a goal that rests on what the design does not give.
+/// Refuses a goal that needs inputs that the design does not give.
 fn needs(document: &Document, name: &Spanned<String>, goal: TradeOffGoal, given: &Given<'_>) -> Result<(), Diagnostic> {
     let refuse = |reason: &str, expected: String| Err(document.refuse(name.span(), reason).expected(expected));
     match goal {

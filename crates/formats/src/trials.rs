@@ -1,4 +1,4 @@
-//! Trials in a calibration: `[[trial]]` and `[trial_prior]`.
+//! Trials of a calibration: `[[trial]]` and `[trial_prior]`.
 
 use serde::{Deserialize, Serialize};
 use slipgrid_calibrate::{CutSample, CutSpecimen, TrialsTask};
@@ -31,47 +31,50 @@ use slipgrid_units::RELATIVE_STD;
 pub struct TrialFile {
     /// Name of the sample.
     name: Spanned<String>,
-    /// When it was cut, in any form.
+    /// Date of cutting, in any form.
     #[serde(default)]
     date: String,
-    /// Anything worth keeping.
+    /// Free notes.
     #[serde(default)]
     notes: String,
-    /// Its pattern, as measured.
+    /// Measured pattern.
     pattern: Spanned<PatternFile>,
     /// CSV table of friction in the columns of flat samples.
     measurements: Option<Spanned<String>>,
-    /// Raw exports of a tribometer in place of the table, one table a condition; `[traces]` says how they are read.
+    /// Raw exports of a tribometer in place of the table, one table per condition; `[traces]` has the reading options.
     traces: Option<Spanned<Vec<TraceConditionFile>>>,
-    /// Face of this sample, on which `force_n` of its table counts; the calibration's specimen when absent.
+    /// Face of this sample, to which `force_n` of its table refers; the calibration's specimen when absent.
     specimen: Option<Spanned<FaceFile>>,
-    /// Standard error of its measured mean width, at most a third of it, which `[trial.pattern]` may state as well; 0 when absent.
+    /// Standard error of the measured mean width, at most a third of the width; may stand in `[trial.pattern]` instead;
+    /// 0 when absent.
     width_std_um: Option<Number>,
-    /// Standard error of its measured mean spacing, at most a third of it, which `[trial.pattern]` may state as well; 0 when absent.
+    /// Standard error of the measured mean spacing, at most a third of the spacing; may stand in `[trial.pattern]`
+    /// instead; 0 when absent.
     spacing_std_um: Option<Number>,
-    /// Standard error of its measured mean depth, at most a third of it, which `[trial.pattern]` may state as well; 0 when absent.
+    /// Standard error of the measured mean depth, at most a third of the depth; may stand in `[trial.pattern]` instead;
+    /// 0 when absent.
     depth_std_um: Option<Number>,
-    /// Scatter of ln(ratio) from one such sample to the next, which no trial changes; 0.02 when absent.
+    /// Scatter of ln(ratio) between samples of this texture, which no trial changes; 0.02 when absent.
     sample_std: Option<Number>,
-    /// The disc of which the sample is a sector: trials with one disc name share what differs from disc to disc.
+    /// Name of the disc of which the sample is a sector. Trials on one disc share the scatter from disc to disc.
     disc: Option<Spanned<String>>,
 }
 
 impl TrialFile {
-    /// The table of its measurements, where it has one.
+    /// Path of the measurement table, if any.
     #[must_use]
     pub fn measurements(&self) -> Option<&str> {
         self.measurements.as_ref().map(|name| name.get_ref().as_str())
     }
 
-    /// Conditions of its own traces, where it has some.
+    /// Conditions of the trial's own traces, if any.
     #[must_use]
     pub fn traces(&self) -> Option<&[TraceConditionFile]> {
         self.traces.as_ref().map(|list| list.get_ref().as_slice())
     }
 }
 
-/// `[trial_prior]`: what is believed before anything was measured, where it differs from the defaults.
+/// `[trial_prior]`: prior before any measurement, where it differs from the defaults.
 #[derive(Clone, Debug, Default, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct PriorFile {
@@ -85,14 +88,14 @@ pub struct PriorFile {
     speed_std: Option<f64>,
     /// Change from one humidity to another; 0.1 when absent.
     humidity_std: Option<f64>,
-    /// Scatter from one sample of a texture to the next, until trials say otherwise; 0.02 when absent.
+    /// Scatter between samples of one texture, until trials show otherwise; 0.02 when absent.
     sample_std: Option<f64>,
-    /// Least relative standard error of a measurement; 0.005 when absent.
+    /// Minimum relative standard error of a measurement; 0.005 when absent.
     least_measured_std: Option<f64>,
 }
 
 impl PriorFile {
-    /// Each key with what it stands for.
+    /// Pairs each key with its hyperparameter.
     fn values<'a>(&'a self, of: &'a mut Hyperparameters) -> [(Option<f64>, &'a mut f64); 7] {
         [
             (self.amplitude_std, &mut of.amplitude_std),
@@ -105,7 +108,7 @@ impl PriorFile {
         ]
     }
 
-    /// The defaults with the stated numbers in their place.
+    /// Defaults with the stated numbers in their place.
     pub fn read(&self) -> Hyperparameters {
         let mut prior = Hyperparameters::default();
         for (given, value) in self.values(&mut prior) {
@@ -116,7 +119,7 @@ impl PriorFile {
         prior
     }
 
-    /// Every key with the number of `prior`.
+    /// Sets every key to the number in `prior`.
     pub const fn new(prior: &Hyperparameters) -> Self {
         Self {
             amplitude_std: Some(prior.amplitude_std),
@@ -130,21 +133,21 @@ impl PriorFile {
     }
 }
 
-/// The flat samples of a calibration, beside which its trials stand.
+/// Flat samples of a calibration, with which its trials are compared.
 pub(crate) struct FlatSamples<'a> {
-    /// Their specimens.
+    /// Specimens of the flat samples.
     pub(crate) stated: StatedSpecimen,
-    /// What measurements on them are judged by.
+    /// Specimen properties by which measurements are checked.
     pub(crate) specimens: &'a Specimens,
     /// The measurements.
     pub(crate) measured: &'a [Placed],
 }
 
-/// Reads the `trials` of a calibration with these `flat` samples, and what is believed before them, after the sample `first` that its own
-/// tables name; their traces are read by `reader`, and returned. Adds to `remarks`.
+/// Reads the `trials` of a calibration with these `flat` samples, and the prior. The sample `first` from the
+/// calibration's own tables comes first. Traces are read by `reader`, and returned. Adds to `remarks`.
 ///
 /// # Errors
-/// [`Diagnostic`] for anything refused in them.
+/// [`Diagnostic`] for any refused input.
 pub(crate) fn read_trials(
     document: &Document,
     trials: &[Spanned<TrialFile>],
@@ -169,7 +172,7 @@ pub(crate) fn read_trials(
             file.specimen.as_ref().map(|table| StatedSpecimen::read(document, table, Some(stated))).transpose()?;
         let own = own.unwrap_or(stated);
         let own_specimens = Specimens { area_m2: area_m2(&own.specimen.outline), ..*specimens };
-        // What presses on a sector has a face of its own, and the sector goes on around it.
+        // A sector bears force on its own face, and the surrounding specimen continues around it.
         let is_laid = file.disc.is_none();
         let pattern = read_fitting_pattern(document, &file.pattern, &own.specimen, is_laid)?;
         remarks.told.extend(cavity_lengths::unusual(document, &file.pattern));
@@ -220,7 +223,7 @@ pub(crate) fn read_trials(
         });
     }
     let hyper = prior.map_or_else(Hyperparameters::default, |table| table.get_ref().read());
-    // A prior that means nothing is refused where it stands.
+    // An invalid prior is refused at its table.
     Discrepancy::new(hyper.clone(), Conditions::default(), 0.0, Vec::new()).map_err(|error| {
         let span = prior.map_or(0..0, Spanned::span);
         document.refuse(span, error.to_string())
@@ -228,7 +231,7 @@ pub(crate) fn read_trials(
     Ok((TrialsTask { samples, prior: hyper }, read))
 }
 
-/// A pattern with what no file is asked for.
+/// A pattern without the derived keys, which no file is asked for.
 #[derive(Serialize)]
 struct TemplateFile<'a> {
     trial: [TemplateTrial<'a>; 1],
@@ -242,8 +245,9 @@ struct TemplateTrial<'a> {
     pattern: toml::Table,
 }
 
-/// `[[trial]]` of `patterns` on one `disc`, in the order of its sectors, to be added to a calibration and filled in: pending until
-/// they name their measurements. `densities` are the areal densities of the sectors as cut.
+/// Template of `[[trial]]` tables for `patterns` on one `disc`, in the order of its sectors, to be added to a
+/// calibration and filled in; pending until they name their measurements. `densities` are the areal densities of the
+/// sectors as cut.
 #[must_use]
 pub fn sector_trials(disc: &str, patterns: &[Pattern], densities: &[f64]) -> String {
     let mut text = "# Trials of one disc, by slipgrid: add these to the calibration once it is cut. They are pending until each names its measurements.\n\
@@ -253,7 +257,7 @@ pub fn sector_trials(disc: &str, patterns: &[Pattern], densities: &[f64]) -> Str
         .to_owned();
     for (place, (pattern, density)) in patterns.iter().zip(densities).enumerate() {
         let number = place + 1;
-        // The keys of a pattern without what follows from them; a table of numbers and texts has a TOML form.
+        // Keys of a pattern without derived ones; a table of numbers and texts always has a TOML form.
         let mut table = toml::Table::try_from(PatternReport::from(pattern)).unwrap_or_default();
         table.retain(|key, _| key != "areal_density" && key != "section_density");
         let trial = TemplateTrial {
@@ -269,7 +273,7 @@ pub fn sector_trials(disc: &str, patterns: &[Pattern], densities: &[f64]) -> Str
     text
 }
 
-/// The name of the disc that a sample shares with others.
+/// Reads the name of the disc that a sample shares with others.
 fn read_disc(document: &Document, disc: Option<&Spanned<String>>) -> Result<Option<String>, Diagnostic> {
     match disc {
         Some(name) if name.get_ref().trim().is_empty() => Err(document
@@ -279,7 +283,7 @@ fn read_disc(document: &Document, disc: Option<&Spanned<String>>) -> Result<Opti
     }
 }
 
-/// The sample that a calibration names by `[pattern]` and by `patterned` measurements: the first trial.
+/// First trial: the sample that a calibration describes by `[pattern]` and `patterned` measurements.
 #[must_use]
 pub fn of_tables(
     pattern: slipgrid_pattern::Pattern,

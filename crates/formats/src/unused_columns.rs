@@ -1,13 +1,13 @@
-//! Columns of exports that are not used although their titles are near to one that would be.
+//! Finds unused columns of exports whose titles are similar to known ones.
 
 use slipgrid_traces::columns::{Channel, Titles};
 use slipgrid_traces::export::TraceFile;
 use strsim::levenshtein;
 
-/// Fewest letters of titles that are compared: shorter ones are near to many words.
+/// Minimum number of letters of compared titles: shorter ones are similar to many words.
 const FEWEST_LETTERS: usize = 4;
 
-/// Says of each unused column of `file` whose title is near to one that is known, of a quantity that no column is, which that is.
+/// Warns of each unused column of `file` whose title is similar to a known title of a quantity that no column holds.
 #[must_use]
 pub(crate) fn near_titles(file: &TraceFile, titles: &Titles) -> Vec<String> {
     let is_free = |channel: &Channel| !file.used.contains(channel) && !titles.has_title(*channel);
@@ -37,13 +37,14 @@ pub(crate) fn near_titles(file: &TraceFile, titles: &Titles) -> Vec<String> {
     file.unused.iter().filter_map(of_title).collect()
 }
 
-/// The known title of one of the `channels` that `title` is nearest to, where it is near, and how many letters are between them.
+/// Known title of one of the `channels` that is most similar to `title`, if similar enough, and the number of differing
+/// letters.
 fn nearest_title(title: &str, channels: &[Channel]) -> Option<(Channel, &'static str, usize)> {
     let own = Titles::letters_of(title);
     let long = |letters: &str| letters.chars().count() >= FEWEST_LETTERS;
     let known = channels.iter().flat_map(|channel| channel.names().iter().map(|name| (*channel, *name)));
     let pairs = known.filter(|(_, name)| long(name)).flat_map(|(channel, name)| {
-        // A quarter of the letters may be wrong.
+        // A quarter of the letters may differ.
         own.iter().filter(|own| long(own)).map(move |own| {
             let distance = levenshtein(own, name);
             (distance <= own.chars().count().div_ceil(4)).then_some((channel, name, distance))
@@ -96,7 +97,7 @@ mod tests {
         let mut own = Titles::default();
         own.name(Channel::Position, "x_stage [mm]").unwrap();
         assert_eq!(said("time,Fx,Fz,Positon (mm)", &own), Vec::<String>::new());
-        // A force that `columns` puts aside is no torque with a slip of the pen.
+        // A force that `columns` excludes is not a misspelt torque.
         own.name(Channel::Coefficient, "mu").unwrap();
         assert_eq!(said("time,mu,Friction force [N],Fz", &own), Vec::<String>::new());
     }

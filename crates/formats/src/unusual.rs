@@ -1,4 +1,5 @@
-//! What is unusual in a scene and its material: told, not refused, because a scene may be a thought experiment.
+//! Warnings of unusual values in a scene and its material. Nothing is refused, because a scene may be a thought
+//! experiment.
 
 use slipgrid_material::Elastic;
 use slipgrid_pattern::Rim;
@@ -20,7 +21,7 @@ use crate::plausible::{
 };
 use slipgrid_units::{LENGTH_UM, MODULUS_GPA, PRESSURE_MPA, SPEED_MM_S, in_digits, significant, significant_to, tidy};
 
-/// What is unusual in the scene `file` of `document`, its material included; numbers of nil have a meaning of their own.
+/// Warnings for the scene `file` of `document` and its material; zeros have a meaning of their own.
 #[must_use]
 pub fn of_scene(document: &Document, file: &SceneFile) -> Vec<Diagnostic> {
     let of =
@@ -28,7 +29,7 @@ pub fn of_scene(document: &Document, file: &SceneFile) -> Vec<Diagnostic> {
     let of_file = match file.material.get_ref() {
         PathOr::Table(table) => Some(of(document, table)),
         PathOr::Path(path) => {
-            // What cannot be read has been refused before.
+            // Files that cannot be read have been refused before.
             let named = Document::read(document.source(), &document.resolve(path), FileKind::Material).ok();
             named.and_then(|named| Some(of(&named, &named.parse::<MaterialFile>().ok()?)))
         }
@@ -40,20 +41,21 @@ pub fn of_scene(document: &Document, file: &SceneFile) -> Vec<Diagnostic> {
     told.extend(of_pressures(document, &load.pressure_mpa, modulus_gpa));
     if let Some(pattern) = &file.pattern {
         let texture = pattern.get_ref().texture();
-        // What is no rim has been refused before.
+        // Invalid rims have been refused before.
         let rim = read_rim(document, &texture).ok().flatten().filter(Rim::stands);
         told.extend(of_rims(document, rim.as_ref(), &texture, file.sample.get_ref()));
     }
     told
 }
 
-/// What is `expected` of a nominal pressure, with the unit that is likely to have been meant.
+/// Accepted nominal pressures, `expected`, with the probable intended unit.
 #[must_use]
 pub fn with_slip(expected: &str, pressure_mpa: f64) -> String {
     GIVEN_PRESSURE.slip(pressure_mpa).map_or_else(|| expected.to_owned(), |slip| format!("{expected}; {slip}"))
 }
 
-/// The first of nominal pressures that strain a material of `modulus_gpa` more than solids bear, or else the first that is unusual.
+/// Warning of the first nominal pressure that strains a material of `modulus_gpa` more than solids bear; otherwise of
+/// the first unusual one.
 pub fn of_pressures(document: &Document, pressures: &Spanned<Numbers>, modulus_gpa: f64) -> Option<Diagnostic> {
     let strained = |value: &Number| {
         let (pressure_mpa, modulus_mpa) = (*value.get_ref(), 1e3 * modulus_gpa);
@@ -69,7 +71,7 @@ pub fn of_pressures(document: &Document, pressures: &Spanned<Numbers>, modulus_g
     first(pressures, strained).or_else(|| numbers(document, GIVEN_PRESSURE, pressures))
 }
 
-/// What is told of a speed so fast that no run in time stands for it at this pressure, and what would be accepted.
+/// Warning of a speed so high that no run in time represents it at this pressure, with the accepted range.
 #[must_use]
 pub fn too_fast(elastic: &Elastic, pressure_pa: f64, speed_m_s: f64) -> Option<[String; 2]> {
     let most_m_s = max_run_speed_m_s(elastic, pressure_pa);
@@ -85,7 +87,7 @@ pub fn too_fast(elastic: &Elastic, pressure_pa: f64, speed_m_s: f64) -> Option<[
     })
 }
 
-/// The same of a `scene` that runs in time with no more than the usual damping, which would hold waves down.
+/// Warning of the speed of a `scene` that runs in time, unless more than the usual damping suppresses waves.
 pub fn of_speed(document: &Document, load: &LoadFile, scene: &Scene) -> Option<Diagnostic> {
     let runs = scene.run.fidelity != Fidelity::Steady && scene.run.damping <= RunOptions::default().damping;
     let loaded = scene.loads.iter().map(|load| load.pressure_pa).filter(|pressure_pa| *pressure_pa > 0.0);
@@ -96,7 +98,7 @@ pub fn of_speed(document: &Document, load: &LoadFile, scene: &Scene) -> Option<D
     Some(Diagnostic { value: None, ..told }.expected(expected))
 }
 
-/// Rims narrower than two blocks, of which blocks hold no more than the mean.
+/// Warning of rims narrower than two blocks, of which blocks resolve only the mean.
 #[must_use]
 pub fn of_rims(document: &Document, rim: Option<&Rim>, file: &TextureFile, sample: &SampleFile) -> Option<Diagnostic> {
     let (rim, width) = (rim?, file.rim_width_um.as_ref()?);
@@ -111,7 +113,7 @@ pub fn of_rims(document: &Document, rim: Option<&Rim>, file: &TextureFile, sampl
     })
 }
 
-/// Humidities that are likely shares of 1, the first of each of the `conditions` of a design.
+/// Warning of humidities that are probably fractions of 1: the first in each of the `conditions` of a design.
 pub fn of_shares<'c>(
     document: &Document,
     conditions: impl Iterator<Item = &'c Spanned<ConditionRangeFile>>,
@@ -124,7 +126,7 @@ fn of_share(document: &Document, humidity: &Number) -> Option<Diagnostic> {
     Some(document.refuse(humidity.span(), format!("is {reason}")))
 }
 
-/// What is unusual in a material.
+/// Warnings for a material.
 #[must_use]
 pub fn of_material(document: &Document, file: &MaterialFile) -> Vec<Diagnostic> {
     let bulk = [(MODULUS, &file.youngs_modulus_gpa), (DENSITY, &file.density_g_cm3)];
@@ -150,7 +152,7 @@ pub fn of_material(document: &Document, file: &MaterialFile) -> Vec<Diagnostic> 
     told
 }
 
-/// The first static coefficient that no calibration finds beside its dynamic one.
+/// Warning of the first static coefficient that is too high for its dynamic coefficient.
 fn of_static(document: &Document, at_rest: &Spanned<Numbers>, sliding: &Spanned<Numbers>) -> Option<Diagnostic> {
     let (at_rest_values, sliding) = (at_rest.get_ref().written(), sliding.get_ref().written());
     let dynamic = |place: usize| sliding.get(place).or(sliding.first().filter(|_| sliding.len() == 1)).copied();
@@ -176,7 +178,8 @@ fn of_static(document: &Document, at_rest: &Spanned<Numbers>, sliding: &Spanned<
     })
 }
 
-/// The first dynamic coefficient, where nearly all are so high that friction force and normal force are likely exchanged.
+/// Warning at the first dynamic coefficient, if nearly all are so high that friction force and normal force are
+/// probably exchanged.
 fn high_friction(document: &Document, file: &MaterialFile) -> Option<Diagnostic> {
     let friction = file.friction.get_ref();
     let each = friction.conditions.iter().map(|table| &table.get_ref().dynamic_mean);
@@ -190,12 +193,12 @@ fn number(document: &Document, quantity: Plausible, value: &Number) -> Option<Di
     (written != 0.0).then(|| quantity.tell(written, || document.refuse(value.span(), ""))).flatten()
 }
 
-/// What is unusual in the first of `values` that is: a list is told once.
+/// Warning of the first unusual value in `values`: a list gets one warning.
 fn numbers(document: &Document, quantity: Plausible, values: &Spanned<Numbers>) -> Option<Diagnostic> {
     first(values, |value| number(document, quantity, value))
 }
 
-/// What `tell` says of the first of `values` of which it says anything.
+/// The first warning that `tell` returns for `values`.
 fn first(values: &Spanned<Numbers>, tell: impl Fn(&Number) -> Option<Diagnostic>) -> Option<Diagnostic> {
     match values.get_ref() {
         Numbers::One(value) => tell(&Spanned::new(values.span(), *value)),
@@ -262,7 +265,7 @@ mod tests {
         let table = "[[friction.conditions]]\nspeed_mm_s = 1.0\nhumidity_pct = 30.0\npressure_mpa = [1.0]\nstatic_mean = [0.1]\n\
                      dynamic_mean = [0.2]";
         assert!(told(table)[0].starts_with("m.toml:8: friction.conditions.static_mean: 0.1"), "{:?}", told(table));
-        // A measured peak of twice dynamic friction needs three times of it at blocks.
+        // A measured peak of twice dynamic friction needs three times at the blocks.
         assert_eq!(told("static_mean = 0.81\ndynamic_mean = 0.27"), [""; 0]);
     }
 

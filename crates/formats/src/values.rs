@@ -12,18 +12,18 @@ use super::document::Document;
 use crate::diagnostic::Diagnostic;
 use slipgrid_units::Quantity;
 
-/// A number with its place in the file.
+/// A number with its file position.
 pub type Number = Spanned<f64>;
-/// A list of numbers with their places.
+/// A list of numbers with their file positions.
 pub type NumberList = Spanned<Vec<Number>>;
 
-/// A number without a place, for files that are written.
+/// A number without a file position, for files to be written.
 #[must_use]
 pub fn number(value: f64) -> Number {
     Spanned::new(0..0, value)
 }
 
-/// A list without places, for files that are written.
+/// A list without file positions, for files to be written.
 #[must_use]
 pub fn number_list(values: impl IntoIterator<Item = f64>) -> NumberList {
     Spanned::new(0..0, values.into_iter().map(number).collect())
@@ -79,13 +79,13 @@ pub fn list(document: &Document, values: &Spanned<Numbers>, quantity: Quantity) 
     }
 }
 
-/// Relative difference up to which two pressures are one: results and pictures are told apart by their pressure.
+/// Relative difference up to which two pressures are equal: results and pictures are identified by their pressure.
 const SAME_PRESSURE: f64 = 1e-9;
 
-/// Reads the pressures `values` as [`list`] does, each of them once.
+/// Reads the pressures `values` like [`list`], and refuses repeated ones.
 ///
 /// # Errors
-/// As [`list`], or [`Diagnostic`] at a pressure that stands in the list twice.
+/// Errors of [`list`], or [`Diagnostic`] at a repeated pressure.
 pub fn distinct_pressures(
     document: &Document,
     values: &Spanned<Numbers>,
@@ -105,15 +105,16 @@ pub fn distinct_pressures(
     Ok(pressures_pa)
 }
 
-/// Most pressures of a scene: what is said of each takes a millisecond and some kilobytes.
+/// Maximum number of pressures of a scene: the report on each takes a millisecond and some kilobytes.
 pub const MAX_PRESSURES: usize = 10_000;
-/// Most pressures of a design: every design of a search is solved at each, and their errors are correlated each with each.
+/// Maximum number of pressures of a design: every design of a search is solved at each, and the errors of all pairs are
+/// correlated.
 pub const MAX_TARGET_PRESSURES: usize = 1000;
 
-/// Refuses a list of more than `most` pressures, at the first that is too many.
+/// Refuses a list of more than `most` pressures, at the first excess one.
 ///
 /// # Errors
-/// [`Diagnostic`] of that pressure.
+/// [`Diagnostic`] at that pressure.
 pub fn check_count(document: &Document, pressures: &Spanned<Numbers>, most: usize) -> Result<(), Diagnostic> {
     match pressures.get_ref() {
         Numbers::Each(each) if each.len() > most => {
@@ -125,7 +126,7 @@ pub fn check_count(document: &Document, pressures: &Spanned<Numbers>, most: usiz
 }
 
 impl Numbers {
-    /// The numbers as they are written.
+    /// Numbers as written.
     #[must_use]
     pub fn written(&self) -> Vec<f64> {
         match self {
@@ -135,7 +136,7 @@ impl Numbers {
     }
 }
 
-/// Where number `place` of `values` stands; one number stands for all.
+/// File position of number `place` of `values`; one number stands for all.
 #[must_use]
 pub fn number_span(values: &Spanned<Numbers>, place: usize) -> Range<usize> {
     match values.get_ref() {

@@ -1,4 +1,4 @@
-//! The material file that a calibration writes.
+//! Writes the material file of a calibration.
 
 use slipgrid_calibrate::uncertainty::CoefficientEstimate;
 use slipgrid_calibrate::{
@@ -17,18 +17,19 @@ use slipgrid_units::{DENSITY_G_CM3, HUMIDITY_PCT, LENGTH_UM, MODULUS_GPA, PRESSU
 /// A material that cannot be written.
 #[derive(Debug, thiserror::Error)]
 pub enum UnwritableMaterial {
-    /// Its numbers have no TOML form.
+    /// The numbers have no TOML form.
     #[error("the material has no TOML form: {0}")]
     Toml(toml::ser::Error),
-    /// The fit has not one pair of coefficients, or one for each measurement.
+    /// The fit has neither one pair of coefficients nor one per measurement.
     #[error("{0}")]
     Pairs(String),
 }
 
-/// The material as TOML. `[made_from]` is for a file beside its calibration, as `calibrate -o` writes it; pages and kept results have none.
+/// Material as TOML. `[made_from]` is for a file stored with its calibration, as `calibrate -o` writes it; pages and
+/// cached results have none.
 ///
 /// # Errors
-/// [`UnwritableMaterial`] if the fit has not one pair, or one pair per measurement.
+/// [`UnwritableMaterial`] if the fit has neither one pair nor one pair per measurement.
 pub fn material_toml(
     task: &CalibrationTask,
     outcome: &CalibrationOutcome,
@@ -79,7 +80,7 @@ pub fn material_toml(
     ))
 }
 
-/// A residual without what is rounding of the fit.
+/// Rounds a residual to remove rounding errors of the fit.
 fn rounded(residual: f64) -> f64 {
     (residual * 1e9).round() / 1e9 + 0.0
 }
@@ -131,7 +132,7 @@ fn condition_table(condition: Condition, rows: &[Row]) -> ConditionTable {
     }
 }
 
-/// One table a condition, in which its measurements follow one another.
+/// One table per condition, with the measurements in sequence.
 pub(crate) fn flat_friction(measured: &[CoefficientEstimate]) -> Vec<Spanned<FlatFrictionTable>> {
     let table = |rows: &[CoefficientEstimate]| {
         let Condition { speed_m_s, humidity } = rows[0].condition?;
@@ -165,7 +166,7 @@ mod tests {
         Measurement { force_n, speed_m_s: 2e-3, humidity, mu_dynamic, mu_dynamic_std: 0.002, static_peak: None }
     }
 
-    /// Numbers of a short sample that no decimal fraction of few digits holds.
+    /// Numbers of a short sample that have no short decimal form.
     fn task(coefficients: Coefficients, surface: Surface) -> CalibrationTask {
         let flat = vec![measurement(200.0, 0.15, 0.28), measurement(50.0, 0.8, 0.22), measurement(50.0, 0.15, 0.25)];
         let patterned: Vec<Measurement> =
@@ -204,7 +205,7 @@ mod tests {
         }
     }
 
-    /// The outcome, which must be what its file says.
+    /// Checks that the outcome equals the content of its file, and returns it.
     fn read_back(coefficients: Coefficients, surface: Surface) -> CalibrationOutcome {
         let task = task(coefficients, surface);
         let outcome = slipgrid_calibrate::run(&task, &Unwatched).unwrap();
@@ -216,7 +217,7 @@ mod tests {
         outcome
     }
 
-    /// A file of before the local law was known of.
+    /// A file written before the local law existed.
     #[test]
     fn a_file_without_flat_friction_is_read() {
         let task = task(Coefficients::PerCondition, Surface::RmsSlope(0.0137));
@@ -264,7 +265,7 @@ mod tests {
         assert!(fitted.uncertainty.law_is_fitted && fitted.material.area_law.is_some());
         let synthetic =
             slipgrid_topography::SelfAffine { pixels: 32, max_wave: 8, ..slipgrid_topography::SelfAffine::STAND_IN };
-        // Pixels twice as wide across the sliding direction.
+        // Pixels are twice as wide across the sliding direction.
         let square = synthetic.map().unwrap();
         let (dx_m, heights_m) = (square.dx_m(), square.heights_m().to_vec());
         let read = slipgrid_topography::ReadMap {

@@ -1,4 +1,4 @@
-//! What a design and its calibration or material say differently, and speeds that no run in time confirms.
+//! Contradictions between a design and its calibration or material, and speeds that no run in time can confirm.
 
 use slipgrid_units::{LENGTH_MM, LENGTH_UM, significant, tidy};
 
@@ -7,13 +7,13 @@ use crate::calibration::Calibration;
 use crate::diagnostic::Diagnostic;
 use crate::unusual::too_fast;
 
-/// Thicknesses that differ by less than this part are the same.
+/// Relative difference below which two thicknesses are equal.
 const SAME_THICKNESS: f64 = 0.01;
-/// A trial's dimension so many times beyond the bounds of the design is named.
+/// A dimension of a trial is reported if it lies outside the bounds of the design by this factor.
 const FAR_OUTSIDE: f64 = 3.0;
 
 impl Design {
-    /// What `calibration`, which the design's material comes from, says of the specimen that the design says otherwise.
+    /// Statements about the specimen in which the design contradicts `calibration`, the source of its material.
     #[must_use]
     pub fn contradictions(&self, calibration: &Calibration) -> Vec<Diagnostic> {
         let samples = &calibration.trials.samples;
@@ -25,7 +25,7 @@ impl Design {
         self.thickness(calibration).into_iter().chain(outside).collect()
     }
 
-    /// What is told of the material once it is known: a speed that no run in time confirms, and trials far outside the bounds.
+    /// Diagnostics that need the material: a speed that no run in time can confirm, and trials far outside the bounds.
     #[must_use]
     pub fn material_told(&self) -> Vec<Diagnostic> {
         let known = self.task.material.as_ref().filter(|_| self.calibration.is_none());
@@ -38,7 +38,7 @@ impl Design {
         self.strained().into_iter().chain(self.too_fast()).chain(outside).collect()
     }
 
-    /// The thickness that the calibration states, where the design models another.
+    /// Thickness that the calibration states, if the design models another.
     fn thickness(&self, calibration: &Calibration) -> Option<Diagnostic> {
         let (stated_m, own_m) = (calibration.thickness_m?, self.task.layer.thickness_m?);
         if (own_m / stated_m - 1.0).abs() < SAME_THICKNESS {
@@ -56,8 +56,8 @@ impl Design {
         Some(told.expected(format!("thickness_mm = {stated_mm} in [sample], if the design is for the same specimen")))
     }
 
-    /// The first dimension of the trial `name` that lies far outside the bounds of the design, or its width and spacing if they lie
-    /// within each other's bounds.
+    /// First dimension of the trial `name` that lies far outside the bounds of the design; or width and spacing, if
+    /// each lies within the bounds of the other.
     fn outside(&self, name: &str, lengths_m: [f64; 3]) -> Option<Diagnostic> {
         let bounds_m = self.task.space.lengths_m();
         let within = |length_m: f64, [from_m, to_m]: [f64; 2]| length_m >= from_m && length_m <= to_m;
@@ -98,7 +98,7 @@ impl Design {
         })
     }
 
-    /// The speed, where it is so fast at the lightest pressure that no run in time stands for it.
+    /// Diagnostic if the speed is so high at the lowest pressure that no run in time represents it.
     fn too_fast(&self) -> Option<Diagnostic> {
         let elastic = &self.task.material.as_ref()?.material.elastic;
         let lightest_pa = self.task.pressures_pa().into_iter().reduce(f64::min)?;

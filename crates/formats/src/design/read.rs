@@ -20,7 +20,7 @@ use crate::unusual;
 use crate::values::{Numbers, PathOr, list};
 use slipgrid_units::{LENGTH_UM, significant, significant_to};
 
-/// Conditions with their places: the one designed for, then the further ones.
+/// Conditions with their file positions: the condition designed for, then the further ones.
 pub(super) fn read_ranges(
     document: &Document,
     file: &DesignFile,
@@ -48,7 +48,7 @@ pub(super) fn read_dimensions(
         .transpose()
 }
 
-/// A smallest and a largest length, or the one that a dimension is fixed at.
+/// Minimum and maximum of a length, or the one value at which a dimension is fixed.
 pub(super) fn read_range(document: &Document, bounds: &Spanned<Numbers>) -> Result<[f64; 2], Diagnostic> {
     const EXPECTED: &str = "[smallest, largest], or one number without brackets, which fixes it";
     let read = list(document, bounds, LENGTH_UM)?;
@@ -63,12 +63,12 @@ pub(super) fn read_range(document: &Document, bounds: &Spanned<Numbers>) -> Resu
 /// Width, spacing and depth bounds, in metres.
 type Bounds = ([f64; 2], [f64; 2], [f64; 2]);
 
-/// What depths are whole numbers of.
+/// Name of the unit of which depths are whole multiples.
 pub(super) fn depth_steps(laser: &Laser) -> &'static str {
     if laser.bursts_per_pass().is_some() { "passes" } else { "bursts" }
 }
 
-/// A single depth is the whole number of steps of the laser that it is printed as, to a hundredth of a micrometre.
+/// Rounds a single depth to the whole number of laser steps that it was printed from, to a hundredth of a micrometre.
 pub(super) fn whole_steps(depth_m: [f64; 2], laser: &Laser) -> [f64; 2] {
     const PRINTED_M: f64 = 0.01e-6;
     let Some(step_m) = laser.depth_step_um().map(|step_um| LENGTH_UM.to_si(step_um)) else { return depth_m };
@@ -87,7 +87,7 @@ pub(super) fn read_limits(
     let limits = ManufacturingLimits {
         min_land_m: document.optional(file.limits.min_land_um.as_ref(), LENGTH_UM)?,
         spot_m: laser.spot_um.map(|spot_um| LENGTH_UM.to_si(spot_um)),
-        // By bursts, given or fitted against fluence, or by passes over the lines of a hatch.
+        // From bursts, given or fitted against fluence, or from passes over the lines of a hatch.
         depth_per_burst_m: laser.depth_step_um().map(|depth_um| LENGTH_UM.to_si(depth_um)),
         wall_slope: laser.wall_taper_deg.map(|_| laser.slope()),
     };
@@ -130,7 +130,7 @@ pub(super) fn read_limits(
             .expected(format!("at least {} um", LENGTH_UM.from_si(min_land_m))));
     }
     if let Some(burst_m) = limits.depth_per_burst_m {
-        // The first whole number of bursts at or above the least depth, with slack for decimals.
+        // Smallest whole number of bursts at or above the minimum depth, with a tolerance for decimals.
         let bursts = (depth_m[0] / burst_m - 1e-6).ceil().max(1.0);
         if bursts * burst_m > depth_m[1] * (1.0 + 1e-6) {
             return Err(document
@@ -138,7 +138,7 @@ pub(super) fn read_limits(
                 .expected(format!("a range with a multiple of {} um in it", LENGTH_UM.from_si(burst_m))));
         }
     }
-    // The shallowest of the widest cavities.
+    // The widest cavities at minimum depth.
     let widest = Pattern::new(*asked, width_m[1], spacing_m[1], depth_m[0]).ok();
     let taper = file.laser.as_ref().and_then(|laser| laser.get_ref().wall_taper_deg.as_ref());
     if let (Some(pattern), Some(taper)) = (widest, taper)
@@ -162,7 +162,7 @@ pub(super) fn read_limits(
     Ok(limits)
 }
 
-/// The material, where it is known already, or else the file that it has to be calibrated from.
+/// Material, if it is known already; otherwise the file from which it must be calibrated.
 pub(super) fn read_material_input(
     document: &Document,
     material: &Spanned<PathOr<MaterialFile>>,
@@ -190,7 +190,7 @@ pub(super) fn read_material_input(
     }
 }
 
-/// A day of the calendar, as it is written: four digits, two and two with hyphens between.
+/// Reads a calendar date: four digits, two and two, with hyphens between.
 pub(super) fn read_date(document: &Document, date: &Spanned<String>) -> Result<String, Diagnostic> {
     let text = date.get_ref();
     if is_day(text) {
@@ -199,7 +199,7 @@ pub(super) fn read_date(document: &Document, date: &Spanned<String>) -> Result<S
     Err(document.refuse(date.span(), "is no day").expected("a day as \"YYYY-MM-DD\", such as \"2026-11-22\""))
 }
 
-/// Whether `text` is a day of the Gregorian calendar as YYYY-MM-DD.
+/// Whether `text` is a date of the Gregorian calendar as YYYY-MM-DD.
 fn is_day(text: &str) -> bool {
     let is_written = text.len() == "YYYY-MM-DD".len()
         && text.bytes().enumerate().all(|(place, byte)| match place {
@@ -229,7 +229,7 @@ mod tests {
         let of = |from_um: f64, to_um: f64| whole_steps([from_um * 1e-6, to_um * 1e-6], &laser);
         assert_eq!(laser.depth_step_um(), Some(5.890_486_225_48));
         assert_eq!(of(11.78, 11.78), [2.0 * LENGTH_UM.to_si(5.890_486_225_48); 2]);
-        // Neither what no printed digits explain nor a range.
+        // Neither a range nor a value that rounding to printed digits explains.
         for [from_um, to_um] in [[11.6, 11.6], [11.78, 12.0]] {
             assert_eq!(of(from_um, to_um), [from_um * 1e-6, to_um * 1e-6]);
         }

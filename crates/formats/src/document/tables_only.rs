@@ -1,11 +1,12 @@
-//! Reading without lists in the place of tables: derived readers take the fields of a structure, in their order, from a list as well.
+//! Deserializer wrapper that refuses lists in place of tables. Derived readers would also take the fields of a
+//! structure, in order, from a list.
 
 use std::fmt;
 
 use serde::de::{DeserializeSeed, Deserializer, EnumAccess, Error, MapAccess, SeqAccess, Unexpected, Visitor};
 use serde::forward_to_deserialize_any;
 
-/// What it holds, whether that reads, is asked or is visited, with lists refused where a structure is read.
+/// Wraps a deserializer, a seed or a visitor, and refuses lists where a structure is read.
 pub struct TablesOnly<T>(pub T);
 
 /// A visitor, and whether it reads a structure.

@@ -1,4 +1,4 @@
-//! Refusals of TOML: what they name.
+//! Tests of the contents of TOML refusals.
 
 use super::*;
 
@@ -46,7 +46,7 @@ fn refusals_name_line_and_key() {
             "[[inner]]\nwidth_um = 1.0",
             "a.toml:1: inner: stands in double brackets, as one of a list; expected one table, [inner]",
         ),
-        // A list could stand for the fields of a structure in their order.
+        // A list could otherwise supply the fields of a structure in order.
         ("inner = [1.5, 3]", "a.toml:1: inner: [1.5, 3] has the wrong type; expected a table"),
         ("inner = []", "a.toml:1: inner: has the wrong type; expected a table"),
         (

@@ -1,10 +1,10 @@
-//! Curves of drawings as chords.
+//! Approximates curves of drawings by chords.
 
 use std::f64::consts::{PI, TAU};
 
 use super::{Corners, FLATTENING};
 
-/// Most chords of one curve: what the tolerance asks for is some hundreds.
+/// Maximum number of chords of one curve; the tolerance requires some hundreds.
 const MAX_CHORDS: f64 = 1000.0;
 
 fn extent(points: &[[f64; 2]]) -> f64 {
@@ -24,12 +24,13 @@ pub(super) fn push_bezier(out: &mut Corners, points: &[[f64; 2]]) {
     let degree = points.len() as f64 - 1.0;
     let most = points.windows(3).map(bend).fold(0.0, f64::max);
     let count = (degree * (degree - 1.0) * most / (8.0 * FLATTENING * extent(points))).sqrt().ceil();
-    // At most MAX_CHORDS: the cast is exact. Points that are all one have a count of NaN, which clamps to itself and casts to 0.
+    // At most MAX_CHORDS, so the cast is exact. If all points coincide the count is NaN, which clamps to itself and
+    // casts to 0.
     let count = count.clamp(1.0, MAX_CHORDS) as u32;
     for step in 1..=count.max(1) {
         let t = f64::from(step) / f64::from(count.max(1));
         let mut left = points.to_vec();
-        // De Casteljau.
+        // De Casteljau's algorithm.
         while left.len() > 1 {
             left = left
                 .windows(2)
@@ -47,19 +48,20 @@ pub(super) fn push_bezier(out: &mut Corners, points: &[[f64; 2]]) {
 fn chords(angle: f64) -> u32 {
     // s = r (1 - cos(a/2)) = FLATTENING 2 r, a the angle of one chord.
     let one = 2.0 * libm::acos(1.0 - 2.0 * FLATTENING);
-    // At most MAX_CHORDS: the cast is exact.
+    // At most MAX_CHORDS, so the cast is exact.
     (angle.abs() / one).ceil().clamp(1.0, MAX_CHORDS) as u32
 }
 
-/// The corners of a circle or an ellipse, all on it, from its largest x.
+/// Corners on a circle or an ellipse, starting at its largest x.
 pub(super) fn ellipse([x, y]: [f64; 2], [rx, ry]: [f64; 2]) -> Corners {
     let count = chords(TAU);
     let angle = |step: u32| TAU * f64::from(step) / f64::from(count);
     (0..count).map(|step| [x + rx * libm::cos(angle(step)), y + ry * libm::sin(angle(step))]).collect()
 }
 
-/// Appends the arc from `from` to `to` of an ellipse of these radii, turned by `turned_deg`, as SVG has it: the `large` one of
-/// two, or the one that `sweeps` to larger angles; without `from`. Radii too small are made to reach.
+/// Appends the arc from `from` to `to` of an ellipse with these radii, turned by `turned_deg`, by the rules of SVG: the
+/// `large` one of two, or the one that `sweeps` to larger angles. The point `from` is not appended. Radii that are too
+/// small are enlarged.
 ///
 /// W3C, "Scalable Vector Graphics (SVG) 1.1", F.6.
 pub(super) fn push_arc(
@@ -104,7 +106,8 @@ pub(super) fn push_arc(
     out.push(to);
 }
 
-/// Appends the arc from `from` to `to` of a bulge, the tangent of a quarter of its angle, positive anticlockwise; without `from`.
+/// Appends the arc from `from` to `to` with a bulge, the tangent of a quarter of its angle, positive anticlockwise. The
+/// point `from` is not appended.
 pub(super) fn push_bulge(out: &mut Corners, from: [f64; 2], to: [f64; 2], bulge: f64) {
     let chord = (to[0] - from[0]).hypot(to[1] - from[1]);
     if bulge == 0.0 || chord == 0.0 {

@@ -1,7 +1,8 @@
-//! Closed outlines of text DXF drawings.
+//! Reads closed outlines from text DXF drawings.
 //!
-//! Autodesk, "Drawing Interchange and File Formats", Release 12: pairs of a group code and a value, each on a line of its own;
-//! sections; entities that begin with group 0 and stand on the layer of group 8. LWPOLYLINE came with Release 14.
+//! Autodesk, "Drawing Interchange and File Formats", Release 12: pairs of a group code and a value, each on a separate
+//! line; sections; entities that begin with group 0 and stand on the layer of group 8. LWPOLYLINE was added in Release
+//! 14.
 
 use super::curves::{ellipse, push_bulge};
 use super::{Corners, Wrong, only};
@@ -9,7 +10,7 @@ use super::{Corners, Wrong, only};
 const EXPECTED: &str = "one closed POLYLINE, LWPOLYLINE or CIRCLE on the layer, of text DXF";
 const STRICT: &str = "text DXF: a group code and its value in turn, each on a line of its own, from a section to EOF";
 
-/// A group with the line on which its value stands.
+/// A group with the line of its value.
 #[derive(Clone, Copy)]
 struct Group<'a> {
     code: i32,
@@ -53,7 +54,7 @@ impl Entity<'_> {
     }
 }
 
-/// The one closed outline on `layer`, or of all layers, with the line at which it begins.
+/// The only closed outline on `layer`, or on all layers, with its first line.
 pub(super) fn outline(text: &str, layer: Option<&str>) -> Result<(Corners, u32), Wrong> {
     if text.starts_with("AutoCAD Binary DXF") {
         return Err(Wrong::new(None, "is a binary DXF drawing", STRICT));
@@ -124,9 +125,9 @@ fn entities(text: &str) -> Result<Vec<Entity<'_>>, Wrong> {
     if is_ended { Ok(entities) } else { Err(Wrong::new(None, "ends before EOF", STRICT)) }
 }
 
-/// The corners of an entity; those of a POLYLINE are the `vertices` that follow it.
+/// Corners of an entity; the corners of a POLYLINE are the `vertices` that follow it.
 fn corners(entity: &Entity<'_>, vertices: &[Entity<'_>]) -> Result<Corners, Wrong> {
-    // Bit 1: closed; 128 (linetypes) says nothing of the shape. Curve fits, meshes and polylines in space do.
+    // Bit 1: closed. Bit 128 (linetypes) does not affect the shape; curve fits, meshes and polylines in space do.
     let flags = entity.number(70)?.unwrap_or(0.0);
     let is_closed = flags.rem_euclid(2.0) == 1.0;
     let points: Vec<([f64; 2], f64)> = match entity.kind {

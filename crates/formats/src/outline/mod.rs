@@ -1,7 +1,7 @@
 //! Outlines of cavities: vertices in a table, or a drawing that holds one closed outline.
 //!
-//! Only the shape counts, whatever the drawing's unit and place: a pattern scales it to its width. Curves become chords that
-//! depart from them by at most [`FLATTENING`] of the drawing's extent.
+//! Only the shape matters, not the drawing's unit and position: a pattern scales the shape to its width. Curves become
+//! chords that deviate by at most [`FLATTENING`] of the drawing's extent.
 
 mod curves;
 mod dxf;
@@ -18,20 +18,20 @@ use crate::document::Document;
 use crate::material::existing;
 use crate::source::{Source, read_bytes};
 
-/// Departure of chords from a curve, over the larger extent of what the curve is made of: of its control points, or of a circle.
+/// Deviation of chords from a curve, relative to the larger extent of its control points or of the circle.
 pub const FLATTENING: f64 = 1e-4;
 
 /// Corners of an outline as `[x, y]`, in order.
 type Corners = Vec<[f64; 2]>;
 
-/// What is accepted in the place of a drawing.
+/// Description of an accepted drawing in messages.
 const EXPECTED: &str = "a drawing that ends with .svg or .dxf and holds one closed outline";
 
-/// The outline that a table gives by its vertices, a list, or by a drawing, `outline`, of which `layer` names the layer.
-/// `table` is where the table stands.
+/// Reads the outline of a table, given by its vertices as a list or by a drawing, `outline`, whose `layer` may be
+/// named. `table` is the file position of the table.
 ///
 /// # Errors
-/// [`Diagnostic`] where neither or both are given, where a drawing cannot be read, and for anything that is no outline.
+/// [`Diagnostic`] if neither or both are given, if a drawing cannot be read, or if the shape is no valid outline.
 pub fn read_outline(
     document: &Document,
     vertices: Option<&Spanned<Vec<[f64; 2]>>>,
@@ -65,19 +65,19 @@ pub fn read_outline(
     }
 }
 
-/// What is `wrong` with a drawing, at the key `outline` that names it.
+/// Diagnostic for an error in a drawing, at the key `outline` that names it.
 fn named_by(document: &Document, outline: &Spanned<String>, wrong: Diagnostic) -> Diagnostic {
     let expected = wrong.expected.as_deref().unwrap_or(EXPECTED).to_owned();
     let inside = Diagnostic { expected: None, ..wrong };
     document.refuse(outline.span(), format!("cannot be used: {inside}")).expected(expected)
 }
 
-/// The one closed outline of the drawing at `path` of `source`; of a DXF drawing that on `layer`, if it is given.
+/// Reads the only closed outline of the drawing at `path` of `source`; in a DXF drawing the one on `layer`, if given.
 ///
 /// # Errors
-/// [`Diagnostic`] for anything refused.
+/// [`Diagnostic`] for any refused input.
 pub fn read_drawing(source: &Source, path: &Path, layer: Option<&str>) -> Result<Polygon, Diagnostic> {
-    // Layers have names in whatever encoding: what is read of a drawing is ASCII.
+    // Layer names may have any encoding; the parts of a drawing that are read are ASCII.
     let bytes = read_bytes(source, path, EXPECTED)?;
     let text = String::from_utf8_lossy(&bytes);
     let found =
@@ -93,11 +93,11 @@ pub fn read_drawing(source: &Source, path: &Path, layer: Option<&str>) -> Result
         .map_err(|error| refused(Diagnostic { line: Some(line), ..Diagnostic::file(path, "") }, &error))
 }
 
-/// `error` at the place that `at` names.
+/// Diagnostic for `error` at the position `at`.
 fn refused(at: Diagnostic, error: &OutlineError) -> Diagnostic {
     let text = error.to_string();
     let (reason, expected) = text.split_once(": expected ").unwrap_or((&text, "a closed outline"));
-    // A list of vertices is too long to repeat: the message names the corner.
+    // A list of vertices is too long to repeat, so the message names the corner.
     Diagnostic { reason: reason.to_owned(), value: None, ..at }.expected(expected)
 }
 
@@ -105,7 +105,7 @@ fn has_extension(name: &str, extension: &str) -> bool {
     Path::new(name).extension().is_some_and(|own| own.eq_ignore_ascii_case(extension))
 }
 
-/// What is wrong with a drawing.
+/// Error in a drawing.
 #[derive(Debug)]
 struct Wrong {
     line: Option<u32>,
@@ -126,7 +126,7 @@ impl Wrong {
     }
 }
 
-/// The one outline of those found, with the line at which it begins.
+/// The only outline of those found, with its first line.
 fn only(mut found: Vec<(Corners, u32)>, what: &'static str) -> Result<(Corners, u32), Wrong> {
     match (found.len(), found.pop()) {
         (1, Some(one)) => Ok(one),

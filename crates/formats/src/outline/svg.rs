@@ -1,7 +1,7 @@
-//! The closed outline of an SVG drawing.
+//! Reads the closed outline of an SVG drawing.
 //!
-//! W3C, "Scalable Vector Graphics (SVG) 1.1": elements `path`, `polygon`, `rect` and `circle`. y points down there; outlines are
-//! seen from above with y up, as the drawing shows them.
+//! W3C, "Scalable Vector Graphics (SVG) 1.1": elements `path`, `polygon`, `rect` and `circle`. In SVG y points down;
+//! outlines are seen from above with y up, as the drawing shows them.
 
 use quick_xml::Reader;
 use quick_xml::events::{BytesStart, Event};
@@ -12,17 +12,17 @@ use super::{Corners, Wrong, only};
 const EXPECTED: &str = "one closed path, polygon, rect or circle";
 const PATH: &str = "a closed path of M L H V C Q A Z, absolute or relative";
 
-/// The one closed outline of `text`, with the line at which it begins.
+/// The only closed outline of `text`, with its first line.
 pub(super) fn outline(text: &str) -> Result<(Corners, u32), Wrong> {
     let mut reader = Reader::from_str(text);
     let mut found = Vec::new();
     let mut is_drawing = false;
-    // Lines are counted on from the last element: counting from the beginning each time is quadratic.
+    // Lines are counted from the previous element, because counting from the beginning each time is quadratic.
     let (mut line, mut counted) = (1, 0);
     loop {
         let before = usize::try_from(reader.buffer_position()).unwrap_or(usize::MAX).min(text.len());
         let begins = (text.len() - text[before..].trim_start().len()).max(counted);
-        // Lines of a file that fits in memory: the count fits.
+        // The number of lines of a file in memory fits the type.
         line += text.as_bytes()[counted..begins].iter().filter(|byte| **byte == b'\n').count() as u32;
         counted = begins;
         let element = match reader.read_event() {
@@ -67,7 +67,7 @@ pub(super) fn outline(text: &str) -> Result<(Corners, u32), Wrong> {
     if is_drawing { only(found, EXPECTED) } else { Err(Wrong::new(None, "is no SVG drawing", EXPECTED)) }
 }
 
-/// The attributes of an element without the prefixes of their names.
+/// Attributes of an element, without the prefixes of their names.
 fn attributes(element: &BytesStart<'_>, line: u32) -> Result<Vec<(String, String)>, Wrong> {
     let wrong =
         |error: String| Wrong::new(line, format!("has an attribute that cannot be read: {error}"), "an SVG drawing");
@@ -95,7 +95,7 @@ fn number(
         return Ok(default);
     }
     let value = text_of(attributes, (name, key), line)?;
-    // Units scale all of a drawing alike, or so they should: one outline has one.
+    // A unit should scale the whole drawing: one outline has one unit.
     let digits = value.trim().trim_end_matches("mm").trim_end_matches("px");
     let read = digits.parse().ok().filter(|read: &f64| read.is_finite());
     read.ok_or_else(|| {
@@ -113,7 +113,7 @@ fn polygon(points: &str, line: u32) -> Result<Corners, Wrong> {
     Ok(corners)
 }
 
-/// Numbers and letters of an attribute.
+/// Tokens of an attribute: numbers and letters.
 struct Tokens<'a> {
     rest: &'a str,
     line: u32,
@@ -130,7 +130,7 @@ impl Tokens<'_> {
         Wrong::new(self.line, reason, PATH).at(self.key, shown)
     }
 
-    /// The letter of a command, if one follows.
+    /// Reads the letter of a command, if one follows.
     fn letter(&mut self) -> Option<char> {
         self.skip_blank();
         let letter = self.rest.chars().next().filter(char::is_ascii_alphabetic)?;
@@ -138,7 +138,7 @@ impl Tokens<'_> {
         Some(letter)
     }
 
-    /// A number, if one follows.
+    /// Reads a number, if one follows.
     fn number(&mut self) -> Result<Option<f64>, Wrong> {
         self.skip_blank();
         let bytes = self.rest.as_bytes();
@@ -171,7 +171,7 @@ impl Tokens<'_> {
         self.number()?.ok_or_else(|| self.wrong("is where a number should stand"))
     }
 
-    /// A flag of an arc, 0 or 1, which needs nothing after it.
+    /// Reads a flag of an arc, 0 or 1, which needs no separator after it.
     fn flag(&mut self) -> Result<bool, Wrong> {
         self.skip_blank();
         let flag = match self.rest.as_bytes().first() {
@@ -189,7 +189,7 @@ impl Tokens<'_> {
     }
 }
 
-/// The corners of the one closed subpath of `data`.
+/// Corners of the only closed subpath of `data`.
 fn path(data: &str, line: u32) -> Result<Corners, Wrong> {
     let mut tokens = Tokens { rest: data, line, key: "path.d" };
     let mut corners: Corners = Vec::new();
@@ -208,7 +208,7 @@ fn path(data: &str, line: u32) -> Result<Corners, Wrong> {
             is_closed = true;
             continue;
         }
-        // Numbers after a command repeat it.
+        // Further numbers after a command repeat the command.
         let mut is_first = true;
         loop {
             let origin = if is_relative { at } else { [0.0; 2] };

@@ -87,7 +87,7 @@ fn the_same_outline_comes_from_every_kind_of_drawing() {
 #[test]
 fn curves_are_flattened_to_the_stated_tolerance() {
     let circle = std::f64::consts::FRAC_PI_4;
-    // A chord that departs by s of the diameter takes 2/3 s of its length off: at most 8/3 s of the area.
+    // A chord that deviates by s of the diameter removes 2/3 s of its length: at most 8/3 s of the area.
     let near = |outline: Polygon, area: f64| {
         let short = 1.0 - outline.area() / area;
         assert!((0.0..3.0 * FLATTENING).contains(&short) && outline.vertices().len() < 400, "{short}");
@@ -96,7 +96,7 @@ fn curves_are_flattened_to_the_stated_tolerance() {
     near(svg("<path d=\"M0 0a1 1 0 012 0a1 1 0 01-2 0\"/>").unwrap(), circle);
     near(dxf("  0\nCIRCLE\n  8\nA\n 10\n1\n 20\n2\n 40\n0.065\n", Some("A")).unwrap(), circle);
     near(dxf(&polyline("A", 1, &[[0.0, 0.0, 1.0], [2.0, 0.0, 1.0]]), None).unwrap(), circle);
-    // A half disc, its arc below by a positive bulge; three quarters of a disc and the triangle between its ends.
+    // A half disc, its arc below from a positive bulge; three quarters of a disc and the triangle between its ends.
     let half = dxf(&polyline("A", 1, &[[0.0, 0.0, 1.0], [2.0, 0.0, 0.0]]), None).unwrap();
     near(half, circle / 2.0);
     assert!(
@@ -105,12 +105,12 @@ fn curves_are_flattened_to_the_stated_tolerance() {
     );
     let most = svg("<path d=\"M1 0A1 1 0 1 1 0-1Z\"/>").unwrap();
     near(most, (0.75 * std::f64::consts::PI + 0.5) / 4.0);
-    // An ellipse turned by a quarter is one with its radii swapped; radii too small are made to reach.
+    // An ellipse turned by a quarter equals one with exchanged radii; radii that are too small are enlarged.
     let [turned, swapped] = ["M0 0A3 1 90 1 0 2 0A3 1 90 1 0 0 0", "M0 0A1 3 0 1 0 2 0A1 3 0 1 0 0 0"]
         .map(|d| svg(&format!("<path d=\"{d}\"/>")).unwrap());
     assert!((turned.length() - 3.0).abs() < 1e-3 && (turned.area() - swapped.area()).abs() < 1e-9);
     near(svg("<path d=\"M0 0A.1.1 0 1 1 2 0A.1.1 0 1 1 0 0\"/>").unwrap(), circle);
-    // Four cubics are the circle to 3e-4 of its radius.
+    // Four cubics approximate the circle to 3e-4 of its radius.
     let k = 4.0 / 3.0 * (2_f64.sqrt() - 1.0);
     let round = format!("M1 0C1 {k} {k} 1 0 1S",);
     assert!(svg(&format!("<path d=\"{round}-1 {k} -1 0z\"/>")).unwrap_err().to_string().contains("M L H V C Q A Z"));
@@ -180,6 +180,6 @@ fn long_drawings_take_linear_time_and_lines_are_counted_right() {
     assert!(svg(&nested).is_ok());
     let vertices = "  0\nVERTEX\n  8\nB\n".repeat(20_000);
     assert!(dxf(&vertices, Some("A")).is_err());
-    // Milliseconds; counting lines from the beginning for each element took 20 s.
+    // Takes milliseconds; counting lines from the beginning for each element took 20 s.
     assert!(started.elapsed().as_secs() < 5, "{:?}", started.elapsed());
 }
