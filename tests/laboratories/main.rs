@@ -59,15 +59,14 @@ impl Start {
 
 /// How many laboratories, and what they may choose from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-
 pub struct Options {
-    /// Laboratories of each start, the mechanisms in turn; 207 when absent.
+    /// Laboratories of each start, the mechanisms in turn.
     pub laboratories: usize,
-    /// Most trials of a laboratory; 12 when absent.
+    /// Most trials of a laboratory.
     pub most_trials: usize,
-    /// Widths and spacings of the textures; 12 when absent.
+    /// Widths and spacings of the textures.
     pub steps: usize,
-    /// Seed of the laboratories; 1 when absent.
+    /// Seed of the laboratories.
     pub seed: u64,
 }
 
@@ -123,15 +122,6 @@ pub enum TargetOf {
 impl TargetOf {
     /// Both kinds.
     pub const ALL: [Self; 2] = [Self::Reached, Self::Any];
-
-    /// The name used in files.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Reached => "reached",
-            Self::Any => "any",
-        }
-    }
 }
 
 /// What one laboratory's way to the target was.

@@ -1,7 +1,8 @@
 //! How a laboratory may choose what it cuts next.
 
 use slipgrid_discrepancy::{
-    Candidate, Conditions, DimensionShift, Discrepancy, Form, Hyperparameters, Predictor, Trial, Wanted, choose,
+    Candidate, Conditions, DimensionShift, Discrepancy, Form, Hyperparameters, Prediction as Distribution, Predictor,
+    Score, Trial, Wanted,
 };
 use slipgrid_statistics::Normals;
 
@@ -13,6 +14,8 @@ use slipgrid_studies::StudyError;
 
 /// Its standard deviation.
 const PROCESS_STD: f64 = 0.2;
+/// Textures of the greatest rough chance, for which the chance on more points decides.
+const FINALISTS: usize = 8;
 /// Draws behind the expected improvement.
 const DRAWS: usize = 64;
 /// Draws of laboratories behind the chances of [`Policy::Generator`], and more where those of equal weight are fewer than enough.
@@ -178,10 +181,17 @@ impl Policy {
         let at_load: Vec<f64> = (0..LOADS).map(|load| mean(&excess(load))).collect();
         let by_chance = |hyper: &Hyperparameters| -> Result<Option<usize>, StudyError> {
             let predictor = learned(hyper, known.trials)?;
-            let of = |place: usize| {
-                is_open(&place).then(|| candidate(&known.textures[place], &known.dimension_shifts[place]))
+            let (wanted, textures, shifts) = (wanted(known.target), known.textures, known.dimension_shifts);
+            let value = |place: usize, score: fn(&Wanted, &Distribution, &[f64]) -> Score| {
+                let candidate = candidate(&textures[place], &shifts[place]);
+                (place, score(&wanted, &predictor.of(&candidate), candidate.modelled).value())
             };
-            Ok(choose(&predictor, &wanted(known.target), known.textures.len(), &of).map(|chosen| chosen.place))
+            // The first of equal ones wins, as the sort is stable.
+            let mut all: Vec<(usize, f64)> =
+                (0..textures.len()).filter(is_open).map(|place| value(place, Wanted::rough_score)).collect();
+            all.sort_by(|a, b| b.1.total_cmp(&a.1));
+            let finalists = all.iter().take(FINALISTS).map(|(place, _)| value(*place, Wanted::score));
+            Ok(finalists.reduce(|best, next| if next.1 > best.1 { next } else { best }).map(|best| best.0))
         };
         let found = match self {
             Self::Mixture | Self::Form => by_chance(&self.hyperparameters(known.form).unwrap_or_default())?,

@@ -1,7 +1,7 @@
 //! Warnings about samples of one texture that contradict each other.
 
 use slipgrid_discrepancy::{Contradiction, Discrepancy};
-use slipgrid_units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, tidy};
+use slipgrid_units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, counted, tidy};
 
 /// Name of the warning.
 const NAME: &str = "contradicting samples";
@@ -42,13 +42,13 @@ fn warning(learned: &Discrepancy, pair: &Contradiction) -> String {
     };
     format!(
         "{NAME}: \"{first}\" and \"{second}\" are of one texture within the errors of their dimensions, and their ratios over the modelled \
-         ones differ by {} at {:.2} MPa, {} mm/s and {} %, where samples are said to scatter by {stated} (sample_std): chi-square {chi_square:.0} of {ratios} ratio{}, \
+         ones differ by {} at {:.2} MPa, {} mm/s and {} %, where samples are said to scatter by {stated} (sample_std): chi-square {chi_square:.0} of {}, \
          {}; measure both again, and their dimensions; {then}",
         percent(pair.difference.abs()),
         PRESSURE_MPA.from_si(load.pressure_pa),
         tidy(SPEED_MM_S.from_si(load.speed_m_s)),
         tidy(HUMIDITY_PCT.from_si(load.humidity)),
-        if ratios == 1 { "" } else { "s" },
+        counted(ratios, "ratio"),
         if pair.probability < 1e-12 {
             "a probability below 1e-12".to_owned()
         } else {

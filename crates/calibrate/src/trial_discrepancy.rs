@@ -11,7 +11,7 @@ use slipgrid_material::AreaLaw;
 use slipgrid_monitor::{Monitor, Stage};
 use slipgrid_pattern::{Pattern, ReliefMap};
 use slipgrid_springblock::Dimension;
-use slipgrid_units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, tidy};
+use slipgrid_units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, counted, tidy};
 
 use crate::patterned_samples::{Model, Pair, pair_measurements};
 use crate::surface_area_law_source::surface_findings;
@@ -267,11 +267,10 @@ pub(crate) fn note(learned: &Discrepancy) -> Option<String> {
     let found = learned.at(&[at.load]).predict(&trial.features, &[at.sensitivity]);
     let Load { pressure_pa, speed_m_s, humidity } = at.load;
     Some(format!(
-        "trials: {ratios} measured ratio{} of {} sample{}. At the texture of \"{}\", {:.3} MPa, {} mm/s and {} % a sample's true ratio is \
+        "trials: {} of {}. At the texture of \"{}\", {:.3} MPa, {} mm/s and {} % a sample's true ratio is \
          {:.3} times the modelled one (95 % of samples: {:.3} to {:.3}); this is kept apart from the physics, in [learned]",
-        if ratios == 1 { "" } else { "s" },
-        learned.trials().len(),
-        if learned.trials().len() == 1 { "" } else { "s" },
+        counted(ratios, "measured ratio"),
+        counted(learned.trials().len(), "sample"),
         trial.name,
         PRESSURE_MPA.from_si(pressure_pa),
         tidy(SPEED_MM_S.from_si(speed_m_s)),

@@ -18,6 +18,7 @@ use slipgrid_units::{LENGTH_UM, tidy};
 use crate::DesignError;
 use crate::evaluation_cache::Answer;
 use crate::operating_conditions::Further;
+use crate::sensitivities::conditions;
 use crate::steady_model::SteadyModel;
 use crate::task::DesignTask;
 
@@ -129,8 +130,7 @@ impl<'a> Inputs<'a> {
         let directions = 1 + task.directions.different_deg.len();
         let count = values / directions;
         let loads = &model.asked().loads[..count];
-        let conditions: Vec<Option<Condition>> =
-            std::iter::once(task.condition).chain(further.iter().map(|further| further.at.condition)).collect();
+        let conditions: Vec<Option<Condition>> = conditions(task, further).collect();
         let conditions = &conditions[..conditions.len() / directions];
         let of_material = |error: MaterialError| DesignError::Failed(format!("errors of the material: {error}"));
         let tolerances = task.tolerances.unwrap_or_default();

@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 use slipgrid_discrepancy::{Load, Prediction};
 use slipgrid_results::{MaterialReport, SCREEN_WIDTH, SYNTHETIC_SURFACE, SpecimenReport, doubt_in_brief, wrapped};
+use slipgrid_units::counted;
 use slipgrid_units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, tidy};
 
 use slipgrid_export::{Laser, MEASURE_EACH_ALONE, Outline, Sector, Tolerances};
@@ -204,9 +205,8 @@ impl NextReport {
     /// Formats the samples as text.
     #[must_use]
     pub fn text(&self) -> String {
-        let plural = |count: usize, what: &str| format!("{count} {what}{}", if count == 1 { "" } else { "s" });
         let mut text = wrapped(&format!("{}: {}", self.name, self.words), SCREEN_WIDTH, "  ", 3);
-        let (trials, designs) = (plural(self.trials, "trial"), plural(self.compared, "design"));
+        let (trials, designs) = (counted(self.trials, "trial"), counted(self.compared, "design"));
         text += &format!("\n  {trials} measured, {} pending; {designs} compared\n", self.pending);
         self.material_doubts().for_each(|doubt| text += &doubt_in_brief(&doubt));
         if self.material.synthetic_surface {

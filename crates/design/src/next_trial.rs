@@ -139,10 +139,17 @@ fn choose(
         (vec![best.clone()], best.chance())
     } else {
         let scenarios = Scenarios::new(&asked.learned, SCENARIOS, 1);
-        let chosen = several(&listed, &pending, options, (asked, &scenarios));
+        // Samples on one disc share what differs from disc to disc.
+        let disc = if options.one_disc {
+            Cow::Owned(scenarios.clone().on_one_disc(DISC_SEED))
+        } else {
+            Cow::Borrowed(&scenarios)
+        };
+        let draws = Draws { asked, scenarios: &scenarios, disc: &disc };
+        let chosen = several(&listed, &pending, options.count, &draws);
         // Solves each sample as cut; the first one is already solved.
         let chosen: Vec<Prediction> = chosen.into_iter().map(|of| search.as_cut(of)).collect();
-        let together = one_on_target(&chosen, &pending, options, (asked, &scenarios));
+        let together = one_on_target(&chosen, &pending, options.count, &draws);
         (chosen, together)
     };
     let modulus_std = prepared.modulus_std();
@@ -178,9 +185,20 @@ fn choose(
     Ok((next, chosen.iter().map(|of| of.texture.pattern).collect()))
 }
 
-/// Marks the `scenarios` in which sample `number` with the texture of `of` is on target.
-fn hits(scenarios: &Scenarios, (number, of): (usize, &Prediction), asked: &Asked) -> Vec<bool> {
-    scenarios.on_target(&of.texture.candidate(), &asked.loads, &asked.wanted, number)
+/// Scenarios in which several samples are judged together.
+struct Draws<'a> {
+    asked: &'a Asked,
+    /// For samples on discs of their own.
+    scenarios: &'a Scenarios,
+    /// For the samples to cut, which are on one disc if requested.
+    disc: &'a Scenarios,
+}
+
+impl Draws<'_> {
+    /// Marks the `scenarios` in which sample `number` with the texture of `of` is on target.
+    fn hits(&self, scenarios: &Scenarios, (number, of): (usize, &Prediction)) -> Vec<bool> {
+        scenarios.on_target(&of.texture.candidate(), &self.asked.loads, &self.asked.wanted, number)
+    }
 }
 
 /// Marks the scenarios in which a sample is on target.
@@ -188,26 +206,15 @@ fn mark(hit: &mut [bool], by: &[bool]) {
     hit.iter_mut().zip(by).for_each(|(hit, on)| *hit |= on);
 }
 
-/// Returns `scenarios` with shared disc errors if `options` request one disc.
-fn of_disc<'a>(scenarios: &'a Scenarios, options: &NextOptions) -> Cow<'a, Scenarios> {
-    if options.one_disc { Cow::Owned(scenarios.clone().on_one_disc(DISC_SEED)) } else { Cow::Borrowed(scenarios) }
-}
-
 /// Chooses `count` designs of `pool`: the first is the best, and each further one is best if those before and those
 /// `pending` miss the target.
 ///
-/// Samples on one disc share what differs from disc to disc: they are off together, and further apart from each other are better.
-fn several<'a>(
-    pool: &'a [Prediction],
-    pending: &[Prediction],
-    options: &NextOptions,
-    (asked, scenarios): (&Asked, &Scenarios),
-) -> Vec<&'a Prediction> {
-    let count = options.count.max(1).min(pool.len());
-    let disc = of_disc(scenarios, options);
-    let each: Vec<Vec<bool>> = pool.par_iter().enumerate().map(|of| hits(&disc, of, asked)).collect();
+/// Samples on one disc miss the target together, so textures that differ more are better there.
+fn several<'a>(pool: &'a [Prediction], pending: &[Prediction], count: usize, draws: &Draws<'_>) -> Vec<&'a Prediction> {
+    let count = count.max(1).min(pool.len());
+    let each: Vec<Vec<bool>> = pool.par_iter().enumerate().map(|of| draws.hits(draws.disc, of)).collect();
     let mut hit = vec![false; SCENARIOS];
-    (pool.len()..).zip(pending).for_each(|of| mark(&mut hit, &hits(scenarios, of, asked)));
+    (pool.len()..).zip(pending).for_each(|of| mark(&mut hit, &draws.hits(draws.scenarios, of)));
     let mut chosen: Vec<usize> = Vec::new();
     for _ in 0..count {
         let gain = |place: &usize| each[*place].iter().zip(&hit).filter(|(on, hit)| **on && !**hit).count();
@@ -226,18 +233,12 @@ fn several<'a>(
 }
 
 /// Chance that at least one of the `chosen` or `pending` samples is on target.
-fn one_on_target(
-    chosen: &[Prediction],
-    pending: &[Prediction],
-    options: &NextOptions,
-    (asked, scenarios): (&Asked, &Scenarios),
-) -> f64 {
+fn one_on_target(chosen: &[Prediction], pending: &[Prediction], count: usize, draws: &Draws<'_>) -> f64 {
     let mut hit = vec![false; SCENARIOS];
     // Uses other sample numbers than the choice did, because the chosen designs were favoured by their own draws.
-    let numbers = LISTED.max(options.count)..;
-    let disc = of_disc(scenarios, options);
-    numbers.clone().zip(pending).for_each(|of| mark(&mut hit, &hits(scenarios, of, asked)));
-    numbers.skip(pending.len()).zip(chosen).for_each(|of| mark(&mut hit, &hits(&disc, of, asked)));
+    let numbers = LISTED.max(count)..;
+    numbers.clone().zip(pending).for_each(|of| mark(&mut hit, &draws.hits(draws.scenarios, of)));
+    numbers.skip(pending.len()).zip(chosen).for_each(|of| mark(&mut hit, &draws.hits(draws.disc, of)));
     hit.iter().filter(|hit| **hit).count() as f64 / SCENARIOS as f64
 }
 

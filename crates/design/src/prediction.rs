@@ -143,7 +143,7 @@ impl Prediction {
             1 => "known from one trial".to_owned(),
             trials => format!("known from {trials} trials"),
         };
-        let known = predictor.of_known_form(&self.texture.candidate());
+        let known = predictor.of_known_form(&self.texture.candidate(), &self.distribution.medians());
         // Contribution to the total scatter: sqrt(s^2 - s_without^2).
         let added = |without: &Distribution, load: usize| {
             let [all, rest] = [&self.distribution, without].map(|of| of.moments(load).1);

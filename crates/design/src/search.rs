@@ -264,8 +264,7 @@ impl Search<'_> {
     fn excess_of(&self, run: &Simulation) -> f64 {
         let mut limits = self.task.quantities.iter().zip(&self.task.constraints.quantities);
         let limit = limits.find(|(of, _)| **of == ConstraintQuantity::PeakPressure).map(|(_, limit)| limit);
-        let most_pa = run.loads.iter().map(|load| load.surface.peak_pressure_pa).fold(0.0, f64::max);
-        limit.map_or(0.0, |limit| limit.excess(most_pa).max(0.0))
+        limit.map_or(0.0, |limit| limit.excess(run.peak_pressure_pa()).max(0.0))
     }
 
     /// Region of the bounds that contains `pattern`, by the logarithms of its lengths.
@@ -297,25 +296,20 @@ impl Search<'_> {
         // Distributions of thousands of textures would fill the memory, so those of the best are recomputed.
         let one = |(place, texture): (usize, &CutTexture)| {
             let found = (!self.stage.cancelled()).then(|| self.predicted(texture.clone()))?;
-            Some((place, found.value(), found.chance()))
+            Some((place, found.value(), found.chance(), found.is_within(self.asked)))
         };
-        let mut scored: Vec<(usize, f64, f64)> = left.par_iter().enumerate().filter_map(one).collect();
+        let mut scored: Vec<(usize, f64, f64, bool)> = left.par_iter().enumerate().filter_map(one).collect();
+        let is_within_reach = scored.iter().any(|(.., is_within)| *is_within);
         scored.sort_by(|a, b| b.1.total_cmp(&a.1));
-        let greatest = scored.first().map_or(0.0, |(.., chance)| *chance);
+        let greatest = scored.first().map_or(0.0, |(_, _, chance, _)| *chance);
         let has_chances = self.asked.goal.is_none() && least <= 0.0;
         let enough = if has_chances { OF_CHANCE * greatest } else { f64::NEG_INFINITY };
         let (mut seen, mut rank) = ([false; REGIONS.pow(3)], 0);
-        scored.retain(|(place, _, chance)| {
+        scored.retain(|(place, _, chance, _)| {
             rank += 1;
             let is_first = !std::mem::replace(&mut seen[self.region(&left[*place].pattern)], true);
             rank <= most || is_first && *chance >= enough
         });
-        let is_within = |texture: &CutTexture| {
-            self.asked.has_medians_within(&texture.ratio, &self.predictor.of(&texture.candidate()))
-        };
-        // A texture that is likelier on target than not has an accepted median.
-        let is_within_reach =
-            greatest > 0.5 || left.par_iter().any(|texture| !self.stage.cancelled() && is_within(texture));
         let best = scored.par_iter().map(|(place, ..)| self.predicted(left[*place].clone())).collect();
         (best, compared, is_within_reach && least == 0.0)
     }

@@ -52,7 +52,7 @@ impl<'a> ByLocalPressure<'a> {
         let mut known: Vec<Option<Condition>> = Vec::new();
         let (mut laws, mut places) = (Vec::new(), Vec::new());
         for condition in conditions {
-            if known.iter().any(|other| is_same(other, condition)) {
+            if known.iter().any(|other| Condition::is_same(other.as_ref(), condition.as_ref())) {
                 continue;
             }
             known.push(*condition);
@@ -66,7 +66,10 @@ impl<'a> ByLocalPressure<'a> {
             return Ok(None);
         }
         let place = |condition: &Option<Condition>| {
-            known.iter().position(|other| is_same(other, condition)).and_then(|known| places[known])
+            known
+                .iter()
+                .position(|other| Condition::is_same(other.as_ref(), condition.as_ref()))
+                .and_then(|known| places[known])
         };
         let still = own.beside(|scene: &Scene| Ok::<_, MaterialError>(scene.clone()))?;
         Ok(Some(Self { still, laws, of_load: conditions.iter().map(place).collect() }))
@@ -81,13 +84,6 @@ impl<'a> ByLocalPressure<'a> {
             law.map_or(0.0, |law| (ratios[1 + law][load] / ratios[0][load]).ln())
         };
         Ok(self.of_load.iter().enumerate().map(change).collect())
-    }
-}
-
-fn is_same(one: &Option<Condition>, other: &Option<Condition>) -> bool {
-    match (one, other) {
-        (Some(one), Some(other)) => one.matches(other),
-        (one, other) => one.is_none() && other.is_none(),
     }
 }
 
@@ -196,9 +192,13 @@ pub fn loads_of(task: &DesignTask, learned: &Discrepancy, further: &[Further], m
     model.asked().loads.iter().zip(conditions_of(task, further)).map(at).collect()
 }
 
+/// Speed and humidity of every condition of `task`.
+pub fn conditions(task: &DesignTask, further: &[Further]) -> impl Iterator<Item = Option<Condition>> {
+    std::iter::once(task.condition).chain(further.iter().map(|further| further.at.condition))
+}
+
 /// Speed and humidity at every load of `task`, condition by condition.
 pub fn conditions_of(task: &DesignTask, further: &[Further]) -> Vec<Option<Condition>> {
     let count = task.target.points().len().max(1);
-    let conditions = std::iter::once(task.condition).chain(further.iter().map(|further| further.at.condition));
-    conditions.flat_map(|condition| std::iter::repeat_n(condition, count)).collect()
+    conditions(task, further).flat_map(|condition| std::iter::repeat_n(condition, count)).collect()
 }

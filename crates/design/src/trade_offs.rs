@@ -8,7 +8,6 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use slipgrid_pattern::Pattern;
 use slipgrid_results::PatternReport;
-use slipgrid_springblock::Simulation;
 use slipgrid_units::{PRESSURE_MPA, tidy};
 
 use crate::job::seconds;
@@ -129,10 +128,8 @@ fn value(search: &Search<'_>, found: &Prediction, goal: TradeOffGoal) -> Option<
         TradeOffGoal::Volume => Some(1e9 * search.task.specimen.layout(*pattern).ok()?.cavity_volume_m3()),
         TradeOffGoal::PeakPressure => {
             // A specimen that was run has the pressure of the run.
-            let of_run =
-                |run: &Simulation| run.loads.iter().map(|load| load.surface.peak_pressure_pa).fold(0.0, f64::max);
             let peak_pa = match &found.texture.run {
-                Some(run) => of_run(run),
+                Some(run) => run.peak_pressure_pa(),
                 None => search.table.at(pattern)?.1.peak_pressure_pa(),
             };
             Some(PRESSURE_MPA.from_si(peak_pa))

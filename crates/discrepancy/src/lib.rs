@@ -31,7 +31,7 @@
 //! | [`Predictor`], [`Prediction`] | prediction for a texture at given loads: quantiles, covariance, chance to be on target |
 //! | [`Contradiction`] | two samples of one texture that differ by more than the stated scatter |
 //! | [`leave_out`] | cross-validation: every trial and every condition predicted from all others |
-//! | [`Wanted`], [`choose`] | choice of the texture to cut next |
+//! | [`Wanted`], [`Score`] | chance that a sample is on target, and what ranks textures |
 //! | [`Scenarios`] | truths drawn from the mixture, in which several samples are evaluated jointly |
 //!
 //! This crate solves no contact and opens no files.
@@ -69,7 +69,7 @@ pub use form::Form;
 pub use hyperparameters::{Conditions, Hyperparameters};
 pub use leave_out::{LeftOut, Surprise, leave_out};
 pub use mixture::{Discrepancy, FormWeight};
-pub use next_trial::{Candidate, Chosen, Score, Wanted, choose, information};
+pub use next_trial::{Candidate, Score, Wanted, information};
 pub use prediction::{Component, Load, Prediction, Predictor, Sampler};
 pub use scatter::{Contradiction, ScatterWeight};
 pub use scenarios::Scenarios;

@@ -1,9 +1,8 @@
-//! Choice of the texture to cut next.
+//! Chance that a sample is on target, and what ranks textures to cut next.
 
-use rayon::prelude::*;
 use slipgrid_statistics::{BoxRule, Normals};
 
-use crate::{Component, DimensionShift, Features, Form, Prediction, Predictor, Sensitivity};
+use crate::{Component, DimensionShift, Features, Form, Prediction, Sensitivity};
 use slipgrid_statistics::cholesky::{cholesky, covariance_factor, dot, is_regular, log_determinant, solve_lower};
 
 /// Weight of the closeness relative to the chance: a texture that misses by little teaches more about the target than one
@@ -53,18 +52,6 @@ pub struct Candidate<'a> {
     pub covariance: &'a [f64],
     /// Independent errors of the dimensions of each sample; empty if exact.
     pub dimension_shifts: &'a [DimensionShift],
-}
-
-/// Number of candidates with the best rough chances for which exact chances are computed.
-const FINALISTS: usize = 8;
-
-/// Texture chosen to be cut next.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Chosen {
-    /// Index among the candidates.
-    pub place: usize,
-    /// Score of the texture.
-    pub score: Score,
 }
 
 impl Score {
@@ -144,27 +131,6 @@ fn closeness(prediction: &Prediction, [lower, upper]: &[Vec<f64>; 2]) -> f64 {
         of.weight * (0..n).map(at).fold(1.0, f64::min)
     };
     prediction.components.iter().filter(|of| of.weight > MIN_WEIGHT).map(close).sum()
-}
-
-/// Chooses the candidate of maximum score among `count` candidates of `of`, skipping those that are `None`. The first of
-/// equal ones wins.
-pub fn choose<'a>(
-    predictor: &Predictor,
-    wanted: &Wanted,
-    count: usize,
-    of: &(dyn Fn(usize) -> Option<Candidate<'a>> + Sync),
-) -> Option<Chosen> {
-    let rough = |place: usize| {
-        let candidate = of(place)?;
-        Some(Chosen { place, score: wanted.rough_score(&predictor.of(&candidate), candidate.modelled) })
-    };
-    let mut all: Vec<Chosen> = (0..count).into_par_iter().filter_map(rough).collect();
-    all.sort_by(|a, b| b.score.value().total_cmp(&a.score.value()));
-    let exact = all.into_iter().take(FINALISTS).filter_map(|Chosen { place, .. }| {
-        let candidate = of(place)?;
-        Some(Chosen { place, score: wanted.score(&predictor.of(&candidate), candidate.modelled) })
-    });
-    exact.reduce(|best, next| if next.score.value() > best.score.value() { next } else { best })
 }
 
 /// Information about the form from measuring a sample, in nats: the expected decrease of the entropy of the forms'

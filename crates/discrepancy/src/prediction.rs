@@ -1,7 +1,7 @@
 //! Prediction of the mixture for a texture.
 
 #[cfg(test)]
-use slipgrid_statistics::box_probability;
+use slipgrid_statistics::BoxRule;
 use slipgrid_statistics::{mixture_quantile, normal_probability};
 
 use crate::mixture::Member;
@@ -266,13 +266,12 @@ impl Predictor {
         self.of_candidate(candidate, false)
     }
 
-    /// Predicts a sample of `candidate` with the discrepancy of the texture fixed at its median: the uncertainty of
-    /// modulus, local law, dimensions and the scatter of the sample remain.
+    /// Predicts a sample of `candidate` with the discrepancy of the texture fixed so that the medians are `medians`: the
+    /// uncertainty of modulus, local law, dimensions and the scatter of the sample remain.
     #[must_use]
-    pub fn of_known_form(&self, candidate: &Candidate<'_>) -> Prediction {
-        let medians = self.of(candidate).medians();
+    pub fn of_known_form(&self, candidate: &Candidate<'_>, medians: &[f64]) -> Prediction {
         let mut found = self.of_candidate(candidate, true);
-        found.components.iter_mut().for_each(|component| component.mean.clone_from(&medians));
+        found.components.iter_mut().for_each(|component| medians.clone_into(&mut component.mean));
         found
     }
 
@@ -394,7 +393,7 @@ impl Prediction {
         let n = self.loads();
         let of = |of: &Component| {
             let factor = covariance_factor(&of.covariance, n);
-            of.weight * box_probability(&of.mean, &factor, lower, upper)
+            of.weight * BoxRule::new(n).probability(&of.mean, &factor, [lower, upper], 0..512)
         };
         self.components.iter().map(of).sum()
     }

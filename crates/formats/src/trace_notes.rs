@@ -1,7 +1,7 @@
 //! Notes on anomalies in the traces of a calibration.
 
 use slipgrid_traces::TraceFlag;
-use slipgrid_units::{HUMIDITY_PCT, SPEED_MM_S};
+use slipgrid_units::{HUMIDITY_PCT, SPEED_MM_S, counted};
 
 use super::traces::ConditionTraces;
 
@@ -121,8 +121,8 @@ fn of_conditions(conditions: &[ConditionTraces]) -> Vec<Remark> {
         if traces.mean.stick_slips > 0 {
             let (found, of) = (traces.mean.stick_slips, traces.mean.count);
             add(format!(
-                "stick-slip in {found} of {of} repeat{}; the model has no stick-slip of the whole sample",
-                if of == 1 { "" } else { "s" }
+                "stick-slip in {found} of {}; the model has no stick-slip of the whole sample",
+                counted(of, "repeat")
             ));
         }
         if (1..traces.mean.count).contains(&traces.mean.peaks) {

@@ -279,8 +279,8 @@ pub(crate) fn analyse_among(
     let others = refused.len().saturating_sub(1);
     if let Some(mut first) = refused.into_iter().next() {
         if others > 0 {
-            let plural = if others == 1 { "" } else { "s" };
-            first.reason += &format!(" ({others} more trace{plural} of this condition cannot be used)");
+            first.reason +=
+                &format!(" ({} of this condition cannot be used)", slipgrid_units::counted(others, "more trace"));
         }
         return Err(first);
     }

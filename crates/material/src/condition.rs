@@ -16,6 +16,15 @@ impl Condition {
         close(self.speed_m_s, other.speed_m_s) && close(self.humidity, other.humidity)
     }
 
+    /// Whether both match, or neither is known.
+    #[must_use]
+    pub fn is_same(one: Option<&Self>, other: Option<&Self>) -> bool {
+        match (one, other) {
+            (Some(one), Some(other)) => one.matches(other),
+            (one, other) => one.is_none() && other.is_none(),
+        }
+    }
+
     pub(crate) fn in_words(&self) -> String {
         format!("{} mm/s at {} %", round(self.speed_m_s * 1e3), round(self.humidity * 1e2))
     }

@@ -6,7 +6,7 @@ use slipgrid_calibrate::{CutSample, contradicting_samples};
 use slipgrid_discrepancy::{Discrepancy, LeftOut, Surprise, leave_out};
 use slipgrid_monitor::{Cancelled, Monitor};
 use slipgrid_results::{SCHEMA, Table, VERSION, believed, believed_interval, believed_std, fixed, guard_formula};
-use slipgrid_units::{HUMIDITY_PCT, LENGTH_UM, PRESSURE_MPA, SPEED_MM_S, tidy};
+use slipgrid_units::{HUMIDITY_PCT, LENGTH_UM, PRESSURE_MPA, SPEED_MM_S, counted, tidy};
 
 use crate::charts::{Estimate, Prediction, TrialsChart, trials};
 use crate::{Outputs, ReportError, html};
@@ -259,11 +259,10 @@ impl TrialsReport {
     pub fn text(&self) -> String {
         let measured: usize = self.trials.iter().map(|trial| trial.measured.len()).sum();
         let mut text = format!(
-            "{}: {} trial{} with {measured} measured ratio{}{}\n",
+            "{}: {} with {}{}\n",
             self.name,
-            self.trials.len(),
-            if self.trials.len() == 1 { "" } else { "s" },
-            if measured == 1 { "" } else { "s" },
+            counted(self.trials.len(), "trial"),
+            counted(measured, "measured ratio"),
             if self.pending.is_empty() { String::new() } else { format!("; pending: {}", self.pending.join(", ")) }
         );
         self.warnings.iter().for_each(|warning| text += &format!("! {warning}\n"));

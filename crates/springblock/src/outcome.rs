@@ -321,3 +321,11 @@ pub struct Simulation {
     /// One record per load, in the scene's order.
     pub loads: Vec<LoadOutcome>,
 }
+
+impl Simulation {
+    /// Maximum pressure under the blocks over all loads.
+    #[must_use]
+    pub fn peak_pressure_pa(&self) -> f64 {
+        self.loads.iter().map(|load| load.surface.peak_pressure_pa).fold(0.0, f64::max)
+    }
+}

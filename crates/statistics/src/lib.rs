@@ -21,7 +21,7 @@ mod synthetic_noise;
 pub use chi_square::chi_square_beyond;
 pub use kriging::{Kriging, distance};
 pub use normal::Normals;
-pub use normal_distribution::{BoxRule, box_probability, mixture_quantile, normal_probability, normal_quantile};
+pub use normal_distribution::{BoxRule, mixture_quantile, normal_probability, normal_quantile};
 pub use response_surface::{Axis, ResponseSurface};
 pub use sample::{mean_and_std, median, upper_median};
 pub use student::Confidence;

@@ -16,8 +16,7 @@ pub fn normal_probability(x: f64) -> f64 {
 }
 
 /// Density of a standard normal deviate at `x`.
-#[must_use]
-pub fn normal_density(x: f64) -> f64 {
+fn normal_density(x: f64) -> f64 {
     // exp(-x^2 / 2) / sqrt(2 pi)
     const AT_ZERO: f64 = 0.398_942_280_401_432_7;
     AT_ZERO * libm::exp(-0.5 * x * x)
@@ -237,16 +236,6 @@ impl Tables {
     }
 }
 
-/// Points of the rule behind [`box_probability`].
-const POINTS: usize = 512;
-
-/// Probability that a normal vector of this `mean` lies between `lower` and `upper` in every component, by [`BoxRule`] on 512 points: exact
-/// for one component, to some 5e-4 root mean square for two to six that have most of what scatters in common.
-#[must_use]
-pub fn box_probability(mean: &[f64], factor: &[f64], lower: &[f64], upper: &[f64]) -> f64 {
-    BoxRule::new(mean.len()).probability(mean, factor, [lower, upper], 0..POINTS)
-}
-
 /// Quasi-Monte Carlo rule for the probability that a normal vector lies in a box: separation of variables (A. Genz, J. Comput. Graph. Stat. 1,
 /// 141) on the points frac(k sqrt(p)) of a Richtmyer lattice.
 #[derive(Clone, Debug)]
@@ -322,6 +311,12 @@ impl BoxRule {
 mod tests {
     use super::*;
     use crate::Normals;
+
+    /// Probability by [`BoxRule`] on 512 points: exact for one component, to some 5e-4 root mean square for two to six that have
+    /// most of what scatters in common.
+    fn box_probability(mean: &[f64], factor: &[f64], lower: &[f64], upper: &[f64]) -> f64 {
+        BoxRule::new(mean.len()).probability(mean, factor, [lower, upper], 0..512)
+    }
 
     #[test]
     fn quantiles_undo_probabilities() {

@@ -9,6 +9,7 @@
 //! | [`Quantity`] | a unit with its factor and range; formatted for error messages |
 //! | [`LENGTH_UM`], [`PRESSURE_MPA`] and others | one quantity for each kind of key |
 //! | [`tidy`] | removes rounding errors of unit conversions |
+//! | [`counted`] | number and noun, in the plural where it must be |
 //!
 //! This crate does not depend on keys or files.
 //!
@@ -180,6 +181,12 @@ pub const POSITIVE: Quantity = Quantity::new(Scale::Times(1.0), "", 1e-6, false,
 #[must_use]
 pub fn tidy(value: f64) -> f64 {
     significant(value, 12)
+}
+
+/// `count` and `noun`, in the plural unless `count` is 1.
+#[must_use]
+pub fn counted(count: usize, noun: &str) -> String {
+    format!("{count} {noun}{}", if count == 1 { "" } else { "s" })
 }
 
 /// Rounds `value` to `digits` significant digits.

@@ -162,10 +162,8 @@ pub(super) fn shares(
     } else {
         between(&measured, condition?)?.into_iter().map(|(own, share)| (Some(own), share)).collect()
     };
-    let is_of = |row: &CoefficientEstimate, own: &Option<Condition>| match (&row.condition, own) {
-        (Some(condition), Some(own)) => condition.matches(own),
-        (condition, own) => condition.is_none() && own.is_none(),
-    };
+    let is_of =
+        |row: &CoefficientEstimate, own: &Option<Condition>| Condition::is_same(row.condition.as_ref(), own.as_ref());
     let at = |&at_pa: &f64| {
         let mut row = vec![0.0; known.len()];
         for (own, share) in &conditions {

@@ -5,6 +5,7 @@ use std::fmt::Write as _;
 use super::DesignReport;
 use crate::prediction::percent;
 use slipgrid_results::{SCREEN_WIDTH, Table, believed_interval, doubt_in_brief, fixed, length_in_words, wrapped};
+use slipgrid_units::counted;
 
 /// Maximum number of listed loads, doubts and lifted limits; the others are counted.
 const MAX_LOADS: usize = 8;
@@ -38,7 +39,11 @@ impl DesignReport {
             text += &doubt_in_brief(doubt);
         }
         if doubts.len() > MAX_DOUBTS {
-            let _ = writeln!(text, "! {}: in the report, or with --details", more(doubts.len() - MAX_DOUBTS, "doubt"));
+            let _ = writeln!(
+                text,
+                "! {}: in the report, or with --details",
+                counted(doubts.len() - MAX_DOUBTS, "more doubt")
+            );
         }
         let _ = writeln!(text, "- {}", self.lacking());
         text
@@ -67,7 +72,11 @@ impl DesignReport {
             if self.is_ratio() { "ratio to the flat surface" } else { "dynamic friction; model alone: ratio" };
         let mut text = format!("\n  {quantity}\n{table}");
         if expected.len() > MAX_LOADS {
-            let _ = writeln!(text, "  {}: in the report, or with --details", more(expected.len() - MAX_LOADS, "load"));
+            let _ = writeln!(
+                text,
+                "  {}: in the report, or with --details",
+                counted(expected.len() - MAX_LOADS, "more load")
+            );
         }
         text
     }
@@ -92,11 +101,6 @@ impl DesignReport {
         lines.extend(self.blocked_in_words().into_iter().take(MAX_LIFTED));
         lines
     }
-}
-
-/// The number of further things.
-fn more(count: usize, what: &str) -> String {
-    format!("{count} more {what}{}", if count == 1 { "" } else { "s" })
 }
 
 #[cfg(test)]

@@ -49,7 +49,7 @@ fn the_search_sees_what_simulate_reports() {
         for (found, outcome) in answer.ratio.iter().zip(&simulation.loads) {
             assert!((found - outcome.ratio.unwrap()).abs() < ratio);
         }
-        let peak = simulation.loads.iter().map(|load| load.surface.peak_pressure_pa).fold(0.0, f64::max);
+        let peak = simulation.peak_pressure_pa();
         assert!((answer.peak_pressure_pa() / peak - 1.0).abs() < pressure);
         let points = simulation
             .loads

@@ -2,38 +2,6 @@
 
 use super::*;
 
-#[test]
-fn the_choice_is_the_best_of_all_scores() {
-    let known = discrepancy(vec![trial("", groove(100.0, 300.0, 10.0), &loads(), 0.01, &mut |_| -0.1)]);
-    let mut textures = Vec::new();
-    for width in 1..12 {
-        for spacing in 1..12 {
-            textures.push(groove(20.0 * f64::from(width), 30.0 * f64::from(spacing), 10.0));
-        }
-    }
-    let ratio = |of: &Features| [0.02, 0.05, 0.08, 0.1].map(|by: f64| 1.0 - by * 2.0 * of.areal_density).to_vec();
-    let modelled: Vec<Vec<f64>> = textures.iter().map(ratio).collect();
-    let sensitivity = moduli([0.02, 0.04, 0.06, 0.08]);
-    let wanted = Wanted { lower: vec![0.83; 4], upper: vec![0.87; 4] };
-    let predictor = known.at(&loads());
-    let of = |place: usize| {
-        Some(Candidate {
-            features: textures[place],
-            modelled: &modelled[place],
-            sensitivity: &sensitivity,
-            covariance: &[],
-            dimension_shifts: &[],
-        })
-    };
-    let found = choose(&predictor, &wanted, textures.len(), &of).unwrap();
-    let score = |place: usize| wanted.score(&predictor.predict(&textures[place], &sensitivity), &modelled[place]);
-    let best = (0..textures.len()).max_by(|a, b| score(*a).value().total_cmp(&score(*b).value())).unwrap();
-    assert_eq!((found.place, found.score), (best, score(best)));
-    assert!(found.score.chance > 0.05 && found.score.chance < 1.0, "{found:?}");
-    let none = choose(&predictor, &wanted, textures.len(), &|_| None);
-    assert_eq!(none, None);
-}
-
 /// Features of a groove with a width larger by a twentieth, at equal pitch.
 fn wider(of: Features) -> Features {
     Features { areal_density: 1.05 * of.areal_density, width_m: 1.05 * of.width_m, ..of }
