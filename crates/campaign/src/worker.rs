@@ -146,7 +146,7 @@ fn solved(document: Document, monitor: &dyn Monitor) -> Result<SimulationReport,
         return Err(TaskFailure::Cancelled);
     }
     let simulation = solved.map_err(|error| input.refuse_on_specimen(&error))?;
-    let (_, report) = input.report(simulation, 0.0, 1).map_err(|error| TaskFailure::Failed(error.to_string()))?;
+    let (_, report) = input.report(simulation).map_err(|error| TaskFailure::Failed(error.to_string()))?;
     Ok(report)
 }
 

@@ -1,5 +1,7 @@
 //! Cost estimate of a design job, reported before it starts.
 
+use slipgrid_calibrate::uncertainty::{MaterialUncertainty, Slopes};
+use slipgrid_material::Condition;
 use slipgrid_monitor::Monitor;
 use slipgrid_springblock::{Expense, Fidelity, Scene, SceneError, Unwatched, bounded, cell_expense, expense, simulate};
 
@@ -95,11 +97,14 @@ fn geometric_mean(one: Expense, other: Expense) -> Expense {
 /// Step of the reference integration if a scene names none, in seconds; the step of dynamic runs is always stable.
 const REFERENCE_STEP_S: f64 = 1e-9;
 
-/// Cost of solving `scene` as a line from [`cost_line`]; `None` if small or if the scene is refused.
+/// Cost of solving `scene` under `condition` with the errors of its material, as a line from [`cost_line`]; `None` if
+/// small or if the scene is refused.
 #[must_use]
-pub fn run_line(scene: &Scene) -> Option<String> {
+pub fn run_line(scene: &Scene, uncertainty: &MaterialUncertainty, condition: Option<&Condition>) -> Option<String> {
     let may_go_on = scene.run.mu_stderr.is_some();
-    let line = cost_line("this run", expense(scene), may_go_on, rayon::current_num_threads())?;
+    let knowledge = uncertainty.at_loads(scene.area_law.as_ref(), &scene.loads, condition).unwrap_or_default();
+    let all = expense(scene).then(Slopes::expense(scene, &knowledge));
+    let line = cost_line("this run", all, may_go_on, rayon::current_num_threads())?;
     (bounded(scene).is_ok() && is_stable(scene)).then_some(line)
 }
 

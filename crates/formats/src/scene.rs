@@ -321,24 +321,19 @@ impl SceneInput {
         }
     }
 
-    /// Report of the scene's solution on its specimen, which took `wall_s` seconds on the given number of threads:
-    /// friction in time corrected by the calibrated one, and the record.
+    /// Report of the scene's solution on its specimen: friction in time corrected by the calibrated one, and the record,
+    /// without the time that it took.
     ///
     /// # Errors
     /// [`MaterialError`] if the area law cannot be varied within its errors.
-    pub fn report(
-        &self,
-        mut simulation: Simulation,
-        wall_s: f64,
-        threads: usize,
-    ) -> Result<(Simulation, SimulationReport), MaterialError> {
+    pub fn report(&self, mut simulation: Simulation) -> Result<(Simulation, SimulationReport), MaterialError> {
         let (scene, condition) = (&self.scene, self.condition.as_ref());
         let pressures_pa: Vec<f64> = scene.loads.iter().map(|load| load.pressure_pa).collect();
         let excess = self.uncertainty.excess(&pressures_pa, condition);
         correct(&mut simulation, scene, excess.as_deref());
         let errors = of_scene(scene, &self.uncertainty, condition, &simulation)?;
         let (provenance, outside) = (&self.material.provenance, &self.friction_extrapolated);
-        let report = SimulationReport::new(scene, provenance, outside, &simulation, errors, wall_s, threads);
+        let report = SimulationReport::new(scene, provenance, outside, &simulation, errors);
         Ok((simulation, report))
     }
 }

@@ -137,13 +137,13 @@ impl Scene {
     fn simulate(&self, py: Python<'_>, progress: Option<&Bound<'_, PyAny>>) -> PyResult<Solved> {
         let input = &self.input;
         let found = watched(py, progress, |watch| {
-            run_line(&input.scene).iter().for_each(|line| watch.note(line));
+            let line = run_line(&input.scene, &input.uncertainty, input.condition.as_ref());
+            line.iter().for_each(|line| watch.note(line));
             let stage = Stage::new(watch, input.scene.run.fidelity.name(), None);
             let solved = simulate_on(&input.scene, input.specimen.as_ref(), &stage);
-            let wall_s = stage.finish();
             let simulation = solved.map_err(|error| Ok(input.refuse_on_specimen(&error)))?;
-            let found = input.report(simulation, wall_s, rayon::current_num_threads());
-            let (simulation, report) = found.map_err(|error| Err(error.to_string()))?;
+            let (simulation, report) = input.report(simulation).map_err(|error| Err(error.to_string()))?;
+            let report = SimulationReport { wall_s: stage.finish(), threads: rayon::current_num_threads(), ..report };
             let warnings = self.warnings().into_iter().chain(report.doubts()).collect();
             Ok(Solved { scene: input.scene.clone(), simulation, report, warnings, inputs: self.inputs.clone() })
         })?;

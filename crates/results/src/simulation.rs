@@ -271,8 +271,6 @@ impl SimulationReport {
         outside: &[bool],
         simulation: &Simulation,
         (errors, discrepancy): (ErrorsReport, Option<CorrectedReport>),
-        wall_s: f64,
-        threads: usize,
     ) -> Self {
         let pattern = scene.pattern.as_ref();
         let section = scene.section();
@@ -294,8 +292,8 @@ impl SimulationReport {
             speed_mm_s: slipgrid_units::SPEED_MM_S.from_si(scene.speed_m_s),
             seed: scene.run.seed,
             draws: scene.run.draws,
-            wall_s,
-            threads,
+            wall_s: 0.0,
+            threads: 1,
             results: load_reports(simulation, section, outside),
             errors,
             discrepancy,

@@ -4,7 +4,7 @@
 
 use slipgrid_material::{AreaLaw, LocalFriction, MaterialError};
 use slipgrid_pattern::Pattern;
-use slipgrid_springblock::{Extent, Fidelity, Load, RunOptions, Scene, SteadyCell};
+use slipgrid_springblock::{Expense, Extent, Fidelity, Load, RunOptions, Scene, SteadyCell, cell_expense};
 
 use super::{InputUncertainty, Source};
 
@@ -78,6 +78,26 @@ pub struct Deviations {
 }
 
 impl Slopes {
+    /// Cost of [`Self::new`]: two cells along each input, and five for the second order of the modulus, two at a time.
+    #[must_use]
+    pub fn expense(scene: &Scene, knowledge: &InputUncertainty) -> Expense {
+        let Some(pattern) = &scene.pattern else { return Expense::default() };
+        let is_known = |variance: f64| variance > 0.0;
+        let has_friction = knowledge.flat_friction.iter().flatten().copied().any(is_known);
+        let scale = knowledge.scale.as_ref().filter(|scale| is_known(scale.variance));
+        let has_law = scene.area_law.as_ref().is_some_and(|law| law.factor_std().is_some());
+        let inputs = [has_friction, scale.is_some(), has_law].into_iter().filter(|is_known| *is_known).count();
+        let bent = scale.map_or(0, |scale| if scale.is_fitted { 0 } else { 1 + BENT_DEVIATIONS.len() });
+        let cells = (2 * inputs + bent) as f64;
+        let cell = cell_expense(&steady_cell(scene, pattern));
+        let at_once = cells.min(2.0).min(rayon::current_num_threads() as f64);
+        Expense {
+            core_s: cells * cell.core_s,
+            wall_s: cells * cell.core_s / at_once.max(1.0),
+            bytes: at_once * cell.bytes,
+        }
+    }
+
     /// Computes the slopes of `scene` along the inputs with errors in `knowledge`. The ratio of a flat scene is always
     /// 1.
     #[must_use]

@@ -12,6 +12,7 @@ use slipgrid_disk::disk;
 use slipgrid_formats::run::Overrides;
 use slipgrid_formats::scene::SceneInput;
 use slipgrid_report::files;
+use slipgrid_results::SimulationReport;
 
 /// Names of the files that are written.
 const FILES: [&str; 6] =
@@ -23,16 +24,18 @@ pub fn run(args: &SimulateArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     let overrides = Overrides { fidelity: args.fidelity.map(Into::into), extent: args.extent.map(Into::into) };
     let input = SceneInput::read(&disk(), &args.scene, overrides)?;
     console.warn(&input.told);
-    run_line(&input.scene).iter().for_each(|line| console.note(line));
-    let (solved, wall_s) = {
+    run_line(&input.scene, &input.uncertainty, input.condition.as_ref()).iter().for_each(|line| console.note(line));
+    let (simulation, mut report) = {
         let job = Job::new(console);
         let stage = Stage::new(&job, input.scene.run.fidelity.name(), None);
-        (simulate_on(&input.scene, input.specimen.as_ref(), &stage), stage.finish())
+        let solved = simulate_on(&input.scene, input.specimen.as_ref(), &stage);
+        heed()?;
+        let simulation = solved.map_err(|error| input.refuse_on_specimen(&error))?;
+        enter("errors");
+        let (simulation, report) = input.report(simulation)?;
+        (simulation, SimulationReport { wall_s: stage.finish(), ..report })
     };
-    heed()?;
-    let simulation = solved.map_err(|error| input.refuse_on_specimen(&error))?;
-    enter("errors");
-    let (simulation, report) = input.report(simulation, wall_s, console.threads)?;
+    report.threads = console.threads;
     heed()?;
     if let Some(folder) = &folder {
         console.keep(&files::of_scene(&input.scene, &simulation, &report)?, folder)?;
