@@ -110,6 +110,9 @@ pub struct SimulateArgs {
     /// One period with periodic sides, or the whole specimen; the scene's choice by default
     #[arg(long, value_enum)]
     pub extent: Option<ExtentName>,
+    /// Print all that is known: every doubt, intervals, assumptions, how it was computed
+    #[arg(long, conflicts_with = "json")]
+    pub details: bool,
     /// Print one JSON object instead of a table
     #[arg(long)]
     pub json: bool,
@@ -194,6 +197,9 @@ pub struct CalibrateArgs {
     /// Folder for the page report.html, covariance, profiles, residuals, trials, and pictures of traces
     #[arg(long, value_name = "DIR")]
     pub report: Option<PathBuf>,
+    /// Print all that is known: every doubt, intervals, assumptions, how it was computed
+    #[arg(long)]
+    pub details: bool,
 }
 
 /// `traces`

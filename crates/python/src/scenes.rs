@@ -181,7 +181,7 @@ impl Solved {
 
     /// Text as the command line prints it.
     fn text(&self, py: Python<'_>) -> PyResult<String> {
-        in_pool(py, || self.report.table())
+        in_pool(py, || self.report.text())
     }
 
     /// Warnings about the input and the result, one sentence each.

@@ -15,6 +15,7 @@ use effects::{effects, less_known};
 mod effects;
 mod pending;
 mod scatter;
+mod screen;
 
 pub use pending::PendingReport;
 pub use scatter::ScatterReport;
@@ -254,17 +255,39 @@ impl TrialsReport {
         Self { warnings, ..self }
     }
 
+    /// Number of trials and of their ratios.
+    fn size_in_words(&self) -> String {
+        let measured: usize = self.trials.iter().map(|trial| trial.measured.len()).sum();
+        format!("{} with {}", counted(self.trials.len(), "trial"), counted(measured, "measured ratio"))
+    }
+
+    /// Name, size of the ledger and names of pending samples, in one line.
+    fn heading(&self) -> String {
+        format!(
+            "{}: {}{}",
+            self.name,
+            self.size_in_words(),
+            if self.pending.is_empty() { String::new() } else { format!("; pending: {}", self.pending.join(", ")) }
+        )
+    }
+
+    /// What the trials say of the form of the discrepancy, in one sentence.
+    fn form_in_words(&self) -> String {
+        match &self.identified {
+            Some(family) => format!("the trials say that the discrepancy grows with {family}"),
+            None if self.one_texture => {
+                "one texture cannot tell the forms apart: their weights differ by how large each was believed to be there"
+                    .to_owned()
+            }
+            None => "form not identified: trials of other densities, edge lengths and depths would tell forms apart"
+                .to_owned(),
+        }
+    }
+
     /// Formats the ledger as text.
     #[must_use]
     pub fn text(&self) -> String {
-        let measured: usize = self.trials.iter().map(|trial| trial.measured.len()).sum();
-        let mut text = format!(
-            "{}: {} with {}{}\n",
-            self.name,
-            counted(self.trials.len(), "trial"),
-            counted(measured, "measured ratio"),
-            if self.pending.is_empty() { String::new() } else { format!("; pending: {}", self.pending.join(", ")) }
-        );
+        let mut text = self.heading() + "\n";
         self.warnings.iter().for_each(|warning| text += &format!("! {warning}\n"));
         if self.trials.is_empty() {
             text += "no trial was measured: what the model lacks is as wide as what is believed before\n";
@@ -283,15 +306,7 @@ impl TrialsReport {
             table.row([of.form.clone(), fixed(Some(of.weight), 3), fixed(Some(of.prior), 3)]);
         }
         text += &table.to_string();
-        text += &match &self.identified {
-            Some(family) => format!("the trials say that it grows with {family}\n"),
-            None if self.one_texture => {
-                "one texture cannot tell the forms apart: their weights differ by how large each was believed to be there\n"
-                    .to_owned()
-            }
-            None => "form not identified: trials of other densities, edge lengths and depths would tell forms apart\n"
-                .to_owned(),
-        };
+        text += &(self.form_in_words() + "\n");
         text += &self.scatter.map_or_else(String::new, |scatter| scatter.text());
         text += "\nln(measured / modelled)\n";
         let mut table = Table::new(["quantity", "value", "+-", "+- before"]);

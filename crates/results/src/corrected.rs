@@ -30,9 +30,22 @@ pub struct CorrectedAt {
 }
 
 impl CorrectedReport {
-    /// As text: what it is, and the numbers.
+    /// Formats the table with a line about its meaning.
     #[must_use]
     pub fn text(&self) -> String {
+        format!("\n  {}\n{}", self.meaning(), self.table())
+    }
+
+    /// States that the numbers include the discrepancy, and from how many trials.
+    #[must_use]
+    pub fn meaning(&self) -> String {
+        let trials = if self.trials == 1 { "one trial".to_owned() } else { format!("{} trials", self.trials) };
+        format!("the model corrected by {trials}")
+    }
+
+    /// Corrected values, one row per pressure.
+    #[must_use]
+    pub fn table(&self) -> Table {
         let mut table = Table::new(["P MPa", "factor", "+-", "ratio", "+-", "mu", "+-"]);
         for row in &self.by_pressure {
             let (ratio, mu) = (row.ratio.as_ref(), &row.mu);
@@ -41,7 +54,6 @@ impl CorrectedReport {
             let cells = cells.into_iter().map(|cell| fixed(cell, 4));
             table.row([row.pressure_mpa.to_string()].into_iter().chain(factor).chain(cells));
         }
-        let trials = if self.trials == 1 { "one trial says".to_owned() } else { format!("{} trials say", self.trials) };
-        format!("\n  with what {trials} that the model lacks\n{table}")
+        table
     }
 }

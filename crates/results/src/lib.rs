@@ -31,6 +31,7 @@ mod notes;
 mod pattern;
 pub mod rim;
 mod simulation;
+mod simulation_text;
 mod specimen;
 mod table;
 mod timings;
@@ -39,7 +40,7 @@ pub use believed::{believed, believed_interval, believed_std};
 pub use corrected::{CorrectedAt, CorrectedReport};
 pub use csv::guard_formula;
 pub use errors::{ErrorReport, ErrorsReport, PartsReport, PressureErrors};
-pub use notes::{SCREEN_WIDTH, doubt_in_brief, notes, wrapped};
+pub use notes::{SCREEN_WIDTH, WHERE_ALL, doubt_in_brief, doubts_in_brief, notes, wrapped};
 pub use pattern::{PatternReport, duration_in_words, length_in_words};
 pub use rim::RimReport;
 pub use simulation::{

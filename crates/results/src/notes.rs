@@ -1,5 +1,7 @@
 //! What a model says of itself, as notes of a text: what bears on a decision first, and last, in one note, how it was computed.
 
+use slipgrid_units::counted;
+
 /// `model` as lines that begin with `- `, in their order, and `method` as the last one.
 #[must_use]
 pub fn notes<'a>(model: impl IntoIterator<Item = &'a str>, method: &[String]) -> String {
@@ -36,6 +38,22 @@ pub fn wrapped(text: &str, width: usize, indent: &str, most: usize) -> String {
 
 /// Width of the screen, in characters.
 pub const SCREEN_WIDTH: usize = 100;
+
+/// Where the screen sends for what it leaves out.
+pub const WHERE_ALL: &str = "in the report, or with --details";
+
+/// Maximum number of doubts that the screen lists; the others are counted.
+const MAX_DOUBTS: usize = 3;
+
+/// Lines of the screen about the first doubts, with the number of the others.
+#[must_use]
+pub fn doubts_in_brief(doubts: &[String]) -> String {
+    let mut text: String = doubts.iter().take(MAX_DOUBTS).map(|doubt| doubt_in_brief(doubt)).collect();
+    if doubts.len() > MAX_DOUBTS {
+        text += &format!("! {}: {WHERE_ALL}\n", counted(doubts.len() - MAX_DOUBTS, "more doubt"));
+    }
+    text
+}
 
 /// A line of the screen about a doubt: what follows a semicolon explains it and is left to reports.
 #[must_use]

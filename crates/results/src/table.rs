@@ -2,6 +2,10 @@
 
 use std::fmt;
 
+use slipgrid_units::counted;
+
+use crate::notes::WHERE_ALL;
+
 /// Text in columns, numbers to the right.
 #[derive(Clone, Debug, Default)]
 pub struct Table {
@@ -18,6 +22,14 @@ impl Table {
     /// Appends a row.
     pub fn row(&mut self, cells: impl IntoIterator<Item = String>) {
         self.rows.push(cells.into_iter().collect());
+    }
+
+    /// Formats the first `most` rows for the screen, and counts the others.
+    #[must_use]
+    pub fn brief(&self, most: usize) -> String {
+        let more = (self.rows.len() - 1).saturating_sub(most);
+        let first = Self { rows: self.rows[..self.rows.len() - more].to_vec() };
+        if more == 0 { first.to_string() } else { format!("{first}  {}: {}\n", counted(more, "more row"), WHERE_ALL) }
     }
 }
 
@@ -69,6 +81,17 @@ mod tests {
             assert_eq!(fixed(Some(value), 4), text);
         }
         assert_eq!((fixed(Some(-0.4), 0), fixed(Some(f64::NAN), 2)), ("0".to_owned(), "-".to_owned()));
+    }
+
+    #[test]
+    fn a_long_table_is_cut_and_says_so() {
+        let mut table = Table::new(["P MPa"]);
+        (0..5).for_each(|row| table.row([row.to_string()]));
+        assert_eq!(table.brief(5), table.to_string());
+        assert_eq!(
+            table.brief(3),
+            "  P MPa\n      0\n      1\n      2\n  2 more rows: in the report, or with --details\n"
+        );
     }
 
     #[test]

@@ -49,6 +49,9 @@ pub struct NextArgs {
 pub struct TrialsArgs {
     /// Calibration file
     pub calibration: PathBuf,
+    /// Print all that is known: every doubt, forms and sizes of the discrepancy, scatter, pending samples
+    #[arg(long, conflicts_with = "json")]
+    pub details: bool,
     /// Print one JSON object instead of tables
     #[arg(long)]
     pub json: bool,

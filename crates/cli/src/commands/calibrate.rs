@@ -42,7 +42,8 @@ pub fn run(args: &CalibrateArgs, console: &mut Console<'_>) -> Result<u8, CliErr
         let outputs = calibration::files(&read, &task, &outcome, ledger.as_ref())?;
         console.keep(&outputs, folder)?;
     }
-    console.answer(&calibration::summary(&read, &task, &outcome, ledger.as_ref()))?;
+    let text = if args.details { calibration::summary } else { calibration::brief };
+    console.answer(&text(&read, &task, &outcome, ledger.as_ref()))?;
     match &args.output {
         Some(path) => console.note(&format!("wrote {}", path.display())),
         None => console.note("nothing written; -o MATERIAL.toml keeps the material"),

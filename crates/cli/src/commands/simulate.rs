@@ -40,6 +40,6 @@ pub fn run(args: &SimulateArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     if let Some(folder) = &folder {
         console.keep(&files::of_scene(&input.scene, &simulation, &report)?, folder)?;
     }
-    console.report(args.json, &report, || report.table())?;
+    console.report(args.json, &report, || if args.details { report.text() } else { report.brief() })?;
     Ok(exit_code::DONE)
 }

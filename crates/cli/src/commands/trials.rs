@@ -27,6 +27,6 @@ pub fn run(args: &TrialsArgs, console: &mut Console<'_>) -> Result<u8, CliError>
     if let Some(folder) = &folder {
         console.keep(&report.files()?, folder)?;
     }
-    console.report(args.json, &report, || report.text())?;
+    console.report(args.json, &report, || if args.details { report.text() } else { report.brief() })?;
     Ok(exit_code::DONE)
 }

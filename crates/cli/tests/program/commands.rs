@@ -2,7 +2,9 @@
 
 use std::fs;
 
-use crate::common::{CALIBRATION, COMMANDS, FLAT, Place, SCENE, json, names, small};
+use crate::common::{
+    CALIBRATION, COMMANDS, FLAT, Place, SCENE, THREE_FORCES, json, names, patterned_calibration, small,
+};
 use serde_json::Value;
 
 /// The object without what depends on time and threads.
@@ -457,4 +459,25 @@ fn a_page_explores_a_design_or_a_material_before_any_search() {
     // Reports have the explorer, unless it is left out.
     place.run(&["optimize", "design.toml", "-o", "without", "--no-explorer"]);
     assert!(!std::fs::read_to_string(place.path("without/report.html")).unwrap().contains("explorer-data"));
+}
+
+/// Without `--details` an answer fits on one screen; the details are in addition to it.
+#[test]
+fn answers_fit_on_the_screen() {
+    let calibration =
+        patterned_calibration("planform = \"groove\"\nwidth_um = 130.0\nspacing_um = 370.0\ndepth_um = 20.0\n");
+    let place = Place::with(&[
+        ("scene.toml", SCENE),
+        ("calibration.toml", &calibration),
+        ("flat.csv", THREE_FORCES),
+        ("patterned.csv", THREE_FORCES),
+    ]);
+    for args in [["simulate", "scene.toml"], ["calibrate", "calibration.toml"], ["trials", "calibration.toml"]] {
+        let output = place.command(&args).output().unwrap();
+        assert!(output.status.success(), "{args:?}: {}", String::from_utf8_lossy(&output.stderr));
+        let screen = String::from_utf8(output.stdout).unwrap();
+        assert!(screen.lines().count() <= 20, "{args:?}: {screen}");
+        assert!(screen.lines().all(|line| line.chars().count() <= 100), "{args:?}: {screen}");
+        assert!(screen.contains("--details") && screen.len() < place.succeed(&args).len(), "{args:?}: {screen}");
+    }
 }

@@ -133,7 +133,7 @@ fn a_simulated_design_has_what_trials_say_and_the_errors_of_what_is_solved() {
     assert_eq!(steady["errors"]["includes"], serde_json::json!(["size of blocks", "flat friction", "Young's modulus"]));
     let told = place.succeed(&["simulate", scene, "--fidelity", "steady", "--extent", "cell"]);
     assert!(told.contains("mu_dynamic      +-  mu_flat      +-   ratio      +-"), "{told}");
-    assert!(told.contains("with what one trial says that the model lacks"), "{told}");
+    assert!(told.contains("the model corrected by one trial"), "{told}");
 
     // On a flat surface flat friction is all there is, and of a static peak its coefficient and its draw.
     let text = fs::read_to_string(place.path(scene)).unwrap();

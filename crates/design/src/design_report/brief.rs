@@ -4,12 +4,10 @@ use std::fmt::Write as _;
 
 use super::DesignReport;
 use crate::prediction::percent;
-use slipgrid_results::{SCREEN_WIDTH, Table, believed_interval, doubt_in_brief, fixed, length_in_words, wrapped};
-use slipgrid_units::counted;
+use slipgrid_results::{SCREEN_WIDTH, Table, believed_interval, doubts_in_brief, fixed, length_in_words, wrapped};
 
-/// Maximum number of listed loads, doubts and lifted limits; the others are counted.
+/// Maximum number of listed loads and lifted limits; other loads are counted.
 const MAX_LOADS: usize = 8;
-const MAX_DOUBTS: usize = 3;
 const MAX_LIFTED: usize = 2;
 
 impl DesignReport {
@@ -34,17 +32,7 @@ impl DesignReport {
             let _ = writeln!(text, "{}", wrapped(&format!("  {line}"), SCREEN_WIDTH, "    ", 2));
         });
         text.push('\n');
-        let doubts = self.doubts();
-        for doubt in doubts.iter().take(MAX_DOUBTS) {
-            text += &doubt_in_brief(doubt);
-        }
-        if doubts.len() > MAX_DOUBTS {
-            let _ = writeln!(
-                text,
-                "! {}: in the report, or with --details",
-                counted(doubts.len() - MAX_DOUBTS, "more doubt")
-            );
-        }
+        text += &doubts_in_brief(&self.doubts());
         let _ = writeln!(text, "- {}", self.lacking());
         text
     }
@@ -57,7 +45,7 @@ impl DesignReport {
         columns.extend(has_several.then_some("at"));
         columns.extend(["target", "expected", "95 % of samples", "model alone"]);
         let mut table = Table::new(columns);
-        for (at, modelled) in expected.iter().zip(&self.sample.modelled).take(MAX_LOADS) {
+        for (at, modelled) in expected.iter().zip(&self.sample.modelled) {
             let mut row = vec![at.pressure_mpa.to_string()];
             row.extend(has_several.then(|| at.condition_in_words()));
             row.extend([
@@ -70,15 +58,7 @@ impl DesignReport {
         }
         let quantity =
             if self.is_ratio() { "ratio to the flat surface" } else { "dynamic friction; model alone: ratio" };
-        let mut text = format!("\n  {quantity}\n{table}");
-        if expected.len() > MAX_LOADS {
-            let _ = writeln!(
-                text,
-                "  {}: in the report, or with --details",
-                counted(expected.len() - MAX_LOADS, "more load")
-            );
-        }
-        text
+        format!("\n  {quantity}\n{}", table.brief(MAX_LOADS))
     }
 
     /// Expected value of the goal, limits of the chance, other textures worth cutting, and blockers of the target.

@@ -11,11 +11,14 @@ pub(crate) use static_friction::{StaticRow, rows as static_rows, words as static
 use slipgrid_calibrate::{CalibrationOutcome, CalibrationTask};
 use slipgrid_formats::calibration::Calibration;
 use slipgrid_monitor::{Cancelled, Monitor};
-use slipgrid_results::{Table, fixed};
-use slipgrid_units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S};
+use slipgrid_results::{SCREEN_WIDTH, Table, WHERE_ALL, doubts_in_brief, fixed, wrapped};
+use slipgrid_units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, counted};
 
 use crate::trials::TrialsReport;
 use crate::{Outputs, ReportError, html};
+
+/// Maximum number of measurements on the screen; the others are counted.
+const MAX_MEASUREMENTS: usize = 8;
 
 /// Formats the calibration as text, including the [`ledger`] of its trials.
 #[must_use]
@@ -25,7 +28,6 @@ pub fn summary(
     outcome: &CalibrationOutcome,
     ledger: Option<&TrialsReport>,
 ) -> String {
-    let fit = &outcome.fit;
     let mut text = format!("{} ({})\n", calibration.name, calibration.source);
     for warning in &outcome.material.provenance.warnings {
         text += &format!("! {warning}\n");
@@ -33,6 +35,45 @@ pub fn summary(
     for note in &outcome.material.provenance.notes {
         text += &format!("- {note}\n");
     }
+    let (table, details) = (flat_samples(task, outcome), fit_details::table(outcome));
+    text += &format!("\n{table}{}{details}", static_friction::text(task, outcome));
+    if let Some(ledger) = ledger {
+        text += &format!("\n{}", ledger.text());
+    } else if lacks_pattern(calibration) {
+        text += "\n- measurements of patterned samples are given, but not their pattern: a table [pattern] would make a trial of them\n";
+    }
+    text
+}
+
+/// Formats the calibration for the screen; [`summary`] has all details.
+#[must_use]
+pub fn brief(
+    calibration: &Calibration,
+    task: &CalibrationTask,
+    outcome: &CalibrationOutcome,
+    ledger: Option<&TrialsReport>,
+) -> String {
+    let line = |text: &str| wrapped(text, SCREEN_WIDTH, "  ", 2) + "\n";
+    let provenance = &outcome.material.provenance;
+    let mut text = line(&format!("{} ({})", calibration.name, calibration.source));
+    text += &format!("\n  flat samples\n{}\n", flat_samples(task, outcome).brief(MAX_MEASUREMENTS));
+    text += &doubts_in_brief(&provenance.warnings);
+    text += &ledger.map_or_else(String::new, |ledger| line(&format!("- {}", ledger.learned_in_words())));
+    if lacks_pattern(calibration) {
+        text += &line("! patterned samples are measured, but [pattern], which would make a trial of them, is missing");
+    }
+    let trials = if ledger.is_some() { ", trials" } else { "" };
+    text + &format!("{}, intervals of the coefficients{trials}: {WHERE_ALL}\n", counted(provenance.notes.len(), "note"))
+}
+
+/// Whether patterned samples were measured whose pattern is not given.
+fn lacks_pattern(calibration: &Calibration) -> bool {
+    !calibration.patterned.is_empty() && calibration.pattern.is_none()
+}
+
+/// Measured friction of flat samples beside the fitted coefficients.
+fn flat_samples(task: &CalibrationTask, outcome: &CalibrationOutcome) -> Table {
+    let fit = &outcome.fit;
     let mut table = Table::new([
         "F N",
         "P MPa",
@@ -62,13 +103,7 @@ pub fn summary(
             fixed(fit.predictions.get(row).map(|predicted| predicted.residual), 4),
         ]);
     }
-    text += &format!("\n{table}{}{}", static_friction::text(task, outcome), fit_details::table(outcome));
-    if let Some(ledger) = ledger {
-        text += &format!("\n{}", ledger.text());
-    } else if !calibration.patterned.is_empty() && calibration.pattern.is_none() {
-        text += "\n- measurements of patterned samples are given, but not their pattern: a table [pattern] would make a trial of them\n";
-    }
-    text
+    table
 }
 
 /// Names of a calibration's files other than traces, with `*` as a wildcard.

@@ -242,12 +242,19 @@ impl Place {
         names(self.folder.path())
     }
 
-    pub fn run(&self, args: &[&str]) -> Output {
+    /// The program in this folder with `args`.
+    pub fn command(&self, args: &[&str]) -> Command {
         let mut command = program();
         command.env("SLIPGRID_CACHE", self.cache.as_ref().map_or_else(|| shared_cache(), |cache| cache.path()));
         command.current_dir(self.folder.path()).args(args);
-        // Tests read all that a design says, but for that of the screen.
-        if args.first() == Some(&"optimize") && !args.contains(&"--json") {
+        command
+    }
+
+    /// Runs the program with `--details` where it has that option: tests read all that is known of a result.
+    pub fn run(&self, args: &[&str]) -> Output {
+        let mut command = self.command(args);
+        let has_details = ["optimize", "simulate", "calibrate", "trials"].contains(args.first().unwrap_or(&""));
+        if has_details && !args.contains(&"--json") {
             command.arg("--details");
         }
         command.output().unwrap()
