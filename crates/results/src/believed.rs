@@ -1,11 +1,11 @@
-//! Ratios as far as they are believed.
+//! Formats ratios, and limits them to the range in which predicted ratios are believed.
 
 use crate::fixed;
 
-/// Ratios of patterned to flat friction that are believed of a texture: beyond them a number says only that little is known.
+/// Range of ratios, patterned over flat, that is believed; a value outside says only that little is known.
 const BELIEVED: [f64; 2] = [0.05, 2.0];
 
-/// The end of an interval of ratios in words: `below 0.05` and `above 2` beyond what is believed.
+/// Formats a ratio with `digits` decimals; outside the believed range it is `below 0.05` or `above 2`.
 #[must_use]
 pub fn believed(ratio: f64, digits: usize) -> String {
     let [least, most] = BELIEVED;
@@ -18,14 +18,15 @@ pub fn believed(ratio: f64, digits: usize) -> String {
     }
 }
 
-/// An interval of ratios in words, to three digits.
+/// Formats an interval of ratios with three decimals.
 #[must_use]
 pub fn believed_interval(ends: [f64; 2]) -> String {
     let [low, high] = ends.map(|end| believed(end, 3));
     format!("{low} to {high}")
 }
 
-/// A standard deviation of a ratio's logarithm: `above 0.7` where it doubles the ratio, beyond which it says only that little is known.
+/// Formats the standard deviation of a ratio's logarithm with three decimals. Above 0.7, a factor of two in the ratio,
+/// the text is `above 0.7`, because such a value says only that little is known.
 #[must_use]
 pub fn believed_std(std: f64) -> String {
     let most = (10.0 * std::f64::consts::LN_2).round() / 10.0;

@@ -1,36 +1,36 @@
-//! A simulated scene's numbers times what trials say that the model lacks.
+//! Results of a scene multiplied by the discrepancy that trials show.
 
 use serde::{Deserialize, Serialize};
 
 use super::errors::ErrorReport;
 use super::table::{Table, fixed};
 
-/// Ratio and friction times what trials say that the model lacks.
+/// Ratio and friction corrected by the discrepancy that trials show.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CorrectedReport {
-    /// Trials behind it.
+    /// Number of trials used.
     pub trials: usize,
-    /// One per pressure.
+    /// Corrected values, one entry per pressure.
     pub by_pressure: Vec<CorrectedAt>,
 }
 
-/// The same at one pressure.
+/// Corrected values at one pressure.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CorrectedAt {
     /// Nominal pressure.
     pub pressure_mpa: f64,
-    /// Median of a sample's true ratio over the modelled one.
+    /// Correction factor: median of the true ratio of a sample over the modelled ratio.
     pub factor: f64,
-    /// Standard deviation of its logarithm; Young's modulus is in it.
+    /// Standard deviation of the factor's logarithm; it contains the error of Young's modulus.
     pub factor_relative_std: f64,
-    /// The ratio times the factor.
+    /// Ratio times the factor.
     pub ratio: Option<ErrorReport>,
     /// Dynamic friction times the factor.
     pub mu: ErrorReport,
 }
 
 impl CorrectedReport {
-    /// Formats the table with a line about its meaning.
+    /// Formats the corrected values as a heading and a table.
     #[must_use]
     pub fn text(&self) -> String {
         format!("\n  {}\n{}", self.meaning(), self.table())

@@ -1,7 +1,7 @@
-//! Text in tables that spreadsheets open.
+//! Cells of CSV tables that spreadsheet programs open.
 
-/// `text` as the content of a cell: where a spreadsheet would take it for a formula, after an apostrophe, as spreadsheets mark text
-/// (OWASP, "CSV injection"). Letters of full width count: some spreadsheets take them for their narrow ones.
+/// Returns `text` as the content of a cell. Text that a spreadsheet would read as a formula gets a leading apostrophe
+/// (OWASP, "CSV injection"). Full-width signs count, because some spreadsheets read them as the narrow ones.
 #[must_use]
 pub fn guard_formula(text: &str) -> String {
     const FORMULA: [char; 10] = ['=', '+', '-', '@', '\t', '\r', '＝', '＋', '－', '＠'];

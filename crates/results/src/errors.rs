@@ -1,99 +1,99 @@
-//! One error beside every friction coefficient and ratio: what the run, the calibration and, where values are corrected
-//! by it, the discrepancy leave open, with its parts kept apart.
+//! Errors of friction coefficients and ratios, separated into their sources: run, calibration and, for corrected
+//! values, the discrepancy.
 
 use serde::{Deserialize, Serialize};
 use slipgrid_calibrate::uncertainty::Deviation;
 use slipgrid_units::tidy;
 
-/// Part of a run: how long it lasted.
+/// Source of an error of a run: its finite duration.
 pub const TIME_AVERAGE: &str = "time average";
-/// Part of a run: which local coefficients it drew.
+/// Source of an error of a run: the drawn local coefficients.
 pub const DRAWS: &str = "local coefficients drawn";
-/// Part of a run: what stands for the specimen as it is laid out.
+/// Source of an error of a run: the part that replaces the specimen's layout.
 pub const LAYOUT: &str = "layout on the specimen";
-/// Part of a ratio: how far it is from that of vanishing blocks.
+/// Source of an error of a ratio: the difference from vanishing blocks.
 pub const BLOCKS: &str = "size of blocks";
-/// Part of a run: what is behind the layer that it holds, added by the steady cell.
+/// Source of an error of a run: the specimen behind the layer, added by the steady cell.
 pub const BEHIND: &str = "specimen behind the layer";
-/// How far friction tilts the pressure on the specimen.
+/// Source of an error of a run: the tilt of the pressure by friction.
 pub const TILT: &str = "tilt of the pressure";
-/// Part of what a search took for its target's quantity: how far the run that confirmed the design is from it.
+/// Source of an error of a search's prediction: its distance from the confirming run.
 pub const OFF_THE_RUN: &str = "distance from the confirming run";
-/// Part of a static peak, which follows them at most one to one.
+/// Source of an error of a static peak: the static coefficient. The relative error of the peak is at most its own.
 pub const STATIC: &str = "static coefficient";
-/// The 97.5 % point of the normal distribution.
+/// The 97.5 % quantile of the standard normal distribution.
 const NORMAL_95: f64 = 1.959_964;
-/// What is open where slopes could not be computed.
+/// Entry of [`ErrorsReport::unknown`] for loads at which slopes could not be computed.
 pub const NO_SLOPES: &str =
     "errors of the material's values (with slightly changed values the scene could not be solved)";
 
-/// Errors of the numbers of one scene.
+/// Errors of the results of one scene.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ErrorsReport {
-    /// What the errors combine, in words.
+    /// Summary of the included and the unknown errors in one sentence.
     pub meaning: String,
-    /// What they include.
+    /// Sources of error that the standard deviations include.
     pub includes: Vec<String>,
-    /// What they do not include, because the material does not give it.
+    /// Sources of error that are not included, because the material does not give them.
     pub unknown: Vec<String>,
-    /// One per pressure.
+    /// Values with errors, one entry per pressure.
     pub by_pressure: Vec<PressureErrors>,
 }
 
-/// Values at one pressure, each with its error.
+/// Values at one pressure with their errors.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PressureErrors {
     /// Nominal pressure.
     pub pressure_mpa: f64,
-    /// What a search took for its target's quantity, with the errors of the confirming run and how far that is from it.
+    /// Value that a search predicts for the quantity of its target; always left out by `simulate`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub predicted: Option<ErrorReport>,
-    /// Patterned over flat; of a patterned surface.
+    /// Ratio of dynamic friction, patterned over flat; left out for a flat scene.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ratio: Option<ErrorReport>,
-    /// Dynamic friction.
+    /// Dynamic friction coefficient.
     pub mu: ErrorReport,
-    /// Dynamic friction of the flat surface beside a patterned one.
+    /// Dynamic friction coefficient of the flat surface; left out for a flat scene.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mu_flat: Option<ErrorReport>,
-    /// Static friction, where the run has it.
+    /// Static friction coefficient; left out if the run has none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mu_static: Option<ErrorReport>,
-    /// The same of the flat surface beside a patterned one.
+    /// Static friction coefficient of the flat surface; left out if the run has none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mu_static_flat: Option<ErrorReport>,
 }
 
-/// A value with one standard deviation.
+/// Value with its standard deviation and interval.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ErrorReport {
-    /// The value; null where the run gave none.
+    /// Value; null if the run gave none.
     pub value: Option<f64>,
-    /// All parts together; null where none is known.
+    /// Standard deviation from all parts together; null if no part is known.
     pub std: Option<f64>,
-    /// Ends of the 95 % interval, which reaches farther to one side where Young's modulus decides, and not below nil; null where none is
+    /// Ends of the 95 % interval, not below zero; it is asymmetric if Young's modulus dominates. Null if no part is
     /// known.
     pub interval_95: Option<[f64; 2]>,
-    /// Each part alone.
+    /// Contributions of the single sources of error.
     pub parts: Vec<PartsReport>,
 }
 
-/// What one input alone would do.
+/// Contribution of one source of error.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PartsReport {
-    /// The input.
+    /// Name of the source.
     pub input: String,
-    /// Standard deviation of the value.
+    /// Standard deviation of the value from this source alone.
     pub std: f64,
 }
 
-/// Ends of an interval: friction of a sliding surface and its ratio are not negative.
+/// Limits the ends of an interval to values from zero on: friction of a sliding surface and its ratio are not negative.
 fn physical(ends: [f64; 2]) -> [f64; 2] {
     ends.map(|end| tidy(end.max(0.0)))
 }
 
 impl ErrorReport {
-    /// `own` parts are independent of one another and of what the material leaves open.
+    /// Combines the `own` parts of a run and the deviation from the `material`; all are independent of one another.
     #[must_use]
     pub fn new(value: Option<f64>, own: Vec<PartsReport>, material: Option<&Deviation>) -> Self {
         let known = material.filter(|known| !known.parts.is_empty());
@@ -113,7 +113,7 @@ impl ErrorReport {
         Self { value: value.map(tidy), std: is_known.then(|| tidy(square.sqrt())), interval_95: interval, parts }
     }
 
-    /// The same with one more part, independent of the others.
+    /// Adds a part with the standard deviation `std` that is independent of the others.
     #[must_use]
     pub fn and(mut self, input: &str, std: f64) -> Self {
         let Some(value) = self.value else { return self };
@@ -125,7 +125,7 @@ impl ErrorReport {
         self
     }
 
-    /// The same errors about another `value`.
+    /// Moves value and interval to another `value` with unchanged errors.
     #[must_use]
     pub fn about(mut self, value: f64) -> Self {
         let [below, above] = self.reach(self.value.unwrap_or(value));
@@ -134,7 +134,8 @@ impl ErrorReport {
         self
     }
 
-    /// How far the interval reaches below and above `value`, its own; where it ends at nil, below as far as the standard deviation says.
+    /// Distances from `value`, the report's own, to the lower and the upper end of the interval. If the lower end was
+    /// limited to zero, the distance is at least 1.96 standard deviations.
     fn reach(&self, value: f64) -> [f64; 2] {
         let below_of = |from: f64| match self.std {
             Some(std) if from <= 0.0 => (value - from).max(NORMAL_95 * std),
@@ -143,19 +144,19 @@ impl ErrorReport {
         self.interval_95.map_or([0.0; 2], |[from, to]| [below_of(from), to - value])
     }
 
-    /// Standard deviation by the part `input` alone, where it is known.
+    /// Standard deviation from the part `input` alone; `None` if there is no such part.
     #[must_use]
     pub fn std_of(&self, input: &str) -> Option<f64> {
         self.parts.iter().find(|part| part.input == input).map(|part| part.std)
     }
 
-    /// The part of the run itself: how long it lasted and what it drew.
+    /// Standard deviation from the run itself: duration, draws, layout, specimen behind the layer, and tilt.
     #[must_use]
     pub fn std_of_run(&self) -> f64 {
         self.std_of_all(&[TIME_AVERAGE, DRAWS, LAYOUT, BEHIND, TILT])
     }
 
-    /// Standard deviation by the parts `inputs` together.
+    /// Standard deviation from the parts `inputs` together.
     #[must_use]
     pub fn std_of_all(&self, inputs: &[&str]) -> f64 {
         let of = self.parts.iter().filter(|part| inputs.contains(&part.input.as_str()));
@@ -164,7 +165,8 @@ impl ErrorReport {
 }
 
 impl ErrorsReport {
-    /// The report on `rows`, whose material leaves `unknown` open; `corrected` values have the discrepancy in them.
+    /// Creates the report of the errors `by_pressure`. `unknown` are the sources that the material leaves open;
+    /// `corrected` values include the discrepancy.
     #[must_use]
     pub fn new(by_pressure: Vec<PressureErrors>, unknown: Vec<String>, corrected: bool) -> Self {
         let mut includes: Vec<String> = Vec::new();
@@ -188,7 +190,8 @@ impl ErrorsReport {
         Self { meaning: words, includes, unknown, by_pressure }
     }
 
-    /// The 95 % intervals of what `of` picks at each pressure, in one line; `None` where none is known.
+    /// Formats the 95 % intervals of the values selected by `of`, at all pressures, in one line; `None` if none is
+    /// known.
     #[must_use]
     pub fn intervals(&self, name: &str, of: impl Fn(&PressureErrors) -> Option<ErrorReport>) -> Option<String> {
         let ends = |row: &PressureErrors| of(row)?.interval_95.map(|[from, to]| format!("{from:.4} to {to:.4}"));
@@ -197,7 +200,7 @@ impl ErrorsReport {
         is_known.then(|| format!("95 % of {name}: {}", all.join(", ")))
     }
 
-    /// The errors at one pressure.
+    /// Errors at the pressure with the index `row`.
     #[must_use]
     pub fn at(&self, row: usize) -> Option<&PressureErrors> {
         self.by_pressure.get(row)

@@ -1,16 +1,16 @@
-//! What was found: one record a concept, with units in the names of its fields, and the sentences that say it.
+//! Records of results: one type per concept, with units in the names of fields, and the sentences that describe them.
 //!
-//! A record is what `result.json` holds; tables for people, charts and pages are drawn from the same record by its type,
-//! so that a renamed field breaks the build and not the page.
+//! A record is the content of `result.json`. Text tables, charts and pages are drawn from the same type, so that a
+//! renamed field breaks the build instead of a page.
 //!
 //! | type | holds |
 //! |---|---|
-//! | [`PatternReport`], [`RimReport`], [`MaterialReport`], [`SpecimenReport`] | what was solved |
-//! | [`SimulationReport`], [`LoadReport`] | a scene, and the numbers at one pressure |
-//! | [`ErrorsReport`], [`PressureErrors`], [`ErrorReport`] | the error beside every number, and its parts |
-//! | [`CorrectedReport`] | the same numbers times the discrepancy of patterned samples |
-//! | [`Table`] | numbers in columns |
-//! | [`json`], [`json_and_timings`] | records as JSON, with and without what differs from run to run |
+//! | [`PatternReport`], [`RimReport`], [`MaterialReport`], [`SpecimenReport`] | inputs: texture, material, specimen |
+//! | [`SimulationReport`], [`LoadReport`] | results of a scene, and at one pressure |
+//! | [`ErrorsReport`], [`PressureErrors`], [`ErrorReport`] | errors of results, and their parts |
+//! | [`CorrectedReport`] | results corrected by the discrepancy of patterned samples |
+//! | [`Table`] | numbers in columns of text |
+//! | [`json`], [`json_and_timings`] | records as JSON, with and without the values that differ from run to run |
 //!
 //! This crate opens no files, reads no clock, prints nothing, and does not touch the environment.
 //!
@@ -51,28 +51,28 @@ pub use specimen::SpecimenReport;
 pub use table::{Table, fixed, with_error};
 pub use timings::json_and_timings;
 
-/// The program's version, for everything that is written.
+/// Version of the program, written into every file.
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");
 
-/// The schema of files that are written and may be read back. From the first release on it grows where a key goes or changes its
-/// meaning, not where one is added; files without one have the first.
+/// Schema version of files that are written and may be read back. After the first release it increases when a key is
+/// removed or changes its meaning, not when a key is added. Files without a schema have the first.
 pub const SCHEMA: u32 = 1;
 
-/// The schema of files that name none.
+/// Schema version of files that do not give one.
 #[must_use]
 pub const fn first_schema() -> u32 {
     1
 }
 
-/// A record without a JSON form.
+/// Error of a record that cannot be written as JSON.
 #[derive(Debug, thiserror::Error)]
 #[error("the result has no JSON form: {0}")]
 pub struct NoJsonForm(serde_json::Error);
 
-/// `value` as indented JSON with a newline at the end; numbers that are not finite become null.
+/// Formats `value` as indented JSON with a newline at the end; numbers that are not finite become null.
 ///
 /// # Errors
-/// [`NoJsonForm`] if a value has none.
+/// [`NoJsonForm`] if a value cannot be written as JSON.
 pub fn json(value: &impl serde::Serialize) -> Result<String, NoJsonForm> {
     serde_json::to_string_pretty(value).map(|text| text + "\n").map_err(NoJsonForm)
 }

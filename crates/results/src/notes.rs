@@ -1,8 +1,9 @@
-//! What a model says of itself, as notes of a text: what bears on a decision first, and last, in one note, how it was computed.
+//! Notes of a text about the model: statements that matter for a decision first, and the numerical method in the last
+//! note.
 
 use slipgrid_units::counted;
 
-/// `model` as lines that begin with `- `, in their order, and `method` as the last one.
+/// Formats every statement of `model` as a line that begins with `- `, and `method` as the last line.
 #[must_use]
 pub fn notes<'a>(model: impl IntoIterator<Item = &'a str>, method: &[String]) -> String {
     let mut text: String = model.into_iter().map(|statement| format!("- {statement}\n")).collect();
@@ -12,8 +13,8 @@ pub fn notes<'a>(model: impl IntoIterator<Item = &'a str>, method: &[String]) ->
     text
 }
 
-/// `text` in lines of at most `width` characters, those after the first indented by `indent`, and cut after `most` lines. Longer words stand
-/// alone.
+/// Breaks `text` between words into lines of at most `width` characters, of which all but the first begin with
+/// `indent`; at most `most` lines are kept. A longer word gets a line of its own.
 #[must_use]
 pub fn wrapped(text: &str, width: usize, indent: &str, most: usize) -> String {
     let start = text.len() - text.trim_start().len();
@@ -39,13 +40,13 @@ pub fn wrapped(text: &str, width: usize, indent: &str, most: usize) -> String {
 /// Width of the screen, in characters.
 pub const SCREEN_WIDTH: usize = 100;
 
-/// Where the screen sends for what it leaves out.
+/// Places that have all details, as named on the screen.
 pub const WHERE_ALL: &str = "in the report, or with --details";
 
 /// Maximum number of doubts that the screen lists; the others are counted.
 const MAX_DOUBTS: usize = 3;
 
-/// Lines of the screen about the first doubts, with the number of the others.
+/// Formats the first doubts for the screen, with the number of the others.
 #[must_use]
 pub fn doubts_in_brief(doubts: &[String]) -> String {
     let mut text: String = doubts.iter().take(MAX_DOUBTS).map(|doubt| doubt_in_brief(doubt)).collect();
@@ -55,7 +56,7 @@ pub fn doubts_in_brief(doubts: &[String]) -> String {
     text
 }
 
-/// A line of the screen about a doubt: what follows a semicolon explains it and is left to reports.
+/// Formats a doubt as at most three lines of the screen. The explanation after the first semicolon is left to reports.
 #[must_use]
 pub fn doubt_in_brief(doubt: &str) -> String {
     let first = doubt.split("; ").next().unwrap_or(doubt);

@@ -1,4 +1,4 @@
-//! A texture as it is written.
+//! Record of a texture in result files.
 
 use serde::{Deserialize, Serialize};
 use slipgrid_pattern::{Arrangement, Pattern, Planform, Polygon};
@@ -6,7 +6,7 @@ use slipgrid_units::{LENGTH_UM, tidy};
 
 use super::rim::RimReport;
 
-/// A texture.
+/// Texture of a sample.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct PatternReport {
     /// Width of a cavity along the sliding direction.
@@ -15,30 +15,30 @@ pub struct PatternReport {
     pub spacing_um: f64,
     /// Depth of a cavity.
     pub depth_um: f64,
-    /// Shape seen from above.
+    /// Shape of the cavities seen from above.
     pub planform: String,
-    /// Extent of a rectangle across its row.
+    /// Length of a rectangle across its row.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub length_um: Option<f64>,
-    /// Corners of a polygon as `[x, y]`, anticlockwise, its bounding box about the origin.
+    /// Corners of a polygon as `[x, y]`, anticlockwise; the origin is the middle of its bounding box.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub vertices_um: Option<Vec<[f64; 2]>>,
-    /// Gap between rows, where it is not that along them.
+    /// Gap between rows, if it differs from the gap within a row.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub spacing_across_um: Option<f64>,
-    /// `staggered` or `hexagonal`, where rows are.
+    /// Arrangement of rows, `staggered` or `hexagonal`; left out for the square arrangement.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub arrangement: Option<String>,
-    /// Angle of grooves from lying across the specimen's x axis.
+    /// Angle of grooves from the direction across the specimen's x axis; left out if zero.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub angle_deg: Option<f64>,
     /// Angle of the second family of crossing grooves from the first.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub crossing_angle_deg: Option<f64>,
-    /// Angle of the sliding direction from the specimen's x axis.
+    /// Angle of the sliding direction from the specimen's x axis; left out if zero.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sliding_angle_deg: Option<f64>,
-    /// Rims along the cavities' edges, where there are any.
+    /// Rims along the edges of the cavities, if there are any.
     #[serde(flatten)]
     pub rim: Option<RimReport>,
     /// Share of the surface that is cavity.
@@ -48,7 +48,7 @@ pub struct PatternReport {
 }
 
 impl From<&Pattern> for PatternReport {
-    /// The pattern as it is written: what is plain is left out.
+    /// Converts a pattern; default values are left out.
     fn from(pattern: &Pattern) -> Self {
         let texture = pattern.texture();
         let um = |length_m: f64| LENGTH_UM.from_si(length_m);
@@ -73,7 +73,7 @@ impl From<&Pattern> for PatternReport {
     }
 }
 
-/// Corners of an outline at its width, to 15 digits: as many as tell which outline it is.
+/// Corners of an outline at its width, in um, with 15 digits, which identify the outline exactly.
 fn vertices_um(outline: Polygon, width_m: f64) -> Vec<[f64; 2]> {
     let written = |share: f64| {
         let at_um = share * LENGTH_UM.from_si(width_m);
@@ -82,14 +82,14 @@ fn vertices_um(outline: Polygon, width_m: f64) -> Vec<[f64; 2]> {
     outline.vertices().iter().map(|vertex| vertex.map(written)).collect()
 }
 
-/// A length in micrometres for people, to a hundredth of one, which no laser resolves.
+/// Formats a length in micrometres, rounded to 0.01 um, which no laser resolves.
 #[must_use]
 pub fn length_in_words(length_um: f64) -> String {
     ((100.0 * length_um).round() / 100.0).to_string()
 }
 
-/// A time under the laser for people: seconds, from ten minutes on minutes, with a hundredth below a second, a tenth below a hundred
-/// seconds and of minutes. The explorer writes times in the same way.
+/// Formats a laser time: in seconds, and in minutes from ten minutes on. It has two decimals below 1 s, one below 100
+/// s, none below 600 s, and one in minutes. The explorer formats times alike.
 #[must_use]
 pub fn duration_in_words(seconds: f64) -> String {
     match seconds {
@@ -101,13 +101,13 @@ pub fn duration_in_words(seconds: f64) -> String {
 }
 
 impl PatternReport {
-    /// Width, spacing and depth for people.
+    /// Formats width, spacing and depth as `130 / 370 / 5.2`, in um.
     #[must_use]
     pub fn lengths_in_words(&self) -> String {
         [self.width_um, self.spacing_um, self.depth_um].map(length_in_words).join(" / ")
     }
 
-    /// What the name of the planform leaves open, for people; empty where it is plain.
+    /// Describes the properties of the texture that the name of the planform does not give; empty if there are none.
     #[must_use]
     pub fn texture_words(&self) -> String {
         let lengths = [("long", self.length_um), ("between rows", self.spacing_across_um)];

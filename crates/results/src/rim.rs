@@ -1,4 +1,4 @@
-//! The rims of a pattern, by the keys that files have for them.
+//! Record of the rims of a pattern, with the keys of input files.
 
 use serde::{Deserialize, Serialize};
 use slipgrid_pattern::{PatternError, Rim, RimProfile};
@@ -7,23 +7,23 @@ use slipgrid_units::LENGTH_UM;
 /// Rims along the edges of cavities.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct RimReport {
-    /// Height at the edge, whatever the depth; absent where it follows the depth.
+    /// Height at the edge for any depth of the cavity; left out if the height depends on depth.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rim_height_um: Option<f64>,
-    /// Depths of cavities with the heights of their rims, ascending.
+    /// Pairs of the depth of a cavity and the height of its rim, by increasing depth.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rim_heights_um: Option<Vec<[f64; 2]>>,
     /// Distance from the edge at which a rim ends.
     pub rim_width_um: f64,
-    /// How it falls outward: `round`, `flat` or `ramp`.
+    /// Profile of a rim from the edge outward: `round`, `flat` or `ramp`.
     pub rim_profile: String,
-    /// Standard deviation of heights from rim to rim of one sample, where they scatter.
+    /// Standard deviation of heights from rim to rim of one sample; left out if all are equal.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rim_height_std_um: Option<f64>,
 }
 
 impl RimReport {
-    /// The rim as it is written; `None` where it rises above the land nowhere.
+    /// Converts a rim; `None` if it does not rise above the land.
     #[must_use]
     pub fn of(rim: &Rim) -> Option<Self> {
         let um = |length_m: f64| LENGTH_UM.from_si(length_m);
@@ -40,10 +40,10 @@ impl RimReport {
         })
     }
 
-    /// The rim that was written.
+    /// Converts the record back into the rim.
     ///
     /// # Errors
-    /// The key at fault with what is wrong: heights of both kinds or of neither, an unknown profile, numbers out of range.
+    /// Key at fault and the error: heights of both kinds or of neither, an unknown profile, or a number out of range.
     pub fn rim(&self) -> Result<Rim, (&'static str, PatternError)> {
         let m = |um: f64| LENGTH_UM.to_si(um);
         let profile: RimProfile = self.rim_profile.parse().map_err(|error| ("rim_profile", error))?;
@@ -66,7 +66,7 @@ impl RimReport {
         rim.map_err(keyed)?.with_height_std_m(std_m).map_err(|error| ("rim_height_std_um", error))
     }
 
-    /// The rim for people.
+    /// Describes the rim in words, with lengths in um.
     #[must_use]
     pub fn words(&self) -> String {
         let pairs = self.rim_heights_um.iter().flatten();

@@ -1,4 +1,4 @@
-//! A simulation as JSON and as a table.
+//! Record of a simulation, and its table.
 
 use std::borrow::Cow;
 
@@ -12,84 +12,84 @@ use super::errors::ErrorsReport;
 use super::pattern::PatternReport;
 use slipgrid_units::{LENGTH_UM, PRESSURE_MPA, tidy};
 
-/// What `simulate --json` prints.
+/// Results of a simulated scene, as `simulate --json` prints them.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SimulationReport {
-    /// `slipgrid`.
+    /// Program name, `slipgrid`.
     pub program: Cow<'static, str>,
-    /// Its version.
+    /// Version of the program.
     pub version: Cow<'static, str>,
-    /// Schema of the file.
+    /// Schema version of the file.
     #[serde(default = "crate::first_schema")]
     pub schema: u32,
-    /// What was solved.
+    /// Fidelity: `steady`, `dynamic` or `reference`.
     pub fidelity: Cow<'static, str>,
-    /// How much of the specimen.
+    /// Extent of the model: `cell`, `sample` or `strip`.
     pub extent: Cow<'static, str>,
-    /// Dimensions of the model.
+    /// Dimensions of the model, 2 or 3.
     pub dimensions: u8,
-    /// What was modelled and why.
+    /// Modelling decisions with reasons.
     pub model: Vec<String>,
-    /// How it was computed.
+    /// Numerical method.
     #[serde(default)]
     pub method: Vec<String>,
-    /// The material and where it came from.
+    /// Material and its provenance.
     pub material: MaterialReport,
-    /// The texture; null for a flat scene.
+    /// Texture; null for a flat scene.
     pub pattern: Option<PatternReport>,
-    /// The vertical plane took a section of a planform that needs three dimensions.
+    /// True if the vertical plane is a section of a planform that needs three dimensions.
     pub section_model: bool,
     /// Share of the surface that is cavity; null for a flat scene.
     pub areal_density: Option<f64>,
     /// Share of the modelled section that is cavity; null for a flat scene.
     pub section_density: Option<f64>,
-    /// Lattice spacing.
+    /// Block size.
     pub block_um: f64,
     /// Sliding speed.
     pub speed_mm_s: f64,
     /// Seed of the local coefficients.
     pub seed: u64,
-    /// Surfaces with local coefficients of their own, of which results are the mean.
+    /// Number of surfaces, each with its own draw of local coefficients, over which results are averaged.
     pub draws: u64,
-    /// Seconds; with the threads in timings.json.
+    /// Duration of the computation, in seconds; timings.json has it with the number of threads.
     #[serde(default)]
     pub wall_s: f64,
-    /// Threads that computed.
+    /// Number of threads used.
     #[serde(default)]
     pub threads: usize,
-    /// One per pressure, in the scene's order.
+    /// Results, one entry per pressure, in the order of the scene.
     pub results: Vec<LoadReport>,
-    /// The error beside every number of `results`.
+    /// Errors of the results.
     pub errors: ErrorsReport,
-    /// Ratio and friction times the discrepancy of the material's patterned samples; null where none is known, and for
-    /// a flat scene.
+    /// Ratio and friction corrected by the discrepancy of the material's patterned samples; null for a flat scene, and
+    /// if no trials are known.
     pub discrepancy: Option<CorrectedReport>,
 }
 
-/// Where a material came from.
+/// Material and its provenance.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct MaterialReport {
-    /// Its name.
+    /// Name of the material.
     pub name: String,
-    /// Publication or laboratory.
+    /// Publication or laboratory that the values come from.
     pub source: String,
-    /// The surface behind the area law is synthetic.
+    /// True if the area law is computed from a synthetic surface.
     pub synthetic_surface: bool,
-    /// How values were obtained.
+    /// Notes on how values were obtained.
     pub notes: Vec<String>,
-    /// What makes results that rest on it doubtful.
+    /// Warnings about the material, which make results doubtful.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub warnings: Vec<String>,
 }
 
 impl MaterialReport {
-    /// What makes results that rest on it doubtful, in words.
+    /// Reasons to doubt results computed with the material, one sentence each.
     pub fn doubts(&self) -> impl Iterator<Item = String> {
         self.warnings.iter().map(|doubtful| format!("the material is doubtful: {doubtful}"))
     }
 }
 
-/// From where to where friction was measured, in words.
+/// Formats the range of pressures at which friction was measured.
 #[must_use]
 pub fn measured_range([low_mpa, high_mpa]: [f64; 2]) -> String {
     format!("friction was measured from {low_mpa} to {high_mpa} MPa")
@@ -112,78 +112,79 @@ impl From<&Provenance> for MaterialReport {
 pub struct LoadReport {
     /// Nominal pressure.
     pub pressure_mpa: f64,
-    /// Dynamic friction coefficient; null where none was found, as `status` says.
+    /// Dynamic friction coefficient; null if the run has none, for the reason in `status`.
     pub mu_dynamic: Option<f64>,
-    /// Its standard error; null for steady.
+    /// Standard error of `mu_dynamic`; null for steady runs.
     pub mu_dynamic_stderr: Option<f64>,
-    /// Friction across the sliding direction over normal force; dynamic runs in three dimensions.
+    /// Friction force across the sliding direction over normal force; only for dynamic runs in three dimensions.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mu_across: Option<f64>,
-    /// Static friction coefficient; null for steady.
+    /// Static friction coefficient; null for steady runs.
     pub mu_static: Option<f64>,
     /// Dynamic friction coefficient of the flat surface; null for a flat scene.
     pub mu_flat: Option<f64>,
-    /// Its standard error.
+    /// Standard error of `mu_flat`.
     pub mu_flat_stderr: Option<f64>,
     /// Static friction coefficient of the flat surface.
     pub mu_flat_static: Option<f64>,
-    /// Dynamic friction, patterned over flat; of the section in a section model.
+    /// Dynamic friction, patterned over flat; in a section model, the ratio of the section.
     pub ratio: Option<f64>,
-    /// Its standard error.
+    /// Standard error of `ratio` from the run; null for steady runs.
     pub ratio_stderr: Option<f64>,
     /// Estimated change of the ratio from this block size to vanishing blocks.
     pub ratio_discretization_error: Option<f64>,
-    /// What the specimen behind the layer adds to the ratio by steady cells, which share the load of a face as it lets them: in
-    /// it where the scene says how thick the specimen is, otherwise what a thick one would add.
+    /// Ratio of the steady cell over the specimen's thickness minus the ratio of the layer alone. If the scene gives
+    /// the thickness, `ratio` includes it; otherwise it is the effect of a thick specimen.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ratio_layer_difference: Option<f64>,
-    /// Standard error of the ratio where that was added to a strip or to a run in time.
+    /// Standard error of `ratio` from adding `ratio_layer_difference` to a strip or a run in time.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ratio_layer_error: Option<f64>,
-    /// What friction changes of the ratio by tilting the pressure of a specimen that its holder keeps from turning: half of it is in the
-    /// ratio, which has a standard error of 0.34 of it.
+    /// Change of the ratio by the tilt of the pressure that friction causes on a specimen whose holder prevents
+    /// rotation. `ratio` includes half of this change, with a standard error of 0.34 times the change.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ratio_tilt_change: Option<f64>,
-    /// What sliding in time adds to the ratio of steady sliding: in the ratio of a specimen run in time.
+    /// Change of the ratio from steady sliding to sliding in time; included in `ratio` for a specimen run in time.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ratio_time_change: Option<f64>,
-    /// Section models: strips between rows of cavities counted as flat.
+    /// Ratio of the surface in a section model, with the strips between rows of cavities counted as flat.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ratio_strip_estimate: Option<f64>,
-    /// Largest local pressure; it grows as blocks shrink.
+    /// Maximum local pressure; it increases as blocks shrink.
     pub peak_pressure_mpa: f64,
-    /// Contact blocks under tension.
+    /// Number of contact blocks under tension.
     pub tension_blocks: usize,
-    /// How the run ended.
+    /// Status at the end of the run.
     pub status: Cow<'static, str>,
-    /// How the flat run ended; null for a flat scene.
+    /// Status at the end of the flat surface's run; null for a flat scene.
     pub status_flat: Option<Cow<'static, str>>,
-    /// A cavity's ceiling reaches the counterface.
+    /// True if the ceiling of a cavity reaches the counterface.
     pub cavity_closed: bool,
-    /// A pressure lies past the last of the area law.
+    /// True if a local pressure exceeds the highest pressure of the area law.
     pub area_law_extrapolated: bool,
-    /// The nominal pressure lies outside the measured range of the friction coefficients.
+    /// True if the nominal pressure is outside the measured range of the friction coefficients.
     pub friction_extrapolated: bool,
-    /// Steady: bound on the convergence error of mu.
+    /// Bound on the convergence error of mu; null for dynamic runs.
     pub residual: Option<f64>,
-    /// Steady: iterations.
+    /// Number of iterations of a steady run.
     pub iterations: usize,
-    /// Dynamic: time since the drive started from which `mu_dynamic` was averaged, to the end of the run.
+    /// Start of the time over which `mu_dynamic` is averaged, in seconds since the drive started; it ends with the run.
+    /// Null for steady runs.
     pub averaged_from_s: Option<f64>,
-    /// The same of the flat surface.
+    /// Start of the averaging time of the flat surface, in seconds since the drive started.
     pub averaged_from_s_flat: Option<f64>,
-    /// Dynamic: time steps.
+    /// Number of time steps of a dynamic run; null for steady runs.
     pub steps: Option<u64>,
-    /// Dynamic: time step.
+    /// Time step of a dynamic run, in seconds; null for steady runs.
     pub dt_s: Option<f64>,
-    /// Dynamic: blocks times force evaluations.
+    /// Number of site updates of a dynamic run, blocks times force evaluations; null for steady runs.
     pub site_updates: Option<u64>,
-    /// Dynamic: the same per second.
+    /// Site updates per second; null for steady runs.
     pub site_updates_per_s: Option<f64>,
 }
 
 impl LoadReport {
-    /// The report on `load` of a surface of whose `pattern` the vertical plane took a section, if it did.
+    /// Creates the record of `load`. `pattern` is given if the vertical plane is a section of it.
     #[must_use]
     pub fn new(load: &LoadOutcome, pattern: Option<&Pattern>, friction_extrapolated: bool) -> Self {
         let surface = &load.surface;
@@ -228,18 +229,19 @@ impl LoadReport {
     }
 }
 
-/// Reports on every load of `simulation`; `pattern` where the vertical plane took a section of it.
+/// Creates the records of all loads of `simulation`. `pattern` is given if the vertical plane is a section of it;
+/// `outside` holds, for each load, whether its friction was extrapolated.
 #[must_use]
 pub fn load_reports(simulation: &Simulation, pattern: Option<&Pattern>, outside: &[bool]) -> Vec<LoadReport> {
     let flags = outside.iter().copied().chain(std::iter::repeat(false));
     simulation.loads.iter().zip(flags).map(|(load, outside)| LoadReport::new(load, pattern, outside)).collect()
 }
 
-/// What is said of an area law of a surface that was not measured.
+/// Statement about an area law of a surface that was not measured.
 pub const SYNTHETIC_SURFACE: &str = "the area law rests on a synthetic surface, not on a measured one";
 
-/// What else than the solver's own statements a reader must know about the model; `pattern` where the vertical
-/// plane took a section of it.
+/// Statements about the model that the solver does not make itself. `pattern` is given if the vertical plane is a
+/// section of it.
 #[must_use]
 pub fn model_notes(pattern: Option<&Pattern>, provenance: &Provenance) -> Vec<String> {
     let mut notes = Vec::new();
@@ -260,7 +262,7 @@ pub fn model_notes(pattern: Option<&Pattern>, provenance: &Provenance) -> Vec<St
 }
 
 impl SimulationReport {
-    /// The report on `scene`, solved, with its errors and what a discrepancy makes of it; `outside` says of each load
+    /// Creates the record of the solved `scene` with its errors and corrected results. `outside` holds, for each load,
     /// whether its friction was extrapolated.
     #[must_use]
     pub fn new(
@@ -298,7 +300,7 @@ impl SimulationReport {
         }
     }
 
-    /// What makes the material or the results doubtful, one sentence each.
+    /// Reasons to doubt the material or the results, one sentence each.
     #[must_use]
     pub fn doubts(&self) -> Vec<String> {
         let blocks = unresolved(&self.results, self.block_um);
@@ -306,7 +308,7 @@ impl SimulationReport {
     }
 }
 
-/// Statuses that say more than that the run has no result.
+/// Statuses with an explanation of their own.
 const EXPLAINED: [(Status, &str); 4] = [
     (
         Status::NoOnset,
@@ -324,10 +326,10 @@ const EXPLAINED: [(Status, &str); 4] = [
     (Status::StderrNotReached, "the standard error asked for was not reached within the longest travel"),
 ];
 
-/// How a load is seen to leave what the model knows, and what of it.
+/// Test whether a load is outside the validity of the model, with an explanation.
 type Doubt = (fn(&LoadReport) -> bool, &'static str);
 
-/// Where the numbers of a load are out of the model's reach.
+/// Reasons for results outside the validity of the model.
 const DOUBTS: [Doubt; 3] = [
     (
         |load| load.cavity_closed,
@@ -340,39 +342,40 @@ const DOUBTS: [Doubt; 3] = [
     (|load| load.friction_extrapolated, BEYOND_MEASURED),
 ];
 
-/// What is said of loads at which friction was not measured.
+/// Statement about loads at which friction was not measured.
 const BEYOND_MEASURED: &str = "outside the measured range: the nearest measurement's coefficients were taken";
 
 impl LoadReport {
-    /// Where the numbers are out of the model's reach, in words.
+    /// Reasons why the results are outside the validity of the model, one sentence each.
     pub fn doubts(&self) -> impl Iterator<Item = &'static str> {
         DOUBTS.into_iter().filter(|(is_so, _)| is_so(self)).map(|(_, words)| words)
     }
 
-    /// Whether the surface, or the flat one beside it, ended so.
+    /// Whether the surface, or the flat surface of comparison, ended with `status`.
     fn has_status(&self, status: Status) -> bool {
         self.status == status.name() || self.status_flat.as_deref() == Some(status.name())
     }
 }
 
-/// Names `pressures_mpa`, all of which lie beyond those at which friction was measured; `None` without any.
+/// Lists `pressures_mpa`, all outside the measured range of friction; `None` if there are none.
 #[must_use]
 pub fn beyond_measured(pressures_mpa: &[f64]) -> Option<String> {
     let named: Vec<String> = pressures_mpa.iter().map(f64::to_string).collect();
     (!named.is_empty()).then(|| format!("at {} MPa {BEYOND_MEASURED}", named.join(", ")))
 }
 
-/// The same with the range in which it was measured, where there is one.
+/// Like [`beyond_measured`], with the measured range, if there is one.
 #[must_use]
 pub fn beyond_measured_range(pressures_mpa: &[f64], measured_mpa: Option<[f64; 2]>) -> Option<String> {
     let range = measured_mpa.map_or_else(String::new, |range| format!(" ({})", measured_range(range)));
     beyond_measured(pressures_mpa).map(|words| words + &range)
 }
 
-/// Error of blocks of a ratio above which blocks do not resolve a pattern.
+/// Discretization error of a ratio above which blocks do not resolve a pattern.
 const UNRESOLVED: f64 = 0.1;
 
-/// Says at which loads blocks of `block_um` do not resolve the pattern, and what would help; `None` where they do.
+/// Describes at which loads blocks of `block_um` do not resolve the pattern, and a remedy; `None` if they do at all
+/// loads.
 #[must_use]
 pub fn unresolved(results: &[LoadReport], block_um: f64) -> Option<String> {
     let error = |load: &LoadReport| load.ratio_discretization_error.map(f64::abs).filter(|error| *error > UNRESOLVED);
@@ -387,7 +390,7 @@ pub fn unresolved(results: &[LoadReport], block_um: f64) -> Option<String> {
     ))
 }
 
-/// What a reader should know before using the numbers.
+/// Warnings to be read before the results are used, one sentence each.
 #[must_use]
 pub fn warnings(results: &[LoadReport]) -> Vec<String> {
     let at = |test: &dyn Fn(&LoadReport) -> bool, text: &str| {

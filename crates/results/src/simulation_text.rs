@@ -67,7 +67,7 @@ impl SimulationReport {
         text + &format!("\n{}\n", self.duration())
     }
 
-    /// How far the size of blocks moves the ratio.
+    /// Describes the largest discretization error of the ratio; `None` if no load has one.
     fn blocks_words(&self) -> Option<String> {
         let each = self.results.iter().filter_map(|load| load.ratio_discretization_error);
         let largest = each.reduce(f64::max)?;

@@ -1,31 +1,31 @@
-//! A specimen as result.json holds it.
+//! Record of a specimen in result.json.
 
 use serde::{Deserialize, Serialize};
 use slipgrid_export::{AT_THE_RIM, Outline, Specimen};
 
 use slipgrid_units::LENGTH_MM;
 
-/// A specimen as result.json holds it.
+/// Specimen with its shape and dimensions.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SpecimenReport {
-    /// `disc`, `rectangle` or `ring`.
+    /// Shape: `disc`, `rectangle` or `ring`.
     pub shape: String,
     /// Diameter of a disc.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub diameter_mm: Option<f64>,
-    /// Extent of a rectangle along x.
+    /// Length of a rectangle along x.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub length_mm: Option<f64>,
-    /// Extent of a rectangle across it.
+    /// Width of a rectangle along y.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub width_mm: Option<f64>,
-    /// Diameter of a ring's rim.
+    /// Outer diameter of a ring.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub outer_diameter_mm: Option<f64>,
-    /// Diameter of a ring's hole.
+    /// Diameter of the hole of a ring.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub inner_diameter_mm: Option<f64>,
-    /// `clipped`, where cavities are; otherwise whole ones alone are laid.
+    /// `clipped` if cavities are clipped at the border; left out if only whole cavities are laid.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cavities: Option<String>,
 }
@@ -53,10 +53,10 @@ impl From<&Specimen> for SpecimenReport {
 }
 
 impl SpecimenReport {
-    /// The specimen, SI inside.
+    /// Converts the record into a specimen in SI units.
     ///
     /// # Errors
-    /// The key that is missing or unknown, in words.
+    /// Message with the key that is missing or unknown.
     pub fn specimen(&self) -> Result<Specimen, String> {
         let needed = |value: Option<f64>, key: &str| {
             let value = value.ok_or_else(|| format!("specimen.{key} is missing"))?;

@@ -1,4 +1,4 @@
-//! Tables of text.
+//! Tables as text.
 
 use std::fmt;
 
@@ -6,14 +6,14 @@ use slipgrid_units::counted;
 
 use crate::notes::WHERE_ALL;
 
-/// Text in columns, numbers to the right.
+/// Text table with right-aligned columns.
 #[derive(Clone, Debug, Default)]
 pub struct Table {
     rows: Vec<Vec<String>>,
 }
 
 impl Table {
-    /// A table with this header.
+    /// Creates a table with this header.
     #[must_use]
     pub fn new<'a>(header: impl IntoIterator<Item = &'a str>) -> Self {
         Self { rows: vec![header.into_iter().map(str::to_owned).collect()] }
@@ -51,7 +51,8 @@ impl fmt::Display for Table {
     }
 }
 
-/// A number with `digits` decimals, or a dash. What rounds to zero has no sign.
+/// Formats a number with `digits` decimals, or a dash if it is absent or not finite. A number that rounds to zero has
+/// no sign.
 #[must_use]
 pub fn fixed(value: Option<f64>, digits: usize) -> String {
     let Some(value) = value.filter(|value| value.is_finite()) else { return "-".to_owned() };
@@ -62,7 +63,7 @@ pub fn fixed(value: Option<f64>, digits: usize) -> String {
     }
 }
 
-/// A number with its error after `+-`, where that is known.
+/// Formats a number, followed by `+-` and its error if that is known.
 #[must_use]
 pub fn with_error(value: f64, std: Option<f64>, digits: usize) -> String {
     let error = std.map_or_else(String::new, |std| format!(" +- {}", fixed(Some(std), digits)));

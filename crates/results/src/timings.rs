@@ -1,5 +1,5 @@
-//! Times, rates and threads apart from results: in a file of their own, so that all others are the same bytes at every
-//! run.
+//! Separates times, rates and threads from results and puts them into a file of their own, so that all other files are
+//! identical in every run.
 
 use std::fmt;
 
@@ -9,10 +9,10 @@ use serde_json::Value;
 
 use super::{NoJsonForm, SCHEMA, VERSION, json};
 
-/// Keys of what differs from run to run.
+/// Keys whose values differ from run to run.
 const TIMES: [&str; 4] = ["timings_s", "wall_s", "threads", "site_updates_per_s"];
 
-/// JSON whose objects keep their order.
+/// JSON value whose objects keep the order of their keys.
 #[derive(Clone, Debug, PartialEq)]
 enum Json {
     Leaf(Value),
@@ -20,11 +20,11 @@ enum Json {
     Object(Vec<(String, Json)>),
 }
 
-/// `value` as [`json`] has it without times, rates and threads, for result.json; and those alone, each where it stood,
-/// for timings.json.
+/// Formats `value` like [`json`], but split in two: the result without times, rates and threads, for result.json, and
+/// these alone, each under its path, for timings.json.
 ///
 /// # Errors
-/// As [`json`].
+/// [`NoJsonForm`] as for [`json`].
 pub fn json_and_timings(value: &impl Serialize) -> Result<[String; 2], NoJsonForm> {
     let whole: Json = serde_json::from_str(&json(value)?).map_err(NoJsonForm)?;
     let (result, times) = split(whole);
@@ -36,7 +36,7 @@ pub fn json_and_timings(value: &impl Serialize) -> Result<[String; 2], NoJsonFor
     Ok([json(&result)?, json(&Json::Object(entries))?])
 }
 
-/// What does not depend on time, and what does.
+/// Splits a value into the part that does not depend on time and the part that does, if there is one.
 fn split(whole: Json) -> (Json, Option<Json>) {
     match whole {
         Json::Leaf(_) => (whole, None),
