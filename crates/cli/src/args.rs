@@ -1,4 +1,4 @@
-//! The command line.
+//! Command line arguments and their help.
 
 // Comments of arguments are help texts, in which tables of files stand in brackets.
 #![allow(rustdoc::broken_intra_doc_links)]
@@ -40,32 +40,32 @@ pub struct Arguments {
     /// Threads, at most 1024; all cores by default. Results do not depend on it
     #[arg(long, global = true, value_name = "N", value_parser = parse_threads)]
     pub threads: Option<NonZeroUsize>,
-    /// Compute everything anew. Without it, earlier fits and runs in time are taken from the folder that SLIPGRID_CACHE
-    /// names, ~/.cache/slipgrid by default. Results do not depend on it
+    /// Recompute everything. Without this flag, fits and runs in time of earlier commands are reused from the folder
+    /// that SLIPGRID_CACHE names, ~/.cache/slipgrid by default. Results do not depend on it
     #[arg(long, global = true)]
     pub no_cache: bool,
     /// Show no progress bar and no notes; results still go to stdout
     #[arg(long, short, global = true)]
     pub quiet: bool,
-    /// What to do.
+    /// Command to run.
     #[command(subcommand)]
     pub command: Command,
 }
 
-/// What to do.
+/// Commands of the program.
 #[derive(Debug, Subcommand)]
 pub enum Command {
     /// Compute the friction of a given surface at given loads
     Simulate(SimulateArgs),
-    /// Search the pattern that brings friction to a target, confirm it, and write what a laser needs
+    /// Search for a pattern that brings friction to a target, confirm it, and write the laser's files
     Optimize(OptimizeArgs),
-    /// Write a page with sliders that shows what any design would do, before a search
+    /// Write a page with sliders that shows the prediction for any design, before a search
     Explore(ExploreArgs),
     /// Fit local friction coefficients to measurements on flat samples
     Calibrate(CalibrateArgs),
     /// Choose the sample to cut next, and give its chance to be on target according to the trials
     Next(NextArgs),
-    /// Compare what was predicted of trial samples, before they were cut, with what was measured
+    /// Compare measurements of trial samples with the predictions made before they were cut
     Trials(TrialsArgs),
     /// Read dynamic friction, static peak and stick-slip from tribometer exports
     Traces(TracesArgs),
@@ -75,7 +75,7 @@ pub enum Command {
     Surface(SurfaceArgs),
     /// Make a synthetic self-affine altitude map, with cavities if wanted
     Synthesize(SynthesizeArgs),
-    /// Write a result's design again in other formats
+    /// Write the design of a result in other formats
     Export(ExportArgs),
     /// Compare measured ratios, patterned over flat, with the model's
     Validate(ValidateArgs),
@@ -91,7 +91,7 @@ pub enum Command {
     Man(ManArgs),
 }
 
-/// `simulate`
+/// Arguments of `simulate`
 #[derive(Args, Debug)]
 #[command(after_help = "Examples:\n  \
     slipgrid simulate scene.toml\n  \
@@ -104,13 +104,13 @@ pub enum Command {
 pub struct SimulateArgs {
     /// Scene file
     pub scene: PathBuf,
-    /// What to solve; the scene's choice by default
+    /// Solution method; the scene's choice by default
     #[arg(long, value_enum)]
     pub fidelity: Option<FidelityName>,
-    /// One period with periodic sides, or the whole specimen; the scene's choice by default
+    /// Modelled part of the specimen; the scene's choice by default
     #[arg(long, value_enum)]
     pub extent: Option<ExtentName>,
-    /// Print all that is known: every doubt, intervals, assumptions, how it was computed
+    /// Print everything: all doubts, intervals, assumptions and the numerical method
     #[arg(long, conflicts_with = "json")]
     pub details: bool,
     /// Print one JSON object instead of a table
@@ -121,7 +121,7 @@ pub struct SimulateArgs {
     pub output: Option<PathBuf>,
 }
 
-/// `optimize`
+/// Arguments of `optimize`
 #[derive(Args, Debug)]
 #[command(after_help = "Examples:\n  \
     slipgrid optimize designs/ldpe-lower-friction.toml\n  \
@@ -144,16 +144,16 @@ pub struct OptimizeArgs {
     /// Folder for the results; out/NAME for designs/NAME.toml by default
     #[arg(long, short, value_name = "DIR")]
     pub output: Option<PathBuf>,
-    /// Also write table.csv: what is expected of every design of whole blocks and bursts within the bounds
+    /// Also write table.csv with the prediction for every design of whole blocks and bursts within the bounds
     #[arg(long)]
     pub table: bool,
     /// Leave the explorer out of report.html, which saves some seconds and a hundred kilobytes
     #[arg(long)]
     pub no_explorer: bool,
-    /// Take over the answers that an earlier run of the same design left in out/NAME.study.jsonl
+    /// Reuse the results that an earlier run of this design left in out/NAME.study.jsonl
     #[arg(long)]
     pub resume: bool,
-    /// Print all that is in the report: every doubt, other textures, trade-offs, how it was computed
+    /// Print everything in the report: all doubts, other textures, trade-offs and the numerical method
     #[arg(long, conflicts_with = "json")]
     pub details: bool,
     /// Print result.json instead of a summary
@@ -161,7 +161,7 @@ pub struct OptimizeArgs {
     pub json: bool,
 }
 
-/// `explore`
+/// Arguments of `explore`
 #[derive(Args, Debug)]
 #[command(after_help = "Examples:\n  \
     slipgrid explore designs/ldpe-lower-friction.toml\n  \
@@ -171,10 +171,10 @@ pub struct OptimizeArgs {
 pub struct ExploreArgs {
     /// Design, material or calibration file
     pub file: PathBuf,
-    /// Sliding speed, of a material with coefficients per condition
+    /// Sliding speed, for a material with coefficients per condition
     #[arg(long, value_name = "MM/S", requires = "humidity_pct")]
     pub speed_mm_s: Option<f64>,
-    /// Relative humidity that belongs to it
+    /// Relative humidity, for a material with coefficients per condition
     #[arg(long, value_name = "PCT", requires = "speed_mm_s")]
     pub humidity_pct: Option<f64>,
     /// Page to write, or a folder for explore.html
@@ -182,7 +182,7 @@ pub struct ExploreArgs {
     pub output: PathBuf,
 }
 
-/// `calibrate`
+/// Arguments of `calibrate`
 #[derive(Args, Debug)]
 #[command(after_help = "Examples:\n  \
     slipgrid calibrate calibration/ldpe-cast-iron/calibration.toml\n  \
@@ -197,12 +197,12 @@ pub struct CalibrateArgs {
     /// Folder for the page report.html, covariance, profiles, residuals, trials, and pictures of traces
     #[arg(long, value_name = "DIR")]
     pub report: Option<PathBuf>,
-    /// Print all that is known: every doubt, intervals, assumptions, how it was computed
+    /// Print everything: all doubts, intervals, assumptions and the numerical method
     #[arg(long)]
     pub details: bool,
 }
 
-/// `traces`
+/// Arguments of `traces`
 #[derive(Args, Debug)]
 #[command(after_help = "Examples:\n  \
     slipgrid traces my-material/calibration.toml -o out/traces\n  \
@@ -217,7 +217,7 @@ pub struct TracesArgs {
     /// Calibration file, or exports of one condition
     #[arg(required = true)]
     pub files: Vec<PathBuf>,
-    /// Distance from the axis to a specimen's centre; a torque needs it
+    /// Distance from the axis to the centre of a specimen; required for torques
     #[arg(long, value_name = "MM")]
     pub effective_radius_mm: Option<f64>,
     /// Nominal normal force on one specimen
@@ -226,10 +226,10 @@ pub struct TracesArgs {
     /// Sliding speed
     #[arg(long, value_name = "MM/S")]
     pub speed_mm_s: Option<f64>,
-    /// Relative humidity; where it was not measured, one number in all conditions, as 50
+    /// Relative humidity; if it was not measured, the same number for all conditions, such as 50
     #[arg(long, value_name = "PCT")]
     pub humidity_pct: Option<f64>,
-    /// Specimens that share the recorded normal force
+    /// Number of specimens that share the recorded normal force
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SPECIMENS)))]
     pub specimens: Option<u32>,
     /// Averaging window, seconds since the first row; 10,40 by default
@@ -238,7 +238,7 @@ pub struct TracesArgs {
     /// Span before touchdown whose mean forces are subtracted as the sensors' zero, seconds since the first row
     #[arg(long, value_name = "FROM,TO", value_delimiter = ',', num_args = 1)]
     pub zero_s: Option<Vec<f64>>,
-    /// Step of the exports that is read, by its number in them, or counted from 1; the whole export by default
+    /// Step of the exports to read, by its number in the export, or counted from 1; the whole export by default
     #[arg(long, value_name = "N")]
     pub step: Option<u32>,
     /// The samples are patterned
@@ -255,7 +255,7 @@ pub struct TracesArgs {
     pub output: Option<PathBuf>,
 }
 
-/// `area-law`
+/// Arguments of `area-law`
 #[derive(Args, Debug)]
 #[command(after_help = "Examples:\n  \
     slipgrid area-law flat-map.asc --youngs-modulus-gpa 0.38\n  \
@@ -268,11 +268,11 @@ pub struct AreaLawArgs {
     /// Altitude map
     #[arg(required_unless_present = "persson_rms_slope")]
     pub map: Option<PathBuf>,
-    /// Without a map: the law of Persson's theory for this rms slope
+    /// Rms slope for the law of Persson's theory, instead of a map
     #[arg(long, value_name = "SLOPE", conflicts_with_all = ["map", "windows", "resolutions", "pixel_um", "pixel_y_um", "height_unit",
         "lateral_unit", "decimal_comma", "crop", "decimate", "decimate_by", "missing", "despike", "form", "no_level"])]
     pub persson_rms_slope: Option<f64>,
-    /// Young's modulus; without it that of the published polyethylene, 0.38 GPa, which the result says
+    /// Young's modulus; by default that of the published polyethylene, 0.38 GPa, which is stated in the result
     #[arg(long, value_name = "GPA")]
     pub youngs_modulus_gpa: Option<f64>,
     /// Poisson's ratio; the default is 1/3
@@ -287,14 +287,14 @@ pub struct AreaLawArgs {
     /// Pressure up to which friction is taken as proportional to load; without it f is A/P over its limit at small loads
     #[arg(long, value_name = "MPA")]
     pub threshold_mpa: Option<f64>,
-    /// Windows along either side of the map: the spread of f among them gives its standard error; 0 or 1 for
-    /// none, 2 by default where the map has room
+    /// Number of windows along each side of the map, whose scatter of f gives its standard error; 0 or 1 for none, 2 by
+    /// default if the map is large enough
     #[arg(long, value_name = "N")]
     pub windows: Option<usize>,
     /// Also report f at coarser pixels: means over 2 x 2 and 4 x 4, or over the numbers given
     #[arg(long, value_delimiter = ',', value_name = "N,N,...", num_args = 0.., default_missing_value = "2,4", require_equals = true)]
     pub resolutions: Option<Vec<usize>>,
-    /// How the map is read.
+    /// Options for reading the map.
     #[command(flatten)]
     pub reading: MapArgs,
     /// Do not subtract the least-squares plane
@@ -308,7 +308,7 @@ pub struct AreaLawArgs {
     pub output: Option<PathBuf>,
 }
 
-/// `validate`
+/// Arguments of `validate`
 #[derive(Args, Debug)]
 #[command(after_help = "Examples:\n  \
     slipgrid validate\n  \
@@ -326,19 +326,19 @@ pub struct ValidateArgs {
     /// Calibration file with measurements on patterned samples, or with measured trials
     #[arg(default_value = "calibration/ldpe-cast-iron/calibration.toml")]
     pub calibration: PathBuf,
-    /// Compare this trial, by the lengths of its own pattern; without patterned samples the first measured one
+    /// Trial to compare, with the lengths of its own pattern; without patterned samples, the first measured trial by default
     #[arg(long, value_name = "NAME")]
     pub trial: Option<String>,
-    /// Width of a cavity along the sliding direction. Absent: as [pattern] has it, 130 for the published samples. A trial has its own lengths
+    /// Width of a cavity along the sliding direction; from [pattern] by default, 130 for the published samples. A trial has its own lengths
     #[arg(long, value_name = "UM")]
     pub width_um: Option<f64>,
-    /// Gap between two cavities; absent: as [pattern] has it, 370 for the published samples
+    /// Gap between two cavities; from [pattern] by default, 370 for the published samples
     #[arg(long, value_name = "UM")]
     pub spacing_um: Option<f64>,
-    /// Depth of the modelled cavities; absent: as [pattern] has it, 20 for the published samples
+    /// Depth of the modelled cavities; from [pattern] by default, 20 for the published samples
     #[arg(long, value_name = "UM")]
     pub depth_um: Option<f64>,
-    /// Depth of the measured cavities; absent: as [pattern] has it. The report says what the other depth changes
+    /// Depth of the measured cavities; from [pattern] by default. The report gives the effect of its difference from the modelled depth
     #[arg(long, value_name = "UM")]
     pub measured_depth_um: Option<f64>,
     /// Factors on the slopes of the surface, separated by commas; 1 is always among them
@@ -350,7 +350,7 @@ pub struct ValidateArgs {
     /// Print one JSON object instead of a table
     #[arg(long)]
     pub json: bool,
-    /// Travel of the run in time behind mu(t), which is made for the page alone; 0 leaves it out
+    /// Travel of the run in time that computes mu(t) for the page; 0 omits the run
     #[arg(long, default_value_t = 2.0, value_name = "UM")]
     pub sliding_um: f64,
     /// Folder for the page report.html, result.json, tables and pictures
@@ -358,7 +358,7 @@ pub struct ValidateArgs {
     pub output: Option<PathBuf>,
 }
 
-/// `accuracy`
+/// Arguments of `accuracy`
 #[derive(Args, Debug)]
 #[command(after_help = "Examples:\n  \
     slipgrid accuracy\n  \
@@ -376,10 +376,10 @@ pub struct AccuracyArgs {
     /// Run a short specimen with a thin layer, about a minute; this is the default
     #[arg(long, conflicts_with = "full")]
     pub quick: bool,
-    /// Run the scene as it is, with all its rows of blocks, which takes hours
+    /// Run the scene as given, with all its rows of blocks, which takes hours
     #[arg(long)]
     pub full: bool,
-    /// Draws of the local coefficients behind each row
+    /// Number of draws of the local coefficients for each row
     #[arg(long, default_value = "3", value_name = "N", value_parser = parse_seeds)]
     pub seeds: NonZeroU64,
     /// Print one JSON object instead of Markdown
@@ -390,14 +390,14 @@ pub struct AccuracyArgs {
     pub output: Option<PathBuf>,
 }
 
-/// `new`
+/// Arguments of `new`
 #[derive(Args, Debug)]
 #[command(after_help = "Examples:\n  \
     slipgrid new design my-design.toml\n  \
     slipgrid new calibration my-material\n\n\
     The file runs as it is. Nothing that exists is replaced.")]
 pub struct NewArgs {
-    /// What to write
+    /// Kind of file to write
     #[arg(value_enum)]
     pub template: TemplateName,
     /// File, or folder of a calibration; scene.toml, design.toml or calibration by default
@@ -415,7 +415,7 @@ pub enum TemplateName {
     Scene,
 }
 
-/// `completions`
+/// Arguments of `completions`
 #[derive(Args, Debug)]
 #[command(after_help = "Examples:\n  \
     slipgrid completions bash > ~/.local/share/bash-completion/completions/slipgrid\n  \
@@ -426,7 +426,7 @@ pub struct CompletionsArgs {
     pub shell: clap_complete::Shell,
 }
 
-/// `man`
+/// Arguments of `man`
 #[derive(Args, Debug)]
 #[command(after_help = "Examples:\n  \
     slipgrid man | man -l -\n  \
@@ -465,7 +465,7 @@ pub enum ExtentName {
     Cell,
     /// The whole specimen with free sides
     Sample,
-    /// A strip of it in space, one period wide, with two ends
+    /// A strip of the specimen in space, one period wide, with two ends
     Strip,
 }
 
@@ -479,7 +479,7 @@ impl From<ExtentName> for slipgrid_springblock::Extent {
     }
 }
 
-/// Most draws behind a row.
+/// Maximum number of draws for a row.
 const MAX_SEEDS: u64 = 1000;
 
 fn parse_threads(text: &str) -> Result<NonZeroUsize, String> {

@@ -1,4 +1,4 @@
-//! Flags of campaigns.
+//! Arguments of `campaign`.
 
 use std::path::PathBuf;
 
@@ -6,7 +6,7 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, Subcommand};
 use slipgrid_campaign::{Engine, Share};
 
-/// `campaign`
+/// Arguments of `campaign`
 #[derive(Args, Debug)]
 #[command(after_help = "Examples:\n  \
     slipgrid campaign plan designs/campaign-rims.toml -o out/rims\n  \
@@ -24,45 +24,46 @@ use slipgrid_campaign::{Engine, Share};
     only its own results. A task that is refused or fails is a result, too. The table has the same bytes, whichever \
     worker did which task.")]
 pub struct CampaignArgs {
-    /// What to do.
+    /// Step of the campaign.
     #[command(subcommand)]
     pub step: CampaignStep,
 }
 
-/// What to do with a campaign.
+/// Steps of a campaign.
 #[derive(Debug, Subcommand)]
 pub enum CampaignStep {
-    /// Make a task of every combination in a campaign file, with all that the task reads
+    /// Make a task of every combination in a campaign file, with all inputs of the task
     Plan(PlanArgs),
     /// Do the tasks of a campaign that are not done yet
     Work(WorkArgs),
-    /// Put all results into one table; exit code 1 where some are missing
+    /// Put all results into one table; exit code 1 if some are missing
     Merge(MergeArgs),
 }
 
-/// `campaign plan`
+/// Arguments of `campaign plan`
 #[derive(Args, Debug)]
 pub struct PlanArgs {
     /// Campaign file
     pub campaign: PathBuf,
-    /// Folder for the tasks and their results, which every worker sees
+    /// Folder for the tasks and their results, shared by all workers
     #[arg(long, short, value_name = "DIR")]
     pub output: PathBuf,
-    /// Write the job script of an engine as well: DIR/slurm.sh for sbatch, DIR/hyperqueue.sh for hq submit
+    /// Also write the job script of an engine: DIR/slurm.sh for sbatch, DIR/hyperqueue.sh for hq submit
     #[arg(long, value_name = "ENGINE", value_parser = engines())]
     pub emit: Option<Engine>,
     /// Number of workers in the script
     #[arg(long, default_value_t = 10, value_name = "N", value_parser = clap::value_parser!(u32).range(1..), requires = "emit")]
     pub workers: u32,
-    /// Cores of each worker
+    /// Number of cores of each worker
     #[arg(long, default_value_t = 1, value_name = "N", value_parser = clap::value_parser!(u32).range(1..), requires = "emit")]
     pub cores: u32,
-    /// Most workers that Slurm runs at once; all by default. HyperQueue runs as many as its own workers have cores for
+    /// Maximum number of workers that Slurm runs at once; all by default. HyperQueue runs as many as its own workers
+    /// have cores for
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..), requires = "emit")]
     pub at_once: Option<u32>,
 }
 
-/// `campaign work`
+/// Arguments of `campaign work`
 #[derive(Args, Debug)]
 pub struct WorkArgs {
     /// Folder of the campaign
@@ -70,17 +71,17 @@ pub struct WorkArgs {
     /// Do only the i-th of n equal shares of the tasks
     #[arg(long, value_name = "i/n", value_parser = parse_share)]
     pub share: Option<Share>,
-    /// Start no task after this time; those under way are finished
+    /// Start no task after this number of seconds; running tasks are finished
     #[arg(long, value_name = "S", value_parser = clap::value_parser!(u32))]
     pub max_seconds: Option<u32>,
 }
 
-/// `campaign merge`
+/// Arguments of `campaign merge`
 #[derive(Args, Debug)]
 pub struct MergeArgs {
     /// Folder of the campaign
     pub folder: PathBuf,
-    /// The table; table.csv in the campaign's folder by default
+    /// File of the table; table.csv in the campaign's folder by default
     #[arg(long, short, value_name = "TABLE.csv")]
     pub output: Option<PathBuf>,
 }

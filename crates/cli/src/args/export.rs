@@ -1,4 +1,4 @@
-//! Flags of what writes results again.
+//! Arguments of `export`.
 
 use std::path::PathBuf;
 
@@ -6,7 +6,7 @@ use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use slipgrid_report::LaserFile;
 
-/// `export`
+/// Arguments of `export`
 #[derive(Args, Debug)]
 #[command(after_help = "Examples:\n  \
     slipgrid export out/ldpe-lower-friction/result.json --format dxf,svg -o laser\n  \
@@ -18,21 +18,21 @@ use slipgrid_report::LaserFile;
 pub struct ExportArgs {
     /// result.json of `optimize` or `next`, or the folder that holds it
     pub result: PathBuf,
-    /// Which sample of a result of `next`, by its place in the table; the first by default
+    /// Number of the sample in the table of a result of `next`; the first by default
     #[arg(long, value_name = "N")]
     pub sample: Option<usize>,
     /// Formats, separated by commas
     #[arg(long, value_parser = laser_files(), value_delimiter = ',', default_values = LaserFile::ALWAYS.map(|file| file.described()[0]))]
     pub format: Vec<LaserFile>,
-    /// Pixels of the height map; by default a sixteenth of a cavity, or a 4096th of the specimen
+    /// Pixel size of the height map; by default 1/16 of a cavity, but at least 1/4096 of the specimen
     #[arg(long, value_name = "UM")]
     pub pixel_um: Option<f64>,
-    /// Folder for the files; the result's own by default
+    /// Folder for the files; the folder of the result by default
     #[arg(long, short, value_name = "DIR")]
     pub output: Option<PathBuf>,
 }
 
-/// The formats of `export` by their names.
+/// Parser of the names of export formats.
 fn laser_files() -> impl TypedValueParser<Value = LaserFile> {
     let names = LaserFile::EACH.map(|file| {
         let [name, help] = file.described();

@@ -1,17 +1,17 @@
-//! Flags of altitude maps.
+//! Arguments of commands for altitude maps.
 
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
-/// How an altitude map is read.
+/// Options for reading an altitude map.
 #[derive(Args, Debug)]
 pub struct MapArgs {
-    /// Pixel size along x, from point to point of a line of the file, for a file that does not say it
+    /// Pixel size along x, between the points of a line of the file; for files that do not give it
     #[arg(long, value_name = "UM")]
     pub pixel_um: Option<f64>,
-    /// Pixel size along y, from line to line of the file, where it differs from that along x
+    /// Pixel size along y, between the lines of the file, if it differs from that along x
     #[arg(long, requires = "pixel_um", value_name = "UM")]
     pub pixel_y_um: Option<f64>,
     /// Unit of the heights.
@@ -20,19 +20,20 @@ pub struct MapArgs {
     /// Unit of the points' x and y.
     #[arg(long, value_name = "UNIT", help = of_unit("points' x and y"))]
     pub lateral_unit: Option<String>,
-    /// Read numbers with decimal commas: 1,234 is a little more than one. Commas that can be nothing else, as in 0,5, are recognized without this
+    /// Read commas as decimal signs: 1,234 is a little more than one. Unambiguous decimal commas, as in 0,5, are
+    /// recognized without this flag
     #[arg(long)]
     pub decimal_comma: bool,
-    /// Keep a part of the map: first row, first column (from 0), rows, columns
+    /// Part of the map to keep: first row and first column, counted from 0, number of rows, number of columns
     #[arg(long, value_name = "ROW,COL,ROWS,COLS", value_parser = parse_crop)]
     pub crop: Option<[usize; 4]>,
     /// Join blocks of N x N pixels into one
     #[arg(long, value_name = "N")]
     pub decimate: Option<NonZeroUsize>,
-    /// How a block becomes one height
+    /// Height of the joined pixel
     #[arg(long, value_enum, default_value_t = DecimateName::Mean, requires = "decimate", value_name = "HOW")]
     pub decimate_by: DecimateName,
-    /// What is done about missing points
+    /// Treatment of missing points
     #[arg(long, value_enum, default_value_t = MissingName::Fill, value_name = "WHAT")]
     pub missing: MissingName,
     /// Replace spikes, single points or clusters of up to twelve that stand far beyond all points around them, by the
@@ -44,17 +45,17 @@ pub struct MapArgs {
     pub form: FormName,
 }
 
-/// The help of a unit.
+/// Help text of a flag for the unit of `what`.
 fn of_unit(what: &str) -> String {
     format!("Unit of the {what}, for a file that does not say it: {}", slipgrid_topography::LengthUnit::NAMES)
 }
 
-/// How a block of pixels becomes one height.
+/// Height of a pixel that is joined from a block of pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum DecimateName {
-    /// The mean of the heights
+    /// The mean of the block's heights
     Mean,
-    /// The first of the heights
+    /// The first height of the block
     Pick,
 }
 
@@ -67,27 +68,27 @@ impl From<DecimateName> for slipgrid_topography::DecimationMethod {
     }
 }
 
-/// What is done about missing points.
+/// Treatment of missing points.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum MissingName {
-    /// The smoothest surface takes their place
+    /// Replace them by the smoothest surface
     Fill,
-    /// The map is refused
+    /// Refuse the map
     Refuse,
 }
 
-/// The form that is subtracted.
+/// Form to subtract from a map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum FormName {
     /// The mean height
     Mean,
     /// The plane
     Plane,
-    /// x, y, x^2, xy, y^2
+    /// The second-order polynomial in x and y
     SecondOrder,
 }
 
-/// `surface`
+/// Arguments of `surface`
 #[derive(Args, Debug)]
 #[command(after_help = "Examples:\n  \
     slipgrid surface flat.x3p\n  \
@@ -108,7 +109,7 @@ pub enum FormName {
 pub struct SurfaceArgs {
     /// Altitude map
     pub map: PathBuf,
-    /// How the map is read.
+    /// Options for reading the map.
     #[command(flatten)]
     pub reading: MapArgs,
     /// Measure the cavities of a patterned sample: width, spacing, depth and rims in um, walls in degrees
@@ -118,7 +119,7 @@ pub struct SurfaceArgs {
     /// the land, cavity in the middle; grooves as a square with their pitch as its side
     #[arg(long, requires = "cavities", value_name = "FILE")]
     pub period_out: Option<PathBuf>,
-    /// Where the section runs along x: distance from the side y = 0; the middle by default
+    /// Distance of the section along x from the side y = 0; the middle by default
     #[arg(long, value_name = "UM")]
     pub section_um: Option<f64>,
     /// Print one JSON object instead of a table
@@ -129,7 +130,7 @@ pub struct SurfaceArgs {
     pub output: Option<PathBuf>,
 }
 
-/// `synthesize`
+/// Arguments of `synthesize`
 #[derive(Args, Debug)]
 #[command(after_help = "Examples:\n  \
     slipgrid synthesize -o flat-map.asc\n  \
@@ -138,7 +139,7 @@ pub struct SurfaceArgs {
     The defaults make the map that stands in for the unpublished one of the LDPE calibration. \
     Waves n:m are the longest and the shortest wave, in waves per side.")]
 pub struct SynthesizeArgs {
-    /// Pixels per side
+    /// Number of pixels per side
     #[arg(long, default_value_t = 512, value_name = "N")]
     pub pixels: usize,
     /// Side of the square
@@ -147,7 +148,7 @@ pub struct SynthesizeArgs {
     /// Hurst exponent
     #[arg(long, default_value_t = 0.8, value_name = "H")]
     pub hurst: f64,
-    /// Fewest and most waves per side
+    /// Minimum and maximum number of waves per side
     #[arg(long, default_value = "4:64", value_name = "MIN:MAX", value_parser = parse_waves)]
     pub waves: (u32, u32),
     /// Arithmetic mean height Sa
@@ -168,10 +169,10 @@ pub struct SynthesizeArgs {
     /// Horizontal extent of the cavities' walls: they slope by atan(depth/extent)
     #[arg(long, default_value_t = 0.0, requires = "cavities", value_name = "UM")]
     pub wall_um: f64,
-    /// Rims along the cavities' edges: greatest height above the land, and width from the upper end of the wall
+    /// Rims along the cavities' edges: maximum height above the land, and width from the upper end of the wall
     #[arg(long, requires = "cavities", value_name = "UM,UM", value_parser = parse_two)]
     pub rims: Option<[f64; 2]>,
-    /// How rims fall outward: as a parabola, not at all, in a straight line, or as an arch
+    /// Profile of rims from the edge outward
     #[arg(long, value_enum, default_value_t = RimName::Round, requires = "rims", value_name = "PROFILE")]
     pub rim_profile: RimName,
     /// Standard deviation of the rims' heights from cavity to cavity
@@ -199,13 +200,13 @@ pub enum CutName {
 /// Profile of synthetic rims.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum RimName {
-    /// 1 - s^2 at the share s of the width
+    /// Parabola, 1 - s^2 at the fraction s of the width
     Round,
-    /// 1
+    /// Constant height
     Flat,
-    /// 1 - s
+    /// Straight line, 1 - s
     Ramp,
-    /// sin(pi s)
+    /// Arch, sin(pi s)
     HalfSine,
 }
 

@@ -1,10 +1,10 @@
-//! The command that goes on where an interrupted one stopped.
+//! Command lines that resume an interrupted command.
 
 use super::{OptimizeArgs, WorkArgs};
 use crate::output::quoted;
 
 impl OptimizeArgs {
-    /// The command line that takes over what this one left in its study.
+    /// Command line that resumes the search from the study that this command left.
     #[must_use]
     pub fn resuming(&self, no_cache: bool) -> String {
         let output = self.output.as_ref().map(|folder| format!(" -o {}", quoted(folder))).unwrap_or_default();
@@ -20,7 +20,7 @@ impl OptimizeArgs {
 }
 
 impl WorkArgs {
-    /// The command that does what these arguments' command leaves.
+    /// Command line that does the remaining tasks of this command.
     pub fn resuming(&self) -> String {
         let share = self.share.map_or_else(String::new, |share| format!(" --share {}/{}", share.number, share.of));
         format!("slipgrid campaign work {}{share}", quoted(&self.folder))

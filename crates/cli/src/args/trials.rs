@@ -1,10 +1,10 @@
-//! Flags of what learns from samples.
+//! Arguments of `next` and `trials`.
 
 use std::path::PathBuf;
 
 use clap::Args;
 
-/// `next`
+/// Arguments of `next`
 #[derive(Args, Debug)]
 #[command(after_help = "Examples:\n  \
     slipgrid next designs/ldpe-lower-friction.toml\n  \
@@ -21,24 +21,24 @@ use clap::Args;
 pub struct NextArgs {
     /// Design file
     pub design: PathBuf,
-    /// Samples to cut at once
+    /// Number of samples to cut at once
     #[arg(long, default_value_t = 1, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=20))]
     pub count: u8,
     /// Cut the samples as sectors of one disc: write their files into DIR, and trials.toml to fill in
     #[arg(long)]
     pub one_disc: bool,
-    /// A candidate of your own, width, spacing and depth in um; may be given several times
+    /// Candidate of your own, as width, spacing and depth in um; may be given several times
     #[arg(long, value_name = "W,S,D")]
     pub candidate: Vec<String>,
     /// Print one JSON object instead of a table
     #[arg(long)]
     pub json: bool,
-    /// Folder for result.json, and next-1, next-2, ... with what a laser needs
+    /// Folder for result.json, and for next-1, next-2, ... with the files for the laser
     #[arg(long, short, value_name = "DIR")]
     pub output: Option<PathBuf>,
 }
 
-/// `trials`
+/// Arguments of `trials`
 #[derive(Args, Debug)]
 #[command(after_help = "Examples:\n  \
     slipgrid trials calibration/ldpe-cast-iron/calibration.toml\n  \
@@ -49,7 +49,7 @@ pub struct NextArgs {
 pub struct TrialsArgs {
     /// Calibration file
     pub calibration: PathBuf,
-    /// Print all that is known: every doubt, forms and sizes of the discrepancy, scatter, pending samples
+    /// Print everything: all doubts, forms and sizes of the discrepancy, scatter and pending samples
     #[arg(long, conflicts_with = "json")]
     pub details: bool,
     /// Print one JSON object instead of tables
