@@ -1,4 +1,4 @@
-//! Results kept from one run to the next change nothing but the time.
+//! Results kept from earlier runs change nothing but the time of a run.
 
 use std::fs;
 use std::path::Path;
@@ -26,7 +26,7 @@ fn optimize(place: &Place, out: &str, cache: &Path, flags: &[&str]) {
     assert!(matches!(ended.status.code(), Some(0 | 3 | 4)), "{}", String::from_utf8_lossy(&ended.stderr));
 }
 
-/// Every file of a folder of results but the times.
+/// Names and contents of all result files in a folder except the timings.
 fn files(place: &Place, out: &str) -> Vec<(String, Vec<u8>)> {
     let names = crate::common::names(&place.path(out)).into_iter().filter(|name| name != "timings.json");
     names.map(|name| (name.clone(), fs::read(place.path(out).join(name)).unwrap())).collect()

@@ -1,4 +1,4 @@
-//! Calibrations and traces: what cannot be used is refused at once and by name, what is odd is told once.
+//! Calibrations and traces: unusable input is refused at once with its name, unusual input is warned of once.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -8,13 +8,13 @@ use crate::common::{CALIBRATION, FLAT, Place};
 use slipgrid_formats::Document;
 use slipgrid_formats::calibration::Calibration;
 
-/// Refusals come before anything is computed.
+/// Maximum time of a refusal, which comes before any computation.
 const AT_ONCE: Duration = Duration::from_secs(5);
 
 const FLAGS: [&str; 8] =
     ["--effective-radius-mm", "40", "--force-n", "50", "--speed-mm-s", "2", "--humidity-pct", "15"];
 
-/// A trace of 45 s at 50 Hz under 50 N and 40 mm: friction `mu` at a time, with a ripple that no two seeds share.
+/// Trace of 45 s at 50 Hz under 50 N and 40 mm with the friction `mu` of a time; the ripple depends on the seed.
 fn trace(seed: u32, mu: impl Fn(f64) -> f64) -> String {
     let mut text = "time_s,torque_nm,normal_force_n\n".to_owned();
     for i in 0..=2250 {

@@ -1,4 +1,4 @@
-//! Campaigns as a user meets them: planned, worked on by several processes, killed, merged.
+//! Campaigns as a user runs them: planned, worked on by several processes, killed, merged.
 
 use std::fs;
 use std::process::{Command, Stdio};
@@ -13,7 +13,7 @@ fn place(campaign: &str) -> Place {
     Place::with(&[("scene.toml", SCENE), ("campaign.toml", campaign)])
 }
 
-/// The table, and the results below the folder, of a campaign that is done.
+/// Table and results of a finished campaign in `folder`.
 fn results(place: &Place, folder: &str) -> Vec<(String, String)> {
     let read = |path: String| (path.clone(), fs::read_to_string(place.path(&path)).unwrap());
     let mut all = vec![("table".to_owned(), read(format!("{folder}/table.csv")).1)];

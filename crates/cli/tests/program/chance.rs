@@ -1,4 +1,4 @@
-//! The chance that a cut sample is on target: one number, the same from every command, and what follows from it.
+//! The chance that a cut sample is on target: every command gives the same number, and the advice follows from it.
 
 use std::fs;
 
@@ -8,13 +8,13 @@ use serde_json::Value;
 const TOLERANCES: &str = "[tolerances]\nwidth_std_um = 6.0\nspacing_std_um = 1.0\ndepth_std_um = 0.2\n";
 const MODULUS: &str = "density_g_cm3 = 0.9\nyoungs_modulus_std_gpa = 0.08\n";
 
-/// A short sample of several periods, at one pressure.
+/// Design of a short sample of several periods, at one pressure.
 fn design(target: &str, more: &str) -> String {
     let text = short().replace("[0.65, 2.6]", "[2.6]").replace("value = 0.9\ntolerance = 0.01", target);
     format!("{text}{more}")
 }
 
-/// One texture alone.
+/// Design whose bounds allow one texture only.
 fn fixed(target: &str, more: &str) -> String {
     design(target, more).replace("[40.0, 100.0]", "80.0")
 }
@@ -70,7 +70,7 @@ fn the_chance_comes_first_with_what_is_expected_and_what_limits_it() {
     assert!(at("95 % of samples") < at("What to cut") && at("What to cut") < at("model error"));
 }
 
-/// What is accepted from the lowest of 95 % of samples to the highest has 95 % of them, and what is below the median half.
+/// A target from `low_95` to `high_95` has a chance of 95 %, and a target below the median a chance of one half.
 #[test]
 fn the_chance_is_the_share_of_the_samples_that_are_expected() {
     let place = Place::with(&[]);
@@ -91,7 +91,8 @@ fn the_chance_is_the_share_of_the_samples_that_are_expected() {
     }
 }
 
-/// Designs are chosen where the ratio hardly changes with the modulus: there the second order is what scatters, and is named.
+/// Contributions of the inputs add up to the scatter of samples. The chosen designs hardly depend on the modulus to
+/// first order, so that the second order dominates and is listed.
 #[test]
 fn the_limits_are_all_that_scatters_samples() {
     let text =

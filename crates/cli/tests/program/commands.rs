@@ -1,4 +1,4 @@
-//! Commands on good input: exit codes, what they print and what they write.
+//! Commands on valid input: exit codes, output and written files.
 
 use std::fs;
 
@@ -7,7 +7,7 @@ use crate::common::{
 };
 use serde_json::Value;
 
-/// The object without what depends on time and threads.
+/// The object without the values that depend on time and threads.
 fn timeless(mut value: Value) -> Value {
     if let Value::Object(fields) = &mut value {
         fields.retain(|key, _| !matches!(key.as_str(), "wall_s" | "threads" | "timings_s" | "site_updates_per_s"));

@@ -1,14 +1,14 @@
-//! Designs that must hold at several speeds and humidities, named one by one or as ranges.
+//! Designs for several speeds and humidities, given one by one or as ranges.
 
 use std::fs;
 
 use crate::common::{CALIBRATION, Place, free, number, result, short, trusted};
 use serde_json::Value;
 
-/// A condition of the material: speed in mm/s, humidity in per cent, mean local dynamic coefficient.
+/// Condition of the material: speed in mm/s, humidity in percent, mean local dynamic coefficient.
 type Measured = (f64, f64, f64);
 
-/// A short sample at one pressure of a material with coefficients at `measured` conditions; `header` names conditions.
+/// Design of a short sample at one pressure with coefficients at `measured` conditions; `header` gives the conditions.
 fn design(target: &str, measured: &[Measured], header: &str) -> String {
     let row = |(speed, humidity, mean): &Measured| {
         let at_rest = 1.1 * mean;
@@ -26,12 +26,12 @@ fn design(target: &str, measured: &[Measured], header: &str) -> String {
         .replace("[material]\n", &format!("{header}\n[material]\n"))
 }
 
-/// What is expected at every condition, the one designed for first.
+/// Predicted values at every condition; the condition of the design is the first.
 fn at(found: &Value) -> &Vec<Value> {
     found["expected"].as_array().unwrap()
 }
 
-/// What trials say at each of them: the median over what the model says.
+/// Discrepancy factor at every condition: predicted median over modelled ratio.
 fn factors(found: &Value) -> Vec<f64> {
     let modelled = found["modelled"].as_array().unwrap();
     at(found).iter().zip(modelled).map(|(at, modelled)| number(&at["median"]) / number(&modelled["ratio"])).collect()
@@ -41,7 +41,7 @@ fn is_within(at: &Value) -> bool {
     (number(&at["target_low"])..=number(&at["target_high"])).contains(&number(&at["median"]))
 }
 
-/// Ratio and peak pressure of the design in `folder` by a steady cell whose mean local dynamic coefficient is `mean`.
+/// Ratio and peak pressure of the design in `folder` from a steady cell with the mean local dynamic coefficient `mean`.
 fn steady(place: &Place, folder: &str, mean: f64) -> [f64; 2] {
     let scene = fs::read_to_string(place.path(folder).join("scene.toml")).unwrap();
     let lines = scene.lines().map(|line| match line.split_once(" = ") {

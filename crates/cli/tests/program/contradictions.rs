@@ -1,4 +1,4 @@
-//! Inputs that contradict each other or cannot be: named by file, line and key before anything is computed.
+//! Contradicting or impossible inputs are reported with file, line and key before any computation.
 
 use slipgrid_formats::Diagnostic;
 use slipgrid_formats::calibration::Calibration;
@@ -7,7 +7,7 @@ use slipgrid_formats::document::Document;
 
 use crate::common::{CALIBRATION, DESIGN, FLAT, Place, SCENE};
 
-/// What a design says of a calibration that it contradicts.
+/// Messages about contradictions between a design and its calibration.
 fn contradictions(design: &str, calibration: &str) -> Vec<String> {
     let place = Place::with(&[("c.toml", calibration), ("flat.csv", FLAT), ("cut.csv", FLAT)]);
     let (head, rest) = design.split_once("[material]").unwrap();

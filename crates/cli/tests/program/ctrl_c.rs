@@ -1,4 +1,4 @@
-//! Ctrl-C ends every stage, says what was kept, and leaves no half-written file.
+//! Ctrl-C ends every stage, reports the results that were kept, and leaves no half-written file.
 
 #![cfg(unix)]
 
@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use crate::common::{CALIBRATION, DESIGN, FLAT, Place, SCENE};
 
-/// A run ends in about a second; machines may be busy.
+/// Maximum time from Ctrl-C to the end: runs end in about a second, but machines may be busy.
 const ENDED: Duration = Duration::from_secs(30);
 
 fn start(place: &Place, args: &[&str]) -> Child {
@@ -19,7 +19,7 @@ fn press(run: &Child) {
     assert!(Command::new("kill").args(["-INT", &run.id().to_string()]).status().unwrap().success());
 }
 
-/// Starts the program, presses Ctrl-C after `after_s` seconds, and waits; `None` where it had ended by then.
+/// Starts the program, presses Ctrl-C after `after_s` seconds, and waits; `None` if the run had ended by itself.
 fn interrupted(place: &Place, args: &[&str], after_s: f64) -> Option<Output> {
     let mut run = start(place, args);
     std::thread::sleep(Duration::from_secs_f64(after_s));
@@ -35,7 +35,7 @@ fn interrupted(place: &Place, args: &[&str], after_s: f64) -> Option<Output> {
     (!has_ended).then_some(output)
 }
 
-/// What is said of an interrupted run; nothing of it is left but its study.
+/// Message of an interrupted run, which must leave no files but its study.
 fn told(place: &Place, output: &Output) -> String {
     let message = String::from_utf8_lossy(&output.stderr).into_owned();
     assert_eq!(output.status.code(), Some(130), "{message}");
@@ -101,7 +101,7 @@ fn every_command_ends_and_writes_nothing() {
     assert!(ended <= 5, "{ended} of them had ended before");
 }
 
-/// A disc whose target is out of reach: searched, confirmed and explained in space.
+/// Design of discs with a target out of reach, which is searched, confirmed and explained in space.
 fn discs() -> String {
     let asked = DESIGN.replace("value = 0.9", "value = 0.5");
     let bounded = asked.replace("\"groove\"", "\"disc\"");

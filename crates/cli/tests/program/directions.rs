@@ -1,10 +1,10 @@
-//! Designs whose target must hold in several sliding directions.
+//! Designs for several sliding directions.
 
 use std::fs;
 
 use crate::common::{Place, json, number, result, small, trusted};
 
-/// A small design of rectangles, half as long as its narrowest is wide.
+/// Small design of rectangles, half as long as the minimum width.
 fn rectangles(angles: &str) -> String {
     let pattern = format!("\"rectangle\"\nlength_um = 40.0\nsliding_angle_deg = {angles}");
     let text = small()

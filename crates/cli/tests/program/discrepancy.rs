@@ -1,11 +1,11 @@
-//! What trials say that the model lacks, in designs and in scenes, and one error beside every value of a scene.
+//! Discrepancies from trials in designs and scenes, and the error of every value of a scene.
 
 use std::fs;
 
 use crate::common::{CALIBRATION, Place, free, json, number, result, short, trusted};
 use serde_json::Value;
 
-/// A short sample and one pressure.
+/// Design of a short sample at one pressure.
 fn design(target: &str, material: &str) -> String {
     short()
         .replace("[0.65, 2.6]", "[2.6]")
@@ -13,7 +13,7 @@ fn design(target: &str, material: &str) -> String {
         .replace("[target]", &format!("{material}[target]"))
 }
 
-/// A groove whose ratio was measured to be nine tenths of the modelled one.
+/// Trial of a groove whose measured ratio is nine tenths of the modelled one.
 const TRIAL: &str = "[material.learned]\nreference_pressure_mpa = 1.5\nlowest_pressure_mpa = 0.65\n\
     reference_speed_mm_s = 2.0\nmodulus_relative_std = 0.1\n[material.learned.prior]\n\
     [[material.learned.trial]]\nname = \"first\"\nareal_density = 0.4\nedge_per_mm = 10.0\nwidth_um = 80.0\npitch_um = 200.0\n\
@@ -25,7 +25,7 @@ const ERRORS: [(&str, &str); 2] = [
     ("dynamic_mean = 0.27\n", "dynamic_mean = 0.27\ndynamic_std_error = 0.0027\n"),
 ];
 
-/// What is expected at the first load over what the model says.
+/// Discrepancy factor at the first load: predicted median over modelled ratio.
 fn factor(sample: &Value) -> f64 {
     number(&sample["expected"][0]["median"]) / number(&sample["modelled"][0]["ratio"])
 }
@@ -160,7 +160,7 @@ fn a_simulated_design_has_what_trials_say_and_the_errors_of_what_is_solved() {
     assert_eq!(open["errors"]["unknown"], serde_json::json!(["static coefficient"]));
 }
 
-/// One factor for every texture, as earlier versions wrote it, is read over.
+/// The discrepancy factor in material files of earlier versions is ignored.
 #[test]
 fn a_factor_of_earlier_versions_is_not_used() {
     let old = design("value = 0.88\ntolerance = 0.02", "[material.discrepancy]\npattern = \"groove\"\n");

@@ -1,4 +1,4 @@
-//! Maps that numbers should not be computed from: what is said of them, wherever they end up, and what is refused.
+//! Maps that are unsuitable for computation: warnings in every output, and refusals.
 
 use crate::common::{CALIBRATION, FLAT, Place, SCENE, json};
 use serde_json::Value;
@@ -7,11 +7,11 @@ fn strings(value: &Value) -> Vec<&str> {
     value.as_array().map_or_else(Vec::new, |list| list.iter().map(|entry| entry.as_str().unwrap()).collect())
 }
 
-/// What becomes of the height at a row and column.
+/// New height from row, column and height of a point.
 type Change<'a> = dyn Fn(usize, usize, f64) -> f64 + 'a;
 
-/// A place with the map `clean.asc`, 96 x 96 pixels with an rms slope of 0.03, and `NAME` made of it for each of
-/// `changed`: a function of row, column and height in the file's unit.
+/// Folder with the map `clean.asc`, 96 x 96 pixels with an rms slope of 0.03, and for each entry of `changed` a map
+/// with this name, made by a function of row, column and height in the file's unit.
 fn place(changed: &[(&str, &Change<'_>)]) -> Place {
     let place = Place::with(&[("flat.csv", FLAT)]);
     place.succeed(&["synthesize", "--pixels", "96", "--waves", "3:24", "--rms-slope", "0.03", "-o", "clean.asc"]);
@@ -34,10 +34,11 @@ fn place(changed: &[(&str, &Change<'_>)]) -> Place {
     place
 }
 
-/// How far the spikes of these tests stand out, in the file's nanometres: the map's Sa is 0.57 um.
+/// Height of the spikes in these tests, in nanometres; the map's Sa is 0.57 um.
 const SPIKE_NM: f64 = 6000.0;
 
-/// `high` added at three points, one of them at the map's side, and a pair.
+/// Adds `high` at two points, one of which lies at the side of the map, and at a pair of points; subtracts it at a fourth
+/// place.
 fn spiked(high: f64) -> impl Fn(usize, usize, f64) -> f64 {
     move |row, col, height| match (row, col) {
         (20, 30) | (50, 0) | (70, 80) | (70, 81) => height + high,

@@ -1,4 +1,4 @@
-//! What takes long is said before, counted afterwards, and ends in time.
+//! Long computations: their duration is announced before, reported afterwards, and limited.
 
 use std::fs;
 use std::time::Instant;
@@ -10,7 +10,7 @@ fn result(place: &Place) -> Value {
     serde_json::from_str(&fs::read_to_string(place.path("out/result.json")).unwrap()).unwrap()
 }
 
-/// Discs in a thin layer, whose target is out of reach.
+/// Design of discs in a thin layer with a target out of reach.
 fn discs() -> String {
     let asked = DESIGN.replace("value = 0.9", "value = 0.5");
     let bounded = asked.replace("\"groove\"", "\"disc\"");

@@ -1,4 +1,4 @@
-//! Nothing that slipgrid did not write is replaced, and what cannot be written is said before anything is computed.
+//! Files that slipgrid did not write are not replaced, and unwritable outputs are reported before any computation.
 
 use std::fs;
 use std::time::Instant;
@@ -157,7 +157,7 @@ fn a_design_named_by_dots_does_not_write_into_the_current_folder() {
     assert_eq!(names(&place.path("out")), ["design", "design.study.jsonl"]);
 }
 
-/// Everything in a folder but timings.json.
+/// Names and contents of all files of a folder except timings.json.
 fn bytes(place: &Place, folder: &str) -> Vec<(String, Vec<u8>)> {
     let folder = place.path(folder);
     let read = |name: String| (name.clone(), fs::read(folder.join(&name)).unwrap());

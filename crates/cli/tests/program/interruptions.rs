@@ -1,4 +1,4 @@
-//! Full disks, folders that cannot be written and killed runs leave no half-written file.
+//! Full disks, write-protected folders and killed runs leave no half-written file.
 
 #![cfg(unix)]
 
@@ -8,7 +8,7 @@ use std::time::Duration;
 
 use crate::common::{Place, SCENE, names};
 
-/// A design whose files take a few megabytes.
+/// Result with a design whose files take a few megabytes.
 fn result() -> String {
     r#"{"name": "x", "version": "0", "seed": 1, "design": {"width_um": 40.0, "spacing_um": 50.0, "depth_um": 5.2,
     "planform": "square", "areal_density": 0.1, "section_density": 0.1}, "laser": {"spot_um": 23.0},
@@ -17,12 +17,12 @@ fn result() -> String {
         .to_owned()
 }
 
-/// A drawing that an earlier run left.
+/// Drawing of an earlier run.
 const EARLIER: &str = "999\nslipgrid 0.0.9: x\n";
 
 const EXPORT: [&str; 6] = ["export", "result.json", "--format", "dxf,svg,csv,corners,hatch,plt,stl", "-o", "out"];
 
-/// Runs a shell command line in the folder with the program as `$0`.
+/// Runs a shell command line in the folder, with the program as `$0`.
 fn shell(place: &Place, line: &str) -> std::process::Output {
     let mut command = Command::new("sh");
     command.env("SLIPGRID_CACHE", "");

@@ -1,4 +1,4 @@
-//! Measured flat friction as the law of local pressure, beside the area law; maps before and after a test; errors of local
+//! Measured flat friction as the local law, compared with the area law; maps before and after a test; errors of local
 //! coefficients and the excess of dynamic friction in material files.
 
 use std::fs;
@@ -14,7 +14,7 @@ fn with_surface(surface: &str) -> String {
     CALIBRATION.replace("persson_rms_slope = 0.0137\n", surface)
 }
 
-/// Steady ratio of a groove, and flat friction, at the heavier load.
+/// Steady ratio of a groove and flat friction at the heavier load.
 fn solved(place: &Place, material: &str) -> [f64; 2] {
     let scene = format!(
         "material = \"{material}\"\ncondition = {{ speed_mm_s = 2.0, humidity_pct = 15.0 }}\n[pattern]\nwidth_um = 130.0\n\

@@ -1,4 +1,4 @@
-//! The program as a user meets it: every command run, its words and files read.
+//! Tests of the program as a user runs it: every command with its messages and files.
 
 #![allow(clippy::unwrap_used, reason = "a test that unwraps in vain fails, as it should")]
 

@@ -1,4 +1,4 @@
-//! Spoiled input: ten thousand files give a clear error or are accepted, and none ends the program.
+//! Fuzzing: ten thousand damaged files give a clear error or are accepted, and none crashes the program.
 
 use std::fs;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -15,7 +15,7 @@ use slipgrid_formats::traces::{Export, TraceSetup, parse_export};
 use slipgrid_topography::{ReadOptions, read_map};
 use slipgrid_traces::{TraceOptions, analyse};
 
-/// Numbers in a fixed order (Steele, Lea and Flood, SPLITMIX64).
+/// Pseudorandom numbers (Steele, Lea and Flood, SPLITMIX64).
 struct Dice(u64);
 
 impl Dice {
@@ -36,7 +36,7 @@ impl Dice {
     }
 }
 
-/// What stands where a value stood.
+/// Replacements of a value.
 const VALUES: [&str; 28] = [
     "nan",
     "-nan",
@@ -68,7 +68,7 @@ const VALUES: [&str; 28] = [
     "[2.6, 0.65]",
 ];
 
-/// What is put in anywhere.
+/// Text that is inserted at a random place.
 const PIECES: [&str; 18] = [
     "\0",
     "\u{feff}",
@@ -90,7 +90,7 @@ const PIECES: [&str; 18] = [
     "a.b.c = 1\n",
 ];
 
-/// `text` with one to four changes.
+/// Applies one to four random changes to `text`.
 fn spoil(text: &str, dice: &mut Dice) -> Vec<u8> {
     let mut bytes = text.as_bytes().to_vec();
     for _ in 0..=dice.below(4) {
@@ -111,7 +111,7 @@ fn spoil(text: &str, dice: &mut Dice) -> Vec<u8> {
     bytes
 }
 
-/// A line gone, doubled, moved, or with another value.
+/// Removes, doubles or moves a line, or replaces its value.
 fn spoil_line(bytes: &[u8], dice: &mut Dice) -> Vec<u8> {
     let mut lines: Vec<Vec<u8>> = bytes.split(|&byte| byte == b'\n').map(<[u8]>::to_vec).collect();
     let (line, other) = (dice.below(lines.len()), dice.below(lines.len()));
@@ -141,7 +141,7 @@ fn spoil_line(bytes: &[u8], dice: &mut Dice) -> Vec<u8> {
     lines.join(&b'\n')
 }
 
-/// A refusal must name the file and say something.
+/// Whether the file was read. A refusal must name the file and give a reason.
 fn judge<T>(read: Result<T, String>, spoiled: &[u8]) -> bool {
     match read {
         Ok(_) => true,
@@ -158,7 +158,7 @@ fn judge<T>(read: Result<T, String>, spoiled: &[u8]) -> bool {
     }
 }
 
-/// Spoils `text` `times` times; returns how many were accepted.
+/// Damages `text` `times` times; returns how many results were accepted.
 fn spoil_all<T>(text: &str, times: usize, seed: u64, read: impl Fn(&str, &[u8]) -> Result<T, String>) -> usize {
     let mut dice = Dice(seed);
     let mut accepted = 0;
@@ -191,7 +191,7 @@ fn scene(text: &str) -> Result<SceneInput, String> {
     Ok(input)
 }
 
-/// How many of `times` spoiled files of each kind are still read.
+/// Number of accepted files among `times` damaged ones, for each kind of file.
 fn spoil_everything(times: usize, seed: u64) -> [usize; 7] {
     let place = Place::with(&[("flat.csv", FLAT)]);
     let string = |refused: slipgrid_formats::Diagnostic| refused.to_string();
@@ -236,7 +236,7 @@ fn spoil_everything(times: usize, seed: u64) -> [usize; 7] {
     ]
 }
 
-/// Spoiling must neither spare everything nor break everything.
+/// Checks that some but not all damaged files are accepted.
 fn some_are_read(accepted: [usize; 7], times: usize) {
     assert!(accepted.iter().all(|&accepted| accepted > times / 100 && accepted < times), "{accepted:?} of {times}");
 }
@@ -258,7 +258,7 @@ fn two_million_spoiled_files_are_refused_or_read() {
     some_are_read(accepted, 200 * 2000);
 }
 
-/// The program itself, on a few hundred of them, from the file to the exit code.
+/// Runs the program on a few hundred damaged files, from reading to the exit code.
 #[test]
 fn the_program_answers_spoiled_files_or_refuses_them() {
     // A key a line and commas in front: a line's value can be exchanged.

@@ -1,11 +1,11 @@
-//! `optimize` from a design file to the files of a laser, and `export` and `simulate` of its result.
+//! `optimize` from a design file to the laser's files, and `export` and `simulate` of its result.
 
 use std::fs;
 
 use crate::common::{Place, names, program, result, short, trusted};
 use serde_json::Value;
 
-/// A short sample of several periods, so that confirming takes a second, and a target at one pressure.
+/// Design of a short sample of several periods, confirmed in a second, with a target at one pressure.
 fn design(value: &str) -> String {
     short()
         .replace("[0.65, 2.6]", "[2.6]")
@@ -62,7 +62,7 @@ fn a_design_is_found_confirmed_and_written_for_a_laser() {
     }
 }
 
-/// A result is made by hand here: no solver stands between a planform and the laser.
+/// Exports a result made by hand, so that no solver is involved.
 #[test]
 fn every_planform_can_be_exported() {
     let result = |texture: &str| {

@@ -1,10 +1,10 @@
-//! Programs of others read what is written, where they are installed: ezdxf. `tests/browser` opens the pages.
+//! Other programs read the written files, if they are installed: ezdxf. `tests/browser` opens the pages.
 
 use std::process::{Command, Stdio};
 
 use crate::common::Place;
 
-/// Runs `program`; `None` where it is not installed.
+/// Runs `program`; `None` if it is not installed.
 fn try_run(program: &str, args: &[&str]) -> Option<std::process::Output> {
     Command::new(program).args(args).stdin(Stdio::null()).output().ok()
 }

@@ -1,4 +1,4 @@
-//! Polygons and crossing grooves from a file to a file for the laser.
+//! Polygons and crossing grooves from the input file to the laser's file.
 
 use std::fs;
 use std::path::Path;
@@ -10,7 +10,7 @@ fn shipped(name: &str) -> String {
     fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../../designs").join(name)).unwrap()
 }
 
-/// A scene of coarse blocks with these lines in place of the planform.
+/// Scene of coarse blocks with the lines `keys` instead of the planform.
 fn scene(keys: &str) -> String {
     SCENE
         .replace("planform = \"groove\"", keys)

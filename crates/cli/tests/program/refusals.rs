@@ -1,5 +1,5 @@
-//! Input that must be refused: exit code 2, file, line and key in the message, nothing written. The messages of every key, and of flags,
-//! are those that `tests/golden` keeps.
+//! Refused input: exit code 2, a message with file, line and key, and no written files. `tests/golden` keeps the
+//! messages about every key and flag.
 
 use crate::common::{CALIBRATION, DESIGN, FLAT, Place, SCENE};
 
@@ -18,7 +18,7 @@ fn a_refusal_names_file_line_and_key_and_writes_nothing() {
     }
 }
 
-/// What is named as the largest step is accepted.
+/// The maximum step named in a refusal is itself accepted.
 #[test]
 fn the_stability_limit_that_is_named_is_accepted() {
     let dynamic = SCENE.replace("\"steady\"", "\"dynamic\"").replace("sliding_um = 2.0", "step_ns = 20");
@@ -28,7 +28,7 @@ fn the_stability_limit_that_is_named_is_accepted() {
     Place::with(&[("scene.toml", &accepted)]).succeed(&["simulate", "scene.toml"]);
 }
 
-/// The cost of slow sliding, and the speed from which on it is borne.
+/// Too slow sliding is refused with its cost and the minimum accepted speed.
 #[test]
 fn a_row_that_takes_hours_is_refused_with_its_cost() {
     let slow = FLAT.replace("50,2,15", "50,0.0001,15");

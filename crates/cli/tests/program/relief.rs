@@ -1,10 +1,10 @@
-//! From the map of a cut sample to the friction of its face: the mean period of the map is the relief of a scene and of a
-//! calibration.
+//! From the map of a cut sample to the friction of its face: the mean period of the map becomes the relief of a scene
+//! and of a calibration.
 
 use crate::common::{Place, SCENE, THREE_FORCES, patterned_calibration};
 use serde_json::Value;
 
-/// Grooves 60/140/5.2 um with round rims 0.5 um high and 20 um wide, on pixels of 2 um.
+/// Options for a map of grooves 60/140/5.2 um with round rims 0.5 um high and 20 um wide, on pixels of 2 um.
 const MADE: &str = "synthesize --pixels 512 --side-mm 1.024 --waves 4:128 --cavities 60,140,5.2 --wall-um 2 \
                     --cavity-std 0,0,0 --rims 0.5,20 --rim-profile round -o sample.asc --quiet";
 

@@ -1,4 +1,4 @@
-//! Repeats of one condition that are not alike, and columns with titles of one's own.
+//! Repeats of one condition that differ, and columns with custom titles.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -7,10 +7,10 @@ use crate::common::{CALIBRATION, Place};
 
 const FLAGS: [&str; 6] = ["--force-n", "60", "--speed-mm-s", "2", "--humidity-pct", "45"];
 
-/// Columns of an export: time in seconds, position in millimetres, friction force and normal force in newtons.
+/// Header of an export: time in seconds, position in millimetres, friction force and normal force in newtons.
 const HEADER: &str = "t [s];x [mm];Reibkraft [N];Normalkraft [N]\n";
 
-/// A run of 45 s in one direction at 2 mm/s under 60 N, with friction `mu` and a ripple that no two seeds share.
+/// Export of 45 s in one direction at 2 mm/s under 60 N with friction `mu`; the ripple depends on the seed.
 fn run(header: &str, seed: u32, mu: f64) -> String {
     let mut text = header.to_owned();
     for i in 0..=900 {
@@ -21,7 +21,7 @@ fn run(header: &str, seed: u32, mu: f64) -> String {
     text
 }
 
-/// A calibration with `keys` in its `[traces]` and `condition` in its only condition.
+/// Calibration with `keys` in `[traces]` and `condition` in its only condition.
 fn calibration(keys: &str, condition: &str) -> String {
     let (head, _) = CALIBRATION.split_once("[measurements]").unwrap();
     format!(
@@ -197,7 +197,8 @@ fn a_stretch_without_numbers_is_named_with_its_column_and_times() {
     );
 }
 
-/// A run under `force_n` that the free head begins: its force sensors read 2.4 N and 0.3 N too much.
+/// Export of a run under `force_n` that starts with the head unloaded; its friction and normal force are 0.3 N and 2.4
+/// N too high.
 fn with_offset(seed: u32, force_n: f64) -> String {
     let mut text = HEADER.to_owned();
     for i in 0..=900 {

@@ -1,4 +1,4 @@
-//! Rims along the edges of cavities: in scenes, designs and calibrations, and in everything that is written of them.
+//! Rims along the edges of cavities: in scenes, designs and calibrations, and in all files written for them.
 
 use std::fs;
 
@@ -11,7 +11,7 @@ fn scene(rims: &str) -> String {
     SCENE.replace("depth_um = 20.0\n", &format!("depth_um = 20.0\n{rims}"))
 }
 
-/// A short sample and one pressure.
+/// Design of a short sample at one pressure.
 fn design(rims: &str, tolerances: &str) -> String {
     let text = DESIGN
         .replace("diameter_mm = 10.0", "diameter_mm = 2.0")
@@ -165,7 +165,8 @@ fn simulated_pattern(place: &Place, name: &str) -> Value {
     serde_json::from_str::<Value>(&told).unwrap()["pattern"].clone()
 }
 
-/// Heights on both sides of none are none below it: they scatter samples by half of what they do elsewhere.
+/// A scatter of rim heights about zero is accepted. Rims cannot be lower than the land, so that it scatters samples by
+/// half as much as elsewhere.
 #[test]
 fn rims_of_no_height_may_have_some() {
     let half = design(

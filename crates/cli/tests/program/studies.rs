@@ -1,4 +1,4 @@
-//! Studies that were damaged, are shared by two runs, or belong to a run that was killed.
+//! Studies that are damaged, shared by two runs, or left by a killed run.
 
 use std::fs;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 use crate::common::{DESIGN, Place, small};
 
-/// Numbers in a fixed order (Steele, Lea and Flood, SPLITMIX64).
+/// Pseudorandom numbers (Steele, Lea and Flood, SPLITMIX64).
 struct Dice(u64);
 
 impl Dice {
@@ -21,11 +21,11 @@ impl Dice {
     }
 }
 
-/// What stands where a number stood.
+/// Replacements of a number.
 const VALUES: [&str; 14] =
     ["-5", "0", "1e300", "-1e300", "1e999", "NaN", "null", "\"a\"", "[]", "{}", "1e-300", "0.5,0.5", "[0.9]", "true"];
 
-/// `study` with one line spoiled.
+/// Damages one line of `study`.
 fn spoil(study: &str, dice: &mut Dice) -> Vec<u8> {
     let mut lines: Vec<Vec<u8>> = study.lines().map(|line| line.as_bytes().to_vec()).collect();
     let place = dice.below(lines.len());
@@ -57,7 +57,7 @@ fn spoil(study: &str, dice: &mut Dice) -> Vec<u8> {
     [lines.join(&b'\n'), b"\n".to_vec()].concat()
 }
 
-/// Exit code and stderr of a run in this process.
+/// Exit code and stderr of a run within this process.
 fn run(args: &[&str]) -> (u8, String) {
     let (mut out, mut err) = (Vec::new(), Vec::new());
     let args = ["slipgrid", "--threads", "1", "-q"].iter().chain(args);
@@ -99,7 +99,7 @@ fn a_spoiled_study_is_refused_by_its_line_or_used_and_never_ends_the_program() {
     assert!(refused > 100 && used > 10, "{refused} refused, {used} used");
 }
 
-/// The program, begun and not waited for.
+/// Starts the program without waiting for it.
 fn begin(place: &Place, args: &[&str]) -> Child {
     let mut command = crate::common::program();
     command.current_dir(place.path("")).args(args).stdout(Stdio::null()).stderr(Stdio::null());

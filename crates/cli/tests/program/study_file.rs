@@ -1,4 +1,4 @@
-//! The study: answers of the search's model that are kept beyond a run.
+//! The study file, which keeps results of the search's model beyond a run.
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
@@ -32,7 +32,7 @@ fn never() -> Result<Answer, ModelFailure> {
     panic!("is known already")
 }
 
-/// Answers with the study in the file at `path`, and how many that holds.
+/// Opens the study at `path` for a cache of results; also returns the number of results that the file holds.
 fn begin(path: &Path, modulus: f64, resume: bool) -> Result<(Evaluations<'static>, usize), DesignError> {
     // As long as the test: a few hundred bytes.
     let study = Box::leak(Box::new(StudyFile::new(path.to_owned(), resume)));

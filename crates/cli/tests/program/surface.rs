@@ -1,11 +1,11 @@
-//! `surface` and `synthesize` with cavities: what they print and write, and what they refuse.
+//! `surface`, and `synthesize` with cavities: output, files and refusals.
 
 use std::fs;
 
 use crate::common::{Place, json, names};
 use serde_json::Value;
 
-/// Grooves of 130 um, 370 um apart and 5.2 um deep, on 256 pixels of 10 um.
+/// Options for grooves of 130 um, 370 um apart and 5.2 um deep, on 256 pixels of 10 um.
 const TEXTURED: [&str; 16] = [
     "synthesize",
     "--pixels",
@@ -78,7 +78,7 @@ fn a_patterned_map_is_measured_drawn_and_written() {
     }
 }
 
-/// The columns of a matrix text, in um.
+/// Parses the columns of a matrix text, in um.
 fn matrix(text: &str) -> Vec<Vec<f64>> {
     let rows = text.lines().filter(|line| !line.starts_with('#'));
     rows.map(|row| row.split('\t').map(|height| height.parse().unwrap()).collect()).collect()
@@ -229,7 +229,7 @@ fn a_part_of_a_period_is_none() {
     assert_eq!((coarse["rows"].as_u64(), coarse["pixel_um"].as_f64()), (Some(32), Some(31.25)));
 }
 
-/// The spectrum of a part of a surface takes the step between its opposite sides for slope.
+/// A part of a surface keeps its slope, although its opposite sides do not continue each other.
 #[test]
 fn the_slope_of_a_part_is_that_of_the_whole() {
     let place = Place::with(&[]);

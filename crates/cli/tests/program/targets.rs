@@ -1,4 +1,4 @@
-//! Kinds of targets and limits, what keeps a target out of reach, and studies that a killed run is resumed from.
+//! Kinds of targets and limits, reasons why a target is out of reach, and studies from which a killed run is resumed.
 
 use std::fs;
 use std::process::Stdio;
@@ -7,7 +7,7 @@ use std::time::Duration;
 use crate::common::{Place, free, names, number, result, short, small, trusted};
 use serde_json::Value;
 
-/// A short sample of several periods, so that confirming takes a second.
+/// Design of a short sample of several periods, which is confirmed in a second.
 fn design(target: &str, limits: &str) -> String {
     short().replace("value = 0.9\ntolerance = 0.01", target).replace("max_peak_pressure_mpa = 20.0", limits)
 }
@@ -77,7 +77,7 @@ fn time_under_the_laser_can_be_limited() {
     assert!(time_s("out/fast") <= 5.0 && fast > slow, "{} {fast} {slow}", time_s("out/fast"));
 }
 
-/// Everything in the folder but times.
+/// Contents of the folder without the values that depend on time.
 fn untimed(place: &Place, folder: &str) -> Vec<(String, Vec<u8>)> {
     let folder = place.path(folder);
     let untimed = |name: String| (name.clone(), fs::read(folder.join(&name)).unwrap());
@@ -178,7 +178,7 @@ fn a_table_of_every_design_confirms_the_search() {
     assert!(place.refuse(&["optimize", "space.toml"]).contains("a table takes the vertical plane"));
 }
 
-/// A stiff body at a light load slides in waves, in which blocks stick: what was not resolved is said.
+/// A stiff body at a light load slides in waves, in which blocks stick; the result warns that they are not resolved.
 #[test]
 fn sliding_that_waves_carry_is_told() {
     let text = small()

@@ -1,4 +1,4 @@
-//! Files to start from run as they are; completions and manual name every command.
+//! Template files run unchanged; completions and the manual page list every command.
 
 use std::fs;
 
@@ -28,7 +28,7 @@ fn templates_run_as_they_are() {
     assert!(names(&place.path("out")).contains(&"report.html".to_owned()));
 }
 
-/// A line that is a comment with a key in it may be uncommented, alone or with those that it names.
+/// Commented lines of the design template that contain a key are valid if uncommented.
 #[test]
 fn commented_keys_of_templates_are_known() {
     let place = Place::with(&[]);
@@ -76,7 +76,7 @@ fn shells_and_readers_learn_every_command() {
     assert!(page.contains(".TH slipgrid-campaign-work 1") && page.contains("Folder of the campaign"), "{page}");
 }
 
-/// The keys that each table of a calibration takes, as refusals list them, stand in the template.
+/// The template explains every key that the reader accepts in each table of a calibration.
 #[test]
 fn the_calibration_template_explains_every_key() {
     let place = Place::with(&[]);

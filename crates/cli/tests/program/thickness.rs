@@ -1,11 +1,11 @@
-//! How thick the specimen is that is modelled.
+//! Thickness of the specimen in the model.
 
 use std::fs;
 
 use crate::common::{DESIGN, Place, SCENE, json};
 use serde_json::Value;
 
-/// Wide grooves, whose ratio depends on it.
+/// Scene of wide grooves, whose ratio depends on the thickness; `sample` replaces the layer.
 fn wide(sample: &str) -> String {
     let wide = SCENE.replace("130.0", "400.0").replace("370.0", "824.5").replace("depth_um = 20.0", "depth_um = 49.4");
     wide.replace("layer_um = 200.0\n", sample).replace("block_um = 10.0", "block_um = 20.0")

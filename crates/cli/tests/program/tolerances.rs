@@ -1,10 +1,10 @@
-//! `optimize` with tolerances and trade-offs: what stands in its files.
+//! `optimize` with tolerances and trade-offs: content of its files.
 
 use std::fs;
 
 use crate::common::{DESIGN, Place, number, result, small, trusted};
 
-/// A short sample and one pressure; standard errors as a calibration writes them.
+/// Design of a short sample at one pressure, with standard errors as a calibration writes them.
 fn design(more: &str) -> String {
     let text = DESIGN
         .replace("diameter_mm = 10.0", "diameter_mm = 4.0")
@@ -52,7 +52,7 @@ fn trade_offs_are_compared_by_what_samples_do() {
     assert!(fs::read_to_string(folder.join("report.html")).unwrap().contains("Trade-offs"));
 }
 
-/// All samples are deeper or shallower by what the depth per burst is off by.
+/// An error of the fitted depth per burst changes the depth of all samples alike, and counts as a limit.
 #[test]
 fn samples_count_a_fitted_depth_per_burst() {
     let fitted = "spot_um = 23.0\nfluence_j_cm2 = 10.0\n[laser.ablation]\nfluence_j_cm2 = [2.0, 5.0, 10.0, 20.0]\n\

@@ -1,4 +1,5 @@
-//! A laboratory with a rim that nobody measured: it cuts what `next` says, measures, and is on target within three cuts.
+//! A simulated laboratory with an unmeasured rim cuts the samples that `next` proposes, measures them, and is on target
+//! within three cuts.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -9,7 +10,7 @@ use slipgrid_disk::disk;
 use slipgrid_formats::calibration::Calibration;
 use slipgrid_units::LENGTH_STD_UM;
 
-/// Forces whose pressures on the disc are 0.64 to 2.55 MPa, with the flat sample's friction.
+/// Forces, in newtons, with pressures of 0.64 to 2.55 MPa on the disc, and the flat sample's friction.
 const FORCES_N: [f64; 3] = [50.0, 100.0, 200.0];
 const MU_FLAT: [f64; 3] = [0.248, 0.262, 0.270];
 const TOLERANCE: f64 = 0.02;
@@ -28,7 +29,7 @@ fn place() -> Place {
     place
 }
 
-/// Ratios of grooves of these lengths that have the rim.
+/// True ratios of grooves of these lengths, which have the rim.
 fn truth(place: &Place, [width_um, spacing_um, depth_um]: [f64; 3]) -> [f64; 3] {
     let area_m2 = std::f64::consts::PI * 25e-6;
     let pressures: Vec<String> = FORCES_N.iter().map(|force_n| (force_n / area_m2 / 1e6).to_string()).collect();
@@ -155,7 +156,7 @@ fn several_samples_complement_each_other_and_those_that_are_pending() {
     assert!(after["one_on_target"].as_f64().unwrap() >= chances(&alone)[0] - 0.02, "{after}");
 }
 
-/// A ratio needs a flat sample at the same force, speed and humidity.
+/// Two samples of one texture whose measurements contradict each other are reported once.
 #[test]
 fn samples_of_one_texture_that_contradict_each_other_are_named_once() {
     let place = place();
@@ -172,6 +173,7 @@ fn samples_of_one_texture_that_contradict_each_other_are_named_once() {
     }
 }
 
+/// A ratio requires a flat sample at the same force, speed and humidity; rows without one are reported.
 #[test]
 fn rows_of_a_trial_without_a_flat_partner_are_named() {
     let calibration = format!("{CALIBRATION}\n{}", trial("A", [100.0, 200.0, 10.4], "measurements = \"a.csv\"\n"));
@@ -197,7 +199,7 @@ fn rows_of_a_trial_without_a_flat_partner_are_named() {
     );
 }
 
-/// A decimal point at the wrong place, with the ratio that it makes and what it would be.
+/// A misplaced decimal point in a measurement is reported with the resulting ratio and a correction.
 #[test]
 fn a_ratio_that_is_hardly_meant_is_named_with_its_line() {
     let calibration = format!("{CALIBRATION}\n{}", trial("A", [100.0, 200.0, 10.4], "measurements = \"a.csv\"\n"));
@@ -216,7 +218,7 @@ fn a_ratio_that_is_hardly_meant_is_named_with_its_line() {
     assert!(said.contains("one texture cannot tell the forms apart") && said.contains(" to above 2 "), "{said}");
 }
 
-/// A material file does not know a trial that was added later.
+/// A material file is reported as outdated if its calibration has a trial that was added later.
 #[test]
 fn a_material_is_told_from_its_calibration_that_has_changed_since() {
     let place = place();
@@ -263,7 +265,7 @@ fn a_material_is_told_from_its_calibration_that_has_changed_since() {
     assert!(!told().contains("has changed since"));
 }
 
-/// A trial is compared by its own lengths, and named; two rows of one condition are no two ratios.
+/// A trial is compared with its own lengths and is named; two rows of one condition are not two ratios.
 #[test]
 fn a_trial_that_is_compared_is_named_and_has_its_own_lengths() {
     let place = place();
@@ -310,7 +312,8 @@ fn a_trial_that_is_compared_is_named_and_has_its_own_lengths() {
     assert!(String::from_utf8_lossy(&refused.stderr).contains("% again, as line 4 has"), "{refused:?}");
 }
 
-/// A sample whose friction is what its confirming run says lacks nothing: what time adds, the margins of its face and smaller blocks are in both.
+/// A trial with the friction of its confirming run has no discrepancy: both include the change in time, the margins of
+/// the face and the correction for smaller blocks.
 #[test]
 fn a_sample_that_slides_as_it_was_confirmed_lacks_nothing() {
     let place = place();
@@ -339,7 +342,7 @@ fn a_sample_that_slides_as_it_was_confirmed_lacks_nothing() {
     }
 }
 
-/// A pending sample is predicted where flat ones were measured.
+/// A pending sample is predicted at the conditions of the flat measurements.
 #[test]
 fn a_pending_sample_stands_in_the_ledger_with_what_is_predicted() {
     let calibration = format!("{CALIBRATION}\n{}", trial("to come", [100.0, 200.0, 10.4], ""));
@@ -350,7 +353,8 @@ fn a_pending_sample_stands_in_the_ledger_with_what_is_predicted() {
     assert!(page.contains("Pending: cut and not yet measured"));
 }
 
-/// A pin of 2 mm radius needs 0.16 times the force on a disc of 5 mm for the same pressure; forces are set in round numbers.
+/// Trials on specimens of another size are matched by pressure: a pin of 2 mm radius needs 0.16 times the force of a
+/// disc of 5 mm radius, and forces are set in round numbers.
 #[test]
 fn forces_on_a_sample_of_another_size_count_by_their_pressure() {
     let rows = table([0.9, 0.88, 0.86]);
@@ -379,7 +383,7 @@ fn forces_on_a_sample_of_another_size_count_by_their_pressure() {
     assert_eq!(ledger(&rounded, "").0, Some(2));
 }
 
-/// Three samples as sectors of one disc: what the laser takes, and trials that the calibration takes as they stand.
+/// Three samples as sectors of one disc: files for the laser, and trials that the calibration accepts unchanged.
 #[test]
 fn sectors_of_one_disc_are_drawn_and_become_trials() {
     let place = place();

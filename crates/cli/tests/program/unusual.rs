@@ -1,8 +1,8 @@
-//! What is unusual is said before a run that it may be the reason to refuse.
+//! Unusual values are warned of before a run that they may cause to be refused.
 
 use crate::common::{CALIBRATION, DESIGN, Place, SCENE, small};
 
-/// Loads that were entered in kN, 0.6 and 1 N, and friction whose two forces stand in each other's place.
+/// Table with forces of 0.6 and 1 N entered in kN, and friction with its two forces exchanged.
 const SLIPS: &str =
     "force_n,speed_mm_s,humidity_pct,mu_dynamic,mu_dynamic_std\n0.0006,20,15,2.5,0.02\n0.001,20,15,2.0,0.02\n";
 

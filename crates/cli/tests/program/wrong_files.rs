@@ -1,4 +1,4 @@
-//! Files that are not what a command takes: of another command, folders, empty files.
+//! Wrong input files: files of another command, folders, empty files.
 
 use crate::common::{CALIBRATION, DESIGN, FLAT, Place, SCENE};
 

@@ -1,4 +1,4 @@
-//! Running the program in a folder of its own.
+//! Helpers that run the program in a folder of its own.
 
 #![allow(dead_code, reason = "each test file uses a part")]
 
@@ -10,7 +10,7 @@ use std::sync::LazyLock;
 use serde_json::Value;
 use tempfile::TempDir;
 
-/// Every command.
+/// All commands.
 pub const COMMANDS: [&str; 17] = [
     "simulate",
     "optimize",
@@ -31,7 +31,7 @@ pub const COMMANDS: [&str; 17] = [
     "man",
 ];
 
-/// A scene that is solved in milliseconds.
+/// Scene that is solved in milliseconds.
 pub const SCENE: &str = r#"[material]
 youngs_modulus_gpa = 0.38
 density_g_cm3 = 0.9
@@ -61,17 +61,17 @@ seed = 1
 sliding_um = 2.0
 "#;
 
-/// Flat friction at three forces.
+/// Measurements of flat friction at three forces.
 pub const THREE_FORCES: &str = "force_n,speed_mm_s,humidity_pct,mu_dynamic,mu_dynamic_std\n50,2,15,0.25,0.002\n\
     75,2,15,0.25,0.002\n100,2,15,0.26,0.002\n";
 
-/// A calibration with flat.csv, of [`THREE_FORCES`], and patterned.csv, measured on samples of this `[pattern]`.
+/// Calibration with the tables flat.csv ([`THREE_FORCES`]) and patterned.csv; `pattern` holds the lines of `[pattern]`.
 pub fn patterned_calibration(pattern: &str) -> String {
     let text = CALIBRATION.replace("flat = \"flat.csv\"\n", "flat = \"flat.csv\"\npatterned = \"patterned.csv\"\n");
     format!("{text}[pattern]\n{pattern}")
 }
 
-/// A design with an inline material.
+/// Design with an inline material.
 pub const DESIGN: &str = r#"name = "test design"
 [material]
 youngs_modulus_gpa = 0.38
@@ -110,21 +110,21 @@ block_um = 10.0
 seed = 1
 "#;
 
-/// What a material says where nobody doubts the model: it is believed to lack next to nothing.
+/// Table `[material.learned]` of a model that is trusted: the prior of the discrepancy is nearly zero.
 const TRUST: &str = "[material.learned]\nreference_pressure_mpa = 1.5\nlowest_pressure_mpa = 0.65\n\
     reference_speed_mm_s = 2.0\nmodulus_relative_std = 0.0\n[material.learned.prior]\namplitude_std = 0.002\n\
     pressure_std = 0.001\ninverse_pressure_std = 0.001\nspeed_std = 0.001\nhumidity_std = 0.001\nsample_std = 0.001\n";
 
-/// The design `text` with a material whose model is trusted: the likeliest sample is one whose modelled ratio is on target.
+/// Design `text` with a trusted model, so that the likeliest sample has its modelled ratio on target.
 pub fn trusted(text: &str) -> String {
     text.replace("[target]", &format!("{TRUST}[target]"))
 }
 
-/// Designs of which the width alone is free: a table of all three lengths takes five times as long.
+/// Lines of a design whose width alone is free, which saves four fifths of the time of a table of all three lengths.
 const LINE: [(&str, &str); 2] =
     [("spacing_um = 120.0", "spacing_um = [40.0, 200.0]"), ("depth_um = 10.4", "depth_um = [2.0, 20.0]")];
 
-/// Grooves 40 to 100 um wide in a thin layer on a short sample.
+/// Design of grooves 40 to 100 um wide in a thin layer on a short sample.
 pub fn short() -> String {
     DESIGN
         .replace("diameter_mm = 10.0", "diameter_mm = 2.0")
@@ -134,12 +134,12 @@ pub fn short() -> String {
         .replace("depth_um = [2.0, 50.0]", LINE[1].0)
 }
 
-/// A design of [`short`] with spacing and depth free, too.
+/// Design of [`short`] with spacing and depth free as well.
 pub fn free(design: &str) -> String {
     LINE.iter().fold(design.to_owned(), |design, (fixed, free)| design.replace(fixed, free))
 }
 
-/// A design that is searched and confirmed in a third of a second.
+/// Design that is searched and confirmed in a third of a second.
 pub fn small() -> String {
     DESIGN
         .replace("width_um = [40.0, 400.0]", "width_um = [40.0, 80.0]")
@@ -151,7 +151,7 @@ pub fn small() -> String {
         .replace("tolerance = 0.01", "tolerance = 0.08")
 }
 
-/// A calibration beside its table `flat.csv`.
+/// Calibration that reads the table `flat.csv` in its folder.
 pub const CALIBRATION: &str = r#"name = "test"
 source = "nowhere"
 [material]
@@ -168,25 +168,25 @@ flat = "flat.csv"
 coefficients = "per-condition"
 "#;
 
-/// Measurements for [`CALIBRATION`].
+/// Table of measurements for [`CALIBRATION`].
 pub const FLAT: &str = "force_n,speed_mm_s,humidity_pct,mu_dynamic,mu_dynamic_std\n50,2,15,0.248,0.002\n";
 
-/// The program, which takes nothing from the results of the user's earlier runs.
+/// Command of the program without the cache of the user's earlier runs.
 pub fn program() -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_slipgrid"));
     command.env("SLIPGRID_CACHE", "");
     command
 }
 
-/// A folder with input files, in which the program is run.
+/// Folder with input files, in which the program is run.
 pub struct Place {
     folder: TempDir,
-    /// Where the program keeps results from one run to the next; absent where it shares them with other places.
+    /// Cache of this folder's runs; `None` if it is shared with other folders.
     cache: Option<TempDir>,
 }
 
-/// What runs of this test program keep for one another, as a user's do: fits and runs in time of the same flat sample are many tests'
-/// first step. Empty at first, so that nothing is taken from an older program.
+/// Cache shared by the runs of this test program, as a user's runs share one: many tests begin with the same fits and
+/// runs in time of the flat sample. It is empty at first, so that nothing comes from an older version of the program.
 fn shared_cache() -> &'static Path {
     static CACHE: LazyLock<PathBuf> = LazyLock::new(|| {
         let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("kept");
@@ -196,12 +196,12 @@ fn shared_cache() -> &'static Path {
     &CACHE
 }
 
-/// JSON as printed or written.
+/// Parses JSON from stdout or a file.
 pub fn json(text: &str) -> Value {
     serde_json::from_str(text).unwrap()
 }
 
-/// result.json in a folder of `place`.
+/// Content of result.json in a folder of `place`.
 pub fn result(place: &Place, folder: &str) -> Value {
     json(&fs::read_to_string(place.path(folder).join("result.json")).unwrap())
 }
@@ -211,7 +211,7 @@ pub fn number(value: &Value) -> f64 {
 }
 
 impl Place {
-    /// A folder with `files`, names and contents.
+    /// Creates a folder with `files`, given by name and content.
     pub fn with(files: &[(&str, &str)]) -> Self {
         let place = Self { folder: tempfile::tempdir().unwrap(), cache: None };
         for (name, text) in files {
@@ -220,7 +220,7 @@ impl Place {
         place
     }
 
-    /// The same, whose runs take over what earlier ones in this place kept, and nothing else.
+    /// Like [`Self::with`], with a cache of its own for the runs in this folder.
     pub fn with_cache(files: &[(&str, &str)]) -> Self {
         Self { cache: Some(tempfile::tempdir().unwrap()), ..Self::with(files) }
     }
@@ -237,7 +237,7 @@ impl Place {
         (ratio("measured_ratio") / ratio("modelled_ratio")).ln()
     }
 
-    /// Names of everything in the folder, hidden files too.
+    /// Names of all entries of the folder, including hidden files.
     pub fn names(&self) -> Vec<String> {
         names(self.folder.path())
     }
@@ -260,14 +260,14 @@ impl Place {
         command.output().unwrap()
     }
 
-    /// Stdout of a run that must succeed.
+    /// Stdout of a run, which must succeed.
     pub fn succeed(&self, args: &[&str]) -> String {
         let output = self.run(args);
         assert!(output.status.success(), "{args:?}: {}", String::from_utf8_lossy(&output.stderr));
         String::from_utf8(output.stdout).unwrap()
     }
 
-    /// The message of a run that must refuse its input: exit code 2 and nothing on stdout.
+    /// Message of a run that must refuse its input, with exit code 2 and nothing on stdout.
     pub fn refuse(&self, args: &[&str]) -> String {
         let output = self.run(args);
         let message = String::from_utf8(output.stderr).unwrap();
@@ -286,8 +286,8 @@ pub fn names(folder: &Path) -> Vec<String> {
     names
 }
 
-/// Whether the tests themselves were started to ignore Ctrl-C, as shells start what runs in the background: the program then
-/// ignores it, too, and there is nothing to test.
+/// Whether the tests were started with Ctrl-C ignored, as shells start background jobs. The program then ignores Ctrl-C
+/// as well, and there is nothing to test.
 pub fn ignores_ctrl_c() -> bool {
     let status = fs::read_to_string("/proc/self/status").unwrap_or_default();
     let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
