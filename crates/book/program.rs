@@ -1,4 +1,4 @@
-//! The program that the commands of the book start: `slipgrid`, built beside their tests.
+//! Builds `slipgrid` next to the tests of the book, for the commands of its chapters.
 
 use std::ffi::OsString;
 use std::process::ExitCode;

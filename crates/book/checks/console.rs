@@ -1,22 +1,23 @@
-//! Fenced blocks of a chapter, and whether a command prints what the chapter shows.
+//! Fenced blocks of a chapter, and the comparison of a command's output with the chapter.
 
-/// A line of a chapter that stands for lines left out.
+/// Line of a chapter that stands for omitted output.
 pub const LEFT_OUT: &str = "[...]";
-/// Numbers may differ by this share, beyond one unit of their last digit: other processors round differently.
+/// Relative difference that numbers may have in addition to 1.5 units of the last digit shown, because other processors
+/// round differently.
 const TOLERANCE: f64 = 2e-3;
 
-/// A fenced block: what follows the fence, and its lines with their place in the chapter.
+/// Fenced block of a chapter.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Block {
-    /// What follows the fence: the kind of the block, and the file that it belongs to.
+    /// Text after the opening fence: the kind of the block and, for a file, its name.
     pub info: String,
-    /// Number of lines of the chapter before the block's first.
+    /// Number of lines of the chapter before the first line of the block.
     pub start: usize,
-    /// The lines between the fences.
+    /// Lines between the fences.
     pub lines: Vec<String>,
 }
 
-/// The fenced blocks of a chapter, and whether its last one is closed.
+/// Returns the fenced blocks of a chapter, and whether the last one is closed.
 #[must_use]
 pub fn blocks(lines: &[String]) -> (Vec<Block>, bool) {
     let mut blocks = Vec::new();
@@ -32,17 +33,17 @@ pub fn blocks(lines: &[String]) -> (Vec<Block>, bool) {
     (blocks, open.is_none())
 }
 
-/// Words and numbers of a line; numbers without the signs around them.
+/// Splits a line into words and numbers, without the punctuation around them.
 fn tokens(line: &str) -> Vec<&str> {
     line.split(|c: char| c.is_whitespace() || "(),:;%".contains(c)).filter(|token| !token.is_empty()).collect()
 }
 
-/// What a line is about: its tokens that are no numbers.
+/// Tokens of a line that are not numbers.
 fn subject(line: &str) -> Vec<&str> {
     tokens(line).into_iter().filter(|token| token.parse::<f64>().is_err()).collect()
 }
 
-/// Whether a printed line is the shown one, but for the last digits of its numbers.
+/// Whether a printed line equals the shown one up to the tolerance of its numbers.
 #[must_use]
 pub fn agree(shown: &str, printed: &str) -> bool {
     let (shown, printed) = (tokens(shown), tokens(printed));
@@ -56,8 +57,8 @@ pub fn agree(shown: &str, printed: &str) -> bool {
         })
 }
 
-/// Compares what a chapter shows of `command` with what it printed. Returns what stands there now, passage by passage as the
-/// chapter chose them, and appends to `differ` what is not alike.
+/// Compares the lines that a chapter shows for `command` with the printed ones, passage by passage. Returns the printed
+/// lines of these passages, and appends the differences to `differ`.
 pub fn compare(command: &str, shown: &[String], printed: &str, differ: &mut Vec<String>) -> Vec<String> {
     let printed: Vec<&str> = printed.lines().map(str::trim_end).collect();
     let mut now = Vec::new();

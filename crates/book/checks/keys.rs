@@ -1,12 +1,13 @@
 //! The keys of a file, read from the source text of the types that read it.
 //!
-//! A file format is a set of structures that derive `Deserialize`. Their fields are the keys, the comments above the fields say
-//! what they mean, and the types say what may stand there. [`Types::new`] collects them from source files, and [`Types::table`]
-//! follows the types from one structure to the next. A type that is not known here is an error, so that nothing is left out.
+//! A file format is a set of structures that derive `Deserialize`. Their fields are the keys; the comments above the
+//! fields describe them, and the types give the accepted kinds of values. [`Types::new`] collects the structures from
+//! source files, and [`Types::table`] follows them from one to the next. An unknown type is an error, so that no key is
+//! omitted.
 
 use std::collections::BTreeMap;
 
-/// What may stand behind a key.
+/// Kind of value that a key accepts.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Shape {
     /// A number.
@@ -25,68 +26,68 @@ pub enum Shape {
     List(Box<Shape>),
     /// An element of a list of a record, or null.
     OrNull(Box<Shape>),
-    /// The path of a file, or what would stand in it.
+    /// The path of a file, or the content of the file.
     PathOr(Box<Shape>),
     /// A table, by the file and the name of its structure.
     Table(Place),
 }
 
-/// A structure: the source file that it stands in, and its name.
+/// Location of a structure: the source file and the name of the structure.
 pub type Place = (String, String);
 
 /// A key of a table.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Key {
-    /// Its name.
+    /// Name of the key.
     pub name: String,
-    /// What may stand there.
+    /// Kind of value that the key accepts.
     pub shape: Shape,
-    /// It must stand there.
+    /// Whether the key is required.
     pub is_required: bool,
-    /// What it means, in sentences.
+    /// Description of the key in sentences.
     pub meaning: String,
 }
 
-/// What a structure is, and its keys.
+/// Description and keys of a structure.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Table {
-    /// What the comment above it says.
+    /// Comment above the structure.
     pub meaning: String,
-    /// Its keys, in their order.
+    /// Keys in the order of the fields.
     pub keys: Vec<Key>,
 }
 
-/// A field as it stands in the source.
+/// Field of a structure in the source text.
 #[derive(Clone, Debug)]
 struct Field {
     name: String,
     kind: String,
     has_default: bool,
-    /// Its keys stand among those of the structure that it is in.
+    /// Whether the field is flattened: its keys belong to the enclosing structure.
     is_flattened: bool,
     comment: String,
 }
 
-/// A structure as it stands in the source.
+/// Structure in the source text.
 #[derive(Clone, Debug)]
 struct Structure {
     is_public: bool,
-    /// Each of its keys may be absent.
+    /// Whether every key of the structure may be absent.
     has_defaults: bool,
     comment: String,
     fields: Vec<Field>,
 }
 
-/// The structures that derive `Deserialize` in some source files.
+/// Structures that derive `Deserialize` in some source files.
 #[derive(Clone, Debug, Default)]
 pub struct Types {
     structures: BTreeMap<Place, Structure>,
-    /// Types that are not known stand for anything.
+    /// Whether the structures are written instead of read: unknown types then accept anything.
     is_record: bool,
 }
 
 impl Types {
-    /// Collects the structures of source files, given by their names and texts as `cargo fmt` leaves them.
+    /// Collects the structures of source files, given by name and by text as `cargo fmt` formats it.
     #[must_use]
     pub fn new<'a>(files: impl IntoIterator<Item = (&'a str, &'a str)>) -> Self {
         let mut structures = BTreeMap::new();
@@ -131,24 +132,24 @@ impl Types {
         Self { structures, is_record: false }
     }
 
-    /// The same of records that are written: keys without a value are null, and types that are not known, enumerations and types
-    /// of other libraries, stand for anything.
+    /// Turns the types into those of records that are written: keys without a value are null, and unknown types, such
+    /// as enumerations and types of other libraries, accept anything.
     #[must_use]
     pub fn records(mut self) -> Self {
         self.is_record = true;
         self
     }
 
-    /// Whether these are records that are written.
+    /// Whether the types are those of records that are written.
     #[must_use]
     pub const fn is_record(&self) -> bool {
         self.is_record
     }
 
-    /// The table of the structure at `place`.
+    /// Returns the table of the structure at `place`.
     ///
     /// # Errors
-    /// What is not known: the structure, or the type of one of its fields.
+    /// Message about an unknown structure, or about a field of unknown type.
     pub fn table(&self, place: &Place) -> Result<Table, String> {
         let structure = self.structures.get(place).ok_or_else(|| format!("no structure {} in {}", place.1, place.0))?;
         let mut keys = Vec::new();
@@ -175,7 +176,8 @@ impl Types {
         Ok(Table { meaning: structure.comment.clone(), keys })
     }
 
-    /// What a field's comment says; "As in [`Other`]." is that of the field of the same name there.
+    /// Description of a field: its comment, or, if the comment is "As in [`Other`].", that of the field of the same
+    /// name in `Other`.
     fn meaning(&self, field: &Field, file: &str) -> Result<String, String> {
         let Some(other) = field.comment.strip_prefix("As in [`").and_then(|rest| rest.strip_suffix("`].")) else {
             return Ok(field.comment.clone());
@@ -185,7 +187,7 @@ impl Types {
         same.map(|same| same.comment.clone()).ok_or_else(|| format!("{other} has no {}", field.name))
     }
 
-    /// The structure that `name` stands for in `file`: that of the file itself, or else the public one.
+    /// Place of the structure called `name`: in `file`, or else a public one in another file.
     fn named(&self, name: &str, file: &str) -> Option<Place> {
         let own = (file.to_owned(), name.to_owned());
         if self.structures.contains_key(&own) {
@@ -231,20 +233,20 @@ impl Types {
     }
 }
 
-/// `T` of `wrapper<T>`.
+/// Returns `T` if `kind` is `wrapper<T>`.
 fn inside<'a>(kind: &'a str, wrapper: &str) -> Option<&'a str> {
     kind.strip_prefix(wrapper)?.strip_prefix('<')?.strip_suffix('>')
 }
 
 impl Key {
-    /// What holds where the key is absent, as its comment says: the words before "when absent".
+    /// Default of the key according to its description: the words before "when absent".
     #[must_use]
     pub fn default(&self) -> Option<&str> {
         let before = self.meaning.split(" when absent").next().filter(|before| before.len() < self.meaning.len())?;
         Some(before.rsplit("; ").next().unwrap_or(before))
     }
 
-    /// The unit that stands in the key's name; nothing for pure numbers and for what is no number.
+    /// Unit given by the name of the key; empty for pure numbers and for other kinds of values.
     #[must_use]
     pub fn unit(&self) -> &'static str {
         const UNITS: [(&str, &str); 19] = [
@@ -274,7 +276,7 @@ impl Key {
 }
 
 impl Shape {
-    /// What may stand there, in words.
+    /// Names the kind of value in words.
     #[must_use]
     pub fn words(&self) -> String {
         match self {
@@ -298,7 +300,7 @@ impl Shape {
         }
     }
 
-    /// A number, or a list of numbers in which there may be lists.
+    /// Whether the value is a number, or a list of numbers, possibly nested.
     fn is_of_numbers(&self) -> bool {
         match self {
             Self::Number | Self::OneOrMore => true,
@@ -307,7 +309,7 @@ impl Shape {
         }
     }
 
-    /// The structure of the table, or tables, that may stand there.
+    /// Place of the structure of a table, or of the tables in a list.
     #[must_use]
     pub fn table(&self) -> Option<&Place> {
         match self {

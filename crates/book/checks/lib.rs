@@ -1,14 +1,14 @@
-//! What the tests of the book need: they hold its chapters to the program.
+//! Tools of the book's tests, which check its chapters against the program.
 //!
-//! | module | holds |
+//! | module | content |
 //! |---|---|
-//! | [`console`] | fenced blocks of a chapter, and whether a command prints what the chapter shows |
+//! | [`console`] | fenced blocks of a chapter, and comparison of a command's output with the chapter |
 //! | [`links`] | links and anchors of a chapter |
 //! | [`keys`] | the keys of a file, read from the source text of the types that read it |
-//! | [`schema`] | JSON schemas of these keys, and whether a file obeys one |
+//! | [`schema`] | JSON schemas of these keys, and validation of files |
 //!
-//! This crate opens no files; its tests do. Two numbers of a printed line agree where they differ by two parts in a thousand at
-//! most, or by one unit of the last digit that the book shows:
+//! This crate opens no files; its tests do. Two numbers of a line agree if they differ by at most two parts in a
+//! thousand plus 1.5 units of the last digit that the book shows:
 //!
 //! ```
 //! use slipgrid_book::console::agree;

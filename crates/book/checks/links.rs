@@ -1,6 +1,6 @@
 //! Links and anchors of a chapter in Markdown.
 
-/// The targets of the links and pictures of `text` outside fenced blocks, in their order.
+/// Returns the targets of the links and pictures of `text` outside fenced blocks, in order.
 #[must_use]
 pub fn targets(text: &str) -> Vec<String> {
     let mut found = Vec::new();
@@ -16,7 +16,7 @@ pub fn targets(text: &str) -> Vec<String> {
     found
 }
 
-/// `text` without its fenced and indented blocks and without code between backticks.
+/// Returns `text` without fenced and indented blocks, and without code between backticks.
 fn prose(text: &str) -> String {
     let mut is_fenced = false;
     let lines = text.lines().filter(|line| {
@@ -28,8 +28,8 @@ fn prose(text: &str) -> String {
     kept.split('`').step_by(2).collect::<Vec<_>>().join("`")
 }
 
-/// The anchors of the headings of `text`, as mdBook and GitHub make them: small letters, spaces as hyphens, other signs left
-/// out, and a number behind those that occur again.
+/// Returns the anchors of the headings of `text`, as mdBook and GitHub make them: lower case, hyphens instead of
+/// spaces, no other signs, and a number after an anchor that occurs again.
 #[must_use]
 pub fn anchors(text: &str) -> Vec<String> {
     let mut found: Vec<String> = Vec::new();

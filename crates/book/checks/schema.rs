@@ -1,7 +1,8 @@
-//! JSON schemas of files, and whether a file obeys one.
+//! JSON schemas of files, and validation of files by them.
 //!
-//! A schema here has only these words of JSON Schema (draft 07, which editors of TOML know): `type`, `properties`, `required`,
-//! `additionalProperties`, `items`, `minItems`, `anyOf`, `enum`, `minimum`, `exclusiveMinimum`, `maximum`, `description`, `default`.
+//! A schema contains only these keywords of JSON Schema (draft 07, which TOML editors support): `type`, `properties`,
+//! `required`, `additionalProperties`, `items`, `minItems`, `anyOf`, `enum`, `minimum`, `exclusiveMinimum`, `maximum`,
+//! `description`, `default`.
 
 use std::collections::BTreeMap;
 
@@ -9,13 +10,14 @@ use serde_json::{Map, Value, json};
 
 use crate::keys::{Key, Place, Shape, Types};
 
-/// What a reader accepts, by the dotted path of the key: "a number above 0 up to 10 um", "\"a\" or \"b\"".
+/// Values that a reader accepts, by the dotted path of the key, such as "a number above 0 up to 10 um" or "\"a\" or
+/// \"b\"".
 pub type Accepted = BTreeMap<String, String>;
 
-/// The schema of a file whose tables begin at `root`, with `title`, of format `version`.
+/// Creates the schema of a file with the root structure `root`, a `title` and the `version` of the format.
 ///
 /// # Errors
-/// What is not known of the types.
+/// Message about an unknown structure or type.
 pub fn schema(
     types: &Types,
     root: &Place,
@@ -62,7 +64,7 @@ fn table(types: &Types, place: &Place, path: &str, accepted: &Accepted) -> Resul
     }))
 }
 
-/// A key's meaning, with its unit.
+/// Description of a key, with its unit.
 fn describe(key: &Key) -> String {
     let unit = key.unit();
     if unit.is_empty() { key.meaning.clone() } else { format!("{} In {unit}.", key.meaning) }
@@ -89,7 +91,7 @@ fn value(types: &Types, shape: &Shape, path: &str, accepted: &Accepted) -> Resul
     })
 }
 
-/// A number within what a reader says it accepts.
+/// Schema of a number within the range that a reader accepts.
 fn number(kind: &str, range: Option<&str>) -> Value {
     let mut schema = Map::from_iter([("type".to_owned(), json!(kind))]);
     if let Some((from, above, most)) = range.and_then(ends) {
@@ -103,13 +105,13 @@ fn number(kind: &str, range: Option<&str>) -> Value {
     Value::Object(schema)
 }
 
-/// Whether the words of a refusal say what a schema can: a range, or names.
+/// Whether the words of a refusal contain a range or names, which a schema can express.
 #[must_use]
 pub fn is_judged(range: &str) -> bool {
     ends(range).is_some() || names(range).is_some()
 }
 
-/// The ends of "a number above 0 up to 10 um", and whether the lower one is refused itself.
+/// Parses the limits of "a number above 0 up to 10 um", and whether the lower limit itself is refused.
 fn ends(range: &str) -> Option<(f64, bool, f64)> {
     let words: Vec<&str> = range.split(|c: char| c.is_whitespace() || c == ';').collect();
     match words[..] {
@@ -120,13 +122,13 @@ fn ends(range: &str) -> Option<(f64, bool, f64)> {
     }
 }
 
-/// The names of "\"a\" or \"b\"".
+/// Parses the names in "\"a\" or \"b\"".
 fn names(range: &str) -> Option<Vec<&str>> {
     let names: Vec<&str> = range.split(" or ").collect();
     names.into_iter().map(|name| name.strip_prefix('"')?.strip_suffix('"').filter(|name| !name.contains('"'))).collect()
 }
 
-/// A default in words, "0.05", "`round`" or "false", as a value that may stand behind a key of this shape.
+/// Converts a default in words, such as "0.05", "`round`" or "false", into a value of the kind `shape`.
 #[must_use]
 pub fn literal(words: &str, shape: &Shape) -> Option<Value> {
     match shape {
@@ -139,7 +141,7 @@ pub fn literal(words: &str, shape: &Shape) -> Option<Value> {
     }
 }
 
-/// What of `value` does not obey `schema`, one sentence each, with the dotted path of the key.
+/// Violations of `schema` by `value`, one sentence each, with the dotted path of the key.
 #[must_use]
 pub fn violations(schema: &Value, value: &Value) -> Vec<String> {
     let mut found = Vec::new();

@@ -1,4 +1,4 @@
-//! Every chapter is in the summary, and every link leads somewhere.
+//! Checks that every chapter is in the summary, and that every link has a target.
 
 use std::path::{Path, PathBuf};
 
@@ -6,10 +6,10 @@ use slipgrid_book::links::{anchors, targets};
 
 use crate::{book, files, root, text};
 
-/// Most lines and most letters of a line that the README has.
+/// Maximum number of lines of the README, and of characters per line.
 const README: [usize; 2] = [120, 125];
 
-/// Chapters and other pages whose links are looked at.
+/// Chapters and other pages whose links are checked.
 fn pages() -> Vec<PathBuf> {
     let mut pages = files(&book(), ".md");
     for page in [
@@ -100,7 +100,7 @@ fn the_readme_fits_on_two_screens() {
     assert!(longest.unwrap() <= letters, "{longest:?}");
 }
 
-/// Words of the glossary stand in alphabetical order, each once.
+/// The entries of the glossary are in alphabetical order and unique.
 #[test]
 fn the_glossary_is_in_order() {
     let glossary = text(&book().join("glossary.md"));

@@ -1,4 +1,4 @@
-//! The chapter of keys and the schemas are those of the readers.
+//! Checks that the chapters of keys and the schemas are generated from the current types.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
@@ -12,7 +12,7 @@ use toml::Value;
 use crate::probes::{KINDS, Kind, changed, records, types};
 use crate::{book, files, keep, program, root, text};
 
-/// The schema that files of this program have.
+/// Schema version of the input files.
 const VERSION: u32 = 1;
 
 #[test]
@@ -102,7 +102,7 @@ fn the_chapter_of_columns_is_generated_from_what_reads_them() {
     keep(&book().join("reference/trace-columns.md"), &chapter);
 }
 
-/// The records of `optimize` and of `simulate`: name, number of the schema, structure, what wrote it.
+/// Records of `optimize` and `simulate`: name, schema version, place of the structure, and title.
 const RECORDS: [(&str, u32, [&str; 2], &str); 2] = [
     ("result", 2, ["design/src/design_report.rs", "DesignReport"], "result.json of `optimize`"),
     (
@@ -137,7 +137,7 @@ fn the_chapter_of_results_is_generated_from_the_types_that_are_written() {
     keep(&book().join("reference/result-json.md"), &chapter);
 }
 
-/// The process sheets: name, structure, what wrote it.
+/// Process sheets: name, place of the structure, and title.
 const SHEETS: [(&str, [&str; 2], &str); 2] = [
     ("process sheet", ["export/src/process.rs", "ProcessSheet"], "`process.toml` of `optimize`, `next` and `export`"),
     (
@@ -166,7 +166,7 @@ fn the_chapter_of_process_sheets_is_generated_from_the_types_that_are_written() 
     keep(&book().join("reference/process-toml.md"), &chapter);
 }
 
-/// The keys of every table of the record at `root` with their meanings, by the path of the table.
+/// Names and descriptions of the keys of every table of the record at `root`, by the path of the table.
 fn described_keys(types: &Types, root: &Place) -> BTreeMap<String, Vec<(String, String)>> {
     let mut found = BTreeMap::new();
     let mut open = vec![(root.clone(), String::new())];
@@ -183,7 +183,7 @@ fn described_keys(types: &Types, root: &Place) -> BTreeMap<String, Vec<(String, 
     found
 }
 
-/// Keys of `written` that no table of `known` has, and how many were looked at.
+/// Keys of `written` that are not in `known`, by path; adds the number of compared keys to `seen`.
 fn undescribed(
     written: &toml::Table,
     path: &str,
@@ -208,7 +208,7 @@ fn undescribed(
     missing
 }
 
-/// Writes the keys of the record at `path` and of those in it, each structure once.
+/// Writes the keys of the record at `path` and of its inner records into the chapter, each structure once.
 fn record(types: &Types, (place, path): (&Place, &str), described: &mut BTreeMap<Place, ()>, chapter: &mut String) {
     if described.insert(place.clone(), ()).is_some() {
         return;
@@ -233,12 +233,12 @@ fn record(types: &Types, (place, path): (&Place, &str), described: &mut BTreeMap
     }
 }
 
-/// A comment without the links of the code's pages.
+/// Removes the brackets of rustdoc links from a comment.
 fn plain(comment: &str) -> String {
     comment.replace("[`", "`").replace("`]", "`")
 }
 
-/// A small design with the keys `wanted` in its target.
+/// Small design with the lines `wanted` in its target.
 fn small_design(wanted: &str) -> String {
     format!(
         "[material]\nyoungs_modulus_gpa = 0.38\ndensity_g_cm3 = 0.9\nyoungs_modulus_std_gpa = 0.08\n\
@@ -251,7 +251,7 @@ fn small_design(wanted: &str) -> String {
     )
 }
 
-/// Runs the program in `folder` and holds the result.json that it writes below `out` to the schema `name`.
+/// Runs the program in `folder` and validates the result.json that it writes into `out` by the schema `name`.
 fn obeys(folder: &Path, name: &str, arguments: &[&str], out: &str) {
     let output = program().current_dir(folder).args(arguments).args(["-o", out]).output().unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
@@ -263,7 +263,7 @@ fn obeys(folder: &Path, name: &str, arguments: &[&str], out: &str) {
     assert!(found.is_empty(), "{name}: {arguments:?}: {found:?}");
 }
 
-/// What two commands write obeys the schemas, and every key of it is described.
+/// The results of two commands obey the schemas, and every key of the process sheet is described.
 #[test]
 fn results_obey_their_schemas() {
     let folder = tempfile::tempdir().unwrap();
@@ -300,7 +300,7 @@ fn capital(name: &str) -> String {
     name[..1].to_uppercase() + &name[1..]
 }
 
-/// Writes the table at `path` and those in it; one that was described before is named.
+/// Writes the table at `path` and its inner tables into the chapter; a structure described before is referred to.
 fn describe(
     types: &Types,
     kind: &Kind,
@@ -379,7 +379,7 @@ fn every_key_has_a_meaning_and_the_readers_know_no_other() {
     }
 }
 
-/// Whether there is something at the dotted `path` of `table`, in the first of each list of tables.
+/// Whether `table` has an entry at the dotted `path`, looking into the first element of each list of tables.
 fn holds(table: &toml::Table, path: &str) -> bool {
     let mut inner = Some(Value::Table(table.clone()));
     for part in path.split('.') {
@@ -392,10 +392,10 @@ fn holds(table: &toml::Table, path: &str) -> bool {
     inner.is_some()
 }
 
-/// Keys that are kept as they are written: without them their default is taken later, where they are used.
+/// Keys whose default is applied where they are used, not where they are read.
 const TAKEN_LATER: [&str; 3] = ["laser.wall_taper_deg", "laser.exposure", "trial.sample_std"];
 
-/// A default that is written out changes nothing.
+/// Writing out a default does not change what is read.
 #[test]
 fn defaults_are_what_holds_where_a_key_is_absent() {
     let types = types();
@@ -428,7 +428,7 @@ fn defaults_are_what_holds_where_a_key_is_absent() {
     assert!(checked > 40, "{checked} defaults were compared");
 }
 
-/// The schema that judges `text`, by the tables that it has.
+/// Kind of the file `text`, by its tables; `None` for files without a schema.
 fn kind_of(path: &str, text: &str) -> Option<&'static str> {
     let table: toml::Table = text.parse().ok()?;
     let has = |key: &str| table.contains_key(key);

@@ -1,7 +1,7 @@
-//! The book is true: its commands print what it shows, its links lead somewhere, its keys and schemas are those of the readers,
-//! and the numbers that it quotes stand where it says.
+//! Checks that the book is true: its commands print what it shows, its links have targets, its keys and schemas are
+//! those of the readers, and the numbers that it quotes are in their sources.
 //!
-//! With `SLIPGRID_UPDATE_GUIDE` set the book takes over what is printed and generated now.
+//! If `SLIPGRID_UPDATE_GUIDE` is set, the current output and generated text are written into the book.
 
 #![allow(
     clippy::unwrap_used,
@@ -21,29 +21,29 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// The folder of the repository.
+/// Root folder of the repository.
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).ancestors().nth(2).unwrap().to_owned()
 }
 
-/// The folder of the chapters.
+/// Folder of the chapters.
 fn book() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("src")
 }
 
-/// The program, which keeps its results beside what was built, not in the user's folder.
+/// Command of the program, with its cache in the target folder instead of the user's folder.
 fn program() -> Command {
     let mut program = Command::new(env!("CARGO_BIN_EXE_slipgrid-of-the-book"));
     program.env("SLIPGRID_CACHE", Path::new(env!("CARGO_TARGET_TMPDIR")).join("kept-of-the-book"));
     program
 }
 
-/// The text of a file of the repository.
+/// Reads a text file.
 fn text(path: &Path) -> String {
     fs::read_to_string(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
 
-/// Files below `folder` whose names end with `ending`, in order.
+/// Files below `folder` whose names end with `ending`, sorted.
 fn files(folder: &Path, ending: &str) -> Vec<PathBuf> {
     let mut found = Vec::new();
     for entry in fs::read_dir(folder).unwrap() {
@@ -58,12 +58,12 @@ fn files(folder: &Path, ending: &str) -> Vec<PathBuf> {
     found
 }
 
-/// Whether the book takes over what is so now.
+/// Whether the book is updated instead of checked.
 fn updates() -> bool {
     std::env::var_os("SLIPGRID_UPDATE_GUIDE").is_some()
 }
 
-/// Compares what is kept at `path` with `now`, or keeps it.
+/// Checks that the file at `path` contains `now`, or writes it in an update.
 fn keep(path: &Path, now: &str) {
     if updates() {
         fs::create_dir_all(path.parent().unwrap()).unwrap();

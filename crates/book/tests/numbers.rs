@@ -1,8 +1,8 @@
-//! Numbers that the book quotes stand where it says.
+//! Checks that the numbers that the book quotes are in their sources.
 
 use crate::{book, program, root, text};
 
-/// The table of measured and modelled ratios is what `slipgrid validate` prints.
+/// The table of measured and modelled ratios equals the output of `slipgrid validate`.
 #[test]
 fn the_ratios_of_the_validation_are_what_the_program_prints() {
     let output = program().current_dir(root()).arg("validate").output().unwrap();
@@ -34,7 +34,7 @@ fn the_ratios_of_the_validation_are_what_the_program_prints() {
     assert_eq!(compared, 4 * 7);
 }
 
-/// Rows of tables that the evidence quotes stand in the page that the program wrote.
+/// The table rows that the evidence quotes are in the page that the program wrote.
 #[test]
 fn the_laboratories_of_the_book_are_those_of_the_kept_page() {
     let page = text(&root().join("tests/accuracy/laboratories.md"));

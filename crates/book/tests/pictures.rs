@@ -1,10 +1,11 @@
-//! Every picture that the commands of the book draw says what it shows, and those that chapters show are drawn by their commands.
+//! Checks that every picture drawn by the book's commands has a title or caption, and that the pictures in chapters are
+//! drawn by their commands.
 
 use std::path::Path;
 
 use crate::{book, files, keep, root, text};
 
-/// Pictures of the book: the chapter that shows each, the file that its commands write, and the picture.
+/// Pictures of the book: chapter, file that the chapter's commands write, and name of the picture.
 const SHOWN: [(&str, &str, &str); 4] = [
     ("tutorials/first-design.md", "out/first/target.svg", "target.svg"),
     ("tutorials/first-design.md", "out/first/pattern.svg", "pattern.svg"),
@@ -12,23 +13,23 @@ const SHOWN: [(&str, &str, &str); 4] = [
     ("how-to/measured-textures.md", "out/textured/histogram.svg", "surface-histogram.svg"),
 ];
 
-/// Compares the pictures that the chapter at `page` shows with those that its commands wrote into `folder`.
+/// Compares the pictures in the chapter at `page` with the files that its commands wrote into `folder`.
 pub fn compare_shown(page: &Path, folder: &Path) {
     let own = SHOWN.iter().filter(|(chapter, ..)| page.ends_with(chapter));
     own.for_each(|(_, written, shown)| keep(&book().join("pictures").join(shown), &text(&folder.join(written))))
 }
 
-/// What stands between `start` and `end` for the first time.
+/// Text between the first `start` and the next `end`, trimmed.
 fn between<'a>(text: &'a str, start: &str, end: &str) -> Option<&'a str> {
     text.split_once(start)?.1.split_once(end).map(|(inside, _)| inside.trim())
 }
 
-/// The words of the first bold text of a drawing: its title.
+/// Title of a drawing: its first bold text.
 fn title(svg: &str) -> Option<&str> {
     between(svg.split_once("font-weight=\"bold\"")?.1, ">", "</text>")
 }
 
-/// What is wrong with the title of a drawing that stands beside a page called `page`.
+/// Fault of the title of a drawing in the folder of a report with the title `page`; `None` if there is no fault.
 fn untitled(svg: &str, page: Option<&str>) -> Option<&'static str> {
     let title = title(svg).unwrap_or_default();
     let is_name = |page: &str| page == title || page.strip_prefix(title).is_some_and(|rest| rest.starts_with(": "));
@@ -38,13 +39,13 @@ fn untitled(svg: &str, page: Option<&str>) -> Option<&'static str> {
     page.is_some_and(is_name).then_some("has a title that is a name alone and does not say what is shown")
 }
 
-/// The figures of a page without words below them.
+/// Number of figures of a page without a caption.
 fn without_caption(page: &str) -> usize {
     let figures = page.split("<figure").skip(1).filter_map(|rest| rest.split("</figure>").next());
     figures.filter(|figure| between(figure, "<figcaption>", "</figcaption>").is_none_or(str::is_empty)).count()
 }
 
-/// The pictures below `folder` that do not say what they show.
+/// Messages about the pictures below `folder` that have no title or no caption.
 pub fn compare(folder: &Path) -> Vec<String> {
     let mut found = Vec::new();
     for path in files(folder, ".svg") {
@@ -69,7 +70,7 @@ fn pictures_that_are_held_to_their_commands_stand_in_their_chapters() {
     }
 }
 
-/// Two minutes of runs: the picture is held to what the command wrote when it was run last, beside its table.
+/// The picture equals the one kept with its table, which takes two minutes of runs to draw.
 #[test]
 fn the_work_precision_diagram_is_the_kept_one() {
     let kept = text(&root().join("tests/accuracy/accuracy.svg"));

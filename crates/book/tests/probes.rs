@@ -1,4 +1,4 @@
-//! What readers accept behind a key, found by writing nonsense there and reading the refusal.
+//! Finds the values that readers accept for a key: writes an invalid value and parses the refusal.
 
 use std::path::{Path, PathBuf};
 
@@ -15,21 +15,21 @@ use toml::{Table, Value};
 
 use crate::{files, root, text};
 
-/// A kind of file: its name, the structure at its root, files that hold all of its tables, and its reader, which returns what was
-/// read in words.
+/// Kind of file, with its root structure, examples that contain all tables, and its reader, which returns the read
+/// values as text.
 pub struct Kind {
-    /// Its name.
+    /// Name of the kind.
     pub name: &'static str,
-    /// The structure at its root: source file and name.
+    /// Root structure: source file and name.
     pub root: (&'static str, &'static str),
-    /// What the file says, in one sentence.
+    /// Description of the kind of file in one sentence.
     pub meaning: &'static str,
-    /// Files of this kind that are accepted; together they hold every table.
+    /// Accepted files of this kind, which together contain every table.
     examples: fn() -> Vec<String>,
     read: fn(&Path, &str) -> Result<String, Box<Diagnostic>>,
 }
 
-/// Every kind of file in TOML that the program reads.
+/// All kinds of TOML files that the program reads.
 pub const KINDS: [Kind; 5] = [
     Kind {
         name: "material",
@@ -88,7 +88,7 @@ pub const KINDS: [Kind; 5] = [
     },
 ];
 
-/// The source files of the types that read files.
+/// Types of the files that are read, from their source files.
 pub fn types() -> Types {
     let mut sources = files(&root().join("crates/formats/src"), ".rs");
     sources.push(root().join("crates/campaign/src/plan.rs"));
@@ -97,7 +97,7 @@ pub fn types() -> Types {
     Types::new(read.iter().map(|(name, text)| (name.as_str(), text.as_str())))
 }
 
-/// The source files of the records that are written.
+/// Types of the records that are written, from their source files.
 pub fn records() -> Types {
     let folders = ["results", "design", "export"].map(|name| root().join("crates").join(name).join("src"));
     let mut read = Vec::new();
@@ -117,7 +117,7 @@ fn template(name: &str) -> String {
     text(&root().join("crates/cli/src/templates").join(name))
 }
 
-/// Every key that stands commented out in a template, in place.
+/// Uncomments the lines with `keys` in a template.
 fn uncommented(text: &str, keys: &[&str]) -> String {
     let begins =
         |line: &str| keys.iter().any(|key| line.starts_with(&format!("# {key} =")) || line == format!("# [{key}]"));
@@ -228,7 +228,7 @@ fn campaigns() -> Vec<String> {
     vec![text(&root().join("designs/campaign-rims.toml"))]
 }
 
-/// Puts `value` behind the key at `path`, in the first of each list of tables.
+/// Sets the key at `path` to `value`, in the first element of each list of tables; `false` if this is impossible.
 fn put(table: &mut Table, path: &[&str], value: &Value) -> bool {
     let [first, rest @ ..] = path else { return false };
     if rest.is_empty() {
@@ -252,7 +252,7 @@ fn put(table: &mut Table, path: &[&str], value: &Value) -> bool {
     }
 }
 
-/// A value that no reader accepts behind a key of this shape.
+/// Value of the kind `shape` that no reader accepts; `None` for other kinds.
 fn nonsense(shape: &Shape) -> Option<Value> {
     Some(match shape {
         Shape::Number | Shape::OneOrMore => Value::Float(-1e300),
@@ -264,12 +264,12 @@ fn nonsense(shape: &Shape) -> Option<Value> {
 }
 
 impl Kind {
-    /// The structure at its root.
+    /// Place of the root structure.
     pub fn root(&self) -> Place {
         (self.root.0.to_owned(), self.root.1.to_owned())
     }
 
-    /// The examples, as tables, with the path by which each is read.
+    /// Examples as tables, each with the path under which it is read.
     pub fn examples(&self) -> Vec<(PathBuf, Table)> {
         let folder = root().join(match self.name {
             "calibration" => "calibration/ldpe-cast-iron",
@@ -283,14 +283,14 @@ impl Kind {
         (self.read)(path, &toml::to_string(table).unwrap())
     }
 
-    /// Every key of the files of this kind: its dotted path, and what stands there.
+    /// All keys of the files of this kind, by dotted path.
     pub fn keys(&self, types: &Types) -> Vec<(String, Key)> {
         let mut found = Vec::new();
         collect(types, &self.root(), "", &mut found);
         found
     }
 
-    /// What the reader says that it accepts behind each key.
+    /// Accepted values of each key, as the reader's refusals state them.
     pub fn accepted(&self, types: &Types) -> Accepted {
         let examples = self.examples();
         let mut accepted = Accepted::new();
@@ -337,7 +337,7 @@ fn collect(types: &Types, place: &Place, path: &str, found: &mut Vec<(String, Ke
     }
 }
 
-/// The examples with another value behind the key at `path`, each beside what it was.
+/// Examples with the key at `path` set to `value`: path, unchanged table and changed table.
 pub fn changed(kind: &Kind, path: &str, value: &Value) -> Vec<(PathBuf, Table, Table)> {
     let parts: Vec<&str> = path.split('.').collect();
     let spoiled = kind.examples().into_iter().filter_map(|(file, example)| {

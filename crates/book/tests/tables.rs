@@ -1,11 +1,11 @@
-//! The titles of every table that the program writes stand in the book.
+//! Checks that the column titles of every table that the program writes are in the book.
 
 use std::collections::BTreeSet;
 use std::path::Path;
 
 use crate::{book, files, root, text};
 
-/// Code that writes the tables of commands that no chapter runs.
+/// Source files that write the tables of commands that no chapter runs.
 const WRITERS: [&str; 6] = [
     "crates/studies/src/accuracy/text.rs",
     "crates/studies/src/validation/text.rs",
@@ -15,10 +15,10 @@ const WRITERS: [&str; 6] = [
     "crates/report/src/area_law.rs",
 ];
 
-/// What titles end with that others follow.
+/// Ending of titles that are followed by more columns.
 const MORE: &str = ",...";
 
-/// Name and titles of every table of the chapter.
+/// Name and column titles of every table listed in the chapter.
 pub fn listed() -> BTreeSet<(String, String)> {
     let chapter = text(&book().join("reference/files.md"));
     let rows = chapter.lines().filter_map(|line| {
@@ -31,7 +31,8 @@ pub fn listed() -> BTreeSet<(String, String)> {
     rows.flatten().collect()
 }
 
-/// The rows of the chapter that the tables below `folder` have, and the tables that have none.
+/// Compares the tables below `folder` with the chapter: returns the rows that match one, and messages about tables that
+/// are not listed.
 pub fn compare(folder: &Path, listed: &BTreeSet<(String, String)>) -> (BTreeSet<(String, String)>, Vec<String>) {
     let (mut seen, mut missing) = (BTreeSet::new(), Vec::new());
     for path in files(folder, ".csv") {
@@ -54,7 +55,7 @@ pub fn compare(folder: &Path, listed: &BTreeSet<(String, String)>) -> (BTreeSet<
     (seen, missing)
 }
 
-/// Whether the code that writes tables which no chapter makes has these titles.
+/// Whether the code that writes the tables of commands without a chapter contains these titles.
 pub fn is_written_by_code(titles: &str) -> bool {
     WRITERS.iter().any(|file| {
         let code: String = text(&root().join(file)).split("\\\n").map(str::trim_start).collect();

@@ -1,9 +1,9 @@
-//! The commands of each chapter, run as they stand in a folder of their own, print what the chapter shows.
+//! Runs the commands of each chapter in a folder of its own and compares their output with the chapter.
 //!
-//! A block `toml NAME` or `csv NAME` is a file that is written; `toml NAME +` is added at its end, and `toml NAME -4` takes the
-//! place of its last four lines. A block `console` holds commands with what they print, and `console whole` one command with every
-//! line of it. Blocks `python = PATH` and `rust = PATH`
-//! are lines of that file of the repository. A block `text`, or one of four spaces, is not looked at.
+//! A block `toml NAME` or `csv NAME` is a file that is written; `toml NAME +` is appended to it, and `toml NAME -4`
+//! replaces its last four lines. A block `console` contains commands with their output, `console whole` one command
+//! with its complete output. Blocks `python = PATH` and `rust = PATH` contain lines of that file of the repository.
+//! Blocks `text`, and blocks indented by four spaces, are ignored.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -16,10 +16,10 @@ use tempfile::TempDir;
 
 use crate::{book, files, pictures, program, root, tables, text, updates};
 
-/// A line of a chapter that begins what a command ends with, where that is not 0.
+/// Start of the line after the output of a command with an exit code other than 0.
 const EXIT_CODE: &str = "[exit code ";
 
-/// Files that the walk from raw files to a pattern leaves.
+/// Files that must exist after the chapter from raw files to a pattern.
 const LEFT_BY_WALK: [&str; 6] = [
     "out/design/report.html",
     "out/design/process.toml",
@@ -42,7 +42,7 @@ fn copy_folder(from: &Path, to: &Path) {
     }
 }
 
-/// What `command` prints in `folder`, with a last line for an exit code other than 0.
+/// Output of `command` in `folder`, followed by a line with the exit code if that is not 0.
 fn print(folder: &Path, command: &str) -> String {
     let words: Vec<&str> = command.split_whitespace().collect();
     match words[..] {
@@ -70,7 +70,7 @@ fn print(folder: &Path, command: &str) -> String {
     }
 }
 
-/// Goes through the chapter at `path`; returns the folder that its commands filled, their number, and what differs.
+/// Runs the commands of the chapter at `path`; returns their folder, their number, and the differences.
 fn walk(path: &Path) -> (TempDir, usize, Vec<String>) {
     let chapter = text(path);
     let lines: Vec<String> = chapter.lines().map(str::to_owned).collect();
@@ -149,7 +149,7 @@ fn walk(path: &Path) -> (TempDir, usize, Vec<String>) {
     (place, commands, differ)
 }
 
-/// What a page gave: the number of its commands, the tables of the book that they wrote, and what differs.
+/// Result of a page: number of commands, tables of the book that they wrote, and differences.
 type Walked = (usize, BTreeSet<(String, String)>, Vec<String>);
 
 fn walk_page(page: &Path, listed: &BTreeSet<(String, String)>) -> Walked {
@@ -171,8 +171,8 @@ fn walk_page(page: &Path, listed: &BTreeSet<(String, String)>) -> Walked {
     (commands, seen, differ)
 }
 
-/// Goes through all chapters and the README, several at a time; returns the number of their commands and the tables of the book that
-/// they wrote.
+/// Runs the commands of all chapters and of the README, several pages at a time; returns the number of commands and the
+/// tables of the book that they wrote.
 fn walk_all() -> (usize, BTreeSet<(String, String)>) {
     let listed = tables::listed();
     let mut pages = files(&book(), ".md");
