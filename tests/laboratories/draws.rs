@@ -1,34 +1,34 @@
-//! Laboratories drawn from what is known, and what they say of every texture.
+//! Laboratories drawn from the posterior, and their predictions for every texture.
 
 use super::generator::{Generator, within};
 use super::physics::LOADS;
 use super::truth::{DIMENSIONS_STD, SAMPLE_STD, TOLERANCE};
 use super::{FALL, MIDDLE, NEAR_FLAT, REACHED, at_fall};
 
-/// A laboratory that may be this one.
+/// Draw of a laboratory that is consistent with the measurements.
 #[derive(Clone, Copy, Debug)]
 pub struct Draw {
-    /// Place of its mechanism.
+    /// Index of the mechanism in the generator's kinds.
     pub kind: usize,
-    /// How far the logarithm of its modulus is off.
+    /// Logarithm of the laboratory's Young's modulus over the expected one.
     pub log_modulus: f64,
     /// Size of the mechanism at each load.
     pub amplitude: [f64; LOADS],
-    /// The flat sample's errors.
+    /// Errors of the flat sample's logarithms, by load.
     pub flat: [f64; LOADS],
-    /// Its weight: a logarithm before [`Draws::new`], a share after.
+    /// Weight: a logarithm before [`Draws::new`], a fraction of the sum afterwards.
     pub weight: f64,
 }
 
 /// Draws whose weights sum to 1.
 #[derive(Clone, Debug, Default)]
 pub struct Draws {
-    /// They.
+    /// All draws with a positive weight.
     pub all: Vec<Draw>,
 }
 
 impl Draws {
-    /// Of logarithms of weights.
+    /// Creates normalized draws from draws whose weights are logarithms.
     pub fn new(mut all: Vec<Draw>) -> Self {
         let most = all.iter().map(|draw| draw.weight).fold(f64::NEG_INFINITY, f64::max);
         all.iter_mut().for_each(|draw| draw.weight = (draw.weight - most).exp());
@@ -42,7 +42,7 @@ impl Draws {
         self
     }
 
-    /// As many equal draws as would say as much: 0 of none.
+    /// Effective number of draws: the number of equally weighted draws with the same variance; 0 without draws.
     pub fn effective(&self) -> f64 {
         if self.all.is_empty() {
             return 0.0;
@@ -50,8 +50,9 @@ impl Draws {
         1.0 / self.all.iter().map(|draw| draw.weight * draw.weight).sum::<f64>()
     }
 
-    /// What is left where it is known that `target` was drawn until a texture truly reaches it: a laboratory of whose targets few
-    /// are reached is the likelier for each of these.
+    /// Conditions the draws on the knowledge that `target` was drawn until some texture truly reaches it. Draws of
+    /// laboratories that do not reach it are dropped; the others are weighted by the inverse of the share of targets
+    /// that they reach.
     pub fn of_reached(&self, generator: &Generator, target: &[f64; LOADS]) -> Self {
         let near = between(target, REACHED * TOLERANCE);
         let mut left = Vec::new();
@@ -65,7 +66,7 @@ impl Draws {
         Self { all: left }.normalized()
     }
 
-    /// The chance of each texture that a sample of it is on target; `wanted` are the logarithms between which it is.
+    /// Probability, for each texture, that a sample is on target; `wanted` holds the limits of the logarithms.
     pub fn chances(&self, generator: &Generator, wanted: &[[f64; LOADS]; 2]) -> Vec<f64> {
         let mut chances = vec![0.0; generator.textures()];
         for draw in &self.all {
@@ -76,7 +77,8 @@ impl Draws {
         chances
     }
 
-    /// The share of what is predicted of a sample's measured logarithm that lies below `measured`, at each load.
+    /// Predicted probability, at each load, that the measured logarithm of a sample of texture `place` is below
+    /// `measured`.
     pub fn below(&self, generator: &Generator, place: usize, noise: f64, measured: &[f64; LOADS]) -> [f64; LOADS] {
         let mut below = [0.0; LOADS];
         for draw in &self.all {
@@ -91,22 +93,22 @@ impl Draws {
     }
 }
 
-/// The ratios `distance` below and above `target`.
+/// Lower and upper limits of ratios within `distance` of `target`.
 pub fn around(target: &[f64; LOADS], distance: f64) -> [[f64; LOADS]; 2] {
     [-distance, distance].map(|distance| target.map(|ratio| ratio + distance))
 }
 
-/// Their logarithms.
+/// Logarithms of the limits returned by [`around`].
 pub fn between(target: &[f64; LOADS], distance: f64) -> [[f64; LOADS]; 2] {
     around(target, distance).map(|ratios| ratios.map(f64::ln))
 }
 
-/// Whether every value is within its bounds.
+/// Whether every value is within its limits.
 pub fn is_within(values: &[f64; LOADS], [lower, upper]: &[[f64; LOADS]; 2]) -> bool {
     (0..LOADS).all(|load| (lower[load]..=upper[load]).contains(&values[load]))
 }
 
-/// The chance that a sample is on target whose logarithms are `log` as it was designed.
+/// Probability that a sample is on target, if its texture as designed has the logarithms `log`.
 pub fn chance_of(log: &[f64; LOADS], wanted: &[[f64; LOADS]; 2]) -> f64 {
     // Four standard deviations of the sample's own and of its dimensions.
     let is_far = (0..LOADS).any(|load| {
@@ -116,11 +118,11 @@ pub fn chance_of(log: &[f64; LOADS], wanted: &[[f64; LOADS]; 2]) -> f64 {
     if is_far { 0.0 } else { within(log, wanted, (0.0, 1.0), &|_| (0.0, SAMPLE_STD)) }
 }
 
-/// Falls with pressure, and ratios at the middle pressures, of the targets among which [`share_reached`] counts.
+/// Grid of targets for [`share_reached`]: number of falls with pressure, and of ratios at the middle pressures.
 const FALLS: usize = 8;
 const MIDDLES: usize = 128;
 
-/// Share of all targets that one of `truths` reaches: at least that of one target.
+/// Fraction of all targets that at least one of `truths` reaches; at least one target of the grid.
 pub fn share_reached(truths: impl Iterator<Item = [f64; LOADS]>) -> f64 {
     let (step, distance) = (MIDDLE[1] / MIDDLES as f64, REACHED * TOLERANCE);
     let falls: [[f64; LOADS]; FALLS] = std::array::from_fn(|place| {

@@ -1,10 +1,10 @@
-//! The learner that knows how laboratories are made: their mechanisms, sizes, scales, moduli and scatters as [`super::truth`]
-//! draws them, but not which of them this laboratory has. It is the exact Bayesian learner of the benchmark, so that no learner
-//! predicts better who is not told a laboratory's own truth.
+//! Reference learner, which knows how laboratories are generated: the distributions of mechanisms, sizes, scales,
+//! moduli and scatters in [`super::truth`], but not the values of the laboratory at hand. It is the exact Bayesian
+//! learner of the benchmark, so that no learner without knowledge of the laboratory's truth can predict better.
 //!
-//! The size of the mechanism and the modulus are covered by narrow Gaussians; with each pair of these a linear regression finds
-//! what was measured, with its evidence. Draws of this mixture are weighted by what they truly do, so that neither the Gaussians
-//! nor the linearization count.
+//! Narrow Gaussians cover the distributions of the mechanism's size and of the modulus. For each pair of Gaussians, a
+//! linear regression gives the posterior of the coefficients and the evidence. Draws from this mixture are reweighted
+//! by the exact model, which removes the errors of the Gaussians and of the linearization.
 
 use slipgrid_discrepancy::{Hyperparameters, Trial};
 use slipgrid_statistics::Normals;
@@ -16,18 +16,18 @@ use super::truth::{
     DIMENSIONS_STD, FLAT_SHARE, MAX_LOG_MODULUS, MODULUS_STD, Mechanism, SAMPLE_STD, SLOPE_SHARE, amplitude,
 };
 
-/// Gaussians that cover the size of a mechanism, and the modulus.
+/// Number of Gaussians for the size of a mechanism, and for the modulus.
 const SIZES: usize = 24;
 const MODULI: usize = 16;
-/// Their standard deviation over the distance between two: together they are flat to 0.2 %.
+/// Standard deviation of a Gaussian over the distance of two; their sum is then constant to 0.2 %.
 const OVERLAP: f64 = 0.6;
-/// Coefficients of the regression: size, its two changes with pressure, modulus, the flat sample's errors.
+/// Number of regression coefficients: size, its two changes with pressure, modulus, and the flat sample's errors.
 const N: usize = 4 + LOADS;
 
 type Vector = [f64; N];
 type Matrix = [[f64; N]; N];
 
-/// One of the Gaussians that cover a quantity, with its share of them.
+/// Gaussian of a mixture, with its weight.
 #[derive(Clone, Copy, Debug)]
 struct Node {
     at: f64,
@@ -42,30 +42,30 @@ impl Node {
     }
 }
 
-/// What is believed of the sizes of mechanisms, and of how they change with pressure.
+/// Prior of the sizes of mechanisms and of their changes with pressure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Sizes {
-    /// As laboratories are made.
+    /// Distributions from which laboratories are generated.
     Own,
-    /// As the mixture of forms does, which knows no sign and less of how they change with pressure.
+    /// Prior of the mixture of forms, which does not know the sign and is wider in the changes with pressure.
     Broad,
 }
 
-/// A mechanism with its scale.
+/// Mechanism with a given scale.
 #[derive(Clone, Debug)]
 pub struct Kind {
-    /// The mechanism.
+    /// Mechanism.
     pub mechanism: Mechanism,
-    /// Its share of all laboratories.
+    /// Prior probability of the mechanism with this scale.
     share: f64,
-    /// How it grows, at every texture.
+    /// Value of the mechanism at every texture, relative to the reference texture.
     values: Vec<f64>,
     sizes: Vec<Node>,
-    /// Standard deviations of the two changes with pressure for each of these.
+    /// Standard deviations of the two changes with pressure, for each Gaussian of the size.
     slopes: Vec<[f64; 2]>,
 }
 
-/// How laboratories are made.
+/// Generative model of laboratories.
 #[derive(Clone, Debug)]
 pub struct Generator {
     physics: Vec<Physics>,
@@ -74,45 +74,45 @@ pub struct Generator {
     of_sizes: Sizes,
 }
 
-/// A sample that was cut and measured.
+/// Measurement of a cut sample.
 #[derive(Clone, Copy, Debug)]
 pub struct Seen {
-    /// Its place among the textures.
+    /// Index of the texture.
     pub place: usize,
-    /// Logarithms of what was measured.
+    /// Logarithms of the measured ratios.
     pub log: [f64; LOADS],
-    /// Whether it is known that it is not on target: it was judged, and the laboratory went on.
+    /// Whether the sample is known to be off target, because the laboratory continued after it.
     pub is_missed: bool,
 }
 
 impl Seen {
-    /// What `trial` says of the texture at `place`.
+    /// Takes the measurement of the texture at `place` from `trial`.
     pub fn new(trial: &Trial, place: usize, is_missed: bool) -> Self {
         Self { place, log: logs(trial), is_missed }
     }
 }
 
-/// Logarithms of what was measured.
+/// Logarithms of the measured ratios.
 pub fn logs(trial: &Trial) -> [f64; LOADS] {
     std::array::from_fn(|load| trial.measured[load].measured.ln())
 }
 
-/// A regression at one kind, size and modulus.
+/// Posterior of the regression coefficients for one kind, size and modulus.
 struct Component {
     kind: usize,
     size: Node,
     modulus: Node,
-    /// ln of prior times evidence.
+    /// Logarithm of prior times evidence.
     weight: f64,
-    /// Standard deviations of the coefficients before.
+    /// Prior standard deviations of the coefficients.
     std: Vector,
     mean: Vector,
-    /// Factor of the precision, in units of these.
+    /// Cholesky factor of the posterior precision, in units of the prior standard deviations.
     factor: Vec<f64>,
 }
 
 impl Generator {
-    /// Of these `mechanisms`, alike likely.
+    /// Creates the generator for equally probable `mechanisms`.
     pub fn new(textures: &[Solved], mechanisms: &[Mechanism], of_sizes: Sizes) -> Self {
         let physics = textures.iter().map(|of| of.physics);
         let kinds = mechanisms.iter().flat_map(|&mechanism| {
@@ -128,20 +128,20 @@ impl Generator {
         Self { physics: physics.collect(), kinds: kinds.collect(), moduli: moduli(), of_sizes }
     }
 
-    /// Logarithms of what a sample of the texture at `place` does as it was designed.
+    /// Logarithms of the ratios of the texture at `place` as designed, in the laboratory `of`.
     pub fn log_truth(&self, of: &Draw, place: usize) -> [f64; LOADS] {
         let kind = &self.kinds[of.kind];
         let grown = (kind.values[place], &of.amplitude);
         self.physics[place].log_truth(of.log_modulus, grown, kind.mechanism == Mechanism::Rims)
     }
 
-    /// How many textures there are.
+    /// Number of textures.
     pub fn textures(&self) -> usize {
         self.physics.len()
     }
 
-    /// Draws from what is known after `seen`, measured to `noise`, each with its weight; `wanted` are the logarithms between which
-    /// a sample is on target.
+    /// Draws `count` laboratories from the posterior after the measurements `seen` with the standard error `noise`.
+    /// `wanted` holds the limits of the logarithms of a sample on target.
     pub fn draws(&self, seen: &[Seen], noise: f64, wanted: &[[f64; LOADS]; 2], count: usize) -> Draws {
         let components = self.components(seen, noise);
         let most = components.iter().map(|of| of.weight).fold(f64::NEG_INFINITY, f64::max);
@@ -263,7 +263,7 @@ impl Generator {
     }
 }
 
-/// Sums over all samples: X^T W X, X^T W y and y^T W y of the columns X and of what is left without them, y.
+/// Sums over all samples: X^T W X, X^T W y and y^T W y, with the columns X of the coefficients and the remainder y.
 #[derive(Default)]
 struct Sums {
     matrix: Matrix,
@@ -281,8 +281,9 @@ impl Sums {
         self.square += dot(rest, &scatter.solve(rest));
     }
 
-    /// Mean and factor of the precision of the coefficients, in units of `std`, and the logarithm of the evidence but for what is
-    /// common to all components; `None` of numbers that are none. The size is `size` before.
+    /// Posterior mean and Cholesky factor of the precision, in units of the prior standard deviations `std`, and the
+    /// logarithm of the evidence up to a constant shared by all components; `None` for numbers that are not finite.
+    /// `size` is the prior mean of the size.
     fn regression(&self, std: &Vector, size: f64) -> Option<(Vector, Vec<f64>, f64)> {
         // A = 1 + S X^T W X S,  b = S X^T W (y - x0 size)
         let mut precision: Matrix =
@@ -300,21 +301,21 @@ impl Sums {
     }
 }
 
-/// Scatter of a sample's measured logarithms, but for the flat sample's errors: s^2 I + t^2 1 1^T + (d L) (d L)^T, of the noise s,
-/// the sample's own t and its dimensions d, L the logarithm of its ratio.
+/// Covariance of a sample's measured logarithms without the flat sample's errors: s^2 I + t^2 1 1^T + (d L) (d L)^T,
+/// with the noise s, the scatter t between samples, the scatter d of dimensions, and the logarithm L of the ratio.
 pub struct Scatter {
     variance: f64,
     /// t^2 / (s^2 + LOADS t^2)
     own: f64,
     /// d L
     dimensions: [f64; LOADS],
-    /// V^-1 d L without the dimensions, and 1 + (d L)^T V^-1 d L.
+    /// V^-1 d L for V without the dimensions, and 1 + (d L)^T V^-1 d L.
     solved: [f64; LOADS],
     precision: f64,
 }
 
 impl Scatter {
-    /// About the logarithms `log`.
+    /// Creates the covariance for a sample with the logarithms `log`.
     pub fn new(log: &[f64; LOADS], noise: f64) -> Self {
         let (variance, own) = (noise * noise, SAMPLE_STD * SAMPLE_STD);
         let mut found = Self {
@@ -329,7 +330,7 @@ impl Scatter {
         found
     }
 
-    /// Without the dimensions: V^-1 x = (x - k sum x) / s^2
+    /// Multiplies `x` by the inverse covariance without the dimensions: V^-1 x = (x - k sum x) / s^2.
     fn inner(&self, x: &[f64; LOADS]) -> [f64; LOADS] {
         let sum: f64 = x.iter().sum();
         x.map(|x| (x - self.own * sum) / self.variance)
@@ -340,12 +341,13 @@ impl Scatter {
         std::array::from_fn(|load| inner[load] - along * self.solved[load])
     }
 
-    /// Logarithm of the density of `rest` but for a constant that all textures share.
+    /// Logarithm of the density of the residual `rest`, up to a constant shared by all textures.
     pub fn log_density(&self, rest: &[f64; LOADS]) -> f64 {
         -0.5 * (dot(rest, &self.solve(rest)) + self.precision.ln())
     }
 
-    /// The chance that the sample of which `rest` was measured is on target: its logarithms, `log` as designed, within `wanted`.
+    /// Probability that the measured sample is on target, that is, that its logarithms are within `wanted`. `log` are
+    /// the logarithms as designed, `rest` the residual of the measurement.
     pub fn chance(&self, log: &[f64; LOADS], rest: &[f64; LOADS], wanted: &[[f64; LOADS]; 2]) -> f64 {
         // Of the dimensions, in standard deviations.
         let (mean, std) = (dot(&self.solved, rest) / self.precision, self.precision.powf(-0.5));
@@ -358,12 +360,12 @@ impl Scatter {
     }
 }
 
-/// Steps of the deviate of the dimensions over which chances are summed, in standard deviations.
+/// Integration grid for the deviate of the dimensions: step in standard deviations, and number of steps on either side.
 const STEP: f64 = 0.5;
 const STEPS: i32 = 7;
 
-/// The chance that (1 + d z) `log` + t lies within `wanted` at every load; z is normal of this mean and standard deviation, and
-/// `of_own` gives those of t where z is known.
+/// Probability that (1 + d z) `log` + t is within `wanted` at every load. The deviate z is normal with this mean and
+/// standard deviation; `of_own` returns those of t for a given z.
 pub fn within(
     log: &[f64; LOADS],
     wanted: &[[f64; LOADS]; 2],
@@ -390,7 +392,7 @@ pub fn within(
     (sum * STEP / std::f64::consts::TAU.sqrt()).clamp(0.0, 1.0)
 }
 
-/// Gaussians of equal distance from `from` to `to`, a share each.
+/// Equidistant Gaussians from `from` to `to`, weighted by `share`.
 fn cover(from: f64, to: f64, count: usize, share: &dyn Fn(f64) -> f64) -> Vec<Node> {
     let step = (to - from) / count as f64;
     (0..count)
@@ -401,7 +403,7 @@ fn cover(from: f64, to: f64, count: usize, share: &dyn Fn(f64) -> f64) -> Vec<No
         .collect()
 }
 
-/// Gaussians of the size of `mechanism`, with the standard deviations of its two changes with pressure.
+/// Gaussians for the size of `mechanism`, with the standard deviations of its two changes with pressure.
 fn sizes(mechanism: Mechanism, of_sizes: Sizes) -> Vec<(Node, [f64; 2])> {
     if matches!(mechanism, Mechanism::Rims | Mechanism::None) {
         return vec![(Node { at: 0.0, std: 0.0, share: 1.0 }, [0.0; 2])];
@@ -419,7 +421,7 @@ fn sizes(mechanism: Mechanism, of_sizes: Sizes) -> Vec<(Node, [f64; 2])> {
     nodes.into_iter().map(|node| (node, [SLOPE_SHARE * node.at.abs(); 2])).collect()
 }
 
-/// Between the least and the most modulus, and what lies beyond at these.
+/// Gaussians for the modulus between its limits, and one point at each limit with the probability beyond it.
 fn moduli() -> Vec<Node> {
     let beyond = slipgrid_statistics::normal_probability(-MAX_LOG_MODULUS / MODULUS_STD);
     let step = 2.0 * MAX_LOG_MODULUS / MODULI as f64;

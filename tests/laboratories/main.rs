@@ -1,8 +1,9 @@
 //! Simulated laboratories: how many samples must be cut until one is on target.
 //!
-//! A laboratory has a truth that no model knows: the steady ratio at its polymer's own Young's modulus, times a mechanism that
-//! is one of the discrepancy's forms or none of them, times each sample's own scatter. It cuts what a policy chooses, measures
-//! it with errors, and goes on until a sample is truly on target. The page that the book quotes is kept by
+//! The true ratio of a sample is unknown to every model: it is the steady ratio at the true Young's modulus, times a
+//! mechanism that may or may not be one of the discrepancy's forms, times the scatter of the sample. A laboratory cuts
+//! the sample that a policy chooses, measures it with errors, and continues until a sample is truly on target.
+//! The page that the book quotes is updated by
 //! `SLIPGRID_UPDATE_GUIDE=1 cargo test --release -p slipgrid-tests --test laboratories -- --ignored the_kept_page`.
 
 #![allow(clippy::unwrap_used, reason = "a test that unwraps in vain fails, as it should")]
@@ -31,22 +32,22 @@ pub use policy::Policy;
 pub use report::{ChanceBin, Coverage, LaboratoriesReport, PolicyReport, Reliability, StartReport};
 pub use truth::Mechanism;
 
-/// What a laboratory knows before its first cut.
+/// Measurements available before the first cut for the target.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Start {
-    /// Nothing was measured.
+    /// No measurements.
     Nothing,
-    /// One groove, taken at random, was.
+    /// One randomly chosen groove.
     OneGroove,
-    /// The published squares were.
+    /// The published squares.
     PublishedSquares,
 }
 
 impl Start {
-    /// All of them.
+    /// All starts.
     pub const ALL: [Self; 3] = [Self::Nothing, Self::OneGroove, Self::PublishedSquares];
 
-    /// In words.
+    /// Name of the start in tables.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -57,14 +58,14 @@ impl Start {
     }
 }
 
-/// How many laboratories, and what they may choose from.
+/// Number of laboratories, and textures from which they choose.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Options {
-    /// Laboratories of each start, the mechanisms in turn.
+    /// Number of laboratories for each start; they take the mechanisms in turn.
     pub laboratories: usize,
-    /// Most trials of a laboratory.
+    /// Maximum number of trials of a laboratory.
     pub most_trials: usize,
-    /// Widths and spacings of the textures.
+    /// Number of widths, and of spacings, of the grooves.
     pub steps: usize,
     /// Seed of the laboratories.
     pub seed: u64,
@@ -76,21 +77,21 @@ impl Default for Options {
     }
 }
 
-/// A laboratory with what it knows at first, and how it chooses.
+/// Laboratory with its start, policy and kind of target.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Job {
-    /// What it knows.
+    /// Measurements before the first cut.
     pub start: Start,
-    /// How it chooses.
+    /// Policy that chooses the textures.
     pub policy: Policy,
-    /// Which laboratory: its truth and its errors.
+    /// Number of the laboratory, which determines its truth and errors.
     pub number: usize,
-    /// What its target is.
+    /// Kind of target.
     pub target: TargetOf,
 }
 
 impl Job {
-    /// Every policy in every laboratory from every start, and the mixture once more whatever the target.
+    /// Jobs for every policy in every laboratory from every start, and for the mixture also with arbitrary targets.
     #[must_use]
     pub fn all(options: &Options, policies: &[Policy]) -> Vec<Self> {
         let mut all = Self::of_reached_targets(options, policies);
@@ -110,12 +111,12 @@ impl Job {
     }
 }
 
-/// What a laboratory's target says of the truth.
+/// Relation of a target to the truth.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TargetOf {
-    /// Some texture truly reaches it, which no policy is told.
+    /// Some texture truly reaches the target; only [`Policy::Generator`] is told so.
     Reached,
-    /// Nothing: no texture may reach it.
+    /// An arbitrary target, which possibly no texture reaches.
     Any,
 }
 
@@ -124,34 +125,34 @@ impl TargetOf {
     pub const ALL: [Self; 2] = [Self::Reached, Self::Any];
 }
 
-/// What one laboratory's way to the target was.
+/// Course of one laboratory towards its target.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Way {
-    /// Trials until a sample was on target; `None` where none was.
+    /// Number of trials until a sample was on target; `None` if none was.
     pub trials: Option<usize>,
-    /// Of every cut by the mixture, by who knows the form or by who knows how laboratories are made: the chance that was said, and whether it came true.
+    /// Predicted chance of every cut, and whether the sample was on target; for policies that predict chances.
     pub chances: Vec<(f64, bool)>,
-    /// Of every ratio measured then, the share of what was predicted that lay below it.
+    /// For every ratio measured in these cuts, the predicted probability of a lower value.
     pub below: Vec<f64>,
 }
 
-/// What laboratories choose from, solved once for all of them.
+/// Textures from which laboratories choose, solved once for all of them.
 pub struct Bench {
     options: Options,
     textures: Vec<Solved>,
     dimension_shifts: Vec<Vec<DimensionShift>>,
-    /// What [`Policy::Generator`] knows.
+    /// Model of laboratories for [`Policy::Generator`].
     generator: Generator,
     told: Told,
 }
 
-/// A laboratory before its first cut for the target.
+/// Laboratory before its first cut for the target.
 struct Begun {
     laboratory: Laboratory,
-    /// What each texture truly does.
+    /// True ratios of each texture.
     truths: Vec<[f64; LOADS]>,
     target: [f64; LOADS],
-    /// What was cut and measured before.
+    /// Textures that were cut and measured at the start.
     cut: Vec<usize>,
     trials: Vec<Trial>,
 }
@@ -178,24 +179,24 @@ pub fn run(options: &Options, policies: &[Policy], monitor: &dyn Monitor) -> Res
     Ok(LaboratoriesReport::new(options, bench.textures(), &jobs, &ways))
 }
 
-/// Most trials of a laboratory whose target may be reached by no texture.
+/// Maximum number of trials of a laboratory with an arbitrary target.
 const ANY_TRIALS: usize = 3;
-/// Share of the tolerance within which some texture must truly reach a target.
+/// Fraction of the tolerance within which some texture must truly reach a target.
 const REACHED: f64 = 0.7;
 
-/// Least ratio of a target at the middle pressures and by how much more it may be; how much it may fall with pressure.
+/// Range of targets: minimum ratio at the middle pressures and width of its range, and maximum fall with pressure.
 const MIDDLE: [f64; 2] = [0.65, 0.45];
 const FALL: f64 = 0.08;
-/// No target is as near to 1.
+/// Minimum distance of a target from 1.
 const NEAR_FLAT: f64 = 0.03;
 
-/// What a `fall` with pressure does at a load.
+/// Contribution of a `fall` with pressure to the target at a load.
 fn at_fall(fall: f64, load: usize) -> f64 {
     fall * (0.5 - load as f64 / (LOADS - 1) as f64)
 }
 
-/// A target that says nothing of the truth, but that a texture reaches it where it is to be so: a ratio at the middle pressures
-/// and how much it falls with pressure, at random.
+/// Draws a target, a ratio at the middle pressures and a fall with pressure, independent of the truth; for
+/// [`TargetOf::Reached`] until some texture reaches it.
 fn target(truths: &[[f64; LOADS]], of: TargetOf, normals: &mut Normals) -> [f64; LOADS] {
     let mut uniform = || normal_probability(normals.draw());
     for _ in 0..10_000 {
@@ -213,7 +214,7 @@ fn target(truths: &[[f64; LOADS]], of: TargetOf, normals: &mut Normals) -> [f64;
 }
 
 impl Job {
-    /// The truth of its laboratory.
+    /// Mechanism of the laboratory.
     #[must_use]
     pub const fn mechanism(&self) -> Mechanism {
         Mechanism::ALL[self.number % Mechanism::ALL.len()]
@@ -234,13 +235,13 @@ impl Bench {
         Ok(Self { options: *options, textures, dimension_shifts, generator, told: Told::ALL })
     }
 
-    /// How many textures there are.
+    /// Number of textures.
     #[must_use]
     pub const fn textures(&self) -> usize {
         self.textures.len()
     }
 
-    /// A laboratory with its target, and what was measured at first.
+    /// Creates a laboratory with its target and the measurements of its start.
     fn begin(&self, job: Job) -> Begun {
         let (Self { options, textures, .. }, Job { start, number, .. }) = (self, job);
         let mut laboratory = Laboratory::new(job.mechanism(), number, options.seed);
@@ -260,10 +261,10 @@ impl Bench {
         Begun { laboratory, truths, target, cut: first.into_iter().collect(), trials: trials.into_iter().collect() }
     }
 
-    /// The way of one laboratory to its target.
+    /// Runs one laboratory until a sample is on target, or up to the maximum number of trials.
     ///
     /// # Errors
-    /// [`StudyError::Failed`] where nothing can be learned from its trials.
+    /// [`StudyError::Failed`] if nothing can be learned from the trials.
     pub fn way(&self, job: Job) -> Result<Way, StudyError> {
         let (Self { options, textures, dimension_shifts, .. }, policy) = (self, job.policy);
         let Begun { mut laboratory, truths, target, mut cut, mut trials } = self.begin(job);

@@ -1,4 +1,4 @@
-//! Textures that the simulated laboratories may cut, with what the steady model says of each.
+//! Textures that the simulated laboratories may cut, solved by the steady model.
 
 use rayon::prelude::*;
 use slipgrid_calibrate::uncertainty::{ScaleShift, moved};
@@ -14,30 +14,30 @@ use slipgrid_studies::accuracy::paper_scene;
 pub const PRESSURES_PA: [f64; 4] = [0.65e6, 1.3e6, 1.95e6, 2.6e6];
 /// Loads of every trial.
 pub const LOADS: usize = PRESSURES_PA.len();
-/// Logarithms of Young's modulus over the expected one at which textures are solved.
+/// Logarithms of Young's modulus over its expected value at which textures are solved.
 const LOG_MODULI: [f64; 3] = [-0.2, 0.0, 0.2];
-/// Rims of which laboratories that leave them out know nothing, in metres: 0.3 um high.
+/// Height of rims, in metres, for the mechanism of rims that the model leaves out.
 const RIM_HEIGHT_M: f64 = 0.3e-6;
 const RIM_WIDTH_M: f64 = 20e-6;
-/// Sides of squares over their blocks: as much as a comparison needs.
+/// Block size for squares, in metres; coarse, which suffices for a comparison.
 const SQUARE_BLOCK_M: f64 = 20e-6;
 
-/// A texture with its modelled ratios.
+/// Texture with its modelled ratios.
 #[derive(Clone, Debug)]
 pub struct Solved {
     /// Width, spacing and depth.
     pub pattern: Pattern,
-    /// What the discrepancy depends on.
+    /// Features on which the forms of the discrepancy depend.
     pub features: Features,
     /// Modelled ratio at each load.
     pub ratio: [f64; LOADS],
-    /// What the discrepancy is asked with.
+    /// Sensitivities of the ratio that the discrepancy takes into account, by load.
     pub sensitivity: [Sensitivity; LOADS],
-    /// Their logarithms, and how these change.
+    /// Logarithms of the ratios and their derivatives.
     pub physics: Physics,
 }
 
-/// What a texture does by physics at each load.
+/// Logarithm of the steady ratio of a texture at each load, with derivatives and the effect of rims.
 #[derive(Clone, Copy, Debug)]
 pub struct Physics {
     /// ln R.
@@ -46,13 +46,13 @@ pub struct Physics {
     pub slope: [f64; LOADS],
     /// d2 ln R / d (ln E)2.
     pub curvature: [f64; LOADS],
-    /// ln of the ratio with rims over that without.
+    /// Logarithm of the ratio with rims over that without.
     pub of_rims: [f64; LOADS],
 }
 
 impl Physics {
-    /// ln R of a laboratory whose modulus has a logarithm larger by `log_modulus`, with a mechanism of this `value` at the texture and of
-    /// this `amplitude` at each load, and with rims where it `has_rims`.
+    /// ln R in a laboratory whose logarithm of the modulus is larger by `log_modulus`. The mechanism has this `value`
+    /// at the texture and this `amplitude` at each load; rims are included if `has_rims`.
     pub fn log_truth(
         &self,
         log_modulus: f64,
@@ -74,11 +74,11 @@ pub fn loads() -> [Load; LOADS] {
     PRESSURES_PA.map(|pressure_pa| Load { pressure_pa, speed_m_s: 2e-3, humidity: 0.4 })
 }
 
-/// `steps` widths and `steps` spacings in geometric progression at four depths, as grooves; a third as many as squares; the
-/// published squares last.
+/// Solves grooves with `steps` widths and `steps` spacings in geometric progression at four depths, a third as many
+/// squares, and the published squares as the last texture.
 ///
 /// # Errors
-/// [`StudyError`] where the built-in scene cannot be solved, or the monitor cancels.
+/// [`StudyError`] if the built-in scene cannot be solved, or if the monitor cancels.
 pub fn textures(steps: usize, monitor: &dyn Monitor) -> Result<Vec<Solved>, StudyError> {
     let failed = |error: &dyn std::fmt::Display| StudyError::Failed(format!("the built-in scene: {error}"));
     let scene = paper_scene()?;
@@ -137,7 +137,7 @@ fn of(planform: Planform, width_um: f64, spacing_um: f64, depth_um: f64) -> Opti
     Pattern::new(planform, width_um * 1e-6, spacing_um * 1e-6, depth_um * 1e-6).ok()
 }
 
-/// `None` where a load does not converge or the cavity closes.
+/// Solves a texture; `None` if a load does not converge or the cavity closes.
 fn solve(pattern: &Pattern, scenes: &[Scene]) -> Option<Solved> {
     let ratios = |scene: &Scene, pattern: &Pattern| -> Option<[f64; LOADS]> {
         let outcomes = SteadyCell::new(&Scene { pattern: Some(*pattern), ..scene.clone() }).solve(pattern);

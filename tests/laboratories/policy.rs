@@ -1,4 +1,4 @@
-//! How a laboratory may choose what it cuts next.
+//! Policies by which a laboratory chooses the texture to cut next.
 
 use slipgrid_discrepancy::{
     Candidate, Conditions, DimensionShift, Discrepancy, Form, Hyperparameters, Prediction as Distribution, Predictor,
@@ -12,44 +12,46 @@ use super::physics::{LOADS, Solved, loads};
 use super::truth::{MODULUS_STD, TOLERANCE, dimension_shifts};
 use slipgrid_studies::StudyError;
 
-/// Its standard deviation.
+/// Standard deviation of the Gaussian process.
 const PROCESS_STD: f64 = 0.2;
-/// Textures of the greatest rough chance, for which the chance on more points decides.
+/// Number of textures with the highest rough chance, among which the chance on more points decides.
 const FINALISTS: usize = 8;
-/// Draws behind the expected improvement.
+/// Number of draws for the expected improvement.
 const DRAWS: usize = 64;
-/// Draws of laboratories behind the chances of [`Policy::Generator`], and more where those of equal weight are fewer than enough.
+/// Numbers of drawn laboratories for the chances of [`Policy::Generator`], tried in turn until the effective number is
+/// sufficient.
 const INFORMED_DRAWS: [usize; 3] = [2048, 8192, 32768];
 const ENOUGH_DRAWS: f64 = 600.0;
 
-/// How the next texture is chosen.
+/// Policy that chooses the next texture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Policy {
-    /// The mixture of forms, by the chance to be on target.
+    /// Maximum chance by the mixture of forms.
     Mixture,
-    /// The model as it is: the next best of its designs.
+    /// Minimum misfit by the model without correction.
     Physics,
-    /// One factor over all that was measured.
+    /// Minimum misfit by the model with one factor, the mean over all measurements.
     Constant,
-    /// A factor linear in pressure.
+    /// Minimum misfit by the model with a factor linear in pressure.
     Linear,
-    /// The last trial's factors.
+    /// Minimum misfit by the model with the factors of the last trial.
     Last,
-    /// A Gaussian process of the dimensions, without forms, by the chance.
+    /// Maximum chance by a Gaussian process of the dimensions, without forms.
     Process,
-    /// The same process, by the expected improvement of the misfit.
+    /// Maximum expected improvement of the misfit by the same Gaussian process.
     Improvement,
-    /// The mixture of the mechanism's own form alone, where that is one of the family: what cannot be had without knowing it.
+    /// Maximum chance by the mechanism's own form alone, if it belongs to the family; shows the value of knowing the
+    /// form.
     Form,
-    /// How laboratories are made is known, and that the target is reached, but not which laboratory this is: what no learner
-    /// knows better.
+    /// Maximum chance by the exact posterior of [`Generator`], which also knows that the target is reached; an upper
+    /// bound for every learner.
     Generator,
-    /// The truth is known but for each sample's own scatter: what no policy beats.
+    /// Minimum misfit by the true ratios, without the scatter of samples; an upper bound for every policy.
     Truth,
 }
 
 impl Policy {
-    /// All of them.
+    /// All policies.
     pub const ALL: [Self; 10] = [
         Self::Mixture,
         Self::Physics,
@@ -63,7 +65,7 @@ impl Policy {
         Self::Truth,
     ];
 
-    /// Its name.
+    /// Name of the policy in tables.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -81,23 +83,23 @@ impl Policy {
     }
 }
 
-/// What is wanted: these ratios, each within the tolerance.
+/// Limits of the ratios that are on target: `target` plus and minus the tolerance.
 pub fn wanted(target: &[f64; LOADS]) -> Wanted {
     let [lower, upper] = around(target, TOLERANCE).map(Vec::from);
     Wanted { lower, upper }
 }
 
-/// What is known after `trials`.
+/// Learns the discrepancy from `trials` and prepares predictions at the loads.
 ///
 /// # Errors
-/// [`StudyError`] for trials that mean nothing.
+/// [`StudyError`] if the trials are invalid.
 pub fn learned(hyper: &Hyperparameters, trials: &[Trial]) -> Result<Predictor, StudyError> {
     let failed = |error: slipgrid_discrepancy::DiscrepancyError| StudyError::Failed(format!("laboratories: {error}"));
     let found = Discrepancy::new(hyper.clone(), Conditions::default(), MODULUS_STD, trials.to_vec()).map_err(failed)?;
     Ok(found.at(&loads()))
 }
 
-/// Hyperparameters of a Gaussian process of the dimensions: no form.
+/// Hyperparameters of a Gaussian process of the dimensions, without forms.
 pub fn process() -> Hyperparameters {
     Hyperparameters {
         amplitude_std: PROCESS_STD,
@@ -112,13 +114,13 @@ pub fn process() -> Hyperparameters {
     }
 }
 
-/// Hyperparameters of one who knows the form to the letter.
+/// Hyperparameters that know the form exactly.
 fn of_form(form: Form) -> Hyperparameters {
     let one = vec![(1.0, 1.0)];
     Hyperparameters { forms: vec![(form, 1.0)], scales: one, residuals: vec![(0.0, 1.0)], ..Hyperparameters::default() }
 }
 
-/// The candidate that a texture is, with errors of its dimensions.
+/// Candidate for a texture, with the errors of its dimensions.
 pub fn candidate<'a>(of: &'a Solved, dimension_shifts: &'a [DimensionShift]) -> Candidate<'a> {
     Candidate {
         features: of.features,
@@ -129,30 +131,31 @@ pub fn candidate<'a>(of: &'a Solved, dimension_shifts: &'a [DimensionShift]) -> 
     }
 }
 
-/// What is known before the next cut.
+/// Data available before the next cut.
 pub struct Known<'a> {
-    /// All textures, and those that were cut.
+    /// All textures, including those that were cut.
     pub textures: &'a [Solved],
-    /// Errors of the samples' dimensions for each.
+    /// Errors of the dimensions of samples, for each texture.
     pub dimension_shifts: &'a [Vec<DimensionShift>],
-    /// Places of those that were cut.
+    /// Indices of the textures that were cut.
     pub cut: &'a [usize],
-    /// What was measured of these.
+    /// Measurements of the cut samples.
     pub trials: &'a [Trial],
-    /// The target.
+    /// Target ratio at each load.
     pub target: &'a [f64; LOADS],
-    /// The form of the mechanism, where it is one of the family, for [`Policy::Form`] alone.
+    /// Form of the mechanism, if it belongs to the family; only for [`Policy::Form`].
     pub form: Option<Form>,
-    /// What each texture truly does, for [`Policy::Truth`] alone.
+    /// True ratios of each texture; only for [`Policy::Truth`].
     pub truths: &'a [[f64; LOADS]],
-    /// Standard error of one measurement over itself.
+    /// Relative standard error of one measurement.
     pub noise: f64,
-    /// How many of the trials were there at first: the others were cut for the target, and missed it.
+    /// Number of trials that were available at the start; the later ones were cut for the target and missed it.
     pub judged_from: usize,
 }
 
 impl Policy {
-    /// What the mixture believes before any trial, or one who knows the `form` where there is one.
+    /// Prior of the policies that use the discrepancy: the mixture, or `form` alone if the policy knows it; `None` for
+    /// other policies.
     pub fn hyperparameters(self, form: Option<Form>) -> Option<Hyperparameters> {
         match self {
             Self::Mixture => Some(Hyperparameters::default()),
@@ -161,10 +164,10 @@ impl Policy {
         }
     }
 
-    /// Place of the texture to cut next.
+    /// Index of the texture to cut next.
     ///
     /// # Errors
-    /// [`StudyError`] for trials that mean nothing, or where nothing is left.
+    /// [`StudyError`] if the trials are invalid, or if every texture has been cut.
     pub fn next(self, known: &Known<'_>) -> Result<usize, StudyError> {
         let is_open = |place: &usize| !known.cut.contains(place);
         let nearest = |ratio: &dyn Fn(usize, usize) -> f64| {
@@ -214,21 +217,21 @@ impl Policy {
     }
 }
 
-/// What [`Policy::Generator`] is told beside how laboratories are made and what was measured.
+/// Additional knowledge of [`Policy::Generator`] about the target.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Told {
-    /// That some texture truly reaches the target, where one does.
+    /// Some texture is known to reach the target.
     pub is_reached: bool,
-    /// That no sample cut for the target was on it.
+    /// The samples cut for the target are known to have missed it.
     pub is_missed: bool,
 }
 
 impl Told {
-    /// Everything.
+    /// All additional knowledge.
     pub const ALL: Self = Self { is_reached: true, is_missed: true };
 }
 
-/// What [`Policy::Generator`] knows before a cut.
+/// Posterior of [`Policy::Generator`] before a cut.
 pub struct Informed<'a> {
     generator: &'a Generator,
     draws: Draws,
@@ -237,10 +240,10 @@ pub struct Informed<'a> {
 }
 
 impl<'a> Informed<'a> {
-    /// From what was measured, and from what is `told` of the target.
+    /// Computes the posterior from the measurements and the additional knowledge `told`.
     ///
     /// # Errors
-    /// [`StudyError::Failed`] where no laboratory that was drawn can be this one.
+    /// [`StudyError::Failed`] if no drawn laboratory is consistent with the knowledge.
     pub fn new(generator: &'a Generator, told: Told, known: &Known<'_>) -> Result<Self, StudyError> {
         let seen = |(number, (trial, place)): (usize, (&Trial, &usize))| {
             Seen::new(trial, *place, told.is_missed && number >= known.judged_from)
@@ -262,28 +265,29 @@ impl<'a> Informed<'a> {
         Ok(Self { generator, draws, chances, noise: known.noise })
     }
 
-    /// The texture of the greatest chance that was not cut yet.
+    /// Index of the texture with the highest chance that has not been cut.
     ///
     /// # Errors
-    /// [`StudyError::Failed`] where every texture was cut.
+    /// [`StudyError::Failed`] if every texture has been cut.
     pub fn next(&self, known: &Known<'_>) -> Result<usize, StudyError> {
         let open = (0..self.chances.len()).filter(|place| !known.cut.contains(place));
         let best = open.max_by(|a, b| self.chances[*a].total_cmp(&self.chances[*b]));
         best.ok_or_else(|| StudyError::Failed("laboratories: every texture has been cut".to_owned()))
     }
 
-    /// The chance that a sample is on target.
+    /// Chance that a sample of the texture at `place` is on target.
     pub fn chance(&self, place: usize) -> f64 {
         self.chances[place]
     }
 
-    /// The share of what is predicted of a sample that lies below what was measured of it, at each load.
+    /// Predicted probability of a value below the measured one, at each load.
     pub fn below(&self, place: usize, trial: &Trial) -> [f64; LOADS] {
         self.draws.below(self.generator, place, self.noise, &logs(trial))
     }
 }
 
-/// The largest expected fall of the least misfit so far, the worst of all loads, by the Gaussian process.
+/// Texture with the largest expected improvement by the Gaussian process: decrease of the minimum misfit, which is the
+/// largest over all loads.
 fn improvement(known: &Known<'_>) -> Result<Option<usize>, StudyError> {
     let predictor = learned(&process(), known.trials)?;
     let misfit = |ratios: &dyn Fn(usize) -> f64| {

@@ -1,4 +1,4 @@
-//! What the laboratories say, as numbers and as text.
+//! Results of the simulated laboratories as numbers and text.
 
 use serde::{Deserialize, Serialize};
 
@@ -6,71 +6,71 @@ use super::{Job, Mechanism, Options, Policy, Start, TargetOf, Way};
 use slipgrid_results::{SCHEMA, VERSION};
 use slipgrid_units::tidy;
 
-/// Bins of the stated chance.
+/// Number of bins of the predicted chance.
 const BINS: usize = 10;
 
-/// How many trials each policy took.
+/// Number of trials that each policy needs, and reliability of its predictions.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LaboratoriesReport {
-    /// The program.
+    /// Program name.
     pub program: String,
-    /// Its version.
+    /// Version of the program.
     pub version: String,
-    /// Version of the record's fields.
+    /// Schema version of the record.
     pub schema: u32,
-    /// Laboratories of each start.
+    /// Number of laboratories for each start.
     pub laboratories: usize,
-    /// Most trials of a laboratory.
+    /// Maximum number of trials of a laboratory.
     pub most_trials: usize,
-    /// Textures to choose from.
+    /// Number of textures to choose from.
     pub textures: usize,
-    /// Seed.
+    /// Seed of the laboratories.
     pub seed: u64,
-    /// What was known at first.
+    /// Results by start.
     pub starts: Vec<StartReport>,
-    /// Stated chances beside what came true of them, over all starts.
+    /// Reliability of predicted chances, over all starts.
     pub chances: Vec<Reliability>,
-    /// What the mixture does by mechanism, over all starts: trials, and the share of the next trial's measured ratios within
-    /// its intervals. Last the same of who knows how laboratories are made.
+    /// Results of the mixture by mechanism, over all starts: trials, and coverage of the intervals for the next trial's
+    /// ratios. The last entry is that of the policy that knows how laboratories are generated.
     pub coverage: Vec<Coverage>,
 }
 
-/// What was known at first, and what each policy made of it.
+/// Results of every policy for one start.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct StartReport {
-    /// In words.
+    /// Name of the start.
     pub start: String,
-    /// The policies.
+    /// Results by policy.
     pub policies: Vec<PolicyReport>,
 }
 
-/// Trials until a sample was truly on target; one more than the most where none was.
+/// Number of trials of a policy until a sample was on target; one more than the maximum if none was.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PolicyReport {
-    /// Its name.
+    /// Name of the policy.
     pub policy: String,
-    /// Median.
+    /// Median number of trials.
     pub median: f64,
-    /// Mean.
+    /// Mean number of trials.
     pub mean: f64,
-    /// Share within three trials.
+    /// Fraction of laboratories on target within three trials.
     pub within_3: f64,
-    /// The same of mechanisms inside the family of forms.
+    /// The same fraction for mechanisms inside the family of forms.
     pub within_3_inside: f64,
-    /// And of those outside.
+    /// The same fraction for mechanisms outside the family of forms.
     pub within_3_outside: f64,
-    /// Share that never was.
+    /// Fraction of laboratories that never were on target.
     pub never: f64,
 }
 
-/// Stated chances beside what came true of them.
+/// Predicted chances compared with the observed frequency.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Reliability {
-    /// Whose chances, of what targets.
+    /// Policy and kind of targets, in words.
     pub of: String,
-    /// All of them.
+    /// All chances together.
     pub all: ChanceBin,
-    /// Those about one number each.
+    /// Chances in bins of the predicted value, without empty bins.
     pub bins: Vec<ChanceBin>,
 }
 
@@ -92,8 +92,8 @@ impl Reliability {
         Self { of: of.to_owned(), all: bin(said), bins }
     }
 
-    /// Those of `ways`: of targets that some texture reaches, the mixture's, with the form known, and with how laboratories are made
-    /// known; and the mixture's whatever the target.
+    /// Reliability of the mixture, of the known form and of the generator for targets that some texture reaches, and of
+    /// the mixture for arbitrary targets.
     fn all(jobs: &[Job], ways: &[Way]) -> Vec<Self> {
         let said = |is_own: &dyn Fn(&Job) -> bool| -> Vec<(f64, bool)> {
             let own = jobs.iter().zip(ways).filter(|(job, _)| is_own(job));
@@ -117,36 +117,36 @@ impl Reliability {
     }
 }
 
-/// Chances about one number.
+/// Bin of predicted chances.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ChanceBin {
-    /// Cuts.
+    /// Number of cuts.
     pub cuts: usize,
-    /// Mean of what was said.
+    /// Mean predicted chance.
     pub said: f64,
-    /// Share that came true.
+    /// Observed fraction on target.
     pub came_true: f64,
 }
 
-/// Share of measured ratios within stated intervals.
+/// Fraction of measured ratios within the predicted intervals.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Coverage {
-    /// Mechanism; "all" of them, of the mixture or of another policy that is named.
+    /// Name of the mechanism; "all" for all mechanisms, with the policy if it is not the mixture.
     pub mechanism: String,
-    /// Measured ratios.
+    /// Number of measured ratios.
     pub ratios: usize,
-    /// Share within the interval of 68 %.
+    /// Fraction within the 68 % interval.
     pub of_68: f64,
-    /// Share within that of 95 %.
+    /// Fraction within the 95 % interval.
     pub of_95: f64,
-    /// Mean trials.
+    /// Mean number of trials.
     pub mean_trials: f64,
-    /// Share of laboratories on target within three.
+    /// Fraction of laboratories on target within three trials.
     pub within_3: f64,
 }
 
 impl LaboratoriesReport {
-    /// What `ways` say, those of `jobs`, among so many textures.
+    /// Creates the report from the courses `ways` of the `jobs`; `textures` is the number of textures.
     #[must_use]
     pub fn new(options: &Options, textures: usize, jobs: &[Job], ways: &[Way]) -> Self {
         let mut starts: Vec<StartReport> = Vec::new();
@@ -207,7 +207,7 @@ impl LaboratoriesReport {
         }
     }
 
-    /// The tables, in Markdown.
+    /// Formats the report as tables in Markdown.
     #[must_use]
     pub fn lines(&self) -> Vec<String> {
         let mut lines = vec![

@@ -1,7 +1,7 @@
 use super::*;
 use slipgrid_monitor::Unwatched;
 
-/// The page that the book quotes.
+/// The page that the book quotes equals the results of all laboratories.
 #[test]
 #[ignore = "ten minutes of two cores"]
 fn the_kept_page_is_what_laboratories_do() {
@@ -17,8 +17,8 @@ fn the_kept_page_is_what_laboratories_do() {
 
 mod ahead;
 
-/// A few laboratories: the same tables at every run, the mixture sooner on target than the physics alone, and never sooner than
-/// who knows how laboratories are made, who is never sooner than who knows the truth.
+/// Results of a few laboratories do not depend on the number of threads. The mixture needs fewer trials than the
+/// physics alone and not fewer than the generator, which needs not fewer than the known truth.
 #[test]
 fn a_few_laboratories_reach_their_targets() {
     let options = Options { laboratories: 9, most_trials: 5, steps: 4, seed: 3 };
@@ -74,7 +74,7 @@ fn who_knows_how_laboratories_are_made_says_nothing_of_what_none_of_them_reaches
     assert!(matches!(&found, Some(StudyError::Failed(why)) if why.contains("none that was drawn")), "{found:?}");
 }
 
-/// The share of all targets that textures reach, against targets drawn one by one.
+/// The share of targets that textures reach agrees with the share among random targets.
 #[test]
 fn the_share_of_reached_targets_is_that_of_drawn_ones() {
     let truths =
@@ -90,8 +90,7 @@ fn the_share_of_reached_targets_is_that_of_drawn_ones() {
     assert!((drawn - said).abs() < 0.01, "{drawn} {said}");
 }
 
-/// Chances and intervals of who knows how laboratories are made come true as often as they say: of targets that are reached, and
-/// of any.
+/// Chances and intervals of the generator are as reliable as they state, for reached and for arbitrary targets.
 #[test]
 #[ignore = "half a minute: the reference policy of laboratories; the chances of the product's own are tested in crates/design and crates/discrepancy"]
 fn who_knows_how_laboratories_are_made_says_chances_that_come_true() {
@@ -119,13 +118,13 @@ fn who_knows_how_laboratories_are_made_says_chances_that_come_true() {
     }
 }
 
-/// A number of the environment, for studies that take long.
+/// Number from an environment variable, for long studies.
 fn asked(name: &str, or: usize) -> usize {
     std::env::var(name).ok().and_then(|text| text.parse().ok()).unwrap_or(or)
 }
 
-/// What each thing is worth that [`Policy::Generator`] knows: a table of `tests/accuracy/laboratories.md`, there of 207
-/// laboratories.
+/// Prints the value of each part of the knowledge of [`Policy::Generator`]: a table of
+/// `tests/accuracy/laboratories.md`, which has 207 laboratories.
 #[test]
 #[ignore = "five seconds for each of LABORATORIES, 9 when absent"]
 #[expect(clippy::print_stdout, reason = "prints a table of tests/accuracy/laboratories.md")]

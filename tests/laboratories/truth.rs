@@ -1,50 +1,50 @@
-//! A laboratory: what its samples truly do, and what it measures of them.
+//! Simulated laboratory: true ratios of its samples, and their measurement.
 
 use slipgrid_discrepancy::{DimensionShift, Features, Form, Hyperparameters, Measured, Trial};
 use slipgrid_statistics::Normals;
 
 use super::physics::{LOADS, PRESSURES_PA, Solved, loads};
 
-/// Relative error of Young's modulus, as of the published polymer.
+/// Relative standard deviation of Young's modulus, that of the published polymer.
 pub const MODULUS_STD: f64 = 0.21;
-/// From one sample to the next of the same texture.
+/// Standard deviation of the logarithm of the ratio between samples of the same texture.
 pub const SAMPLE_STD: f64 = 0.005;
-/// Relative scatter of what a texture does, by its dimensions.
+/// Standard deviation of the logarithm of the ratio by the dimensions of a sample, relative to this logarithm.
 pub const DIMENSIONS_STD: f64 = 0.03;
-/// Error of the flat sample's measurement over that of a patterned one.
+/// Error of the flat sample's measurement relative to that of a patterned sample.
 pub const FLAT_SHARE: f64 = 0.5;
-/// Young's modulus is off by no more than this: what the textures were solved for is not stretched further.
+/// Maximum deviation of the logarithm of Young's modulus, so that solved textures are not extrapolated too far.
 pub const MAX_LOG_MODULUS: f64 = 0.5;
-/// Standard deviation of a mechanism's change with pressure over its size.
+/// Standard deviation of a mechanism's changes with pressure, relative to its size.
 pub const SLOPE_SHARE: f64 = 0.3;
 /// Half the band of ratios that a target accepts.
 pub const TOLERANCE: f64 = 0.02;
 
-/// What no model knows.
+/// Mechanism of the true discrepancy, unknown to every model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mechanism {
-    /// Inside the family of forms.
+    /// Proportional to the areal density; inside the family of forms.
     Density,
-    /// Inside.
+    /// Proportional to the edge length; inside the family of forms.
     Edge,
-    /// Inside.
+    /// Saturating with the density; inside the family of forms.
     Saturating,
-    /// Inside.
+    /// Dependent on depth and density; inside the family of forms.
     Depth,
     /// The square root of density times edge length: between two forms.
     Root,
-    /// Rims, which the model leaves out.
+    /// Rims that the model leaves out.
     Rims,
-    /// As the density, up to three times as much at pitches about 300 um.
+    /// Like the density, but up to three times as large at pitches near 300 um.
     Bump,
-    /// Friction rises with the density.
+    /// Proportional to the density, with rising friction.
     Opposite,
-    /// The physics is right.
+    /// No discrepancy: the model is exact.
     None,
 }
 
 impl Mechanism {
-    /// All of them.
+    /// All mechanisms.
     pub const ALL: [Self; 9] = [
         Self::Density,
         Self::Edge,
@@ -57,7 +57,7 @@ impl Mechanism {
         Self::None,
     ];
 
-    /// Its name.
+    /// Name of the mechanism in tables.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -73,13 +73,13 @@ impl Mechanism {
         }
     }
 
-    /// Whether one of the mixture's forms is it.
+    /// Whether the mechanism is one of the mixture's forms.
     #[must_use]
     pub const fn is_inside(self) -> bool {
         matches!(self, Self::Density | Self::Edge | Self::Saturating | Self::Depth)
     }
 
-    /// Its size is uniform from the first by as much as the second.
+    /// Range of the uniformly distributed size: start and signed width.
     pub const fn sizes(self) -> [f64; 2] {
         match self {
             Self::Opposite => [0.02, 0.08],
@@ -88,7 +88,8 @@ impl Mechanism {
         }
     }
 
-    /// The forms that it may be, alike likely, where it has a scale. Of others the first says nothing.
+    /// Equally probable forms of a mechanism with a scale; for other mechanisms only the first is used, without
+    /// meaning.
     pub fn scales(self) -> [Form; 4] {
         match self {
             Self::Depth => [2e-6, 5e-6, 10e-6, 20e-6].map(|scale_m| Form::DepthDensity { scale_m }),
@@ -96,7 +97,8 @@ impl Mechanism {
         }
     }
 
-    /// How it grows with the texture, 1 at the reference; of rims nothing. `scale` is the form where it has a scale.
+    /// Value of the mechanism at a texture, 1 at the reference texture; 0 for rims. `scale` is the form of a mechanism
+    /// with a scale.
     pub fn value(self, of: &Features, scale: Form) -> f64 {
         let of_form = |form: Form| form.value(of) / form.value(&Hyperparameters::default().reference);
         match self {
@@ -113,38 +115,39 @@ impl Mechanism {
     }
 }
 
-/// Size of a mechanism at each load: `size` at the middle pressures, and how it changes from there.
+/// Size of a mechanism at each load: `size` at the middle pressures, with the changes `beta` linear in pressure and
+/// `gamma` linear in its inverse.
 pub fn amplitude(size: f64, beta: f64, gamma: f64) -> [f64; LOADS] {
     PRESSURES_PA
         .map(|pressure_pa| size + beta * (pressure_pa - 1.5e6) / 1.5e6 + gamma * (PRESSURES_PA[0] / pressure_pa - 0.5))
 }
 
-/// A laboratory with its hidden truth.
+/// Laboratory with its hidden truth.
 #[derive(Clone, Debug)]
 pub struct Laboratory {
     mechanism: Mechanism,
-    /// The form of a mechanism that has a scale.
+    /// Form of a mechanism with a scale.
     scale: Form,
     log_modulus: f64,
     amplitude: [f64; LOADS],
-    /// Standard error of one measurement over itself.
+    /// Relative standard error of one measurement.
     pub noise: f64,
-    /// The flat sample's error at each load, which all its ratios share: it was measured four times as often.
+    /// Errors of the flat sample's logarithms at each load, shared by all ratios; it was measured four times as often.
     flat: [f64; LOADS],
     normals: Normals,
 }
 
-/// What a cut sample truly does, and the trial that the laboratory makes of it.
+/// Cut sample with its true ratios and its trial.
 #[derive(Clone, Debug)]
 pub struct Cut {
-    /// Its true ratio at each load.
+    /// True ratio at each load.
     pub truth: [f64; LOADS],
-    /// What was measured.
+    /// Trial with the measurements.
     pub trial: Trial,
 }
 
 impl Laboratory {
-    /// Number `number` of those of a study with this `seed`.
+    /// Creates laboratory `number` of the study with this `seed`.
     pub fn new(mechanism: Mechanism, number: usize, seed: u64) -> Self {
         // A stream of its own for every laboratory: a multiple of a large odd number.
         let mut normals = Normals::new(seed.wrapping_add((number as u64 + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15)));
@@ -162,7 +165,7 @@ impl Laboratory {
         Self { mechanism, scale, log_modulus, amplitude, noise, flat, normals }
     }
 
-    /// The form of its mechanism, where that is one of the family.
+    /// Form of the mechanism, if it belongs to the family.
     pub fn form(&self) -> Option<Form> {
         match self.mechanism {
             Mechanism::Density => Some(Form::Density),
@@ -172,18 +175,18 @@ impl Laboratory {
         }
     }
 
-    /// Logarithm of the true ratio of a texture, as it was designed.
+    /// Logarithm of the true ratio of a texture as designed.
     fn log_truth(&self, of: &Solved) -> [f64; LOADS] {
         let value = self.mechanism.value(&of.features, self.scale);
         of.physics.log_truth(self.log_modulus, (value, &self.amplitude), self.mechanism == Mechanism::Rims)
     }
 
-    /// True ratios of a texture, as it was designed.
+    /// True ratios of a texture as designed.
     pub fn truth(&self, of: &Solved) -> [f64; LOADS] {
         self.log_truth(of).map(f64::exp)
     }
 
-    /// Cuts a sample of `of` and measures it.
+    /// Cuts a sample of the texture `of` and measures it.
     pub fn cut(&mut self, of: &Solved) -> Cut {
         let own = SAMPLE_STD * self.normals.draw();
         let more = 1.0 + DIMENSIONS_STD * self.normals.draw();
@@ -216,7 +219,7 @@ impl Laboratory {
     }
 }
 
-/// Error of the dimensions of a sample with the features `of`, whose ratio is about `ratio`.
+/// Errors of the dimensions of a sample with the features `of` and ratios near `ratio`.
 pub fn dimension_shifts(of: Features, ratio: &[f64; LOADS]) -> Vec<DimensionShift> {
     let log_ratio = ratio.iter().map(|ratio| DIMENSIONS_STD * ratio.ln()).collect();
     vec![DimensionShift { log_ratio, above: of, below: None }]

@@ -8,15 +8,15 @@ fn textures() -> Vec<Solved> {
     physics::textures(3, &Unwatched).unwrap()
 }
 
-/// What a laboratory measured of two textures, and the logarithms of a target that both missed.
+/// Measurements of two textures in one laboratory, their noise, and the limits of a target that both samples missed.
 fn seen(textures: &[Solved], mechanism: Mechanism) -> (Vec<Seen>, f64, [[f64; LOADS]; 2]) {
     let mut laboratory = Laboratory::new(mechanism, 4, 7);
     let seen = [3, textures.len() - 1].map(|place| Seen::new(&laboratory.cut(&textures[place]).trial, place, true));
     (seen.to_vec(), laboratory.noise, between(&[0.97, 0.96, 0.95, 0.94], TOLERANCE))
 }
 
-/// Evidence and coefficients of a component against those by the dense covariance of all measurements, whose columns come from
-/// differences of what a draw does.
+/// Evidence and coefficients of a component agree with those from the dense covariance of all measurements, whose
+/// columns are finite differences of the model.
 #[test]
 fn a_regression_is_what_the_dense_covariance_says() {
     const ALL: usize = 2 * LOADS;
@@ -70,7 +70,7 @@ fn a_regression_is_what_the_dense_covariance_says() {
     }
 }
 
-/// The density of what was measured of a sample that missed, against the sum over its dimensions and its own scatter.
+/// Likelihood of the measurement of a sample off target, compared with the sum over its dimensions and its own scatter.
 #[test]
 fn a_sample_that_missed_is_as_likely_as_the_sum_over_its_scatter_says() {
     let (noise, wanted) = (0.01, between(&[0.9, 0.89, 0.88, 0.87], TOLERANCE));
@@ -96,7 +96,7 @@ fn a_sample_that_missed_is_as_likely_as_the_sum_over_its_scatter_says() {
     assert!(ratios.iter().all(|of| (of / ratios[0] - 1.0).abs() < 0.02), "{ratios:?}");
 }
 
-/// Chances after a sample that missed, against those of draws that knew of none and are weighted by what was measured.
+/// Posterior draws after a sample off target agree with prior draws weighted by the likelihood of the measurement.
 #[test]
 #[ignore = "five seconds: 400,000 draws of the prior, for the reference policy of laboratories alone"]
 fn draws_say_what_weighted_draws_of_the_prior_say() {
@@ -149,7 +149,7 @@ fn draws_say_what_weighted_draws_of_the_prior_say() {
     }
 }
 
-/// Laboratories, against draws of the prior: mean and scatter of what a texture does.
+/// Mean and scatter of the true ratios of laboratories agree with those of prior draws.
 #[test]
 fn laboratories_are_made_as_the_draws_of_the_prior() {
     let textures = textures();

@@ -1,25 +1,25 @@
-//! Whether it pays to look ahead: cuts chosen by the chance of being on target within all that are left of three, instead of by
-//! the chance of the next alone. What came of it stands in `tests/accuracy/laboratories.md`.
+//! Value of looking ahead: cuts are chosen by the chance of being on target within all remaining cuts out of three,
+//! instead of by the chance of the next cut alone. The result is in `tests/accuracy/laboratories.md`.
 
 use super::super::draws::{Draw, Draws, between, chance_of};
 use super::super::generator::{Scatter, Seen};
 use super::super::truth::{DIMENSIONS_STD, SAMPLE_STD, TOLERANCE};
 use super::*;
 
-/// Candidates by their chance, and by how much they tell.
+/// Number of candidates with the highest chance, and with the highest information.
 const BY_CHANCE: usize = 24;
 const BY_INFORMATION: usize = 10;
-/// Rollouts of the candidates that are left, and how many are left after each round.
+/// Rounds of the selection: number of rollouts per candidate, and number of candidates kept.
 const ROUNDS: [(usize, usize); 3] = [(48, 8), (192, 3), (512, 1)];
-/// Rollouts of the chosen one and of the greedy one, which choose nothing.
+/// Number of rollouts that evaluate the chosen and the greedy candidate; they do not affect the choice.
 const LAST: usize = 512;
-/// Cuts within which a sample should be on target.
+/// Number of cuts within which a sample should be on target.
 const CUTS: usize = 3;
-/// Draws, and more where those of equal weight are fewer than enough.
+/// Numbers of draws, tried in turn until the effective number is sufficient.
 const DRAWS: [usize; 3] = [8192, 65536, 262_144];
 const ENOUGH_DRAWS: f64 = 1500.0;
 
-/// Draws with their weights, but for those that weigh nothing.
+/// Draws with nonzero weight: index and weight.
 type Weights = Vec<(usize, f64)>;
 
 struct Table<'a> {
@@ -27,10 +27,10 @@ struct Table<'a> {
     draws: Draws,
     wanted: [[f64; LOADS]; 2],
     noise: f64,
-    /// Of each texture: the logarithms of all draws, without the flat sample's errors and with them.
+    /// Logarithms of the ratios by texture and draw, without the flat sample's errors and with them.
     logs: Vec<Vec<[f32; LOADS]>>,
     seen: Vec<Vec<[f32; LOADS]>>,
-    /// Of each draw: textures that may be on target, with the chance.
+    /// Textures that may be on target in each draw, with the chance.
     near: Vec<Vec<(usize, f64)>>,
 }
 
@@ -79,7 +79,7 @@ impl<'a> Table<'a> {
             .unwrap()
     }
 
-    /// How much a cut tells: the sum over loads of ln(1 + spread^2 / noise^2), of the largest component alone.
+    /// Information of a cut: sum over loads of ln(1 + spread^2 / noise^2), from the largest component alone.
     fn information(&self, place: usize, weights: &[(usize, f64)]) -> f64 {
         let mut moments = [[0.0; 2]; LOADS];
         for (draw, weight) in weights {
@@ -94,7 +94,8 @@ impl<'a> Table<'a> {
         moments.iter().map(of).sum()
     }
 
-    /// Share of ways on target within `left` cuts that begin with `place`, in the laboratory of `draw`, greedily after it.
+    /// Probability of being on target within `left` cuts in the laboratory `draw`, if `place` is cut first and then the
+    /// greedy choice.
     fn rollout(
         &self,
         draw: usize,
@@ -127,7 +128,7 @@ impl<'a> Table<'a> {
         chance + (1.0 - chance) * self.rollout(draw, next, left - 1, &after, &cut, normals)
     }
 
-    /// Weights after a sample that missed; without `but`.
+    /// Weights after a sample of `place` that missed the target; the draw `but` is excluded.
     fn after(&self, weights: &[(usize, f64)], place: usize, measured: &[f64; LOADS], but: Option<usize>) -> Weights {
         let (seen, single) = (&self.seen[place], measured.map(|x| x as f32));
         // Farther than seven standard deviations.
@@ -157,7 +158,7 @@ impl<'a> Table<'a> {
         found
     }
 
-    /// Means of rollouts of `candidates`, the same laboratories and errors for each.
+    /// Mean probability over rollouts for each of `candidates`; all use the same laboratories and errors.
     fn values(&self, candidates: &[usize], left: usize, count: usize, cut: &[usize], seed: u64) -> Vec<f64> {
         let weights = self.weights();
         let mut cumulated = 0.0;
@@ -180,7 +181,7 @@ impl<'a> Table<'a> {
         sums.into_iter().map(|sum| sum / count as f64).collect()
     }
 
-    /// The best found for `left` cuts, and by rollouts of their own what it and the greedy choice are worth.
+    /// Best candidate for `left` cuts, and the values of this and of the greedy candidate by separate rollouts.
     fn look(&self, left: usize, cut: &[usize]) -> (usize, [f64; 2]) {
         let weights = self.weights();
         let greedy = self.best(&weights, cut);
@@ -202,7 +203,8 @@ impl<'a> Table<'a> {
     }
 }
 
-/// The gain of looking ahead, by rollouts and in the laboratories: of START (0 nothing, 1 one groove, 2 the squares).
+/// Prints the gain of looking ahead, by rollouts and in the laboratories, for the start START (0 nothing, 1 one groove,
+/// 2 the squares).
 #[test]
 #[ignore = "half a minute for each of LABORATORIES, 1 when absent"]
 #[expect(clippy::print_stdout, reason = "prints a table of tests/accuracy/laboratories.md")]
