@@ -1,29 +1,29 @@
-//! What the book's evidence quotes of a test: the test finds it again.
+//! Comparison of test results with the rows and sentences that the book's evidence quotes.
 
 use std::path::PathBuf;
 use std::sync::{Mutex, PoisonError};
 
-/// Set where the book takes over what tests find now.
+/// Environment variable that makes the book take over the current results.
 const UPDATES: &str = "SLIPGRID_UPDATE_GUIDE";
 
-/// A chapter of the evidence whose rows and sentences a test compares with what it finds.
+/// Chapter of the evidence, compared with the results of a test.
 #[derive(Debug)]
 pub struct Quoted {
     path: PathBuf,
     chapter: String,
-    /// Rows that the chapter has, and those that it takes over for them.
+    /// Rows of the chapter and their replacements.
     taken_over: Vec<[String; 2]>,
     differences: Vec<String>,
 }
 
-/// Held while a chapter takes rows over: other tests have rows of the same one.
+/// Lock held while a chapter is written, because several tests have rows in the same chapter.
 static WRITING: Mutex<()> = Mutex::new(());
 
 impl Quoted {
-    /// `crates/book/src/evidence/<chapter>.md`.
+    /// Reads `crates/book/src/evidence/<chapter>.md`.
     ///
     /// # Errors
-    /// Where it cannot be read.
+    /// Returns an error if the chapter cannot be read.
     pub fn new(chapter: &str) -> std::io::Result<Self> {
         let path = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../crates/book/src/evidence"));
         let path = path.join(chapter).with_extension("md");
@@ -31,7 +31,8 @@ impl Quoted {
         Ok(Self { path, chapter, taken_over: Vec::new(), differences: Vec::new() })
     }
 
-    /// A row of a table, `| title | number | ...`, as it is found now: the row of that title stands in the chapter with numbers alike.
+    /// Compares a table row, `| title | number | ...`, with the row of the same title in the chapter, within the
+    /// tolerance of its numbers.
     pub fn row(&mut self, row: &str) {
         let title = |line: &str| line.split('|').nth(1).map(|cell| cell.trim().to_owned());
         let Some(kept) = self.chapter.lines().find(|line| line.starts_with('|') && title(line) == title(row)) else {
@@ -48,7 +49,7 @@ impl Quoted {
         }
     }
 
-    /// A sentence, or a part of one, as it would have to read now: it stands in the chapter with numbers alike.
+    /// Compares a sentence, or a part of one, with the chapter, within the tolerance of its numbers.
     pub fn sentence(&mut self, sentence: &str) {
         let now = words(sentence);
         if !words(&self.chapter).windows(now.len()).any(|kept| are_alike(kept, &now)) {
@@ -56,10 +57,11 @@ impl Quoted {
         }
     }
 
-    /// What differs between the chapter and what was found, in lines; the chapter takes rows over where it is updated.
+    /// Differences between the chapter and the results, in lines. In an update, the rows of the chapter are replaced
+    /// first.
     ///
     /// # Errors
-    /// Where it cannot be written.
+    /// Returns an error if the chapter cannot be read or written.
     pub fn differences(self) -> std::io::Result<String> {
         if !self.taken_over.is_empty() {
             let _writing = WRITING.lock().unwrap_or_else(PoisonError::into_inner);
@@ -75,12 +77,12 @@ fn words(text: &str) -> Vec<&str> {
     text.split_whitespace().collect()
 }
 
-/// `word` without the punctuation after it.
+/// `word` without trailing punctuation.
 fn without_stop(word: &str) -> &str {
     word.trim_end_matches([',', '.', ';', ')'])
 }
 
-/// Whether these are the same words and, but for rounding on other processors, the same numbers.
+/// Whether the words are equal, and the numbers equal up to rounding on other processors and three standard errors.
 fn are_alike(kept: &[&str], now: &[&str]) -> bool {
     let is_alike = |place: usize| {
         let [was, is] = [kept, now].map(|words| without_stop(words[place]));
@@ -98,7 +100,7 @@ fn are_alike(kept: &[&str], now: &[&str]) -> bool {
     kept.len() == now.len() && (0..kept.len()).all(is_alike)
 }
 
-/// One unit of the last decimal of a number; of a count, a hundredth of it.
+/// One unit of the last decimal of a number; for an integer one hundredth of it, at least 1.
 fn last_place(number: &str) -> f64 {
     let (digits, exponent) = number.split_once('e').unwrap_or((number, "0"));
     let power = 10_f64.powi(exponent.parse().unwrap_or(0));

@@ -1,5 +1,5 @@
-//! How the cost of each part grows with its size, on one thread: seconds at sizes that double, and the exponent of the power law
-//! through the last three of them by least squares.
+//! Growth of the cost of each part with its size, on one thread: seconds at doubling sizes, and the exponent of the
+//! power law fitted to the last three by least squares.
 //!
 //! `cargo bench -p slipgrid-tests --bench growth` (two minutes). Medians of three.
 
@@ -16,11 +16,11 @@ use slipgrid_springblock::{Extent, Fidelity, Scene, SteadyCell, Unwatched, simul
 use slipgrid_tests::polymer_scene;
 use slipgrid_topography::SelfAffine;
 
-/// Repetitions of which the median counts.
+/// Number of repetitions for the median.
 const REPETITIONS: usize = 3;
-/// Sizes that the exponent is taken through.
+/// Number of sizes for the fit of the exponent.
 const FITTED: usize = 3;
-/// Pressures of a cell or a run.
+/// Pressures of a cell or a run, in MPa.
 const PRESSURES_MPA: [f64; 4] = [0.65, 1.3, 1.95, 2.6];
 
 /// Median seconds of `work`.
@@ -59,7 +59,7 @@ fn row(what: &str, unit: &str, sizes: &[usize], mut work: impl FnMut(usize) -> B
     );
 }
 
-/// A groove or square that takes a third of a period of `columns` blocks, two rows deep.
+/// Groove or square on a third of a period of `columns` blocks, two rows deep.
 fn pattern(planform: Planform, columns: usize) -> Pattern {
     let pitch_m = columns as f64 * 10e-6;
     let width_m = (columns as f64 / 3.0).round() * 10e-6;

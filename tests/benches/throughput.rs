@@ -1,8 +1,7 @@
-//! Site updates per second of the dynamic solver: blocks times force evaluations over the time that
-//! further travel takes, so that setting up does not count. Pin it to one core (`taskset -c 1`) for one
-//! thread's numbers; unpinned it also runs two threads on one sample beside two samples at once.
-//! Then designs per second of the steady cell, by the forces about the cavity and by all blocks, and the time of a
-//! table of designs.
+//! Measures site updates per second of the dynamic solver: blocks times force evaluations over the time of additional
+//! travel, so that the setup does not count. Pin it to one core (`taskset -c 1`) for the rate of one thread; unpinned
+//! it also compares two threads on one sample with two simultaneous samples. Then it measures designs per second of the
+//! steady cell, by the forces near the cavity and by all blocks, and the time of a table of designs.
 
 #![allow(clippy::print_stdout)]
 
@@ -13,7 +12,7 @@ use slipgrid_pattern::{Pattern, Planform, Rim, RimProfile};
 use slipgrid_springblock::{Extent, Fidelity, Scene, SteadyCell, Unwatched, simulate};
 use slipgrid_tests::{polymer_scene, published, published_groove};
 
-/// Repetitions of which the median counts.
+/// Number of repetitions for the median.
 const REPETITIONS: usize = 5;
 
 /// Seconds and site updates of one run over `travel_m`.

@@ -23,7 +23,7 @@ pub struct Firefox {
 }
 
 impl Firefox {
-    /// The file at `path`, loaded; `None` where there is no browser.
+    /// Opens the file at `path`; `None` if there is no browser.
     pub fn open(path: &Path) -> Option<Self> {
         let profile = tempfile::tempdir().unwrap();
         let mut browser = PROGRAMS.into_iter().find_map(|program| {

@@ -19,12 +19,12 @@ pub struct Chromium {
     socket: WebSocket<TcpStream>,
     session: String,
     asked: u64,
-    /// What the page asked the network for, what it threw, and what its console says.
+    /// Unexpected events of the page: network requests, exceptions, and console messages.
     complaints: Vec<String>,
 }
 
 impl Chromium {
-    /// The file at `path`, loaded; `None` where there is no browser.
+    /// Opens the file at `path`; `None` if there is no browser.
     pub fn open(path: &Path) -> Option<Self> {
         let profile = tempfile::tempdir().unwrap();
         let mut browser = PROGRAMS.into_iter().find_map(|program| {
@@ -98,13 +98,13 @@ impl Chromium {
         }
     }
 
-    /// Has the page believe that the reader prefers `scheme`, "light" or "dark".
+    /// Emulates a reader who prefers the colour scheme `scheme`, "light" or "dark".
     pub fn scheme(&mut self, scheme: &str) {
         let feature = json!([{ "name": "prefers-color-scheme", "value": scheme }]);
         self.call("Emulation.setEmulatedMedia", &json!({ "features": feature }));
     }
 
-    /// Has the window be so wide and so high, as that of a phone where it is narrow.
+    /// Resizes the window; a narrow one is emulated as that of a phone.
     pub fn resize(&mut self, [width, height]: [u32; 2]) {
         let own = json!({ "width": width, "height": height, "deviceScaleFactor": 1, "mobile": width < 500 });
         self.call("Emulation.setDeviceMetricsOverride", &own);

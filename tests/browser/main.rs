@@ -1,4 +1,5 @@
-//! The pages in real browsers: Chromium, driven over the DevTools protocol, and Firefox, over WebDriver BiDi. Run where one is found:
+//! Tests of pages in real browsers: Chromium, driven over the DevTools protocol, and Firefox, over WebDriver BiDi. A
+//! browser that is not installed is skipped:
 //! `cargo test --release -p slipgrid-tests --test browser -- --ignored --nocapture`.
 
 #![allow(
@@ -20,17 +21,17 @@ use serde_json::{Value, json};
 
 /// A page in a browser.
 trait Page {
-    /// The value of an expression of JavaScript.
+    /// Evaluates an expression of JavaScript.
     fn ask(&mut self, expression: &str) -> Value;
     /// Presses and releases a key.
     fn press(&mut self, key: &str);
-    /// Clicks at a place of the window.
+    /// Clicks at a position of the window, in pixels.
     fn click(&mut self, x: f64, y: f64);
-    /// What should not have happened: what was thrown, what the console says, what was asked of the network.
+    /// Unexpected events of the page: exceptions, console messages, and network requests.
     fn complaints(&self) -> Vec<String>;
 }
 
-/// A design that is found in seconds, with a name that would be a script if it could.
+/// Design that is found in seconds, with a name that is a script unless it is escaped.
 const DESIGN: &str = r#"name = "</script><script>window.hacked = 1</script><b>bold</b>"
 [material]
 youngs_modulus_gpa = 0.38
@@ -69,7 +70,8 @@ width_std_um = 4.0
 depth_std_um = 1.0
 "#;
 
-/// How far a sample as it is cut may be from one interpolated between textures: ends, tilt and time are its own.
+/// Maximum difference of a sample as cut from one interpolated between textures: only the former has ends, tilt and the
+/// change in time computed for its texture.
 const AS_CUT: f64 = 0.01;
 
 fn slipgrid(args: &[&str]) -> (u8, String) {
@@ -82,7 +84,7 @@ fn number(value: &Value) -> f64 {
     value.as_f64().unwrap_or_else(|| panic!("{value} is no number"))
 }
 
-/// What the explorer shows: the design, and what is expected of it.
+/// Design and predicted values that the explorer shows.
 fn shown(page: &mut dyn Page) -> ([f64; 3], Vec<f64>) {
     let lengths = page.ask("[...document.querySelectorAll('[data-number]')].map(field => parseFloat(field.value))");
     let values = page.ask("JSON.parse(document.getElementById('explorer').dataset.values)");
@@ -90,7 +92,7 @@ fn shown(page: &mut dyn Page) -> ([f64; 3], Vec<f64>) {
     (numbers(&lengths).try_into().unwrap(), numbers(&values))
 }
 
-/// Medians of samples of each of `designs`, as `next` computes them from the model itself.
+/// Predicted medians for each of `designs` by the model itself, from `next`.
 fn predicted(folder: &Path, designs: &[[f64; 3]]) -> Vec<Vec<f64>> {
     let named = designs.iter().map(|lengths| format!("--candidate={}", lengths.map(|um| um.to_string()).join(",")));
     let design = folder.join("design-task.toml").to_str().unwrap().to_owned();
@@ -136,7 +138,7 @@ fn the_explorer_says_what_is_predicted_and_needs_no_mouse() {
     }
 }
 
-/// Uses the explorer of out/report.html in `folder` as a reader would.
+/// Uses the explorer of out/report.html in `folder` as a reader does, and checks its values.
 fn explores(page: &mut dyn Page, folder: &Path) {
     let out = folder.join("out");
     // The stated error.

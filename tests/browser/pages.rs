@@ -1,4 +1,4 @@
-//! Every page as it is seen: on a desk and on a phone, by day and by night.
+//! Tests of every page on a desktop and on a phone, in the light and in the dark colour scheme.
 
 use std::fs;
 use std::path::Path;
@@ -8,10 +8,10 @@ use serde_json::{Value, json};
 use super::devtools::Chromium;
 use super::{Page, slipgrid};
 
-/// Windows: of a desk and of a phone.
+/// Sizes of the windows of a desktop and of a phone, in pixels.
 pub const WINDOWS: [[u32; 2]; 2] = [[1280, 800], [390, 844]];
 
-/// A calibration with one trial: grooves, so that it is learned in a second.
+/// Calibration with one trial of grooves, which is learned in a second.
 const CALIBRATION: &str = r#"name = "<i>polymer</i>"
 source = "nobody measured it"
 [material]
@@ -107,7 +107,7 @@ fn pages_can_be_read_on_a_desk_and_on_a_phone() {
     }
 }
 
-/// Wide and shallow cavities of a soft material close, and the page says so in place of numbers.
+/// For wide and shallow cavities of a soft material, which close, the page gives no numbers but says so.
 #[test]
 #[ignore = "needs Chromium"]
 fn cavities_that_close_have_no_answer() {
@@ -141,7 +141,7 @@ fn cavities_that_close_have_no_answer() {
     assert_eq!(page.complaints(), Vec::<String>::new());
 }
 
-/// Limits of the design whose map is hatched: that of the laser's time alone is broken by most designs.
+/// Design with a limit of laser time that most designs violate; the map hatches these.
 const LIMITED: &str = r#"[material]
 youngs_modulus_gpa = 0.38
 density_g_cm3 = 0.9
@@ -171,7 +171,7 @@ shape = "disc"
 diameter_mm = 10.0
 "#;
 
-/// A cell of the map is hatched if and only if the design that a click on it chooses breaks a limit.
+/// A cell of the map is hatched if and only if the design chosen by a click on it violates a limit.
 #[test]
 #[ignore = "needs Chromium"]
 fn designs_that_break_the_limit_of_laser_time_are_hatched() {
@@ -194,7 +194,8 @@ fn designs_that_break_the_limit_of_laser_time_are_hatched() {
     assert_eq!(page.complaints(), Vec::<String>::new());
 }
 
-/// Compares every third cell of the map with what the page says of its middle; not next to cells that differ, and not where a point is.
+/// Script that compares every third cell of the map with the verdict for its middle; skips cells next to different ones
+/// and cells with a point.
 const HATCHED: &str = r"(() => {
   const map = document.querySelector('[data-map]'), verdict = document.querySelector('[data-verdict]'), side = 4;
   const [columns, rows] = [map.width / side, map.height / side];
@@ -219,7 +220,7 @@ const HATCHED: &str = r"(() => {
   return { cells, hatched, wrong };
 })()";
 
-/// The trial of grooves is on the map and can be chosen; the one of squares stands in the list alone.
+/// The trial of grooves is on the map and can be chosen; the trial of squares is only in the list.
 fn trials_are_points(page: &mut Chromium) {
     let points = page.ask("JSON.parse(document.getElementById('explorer-data').textContent).points");
     let on_map: Vec<&Value> = points.as_array().unwrap().iter().map(|point| &point["on_map"]).collect();
@@ -236,7 +237,7 @@ fn trials_are_points(page: &mut Chromium) {
     assert!(listed[1].contains("squares (another texture)") && listed[1].contains("(modelled 0.9"), "{listed:?}");
 }
 
-/// A map of five grooves with rims on a rough surface, as a matrix of heights.
+/// Map of five grooves on a rough surface, as a matrix of heights.
 fn grooved_map(folder: &Path) -> String {
     const SIDE: usize = 200;
     const PITCH: usize = 40;
@@ -252,7 +253,7 @@ fn grooved_map(folder: &Path) -> String {
     file(folder, "grooves.asc", &text)
 }
 
-/// What reaches beyond the window and cannot be scrolled to within its own frame.
+/// Script that lists elements beyond the window that cannot be scrolled to within their own frame.
 pub const CUT_OFF: &str = r"(() => {
   const cut = [], width = document.documentElement.clientWidth;
   for (const element of document.querySelectorAll('body *')) {
@@ -266,7 +267,7 @@ pub const CUT_OFF: &str = r"(() => {
   return cut;
 })()";
 
-/// Text of drawings that is lower than 9 pixels as it is shown.
+/// Script that lists text in drawings of less than 9 pixels on the screen.
 pub const SMALL_TEXT: &str = r"(() => {
   const small = [];
   for (const text of document.querySelectorAll('svg text')) {
@@ -277,7 +278,7 @@ pub const SMALL_TEXT: &str = r"(() => {
   return small.slice(0, 5);
 })()";
 
-/// Text whose contrast with what lies behind it is less than WCAG 2.2 AA asks for: 4.5, of large text 3.
+/// Script that lists text with a lower contrast to its background than WCAG 2.2 AA requires: 4.5, or 3 for large text.
 pub const CONTRAST: &str = r"(() => {
   const parse = colour => { const found = colour.match(/[\d.]+/g).map(Number); return [found.slice(0, 3), found[3] ?? 1]; };
   const luminance = rgb => { const [r, g, b] = rgb.map(v => { v /= 255; return v <= 0.04045 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4; }); return 0.2126 * r + 0.7152 * g + 0.0722 * b; };

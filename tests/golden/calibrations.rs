@@ -6,10 +6,10 @@ use crate::Case;
 use crate::place::{Place, repository};
 use crate::record::Record;
 
-/// Text of a file that is replaced, and its replacement.
+/// Text of a file and its replacement.
 type Change = (&'static str, &'static str);
 
-/// Variants of the shipped calibrations: name, folder, text that is replaced, and what takes its place.
+/// Variants of the shipped calibrations: name, folder, and replacements.
 const VARIANTS: [(&str, &str, &[Change]); 6] = [
     ("LDPE", "ldpe-cast-iron", &[]),
     ("LDPE, one pair", "ldpe-cast-iron", &[("coefficients = \"per-condition\"", "coefficients = \"single\"")]),
@@ -52,7 +52,7 @@ pub fn cases() -> Vec<Case> {
     cases
 }
 
-/// The material, the tables of the report and what is printed.
+/// Records the material, the tables of the report and the output of `calibrate`.
 fn outputs(place: &Place) -> Record {
     let mut record = Record::new();
     place.run("calibrate @calibration.toml -o @m.toml --report @report", &mut record);
@@ -85,7 +85,7 @@ fn copy(from: &std::path::Path, below: &str, place: &Place) {
     }
 }
 
-/// A calibration of a table with three rows and Persson's law.
+/// Records a calibration of a table with three rows by Persson's law.
 fn three_forces() -> Record {
     outputs(&Place::with(&[
         (

@@ -6,11 +6,12 @@ use crate::Case;
 use crate::place::{Place, repository};
 use crate::record::Record;
 
-/// Designs of `designs/` that search, and what of them stands for the calibration in `calibration/ldpe-cast-iron`.
+/// Designs of `designs/` that are searched, named by the part after `ldpe-`; all use the calibration in
+/// `calibration/ldpe-cast-iron`.
 const SHIPPED: [&str; 8] =
     ["any-humidity", "crosshatch", "lower-friction", "lowest", "rims", "squares", "target-mu", "unreachable"];
 
-/// A design that is searched and confirmed in a second.
+/// Design that is searched and confirmed in a second.
 const SMALL: &str = r#"name = "small"
 [material]
 youngs_modulus_gpa = 0.38
@@ -51,7 +52,7 @@ block_um = 20.0
 seed = 1
 "#;
 
-/// Variants of [`SMALL`]: name, text that is replaced, and what takes its place.
+/// Variants of [`SMALL`]: name, text, and replacement.
 const VARIANTS: [(&str, &str, &str); 9] = [
     ("as it is", "", ""),
     ("mu", "quantity = \"ratio\"", "quantity = \"mu_dynamic\""),
@@ -91,7 +92,7 @@ pub fn cases() -> Vec<Case> {
     small.chain(shipped).chain(others).collect()
 }
 
-/// The outputs of a search, and of an export of its result into every format.
+/// Records the outputs of a search, and of an export of its result in every format.
 fn search(files: &[(&str, &str)], _name: &str) -> Record {
     search_in(&Place::with(files))
 }
@@ -108,7 +109,7 @@ fn search_in(place: &Place) -> Record {
     record
 }
 
-/// A shipped design beside the material of its calibration, which is fitted once.
+/// Folder with a shipped design and the material of its calibration, which is fitted once.
 fn with_material(name: &str) -> Place {
     static MATERIAL: std::sync::LazyLock<String> = std::sync::LazyLock::new(|| {
         let place = Place::new();
@@ -127,7 +128,7 @@ fn shipped(name: &str) -> Record {
     search_in(&with_material(name))
 }
 
-/// The plan of a campaign.
+/// Records the plan of a campaign.
 fn campaign() -> Record {
     let mut record = Record::new();
     let place = Place::new();

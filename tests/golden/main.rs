@@ -1,7 +1,8 @@
-//! Outputs of the program against those that are kept in `kept/`: scenes, designs, calibrations, maps, traces and refusals.
+//! Compares outputs of the program with the kept ones in `kept/`: scenes, designs, calibrations, maps, traces and
+//! refusals.
 //!
-//! `cargo test --release -p slipgrid-tests --test golden` compares a part of them in seconds; `-- --include-ignored` compares all.
-//! With `SLIPGRID_UPDATE_GOLDEN=1` the files are written anew instead, and their difference in git is what changed.
+//! `cargo test --release -p slipgrid-tests --test golden` compares a part of them in seconds; `-- --include-ignored`
+//! compares all. With `SLIPGRID_UPDATE_GOLDEN=1` the files are rewritten instead, and git shows the changes.
 
 #![allow(
     clippy::unwrap_used,
@@ -27,10 +28,10 @@ use std::time::Instant;
 use record::Record;
 use store::Store;
 
-/// A computation whose outputs are kept under `name`.
+/// Computation whose outputs are kept as `name`.
 pub struct Case {
     name: String,
-    /// Compared on every run of the tests, not only where all are.
+    /// Whether the case is compared in every run of the tests.
     quick: bool,
     compute: Box<dyn Fn() -> Record + Send + Sync>,
 }
@@ -41,8 +42,8 @@ impl Case {
     }
 }
 
-/// Outputs of the cases by their names, on as many threads as there are cores. They are plain threads: a case has a pool of its own, and
-/// one that waits for it would begin another case meanwhile.
+/// Computes the outputs of the cases by name, on as many threads as there are cores. These are plain threads, because
+/// each case has a thread pool of its own, and a pool thread that waits for it would begin another case.
 fn compute(cases: &[&Case]) -> Vec<(String, Record)> {
     let (waiting, found) = (Mutex::new(cases.iter()), Mutex::new(Vec::new()));
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
@@ -82,7 +83,7 @@ fn compare(name: &str, cases: Vec<Case>, all: bool) {
     );
 }
 
-/// A test of the quick cases of a group, and an ignored one of all of them.
+/// Defines a test of the quick cases and an ignored test of all cases, for each group.
 macro_rules! group {
     ($($module:ident),*) => {$(
         mod $module {

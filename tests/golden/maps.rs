@@ -1,4 +1,4 @@
-//! Altitude maps: synthesized ones in several formats and shapes, and files of other programs.
+//! Altitude maps: synthetic maps in several formats and shapes, and files of other programs.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -8,7 +8,7 @@ use crate::place::{Place, repository};
 use crate::random::Random;
 use crate::record::Record;
 
-/// Files that other programs wrote, in the tests of the readers, with the options that they need.
+/// Files of other programs, from the tests of the readers, with the options that they need.
 const FOREIGN: [(&str, &str); 17] = [
     ("gsffile.gsf", ""),
     ("gwyddion.asc", ""),
@@ -29,7 +29,7 @@ const FOREIGN: [(&str, &str); 17] = [
     ("surfalize.x3p", ""),
 ];
 
-/// Options of `synthesize` for maps of 96 pixels, and of `surface` for them.
+/// Synthetic maps of 96 pixels: name, options of `synthesize`, and options of `surface`.
 const MADE: [(&str, &str, &str); 16] = [
     ("rough", "", ""),
     ("rough, plane not subtracted", "", "--form mean"),
@@ -81,7 +81,7 @@ pub fn cases() -> Vec<Case> {
     foreign.chain(made).chain(formats).chain(laws).chain([persson]).collect()
 }
 
-/// Area laws: name, options of `synthesize` and of `area-law`.
+/// Area laws: name, options of `synthesize`, and options of `area-law`.
 const LAWS: [(&str, &str, &str); 7] = [
     ("64 points", "--pixels 64 --waves 4:20", "--windows 0"),
     ("windows", "", "--windows 2"),
@@ -92,7 +92,7 @@ const LAWS: [(&str, &str, &str); 7] = [
     ("grooves", "--side-mm 0.5 --cavities 60,60,5", "--windows 0 --pressures-mpa 0.7,5"),
 ];
 
-/// A folder with map.asc.
+/// Folder with the synthetic map map.asc.
 fn synthesized(seed: usize, options: &str) -> Place {
     let place = Place::new();
     let size = if options.contains("--pixels") { "" } else { "--pixels 96" };
@@ -102,7 +102,7 @@ fn synthesized(seed: usize, options: &str) -> Place {
     place
 }
 
-/// What `surface` finds.
+/// Records the outputs of `surface`.
 fn measured(place: &Place, file: &str, options: &str) -> Record {
     let mut record = Record::new();
     place.run(&format!("surface {file} {options} --json -o @out"), &mut record);
@@ -113,8 +113,8 @@ fn measured(place: &Place, file: &str, options: &str) -> Record {
     record
 }
 
-/// Writes map.asc of `place` in another format, with a spike and a missing point where the format has a word for it; the file and the
-/// options that it needs.
+/// Writes map.asc of `place` in another format, with a spike and, if the format allows it, a missing point. Returns the
+/// name of the file and the options that it needs.
 fn rewrite(place: &Place, format: &str) -> (String, &'static str) {
     let text = fs::read_to_string(place.path("map.asc")).unwrap();
     let rows: Vec<Vec<f64>> = text

@@ -1,4 +1,4 @@
-//! A folder in which the program is run, within this process.
+//! Folder in which the program is run within this process.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -8,12 +8,12 @@ use tempfile::TempDir;
 
 use crate::record::{Record, insert, insert_csv, insert_drawing};
 
-/// The root of the repository.
+/// Root folder of the repository.
 pub fn repository() -> PathBuf {
     Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/..")).canonicalize().unwrap()
 }
 
-/// A folder of files, which goes when it is dropped.
+/// Folder of files, deleted when dropped.
 pub struct Place(TempDir);
 
 impl Place {
@@ -38,8 +38,8 @@ impl Place {
         fs::write(self.path(name), bytes).unwrap();
     }
 
-    /// Runs the program with these arguments; those that begin with `@` are paths in this folder. Records exit code, messages and what
-    /// stdout has as JSON.
+    /// Runs the program with these arguments, in which `@` stands for this folder. Records exit code, messages, and
+    /// JSON on stdout.
     pub fn run(&self, arguments: &str, record: &mut Record) {
         let (code, out, err) = self.run_raw(arguments);
         record.insert("exit".into(), code.into());
@@ -55,7 +55,7 @@ impl Place {
         }
     }
 
-    /// Exit code, stdout and stderr without this folder's path.
+    /// Exit code, stdout and stderr of a run, without the path of this folder.
     pub fn run_raw(&self, arguments: &str) -> (u8, String, String) {
         let folder = format!("{}/", self.0.path().display());
         let words = arguments.split_whitespace().map(|word| word.replace('@', &folder));
@@ -69,7 +69,8 @@ impl Place {
         (code, out, err)
     }
 
-    /// Records the files of a folder by what they are: names of pictures and pages, fields of JSON and TOML, columns of CSV, lines of others.
+    /// Records the files of a folder by type: names of pictures and pages, fields of JSON and TOML, columns of CSV, and
+    /// number of lines and sum of the others.
     pub fn record_folder(&self, folder: &str, record: &mut Record) {
         let Ok(entries) = fs::read_dir(self.path(folder)) else { return };
         let mut names: Vec<String> = entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();

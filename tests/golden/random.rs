@@ -1,6 +1,6 @@
-//! Parameters drawn in a fixed order.
+//! Random parameters in a reproducible sequence.
 
-/// A generator of numbers with a fixed seed (Steele, Lea and Flood, SPLITMIX64).
+/// Random number generator with a fixed seed (Steele, Lea and Flood, SPLITMIX64).
 pub struct Random(u64);
 
 impl Random {
@@ -16,12 +16,12 @@ impl Random {
         z ^ (z >> 31)
     }
 
-    /// A number from 0 up to 1.
+    /// Random number from 0 up to 1.
     pub fn unit(&mut self) -> f64 {
         (self.next() >> 11) as f64 / (1_u64 << 53) as f64
     }
 
-    /// A number between `low` and `high`, rounded to `step`.
+    /// Random number between `low` and `high`, rounded to `step`.
     pub fn between(&mut self, low: f64, high: f64, step: f64) -> f64 {
         let number = low + (high - low) * self.unit();
         (number / step).round() * step

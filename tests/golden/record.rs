@@ -1,10 +1,10 @@
-//! An output as fields: paths with numbers, truth values and texts.
+//! Record of outputs: fields by path with numbers, booleans and texts.
 
 use std::collections::BTreeMap;
 
 use serde_json::Value;
 
-/// Fields that no comparison can use: times, machines, versions, and residuals that are nothing but rounding.
+/// Keys of values that cannot be compared: times, machines, versions, and residuals, which are rounding errors.
 const VOLATILE: [&str; 17] = [
     "date",
     "dt_error",
@@ -25,13 +25,13 @@ const VOLATILE: [&str; 17] = [
     "residual_mean",
 ];
 
-/// Most numbers of a list that are kept; of longer ones as many, evenly spaced, and the length.
+/// Maximum number of list elements that are kept; of a longer list as many evenly spaced elements, and its length.
 const MAX_KEPT: usize = 8;
 
-/// Fields by their paths. A list of tables is kept as a table of lists.
+/// Fields by path. A list of tables is stored as a table of lists.
 pub type Record = BTreeMap<String, Value>;
 
-/// Puts `value` into `record` under `path`; null and empty texts and lists are left out.
+/// Inserts `value` under `path`; null, empty texts and empty lists are omitted.
 pub fn insert(record: &mut Record, path: &str, value: &Value) {
     match value {
         Value::Null => {}
@@ -71,7 +71,7 @@ pub fn insert(record: &mut Record, path: &str, value: &Value) {
     }
 }
 
-/// Puts the columns of a table with commas into `record`.
+/// Inserts the columns of a comma-separated table.
 pub fn insert_csv(record: &mut Record, path: &str, text: &str) {
     let mut lines = text.lines().filter(|line| !line.starts_with('#'));
     let titles: Vec<&str> = lines.next().unwrap_or_default().split(',').collect();
@@ -89,7 +89,7 @@ pub fn insert_csv(record: &mut Record, path: &str, text: &str) {
     }
 }
 
-/// Puts the number of lines of a drawing or program into `record`, and the sum of all its numbers.
+/// Inserts the number of lines of a drawing or program, and the sum of all its numbers.
 pub fn insert_drawing(record: &mut Record, path: &str, text: &str) {
     let numbers = text.split(|c: char| !(c.is_ascii_digit() || c == '.')).filter_map(|word| word.parse::<f64>().ok());
     record.insert(format!("{path}.lines"), text.lines().count().into());

@@ -1,4 +1,5 @@
-//! Refused inputs and their messages: every key of every file with values that it cannot have, combinations, flags, and broken files.
+//! Refused inputs and their messages: invalid values of every key of every file, combinations, flags, and damaged
+//! files.
 
 use serde_json::Value;
 use toml::{Table, Value as Toml};
@@ -7,17 +8,17 @@ use crate::Case;
 use crate::place::Place;
 use crate::record::Record;
 
-/// Kind of file and dotted key, one a line.
+/// Kind of file and dotted key, one pair per line.
 const KEYS: &str = include_str!("inputs/keys.txt");
 
-/// Kind of file, and pairs of a text and its replacement, in quotes and with tabs between. Each file is refused before anything is
-/// computed, and compared on every run.
+/// Kind of file, and pairs of a text and its replacement, quoted and separated by tabs. Each file is refused before any
+/// computation, and compared in every run.
 const REPLACEMENTS: &str = include_str!("inputs/replacements.txt");
 
-/// Arguments, one command a line.
+/// Arguments of commands, one command per line.
 const FLAGS: &str = include_str!("inputs/flags.txt");
 
-/// What is tried for each key, in TOML; `-` leaves the key out.
+/// Values tried for each key, in TOML; `-` removes the key.
 const VALUES: [&str; 8] = ["-", "-1", "0", "1e300", "nan", "\"text\"", "[]", "true"];
 
 const SCENE: &str = include_str!("inputs/scene.toml");
@@ -28,7 +29,7 @@ const CAMPAIGN: &str = include_str!("inputs/campaign.toml");
 const LEARNED: &str = include_str!("inputs/material-learned.toml");
 const TABLE: &str = include_str!("inputs/flat.csv");
 
-/// Kinds of files, the text of each, and the command that reads it.
+/// Kinds of files: name, text, and the command that reads the file.
 const KINDS: [(&str, &str, &str); 10] = [
     ("scene", SCENE, "simulate @scene.toml"),
     ("design", DESIGN, "optimize @design.toml --no-explorer -o @out"),
@@ -46,7 +47,7 @@ const KINDS: [(&str, &str, &str); 10] = [
     ("campaign", CAMPAIGN, "campaign plan @campaign.toml -o @out"),
 ];
 
-/// One of so many is tried on every run.
+/// Every `QUICK_SHARE`-th key is tried in every run.
 const QUICK_SHARE: usize = 24;
 
 pub fn cases() -> Vec<Case> {
@@ -100,7 +101,7 @@ fn find(kind: &str) -> (&'static str, &'static str, &'static str) {
     *KINDS.iter().find(|(name, ..)| *name == kind).unwrap()
 }
 
-/// A folder with a file of each kind.
+/// Folder with a file of each kind.
 fn files() -> Place {
     let rest = &SCENE[SCENE.find("[pattern]").unwrap()..];
     let with_material = format!("material = \"material.toml\"\n{rest}");
@@ -125,7 +126,7 @@ fn files() -> Place {
     ])
 }
 
-/// The message about a file of this kind, or `accepted` with the exit code.
+/// Message about a file of this kind, or `accepted` with the exit code.
 fn outcome(kind: &str, text: &str, command: &str) -> Value {
     let place = files();
     place.write(&format!("{kind}.toml"), text.as_bytes());
@@ -136,7 +137,7 @@ fn outcome(kind: &str, text: &str, command: &str) -> Value {
     if accepted { format!("accepted, {code}").into() } else { err.trim().into() }
 }
 
-/// The outcome for the file of this kind with another value of a key.
+/// Outcome for the file of this kind with a changed value of a key.
 fn spoiled(kind: &str, key: &str, value: &str) -> Value {
     let (_, text, command) = find(kind);
     let mut table: Table = text.parse().unwrap();
@@ -166,7 +167,7 @@ fn replace(table: &mut Table, keys: &[&str], value: Option<Toml>) -> bool {
     }
 }
 
-/// Changes of the table of measurements.
+/// Replacements in the table of measurements.
 const TABLES: [(&str, &str); 16] = [
     ("mu_dynamic,", "mu_dynamik,"),
     ("force_n", "force_kn"),
@@ -194,7 +195,7 @@ fn table(from: &str, to: &str) -> (String, Value) {
     (format!("{from} -> {to}").replace('\n', "|"), format!("{code} {}", err.trim()).into())
 }
 
-/// Rows of a table with a static peak.
+/// Rows for a table with a static peak.
 const ROWS: [&str; 13] = [
     "50,2,15,0.248,0.002,0.20,0.01",
     "50,2,15,0.248,0.002,0.3,",
@@ -219,7 +220,7 @@ fn row(text: &str) -> (String, Value) {
     (format!("row {text}"), format!("{code} {}", err.trim()).into())
 }
 
-/// Maps that are refused or doubtful, and options.
+/// Refused or doubtful maps, and options.
 const MAPS: [(&str, &str); 22] = [
     ("", ""),
     ("# nothing\n", ""),

@@ -1,11 +1,11 @@
-//! Scenes of every planform, extent and fidelity, with parameters drawn from a fixed seed.
+//! Scenes of every planform, extent and fidelity, with random parameters from a fixed seed.
 
 use crate::Case;
 use crate::place::{Place, repository};
 use crate::random::Random;
 use crate::record::Record;
 
-/// How a scene is solved, and how many of the kind there are.
+/// Kinds of scenes by method, and the number of scenes of each kind.
 const KINDS: [(&str, usize); 9] = [
     ("flat", 8),
     ("plane-cell", 80),
@@ -18,10 +18,10 @@ const KINDS: [(&str, usize); 9] = [
     ("reference", 1),
 ];
 
-/// Drawn scenes that take more than ten seconds of one core.
+/// Scenes that take more than ten seconds of one core, by kind and number.
 const SLOW: [(&str, usize); 1] = [("space-strip", 2)];
 
-/// One of so many scenes is compared on every run.
+/// Every `QUICK_SHARE`-th scene is compared in every run.
 const QUICK_SHARE: usize = 6;
 
 /// Materials: a soft polymer, one like polyethylene on cast iron, and a stiff one with friction proportional to load.
@@ -64,7 +64,7 @@ pub fn cases() -> Vec<Case> {
     cases
 }
 
-/// A scene file.
+/// Creates a scene file.
 fn scene(kind: &str, random: &mut Random) -> String {
     let in_time = kind.contains("time") || kind == "reference";
     let in_space = kind.starts_with("space");
@@ -111,7 +111,7 @@ fn scene(kind: &str, random: &mut Random) -> String {
     )
 }
 
-/// A table `[pattern]`.
+/// Creates a table `[pattern]`.
 fn pattern(in_space: bool, in_time: bool, block_um: f64, random: &mut Random) -> String {
     let planform = if in_space {
         *random.choose(&[&"groove", &"square", &"rectangle", &"disc", &"polygon", &"crosshatch"])

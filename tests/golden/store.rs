@@ -1,4 +1,4 @@
-//! The kept outputs in a file of lines `field`, tab, value below `[case]`, and their comparison.
+//! Kept outputs, in files with lines of field, tab and value below `[case]`, and their comparison.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
@@ -8,26 +8,26 @@ use serde_json::Value;
 
 use crate::record::Record;
 
-/// Set where the kept outputs are written anew.
+/// Environment variable that makes the tests rewrite the kept outputs.
 pub const UPDATE: &str = "SLIPGRID_UPDATE_GOLDEN";
 
-/// Numbers whose difference over the greater one is below this are equal. Kept numbers have 10 digits, an error of up to 5e-10.
+/// Maximum relative difference of equal numbers. Kept numbers have 10 digits, which is an error of up to 5e-10.
 const MAX_RELATIVE_DIFFERENCE: f64 = 1e-9;
 
-/// Numbers below this are rounding errors of sums that vanish: all quantities have units in which they are above 1e-9.
+/// Numbers below this are rounding errors of vanishing sums: in their units, all quantities are above 1e-9.
 const ZERO: f64 = 1e-13;
 
-/// Texts from this length on are kept once for a file, and named by their hash where they occur.
+/// Minimum length of texts that are stored once per file and referenced by their hash.
 const MIN_SHARED: usize = 60;
 
-/// The kept outputs of a group.
+/// Kept outputs of a group.
 pub struct Store {
     path: PathBuf,
     cases: BTreeMap<String, Record>,
 }
 
 impl Store {
-    /// The outputs kept in `kept/<name>.txt`; none where the file is absent.
+    /// Reads the outputs in `kept/<name>.txt`; empty if the file is absent.
     pub fn read(name: &str) -> Self {
         let path = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/golden/kept")).join(name).with_extension("txt");
         let text = std::fs::read_to_string(&path).unwrap_or_default();
@@ -51,7 +51,7 @@ impl Store {
         Self { path, cases }
     }
 
-    /// Takes `found` over, with `all` in place of everything, and writes the file.
+    /// Stores the outputs `found`, with `all` instead of all others, and writes the file.
     pub fn update(mut self, found: Vec<(String, Record)>, all: bool) {
         if all {
             self.cases.clear();
@@ -72,7 +72,7 @@ impl Store {
         std::fs::write(&self.path, text).unwrap();
     }
 
-    /// Lines `case: field: kept -> found`; with `all`, also of cases that are kept and not found.
+    /// Differences as lines `case: field: kept -> found`; with `all`, also for kept cases that were not found.
     pub fn differences(&self, found: &[(String, Record)], all: bool) -> Vec<String> {
         let mut differences = Vec::new();
         let empty = Record::new();
@@ -92,7 +92,7 @@ impl Store {
     }
 }
 
-/// `old -> new`; of two long lists of the same length only the first item that differs.
+/// Formats a difference as `old -> new`; for two long lists of equal length only the first difference.
 fn difference(old: &Value, new: &Value) -> String {
     if let (Value::Array(olds), Value::Array(news)) = (old, new)
         && olds.len() == news.len()
@@ -118,7 +118,7 @@ fn are_equal(old: &Value, new: &Value) -> bool {
     }
 }
 
-/// `value` with the texts that `#hash` stands for.
+/// Replaces the references `#hash` in `value` by the shared texts.
 fn expand(value: Value, shared: &BTreeMap<String, Value>) -> Value {
     match value {
         Value::String(text) if text.starts_with('#') => shared.get(&text).cloned().unwrap_or(Value::String(text)),
@@ -127,7 +127,7 @@ fn expand(value: Value, shared: &BTreeMap<String, Value>) -> Value {
     }
 }
 
-/// `value` in JSON with numbers of 10 digits; long texts go into `shared`.
+/// Formats `value` as JSON with numbers of 10 digits; moves long texts to `shared`.
 fn shorten(value: &Value, shared: &mut BTreeMap<String, String>) -> String {
     match value {
         Value::Number(number) if number.is_f64() => {
@@ -148,7 +148,7 @@ fn shorten(value: &Value, shared: &mut BTreeMap<String, String>) -> String {
     }
 }
 
-/// Fowler, Noll and Vo's hash (FNV-1a) of 64 bits, folded to 32.
+/// Hash by Fowler, Noll and Vo (FNV-1a) of 64 bits, folded to 32.
 fn fnv(text: &str) -> u64 {
     let hash = text
         .bytes()

@@ -1,4 +1,4 @@
-//! Traces of a tribometer that are made here: kinds of columns, separators, motions and faults.
+//! Synthetic tribometer traces: kinds of columns, separators, motions and faults.
 
 use std::fmt::Write as _;
 
@@ -10,10 +10,11 @@ use crate::record::Record;
 /// Distance of a specimen from the axis, in metres.
 const RADIUS_M: f64 = 0.0381;
 
-/// Options of `traces` that fit a trace of [`rows`].
+/// Options of `traces` for a trace of [`rows`].
 const OPTIONS: &str = "--effective-radius-mm 38.1 --force-n 150 --speed-mm-s 0.05 --humidity-pct 40 --window-s 10,40";
 
-/// Time in s, friction coefficient and normal force in N of 45 s at 20 Hz: a peak at the onset of sliding, noise of 1 %.
+/// Rows of time in s, friction coefficient and normal force in N, for 45 s at 20 Hz with a peak at the onset of sliding
+/// and noise of 1 %.
 fn rows(seed: u64) -> Vec<[f64; 3]> {
     let mut random = Random::new(seed);
     let mut noise = move |size: f64| size * (0..4).map(|_| random.unit() - 0.5).sum::<f64>();
@@ -26,7 +27,7 @@ fn rows(seed: u64) -> Vec<[f64; 3]> {
         .collect()
 }
 
-/// A table with a comma between its fields.
+/// Table with commas between its fields; `line` formats a row.
 fn table(titles: &str, rows: &[[f64; 3]], line: impl Fn([f64; 3]) -> String) -> String {
     rows.iter().fold(format!("{titles}\n"), |mut text, row| {
         writeln!(text, "{}", line(*row)).unwrap();
@@ -34,12 +35,12 @@ fn table(titles: &str, rows: &[[f64; 3]], line: impl Fn([f64; 3]) -> String) -> 
     })
 }
 
-/// The plain kind of table.
+/// Table with time, torque and normal force.
 fn plain(rows: &[[f64; 3]]) -> String {
     table("time_s,torque_nm,normal_force_n", rows, |[t, mu, n]| format!("{t:.2},{:.5},{n:.3}", mu * n * RADIUS_M))
 }
 
-/// Name, table and options.
+/// Exports: name, table and options.
 fn exports() -> Vec<(&'static str, String, String)> {
     let good = rows(1);
     let changed = |change: &dyn Fn(usize, &mut [f64; 3])| {

@@ -1,5 +1,6 @@
-//! Outcomes of random legal scenes in time. Under Amontons-Coulomb friction with equal coefficients every pressure
-//! distribution slides at the same mu: the ratio is 1, whatever the pattern, and a run that says `converged` must say so.
+//! Outcomes of random valid scenes in time. Under Amontons-Coulomb friction with equal coefficients, every pressure
+//! distribution slides at the same mu: the ratio is 1 for any pattern, and every run with the status `converged` must
+//! have this ratio.
 
 use std::collections::BTreeMap;
 use std::sync::LazyLock;
@@ -15,10 +16,12 @@ use slipgrid_springblock::{
 };
 use slipgrid_tests::Quoted;
 
-/// Rounding, and changes of mu that the test of stationarity calls noise.
+/// Tolerance of the ratio for rounding, and for changes of mu that the test of stationarity cannot distinguish from
+/// noise.
 const RESOLVED: f64 = 2e-4;
-/// Standard errors beyond which a ratio is wrong, and beyond which one of a hundred may be: a standard error from twenty batches
-/// is exceeded five times in 8e-5 and three times in 7e-3 of cases (Student's t, 19 degrees of freedom).
+/// Number of standard errors beyond which a ratio is wrong, and beyond which one in a hundred may be. A standard error
+/// from twenty batches is exceeded five times in 8e-5 and three times in 7e-3 of cases (Student's t, 19 degrees of
+/// freedom).
 const WRONG: f64 = 5.0;
 const RARE: f64 = 3.0;
 
@@ -26,7 +29,7 @@ fn logarithmic(least: f64, most: f64) -> impl Strategy<Value = f64> {
     (least.ln()..most.ln()).prop_map(f64::exp)
 }
 
-/// A groove `[width_um, spacing_um, depth_um]` under one load in a layer of 200 um.
+/// Scene of a groove `[width_um, spacing_um, depth_um]` under one load on a layer of 200 um.
 fn scene(material: [f64; 3], [pressure_pa, speed_m_s]: [f64; 2], groove_um: [f64; 3], run: RunOptions) -> Scene {
     let [modulus_pa, density_kg_m3, mu] = material;
     let [width_m, spacing_m, depth_m] = groove_um.map(|length_um| length_um * 1e-6);
@@ -42,7 +45,8 @@ fn scene(material: [f64; 3], [pressure_pa, speed_m_s]: [f64; 2], groove_um: [f64
     }
 }
 
-/// `count` scenes, always the same: bodies of 10 MPa to 10 GPa under 0.05 to 5 MPa at 0.5 to 50 mm/s.
+/// Reproducible sequence of `count` random scenes: moduli of 10 MPa to 10 GPa, pressures of 0.05 to 5 MPa, speeds of
+/// 0.5 to 50 mm/s.
 fn scenes(count: usize) -> Vec<Scene> {
     let material = (logarithmic(0.01e9, 10e9), 800.0..2000.0_f64, 0.05..0.8_f64);
     let load = (logarithmic(0.05e6, 5e6), logarithmic(0.5e-3, 50e-3));
@@ -62,40 +66,39 @@ fn outcome(scene: &Scene) -> LoadOutcome {
     simulate(scene, &Unwatched).unwrap().loads.remove(0)
 }
 
-/// The scenes that every run of the tests solves, with their outcomes; two tests read them.
+/// Scenes that every run of the tests solves, with their outcomes; shared by two tests.
 static FEW: LazyLock<Vec<(Scene, LoadOutcome)>> = LazyLock::new(|| solved(30));
 
 fn solved(count: usize) -> Vec<(Scene, LoadOutcome)> {
     scenes(count).into_par_iter().map(|scene| (scene.clone(), outcome(&scene))).collect()
 }
 
-/// The status that says most against either surface.
+/// Status of the patterned surface, or that of the flat one if the patterned surface converged.
 fn status(load: &LoadOutcome) -> Status {
     let flat = load.flat.as_ref().map_or(Status::Converged, |flat| flat.status);
     if load.surface.status == Status::Converged { flat } else { load.surface.status }
 }
 
-/// What the flat surface lacks of its sliding friction, or the patterned one, whichever lacks more.
+/// Largest reduction of friction below that of sliding blocks on either surface, relative.
 fn deficit(load: &LoadOutcome) -> f64 {
     let surfaces = std::iter::once(&load.surface).chain(&load.flat);
     surfaces.filter_map(|surface| surface.stick_slip_excess).fold(0.0, |most, excess| most.max(-excess))
 }
 
-/// Speed of the bulk times acoustic impedance over pressure: v sqrt(E rho) / P, the pressure that a block sends out when it
-/// stops, over the nominal one.
+/// Impedance number v sqrt(E rho) / P: the pressure that a block radiates when it stops, over the nominal pressure.
 fn impedance_number(scene: &Scene) -> f64 {
     let impedance = (scene.elastic.youngs_modulus_pa() * scene.elastic.density_kg_m3()).sqrt();
     scene.speed_m_s * impedance / scene.loads[0].pressure_pa
 }
 
-/// How far the layer shears before it slides over the travel planned: mu P h / G, G = 3/8 E.
+/// Shear of the layer before it slides, mu P h / G with G = 3/8 E, over the planned travel.
 fn shear_number(scene: &Scene) -> f64 {
     let load = &scene.loads[0];
     let strain = load.friction.dynamic_mean() * load.pressure_pa / (0.375 * scene.elastic.youngs_modulus_pa());
     strain * scene.layer.height_m / scene.run.sliding_m
 }
 
-/// A row of the table: which scenes, in words, and whether one is of them.
+/// Row of the table: description of a set of scenes, and the test whether a scene belongs to it.
 type Region = (&'static str, fn(&Scene) -> bool);
 
 const REGIONS: [Region; 7] = [
@@ -108,8 +111,8 @@ const REGIONS: [Region; 7] = [
     ("above 3", |scene| shear_number(scene) >= 3.0),
 ];
 
-/// Of solved scenes: those that converged to another ratio than 1, the table of outcomes by region, row by row, and a sentence.
-/// Of those that converged at most one of a hundred is far from it by chance.
+/// Evaluates solved scenes: returns the converged scenes with a wrong ratio, the table of outcomes by region, and a
+/// sentence. Asserts that at most one in a hundred converged scenes is far from 1 by chance.
 fn wrong(solved: &[(Scene, LoadOutcome)]) -> (Vec<String>, Vec<String>, String) {
     let statuses = [Status::Converged, Status::SlidingWaves, Status::ShortWindow, Status::NoOnset]
         .map(|status| (status.name(), status));
@@ -155,8 +158,9 @@ fn equal_coefficients_give_ratio_one_in_two_thousand_scenes() {
     assert_eq!(quoted.differences().unwrap(), "");
 }
 
-/// Where every block grips alike, what friction lacks of that of sliding blocks is what it lacks of mu: also in a motion of one period
-/// throughout the body, of which any regular choice of instants would see some phases alone.
+/// With equal coefficients on all blocks, the excess of friction over that of sliding blocks equals the excess of mu.
+/// This also holds for a periodic motion of the whole body, of which samples at regular times would see a few phases
+/// only.
 #[test]
 fn the_excess_is_that_of_the_friction_reported() {
     let run = RunOptions { extent: Extent::Cell, warm_start: true, seed: 290, ..RunOptions::default() };
@@ -175,7 +179,8 @@ fn the_excess_is_that_of_the_friction_reported() {
     assert!(waves > 3);
 }
 
-/// A soft body shears by more than its first micrometres of travel: while friction grows, its mean is not that of sliding.
+/// A soft body shears farther than the first micrometres of travel. While friction still increases, its mean is not
+/// that of sliding, and the run must not converge.
 #[test]
 fn a_soft_body_is_not_converged_before_it_slides() {
     let cell = |travel_m: f64| {
@@ -195,7 +200,8 @@ fn a_soft_body_is_not_converged_before_it_slides() {
     }
 }
 
-/// Sliding at v sqrt(E rho)/P = 0.4 is carried by waves, in which blocks stick: cells and samples say different things.
+/// Sliding at v sqrt(E rho)/P = 0.4 is carried by waves, in which blocks stick. The status says so, because cells and
+/// samples give different results.
 #[test]
 fn sliding_waves_are_named_on_both_surfaces() {
     for (extent, warm_start) in [(Extent::Cell, true), (Extent::Sample, false), (Extent::Sample, true)] {

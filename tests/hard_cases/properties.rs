@@ -1,4 +1,4 @@
-//! What holds for any pattern, tried on random ones. The sequence of cases is fixed.
+//! Properties that hold for any pattern, tested on a fixed sequence of random ones.
 
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
@@ -7,13 +7,13 @@ use slipgrid_pattern::{Pattern, Planform};
 use slipgrid_springblock::{Extent, Fidelity, Layer, Scene, Status, Unwatched, simulate};
 use slipgrid_tests::polymer_scene;
 
-/// A runner whose cases are the same on every run.
+/// Test runner with the same cases in every run.
 fn runner(cases: u32) -> TestRunner {
     let config = Config { cases, failure_persistence: None, ..Config::default() };
     TestRunner::new_with_rng(config, TestRng::from_seed(RngAlgorithm::ChaCha, &[7; 32]))
 }
 
-/// Width, spacing and depth in micrometres, on blocks of 10 um in a layer of 100 um.
+/// Random width, spacing and depth, in micrometres, for blocks of 10 um in a layer of 100 um.
 fn dimensions() -> impl Strategy<Value = (f64, f64, f64)> {
     (5.0..150.0, 5.0..250.0, 1.0..99.0)
 }

@@ -1,11 +1,11 @@
-//! Invariance: the model knows no length, no stiffness and no time of its own.
+//! Invariance of the model under a change of the units of length, stiffness and time.
 
 use slipgrid_material::{Elastic, LocalFriction};
 use slipgrid_pattern::{Pattern, Planform};
 use slipgrid_springblock::{Extent, Fidelity, Layer, Load, RunOptions, Scene, Simulation, Unwatched, simulate};
 
-/// A scene with stiffness and pressure times 2^`stiffness`, lengths times 2^`length` and times as they
-/// are: density goes as stiffness over length squared.
+/// Scene with stiffness and pressure times 2^`stiffness`, lengths times 2^`length`, and unchanged times: density scales
+/// as stiffness over length squared.
 fn scaled(fidelity: Fidelity, stiffness: i32, length: i32) -> Scene {
     let (e, l) = (2_f64.powi(stiffness), 2_f64.powi(length));
     // Powers of two as base, so that scaling leaves every digit.

@@ -1,4 +1,4 @@
-//! Every file of `scenes/` through `slipgrid simulate`.
+//! Runs `slipgrid simulate` on every file of `scenes/`.
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -6,10 +6,10 @@ use std::time::Instant;
 use rayon::prelude::*;
 use serde_json::Value;
 
-/// Longest time that a scene may take, in seconds: none of them is large.
+/// Maximum time of a scene, in seconds; none of them is large.
 const LONGEST_S: f64 = 60.0;
 
-/// Statuses under which mu may be absent.
+/// Statuses for which mu may be absent.
 const WITHOUT_MU: [&str; 6] = ["no_load", "no_onset", "too_many_steps", "diverged", "not_converged", "cancelled"];
 
 fn files() -> Vec<PathBuf> {
@@ -19,13 +19,13 @@ fn files() -> Vec<PathBuf> {
     files
 }
 
-/// The table in the lines that begin with `#=`.
+/// Table in the lines that begin with `#=`.
 fn expectations(text: &str) -> toml::Table {
     let lines: Vec<&str> = text.lines().filter_map(|line| line.strip_prefix("#=")).collect();
     lines.join("\n").parse().unwrap()
 }
 
-/// Whether `found` is what `expected` says.
+/// Whether `found` satisfies `expected`.
 fn agrees(expected: &toml::Value, found: &Value) -> bool {
     match expected {
         toml::Value::String(name) if name == "null" => found.is_null(),
@@ -45,7 +45,7 @@ fn agrees(expected: &toml::Value, found: &Value) -> bool {
     }
 }
 
-/// What is wrong with the answer to `file`.
+/// Differences of the outcome for `file` from the expected one.
 fn complaints(file: &Path) -> Vec<String> {
     let text = std::fs::read_to_string(file).unwrap();
     let expected = expectations(&text);

@@ -1,4 +1,4 @@
-//! One monitor reaches every stage of the job.
+//! Checks that one monitor reaches every stage of the job.
 
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -9,7 +9,7 @@ use slipgrid_formats::Document;
 use slipgrid_formats::design::Design;
 use slipgrid_monitor::Monitor;
 
-/// Cancels some time after the stage called `stage` has begun.
+/// Monitor that cancels a given time after the stage `stage` has begun.
 struct Button {
     stage: String,
     after: Duration,
@@ -83,7 +83,7 @@ fn every_stage_ends_when_the_monitor_cancels() {
     }
 }
 
-/// Prints how long every stage of two jobs goes on after it was cancelled in its middle.
+/// Prints the time between cancelling and the end of a job, for every stage of two jobs.
 #[test]
 #[ignore = "measures times: prints a table"]
 fn seconds_from_cancelling_to_the_end() {

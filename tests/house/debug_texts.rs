@@ -1,10 +1,11 @@
-//! Keys of kept results are hashes of `Debug` texts: a text that leaves a field out would give two contents one key.
+//! Checks that `Debug` is derived. Keys of cached results are hashes of `Debug` texts, so that a text without one of
+//! the fields would give two contents the same key.
 
 use std::fs;
 
 use crate::rooms::{root, sources};
 
-/// Files that write `Debug` by hand, and why their keys stay right.
+/// Files that implement `Debug` by hand, and the reason why no key misses a field.
 const BY_HAND: [(&str, &str); 4] = [
     ("report/src/outputs.rs", "is written after all is computed, and is in no key"),
     ("springblock/src/space/layer.rs", "is a solver's work space, and is in no key"),

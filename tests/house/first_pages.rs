@@ -1,4 +1,4 @@
-//! The first pages of crates list what is there, and all of it where they say so.
+//! Checks that the modules listed on the first page of a crate exist, and that lists that claim to be complete are.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -7,7 +7,7 @@ fn crates() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap().join("crates")
 }
 
-/// What stands between backticks in the first cells of the rows below `heading`, in the page of a crate.
+/// Names in backticks in the first column of the table under `heading`, on the first page of a crate.
 fn listed<'a>(text: &'a str, heading: &str) -> Vec<&'a str> {
     let page = text.lines().filter_map(|line| line.strip_prefix("//! "));
     let rows = page.skip_while(|line| !line.starts_with(heading)).skip(2).take_while(|line| line.starts_with('|'));

@@ -1,4 +1,5 @@
-//! The house: which room may use which, what no library touches, and a program outside that does the main job.
+//! Structure of the workspace: allowed dependencies between crates, no access of libraries to the environment, and a
+//! program outside the workspace that does the main job.
 
 #![allow(
     clippy::unwrap_used,

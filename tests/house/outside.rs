@@ -1,10 +1,10 @@
-//! The example outside the workspace, which needs one crate of it.
+//! Checks the example outside the workspace, which depends on one of its crates.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-/// Where cargo puts what it builds.
+/// Target folder of cargo.
 fn target() -> PathBuf {
     Path::new(env!("CARGO_TARGET_TMPDIR")).parent().unwrap().to_owned()
 }
@@ -13,7 +13,7 @@ fn example() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap().join("crates/design/examples/design_job")
 }
 
-/// Runs `program` to its end and without, and looks at what it wrote.
+/// Runs `program` to the end and with cancellation, and checks the files that it wrote.
 fn try_out(program: &Path) {
     let folder = tempfile::tempdir().unwrap();
     let run =
@@ -28,7 +28,7 @@ fn try_out(program: &Path) {
     assert!(drawing.starts_with("999\nslipgrid") && drawing.trim_end().ends_with("EOF"));
 }
 
-/// Compiled with the library that the workspace has built: nothing else is named to the compiler.
+/// Compiles the example with the library that the workspace has built, without any other library on the command line.
 #[test]
 fn a_program_outside_does_the_main_job_and_cancels_it() {
     let compiled = target().join("release/deps");
@@ -66,8 +66,8 @@ fn a_program_outside_does_the_main_job_and_cancels_it() {
     panic!("{}", said.join("\n"));
 }
 
-/// Cargo with `--locked` refuses a lock file that lacks a dependency of a crate: that of a workspace of its own is not kept by the commands of
-/// this one.
+/// The lock file of the example contains every dependency of the crates. It belongs to another workspace and is not
+/// updated with this one, but cargo with `--locked` refuses it if a dependency is missing.
 #[test]
 fn the_lock_file_outside_has_what_the_crates_depend_on() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
@@ -91,7 +91,7 @@ fn the_lock_file_outside_has_what_the_crates_depend_on() {
     assert!(compared > 10, "{compared}");
 }
 
-/// Built by cargo, as its reader would, which compiles the libraries anew where the workspace's have other features.
+/// Builds the example with cargo, as its reader does; this compiles the libraries again if their features differ.
 #[test]
 #[ignore = "compiles the libraries again: two minutes"]
 fn cargo_builds_the_program_outside() {

@@ -1,10 +1,11 @@
-//! Crates use only those before them, and none but the command line and `disk` touch what is outside the process.
+//! Checks that crates depend only on earlier ones, and that only the command line and `disk` access anything outside
+//! the process.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// The crates in an order in which each uses only those before it.
+/// Crates in an order in which each depends only on earlier ones.
 const ROOMS: [&str; 26] = [
     "monitor",
     "units",
@@ -33,17 +34,17 @@ const ROOMS: [&str; 26] = [
     "book",
     "python",
 ];
-/// The one that has files, clock, console and environment.
+/// Crate that accesses files, clock, console and environment.
 const FRONT_DOOR: &str = "cli";
-/// What front doors share of the system: files and what is kept in them.
+/// Crate for the access to files and to the cache, shared by the front ends.
 const CELLAR: &str = "disk";
-/// The one whose `src` holds chapters; what its tests need stands in a folder beside them.
+/// Crate whose `src` holds the chapters of the book, and its folder with the code for the tests.
 const BOOK: [&str; 2] = ["book", "checks"];
-/// Another front door, which files, threads and signals of Python's process pass.
+/// Crate of the Python front end, which accesses files, threads and signals of Python's process.
 const PYTHON: &str = "python";
-/// Lines that the command line has at most.
+/// Upper limit of the number of lines of the command line.
 const MAX_LINES: usize = 4000;
-/// What reaches outside: files, clocks, the environment, the console, processes and a pool of threads for all.
+/// Code that accesses files, clocks, the environment, the console, processes, or the global thread pool.
 const OUTSIDE: [&str; 22] = [
     "std::fs",
     "File::open",
@@ -73,7 +74,7 @@ pub fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap().to_owned()
 }
 
-/// Every Rust file below `folder`.
+/// Collects all Rust files below `folder`.
 pub fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
     for entry in fs::read_dir(folder).unwrap().flatten() {
         let path = entry.path();
@@ -85,8 +86,8 @@ pub fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
     }
 }
 
-/// Lines of `text`, numbered from 1, without comments and without what is compiled for tests alone. In formatted text such an item
-/// ends with the first line of its own indentation that closes a brace or a statement.
+/// Lines of `text`, numbered from 1, without comments and without items that are compiled only for tests. In formatted
+/// text such an item ends with the first line of the same indentation that closes a brace or a statement.
 fn code(text: &str) -> Vec<(usize, &str)> {
     let mut kept = Vec::new();
     let mut lines = text.lines().enumerate();
@@ -130,8 +131,8 @@ fn libraries_touch_nothing_outside() {
     }
 }
 
-/// Rooms that read files and hold values: callers have no thread pool then, and rayon's own would outlive the call and not survive a
-/// fork.
+/// Crates that read files and hold values, and must not use rayon: their callers have no thread pool, and rayon's
+/// global pool would outlive the call and not survive a fork.
 const WITHOUT_THREADS: [&str; 13] = [
     "monitor",
     "units",
@@ -147,9 +148,10 @@ const WITHOUT_THREADS: [&str; 13] = [
     "formats",
     "disk",
 ];
-/// A file that reading needs, in a room that has threads.
+/// File that is needed for reading, in a crate that otherwise uses threads.
 const SEQUENTIAL: &str = "discrepancy/src/mixture.rs";
-/// Files of Python's room that release the interpreter: all others compute through these, in the pool of the process.
+/// Files of the Python crate that release the interpreter; all others call these functions, which use the pool of the
+/// process.
 const DETACHING: [&str; 3] = ["threads.rs", "watched.rs", "written.rs"];
 
 #[test]
@@ -195,7 +197,7 @@ fn every_room_uses_only_those_before_it() {
     }
 }
 
-/// What decides, or compares, in how many dimensions something is solved. Others ask `springblock` for what follows from it.
+/// Code that decides or compares the number of dimensions of a model; other crates ask `springblock` instead.
 const DIMENSIONS: [&str; 8] = [
     "Dimension::Plane",
     "Dimension::Space",
@@ -231,7 +233,7 @@ fn the_command_line_stays_small() {
     assert!(lines < MAX_LINES, "{lines} lines in the command line");
 }
 
-/// The versions of `package`s in a lock file, by their names.
+/// Versions of every package in the lock file of `workspace`, by name.
 fn locked(workspace: &str) -> BTreeMap<String, BTreeSet<String>> {
     let text = fs::read_to_string(root().join(workspace).join("Cargo.lock")).unwrap();
     let file: toml::Table = text.parse().unwrap();
@@ -243,7 +245,8 @@ fn locked(workspace: &str) -> BTreeMap<String, BTreeSet<String>> {
     versions
 }
 
-/// What both workspaces lock alike is compiled once where they share a target folder, and what one of them tested the other runs.
+/// Packages in both lock files have the same versions, so that a shared target folder compiles them once, and the
+/// example runs the tested versions.
 #[test]
 fn the_workspace_outside_uses_the_same_versions() {
     let (own, theirs) = (locked(""), locked("crates/design/examples/design_job"));

@@ -1,4 +1,4 @@
-//! What goes over a whole altitude map asks the monitor on its way, at least once every few rows.
+//! Checks that steps over a whole altitude map poll the monitor at least once every few rows.
 
 use std::io::BufReader;
 use std::path::Path;
@@ -16,7 +16,7 @@ use slipgrid_topography::{
     read_map,
 };
 
-/// Counts how often it is asked, cancels from some question on, and measures the longest time from one to the next.
+/// Monitor that counts polls, cancels from the poll `cancels_at` on, and measures the longest time between two polls.
 struct Polls {
     asked: AtomicUsize,
     cancels_at: usize,
@@ -28,7 +28,7 @@ impl Polls {
         Self { asked: AtomicUsize::new(0), cancels_at, longest: Mutex::new((Instant::now(), 0.0)) }
     }
 
-    /// What came before took its time from nobody who waits for an answer.
+    /// Restarts the clock, because nobody waits for the preparation before a step.
     fn begin(&self) {
         self.longest.lock().unwrap().0 = Instant::now();
     }
@@ -37,7 +37,7 @@ impl Polls {
         self.asked.load(Ordering::Relaxed)
     }
 
-    /// The longest time so far, in seconds.
+    /// Longest time between two polls so far, in seconds.
     fn longest_s(&self) -> f64 {
         self.tick();
         self.longest.lock().unwrap().1
@@ -56,7 +56,7 @@ impl Monitor for Polls {
     }
 }
 
-/// A rough, tilted face with square cavities and rims, a hole in the measurement, and spikes.
+/// Rough, tilted face with square cavities and rims, missing points, and spikes.
 fn face(pixels: usize) -> HeightMap {
     let rough = SelfAffine { pixels, side_m: 2e-3, max_wave: 16, ..SelfAffine::STAND_IN };
     let mut map = rough.map().unwrap();
@@ -85,7 +85,7 @@ fn face(pixels: usize) -> HeightMap {
     HeightMap::new(pixels, pixels, map.dx_m(), map.dy_m(), heights).unwrap()
 }
 
-/// A map, as a file and in every state that the steps of a measurement begin with.
+/// Map as a file, as read, and prepared for the steps of a measurement.
 struct Made {
     text: String,
     read: ReadMap,
@@ -108,7 +108,7 @@ impl Made {
     }
 }
 
-/// Steps of measuring a map, each with whether it went to its end.
+/// Step of measuring a map, which returns whether it was completed.
 type Step = (&'static str, fn(&Made, &Polls) -> bool);
 
 const STEPS: [Step; 10] = [
@@ -154,12 +154,12 @@ const STEPS: [Step; 10] = [
     }),
 ];
 
-/// Points along a side of the map that is measured again and again, and of a large one.
+/// Number of points along a side of the map that is measured repeatedly, and of a large one.
 const PIXELS: usize = 512;
 const LARGE: usize = 4096;
-/// Questions after the one that was answered with yes: callers ask again on their way out.
+/// Maximum number of polls after cancelling: callers poll again on their way out.
 const MAX_AFTER: usize = 64;
-/// Questions of one step on a large map from which on it has shown what it does: the iterations of a contact repeat themselves.
+/// Number of polls at which a step on a large map is cancelled, because the iterations of a contact repeat themselves.
 const ENOUGH: usize = 250_000;
 
 #[test]
@@ -179,7 +179,7 @@ fn a_step_over_a_map_asks_all_along_and_ends_wherever_it_is_cancelled() {
     }
 }
 
-/// Prints the longest time between two questions on a large map: cancelling takes as long at most.
+/// Prints the longest time between two polls on a large map, which is the maximum delay of cancelling.
 #[test]
 #[ignore = "measures times: prints a table"]
 fn seconds_between_questions_on_a_large_map() {

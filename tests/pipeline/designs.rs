@@ -1,10 +1,10 @@
-//! Every file in designs/ through the main job, from measurements to files for the laser.
+//! Runs the main job on every file in designs/, from measurements to files for the laser.
 
 use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 
-/// What each shipped design ends with. A design without an entry fails the test.
+/// Exit code and advice of each shipped design. A design without an entry fails the test.
 const ENDINGS: [(&str, u8, &str); 8] = [
     ("ldpe-any-humidity", 0, "trial"),
     ("ldpe-crosshatch", 0, "trial"),
@@ -26,12 +26,11 @@ fn slipgrid(arguments: &[&str]) -> (u8, String, String) {
     (code, String::from_utf8(out).unwrap(), String::from_utf8(err).unwrap())
 }
 
-/// A folder with the results of a shipped design in `results`, and what `result.json` holds.
 fn number(value: &Value) -> f64 {
     value.as_f64().unwrap_or_else(|| panic!("{value} is no number"))
 }
 
-/// Whether half of all samples or more lie on the accepted side of each end.
+/// Whether the median is on the accepted side of each limit.
 fn is_within(at: &Value) -> bool {
     let within = |end: &Value, is_beyond: fn(f64, f64) -> bool| {
         end.as_f64().is_none_or(|end| !is_beyond(number(&at["median"]), end))
@@ -39,6 +38,7 @@ fn is_within(at: &Value) -> bool {
     within(&at["target_low"], |median, low| median < low) && within(&at["target_high"], |median, high| median > high)
 }
 
+/// Runs `optimize` on a shipped design and checks its ending; returns the folder with `results`, and result.json.
 fn optimize(name: &str) -> (tempfile::TempDir, Value) {
     let (_, code, advice) = ENDINGS.into_iter().find(|(ending, ..)| *ending == name).unwrap();
     let folder = tempfile::tempdir().unwrap();

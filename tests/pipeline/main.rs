@@ -1,4 +1,4 @@
-//! Whole commands on the files that ship.
+//! Runs whole commands on the shipped files.
 
 #![allow(
     clippy::unwrap_used,

@@ -1,16 +1,16 @@
-//! A second material from raw traces: what the synthetic data were made with is found again.
+//! Calibrates a second material from raw traces and recovers the parameters of the synthetic data.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 
-/// What calibration/synthetic-polymer/make_traces.py takes.
+/// Parameters of calibration/synthetic-polymer/make_traces.py.
 const DYNAMIC_MEAN: f64 = 0.18;
 const SCALE_PA: f64 = 12e6;
 const DISCREPANCY: f64 = 0.95;
-/// It takes 1.5 % for the excess of dynamic over steady friction, which the model computes: the two may
-/// differ by a per cent.
+/// Tolerance of relative friction: the script assumes an excess of dynamic over steady friction of 1.5 %, and the model
+/// computes it; the two may differ by one percent.
 const EXCESS: f64 = 0.01;
 
 fn folder() -> PathBuf {

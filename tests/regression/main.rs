@@ -1,4 +1,4 @@
-//! Against our own past.
+//! Comparison with recorded results of earlier versions, and reproducibility.
 
 #![allow(
     clippy::unwrap_used,

@@ -1,4 +1,4 @@
-//! Calibration against the time integration that it serves.
+//! Calibration compared with the time integration that uses its coefficients.
 
 use slipgrid_calibrate::{Coefficients, Measurement, Problem, fit_coefficients};
 use slipgrid_material::LocalFriction;

@@ -1,5 +1,5 @@
-//! How often intervals hold the truth: two hundred laboratories that measure Young's modulus and flat friction with an error,
-//! and are told a ratio, flat friction and a local coefficient. The truth is solved by itself, at the true modulus.
+//! Coverage of intervals: two hundred laboratories measure Young's modulus and flat friction with errors and compute a
+//! ratio, flat friction and a local coefficient. The truth is solved separately, at the true modulus.
 
 use rayon::prelude::*;
 use slipgrid_calibrate::uncertainty::{InputUncertainty, ScaleError, Slopes};
@@ -11,23 +11,23 @@ use slipgrid_statistics::Noise;
 use slipgrid_tests::{Quoted, polymer_scene, published_groove};
 
 const REPLICATES: usize = 200;
-/// Standard deviation of a measured modulus over the true one: the published 0.08 of 0.38 GPa.
+/// Relative standard deviation of the measured modulus: the published 0.08 of 0.38 GPa.
 const MODULUS_STD: f64 = 0.21;
-/// The same of flat friction.
+/// Relative standard deviation of measured flat friction.
 const FRICTION_STD: f64 = 0.01;
 const PRESSURES_MPA: [f64; 4] = [0.65, 1.3, 1.95, 2.6];
-/// The 97.5 % point of the normal distribution.
+/// The 97.5 % quantile of the standard normal distribution.
 const NORMAL_95: f64 = 1.959_964;
 
-/// Persson's law with E* h'rms = 4 MPa times `stiffer`, of its own area curve.
+/// Area law from the area curve of Persson's theory, with E* h'rms = 4 MPa times `stiffer`.
 fn law(stiffer: f64) -> AreaLaw {
     let pressure_pa: Vec<f64> = (1..=400).map(|step| 0.05e6 * f64::from(step)).collect();
     let area: Vec<f64> = pressure_pa.iter().map(|p| persson_area_fraction(*p, 4e8 * stiffer, 0.01).unwrap()).collect();
     AreaLaw::from_area_curve(&pressure_pa, &area, THRESHOLD_PRESSURE_PA).unwrap()
 }
 
-/// Normal deviates, one in each of so many strata of equal chance, in a seeded order: a sample of two hundred that has few
-/// whims of its own.
+/// Normal deviates in random order, one in each of `count` strata of equal probability, which reduces the scatter of a
+/// sample of two hundred.
 fn stratified(count: usize, noise: &mut Noise) -> Vec<f64> {
     // Distribution function by the trapezoidal rule.
     const STEP: f64 = 1e-3;
@@ -47,7 +47,7 @@ fn stratified(count: usize, noise: &mut Noise) -> Vec<f64> {
     deviates
 }
 
-/// How often intervals held the truth, and how often it lay below and above that of 95 %.
+/// Counts of truths within the intervals, and below and above the 95 % interval.
 #[derive(Clone, Copy, Debug, Default)]
 struct Coverage {
     of: usize,
@@ -79,12 +79,12 @@ impl Coverage {
     }
 }
 
-/// What a coverage of 68 and 95 % may be found as in two hundred stratified replicates.
+/// Whether coverages of the 68 % and 95 % intervals are within the scatter of two hundred stratified replicates.
 fn covers([sixty, ninety]: [f64; 2]) -> bool {
     (66.0..=70.5).contains(&sixty) && (93.0..=97.0).contains(&ninety)
 }
 
-/// A ratio, its standard deviation, and how far the 68 % and the 95 % interval reach either way.
+/// Ratio, its standard deviation, and the distances to the lower and upper end of the 68 % and 95 % intervals.
 type Told = (f64, f64, [f64; 2], [f64; 2]);
 
 #[test]
@@ -151,7 +151,7 @@ fn intervals_of_patterned_ratios_hold_the_truth_as_often_as_they_say() {
 fn intervals_of_flat_friction_and_of_its_coefficient_hold_the_truth_as_often_as_they_say() {
     const PRESSURE_PA: f64 = 2.55e6;
     const MEAN: f64 = 0.32;
-    /// Of local coefficients: a short sample has a hundred of them.
+    /// Relative standard deviation of local coefficients; a short sample has a hundred of them.
     const SCATTER: f64 = 0.02;
     let base = polymer_scene(None, &[2.55], Fidelity::Dynamic, Extent::Sample).unwrap();
     let layer = Layer { length_m: 1000e-6, height_m: 40e-6, block_m: 10e-6, thickness_m: None };

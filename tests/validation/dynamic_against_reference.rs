@@ -1,16 +1,16 @@
-//! The fast time integration against the paper's: Runge-Kutta of order 4, 1 ns, exact springs.
+//! The fast time integration compared with that of the paper: Runge-Kutta of order 4, 1 ns, exact springs.
 
 use slipgrid_springblock::{Extent, Fidelity, Layer, LoadOutcome, Scene, Unwatched, simulate};
 use slipgrid_tests::{Quoted, polymer_scene};
 
-/// Friction and, on a patterned sample, the ratio, each with its standard error.
+/// Friction and, for a patterned sample, the ratio, each with its standard error.
 fn values(load: &LoadOutcome) -> Vec<(f64, f64)> {
     let surface = &load.surface;
     let friction = (surface.mu_dynamic.unwrap(), surface.mu_dynamic_stderr.unwrap());
     std::iter::once(friction).chain(load.ratio.map(|ratio| (ratio, load.ratio_stderr.unwrap()))).collect()
 }
 
-/// Compares both fidelities on `scene`: what each found, and its work in spring-force evaluations.
+/// Compares both fidelities on `scene`; returns their values and their site updates.
 fn compare(mut scene: Scene) -> ([Vec<(f64, f64)>; 2], [u64; 2]) {
     let outcomes = [Fidelity::Dynamic, Fidelity::Reference].map(|fidelity| {
         scene.run.fidelity = fidelity;
@@ -26,7 +26,7 @@ fn compare(mut scene: Scene) -> ([Vec<(f64, f64)>; 2], [u64; 2]) {
     (found, outcomes.map(|load| load.surface.cost.unwrap().site_updates))
 }
 
-/// Numbers to four decimals, as the book has them.
+/// Formats numbers with four decimals, as in the book.
 fn told(values: &[f64]) -> String {
     values.iter().map(|value| format!("{value:.4}")).collect::<Vec<_>>().join(", ")
 }

@@ -1,14 +1,14 @@
-//! How far dynamic friction of the flat surface lies above steady sliding, and the ratio of the published
-//! pattern to it, against what they depend on.
+//! Dependence of the excess of dynamic over steady friction, and of the ratio of the published pattern, on parameters
+//! of the scene.
 
 use slipgrid_material::LocalFriction;
 use slipgrid_springblock::{Extent, Fidelity, Layer, Scene, Unwatched, simulate};
 use slipgrid_tests::{Quoted, polymer_scene, published_groove};
 
-/// A number and its standard error.
+/// Number with its standard error.
 type Measured = (f64, f64);
 
-/// Dynamic over steady friction of the flat sample less one, and the ratio patterned over flat.
+/// Excess of dynamic over steady friction of the flat sample, and the ratio, patterned over flat.
 fn excess_and_ratio(change: impl Fn(&mut Scene)) -> [Measured; 2] {
     let pattern = Some(published_groove().unwrap());
     let mut scene = polymer_scene(pattern, &[1.3], Fidelity::Steady, Extent::Sample).unwrap();
@@ -26,8 +26,8 @@ fn excess_and_ratio(change: impl Fn(&mut Scene)) -> [Measured; 2] {
     ]
 }
 
-/// How far a contact block slips whose neighbours rest, over how far it slips in exact time: it starts where the
-/// friction it had gives way to a lower one with half a kick, and stands where it turns about the end of a step.
+/// Slip distance of a contact block with resting neighbours in steps of `step_ns`, over that in exact time. The block
+/// starts with half a kick when friction drops to a lower value, and stops where it reverses, near the end of a step.
 fn travel(step_ns: f64) -> f64 {
     /// sqrt(k/m) of the published polymer at blocks of 10 um, in 1/ns.
     const FREQUENCY_PER_NS: f64 = 0.056_273;

@@ -1,5 +1,5 @@
-//! Against others' numbers, or one of our methods against another. Long ones are ignored by default;
-//! the README says how to run them.
+//! Comparison with independent results, or of one method with another. Long tests are ignored by default; the README
+//! says how to run them.
 
 #![allow(
     clippy::unwrap_used,

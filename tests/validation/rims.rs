@@ -1,10 +1,10 @@
-//! Faces with rims in time: against the steady equilibrium, and one integrator against the other.
+//! Faces with rims in time, compared with the steady equilibrium, and one integrator compared with another.
 
 use slipgrid_pattern::{Pattern, Planform, Rim, RimProfile, Texture};
 use slipgrid_springblock::{Extent, Fidelity, Layer, RunOptions, Scene, Simulation, Status, Unwatched, simulate};
 use slipgrid_tests::polymer_scene;
 
-/// Grooves with flat rims two blocks wide.
+/// Scene of grooves with flat rims two blocks wide.
 fn scene(height_um: f64, pressures_mpa: &[f64], fidelity: Fidelity, extent: Extent) -> Scene {
     let rim = Rim::new(height_um * 1e-6, 20e-6, RimProfile::Flat).unwrap();
     let pattern = Pattern::new(Texture::new(Planform::Groove).with_rim(rim), 130e-6, 370e-6, 20e-6).unwrap();

@@ -1,4 +1,4 @@
-//! Steady sliding, which has no time, against time integration of the same draw.
+//! Steady sliding compared with time integration of the same draw.
 
 use slipgrid_pattern::{Pattern, Planform};
 use slipgrid_springblock::{Extent, Fidelity, Layer, LoadOutcome, Scene, Simulation, Unwatched, simulate};
@@ -11,7 +11,7 @@ fn both(mut scene: Scene) -> [Simulation; 2] {
     })
 }
 
-/// Departure of the ratio, and excess of dynamic over steady friction, at each load.
+/// Relative difference of the ratio, and excess of dynamic over steady friction, at each load.
 fn compare(scene: Scene) -> [Vec<f64>; 2] {
     let [steady, dynamic] = both(scene);
     let [mut departures, mut excess] = [Vec::new(), Vec::new()];
@@ -71,7 +71,8 @@ fn a_warm_start_reaches_the_same_sliding_as_a_start_from_rest() {
     assert!((cold - warm).abs() < 5e-4 * cold + 3.0 * cold_error.hypot(warm_error));
 }
 
-/// What time adds to ratios, by pattern and load, in per cent of them: the same draws of the local coefficients in both.
+/// Relative change of ratios from steady sliding to sliding in time, in percent, by pattern and load, for equal draws
+/// of the local coefficients.
 #[test]
 #[ignore = "five minutes: finds a table of the book, evidence/verification.md"]
 fn what_time_adds_to_ratios() {

@@ -1,4 +1,4 @@
-//! What the confirming run of the main job costs and how far off it is, by its travel and its draws.
+//! Cost and error of the main job's confirming run, by its travel and its draws.
 
 use slipgrid_pattern::{Pattern, Planform};
 use slipgrid_springblock::{
@@ -6,12 +6,12 @@ use slipgrid_springblock::{
 };
 use slipgrid_tests::{Quoted, polymer_scene};
 
-/// Draws of local coefficients, each run by itself.
+/// Number of draws of the local coefficients, each in a run of its own.
 const DRAWS: u64 = 6;
-/// Travel of the runs that the others are judged by, over the one that is planned for.
+/// Travel of the reference runs over the planned travel.
 const LONG: f64 = 6.0;
 
-/// The longest strip of the main job's design.
+/// Scene of the longest strip of the main job's design.
 fn scene() -> Scene {
     let pattern = Pattern::new(Planform::Groove, 75.3e-6, 167e-6, 18.2e-6).unwrap();
     let scene = polymer_scene(Some(pattern), &[0.65, 1.3, 1.95, 2.6], Fidelity::Dynamic, Extent::Sample).unwrap();
@@ -19,7 +19,8 @@ fn scene() -> Scene {
     Scene { layer, run: RunOptions { warm_start: true, dimensions: Some(2), ..scene.run }, ..scene }
 }
 
-/// Every load with the draw `seed`, `travel` times as far as planned for and until the standard error is small enough.
+/// Outcomes of every load with the draw `seed`, after `travel` times the planned travel and until the standard error is
+/// reached.
 fn run(travel: f64, seed: u64) -> Vec<LoadOutcome> {
     let mut scene = scene();
     let planned_m =
@@ -37,7 +38,7 @@ fn root_mean_square(values: impl Iterator<Item = f64>) -> f64 {
     (sum / count).sqrt()
 }
 
-/// Times are those of site updates, which two cores make 2e9 of a second: counts are the same on any machine.
+/// Cost is given in site updates, which do not depend on the machine; two cores do 2e9 per second.
 #[test]
 #[ignore = "two minutes on two cores: finds a table of the book, evidence/speed.md"]
 fn the_confirming_run_is_as_long_as_its_error_asks_for() {

@@ -1,11 +1,11 @@
-//! Interface pressure of a cell of squares against finite elements: trilinear hexahedra by scikit-fem, their own mesh,
-//! equations and solver (`cell_pressure.py` beside this file made the table beside it).
+//! Interface pressure of a cell of squares compared with finite elements: trilinear hexahedra by scikit-fem with its
+//! own mesh, equations and solver (`cell_pressure.py` in this folder wrote the table).
 
 use slipgrid_pattern::{Pattern, Planform};
 use slipgrid_springblock::{SpaceLattice, SpaceLoad, SpaceSteadyModel, Status};
 
-/// Mean pressures over the nominal one on squares of 10 um: mu, x and y in micrometres, the value extrapolated to
-/// vanishing elements and, last, what its extrapolation changed.
+/// Rows of the table for squares of 10 um: mu, x and y in micrometres, mean pressure over the nominal one extrapolated
+/// to vanishing elements, and the change by the extrapolation.
 fn table() -> Vec<[f64; 5]> {
     include_str!("cell_pressure.csv")
         .lines()
@@ -18,7 +18,7 @@ fn table() -> Vec<[f64; 5]> {
         .collect()
 }
 
-/// Largest and root mean square difference from the table in blocks of `block_um`, over the nominal pressure.
+/// Largest and root mean square difference from the table for blocks of `block_um`, relative to the nominal pressure.
 fn difference(mu: f64, block_um: f64) -> [f64; 2] {
     let pattern = Pattern::new(Planform::Square, 60e-6, 100e-6, 20e-6).unwrap();
     let rows = (80.0 / block_um).round() as usize;
@@ -43,7 +43,8 @@ fn difference(mu: f64, block_um: f64) -> [f64; 2] {
     [largest, (differences.iter().map(|d| d * d).sum::<f64>() / differences.len() as f64).sqrt()]
 }
 
-/// Root mean squares fall about as the blocks do, largest ones, at corners and edges, by two thirds of it.
+/// The root mean square difference decreases about in proportion to the block size, the largest one, at corners and
+/// edges, somewhat more slowly.
 #[test]
 fn pressure_under_squares_converges_to_that_of_finite_elements() {
     for (mu, root_mean_square, largest) in [(0.0, 0.006, 0.017), (0.27, 0.0095, 0.036)] {
