@@ -22,7 +22,7 @@ pub struct ModelledRatio {
     pub load: Load,
     /// The ratio.
     pub ratio: f64,
-    /// How its logarithm follows what all textures have in common.
+    /// Sensitivity of its logarithm to unknowns shared by all textures.
     pub sensitivity: Sensitivity,
 }
 

@@ -44,7 +44,7 @@ impl Answer {
     /// Checks that the numbers can be results of the model at `loads` loads.
     ///
     /// # Errors
-    /// What is wrong, and what would be right.
+    /// [`Fault`] with the reason and the expected values.
     pub fn check(&self, loads: usize) -> Result<(), Fault> {
         let positive = |value: f64| value > 0.0 && value <= LARGEST;
         if self.ratio.len() != loads {

@@ -255,7 +255,7 @@ impl<'a> SteadyModel<'a> {
     /// condition. In space the guide's blocks are used, which change slopes by one fifth, unless rims are narrower.
     ///
     /// # Errors
-    /// Those of `change`.
+    /// The error of `change`.
     pub fn beside<E>(&self, change: impl FnOnce(&Scene) -> Result<Scene, E>) -> Result<Self, E> {
         let asked = change(self.serving_guide().unwrap_or(&self.asked))?;
         Ok(self.of_scenes(asked.clone(), asked))

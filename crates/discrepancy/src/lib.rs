@@ -31,7 +31,7 @@
 //! | [`Predictor`], [`Prediction`] | prediction for a texture at given loads: quantiles, covariance, chance to be on target |
 //! | [`Contradiction`] | two samples of one texture that differ by more than the stated scatter |
 //! | [`leave_out`] | cross-validation: every trial and every condition predicted from all others |
-//! | [`Wanted`], [`Score`] | chance that a sample is on target, and what ranks textures |
+//! | [`Wanted`], [`Score`] | chance that a sample is on target, and ranking of textures |
 //! | [`Scenarios`] | truths drawn from the mixture, in which several samples are evaluated jointly |
 //!
 //! This crate solves no contact and opens no files.

@@ -175,7 +175,7 @@ impl Discrepancy {
     /// Learns from other trials with an unchanged prior.
     ///
     /// # Errors
-    /// Those of [`Discrepancy::new`].
+    /// [`DiscrepancyError`] as for [`Discrepancy::new`].
     pub fn with_trials(&self, trials: Vec<Trial>) -> Result<Self, DiscrepancyError> {
         Self::new(self.hyperparameters().clone(), self.conditions, self.modulus_relative_std(), trials)
     }

@@ -1,7 +1,7 @@
 //! Clipping of polygons that need not be convex to the specimen's outline.
 //!
-//! As in [`crate::clip`], the parts of the polygon's boundary inside the outline are joined along the outline
-//! anticlockwise, each end to the next start, in any order.
+//! The parts of the polygon's boundary inside the outline are joined along the outline anticlockwise, each end to the
+//! next start, in any order, as in [`crate::clip`].
 
 use std::f64::consts::TAU;
 

@@ -28,8 +28,7 @@
 //! | [`csv`], [`corners_csv`], [`hatch_csv`] | tables of the cavities, their corners, the lines |
 //! | [`height_map`], [`HeightMap`] | surface as a 16-bit PNG |
 //! | [`stl`], [`check_stl`] | removed volume as closed solids |
-//! | [`ProcessSheet`], [`ProcessInput`], [`WorkSheet`], [`Tolerances`], [`MaterialNote`] | process sheet for the
-//! operator of the laser, as TOML |
+//! | [`ProcessSheet`], [`ProcessInput`], [`WorkSheet`], [`Tolerances`], [`MaterialNote`] | process sheet for the operator of the laser, as TOML |
 //! | [`SectorsSheet`], [`SectorSheet`], [`DividedSheet`], [`MEASURE_EACH_ALONE`] | process sheet of sectors |
 //! | [`ExportError`] | reasons why nothing can be exported |
 //!

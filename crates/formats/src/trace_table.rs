@@ -146,7 +146,7 @@ pub(crate) struct TraceReader<'d> {
     window_s: [f64; 2],
     reciprocating: bool,
     stroke_share: Option<f64>,
-    /// With the file position of the key.
+    /// Times between which the zero of the sensors is read, in seconds, with the file position of the key.
     zero_s: Option<Zero>,
     /// Every named export, with its path in the table and its line.
     named: Vec<(Export, Option<u32>)>,

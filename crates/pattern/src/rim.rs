@@ -147,7 +147,8 @@ impl Rim {
     /// increasing depth; heights are interpolated linearly, and constant outside the table.
     ///
     /// # Errors
-    /// As [`Self::new`]; [`PatternError::RimHeights`] for no pair, more than 8 pairs, or depths that do not increase.
+    /// The errors of [`Self::new`], and [`PatternError::RimHeights`] for no pair, more than 8 pairs, or depths that do
+    /// not increase.
     pub fn following_depth(heights_m: &[[f64; 2]], width_m: f64, profile: RimProfile) -> Result<Self, PatternError> {
         let ascends = heights_m.windows(2).all(|pair| pair[0][0] < pair[1][0]);
         let is_depth = heights_m.iter().all(|[depth_m, _]| depth_m.is_finite() && *depth_m >= 0.0);

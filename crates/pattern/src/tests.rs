@@ -47,7 +47,7 @@ fn further_kinds(width: f64, spacing: f64, spacing_across: f64) -> Vec<Pattern> 
     textures.map(pattern).to_vec()
 }
 
-/// All of these patterns.
+/// All patterns of [`kinds`] and [`further_kinds`].
 fn all_kinds(width: f64, spacing: f64, length: f64, spacing_across: f64) -> Vec<Pattern> {
     [kinds(width, spacing, length, spacing_across), further_kinds(width, spacing, spacing_across)].concat()
 }

@@ -271,7 +271,7 @@ impl TrialsReport {
         )
     }
 
-    /// What the trials say of the form of the discrepancy, in one sentence.
+    /// Describes the form of the discrepancy that the trials identify, in one sentence.
     fn form_in_words(&self) -> String {
         match &self.identified {
             Some(family) => format!("the trials say that the discrepancy grows with {family}"),

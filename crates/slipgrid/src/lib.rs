@@ -1,6 +1,6 @@
 //! Laser-textured surfaces for a target dry friction: every library of slipgrid under one name.
 //!
-//! | room | what happens there |
+//! | room | content |
 //! |---|---|
 //! | [`topography`] | altitude maps: read, levelled, measured |
 //! | [`traces`] | tribometer traces: read, averaged, their static peak and stick-slip found |
@@ -8,19 +8,19 @@
 //! | [`material`] | elastic constants, local friction, the area law |
 //! | [`pattern`] | planforms and their lengths |
 //! | [`springblock`] | friction of a pattern: steady cells, runs in time, in the plane and in space |
-//! | [`specimen`] | the same on the specimen that a pattern is cut into |
-//! | [`calibrate`] | measurements on samples to a material, with errors |
-//! | [`discrepancy`] | what the model lacks on textured samples, learned from trials |
+//! | [`specimen`] | friction of a pattern on the specimen that it is cut into |
+//! | [`calibrate`] | from measurements on samples to a material with errors |
+//! | [`discrepancy`] | deviation of textured samples from the model, learned from trials |
 //! | [`optimize`] | targets, bounds, limits and tolerances |
 //! | [`design`] | **the main job**: predict a cut sample, search, confirm in time |
 //! | [`export`] | layouts on a specimen and the files of a laser |
 //! | [`formats`] | scene, design, calibration and material files |
-//! | [`results`], [`report`] | records of what was found; text, charts and pages drawn from them |
+//! | [`results`], [`report`] | records of results; text, charts and pages drawn from them |
 //! | [`studies`] | the program's own evidence |
 //! | [`campaign`] | many scenes or designs as tasks that any machine can do |
 //! | [`monitor`], [`units`], [`statistics`] | progress and cancelling; units of files; deviates and quantiles |
 //!
-//! From Python the same is `slipgrid.Design.read("design.toml").optimize()`: `crates/python`.
+//! From Python, `slipgrid.Design.read("design.toml").optimize()` does the main job: see `crates/python`.
 //!
 //! No library opens a file, reads a clock, prints, or touches the environment: bytes come through
 //! [`formats::source::Files`], time and cancelling through [`monitor::Monitor`].
@@ -66,9 +66,10 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! That design stands alone: a document of [`Document::new`](formats::Document::new) has no files beside it, and what names a material, a
-//! calibration or a drawing is refused. A [`Document::within`](formats::Document::within) has those of a source. Files of a disk are
-//! `slipgrid_disk::disk()`, of the crate `slipgrid-disk` beside this one:
+//! The design in this example stands alone: a document of [`Document::new`](formats::Document::new) has no other files,
+//! and a key that names a material, a calibration or a drawing is refused.
+//! [`Document::within`](formats::Document::within) gives a document the files of a source. The source for files on a
+//! disk is `slipgrid_disk::disk()`, from the crate `slipgrid-disk`:
 //!
 //! ```
 //! use slipgrid::formats::{Document, design::Design};

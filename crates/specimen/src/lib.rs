@@ -14,8 +14,7 @@
 //! | type | role |
 //! |---|---|
 //! | [`simulate_on`], [`strips_on`] | solves a scene on a specimen, dynamic or steady, or steady followed by dynamic |
-//! | [`SteadyOnFace`], [`time_changes_on`] | corrects steady ratios for a specimen and for sliding in time at low cost,
-//! for trials |
+//! | [`SteadyOnFace`], [`time_changes_on`] | corrects steady ratios for a specimen and for sliding in time at low cost, for trials |
 //! | [`Laid`], [`on_face`] | areal density of a design and its samples on a face, and the ratio that follows |
 //!
 //! On a disc as wide as eleven periods, the border leaves some squares out, and friction is reduced less:

@@ -330,7 +330,7 @@ fn clip(columns: &mut Vec<Column>, column: Column, left: f64) {
 /// one block, and the depth leaves at least one row.
 ///
 /// # Errors
-/// Those of [`Pattern::new`]; none occur for a positive block size.
+/// The errors of [`Pattern::new`]; none occur for a positive block size.
 pub fn nearest_whole(pattern: &Pattern, block_m: f64, rows: usize) -> Result<Pattern, slipgrid_pattern::PatternError> {
     let whole = |length_m: f64| columns_in(round_if_whole(length_m / block_m)) as f64 * block_m;
     let deepest_m = (rows.max(2) - 1) as f64 * block_m;

@@ -81,7 +81,7 @@ pub fn simulate(scene: &Scene, monitor: &dyn Monitor) -> Result<Simulation, Scen
 /// The tilt of the pressure is not included, because it depends on the whole specimen.
 ///
 /// # Errors
-/// Those of [`simulate`].
+/// The errors of [`simulate`].
 pub fn simulate_strip(scene: &Scene, strip: &Strip, monitor: &dyn Monitor) -> Result<(Simulation, f64), SceneError> {
     let run = RunOptions { extent: Extent::Strip, dimensions: Some(Dimension::Space.number()), ..scene.run };
     let blocks = (strip.length_m / scene.layer.block_m).round().max(1.0);

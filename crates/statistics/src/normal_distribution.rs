@@ -1,11 +1,11 @@
-//! The normal distribution of one number and of several: probabilities and quantiles, the same on every platform.
+//! Normal distribution of one and of several variables: probabilities and quantiles, identical on all platforms.
 
 use std::ops::Range;
 use std::sync::LazyLock;
 
-/// Shares of p about one half that the central approximation of the quantile holds for.
+/// Maximum distance of p from one half for the central approximation of the quantile.
 const CENTRAL: f64 = 0.425;
-/// Where the approximation of the far tail begins.
+/// Value of sqrt(-ln p) above which the approximation of the far tail is used.
 const FAR: f64 = 5.0;
 
 /// Probability that a standard normal deviate is below `x`.
@@ -22,8 +22,8 @@ fn normal_density(x: f64) -> f64 {
     AT_ZERO * libm::exp(-0.5 * x * x)
 }
 
-/// The deviate below which a standard normal one lies with probability `p`: to 16 digits, by algorithm AS 241 (M. J. Wichura,
-/// Appl. Stat. 37, 477). Infinite at 0 and 1, and no number outside.
+/// Quantile of the standard normal distribution at the probability `p`, to 16 digits, by algorithm AS 241 (M. J.
+/// Wichura, Appl. Stat. 37, 477). Infinite at 0 and 1, NaN outside.
 #[must_use]
 pub fn normal_quantile(p: f64) -> f64 {
     if !(0.0..=1.0).contains(&p) {
@@ -47,7 +47,7 @@ pub fn normal_quantile(p: f64) -> f64 {
     if q < 0.0 { -size } else { size }
 }
 
-/// Two polynomials, the highest power last, one over the other.
+/// Ratio of two polynomials in `x`, with coefficients by increasing power.
 fn rational(top: &[f64; 8], bottom: &[f64; 8], x: f64) -> f64 {
     let value = |of: &[f64; 8]| of.iter().rev().fold(0.0, |sum, c| sum * x + c);
     value(top) / value(bottom)
@@ -114,12 +114,13 @@ const FAR_BOTTOM: [f64; 8] = [
     2.044_263_103_389_939_8e-15,
 ];
 
-/// Newton steps towards a quantile of a mixture at most, and the error of its probability that ends them, which is that of the tables.
+/// Newton iteration for the quantile of a mixture: maximum number of steps, and the error of the probability at which
+/// it ends, which is that of the tables.
 const MAX_STEPS: usize = 100;
 const MAX_OFF: f64 = 5e-9;
 
-/// The value below which a share `p` of a mixture of normal distributions lies; each has a weight, a mean and a standard deviation, and all
-/// weights sum to 1. The probability of less is `p` to 1e-8; no number without a part.
+/// Quantile of a mixture of normal distributions at the probability `p`. Each of `parts` has a weight, a mean and a
+/// standard deviation; the weights sum to 1. The probability is met to 1e-8. NaN without parts.
 #[must_use]
 pub fn mixture_quantile(parts: &[[f64; 3]], p: f64) -> f64 {
     let tables: &Tables = &TABLES;
@@ -161,17 +162,19 @@ pub fn mixture_quantile(parts: &[[f64; 3]], p: f64) -> f64 {
     if parts.is_empty() { f64::NAN } else { value }
 }
 
-/// Nodes of the table of probabilities per unit of x, from -END to END: beyond it lies less than 1e-15.
+/// Table of probabilities from -END to END: number of nodes per unit of x, and END, beyond which the probability is
+/// less than 1e-15.
 const PER_UNIT: f64 = 32.0;
 const END: f64 = 8.0;
-/// Nodes of the table of quantiles, and the least probability that it serves: a node more and a nearer end cost memory for digits that
-/// no chance shows.
+/// Table of quantiles: number of nodes, and minimum tabulated probability. More nodes or a smaller minimum would cost
+/// memory for digits that no chance shows.
 const QUANTILES: usize = 1024;
 const MIN_TABULATED: f64 = 0.02;
 
-/// Probabilities and quantiles between nodes, for [`BoxRule`], which asks for millions: a sixth of the time of the functions above.
+/// Interpolated probabilities and quantiles for [`BoxRule`], which needs millions of them; they take a sixth of the
+/// time of the functions above.
 struct Tables {
-    /// Probability and its change to the next node by the slopes at both.
+    /// Probabilities at the nodes, each with its slope per node distance.
     probability: Vec<[f64; 2]>,
     quantile: Vec<[f64; 2]>,
 }
@@ -193,8 +196,8 @@ static TABLES: LazyLock<Tables> = LazyLock::new(|| {
     }
 });
 
-/// Coefficients of the cubic between the nodes about `along`, in nodes from the first, by the values and slopes of `nodes`, and the place
-/// between them.
+/// Coefficients of the cubic Hermite polynomial between the nodes around `along`, which counts nodes from the first,
+/// and the position between these nodes, from 0 to 1.
 fn cubic(nodes: &[[f64; 2]], along: f64) -> ([f64; 4], f64) {
     // Within the nodes: the cast is exact.
     let place = (along as usize).min(nodes.len() - 2);
@@ -205,7 +208,8 @@ fn cubic(nodes: &[[f64; 2]], along: f64) -> ([f64; 4], f64) {
     ([from, slope_from, rise - slope_from - third, third], along - place as f64)
 }
 
-/// Cubic Hermite interpolation at `along`, in nodes from the first, between the values and slopes of `nodes`.
+/// Interpolates the values and slopes `nodes` by cubic Hermite polynomials at `along`, which counts nodes from the
+/// first.
 fn interpolate(nodes: &[[f64; 2]], along: f64) -> f64 {
     let ([c0, c1, c2, c3], t) = cubic(nodes, along);
     c0 + t * (c1 + t * (c2 + t * c3))
@@ -217,7 +221,7 @@ impl Tables {
         interpolate(&self.probability, (x.clamp(-END, END) + END) * PER_UNIT)
     }
 
-    /// The same with its slope, which is the density to 2e-6.
+    /// [`normal_probability`] to 4e-9, and its derivative, the density, to 2e-6.
     fn probability_and_density(&self, x: f64) -> [f64; 2] {
         if x.abs() >= END {
             return [if x < 0.0 { 0.0 } else { 1.0 }, 0.0];
@@ -240,12 +244,12 @@ impl Tables {
 /// 141) on the points frac(k sqrt(p)) of a Richtmyer lattice.
 #[derive(Clone, Debug)]
 pub struct BoxRule {
-    /// Square roots of primes, one for each component but the first: two alike would move together.
+    /// Square roots of different primes, one for each component except the first; two equal ones would correlate.
     roots: Vec<f64>,
 }
 
 impl BoxRule {
-    /// The rule for vectors of `n` components.
+    /// Creates the rule for vectors of `n` components.
     #[must_use]
     pub fn new(n: usize) -> Self {
         let is_prime =
@@ -254,8 +258,9 @@ impl BoxRule {
         Self { roots: primes.take(n.saturating_sub(1)).map(|prime| f64::from(prime).sqrt()).collect() }
     }
 
-    /// Mean over `points` of the lattice. `factor` is the lower triangular factor L of the covariance L L^T, row by row, n x n; rows of zeros
-    /// are exact components. The terms of a mixture take consecutive `points`: their errors are independent, as if the sum were one integral.
+    /// Probability as the mean over `points` of the lattice. `factor` is the lower triangular factor L of the
+    /// covariance L L^T, n x n, row by row; rows of zeros are exact components. For a mixture, give its terms
+    /// consecutive `points`: their errors are then independent, as if the sum were one integral.
     #[must_use]
     pub fn probability(&self, mean: &[f64], factor: &[f64], [lower, upper]: [&[f64]; 2], points: Range<usize>) -> f64 {
         let n = mean.len();
@@ -312,8 +317,8 @@ mod tests {
     use super::*;
     use crate::Normals;
 
-    /// Probability by [`BoxRule`] on 512 points: exact for one component, to some 5e-4 root mean square for two to six that have
-    /// most of what scatters in common.
+    /// Probability by [`BoxRule`] with 512 points: exact for one component, with a root mean square error of about 5e-4
+    /// for two to six components whose scatter is mostly common.
     fn box_probability(mean: &[f64], factor: &[f64], lower: &[f64], upper: &[f64]) -> f64 {
         BoxRule::new(mean.len()).probability(mean, factor, [lower, upper], 0..512)
     }
@@ -400,8 +405,8 @@ mod tests {
         }
     }
 
-    /// Loads that have a factor in common, as an uncertain modulus gives them: narrow boxes, in which most draws of one component lie within
-    /// together.
+    /// Components with a common factor, as loads have by an uncertain modulus, in narrow boxes: draws of all components
+    /// then are inside together.
     #[test]
     fn boxes_of_components_with_a_common_factor_are_those_of_an_integral_over_it() {
         let mut normals = Normals::new(3);
@@ -431,7 +436,8 @@ mod tests {
         assert!(squares.sqrt() < 1e-3, "{}", squares.sqrt());
     }
 
-    /// Factor, mean and ends of a box of loads that have some inputs in common, as conditions have: from narrow to wide.
+    /// Factor, mean and limits of a box for loads at several conditions, which share some inputs; from narrow to wide
+    /// at random.
     fn of_conditions(n: usize, normals: &mut Normals) -> [Vec<f64>; 4] {
         let common = 1.0 + normals.draw().abs();
         let mut factor = vec![0.0; n * n];
@@ -447,7 +453,7 @@ mod tests {
         [factor, mean, vec![-half; n], vec![half; n]]
     }
 
-    /// Of which every component needs points of its own.
+    /// Boxes of vectors with many components, each of which needs a lattice direction of its own.
     #[test]
     fn boxes_of_many_conditions_hold_the_share_of_draws_too() {
         let mut normals = Normals::new(5);

@@ -306,7 +306,7 @@ pub enum ReadError {
         format: &'static str,
         /// Name of the entry.
         field: &'static str,
-        /// Its value, empty if absent.
+        /// Value of the entry; empty if absent.
         value: String,
         /// Values accepted.
         expected: &'static str,

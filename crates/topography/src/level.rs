@@ -52,7 +52,7 @@ impl HeightMap {
     /// Like [`Self::subtract_plane`], but ends once `monitor` cancels.
     ///
     /// # Errors
-    /// Those of [`Self::subtract_plane`], and [`MapError::Cancelled`].
+    /// The errors of [`Self::subtract_plane`], and [`MapError::Cancelled`].
     pub fn subtract_plane_watched(&mut self, monitor: &dyn Monitor) -> Result<Plane, MapError> {
         let (cols, dx_m, dy_m) = (self.cols(), self.dx_m(), self.dy_m());
         let mut count = 0.0;

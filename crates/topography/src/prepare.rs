@@ -86,7 +86,7 @@ impl PreparedMap {
     /// replaced by its periodic component.
     ///
     /// # Errors
-    /// Those of [`PreparedMap::new`], and [`PreparationError::ImpossibleSlope`].
+    /// The errors of [`PreparedMap::new`], and [`PreparationError::ImpossibleSlope`].
     pub fn one_period(read: ReadMap, how: Preparation, monitor: &dyn Monitor) -> Result<Self, PreparationError> {
         let surface = Self::build(read, how, true, monitor)?.possible()?;
         let is_flat = surface.rms_slope < limits::POSSIBLE_SLOPE[0];

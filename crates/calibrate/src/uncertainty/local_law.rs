@@ -1,15 +1,17 @@
-//! Friction of the local pressure, where flat friction contradicts the area law.
+//! Local friction that depends on the local pressure, for materials whose flat friction contradicts the area law.
 //!
-//! Flat friction is mu(P) = c(P) f(P): f from the contact area, and a local coefficient c that changes with the nominal load P wherever
-//! measured friction does not go as f. Nothing says whether c follows the load on the sample or the pressure on each spot. The first is how a
-//! textured sample is modelled; by the second its local friction is
+//! Flat friction is mu(P) = c(P) f(P). The factor f follows from the contact area; the local coefficient c depends on
+//! the nominal load P if measured friction is not proportional to f. Measurements do not show whether c depends on the
+//! load on the sample or on the pressure on each spot. Textured samples are modelled with the former; with the latter
+//! their local friction is
 //!
 //! ```text
 //! f_c(p) = f(p) c(p) / c(P_1)
 //! ```
 //!
-//! with P_1 the lightest measured load: between measured loads measured friction itself. Below them c is that of P_1. Above the heaviest load P_n
-//! friction falls by as much of what f falls by as it did from P_1 to P_n, between all of it and nothing:
+//! where P_1 is the lightest measured load: between measured loads this is measured friction itself. Below them c is
+//! that of P_1. Above the heaviest load P_n, friction decreases by the same fraction of the decrease of f as between
+//! P_1 and P_n, limited to the range from none to all of it:
 //!
 //! ```text
 //! f_c(p) = f_c(P_n) [f(p) / f(P_n)]^s,     s = 1 - ln[c(P_n) / c(P_1)] / ln[f(P_1) / f(P_n)],     0 <= s <= 1
@@ -25,19 +27,22 @@ use super::first_order_propagation::{steady_cell, with_law};
 use super::material_uncertainty::{mean, shares};
 use crate::{CalibrationTask, Coefficients, Measurement};
 
-/// Straight parts of f_c from one measured load to the next, in which c and f are straight and their product bends a little, and beyond the last.
+/// Number of linear parts of f_c between two measured loads, and beyond the last. Between loads c and f are linear, and
+/// their product is slightly curved.
 const PARTS: usize = 8;
-/// Pressures that differ by no more than this share are one.
+/// Relative difference below which two pressures are equal.
 const SAME_PRESSURE: f64 = 1e-9;
-/// A fall of ln f over the measured loads that is smaller counts as this: errors of measured friction would decide what is missing of it.
+/// Minimum decrease of ln f over the measured loads; with a smaller one, errors of measured friction would determine
+/// the missing fraction.
 const MIN_FALL: f64 = 0.05;
-/// f_c is tabulated to this many times the heaviest measured load at least: edges of cavities bear ten times the nominal pressure.
+/// Minimum range of the table of f_c, as a multiple of the heaviest measured load: edges of cavities carry ten times
+/// the nominal pressure.
 const REACH: f64 = 20.0;
-/// Coefficients that differ by no more than this share are one.
+/// Relative difference below which two coefficients are equal.
 const SAME_COEFFICIENT: f64 = 1e-6;
 
-/// Friction of the flat samples of `task` as measured, condition by condition, pressures increasing, to the digits that a material file holds; none
-/// where one pair of coefficients holds at all loads, or no condition has two.
+/// Measured friction of the flat samples of `task`, by condition and increasing pressure, with the digits of a material
+/// file. Empty if one pair of coefficients holds at all loads, or if no condition has two measurements.
 pub(crate) fn flat_friction(task: &CalibrationTask) -> Vec<CoefficientEstimate> {
     let mut conditions: Vec<(Condition, Vec<CoefficientEstimate>)> = Vec::new();
     let measured: &[Measurement] = if task.coefficients == Coefficients::PerCondition { &task.flat } else { &[] };
@@ -67,7 +72,8 @@ pub(crate) fn flat_friction(task: &CalibrationTask) -> Vec<CoefficientEstimate> 
     conditions.into_iter().flat_map(sorted).collect()
 }
 
-/// f_c of the `area_law` and of `flat` friction as measured under `condition`; `None` where c is one at all loads, as where one was measured.
+/// Computes f_c from the `area_law` and the measured `flat` friction under `condition`; `None` if c is the same at all
+/// loads, for example with one measurement.
 #[must_use]
 pub fn local_law(area_law: &AreaLaw, flat: &[CoefficientEstimate], condition: Option<&Condition>) -> Option<AreaLaw> {
     let coefficient = |known: &CoefficientEstimate| {
@@ -115,16 +121,17 @@ pub fn local_law(area_law: &AreaLaw, flat: &[CoefficientEstimate], condition: Op
     AreaLaw::new(pressures_pa, factors).ok()
 }
 
-/// `scene` with friction that follows the local pressure by `law`, flat friction as it is.
+/// Replaces the area law of `scene` by `law`, so that local friction depends on the local pressure; flat friction is
+/// unchanged.
 ///
 /// # Errors
-/// [`MaterialError`] where that leaves no coefficients.
+/// [`MaterialError`] if no valid coefficients result.
 pub fn with_local_law(scene: &Scene, law: &AreaLaw) -> Result<Scene, MaterialError> {
     with_law(scene.clone(), Some(law.clone()), &vec![0.0; scene.loads.len()])
 }
 
-/// Change of the logarithm of the steady ratio of `pattern` in `scene` at each load where friction follows the local pressure by `law`; 0 where a
-/// ratio cannot be computed.
+/// Change of the logarithm of the steady ratio of `pattern` in `scene` at each load if local friction follows the local
+/// pressure by `law`; 0 if a ratio cannot be computed.
 #[must_use]
 pub fn local_law_changes(scene: &Scene, pattern: &Pattern, law: &AreaLaw) -> Vec<f64> {
     let cell = steady_cell(scene, pattern);

@@ -100,7 +100,7 @@ impl SteadySpecimen {
     /// Solves `scene` with its pattern laid out on `face`; `None` once `monitor` has cancelled.
     ///
     /// # Errors
-    /// Those of [`simulate_specimen`].
+    /// The errors of [`simulate_specimen`].
     pub fn new(scene: &Scene, face: &Face, monitor: &dyn Monitor) -> Result<Option<Self>, SceneError> {
         let pattern = validated_pattern(scene)?;
         let strips = || {
@@ -241,7 +241,7 @@ pub fn steady_face_ratios(
 /// longest strip; `None` if that run has no mean.
 ///
 /// # Errors
-/// Those of [`simulate_specimen`].
+/// The errors of [`simulate_specimen`].
 pub fn time_changes(scene: &Scene, face: &Face, monitor: &dyn Monitor) -> Result<Vec<Option<f64>>, SceneError> {
     Ok(TimedStrip::new(&without_thickness(scene), face, &validated_pattern(scene)?, monitor)?.change_on(face))
 }

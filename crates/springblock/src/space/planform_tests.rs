@@ -42,8 +42,7 @@ fn a_square_given_as_a_polygon_has_the_squares_ratio() {
     }
 }
 
-/// As in the plane, the peak over whole blocks follows the width, whatever the positions of the blocks at edges and
-/// corners.
+/// The peak over whole blocks depends on the width, but not on the positions of the blocks at edges and corners.
 #[test]
 fn the_peak_over_a_whole_block_does_not_depend_on_how_blocks_lie_on_edges() {
     let peak = |width_um: f64| {

@@ -33,7 +33,7 @@ fn tilted(map: &HeightMap) -> HeightMap {
     changed(map, |n, height| height + 20e-6 * (n / cols) as f64 / rows - 12e-6 * (n % cols) as f64 / cols as f64)
 }
 
-/// Without every `every`-th point, and without most of the steep walls.
+/// Removes every `every`-th point, and most points of the steep walls.
 fn holed(map: &HeightMap, every: usize) -> HeightMap {
     let cols = map.cols();
     changed(map, |n, height| {

@@ -52,7 +52,7 @@ impl HeightMap {
     /// Like [`Self::rms_slope_spectral`], but ends once `monitor` cancels.
     ///
     /// # Errors
-    /// Those of [`Self::rms_slope_spectral`], and [`MapError::Cancelled`].
+    /// The errors of [`Self::rms_slope_spectral`], and [`MapError::Cancelled`].
     pub fn rms_slope_watched(&self, monitor: &dyn Monitor) -> Result<f64, MapError> {
         self.require_complete()?;
         let mean_m = self.mean_m();

@@ -49,7 +49,7 @@ pub const LIMITED_BY_PIXELS: f64 = 0.4;
 pub struct ShortWaves {
     /// Upper limit of the wavelengths counted, in metres: four pixels of the longer side.
     pub below_m: f64,
-    /// Their fraction of the squared slope.
+    /// Fraction of the squared slope that these waves contribute.
     pub slope_share: f64,
 }
 

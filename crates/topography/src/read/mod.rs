@@ -112,7 +112,7 @@ impl MapFormat {
     }
 }
 
-/// What the caller knows about a file and wants from it; values given here have precedence over the header.
+/// Options for reading a map file; values given here take precedence over the header of the file.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ReadOptions {
     /// The format; `None` recognises it by content: titles x, y, z mean points, a header with width or height means a

@@ -19,7 +19,7 @@ const MAX_LEVELS: usize = 32;
 pub(super) enum Heights {
     /// In a file of the archive, optionally with a bit file for the valid points.
     File { path: String, valid: Option<String> },
-    /// In the index.
+    /// In the index itself.
     CoordinateListCheck(Vec<f64>),
 }
 

@@ -1,7 +1,7 @@
 //! Leapfrog on a cell of whole cubes in space, with linear springs and implicit damping.
 //!
-//! As in the plane, a run that starts from sliding in equilibrium stores deviations from that state in single
-//! precision.
+//! A run that starts from sliding in equilibrium stores deviations from that state in single precision, like the
+//! integrator in the plane.
 
 use std::ops::Range;
 

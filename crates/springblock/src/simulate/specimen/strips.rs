@@ -16,7 +16,7 @@ use crate::steady::{SteadyLoad, SteadyModel, factor_bytes};
 
 /// Maximum length of a strip that is solved whole, in heights of the layer.
 ///
-/// Of a longer strip both ends are solved, half of that length each, and the part between is replaced by periodic
+/// If a strip is longer, both ends are solved, half of that length each, and the part between is replaced by periodic
 /// cells. The effect of an end decays within one height, so that the error of the ratio is below 1e-5
 /// (`strips_are_their_ends_and_cells_between_them`). If cavities are not whole blocks, those of a whole strip have
 /// different positions relative to the blocks; those of the cell have one position, with a known effect of smaller

@@ -39,7 +39,7 @@ impl TimedStrip {
     /// Runs the longest strip of `face` with cavities of `pattern` at every load of `scene`.
     ///
     /// # Errors
-    /// Those of [`super::super::simulate`].
+    /// The errors of [`super::super::simulate`].
     pub fn new(scene: &Scene, face: &Face, pattern: &Pattern, monitor: &dyn Monitor) -> Result<Self, SceneError> {
         let strip = timed_strip(face.longest(), scene.layer.block_m);
         let part =
