@@ -52,7 +52,7 @@ pub struct PatternFile {
     pub angle_deg: Option<Number>,
     /// As in [`TextureFile`].
     pub crossing_angle_deg: Option<Number>,
-    /// As in [`TextureFile`].
+    /// Angle of the sliding direction from the specimen's x axis; 0 when absent.
     pub sliding_angle_deg: Option<Number>,
     /// Map of one period of the measured face, in place of rims.
     pub relief: Option<Spanned<String>>,
