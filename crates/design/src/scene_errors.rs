@@ -77,7 +77,6 @@ impl Solved<'_> {
         let flat = load.flat.as_ref();
         PressureErrors {
             pressure_mpa: PRESSURE_MPA.from_si(load.pressure_pa),
-            predicted: None,
             ratio: flat.map(|_| {
                 let ratio = load.ratio.map(|ratio| ratio * factor);
                 // A ratio corrected by steady sliding with equal draws has no error from the draws.

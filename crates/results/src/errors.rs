@@ -17,8 +17,6 @@ pub const BLOCKS: &str = "size of blocks";
 pub const BEHIND: &str = "specimen behind the layer";
 /// Source of an error of a run: the tilt of the pressure by friction.
 pub const TILT: &str = "tilt of the pressure";
-/// Source of an error of a search's prediction: its distance from the confirming run.
-pub const OFF_THE_RUN: &str = "distance from the confirming run";
 /// Source of an error of a static peak: the static coefficient. The relative error of the peak is at most its own.
 pub const STATIC: &str = "static coefficient";
 /// The 97.5 % quantile of the standard normal distribution.
@@ -45,9 +43,6 @@ pub struct ErrorsReport {
 pub struct PressureErrors {
     /// Nominal pressure.
     pub pressure_mpa: f64,
-    /// Value that a search predicts for the quantity of its target; always left out by `simulate`.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub predicted: Option<ErrorReport>,
     /// Ratio of dynamic friction, patterned over flat; left out for a flat scene.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ratio: Option<ErrorReport>,

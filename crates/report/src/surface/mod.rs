@@ -19,8 +19,7 @@ use slipgrid_topography::{
 };
 
 use slipgrid_formats::altitude_map::told;
-use slipgrid_results::fixed;
-use slipgrid_results::{SCHEMA, Table, VERSION};
+use slipgrid_results::{SCHEMA, SCREEN_WIDTH, Table, VERSION, fixed, wrapped};
 use slipgrid_units::{LENGTH_UM, tidy};
 
 /// Record that `surface --json` prints.
@@ -222,15 +221,26 @@ impl SurfaceReport {
         for warning in &self.warnings {
             text += &format!("! {warning}\n");
         }
-        let mut table = Table::new(["parameter", "value", ""]);
-        for (name, value, unit) in self.values() {
-            table.row([name.to_owned(), value, unit.to_owned()]);
+        // Two parameters a row, so that all fit on one screen.
+        let cells =
+            |(name, value, unit): &(&str, String, &str)| [(*name).to_owned(), value.clone(), (*unit).to_owned()];
+        let values = self.values();
+        let (left, right) = values.split_at(values.len().div_ceil(2));
+        let mut table = Table::new(["parameter", "value", "", "parameter", "value"]);
+        for (place, own) in left.iter().enumerate() {
+            table.row(cells(own).into_iter().chain(right.get(place).into_iter().flat_map(cells)));
         }
         text += &format!("\n{table}");
-        text += "  Sdq is by differences of neighbouring points; the rms slope is by the spectrum, of all waves that the map resolves, and \
-                 is the one that the area law takes\n";
+        let mut explain = |words: &str| text += &(wrapped(&format!("  {words}"), SCREEN_WIDTH, "  ", 3) + "\n");
+        explain(
+            "Sdq is by differences of neighbouring points; the rms slope is by the spectrum, of all waves that the map \
+             resolves, and is the one that the area law takes",
+        );
         if self.parameters.r#str.is_none() {
-            text += "  Str is not known: correlation does not fall to 0.2 in every direction within the map, as where a lay runs through it\n";
+            explain(
+                "Str is not known: correlation does not fall to 0.2 in every direction within the map, as where a lay runs \
+                 through it",
+            );
         }
         if let Some(cavities) = &self.cavities {
             text += &cavities.table();

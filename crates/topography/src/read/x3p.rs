@@ -91,7 +91,7 @@ pub(super) fn read(mut source: impl Read, options: &ReadOptions) -> Result<ReadM
                 at_end(&mut bits.source, FORMAT)?;
             }
         }
-        Heights::CoordinateListCheck(values) => {
+        Heights::List(values) => {
             if values.len() as u64 != index.points() {
                 let (expected, found) = (index.points(), values.len() as u64);
                 return Err(ReadError::Ended { format: FORMAT, what: "heights", expected, found });

@@ -20,7 +20,7 @@ pub(super) enum Heights {
     /// In a file of the archive, optionally with a bit file for the valid points.
     File { path: String, valid: Option<String> },
     /// In the index itself.
-    CoordinateListCheck(Vec<f64>),
+    List(Vec<f64>),
 }
 
 /// Content of the index.
@@ -171,7 +171,7 @@ impl Entries {
         let heights = match self.path {
             Some(path) => Heights::File { path, valid: self.valid },
             None if self.listed.is_empty() => return Err(missing("PointDataLink")),
-            None => Heights::CoordinateListCheck(self.listed),
+            None => Heights::List(self.listed),
         };
         let number = self.number.ok_or_else(|| missing("DataType of z"))?;
         let (offset_z_m, comments) = (self.offset_z_m, self.comments);
