@@ -61,7 +61,7 @@ pub fn polymer_scene(
         area_law: Some(persson_law()?),
         pattern,
         relief: None,
-        layer: Layer { length_m: 9960e-6, height_m: 200e-6, block_m: 10e-6, thickness_m: None },
+        layer: Layer { length_m: 9960e-6, height_m: 200e-6, block_m: 10e-6, thickness_m: None, holder: None },
         loads: pressures_mpa.iter().map(|p| Load { pressure_pa: p * 1e6, friction }).collect(),
         speed_m_s: 2e-3,
         run: RunOptions { fidelity, extent, ..RunOptions::default() },

@@ -38,7 +38,7 @@ fn scene(material: [f64; 3], [pressure_pa, speed_m_s]: [f64; 2], groove_um: [f64
         area_law: None,
         pattern: Some(Pattern::new(Planform::Groove, width_m, spacing_m, depth_m).unwrap()),
         relief: None,
-        layer: Layer { length_m: 1000e-6, height_m: 200e-6, block_m: 20e-6, thickness_m: None },
+        layer: Layer { length_m: 1000e-6, height_m: 200e-6, block_m: 20e-6, thickness_m: None, holder: None },
         loads: vec![Load { pressure_pa, friction: LocalFriction::new(mu, mu, 0.0).unwrap() }],
         speed_m_s,
         run: RunOptions { fidelity: Fidelity::Dynamic, ..run },
@@ -207,7 +207,7 @@ fn sliding_waves_are_named_on_both_surfaces() {
     for (extent, warm_start) in [(Extent::Cell, true), (Extent::Sample, false), (Extent::Sample, true)] {
         let run = RunOptions { extent, warm_start, ..RunOptions::default() };
         let mut scene = scene([5e9, 900.0, 0.27], [0.1e6, 20e-3], [60.0, 100.0, 20.0], run);
-        scene.layer = Layer { length_m: 960e-6, height_m: 100e-6, block_m: 10e-6, thickness_m: None };
+        scene.layer = Layer { length_m: 960e-6, height_m: 100e-6, block_m: 10e-6, thickness_m: None, holder: None };
         scene.loads[0].friction = LocalFriction::new(0.30, 0.27, 0.05).unwrap();
         let found = outcome(&scene);
         let flat = found.flat.unwrap();

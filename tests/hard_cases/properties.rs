@@ -21,7 +21,7 @@ fn dimensions() -> impl Strategy<Value = (f64, f64, f64)> {
 fn scene((width_um, spacing_um, depth_um): (f64, f64, f64), fidelity: Fidelity, extent: Extent) -> Scene {
     let pattern = Pattern::new(Planform::Groove, width_um * 1e-6, spacing_um * 1e-6, depth_um * 1e-6).unwrap();
     let mut scene = polymer_scene(Some(pattern), &[0.65, 2.6], fidelity, extent).unwrap();
-    scene.layer = Layer { length_m: 500e-6, height_m: 100e-6, block_m: 10e-6, thickness_m: None };
+    scene.layer = Layer { length_m: 500e-6, height_m: 100e-6, block_m: 10e-6, thickness_m: None, holder: None };
     scene.run.sliding_m = 0.1e-6;
     scene
 }

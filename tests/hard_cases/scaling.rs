@@ -15,7 +15,7 @@ fn scaled(fidelity: Fidelity, stiffness: i32, length: i32) -> Scene {
         area_law: None,
         pattern: Some(Pattern::new(Planform::Groove, 4.0 * block_m, 12.0 * block_m, 2.0 * block_m).unwrap()),
         relief: None,
-        layer: Layer { length_m: 64.0 * block_m, height_m: 8.0 * block_m, block_m, thickness_m: None },
+        layer: Layer { length_m: 64.0 * block_m, height_m: 8.0 * block_m, block_m, thickness_m: None, holder: None },
         loads: vec![Load { pressure_pa: 1.3e6 * e, friction: LocalFriction::new(0.30, 0.27, 0.05).unwrap() }],
         speed_m_s: 2e-3 * l,
         run: RunOptions { fidelity, extent: Extent::Cell, sliding_m: 0.5e-6 * l, ..RunOptions::default() },

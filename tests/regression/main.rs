@@ -14,7 +14,7 @@ fn results_do_not_depend_on_the_number_of_threads() {
     for fidelity in [Fidelity::Steady, Fidelity::Dynamic] {
         let mut scene =
             polymer_scene(Some(published_groove().unwrap()), &[0.65, 2.6], fidelity, Extent::Sample).unwrap();
-        scene.layer = Layer { length_m: 1000e-6, height_m: 100e-6, block_m: 10e-6, thickness_m: None };
+        scene.layer = Layer { length_m: 1000e-6, height_m: 100e-6, block_m: 10e-6, thickness_m: None, holder: None };
         scene.run.sliding_m = 0.2e-6;
         let [one, two] = [1, 2].map(|threads| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();

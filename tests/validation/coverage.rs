@@ -154,7 +154,7 @@ fn intervals_of_flat_friction_and_of_its_coefficient_hold_the_truth_as_often_as_
     /// Relative standard deviation of local coefficients; a short sample has a hundred of them.
     const SCATTER: f64 = 0.02;
     let base = polymer_scene(None, &[2.55], Fidelity::Dynamic, Extent::Sample).unwrap();
-    let layer = Layer { length_m: 1000e-6, height_m: 40e-6, block_m: 10e-6, thickness_m: None };
+    let layer = Layer { length_m: 1000e-6, height_m: 40e-6, block_m: 10e-6, thickness_m: None, holder: None };
     // Another draw of local coefficients than calibrations have.
     let run = RunOptions { seed: 77, warm_start: true, sliding_m: 1e-6, ..base.run };
     let load = Load { pressure_pa: PRESSURE_PA, friction: LocalFriction::new(MEAN / 0.9, MEAN, SCATTER).unwrap() };

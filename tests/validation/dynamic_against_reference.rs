@@ -34,7 +34,7 @@ fn told(values: &[f64]) -> String {
 #[test]
 fn a_thin_flat_strip_slides_alike() {
     let mut scene = polymer_scene(None, &[1.3], Fidelity::Dynamic, Extent::Sample).unwrap();
-    scene.layer = Layer { length_m: 2000e-6, height_m: 50e-6, block_m: 10e-6, thickness_m: None };
+    scene.layer = Layer { length_m: 2000e-6, height_m: 50e-6, block_m: 10e-6, thickness_m: None, holder: None };
     scene.run.sliding_m = 0.3e-6;
     let ([dynamic, reference], [fast, slow]) = compare(scene);
     let mut quoted = Quoted::new("verification").unwrap();

@@ -57,7 +57,7 @@
 //!     coefficients: Coefficients::PerCondition,
 //!     relative_std: 0.05,
 //!     static_over_dynamic: 0.30 / 0.27,
-//!     layer: Layer { length_m: 9960e-6, height_m: 200e-6, block_m: 10e-6, thickness_m: None },
+//!     layer: Layer { length_m: 9960e-6, height_m: 200e-6, block_m: 10e-6, thickness_m: None, holder: None },
 //!     seed: 1,
 //!     selection: Selection::default(),
 //!     notes: Vec::new(),

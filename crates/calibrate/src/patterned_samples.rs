@@ -5,7 +5,6 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 use slipgrid_contact::AreaPoint;
-use slipgrid_export::Specimen;
 use slipgrid_material::{AreaLaw, Condition, Elastic, LocalFriction, MaterialError};
 use slipgrid_monitor::Monitor;
 use slipgrid_pattern::{Pattern, ReliefMap};
@@ -15,7 +14,7 @@ use slipgrid_units::PRESSURE_MPA;
 
 use crate::area_law::area_law;
 use crate::uncertainty::{flat_friction, local_law};
-use crate::{CalibrationError, CalibrationTask, Measurement};
+use crate::{CalibrationError, CalibrationTask, CutSpecimen, Measurement};
 use slipgrid_monitor::Part;
 
 /// Step of ln E for the sensitivity: small against the error of the modulus, large against rounding errors.
@@ -52,8 +51,8 @@ pub(crate) struct Model<'a> {
     pub law: (Option<&'a AreaLaw>, &'a [AreaPoint]),
     pub pattern: Pattern,
     pub relief: Option<Arc<ReliefMap>>,
-    /// Thickness of the specimen, in metres, if it differs from that of the task.
-    pub thickness_m: Option<f64>,
+    /// Specimen into which the sample was cut.
+    pub specimen: CutSpecimen,
 }
 
 impl Model<'_> {
@@ -68,18 +67,16 @@ impl Model<'_> {
         Ok(self.apply_face(&self.cells(0.0, pairs, monitor)?, on_face))
     }
 
-    /// Modelled ratios with d ln(ratio) / d ln(E), on the face `cut` if given. Also returns the correction for the
-    /// face.
+    /// Modelled ratios with d ln(ratio) / d ln(E), on the face if given. Also returns the correction for the face.
     pub fn sensitive_ratios(
         &self,
         pairs: &[Pair],
-        cut: Option<&Specimen>,
         monitor: &dyn Monitor,
     ) -> Result<(Vec<Sensitive>, Option<SteadyOnFace>), CalibrationError> {
         let third = Part::new(monitor, 1.0 / 3.0);
         let steps = [-LOG_MODULUS_STEP, 0.0, LOG_MODULUS_STEP];
         let (on_face, cells) = rayon::join(
-            || cut.map_or(Ok(None), |cut| self.face_correction(cut, pairs, &Part::new(monitor, 0.0))),
+            || self.face_correction(pairs, &Part::new(monitor, 0.0)),
             || steps.par_iter().map(|&step| self.cells(step, pairs, &third)).collect::<Result<Vec<_>, _>>(),
         );
         let on_face = on_face?;
@@ -154,25 +151,22 @@ impl Model<'_> {
         cells.iter().enumerate().map(|(place, cell)| on_face.ratio((*cell)?, &self.pattern, place)).collect()
     }
 
-    /// Computes the correction of `cut` for infinite patterns at `pairs`.
-    fn face_correction(
-        &self,
-        cut: &Specimen,
-        pairs: &[Pair],
-        monitor: &dyn Monitor,
-    ) -> Result<Option<SteadyOnFace>, CalibrationError> {
+    /// Computes the correction of the face for infinite patterns at `pairs`; `None` without a face.
+    fn face_correction(&self, pairs: &[Pair], monitor: &dyn Monitor) -> Result<Option<SteadyOnFace>, CalibrationError> {
+        let Some(face) = &self.specimen.face else { return Ok(None) };
         let flat = self.without_rims();
         let own = if self.pattern.texture().is_one_section() { &flat } else { self };
         let Some(scene) = own.face_scene(pairs)? else { return Ok(None) };
-        Ok(Some(SteadyOnFace::new(&scene, &own.pattern, cut, monitor)?))
+        Ok(Some(SteadyOnFace::new(&scene, &own.pattern, face, monitor)?))
     }
 
     /// Memory, in bytes, that [`Self::face_correction`] takes.
-    pub fn face_bytes(&self, cut: &Specimen, pairs: &[Pair]) -> Result<f64, CalibrationError> {
+    pub fn face_bytes(&self, pairs: &[Pair]) -> Result<f64, CalibrationError> {
+        let Some(face) = &self.specimen.face else { return Ok(0.0) };
         let flat = self.without_rims();
         let own = if self.pattern.texture().is_one_section() { &flat } else { self };
         let Some(scene) = own.face_scene(pairs)? else { return Ok(0.0) };
-        SteadyOnFace::bytes(&scene, &own.pattern, cut).map_err(|error| match error {
+        SteadyOnFace::bytes(&scene, &own.pattern, face).map_err(|error| match error {
             SpecimenError::Scene(error) => error.into(),
             error => error.into(),
         })
@@ -191,15 +185,10 @@ impl Model<'_> {
         Ok(scene)
     }
 
-    /// Change of the ratio of each pair by sliding in time, on the face `cut` or for an infinite pattern. One run per
+    /// Change of the ratio of each pair by sliding in time, on the face or for an infinite pattern. One run per
     /// force, at the mean of flat friction, because the dependence on friction is below the error of the run. The
     /// pattern is run without rims.
-    pub fn time_changes(
-        &self,
-        pairs: &[Pair],
-        cut: Option<&Specimen>,
-        monitor: &dyn Monitor,
-    ) -> Result<TimeChanges, CalibrationError> {
+    pub fn time_changes(&self, pairs: &[Pair], monitor: &dyn Monitor) -> Result<TimeChanges, CalibrationError> {
         let task = self.task;
         let mut forces_n: Vec<f64> = pairs.iter().map(|[flat, _]| flat.force_n).collect();
         forces_n.sort_by(f64::total_cmp);
@@ -223,7 +212,7 @@ impl Model<'_> {
         if !scene.dimension().takes_strips() {
             return Ok(nothing(None));
         }
-        let added = match time_changes_on(&scene, cut, monitor) {
+        let added = match time_changes_on(&scene, self.specimen.face.as_ref(), monitor) {
             Ok(added) => added,
             Err(error) => return Ok(nothing(Some(format!("{TIME_CHANGE_UNKNOWN}: {error}")))),
         };
@@ -267,13 +256,14 @@ impl Model<'_> {
             (None, Some(_)) => 0.5 * layer.block_m,
             (None, None) => layer.block_m,
         };
-        let thickness_m = self.thickness_m.map(|thickness_m| thickness_m.max(layer.height_m)).or(layer.thickness_m);
+        let CutSpecimen { thickness_m, holder, .. } = self.specimen;
+        let thickness_m = thickness_m.map(|thickness_m| thickness_m.max(layer.height_m)).or(layer.thickness_m);
         Ok(Some(Scene {
             elastic,
             area_law,
             pattern: Some(self.pattern),
             relief: self.relief.clone(),
-            layer: Layer { block_m, thickness_m, ..layer },
+            layer: Layer { block_m, thickness_m, holder: holder.or(layer.holder), ..layer },
             loads,
             // Steady sliding does not depend on speed.
             speed_m_s: first.speed_m_s,

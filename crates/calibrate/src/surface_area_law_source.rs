@@ -302,7 +302,7 @@ mod tests {
             coefficients: Coefficients::PerCondition,
             relative_std: 0.05,
             static_over_dynamic: 1.1,
-            layer: Layer { length_m: 500e-6, height_m: 100e-6, block_m: 10e-6, thickness_m: None },
+            layer: Layer { length_m: 500e-6, height_m: 100e-6, block_m: 10e-6, thickness_m: None, holder: None },
             seed: 1,
             selection: Selection::default(),
             notes: Vec::new(),

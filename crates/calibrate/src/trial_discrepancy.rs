@@ -10,7 +10,7 @@ use slipgrid_export::Specimen;
 use slipgrid_material::AreaLaw;
 use slipgrid_monitor::{Monitor, Stage};
 use slipgrid_pattern::{Pattern, ReliefMap};
-use slipgrid_springblock::Dimension;
+use slipgrid_springblock::{Dimension, Holder};
 use slipgrid_units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, counted, tidy};
 
 use crate::patterned_samples::{Model, Pair, pair_measurements};
@@ -50,6 +50,8 @@ pub struct CutSpecimen {
     pub face: Option<Specimen>,
     /// Thickness, in metres, if it differs from that of the task's layer.
     pub thickness_m: Option<f64>,
+    /// How the specimen is held, if it differs from that of the task's layer.
+    pub holder: Option<Holder>,
 }
 
 /// Input for learning from trials.
@@ -103,10 +105,8 @@ pub fn sample_bytes(task: &CalibrationTask) -> Result<f64, CalibrationError> {
     let law = (None, &[][..]);
     let mut most = 0.0_f64;
     for cut in task.trials.samples.iter().filter(|sample| !sample.measured.is_empty()) {
-        let CutSpecimen { face, thickness_m } = cut.specimen;
-        let Some(face) = &face else { continue };
-        let model = Model { task, law, pattern: cut.pattern, relief: cut.relief.clone(), thickness_m };
-        most = most.max(model.face_bytes(face, &pair_measurements(task, &cut.measured))?);
+        let model = Model { task, law, pattern: cut.pattern, relief: cut.relief.clone(), specimen: cut.specimen };
+        most = most.max(model.face_bytes(&pair_measurements(task, &cut.measured))?);
     }
     Ok(most)
 }
@@ -182,14 +182,13 @@ fn trial(
 ) -> Result<(Trial, Option<String>), CalibrationError> {
     let axes: Vec<usize> = (0..3).filter(|axis| cut.dimensions_std_m[*axis] > 0.0).collect();
     let monitor = Part::new(monitor, 1.0 / (2 + axes.len()) as f64);
-    let CutSpecimen { face, thickness_m } = cut.specimen;
-    let model = |pattern: Pattern| Model { task, law, pattern, relief: cut.relief.clone(), thickness_m };
+    let model = |pattern: Pattern| Model { task, law, pattern, relief: cut.relief.clone(), specimen: cut.specimen };
     let pairs = pair_measurements(task, &cut.measured);
     let is_cheap = Dimension::of(None, cut.pattern.texture()).is_cheap_per_design();
     let solved_pairs = if is_cheap { SolvedPairs { solved: pairs.clone() } } else { SolvedPairs::new(&pairs) };
     let (steady, added) = rayon::join(
-        || model(cut.pattern).sensitive_ratios(&solved_pairs.solved, face.as_ref(), &monitor),
-        || model(cut.pattern).time_changes(&pairs, face.as_ref(), &Part::new(&monitor, 0.0)),
+        || model(cut.pattern).sensitive_ratios(&solved_pairs.solved, &monitor),
+        || model(cut.pattern).time_changes(&pairs, &Part::new(&monitor, 0.0)),
     );
     let ((steady, on_face), added) = (steady?, added?);
     let face = (&solved_pairs.solved[..], on_face.as_ref());

@@ -83,7 +83,7 @@ mod tests {
             area_law: Some(AreaLaw::new(vec![0.7e6, 2.6e6, 10e6], vec![1.0, 0.8, 0.3]).unwrap()),
             pattern: Some(Pattern::new(planform, 60e-6, 60e-6, 20e-6).unwrap()),
             relief: None,
-            layer: Layer { length_m: 120e-6, height_m: 40e-6, block_m: 10e-6, thickness_m: None },
+            layer: Layer { length_m: 120e-6, height_m: 40e-6, block_m: 10e-6, thickness_m: None, holder: None },
             loads: vec![Load { pressure_pa: 2e6, friction }],
             speed_m_s: 2e-3,
             run: RunOptions {

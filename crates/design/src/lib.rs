@@ -41,7 +41,7 @@
 //!     let target = Target::new(Quantity::Ratio, vec![TargetPoint { pressure_pa: 2.6e6, value: 0.9 }], 0.02)?;
 //!     let space = DesignSpace::new(Planform::Groove, [50e-6, 100e-6], [50e-6, 300e-6], [5e-6, 30e-6])?;
 //!     let specimen = Specimen { outline: Outline::Rectangle { length_m: 3e-3, width_m: 3e-3 }, is_clipped: false };
-//!     let layer = Layer { length_m: 3e-3, height_m: 60e-6, block_m: 10e-6, thickness_m: None };
+//!     let layer = Layer { length_m: 3e-3, height_m: 60e-6, block_m: 10e-6, thickness_m: None, holder: None };
 //!     let found = run(&DesignTask::new(material, target, space, specimen, layer), &mut NoCache, &Unwatched)?;
 //!     Ok((found.report.advice.to_string(), found.report.sample.modelled[0].ratio))
 //! };

@@ -63,7 +63,7 @@ impl Solved<'_> {
         let of_specimen = |times: Option<f64>| {
             // The discretization error is an upper bound, taken as two standard deviations.
             let blocks = load.ratio_discretization_error.map(|error| 0.5 * error);
-            let tilt = load.tilt_error().map(f64::abs);
+            let tilt = load.ratio_tilt_error.map(f64::abs);
             let each =
                 [(LAYOUT, load.ratio_layout_error), (BEHIND, load.ratio_layer_error), (TILT, tilt), (BLOCKS, blocks)];
             let part = move |(input, std): (&str, Option<f64>)| {
@@ -232,7 +232,7 @@ mod tests {
             area_law: Some(AreaLaw::new(vec![0.7e6, 10e6], vec![1.0, 0.4]).unwrap()),
             pattern: Some(if has_rims { squares.with_rim(rim) } else { squares }),
             relief: None,
-            layer: Layer { length_m: 1e-3, height_m: 60e-6, block_m: 10e-6, thickness_m: None },
+            layer: Layer { length_m: 1e-3, height_m: 60e-6, block_m: 10e-6, thickness_m: None, holder: None },
             loads: vec![Load { pressure_pa: 2.6e6, friction }],
             speed_m_s: 2e-3,
             run: RunOptions { draws: 2, sliding_m: 0.1e-6, ..RunOptions::default().from_sliding() },

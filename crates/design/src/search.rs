@@ -14,7 +14,7 @@ use slipgrid_monitor::{Monitor, Part as Share};
 use slipgrid_optimize::{ModelFailure, Tolerances, Violation};
 use slipgrid_pattern::Pattern;
 use slipgrid_specimen::simulate_on;
-use slipgrid_springblock::Simulation;
+use slipgrid_springblock::{Simulation, TILT_RELATIVE_ERROR};
 
 use crate::as_cut::{BeyondCells, CutTexture, Known};
 use crate::band::Asked;
@@ -22,7 +22,7 @@ use crate::between_designs::BetweenDesigns;
 use crate::confirmation::confirming_scene;
 use crate::constraint_quantities::{ConstraintQuantity, Limited};
 use crate::evaluation_cache::Answer;
-use crate::inputs::{Effect, Inputs, Part};
+use crate::inputs::{Effect, Inputs, Part, percent};
 use crate::prediction::Prediction;
 use crate::prepared_task::PreparedTask;
 use crate::steps::{Place, Steps, climb};
@@ -244,17 +244,19 @@ impl Search<'_> {
         self.predicted(CutTexture { known: Known::AsCut, ..cell.moved(&by_face).moved(&by_time) })
     }
 
-    /// Uncertainty of the tilt by friction in the specimen of `run`, because the mounting of the specimen is unknown. Its
-    /// share is equal at all loads and conditions.
+    /// Uncertainty of the tilt by friction in the specimen of `run`. Its share is equal at all loads and conditions.
     fn of_tilt(&self, run: &Simulation) -> Option<Part> {
         let log: Vec<f64> =
-            run.loads.iter().map(|load| load.tilt_error().unwrap_or(0.0) / load.ratio.unwrap_or(1.0)).collect();
+            run.loads.iter().map(|load| load.ratio_tilt_error.unwrap_or(0.0) / load.ratio.unwrap_or(1.0)).collect();
         let (n, count) = (self.asked.loads.len(), log.len());
         let most = log.iter().fold(0.0, |most: f64, own| most.max(own.abs()));
         let covariance = (0..n * n).map(|e| log[e / n % count] * log[e % n % count]).collect();
         (most > 0.0).then(|| Part {
             name: "tilt of the specimen",
-            known_to: "as nobody says how it is held".to_owned(),
+            known_to: match self.task.layer.holder {
+                None => "as nobody says how it is held".to_owned(),
+                Some(_) => percent(TILT_RELATIVE_ERROR),
+            },
             effect: Effect::Shared(covariance),
         })
     }

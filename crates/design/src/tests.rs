@@ -44,7 +44,7 @@ pub fn task(planform: Planform) -> DesignTask {
     let space = DesignSpace::new(planform, [60e-6, 300e-6], [100e-6, 700e-6], [5e-6, 30e-6]).unwrap();
     let specimen =
         slipgrid_export::Specimen { outline: slipgrid_export::Outline::Disc { diameter_m: 10e-3 }, is_clipped: false };
-    let layer = Layer { length_m: 10e-3, height_m: 100e-6, block_m: 20e-6, thickness_m: None };
+    let layer = Layer { length_m: 10e-3, height_m: 100e-6, block_m: 20e-6, thickness_m: None, holder: None };
     DesignTask::new(material, target, space, specimen, layer)
 }
 

@@ -10,7 +10,7 @@ use slipgrid_export::Specimen;
 use slipgrid_material::{AreaLaw, Elastic, Extrapolation};
 use slipgrid_monitor::Monitor;
 use slipgrid_pattern::Pattern;
-use slipgrid_springblock::Layer;
+use slipgrid_springblock::{Holder, Layer};
 use toml::Spanned;
 
 use super::calibration_file::{BulkFile, CalibrationFile};
@@ -60,6 +60,8 @@ pub struct Calibration {
     pub specimen_area_m2: f64,
     /// Thickness of the specimen, in metres, if stated.
     pub thickness_m: Option<f64>,
+    /// How the specimen is held, if stated.
+    pub holder: Option<Holder>,
     /// Measurements on flat samples.
     pub flat: Vec<Measurement>,
     /// Measurements on patterned samples; empty without any.
@@ -211,6 +213,7 @@ impl Calibration {
             threshold_pa,
             specimen_area_m2: specimens.area_m2,
             thickness_m: stated.thickness_m,
+            holder: stated.holder,
             flat: placed.iter().map(|row| row.measurement).collect(),
             patterned: patterned.iter().map(|row| row.measurement).collect(),
             traces,

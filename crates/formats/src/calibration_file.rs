@@ -76,6 +76,9 @@ pub struct FaceFile {
     /// Thickness of the elastic specimen with which patterned samples are modelled, 0.2 to 1000; that of the requesting
     /// design or 7 when absent.
     pub thickness_mm: Option<Number>,
+    /// How the specimen is held: `rigid` if the holder keeps it from turning, so that friction tilts the pressure, or
+    /// `self-aligning`; needs `thickness_mm`; that of the requesting design when absent.
+    pub holder: Option<Spanned<String>>,
     /// Cavities that cross the rim of patterned samples: `whole` if they were left out, `clipped` if they were cut;
     /// `whole` when absent.
     pub cavities: Option<Spanned<String>>,

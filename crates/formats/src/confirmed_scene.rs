@@ -107,6 +107,7 @@ impl DesignScene<'_> {
                 length_um: None,
                 layer_um: Some(micrometres(self.layer.height_m)),
                 thickness_mm: self.layer.thickness_m.map(|thickness_m| number(LENGTH_MM.from_si(thickness_m))),
+                holder: self.layer.holder.map(|holder| unplaced(holder.name().to_owned())),
                 block_um: Some(micrometres(self.layer.block_m)),
             }),
             load: unplaced(LoadFile {
@@ -258,6 +259,7 @@ mod tests {
     use slipgrid_export::Outline;
     use slipgrid_material::{AreaLaw, Elastic, Friction, Provenance};
     use slipgrid_pattern::Planform;
+    use slipgrid_springblock::Holder;
 
     #[test]
     fn the_written_scene_is_the_confirmed_one() {
@@ -276,7 +278,8 @@ mod tests {
             },
         };
         let pattern = Pattern::new(Planform::Square, 130.1e-6, 370e-6, 5.2e-6).unwrap();
-        let layer = Layer { length_m: 8e-3, height_m: 200e-6, block_m: 10e-6, thickness_m: Some(6.5e-3) };
+        let holder = Some(Holder::Rigid);
+        let layer = Layer { length_m: 8e-3, height_m: 200e-6, block_m: 10e-6, thickness_m: Some(6.5e-3), holder };
         let specimen = Specimen { outline: Outline::Disc { diameter_m: 8e-3 }, is_clipped: true };
         let run = RunOptions { seed: 7, ..RunOptions::default() };
         let scene = DesignScene {

@@ -137,6 +137,8 @@ struct Places {
     block: Option<Range<usize>>,
     /// `None` if the default holds.
     thickness: Option<Range<usize>>,
+    /// `None` if the design does not state it.
+    holder: Option<Range<usize>>,
 }
 
 impl Design {
@@ -265,6 +267,7 @@ impl Design {
             pressures: file.target.get_ref().pressure_mpa.clone(),
             block: file.sample.get_ref().block_um.as_ref().map(Spanned::span),
             thickness: file.sample.get_ref().thickness_mm.as_ref().map(Spanned::span),
+            holder: file.sample.get_ref().holder.as_ref().map(Spanned::span),
         };
         let drawing = file.pattern.get_ref().outline.as_ref().map(|outline| document.resolve(outline.get_ref()));
         let inputs = std::iter::once(document.path().to_owned()).chain(named).chain(drawing).collect();

@@ -15,6 +15,7 @@ use super::material_uncertainty::read_referenced;
 use super::pattern::{PatternFile, check_depth, read_pattern, require_section};
 use super::relief::read_relief;
 use super::run::{Overrides, RunFile, read_run};
+use super::stated_specimen::read_holder;
 use super::unusual::{self, with_slip};
 use super::values::{MAX_PRESSURES, Number, Numbers, PathOr, check_count, distinct_pressures, number_span};
 use crate::diagnostic::Diagnostic;
@@ -65,6 +66,9 @@ pub struct SampleFile {
     pub layer_um: Option<Number>,
     /// Thickness of the elastic specimen; 7 when neither this nor the layer is given.
     pub thickness_mm: Option<Number>,
+    /// How the specimen is held: `rigid` if the holder keeps it from turning, so that friction tilts the pressure, or
+    /// `self-aligning`; needs `thickness_mm`; anything between the two when absent.
+    pub holder: Option<Spanned<String>>,
     /// Lattice spacing; 10 when absent.
     pub block_um: Option<Number>,
 }
@@ -73,7 +77,8 @@ pub struct SampleFile {
 pub const DEFAULT_THICKNESS_M: f64 = 7e-3;
 
 /// Layer of the paper: 996 x 20 blocks of 10 um, under a rigid bulk.
-pub const DEFAULT_LAYER: Layer = Layer { length_m: 9960e-6, height_m: 200e-6, block_m: 10e-6, thickness_m: None };
+pub const DEFAULT_LAYER: Layer =
+    Layer { length_m: 9960e-6, height_m: 200e-6, block_m: 10e-6, thickness_m: None, holder: None };
 
 /// Layer of the paper as the lowest part of a specimen of the paper's thickness; the default of files.
 pub const DEFAULT_SPECIMEN: Layer = Layer { thickness_m: Some(DEFAULT_THICKNESS_M), ..DEFAULT_LAYER };
@@ -403,7 +408,9 @@ pub fn read_layer(
         None => thickness_m.or(DEFAULT_SPECIMEN.thickness_m),
     };
     let lowest_m = thickness_m.map_or(DEFAULT_LAYER.height_m, |thickness_m| thickness_m.min(DEFAULT_LAYER.height_m));
-    let layer = Layer { length_m, height_m: or(sample.layer_um.as_ref(), lowest_m)?, block_m, thickness_m };
+    let height_m = or(sample.layer_um.as_ref(), lowest_m)?;
+    let holder = read_holder(document, sample.holder.as_ref(), sample.thickness_mm.is_some())?;
+    let layer = Layer { length_m, height_m, block_m, thickness_m, holder };
     let blocks = layer.blocks();
     if let (Some(given), true) = (&sample.block_um, blocks > MAX_BLOCKS) {
         return Err(document

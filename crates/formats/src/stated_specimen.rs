@@ -1,8 +1,8 @@
-//! Specimens of a calibration and of its trials: face, rim and thickness.
+//! Specimens of a calibration and of its trials: face, rim, thickness and holder.
 
 use slipgrid_calibrate::CutSpecimen;
 use slipgrid_export::{Outline, Specimen};
-use slipgrid_springblock::MAX_ROWS;
+use slipgrid_springblock::{Holder, MAX_ROWS};
 use toml::Spanned;
 
 use super::calibration_file::FaceFile;
@@ -25,10 +25,12 @@ pub(crate) struct StatedSpecimen {
     pub(crate) specimen: Specimen,
     /// Thickness, in metres, if given.
     pub(crate) thickness_m: Option<f64>,
+    /// How the specimen is held, if given.
+    pub(crate) holder: Option<Holder>,
 }
 
 impl StatedSpecimen {
-    /// Reads the specimen of `table`; rim and thickness default to those of `usual`.
+    /// Reads the specimen of `table`; rim, thickness and holder default to those of `usual`.
     pub(crate) fn read(
         document: &Document,
         table: &Spanned<FaceFile>,
@@ -44,12 +46,13 @@ impl StatedSpecimen {
             Some(given) => Some(read_thickness_m(document, given)?),
             None => usual.and_then(|usual| usual.thickness_m),
         };
-        Ok(Self { specimen, thickness_m })
+        let holder = read_holder(document, file.holder.as_ref(), thickness_m.is_some())?;
+        Ok(Self { specimen, thickness_m, holder: holder.or(usual.and_then(|usual| usual.holder)) })
     }
 
     /// Converts to the specimen of a sample that was cut into it.
     pub(crate) fn cut(self) -> CutSpecimen {
-        CutSpecimen { face: Some(self.specimen), thickness_m: self.thickness_m }
+        CutSpecimen { face: Some(self.specimen), thickness_m: self.thickness_m, holder: self.holder }
     }
 }
 
@@ -64,6 +67,23 @@ fn read_thickness_m(document: &Document, given: &Number) -> Result<f64, Diagnost
     Err(document
         .refuse(given.span(), "mm is no thickness that is modelled")
         .expected(format!("a thickness in millimetres, from {least_mm} to {most_mm}")))
+}
+
+/// Reads how a specimen is held. Refuses a holder of a specimen without a stated thickness, by which friction tilts the
+/// pressure.
+pub(crate) fn read_holder(
+    document: &Document,
+    given: Option<&Spanned<String>>,
+    has_thickness: bool,
+) -> Result<Option<Holder>, Diagnostic> {
+    let Some(given) = given else { return Ok(None) };
+    let holder = document.choice(given, &Holder::ALL, Holder::name)?;
+    if !has_thickness {
+        return Err(document
+            .refuse(given.span(), "is given without the thickness of the specimen")
+            .expected("thickness_mm beside it, or no such key"));
+    }
+    Ok(Some(holder))
 }
 
 /// Reads the face of a specimen: a disc by its radius, or one of the shapes of a design's specimen.
@@ -134,4 +154,41 @@ pub(crate) fn outline_told(
     let lengths = [&file.radius_mm, &file.diameter_mm, &file.length_mm, &file.outer_diameter_mm];
     let place = lengths.into_iter().flatten().next().map_or(table.span(), Spanned::span);
     SPECIMEN.check(LENGTH_MM.from_si(extent_m(outline)), || document.refuse(place, ""))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Reads the specimen of a trial from its `own` keys and the `usual` ones of the calibration.
+    fn cut(usual: &str, own: &str) -> Result<CutSpecimen, String> {
+        let read = |keys: &str, usual: Option<StatedSpecimen>| {
+            let document = Document::new("c.toml", format!("radius_mm = 5.0\n{keys}\n"));
+            let table = Spanned::new(0..0, document.parse().map_err(|refused: Diagnostic| refused.to_string())?);
+            StatedSpecimen::read(&document, &table, usual).map_err(|refused| refused.to_string())
+        };
+        Ok(read(own, Some(read(usual, None)?))?.cut())
+    }
+
+    #[test]
+    fn a_trial_is_held_as_the_calibration_says_or_as_it_says_itself() {
+        let held = |usual: &str, own: &str| cut(usual, own).map(|cut| cut.holder);
+        let rigid = "thickness_mm = 4.0\nholder = \"rigid\"";
+        assert_eq!(held("", ""), Ok(None));
+        assert_eq!(held(rigid, ""), Ok(Some(Holder::Rigid)));
+        assert_eq!(held(rigid, "holder = \"self-aligning\""), Ok(Some(Holder::SelfAligning)));
+        assert_eq!(held("thickness_mm = 4.0", "holder = \"rigid\""), Ok(Some(Holder::Rigid)));
+        for (keys, expected) in [
+            (
+                "holder = \"rigid\"",
+                "c.toml:2: holder: \"rigid\" is given without the thickness of the specimen; expected thickness_mm beside it",
+            ),
+            ("holder = \"glued\"", "c.toml:2: holder: \"glued\" is not known; expected \"rigid\" or \"self-aligning\""),
+        ] {
+            for refused in [held(keys, ""), held("", keys)] {
+                let refused = refused.unwrap_err();
+                assert!(refused.starts_with(expected), "{refused}");
+            }
+        }
+    }
 }

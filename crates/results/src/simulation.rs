@@ -140,8 +140,8 @@ pub struct LoadReport {
     /// Standard error of `ratio` from adding `ratio_layer_difference` to a strip or a run in time.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ratio_layer_error: Option<f64>,
-    /// Change of the ratio by the tilt of the pressure that friction causes on a specimen whose holder prevents
-    /// rotation. `ratio` includes half of this change, with a standard error of 0.34 times the change.
+    /// Change of the ratio by friction that tilts the pressure of a specimen that its holder keeps from turning. With `holder = "rigid"` the
+    /// ratio includes all of it, with a standard error of 0.3 of it; without `holder` half of it, with a standard error of 0.34 of it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ratio_tilt_change: Option<f64>,
     /// Change of the ratio from steady sliding to sliding in time; included in `ratio` for a specimen run in time.

@@ -4,8 +4,8 @@ use slipgrid_export::{ExportError, LaidStrip, Layout, Specimen};
 use slipgrid_pattern::Pattern;
 use slipgrid_springblock::{
     Extent, Face, Load, Monitor, RunOptions, Scene, SceneError, Simulation, Status, SteadyCell, SteadySpecimen, Strip,
-    TILT_MEAN, add_tilt, even_speed_m_s, simulate, simulate_specimen, simulate_strip, steady_face_bytes,
-    steady_face_ratios, tilt_changes, time_changes,
+    add_tilt, even_speed_m_s, simulate, simulate_specimen, simulate_strip, steady_face_bytes, steady_face_ratios,
+    tilt_shifts, time_changes,
 };
 
 use crate::laid::{Laid, cavity_fraction, density_share, on_face};
@@ -155,7 +155,7 @@ fn scale_to_specimen(simulation: &mut Simulation, share: f64, layout_error: &[Op
 ///
 /// `ends` is the deviation of strips from the other terms, solved for grooves across the sliding direction; for other
 /// planforms it is part of the error ([`simulate_on`]). `tilt` is the mean effect of the pressure gradient from
-/// friction.
+/// friction, which depends on the holder.
 #[derive(Clone, Debug)]
 pub struct SteadyOnFace {
     laid: Laid,
@@ -211,7 +211,7 @@ impl SteadyOnFace {
         } else {
             face_from_strips(&layout, layout.strips(bands), block_m)?
         };
-        let tilt = tilt_changes(&scene, pattern, &face, share, monitor);
+        let tilt = tilt_shifts(&scene, pattern, &face, share, monitor);
         let ends = if takes_strips {
             scene.run.extent = Extent::Sample;
             let strips = steady_face_ratios(&scene, pattern, &face, monitor)?;
@@ -221,7 +221,7 @@ impl SteadyOnFace {
         } else {
             vec![Some(0.0); scene.loads.len()]
         };
-        let added = ends.into_iter().zip(tilt).map(|(end, tilt)| Some(end? + TILT_MEAN * tilt.unwrap_or(0.0)));
+        let added = ends.into_iter().zip(tilt).map(|(end, tilt)| Some(end? + tilt.unwrap_or(0.0)));
         Ok(Self { laid, added: added.collect() })
     }
 

@@ -41,7 +41,7 @@
 //!     area_law: Some(AreaLaw::new(vec![0.05e6, 0.1e6], vec![1.0, 0.5])?),
 //!     pattern: Some(Pattern::new(Planform::Groove, 130e-6, 370e-6, 20e-6)?),
 //!     relief: None,
-//!     layer: Layer { length_m: 9960e-6, height_m: 200e-6, block_m: 10e-6, thickness_m: None },
+//!     layer: Layer { length_m: 9960e-6, height_m: 200e-6, block_m: 10e-6, thickness_m: None, holder: None },
 //!     loads: vec![Load { pressure_pa: 2.6e6, friction: LocalFriction::new(0.30, 0.27, 0.05)? }],
 //!     speed_m_s: 2e-3,
 //!     run: RunOptions::default(),
@@ -84,11 +84,11 @@ pub use face::{Face, Strip};
 pub use outcome::{
     DynamicCost, InterfacePoint, LoadOutcome, Simulation, Statements, Status, SurfaceOutcome, TracePoint,
 };
-pub use scene::{Extent, Fidelity, Layer, Load, MAX_BLOCKS, MAX_DRAWS, MAX_ROWS, RunOptions, Scene, Springs};
+pub use scene::{Extent, Fidelity, Holder, Layer, Load, MAX_BLOCKS, MAX_DRAWS, MAX_ROWS, RunOptions, Scene, Springs};
 pub use simulate::{
-    BlockRefinement, Expense, SteadySpecimen, TILT_MEAN, TILT_STD, add_tilt, block_refinement, bounded, can_refine,
+    BlockRefinement, Expense, SteadySpecimen, TILT_RELATIVE_ERROR, add_tilt, block_refinement, bounded, can_refine,
     cell_expense, expense, planned_steps, simulate, simulate_specimen, simulate_strip, steady_face_bytes,
-    steady_face_ratios, steady_ratios, tilt_changes, time_changes,
+    steady_face_ratios, steady_ratios, tilt_shifts, time_changes,
 };
 pub use slipgrid_monitor::{Cancelled, Monitor, Unwatched};
 pub use space::{SpaceBond, SpaceLattice, SpaceLoad, SpaceSpring, SpaceSteadyModel};

@@ -4,8 +4,6 @@ mod bytes;
 
 use slipgrid_material::AreaLaw;
 
-use crate::simulate::TILT_STD;
-
 /// State in which a run ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Status {
@@ -253,10 +251,13 @@ pub struct LoadOutcome {
     pub ratio_layer_error: Option<f64>,
     /// Change of the ratio by the tilted pressure that friction causes on a specimen whose holder prevents rotation.
     ///
-    /// `ratio` includes [`TILT_MEAN`](crate::TILT_MEAN) times this change, with a standard error of
-    /// [`TILT_STD`](crate::TILT_STD) times the change. `None` if the scene has no ends or does not give the specimen's
-    /// thickness.
+    /// `ratio` includes the whole change if the holder is rigid, and half of it if the holder is unknown. `None` if the
+    /// specimen aligns itself, or if the scene has no ends or does not give the specimen's thickness.
     pub ratio_tilt_change: Option<f64>,
+    /// Standard error of `ratio` due to the tilt of the pressure, signed: positive values are the change if the tilt
+    /// exceeds its mean. The error is fully correlated between all loads of a specimen. `None` without
+    /// `ratio_tilt_change`.
+    pub ratio_tilt_error: Option<f64>,
     /// Change of the ratio from steady sliding to dynamic sliding, included in `ratio`; `None` if it is unknown. Only
     /// strips of a specimen have it.
     pub ratio_time_change: Option<f64>,
@@ -268,13 +269,6 @@ impl LoadOutcome {
     pub fn is_trusted(&self) -> bool {
         let means = [Status::Converged, Status::NoFriction, Status::StderrNotReached];
         std::iter::once(&self.surface).chain(&self.flat).all(|surface| means.contains(&surface.status))
-    }
-
-    /// Standard error of the ratio due to the tilt of the pressure, signed: positive values are the change if the tilt
-    /// exceeds its mean. The error is fully correlated between all loads of a specimen.
-    #[must_use]
-    pub fn tilt_error(&self) -> Option<f64> {
-        self.ratio_tilt_change.map(|change| TILT_STD * change)
     }
 
     /// Sets the ratio, and the patterned surface's dynamic friction to the ratio times that of the flat surface.

@@ -43,7 +43,7 @@ pub fn scene(pattern: Pattern, pressures_mpa: &[f64], run: RunOptions) -> Scene 
         area_law: Some(persson_law()),
         pattern: Some(pattern),
         relief: None,
-        layer: Layer { length_m: 9960e-6, height_m: 200e-6, block_m: 10e-6, thickness_m: None },
+        layer: Layer { length_m: 9960e-6, height_m: 200e-6, block_m: 10e-6, thickness_m: None, holder: None },
         loads: pressures_mpa.iter().map(load).collect(),
         speed_m_s: 2e-3,
         run,

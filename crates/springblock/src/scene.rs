@@ -89,6 +89,29 @@ impl Springs {
     }
 }
 
+/// How a specimen is held.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Holder {
+    /// The holder prevents rotation, so that friction tilts the pressure.
+    Rigid,
+    /// The specimen aligns itself with the counterface, so that friction does not tilt the pressure.
+    SelfAligning,
+}
+
+impl Holder {
+    /// All holders.
+    pub const ALL: [Self; 2] = [Self::Rigid, Self::SelfAligning];
+
+    /// Name used in files.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Rigid => "rigid",
+            Self::SelfAligning => "self-aligning",
+        }
+    }
+}
+
 /// Modelled layer of the specimen.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Layer {
@@ -103,6 +126,8 @@ pub struct Layer {
     /// the whole thickness; for strips with ends and for dynamic runs, the effect on the steady cell is added. `None`
     /// puts the rigid bulk directly above the layer.
     pub thickness_m: Option<f64>,
+    /// How the specimen is held; `None` if unknown. It has no effect without the thickness.
+    pub holder: Option<Holder>,
 }
 
 /// Nominal pressure and the local friction coefficients at this pressure.
@@ -257,7 +282,7 @@ impl Layer {
     /// Returns the layer with the rigid bulk directly above it.
     #[must_use]
     pub const fn alone(self) -> Self {
-        Self { thickness_m: None, ..self }
+        Self { thickness_m: None, holder: None, ..self }
     }
 
     /// Number of blocks in a section along the sliding direction, not rounded.

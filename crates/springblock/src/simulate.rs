@@ -46,7 +46,7 @@ use thick_layer::ThickLayerCorrection;
 pub use blocks::{BlockRefinement, block_refinement, can_refine};
 pub use expense::{Expense, bounded, cell_expense, expense};
 use pressure_tilt::PressureTilt;
-pub use pressure_tilt::{MEAN as TILT_MEAN, STD as TILT_STD, add_tilt, tilt_changes};
+pub use pressure_tilt::{RELATIVE_ERROR as TILT_RELATIVE_ERROR, add_tilt, tilt_shifts};
 
 /// Maximum number of columns of a flat surface in a dynamic `cell`: without a pattern there is no period, and this many
 /// blocks average out the scatter of the coefficients.
@@ -427,6 +427,7 @@ fn compare(load: &Load, surface: SurfaceOutcome, flat: Option<SurfaceOutcome>) -
         ratio_layer_difference: None,
         ratio_layer_error: None,
         ratio_tilt_change: None,
+        ratio_tilt_error: None,
         ratio_time_change: None,
     }
 }

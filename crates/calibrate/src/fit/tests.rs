@@ -12,7 +12,7 @@ fn problem(coefficients: Coefficients) -> Problem {
         elastic: Elastic::new(0.38e9, 900.0).unwrap(),
         area_law: Some(AreaLaw::new(vec![0.7e6, 2.6e6, 10e6], vec![1.0, 0.8, 0.3]).unwrap()),
         area_law_scale: None,
-        layer: Layer { length_m: 500e-6, height_m: 40e-6, block_m: 10e-6, thickness_m: None },
+        layer: Layer { length_m: 500e-6, height_m: 40e-6, block_m: 10e-6, thickness_m: None, holder: None },
         specimen_area_m2: 1.0,
         measurements: [0.637e6, 1.273e6, 2.546e6]
             .map(|pressure_pa| Measurement {

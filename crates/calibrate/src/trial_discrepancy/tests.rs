@@ -1,7 +1,7 @@
 use slipgrid_material::Elastic;
 use slipgrid_monitor::Unwatched;
 use slipgrid_pattern::Planform;
-use slipgrid_springblock::Layer;
+use slipgrid_springblock::{Holder, Layer};
 
 use super::*;
 use crate::uncertainty::{flat_friction, local_law};
@@ -38,7 +38,7 @@ fn task(flat: Vec<Measurement>, planform: Planform) -> CalibrationTask {
         coefficients: Coefficients::PerCondition,
         relative_std: 0.05,
         static_over_dynamic: 0.30 / 0.27,
-        layer: Layer { length_m: 500e-6, height_m: 100e-6, block_m: 10e-6, thickness_m: None },
+        layer: Layer { length_m: 500e-6, height_m: 100e-6, block_m: 10e-6, thickness_m: None, holder: None },
         seed: 1,
         selection: Selection::default(),
         notes: Vec::new(),
@@ -91,7 +91,7 @@ fn between_two_frictions_the_modelled_ratio_is_linear() {
 fn what_is_modelled_has_what_time_adds() {
     let flat = vec![measured(50.0, 0.4, 0.26), measured(50.0, 0.8, 0.28), measured(200.0, 0.4, 0.3)];
     let scattered = CalibrationTask {
-        layer: Layer { length_m: 5e-3, height_m: 200e-6, block_m: 10e-6, thickness_m: None },
+        layer: Layer { length_m: 5e-3, height_m: 200e-6, block_m: 10e-6, thickness_m: None, holder: None },
         surface: Surface::None,
         ..task(flat, Planform::Groove)
     };
@@ -123,6 +123,27 @@ fn what_is_modelled_has_what_time_adds() {
         // For equal blocks the correction is smaller.
         assert!((scattered - alike - added).abs() < 1e-3, "{scattered} {alike} {added}");
     }
+}
+
+/// A ratio of an unknown holder includes half of the tilt that a rigid one causes. Without a holder of its own a sample
+/// is held as the task's layer.
+#[test]
+fn a_sample_is_modelled_in_its_own_holder() {
+    let layer = Layer { length_m: 2e-3, height_m: 200e-6, block_m: 20e-6, thickness_m: Some(2e-3), holder: None };
+    let flat = vec![measured(2.0, 0.4, 0.27)];
+    let task = CalibrationTask { layer, specimen_area_m2: 2e-6, ..task(flat, Planform::Groove) };
+    let outline = slipgrid_export::Outline::Rectangle { length_m: 2e-3, width_m: 1e-3 };
+    let face = Some(slipgrid_export::Specimen { outline, is_clipped: false });
+    let modelled = |holder: Option<Holder>, of_layer: Option<Holder>| {
+        let mut task = task.clone();
+        task.layer.holder = of_layer;
+        task.trials.samples[0].specimen = CutSpecimen { face, holder, ..CutSpecimen::default() };
+        learn_alone(&task, &Unwatched).unwrap().discrepancy.trials()[0].measured[0].modelled
+    };
+    let (rigid, aligned) = (Some(Holder::Rigid), Some(Holder::SelfAligning));
+    let [all, none, half] = [rigid, aligned, None].map(|holder| modelled(holder, None));
+    assert!((all - none).abs() > 1e-4 && (0.5 * (all + none) - half).abs() < 1e-6, "{all} {none} {half}");
+    assert_eq!([modelled(None, rigid), modelled(aligned, rigid)], [all, none]);
 }
 
 /// Designs treat fitted and measured laws as independent of the modulus. A trial must do so as well, or part of its

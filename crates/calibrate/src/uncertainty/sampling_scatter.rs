@@ -55,7 +55,7 @@ mod tests {
             area_law: Some(AreaLaw::new(vec![0.7e6, 2.6e6, 26e6], vec![1.0, 0.8, 0.2]).unwrap()),
             pattern: Some(Pattern::new(Planform::Groove, 100e-6, 200e-6, 20e-6).unwrap()),
             relief: None,
-            layer: Layer { length_m: 1200e-6, height_m: 100e-6, block_m: 10e-6, thickness_m: None },
+            layer: Layer { length_m: 1200e-6, height_m: 100e-6, block_m: 10e-6, thickness_m: None, holder: None },
             loads: vec![Load { pressure_pa: 2e6, friction: LocalFriction::new(0.30, 0.27, 0.05).unwrap() }],
             speed_m_s: 2e-3,
             run,

@@ -44,6 +44,29 @@ fn a_thickness_that_a_design_does_not_know_is_told() {
 }
 
 #[test]
+fn a_holder_that_a_design_does_not_know_is_told() {
+    let held = |holder: &str| format!("thickness_mm = 7.0\nholder = \"{holder}\"\n");
+    let calibration = CALIBRATION.replace("radius_mm = 5.0\n", &format!("radius_mm = 5.0\n{}", held("rigid")));
+    let design = |keys: &str| DESIGN.replace("layer_um = 200.0\n", keys);
+    let told = contradictions(&design(""), &calibration);
+    assert_eq!(
+        told,
+        ["d.toml: sample.holder: is not given, and the holder of the calibration's specimen is \"rigid\"; expected \
+          holder = \"rigid\" beside thickness_mm in [sample], if the design is for a specimen that is held so"]
+    );
+    let told = contradictions(&design(&held("self-aligning")), &calibration);
+    assert!(told[0].starts_with("d.toml:26: sample.holder: \"self-aligning\" is the holder here, and"), "{told:?}");
+    // Nothing tilts a layer alone.
+    for (design, calibration) in [
+        (design(&held("rigid")), &calibration[..]),
+        (DESIGN.to_owned(), &calibration),
+        (design(&held("rigid")), CALIBRATION),
+    ] {
+        assert_eq!(contradictions(&design, calibration), [""; 0]);
+    }
+}
+
+#[test]
 fn trials_far_from_the_design_are_told_with_what_was_likely_meant() {
     let with_trial = |width: f64, spacing: f64, depth: f64| {
         format!(

@@ -1,5 +1,7 @@
 //! Contradictions between a design and its calibration or material, and speeds that no run in time can confirm.
 
+use std::ops::Range;
+
 use slipgrid_units::{LENGTH_MM, LENGTH_UM, significant, tidy};
 
 use super::Design;
@@ -22,7 +24,7 @@ impl Design {
             (cut.name.as_str(), [pattern.width_m(), pattern.spacing_m(), pattern.depth_m()])
         });
         let outside = cut.filter_map(|(name, lengths_m)| self.outside(name, lengths_m));
-        self.thickness(calibration).into_iter().chain(outside).collect()
+        self.thickness(calibration).into_iter().chain(self.holder(calibration)).chain(outside).collect()
     }
 
     /// Diagnostics that need the material: a speed that no run in time can confirm, and trials far outside the bounds.
@@ -45,15 +47,36 @@ impl Design {
             return None;
         }
         let [stated_mm, own_mm] = [stated_m, own_m].map(|length_m| tidy(LENGTH_MM.from_si(length_m)));
-        let reason = |own: &str| format!("{own}, and the specimen of the calibration is {stated_mm} mm thick");
-        let told = match &self.places.thickness {
-            Some(place) => self.document.refuse(place.clone(), reason("mm is the thickness here")),
-            None => Diagnostic {
-                key: Some("sample.thickness_mm".into()),
-                ..Diagnostic::file(self.document.path(), reason(&format!("is not given, so that {own_mm} mm is taken")))
-            },
+        let own = match self.places.thickness {
+            Some(_) => "mm is the thickness here".to_owned(),
+            None => format!("is not given, so that {own_mm} mm is taken"),
         };
+        let reason = format!("{own}, and the specimen of the calibration is {stated_mm} mm thick");
+        let told = self.refuse_sample_key(&self.places.thickness, "sample.thickness_mm", reason);
         Some(told.expected(format!("thickness_mm = {stated_mm} in [sample], if the design is for the same specimen")))
+    }
+
+    /// Holder that the calibration states, if the design models another. Without a thickness no holder has an effect.
+    fn holder(&self, calibration: &Calibration) -> Option<Diagnostic> {
+        let (stated, own) = (calibration.holder?, self.task.layer.holder);
+        if self.task.layer.thickness_m.is_none() || own == Some(stated) {
+            return None;
+        }
+        let own = own.map_or("is not given", |_| "is the holder here");
+        let reason = format!("{own}, and the holder of the calibration's specimen is \"{}\"", stated.name());
+        let told = self.refuse_sample_key(&self.places.holder, "sample.holder", reason);
+        Some(told.expected(format!(
+            "holder = \"{}\" beside thickness_mm in [sample], if the design is for a specimen that is held so",
+            stated.name()
+        )))
+    }
+
+    /// Refuses the value at `place`, or `key` by name if the design does not state it.
+    fn refuse_sample_key(&self, place: &Option<Range<usize>>, key: &str, reason: String) -> Diagnostic {
+        match place {
+            Some(place) => self.document.refuse(place.clone(), reason),
+            None => Diagnostic { key: Some(key.into()), ..Diagnostic::file(self.document.path(), reason) },
+        }
     }
 
     /// First dimension of the trial `name` that lies far outside the bounds of the design; or width and spacing, if

@@ -39,6 +39,7 @@ pub fn mean(mut draws: Vec<LoadOutcome>) -> Option<LoadOutcome> {
         ratio_layer_difference: first.ratio_layer_difference,
         ratio_layer_error: first.ratio_layer_error,
         ratio_tilt_change: first.ratio_tilt_change,
+        ratio_tilt_error: first.ratio_tilt_error,
         ratio_time_change: all(draws.iter().map(|draw| draw.ratio_time_change)).as_deref().map(average),
     })
 }
@@ -149,6 +150,7 @@ mod tests {
             ratio_layer_difference: None,
             ratio_layer_error: None,
             ratio_tilt_change: None,
+            ratio_tilt_error: None,
             ratio_time_change: None,
         }
     }

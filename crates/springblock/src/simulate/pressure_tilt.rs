@@ -19,9 +19,9 @@
 //! r = int p mu_cell(p) dA / int p mu_flat(p) dA,     change: r(p) - r(p_0)
 //! ```
 //!
-//! A holder that lets the specimen align itself, or a run-in face, removes the tilt. Since this is usually unknown, any
-//! fraction of the change from none to all is taken as equally likely: the ratio includes [`MEAN`] times the change and
-//! has a standard error of [`STD`] times the change, fully correlated between loads.
+//! The ratio includes a part of the change, with a standard error that is fully correlated between loads ([`Included`]).
+//! If the holder is rigid, it is the whole change, known to [`RELATIVE_ERROR`]. A holder that lets the specimen align
+//! itself removes the tilt. If the holder is unknown, any fraction of the change from none to all is equally likely.
 
 use slipgrid_pattern::Pattern;
 
@@ -34,20 +34,44 @@ use crate::cell::SteadyCell;
 use crate::dimension::Dimension;
 use crate::face::Face;
 use crate::outcome::{LoadOutcome, Simulation, Statements};
-use crate::scene::{Extent, Scene};
+use crate::scene::{Extent, Holder, Scene};
 
-/// Mean fraction of the change that is present, for a uniform distribution from 0 to 1.
-pub const MEAN: f64 = 0.5;
-/// Relative standard error of the computed change, for specimens some tens of periods long
+/// Relative standard error of the computed change of the ratio, for specimens some tens of periods long
 /// (`it_changes_ratios_as_all_blocks_of_a_specimen_say`).
-#[cfg(test)]
-const RELATIVE_ERROR: f64 = 0.3;
-/// Standard error of the ratio over the change: sqrt((1 + RELATIVE_ERROR^2) / 3 - [`MEAN`]^2).
-pub const STD: f64 = 0.34;
+pub const RELATIVE_ERROR: f64 = 0.3;
 /// Number of parts of a strip with one pressure each.
 const PARTS: usize = 16;
 /// Relative change of pressure below which no statement is made.
 const MIN_STATED_CHANGE: f64 = 0.01;
+
+/// Part of the change that a ratio includes.
+#[derive(Clone, Copy, Debug, Default)]
+struct Included {
+    /// Mean fraction of the change.
+    mean: f64,
+    /// Standard error of the ratio over the change.
+    std: f64,
+    /// Clause of the statement on the tilt.
+    words: &'static str,
+}
+
+impl Included {
+    /// Returns the part for a specimen in `holder`; `None` if the pressure does not tilt.
+    const fn new(holder: Option<Holder>) -> Option<Self> {
+        match holder {
+            // The fraction is uniformly distributed from 0 to 1: sqrt((1 + RELATIVE_ERROR^2) / 3 - mean^2).
+            None => Some(Self {
+                mean: 0.5,
+                std: 0.34,
+                words: "half of that is in the ratio, as nobody says how the specimen is held, and its error counts the rest",
+            }),
+            Some(Holder::Rigid) => {
+                Some(Self { mean: 1.0, std: RELATIVE_ERROR, words: "all of that is in the ratio, known to 30 %" })
+            }
+            Some(Holder::SelfAligning) => None,
+        }
+    }
+}
 
 /// Rectangular part of the face: width across and length along the sliding direction, in metres. The pressure tilts
 /// about its middle.
@@ -62,17 +86,20 @@ pub struct PressureTilt {
     is_lifted: bool,
     /// Change of the ratio of the cell, by load.
     changes: Vec<Option<f64>>,
+    included: Included,
 }
 
 impl PressureTilt {
     /// Computes the effect for a specimen whose face consists of `rectangles`, covered with cells of `scene` with
-    /// `pattern`. There is no effect if the scene does not give the thickness, or once `monitor` has cancelled.
+    /// `pattern`. There is no effect if the scene does not give the thickness, if the specimen aligns itself, or once
+    /// `monitor` has cancelled.
     pub fn new(scene: &Scene, pattern: &Pattern, rectangles: &[Rectangle], monitor: &dyn Monitor) -> Self {
         Self::try_new(scene, pattern, rectangles, monitor).unwrap_or_default()
     }
 
     fn try_new(scene: &Scene, pattern: &Pattern, rectangles: &[Rectangle], monitor: &dyn Monitor) -> Option<Self> {
         let height_m = scene.layer.thickness_m?;
+        let included = Included::new(scene.layer.holder)?;
         let dimension = scene.dimension();
         let solid_m = SOLID_COMPLIANCE * height_m;
         let soft_m = excess_compliance_m(scene, pattern).unwrap_or(0.0).max(solid_m);
@@ -103,6 +130,7 @@ impl PressureTilt {
             max_change: flat.iter().flatten().map(|pressed| pressed.max_change).fold(0.0, f64::max),
             is_lifted: flat.iter().flatten().any(|pressed| pressed.is_lifted),
             changes: own.into_iter().zip(of_flat).map(change).collect(),
+            included,
         })
     }
 
@@ -129,12 +157,13 @@ impl PressureTilt {
         Self::for_face(&flat, &without_rim(pattern), face, share, monitor)
     }
 
-    /// Adds [`MEAN`] times the change to the ratios of `loads`, and a statement to `statements`.
+    /// Adds the shifts to the ratios of `loads`, and a statement to `statements`.
     pub fn add(&self, loads: &mut [LoadOutcome], statements: &mut Statements) {
         for (load, change) in loads.iter_mut().zip(&self.changes) {
             let Some(change) = change.filter(|_| load.ratio.is_some()) else { continue };
             load.ratio_tilt_change = Some(change);
-            load.shift_ratio(MEAN * change);
+            load.ratio_tilt_error = Some(self.included.std * change);
+            load.shift_ratio(self.included.mean * change);
         }
         statements.model.extend(self.statement());
     }
@@ -148,7 +177,7 @@ impl PressureTilt {
         };
         let change = widest(self.changes.iter().copied().flatten());
         (self.max_change >= MIN_STATED_CHANGE).then(|| {
-            format!("on a specimen that its holder keeps from turning, friction {what}, and moves the ratio by {change:+.4} at most; half of that is in the ratio, as nobody says how the specimen is held, and its error counts the rest")
+            format!("on a specimen that its holder keeps from turning, friction {what}, and moves the ratio by {change:+.4} at most; {}", self.included.words)
         })
     }
 }
@@ -167,27 +196,29 @@ pub fn add_tilt(
     tilt.add(&mut simulation.loads, &mut simulation.statements);
 }
 
-/// Changes of the ratios of cells of `scene` with `pattern` by a tilt of the pressure, by load; a ratio includes
-/// [`MEAN`] times the change.
+/// Shifts of the ratios of cells of `scene` with `pattern` by a tilt of the pressure, by load.
 ///
 /// `face` is that of the specimen, with a cavity fraction of `share` times that of a period. A load is `None` if a cell
-/// has no equilibrium, if the scene does not give the thickness, or once `monitor` has cancelled.
+/// has no equilibrium, if the scene does not give the thickness, if the specimen aligns itself, or once `monitor` has
+/// cancelled.
 #[must_use]
-pub fn tilt_changes(
+pub fn tilt_shifts(
     scene: &Scene,
     pattern: &Pattern,
     face: &Face,
     share: f64,
     monitor: &dyn Monitor,
 ) -> Vec<Option<f64>> {
-    let mut changes = match scene.dimension().takes_strips() {
-        false => PressureTilt::for_face(scene, pattern, face, share, monitor).changes,
+    let tilt = match scene.dimension().takes_strips() {
+        false => PressureTilt::for_face(scene, pattern, face, share, monitor),
         // No tilt is added to strips of a layer alone.
-        true if !scene.layer.is_backed() => Vec::new(),
-        true => PressureTilt::for_strips(scene, pattern, face, share, monitor).changes,
+        true if !scene.layer.is_backed() => PressureTilt::default(),
+        true => PressureTilt::for_strips(scene, pattern, face, share, monitor),
     };
-    changes.resize(scene.loads.len(), None);
-    changes
+    let mut shifts: Vec<_> =
+        tilt.changes.iter().map(|change| change.map(|change| tilt.included.mean * change)).collect();
+    shifts.resize(scene.loads.len(), None);
+    shifts
 }
 
 /// A specimen whose holder prevents rotation.
@@ -380,9 +411,9 @@ mod tests {
     #[test]
     fn half_of_it_is_added_and_the_error_is_that_of_a_share_that_nobody_knows() {
         // Fractions from 0 to 1 of a change with the relative error RELATIVE_ERROR.
-        let mean = MEAN;
+        let Included { mean, std, .. } = Included::new(None).unwrap();
         let variance = (1.0 + RELATIVE_ERROR * RELATIVE_ERROR) / 3.0 - mean * mean;
-        assert!((STD - variance.sqrt()).abs() < 5e-3, "{}", variance.sqrt());
+        assert!((std - variance.sqrt()).abs() < 5e-3, "{}", variance.sqrt());
         let run = RunOptions { extent: Extent::Sample, ..RunOptions::default() };
         let scene = samples::scene(samples::groove(100.0, 300.0, 20.0), &[0.65, 2.6], run);
         let scene = Scene { layer: Layer { thickness_m: Some(7e-3), ..scene.layer }, ..scene };
@@ -394,10 +425,27 @@ mod tests {
         for ((before, after), change) in plain.loads.iter().zip(&twice.loads).zip(&tilt.changes) {
             let change = change.unwrap();
             assert_eq!(before.ratio_tilt_change, Some(change));
-            assert!((after.ratio.unwrap() - before.ratio.unwrap() - MEAN * change).abs() < 1e-12);
-            assert_eq!(before.tilt_error(), Some(STD * change));
+            assert!((after.ratio.unwrap() - before.ratio.unwrap() - mean * change).abs() < 1e-12);
+            assert_eq!(before.ratio_tilt_error, Some(std * change));
         }
         assert!(plain.statements.model.iter().any(|statements| statements.contains("half of that is in the ratio")));
+        let held = |holder: Holder| {
+            let layer = Layer { holder: Some(holder), ..scene.layer };
+            crate::simulate(&Scene { layer, ..scene.clone() }, &Unwatched).unwrap()
+        };
+        let [rigid, aligned] = Holder::ALL.map(held);
+        for ((plain, rigid), aligned) in plain.loads.iter().zip(&rigid.loads).zip(&aligned.loads) {
+            let change = plain.ratio_tilt_change.unwrap();
+            let [half, all, none] = [plain, rigid, aligned].map(|load| load.ratio.unwrap());
+            assert!((half - none - 0.5 * change).abs() < 1e-12 && (all - none - change).abs() < 1e-12 && change != 0.0);
+            assert_eq!((rigid.ratio_tilt_change, rigid.ratio_tilt_error), (Some(change), Some(0.3 * change)));
+            assert_eq!((aligned.ratio_tilt_change, aligned.ratio_tilt_error), (None, None));
+        }
+        let is_told =
+            |simulation: &Simulation, words: &str| simulation.statements.model.iter().any(|of| of.contains(words));
+        assert!(
+            is_told(&rigid, "all of that is in the ratio, known to 30 %") && !is_told(&aligned, "its holder keeps")
+        );
         // Friction coefficients independent of pressure are not affected.
         let amontons = Scene { area_law: None, ..scene };
         let tilt = PressureTilt::for_sample(&amontons, &pattern, &Unwatched);

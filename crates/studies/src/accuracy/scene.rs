@@ -72,8 +72,13 @@ pub fn reduced(scene: &Scene) -> Scene {
     let cavity_rows = scene.pattern.map_or(0, |pattern| (pattern.depth_m() / block_m).ceil() as usize);
     let rows = scene.layer.rows().min(REDUCED_ROWS.max(cavity_rows + ROWS_ABOVE_CAVITY));
     let columns = scene.layer.columns().min(REDUCED_COLUMNS);
-    let layer =
-        Layer { length_m: columns as f64 * block_m, height_m: rows as f64 * block_m, block_m, thickness_m: None };
+    let layer = Layer {
+        length_m: columns as f64 * block_m,
+        height_m: rows as f64 * block_m,
+        block_m,
+        thickness_m: None,
+        holder: None,
+    };
     let onset_m = scene.loads.first().map_or(0.0, |load| onset_travel_m(scene, &layer, load));
     let wanted_m = (TRAVEL_OVER_ONSET * onset_m)
         .max(MIN_PERIODS * shear_period_s(&scene.elastic, layer.height_m) * scene.speed_m_s);

@@ -103,7 +103,7 @@ fn tiny() -> Scene {
     let mut scene = base(&paper_scene().unwrap());
     scene.pattern =
         Some(slipgrid_pattern::Pattern::new(slipgrid_pattern::Planform::Groove, 40e-6, 60e-6, 10e-6).unwrap());
-    scene.layer = Layer { length_m: 100e-6, height_m: 20e-6, block_m: 10e-6, thickness_m: None };
+    scene.layer = Layer { length_m: 100e-6, height_m: 20e-6, block_m: 10e-6, thickness_m: None, holder: None };
     scene.loads[0].pressure_pa = 2.0e6;
     scene.speed_m_s = 20e-3;
     scene.run.sliding_m = 0.4e-6;

@@ -174,7 +174,7 @@ mod tests {
     use super::*;
 
     /// Short layer, so that the test takes milliseconds.
-    const LAYER: Layer = Layer { length_m: 500e-6, height_m: 100e-6, block_m: 10e-6, thickness_m: None };
+    const LAYER: Layer = Layer { length_m: 500e-6, height_m: 100e-6, block_m: 10e-6, thickness_m: None, holder: None };
 
     fn predicted(law: Option<&AreaLaw>, depth_m: f64) -> Vec<Prediction> {
         let pattern = Pattern::new(Planform::Groove, 60e-6, 140e-6, depth_m).unwrap();

@@ -19,7 +19,7 @@ fn scene(planform: Planform, area_law: Option<AreaLaw>) -> Scene {
         area_law,
         pattern: Some(Pattern::new(planform, 160e-6, 240e-6, 20e-6).unwrap()),
         relief: None,
-        layer: Layer { length_m: 1200e-6, height_m: 120e-6, block_m: 10e-6, thickness_m: None },
+        layer: Layer { length_m: 1200e-6, height_m: 120e-6, block_m: 10e-6, thickness_m: None, holder: None },
         loads: [0.65e6, 1.3e6, 2.6e6].map(|pressure_pa| Load { pressure_pa, friction }).to_vec(),
         speed_m_s: 2e-3,
         run: RunOptions::default(),

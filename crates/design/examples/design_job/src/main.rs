@@ -26,7 +26,7 @@ fn main() -> Result<(), Box<dyn Error + Send + Sync>> {
     let target = Target::new(Quantity::Ratio, vec![TargetPoint { pressure_pa: 2.6e6, value: 0.9 }], 0.01)?;
     let space = DesignSpace::new(Planform::Groove, [100e-6, 300e-6], [200e-6, 600e-6], [5e-6, 30e-6])?;
     let specimen = Specimen { outline: Outline::Disc { diameter_m: 4e-3 }, is_clipped: false };
-    let layer = Layer { length_m: 4e-3, height_m: 100e-6, block_m: 10e-6, thickness_m: None };
+    let layer = Layer { length_m: 4e-3, height_m: 100e-6, block_m: 10e-6, thickness_m: None, holder: None };
     let task = DesignTask::new(material, target, space, specimen, layer);
     let button = Button(AtomicBool::new(false));
     let found = thread::scope(|scope| {

@@ -7,7 +7,7 @@ use super::*;
 use crate::Unwatched;
 use crate::samples::{self, groove};
 use crate::scene::RunOptions;
-use crate::simulate::{TILT_MEAN, simulate};
+use crate::simulate::simulate;
 
 fn scene(pattern: Pattern, run: RunOptions) -> Scene {
     let scene = samples::scene(pattern, &[0.65, 2.6], run);
@@ -145,7 +145,7 @@ fn time_and_ends_get_the_steady_difference_added() {
         let [alone, all] = [None, Some(7e-3)].map(|of| ratios(&cell, height_m, of)[0].clone());
         let change = all.ratio.unwrap() - alone.ratio.unwrap();
         // Strips with ends have a tilt correction.
-        let tilt = TILT_MEAN * thick.ratio_tilt_change.unwrap_or(0.0);
+        let tilt = 0.5 * thick.ratio_tilt_change.unwrap_or(0.0);
         assert_eq!(thick.ratio_tilt_change.is_some(), scene.run.extent == Extent::Sample);
         assert!(change.abs() > 1e-4 && (thick.ratio.unwrap() - thin.ratio.unwrap() - change - tilt).abs() < 1e-9);
         assert!((thick.ratio_layer_difference.unwrap() - change).abs() < 1e-9);
