@@ -55,7 +55,7 @@ pub fn cases() -> Vec<Case> {
 /// Records the material, the tables of the report and the output of `calibrate`.
 fn outputs(place: &Place) -> Record {
     let mut record = Record::new();
-    place.run("calibrate @calibration.toml -o @m.toml --report @report", &mut record);
+    place.run("calibrate @calibration.toml -o @m.toml --report @report --details", &mut record);
     place.record_folder("report", &mut record);
     place.record_file("m.toml", "m.toml", &mut record);
     record
