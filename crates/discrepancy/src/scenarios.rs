@@ -115,8 +115,14 @@ impl Scenarios {
     /// `number` are independent in dimensions and t, and share all other unknowns.
     #[must_use]
     pub fn on_target(&self, candidate: &Candidate<'_>, loads: &[Load], wanted: &Wanted, number: usize) -> Vec<bool> {
-        let n = loads.len();
         let [lower, upper] = wanted.over(candidate.modelled);
+        let is_on = |value: &Vec<f64>| (0..loads.len()).all(|load| (lower[load]..=upper[load]).contains(&value[load]));
+        self.log_excesses(candidate, loads, number).iter().map(is_on).collect()
+    }
+
+    /// Logarithm of the true over the modelled ratio of a sample of `candidate`, at each of `loads` for each truth.
+    pub(crate) fn log_excesses(&self, candidate: &Candidate<'_>, loads: &[Load], number: usize) -> Vec<Vec<f64>> {
+        let n = loads.len();
         let places: Vec<Place> = loads.iter().map(|load| self.basis.place(&candidate.features, load)).collect();
         let explained: Vec<Vec<f64>> = places.iter().map(|place| self.basis.residual(place)).collect();
         let amplitude = self.basis.hyper().amplitude_std;
@@ -145,7 +151,7 @@ impl Scenarios {
         };
         let globals = self.basis.globals();
         let prior_mean: Vec<f64> = candidate.sensitivity.iter().map(Sensitivity::prior_mean).collect();
-        let mut is_on = |(draw, truth): (usize, &Truth)| {
+        let mut log_excess = |(draw, truth): (usize, &Truth)| {
             let (form, rows, log_forms) = &members[truth.member];
             let member = &self.members[truth.member];
             let [left, common] = [&left, &common].map(|factor| drawn(factor, &mut of_all));
@@ -154,7 +160,7 @@ impl Scenarios {
             let log_form = dot(log_forms, &deviates);
             let own_t = member.scatter * of_own.draw();
             let t = self.of_disc.get(draw).copied().unwrap_or(own_t);
-            (0..n).all(|load| {
+            let at = |load: usize| {
                 let of_globals: f64 = globals.map(|place| rows[load][place] * truth.coefficients[place]).iter().sum();
                 let rest = form * (left[load] + member.residual * residual_left(&truth.residual, load));
                 let of_form = dot(&rows[load], &truth.coefficients) - of_globals + rest;
@@ -162,10 +168,10 @@ impl Scenarios {
                 let of_dimensions: f64 = shifts.map(|(shift, z)| shift.log_ratio[load] * z).sum();
                 // y = D h' / h + eps g + lambda d + shared errors + d ln R + t
                 let of_globals = of_globals + prior_mean[load];
-                let value = of_form * (1.0 + log_form) + of_globals + common[load] + of_dimensions + t;
-                (lower[load]..=upper[load]).contains(&value)
-            })
+                of_form * (1.0 + log_form) + of_globals + common[load] + of_dimensions + t
+            };
+            (0..n).map(at).collect()
         };
-        self.draws.iter().enumerate().map(&mut is_on).collect()
+        self.draws.iter().enumerate().map(&mut log_excess).collect()
     }
 }

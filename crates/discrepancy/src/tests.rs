@@ -5,6 +5,7 @@ use slipgrid_statistics::{Normals, normal_probability, normal_quantile};
 use super::*;
 
 mod chances;
+mod come_true;
 
 fn groove(width_um: f64, spacing_um: f64, depth_um: f64) -> Features {
     let [width_m, spacing_m, depth_m] = [width_um, spacing_um, depth_um].map(|length| length * 1e-6);

@@ -111,7 +111,7 @@ mod tests {
         };
         let text = report.brief();
         assert!(text.lines().count() <= 26 && text.lines().all(|line| line.chars().count() <= 100), "{text}");
-        for said in ["50 % chance", "4 more loads", "3 more doubts", "doubt 3", "also worth cutting", "not modelled"] {
+        for said in ["50 % chance", "4 more rows", "3 more doubts", "doubt 3", "also worth cutting", "not modelled"] {
             assert!(text.contains(said), "{said}: {text}");
         }
         assert!(!text.contains("its reason") && report.summary().contains("its reason"), "{text}");
