@@ -40,7 +40,7 @@ fn said_and_came_true(laboratories: usize) -> Vec<(f64, bool)> {
     let mut found = Vec::new();
     for truth in 0..laboratories {
         let middle = 0.95 - 0.25 * normal_probability(normals.draw());
-        let half = 0.03 + 0.09 * normal_probability(normals.draw());
+        let half = 0.04 + 0.2 * normal_probability(normals.draw());
         let wanted = Wanted { lower: vec![middle - half; at.len()], upper: vec![middle + half; at.len()] };
         let flat: Vec<f64> = at.iter().map(|_| FLAT_STD * normals.draw()).collect();
         let mut trials: Vec<Trial> = Vec::new();
@@ -96,13 +96,13 @@ fn check(cuts: &[(f64, bool)]) {
         let came = own.iter().filter(|(_, came)| *came).count() as f64 / count;
         println!("{count} cuts: {said:.3} said, {came:.3} came true");
         let noise = 3.0 * (said * (1.0 - said) / count).sqrt();
-        assert!(count > 20.0 && (came - said).abs() < noise, "{count} cuts: {said} said, {came} came true");
+        assert!(count >= 10.0 && (came - said).abs() < noise, "{count} cuts: {said} said, {came} came true");
     }
 }
 
 #[test]
 fn stated_chances_come_true() {
-    check(&said_and_came_true(100));
+    check(&said_and_came_true(150));
 }
 
 /// The table of the book, evidence/verification.md.
