@@ -34,18 +34,18 @@ const SOLUTIONS: f64 = 15.0;
 /// and crossing grooves of 4 to 200 columns per side is 1.3e-6.
 const SEARCHED_COLUMN_S: f64 = 2e-6;
 /// Seconds per direction, column and explicit row of the solver in space, and the factor for cells with a side of fewer
-/// than `THIN_SIDE` columns, whose short and long transforms are slower per number. Fitted to squares and discs of 50 to 400
-/// columns per side, and to cells of 1 to 15 by 50 to 5000.
-const SPACE_COLUMN_S: f64 = 4.5e-8;
+/// than `THIN_SIDE` columns, whose short and long transforms are slower per number. Rounded to the slow side of squares of
+/// 100 to 650 columns per side, and of a cell of 15 by 30,004.
+const SPACE_COLUMN_S: f64 = 7.5e-8;
 const THIN_SIDE: f64 = 24.0;
 const THIN_FACTOR: f64 = 2.9;
 /// Factor for faces with rims or other height variations.
 const RAISED_FACTOR: f64 = 2.0;
 /// Seconds per number for the orthogonalization of a new image against an older one.
 const ORTHOGONAL_S: f64 = 6e-10;
-/// Number of directions for the first load, a + b sqrt(n) for a cavity whose narrowest width is n blocks: cavities of 3
-/// to 2000 blocks take 13 to 143. Later loads take the fraction `LATER_LOADS` of it while all directions are kept.
-const DIRECTIONS: [f64; 2] = [10.0, 3.0];
+/// Number of directions for the first load, a + b sqrt(n) for a cavity whose narrowest width is n blocks: cavities of 3,
+/// 30, 60 and 125 blocks take 22, 30, 46 and 63. Later loads take the fraction `LATER_LOADS` of it while all directions are kept.
+const DIRECTIONS: [f64; 2] = [12.0, 4.0];
 const LATER_LOADS: f64 = 0.4;
 /// Numbers per column for each stored direction: unknowns, image and normal force of the column, and those of a cavity
 /// above it.
