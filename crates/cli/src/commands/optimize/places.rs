@@ -30,7 +30,14 @@ pub fn written(design: &Path, calibration: Option<&Path>, folder: &Path, advice:
         text += &format!("laser   {}, {}\n", at("pattern.dxf"), at("process.toml"));
     }
     if *advice == Advice::Trial {
-        let ledger = calibration.map_or_else(|| "a calibration".to_owned(), |path| quoted(&shortened(path)));
+        // A material file knows the trials of the day on which it was made.
+        let ledger = calibration.map_or_else(
+            || {
+                "its calibration,\n        make the material anew: slipgrid calibrate CALIBRATION.toml -o MATERIAL.toml"
+                    .to_owned()
+            },
+            |path| quoted(&shortened(path)),
+        );
         text += &format!(
             "next    cut it, measure it, add it as [[trial]] to {ledger},\n        then: slipgrid optimize {}\n",
             quoted(design)
@@ -69,6 +76,11 @@ mod tests {
              next    cut it, measure it, add it as [[trial]] to c.toml,\n        then: slipgrid optimize 'a b.toml'\n"
         );
         assert_eq!(of(&Advice::DoNotTexture), "\nreport  out/a/report.html\n");
+        let of_file = written(Path::new("a.toml"), None, Path::new("out/a"), &Advice::Trial);
+        assert!(
+            of_file.contains("to its calibration,\n        make the material anew: slipgrid calibrate"),
+            "{of_file}"
+        );
     }
 
     #[test]
