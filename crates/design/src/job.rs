@@ -95,8 +95,9 @@ fn every_step(
         monitor.heed()?;
         reported(prepared, search, &found, (budget, monitor), timings)
     })?;
-    outcome.report.timings_s = timings;
     outcome.report.wall_s = monitor.seconds() - started_s;
+    timings.count_rest(outcome.report.wall_s);
+    outcome.report.timings_s = timings;
     outcome.report.threads = rayon::current_num_threads();
     Ok(outcome)
 }

@@ -19,11 +19,17 @@ pub struct Timings {
     /// Seconds for the page's explorer.
     #[serde(default)]
     pub explorer: f64,
-    /// Seconds for drawing and tabulating, up to result.json itself.
+    /// Seconds for drawing and tabulating, up to result.json itself, and for all that belongs to no other stage.
     pub export: f64,
 }
 
 impl Timings {
+    /// Counts the seconds of `wall_s` that no other stage counts as those of the export, so that the stages sum to it.
+    pub fn count_rest(&mut self, wall_s: f64) {
+        let counted = self.material + self.table + self.search + self.confirm + self.trade_offs + self.explorer;
+        self.export = wall_s - counted;
+    }
+
     /// Formats the seconds.
     #[must_use]
     pub fn words(&self) -> String {

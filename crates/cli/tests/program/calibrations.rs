@@ -2,14 +2,10 @@
 
 use std::fmt::Write as _;
 use std::fs;
-use std::time::{Duration, Instant};
 
 use crate::common::{CALIBRATION, FLAT, Place};
 use slipgrid_formats::Document;
 use slipgrid_formats::calibration::Calibration;
-
-/// Maximum time of a refusal, which comes before any computation.
-const AT_ONCE: Duration = Duration::from_secs(5);
 
 const FLAGS: [&str; 8] =
     ["--effective-radius-mm", "40", "--force-n", "50", "--speed-mm-s", "2", "--humidity-pct", "15"];
@@ -293,14 +289,12 @@ fn one_export_named_twice_in_a_calibration_is_refused() {
 }
 
 #[test]
-fn a_table_of_too_many_conditions_is_refused_at_once() {
+fn a_table_of_too_many_conditions_is_refused() {
     let header = FLAT.lines().next().unwrap();
     let rows: String = (1..=300).map(|i| format!("{i},2,15,0.248,0.002\n")).collect();
     let place = Place::with(&[("c.toml", CALIBRATION), ("flat.csv", &format!("{header}\n{rows}"))]);
-    let start = Instant::now();
     let message = place.refuse(&["calibrate", "c.toml", "-q"]);
     assert!(message.contains("c.toml: 300 coefficients are to be fitted; expected fewer conditions"), "{message}");
-    assert!(start.elapsed() < AT_ONCE, "{:?}", start.elapsed());
 }
 
 #[test]

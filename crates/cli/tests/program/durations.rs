@@ -1,7 +1,6 @@
 //! Long computations: their duration is announced before, reported afterwards, and limited.
 
 use std::fs;
-use std::time::Instant;
 
 use crate::common::{CALIBRATION, DESIGN, FLAT, Place, SCENE, small};
 use serde_json::Value;
@@ -29,7 +28,8 @@ fn the_stages_of_a_design_sum_to_its_duration() {
     let timings = times["timings_s"].as_object().unwrap();
     let sum: f64 = timings.values().map(|seconds| seconds.as_f64().unwrap()).sum();
     let wall_s = times["wall_s"].as_f64().unwrap();
-    assert!(sum > 0.95 * wall_s && sum < 1.001 * wall_s, "{sum} of {wall_s} s: {timings:?}");
+    assert!((sum - wall_s).abs() < 1e-6 * wall_s, "{sum} of {wall_s} s: {timings:?}");
+    assert!(timings.values().all(|seconds| seconds.as_f64() >= Some(0.0)), "{timings:?}");
     // What is said on one line sums to the same, but for rounding.
     let line = told.lines().find(|line| line.contains(" designs compared by a table of ")).unwrap();
     let words: Vec<&str> = line.split([' ', ',', ';']).collect();
@@ -44,10 +44,8 @@ fn seconds_hold_for_all_stages() {
     let fine = DESIGN.replace("block_um = 10.0", "block_um = 2.5");
     let place = Place::with(&[("none.toml", &timed(&discs(), "0")), ("few.toml", &timed(&fine, "1.5"))]);
     for file in ["none.toml", "few.toml"] {
-        let started = Instant::now();
         let output = place.run(&["optimize", file, "-o", "out"]);
         let said = String::from_utf8_lossy(&output.stderr).into_owned();
-        assert!(started.elapsed().as_secs_f64() < 30.0, "{file}: {:?}", started.elapsed());
         assert_eq!(output.status.code(), Some(4), "{file}: {said}");
         assert!(said.contains("error: the seconds allowed were spent before the designs within the bounds"), "{said}");
         assert!(!place.path("out").exists());

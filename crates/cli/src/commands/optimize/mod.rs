@@ -58,14 +58,13 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     let mut found = found.map_err(|error| refused(error, &design, Some(&study)))?;
     heed()?;
 
-    let exporting = Instant::now();
     let mut outputs = files::of_design(&found).map_err(|error| match error {
         ReportError::Export(error) => design.refuse_whole(error.to_string()).into(),
         error => CliError::from(error),
     })?;
     found.report.timings_s.material = calibrated_s;
-    found.report.timings_s.export = exporting.elapsed().as_secs_f64();
     found.report.wall_s = started.elapsed().as_secs_f64();
+    found.report.timings_s.count_rest(found.report.wall_s);
     files::add_report(&found, &mut outputs)?;
     let report = &found.report;
     replace(&outputs, &results)?;

@@ -242,6 +242,11 @@ impl Place {
         names(self.folder.path())
     }
 
+    /// Names of all that the runs in this folder kept in the cache.
+    pub fn cached(&self) -> Vec<String> {
+        names(self.cache.as_ref().map_or_else(|| shared_cache(), |cache| cache.path()))
+    }
+
     /// The program in this folder with `args`.
     pub fn command(&self, args: &[&str]) -> Command {
         let mut command = program();
