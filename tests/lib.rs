@@ -5,16 +5,16 @@ mod quoted;
 
 pub use quoted::Quoted;
 
-use slipgrid_contact::closed_form::persson_area_fraction;
-use slipgrid_material::{AreaLaw, Elastic, LocalFriction};
-use slipgrid_pattern::{Pattern, PatternError, Planform};
-use slipgrid_springblock::{Extent, Fidelity, Layer, Load, RunOptions, Scene};
+use slipgrid_model::material::{AreaLaw, Elastic, LocalFriction};
+use slipgrid_model::pattern::{Pattern, PatternError, Planform};
+use slipgrid_model::springblock::{Extent, Fidelity, Layer, Load, RunOptions, Scene};
+use slipgrid_surface::contact::closed_form::persson_area_fraction;
 
 /// Local coefficients of the source paper: static mean 0.30, dynamic mean 0.27, relative standard deviation 5 %.
 ///
 /// # Errors
 /// None: the numbers are valid.
-pub fn published_friction() -> Result<LocalFriction, slipgrid_material::MaterialError> {
+pub fn published_friction() -> Result<LocalFriction, slipgrid_model::material::MaterialError> {
     LocalFriction::new(0.30, 0.27, 0.05)
 }
 
@@ -26,7 +26,7 @@ pub fn persson_law() -> Result<AreaLaw, Box<dyn std::error::Error>> {
     let pressure_pa: Vec<f64> = (1..=200).map(|step| 0.1e6 * f64::from(step)).collect();
     // Only the product of modulus and slope counts.
     let area: Vec<f64> = pressure_pa.iter().map(|p| persson_area_fraction(*p, 4e8, 0.01)).collect::<Result<_, _>>()?;
-    Ok(AreaLaw::from_area_curve(&pressure_pa, &area, slipgrid_material::THRESHOLD_PRESSURE_PA)?)
+    Ok(AreaLaw::from_area_curve(&pressure_pa, &area, slipgrid_model::material::THRESHOLD_PRESSURE_PA)?)
 }
 
 /// The published pattern as simulated in the source: grooves 130 um wide, 370 um apart, 20 um deep.

@@ -8,13 +8,15 @@
 use std::hint::black_box;
 use std::time::Instant;
 
-use slipgrid_contact::{SolveOptions, area_curve};
-use slipgrid_discrepancy::{Conditions, Discrepancy, Features, Hyperparameters, Load, Measured, Sensitivity, Trial};
-use slipgrid_export::{Heading, Outline, Specimen, dxf};
-use slipgrid_pattern::{Pattern, Planform};
-use slipgrid_springblock::{Extent, Fidelity, Scene, SteadyCell, Unwatched, simulate};
+use slipgrid_infer::discrepancy::{
+    Conditions, Discrepancy, Features, Hyperparameters, Load, Measured, Sensitivity, Trial,
+};
+use slipgrid_laser::export::{Heading, Outline, Specimen, dxf};
+use slipgrid_model::pattern::{Pattern, Planform};
+use slipgrid_model::springblock::{Extent, Fidelity, Scene, SteadyCell, Unwatched, simulate};
+use slipgrid_surface::contact::{SolveOptions, area_curve};
+use slipgrid_surface::topography::SelfAffine;
 use slipgrid_tests::polymer_scene;
-use slipgrid_topography::SelfAffine;
 
 /// Number of repetitions for the median.
 const REPETITIONS: usize = 3;

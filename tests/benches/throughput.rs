@@ -8,8 +8,8 @@
 use std::time::Instant;
 
 use rayon::prelude::*;
-use slipgrid_pattern::{Pattern, Planform, Rim, RimProfile};
-use slipgrid_springblock::{Extent, Fidelity, Scene, SteadyCell, Unwatched, simulate};
+use slipgrid_model::pattern::{Pattern, Planform, Rim, RimProfile};
+use slipgrid_model::springblock::{Extent, Fidelity, Scene, SteadyCell, Unwatched, simulate};
 use slipgrid_tests::{polymer_scene, published, published_groove};
 
 /// Number of repetitions for the median.

@@ -52,7 +52,7 @@ const MADE: [(&str, &str, &str); 16] = [
 pub fn cases() -> Vec<Case> {
     let foreign = FOREIGN.iter().map(|(file, options)| {
         Case::new(*file, true, move || {
-            let path = repository().join("crates/topography/tests/reference").join(file);
+            let path = repository().join("crates/surface/tests/topography/reference").join(file);
             measured(&Place::new(), &path.display().to_string(), options)
         })
     });

@@ -9,9 +9,9 @@ use proptest::prelude::*;
 use proptest::strategy::ValueTree;
 use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
 use rayon::prelude::*;
-use slipgrid_material::{Elastic, LocalFriction};
-use slipgrid_pattern::{Pattern, Planform};
-use slipgrid_springblock::{
+use slipgrid_model::material::{Elastic, LocalFriction};
+use slipgrid_model::pattern::{Pattern, Planform};
+use slipgrid_model::springblock::{
     Extent, Fidelity, Layer, Load, LoadOutcome, RunOptions, Scene, Status, Unwatched, simulate,
 };
 use slipgrid_tests::Quoted;

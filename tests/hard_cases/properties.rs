@@ -2,9 +2,9 @@
 
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
-use slipgrid_material::{AreaLaw, LocalFriction};
-use slipgrid_pattern::{Pattern, Planform};
-use slipgrid_springblock::{Extent, Fidelity, Layer, Scene, Status, Unwatched, simulate};
+use slipgrid_model::material::{AreaLaw, LocalFriction};
+use slipgrid_model::pattern::{Pattern, Planform};
+use slipgrid_model::springblock::{Extent, Fidelity, Layer, Scene, Status, Unwatched, simulate};
 use slipgrid_tests::polymer_scene;
 
 /// Test runner with the same cases in every run.

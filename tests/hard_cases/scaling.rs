@@ -1,8 +1,8 @@
 //! Invariance of the model under a change of the units of length, stiffness and time.
 
-use slipgrid_material::{Elastic, LocalFriction};
-use slipgrid_pattern::{Pattern, Planform};
-use slipgrid_springblock::{Extent, Fidelity, Layer, Load, RunOptions, Scene, Simulation, Unwatched, simulate};
+use slipgrid_model::material::{Elastic, LocalFriction};
+use slipgrid_model::pattern::{Pattern, Planform};
+use slipgrid_model::springblock::{Extent, Fidelity, Layer, Load, RunOptions, Scene, Simulation, Unwatched, simulate};
 
 /// Scene with stiffness and pressure times 2^`stiffness`, lengths times 2^`length`, and unchanged times: density scales
 /// as stiffness over length squared.
@@ -34,7 +34,7 @@ fn stiffness_and_length_scale_out_to_the_last_bit() {
         // 0.4 GPa to 1.5 kPa and 1.6 TPa, 7.6 um to 7.5 nm and 0.98 mm
         for (stiffness, length) in [(-18, 0), (12, 0), (0, -10), (0, 7), (-18, 7), (12, -10)] {
             let other = solved(&scaled(fidelity, stiffness, length)).loads.remove(0);
-            let numbers = |load: &slipgrid_springblock::LoadOutcome| {
+            let numbers = |load: &slipgrid_model::springblock::LoadOutcome| {
                 (load.surface.status, load.surface.mu_dynamic, load.surface.mu_static, load.ratio, load.ratio_stderr)
             };
             assert_eq!(numbers(&own), numbers(&other), "{fidelity:?} {stiffness} {length}");

@@ -4,10 +4,10 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
+use slipgrid_base::monitor::Monitor;
 use slipgrid_design::{DesignError, DesignTask, NoCache, run};
-use slipgrid_formats::Document;
-use slipgrid_formats::design::Design;
-use slipgrid_monitor::Monitor;
+use slipgrid_io::formats::Document;
+use slipgrid_io::formats::design::Design;
 
 /// Monitor that cancels a given time after the stage `stage` has begun.
 struct Button {

@@ -6,11 +6,11 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
-use slipgrid_calibrate::area_law::{AreaLawRequest, CONTACT_TOLERANCE, surface_area_law};
-use slipgrid_monitor::{CancellableReader, Monitor, Unwatched};
-use slipgrid_pattern::RimProfile;
+use slipgrid_base::monitor::{CancellableReader, Monitor, Unwatched};
+use slipgrid_infer::calibrate::area_law::{AreaLawRequest, CONTACT_TOLERANCE, surface_area_law};
+use slipgrid_model::pattern::RimProfile;
 use slipgrid_report::surface::{Measured, SurfaceReport, files};
-use slipgrid_topography::{
+use slipgrid_surface::topography::{
     CORRELATION_THRESHOLD, CorrelationLengths, CutPattern, CutRim, CutShape, Form, HeightMap, LengthUnit,
     MaterialRatioCurve, MatrixStyle, Preparation, PreparedMap, ReadMap, ReadOptions, SelfAffine, Sides, SpectrumWindow,
     read_map,

@@ -86,7 +86,7 @@ impl Draws {
             for load in 0..LOADS {
                 let variance = noise * noise + SAMPLE_STD * SAMPLE_STD + (DIMENSIONS_STD * log[load]).powi(2);
                 let z = (measured[load] - log[load] + draw.flat[load]) / variance.sqrt();
-                below[load] += draw.weight * slipgrid_statistics::normal_probability(z);
+                below[load] += draw.weight * slipgrid_base::statistics::normal_probability(z);
             }
         }
         below

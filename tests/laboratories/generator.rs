@@ -6,9 +6,9 @@
 //! linear regression gives the posterior of the coefficients and the evidence. Draws from this mixture are reweighted
 //! by the exact model, which removes the errors of the Gaussians and of the linearization.
 
-use slipgrid_discrepancy::{Hyperparameters, Trial};
-use slipgrid_statistics::Normals;
-use slipgrid_statistics::cholesky::{cholesky, dot, solve_lower, solve_upper};
+use slipgrid_base::statistics::Normals;
+use slipgrid_base::statistics::cholesky::{cholesky, dot, solve_lower, solve_upper};
+use slipgrid_infer::discrepancy::{Hyperparameters, Trial};
 
 use super::draws::{Draw, Draws};
 use super::physics::{LOADS, Physics, Solved};
@@ -385,7 +385,7 @@ pub fn within(
         }
         if least < most {
             let (own, own_std) = of_own(z);
-            let below = |x: f64| slipgrid_statistics::normal_probability((x - own) / own_std);
+            let below = |x: f64| slipgrid_base::statistics::normal_probability((x - own) / own_std);
             sum += (-0.5 * deviate * deviate).exp() * (below(most) - below(least));
         }
     }
@@ -423,7 +423,7 @@ fn sizes(mechanism: Mechanism, of_sizes: Sizes) -> Vec<(Node, [f64; 2])> {
 
 /// Gaussians for the modulus between its limits, and one point at each limit with the probability beyond it.
 fn moduli() -> Vec<Node> {
-    let beyond = slipgrid_statistics::normal_probability(-MAX_LOG_MODULUS / MODULUS_STD);
+    let beyond = slipgrid_base::statistics::normal_probability(-MAX_LOG_MODULUS / MODULUS_STD);
     let step = 2.0 * MAX_LOG_MODULUS / MODULI as f64;
     let prior = Node { at: 0.0, std: MODULUS_STD, share: 1.0 };
     let mut nodes = cover(-MAX_LOG_MODULUS, MAX_LOG_MODULUS, MODULI, &|at| step * prior.density(at));

@@ -17,15 +17,15 @@ mod truth;
 
 use rayon::prelude::*;
 use serde::Serialize;
-use slipgrid_discrepancy::{DimensionShift, Trial};
-use slipgrid_monitor::{Monitor, Stage};
-use slipgrid_statistics::{Normals, normal_probability};
+use slipgrid_base::monitor::{Monitor, Stage};
+use slipgrid_base::statistics::{Normals, normal_probability};
+use slipgrid_infer::discrepancy::{DimensionShift, Trial};
 
 use draws::{around, is_within};
 use generator::{Generator, Sizes};
 use physics::{LOADS, Solved};
 use policy::{Informed, Known, Told, all_dimension_shifts, candidate, learned, wanted};
-use slipgrid_studies::StudyError;
+use slipgrid_validate::StudyError;
 use truth::Laboratory;
 
 pub use policy::Policy;

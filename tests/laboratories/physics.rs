@@ -1,14 +1,14 @@
 //! Textures that the simulated laboratories may cut, solved by the steady model.
 
 use rayon::prelude::*;
-use slipgrid_calibrate::uncertainty::{ScaleShift, moved};
-use slipgrid_discrepancy::{Features, Load, Sensitivity};
-use slipgrid_monitor::Monitor;
-use slipgrid_pattern::{Pattern, Planform, Rim, RimProfile, Texture};
-use slipgrid_springblock::{Scene, SteadyCell};
+use slipgrid_base::monitor::Monitor;
+use slipgrid_infer::calibrate::uncertainty::{ScaleShift, moved};
+use slipgrid_infer::discrepancy::{Features, Load, Sensitivity};
+use slipgrid_model::pattern::{Pattern, Planform, Rim, RimProfile, Texture};
+use slipgrid_model::springblock::{Scene, SteadyCell};
 
-use slipgrid_studies::StudyError;
-use slipgrid_studies::accuracy::paper_scene;
+use slipgrid_validate::StudyError;
+use slipgrid_validate::accuracy::paper_scene;
 
 /// Nominal pressures, in pascals.
 pub const PRESSURES_PA: [f64; 4] = [0.65e6, 1.3e6, 1.95e6, 2.6e6];
@@ -84,11 +84,11 @@ pub fn textures(steps: usize, monitor: &dyn Monitor) -> Result<Vec<Solved>, Stud
     let scene = paper_scene()?;
     let mut loads = Vec::new();
     for pressure_pa in PRESSURES_PA {
-        loads.push(slipgrid_springblock::Load { pressure_pa, friction: scene.loads[0].friction });
+        loads.push(slipgrid_model::springblock::Load { pressure_pa, friction: scene.loads[0].friction });
     }
     let scene = Scene { loads, ..scene };
     let squares =
-        Scene { layer: slipgrid_springblock::Layer { block_m: SQUARE_BLOCK_M, ..scene.layer }, ..scene.clone() };
+        Scene { layer: slipgrid_model::springblock::Layer { block_m: SQUARE_BLOCK_M, ..scene.layer }, ..scene.clone() };
     let at = |scene: &Scene| -> Result<Vec<Scene>, StudyError> {
         LOG_MODULI
             .iter()

@@ -1,16 +1,16 @@
 //! Policies by which a laboratory chooses the texture to cut next.
 
-use slipgrid_discrepancy::{
+use slipgrid_base::statistics::Normals;
+use slipgrid_infer::discrepancy::{
     Candidate, Conditions, DimensionShift, Discrepancy, Form, Hyperparameters, Prediction as Distribution, Predictor,
     Score, Trial, Wanted,
 };
-use slipgrid_statistics::Normals;
 
 use super::draws::{Draws, around, between};
 use super::generator::{Generator, Seen, logs};
 use super::physics::{LOADS, Solved, loads};
 use super::truth::{MODULUS_STD, TOLERANCE, dimension_shifts};
-use slipgrid_studies::StudyError;
+use slipgrid_validate::StudyError;
 
 /// Standard deviation of the Gaussian process.
 const PROCESS_STD: f64 = 0.2;
@@ -94,7 +94,8 @@ pub fn wanted(target: &[f64; LOADS]) -> Wanted {
 /// # Errors
 /// [`StudyError`] if the trials are invalid.
 pub fn learned(hyper: &Hyperparameters, trials: &[Trial]) -> Result<Predictor, StudyError> {
-    let failed = |error: slipgrid_discrepancy::DiscrepancyError| StudyError::Failed(format!("laboratories: {error}"));
+    let failed =
+        |error: slipgrid_infer::discrepancy::DiscrepancyError| StudyError::Failed(format!("laboratories: {error}"));
     let found = Discrepancy::new(hyper.clone(), Conditions::default(), MODULUS_STD, trials.to_vec()).map_err(failed)?;
     Ok(found.at(&loads()))
 }

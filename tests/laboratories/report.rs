@@ -3,8 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::{Job, Mechanism, Options, Policy, Start, TargetOf, Way};
-use slipgrid_results::{SCHEMA, VERSION};
-use slipgrid_units::tidy;
+use slipgrid_base::units::tidy;
+use slipgrid_design::results::{SCHEMA, VERSION};
 
 /// Number of bins of the predicted chance.
 const BINS: usize = 10;
@@ -276,7 +276,7 @@ impl PolicyReport {
         Self {
             policy: policy.name().to_owned(),
             mean: tidy(trials.iter().sum::<f64>() / trials.len().max(1) as f64),
-            median: slipgrid_statistics::median(&mut trials).unwrap_or(f64::NAN),
+            median: slipgrid_base::statistics::median(&mut trials).unwrap_or(f64::NAN),
             within_3: share(&soon, &|_| true),
             within_3_inside: share(&soon, &|job| job.mechanism().is_inside()),
             within_3_outside: share(&soon, &|job| !job.mechanism().is_inside()),

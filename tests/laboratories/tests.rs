@@ -1,5 +1,5 @@
 use super::*;
-use slipgrid_monitor::Unwatched;
+use slipgrid_base::monitor::Unwatched;
 
 /// The page that the book quotes equals the results of all laboratories.
 #[test]
@@ -92,7 +92,7 @@ fn the_share_of_reached_targets_is_that_of_drawn_ones() {
 
 /// Chances and intervals of the generator are as reliable as they state, for reached and for arbitrary targets.
 #[test]
-#[ignore = "half a minute: the reference policy of laboratories; the chances of the product's own are tested in crates/design and crates/discrepancy"]
+#[ignore = "half a minute: the reference policy of laboratories; the chances of the product's own are tested in crates/design and crates/infer/src/discrepancy"]
 fn who_knows_how_laboratories_are_made_says_chances_that_come_true() {
     let options = Options { laboratories: 45, most_trials: 6, steps: 4, seed: 2 };
     let bench = Bench::new(&options, &Unwatched).unwrap();

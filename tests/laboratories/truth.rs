@@ -1,7 +1,7 @@
 //! Simulated laboratory: true ratios of its samples, and their measurement.
 
-use slipgrid_discrepancy::{DimensionShift, Features, Form, Hyperparameters, Measured, Trial};
-use slipgrid_statistics::Normals;
+use slipgrid_base::statistics::Normals;
+use slipgrid_infer::discrepancy::{DimensionShift, Features, Form, Hyperparameters, Measured, Trial};
 
 use super::physics::{LOADS, PRESSURES_PA, Solved, loads};
 
@@ -151,7 +151,7 @@ impl Laboratory {
     pub fn new(mechanism: Mechanism, number: usize, seed: u64) -> Self {
         // A stream of its own for every laboratory: a multiple of a large odd number.
         let mut normals = Normals::new(seed.wrapping_add((number as u64 + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15)));
-        let uniform = |normals: &mut Normals| slipgrid_statistics::normal_probability(normals.draw());
+        let uniform = |normals: &mut Normals| slipgrid_base::statistics::normal_probability(normals.draw());
         let [from, by] = mechanism.sizes();
         let size = from + by * uniform(&mut normals);
         let (beta, gamma) = (SLOPE_SHARE * size * normals.draw(), SLOPE_SHARE * size * normals.draw());

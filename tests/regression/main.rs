@@ -6,7 +6,7 @@
     reason = "a test that cannot go on fails, and tells what it measured"
 )]
 
-use slipgrid_springblock::{Extent, Fidelity, Layer, Unwatched, simulate};
+use slipgrid_model::springblock::{Extent, Fidelity, Layer, Unwatched, simulate};
 use slipgrid_tests::{polymer_scene, published_groove};
 
 #[test]

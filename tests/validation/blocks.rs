@@ -1,7 +1,7 @@
 //! Error of the ratios of steady cells due to the size of blocks, compared with the stated error.
 
-use slipgrid_pattern::{Pattern, Planform, Rim, RimProfile, Texture};
-use slipgrid_springblock::{Extent, Fidelity, SteadyCell, Unwatched, simulate};
+use slipgrid_model::pattern::{Pattern, Planform, Rim, RimProfile, Texture};
+use slipgrid_model::springblock::{Extent, Fidelity, SteadyCell, Unwatched, simulate};
 use slipgrid_tests::{Quoted, polymer_scene};
 
 /// Reproducible grooves with random widths, gaps and depths, in micrometres, uniform in their logarithms.

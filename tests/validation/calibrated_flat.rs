@@ -1,8 +1,8 @@
 //! Calibration compared with the time integration that uses its coefficients.
 
-use slipgrid_calibrate::{Coefficients, Measurement, Problem, fit_coefficients};
-use slipgrid_material::LocalFriction;
-use slipgrid_springblock::{Extent, Fidelity, Unwatched, simulate};
+use slipgrid_infer::calibrate::{Coefficients, Measurement, Problem, fit_coefficients};
+use slipgrid_model::material::LocalFriction;
+use slipgrid_model::springblock::{Extent, Fidelity, Unwatched, simulate};
 use slipgrid_tests::{persson_law, polymer_scene};
 
 #[test]

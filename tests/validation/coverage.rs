@@ -2,12 +2,14 @@
 //! ratio, flat friction and a local coefficient. The truth is solved separately, at the true modulus.
 
 use rayon::prelude::*;
-use slipgrid_calibrate::uncertainty::{InputUncertainty, ScaleError, Slopes};
-use slipgrid_calibrate::{Coefficients, FlatLoad, Measurement, Problem, fit_coefficients, marginal_relative_std};
-use slipgrid_contact::closed_form::persson_area_fraction;
-use slipgrid_material::{AreaLaw, LocalFriction, THRESHOLD_PRESSURE_PA};
-use slipgrid_springblock::{Extent, Fidelity, Layer, Load, RunOptions, Scene, Unwatched, simulate};
-use slipgrid_statistics::Noise;
+use slipgrid_base::statistics::Noise;
+use slipgrid_infer::calibrate::uncertainty::{InputUncertainty, ScaleError, Slopes};
+use slipgrid_infer::calibrate::{
+    Coefficients, FlatLoad, Measurement, Problem, fit_coefficients, marginal_relative_std,
+};
+use slipgrid_model::material::{AreaLaw, LocalFriction, THRESHOLD_PRESSURE_PA};
+use slipgrid_model::springblock::{Extent, Fidelity, Layer, Load, RunOptions, Scene, Unwatched, simulate};
+use slipgrid_surface::contact::closed_form::persson_area_fraction;
 use slipgrid_tests::{Quoted, polymer_scene, published_groove};
 
 const REPLICATES: usize = 200;

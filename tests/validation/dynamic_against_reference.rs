@@ -1,6 +1,6 @@
 //! The fast time integration compared with that of the paper: Runge-Kutta of order 4, 1 ns, exact springs.
 
-use slipgrid_springblock::{Extent, Fidelity, Layer, LoadOutcome, Scene, Unwatched, simulate};
+use slipgrid_model::springblock::{Extent, Fidelity, Layer, LoadOutcome, Scene, Unwatched, simulate};
 use slipgrid_tests::{Quoted, polymer_scene};
 
 /// Friction and, for a patterned sample, the ratio, each with its standard error.

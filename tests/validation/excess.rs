@@ -1,8 +1,8 @@
 //! Dependence of the excess of dynamic over steady friction, and of the ratio of the published pattern, on parameters
 //! of the scene.
 
-use slipgrid_material::LocalFriction;
-use slipgrid_springblock::{Extent, Fidelity, Layer, Scene, Unwatched, simulate};
+use slipgrid_model::material::LocalFriction;
+use slipgrid_model::springblock::{Extent, Fidelity, Layer, Scene, Unwatched, simulate};
 use slipgrid_tests::{Quoted, polymer_scene, published_groove};
 
 /// Number with its standard error.

@@ -1,7 +1,9 @@
 //! Faces with rims in time, compared with the steady equilibrium, and one integrator compared with another.
 
-use slipgrid_pattern::{Pattern, Planform, Rim, RimProfile, Texture};
-use slipgrid_springblock::{Extent, Fidelity, Layer, RunOptions, Scene, Simulation, Status, Unwatched, simulate};
+use slipgrid_model::pattern::{Pattern, Planform, Rim, RimProfile, Texture};
+use slipgrid_model::springblock::{
+    Extent, Fidelity, Layer, RunOptions, Scene, Simulation, Status, Unwatched, simulate,
+};
 use slipgrid_tests::polymer_scene;
 
 /// Scene of grooves with flat rims two blocks wide.

@@ -1,7 +1,7 @@
 //! Steady sliding compared with time integration of the same draw.
 
-use slipgrid_pattern::{Pattern, Planform};
-use slipgrid_springblock::{Extent, Fidelity, Layer, LoadOutcome, Scene, Simulation, Unwatched, simulate};
+use slipgrid_model::pattern::{Pattern, Planform};
+use slipgrid_model::springblock::{Extent, Fidelity, Layer, LoadOutcome, Scene, Simulation, Unwatched, simulate};
 use slipgrid_tests::{Quoted, polymer_scene, published_groove};
 
 fn both(mut scene: Scene) -> [Simulation; 2] {

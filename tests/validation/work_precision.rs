@@ -1,7 +1,7 @@
 //! Cost and error of the main job's confirming run, by its travel and its draws.
 
-use slipgrid_pattern::{Pattern, Planform};
-use slipgrid_springblock::{
+use slipgrid_model::pattern::{Pattern, Planform};
+use slipgrid_model::springblock::{
     Extent, Fidelity, Layer, LoadOutcome, RunOptions, Scene, Unwatched, simulate, warm_travel_m,
 };
 use slipgrid_tests::{Quoted, polymer_scene};

@@ -4,13 +4,13 @@ use std::path::{Path, PathBuf};
 
 use slipgrid_book::keys::{Key, Place, Shape, Types};
 use slipgrid_book::schema::{Accepted, is_judged};
-use slipgrid_campaign::plan;
-use slipgrid_disk::disk;
-use slipgrid_formats::calibration::Calibration;
-use slipgrid_formats::design::Design;
-use slipgrid_formats::material::{MaterialFile, read_material};
-use slipgrid_formats::scene::{SceneFile, SceneInput};
-use slipgrid_formats::{Diagnostic, Document};
+use slipgrid_io::campaign::plan;
+use slipgrid_io::disk::disk;
+use slipgrid_io::formats::calibration::Calibration;
+use slipgrid_io::formats::design::Design;
+use slipgrid_io::formats::material::{MaterialFile, read_material};
+use slipgrid_io::formats::scene::{SceneFile, SceneInput};
+use slipgrid_io::formats::{Diagnostic, Document};
 use toml::{Table, Value};
 
 use crate::{files, root, text};
@@ -57,7 +57,7 @@ pub const KINDS: [Kind; 5] = [
         read: |path, text| {
             let document = Document::within(&disk(), path, text);
             let file: SceneFile = document.parse()?;
-            let input = SceneInput::from_file(document, &file, slipgrid_formats::run::Overrides::default())?;
+            let input = SceneInput::from_file(document, &file, slipgrid_io::formats::run::Overrides::default())?;
             Ok(format!("{:?}", (input.scene, input.specimen, input.material)))
         },
     },
@@ -79,9 +79,9 @@ pub const KINDS: [Kind; 5] = [
             let copy = folder.path().join("campaign.toml");
             let base = path.parent().unwrap().join("scene-rims.toml").display().to_string();
             std::fs::write(&copy, text.replace("\"scene-rims.toml\"", &format!("{base:?}"))).unwrap();
-            match plan(&disk(), &copy, &slipgrid_monitor::Unwatched) {
+            match plan(&disk(), &copy, &slipgrid_base::monitor::Unwatched) {
                 Ok(planned) => Ok(format!("{:?}", planned.tasks)),
-                Err(slipgrid_campaign::CampaignError::Refused(refused)) => Err(Box::new(refused)),
+                Err(slipgrid_io::campaign::CampaignError::Refused(refused)) => Err(Box::new(refused)),
                 Err(other) => panic!("{other}"),
             }
         },
@@ -90,8 +90,8 @@ pub const KINDS: [Kind; 5] = [
 
 /// Types of the files that are read, from their source files.
 pub fn types() -> Types {
-    let mut sources = files(&root().join("crates/formats/src"), ".rs");
-    sources.push(root().join("crates/campaign/src/plan.rs"));
+    let mut sources = files(&root().join("crates/io/src/formats"), ".rs");
+    sources.push(root().join("crates/io/src/campaign/plan.rs"));
     let named = |path: &PathBuf| (path.file_name().unwrap().to_str().unwrap().to_owned(), text(path));
     let read: Vec<(String, String)> = sources.iter().map(named).collect();
     Types::new(read.iter().map(|(name, text)| (name.as_str(), text.as_str())))

@@ -7,11 +7,11 @@ use crate::{book, files, root, text};
 
 /// Source files that write the tables of commands that no chapter runs.
 const WRITERS: [&str; 6] = [
-    "crates/studies/src/accuracy/text.rs",
-    "crates/studies/src/validation/text.rs",
-    "crates/studies/src/validation/rims.rs",
-    "crates/studies/src/validation/figures.rs",
-    "crates/export/src/csv.rs",
+    "crates/validate/src/accuracy/text.rs",
+    "crates/validate/src/validation/text.rs",
+    "crates/validate/src/validation/rims.rs",
+    "crates/validate/src/validation/figures.rs",
+    "crates/laser/src/export/csv.rs",
     "crates/report/src/area_law.rs",
 ];
 

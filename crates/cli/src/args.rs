@@ -14,8 +14,8 @@ use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use slipgrid_disk::MAX_THREADS;
-use slipgrid_formats::traces::MAX_SPECIMENS;
+use slipgrid_io::disk::MAX_THREADS;
+use slipgrid_io::formats::traces::MAX_SPECIMENS;
 
 pub use campaign::{CampaignArgs, CampaignStep, MergeArgs, PlanArgs, WorkArgs};
 pub use evidence::{AccuracyArgs, ValidateArgs};
@@ -368,7 +368,7 @@ pub enum FidelityName {
     Reference,
 }
 
-impl From<FidelityName> for slipgrid_springblock::Fidelity {
+impl From<FidelityName> for slipgrid_model::springblock::Fidelity {
     fn from(name: FidelityName) -> Self {
         match name {
             FidelityName::Steady => Self::Steady,
@@ -389,7 +389,7 @@ pub enum ExtentName {
     Strip,
 }
 
-impl From<ExtentName> for slipgrid_springblock::Extent {
+impl From<ExtentName> for slipgrid_model::springblock::Extent {
     fn from(name: ExtentName) -> Self {
         match name {
             ExtentName::Cell => Self::Cell,

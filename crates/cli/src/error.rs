@@ -1,9 +1,9 @@
-use slipgrid_material::MaterialError;
-use slipgrid_monitor::Cancelled;
+use slipgrid_base::monitor::Cancelled;
+use slipgrid_model::material::MaterialError;
 
-use slipgrid_disk::{PlaceError, WriteError};
-use slipgrid_formats::Diagnostic;
-use slipgrid_formats::calibrated::Uncalibrated;
+use slipgrid_io::disk::{PlaceError, WriteError};
+use slipgrid_io::formats::Diagnostic;
+use slipgrid_io::formats::calibrated::Uncalibrated;
 
 /// Error that ends a command without a result.
 #[derive(Debug, thiserror::Error)]
@@ -46,10 +46,10 @@ macro_rules! told {
 }
 
 told!(
-    slipgrid_results::NoJsonForm,
+    slipgrid_design::results::NoJsonForm,
     slipgrid_report::ChartError,
     slipgrid_report::ReportError,
-    slipgrid_formats::written_material::UnwritableMaterial,
+    slipgrid_io::formats::written_material::UnwritableMaterial,
 );
 
 impl From<PlaceError> for CliError {
@@ -77,11 +77,11 @@ impl From<Uncalibrated> for CliError {
     }
 }
 
-impl From<slipgrid_studies::StudyError> for CliError {
-    fn from(error: slipgrid_studies::StudyError) -> Self {
+impl From<slipgrid_validate::StudyError> for CliError {
+    fn from(error: slipgrid_validate::StudyError) -> Self {
         match error {
-            slipgrid_studies::StudyError::Input(refused) => Self::Input(refused),
-            slipgrid_studies::StudyError::Cancelled => Self::Interrupted,
+            slipgrid_validate::StudyError::Input(refused) => Self::Input(refused),
+            slipgrid_validate::StudyError::Cancelled => Self::Interrupted,
             other => Self::Other(other.to_string()),
         }
     }

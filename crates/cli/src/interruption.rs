@@ -52,7 +52,7 @@ pub fn install() -> Result<(), ctrlc::Error> {
         std::thread::spawn(|| {
             std::thread::sleep(GRACE);
             // Files of a result appear together: the process must not end between two of them.
-            let _renaming = slipgrid_disk::hold_renaming();
+            let _renaming = slipgrid_io::disk::hold_renaming();
             // A closed stderr is no reason to fail.
             let _ = writeln!(std::io::stderr(), "\nerror: {}", message());
             end();
@@ -62,7 +62,7 @@ pub fn install() -> Result<(), ctrlc::Error> {
 
 /// Ends the process while it holds its locks.
 fn end() -> ! {
-    slipgrid_disk::lock::remove_all();
+    slipgrid_io::disk::lock::remove_all();
     std::process::exit(exit_code::INTERRUPTED.into())
 }
 

@@ -33,8 +33,8 @@ use std::path::Path;
 use clap::{CommandFactory, FromArgMatches};
 
 pub use error::CliError;
-use slipgrid_disk::{KeptResults, ResultFolder};
-use slipgrid_formats::diagnostic::printable_lines;
+use slipgrid_io::disk::{KeptResults, ResultFolder};
+use slipgrid_io::formats::diagnostic::printable_lines;
 use slipgrid_report::Outputs;
 
 /// Exit codes of the program.
@@ -102,7 +102,7 @@ impl Console<'_> {
         text: impl FnOnce() -> String,
     ) -> Result<(), CliError> {
         if as_json {
-            self.out.write_all(slipgrid_results::json(record)?.as_bytes())?;
+            self.out.write_all(slipgrid_design::results::json(record)?.as_bytes())?;
         } else {
             self.answer(&text())?;
         }
@@ -171,7 +171,7 @@ where
             return if refused.use_stderr() { exit_code::BAD_INPUT } else { exit_code::DONE };
         }
     };
-    let threads = arguments.threads.map_or_else(slipgrid_disk::default_threads, |threads| Ok(threads.get()));
+    let threads = arguments.threads.map_or_else(slipgrid_io::disk::default_threads, |threads| Ok(threads.get()));
     let pool = threads.map_err(CliError::from).and_then(|threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
         pool.map_err(|error| CliError::Other(format!("--threads: {error}")))

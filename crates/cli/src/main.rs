@@ -11,7 +11,7 @@ fn main() -> ExitCode {
     if !is_ignored(SIGINT) {
         let _ = slipgrid_cli::interruption::install();
     }
-    let kept = slipgrid_disk::KeptResults::for_this_program();
+    let kept = slipgrid_io::disk::KeptResults::for_this_program();
     slipgrid_cli::run_with(std::env::args_os(), &mut std::io::stdout(), &mut std::io::stderr(), kept).into()
 }
 

@@ -5,9 +5,9 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use crate::{CliError, interruption};
-pub use slipgrid_disk::{Place, ResultFolder, WriteError, check_file, check_folder};
-use slipgrid_disk::{PlaceError, put, refuse_foreign};
-use slipgrid_formats::Diagnostic;
+pub use slipgrid_io::disk::{Place, ResultFolder, WriteError, check_file, check_folder};
+use slipgrid_io::disk::{PlaceError, put, refuse_foreign};
+use slipgrid_io::formats::Diagnostic;
 use slipgrid_report::Outputs;
 
 /// Extensions of matrix text files.

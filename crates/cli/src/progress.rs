@@ -7,9 +7,9 @@ use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use slipgrid_disk::KeptResults;
-use slipgrid_formats::diagnostic::printable_lines;
-use slipgrid_monitor::{Memory, Monitor};
+use slipgrid_base::monitor::{Memory, Monitor};
+use slipgrid_io::disk::KeptResults;
+use slipgrid_io::formats::diagnostic::printable_lines;
 
 use crate::{Console, interruption};
 

@@ -10,11 +10,11 @@ use std::sync::{Mutex, PoisonError};
 
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
+use slipgrid_design::results::VERSION;
 use slipgrid_design::{Answer, Evaluation, EvaluationCache, Fault, LARGEST};
-use slipgrid_results::VERSION;
 
 use crate::interruption;
-use slipgrid_formats::Diagnostic;
+use slipgrid_io::formats::Diagnostic;
 
 /// Line of the file.
 #[derive(Serialize, Deserialize)]

@@ -1,7 +1,7 @@
 //! Advice on the texture that was found: cut a series, cut a trial, or nothing.
 
-use slipgrid_discrepancy::{Features, Trial};
-use slipgrid_optimize::Goal;
+use crate::optimize::Goal;
+use slipgrid_infer::discrepancy::{Features, Trial};
 
 use crate::prediction::{Prediction, percent};
 use crate::search::Search;

@@ -3,12 +3,12 @@
 
 use std::sync::Arc;
 
-use slipgrid_discrepancy::{Candidate, DimensionShift, Features, Sensitivity};
-use slipgrid_export::Specimen;
-use slipgrid_monitor::{Monitor, Part as Share};
-use slipgrid_pattern::Pattern;
-use slipgrid_specimen::{SteadyOnFace, nearest_known, time_changes_on};
-use slipgrid_springblock::{RunOptions, Scene, Simulation};
+use slipgrid_base::monitor::{Monitor, Part as Share};
+use slipgrid_infer::discrepancy::{Candidate, DimensionShift, Features, Sensitivity};
+use slipgrid_laser::export::Specimen;
+use slipgrid_laser::specimen::{SteadyOnFace, nearest_known, time_changes_on};
+use slipgrid_model::pattern::Pattern;
+use slipgrid_model::springblock::{RunOptions, Scene, Simulation};
 
 use crate::inputs::{Effect, Part};
 use crate::steady_model::SteadyModel;

@@ -1,9 +1,9 @@
 //! Requirements of a task on a cut sample: one [`Band`] per load.
 
-use slipgrid_calibrate::uncertainty::MaterialUncertainty;
-use slipgrid_discrepancy::{Discrepancy, Load, Prediction as Distribution, Trial, Wanted};
-use slipgrid_material::AreaLaw;
-use slipgrid_optimize::{Goal, Quantity};
+use crate::optimize::{Goal, Quantity};
+use slipgrid_infer::calibrate::uncertainty::MaterialUncertainty;
+use slipgrid_infer::discrepancy::{Discrepancy, Load, Prediction as Distribution, Trial, Wanted};
+use slipgrid_model::material::AreaLaw;
 
 use crate::DesignError;
 use crate::operating_conditions::{Further, Setting};

@@ -1,7 +1,7 @@
 //! Interpolation of quantities known at some designs to other designs.
 
-use slipgrid_pattern::Pattern;
-use slipgrid_statistics::{Kriging, distance};
+use slipgrid_base::statistics::{Kriging, distance};
+use slipgrid_model::pattern::Pattern;
 
 /// Correlation length in logarithms of the lengths. Found from the difference between cells in blocks of 10 um and 2.5
 /// um, the main part of the difference between specimens and cells: it varies over this distance for grooves 40 to 500 um
@@ -52,7 +52,7 @@ fn place(design: &Pattern) -> [f64; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use slipgrid_pattern::Planform;
+    use slipgrid_model::pattern::Planform;
 
     fn groove(width_um: f64, depth_um: f64) -> Pattern {
         Pattern::new(Planform::Groove, width_um * 1e-6, 300e-6, depth_um * 1e-6).unwrap()

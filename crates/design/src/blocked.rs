@@ -1,10 +1,10 @@
 //! Limits and bounds that keep a target out of reach: the maximum chance with each limit, or each bound that the best
 //! texture rests on, lifted.
 
+use crate::optimize::DesignSpace;
+use crate::results::PatternReport;
 use serde::{Deserialize, Serialize};
-use slipgrid_optimize::DesignSpace;
-use slipgrid_results::PatternReport;
-use slipgrid_units::{LENGTH_UM, tidy};
+use slipgrid_base::units::{LENGTH_UM, tidy};
 
 use crate::constraint_quantities::Limited;
 use crate::prediction::Prediction;

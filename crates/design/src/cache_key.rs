@@ -1,11 +1,11 @@
 //! Cache key: everything that the answers of the search's model depend on.
 
+use crate::results::RimReport;
 use serde_json::{Map, Value, json};
-use slipgrid_pattern::Texture;
-use slipgrid_results::RimReport;
-use slipgrid_springblock::{Dimension, Scene};
+use slipgrid_model::pattern::Texture;
+use slipgrid_model::springblock::{Dimension, Scene};
 
-use slipgrid_units::{LENGTH_MM, LENGTH_UM, MODULUS_GPA, PRESSURE_MPA};
+use slipgrid_base::units::{LENGTH_MM, LENGTH_UM, MODULUS_GPA, PRESSURE_MPA};
 
 /// Key of the steady cells of a search: all inputs except width, spacing and depth. `further_deg` are additional sliding
 /// directions.

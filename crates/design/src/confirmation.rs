@@ -1,9 +1,9 @@
 //! Confirming run: the specimen in time, at the condition of the design.
 
-use slipgrid_monitor::Monitor;
-use slipgrid_pattern::Pattern;
-use slipgrid_specimen::simulate_on;
-use slipgrid_springblock::{Extent, Fidelity, RunOptions, Scene, Simulation, can_refine};
+use slipgrid_base::monitor::Monitor;
+use slipgrid_laser::specimen::simulate_on;
+use slipgrid_model::pattern::Pattern;
+use slipgrid_model::springblock::{Extent, Fidelity, RunOptions, Scene, Simulation, can_refine};
 
 use crate::DesignError;
 use crate::dynamic_excess::correct;

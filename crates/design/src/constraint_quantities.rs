@@ -1,12 +1,12 @@
 //! Quantities of a design that its constraints limit, computed by the model of the search.
 
-use slipgrid_export::{Laser, Layout, laser_time_s};
-use slipgrid_optimize::ModelFailure;
-use slipgrid_pattern::Pattern;
+use crate::optimize::ModelFailure;
+use slipgrid_laser::export::{Laser, Layout, laser_time_s};
+use slipgrid_model::pattern::Pattern;
 
 use crate::evaluation_cache::Answer;
 use crate::task::DesignTask;
-use slipgrid_export::Specimen;
+use slipgrid_laser::export::Specimen;
 
 /// Quantity of a design that can be limited.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,9 +1,11 @@
 //! Cost estimate of a design job, reported before it starts.
 
-use slipgrid_calibrate::uncertainty::{MaterialUncertainty, Slopes};
-use slipgrid_material::Condition;
-use slipgrid_monitor::Monitor;
-use slipgrid_springblock::{Expense, Fidelity, Scene, SceneError, Unwatched, bounded, cell_expense, expense, simulate};
+use slipgrid_base::monitor::Monitor;
+use slipgrid_infer::calibrate::uncertainty::{MaterialUncertainty, Slopes};
+use slipgrid_model::material::Condition;
+use slipgrid_model::springblock::{
+    Expense, Fidelity, Scene, SceneError, Unwatched, bounded, cell_expense, expense, simulate,
+};
 
 use crate::DesignError;
 use crate::confirmation::confirming_scene;

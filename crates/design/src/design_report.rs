@@ -7,21 +7,21 @@ pub(crate) use summary::samples_table;
 
 use std::borrow::Cow;
 
+use crate::optimize::{Goal, Quantity};
 use serde::{Deserialize, Serialize};
-use slipgrid_export::{Laser, Removal, Tolerances};
-use slipgrid_optimize::{Goal, Quantity};
-use slipgrid_springblock::{Dimension, Extent, Fidelity};
-use slipgrid_units::tidy;
+use slipgrid_base::units::tidy;
+use slipgrid_laser::export::{Laser, Removal, Tolerances};
+use slipgrid_model::springblock::{Dimension, Extent, Fidelity};
 
 use crate::blocked::LiftedReport;
 use crate::prediction::{Prediction, SampleReport};
+use crate::results::{LoadReport, MaterialReport, SpecimenReport};
 use crate::search::Search;
 use crate::slopes::SlopeReport;
 use crate::table::TableReport;
 use crate::target_report::TargetReport;
 use crate::timings::Timings;
 use crate::trade_offs::TradeOffsReport;
-use slipgrid_results::{LoadReport, MaterialReport, SpecimenReport};
 
 /// Schema version of the results of `optimize` and `next`: version 2 has one chance and the expected values of a sample.
 pub const SCHEMA: u32 = 2;

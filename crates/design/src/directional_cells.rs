@@ -1,9 +1,9 @@
 //! Steady cells of one texture in every sliding direction.
 
-use slipgrid_monitor::Monitor;
-use slipgrid_optimize::ModelFailure;
-use slipgrid_pattern::{Pattern, Texture};
-use slipgrid_springblock::{CellOutcome, Dimension, Load, Scene, Status, SteadyCell};
+use crate::optimize::ModelFailure;
+use slipgrid_base::monitor::Monitor;
+use slipgrid_model::pattern::{Pattern, Texture};
+use slipgrid_model::springblock::{CellOutcome, Dimension, Load, Scene, Status, SteadyCell};
 
 use crate::operating_conditions::turned;
 

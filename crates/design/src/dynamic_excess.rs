@@ -8,7 +8,7 @@
 //! the difference, and friction is multiplied by the factor that brings the flat surface to delta mu_d f(P). Ratios do
 //! not change.
 
-use slipgrid_springblock::{Fidelity, LoadOutcome, Scene, Simulation, SurfaceOutcome};
+use slipgrid_model::springblock::{Fidelity, LoadOutcome, Scene, Simulation, SurfaceOutcome};
 
 /// Corrects the friction of `simulation`, the result of `scene`, whose flat surface has `excess` at each load.
 pub fn correct(simulation: &mut Simulation, scene: &Scene, excess: Option<&[f64]>) {
@@ -71,9 +71,9 @@ fn scale(outcome: &mut LoadOutcome, times: f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use slipgrid_material::{AreaLaw, Elastic, LocalFriction};
-    use slipgrid_pattern::{Pattern, Planform};
-    use slipgrid_springblock::{Extent, Layer, Load, RunOptions, Unwatched, simulate};
+    use slipgrid_model::material::{AreaLaw, Elastic, LocalFriction};
+    use slipgrid_model::pattern::{Pattern, Planform};
+    use slipgrid_model::springblock::{Extent, Layer, Load, RunOptions, Unwatched, simulate};
 
     #[test]
     fn the_flat_surface_has_the_calibrated_friction_in_the_plane_and_in_space() {

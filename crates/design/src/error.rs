@@ -1,7 +1,7 @@
 //! Errors of design jobs.
 
-use slipgrid_material::MaterialError;
-use slipgrid_monitor::Cancelled;
+use slipgrid_base::monitor::Cancelled;
+use slipgrid_model::material::MaterialError;
 
 use crate::SpecimenError;
 

@@ -7,13 +7,13 @@
 use std::collections::BTreeMap;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
+use crate::optimize::ModelFailure;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
-use slipgrid_optimize::ModelFailure;
-use slipgrid_pattern::Pattern;
+use slipgrid_model::pattern::Pattern;
 
 use crate::DesignError;
-use slipgrid_specimen::{Laid, on_face};
+use slipgrid_laser::specimen::{Laid, on_face};
 
 /// Answer of the model for a design at the target's pressures. Numbers are kept as stored in the file, so that numbers
 /// read back are bitwise equal.

@@ -3,13 +3,13 @@
 
 use std::ops::Range;
 
+use crate::results::MaterialReport;
 use rayon::prelude::*;
-use slipgrid_monitor::Monitor;
-use slipgrid_pattern::Pattern;
-use slipgrid_results::MaterialReport;
-use slipgrid_springblock::Load;
-use slipgrid_statistics::{Axis, ResponseSurface, median};
-use slipgrid_units::{LENGTH_UM, PRESSURE_MPA, tidy};
+use slipgrid_base::monitor::Monitor;
+use slipgrid_base::statistics::{Axis, ResponseSurface, median};
+use slipgrid_base::units::{LENGTH_UM, PRESSURE_MPA, tidy};
+use slipgrid_model::pattern::Pattern;
+use slipgrid_model::springblock::Load;
 
 use crate::DesignError;
 use crate::job::seconds;

@@ -7,13 +7,13 @@
 
 use std::ops::Range;
 
-use slipgrid_calibrate::uncertainty::{Covariance, MaterialUncertainty, ScaleShift, moved, with_scale};
-use slipgrid_discrepancy::{DimensionShift, Features};
-use slipgrid_material::{Condition, MaterialError};
-use slipgrid_optimize::{ModelFailure, Quantity, SearchError, Tolerances, Uncertainty, with_rim_off};
-use slipgrid_pattern::Pattern;
-use slipgrid_springblock::Scene;
-use slipgrid_units::{LENGTH_UM, tidy};
+use crate::optimize::{ModelFailure, Quantity, SearchError, Tolerances, Uncertainty, with_rim_off};
+use slipgrid_base::units::{LENGTH_UM, tidy};
+use slipgrid_infer::calibrate::uncertainty::{Covariance, MaterialUncertainty, ScaleShift, moved, with_scale};
+use slipgrid_infer::discrepancy::{DimensionShift, Features};
+use slipgrid_model::material::{Condition, MaterialError};
+use slipgrid_model::pattern::Pattern;
+use slipgrid_model::springblock::Scene;
 
 use crate::DesignError;
 use crate::evaluation_cache::Answer;

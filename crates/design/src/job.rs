@@ -1,12 +1,12 @@
 //! Job of `optimize`, from a task to a design: the texture with the maximum chance of a sample on target, confirmed in
 //! time.
 
-use slipgrid_export::{Removal, burst_warnings, laser_time_s};
-use slipgrid_monitor::{CachingMonitor, Monitor};
-use slipgrid_pattern::Pattern;
-use slipgrid_results::{MaterialReport, VERSION, load_reports, measured_range, model_notes};
-use slipgrid_springblock::{Load, Scene, Simulation};
-use slipgrid_units::tidy;
+use crate::results::{MaterialReport, VERSION, load_reports, measured_range, model_notes};
+use slipgrid_base::monitor::{CachingMonitor, Monitor};
+use slipgrid_base::units::tidy;
+use slipgrid_laser::export::{Removal, burst_warnings, laser_time_s};
+use slipgrid_model::pattern::Pattern;
+use slipgrid_model::springblock::{Load, Scene, Simulation};
 
 use crate::DesignError;
 use crate::advice::Advice;

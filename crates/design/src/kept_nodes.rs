@@ -2,7 +2,7 @@
 
 use std::fmt::Debug;
 
-use slipgrid_monitor::{Monitor, cached, memory};
+use slipgrid_base::monitor::{Monitor, cached, memory};
 
 /// Numbers of a node, equally many at each node; `None` if there is no answer.
 pub type Node = Option<Vec<f64>>;
@@ -48,7 +48,7 @@ fn from_bytes(bytes: &[u8]) -> Option<Vec<Node>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use slipgrid_monitor::{CachingMonitor, Unwatched};
+    use slipgrid_base::monitor::{CachingMonitor, Unwatched};
 
     #[test]
     fn nodes_are_asked_once_and_come_back_to_the_last_bit() {

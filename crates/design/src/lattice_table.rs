@@ -2,8 +2,8 @@
 //! bursts.
 
 use rayon::prelude::*;
-use slipgrid_pattern::Pattern;
-use slipgrid_springblock::Dimension;
+use slipgrid_model::pattern::Pattern;
+use slipgrid_model::springblock::Dimension;
 
 use crate::DesignError;
 use crate::search::Search;

@@ -76,8 +76,10 @@ mod lattice_table;
 mod next_report;
 mod next_trial;
 mod operating_conditions;
+pub mod optimize;
 mod prediction;
 mod prepared_task;
+pub mod results;
 mod scene_errors;
 mod search;
 mod sensitivities;
@@ -96,12 +98,11 @@ mod timings;
 mod trade_offs;
 
 // Re-exports the types of a task, so that a program needs no other crate.
-pub use slipgrid_export as export;
-pub use slipgrid_material as material;
-pub use slipgrid_monitor::{Monitor, Unwatched};
-pub use slipgrid_optimize as optimize;
-pub use slipgrid_pattern as pattern;
-pub use slipgrid_springblock as springblock;
+pub use slipgrid_base::monitor::{Monitor, Unwatched};
+pub use slipgrid_laser::export;
+pub use slipgrid_model::material;
+pub use slipgrid_model::pattern;
+pub use slipgrid_model::springblock;
 
 pub use advice::Advice;
 pub use constraint_quantities::ConstraintQuantity;
@@ -117,8 +118,8 @@ pub use next_report::{NextReport, OneDiscReport, RatioPrediction, SectorReport};
 pub use next_trial::{NextOptions, NextTrials, next_trials};
 pub use prediction::{Expected, LimitedBy, ModelledRatio, SampleReport, percent};
 pub use scene_errors::{Solved, of_scene};
-pub use slipgrid_specimen::{SpecimenError, simulate_on};
-pub use slipgrid_springblock::Expense;
+pub use slipgrid_laser::specimen::{SpecimenError, simulate_on};
+pub use slipgrid_model::springblock::Expense;
 pub use stored_result::{StoredDesign, StoredError};
 pub use task::{
     DEFAULT_SPEED_M_S, DesignTask, FurtherDirections, KnownMaterial, MAX_STRAIN, TradeOffGoal, TradeOffsWanted,

@@ -1,12 +1,12 @@
 //! Samples to cut next, as JSON and as text.
 
+use crate::results::{MaterialReport, SCREEN_WIDTH, SYNTHETIC_SURFACE, SpecimenReport, doubt_in_brief, wrapped};
 use serde::{Deserialize, Serialize};
-use slipgrid_discrepancy::{Load, Prediction};
-use slipgrid_results::{MaterialReport, SCREEN_WIDTH, SYNTHETIC_SURFACE, SpecimenReport, doubt_in_brief, wrapped};
-use slipgrid_units::counted;
-use slipgrid_units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, tidy};
+use slipgrid_base::units::counted;
+use slipgrid_base::units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, tidy};
+use slipgrid_infer::discrepancy::{Load, Prediction};
 
-use slipgrid_export::{Laser, MEASURE_EACH_ALONE, Outline, Sector, Tolerances};
+use slipgrid_laser::export::{Laser, MEASURE_EACH_ALONE, Outline, Sector, Tolerances};
 
 use crate::design_report::samples_table;
 use crate::prediction::{SampleReport, percent};

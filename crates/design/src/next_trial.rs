@@ -2,13 +2,13 @@
 
 use std::borrow::Cow;
 
+use crate::results::{MaterialReport, VERSION};
 use rayon::prelude::*;
-use slipgrid_discrepancy::{Features, Scenarios};
-use slipgrid_export::{Division, MIN_PERIODS, Outline, Sector};
-use slipgrid_monitor::Monitor;
-use slipgrid_pattern::Pattern;
-use slipgrid_results::{MaterialReport, VERSION};
-use slipgrid_units::tidy;
+use slipgrid_base::monitor::Monitor;
+use slipgrid_base::units::tidy;
+use slipgrid_infer::discrepancy::{Features, Scenarios};
+use slipgrid_laser::export::{Division, MIN_PERIODS, Outline, Sector};
+use slipgrid_model::pattern::Pattern;
 
 use crate::DesignError;
 use crate::advice::Advice;
@@ -250,7 +250,8 @@ pub fn laser_warnings<'a>(task: &DesignTask, patterns: impl Iterator<Item = &'a 
         let mut warnings: Vec<String> = broken.iter().map(ToString::to_string).collect();
         warnings.extend(task.laser.check_depth(pattern.depth_m()).err().map(|error| error.to_string()));
         let layout = task.specimen.layout(*pattern).ok();
-        warnings.extend(layout.into_iter().flat_map(|layout| slipgrid_export::laser_warnings(&layout, &task.laser)));
+        warnings
+            .extend(layout.into_iter().flat_map(|layout| slipgrid_laser::export::laser_warnings(&layout, &task.laser)));
         warnings.into_iter().map(move |warning| format!("sample {}: {warning}", number + 1))
     };
     patterns.enumerate().flat_map(of).collect()

@@ -1,13 +1,13 @@
 //! Operating conditions of the target besides the design condition: further speeds and humidities, and further sliding
 //! directions.
 
-use slipgrid_material::{Condition, Material};
-use slipgrid_pattern::Pattern;
-use slipgrid_springblock::Load;
+use slipgrid_model::material::{Condition, Material};
+use slipgrid_model::pattern::Pattern;
+use slipgrid_model::springblock::Load;
 
 use crate::DesignError;
 use crate::task::DesignTask;
-use slipgrid_units::{HUMIDITY_PCT, SPEED_MM_S, tidy};
+use slipgrid_base::units::{HUMIDITY_PCT, SPEED_MM_S, tidy};
 
 /// Condition and sliding direction at which friction is computed.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,9 +1,9 @@
 //! Prediction of a cut sample: the one distribution that all chances, intervals and shares are computed from.
 
+use crate::results::PatternReport;
 use serde::{Deserialize, Serialize};
-use slipgrid_discrepancy::{Prediction as Distribution, Predictor, Score, Sensitivity, information};
-use slipgrid_results::PatternReport;
-use slipgrid_units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, tidy};
+use slipgrid_base::units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, tidy};
+use slipgrid_infer::discrepancy::{Prediction as Distribution, Predictor, Score, Sensitivity, information};
 
 use crate::as_cut::{CutTexture, Known, sums};
 use crate::band::Asked;

@@ -1,8 +1,8 @@
 //! Checked task with everything that is derived from it before the search.
 
-use slipgrid_calibrate::uncertainty::MaterialUncertainty;
-use slipgrid_material::Material;
-use slipgrid_springblock::Load;
+use slipgrid_infer::calibrate::uncertainty::MaterialUncertainty;
+use slipgrid_model::material::Material;
+use slipgrid_model::springblock::Load;
 
 use crate::operating_conditions::{self, Further};
 use crate::task::{DesignTask, KnownMaterial};

@@ -1,23 +1,23 @@
 //! Error of every number of a solved scene.
 
-use slipgrid_calibrate::uncertainty::{
+use crate::results::errors::{
+    BEHIND, BLOCKS, DRAWS, ErrorReport, LAYOUT, NO_SLOPES, PartsReport, PressureErrors, STATIC, TILT, TIME_AVERAGE,
+};
+use crate::results::{CorrectedAt, CorrectedReport, ErrorsReport};
+use slipgrid_base::units::{PRESSURE_MPA, tidy};
+use slipgrid_infer::calibrate::uncertainty::{
     Deviation, Deviations, DiscrepancyAt, InputUncertainty, SamplingScatter, Slopes, local_law_changes,
     sampling_scatter,
 };
-use slipgrid_discrepancy::{Features, Sensitivity};
-use slipgrid_material::{Condition, MaterialError};
-use slipgrid_results::errors::{
-    BEHIND, BLOCKS, DRAWS, ErrorReport, LAYOUT, NO_SLOPES, PartsReport, PressureErrors, STATIC, TILT, TIME_AVERAGE,
-};
-use slipgrid_results::{CorrectedAt, CorrectedReport, ErrorsReport};
-use slipgrid_springblock::{Fidelity, Load, LoadOutcome, Scene, Simulation, SurfaceOutcome};
-use slipgrid_units::{PRESSURE_MPA, tidy};
+use slipgrid_infer::discrepancy::{Features, Sensitivity};
+use slipgrid_model::material::{Condition, MaterialError};
+use slipgrid_model::springblock::{Fidelity, Load, LoadOutcome, Scene, Simulation, SurfaceOutcome};
 
 use crate::sensitivities::usual_humidity;
-use slipgrid_calibrate::uncertainty::MaterialUncertainty;
+use slipgrid_infer::calibrate::uncertainty::MaterialUncertainty;
 
 /// Name of the only error of a flat surface.
-const FLAT_FRICTION: &str = slipgrid_calibrate::uncertainty::Source::FlatFriction.name();
+const FLAT_FRICTION: &str = slipgrid_infer::calibrate::uncertainty::Source::FlatFriction.name();
 
 /// Solved scene with the uncertainty of its material.
 #[derive(Clone, Copy)]
@@ -169,12 +169,12 @@ pub fn of_scene(
     let learned = uncertainty.learned.as_ref().filter(|learned| !learned.trials().is_empty());
     let Some((learned, pattern)) = learned.zip(scene.pattern.as_ref()) else { return Ok((errors, None)) };
     let humidity = condition.map_or_else(|| usual_humidity(learned), |condition| condition.humidity);
-    let at = |load: &Load| slipgrid_discrepancy::Load {
+    let at = |load: &Load| slipgrid_infer::discrepancy::Load {
         pressure_pa: load.pressure_pa,
         speed_m_s: condition.map_or(scene.speed_m_s, |condition| condition.speed_m_s),
         humidity,
     };
-    let places: Vec<slipgrid_discrepancy::Load> = scene.loads.iter().map(at).collect();
+    let places: Vec<slipgrid_infer::discrepancy::Load> = scene.loads.iter().map(at).collect();
     let ratios: Vec<f64> = simulation.loads.iter().map(|load| load.ratio.unwrap_or(1.0)).collect();
     let of_modulus = slopes.modulus_sensitivity(&ratios, &knowledge);
     let law = uncertainty.local_law(scene.area_law.as_ref(), condition);
@@ -201,9 +201,9 @@ pub fn of_scene(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use slipgrid_material::{AreaLaw, Elastic, LocalFriction};
-    use slipgrid_pattern::{Pattern, Planform, Rim, RimProfile};
-    use slipgrid_springblock::{Layer, RunOptions, Unwatched, simulate};
+    use slipgrid_model::material::{AreaLaw, Elastic, LocalFriction};
+    use slipgrid_model::pattern::{Pattern, Planform, Rim, RimProfile};
+    use slipgrid_model::springblock::{Layer, RunOptions, Unwatched, simulate};
 
     /// Tests cells in space with two draws, which estimate their own scatter poorly: with rims the drawn coefficients
     /// cause the scatter, and without rims the ratio is corrected for them.

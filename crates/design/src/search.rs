@@ -8,13 +8,13 @@
 
 use std::sync::Arc;
 
+use crate::optimize::{ModelFailure, Tolerances, Violation};
 use rayon::prelude::*;
-use slipgrid_discrepancy::{DimensionShift, Features, Predictor};
-use slipgrid_monitor::{Monitor, Part as Share};
-use slipgrid_optimize::{ModelFailure, Tolerances, Violation};
-use slipgrid_pattern::Pattern;
-use slipgrid_specimen::simulate_on;
-use slipgrid_springblock::{Simulation, TILT_RELATIVE_ERROR};
+use slipgrid_base::monitor::{Monitor, Part as Share};
+use slipgrid_infer::discrepancy::{DimensionShift, Features, Predictor};
+use slipgrid_laser::specimen::simulate_on;
+use slipgrid_model::pattern::Pattern;
+use slipgrid_model::springblock::{Simulation, TILT_RELATIVE_ERROR};
 
 use crate::as_cut::{BeyondCells, CutTexture, Known};
 use crate::band::Asked;

@@ -2,14 +2,14 @@
 
 use std::fmt::Debug;
 
+use crate::optimize::ModelFailure;
 use rayon::prelude::*;
-use slipgrid_calibrate::uncertainty::{MaterialUncertainty, ScaleShift, moved, with_local_law};
-use slipgrid_discrepancy::{Discrepancy, Load, Sensitivity};
-use slipgrid_material::{Condition, MaterialError};
-use slipgrid_optimize::ModelFailure;
-use slipgrid_pattern::Pattern;
-use slipgrid_springblock::Scene;
-use slipgrid_units::PRESSURE_MPA;
+use slipgrid_base::units::PRESSURE_MPA;
+use slipgrid_infer::calibrate::uncertainty::{MaterialUncertainty, ScaleShift, moved, with_local_law};
+use slipgrid_infer::discrepancy::{Discrepancy, Load, Sensitivity};
+use slipgrid_model::material::{Condition, MaterialError};
+use slipgrid_model::pattern::Pattern;
+use slipgrid_model::springblock::Scene;
 
 use crate::operating_conditions::Further;
 use crate::steady_model::SteadyModel;
@@ -184,7 +184,7 @@ pub fn usual_humidity(learned: &Discrepancy) -> f64 {
 /// Loads of `task` in terms of the trials: pressure, speed and humidity at every load of `model`.
 pub fn loads_of(task: &DesignTask, learned: &Discrepancy, further: &[Further], model: &SteadyModel<'_>) -> Vec<Load> {
     let usual = usual_humidity(learned);
-    let at = |(load, condition): (&slipgrid_springblock::Load, Option<Condition>)| Load {
+    let at = |(load, condition): (&slipgrid_model::springblock::Load, Option<Condition>)| Load {
         pressure_pa: load.pressure_pa,
         speed_m_s: condition.map_or(task.speed_m_s, |condition| condition.speed_m_s),
         humidity: condition.map_or(usual, |condition| condition.humidity),

@@ -1,8 +1,8 @@
 //! Session that `optimize` and `next` share: the table of the bounds and the search in it.
 
-use slipgrid_export::Division;
-use slipgrid_monitor::Monitor;
-use slipgrid_springblock::{Fidelity, Load, RunOptions};
+use slipgrid_base::monitor::Monitor;
+use slipgrid_laser::export::Division;
+use slipgrid_model::springblock::{Fidelity, Load, RunOptions};
 
 use crate::DesignError;
 use crate::as_cut::BeyondCells;

@@ -1,7 +1,7 @@
 //! Derivatives of expected values of a sample with respect to its dimensions.
 
 use serde::{Deserialize, Serialize};
-use slipgrid_units::{LENGTH_UM, tidy};
+use slipgrid_base::units::{LENGTH_UM, tidy};
 
 use crate::inputs::made;
 use crate::prediction::Prediction;

@@ -2,18 +2,18 @@
 
 use std::fmt::Debug;
 
-use slipgrid_export::ExportError;
-use slipgrid_material::AreaLaw;
-use slipgrid_monitor::{Monitor, Unwatched};
-use slipgrid_optimize::{DesignSpace, ModelFailure};
-use slipgrid_pattern::{Pattern, Texture};
-use slipgrid_springblock::{Dimension, Extent, Fidelity, Load, RunOptions, Scene, Statements, Status};
+use crate::optimize::{DesignSpace, ModelFailure};
+use slipgrid_base::monitor::{Monitor, Unwatched};
+use slipgrid_laser::export::ExportError;
+use slipgrid_model::material::AreaLaw;
+use slipgrid_model::pattern::{Pattern, Texture};
+use slipgrid_model::springblock::{Dimension, Extent, Fidelity, Load, RunOptions, Scene, Statements, Status};
 
 use crate::directional_cells::Solver;
 use crate::evaluation_cache::{Answer, Evaluations};
-use slipgrid_export::Specimen;
-use slipgrid_specimen::Laid;
-use slipgrid_units::{LENGTH_UM, tidy};
+use slipgrid_base::units::{LENGTH_UM, tidy};
+use slipgrid_laser::export::Specimen;
+use slipgrid_laser::specimen::Laid;
 
 /// Block size of the guide relative to the layer's, in order of preference: cells with four times the block size cost a
 /// hundredth and differ by at most 0.02 of the ratio, with twice the block size a tenth and 0.013.
@@ -166,7 +166,7 @@ impl<'a> SteadyModel<'a> {
     }
 
     /// Number of draws of the local coefficients at which a cell of `design` has at least `contacts` contact blocks in
-    /// total, counted by [`SteadyCell::draws`](slipgrid_springblock::SteadyCell::draws).
+    /// total, counted by [`SteadyCell::draws`](slipgrid_model::springblock::SteadyCell::draws).
     #[must_use]
     pub fn draws(&self, design: &Pattern, contacts: f64) -> u64 {
         self.solver.each.first().map_or(1, |(_, cell)| cell.draws(design, contacts))

@@ -6,8 +6,8 @@
 use std::collections::BTreeMap;
 
 use rayon::prelude::*;
-use slipgrid_monitor::Monitor;
-use slipgrid_pattern::Pattern;
+use slipgrid_base::monitor::Monitor;
+use slipgrid_model::pattern::Pattern;
 
 use crate::lattice_table::axes;
 use crate::task::DesignTask;
@@ -155,8 +155,8 @@ pub fn climb(
 mod tests {
     use super::*;
     use crate::tests::task;
-    use slipgrid_monitor::Unwatched;
-    use slipgrid_pattern::Planform;
+    use slipgrid_base::monitor::Unwatched;
+    use slipgrid_model::pattern::Planform;
 
     #[test]
     fn a_climb_ends_where_nothing_about_it_is_better() {
@@ -193,7 +193,7 @@ mod tests {
         let mut task = task(Planform::Groove);
         let um = |bounds: [f64; 2]| bounds.map(|um| um * 1e-6);
         let [width, spacing] = [um([60.0, 1060.0]), um([100.0, 1100.0])];
-        task.space = slipgrid_optimize::DesignSpace::new(Planform::Groove, width, spacing, um([5.0, 30.0])).unwrap();
+        task.space = crate::optimize::DesignSpace::new(Planform::Groove, width, spacing, um([5.0, 30.0])).unwrap();
         task.layer.block_m = 1e-6;
         let found = Steps::new(&task).spread(5000);
         assert!((2500..=5000).contains(&found.len()), "{}", found.len());

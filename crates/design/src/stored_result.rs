@@ -1,9 +1,9 @@
 //! Stored results, with the parts that `export` needs.
 
+use crate::results::{MaterialReport, PatternReport, SpecimenReport};
 use serde::Deserialize;
 use serde::de::IgnoredAny;
-use slipgrid_export::{Laser, Tolerances};
-use slipgrid_results::{MaterialReport, PatternReport, SpecimenReport};
+use slipgrid_laser::export::{Laser, Tolerances};
 
 use crate::next_report::NextReport;
 
@@ -15,7 +15,7 @@ pub struct StoredDesign {
     /// Version of the program that wrote the file.
     pub version: String,
     /// Schema version of the file.
-    #[serde(default = "slipgrid_results::first_schema")]
+    #[serde(default = "crate::results::first_schema")]
     pub schema: u32,
     /// Design to export.
     pub design: PatternReport,

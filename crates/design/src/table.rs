@@ -7,17 +7,17 @@
 //!
 //! All values are cached by content, so that another target recomputes nothing. Textures without an answer are holes.
 
+use crate::optimize::{ModelFailure, Tolerances};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
-use slipgrid_calibrate::uncertainty::MaterialUncertainty;
-use slipgrid_discrepancy::{DimensionShift, Sensitivity};
-use slipgrid_material::Condition;
-use slipgrid_monitor::{Monitor, Part};
-use slipgrid_optimize::{ModelFailure, Tolerances};
-use slipgrid_pattern::Pattern;
-use slipgrid_springblock::{Scene, block_refinement};
-use slipgrid_statistics::{Axis, Normals, ResponseSurface, median, normal_probability};
-use slipgrid_units::tidy;
+use slipgrid_base::monitor::{Monitor, Part};
+use slipgrid_base::statistics::{Axis, Normals, ResponseSurface, median, normal_probability};
+use slipgrid_base::units::tidy;
+use slipgrid_infer::calibrate::uncertainty::MaterialUncertainty;
+use slipgrid_infer::discrepancy::{DimensionShift, Sensitivity};
+use slipgrid_model::material::Condition;
+use slipgrid_model::pattern::Pattern;
+use slipgrid_model::springblock::{Scene, block_refinement};
 
 use crate::DesignError;
 use crate::as_cut::BeyondCells;

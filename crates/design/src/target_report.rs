@@ -2,10 +2,10 @@
 
 use std::borrow::Cow;
 
+use crate::optimize::{Demand, Target, Wanted};
+use crate::results::fixed;
 use serde::{Deserialize, Serialize};
-use slipgrid_optimize::{Demand, Target, Wanted};
-use slipgrid_results::fixed;
-use slipgrid_units::PRESSURE_MPA;
+use slipgrid_base::units::PRESSURE_MPA;
 
 /// Record of a target in result.json.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]

@@ -1,12 +1,12 @@
 //! Design task: target friction, material, and allowed designs.
 
-use slipgrid_calibrate::uncertainty::MaterialUncertainty;
-use slipgrid_export::{Laser, Specimen, Tolerances as SheetTolerances};
-use slipgrid_material::{Condition, ConditionRange, Friction, Material, MaterialError};
-use slipgrid_optimize::{Constraints, DesignSpace, Target, Tolerances};
-use slipgrid_results::beyond_measured_range;
-use slipgrid_springblock::{Layer, Load, RunOptions, Scene, SceneError};
-use slipgrid_units::{LENGTH_UM, PRESSURE_MPA, in_digits, tidy};
+use crate::optimize::{Constraints, DesignSpace, Target, Tolerances};
+use crate::results::beyond_measured_range;
+use slipgrid_base::units::{LENGTH_UM, PRESSURE_MPA, in_digits, tidy};
+use slipgrid_infer::calibrate::uncertainty::MaterialUncertainty;
+use slipgrid_laser::export::{Laser, Specimen, Tolerances as SheetTolerances};
+use slipgrid_model::material::{Condition, ConditionRange, Friction, Material, MaterialError};
+use slipgrid_model::springblock::{Layer, Load, RunOptions, Scene, SceneError};
 
 use crate::constraint_quantities::ConstraintQuantity;
 use crate::error::{Refusal, TaskPart};

@@ -1,18 +1,18 @@
 //! Tests of the whole job: `optimize` and `next` give consistent predictions and searches.
 
-use slipgrid_calibrate::uncertainty::{CoefficientEstimate, MaterialUncertainty};
-use slipgrid_discrepancy::{
-    Conditions, Discrepancy, Features, Hyperparameters, Load as At, Measured, Sensitivity, Trial,
-};
-use slipgrid_material::{AreaLaw, Elastic, Friction, LocalFriction, Material, Provenance};
-use slipgrid_monitor::{CachingMonitor, Monitor, Unwatched};
-use slipgrid_optimize::{
+use crate::optimize::{
     Bound, Demand, DesignSpace, Goal, Limit, Quantity, Target, TargetPoint, Tolerances, Wanted as Accepted,
 };
-use slipgrid_pattern::{ManufacturingLimits, Pattern, Planform};
-use slipgrid_specimen::simulate_on;
-use slipgrid_springblock::{Extent, Layer, LoadOutcome, RunOptions, Scene, even_speed_m_s};
-use slipgrid_statistics::{Normals, normal_probability};
+use slipgrid_base::monitor::{CachingMonitor, Monitor, Unwatched};
+use slipgrid_base::statistics::{Normals, normal_probability};
+use slipgrid_infer::calibrate::uncertainty::{CoefficientEstimate, MaterialUncertainty};
+use slipgrid_infer::discrepancy::{
+    Conditions, Discrepancy, Features, Hyperparameters, Load as At, Measured, Sensitivity, Trial,
+};
+use slipgrid_laser::specimen::simulate_on;
+use slipgrid_model::material::{AreaLaw, Elastic, Friction, LocalFriction, Material, Provenance};
+use slipgrid_model::pattern::{ManufacturingLimits, Pattern, Planform};
+use slipgrid_model::springblock::{Extent, Layer, LoadOutcome, RunOptions, Scene, even_speed_m_s};
 use std::sync::{LazyLock, Mutex};
 
 mod brute_force;
@@ -42,8 +42,10 @@ pub fn task(planform: Planform) -> DesignTask {
     let points = [0.65e6, 2.6e6].map(|pressure_pa| TargetPoint { pressure_pa, value: 0.9 });
     let target = Target::new(Quantity::Ratio, points.to_vec(), 0.02).unwrap();
     let space = DesignSpace::new(planform, [60e-6, 300e-6], [100e-6, 700e-6], [5e-6, 30e-6]).unwrap();
-    let specimen =
-        slipgrid_export::Specimen { outline: slipgrid_export::Outline::Disc { diameter_m: 10e-3 }, is_clipped: false };
+    let specimen = slipgrid_laser::export::Specimen {
+        outline: slipgrid_laser::export::Outline::Disc { diameter_m: 10e-3 },
+        is_clipped: false,
+    };
     let layer = Layer { length_m: 10e-3, height_m: 100e-6, block_m: 20e-6, thickness_m: None, holder: None };
     DesignTask::new(material, target, space, specimen, layer)
 }
@@ -357,7 +359,7 @@ fn ratios_that_are_predicted_are_those_of_the_specimen() {
     let found = next_trials(&task, &NextOptions { count: 1, ..NextOptions::default() }, &*KNOWN).unwrap();
     let material = &task.material.as_ref().unwrap().material;
     let pattern = Some(found.patterns[0]);
-    let ratios = |extent, specimen: Option<&slipgrid_export::Specimen>| {
+    let ratios = |extent, specimen: Option<&slipgrid_laser::export::Specimen>| {
         let run = RunOptions { extent, refine: true, seed: task.seed, ..RunOptions::default() };
         let run = if specimen.is_some() { run.from_sliding() } else { run };
         let scene = Scene { pattern, ..task.flat_scene(material, task.loads(material).unwrap().0, run) };

@@ -1,6 +1,6 @@
 //! Time limit of a job: each stage may use what earlier stages left.
 
-use slipgrid_monitor::{Monitor, Stage};
+use slipgrid_base::monitor::{Monitor, Stage};
 
 /// Share of the remaining time for a search, so that its best design can be confirmed.
 pub const SEARCH_SHARE: f64 = 0.6;

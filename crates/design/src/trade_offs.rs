@@ -4,11 +4,11 @@
 
 use std::borrow::Cow;
 
+use crate::results::PatternReport;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
-use slipgrid_pattern::Pattern;
-use slipgrid_results::PatternReport;
-use slipgrid_units::{PRESSURE_MPA, tidy};
+use slipgrid_base::units::{PRESSURE_MPA, tidy};
+use slipgrid_model::pattern::Pattern;
 
 use crate::job::seconds;
 use crate::prediction::{Prediction, percent};
@@ -222,7 +222,7 @@ mod tests {
 
     #[test]
     fn the_front_agrees_with_the_definition_on_random_sets() {
-        let mut normals = slipgrid_statistics::Normals::new(11);
+        let mut normals = slipgrid_base::statistics::Normals::new(11);
         for count in [1, 2, 30, 200] {
             for dimensions in [2, 3] {
                 // Rounded, so that equal goals occur.

@@ -11,7 +11,7 @@ use slipgrid::campaign::{Campaign as Shared, Done, Planned, Results, Task, Worke
 
 use crate::refused;
 use crate::watched::watched;
-use slipgrid_disk::disk;
+use slipgrid::disk::disk;
 
 /// Tasks with all files that they read.
 #[pyclass(frozen, module = "slipgrid")]

@@ -22,7 +22,7 @@ use slipgrid::units::{MODULUS_GPA, PIXEL_UM, POISSON, PRESSURE_MPA, TOLERANCE};
 use crate::given::{counted, shown};
 use crate::refused;
 use crate::watched::{Watch, watched};
-use slipgrid_disk::disk;
+use slipgrid::disk::disk;
 
 /// Side of the square tiles for transposing an array.
 const SQUARE: usize = 32;

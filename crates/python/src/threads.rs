@@ -10,7 +10,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
-use slipgrid_disk::MAX_THREADS;
+use slipgrid::disk::MAX_THREADS;
 
 use crate::given::{counted, shown};
 

@@ -4,7 +4,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use pyo3::prelude::*;
-use slipgrid_disk::{Place, PlaceError};
+use slipgrid::disk::{Place, PlaceError};
 
 use crate::refused;
 
@@ -32,18 +32,18 @@ pub fn write_folder(
     folder: PathBuf,
     inputs: Vec<PathBuf>,
 ) -> PyResult<()> {
-    let written = py.detach(|| slipgrid_disk::write_folder(folder_at(&folder), &files, &inputs));
+    let written = py.detach(|| slipgrid::disk::write_folder(folder_at(&folder), &files, &inputs));
     written.map_err(|error| misplaced(py, &error))
 }
 
 /// Writes one file; `inputs` are files that the content was made from.
 #[pyfunction]
 pub fn write_file(py: Python<'_>, content: &[u8], path: PathBuf, inputs: Vec<PathBuf>) -> PyResult<()> {
-    slipgrid_disk::write_file(file_at(&path), content, &inputs).map_err(|error| misplaced(py, &error))
+    slipgrid::disk::write_file(file_at(&path), content, &inputs).map_err(|error| misplaced(py, &error))
 }
 
 /// Checks before a long computation that the file can be written; raises an error otherwise.
 #[pyfunction]
 pub fn check_file(py: Python<'_>, path: PathBuf, inputs: Vec<PathBuf>) -> PyResult<()> {
-    slipgrid_disk::check_file(file_at(&path), &inputs).map_err(|error| misplaced(py, &error))
+    slipgrid::disk::check_file(file_at(&path), &inputs).map_err(|error| misplaced(py, &error))
 }

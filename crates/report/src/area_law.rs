@@ -5,8 +5,8 @@ use std::fmt::Write as _;
 use serde::Serialize;
 
 use crate::charts::{self, AreaLawChart};
-use slipgrid_results::{Table, fixed};
-use slipgrid_units::tidy;
+use slipgrid_base::units::tidy;
+use slipgrid_design::results::{Table, fixed};
 
 mod curve;
 

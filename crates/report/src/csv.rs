@@ -2,9 +2,9 @@
 
 use std::fmt::Write;
 
-use slipgrid_springblock::{Simulation, SurfaceOutcome};
+use slipgrid_model::springblock::{Simulation, SurfaceOutcome};
 
-use slipgrid_units::{LENGTH_UM, PRESSURE_MPA, tidy};
+use slipgrid_base::units::{LENGTH_UM, PRESSURE_MPA, tidy};
 
 /// Both surfaces of every load, with their names in tables.
 fn surfaces(simulation: &Simulation) -> impl Iterator<Item = (f64, &'static str, &SurfaceOutcome)> {

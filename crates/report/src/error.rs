@@ -1,10 +1,10 @@
 //! Errors of making a report.
 
-use slipgrid_export::ExportError;
-use slipgrid_formats::confirmed_scene::UnwritableScene;
-use slipgrid_results::NoJsonForm;
+use slipgrid_design::results::NoJsonForm;
+use slipgrid_io::formats::confirmed_scene::UnwritableScene;
+use slipgrid_laser::export::ExportError;
 
-use slipgrid_monitor::Cancelled;
+use slipgrid_base::monitor::Cancelled;
 
 use crate::ChartError;
 

@@ -1,9 +1,9 @@
 //! Files of a result, identical for every caller.
 
 use slipgrid_design::DesignOutcome;
-use slipgrid_formats::confirmed_scene::DesignScene;
-use slipgrid_results::{SimulationReport, VERSION};
-use slipgrid_springblock::{Scene, Simulation};
+use slipgrid_design::results::{SimulationReport, VERSION};
+use slipgrid_io::formats::confirmed_scene::DesignScene;
+use slipgrid_model::springblock::{Scene, Simulation};
 
 use crate::{DrawingInput, LaserFile, Outputs, ReportError, csv, draw, html, lattice, pictures, target, trade_offs};
 

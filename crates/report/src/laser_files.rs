@@ -4,17 +4,17 @@ use std::io::{self, Write};
 use std::sync::Arc;
 
 use slipgrid_design::{DesignTask, NextTrials};
-use slipgrid_export::{
+use slipgrid_io::formats::trials::sector_trials;
+use slipgrid_laser::export::{
     ExportError, GcodePlan, Heading, HeightMap, Laser, Layout, Marking, MaterialNote, ProcessInput, ProcessSheet,
     Removal, Sector, SectorsSheet, Tolerances, check_stl, corners_csv, csv, dxf, dxf_of_sectors, gcode, hatch_csv,
     height_map, hpgl, stl, svg, svg_of_sectors,
 };
-use slipgrid_formats::trials::sector_trials;
-use slipgrid_pattern::Pattern;
+use slipgrid_model::pattern::Pattern;
 
 use crate::Outputs;
-use slipgrid_export::Specimen;
-use slipgrid_results::{MaterialReport, SCHEMA, VERSION};
+use slipgrid_design::results::{MaterialReport, SCHEMA, VERSION};
+use slipgrid_laser::export::Specimen;
 
 /// File formats of a design; [`LaserFile::described`] describes their content.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

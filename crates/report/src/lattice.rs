@@ -1,7 +1,7 @@
 //! CSV table of all designs of a lattice.
 
+use slipgrid_base::units::{HUMIDITY_PCT, LENGTH_UM, PRESSURE_MPA, SPEED_MM_S, tidy};
 use slipgrid_design::{DesignTask, Lattice};
-use slipgrid_units::{HUMIDITY_PCT, LENGTH_UM, PRESSURE_MPA, SPEED_MM_S, tidy};
 
 /// Formats one row per design.
 #[must_use]

@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 
 use rayon::prelude::*;
-use slipgrid_pattern::Texture;
-use slipgrid_springblock::{Extent, InterfacePoint, LoadOutcome, Scene, Simulation, SteadyCell, SurfaceOutcome};
+use slipgrid_model::pattern::Texture;
+use slipgrid_model::springblock::{Extent, InterfacePoint, LoadOutcome, Scene, Simulation, SteadyCell, SurfaceOutcome};
 
 use crate::ChartError;
 use crate::Outputs;
@@ -12,8 +12,8 @@ use crate::charts::{
     self, Estimate, FrictionTraceChart, InterfacePressureChart, Series, SlidingMark, SurfaceMapChart, Trace,
     friction_trace, interface_pressure,
 };
-use slipgrid_results::PressureErrors;
-use slipgrid_units::{LENGTH_UM, PRESSURE_MPA, tidy};
+use slipgrid_base::units::{LENGTH_UM, PRESSURE_MPA, tidy};
+use slipgrid_design::results::PressureErrors;
 
 /// Maximum distance of neighbouring contact blocks on one land, in block widths: wider gaps are cavities.
 const CONTIGUOUS_BLOCKS: f64 = 1.5;
@@ -263,7 +263,7 @@ pub fn cavities_um(scene: &Scene, interface: &[InterfacePoint]) -> Vec<[f64; 2]>
 #[cfg(test)]
 mod tests {
     use super::*;
-    use slipgrid_pattern::Planform;
+    use slipgrid_model::pattern::Planform;
 
     #[test]
     fn the_sliding_direction_is_told_in_the_axes_of_the_drawn_face() {

@@ -1,11 +1,11 @@
 //! Tables and pictures of tribometer traces.
 
-use slipgrid_calibrate::Measurement;
-use slipgrid_formats::measurements;
-use slipgrid_formats::traces::{ConditionTraces, OfTrial, SurfaceKind, TraceCondition, notes};
-use slipgrid_results::{SCHEMA, Table, VERSION, fixed, guard_formula};
+use slipgrid_base::units::{HUMIDITY_PCT, SPEED_MM_S, tidy};
+use slipgrid_design::results::{SCHEMA, Table, VERSION, fixed, guard_formula};
+use slipgrid_infer::calibrate::Measurement;
+use slipgrid_io::formats::measurements;
+use slipgrid_io::formats::traces::{ConditionTraces, OfTrial, SurfaceKind, TraceCondition, notes};
 use slipgrid_traces::DEFAULT_WINDOW_S;
-use slipgrid_units::{HUMIDITY_PCT, SPEED_MM_S, tidy};
 
 use crate::charts::{RepeatTrace, Series, TribometerChart, tribometer};
 use crate::pictures::name_part;

@@ -1,9 +1,9 @@
 //! Trade-offs between goals, as a table and as a picture.
 
+use slipgrid_base::units::significant;
+use slipgrid_design::results::PatternReport;
 use slipgrid_design::{Compared, TradeOff, TradeOffGoal};
-use slipgrid_pattern::Pattern;
-use slipgrid_results::PatternReport;
-use slipgrid_units::significant;
+use slipgrid_model::pattern::Pattern;
 
 use crate::charts::{ChartError, TradeOffsChart, trade_offs as draw};
 

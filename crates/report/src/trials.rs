@@ -2,11 +2,13 @@
 //! samples.
 
 use serde::{Deserialize, Serialize};
-use slipgrid_calibrate::{CutSample, contradicting_samples};
-use slipgrid_discrepancy::{Discrepancy, LeftOut, Surprise, leave_out};
-use slipgrid_monitor::{Cancelled, Monitor};
-use slipgrid_results::{SCHEMA, Table, VERSION, believed, believed_interval, believed_std, fixed, guard_formula};
-use slipgrid_units::{HUMIDITY_PCT, LENGTH_UM, PRESSURE_MPA, SPEED_MM_S, counted, tidy};
+use slipgrid_base::monitor::{Cancelled, Monitor};
+use slipgrid_base::units::{HUMIDITY_PCT, LENGTH_UM, PRESSURE_MPA, SPEED_MM_S, counted, tidy};
+use slipgrid_design::results::{
+    SCHEMA, Table, VERSION, believed, believed_interval, believed_std, fixed, guard_formula,
+};
+use slipgrid_infer::calibrate::{CutSample, contradicting_samples};
+use slipgrid_infer::discrepancy::{Discrepancy, LeftOut, Surprise, leave_out};
 
 use crate::charts::{Estimate, Prediction, TrialsChart, trials};
 use crate::{Outputs, ReportError, html};
@@ -176,9 +178,9 @@ impl TrialsReport {
     ) -> Result<Self, Cancelled> {
         let without = |by| leave_out(learned, by, monitor);
         let by = [without(LeftOut::TrialAndLater)?, without(LeftOut::Trial)?, without(LeftOut::Condition)?];
-        let trial = |(place, of): (usize, &slipgrid_discrepancy::Trial)| {
+        let trial = |(place, of): (usize, &slipgrid_infer::discrepancy::Trial)| {
             let cut = samples.iter().find(|cut| cut.name == of.name);
-            let row = |(row, at): (usize, &slipgrid_discrepancy::Measured)| {
+            let row = |(row, at): (usize, &slipgrid_infer::discrepancy::Measured)| {
                 let predicted = |all: &[Surprise]| {
                     all.iter()
                         .find(|of| (of.trial, of.row) == (place, row))

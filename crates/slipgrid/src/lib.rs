@@ -16,13 +16,14 @@
 //! | [`export`] | layouts on a specimen and the files of a laser |
 //! | [`formats`] | scene, design, calibration and material files |
 //! | [`results`], [`report`] | records of results; text, charts and pages drawn from them |
-//! | [`studies`] | the program's own evidence |
+//! | [`validate`] | the program's own evidence |
 //! | [`campaign`] | many scenes or designs as tasks that any machine can do |
+//! | [`disk`] | access to files, results and the cache on a disk |
 //! | [`monitor`], [`units`], [`statistics`] | progress and cancelling; units of files; deviates and quantiles |
 //!
 //! From Python, `slipgrid.Design.read("design.toml").optimize()` does the main job: see `crates/python`.
 //!
-//! No library opens a file, reads a clock, prints, or touches the environment: bytes come through
+//! Only [`disk`] opens a file or touches the environment, and nothing prints: bytes come through
 //! [`formats::source::Files`], time and cancelling through [`monitor::Monitor`].
 //!
 //! The main job: a task from the text of a design file, a search that is confirmed in time, a drawing for the laser.
@@ -69,7 +70,7 @@
 //! The design in this example stands alone: a document of [`Document::new`](formats::Document::new) has no other files,
 //! and a key that names a material, a calibration or a drawing is refused.
 //! [`Document::within`](formats::Document::within) gives a document the files of a source. The source for files on a
-//! disk is `slipgrid_disk::disk()`, from the crate `slipgrid-disk`:
+//! disk is `slipgrid::disk::disk()`, from the crate `slipgrid-disk`:
 //!
 //! ```
 //! use slipgrid::formats::{Document, design::Design};
@@ -79,28 +80,28 @@
 //! let alone = Design::from_document(Document::new(path, &*text));
 //! assert!(alone.is_err_and(|refused| refused.key.as_deref() == Some("material")));
 //!
-//! let design = Design::from_document(Document::within(&slipgrid_disk::disk(), path, text))?;
+//! let design = Design::from_document(Document::within(&slipgrid::disk::disk(), path, text))?;
 //! assert!(design.inputs.iter().any(|input| input.ends_with("ldpe-cast-iron/calibration.toml")));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-pub use slipgrid_calibrate as calibrate;
-pub use slipgrid_campaign as campaign;
-pub use slipgrid_contact as contact;
+pub use slipgrid_base::monitor;
+pub use slipgrid_base::statistics;
+pub use slipgrid_base::units;
 pub use slipgrid_design as design;
-pub use slipgrid_discrepancy as discrepancy;
-pub use slipgrid_export as export;
-pub use slipgrid_formats as formats;
-pub use slipgrid_material as material;
-pub use slipgrid_monitor as monitor;
-pub use slipgrid_optimize as optimize;
-pub use slipgrid_pattern as pattern;
+pub use slipgrid_design::optimize;
+pub use slipgrid_design::results;
+pub use slipgrid_infer::calibrate;
+pub use slipgrid_infer::discrepancy;
+pub use slipgrid_io::formats;
+pub use slipgrid_io::{campaign, disk};
+pub use slipgrid_laser::export;
+pub use slipgrid_laser::specimen;
+pub use slipgrid_model::material;
+pub use slipgrid_model::pattern;
+pub use slipgrid_model::springblock;
 pub use slipgrid_report as report;
-pub use slipgrid_results as results;
-pub use slipgrid_specimen as specimen;
-pub use slipgrid_springblock as springblock;
-pub use slipgrid_statistics as statistics;
-pub use slipgrid_studies as studies;
-pub use slipgrid_topography as topography;
+pub use slipgrid_surface::contact;
+pub use slipgrid_surface::topography;
 pub use slipgrid_traces as traces;
-pub use slipgrid_units as units;
+pub use slipgrid_validate as validate;

@@ -51,7 +51,7 @@ pub fn window_mean(time_s: &[f64], mu: &[f64], window_s: [f64; 2]) -> WindowMean
 #[cfg(test)]
 mod tests {
     use super::*;
-    use slipgrid_statistics::Noise;
+    use slipgrid_base::statistics::Noise;
 
     #[test]
     fn a_line_has_its_mean_its_drift_and_no_error() {

@@ -13,7 +13,7 @@
 //! squares R of generalized least squares, and the variance v of the plain mean, or of the plain slope, for unit noise
 //! strength.
 
-use slipgrid_statistics::cholesky::{cholesky, log_determinant, solve_lower};
+use slipgrid_base::statistics::cholesky::{cholesky, log_determinant, solve_lower};
 
 /// Correlation times as a fraction of the window, in addition to 0 (white noise). Beyond the last, noise cannot be told
 /// from a drift.

@@ -52,7 +52,7 @@ pub fn speed_of_position(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use slipgrid_statistics::Noise;
+    use slipgrid_base::statistics::Noise;
 
     const WINDOW_S: [f64; 2] = [10.0, 40.0];
 

@@ -1,6 +1,6 @@
 //! Repeats of a condition: means and standard deviations.
 
-use slipgrid_statistics::{Confidence, mean_and_std};
+use slipgrid_base::statistics::{Confidence, mean_and_std};
 
 use super::{TraceFindings, TracePeak};
 
@@ -213,7 +213,7 @@ fn missed(peaks: &[TracePeak]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use slipgrid_statistics::Noise;
+    use slipgrid_base::statistics::Noise;
 
     fn of(count: usize, mean: f64, std: f64) -> Repeats {
         let mu_dynamic = MeanStd { mean, std, freedom: count - 1 };

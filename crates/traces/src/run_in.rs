@@ -5,7 +5,7 @@
 //! window) by more than means over parts of equal length scatter within the window. The scatter of such means includes
 //! the correlation of the noise.
 
-use slipgrid_statistics::Confidence;
+use slipgrid_base::statistics::Confidence;
 
 use super::time_series::{line_through, mean_between};
 

@@ -247,7 +247,7 @@ impl UpToWindow<'_> {
 mod tests {
     use super::*;
     use crate::averaging_window::window_mean;
-    use slipgrid_statistics::Noise;
+    use slipgrid_base::statistics::Noise;
 
     fn trace(peak: f64, noise: f64) -> (Vec<f64>, Vec<f64>) {
         let mut deviates = Noise::new(11);

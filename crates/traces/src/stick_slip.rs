@@ -155,7 +155,7 @@ fn reversals(values: &[f64], threshold: f64) -> Vec<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use slipgrid_statistics::Noise;
+    use slipgrid_base::statistics::Noise;
 
     fn sampled(shape: impl Fn(f64) -> f64, noise: f64) -> (Vec<f64>, Vec<f64>) {
         let mut deviates = Noise::new(7);

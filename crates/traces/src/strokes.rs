@@ -129,7 +129,7 @@ fn strokes(
 mod tests {
     use super::*;
     use crate::{Tangential, TraceChannels, TraceOptions, analyse};
-    use slipgrid_statistics::Noise;
+    use slipgrid_base::statistics::Noise;
 
     /// Friction of 0.25 under 20 N, strokes of half a second at 200 Hz, loaded for 0.05 s after a turn. `seen` maps
     /// friction to the sensor's reading.

@@ -1,5 +1,5 @@
 use super::*;
-use slipgrid_statistics::Noise;
+use slipgrid_base::statistics::Noise;
 
 const RADIUS_M: f64 = 0.0381;
 

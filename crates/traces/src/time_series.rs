@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use slipgrid_statistics::upper_median;
+use slipgrid_base::statistics::upper_median;
 
 /// Mean over the time from `from` to `to` of the linear interpolation of the samples. Outside the samples the nearest
 /// value is used.
@@ -101,7 +101,7 @@ mod tests {
 
     #[test]
     fn noise_is_found_under_a_sawtooth() {
-        let mut noise = slipgrid_statistics::Noise::new(3);
+        let mut noise = slipgrid_base::statistics::Noise::new(3);
         let values: Vec<f64> = (0..3000).map(|i| f64::from(i % 60) * 1e-3 + 2e-3 * noise.normal()).collect();
         assert!((sample_noise(&values) / 2e-3 - 1.0).abs() < 0.07, "{}", sample_noise(&values));
     }

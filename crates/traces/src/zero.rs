@@ -162,7 +162,7 @@ fn mean_readings(
 mod tests {
     use super::*;
     use crate::{TraceFindings, TraceFlag, TraceOptions, analyse};
-    use slipgrid_statistics::Noise;
+    use slipgrid_base::statistics::Noise;
 
     const FREE_S: f64 = 4.0;
     const OPTIONS: TraceOptions = TraceOptions {

@@ -2,7 +2,7 @@ use super::super::draws::{between, chance_of, is_within};
 use super::super::physics;
 use super::super::truth::{Laboratory, TOLERANCE};
 use super::*;
-use slipgrid_monitor::Unwatched;
+use slipgrid_base::monitor::Unwatched;
 
 fn textures() -> Vec<Solved> {
     physics::textures(3, &Unwatched).unwrap()

@@ -1,8 +1,8 @@
 //! Interface pressure of a cell of squares compared with finite elements: trilinear hexahedra by scikit-fem with its
 //! own mesh, equations and solver (`cell_pressure.py` in this folder wrote the table).
 
-use slipgrid_pattern::{Pattern, Planform};
-use slipgrid_springblock::{SpaceLattice, SpaceLoad, SpaceSteadyModel, Status};
+use slipgrid_model::pattern::{Pattern, Planform};
+use slipgrid_model::springblock::{SpaceLattice, SpaceLoad, SpaceSteadyModel, Status};
 
 /// Rows of the table for squares of 10 um: mu, x and y in micrometres, mean pressure over the nominal one extrapolated
 /// to vanishing elements, and the change by the extrapolation.

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, Subcommand};
-use slipgrid_campaign::{Engine, Share};
+use slipgrid_io::campaign::{Engine, Share};
 
 /// Arguments of `campaign`
 #[derive(Args, Debug)]

@@ -47,7 +47,7 @@ pub struct MapArgs {
 
 /// Help text of a flag for the unit of `what`.
 fn of_unit(what: &str) -> String {
-    format!("Unit of the {what}, for a file that does not say it: {}", slipgrid_topography::LengthUnit::NAMES)
+    format!("Unit of the {what}, for a file that does not say it: {}", slipgrid_surface::topography::LengthUnit::NAMES)
 }
 
 /// Height of a pixel that is joined from a block of pixels.
@@ -59,7 +59,7 @@ pub enum DecimateName {
     Pick,
 }
 
-impl From<DecimateName> for slipgrid_topography::DecimationMethod {
+impl From<DecimateName> for slipgrid_surface::topography::DecimationMethod {
     fn from(name: DecimateName) -> Self {
         match name {
             DecimateName::Mean => Self::Mean,
@@ -210,7 +210,7 @@ pub enum RimName {
     HalfSine,
 }
 
-impl From<RimName> for slipgrid_topography::RimProfile {
+impl From<RimName> for slipgrid_surface::topography::RimProfile {
     fn from(name: RimName) -> Self {
         match name {
             RimName::Round => Self::Round,

@@ -3,19 +3,19 @@
 use std::path::PathBuf;
 
 use slipgrid_design::cost_line;
-use slipgrid_formats::run::Overrides;
-use slipgrid_formats::scene::SceneInput;
+use slipgrid_design::results::json;
+use slipgrid_io::formats::run::Overrides;
+use slipgrid_io::formats::scene::SceneInput;
+use slipgrid_model::springblock::{Expense, Fidelity, Scene};
 use slipgrid_report::Outputs;
-use slipgrid_results::json;
-use slipgrid_springblock::{Expense, Fidelity, Scene};
-use slipgrid_studies::accuracy::{self, Machine, Size};
+use slipgrid_validate::accuracy::{self, Machine, Size};
 
 use super::date;
 use crate::args::AccuracyArgs;
 use crate::output::open;
 use crate::progress::Job;
 use crate::{CliError, Console, exit_code};
-use slipgrid_disk::disk;
+use slipgrid_io::disk::disk;
 
 /// Runs every row and reports.
 pub fn run(args: &AccuracyArgs, console: &mut Console<'_>) -> Result<u8, CliError> {

@@ -2,22 +2,22 @@
 
 use std::path::{Path, PathBuf};
 
-use slipgrid_calibrate::area_law::{AreaLawError, AreaLawRequest, DEFAULT_PRESSURES_MPA, surface_area_law};
-use slipgrid_calibrate::area_law_sampling::{DEFAULT_WINDOWS, resolution};
-use slipgrid_topography::{Crop, Decimation, Form, LengthUnit, Missing, ReadOptions};
+use slipgrid_infer::calibrate::area_law::{AreaLawError, AreaLawRequest, DEFAULT_PRESSURES_MPA, surface_area_law};
+use slipgrid_infer::calibrate::area_law_sampling::{DEFAULT_WINDOWS, resolution};
+use slipgrid_surface::topography::{Crop, Decimation, Form, LengthUnit, Missing, ReadOptions};
 
 use crate::args::{AreaLawArgs, FormName, MapArgs, MissingName};
 use crate::interruption::heed;
 use crate::output::open;
 use crate::progress::Job;
 use crate::{CliError, Console, exit_code};
-use slipgrid_formats::altitude_map::{read_period, refuse_law};
-use slipgrid_formats::surface::MapOptions;
-use slipgrid_formats::{Diagnostic, checked};
-use slipgrid_monitor::Monitor;
+use slipgrid_base::monitor::Monitor;
+use slipgrid_base::units::{LENGTH_UM, MODULUS_GPA, POISSON, PRESSURE_MPA, SLOPE, TOLERANCE};
+use slipgrid_io::formats::altitude_map::{read_period, refuse_law};
+use slipgrid_io::formats::surface::MapOptions;
+use slipgrid_io::formats::{Diagnostic, checked};
 use slipgrid_report::Outputs;
 use slipgrid_report::area_law::{AreaLawOptions, AreaLawReport, picture, table, table_csv};
-use slipgrid_units::{LENGTH_UM, MODULUS_GPA, POISSON, PRESSURE_MPA, SLOPE, TOLERANCE};
 
 /// Young's modulus of the published polyethylene, in GPa.
 const POLYETHYLENE_GPA: f64 = 0.38;
@@ -74,7 +74,7 @@ fn of_map(
         options.form = Form::Mean;
     }
     let job = Job::new(console);
-    let surface = read_period(&slipgrid_disk::disk(), path, &options, &job)?;
+    let surface = read_period(&slipgrid_io::disk::disk(), path, &options, &job)?;
     let request = request.on_surface(surface.rms_slope, Some(surface.map.rows() * surface.map.cols()));
     let wanted = AreaLawRequest { windows: args.windows, ..request.law() };
     let found = surface_area_law(&surface, &wanted, &job).map_err(|error| match &error {
@@ -137,7 +137,7 @@ pub(super) fn map_options(args: &MapArgs) -> Result<MapOptions, Diagnostic> {
 }
 
 fn unit(flag: &str, name: &str) -> Result<LengthUnit, Diagnostic> {
-    name.parse().map_err(|error: slipgrid_topography::UnknownUnit| Diagnostic {
+    name.parse().map_err(|error: slipgrid_surface::topography::UnknownUnit| Diagnostic {
         key: Some(flag.into()),
         reason: error.to_string(),
         ..Diagnostic::default()

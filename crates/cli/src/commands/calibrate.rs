@@ -1,17 +1,17 @@
 //! `calibrate`: local friction coefficients from measurements on flat samples.
 
-use slipgrid_calibrate::Selection;
+use slipgrid_infer::calibrate::Selection;
 
 use crate::args::CalibrateArgs;
 use crate::output::{Place, ResultFolder, check_file, write_file};
 use crate::progress::Job;
 use crate::{CliError, Console, exit_code};
-use slipgrid_disk::disk;
-use slipgrid_formats::calibrated::calibrate;
-use slipgrid_formats::calibration::Calibration;
-use slipgrid_formats::made_from::MadeFrom;
-use slipgrid_formats::scene::DEFAULT_SPECIMEN;
-use slipgrid_formats::written_material::material_toml;
+use slipgrid_io::disk::disk;
+use slipgrid_io::formats::calibrated::calibrate;
+use slipgrid_io::formats::calibration::Calibration;
+use slipgrid_io::formats::made_from::MadeFrom;
+use slipgrid_io::formats::scene::DEFAULT_SPECIMEN;
+use slipgrid_io::formats::written_material::material_toml;
 use slipgrid_report::calibration;
 
 /// Default seed of the flat sample's local coefficients.

@@ -4,14 +4,14 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::SystemTime;
 
-use slipgrid_campaign::{CampaignError, Engine, Folder, Share, plan};
+use slipgrid_io::campaign::{CampaignError, Engine, Folder, Share, plan};
 
 use crate::args::{CampaignArgs, CampaignStep, MergeArgs, PlanArgs, WorkArgs};
 use crate::interruption::goes_on_with;
 use crate::output::{Place, ResultFolder, check_file, quoted, write_file};
 use crate::progress::Job;
 use crate::{CliError, Console, exit_code};
-use slipgrid_disk::{Disk, disk};
+use slipgrid_io::disk::{Disk, disk};
 
 /// Plans a campaign, works on its tasks or merges their results.
 pub fn run(args: &CampaignArgs, console: &mut Console<'_>) -> Result<u8, CliError> {

@@ -1,8 +1,8 @@
 //! `explore`: makes an interactive page with the predictions for any design of a material or a task.
 
 use slipgrid_design::explore_bounds;
-use slipgrid_formats::confirmed_scene::steady_scene;
-use slipgrid_formats::explored::explored;
+use slipgrid_io::formats::confirmed_scene::steady_scene;
+use slipgrid_io::formats::explored::explored;
 use slipgrid_report::html::exploration;
 
 use super::complete;
@@ -11,7 +11,7 @@ use crate::args::ExploreArgs;
 use crate::output::{Place, check_file, write_file};
 use crate::progress::Job;
 use crate::{CliError, Console, exit_code};
-use slipgrid_disk::disk;
+use slipgrid_io::disk::disk;
 
 /// Solves the surface and writes the page.
 pub fn run(args: &ExploreArgs, console: &mut Console<'_>) -> Result<u8, CliError> {

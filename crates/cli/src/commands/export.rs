@@ -5,16 +5,16 @@ use std::path::Path;
 use crate::args::ExportArgs;
 use crate::output::{Place, ResultFolder, add};
 use crate::{CliError, Console, exit_code};
+use slipgrid_base::units::LENGTH_UM;
 use slipgrid_design::records::SCHEMA;
 use slipgrid_design::{StoredDesign, StoredError};
-use slipgrid_disk::disk;
-use slipgrid_formats::Diagnostic;
-use slipgrid_formats::file_kind::FileKind;
-use slipgrid_formats::source::read_text;
-use slipgrid_formats::stored_pattern::stored_pattern;
+use slipgrid_io::disk::disk;
+use slipgrid_io::formats::Diagnostic;
+use slipgrid_io::formats::file_kind::FileKind;
+use slipgrid_io::formats::source::read_text;
+use slipgrid_io::formats::stored_pattern::stored_pattern;
 use slipgrid_report::Outputs;
 use slipgrid_report::{DrawingInput, draw_with};
-use slipgrid_units::LENGTH_UM;
 
 /// Name of the result file in its folder.
 const RESULT: &str = "result.json";

@@ -18,10 +18,10 @@ mod traces;
 mod trials;
 mod validate;
 
-use slipgrid_disk::disk;
-use slipgrid_formats::calibrated::{complete_by, read_calibration};
-use slipgrid_formats::calibration::Calibration;
-use slipgrid_formats::design::Design;
+use slipgrid_io::disk::disk;
+use slipgrid_io::formats::calibrated::{complete_by, read_calibration};
+use slipgrid_io::formats::calibration::Calibration;
+use slipgrid_io::formats::design::Design;
 
 use crate::args::Command;
 use crate::progress::Job;

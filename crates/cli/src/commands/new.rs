@@ -5,7 +5,7 @@ use std::path::Path;
 use crate::args::{NewArgs, TemplateName};
 use crate::output::{Place, ResultFolder, add, quoted, write_file};
 use crate::{CliError, Console, exit_code};
-use slipgrid_formats::Diagnostic;
+use slipgrid_io::formats::Diagnostic;
 use slipgrid_report::Outputs;
 
 const SCENE: &str = include_str!("../templates/scene.toml");

@@ -2,8 +2,8 @@
 
 use slipgrid_design::export::MAX_SECTORS;
 use slipgrid_design::{NextOptions, next_trials};
-use slipgrid_formats::Diagnostic;
-use slipgrid_formats::design::Design;
+use slipgrid_io::formats::Diagnostic;
+use slipgrid_io::formats::design::Design;
 use slipgrid_report::{Outputs, draw_next};
 
 use super::complete;
@@ -12,7 +12,7 @@ use crate::args::NextArgs;
 use crate::output::open;
 use crate::progress::Job;
 use crate::{CliError, Console, exit_code};
-use slipgrid_disk::disk;
+use slipgrid_io::disk::disk;
 
 /// Names of the files written for several samples, and for samples on one disc.
 const FILES: [&str; 5] = ["result.json", "timings.json", "trials.toml", "next-*/pattern.*", "next-*/process.toml"];

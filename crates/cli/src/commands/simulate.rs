@@ -1,18 +1,18 @@
 //! `simulate`: computes friction of a given surface at given loads.
 
-use slipgrid_monitor::Stage;
+use slipgrid_base::monitor::Stage;
 
 use crate::args::SimulateArgs;
 use crate::interruption::{enter, heed};
 use crate::output::open;
 use crate::progress::Job;
 use crate::{CliError, Console, exit_code};
+use slipgrid_design::results::SimulationReport;
 use slipgrid_design::{run_line, simulate_on};
-use slipgrid_disk::disk;
-use slipgrid_formats::run::Overrides;
-use slipgrid_formats::scene::SceneInput;
+use slipgrid_io::disk::disk;
+use slipgrid_io::formats::run::Overrides;
+use slipgrid_io::formats::scene::SceneInput;
 use slipgrid_report::files;
-use slipgrid_results::SimulationReport;
 
 /// Names of the files that are written.
 const FILES: [&str; 6] =

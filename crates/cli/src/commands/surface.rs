@@ -1,7 +1,7 @@
 //! `surface`: parameters, pictures and cavities of an altitude map.
 
-use slipgrid_monitor::Cancelled;
-use slipgrid_topography::{
+use slipgrid_base::monitor::Cancelled;
+use slipgrid_surface::topography::{
     CORRELATION_THRESHOLD, MapError, MapWarning, MaterialRatioCurve, PreparedMap, Sides, SpectrumWindow,
 };
 
@@ -10,10 +10,10 @@ use crate::args::SurfaceArgs;
 use crate::output::{Place, check_map_file, open as open_folder, write_file};
 use crate::progress::Job;
 use crate::{CliError, Console, exit_code};
-use slipgrid_formats::altitude_map::{read_for, refuse as refuse_map};
-use slipgrid_formats::{Diagnostic, checked};
+use slipgrid_base::units::LENGTH_UM;
+use slipgrid_io::formats::altitude_map::{read_for, refuse as refuse_map};
+use slipgrid_io::formats::{Diagnostic, checked};
 use slipgrid_report::surface::{FILES, Measured, SurfaceReport, files, period_note, period_text};
-use slipgrid_units::LENGTH_UM;
 
 /// Reads the map, measures it and reports.
 pub fn run(args: &SurfaceArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
@@ -24,7 +24,7 @@ pub fn run(args: &SurfaceArgs, console: &mut Console<'_>) -> Result<u8, CliError
     let options = map_options(&args.reading)?;
     let section_m = args.section_um.map(|um| checked("--section-um", um, LENGTH_UM.or_zero())).transpose()?;
     let job = Job::new(console);
-    let (read, how) = read_for(&slipgrid_disk::disk(), &args.map, &options, &job)?;
+    let (read, how) = read_for(&slipgrid_io::disk::disk(), &args.map, &options, &job)?;
     let refuse = |error: MapError| Diagnostic::file(&args.map, error.to_string());
     let cancelled = |ended: Cancelled| refuse(ended.into());
     // Cavities are detected on the map as measured, which keeps its form and its missing points.

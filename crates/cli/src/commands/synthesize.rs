@@ -1,13 +1,15 @@
 //! `synthesize`: makes a synthetic self-affine altitude map, with optional cavities.
 
-use slipgrid_topography::{CutPattern, CutRim, CutShape, HeightMap, LengthUnit, MapError, MatrixStyle, SelfAffine};
+use slipgrid_surface::topography::{
+    CutPattern, CutRim, CutShape, HeightMap, LengthUnit, MapError, MatrixStyle, SelfAffine,
+};
 
 use crate::args::{CutName, SynthesizeArgs};
 use crate::output::{Place, check_map_file, write_file};
 use crate::{CliError, Console, exit_code};
-use slipgrid_formats::{Diagnostic, checked};
-use slipgrid_results::fixed;
-use slipgrid_units::{LENGTH_MM, LENGTH_UM, SLOPE};
+use slipgrid_base::units::{LENGTH_MM, LENGTH_UM, SLOPE};
+use slipgrid_design::results::fixed;
+use slipgrid_io::formats::{Diagnostic, checked};
 
 /// Makes the map and writes it.
 pub fn run(args: &SynthesizeArgs, console: &mut Console<'_>) -> Result<u8, CliError> {

@@ -5,13 +5,15 @@ use std::path::Path;
 use crate::args::TracesArgs;
 use crate::output::{self, open};
 use crate::{CliError, Console, exit_code};
-use slipgrid_formats::calibration::Calibration;
-use slipgrid_formats::file_kind::FileKind;
-use slipgrid_formats::traces::{ConditionTraces, Export, SurfaceKind, TraceCondition, TraceSetup, analyse_condition};
-use slipgrid_formats::{Diagnostic, checked};
+use slipgrid_base::units::{FORCE_N, HUMIDITY_PCT, LENGTH_MM, Quantity, SPEED_MM_S, TIME_S};
+use slipgrid_io::formats::calibration::Calibration;
+use slipgrid_io::formats::file_kind::FileKind;
+use slipgrid_io::formats::traces::{
+    ConditionTraces, Export, SurfaceKind, TraceCondition, TraceSetup, analyse_condition,
+};
+use slipgrid_io::formats::{Diagnostic, checked};
 use slipgrid_report::traces;
 use slipgrid_traces::{DEFAULT_STROKE_SHARE, DEFAULT_WINDOW_S};
-use slipgrid_units::{FORCE_N, HUMIDITY_PCT, LENGTH_MM, Quantity, SPEED_MM_S, TIME_S};
 
 /// Names of the files that are written.
 pub const FILES: [&str; 7] = [
@@ -30,9 +32,9 @@ pub fn run(args: &TracesArgs, console: &mut Console<'_>) -> Result<u8, CliError>
     let conditions = match &args.files[..] {
         [file] if is_calibration(file) => of_calibration(file, args)?,
         [folder] if folder.is_dir() => {
-            return Err(FileKind::Calibration.refuse_folder(&slipgrid_disk::disk(), folder).into());
+            return Err(FileKind::Calibration.refuse_folder(&slipgrid_io::disk::disk(), folder).into());
         }
-        _ => vec![analyse_condition(&slipgrid_disk::disk(), &setup(args)?, &condition(args)?)?],
+        _ => vec![analyse_condition(&slipgrid_io::disk::disk(), &setup(args)?, &condition(args)?)?],
     };
     if let Some(folder) = &folder {
         let outputs = traces::files(&conditions)?;
@@ -50,7 +52,7 @@ fn is_calibration(file: &Path) -> bool {
 
 /// Conditions of the calibration `file`.
 fn of_calibration(file: &Path, args: &TracesArgs) -> Result<Vec<ConditionTraces>, Diagnostic> {
-    let calibration = Calibration::read(&slipgrid_disk::disk(), file)?;
+    let calibration = Calibration::read(&slipgrid_io::disk::disk(), file)?;
     if calibration.traces.is_empty() {
         return Err(Diagnostic::file(file, "has no table [traces]")
             .expected("one, [[trial.traces]] of a trial, or exports instead"));

@@ -1,8 +1,8 @@
 //! `trials`: compares predictions and measurements of trials, and updates the predictions for further samples.
 
-use slipgrid_formats::calibrated::learn;
-use slipgrid_formats::calibration::Calibration;
-use slipgrid_formats::scene::DEFAULT_SPECIMEN;
+use slipgrid_io::formats::calibrated::learn;
+use slipgrid_io::formats::calibration::Calibration;
+use slipgrid_io::formats::scene::DEFAULT_SPECIMEN;
 use slipgrid_report::trials::TrialsReport;
 
 use super::calibrate::DEFAULT_SEED;
@@ -10,7 +10,7 @@ use crate::args::TrialsArgs;
 use crate::output::open;
 use crate::progress::Job;
 use crate::{CliError, Console, exit_code};
-use slipgrid_disk::disk;
+use slipgrid_io::disk::disk;
 
 /// Compares every trial with the model and reports.
 pub fn run(args: &TrialsArgs, console: &mut Console<'_>) -> Result<u8, CliError> {

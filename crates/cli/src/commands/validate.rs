@@ -1,18 +1,18 @@
 //! `validate`: compares measured ratios patterned/flat with the model.
 
-use slipgrid_calibrate::CutSample;
-use slipgrid_formats::calibration::Calibration;
-use slipgrid_formats::scene::DEFAULT_LAYER;
-use slipgrid_formats::{Diagnostic, checked};
-use slipgrid_pattern::{Pattern, Planform};
-use slipgrid_studies::validation::{self, Patterns, ValidationTask, validate};
-use slipgrid_units::{LENGTH_UM, POSITIVE, Quantity};
+use slipgrid_base::units::{LENGTH_UM, POSITIVE, Quantity};
+use slipgrid_infer::calibrate::CutSample;
+use slipgrid_io::formats::calibration::Calibration;
+use slipgrid_io::formats::scene::DEFAULT_LAYER;
+use slipgrid_io::formats::{Diagnostic, checked};
+use slipgrid_model::pattern::{Pattern, Planform};
+use slipgrid_validate::validation::{self, Patterns, ValidationTask, validate};
 
 use crate::args::ValidateArgs;
 use crate::output::open;
 use crate::progress::Job;
 use crate::{CliError, Console, exit_code};
-use slipgrid_disk::disk;
+use slipgrid_io::disk::disk;
 
 /// Range of the pattern's lengths: ten centimetres exceed any specimen.
 const PATTERN_UM: Quantity = LENGTH_UM.at_most(1e5);

@@ -4,8 +4,8 @@ use std::fmt::Write as _;
 use std::fs;
 
 use crate::common::{CALIBRATION, FLAT, Place};
-use slipgrid_formats::Document;
-use slipgrid_formats::calibration::Calibration;
+use slipgrid_io::formats::Document;
+use slipgrid_io::formats::calibration::Calibration;
 
 const FLAGS: [&str; 8] =
     ["--effective-radius-mm", "40", "--force-n", "50", "--speed-mm-s", "2", "--humidity-pct", "15"];
@@ -206,7 +206,7 @@ fn conditions_and_trials_have_traces_of_their_own() {
     }
     let read = |text: String| {
         fs::write(place.path("c.toml"), text).unwrap();
-        Calibration::read(&slipgrid_disk::disk(), &place.path("c.toml"))
+        Calibration::read(&slipgrid_io::disk::disk(), &place.path("c.toml"))
     };
     let own = read(text("")).unwrap();
     let windows: Vec<f64> = own.traces.iter().map(|traces| traces.condition.window_s[0]).collect();
@@ -311,7 +311,7 @@ fn what_is_merely_unusual_is_told() {
     let place = Place::with(&[("flat.csv", FLAT)]);
     let text = CALIBRATION.replace("youngs_modulus_gpa = 0.38", "youngs_modulus_gpa = 380.0");
     let read =
-        Calibration::from_document(&Document::within(&slipgrid_disk::disk(), place.path("c.toml"), text)).unwrap();
+        Calibration::from_document(&Document::within(&slipgrid_io::disk::disk(), place.path("c.toml"), text)).unwrap();
     assert!(
         read.told.len() == 1 && read.told[0].contains("c.toml:4: material.youngs_modulus_gpa: 380.0 is unusual"),
         "{:?}",
@@ -319,7 +319,7 @@ fn what_is_merely_unusual_is_told() {
     );
     assert!(read.told[0].contains("in MPa, that would be 0.38 GPa"), "{:?}", read.told);
     let usual =
-        Calibration::from_document(&Document::within(&slipgrid_disk::disk(), place.path("c.toml"), CALIBRATION))
+        Calibration::from_document(&Document::within(&slipgrid_io::disk::disk(), place.path("c.toml"), CALIBRATION))
             .unwrap();
     assert_eq!(usual.told, [""; 0]);
     // A scene is told on stderr and solved.
@@ -341,7 +341,7 @@ fn pressure_follows_from_the_area_of_every_shape_of_specimen() {
     let place = Place::with(&[("flat.csv", FLAT)]);
     let read = |keys: &str| {
         let text = CALIBRATION.replace("radius_mm = 5.0", keys);
-        Calibration::from_document(&Document::within(&slipgrid_disk::disk(), place.path("c.toml"), text)).unwrap()
+        Calibration::from_document(&Document::within(&slipgrid_io::disk::disk(), place.path("c.toml"), text)).unwrap()
     };
     let quarter_pi = std::f64::consts::FRAC_PI_4;
     for (keys, area_mm2) in [

@@ -228,7 +228,8 @@ fn an_area_law_states_its_uncertainty() {
     let theory = ["area-law", "--persson-rms-slope", "0.0137", "--pressures-mpa", "0.7,2.6", "--json"];
     let theory = json(&place.succeed(&theory));
     assert!(theory["map"].is_null() && theory["sa_um"].is_null());
-    let area = |mpa: f64| slipgrid_contact::closed_form::persson_area_fraction(mpa * 1e6, 427.5e6, 0.0137).unwrap();
+    let area =
+        |mpa: f64| slipgrid_surface::contact::closed_form::persson_area_fraction(mpa * 1e6, 427.5e6, 0.0137).unwrap();
     // P0 is a small load, 0.01 E* h'rms = 0.0586 MPa.
     assert_eq!(theory["threshold_mpa"], 0.0586);
     let expected = area(2.6) / area(0.0586) * 0.0586 / 2.6;

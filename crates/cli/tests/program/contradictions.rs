@@ -1,9 +1,9 @@
 //! Contradicting or impossible inputs are reported with file, line and key before any computation.
 
-use slipgrid_formats::Diagnostic;
-use slipgrid_formats::calibration::Calibration;
-use slipgrid_formats::design::Design;
-use slipgrid_formats::document::Document;
+use slipgrid_io::formats::Diagnostic;
+use slipgrid_io::formats::calibration::Calibration;
+use slipgrid_io::formats::design::Design;
+use slipgrid_io::formats::document::Document;
 
 use crate::common::{CALIBRATION, DESIGN, FLAT, Place, SCENE};
 
@@ -13,8 +13,8 @@ fn contradictions(design: &str, calibration: &str) -> Vec<String> {
     let (head, rest) = design.split_once("[material]").unwrap();
     let design = format!("{head}material = \"c.toml\"\n[target]{}", rest.split_once("[target]").unwrap().1);
     std::fs::write(place.path("d.toml"), design).unwrap();
-    let design = Design::read(&slipgrid_disk::disk(), &place.path("d.toml")).unwrap();
-    let calibration = Calibration::read(&slipgrid_disk::disk(), &place.path("c.toml")).unwrap();
+    let design = Design::read(&slipgrid_io::disk::disk(), &place.path("d.toml")).unwrap();
+    let calibration = Calibration::read(&slipgrid_io::disk::disk(), &place.path("c.toml")).unwrap();
     let folder = format!("{}/", place.path("").display()).replace("//", "/");
     design.contradictions(&calibration).iter().map(|told| told.to_string().replace(&folder, "")).collect()
 }
@@ -99,7 +99,7 @@ fn trials_far_from_the_design_are_told_with_what_was_likely_meant() {
 fn a_speed_that_no_run_confirms_is_told_as_a_number() {
     let place = Place::with(&[]);
     let told = |text: &str| -> Vec<String> {
-        let document = Document::within(&slipgrid_disk::disk(), place.path("d.toml"), text);
+        let document = Document::within(&slipgrid_io::disk::disk(), place.path("d.toml"), text);
         Design::from_document(document).unwrap().told.iter().map(Diagnostic::to_string).collect()
     };
     // v = 0.1 P / sqrt(E rho) = 1.52 mm/s, and 2 mm/s is the speed without a condition.

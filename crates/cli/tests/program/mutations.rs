@@ -5,14 +5,14 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
 use crate::common::{CALIBRATION, DESIGN, FLAT, Place, SCENE};
-use slipgrid_formats::Document;
-use slipgrid_formats::calibration::Calibration;
-use slipgrid_formats::design::Design;
-use slipgrid_formats::measurements;
-use slipgrid_formats::run::Overrides;
-use slipgrid_formats::scene::SceneInput;
-use slipgrid_formats::traces::{Export, TraceSetup, parse_export};
-use slipgrid_topography::{ReadOptions, read_map};
+use slipgrid_io::formats::Document;
+use slipgrid_io::formats::calibration::Calibration;
+use slipgrid_io::formats::design::Design;
+use slipgrid_io::formats::measurements;
+use slipgrid_io::formats::run::Overrides;
+use slipgrid_io::formats::scene::SceneInput;
+use slipgrid_io::formats::traces::{Export, TraceSetup, parse_export};
+use slipgrid_surface::topography::{ReadOptions, read_map};
 use slipgrid_traces::{TraceOptions, analyse};
 
 /// Pseudorandom numbers (Steele, Lea and Flood, SPLITMIX64).
@@ -194,11 +194,11 @@ fn scene(text: &str) -> Result<SceneInput, String> {
 /// Number of accepted files among `times` damaged ones, for each kind of file.
 fn spoil_everything(times: usize, seed: u64) -> [usize; 7] {
     let place = Place::with(&[("flat.csv", FLAT)]);
-    let string = |refused: slipgrid_formats::Diagnostic| refused.to_string();
-    let near = |text: &str| Document::within(&slipgrid_disk::disk(), place.path("x.toml"), text);
+    let string = |refused: slipgrid_io::formats::Diagnostic| refused.to_string();
+    let near = |text: &str| Document::within(&slipgrid_io::disk::disk(), place.path("x.toml"), text);
     let folder = place.path("x.toml").display().to_string();
     let table = place.path("flat.csv").display().to_string();
-    let local = |refused: slipgrid_formats::Diagnostic| refused.to_string().replace(&folder, "x.toml");
+    let local = |refused: slipgrid_io::formats::Diagnostic| refused.to_string().replace(&folder, "x.toml");
     [
         spoil_all(SCENE, times, seed, |text, _| scene(text)),
         spoil_all(DESIGN, times, seed + 1, |text, _| {
@@ -229,7 +229,7 @@ fn spoil_everything(times: usize, seed: u64) -> [usize; 7] {
             read_map(bytes, &ReadOptions::default()).map_err(|error| format!("x.asc: {error}"))
         }),
         spoil_all(POINTS, times / 2, seed + 5, |_, bytes| {
-            let unit = Some(slipgrid_topography::LengthUnit::Micrometre);
+            let unit = Some(slipgrid_surface::topography::LengthUnit::Micrometre);
             let options = ReadOptions { height_unit: unit, lateral_unit: unit, ..ReadOptions::default() };
             read_map(bytes, &options).map_err(|error| format!("x.xyz: {error}"))
         }),

@@ -8,10 +8,10 @@ use std::path::Path;
 use serde_json::{Map, Value};
 use slipgrid_cli::study_file::StudyFile;
 use slipgrid_design::Answer;
+use slipgrid_design::optimize::ModelFailure;
+use slipgrid_design::results::VERSION;
 use slipgrid_design::{DesignError, Evaluations};
-use slipgrid_optimize::ModelFailure;
-use slipgrid_pattern::{Pattern, Planform};
-use slipgrid_results::VERSION;
+use slipgrid_model::pattern::{Pattern, Planform};
 
 fn design(width_um: f64) -> Pattern {
     Pattern::new(Planform::Groove, width_um / 1e6, 300e-6, 10e-6).unwrap()

@@ -3,9 +3,9 @@
 use std::fs;
 
 use crate::common::{COMMANDS, Place, names};
-use slipgrid_formats::Document;
-use slipgrid_formats::calibration::Calibration;
-use slipgrid_formats::design::Design;
+use slipgrid_io::formats::Document;
+use slipgrid_io::formats::calibration::Calibration;
+use slipgrid_io::formats::design::Design;
 
 #[test]
 fn templates_run_as_they_are() {
@@ -17,7 +17,7 @@ fn templates_run_as_they_are() {
     }
     assert!(place.succeed(&["simulate", "scene.toml"]).contains("converged"));
     assert!(place.succeed(&["calibrate", "calibration/calibration.toml", "-o", "m.toml"]).contains("my polymer"));
-    Design::read(&slipgrid_disk::disk(), &place.path("design.toml")).unwrap();
+    Design::read(&slipgrid_io::disk::disk(), &place.path("design.toml")).unwrap();
 
     // The design as it is, but on a short sample.
     let text = fs::read_to_string(place.path("design.toml")).unwrap();
@@ -47,7 +47,7 @@ fn commented_keys_of_templates_are_known() {
         .map(|line| format!("{line}\n"))
         .collect();
     fs::write(place.path("every.toml"), every).unwrap();
-    let design = Design::read(&slipgrid_disk::disk(), &place.path("every.toml")).unwrap();
+    let design = Design::read(&slipgrid_io::disk::disk(), &place.path("every.toml")).unwrap();
     assert!(
         design.task.laser.ablation.is_some()
             && design.task.laser.speed_mm_s.is_some()

@@ -6,9 +6,9 @@ use std::fs;
 
 use crate::common::{CALIBRATION, DESIGN, Place, SCENE};
 use serde_json::Value;
-use slipgrid_disk::disk;
-use slipgrid_formats::calibration::Calibration;
-use slipgrid_units::LENGTH_STD_UM;
+use slipgrid_base::units::LENGTH_STD_UM;
+use slipgrid_io::disk::disk;
+use slipgrid_io::formats::calibration::Calibration;
 
 /// Forces, in newtons, with pressures of 0.64 to 2.55 MPa on the disc, and the flat sample's friction.
 const FORCES_N: [f64; 3] = [50.0, 100.0, 200.0];

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use super::DesignReport;
 use crate::prediction::percent;
-use slipgrid_results::{SCREEN_WIDTH, Table, believed_interval, doubts_in_brief, fixed, length_in_words, wrapped};
+use crate::results::{SCREEN_WIDTH, Table, believed_interval, doubts_in_brief, fixed, length_in_words, wrapped};
 
 /// Maximum number of listed loads and lifted limits; other loads are counted.
 const MAX_LOADS: usize = 8;
@@ -87,7 +87,7 @@ impl DesignReport {
 mod tests {
     use super::*;
     use crate::prediction::{Expected, ModelledRatio, SampleReport};
-    use slipgrid_results::MaterialReport;
+    use crate::results::MaterialReport;
 
     /// Tests with twelve loads, six doubts of a paragraph each, and three other textures.
     #[test]

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use super::DesignReport;
 use crate::blocked::LiftedReport;
 use crate::prediction::{Expected, LimitedBy, SampleReport, percent};
-use slipgrid_results::{
+use crate::results::{
     Table, believed_interval, beyond_measured, beyond_measured_range, duration_in_words, fixed, length_in_words, notes,
 };
 
@@ -139,7 +139,7 @@ impl DesignReport {
     fn other_doubts(&self) -> impl Iterator<Item = String> {
         let laser = self.of_laser().map(|warning| format!("laser: {warning}"));
         let beyond = beyond_measured(&self.beyond_mpa());
-        let loads = slipgrid_results::warnings(&self.confirmed);
+        let loads = crate::results::warnings(&self.confirmed);
         let loads = loads.into_iter().filter(move |warning| Some(warning) != beyond.as_ref());
         let violations = self.violations.iter().cloned();
         self.material.doubts().chain(violations).chain(laser).chain(loads).chain(self.unresolved())
@@ -170,7 +170,7 @@ impl DesignReport {
 
     /// Warning if the blocks do not resolve the pattern, from the confirming run.
     pub fn unresolved(&self) -> Option<String> {
-        slipgrid_results::unresolved(&self.confirmed, self.block_um)
+        crate::results::unresolved(&self.confirmed, self.block_um)
     }
 
     /// Target pressures outside the measured range, in MPa.

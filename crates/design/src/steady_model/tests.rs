@@ -1,9 +1,9 @@
 use super::*;
 use crate::operating_conditions::turned;
-use slipgrid_export::{Outline, Specimen};
-use slipgrid_material::{Elastic, LocalFriction};
-use slipgrid_pattern::{Planform, Rim, RimProfile, Texture};
-use slipgrid_springblock::{Dimension, Layer, simulate};
+use slipgrid_laser::export::{Outline, Specimen};
+use slipgrid_model::material::{Elastic, LocalFriction};
+use slipgrid_model::pattern::{Planform, Rim, RimProfile, Texture};
+use slipgrid_model::springblock::{Dimension, Layer, simulate};
 
 fn scene() -> Scene {
     let friction = LocalFriction::new(0.30, 0.27, 0.05).unwrap();

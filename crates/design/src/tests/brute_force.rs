@@ -1,11 +1,11 @@
 //! Brute-force checks of predicted chances against samples drawn and solved one by one.
 
-use slipgrid_discrepancy::{Features, Sensitivity};
-use slipgrid_optimize::{DesignSpace, Quantity, Target, TargetPoint};
-use slipgrid_pattern::{Pattern, Planform};
-use slipgrid_springblock::Layer;
-use slipgrid_statistics::cholesky::covariance_factor;
-use slipgrid_statistics::{Normals, normal_probability};
+use crate::optimize::{DesignSpace, Quantity, Target, TargetPoint};
+use slipgrid_base::statistics::cholesky::covariance_factor;
+use slipgrid_base::statistics::{Normals, normal_probability};
+use slipgrid_infer::discrepancy::{Features, Sensitivity};
+use slipgrid_model::pattern::{Pattern, Planform};
+use slipgrid_model::springblock::Layer;
 
 use super::{contradicted, searched, three_tasks};
 use crate::search::Search;

@@ -1,15 +1,15 @@
 //! Input of an area-law computation, and its record.
 
-use slipgrid_calibrate::area_law::{AreaLawRequest, SurfaceAreaLaw, SurfaceWarning, area_law, persson_curve};
-use slipgrid_calibrate::area_law_sampling::{Resolution, STATISTICS_TOLERANCE, WINDOW_STATEMENT, WindowSpread};
-use slipgrid_calibrate::light_pressure_pa;
-use slipgrid_contact::{AreaPoint, ContactError};
-use slipgrid_formats::altitude_map::law_warnings;
-use slipgrid_formats::plausible::MODULUS;
-use slipgrid_material::AreaLaw;
-use slipgrid_results::{SCHEMA, VERSION};
-use slipgrid_topography::PreparedMap;
-use slipgrid_units::{LENGTH_UM, MODULUS_GPA, PRESSURE_MPA};
+use slipgrid_base::units::{LENGTH_UM, MODULUS_GPA, PRESSURE_MPA};
+use slipgrid_design::results::{SCHEMA, VERSION};
+use slipgrid_infer::calibrate::area_law::{AreaLawRequest, SurfaceAreaLaw, SurfaceWarning, area_law, persson_curve};
+use slipgrid_infer::calibrate::area_law_sampling::{Resolution, STATISTICS_TOLERANCE, WINDOW_STATEMENT, WindowSpread};
+use slipgrid_infer::calibrate::light_pressure_pa;
+use slipgrid_io::formats::altitude_map::law_warnings;
+use slipgrid_io::formats::plausible::MODULUS;
+use slipgrid_model::material::AreaLaw;
+use slipgrid_surface::contact::{AreaPoint, ContactError};
+use slipgrid_surface::topography::PreparedMap;
 
 use super::{AreaLawReport, AreaReport, ResolutionReport, WindowReport};
 

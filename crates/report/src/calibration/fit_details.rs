@@ -1,13 +1,13 @@
 //! Full record of a fit: parameters, covariance, profiles and residuals.
 
 use serde::Serialize;
-use slipgrid_calibrate::{CalibrationOutcome, CalibrationTask, Fit, Parameter, split_parameter_name};
+use slipgrid_infer::calibrate::{CalibrationOutcome, CalibrationTask, Fit, Parameter, split_parameter_name};
 
 use super::static_friction::{StaticRow, rows};
 use crate::ReportError;
 use crate::charts::{Estimate, ResidualsChart, residuals as draw};
-use slipgrid_results::{SCHEMA, Table, VERSION, fixed};
-use slipgrid_units::{HUMIDITY_PCT, SPEED_MM_S, tidy};
+use slipgrid_base::units::{HUMIDITY_PCT, SPEED_MM_S, tidy};
+use slipgrid_design::results::{SCHEMA, Table, VERSION, fixed};
 
 /// Record of a fit, as JSON.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -84,7 +84,7 @@ pub fn json(task: &CalibrationTask, outcome: &CalibrationOutcome) -> Result<Stri
         warnings: outcome.material.provenance.warnings.clone(),
         static_friction: rows(task, outcome),
     };
-    Ok(slipgrid_results::json(&details)?)
+    Ok(slipgrid_design::results::json(&details)?)
 }
 
 /// Describes a fitted parameter together with its measurement, for example `dynamic_mean 200 N, 2 mm/s, 50 %` for `dynamic_mean 4`.

@@ -8,11 +8,11 @@ pub(crate) use fit_details::{in_words, which_errors};
 pub(crate) use pictures::flat_friction_narrow;
 pub(crate) use static_friction::{StaticRow, rows as static_rows, words as static_words};
 
-use slipgrid_calibrate::{CalibrationOutcome, CalibrationTask};
-use slipgrid_formats::calibration::Calibration;
-use slipgrid_monitor::{Cancelled, Monitor};
-use slipgrid_results::{SCREEN_WIDTH, Table, WHERE_ALL, doubts_in_brief, fixed, wrapped};
-use slipgrid_units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, counted};
+use slipgrid_base::monitor::{Cancelled, Monitor};
+use slipgrid_base::units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, counted};
+use slipgrid_design::results::{SCREEN_WIDTH, Table, WHERE_ALL, doubts_in_brief, fixed, wrapped};
+use slipgrid_infer::calibrate::{CalibrationOutcome, CalibrationTask};
+use slipgrid_io::formats::calibration::Calibration;
 
 use crate::trials::TrialsReport;
 use crate::{Outputs, ReportError, html};

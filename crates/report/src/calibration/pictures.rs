@@ -1,7 +1,7 @@
 //! Pictures of a calibration: flat friction and the area law.
 
-use slipgrid_calibrate::{CalibrationOutcome, CalibrationTask, Measurement};
-use slipgrid_units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, tidy};
+use slipgrid_base::units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, tidy};
+use slipgrid_infer::calibrate::{CalibrationOutcome, CalibrationTask, Measurement};
 
 use crate::ChartError;
 use crate::area_law::picture_title;

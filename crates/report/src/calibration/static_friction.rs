@@ -1,9 +1,9 @@
 //! Measured and modelled static friction.
 
 use serde::Serialize;
-use slipgrid_calibrate::{CalibrationOutcome, CalibrationTask};
-use slipgrid_results::{Table, fixed};
-use slipgrid_units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, tidy};
+use slipgrid_base::units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, tidy};
+use slipgrid_design::results::{Table, fixed};
+use slipgrid_infer::calibrate::{CalibrationOutcome, CalibrationTask};
 
 /// Measured static peak with its modelled value.
 #[derive(Clone, Debug, PartialEq, Serialize)]

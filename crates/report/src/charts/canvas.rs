@@ -3,7 +3,7 @@
 use plotters::coord::Shift;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
-use slipgrid_export::is_xml_letter;
+use slipgrid_laser::export::is_xml_letter;
 
 use super::ChartError;
 

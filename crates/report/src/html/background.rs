@@ -1,8 +1,8 @@
 //! Section of a design's page with the coefficients of the material.
 
-use slipgrid_material::AreaLaw;
-use slipgrid_springblock::Load;
-use slipgrid_units::PRESSURE_MPA;
+use slipgrid_base::units::PRESSURE_MPA;
+use slipgrid_model::material::AreaLaw;
+use slipgrid_model::springblock::Load;
 
 use super::page::{Page, number, percent, plain, with_error};
 

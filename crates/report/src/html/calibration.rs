@@ -1,13 +1,13 @@
 //! Page of a calibration: fitted coefficients, remaining uncertainty, and suggested measurements.
 
-use slipgrid_calibrate::{
+use slipgrid_base::statistics::median;
+use slipgrid_base::units::{HUMIDITY_PCT, MODULUS_GPA, PRESSURE_MPA, SPEED_MM_S};
+use slipgrid_design::results::VERSION;
+use slipgrid_infer::calibrate::{
     AreaLawOrigin, CalibrationOutcome, CalibrationTask, Coefficients, FittedPair, Measurement, Parameter, Surface,
 };
-use slipgrid_formats::calibration::Calibration;
-use slipgrid_formats::written_material::material_toml;
-use slipgrid_results::VERSION;
-use slipgrid_statistics::median;
-use slipgrid_units::{HUMIDITY_PCT, MODULUS_GPA, PRESSURE_MPA, SPEED_MM_S};
+use slipgrid_io::formats::calibration::Calibration;
+use slipgrid_io::formats::written_material::material_toml;
 
 use super::page::{Page, number, percent, plain, sentence, with_error};
 use super::{background, trials};

@@ -1,11 +1,11 @@
 //! Page of a design found by `optimize`.
 
 use slipgrid_design::records::{GoalReport, TradeOffsReport};
+use slipgrid_design::results::{LoadReport, PatternReport, believed_interval, duration_in_words, length_in_words};
 use slipgrid_design::{DesignOutcome, DesignReport, Expected, SampleReport, percent as chance_words};
-use slipgrid_export::{Exposure, Laser};
-use slipgrid_material::AreaLaw;
-use slipgrid_results::{LoadReport, PatternReport, believed_interval, duration_in_words, length_in_words};
-use slipgrid_springblock::Load;
+use slipgrid_laser::export::{Exposure, Laser};
+use slipgrid_model::material::AreaLaw;
+use slipgrid_model::springblock::Load;
 
 use super::background;
 use super::first_screen::first_screen;

@@ -4,12 +4,12 @@ mod surfaces;
 
 use maud::{Markup, PreEscaped, html};
 use serde::Serialize;
+use slipgrid_base::units::LENGTH_UM;
 use slipgrid_design::optimize::{Bound, Quantity};
 use slipgrid_design::records::TargetReport;
+use slipgrid_design::results::{PatternReport, VERSION};
 use slipgrid_design::{ConstraintQuantity, DesignOutcome, DesignReport, DesignTask, Explored, Explorer, KnownMaterial};
-use slipgrid_pattern::Pattern;
-use slipgrid_results::{PatternReport, VERSION};
-use slipgrid_units::LENGTH_UM;
+use slipgrid_model::pattern::Pattern;
 
 use self::surfaces::{AxisData, LENGTHS, Packed, axes_data};
 use super::page::{Page, number, sentence};

@@ -1,9 +1,9 @@
 //! First screen of a design's page: decision, sample to cut, expected values, limits and basis.
 
 use maud::html;
+use slipgrid_design::results::{LoadReport, believed_interval, duration_in_words, length_in_words};
 use slipgrid_design::{DesignOutcome, DesignReport, LimitedBy, percent};
-use slipgrid_export::not_modelled;
-use slipgrid_results::{LoadReport, believed_interval, duration_in_words, length_in_words};
+use slipgrid_laser::export::not_modelled;
 
 use super::page::{Page, Text, known, length_um, micrometres, number, percent as share, plain, sentence};
 use crate::Outputs;

@@ -3,9 +3,9 @@
 use slipgrid_design::records::{
     GoalReport, LiftedReport, ListedDesign, SlopeReport, TableReport, TargetReport, Tolerance, TradeOffsReport,
 };
+use slipgrid_design::results::{LoadReport, MaterialReport, PatternReport};
 use slipgrid_design::{DesignReport, Expected, LimitedBy, ModelledRatio, SampleReport};
-use slipgrid_export::{Ablation, Exposure, Laser, Removal};
-use slipgrid_results::{LoadReport, MaterialReport, PatternReport};
+use slipgrid_laser::export::{Ablation, Exposure, Laser, Removal};
 
 /// Report that contains every part that a page can show.
 pub fn report() -> DesignReport {

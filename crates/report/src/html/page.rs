@@ -1,8 +1,8 @@
 //! Parts of a page: text, sortable tables, pictures on cards.
 
 use maud::{DOCTYPE, Markup, PreEscaped, Render, html};
-use slipgrid_export::{is_xml_letter, not_modelled};
-use slipgrid_results::{PatternReport, fixed};
+use slipgrid_design::results::{PatternReport, fixed};
+use slipgrid_laser::export::{is_xml_letter, not_modelled};
 
 use super::section::section;
 use crate::Outputs;

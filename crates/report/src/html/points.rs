@@ -1,12 +1,12 @@
 //! Points of the explorer's map: the design found, trade-offs and trials.
 
 use serde::Serialize;
+use slipgrid_base::units::{HUMIDITY_PCT, LENGTH_UM, PRESSURE_MPA, SPEED_MM_S, tidy};
+use slipgrid_design::optimize::Quantity;
+use slipgrid_design::results::PatternReport;
 use slipgrid_design::{DesignReport, DesignTask, Explorer, KnownMaterial};
-use slipgrid_discrepancy::{Features, Trial};
-use slipgrid_optimize::Quantity;
-use slipgrid_pattern::{Pattern, Texture};
-use slipgrid_results::PatternReport;
-use slipgrid_units::{HUMIDITY_PCT, LENGTH_UM, PRESSURE_MPA, SPEED_MM_S, tidy};
+use slipgrid_infer::discrepancy::{Features, Trial};
+use slipgrid_model::pattern::{Pattern, Texture};
 
 use super::page::{number, plain};
 
@@ -68,14 +68,14 @@ impl Among<'_> {
         let has_texture = is_of(self.task.space.texture(), &trial.features);
         let on_map = has_texture && self.holds(&at);
         // Loads at the design condition, if there are any.
-        let is_wanted = |load: &slipgrid_discrepancy::Load| {
+        let is_wanted = |load: &slipgrid_infer::discrepancy::Load| {
             self.task.condition.is_none_or(|wanted| {
                 (load.speed_m_s / wanted.speed_m_s - 1.0).abs() < ALIKE
                     && (load.humidity - wanted.humidity).abs() < ALIKE
             })
         };
         let is_any = trial.measured.iter().any(|of| is_wanted(&of.load));
-        let words = |of: &slipgrid_discrepancy::Measured| {
+        let words = |of: &slipgrid_infer::discrepancy::Measured| {
             let mut condition = format!("{} MPa", number(PRESSURE_MPA.from_si(of.load.pressure_pa), 2));
             if !is_any {
                 let (speed, humidity) =

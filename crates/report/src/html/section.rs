@@ -1,8 +1,8 @@
 //! Picture of two periods of a pattern in vertical section, both axes to scale; very low rims are drawn higher.
 
-use slipgrid_pattern::{Rim, RimProfile};
-use slipgrid_results::fixed;
-use slipgrid_units::LENGTH_UM;
+use slipgrid_base::units::LENGTH_UM;
+use slipgrid_design::results::fixed;
+use slipgrid_model::pattern::{Rim, RimProfile};
 
 /// Width of the picture, and of the two periods in it.
 const WIDTH: f64 = 900.0;

@@ -3,7 +3,7 @@
 use super::page::{Page, number, percent, sentence};
 use crate::Outputs;
 use crate::surface::SurfaceReport;
-use slipgrid_topography::LIMITED_BY_PIXELS;
+use slipgrid_surface::topography::LIMITED_BY_PIXELS;
 
 /// Share of the squared height in the longest waves above which the map's size limits the heights.
 const LIMITED_BY_SIDE: f64 = 0.4;

@@ -1,9 +1,9 @@
 use slipgrid_design::records::TableReport;
+use slipgrid_design::results::RimReport;
 use slipgrid_design::{DesignReport, SampleReport};
-use slipgrid_material::{AreaLaw, LocalFriction};
-use slipgrid_pattern::{Rim, RimProfile};
-use slipgrid_results::RimReport;
-use slipgrid_springblock::Load;
+use slipgrid_model::material::{AreaLaw, LocalFriction};
+use slipgrid_model::pattern::{Rim, RimProfile};
+use slipgrid_model::springblock::Load;
 
 use super::fixture::{goal, lifted, report};
 use super::*;
@@ -215,9 +215,9 @@ fn further_conditions_have_rows_of_their_own() {
 
 #[test]
 fn a_report_is_read_back_as_it_was_written() {
-    let stored = slipgrid_results::json(&report()).unwrap();
+    let stored = slipgrid_design::results::json(&report()).unwrap();
     assert_eq!(serde_json::from_str::<DesignReport>(&stored).unwrap(), report());
-    let [result, _] = slipgrid_results::json_and_timings(&report()).unwrap();
+    let [result, _] = slipgrid_design::results::json_and_timings(&report()).unwrap();
     assert_eq!(serde_json::from_str::<DesignReport>(&result).unwrap(), report());
 }
 

@@ -1,7 +1,7 @@
 //! Ledger of trials: predictions before the samples were cut, measurements, and remaining unknowns.
 
 use slipgrid_design::RatioPrediction;
-use slipgrid_results::{believed, believed_interval, believed_std};
+use slipgrid_design::results::{believed, believed_interval, believed_std};
 
 use super::page::{Column, Page, number, percent, plain, sentence, yes_or_no};
 use crate::Outputs;

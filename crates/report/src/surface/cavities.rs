@@ -3,9 +3,9 @@
 use std::fmt::Write as _;
 
 use serde::Serialize;
-use slipgrid_results::{Table, fixed};
-use slipgrid_topography::{CavityMetrology, Estimate, RimMetrology, Spread};
-use slipgrid_units::{significant, tidy};
+use slipgrid_base::units::{significant, tidy};
+use slipgrid_design::results::{Table, fixed};
+use slipgrid_surface::topography::{CavityMetrology, Estimate, RimMetrology, Spread};
 
 use super::um;
 use crate::ChartError;
@@ -343,7 +343,7 @@ pub fn edge_profile_svg(rim: &RimMetrology, synthetic: bool) -> Result<Option<St
 
 #[cfg(test)]
 mod tests {
-    use slipgrid_topography::{Form, HeightMap};
+    use slipgrid_surface::topography::{Form, HeightMap};
 
     use super::*;
 
@@ -360,7 +360,7 @@ mod tests {
             -5e-6 * (0.5 + (20.0 - nearest_um) / 4.0).clamp(0.0, 1.0)
         };
         let map = HeightMap::new(300, 300, 2e-6, 2e-6, (0..90_000).map(height).collect()).unwrap();
-        CavityReport::from(&map.measure_cavities(Form::Plane, &slipgrid_monitor::Unwatched).unwrap())
+        CavityReport::from(&map.measure_cavities(Form::Plane, &slipgrid_base::monitor::Unwatched).unwrap())
     }
 
     #[test]

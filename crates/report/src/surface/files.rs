@@ -1,8 +1,8 @@
 //! Files of an altitude map.
 
-use slipgrid_monitor::Monitor;
-use slipgrid_results::json;
-use slipgrid_topography::{CavityMetrology, MaterialRatioCurve, PreparedMap, SpectrumBin};
+use slipgrid_base::monitor::Monitor;
+use slipgrid_design::results::json;
+use slipgrid_surface::topography::{CavityMetrology, MaterialRatioCurve, PreparedMap, SpectrumBin};
 
 use super::{SurfaceReport, cavities_csv, edge_profile_csv, edge_profile_svg, pictures, section_csv, spectrum_csv};
 use crate::{Outputs, ReportError, html};

@@ -13,14 +13,14 @@ use std::fmt::Write as _;
 
 use cavities::CavityReport;
 use serde::Serialize;
-use slipgrid_monitor::{Cancelled, Monitor};
-use slipgrid_topography::{
+use slipgrid_base::monitor::{Cancelled, Monitor};
+use slipgrid_surface::topography::{
     CavityMetrology, CorrelationLengths, HeightMap, MapError, MaterialRatioCurve, PreparedMap, SpectrumBin,
 };
 
-use slipgrid_formats::altitude_map::told;
-use slipgrid_results::{SCHEMA, SCREEN_WIDTH, Table, VERSION, fixed, wrapped};
-use slipgrid_units::{LENGTH_UM, tidy};
+use slipgrid_base::units::{LENGTH_UM, tidy};
+use slipgrid_design::results::{SCHEMA, SCREEN_WIDTH, Table, VERSION, fixed, wrapped};
+use slipgrid_io::formats::altitude_map::told;
 
 /// Record that `surface --json` prints.
 #[derive(Clone, Debug, Serialize)]

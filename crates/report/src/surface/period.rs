@@ -1,7 +1,7 @@
 //! Mean period of a patterned surface, as a map and in words.
 
-use slipgrid_topography::{LengthUnit, MatrixStyle, MeanPeriod};
-use slipgrid_units::LENGTH_UM;
+use slipgrid_base::units::LENGTH_UM;
+use slipgrid_surface::topography::{LengthUnit, MatrixStyle, MeanPeriod};
 
 /// Decimals of heights in um.
 const PERIOD_DECIMALS: u8 = 6;

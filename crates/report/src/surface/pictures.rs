@@ -1,7 +1,7 @@
 //! Pictures of a surface.
 
-use slipgrid_monitor::{Cancelled, Monitor};
-use slipgrid_topography::{Decimation, DecimationMethod, HeightMap, PreparedMap};
+use slipgrid_base::monitor::{Cancelled, Monitor};
+use slipgrid_surface::topography::{Decimation, DecimationMethod, HeightMap, PreparedMap};
 
 use super::Measured;
 use crate::charts::{self, HeightHistogramChart, SectionChart, SpectrumChart, SurfaceMapChart};

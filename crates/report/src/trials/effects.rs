@@ -1,8 +1,8 @@
 //! Discrepancy at the texture measured last, and its dependence on the condition.
 
-use slipgrid_discrepancy::{Discrepancy, Load, Sensitivity};
-use slipgrid_results::fixed;
-use slipgrid_units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, tidy};
+use slipgrid_base::units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, tidy};
+use slipgrid_design::results::fixed;
+use slipgrid_infer::discrepancy::{Discrepancy, Load, Sensitivity};
 
 use super::EffectReport;
 

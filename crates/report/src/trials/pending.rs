@@ -1,11 +1,11 @@
 //! Predictions for samples that were cut and are not measured yet.
 
 use serde::{Deserialize, Serialize};
-use slipgrid_calibrate::{LearnedSamples, PendingSample};
+use slipgrid_base::units::{LENGTH_UM, tidy};
 use slipgrid_design::RatioPrediction;
-use slipgrid_discrepancy::{Discrepancy, Sensitivity};
-use slipgrid_results::{Table, believed, believed_interval, fixed};
-use slipgrid_units::{LENGTH_UM, tidy};
+use slipgrid_design::results::{Table, believed, believed_interval, fixed};
+use slipgrid_infer::calibrate::{LearnedSamples, PendingSample};
+use slipgrid_infer::discrepancy::{Discrepancy, Sensitivity};
 
 use super::{PER_MM, SAMPLE_AND_LOAD, TrialsReport, sample_and_load};
 

@@ -1,8 +1,8 @@
 //! Scatter of samples of one texture.
 
 use serde::{Deserialize, Serialize};
-use slipgrid_discrepancy::Discrepancy;
-use slipgrid_units::tidy;
+use slipgrid_base::units::tidy;
+use slipgrid_infer::discrepancy::Discrepancy;
 
 /// Posterior weight of the stated scatter below which the ledger reports a different scatter.
 const BELIEVED: f64 = 0.5;

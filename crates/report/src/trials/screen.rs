@@ -1,6 +1,6 @@
 //! The ledger of trials on the screen, in about 20 lines.
 
-use slipgrid_results::{
+use slipgrid_design::results::{
     SCREEN_WIDTH, Table, believed, believed_interval, believed_std, doubts_in_brief, fixed, wrapped,
 };
 

@@ -1,6 +1,6 @@
 use super::*;
-use slipgrid_discrepancy::{Conditions, Features, Hyperparameters, Load, Measured, Sensitivity, Trial};
-use slipgrid_pattern::{Pattern, Planform};
+use slipgrid_infer::discrepancy::{Conditions, Features, Hyperparameters, Load, Measured, Sensitivity, Trial};
+use slipgrid_model::pattern::{Pattern, Planform};
 
 fn trial(name: &str, spacing_um: f64, excess: f64) -> Trial {
     let pattern = Pattern::new(Planform::Groove, 100e-6, spacing_um * 1e-6, 10e-6).unwrap();
@@ -25,7 +25,7 @@ fn trial(name: &str, spacing_um: f64, excess: f64) -> Trial {
 
 fn ledger(trials: Vec<Trial>) -> TrialsReport {
     let learned = Discrepancy::new(Hyperparameters::default(), Conditions::default(), 0.2, trials).unwrap();
-    TrialsReport::new("a <polymer>", &[], &learned, &slipgrid_monitor::Unwatched).unwrap()
+    TrialsReport::new("a <polymer>", &[], &learned, &slipgrid_base::monitor::Unwatched).unwrap()
 }
 
 #[test]

@@ -5,7 +5,7 @@ mod places;
 use std::time::Instant;
 
 use slipgrid_design::{Advice, DesignError};
-use slipgrid_formats::design::Design;
+use slipgrid_io::formats::design::Design;
 use slipgrid_report::{ReportError, files};
 
 use super::complete;
@@ -15,7 +15,7 @@ use crate::output::{Place, ResultFolder, replace};
 use crate::progress::Job;
 use crate::study_file::StudyFile;
 use crate::{CliError, Console, exit_code};
-use slipgrid_disk::disk;
+use slipgrid_io::disk::disk;
 
 /// Names of the files that are written.
 const FILES: [&str; 15] = [

@@ -5,7 +5,7 @@ use std::ops::Range;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use serde::Serialize;
-use slipgrid_statistics::ResponseSurface;
+use slipgrid_base::statistics::ResponseSurface;
 
 /// Names of the axes.
 pub const LENGTHS: [&str; 3] = ["width", "spacing", "depth"];

@@ -1,0 +1,102 @@
+//! Plans of discrete Fourier transforms in single and double precision, and filters of maps whose sides are powers of
+//! two.
+//!
+//! The transforms of rustfft are generic over the number type. A crate that plans one compiles all of them, for every
+//! vector width, which took half of the build time of `contact` and `topography`. This module compiles them once per
+//! precision; other crates hold them behind pointers, as rustfft itself does.
+//!
+//! ```
+//! use slipgrid_base::fft::{Complex, Precision};
+//! let plans = f64::real_plans(4);
+//! let (mut row, mut spectrum) = ([1.0, 2.0, 3.0, 4.0], [Complex::new(0.0, 0.0); 3]);
+//! plans.forward.process(&mut row, &mut spectrum)?;
+//! assert!((spectrum[0].re - 10.0).abs() < 1e-15 && (spectrum[2].re + 2.0).abs() < 1e-15);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod convolution;
+mod number;
+mod splits;
+
+use std::sync::Arc;
+
+pub use convolution::Convolution;
+pub use realfft::{ComplexToReal, FftNum, RealToComplex};
+pub use rustfft::Fft;
+pub use rustfft::num_complex::Complex;
+
+use convolution::Filter;
+use number::Number;
+pub use number::vectorized;
+use realfft::RealFftPlanner;
+use rustfft::FftPlanner;
+
+/// Forward and inverse transforms of real rows of one length, unnormalized.
+#[derive(Clone)]
+pub struct RealPlans<T: FftNum> {
+    /// Transforms a row to its half spectrum.
+    pub forward: Arc<dyn RealToComplex<T>>,
+    /// Transforms a half spectrum to its row.
+    pub inverse: Arc<dyn ComplexToReal<T>>,
+}
+
+/// Forward and inverse transforms of complex rows of one length, unnormalized.
+#[derive(Clone)]
+pub struct ComplexPlans<T: FftNum> {
+    /// Transforms a row to its spectrum.
+    pub forward: Arc<dyn Fft<T>>,
+    /// Transforms a spectrum to its row.
+    pub inverse: Arc<dyn Fft<T>>,
+}
+
+/// Precision for which transforms are compiled: f32 or f64.
+pub trait Precision: Number {
+    /// Plans transforms of real rows of `length` numbers; `length` is at least 1.
+    fn real_plans(length: usize) -> RealPlans<Self>;
+
+    /// Plans transforms of complex rows of `length` numbers; `length` is at least 1.
+    fn complex_plans(length: usize) -> ComplexPlans<Self>;
+
+    /// Multiplies every wave of the input by its factor and writes the result to `output`.
+    ///
+    /// `input_and_factors` has the input, row by row, and the factors from [`Convolution::factors`]; `scratch` has at
+    /// least [`Convolution::scratch_len`] numbers. If `should_continue` returns false, the filter stops and `output` is
+    /// incomplete.
+    fn filter(
+        plan: &Convolution<Self>,
+        input_and_factors: [&[Self]; 2],
+        output: &mut [Self],
+        scratch: &mut [Self],
+        should_continue: &dyn Fn() -> bool,
+    );
+}
+
+/// Implements [`Precision`], which instantiates the generic transforms in this module.
+macro_rules! impl_precision {
+    ($number:ty) => {
+        impl Precision for $number {
+            fn real_plans(length: usize) -> RealPlans<Self> {
+                let mut planner = RealFftPlanner::<$number>::new();
+                RealPlans { forward: planner.plan_fft_forward(length), inverse: planner.plan_fft_inverse(length) }
+            }
+
+            fn complex_plans(length: usize) -> ComplexPlans<Self> {
+                let mut planner = FftPlanner::<$number>::new();
+                ComplexPlans { forward: planner.plan_fft_forward(length), inverse: planner.plan_fft_inverse(length) }
+            }
+
+            fn filter(
+                plan: &Convolution<Self>,
+                [input, factors]: [&[Self]; 2],
+                output: &mut [Self],
+                scratch: &mut [Self],
+                should_continue: &dyn Fn() -> bool,
+            ) {
+                Filter { plan, input, factors, output, scratch, should_continue }.run();
+            }
+        }
+    };
+}
+
+impl_precision!(f32);
+impl_precision!(f64);

@@ -1,0 +1,13 @@
+//! Ground of the other crates: progress and cancelling, units, statistics, and Fourier transforms.
+//!
+//! | module | content |
+//! |---|---|
+//! | [`monitor`] | progress, cancellation, and the cache of a job |
+//! | [`units`] | units of files and their conversion |
+//! | [`statistics`] | draws, quantiles, and linear algebra |
+//! | [`fft`] | real Fourier transforms |
+
+pub mod fft;
+pub mod monitor;
+pub mod statistics;
+pub mod units;

@@ -1,0 +1,287 @@
+//! Progress and cancellation of long computations.
+//!
+//! Libraries of slipgrid do not read clocks, print, or handle signals: a [`Monitor`] does all this, and the command
+//! line, a page or a Python package passes it through every stage of a job. A [`Stage`] is a part of a job that may
+//! have its own time limit. With a [`Memory`], results are not computed twice.
+//!
+//! ```
+//! use slipgrid_base::monitor::{Monitor, Stage};
+//! use std::sync::atomic::{AtomicBool, Ordering};
+//!
+//! struct Button(AtomicBool);
+//! impl Monitor for Button {
+//!     fn cancelled(&self) -> bool {
+//!         self.0.load(Ordering::Relaxed)
+//!     }
+//! }
+//!
+//! let button = Button(AtomicBool::new(false));
+//! let stage = Stage::new(&button, "search", None);
+//! assert!(!stage.cancelled());
+//! button.0.store(true, Ordering::Relaxed);
+//! assert!(stage.cancelled() && !stage.is_out_of_time());
+//! ```
+
+mod cancellable_reader;
+pub mod memory;
+
+use std::path::Path;
+
+pub use cancellable_reader::CancellableReader;
+pub use memory::{InMemory, Key, Memory, cached};
+
+/// Progress, cancellation and time. All methods have defaults, so that a monitor implements only what it needs.
+pub trait Monitor: Sync {
+    /// The stage `name` begins; [`Monitor::advance`] counts from 0 again.
+    fn stage(&self, _name: &str) {}
+
+    /// Describes the current work within the stage.
+    fn detail(&self, _text: &str) {}
+
+    /// The current stage has ended.
+    fn stage_ended(&self) {}
+
+    /// The fraction `share` of the stage's work, 0 to 1, was done since the last call.
+    fn advance(&self, _share: f64) {}
+
+    /// Whether to stop; called many times per second by any thread.
+    fn cancelled(&self) -> bool {
+        false
+    }
+
+    /// Checks for cancellation between two stages, and after a stage that ended early.
+    ///
+    /// # Errors
+    /// [`Cancelled`] if the monitor has cancelled.
+    fn heed(&self) -> Result<(), Cancelled> {
+        if self.cancelled() { Err(Cancelled) } else { Ok(()) }
+    }
+
+    /// Seconds from an arbitrary start; only differences matter. With a constant clock no time limit is reached.
+    fn seconds(&self) -> f64 {
+        0.0
+    }
+
+    /// A message for the user while the work continues.
+    fn note(&self, _text: &str) {}
+
+    /// `results` complete results are stored at `place`, and are safe from later failures.
+    fn kept(&self, _place: &Path, _results: usize) {}
+
+    /// Cache of earlier results; results do not depend on it.
+    fn memory(&self) -> Option<&dyn Memory> {
+        None
+    }
+}
+
+/// The monitor has cancelled the work.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Cancelled;
+
+/// A monitor without any effect.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Unwatched;
+
+impl Monitor for Unwatched {}
+
+/// One stage of a job; cancelled with the job, or when its time limit is reached.
+pub struct Stage<'a> {
+    job: &'a dyn Monitor,
+    started_s: f64,
+    until_s: Option<f64>,
+}
+
+impl<'a> Stage<'a> {
+    /// Begins the stage `name` of `job`, with the time limit `until_s` on the job's clock.
+    #[must_use]
+    pub fn new(job: &'a dyn Monitor, name: &str, until_s: Option<f64>) -> Self {
+        job.stage(name);
+        Self { job, started_s: job.seconds(), until_s }
+    }
+
+    /// Whether the time limit is reached.
+    #[must_use]
+    pub fn is_out_of_time(&self) -> bool {
+        self.until_s.is_some_and(|until_s| self.job.seconds() >= until_s)
+    }
+
+    /// Ends the stage and returns its duration, in seconds.
+    pub fn finish(self) -> f64 {
+        self.job.stage_ended();
+        self.job.seconds() - self.started_s
+    }
+}
+
+/// Methods that a part of a job forwards unchanged.
+macro_rules! forwarded {
+    ($to:ident) => {
+        fn stage(&self, name: &str) {
+            self.$to.stage(name);
+        }
+
+        fn detail(&self, text: &str) {
+            self.$to.detail(text);
+        }
+
+        fn stage_ended(&self) {
+            self.$to.stage_ended();
+        }
+
+        fn seconds(&self) -> f64 {
+            self.$to.seconds()
+        }
+
+        fn note(&self, text: &str) {
+            self.$to.note(text);
+        }
+
+        fn kept(&self, place: &Path, results: usize) {
+            self.$to.kept(place, results);
+        }
+
+        fn memory(&self) -> Option<&dyn Memory> {
+            self.$to.memory()
+        }
+    };
+}
+
+impl Monitor for Stage<'_> {
+    forwarded!(job);
+
+    fn advance(&self, share: f64) {
+        self.job.advance(share);
+    }
+
+    fn cancelled(&self) -> bool {
+        self.job.cancelled() || self.is_out_of_time()
+    }
+}
+
+/// A part of a stage, with the fraction `share` of the stage's work. Other calls are forwarded unchanged.
+pub struct Part<'a> {
+    stage: &'a dyn Monitor,
+    share: f64,
+}
+
+impl<'a> Part<'a> {
+    /// Creates a part of `stage` with the fraction `share`, 0 to 1, of its work.
+    #[must_use]
+    pub const fn new(stage: &'a dyn Monitor, share: f64) -> Self {
+        Self { stage, share }
+    }
+}
+
+impl Monitor for Part<'_> {
+    forwarded!(stage);
+
+    fn advance(&self, share: f64) {
+        self.stage.advance(share * self.share);
+    }
+
+    fn cancelled(&self) -> bool {
+        self.stage.cancelled()
+    }
+}
+
+/// A monitor that adds a cache to another monitor without one.
+pub struct CachingMonitor<'a> {
+    inner: &'a dyn Monitor,
+    own: InMemory,
+}
+
+impl<'a> CachingMonitor<'a> {
+    /// Wraps `inner` and adds a cache in memory if it has none.
+    #[must_use]
+    pub fn new(inner: &'a dyn Monitor) -> Self {
+        Self { inner, own: InMemory::default() }
+    }
+}
+
+impl Monitor for CachingMonitor<'_> {
+    fn stage(&self, name: &str) {
+        self.inner.stage(name);
+    }
+
+    fn detail(&self, text: &str) {
+        self.inner.detail(text);
+    }
+
+    fn stage_ended(&self) {
+        self.inner.stage_ended();
+    }
+
+    fn advance(&self, share: f64) {
+        self.inner.advance(share);
+    }
+
+    fn cancelled(&self) -> bool {
+        self.inner.cancelled()
+    }
+
+    fn seconds(&self) -> f64 {
+        self.inner.seconds()
+    }
+
+    fn note(&self, text: &str) {
+        self.inner.note(text);
+    }
+
+    fn kept(&self, place: &Path, results: usize) {
+        self.inner.kept(place, results);
+    }
+
+    fn memory(&self) -> Option<&dyn Memory> {
+        Some(self.inner.memory().unwrap_or(&self.own))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::Mutex;
+    use std::sync::atomic::{AtomicU64, Ordering};
+
+    /// A manual clock that records calls.
+    #[derive(Default)]
+    struct Watch {
+        seconds: AtomicU64,
+        done: Mutex<f64>,
+    }
+
+    impl Monitor for Watch {
+        fn advance(&self, share: f64) {
+            *self.done.lock().unwrap() += share;
+        }
+
+        fn seconds(&self) -> f64 {
+            self.seconds.load(Ordering::Relaxed) as f64
+        }
+    }
+
+    #[test]
+    fn a_stage_ends_at_its_time_and_not_before() {
+        let watch = Watch::default();
+        let stage = Stage::new(&watch, "search", Some(10.0));
+        assert!(!stage.cancelled());
+        watch.seconds.store(9, Ordering::Relaxed);
+        assert!(!stage.cancelled());
+        watch.seconds.store(10, Ordering::Relaxed);
+        assert!(stage.cancelled() && stage.is_out_of_time() && !watch.cancelled());
+        assert_eq!(stage.finish(), 10.0);
+        assert!(!Stage::new(&Unwatched, "search", Some(1.0)).cancelled(), "no clock, no limit");
+    }
+
+    #[test]
+    fn shares_from_many_threads_add_up() {
+        let watch = Watch::default();
+        let stage = Stage::new(&watch, "solve", None);
+        std::thread::scope(|scope| {
+            for _ in 0..4 {
+                scope.spawn(|| (0..1000).for_each(|_| stage.advance(1.0 / 4000.0)));
+            }
+        });
+        assert!((*watch.done.lock().unwrap() - 1.0).abs() < 1e-9);
+        Part::new(&stage, 0.5).advance(0.1);
+        assert!((*watch.done.lock().unwrap() - 1.05).abs() < 1e-9, "a tenth of a half");
+    }
+}

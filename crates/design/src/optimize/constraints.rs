@@ -1,0 +1,177 @@
+//! Constraints of a design besides its bounds.
+
+use slipgrid_model::pattern::{LimitViolation, ManufacturingLimits, Pattern};
+use std::fmt;
+
+/// One-sided limit with its allowed side. An infinite limit does not bind.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Bound {
+    /// Values up to the limit are allowed.
+    AtMost(f64),
+    /// Values from the limit on are allowed.
+    AtLeast(f64),
+}
+
+impl Bound {
+    /// Returns the limit.
+    #[must_use]
+    pub const fn limit(self) -> f64 {
+        match self {
+            Self::AtMost(limit) | Self::AtLeast(limit) => limit,
+        }
+    }
+
+    /// Returns a bound of equal side with another limit.
+    #[must_use]
+    pub const fn with_limit(self, limit: f64) -> Self {
+        match self {
+            Self::AtMost(_) => Self::AtMost(limit),
+            Self::AtLeast(_) => Self::AtLeast(limit),
+        }
+    }
+}
+
+/// Quantity of a design computed by the model, with its limit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Limit {
+    /// Name of the quantity, in words.
+    pub name: &'static str,
+    /// Unit of the quantity in messages; may be empty.
+    pub unit: &'static str,
+    /// Value of the unit in SI units.
+    pub unit_si: f64,
+    /// Limit, in SI units.
+    pub bound: Bound,
+    /// Change of the quantity that counts as 1, in SI units: the limit itself if not 0.
+    pub scale: f64,
+    /// Loosest meaningful limit, in SI units: infinite, or set by physics or geometry.
+    pub loosest: f64,
+}
+
+impl Limit {
+    /// Distance of `value` beyond the limit, in scales: 0 at the limit, negative inside.
+    #[must_use]
+    pub fn excess(&self, value: f64) -> f64 {
+        match self.bound {
+            Bound::AtMost(limit) => (value - limit) / self.scale,
+            Bound::AtLeast(limit) => (limit - value) / self.scale,
+        }
+    }
+
+    /// Replaces the limit by the loosest one.
+    #[must_use]
+    pub const fn relaxed(mut self) -> Self {
+        self.bound = self.bound.with_limit(self.loosest);
+        self
+    }
+
+    /// Formats `value` with its unit.
+    #[must_use]
+    pub fn tell(&self, value: f64) -> String {
+        let told = significant(value / self.unit_si);
+        if self.unit.is_empty() { told } else { format!("{told} {}", self.unit) }
+    }
+}
+
+/// Formats four significant digits.
+fn significant(value: f64) -> String {
+    format!("{value:.3e}").parse::<f64>().map_or_else(|_| value.to_string(), |rounded| rounded.to_string())
+}
+
+/// Constraints of a design besides its bounds.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Constraints {
+    /// Manufacturing limits of the laser.
+    pub limits: ManufacturingLimits,
+    /// Limited quantities that the model computes.
+    pub quantities: Vec<Limit>,
+}
+
+impl Constraints {
+    /// Lists the constraints that `design` violates; `limited` are its limited quantities, in the order of
+    /// [`Self::quantities`], in SI units.
+    #[must_use]
+    pub fn violations(&self, design: &Pattern, limited: &[f64]) -> Vec<Violation> {
+        let makeable = self.limits.violations(design).into_iter().map(Violation::Limit);
+        let exceeded = |(limit, &value): (&Limit, &f64)| {
+            (limit.excess(value) > 0.0).then_some(Violation::Quantity { limit: *limit, value })
+        };
+        makeable.chain(self.quantities.iter().zip(limited).filter_map(exceeded)).collect()
+    }
+}
+
+/// Constraint that a design violates.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Violation {
+    /// Manufacturing limit of the laser.
+    Limit(LimitViolation),
+    /// Quantity beyond its limit.
+    Quantity {
+        /// Quantity with its limit.
+        limit: Limit,
+        /// Value of the design, in SI units.
+        value: f64,
+    },
+}
+
+impl Violation {
+    /// Distance beyond the constraint, relative to it: 0 at the constraint.
+    #[must_use]
+    pub fn excess(&self) -> f64 {
+        match self {
+            Self::Limit(limit) => limit.excess(),
+            Self::Quantity { limit, value } => limit.excess(*value),
+        }
+    }
+}
+
+impl fmt::Display for Violation {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Limit(limit) => limit.fmt(f),
+            Self::Quantity { limit, value } => {
+                let side = match limit.bound {
+                    Bound::AtMost(_) => "at most",
+                    Bound::AtLeast(_) => "at least",
+                };
+                let (value, allowed) = (limit.tell(*value), limit.tell(limit.bound.limit()));
+                write!(f, "{} is {value}: allowed is {side} {allowed}", limit.name)
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use slipgrid_model::pattern::Planform;
+
+    #[test]
+    fn limits_hold_on_their_side_and_say_so_in_their_unit() {
+        let peak = Limit {
+            name: "peak pressure",
+            unit: "MPa",
+            unit_si: 1e6,
+            bound: Bound::AtMost(10e6),
+            scale: 10e6,
+            loosest: f64::INFINITY,
+        };
+        let land = Limit {
+            name: "bearing area",
+            unit: "",
+            unit_si: 1.0,
+            bound: Bound::AtLeast(0.6),
+            scale: 0.6,
+            loosest: 0.0,
+        };
+        let design = Pattern::new(Planform::Groove, 1e-4, 3e-4, 1e-5).unwrap();
+        let constraints = Constraints { quantities: vec![peak, land], ..Constraints::default() };
+        let broken = |limited: Vec<f64>| constraints.violations(&design, &limited);
+        assert!(broken(vec![10e6, 0.6]).is_empty());
+        let both = broken(vec![12.345_67e6, 0.3]);
+        assert_eq!(both[0].to_string(), "peak pressure is 12.35 MPa: allowed is at most 10 MPa");
+        assert_eq!(both[1].to_string(), "bearing area is 0.3: allowed is at least 0.6");
+        assert!((both[0].excess() - 0.234_567).abs() < 1e-9 && (both[1].excess() - 0.5).abs() < 1e-12);
+        assert!(land.relaxed().excess(0.0) <= 0.0 && peak.relaxed().excess(1e9) < 0.0);
+    }
+}

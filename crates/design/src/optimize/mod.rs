@@ -1,0 +1,34 @@
+//! Requirements on a design: target, bounds, limits and manufacturing tolerances.
+//!
+//! | type | role |
+//! |---|---|
+//! | [`Target`], [`Demand`], [`Wanted`], [`Goal`] | values, bands and weights at pressures; goal to optimize |
+//! | [`DesignSpace`] | bounds of width, spacing and depth |
+//! | [`Constraints`], [`Limit`], [`Violation`] | manufacturing limits and limited quantities |
+//! | [`Tolerances`], [`Uncertainty`], [`with_rim_off`] | scatter of samples about a design, and uncertainty of a model's parameters |
+//! | [`ModelFailure`] | reason why a model gives no answer |
+//! | [`SearchError`] | reason why target, bounds or tolerances were refused |
+//!
+//! This module is independent of files, measurements and the implementation of models.
+//!
+//! ```
+//! use slipgrid_design::optimize::{Quantity, Target, TargetPoint};
+//! let point = TargetPoint { pressure_pa: 1e6, value: 0.75 };
+//! let target = Target::new(Quantity::Ratio, vec![point], 0.01)?;
+//! assert_eq!(target.points()[0].wanted.band(), [Some(0.74), Some(0.76)]);
+//! # Ok::<(), slipgrid_design::optimize::SearchError>(())
+//! ```
+
+mod constraints;
+mod error;
+mod model;
+mod space;
+mod target;
+mod uncertainty;
+
+pub use constraints::{Bound, Constraints, Limit, Violation};
+pub use error::SearchError;
+pub use model::ModelFailure;
+pub use space::DesignSpace;
+pub use target::{Demand, Goal, Quantity, Target, TargetPoint, Wanted};
+pub use uncertainty::{Tolerances, Uncertainty, with_rim_off};

@@ -1,0 +1,245 @@
+//! Target of friction.
+
+use crate::optimize::SearchError;
+use crate::optimize::error::positive;
+
+/// Significant change of a value if only a goal is given, for a ratio and for a friction coefficient, which is a quarter
+/// of one for most dry polymers.
+const RATIO_STEP: f64 = 0.01;
+const FRICTION_STEP: f64 = 0.0025;
+/// Quantity that the target prescribes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Quantity {
+    /// Dynamic friction coefficient over that of the flat surface.
+    Ratio,
+    /// Dynamic friction coefficient.
+    DynamicFriction,
+}
+
+impl Quantity {
+    /// The name used in files.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Ratio => "ratio",
+            Self::DynamicFriction => "mu_dynamic",
+        }
+    }
+}
+
+/// Target value at one nominal pressure.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TargetPoint {
+    /// Nominal pressure, in pascals.
+    pub pressure_pa: f64,
+    /// Target value, dimensionless.
+    pub value: f64,
+}
+
+/// Accepted values.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Wanted {
+    /// Any value: a goal alone decides.
+    Anything,
+    /// Values within `tolerance` of `value`.
+    Near {
+        /// Target value.
+        value: f64,
+        /// Largest accepted distance.
+        tolerance: f64,
+    },
+    /// Values from `lowest` to `highest`; without a goal the middle is the aim.
+    Between {
+        /// Lowest accepted value.
+        lowest: f64,
+        /// Highest accepted value.
+        highest: f64,
+    },
+    /// Values of at least `lowest`; the aim is `margin` above.
+    AtLeast {
+        /// Lowest accepted value.
+        lowest: f64,
+        /// Distance from the limit beyond which nothing is gained.
+        margin: f64,
+    },
+    /// Values of at most `highest`; the aim is `margin` below.
+    AtMost {
+        /// Highest accepted value.
+        highest: f64,
+        /// Distance from the limit beyond which nothing is gained.
+        margin: f64,
+    },
+}
+
+impl Wanted {
+    /// Lowest and highest accepted value, if limited.
+    #[must_use]
+    pub fn band(&self) -> [Option<f64>; 2] {
+        match *self {
+            Self::Anything => [None; 2],
+            Self::Near { value, tolerance } => [Some(value - tolerance), Some(value + tolerance)],
+            Self::Between { lowest, highest } => [Some(lowest), Some(highest)],
+            Self::AtLeast { lowest, .. } => [Some(lowest), None],
+            Self::AtMost { highest, .. } => [None, Some(highest)],
+        }
+    }
+
+    /// Half the width of the accepted band, or the margin of a single limit; `None` if nothing is demanded.
+    #[must_use]
+    pub fn tolerance(&self) -> Option<f64> {
+        match *self {
+            Self::Anything => None,
+            Self::Near { tolerance, .. } => Some(tolerance),
+            Self::Between { lowest, highest } => Some(0.5 * (highest - lowest)),
+            Self::AtLeast { margin, .. } | Self::AtMost { margin, .. } => Some(margin),
+        }
+    }
+
+    fn validate(&self) -> Result<(), SearchError> {
+        match *self {
+            Self::Anything => {}
+            Self::Near { value, tolerance } => {
+                positive("target value", value)?;
+                positive("target tolerance", tolerance)?;
+            }
+            Self::Between { lowest, highest } => {
+                positive("lowest value", lowest)?;
+                positive("highest value", highest)?;
+                if lowest >= highest {
+                    let expected = "more than the lowest value";
+                    return Err(SearchError::OutOfRange { quantity: "highest value", value: highest, expected });
+                }
+            }
+            Self::AtLeast { lowest: limit, margin } | Self::AtMost { highest: limit, margin } => {
+                positive("limit of the value", limit)?;
+                positive("target tolerance", margin)?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Demand at one nominal pressure.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Demand {
+    /// Nominal pressure, in pascals.
+    pub pressure_pa: f64,
+    /// Accepted values.
+    pub wanted: Wanted,
+    /// Weight of this pressure in means over the pressures; it does not affect whether the target is met.
+    pub weight: f64,
+}
+
+/// Goal to optimize among designs that meet the demands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Goal {
+    /// Minimum mean value over the pressures.
+    Lowest,
+    /// Maximum mean value over the pressures.
+    Highest,
+    /// Minimum standard deviation over the pressures, relative to the mean.
+    Even,
+}
+
+impl Goal {
+    /// All goals.
+    pub const ALL: [Self; 3] = [Self::Lowest, Self::Highest, Self::Even];
+
+    /// The name used in files.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Lowest => "lowest",
+            Self::Highest => "highest",
+            Self::Even => "even",
+        }
+    }
+}
+
+/// Target: demands on friction and an optional goal.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Target {
+    quantity: Quantity,
+    demands: Vec<Demand>,
+    goal: Option<Goal>,
+}
+
+impl Target {
+    /// Creates a target of `quantity` at `points`, met if every value lies within `tolerance`.
+    ///
+    /// # Errors
+    /// See [`Target::of`].
+    pub fn new(quantity: Quantity, points: Vec<TargetPoint>, tolerance: f64) -> Result<Self, SearchError> {
+        let demand = |point: TargetPoint| {
+            let wanted = Wanted::Near { value: point.value, tolerance };
+            Demand { pressure_pa: point.pressure_pa, wanted, weight: 1.0 }
+        };
+        Self::of(quantity, points.into_iter().map(demand).collect(), None)
+    }
+
+    /// Creates a target of `quantity` that meets every demand and optimizes the goal, if given.
+    ///
+    /// # Errors
+    /// [`SearchError::NoTargetPoints`], [`SearchError::RepeatedPressure`], [`SearchError::NothingWanted`] where there is
+    /// neither a demand nor a goal, [`SearchError::OnePressure`] where values at one pressure should be even, and
+    /// [`SearchError::OutOfRange`] unless pressures, weights, values and tolerances are positive and finite.
+    pub fn of(quantity: Quantity, demands: Vec<Demand>, goal: Option<Goal>) -> Result<Self, SearchError> {
+        if demands.is_empty() {
+            return Err(SearchError::NoTargetPoints);
+        }
+        for (index, demand) in demands.iter().enumerate() {
+            positive("target pressure", demand.pressure_pa)?;
+            positive("target weight", demand.weight)?;
+            demand.wanted.validate()?;
+            if demands[..index].iter().any(|earlier| earlier.pressure_pa == demand.pressure_pa) {
+                return Err(SearchError::RepeatedPressure { pressure_pa: demand.pressure_pa });
+            }
+        }
+        if goal.is_none() && demands.iter().all(|demand| demand.wanted == Wanted::Anything) {
+            return Err(SearchError::NothingWanted);
+        }
+        if goal == Some(Goal::Even) && demands.len() < 2 {
+            return Err(SearchError::OnePressure);
+        }
+        Ok(Self { quantity, demands, goal })
+    }
+
+    /// Quantity that the target prescribes.
+    #[must_use]
+    pub const fn quantity(&self) -> Quantity {
+        self.quantity
+    }
+
+    /// Demands at each pressure, in the order given; they are equal at every condition.
+    #[must_use]
+    pub fn points(&self) -> &[Demand] {
+        &self.demands
+    }
+
+    /// Goal, if given.
+    #[must_use]
+    pub const fn goal(&self) -> Option<Goal> {
+        self.goal
+    }
+
+    /// Whether some pressure has a demand.
+    #[must_use]
+    pub fn has_demands(&self) -> bool {
+        self.demands.iter().any(|demand| demand.wanted != Wanted::Anything)
+    }
+
+    /// Smallest significant change of a value: the smallest tolerance; with a goal, at most 0.01 for a ratio and 0.0025
+    /// for a friction coefficient.
+    #[must_use]
+    pub fn tolerance(&self) -> f64 {
+        let smallest = self.demands.iter().filter_map(|demand| demand.wanted.tolerance()).reduce(f64::min);
+        let step = match self.quantity {
+            Quantity::Ratio => RATIO_STEP,
+            Quantity::DynamicFriction => FRICTION_STEP,
+        };
+        match (smallest, self.goal) {
+            (Some(smallest), None) => smallest,
+            (smallest, _) => smallest.map_or(step, |smallest| smallest.min(step)),
+        }
+    }
+}

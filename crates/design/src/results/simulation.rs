@@ -1,0 +1,410 @@
+//! Record of a simulation, and its table.
+
+use std::borrow::Cow;
+
+use serde::{Deserialize, Serialize};
+use slipgrid_model::material::Provenance;
+use slipgrid_model::pattern::Pattern;
+use slipgrid_model::springblock::{LoadOutcome, Scene, Simulation, Status};
+
+use super::corrected::CorrectedReport;
+use super::errors::ErrorsReport;
+use super::pattern::PatternReport;
+use slipgrid_base::units::{LENGTH_UM, PRESSURE_MPA, tidy};
+
+/// Results of a simulated scene, as `simulate --json` prints them.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SimulationReport {
+    /// Program name, `slipgrid`.
+    pub program: Cow<'static, str>,
+    /// Version of the program.
+    pub version: Cow<'static, str>,
+    /// Schema version of the file.
+    #[serde(default = "crate::results::first_schema")]
+    pub schema: u32,
+    /// Fidelity: `steady`, `dynamic` or `reference`.
+    pub fidelity: Cow<'static, str>,
+    /// Extent of the model: `cell`, `sample` or `strip`.
+    pub extent: Cow<'static, str>,
+    /// Dimensions of the model, 2 or 3.
+    pub dimensions: u8,
+    /// Modelling decisions with reasons.
+    pub model: Vec<String>,
+    /// Numerical method.
+    #[serde(default)]
+    pub method: Vec<String>,
+    /// Material and its provenance.
+    pub material: MaterialReport,
+    /// Texture; null for a flat scene.
+    pub pattern: Option<PatternReport>,
+    /// True if the vertical plane is a section of a planform that needs three dimensions.
+    pub section_model: bool,
+    /// Share of the surface that is cavity; null for a flat scene.
+    pub areal_density: Option<f64>,
+    /// Share of the modelled section that is cavity; null for a flat scene.
+    pub section_density: Option<f64>,
+    /// Block size.
+    pub block_um: f64,
+    /// Sliding speed.
+    pub speed_mm_s: f64,
+    /// Seed of the local coefficients.
+    pub seed: u64,
+    /// Number of surfaces, each with its own draw of local coefficients, over which results are averaged.
+    pub draws: u64,
+    /// Duration of the computation, in seconds; timings.json has it with the number of threads.
+    #[serde(default)]
+    pub wall_s: f64,
+    /// Number of threads used.
+    #[serde(default)]
+    pub threads: usize,
+    /// Results, one entry per pressure, in the order of the scene.
+    pub results: Vec<LoadReport>,
+    /// Errors of the results.
+    pub errors: ErrorsReport,
+    /// Ratio and friction corrected by the discrepancy of the material's patterned samples; null for a flat scene, and
+    /// if no trials are known.
+    pub discrepancy: Option<CorrectedReport>,
+}
+
+/// Material and its provenance.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct MaterialReport {
+    /// Name of the material.
+    pub name: String,
+    /// Publication or laboratory that the values come from.
+    pub source: String,
+    /// True if the area law is computed from a synthetic surface.
+    pub synthetic_surface: bool,
+    /// Notes on how values were obtained.
+    pub notes: Vec<String>,
+    /// Warnings about the material, which make results doubtful.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub warnings: Vec<String>,
+}
+
+impl MaterialReport {
+    /// Reasons to doubt results computed with the material, one sentence each.
+    pub fn doubts(&self) -> impl Iterator<Item = String> {
+        self.warnings.iter().map(|doubtful| format!("the material is doubtful: {doubtful}"))
+    }
+}
+
+/// Formats the range of pressures at which friction was measured.
+#[must_use]
+pub fn measured_range([low_mpa, high_mpa]: [f64; 2]) -> String {
+    format!("friction was measured from {low_mpa} to {high_mpa} MPa")
+}
+
+impl From<&Provenance> for MaterialReport {
+    fn from(provenance: &Provenance) -> Self {
+        Self {
+            name: provenance.name.clone(),
+            source: provenance.source.clone(),
+            synthetic_surface: provenance.synthetic_surface,
+            notes: provenance.notes.clone(),
+            warnings: provenance.warnings.clone(),
+        }
+    }
+}
+
+/// Results at one pressure.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct LoadReport {
+    /// Nominal pressure.
+    pub pressure_mpa: f64,
+    /// Dynamic friction coefficient; null if the run has none, for the reason in `status`.
+    pub mu_dynamic: Option<f64>,
+    /// Standard error of `mu_dynamic`; null for steady runs.
+    pub mu_dynamic_stderr: Option<f64>,
+    /// Friction force across the sliding direction over normal force; only for dynamic runs in three dimensions.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mu_across: Option<f64>,
+    /// Static friction coefficient; null for steady runs.
+    pub mu_static: Option<f64>,
+    /// Dynamic friction coefficient of the flat surface; null for a flat scene.
+    pub mu_flat: Option<f64>,
+    /// Standard error of `mu_flat`.
+    pub mu_flat_stderr: Option<f64>,
+    /// Static friction coefficient of the flat surface.
+    pub mu_flat_static: Option<f64>,
+    /// Dynamic friction, patterned over flat; in a section model, the ratio of the section.
+    pub ratio: Option<f64>,
+    /// Standard error of `ratio` from the run; null for steady runs.
+    pub ratio_stderr: Option<f64>,
+    /// Estimated change of the ratio from this block size to vanishing blocks.
+    pub ratio_discretization_error: Option<f64>,
+    /// Ratio of the steady cell over the specimen's thickness minus the ratio of the layer alone. If the scene gives
+    /// the thickness, `ratio` includes it; otherwise it is the effect of a thick specimen.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ratio_layer_difference: Option<f64>,
+    /// Standard error of `ratio` from adding `ratio_layer_difference` to a strip or a run in time.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ratio_layer_error: Option<f64>,
+    /// Change of the ratio by friction that tilts the pressure of a specimen that its holder keeps from turning. With `holder = "rigid"` the
+    /// ratio includes all of it, with a standard error of 0.3 of it; without `holder` half of it, with a standard error of 0.34 of it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ratio_tilt_change: Option<f64>,
+    /// Change of the ratio from steady sliding to sliding in time; included in `ratio` for a specimen run in time.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ratio_time_change: Option<f64>,
+    /// Ratio of the surface in a section model, with the strips between rows of cavities counted as flat.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ratio_strip_estimate: Option<f64>,
+    /// Maximum local pressure; it increases as blocks shrink.
+    pub peak_pressure_mpa: f64,
+    /// Number of contact blocks under tension.
+    pub tension_blocks: usize,
+    /// Status at the end of the run.
+    pub status: Cow<'static, str>,
+    /// Status at the end of the flat surface's run; null for a flat scene.
+    pub status_flat: Option<Cow<'static, str>>,
+    /// True if the ceiling of a cavity reaches the counterface.
+    pub cavity_closed: bool,
+    /// True if a local pressure exceeds the highest pressure of the area law.
+    pub area_law_extrapolated: bool,
+    /// True if the nominal pressure is outside the measured range of the friction coefficients.
+    pub friction_extrapolated: bool,
+    /// Bound on the convergence error of mu; null for dynamic runs.
+    pub residual: Option<f64>,
+    /// Number of iterations of a steady run.
+    pub iterations: usize,
+    /// Start of the time over which `mu_dynamic` is averaged, in seconds since the drive started; it ends with the run.
+    /// Null for steady runs.
+    pub averaged_from_s: Option<f64>,
+    /// Start of the averaging time of the flat surface, in seconds since the drive started.
+    pub averaged_from_s_flat: Option<f64>,
+    /// Number of time steps of a dynamic run; null for steady runs.
+    pub steps: Option<u64>,
+    /// Time step of a dynamic run, in seconds; null for steady runs.
+    pub dt_s: Option<f64>,
+    /// Number of site updates of a dynamic run, blocks times force evaluations; null for steady runs.
+    pub site_updates: Option<u64>,
+    /// Site updates per second; null for steady runs.
+    pub site_updates_per_s: Option<f64>,
+}
+
+impl LoadReport {
+    /// Creates the record of `load`. `pattern` is given if the vertical plane is a section of it.
+    #[must_use]
+    pub fn new(load: &LoadOutcome, pattern: Option<&Pattern>, friction_extrapolated: bool) -> Self {
+        let surface = &load.surface;
+        let strip = pattern.zip(load.ratio);
+        let cost = surface.cost;
+        Self {
+            pressure_mpa: PRESSURE_MPA.from_si(load.pressure_pa),
+            mu_dynamic: surface.mu_dynamic,
+            mu_dynamic_stderr: surface.mu_dynamic_stderr,
+            mu_across: surface.mu_across,
+            mu_static: surface.mu_static,
+            mu_flat: load.flat.as_ref().and_then(|flat| flat.mu_dynamic),
+            mu_flat_stderr: load.flat.as_ref().and_then(|flat| flat.mu_dynamic_stderr),
+            mu_flat_static: load.flat.as_ref().and_then(|flat| flat.mu_static),
+            ratio: load.ratio,
+            ratio_stderr: load.ratio_stderr,
+            ratio_discretization_error: load.ratio_discretization_error,
+            ratio_layer_difference: load.ratio_layer_difference,
+            ratio_layer_error: load.ratio_layer_error,
+            ratio_tilt_change: load.ratio_tilt_change,
+            ratio_time_change: load.ratio_time_change,
+            ratio_strip_estimate: strip.map(|(pattern, ratio)| pattern.strip_estimate(ratio)),
+            peak_pressure_mpa: PRESSURE_MPA.from_si(surface.peak_pressure_pa),
+            tension_blocks: surface.tension_blocks,
+            status: surface.status.name().into(),
+            status_flat: load.flat.as_ref().map(|flat| flat.status.name().into()),
+            cavity_closed: surface.cavity_closed,
+            area_law_extrapolated: surface.area_law_extrapolated
+                || load.flat.as_ref().is_some_and(|flat| flat.area_law_extrapolated),
+            friction_extrapolated,
+            residual: surface.residual,
+            iterations: surface.iterations,
+            averaged_from_s: surface.averaged_from_s.map(tidy),
+            averaged_from_s_flat: load.flat.as_ref().and_then(|flat| flat.averaged_from_s).map(tidy),
+            steps: cost.map(|cost| cost.steps),
+            dt_s: cost.map(|cost| cost.dt_s),
+            site_updates: cost.map(|cost| cost.site_updates),
+            site_updates_per_s: cost
+                .filter(|cost| cost.wall_s > 0.0)
+                .map(|cost| cost.site_updates as f64 / cost.wall_s),
+        }
+    }
+}
+
+/// Creates the records of all loads of `simulation`. `pattern` is given if the vertical plane is a section of it;
+/// `outside` holds, for each load, whether its friction was extrapolated.
+#[must_use]
+pub fn load_reports(simulation: &Simulation, pattern: Option<&Pattern>, outside: &[bool]) -> Vec<LoadReport> {
+    let flags = outside.iter().copied().chain(std::iter::repeat(false));
+    simulation.loads.iter().zip(flags).map(|(load, outside)| LoadReport::new(load, pattern, outside)).collect()
+}
+
+/// Statement about an area law of a surface that was not measured.
+pub const SYNTHETIC_SURFACE: &str = "the area law rests on a synthetic surface, not on a measured one";
+
+/// Statements about the model that the solver does not make itself. `pattern` is given if the vertical plane is a
+/// section of it.
+#[must_use]
+pub fn model_notes(pattern: Option<&Pattern>, provenance: &Provenance) -> Vec<String> {
+    let mut notes = Vec::new();
+    if let Some(pattern) = pattern {
+        notes.push(format!(
+            "section model: {} cavities are modelled by the vertical section through their centres, as grooves: {:.2} % \
+             of the section, {:.2} % of the surface; `ratio` is the section's, `ratio_strip_estimate` counts the strips \
+             between rows of cavities as flat",
+            pattern.planform(),
+            100.0 * pattern.section_density(),
+            100.0 * pattern.areal_density(),
+        ));
+    }
+    if provenance.synthetic_surface {
+        notes.push(SYNTHETIC_SURFACE.to_owned());
+    }
+    notes
+}
+
+impl SimulationReport {
+    /// Creates the record of the solved `scene` with its errors and corrected results. `outside` holds, for each load,
+    /// whether its friction was extrapolated.
+    #[must_use]
+    pub fn new(
+        scene: &Scene,
+        provenance: &Provenance,
+        outside: &[bool],
+        simulation: &Simulation,
+        (errors, discrepancy): (ErrorsReport, Option<CorrectedReport>),
+    ) -> Self {
+        let pattern = scene.pattern.as_ref();
+        let section = scene.section();
+        Self {
+            program: "slipgrid".into(),
+            version: crate::results::VERSION.into(),
+            schema: crate::results::SCHEMA,
+            fidelity: scene.run.fidelity.name().into(),
+            extent: scene.run.extent.name().into(),
+            dimensions: scene.dimension().number(),
+            model: [simulation.statements.model.clone(), model_notes(section, provenance)].concat(),
+            method: simulation.statements.method.clone(),
+            material: provenance.into(),
+            pattern: pattern.map(PatternReport::from),
+            section_model: section.is_some(),
+            areal_density: pattern.map(|pattern| tidy(pattern.areal_density())),
+            section_density: pattern.map(|pattern| tidy(pattern.section_density())),
+            block_um: LENGTH_UM.from_si(scene.layer.block_m),
+            speed_mm_s: slipgrid_base::units::SPEED_MM_S.from_si(scene.speed_m_s),
+            seed: scene.run.seed,
+            draws: scene.run.draws,
+            wall_s: 0.0,
+            threads: 1,
+            results: load_reports(simulation, section, outside),
+            errors,
+            discrepancy,
+        }
+    }
+
+    /// Reasons to doubt the material or the results, one sentence each.
+    #[must_use]
+    pub fn doubts(&self) -> Vec<String> {
+        let blocks = unresolved(&self.results, self.block_um);
+        self.material.doubts().chain(warnings(&self.results)).chain(blocks).collect()
+    }
+}
+
+/// Statuses with an explanation of their own.
+const EXPLAINED: [(Status, &str); 4] = [
+    (
+        Status::NoOnset,
+        "not every contact block slid before the run ended: let it travel farther, or ask for warm_start",
+    ),
+    (
+        Status::ShortWindow,
+        "friction had not become stationary when the run ended, and its mean is not to be trusted: let it travel farther",
+    ),
+    (
+        Status::SlidingWaves,
+        "sliding is unstable to waves: blocks that stick while others slide take more than 1 % of friction away, by an amount \
+         that depends on ends, damping and blocks; slide slower, or press harder",
+    ),
+    (Status::StderrNotReached, "the standard error asked for was not reached within the longest travel"),
+];
+
+/// Test whether a load is outside the validity of the model, with an explanation.
+type Doubt = (fn(&LoadReport) -> bool, &'static str);
+
+/// Reasons for results outside the validity of the model.
+const DOUBTS: [Doubt; 3] = [
+    (
+        |load| load.cavity_closed,
+        "cavities close: their ceiling reaches the counterface, and the model lets it pass through",
+    ),
+    (
+        |load| load.area_law_extrapolated,
+        "local pressures exceed the area law's last: the area is taken as constant there",
+    ),
+    (|load| load.friction_extrapolated, BEYOND_MEASURED),
+];
+
+/// Statement about loads at which friction was not measured.
+const BEYOND_MEASURED: &str = "outside the measured range: the nearest measurement's coefficients were taken";
+
+impl LoadReport {
+    /// Reasons why the results are outside the validity of the model, one sentence each.
+    pub fn doubts(&self) -> impl Iterator<Item = &'static str> {
+        DOUBTS.into_iter().filter(|(is_so, _)| is_so(self)).map(|(_, words)| words)
+    }
+
+    /// Whether the surface, or the flat surface of comparison, ended with `status`.
+    fn has_status(&self, status: Status) -> bool {
+        self.status == status.name() || self.status_flat.as_deref() == Some(status.name())
+    }
+}
+
+/// Lists `pressures_mpa`, all outside the measured range of friction; `None` if there are none.
+#[must_use]
+pub fn beyond_measured(pressures_mpa: &[f64]) -> Option<String> {
+    let named: Vec<String> = pressures_mpa.iter().map(f64::to_string).collect();
+    (!named.is_empty()).then(|| format!("at {} MPa {BEYOND_MEASURED}", named.join(", ")))
+}
+
+/// Like [`beyond_measured`], with the measured range, if there is one.
+#[must_use]
+pub fn beyond_measured_range(pressures_mpa: &[f64], measured_mpa: Option<[f64; 2]>) -> Option<String> {
+    let range = measured_mpa.map_or_else(String::new, |range| format!(" ({})", measured_range(range)));
+    beyond_measured(pressures_mpa).map(|words| words + &range)
+}
+
+/// Discretization error of a ratio above which blocks do not resolve a pattern.
+const UNRESOLVED: f64 = 0.1;
+
+/// Describes at which loads blocks of `block_um` do not resolve the pattern, and a remedy; `None` if they do at all
+/// loads.
+#[must_use]
+pub fn unresolved(results: &[LoadReport], block_um: f64) -> Option<String> {
+    let error = |load: &LoadReport| load.ratio_discretization_error.map(f64::abs).filter(|error| *error > UNRESOLVED);
+    let named: Vec<String> =
+        results.iter().filter(|load| error(load).is_some()).map(|load| load.pressure_mpa.to_string()).collect();
+    let largest = results.iter().filter_map(error).reduce(f64::max)?;
+    Some(format!(
+        "at {} MPa the ratio would change by up to {largest:.2} with vanishing blocks, more than {UNRESOLVED}: blocks of {block_um} um do not \
+         resolve the pattern; a smaller block_um in [sample], such as {}, helps, and so do wider cavities and lands, or, where there are rims, wider and lower ones",
+        named.join(", "),
+        block_um / 2.0
+    ))
+}
+
+/// Warnings to be read before the results are used, one sentence each.
+#[must_use]
+pub fn warnings(results: &[LoadReport]) -> Vec<String> {
+    let at = |test: &dyn Fn(&LoadReport) -> bool, text: &str| {
+        let named: Vec<String> =
+            results.iter().filter(|load| test(load)).map(|load| load.pressure_mpa.to_string()).collect();
+        (!named.is_empty()).then(|| format!("at {} MPa {text}", named.join(", ")))
+    };
+    let explained = EXPLAINED.into_iter().filter_map(|(status, text)| at(&|load| load.has_status(status), text));
+    let failed: Doubt = (
+        |load| load.status != "converged" && !EXPLAINED.iter().any(|(status, _)| load.has_status(*status)),
+        "the run has no result that can be trusted: see its status",
+    );
+    let tension: Doubt =
+        (|load| load.tension_blocks > 0, "some contact blocks are under tension and carry no friction");
+    let others = std::iter::once(failed).chain(DOUBTS).chain([tension]);
+    explained.chain(others.filter_map(|(test, text)| at(&test, text))).collect()
+}

@@ -1,0 +1,105 @@
+//! Tables as text.
+
+use std::fmt;
+
+use slipgrid_base::units::counted;
+
+use crate::results::notes::WHERE_ALL;
+
+/// Text table with right-aligned columns.
+#[derive(Clone, Debug, Default)]
+pub struct Table {
+    rows: Vec<Vec<String>>,
+}
+
+impl Table {
+    /// Creates a table with this header.
+    #[must_use]
+    pub fn new<'a>(header: impl IntoIterator<Item = &'a str>) -> Self {
+        Self { rows: vec![header.into_iter().map(str::to_owned).collect()] }
+    }
+
+    /// Appends a row.
+    pub fn row(&mut self, cells: impl IntoIterator<Item = String>) {
+        self.rows.push(cells.into_iter().collect());
+    }
+
+    /// Formats the first `most` rows for the screen, and counts the others.
+    #[must_use]
+    pub fn brief(&self, most: usize) -> String {
+        let more = (self.rows.len() - 1).saturating_sub(most);
+        let first = Self { rows: self.rows[..self.rows.len() - more].to_vec() };
+        if more == 0 { first.to_string() } else { format!("{first}  {}: {}\n", counted(more, "more row"), WHERE_ALL) }
+    }
+}
+
+impl fmt::Display for Table {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let columns = self.rows.iter().map(Vec::len).max().unwrap_or(0);
+        let width = |column: usize| {
+            self.rows.iter().filter_map(|row| row.get(column)).map(|cell| cell.chars().count()).max().unwrap_or(0)
+        };
+        let widths: Vec<usize> = (0..columns).map(width).collect();
+        for row in &self.rows {
+            let mut line = String::new();
+            for (cell, width) in row.iter().zip(&widths) {
+                line += &format!("  {cell:>width$}");
+            }
+            writeln!(f, "{}", line.trim_end())?;
+        }
+        Ok(())
+    }
+}
+
+/// Formats a number with `digits` decimals, or a dash if it is absent or not finite. A number that rounds to zero has
+/// no sign.
+#[must_use]
+pub fn fixed(value: Option<f64>, digits: usize) -> String {
+    let Some(value) = value.filter(|value| value.is_finite()) else { return "-".to_owned() };
+    let text = format!("{value:.digits$}");
+    match text.strip_prefix('-') {
+        Some(size) if size.bytes().all(|digit| matches!(digit, b'0' | b'.')) => size.to_owned(),
+        _ => text,
+    }
+}
+
+/// Formats a number, followed by `+-` and its error if that is known.
+#[must_use]
+pub fn with_error(value: f64, std: Option<f64>, digits: usize) -> String {
+    let error = std.map_or_else(String::new, |std| format!(" +- {}", fixed(Some(std), digits)));
+    fixed(Some(value), digits) + &error
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn zero_has_no_sign() {
+        for (value, text) in
+            [(-0.0, "0.0000"), (-4e-5, "0.0000"), (-6e-5, "-0.0001"), (4e-5, "0.0000"), (-10.0, "-10.0000")]
+        {
+            assert_eq!(fixed(Some(value), 4), text);
+        }
+        assert_eq!((fixed(Some(-0.4), 0), fixed(Some(f64::NAN), 2)), ("0".to_owned(), "-".to_owned()));
+    }
+
+    #[test]
+    fn a_long_table_is_cut_and_says_so() {
+        let mut table = Table::new(["P MPa"]);
+        (0..5).for_each(|row| table.row([row.to_string()]));
+        assert_eq!(table.brief(5), table.to_string());
+        assert_eq!(
+            table.brief(3),
+            "  P MPa\n      0\n      1\n      2\n  2 more rows: in the report, or with --details\n"
+        );
+    }
+
+    #[test]
+    fn columns_line_up() {
+        let mut table = Table::new(["P MPa", "mu"]);
+        table.row(["0.65".into(), fixed(Some(0.25), 4)]);
+        table.row(["12.5".into(), fixed(None, 4)]);
+        assert_eq!(table.to_string(), "  P MPa      mu\n   0.65  0.2500\n   12.5       -\n");
+    }
+}

@@ -1,0 +1,354 @@
+//! Real contact area of a surface as a function of nominal pressure, and the area law f that follows from it.
+
+use slipgrid_base::monitor::{Monitor, Stage};
+use slipgrid_base::units::{LENGTH_UM, PRESSURE_MPA, significant};
+use slipgrid_model::material::{AreaLaw, MAX_FACTOR, MaterialError};
+use slipgrid_surface::contact::closed_form::persson_area_fraction;
+use slipgrid_surface::contact::{AreaCurve, AreaPoint, ContactError, Convergence, SolveOptions};
+use slipgrid_surface::topography::{HeightMap, MapWarning, PreparedMap, limits};
+
+use crate::calibrate::area_law_sampling::{
+    DEFAULT_WINDOWS, MIN_DEFAULT_SIDE, WindowSpread, takes_default_windows, window_spread,
+};
+
+/// Tolerance of the contact computation in a calibration; on the reference maps no pixel changes at smaller tolerances.
+pub const CONTACT_TOLERANCE: f64 = 1e-6;
+
+/// Default pressures of an area law, in MPa: dense where f bends, and up to the pressures at edges of cavities.
+/// Pressures beyond full contact cost no time.
+pub const DEFAULT_PRESSURES_MPA: [f64; 28] = [
+    0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.85, 1.0, 1.3, 1.6, 2.0, 2.6, 3.2, 4.0, 5.0, 6.5, 8.0, 10.0, 13.0, 17.0,
+    22.0, 30.0, 40.0, 55.0, 75.0, 100.0,
+];
+
+/// Side of a map recommended in how-to/measure.md, in millimetres.
+const ADVISED_SIDE_MM: f64 = 0.5;
+
+/// Convergence record of a closed form, which has no iterations.
+const CLOSED_FORM: Convergence = Convergence { iterations: 0, fourier_pairs: 0, residual: 0.0 };
+
+/// Options for computing an area law.
+#[derive(Clone, Copy, Debug)]
+pub struct AreaLawRequest<'a> {
+    /// Contact modulus E* = E / (1 - nu^2), in pascals.
+    pub contact_modulus_pa: f64,
+    /// Nominal pressures to solve for, increasing, in pascals.
+    pub pressures_pa: &'a [f64],
+    /// Pressure P0 up to which friction is proportional to load, in pascals.
+    pub threshold_pa: f64,
+    /// Tolerance of the contact computation for the whole map.
+    pub tolerance: f64,
+    /// Number of windows along each side of the map; their spread gives the standard errors of the law. Fewer than 2
+    /// for no errors, `None` for [`DEFAULT_WINDOWS`] if the map is large enough.
+    pub windows: Option<usize>,
+}
+
+/// Reason to doubt an area law. Each message begins with the name of the warning.
+#[derive(Clone, Debug, PartialEq)]
+pub enum SurfaceWarning {
+    /// A warning about the map.
+    Map(MapWarning),
+    /// The factor f exceeds 1.
+    FactorAboveOne {
+        /// Pressure at which f is largest, in pascals.
+        pressure_pa: f64,
+        /// f at this pressure.
+        factor: f64,
+    },
+    /// The map is too small to be split into windows, so that the law has no standard errors.
+    NoError {
+        /// Sides of the map along x and y, in metres.
+        sides_m: [f64; 2],
+        /// Number of points along x and y.
+        points: [usize; 2],
+    },
+    /// Between the lightest measured load and the stated threshold, contact area grows less than in proportion to
+    /// pressure.
+    Threshold {
+        /// The stated threshold, in pascals.
+        threshold_pa: f64,
+        /// The lightest measured load, in pascals.
+        lightest_pa: f64,
+        /// A / P at the threshold over A / P at the lightest load.
+        share: f64,
+    },
+    /// The given rms slope is outside the range of sliding surfaces.
+    GivenSlope {
+        /// The rms slope.
+        rms_slope: f64,
+    },
+}
+
+impl SurfaceWarning {
+    /// Checks a given rms slope against the range that maps are checked against.
+    #[must_use]
+    pub fn check_slope(rms_slope: f64) -> Option<Self> {
+        let [least, most] = limits::WARNED_SLOPE;
+        (!(least..=most).contains(&rms_slope)).then_some(Self::GivenSlope { rms_slope })
+    }
+}
+
+impl std::fmt::Display for SurfaceWarning {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Map(warning) => warning.fmt(f),
+            Self::FactorAboveOne { pressure_pa, factor } => write!(
+                f,
+                "factor above 1: f reaches {factor:.3} at {} MPa, where real contact area grows no faster than pressure: too few \
+                 points are in contact for their number to say more, or a few high ones carry the load of the rest",
+                PRESSURE_MPA.from_si(*pressure_pa)
+            ),
+            Self::NoError { sides_m: [x_m, y_m], points: [along_x, along_y] } => write!(
+                f,
+                "small map: it measures {} x {} um in {along_x} x {along_y} points, too little to tell how far another place differs: the \
+                 area law has no error, and counts as if it were known; take {ADVISED_SIDE_MM} mm a side or more, in at \
+                 least {MIN_DEFAULT_SIDE} x {MIN_DEFAULT_SIDE} points",
+                significant(LENGTH_UM.from_si(*x_m), 4),
+                significant(LENGTH_UM.from_si(*y_m), 4)
+            ),
+            Self::Threshold { threshold_pa, lightest_pa, share } => write!(
+                f,
+                "threshold: friction counts as proportional to load up to {} MPa, where contact area per load is {share:.2} times that at \
+                 {} MPa, the lightest load measured; without threshold_mpa the law follows the area that was computed",
+                PRESSURE_MPA.from_si(*threshold_pa),
+                significant(PRESSURE_MPA.from_si(*lightest_pa), 3)
+            ),
+            Self::GivenSlope { rms_slope } => write!(
+                f,
+                "slope: the rms slope given is {rms_slope:e}; surfaces that slide have {:e} to {:e}",
+                limits::WARNED_SLOPE[0],
+                limits::WARNED_SLOPE[1]
+            ),
+        }
+    }
+}
+
+/// Reason why a surface has no area law.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum AreaLawError {
+    /// The contact solver refused the map or a number.
+    #[error(transparent)]
+    Contact(#[from] ContactError),
+    /// The map cannot be split into the requested number of windows.
+    #[error(transparent)]
+    Windows(ContactError),
+    /// f exceeds 1 by more than the counting error of contact points.
+    #[error("f reaches {factor:.3} at {} MPa: the area law means nothing", PRESSURE_MPA.from_si(*pressure_pa))]
+    FactorsAboveOne {
+        /// Pressure at which f is largest, in pascals.
+        pressure_pa: f64,
+        /// f at this pressure.
+        factor: f64,
+        /// Warnings about the map.
+        warnings: Vec<MapWarning>,
+    },
+    /// The monitor asked to stop.
+    #[error("stopped")]
+    Cancelled,
+}
+
+/// Contact area and area law of a map.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SurfaceAreaLaw {
+    /// Contact area at the requested pressures.
+    pub curve: AreaCurve,
+    /// Area law, with standard errors of its factors if windows were solved; an error if the curve does not bracket the
+    /// threshold pressure.
+    pub law: Result<AreaLaw, MaterialError>,
+    /// Laws of the windows of the map, if windows were solved.
+    pub windows: Option<WindowSpread>,
+    /// Reasons to doubt the law.
+    pub warnings: Vec<SurfaceWarning>,
+    /// Time for the whole map, in seconds of the monitor's clock.
+    pub curve_s: f64,
+    /// Time for the windows, in seconds of the monitor's clock.
+    pub windows_s: f64,
+}
+
+/// Computes the contact area of `surface` at every pressure, the area law, and the spread of the law over windows of
+/// the map. Stages of the monitor: "area law", "windows".
+///
+/// # Errors
+/// [`AreaLawError`] if the contact solver refuses a number, a pressure does not converge, the map is too small for the
+/// requested windows, the factors exceed 1 by more than the counting error, or the monitor cancels.
+pub fn surface_area_law(
+    surface: &PreparedMap,
+    request: &AreaLawRequest<'_>,
+    monitor: &dyn Monitor,
+) -> Result<SurfaceAreaLaw, AreaLawError> {
+    let check_cancelled = || if monitor.cancelled() { Err(AreaLawError::Cancelled) } else { Ok(()) };
+    // Check the windows before the contact computation, which takes long.
+    if let Some(per_side) = request.windows.filter(|per_side| *per_side > 1) {
+        slipgrid_surface::contact::window_pixels(&surface.map, per_side).map_err(AreaLawError::Windows)?;
+    }
+    let stage = Stage::new(monitor, "area law", None);
+    let curve = area_curve(&surface.map, request.contact_modulus_pa, request.pressures_pa, request.tolerance, &stage);
+    let curve_s = stage.finish();
+    check_cancelled()?;
+    let curve = curve?;
+    let mut law = area_law(&curve.points, request.threshold_pa);
+    let mut warnings: Vec<SurfaceWarning> = surface.warnings.iter().cloned().map(SurfaceWarning::Map).collect();
+    if let Some((pressure_pa, factor)) = law.as_ref().ok().and_then(AreaLaw::above_one) {
+        if factor > MAX_FACTOR {
+            return Err(AreaLawError::FactorsAboveOne { pressure_pa, factor, warnings: surface.warnings.clone() });
+        }
+        warnings.push(SurfaceWarning::FactorAboveOne { pressure_pa, factor });
+    }
+    let per_side = request.windows.unwrap_or(if takes_default_windows(&surface.map) { DEFAULT_WINDOWS } else { 0 });
+    let (mut windows, mut windows_s) = (None, 0.0);
+    if per_side >= 2 {
+        let stage = Stage::new(monitor, "windows", None);
+        let spread = window_spread(&surface.map, per_side, request, &stage);
+        windows_s = stage.finish();
+        check_cancelled()?;
+        windows = spread?;
+    }
+    if windows.is_none() && request.windows.is_none() && !takes_default_windows(&surface.map) {
+        let map = &surface.map;
+        let points = [map.rows(), map.cols()];
+        let sides_m = [map.dx_m() * points[0] as f64, map.dy_m() * points[1] as f64];
+        warnings.push(SurfaceWarning::NoError { sides_m, points });
+    }
+    if let Some(windows) = &windows {
+        law = law.and_then(|law| with_errors(law, &curve.points, &windows.factor_std()));
+    }
+    Ok(SurfaceAreaLaw { curve, law, windows, warnings, curve_s, windows_s })
+}
+
+/// Adds the standard errors `factor_std`, one per point of `curve`, to the factors of the law.
+fn with_errors(law: AreaLaw, curve: &[AreaPoint], factor_std: &[f64]) -> Result<AreaLaw, MaterialError> {
+    let at = |pressure_pa: &f64| curve.iter().position(|point| point.pressure_pa == *pressure_pa);
+    let errors: Option<Vec<f64>> = law.pressures_pa().iter().map(|p| at(p).map(|n| factor_std[n])).collect();
+    match errors {
+        Some(errors) => law.with_factor_std(errors),
+        None => Ok(law),
+    }
+}
+
+/// Computes the contact area of `map` at every pressure with the given tolerance.
+///
+/// # Errors
+/// [`ContactError`] if the contact solver refuses a number, or a pressure does not converge.
+pub fn area_curve(
+    map: &HeightMap,
+    contact_modulus_pa: f64,
+    pressures_pa: &[f64],
+    tolerance: f64,
+    monitor: &dyn Monitor,
+) -> Result<AreaCurve, ContactError> {
+    let options = SolveOptions { tolerance, ..SolveOptions::default() };
+    slipgrid_surface::contact::area_curve(map, contact_modulus_pa, pressures_pa, &options, monitor)
+}
+
+/// Computes the area law from a contact area curve, with friction proportional to load up to `threshold_pa`.
+///
+/// # Errors
+/// [`MaterialError`] if the curve does not bracket the threshold pressure.
+pub fn area_law(curve: &[AreaPoint], threshold_pa: f64) -> Result<AreaLaw, MaterialError> {
+    let pressure_pa: Vec<f64> = curve.iter().map(|point| point.pressure_pa).collect();
+    let area: Vec<f64> = curve.iter().map(|point| point.area_fraction_corrected).collect();
+    AreaLaw::from_area_curve(&pressure_pa, &area, threshold_pa)
+}
+
+/// Contact area by Persson's theory, for a surface with a known rms slope only.
+///
+/// # Errors
+/// [`ContactError`] if the theory refuses a number.
+pub fn persson_curve(
+    rms_slope: f64,
+    contact_modulus_pa: f64,
+    pressures_pa: &[f64],
+) -> Result<Vec<AreaPoint>, ContactError> {
+    let point = |&pressure_pa: &f64| {
+        let area_fraction = persson_area_fraction(pressure_pa, contact_modulus_pa, rms_slope)?;
+        Ok(AreaPoint {
+            pressure_pa,
+            area_fraction,
+            area_fraction_corrected: area_fraction,
+            area_error: 0.0,
+            convergence: CLOSED_FORM,
+        })
+    };
+    pressures_pa.iter().map(point).collect()
+}
+
+/// Warnings about the table of an area law, one sentence each; each begins with the name of the warning.
+#[must_use]
+pub fn table_warnings(law: &AreaLaw) -> Vec<String> {
+    let step = law.step().map(|(pressure_pa, factor)| {
+        format!(
+            "area law jumps: f falls from 1 to {factor} at its first pressure, {} MPa, where a law that comes of contact area \
+             begins with 1",
+            PRESSURE_MPA.from_si(pressure_pa)
+        )
+    });
+    let above = law.above_one().map(|(pressure_pa, factor)| {
+        format!(
+            "factor above 1: f is {factor} at {} MPa, where real contact area grows no faster than pressure",
+            PRESSURE_MPA.from_si(pressure_pa)
+        )
+    });
+    step.into_iter().chain(above).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use slipgrid_base::monitor::Unwatched;
+    use slipgrid_surface::topography::{Form, MapFormat, Preparation, ReadMap, SelfAffine};
+
+    /// Area law of the first `side` x `side` points of a synthetic map.
+    fn law_of(side: usize, windows: Option<usize>) -> SurfaceAreaLaw {
+        let whole = SelfAffine { pixels: 64, max_wave: 8, ..SelfAffine::STAND_IN }.map().unwrap();
+        let height_m = (0..side * side).map(|n| whole.heights_m()[n / side * 64 + n % side]).collect();
+        let map = HeightMap::new(side, side, 2.5e-6, 2.5e-6, height_m).unwrap();
+        let read = ReadMap { map, whole: false, format: MapFormat::Matrix, comments: Vec::new(), notes: Vec::new() };
+        let how = Preparation { form: Form::Plane, ..Preparation::default() };
+        let surface = PreparedMap::one_period(read, how, &Unwatched).unwrap();
+        let request = AreaLawRequest {
+            contact_modulus_pa: 0.43e9,
+            pressures_pa: &[0.5e6, 0.7e6, 2.0e6],
+            threshold_pa: 0.7e6,
+            tolerance: 1e-4,
+            windows,
+        };
+        surface_area_law(&surface, &request, &Unwatched).unwrap()
+    }
+
+    #[test]
+    fn a_map_too_small_for_an_error_of_its_law_is_told() {
+        let told = |found: &SurfaceAreaLaw| {
+            let is_small = |warning: &&SurfaceWarning| matches!(warning, SurfaceWarning::NoError { .. });
+            found.warnings.iter().find(is_small).map(ToString::to_string)
+        };
+        for side in [12, 40] {
+            let said = told(&law_of(side, None)).unwrap();
+            let size = format!("{} x {} um in {side} x {side} points", 2.5 * side as f64, 2.5 * side as f64);
+            assert!(
+                said.contains(&size) && said.contains("0.5 mm a side") && said.contains("64 x 64 points"),
+                "{said}"
+            );
+            assert!(!said.contains("  "), "{said}");
+        }
+        // A map that is large enough for windows has errors, and a request for no windows causes no warning.
+        let whole = law_of(64, None);
+        assert!(told(&whole).is_none() && whole.windows.is_some());
+        assert_eq!(told(&law_of(40, Some(0))), None);
+    }
+
+    #[test]
+    fn a_given_slope_is_doubted_as_that_of_a_map() {
+        for usual in [1e-4, 0.1, 1.0] {
+            assert_eq!(SurfaceWarning::check_slope(usual), None);
+        }
+        for doubtful in [1e-5, 1.5] {
+            let said = SurfaceWarning::check_slope(doubtful).unwrap().to_string();
+            assert!(said.starts_with("slope: the rms slope given is") && said.contains("1e-4 to 1e0"), "{said}");
+        }
+        let [least, most] = limits::POSSIBLE_SLOPE;
+        let slope = slipgrid_base::units::SLOPE;
+        assert!(
+            slope.accepts(least) && !slope.accepts(0.9 * least) && slope.accepts(most) && !slope.accepts(1.1 * most)
+        );
+    }
+}

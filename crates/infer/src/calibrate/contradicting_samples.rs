@@ -1,0 +1,119 @@
+//! Warnings about samples of one texture that contradict each other.
+
+use crate::discrepancy::{Contradiction, Discrepancy};
+use slipgrid_base::units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, counted, tidy};
+
+/// Name of the warning.
+const NAME: &str = "contradicting samples";
+/// Maximum number of pairs that are listed.
+const MAX_LISTED_PAIRS: usize = 3;
+
+/// Warns of samples of one texture whose ratios differ by more than the stated scatter between samples, least probable
+/// first.
+#[must_use]
+pub fn contradicting_samples(learned: &Discrepancy) -> Vec<String> {
+    let found = learned.contradictions();
+    let mut all: Vec<String> = found.iter().take(MAX_LISTED_PAIRS).map(|pair| warning(learned, pair)).collect();
+    match found.len().saturating_sub(MAX_LISTED_PAIRS) {
+        0 => {}
+        1 => all.push(format!("{NAME}: and one further pair")),
+        more => all.push(format!("{NAME}: and {more} further pairs")),
+    }
+    all
+}
+
+/// Whether a warning was made by [`contradicting_samples`].
+#[must_use]
+pub fn is_of_contradicting_samples(warning: &str) -> bool {
+    warning.starts_with(NAME)
+}
+
+fn warning(learned: &Discrepancy, pair: &Contradiction) -> String {
+    let [first, second] = pair.trials.map(|trial| &learned.trials()[trial].name);
+    let Contradiction { load, sample_std: [one, other], chi_square, ratios, .. } = *pair;
+    let stated = if one.to_bits() == other.to_bits() {
+        percent(one)
+    } else {
+        format!("{} and {}", percent(one), percent(other))
+    };
+    let then = match pair.is_own {
+        [true, true] => "sample_std is kept as it is stated of both".to_owned(),
+        _ => format!("until then other samples are taken to scatter by {}", percent(learned.sample_std())),
+    };
+    format!(
+        "{NAME}: \"{first}\" and \"{second}\" are of one texture within the errors of their dimensions, and their ratios over the modelled \
+         ones differ by {} at {:.2} MPa, {} mm/s and {} %, where samples are said to scatter by {stated} (sample_std): chi-square {chi_square:.0} of {}, \
+         {}; measure both again, and their dimensions; {then}",
+        percent(pair.difference.abs()),
+        PRESSURE_MPA.from_si(load.pressure_pa),
+        tidy(SPEED_MM_S.from_si(load.speed_m_s)),
+        tidy(HUMIDITY_PCT.from_si(load.humidity)),
+        counted(ratios, "ratio"),
+        if pair.probability < 1e-12 {
+            "a probability below 1e-12".to_owned()
+        } else {
+            format!("a probability of {:.0e}", pair.probability)
+        },
+    )
+}
+
+/// Formats a difference of logarithms as a percentage with two digits.
+fn percent(log: f64) -> String {
+    let percent = 100.0 * log;
+    if percent < 0.995 {
+        format!("{percent:.2} %")
+    } else if percent < 9.95 {
+        format!("{percent:.1} %")
+    } else {
+        format!("{percent:.0} %")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::discrepancy::{Conditions, Features, Hyperparameters, Load, Measured, Sensitivity, Trial};
+    use slipgrid_model::pattern::{Pattern, Planform};
+
+    /// Samples of one texture with these logarithms of measured over modelled ratios.
+    fn learned(excess: &[f64], sample_std: Option<f64>) -> Discrepancy {
+        let of = |(number, excess): (usize, &f64)| Trial {
+            name: format!("cut-{}", number + 1),
+            features: Features::from(&Pattern::new(Planform::Groove, 150e-6, 300e-6, 12e-6).unwrap()),
+            sample_std,
+            disc: None,
+            measured: vec![Measured {
+                load: Load { pressure_pa: 2e6, speed_m_s: 5e-3, humidity: 0.45 },
+                measured: 0.9 * excess.exp(),
+                modelled: 0.9,
+                patterned_std: 0.005,
+                flat_std: 0.005,
+                sensitivity: Sensitivity::of_modulus(0.05),
+            }],
+            dimensions_std_m: [0.0; 3],
+            dimension_shifts: Vec::new(),
+        };
+        let trials = excess.iter().enumerate().map(of).collect();
+        Discrepancy::new(Hyperparameters::default(), Conditions::default(), 0.1, trials).unwrap()
+    }
+
+    #[test]
+    fn pairs_are_named_with_what_is_said_of_their_scatter() {
+        let [warning] = &contradicting_samples(&learned(&[0.0, -0.12], None))[..] else { panic!() };
+        assert!(is_of_contradicting_samples(warning) && !is_of_contradicting_samples("slope: of another kind"));
+        for words in [
+            "contradicting samples: \"cut-1\" and \"cut-2\" are of one texture within the errors of their dimensions",
+            "differ by 12 % at 2.00 MPa, 5 mm/s and 45 %, where samples are said to scatter by 2.0 % (sample_std)",
+            "of 1 ratio, a probability ",
+            "until then other samples are taken to scatter by ",
+        ] {
+            assert!(warning.contains(words), "{words}: {warning}");
+        }
+        let own = contradicting_samples(&learned(&[0.0, -0.12], Some(0.01)));
+        assert!(own.len() == 1 && own[0].contains("by 1.0 % (sample_std)"), "{own:?}");
+        assert!(own[0].ends_with("sample_std is kept as it is stated of both"), "{own:?}");
+        assert!(contradicting_samples(&learned(&[0.0, -0.12], Some(0.05))).is_empty());
+        let many = contradicting_samples(&learned(&[0.0, 0.001, -0.12, -0.121], None));
+        assert_eq!((many.len(), many[3].as_str()), (4, "contradicting samples: and one further pair"));
+    }
+}

@@ -1,0 +1,324 @@
+//! Trials: samples that were cut and measured, and the discrepancy learned from them.
+
+use std::sync::Arc;
+
+use crate::discrepancy::{
+    Conditions, DimensionShift, Discrepancy, Features, Hyperparameters, Load, Measured, Sensitivity, Trial,
+};
+use slipgrid_base::monitor::{Monitor, Stage};
+use slipgrid_base::units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, counted, tidy};
+use slipgrid_laser::export::Specimen;
+use slipgrid_model::material::AreaLaw;
+use slipgrid_model::pattern::{Pattern, ReliefMap};
+use slipgrid_model::springblock::{Dimension, Holder};
+use slipgrid_surface::contact::AreaPoint;
+
+use crate::calibrate::patterned_samples::{Model, Pair, pair_measurements};
+use crate::calibrate::surface_area_law_source::surface_findings;
+use crate::calibrate::{CalibrationError, CalibrationTask, Measurement, PendingSample, Surface};
+use slipgrid_base::monitor::Part;
+
+/// A sample that was cut; it is pending if it has no measurements.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CutSample {
+    /// Name of the sample.
+    pub name: String,
+    /// Date of the measurement as written in the file, or empty.
+    pub date: String,
+    /// Free text from the file.
+    pub notes: String,
+    /// Pattern, as measured or as designed.
+    pub pattern: Pattern,
+    /// Measured heights of the face over one period, instead of rims.
+    pub relief: Option<Arc<ReliefMap>>,
+    /// Standard errors of width, spacing and depth, in metres; 0 for exact dimensions.
+    pub dimensions_std_m: [f64; 3],
+    /// Standard deviation of the logarithm of the ratio between samples of one texture, if known.
+    pub sample_std: Option<f64>,
+    /// Name of the disc if the sample is one of several sectors of it; `None` if it has its own disc.
+    pub disc: Option<String>,
+    /// Specimen into which the sample was cut.
+    pub specimen: CutSpecimen,
+    /// Measurements; empty while the sample is pending.
+    pub measured: Vec<Measurement>,
+}
+
+/// Specimen into which a sample was cut.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct CutSpecimen {
+    /// Face, and treatment of cavities that cross its border; `None` for an infinite pattern, as on a sector of a disc.
+    pub face: Option<Specimen>,
+    /// Thickness, in metres, if it differs from that of the task's layer.
+    pub thickness_m: Option<f64>,
+    /// How the specimen is held, if it differs from that of the task's layer.
+    pub holder: Option<Holder>,
+}
+
+/// Input for learning from trials.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct TrialsTask {
+    /// Samples, earliest first.
+    pub samples: Vec<CutSample>,
+    /// Prior of the discrepancy.
+    pub prior: Hyperparameters,
+}
+
+/// Result of learning from trials.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Learned {
+    /// Posterior of the discrepancy.
+    pub discrepancy: Discrepancy,
+    /// Warnings about samples that are not modelled like designs, one sentence each.
+    pub warnings: Vec<String>,
+}
+
+/// Learns the discrepancy from the samples of `task`, with the area law from the contact area `curve`, or `law` itself
+/// if `curve` is empty. Without samples the result is the prior.
+///
+/// # Errors
+/// [`CalibrationError`] if a scene or the discrepancy is invalid, or the monitor cancels.
+pub fn learn(
+    task: &CalibrationTask,
+    law: (Option<&AreaLaw>, &[AreaPoint]),
+    monitor: &dyn Monitor,
+) -> Result<Learned, CalibrationError> {
+    let measured: Vec<&CutSample> = task.trials.samples.iter().filter(|sample| !sample.measured.is_empty()).collect();
+    let monitor = Part::new(monitor, 1.0 / measured.len().max(1) as f64);
+    let trials = measured.into_iter().map(|sample| trial(task, sample, law, &monitor));
+    let (trials, warnings): (Vec<Trial>, Vec<Option<String>>) =
+        trials.collect::<Result<Vec<_>, CalibrationError>>()?.into_iter().unzip();
+    // As for designs: ratios depend on the modulus through the area law only.
+    let (_, curve) = law;
+    let modulus = if curve.is_empty() { 0.0 } else { tidy(task.modulus_relative_std().unwrap_or(0.0)) };
+    let discrepancy = Discrepancy::new(task.trials.prior.clone(), conditions(task), modulus, trials);
+    Ok(Learned {
+        discrepancy: discrepancy.map_err(CalibrationError::Trials)?,
+        warnings: warnings.into_iter().flatten().collect(),
+    })
+}
+
+/// Memory, in bytes, for the strips of the largest measured sample of `task`; samples are modelled one after the other.
+///
+/// # Errors
+/// [`CalibrationError`] if a sample is invalid or needs more memory than available.
+pub fn sample_bytes(task: &CalibrationTask) -> Result<f64, CalibrationError> {
+    let law = (None, &[][..]);
+    let mut most = 0.0_f64;
+    for cut in task.trials.samples.iter().filter(|sample| !sample.measured.is_empty()) {
+        let model = Model { task, law, pattern: cut.pattern, relief: cut.relief.clone(), specimen: cut.specimen };
+        most = most.max(model.face_bytes(&pair_measurements(task, &cut.measured))?);
+    }
+    Ok(most)
+}
+
+/// Discrepancy learned from a calibration's samples, and modelled ratios of pending samples.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LearnedSamples {
+    /// Posterior of the discrepancy.
+    pub discrepancy: Discrepancy,
+    /// Modelled ratios of the pending samples.
+    pub pending: Vec<PendingSample>,
+}
+
+/// Learns from trials without a fit to flat samples, unless the area law is fitted to them. Stages of the monitor:
+/// those of the area law, "calibration" if a fit is made, and "trials".
+///
+/// # Errors
+/// See [`crate::calibrate::run`].
+pub fn learn_alone(task: &CalibrationTask, monitor: &dyn Monitor) -> Result<LearnedSamples, CalibrationError> {
+    let (surface, learned) = if matches!(task.surface, Surface::FittedScale { .. }) {
+        let found = crate::calibrate::run(task, monitor)?;
+        (found.surface, found.uncertainty.learned)
+    } else {
+        (surface_findings(task, monitor)?, None)
+    };
+    let law = surface.law_and_curve();
+    let stage = Stage::new(monitor, "trials", None);
+    let learned = learned.map_or_else(|| learn(task, law, &stage).map(|learned| learned.discrepancy), Ok);
+    let pending = task.trials.samples.iter().filter(|sample| sample.measured.is_empty());
+    let pending = pending.map(|sample| {
+        // Flat measurements stand in for patterned ones; only the modelled values are used.
+        let sample = CutSample { measured: task.flat.clone(), ..sample.clone() };
+        trial(task, &sample, law, &Part::new(&stage, 0.0)).map(|(trial, _)| PendingSample::from(trial))
+    });
+    let pending = pending.collect::<Result<Vec<_>, CalibrationError>>();
+    stage.finish();
+    if monitor.cancelled() {
+        return Err(CalibrationError::Cancelled);
+    }
+    Ok(LearnedSamples { discrepancy: learned?, pending: pending? })
+}
+
+/// Reference pressure and speed of the discrepancy, from the measurements on flat samples.
+fn conditions(task: &CalibrationTask) -> Conditions {
+    let usual = Conditions::default();
+    let count = task.flat.len();
+    if count == 0 {
+        return usual;
+    }
+    let pressures = || task.flat.iter().map(|measured| task.pressure_pa(measured));
+    let speeds = task.flat.iter().map(|measured| measured.speed_m_s.ln());
+    Conditions {
+        reference_pressure_pa: tidy(pressures().sum::<f64>() / count as f64),
+        lowest_pressure_pa: tidy(pressures().fold(f64::INFINITY, f64::min)),
+        reference_speed_m_s: tidy((speeds.sum::<f64>() / count as f64).exp()),
+    }
+}
+
+/// Models a measured sample. Returns its measured and modelled ratios, rounded as in a material file, and a warning if
+/// it is not modelled like designs.
+///
+/// A modelled ratio depends on local friction by a thousandth at most. In three dimensions, where one load takes a
+/// tenth of a second, it is solved for the lowest and highest friction at each force and interpolated, with an error of
+/// 5e-5. In the plane it is solved for every friction.
+///
+/// The correction for sliding in time is included, as in the confirmed ratios of designs. Otherwise it would become
+/// part of the discrepancy and would be counted twice in designs.
+fn trial(
+    task: &CalibrationTask,
+    cut: &CutSample,
+    law: (Option<&AreaLaw>, &[AreaPoint]),
+    monitor: &dyn Monitor,
+) -> Result<(Trial, Option<String>), CalibrationError> {
+    let axes: Vec<usize> = (0..3).filter(|axis| cut.dimensions_std_m[*axis] > 0.0).collect();
+    let monitor = Part::new(monitor, 1.0 / (2 + axes.len()) as f64);
+    let model = |pattern: Pattern| Model { task, law, pattern, relief: cut.relief.clone(), specimen: cut.specimen };
+    let pairs = pair_measurements(task, &cut.measured);
+    let is_cheap = Dimension::of(None, cut.pattern.texture()).is_cheap_per_design();
+    let solved_pairs = if is_cheap { SolvedPairs { solved: pairs.clone() } } else { SolvedPairs::new(&pairs) };
+    let (steady, added) = rayon::join(
+        || model(cut.pattern).sensitive_ratios(&solved_pairs.solved, &monitor),
+        || model(cut.pattern).time_changes(&pairs, &Part::new(&monitor, 0.0)),
+    );
+    let ((steady, on_face), added) = (steady?, added?);
+    let face = (&solved_pairs.solved[..], on_face.as_ref());
+    let by_local_law = model(cut.pattern).local_law_ratios(&pairs, face, &monitor)?;
+    let known = pairs.iter().zip(&added.at).zip(by_local_law);
+    let known = known.filter_map(|((pair, added), by_local_law)| {
+        let [ratio, modulus] = solved_pairs.between(pair, |place| steady[place])?;
+        let local_law = by_local_law.map_or(0.0, |by_local_law| (by_local_law / ratio).ln());
+        Some((pair, ratio, Sensitivity { modulus, local_law }, *added))
+    });
+    let known: Vec<(&Pair, f64, Sensitivity, f64)> = known.collect();
+    let mut dimension_shifts = Vec::new();
+    for axis in axes {
+        let lengths_m = cut.pattern.lengths_m();
+        // One standard error upwards: a cavity with a rough edge is more likely too large than too small.
+        let [width_m, spacing_m, depth_m] = std::array::from_fn(|other| {
+            lengths_m[other] + if other == axis { cut.dimensions_std_m[axis] } else { 0.0 }
+        });
+        let Ok(moved) = Pattern::new(*cut.pattern.texture(), width_m, spacing_m, depth_m) else { continue };
+        let others = model(moved).ratios(&solved_pairs.solved, on_face.as_ref(), &monitor)?;
+        let change = |(pair, own, _, added): &(&Pair, f64, Sensitivity, f64)| {
+            let [other] = solved_pairs.between(pair, |place| Some([others[place]?]))?;
+            Some(tidy(((other + added) / (own + added)).ln()))
+        };
+        let log_ratio = known.iter().map(change).collect::<Option<Vec<f64>>>();
+        let above = tidy_features(&moved);
+        dimension_shifts.extend(log_ratio.map(|log_ratio| DimensionShift { log_ratio, above, below: None }));
+    }
+    // d ln (r + a) = r / (r + a) d ln r
+    let measured = known.iter().map(|([flat, patterned], steady, sensitivity, added)| Measured {
+        load: Load {
+            pressure_pa: tidy(task.pressure_pa(flat)),
+            speed_m_s: tidy(flat.speed_m_s),
+            humidity: tidy(flat.humidity),
+        },
+        measured: tidy(patterned.mu_dynamic / flat.mu_dynamic),
+        modelled: tidy(steady + added),
+        patterned_std: tidy(patterned.mu_dynamic_std / patterned.mu_dynamic),
+        flat_std: tidy(flat.mu_dynamic_std / flat.mu_dynamic),
+        sensitivity: Sensitivity {
+            modulus: tidy(sensitivity.modulus * steady / (steady + added)),
+            local_law: tidy(sensitivity.local_law * steady / (steady + added)),
+        },
+    });
+    let warning = added.unknown.map(|unknown| format!("trial \"{}\": {unknown}", cut.name));
+    let trial = Trial {
+        name: cut.name.clone(),
+        features: tidy_features(&cut.pattern),
+        sample_std: cut.sample_std,
+        disc: cut.disc.clone(),
+        measured: measured.collect(),
+        dimensions_std_m: cut.dimensions_std_m.map(tidy),
+        dimension_shifts,
+    };
+    Ok((trial, warning))
+}
+
+/// Features of `pattern`, rounded as in a material file.
+fn tidy_features(pattern: &Pattern) -> Features {
+    let features = Features::from(pattern);
+    Features {
+        areal_density: tidy(features.areal_density),
+        edge_1_m: tidy(features.edge_1_m),
+        width_m: tidy(features.width_m),
+        pitch_m: tidy(features.pitch_m),
+        depth_m: tidy(features.depth_m),
+    }
+}
+
+/// Note on the trials for the material; `None` without measured trials.
+pub(crate) fn note(learned: &Discrepancy) -> Option<String> {
+    let trial = learned.trials().iter().rfind(|trial| !trial.measured.is_empty())?;
+    let ratios: usize = learned.trials().iter().map(|trial| trial.measured.len()).sum();
+    let at = trial.measured.first()?;
+    let found = learned.at(&[at.load]).predict(&trial.features, &[at.sensitivity]);
+    let Load { pressure_pa, speed_m_s, humidity } = at.load;
+    Some(format!(
+        "trials: {} of {}. At the texture of \"{}\", {:.3} MPa, {} mm/s and {} % a sample's true ratio is \
+         {:.3} times the modelled one (95 % of samples: {:.3} to {:.3}); this is kept apart from the physics, in [learned]",
+        counted(ratios, "measured ratio"),
+        counted(learned.trials().len(), "sample"),
+        trial.name,
+        PRESSURE_MPA.from_si(pressure_pa),
+        tidy(SPEED_MM_S.from_si(speed_m_s)),
+        tidy(HUMIDITY_PCT.from_si(humidity)),
+        found.quantile(0, 0.5).exp(),
+        found.quantile(0, 0.025).exp(),
+        found.quantile(0, 0.975).exp(),
+    ))
+}
+
+/// Pairs that are solved; others are interpolated.
+struct SolvedPairs {
+    /// All pairs, or those with the lowest and highest flat friction at each force.
+    solved: Vec<Pair>,
+}
+
+impl SolvedPairs {
+    fn new(pairs: &[Pair]) -> Self {
+        let mut solved: Vec<Pair> = Vec::new();
+        for [flat, _] in pairs {
+            if solved.iter().any(|[own, _]| own.force_n == flat.force_n) {
+                continue;
+            }
+            let mut alike: Vec<&Pair> = pairs.iter().filter(|[other, _]| other.force_n == flat.force_n).collect();
+            alike.sort_by(|a, b| a[0].mu_dynamic.total_cmp(&b[0].mu_dynamic));
+            let (least, most) = (*alike[0], *alike[alike.len() - 1]);
+            solved.push(least);
+            solved.extend((most[0].mu_dynamic > least[0].mu_dynamic).then_some(most));
+        }
+        Self { solved }
+    }
+
+    /// Value of `at` for `pair`, interpolated linearly in flat friction between the solved pairs at its force.
+    fn between<const N: usize>(&self, pair: &Pair, at: impl Fn(usize) -> Option<[f64; N]>) -> Option<[f64; N]> {
+        if let Some(place) = self.solved.iter().position(|own| own == pair) {
+            return at(place);
+        }
+        let [flat, _] = pair;
+        let first = self.solved.iter().position(|[own, _]| own.force_n == flat.force_n)?;
+        let least = at(first)?;
+        let Some([most, _]) = self.solved.get(first + 1).filter(|[most, _]| most.force_n == flat.force_n) else {
+            return Some(least);
+        };
+        let from = self.solved[first][0].mu_dynamic;
+        let t = (flat.mu_dynamic - from) / (most.mu_dynamic - from);
+        let greatest = at(first + 1)?;
+        Some(std::array::from_fn(|value| least[value] + t * (greatest[value] - least[value])))
+    }
+}
+
+#[cfg(test)]
+mod tests;

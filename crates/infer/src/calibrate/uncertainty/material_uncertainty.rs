@@ -1,0 +1,231 @@
+//! Uncertainty of a material's numbers: standard errors of its coefficients, of Young's modulus, of the area law's
+//! scale, and the error of the model for patterned samples.
+
+use slipgrid_model::material::{AreaLaw, Condition, MaterialError, between};
+use slipgrid_model::springblock::Load;
+
+use super::{Covariance, InputUncertainty, ScaleError, local_law, with_scale};
+use crate::discrepancy::{Conditions, Discrepancy, DiscrepancyError, Hyperparameters};
+
+/// Errors of a material's numbers, as far as its file states them.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct MaterialUncertainty {
+    /// Fitted dynamic coefficients with standard errors; empty if the file has none.
+    pub friction: Vec<CoefficientEstimate>,
+    /// Fitted static coefficients with standard errors; empty if the file has none.
+    pub static_friction: Vec<CoefficientEstimate>,
+    /// Dynamic over steady friction of the flat sample; empty if the file has none.
+    pub dynamic_over_steady: Vec<CoefficientEstimate>,
+    /// Whether the file has standard errors at the given area law in addition to those that include its errors.
+    pub has_marginal_errors: bool,
+    /// Relative standard deviation of Young's modulus.
+    pub modulus_relative_std: Option<f64>,
+    /// Whether the area law's scale was fitted to friction, so that the law does not depend on the modulus.
+    pub law_is_fitted: bool,
+    /// Whether the law is measured flat friction, so that it does not depend on the modulus.
+    pub law_is_measured: bool,
+    /// Covariance of the relative error of mu_d and of the logarithm of the fitted scale, if both are known.
+    pub scale_covariance: Option<[[f64; 2]; 2]>,
+    /// Measured dynamic friction of flat samples, which may contradict an area law from contact area; empty if the file has none.
+    pub flat_friction: Vec<CoefficientEstimate>,
+    /// Discrepancy learned from trials, or the prior if there are none; `None` if the file says nothing about it.
+    pub learned: Option<Discrepancy>,
+}
+
+/// A number of a material at one pressure and condition, with its standard error.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CoefficientEstimate {
+    /// Nominal pressure, in pascals; `None` if the number holds for all pressures.
+    pub pressure_pa: Option<f64>,
+    /// Speed and humidity; `None` if the number holds for all conditions.
+    pub condition: Option<Condition>,
+    /// Estimated value.
+    pub value: f64,
+    /// Standard error of `value`; zero if it is not known.
+    pub std_error: f64,
+}
+
+impl MaterialUncertainty {
+    /// The learned discrepancy, or the default prior if the file says nothing about it.
+    ///
+    /// # Errors
+    /// [`DiscrepancyError`] if the error of Young's modulus is invalid.
+    pub fn discrepancy(&self) -> Result<Discrepancy, DiscrepancyError> {
+        match &self.learned {
+            Some(learned) => Ok(learned.clone()),
+            None => {
+                let modulus_std = self.modulus_relative_std.unwrap_or(0.0);
+                Discrepancy::new(Hyperparameters::default(), Conditions::default(), modulus_std, Vec::new())
+            }
+        }
+    }
+
+    /// Covariance of the relative errors of mu_d at `pressures_pa` for each of `conditions`, one condition after the
+    /// other. Fitted coefficients are independent. A value interpolated between two of them shares their errors and is
+    /// no more accurate than they are. If one pair holds for all loads, or for all conditions, errors are fully
+    /// correlated. `None` if the file has no standard errors for a condition.
+    #[must_use]
+    pub fn friction_covariance(&self, pressures_pa: &[f64], conditions: &[Option<Condition>]) -> Option<Covariance> {
+        covariance(&self.friction, pressures_pa, conditions)
+    }
+
+    /// Dynamic friction of the flat sample over steady friction at `pressures_pa`, interpolated linearly between
+    /// measurements. `None` if the file has no values for the condition.
+    #[must_use]
+    pub fn excess(&self, pressures_pa: &[f64], condition: Option<&Condition>) -> Option<Vec<f64>> {
+        let known = &self.dynamic_over_steady;
+        Some(shares(known, pressures_pa, condition)?.iter().map(|row| mean(row, known)).collect())
+    }
+
+    /// Uncertainty at `loads` under `condition`, for a material with this `area_law`.
+    ///
+    /// # Errors
+    /// [`MaterialError`] if the law cannot be shifted by the error of its scale.
+    pub fn at_loads(
+        &self,
+        area_law: Option<&AreaLaw>,
+        loads: &[Load],
+        condition: Option<&Condition>,
+    ) -> Result<InputUncertainty, MaterialError> {
+        let pressures_pa: Vec<f64> = loads.iter().map(|load| load.pressure_pa).collect();
+        let variance =
+            |known: Covariance| known.iter().enumerate().map(|(place, row)| row[place]).collect::<Vec<f64>>();
+        let count = loads.len();
+        let static_friction = covariance(&self.static_friction, &pressures_pa, &[condition.copied()]).map(variance);
+        if let (Some(known), Some(law)) = (&self.scale_covariance, area_law) {
+            // Flat friction and the scale were fitted together, so that their errors are correlated.
+            let joint = with_scale(known, law, loads)?;
+            let scale = ScaleError {
+                is_fitted: true,
+                variance: joint[count][count],
+                with_friction: joint[..count].iter().map(|row| row[count]).collect(),
+            };
+            let flat_friction = Some((0..count).map(|load| joint[load][load]).collect());
+            return Ok(InputUncertainty { flat_friction, static_friction, scale: Some(scale), discrepancy: None });
+        }
+        Ok(InputUncertainty {
+            flat_friction: self.friction_covariance(&pressures_pa, &[condition.copied()]).map(variance),
+            static_friction,
+            scale: self.modulus_std(area_law).map(|std| ScaleError::of_modulus(std, count)),
+            discrepancy: None,
+        })
+    }
+
+    /// Relative standard deviation of Young's modulus (to first order that of its logarithm), if `area_law` depends on
+    /// the modulus.
+    #[must_use]
+    pub fn modulus_std(&self, area_law: Option<&AreaLaw>) -> Option<f64> {
+        self.modulus_relative_std
+            .filter(|std| *std > 0.0 && !self.law_is_fitted && !self.law_is_measured && area_law.is_some())
+    }
+
+    /// Law of friction under `condition` if the local coefficient follows the local pressure, see [`local_law`]; `None` if flat friction is
+    /// not known to contradict the `area_law`.
+    #[must_use]
+    pub fn local_law(&self, area_law: Option<&AreaLaw>, condition: Option<&Condition>) -> Option<AreaLaw> {
+        let is_of_friction = self.law_is_fitted || self.law_is_measured;
+        local_law(area_law.filter(|_| !is_of_friction)?, &self.flat_friction, condition)
+    }
+
+    /// Lists the errors that a material with this `area_law` does not state; `knowledge` holds the stated ones.
+    #[must_use]
+    pub fn unknown(&self, knowledge: &InputUncertainty, area_law: Option<&AreaLaw>) -> Vec<&'static str> {
+        let mut unknown = Vec::new();
+        if knowledge.flat_friction.is_none() {
+            unknown.push("flat friction");
+        }
+        let Some(law) = area_law else { return unknown };
+        let fitted_together = self.scale_covariance.is_some();
+        if self.law_is_fitted && !fitted_together {
+            unknown.push("scale of the area law");
+        }
+        if !self.law_is_fitted && !self.law_is_measured && !fitted_together && self.modulus_relative_std.is_none() {
+            unknown.push("Young's modulus");
+        }
+        if !fitted_together && law.factor_std().is_none() {
+            unknown.push("area law");
+        }
+        unknown
+    }
+}
+
+/// Weights of the `known` coefficients in the coefficient at each of `pressures_pa` under `condition`, one row per
+/// pressure.
+pub(super) fn shares(
+    known: &[CoefficientEstimate],
+    pressures_pa: &[f64],
+    condition: Option<&Condition>,
+) -> Option<Vec<Vec<f64>>> {
+    let measured: Vec<Condition> = known.iter().filter_map(|row| row.condition).collect();
+    let conditions: Vec<(Option<Condition>, f64)> = if measured.is_empty() {
+        vec![(None, 1.0)]
+    } else {
+        between(&measured, condition?)?.into_iter().map(|(own, share)| (Some(own), share)).collect()
+    };
+    let is_of =
+        |row: &CoefficientEstimate, own: &Option<Condition>| Condition::is_same(row.condition.as_ref(), own.as_ref());
+    let at = |&at_pa: &f64| {
+        let mut row = vec![0.0; known.len()];
+        for (own, share) in &conditions {
+            let places: Vec<usize> = (0..known.len()).filter(|place| is_of(&known[*place], own)).collect();
+            let estimates: Vec<&CoefficientEstimate> = places.iter().map(|place| &known[*place]).collect();
+            places.iter().zip(weights(&estimates, at_pa)?).for_each(|(place, weight)| row[*place] += share * weight);
+        }
+        Some(row)
+    };
+    pressures_pa.iter().map(at).collect()
+}
+
+/// Weighted mean of the `known` coefficients.
+pub(super) fn mean(row: &[f64], known: &[CoefficientEstimate]) -> f64 {
+    row.iter().zip(known).map(|(share, known)| share * known.value).sum()
+}
+
+/// Covariance of the relative errors of the `known` coefficients at `pressures_pa` for each of `conditions`, one
+/// condition after the other.
+fn covariance(
+    known: &[CoefficientEstimate],
+    pressures_pa: &[f64],
+    conditions: &[Option<Condition>],
+) -> Option<Covariance> {
+    let each = conditions.iter().map(|condition| shares(known, pressures_pa, condition.as_ref()));
+    let rows = each.collect::<Option<Vec<Vec<Vec<f64>>>>>()?.concat();
+    // The standard error for another sample between two measurements is no smaller than at them, because errors do not
+    // average out:
+    // s_i = sum_k w_ik s_k,   cov(mu_i, mu_j) = rho_ij s_i s_j / (mu_i mu_j),   rho_ij that of independent errors w_ik
+    // s_k
+    let each = |row: &[f64]| -> Vec<f64> { row.iter().zip(known).map(|(w, known)| w * known.std_error).collect() };
+    let size = |errors: &[f64]| errors.iter().map(|error| error * error).sum::<f64>().sqrt();
+    let scaled = |row: &Vec<f64>| {
+        let errors = each(row);
+        let (correlated, independent) = (errors.iter().sum::<f64>(), size(&errors));
+        let scale = if independent > 0.0 { correlated / (independent * mean(row, known)) } else { 0.0 };
+        errors.into_iter().map(|error| scale * error).collect::<Vec<f64>>()
+    };
+    let rows: Vec<Vec<f64>> = rows.iter().map(scaled).collect();
+    let covariance = |left: &Vec<f64>, right: &Vec<f64>| left.iter().zip(right).map(|(l, r)| l * r).sum::<f64>();
+    Some(rows.iter().map(|left| rows.iter().map(|right| covariance(left, right)).collect()).collect())
+}
+
+/// Weights of the `known` coefficients at a pressure: linear between measurements, the nearest one outside.
+fn weights(known: &[&CoefficientEstimate], at_pa: f64) -> Option<Vec<f64>> {
+    let mut weights = vec![0.0; known.len()];
+    let pressure = |place: usize| known[place].pressure_pa;
+    let mut order: Vec<usize> = (0..known.len()).collect();
+    order.sort_by(|&a, &b| pressure(a).unwrap_or(0.0).total_cmp(&pressure(b).unwrap_or(0.0)));
+    let (&first, &last) = (order.first()?, order.last()?);
+    let (Some(first_pa), Some(last_pa)) = (pressure(first), pressure(last)) else {
+        weights[first] = 1.0;
+        return Some(weights);
+    };
+    if at_pa <= first_pa || at_pa >= last_pa {
+        weights[if at_pa <= first_pa { first } else { last }] = 1.0;
+        return Some(weights);
+    }
+    let next = order.partition_point(|&place| pressure(place).is_some_and(|own_pa| own_pa <= at_pa));
+    let (low, high) = (order[next - 1], order[next]);
+    let (low_pa, high_pa) = (pressure(low)?, pressure(high)?);
+    let t = (at_pa - low_pa) / (high_pa - low_pa);
+    (weights[low], weights[high]) = (1.0 - t, t);
+    Some(weights)
+}

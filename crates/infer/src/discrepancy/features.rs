@@ -1,0 +1,37 @@
+//! Features of a texture that the discrepancy depends on.
+
+use slipgrid_model::pattern::Pattern;
+
+/// Features of a texture that the discrepancy depends on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Features {
+    /// Fraction of the face that is cavity.
+    pub areal_density: f64,
+    /// Edge length of the cavities over the area of the face, in 1/m.
+    pub edge_1_m: f64,
+    /// Width of a cavity, in metres.
+    pub width_m: f64,
+    /// Period along a row, in metres.
+    pub pitch_m: f64,
+    /// Depth of a cavity, in metres.
+    pub depth_m: f64,
+}
+
+impl From<&Pattern> for Features {
+    fn from(pattern: &Pattern) -> Self {
+        Self {
+            areal_density: pattern.areal_density(),
+            edge_1_m: pattern.edge_per_area_1_m(),
+            width_m: pattern.width_m(),
+            pitch_m: pattern.pitch_m(),
+            depth_m: pattern.depth_m(),
+        }
+    }
+}
+
+impl Features {
+    /// Logarithms of width, pitch and depth.
+    pub(crate) fn logarithms(&self) -> [f64; 3] {
+        [self.width_m, self.pitch_m, self.depth_m].map(libm::log)
+    }
+}

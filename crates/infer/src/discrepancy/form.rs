@@ -1,0 +1,85 @@
+//! Forms: growth of the discrepancy with the removed area, edge length and depth.
+
+use crate::discrepancy::Features;
+
+/// Growth of the discrepancy with the texture: 0 without cavities.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Form {
+    /// Proportional to the areal density a, for effects over the cavities.
+    Density,
+    /// Proportional to the edge length per area e, for effects at edges, as of rims and menisci.
+    Edge,
+    /// 1 - exp(-a / scale): saturates at low density, as in the capture of wear debris.
+    Saturating {
+        /// Areal density of saturation.
+        scale: f64,
+    },
+    /// a (1 - exp(-depth / scale)): a smaller effect of shallow cavities.
+    DepthDensity {
+        /// Depth of saturation, in metres.
+        scale_m: f64,
+    },
+    /// e (1 - exp(-depth / scale)): a smaller effect of edges of shallow cavities.
+    DepthEdge {
+        /// Depth of saturation, in metres.
+        scale_m: f64,
+    },
+}
+
+impl Form {
+    /// Returns the forms with their prior weights, which sum to 1. The families have equal weight, except that the last
+    /// one shares the weight of the edges with the second.
+    #[must_use]
+    pub fn usual() -> Vec<(Self, f64)> {
+        let family = |share: f64, members: Vec<Self>| {
+            let each = share / members.len() as f64;
+            members.into_iter().map(move |form| (form, each)).collect::<Vec<_>>()
+        };
+        [
+            family(0.22, vec![Self::Density]),
+            family(0.22, vec![Self::Edge]),
+            family(0.22, [0.02, 0.04, 0.08, 0.16].map(|scale| Self::Saturating { scale }).to_vec()),
+            family(0.22, [2e-6, 5e-6, 10e-6, 20e-6].map(|scale_m| Self::DepthDensity { scale_m }).to_vec()),
+            family(0.12, [3e-6, 10e-6].map(|scale_m| Self::DepthEdge { scale_m }).to_vec()),
+        ]
+        .concat()
+    }
+
+    /// Evaluates the form for a texture, in units specific to the form.
+    #[must_use]
+    pub fn value(&self, of: &Features) -> f64 {
+        // 1 - exp(-x / x0)
+        let reached = |x: f64, scale: f64| -libm::expm1(-x / scale);
+        match self {
+            Self::Density => of.areal_density,
+            Self::Edge => of.edge_1_m,
+            Self::Saturating { scale } => reached(of.areal_density, *scale),
+            Self::DepthDensity { scale_m } => of.areal_density * reached(of.depth_m, *scale_m),
+            Self::DepthEdge { scale_m } => of.edge_1_m * reached(of.depth_m, *scale_m),
+        }
+    }
+
+    /// Family of the form: the feature that it grows with.
+    #[must_use]
+    pub const fn family(&self) -> &'static str {
+        match self {
+            Self::Density => "areal density",
+            Self::Edge => "edge length",
+            Self::Saturating { .. } => "saturating areal density",
+            Self::DepthDensity { .. } => "areal density and depth",
+            Self::DepthEdge { .. } => "edge length and depth",
+        }
+    }
+
+    /// Family and scale.
+    #[must_use]
+    pub fn name(&self) -> String {
+        let um = |length_m: f64| (length_m * 1e9).round() / 1e3;
+        match self {
+            Self::Density | Self::Edge => self.family().to_owned(),
+            Self::Saturating { scale } => format!("areal density, saturating at {scale}"),
+            Self::DepthDensity { scale_m } => format!("areal density of cavities deeper than {} um", um(*scale_m)),
+            Self::DepthEdge { scale_m } => format!("edges of cavities deeper than {} um", um(*scale_m)),
+        }
+    }
+}

@@ -1,0 +1,152 @@
+//! Prior of the discrepancy.
+
+use crate::discrepancy::{DiscrepancyError, Features, Form};
+
+/// Prior of the discrepancy. Standard deviations refer to the logarithm of the ratio at the reference texture.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Hyperparameters {
+    /// Texture at which every form is 1. Default: the published squares, the only texture with a published discrepancy,
+    /// 0.19.
+    pub reference: Features,
+    /// Standard deviation of alpha, as large as the published discrepancy.
+    pub amplitude_std: f64,
+    /// Standard deviation of beta, along (P - P0) / P0. The published samples show no such trend from 0.6 to 2.5 MPa.
+    pub pressure_std: f64,
+    /// Standard deviation of gamma, along P1 / P - 1/2. Adhesion or a meniscus adds a force, whose effect decreases with
+    /// load.
+    pub inverse_pressure_std: f64,
+    /// Standard deviation of kappa, along ln(v / v0). The published samples show 0.036 +- 0.009.
+    pub speed_std: f64,
+    /// Standard deviation of eta at any humidity. The published samples differ by 0.13 between 40 and 80 %.
+    pub humidity_std: f64,
+    /// Correlation length of eta in humidity, from 0 to 1: the correlation is exp(-|dH| / length).
+    pub humidity_length: f64,
+    /// Factors on all of these standard deviations, with weights that sum to 1: many mechanisms have a small effect.
+    pub scales: Vec<(f64, f64)>,
+    /// Standard deviations of c over that of alpha, with weights that sum to 1: deviation from a form, as a smooth
+    /// function of the dimensions.
+    pub residuals: Vec<(f64, f64)>,
+    /// Correlation length of c in the logarithms of width, pitch and depth.
+    pub residual_length: f64,
+    /// Correlation length of c in the logarithm of pressure.
+    pub residual_pressure_length: f64,
+    /// Standard deviation of t: between samples of one texture, as stated.
+    pub sample_std: f64,
+    /// Factors on the stated scatter of samples, with weights that sum to 1: the stated scatter holds unless trials show
+    /// more or less. The tail is heavy, so that any scatter is possible.
+    pub scatters: Vec<(f64, f64)>,
+    /// Minimum standard error of a patterned measurement, relative to the measurement.
+    pub least_measured_std: f64,
+    /// Forms with their weights, which sum to 1.
+    pub forms: Vec<(Form, f64)>,
+}
+
+/// Default scatter between samples of a texture, before two were measured: laboratories repeat dry friction to 2 to 7 %,
+/// and ASTM D2534 states 0.02 of a coefficient as one standard deviation.
+const USUAL_SAMPLE_STD: f64 = 0.02;
+
+impl Default for Hyperparameters {
+    fn default() -> Self {
+        Self {
+            reference: Features {
+                areal_density: 0.0676,
+                edge_1_m: 2080.0,
+                width_m: 130e-6,
+                pitch_m: 500e-6,
+                depth_m: 5.2e-6,
+            },
+            amplitude_std: 0.2,
+            pressure_std: 0.06,
+            inverse_pressure_std: 0.08,
+            speed_std: 0.05,
+            humidity_std: 0.1,
+            humidity_length: 0.3,
+            scales: vec![(0.3, 0.4), (1.0, 0.6)],
+            residuals: vec![(0.1, 0.5), (0.4, 0.5)],
+            residual_length: 0.8,
+            residual_pressure_length: 2.0,
+            sample_std: USUAL_SAMPLE_STD,
+            scatters: vec![(1.0, 0.7), (0.25, 0.2), (3.0, 0.07), (10.0, 0.03)],
+            least_measured_std: 0.005,
+            forms: Form::usual(),
+        }
+    }
+}
+
+/// Reference pressures and speed, from the flat sample's measurements.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Conditions {
+    /// P0, near the middle of the measured pressures, in pascals.
+    pub reference_pressure_pa: f64,
+    /// P1, the minimum of the measured pressures, in pascals.
+    pub lowest_pressure_pa: f64,
+    /// v0, near the middle of the measured speeds, in m/s.
+    pub reference_speed_m_s: f64,
+}
+
+impl Default for Conditions {
+    /// Conditions of the published measurements.
+    fn default() -> Self {
+        Self { reference_pressure_pa: 1.5e6, lowest_pressure_pa: 0.65e6, reference_speed_m_s: 2e-3 }
+    }
+}
+
+impl Hyperparameters {
+    /// Checks that all hyperparameters are valid.
+    ///
+    /// # Errors
+    /// [`DiscrepancyError::Hyperparameter`] of the first invalid one.
+    pub(crate) fn check(&self) -> Result<(), DiscrepancyError> {
+        let refuse = |name, value, expected| Err(DiscrepancyError::Hyperparameter { name, value, expected });
+        for (name, value) in [
+            ("amplitude_std", self.amplitude_std),
+            ("pressure_std", self.pressure_std),
+            ("inverse_pressure_std", self.inverse_pressure_std),
+            ("speed_std", self.speed_std),
+            ("humidity_std", self.humidity_std),
+            ("sample_std", self.sample_std),
+        ] {
+            if !(0.0..=10.0).contains(&value) {
+                return refuse(name, value, "from 0 to 10");
+            }
+        }
+        for (name, value) in [
+            ("least_measured_std", self.least_measured_std),
+            ("humidity_length", self.humidity_length),
+            ("residual_length", self.residual_length),
+            ("residual_pressure_length", self.residual_pressure_length),
+            ("areal density of the reference", self.reference.areal_density),
+            ("edge length of the reference", self.reference.edge_1_m),
+            ("depth of the reference", self.reference.depth_m),
+        ] {
+            if !(value > 0.0 && value.is_finite()) {
+                return refuse(name, value, "positive and finite");
+            }
+        }
+        // Without information from trials, the first scatter is used.
+        if !self.scatters.first().is_some_and(|(times, weight)| *times == 1.0 && *weight > 0.0) {
+            let first = self.scatters.first().map_or(f64::NAN, |(times, _)| *times);
+            return refuse("first of the scatters", first, "1, the stated one, with a weight");
+        }
+        let forms = self.forms.iter().map(|(_, weight)| *weight);
+        for (name, weights, sizes) in [
+            ("sum of the forms' weights", forms.collect::<Vec<f64>>(), Vec::new()),
+            weighted("sum of the scales' weights", &self.scales),
+            weighted("sum of the residuals' weights", &self.residuals),
+            weighted("sum of the scatters' weights", &self.scatters),
+        ] {
+            let sum: f64 = weights.iter().sum();
+            if weights.iter().any(|weight| weight.is_nan() || *weight < 0.0) || (sum - 1.0).abs() > 1e-6 {
+                return refuse(name, sum, "1, each of them 0 or more");
+            }
+            if let Some(size) = sizes.into_iter().find(|size| !(0.0..=100.0).contains(size)) {
+                return refuse("a scale, residual or scatter", size, "from 0 to 100");
+            }
+        }
+        Ok(())
+    }
+}
+
+fn weighted(name: &'static str, all: &[(f64, f64)]) -> (&'static str, Vec<f64>, Vec<f64>) {
+    (name, all.iter().map(|(_, weight)| *weight).collect(), all.iter().map(|(size, _)| *size).collect())
+}

@@ -1,0 +1,420 @@
+//! Prediction of the mixture for a texture.
+
+#[cfg(test)]
+use slipgrid_base::statistics::BoxRule;
+use slipgrid_base::statistics::{mixture_quantile, normal_probability};
+
+use crate::discrepancy::mixture::Member;
+use crate::discrepancy::residual::Place;
+use crate::discrepancy::rows::{Basis, GLOBALS};
+use crate::discrepancy::{Candidate, DimensionShift, Features, Form, Sensitivity};
+use slipgrid_base::statistics::cholesky::{covariance_factor, dot};
+
+/// Members of smaller weight do not change reported digits.
+const MIN_WEIGHT: f64 = 1e-7;
+
+/// Pressure, speed and humidity of a prediction.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Load {
+    /// Nominal pressure, in pascals.
+    pub pressure_pa: f64,
+    /// Sliding speed, in m/s.
+    pub speed_m_s: f64,
+    /// Relative humidity, from 0 to 1.
+    pub humidity: f64,
+}
+
+/// Mixture prepared for some loads, to predict many textures: terms independent of the texture are computed once.
+#[derive(Clone, Debug)]
+pub struct Predictor {
+    basis: Basis,
+    loads: Vec<Load>,
+    /// Conditional covariance of eta given the measured humidities, loads x loads.
+    humidity_left: Vec<f64>,
+    /// Distinct forms of the members.
+    forms: Vec<Form>,
+    members: Vec<Prepared>,
+}
+
+/// Member prepared for the loads. With L L^T the precision, b_l the row of the form's coefficients and e_k the column of
+/// eps or lambda: B_l = L^-1 b_l and E_k = L^-1 e_k.
+#[derive(Clone, Debug)]
+struct Prepared {
+    member: Member,
+    /// Index of its form in the predictor.
+    form: usize,
+    /// b_l times the mean coefficients, and the means of eps and lambda.
+    mean_of_form: Vec<f64>,
+    mean_of_globals: [f64; GLOBALS],
+    mean_of_residual: Vec<f64>,
+    b: Vec<Vec<f64>>,
+    e: [Vec<f64>; GLOBALS],
+    /// B_l B_m, B_l E_k and E_k E_j.
+    bb: Vec<f64>,
+    be: Vec<[f64; GLOBALS]>,
+    ee: [[f64; GLOBALS]; GLOBALS],
+    /// Columns of L^-1 for the residual's features.
+    residual: Vec<Vec<f64>>,
+}
+
+/// Prediction for one texture: the logarithm of a cut sample's true ratio over the modelled one, at each load.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Prediction {
+    /// One normal distribution per member of the mixture.
+    pub components: Vec<Component>,
+}
+
+/// Component of a prediction.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Component {
+    /// Form of the component.
+    pub form: Form,
+    /// Weight of the component; all weights sum to 1.
+    pub weight: f64,
+    /// Mean at each load.
+    pub mean: Vec<f64>,
+    /// Covariance, loads x loads.
+    pub covariance: Vec<f64>,
+}
+
+/// Draws from a prediction, jointly at all loads.
+#[derive(Clone, Debug)]
+pub struct Sampler {
+    forms: Vec<FormSampler>,
+}
+
+#[derive(Clone, Debug)]
+struct FormSampler {
+    /// Cumulated weight up to this component.
+    cumulated_weight: f64,
+    mean: Vec<f64>,
+    /// L of the covariance L L^T.
+    factor: Vec<f64>,
+}
+
+/// Form evaluated at one texture.
+struct FormAt {
+    /// h over the scale.
+    value: f64,
+    /// Change of ln h by one standard deviation of each error of the dimensions.
+    log_shifts: Vec<f64>,
+    /// Mean of h over h as designed.
+    mean: f64,
+}
+
+impl Predictor {
+    pub(crate) fn new(basis: &Basis, members: &[Member], loads: &[Load]) -> Self {
+        let (p, of_form, of_residual) = (basis.count(), basis.of_form(), basis.first_of_residual());
+        let rows: Vec<Vec<f64>> = loads.iter().map(|load| basis.at_load(load)).collect();
+        let mut forms: Vec<Form> = Vec::new();
+        let mut place_of = |form: Form| {
+            forms.iter().position(|own| *own == form).unwrap_or_else(|| {
+                forms.push(form);
+                forms.len() - 1
+            })
+        };
+        let prepared = |member: &Member| {
+            let column = |c: usize| -> Vec<f64> { (0..p).map(|row| member.inverse[row * p + c]).collect() };
+            let times = |row: &[f64]| -> Vec<f64> {
+                // Lower triangle: entries beyond the diagonal are zero.
+                (0..p).map(|r| dot(&member.inverse[r * p..][..=r.min(of_form - 1)], row)).collect()
+            };
+            let b: Vec<Vec<f64>> = rows.iter().map(|row| times(row)).collect();
+            let scaled = |global: usize| {
+                let std = basis.global_stds()[global];
+                column(basis.globals()[global]).iter().map(|entry| std * entry).collect::<Vec<f64>>()
+            };
+            let e: [Vec<f64>; GLOBALS] = std::array::from_fn(scaled);
+            Prepared {
+                mean_of_form: rows.iter().map(|row| dot(row, &member.mean)).collect(),
+                mean_of_globals: basis.global_means(&member.mean),
+                mean_of_residual: member.mean[of_residual..].to_vec(),
+                bb: b.iter().flat_map(|left| b.iter().map(|right| dot(left, right))).collect(),
+                be: b.iter().map(|left| e.each_ref().map(|e| dot(left, e))).collect(),
+                ee: e.each_ref().map(|left| e.each_ref().map(|right| dot(left, right))),
+                b,
+                e,
+                residual: (of_residual..p).map(column).collect(),
+                form: place_of(member.form),
+                member: Member { mean: Vec::new(), inverse: Vec::new(), ..member.clone() },
+            }
+        };
+        let members = members.iter().filter(|member| member.weight > MIN_WEIGHT).map(prepared).collect();
+        Self {
+            loads: loads.to_vec(),
+            humidity_left: loads.iter().flat_map(|a| loads.iter().map(|b| basis.humidity_left(a, b))).collect(),
+            forms,
+            members,
+            basis: basis.clone(),
+        }
+    }
+
+    /// Predicts a sample with the features `of`, made exactly, with the `sensitivity` of its modelled ratio to Young's
+    /// modulus and the local law at each load. Includes the scatter of the sample.
+    #[must_use]
+    pub fn predict(&self, of: &Features, sensitivity: &[Sensitivity]) -> Prediction {
+        self.predict_made(of, sensitivity, &[])
+    }
+
+    /// Predicts ln(true ratio / modelled ratio as designed) of a sample with independent errors `shifts` of its
+    /// dimensions, which change its modelled ratio and the discrepancy. First order in the shifts, per form.
+    #[must_use]
+    pub fn predict_made(&self, of: &Features, sensitivity: &[Sensitivity], shifts: &[DimensionShift]) -> Prediction {
+        self.predicted(of, sensitivity, shifts, false)
+    }
+
+    /// Implements [`Predictor::predict_made`]; with `has_known_form` without the uncertainty of the discrepancy, so that
+    /// the covariances contain modulus, local law, dimensions and the scatter of the sample.
+    fn predicted(
+        &self,
+        of: &Features,
+        sensitivity: &[Sensitivity],
+        shifts: &[DimensionShift],
+        has_known_form: bool,
+    ) -> Prediction {
+        let g: Vec<[f64; GLOBALS]> = sensitivity.iter().map(Sensitivity::globals).collect();
+        // Skips lambda if flat friction follows the area law.
+        let globals = if g.iter().all(|[_, local_law]| *local_law == 0.0) { 1 } else { GLOBALS };
+        let places: Vec<Place> = self.loads.iter().map(|load| self.basis.place(of, load)).collect();
+        let features: Vec<Vec<f64>> = places.iter().map(|place| self.basis.residual(place)).collect();
+        let n = self.loads.len();
+        let residual_left: Vec<f64> = (0..n * n)
+            .map(|e| {
+                let (l, m) = (e / n, e % n);
+                self.basis.residual_left([&places[l], &places[m]], [&features[l], &features[m]])
+            })
+            .collect();
+        let form_at = |form: &Form| FormAt {
+            value: form.value(of),
+            log_shifts: shifts.iter().map(|shift| shift.log_form(form, of)).collect(),
+            mean: shifts.iter().map(|shift| shift.mean_form(form, of)).product(),
+        };
+        let forms: Vec<FormAt> = self.forms.iter().map(form_at).collect();
+        // Buffers of one member: R_l, R_l E, D_l, and the effects of errors of dimensions.
+        let count = self.members.first().map_or(0, |member| member.residual.len());
+        let (mut r, mut re, mut of_form) = (vec![0.0; n * count], vec![[0.0; GLOBALS]; n], vec![0.0; n]);
+        let mut moved = vec![0.0; shifts.len() * n];
+        let component = |member: &Prepared| {
+            let form = &forms[member.form];
+            let h = member.member.scale * form.value / member.member.at_reference;
+            let own = member.member.scatter.powi(2);
+            // Row of the residual's coefficients at load l, and R_l = L^-1 of the row, below form and modulus.
+            let size = h * member.member.residual;
+            let first = member.e[0].len() - count;
+            r.fill(0.0);
+            for (l, features) in features.iter().enumerate() {
+                let r = &mut r[l * count..][..count];
+                for (place, (column, feature)) in member.residual.iter().zip(features).enumerate() {
+                    for (sum, entry) in r[place..].iter_mut().zip(&column[first + place..]) {
+                        *sum += size * feature * entry;
+                    }
+                }
+                re[l] = member.e.each_ref().map(|e| dot(r, &e[first..]));
+                of_form[l] = form.mean * (h * member.mean_of_form[l] + size * dot(features, &member.mean_of_residual));
+            }
+            // d ln R + D d ln h by one standard deviation of each shift, D the mean discrepancy
+            for (shift, (moved, log_form)) in shifts.iter().zip(moved.chunks_exact_mut(n.max(1)).zip(&form.log_shifts))
+            {
+                for (l, moved) in moved.iter_mut().enumerate() {
+                    *moved = shift.log_ratio[l] + of_form[l] * log_form;
+                }
+            }
+            // E (1 + d ln h)^2 of the uncertain part
+            let times = 1.0 + form.log_shifts.iter().map(|log_form| log_form * log_form).sum::<f64>();
+            // v_l = h B_l + sum_k g_lk E_k + R_l, covariance v_l v_m
+            let mut covariance = vec![0.0; n * n];
+            for l in 0..n {
+                for m in 0..=l {
+                    let of_dimensions: f64 = moved.chunks_exact(n).map(|moved| moved[l] * moved[m]).sum();
+                    let of_globals: f64 = (0..globals)
+                        .map(|k| (0..globals).map(|j| g[l][k] * g[m][j] * member.ee[k][j]).sum::<f64>())
+                        .sum();
+                    let mut entry = of_globals + of_dimensions + own;
+                    if !has_known_form {
+                        let [r_l, r_m] = [l, m].map(|load| &r[load * count..][..count]);
+                        let [rb, br] = [dot(r_l, &member.b[m][first..]), dot(r_m, &member.b[l][first..])];
+                        let left = self.humidity_left[l * n + m];
+                        let unknown_form = h * h * (member.bb[l * n + m] + left)
+                            + h * (rb + br)
+                            + dot(r_l, r_m)
+                            + size * size * residual_left[l * n + m];
+                        let mut unknown = times * unknown_form;
+                        for k in 0..globals {
+                            let (g_l, g_m) = (g[l][k], g[m][k]);
+                            let with_form = h * (g_m * member.be[l][k] + g_l * member.be[m][k]);
+                            unknown = unknown + with_form + g_m * re[l][k] + g_l * re[m][k];
+                        }
+                        entry += unknown;
+                    }
+                    covariance[l * n + m] = entry;
+                    covariance[m * n + l] = entry;
+                }
+            }
+            Component {
+                form: member.member.form,
+                weight: member.member.weight,
+                mean: (0..n).map(|l| of_form[l] + dot(&g[l], &member.mean_of_globals)).collect(),
+                covariance,
+            }
+        };
+        Prediction { components: self.members.iter().map(component).collect() }
+    }
+
+    /// Predicts a sample of `candidate`.
+    #[must_use]
+    pub fn of(&self, candidate: &Candidate<'_>) -> Prediction {
+        self.of_candidate(candidate, false)
+    }
+
+    /// Predicts a sample of `candidate` with the discrepancy of the texture fixed so that the medians are `medians`: the
+    /// uncertainty of modulus, local law, dimensions and the scatter of the sample remain.
+    #[must_use]
+    pub fn of_known_form(&self, candidate: &Candidate<'_>, medians: &[f64]) -> Prediction {
+        let mut found = self.of_candidate(candidate, true);
+        found.components.iter_mut().for_each(|component| medians.clone_into(&mut component.mean));
+        found
+    }
+
+    fn of_candidate(&self, candidate: &Candidate<'_>, has_known_form: bool) -> Prediction {
+        let Candidate { features, sensitivity, covariance, dimension_shifts, .. } = candidate;
+        self.predicted(features, sensitivity, dimension_shifts, has_known_form).with(covariance)
+    }
+}
+
+impl Sampler {
+    /// Draws from the component selected by the normal deviate `which`, with normal deviates `z`, one per load.
+    #[must_use]
+    pub fn draw(&self, which: f64, z: &[f64]) -> Vec<f64> {
+        let share = normal_probability(which);
+        let picked = self.forms.iter().find(|form| share <= form.cumulated_weight).or(self.forms.last());
+        let Some(FormSampler { mean, factor, .. }) = picked else { return Vec::new() };
+        let n = mean.len();
+        (0..n).map(|load| mean[load] + dot(&factor[load * n..][..=load], z)).collect()
+    }
+}
+
+impl Component {
+    /// Minimum over the loads of the probability between `lower` and `upper`: an upper bound of the joint probability.
+    pub(crate) fn most_within(&self, lower: &[f64], upper: &[f64]) -> f64 {
+        let n = self.mean.len();
+        let within = |load: usize| {
+            let std = self.covariance[load * n + load].max(1e-300).sqrt();
+            let below = |end: f64| normal_probability((end - self.mean[load]) / std);
+            below(upper[load]) - below(lower[load])
+        };
+        (0..n).map(within).fold(1.0, f64::min)
+    }
+}
+
+impl Prediction {
+    /// Number of loads.
+    #[must_use]
+    pub fn loads(&self) -> usize {
+        self.components.first().map_or(0, |component| component.mean.len())
+    }
+
+    /// Adds a `covariance`, loads x loads, for example by the tolerances of a sample's dimensions.
+    #[must_use]
+    pub fn with(mut self, covariance: &[f64]) -> Self {
+        for component in &mut self.components {
+            component.covariance.iter_mut().zip(covariance).for_each(|(own, further)| *own += further);
+        }
+        self
+    }
+
+    /// Mean and standard deviation at `load`.
+    #[must_use]
+    pub fn moments(&self, load: usize) -> (f64, f64) {
+        let n = self.loads();
+        let mean: f64 = self.components.iter().map(|of| of.weight * of.mean[load]).sum();
+        let spread = |of: &Component| of.covariance[load * n + load] + (of.mean[load] - mean).powi(2);
+        (mean, self.components.iter().map(|of| of.weight * spread(of)).sum::<f64>().sqrt())
+    }
+
+    /// Probability of a value below `value` at `load`.
+    #[must_use]
+    pub fn probability_below(&self, load: usize, value: f64) -> f64 {
+        let below = |[weight, mean, std]: [f64; 3]| {
+            let below = if std > 0.0 {
+                normal_probability((value - mean) / std)
+            } else if mean < value {
+                1.0
+            } else {
+                0.0
+            };
+            weight * below
+        };
+        self.at_load(load).into_iter().map(below).sum()
+    }
+
+    /// Quantile `p` at `load`.
+    #[must_use]
+    pub fn quantile(&self, load: usize, p: f64) -> f64 {
+        mixture_quantile(&self.at_load(load), p)
+    }
+
+    /// Weight, mean and standard deviation of each component at `load`.
+    fn at_load(&self, load: usize) -> Vec<[f64; 3]> {
+        let n = self.loads();
+        let of = |of: &Component| [of.weight, of.mean[load], of.covariance[load * n + load].max(0.0).sqrt()];
+        self.components.iter().map(of).collect()
+    }
+
+    /// Whether the median lies between `lower` and `upper` at every load.
+    #[must_use]
+    pub fn has_medians_within(&self, lower: &[f64], upper: &[f64]) -> bool {
+        (0..self.loads()).all(|load| {
+            self.probability_below(load, lower[load]) <= 0.5 && self.probability_below(load, upper[load]) >= 0.5
+        })
+    }
+
+    /// Median at each load.
+    #[must_use]
+    pub fn medians(&self) -> Vec<f64> {
+        (0..self.loads()).map(|load| self.quantile(load, 0.5)).collect()
+    }
+
+    /// Creates a sampler of this prediction.
+    #[must_use]
+    pub fn sampler(&self) -> Sampler {
+        let n = self.loads();
+        let mut reached = 0.0;
+        let form = |of: &Component| {
+            reached += of.weight;
+            let factor = covariance_factor(&of.covariance, n);
+            FormSampler { cumulated_weight: reached, mean: of.mean.clone(), factor }
+        };
+        Sampler { forms: self.components.iter().map(form).collect() }
+    }
+
+    /// Probability that all loads lie between `lower` and `upper`, summed over components.
+    #[cfg(test)]
+    pub(crate) fn probability_within(&self, lower: &[f64], upper: &[f64]) -> f64 {
+        let n = self.loads();
+        let of = |of: &Component| {
+            let factor = covariance_factor(&of.covariance, n);
+            of.weight * BoxRule::new(n).probability(&of.mean, &factor, [lower, upper], 0..512)
+        };
+        self.components.iter().map(of).sum()
+    }
+
+    /// Mean and covariance of the whole mixture.
+    #[must_use]
+    pub fn mixed(&self) -> (Vec<f64>, Vec<f64>) {
+        let n = self.loads();
+        let mut mean = vec![0.0; n];
+        for of in &self.components {
+            mean.iter_mut().zip(&of.mean).for_each(|(sum, own)| *sum += of.weight * own);
+        }
+        let mut covariance = vec![0.0; n * n];
+        for of in &self.components {
+            for l in 0..n {
+                for m in 0..n {
+                    let between = (of.mean[l] - mean[l]) * (of.mean[m] - mean[m]);
+                    covariance[l * n + m] += of.weight * (of.covariance[l * n + m] + between);
+                }
+            }
+        }
+        (mean, covariance)
+    }
+}

@@ -1,0 +1,208 @@
+//! Coefficients of the mixture, each in units of its prior standard deviation, and their basis functions at a texture and
+//! a load.
+
+use crate::discrepancy::residual::{Place, ResidualBasis};
+use crate::discrepancy::{Conditions, Features, Hyperparameters, Load, Sensitivity, Trial};
+use slipgrid_base::statistics::cholesky::{cholesky, dot, solve_lower};
+
+/// Number of coefficients before those of the humidities: alpha, beta, gamma and kappa.
+const OF_LOAD: usize = 4;
+/// Humidities that differ by less are equal.
+const SAME_HUMIDITY: f64 = 1e-6;
+/// Number of unknowns shared by all textures: eps and lambda.
+pub const GLOBALS: usize = 2;
+/// Mean and standard deviation of lambda, which is 0 or 1 with equal probability; lambda is treated as a continuous
+/// variable.
+const LOCAL_LAW_MEAN: f64 = 0.5;
+const LOCAL_LAW_STD: f64 = 0.5;
+
+impl Sensitivity {
+    /// Factors of eps and lambda.
+    pub(crate) const fn globals(&self) -> [f64; GLOBALS] {
+        [self.modulus, self.local_law]
+    }
+
+    /// Prior mean of ln(true / modelled ratio).
+    pub(crate) const fn prior_mean(&self) -> f64 {
+        LOCAL_LAW_MEAN * self.local_law
+    }
+}
+
+/// Basis functions: first those of the load, then eta at every measured humidity, eps, lambda, and the residual at the
+/// trials.
+#[derive(Clone, Debug)]
+pub struct Basis {
+    hyper: Hyperparameters,
+    conditions: Conditions,
+    modulus_std: f64,
+    humidities: Vec<f64>,
+    /// Lower factor of the correlation of eta at the measured humidities.
+    humidity_factor: Vec<f64>,
+    residual: ResidualBasis,
+}
+
+impl Basis {
+    /// Builds the basis for a posterior given `trials`.
+    pub fn new(hyper: &Hyperparameters, conditions: Conditions, modulus_std: f64, trials: &[Trial]) -> Self {
+        let measured = || trials.iter().flat_map(|trial| trial.measured.iter().map(move |at| (trial, at)));
+        let mut levels: Vec<f64> = measured().map(|(_, at)| at.load.humidity).collect();
+        levels.sort_by(f64::total_cmp);
+        levels.dedup_by(|a, b| (*a - *b).abs() <= SAME_HUMIDITY);
+        let n = levels.len();
+        let correlation: Vec<f64> =
+            levels.iter().flat_map(|a| levels.iter().map(|b| correlation(hyper, *a, *b))).collect();
+        let places = measured().map(|(trial, at)| Place::new(hyper, &trial.features, &at.load)).collect();
+        Self {
+            residual: ResidualBasis::new(places),
+            humidity_factor: cholesky(&correlation, n).unwrap_or_default(),
+            humidities: levels,
+            hyper: hyper.clone(),
+            conditions,
+            modulus_std,
+        }
+    }
+
+    pub const fn hyper(&self) -> &Hyperparameters {
+        &self.hyper
+    }
+
+    /// Number of coefficients that a form multiplies.
+    pub fn of_form(&self) -> usize {
+        OF_LOAD + self.humidities.len()
+    }
+
+    /// Number of all coefficients: those of a form, eps and lambda, and those of the residual.
+    pub fn count(&self) -> usize {
+        self.of_form() + GLOBALS + self.residual.count()
+    }
+
+    /// Indices of eps and lambda.
+    pub fn globals(&self) -> [usize; GLOBALS] {
+        std::array::from_fn(|global| self.of_form() + global)
+    }
+
+    /// Index of the first coefficient of the residual.
+    pub fn first_of_residual(&self) -> usize {
+        self.of_form() + GLOBALS
+    }
+
+    /// Prior standard deviations of eps and lambda.
+    pub const fn global_stds(&self) -> [f64; GLOBALS] {
+        [self.modulus_std, LOCAL_LAW_STD]
+    }
+
+    /// Means of eps and lambda for coefficients with the means `mean`.
+    pub fn global_means(&self, mean: &[f64]) -> [f64; GLOBALS] {
+        let [modulus, local_law] = self.globals();
+        [self.modulus_std * mean[modulus], LOCAL_LAW_MEAN + LOCAL_LAW_STD * mean[local_law]]
+    }
+
+    pub const fn modulus_std(&self) -> f64 {
+        self.modulus_std
+    }
+
+    /// Factors of the form's coefficients at `load`, without the form.
+    pub fn at_load(&self, load: &Load) -> Vec<f64> {
+        let (hyper, at) = (&self.hyper, &self.conditions);
+        let u = (load.pressure_pa - at.reference_pressure_pa) / at.reference_pressure_pa;
+        let q = at.lowest_pressure_pa / load.pressure_pa - 0.5;
+        let s = libm::log(load.speed_m_s / at.reference_speed_m_s);
+        let mut row =
+            vec![hyper.amplitude_std, hyper.pressure_std * u, hyper.inverse_pressure_std * q, hyper.speed_std * s];
+        row.extend(self.humidity(load.humidity).iter().map(|part| hyper.humidity_std * part));
+        row
+    }
+
+    /// Whitened values of eta at a humidity relative to the measured ones: L^-1 k.
+    fn humidity(&self, humidity: f64) -> Vec<f64> {
+        let mut row: Vec<f64> =
+            self.humidities.iter().map(|level| correlation(&self.hyper, *level, humidity)).collect();
+        solve_lower(&self.humidity_factor, self.humidities.len(), &mut row);
+        row
+    }
+
+    /// Conditional covariance of eta at two humidities given the measured ones.
+    pub fn humidity_left(&self, a: &Load, b: &Load) -> f64 {
+        let explained = dot(&self.humidity(a.humidity), &self.humidity(b.humidity));
+        let left = correlation(&self.hyper, a.humidity, b.humidity) - explained;
+        // At a measured humidity only rounding errors remain.
+        if left.abs() < 1e-12 { 0.0 } else { self.hyper.humidity_std.powi(2) * left }
+    }
+
+    /// Place of a texture and a load in the residual's coordinates.
+    pub fn place(&self, of: &Features, load: &Load) -> Place {
+        Place::new(&self.hyper, of, load)
+    }
+
+    /// Basis functions of the residual at `place`, times the amplitude.
+    pub fn residual(&self, place: &Place) -> Vec<f64> {
+        let mut row = self.residual.whitened(place);
+        row.iter_mut().for_each(|entry| *entry *= self.hyper.amplitude_std);
+        row
+    }
+
+    /// Prior covariance of the residual at two places, less the part that [`Self::residual`] explains: negative where a trial lies between them.
+    pub fn residual_left(&self, [a, b]: [&Place; 2], [row_a, row_b]: [&[f64]; 2]) -> f64 {
+        let left = self.hyper.amplitude_std.powi(2) * a.correlation(b) - dot(row_a, row_b);
+        // A variance that rounding makes negative.
+        if a == b { left.max(0.0) } else { left }
+    }
+
+    /// Places of the expansion of the residual.
+    pub const fn residual_basis(&self) -> &ResidualBasis {
+        &self.residual
+    }
+
+    /// Factors of all coefficients for the form `form`, times the scale, and the relative residual `residual`.
+    pub fn row(&self, form: f64, residual: f64, of: &Features, load: &Load, sensitivity: Sensitivity) -> Vec<f64> {
+        let mut row = self.at_load(load);
+        row.iter_mut().for_each(|entry| *entry *= form);
+        row.extend(self.global_stds().into_iter().zip(sensitivity.globals()).map(|(std, own)| std * own));
+        row.extend(self.residual(&self.place(of, load)).iter().map(|entry| form * residual * entry));
+        row
+    }
+}
+
+/// exp(-|a - b| / length)
+fn correlation(hyper: &Hyperparameters, a: f64, b: f64) -> f64 {
+    libm::exp(-(a - b).abs() / hyper.humidity_length)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::discrepancy::{Measured, Sensitivity};
+
+    /// K(a, b) - K(a, t) K(t, b) / K(t, t), with a trial t between a and b.
+    #[test]
+    fn a_trial_between_two_loads_leaves_them_of_opposite_signs() {
+        let hyper = Hyperparameters { residual_pressure_length: 1.0, ..Hyperparameters::default() };
+        let features = hyper.reference;
+        let load = |pressure_pa: f64| Load { pressure_pa, speed_m_s: 2e-3, humidity: 0.4 };
+        let measured = Measured {
+            load: load(1.4e6),
+            measured: 0.9,
+            modelled: 0.9,
+            patterned_std: 0.01,
+            flat_std: 0.01,
+            sensitivity: Sensitivity::of_modulus(0.0),
+        };
+        let trial = Trial {
+            name: String::new(),
+            features,
+            sample_std: None,
+            disc: None,
+            measured: vec![measured],
+            dimensions_std_m: [0.0; 3],
+            dimension_shifts: Vec::new(),
+        };
+        let basis = Basis::new(&hyper, Conditions::default(), 0.2, &[trial]);
+        let [a, b] = [0.2e6, 10e6].map(|pressure_pa| basis.place(&features, &load(pressure_pa)));
+        let rows = [&a, &b].map(|place| basis.residual(place));
+        let left = basis.residual_left([&a, &b], [&rows[0], &rows[1]]);
+        // Correlations exp(-d^2 / 2), d the difference of the logarithms.
+        let k = |from: f64, to: f64| (-0.5 * (from / to).ln().powi(2)).exp();
+        let expected = hyper.amplitude_std.powi(2) * (k(0.2, 10.0) - k(0.2, 1.4) * k(1.4, 10.0));
+        assert!(expected < -5e-4 && (left - expected).abs() < 1e-12, "{left} {expected}");
+    }
+}

@@ -1,0 +1,177 @@
+//! Scenarios: truths drawn from the mixture, in which several samples are evaluated jointly.
+
+use slipgrid_base::statistics::Normals;
+use slipgrid_base::statistics::cholesky::covariance_factor;
+
+use crate::discrepancy::mixture::Member;
+use crate::discrepancy::residual::{Place, ResidualBasis};
+use crate::discrepancy::rows::Basis;
+use crate::discrepancy::{Candidate, Discrepancy, Load, Sensitivity, Wanted};
+use slipgrid_base::statistics::cholesky::dot;
+
+/// Truths drawn from the mixture, with equal probabilities.
+#[derive(Clone, Debug)]
+pub struct Scenarios {
+    basis: Basis,
+    members: Vec<Member>,
+    draws: Vec<Truth>,
+    /// Deviate t of the one disc that all samples share; empty if each sample has a separate disc.
+    of_disc: Vec<f64>,
+    seed: u64,
+}
+
+/// Draw of the mixture.
+#[derive(Clone, Debug)]
+struct Truth {
+    /// Index of the member.
+    member: usize,
+    coefficients: Vec<f64>,
+    residual: ResidualDraw,
+}
+
+/// Draw of the rest of the residual, which the trials do not explain: a draw of the prior minus its regression on its
+/// values at the trials (Matheron's rule). The prior is a sum of waves of random frequencies (Rahimi and Recht 2007),
+/// drawn anew for every truth.
+#[derive(Clone, Debug)]
+struct ResidualDraw {
+    /// Frequencies and phases.
+    waves: Vec<([f64; 4], f64)>,
+    /// L^-1 of the prior draw at the places of the basis.
+    whitened: Vec<f64>,
+}
+
+/// Number of waves per draw of the residual: their sum is nearly normal, and the covariance over all draws is exact.
+const WAVES: usize = 16;
+/// Seed offsets from the truths: for shared errors, for each sample besides its number, for residuals, and for the local
+/// law.
+const OF_ALL: u64 = 1 << 32;
+const OF_SAMPLES: u64 = 2 << 32;
+const OF_RESIDUALS: u64 = 3 << 32;
+const OF_LOCAL_LAW: u64 = 4 << 32;
+
+impl ResidualDraw {
+    fn new(basis: &ResidualBasis, normals: &mut Normals) -> Self {
+        let wave = |_| {
+            let frequency = std::array::from_fn(|_| normals.draw());
+            // Uniform phase, from the argument of two normal deviates.
+            (frequency, libm::atan2(normals.draw(), normals.draw()))
+        };
+        let mut found = Self { waves: (0..WAVES).map(wave).collect(), whitened: Vec::new() };
+        let mut whitened: Vec<f64> = basis.places().iter().map(|place| found.prior(place)).collect();
+        basis.whiten(&mut whitened);
+        found.whitened = whitened;
+        found
+    }
+
+    /// sqrt(2 / J) sum_j cos(omega_j x + phi_j)
+    fn prior(&self, place: &Place) -> f64 {
+        let wave = |(omega, phase): &([f64; 4], f64)| libm::cos(dot(omega, place.coordinates()) + phase);
+        (2.0 / WAVES as f64).sqrt() * self.waves.iter().map(wave).sum::<f64>()
+    }
+}
+
+impl Scenarios {
+    /// Draws `count` truths with a seed, each member in proportion to its weight.
+    #[must_use]
+    pub fn new(discrepancy: &Discrepancy, count: usize, seed: u64) -> Self {
+        let (basis, members) = (discrepancy.basis().clone(), discrepancy.members().to_vec());
+        let p = basis.count();
+        let mut normals = Normals::new(seed);
+        let [mut of_residual, mut of_law] =
+            [OF_RESIDUALS, OF_LOCAL_LAW].map(|beyond| Normals::new(seed.wrapping_add(beyond)));
+        let [_, law] = basis.globals();
+        let mut draws = Vec::with_capacity(count);
+        let (mut place, mut reached) = (0, members.first().map_or(1.0, |member| member.weight));
+        for draw in 0..count {
+            // Systematic sampling: places (k + 1/2) / n of the cumulated weights.
+            while reached < (draw as f64 + 0.5) / count as f64 && place + 1 < members.len() {
+                place += 1;
+                reached += members[place].weight;
+            }
+            let member = &members[place];
+            let z: Vec<f64> = (0..p).map(|c| if c == law { of_law.draw() } else { normals.draw() }).collect();
+            // theta = mean + L^-T z
+            let coefficient =
+                |c: usize| member.mean[c] + (c..p).map(|row| member.inverse[row * p + c] * z[row]).sum::<f64>();
+            draws.push(Truth {
+                member: place,
+                coefficients: (0..p).map(coefficient).collect(),
+                residual: ResidualDraw::new(basis.residual_basis(), &mut of_residual),
+            });
+        }
+        Self { basis, members, draws, of_disc: Vec::new(), seed }
+    }
+
+    /// Puts all samples on one disc: they share t, drawn with `seed`.
+    #[must_use]
+    pub fn on_one_disc(mut self, seed: u64) -> Self {
+        let mut normals = Normals::new(seed);
+        let disc = |truth: &Truth| self.members[truth.member].scatter * normals.draw();
+        self.of_disc = self.draws.iter().map(disc).collect();
+        self
+    }
+
+    /// Returns for each truth whether a sample of `candidate` is on target `wanted` at `loads`. Samples with different
+    /// `number` are independent in dimensions and t, and share all other unknowns.
+    #[must_use]
+    pub fn on_target(&self, candidate: &Candidate<'_>, loads: &[Load], wanted: &Wanted, number: usize) -> Vec<bool> {
+        let [lower, upper] = wanted.over(candidate.modelled);
+        let is_on = |value: &Vec<f64>| (0..loads.len()).all(|load| (lower[load]..=upper[load]).contains(&value[load]));
+        self.log_excesses(candidate, loads, number).iter().map(is_on).collect()
+    }
+
+    /// Logarithm of the true over the modelled ratio of a sample of `candidate`, at each of `loads` for each truth.
+    pub(crate) fn log_excesses(&self, candidate: &Candidate<'_>, loads: &[Load], number: usize) -> Vec<Vec<f64>> {
+        let n = loads.len();
+        let places: Vec<Place> = loads.iter().map(|load| self.basis.place(&candidate.features, load)).collect();
+        let explained: Vec<Vec<f64>> = places.iter().map(|place| self.basis.residual(place)).collect();
+        let amplitude = self.basis.hyper().amplitude_std;
+        // c beyond the trials: f(x) - w(x)^T L^-1 f(trials)
+        let residual_left = |draw: &ResidualDraw, load: usize| {
+            amplitude * draw.prior(&places[load]) - dot(&explained[load], &draw.whitened)
+        };
+        let of = |member: &Member| {
+            let form = member.value(&candidate.features);
+            let at = loads.iter().zip(candidate.sensitivity);
+            let row = |load, own| self.basis.row(form, member.residual, &candidate.features, load, own);
+            let shifts = candidate.dimension_shifts.iter();
+            let log_forms: Vec<f64> = shifts.map(|shift| shift.log_form(&member.form, &candidate.features)).collect();
+            (form, at.map(|(load, own)| row(load, *own)).collect::<Vec<_>>(), log_forms)
+        };
+        let members: Vec<(f64, Vec<Vec<f64>>, Vec<f64>)> = self.members.iter().map(of).collect();
+        let left: Vec<f64> = loads.iter().flat_map(|a| loads.iter().map(|b| self.basis.humidity_left(a, b))).collect();
+        let common = candidate.covariance;
+        let common = if common.is_empty() { vec![0.0; n * n] } else { common.to_vec() };
+        let [left, common] = [left, common].map(|covariance| covariance_factor(&covariance, n));
+        let [mut of_all, mut of_own] =
+            [OF_ALL, OF_SAMPLES + number as u64].map(|beyond| Normals::new(self.seed.wrapping_add(beyond)));
+        let drawn = |factor: &[f64], normals: &mut Normals| -> Vec<f64> {
+            let z: Vec<f64> = (0..n).map(|_| normals.draw()).collect();
+            (0..n).map(|load| dot(&factor[load * n..][..=load], &z)).collect()
+        };
+        let globals = self.basis.globals();
+        let prior_mean: Vec<f64> = candidate.sensitivity.iter().map(Sensitivity::prior_mean).collect();
+        let mut log_excess = |(draw, truth): (usize, &Truth)| {
+            let (form, rows, log_forms) = &members[truth.member];
+            let member = &self.members[truth.member];
+            let [left, common] = [&left, &common].map(|factor| drawn(factor, &mut of_all));
+            let deviates: Vec<f64> = candidate.dimension_shifts.iter().map(|_| of_own.draw()).collect();
+            // ln h as made - ln h as designed
+            let log_form = dot(log_forms, &deviates);
+            let own_t = member.scatter * of_own.draw();
+            let t = self.of_disc.get(draw).copied().unwrap_or(own_t);
+            let at = |load: usize| {
+                let of_globals: f64 = globals.map(|place| rows[load][place] * truth.coefficients[place]).iter().sum();
+                let rest = form * (left[load] + member.residual * residual_left(&truth.residual, load));
+                let of_form = dot(&rows[load], &truth.coefficients) - of_globals + rest;
+                let shifts = candidate.dimension_shifts.iter().zip(&deviates);
+                let of_dimensions: f64 = shifts.map(|(shift, z)| shift.log_ratio[load] * z).sum();
+                // y = D h' / h + eps g + lambda d + shared errors + d ln R + t
+                let of_globals = of_globals + prior_mean[load];
+                of_form * (1.0 + log_form) + of_globals + common[load] + of_dimensions + t
+            };
+            (0..n).map(at).collect()
+        };
+        self.draws.iter().enumerate().map(&mut log_excess).collect()
+    }
+}

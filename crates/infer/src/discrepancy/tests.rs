@@ -1,0 +1,344 @@
+use slipgrid_base::monitor::{Cancelled, Monitor, Unwatched};
+use slipgrid_base::statistics::{Normals, normal_probability, normal_quantile};
+use slipgrid_model::pattern::{Pattern, Planform};
+
+use super::*;
+
+mod chances;
+mod come_true;
+
+fn groove(width_um: f64, spacing_um: f64, depth_um: f64) -> Features {
+    let [width_m, spacing_m, depth_m] = [width_um, spacing_um, depth_um].map(|length| length * 1e-6);
+    Features::from(&Pattern::new(Planform::Groove, width_m, spacing_m, depth_m).unwrap())
+}
+
+fn load(pressure_mpa: f64, speed_mm_s: f64, humidity_pct: f64) -> Load {
+    Load { pressure_pa: pressure_mpa * 1e6, speed_m_s: speed_mm_s * 1e-3, humidity: humidity_pct / 100.0 }
+}
+
+fn loads() -> Vec<Load> {
+    [0.65, 1.3, 1.95, 2.6].map(|pressure_mpa| load(pressure_mpa, 2.0, 40.0)).to_vec()
+}
+
+/// Trial with the true discrepancy `truth` at each of `loads`, measured with `noise` of each kind.
+fn trial(name: &str, features: Features, loads: &[Load], noise: f64, truth: &mut dyn FnMut(usize) -> f64) -> Trial {
+    let measured = |(place, load): (usize, &Load)| Measured {
+        load: *load,
+        measured: 0.9 * truth(place).exp(),
+        modelled: 0.9,
+        patterned_std: noise,
+        flat_std: noise,
+        sensitivity: Sensitivity::of_modulus(0.1 + 0.02 * place as f64),
+    };
+    let measured = loads.iter().enumerate().map(measured).collect();
+    Trial {
+        name: name.to_owned(),
+        features,
+        sample_std: None,
+        disc: None,
+        measured,
+        dimensions_std_m: [0.0; 3],
+        dimension_shifts: Vec::new(),
+    }
+}
+
+/// Error of a dimension that changes the modelled ratio only.
+fn physics_alone(features: Features, log_ratio: Vec<f64>) -> DimensionShift {
+    DimensionShift { log_ratio, above: features, below: None }
+}
+
+/// Sensitivities of textures to Young's modulus only.
+fn moduli<const N: usize>(slopes: [f64; N]) -> [Sensitivity; N] {
+    slopes.map(Sensitivity::of_modulus)
+}
+
+fn discrepancy(trials: Vec<Trial>) -> Discrepancy {
+    Discrepancy::new(Hyperparameters::default(), Conditions::default(), 0.2, trials).unwrap()
+}
+
+fn prior() -> Discrepancy {
+    discrepancy(Vec::new())
+}
+
+#[test]
+fn without_cavities_there_is_no_discrepancy() {
+    let trials = vec![trial("A", groove(100.0, 300.0, 10.0), &loads(), 0.01, &mut |_| -0.2)];
+    for known in [prior(), discrepancy(trials)] {
+        let own = known.sample_std();
+        let nothing = Features { areal_density: 0.0, edge_1_m: 0.0, ..groove(100.0, 300.0, 10.0) };
+        let mut last = f64::INFINITY;
+        // Ever fewer grooves, finally none; the scatter of a sample remains.
+        for features in [1e2, 1e5, 1e8].map(|spacing_um| groove(100.0, spacing_um, 10.0)).into_iter().chain([nothing]) {
+            let (mean, std) = known.at(&loads()).predict(&features, &moduli([0.0; 4])).moments(2);
+            let off = mean.abs() + (std * std - own * own).abs();
+            assert!(off < last || off == 0.0, "{off} after {last}");
+            last = off;
+        }
+        assert!(last <= 1e-12, "{last}");
+    }
+}
+
+#[test]
+fn before_any_trial_the_prior_is_what_is_believed() {
+    let hyper = Hyperparameters::default();
+    let at = load(1.5, 2.0, 40.0);
+    let found = prior().at(&[at]).predict(&hyper.reference, &moduli([0.3]));
+    let (mean, std) = found.moments(0);
+    // q = 0.65 / 1.5 - 1/2; every form is 1 at the reference, and the residual has the variance of alpha times its size.
+    let q: f64 = 0.65 / 1.5 - 0.5;
+    let mean_square = |all: &[(f64, f64)]| all.iter().map(|(size, weight)| weight * size * size).sum::<f64>();
+    let of_form = 0.2_f64.powi(2) * (1.0 + mean_square(&hyper.residuals)) + (0.08 * q).powi(2) + 0.1_f64.powi(2);
+    let scatter = (0.7 + 0.2 * 0.0625 + 0.07 * 9.0 + 0.03 * 100.0) * 0.02_f64.powi(2);
+    let variance = mean_square(&hyper.scales) * of_form + (0.2 * 0.3_f64).powi(2) + scatter;
+    assert!(mean.abs() < 1e-15 && (std * std / variance - 1.0).abs() < 1e-12, "{mean} {std}");
+    // A mixture of scales has more weight in the middle and in the tails than one normal distribution.
+    assert!(found.quantile(0, 0.995) > 2.6 * std && found.quantile(0, 0.75) < 0.67 * std);
+    assert!((prior().forms().iter().map(|of| of.weight).sum::<f64>() - 1.0).abs() < 1e-12);
+    assert!((prior().sample_std() - scatter.sqrt()).abs() < 1e-15);
+}
+
+/// Tests that regression of the coefficients and conditioning of the measurements give one answer.
+#[test]
+fn coefficients_and_measurements_say_the_same() {
+    let mut normals = Normals::new(3);
+    let textures = [groove(100.0, 300.0, 10.0), groove(40.0, 90.0, 25.0), groove(210.0, 160.0, 4.0)];
+    let places: Vec<Vec<Load>> = [[0.65, 15.0], [1.3, 40.0], [2.6, 60.0]]
+        .map(|[pressure, humidity]| [2.0, 5.0].map(|speed| load(pressure, speed, humidity)).to_vec())
+        .to_vec();
+    let all: Vec<Trial> = textures
+        .iter()
+        .zip(&places)
+        .enumerate()
+        .map(|(place, (features, loads))| {
+            let mut of = trial(&place.to_string(), *features, loads, 0.01, &mut |_| -0.1 + 0.05 * normals.draw());
+            of.dimension_shifts = vec![physics_alone(*features, vec![0.01, 0.012])];
+            for (at, change) in of.measured.iter_mut().zip([0.08, -0.03]) {
+                at.sensitivity.local_law = change;
+            }
+            of
+        })
+        .collect();
+    let left = leave_out(&discrepancy(all.clone()), LeftOut::TrialAndLater, &Unwatched).unwrap();
+    for last in 0..3 {
+        let known = discrepancy(all[..last].to_vec());
+        let wanted = &all[last];
+        // Measurement errors: of the sample, of the flat sample and of the dimensions.
+        let mut errors = vec![0.0; 4];
+        for l in 0..2 {
+            for m in 0..2 {
+                errors[2 * l + m] = wanted.dimension_shifts[0].log_ratio[l] * wanted.dimension_shifts[0].log_ratio[m];
+            }
+            errors[3 * l] += 2.0 * 0.01_f64.powi(2);
+        }
+        let sensitivity: Vec<Sensitivity> = wanted.measured.iter().map(|at| at.sensitivity).collect();
+        let found = known.at(&places[last]).predict(&wanted.features, &sensitivity).with(&errors);
+        for row in 0..2 {
+            let other = left.iter().find(|of| (of.trial, of.row) == (last, row)).unwrap();
+            for (p, expected) in [(0.5, other.median), (0.025, other.interval_95[0]), (0.84, other.interval_68[1])] {
+                assert!((found.quantile(row, p) - expected).abs() < 1e-9, "{last} {row} {p}");
+            }
+        }
+    }
+}
+
+/// Compares with N(y; 0, K) by the dense covariance of the measurements, for each form.
+#[test]
+fn weights_are_prior_times_evidence() {
+    let of = |truth: f64| [-0.2, -0.21, -0.19, -0.2].map(move |off: f64| off * truth);
+    let (first, second) = (of(1.0), of(0.5));
+    let found = discrepancy(vec![
+        trial("A", groove(100.0, 300.0, 10.0), &loads(), 0.01, &mut |place| first[place]),
+        trial("B", groove(60.0, 420.0, 10.0), &loads(), 0.01, &mut |place| second[place]),
+    ]);
+    let rows: Vec<_> = found.rows().collect();
+    let n = rows.len();
+    let evidences: Vec<f64> = found
+        .members()
+        .iter()
+        .map(|member| {
+            let noise = found.noise(member.scatter, &|_, _| 0.0);
+            let phi: Vec<Vec<f64>> = rows
+                .iter()
+                .map(|(trial, at)| {
+                    let features = &found.trials()[*trial].features;
+                    let form = member.value(features);
+                    found.basis().row(form, member.residual, features, &at.load, at.sensitivity)
+                })
+                .collect();
+            let dense: Vec<f64> = (0..n * n)
+                .map(|e| noise[e] + slipgrid_base::statistics::cholesky::dot(&phi[e / n], &phi[e % n]))
+                .collect();
+            let factor = slipgrid_base::statistics::cholesky::cholesky(&dense, n).unwrap();
+            let mut y: Vec<f64> = rows.iter().map(|(_, at)| at.log_excess()).collect();
+            slipgrid_base::statistics::cholesky::solve_lower(&factor, n, &mut y);
+            member.prior
+                * (-0.5
+                    * (slipgrid_base::statistics::cholesky::dot(&y, &y)
+                        + slipgrid_base::statistics::cholesky::log_determinant(&factor, n)))
+                .exp()
+        })
+        .collect();
+    let sum: f64 = evidences.iter().sum();
+    for (own, evidence) in found.members().iter().zip(evidences) {
+        assert!((own.weight - evidence / sum).abs() < 1e-10, "{:?}", own.form);
+    }
+}
+
+/// Tests trials generated by a form of the mixture: its family wins, and textures without trials are predicted.
+#[test]
+fn a_hidden_mechanism_is_found() {
+    let textures = [
+        groove(100.0, 300.0, 10.0),
+        groove(30.0, 370.0, 10.0),
+        groove(200.0, 300.0, 10.0),
+        groove(20.0, 30.0, 10.0),
+        groove(200.0, 200.0, 30.0),
+        groove(60.0, 60.0, 3.0),
+    ];
+    let unseen = [groove(150.0, 350.0, 20.0), groove(40.0, 360.0, 5.0), groove(25.0, 75.0, 12.0)];
+    for form in [Form::Density, Form::Edge, Form::Saturating { scale: 0.08 }, Form::DepthDensity { scale_m: 10e-6 }] {
+        let truth = |of: &Features| -0.08 * form.value(of) / form.value(&Hyperparameters::default().reference);
+        let mut normals = Normals::new(11);
+        let all: Vec<Trial> = textures
+            .iter()
+            .map(|of| trial("", *of, &loads(), 0.005, &mut |_| truth(of) + 0.007 * normals.draw()))
+            .collect();
+        let found = discrepancy(all);
+        let share: f64 = found.forms().iter().filter(|of| of.form.family() == form.family()).map(|of| of.weight).sum();
+        assert!(share > 0.8, "{form:?}: {share}");
+        for of in &unseen {
+            let prediction = found.at(&loads()).predict(of, &moduli([0.1; 4]));
+            let (mean, std) = prediction.moments(1);
+            assert!((mean - truth(of)).abs() < 3.0 * std && std < 0.05, "{form:?} {mean} {std} {}", truth(of));
+        }
+    }
+}
+
+#[test]
+fn the_order_of_trials_changes_nothing_but_rounding() {
+    let mut all = Vec::new();
+    for (place, texture) in [groove(100.0, 300.0, 10.0), groove(30.0, 100.0, 5.0)].into_iter().enumerate() {
+        all.push(trial("", texture, &loads(), 0.01, &mut |row| -0.1 - 0.02 * (place + row) as f64));
+    }
+    let forward = discrepancy(all.clone()).at(&loads()).predict(&groove(50.0, 200.0, 8.0), &moduli([0.1; 4]));
+    all.reverse();
+    let backward = discrepancy(all).at(&loads()).predict(&groove(50.0, 200.0, 8.0), &moduli([0.1; 4]));
+    for load in 0..4 {
+        assert!((forward.quantile(load, 0.5) - backward.quantile(load, 0.5)).abs() < 1e-10);
+    }
+}
+
+#[test]
+fn a_flat_sample_measured_once_is_off_alike_in_all_trials() {
+    // Two trials of one condition differ by measurement errors alone; at different conditions also by both flat samples.
+    let shared = |second: Load| {
+        let first = load(1.3, 2.0, 40.0);
+        let textures = [groove(100.0, 300.0, 10.0), groove(100.0, 300.0, 10.0)];
+        let all = textures.iter().zip([first, second]).map(|(of, at)| trial("", *of, &[at], 0.03, &mut |_| -0.2));
+        let hyper = Hyperparameters { sample_std: 0.005, ..Hyperparameters::default() };
+        let known = Discrepancy::new(hyper, Conditions::default(), 0.2, all.collect()).unwrap();
+        known.at(&[first]).predict(&textures[0], &moduli([0.1])).moments(0).1
+    };
+    let (same, other) = (shared(load(1.3, 2.0, 40.0)), shared(load(1.3, 2.000_1, 40.0)));
+    assert!(same > 1.1 * other, "{same} {other}");
+}
+
+/// Tests one coefficient of variance A^2 and two trials of one texture, each with disc variance s^2 and individual
+/// variance e^2.
+#[test]
+fn two_trials_of_one_disc_tell_less_of_the_mean_and_more_of_their_difference() {
+    let (a2, s2, e2) = (0.2_f64.powi(2), 0.03_f64.powi(2), 0.01_f64.powi(2));
+    let one = vec![(1.0, 1.0)];
+    let hyper = Hyperparameters {
+        pressure_std: 0.0,
+        inverse_pressure_std: 0.0,
+        speed_std: 0.0,
+        humidity_std: 0.0,
+        scales: one.clone(),
+        residuals: vec![(0.0, 1.0)],
+        sample_std: s2.sqrt(),
+        scatters: one.clone(),
+        forms: vec![(Form::Density, 1.0)],
+        ..Hyperparameters::default()
+    };
+    let (at, texture) = ([load(1.3, 2.0, 40.0)], hyper.reference);
+    let cut = |disc: [Option<&str>; 2]| {
+        let of = |(place, disc): (usize, Option<&str>)| {
+            let mut cut = trial(&place.to_string(), texture, &at, e2.sqrt(), &mut |_| -0.1);
+            cut.measured[0].flat_std = 0.0;
+            Trial { disc: disc.map(str::to_owned), ..cut }
+        };
+        Discrepancy::new(hyper.clone(), Conditions::default(), 0.0, disc.into_iter().enumerate().map(of).collect())
+            .unwrap()
+    };
+    // A third sample, on a separate disc: 1 / (1 / A^2 + 1 / V) + s^2, V the variance of the mean of the two.
+    let third = |known: &Discrepancy| known.at(&at).predict(&texture, &moduli([0.0])).moments(0).1.powi(2);
+    let expected = |mean: f64| 1.0 / (1.0 / a2 + 1.0 / mean) + s2;
+    // The second given the first: K - C^2 / K with K = A^2 + s^2 + e^2 and C their covariance.
+    let second = |known: &Discrepancy| {
+        let all = leave_out(known, LeftOut::TrialAndLater, &Unwatched).unwrap();
+        let [low, high] = all.iter().find(|of| of.trial == 1).unwrap().interval_95;
+        ((high - low) / (2.0 * slipgrid_base::statistics::normal_quantile(0.975))).powi(2)
+    };
+    let (k, apart, together) = (a2 + s2 + e2, cut([Some("A"), Some("B")]), cut([Some("A"), Some("A")]));
+    for (known, mean, shared) in [(&together, s2 + e2 / 2.0, a2 + s2), (&apart, (s2 + e2) / 2.0, a2)] {
+        assert!((third(known) / expected(mean) - 1.0).abs() < 1e-10, "{} {}", third(known), expected(mean));
+        assert!((second(known) / (k - shared * shared / k) - 1.0).abs() < 1e-8, "{}", second(known));
+    }
+    assert!(third(&together) > 1.3 * third(&apart) && second(&together) < 0.2 * second(&apart));
+    // Trials without a disc name have separate discs.
+    for other in [[None, None], [Some("A"), None]] {
+        assert_eq!(third(&cut(other)).to_bits(), third(&apart).to_bits());
+    }
+}
+
+#[test]
+fn an_unmeasured_humidity_lies_between_what_is_known_and_the_prior() {
+    let hyper = Hyperparameters { sample_std: 0.005, scatters: vec![(1.0, 1.0)], ..Hyperparameters::default() };
+    let trials = vec![trial("", groove(100.0, 300.0, 10.0), &loads(), 0.002, &mut |_| -0.2)];
+    let known = Discrepancy::new(hyper, Conditions::default(), 0.2, trials).unwrap();
+    let std = |humidity_pct: f64| {
+        known.at(&[load(1.3, 2.0, humidity_pct)]).predict(&groove(100.0, 300.0, 10.0), &moduli([0.1])).moments(0).1
+    };
+    let stds = [40.0, 45.0, 60.0, 100.0].map(std);
+    assert!(stds.is_sorted() && stds[0] < 0.01 && stds[3] > 5.0 * stds[0], "{stds:?}");
+}
+
+#[test]
+fn a_trial_teaches_of_the_form_where_forms_differ() {
+    // After one trial at a texture, all forms agree there, but differ at other textures.
+    let here = groove(100.0, 300.0, 10.0);
+    let known = discrepancy(vec![trial("", here, &loads(), 0.005, &mut |_| -0.2)]);
+    let predictor = known.at(&loads());
+    let of = |texture: &Features| information(&predictor.predict(texture, &moduli([0.1; 4])), 0.01);
+    let (again, far) = (of(&here), of(&groove(20.0, 30.0, 25.0)));
+    assert!(far > 0.3 && again < 0.1 * far, "{again} {far}");
+}
+
+#[test]
+fn numbers_without_meaning_are_named() {
+    let mut of = trial("third cut", groove(100.0, 300.0, 10.0), &loads(), 0.01, &mut |_| -0.1);
+    of.measured[2].measured = -0.4;
+    let refused = Discrepancy::new(Hyperparameters::default(), Conditions::default(), 0.2, vec![of]).unwrap_err();
+    assert_eq!(
+        refused.to_string(),
+        "measured ratio of trial third cut at its row 3 is -0.4, and must be positive and finite"
+    );
+    let hyper = Hyperparameters { residual_length: 0.0, ..Hyperparameters::default() };
+    let refused = Discrepancy::new(hyper, Conditions::default(), 0.2, Vec::new()).unwrap_err();
+    assert_eq!(refused.to_string(), "residual_length is 0, and must be positive and finite");
+}
+
+#[test]
+fn leaving_out_ends_when_the_monitor_cancels() {
+    struct Pressed;
+    impl Monitor for Pressed {
+        fn cancelled(&self) -> bool {
+            true
+        }
+    }
+    let known = discrepancy(vec![trial("A", groove(100.0, 300.0, 10.0), &loads(), 0.01, &mut |_| -0.2)]);
+    for by in [LeftOut::Trial, LeftOut::Condition, LeftOut::TrialAndLater] {
+        assert_eq!(leave_out(&known, by, &Pressed), Err(Cancelled));
+    }
+}

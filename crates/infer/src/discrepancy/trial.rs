@@ -1,0 +1,157 @@
+//! Trials: samples that were cut and measured.
+
+use crate::discrepancy::{DiscrepancyError, Features, Form, Load};
+
+/// Sample that was cut and measured.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Trial {
+    /// Name of the trial.
+    pub name: String,
+    /// Features of the texture, as measured or as designed.
+    pub features: Features,
+    /// Standard deviation of t, if known; otherwise the hyperparameter is used.
+    pub sample_std: Option<f64>,
+    /// Name of the disc; trials of one disc share t. `None` for a separate disc.
+    pub disc: Option<String>,
+    /// Measurements of the sample.
+    pub measured: Vec<Measured>,
+    /// Standard errors of width, spacing and depth, in metres; 0 if exact.
+    pub dimensions_std_m: [f64; 3],
+    /// Independent errors of the dimensions, at the loads of `measured`; empty if the dimensions are exact.
+    pub dimension_shifts: Vec<DimensionShift>,
+}
+
+/// Effect of one standard deviation of one independent error of a sample's dimensions.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DimensionShift {
+    /// Change of the modelled ln R at each load.
+    pub log_ratio: Vec<f64>,
+    /// Features of the texture with the dimensions one standard deviation above.
+    pub above: Features,
+    /// Features of the texture with the dimensions one standard deviation below; `None` if only one side is known.
+    pub below: Option<Features>,
+}
+
+impl DimensionShift {
+    /// Transfers the error to a sample with the features `to`, which are near `from`.
+    #[must_use]
+    pub fn about(&self, from: &Features, to: &Features) -> Self {
+        let moved = |own: &Features| Features {
+            areal_density: own.areal_density + to.areal_density - from.areal_density,
+            edge_1_m: own.edge_1_m + to.edge_1_m - from.edge_1_m,
+            width_m: own.width_m + to.width_m - from.width_m,
+            pitch_m: own.pitch_m + to.pitch_m - from.pitch_m,
+            depth_m: own.depth_m + to.depth_m - from.depth_m,
+        };
+        Self { log_ratio: self.log_ratio.clone(), above: moved(&self.above), below: self.below.as_ref().map(moved) }
+    }
+
+    /// Change of ln h for a texture with the features `own`; 0 for a texture without cavities.
+    #[must_use]
+    pub fn log_form(&self, form: &Form, own: &Features) -> f64 {
+        let log = |of: &Features| libm::log(form.value(of));
+        let change = match &self.below {
+            Some(below) => 0.5 * (log(&self.above) - log(below)),
+            None => log(&self.above) - log(own),
+        };
+        if change.is_finite() { change } else { 0.0 }
+    }
+
+    /// Mean of h over h as designed, to second order; 1 if only one side is known.
+    #[must_use]
+    pub fn mean_form(&self, form: &Form, own: &Features) -> f64 {
+        let mean = |below: &Features| 0.5 * (form.value(&self.above) + form.value(below)) / form.value(own);
+        self.below.as_ref().map(mean).filter(|mean| mean.is_finite()).unwrap_or(1.0)
+    }
+}
+
+/// Measured ratio of patterned to flat friction, with the modelled ratio.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Measured {
+    /// Pressure, speed and humidity. Measurements of one condition share the flat sample's error.
+    pub load: Load,
+    /// Measured ratio.
+    pub measured: f64,
+    /// Modelled ratio.
+    pub modelled: f64,
+    /// Relative standard error of the patterned sample's friction.
+    pub patterned_std: f64,
+    /// Relative standard error of the flat sample's friction.
+    pub flat_std: f64,
+    /// Sensitivity of ln R to unknowns shared by all textures.
+    pub sensitivity: Sensitivity,
+}
+
+/// Sensitivity of ln R of a texture to the unknowns shared by all textures.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Sensitivity {
+    /// g = d ln R / d ln E.
+    pub modulus: f64,
+    /// d: ln R with local friction by the local pressure, minus ln R as modelled; 0 if flat friction follows the area
+    /// law.
+    pub local_law: f64,
+}
+
+impl Sensitivity {
+    /// Sensitivity to Young's modulus only.
+    #[must_use]
+    pub const fn of_modulus(modulus: f64) -> Self {
+        Self { modulus, local_law: 0.0 }
+    }
+}
+
+impl Measured {
+    /// ln(measured / modelled).
+    #[must_use]
+    pub fn log_excess(&self) -> f64 {
+        libm::log(self.measured / self.modelled)
+    }
+}
+
+impl Trial {
+    /// Checks that all numbers are valid.
+    ///
+    /// # Errors
+    /// [`DiscrepancyError::Measured`] of the first invalid number.
+    pub(crate) fn check(&self) -> Result<(), DiscrepancyError> {
+        for (row, at) in self.measured.iter().enumerate() {
+            let refuse = |quantity, value, expected| {
+                Err(DiscrepancyError::Measured { trial: self.name.clone(), row: row + 1, quantity, value, expected })
+            };
+            for (quantity, value) in [
+                ("pressure in pascals", at.load.pressure_pa),
+                ("speed in m/s", at.load.speed_m_s),
+                ("measured ratio", at.measured),
+                ("modelled ratio", at.modelled),
+            ] {
+                if !(value > 0.0 && value.is_finite()) {
+                    return refuse(quantity, value, "positive and finite");
+                }
+            }
+            for (quantity, value) in [
+                ("humidity", at.load.humidity),
+                ("error of the patterned sample", at.patterned_std),
+                ("error of the flat sample", at.flat_std),
+            ] {
+                if !(0.0..=1.0).contains(&value) {
+                    return refuse(quantity, value, "from 0 to 1");
+                }
+            }
+            for (quantity, value) in [
+                ("sensitivity to the modulus", at.sensitivity.modulus),
+                ("change by the local law", at.sensitivity.local_law),
+            ] {
+                if !value.is_finite() {
+                    return refuse(quantity, value, "finite");
+                }
+            }
+            for shift in &self.dimension_shifts {
+                let change = shift.log_ratio.get(row).copied().unwrap_or(f64::NAN);
+                if !change.is_finite() {
+                    return refuse("change by an error of a dimension", change, "finite, one a measurement");
+                }
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,84 @@
+//! Job scripts that run the workers of a campaign on a cluster.
+
+use std::path::Path;
+
+use crate::formats::Diagnostic;
+
+/// A cluster engine.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Engine {
+    /// Slurm: a job array.
+    Slurm,
+    /// HyperQueue: a task array.
+    HyperQueue,
+}
+
+impl Engine {
+    /// All engines.
+    pub const EACH: [Self; 2] = [Self::Slurm, Self::HyperQueue];
+
+    /// Name of the engine.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Slurm => "slurm",
+            Self::HyperQueue => "hyperqueue",
+        }
+    }
+
+    /// Script that runs `workers` workers with `threads` threads each on the campaign in `folder`, with at most
+    /// `at_once` of them at a time. The program is `slipgrid`, or the one in the variable SLIPGRID.
+    ///
+    /// # Errors
+    /// See [`check_folder_name`](Self::check_folder_name).
+    pub fn script(
+        self,
+        folder: &Path,
+        workers: usize,
+        threads: usize,
+        at_once: Option<usize>,
+    ) -> Result<String, Diagnostic> {
+        let folder = format!("'{}'", Self::check_folder_name(folder)?.replace('\'', "'\\''"));
+        let (engine, at_once) = (self.name(), at_once.unwrap_or(workers).min(workers));
+        let run = |threads: &str, number: &str| {
+            format!(
+                "exec \"${{SLIPGRID:-slipgrid}}\" --threads {threads} --quiet campaign work {folder} --share \"{number}/{workers}\"\n"
+            )
+        };
+        Ok(match self {
+            Self::Slurm => format!(
+                "#!/bin/bash\n\
+                 # By slipgrid: sbatch {engine}.sh, and in the end slipgrid campaign merge {folder}\n\
+                 #SBATCH --job-name=slipgrid\n\
+                 #SBATCH --array=1-{workers}%{at_once}\n\
+                 #SBATCH --ntasks=1\n\
+                 #SBATCH --cpus-per-task={threads}\n\
+                 {}",
+                run(&format!("\"${{SLURM_CPUS_PER_TASK:-{threads}}}\""), "$SLURM_ARRAY_TASK_ID")
+            ),
+            // HyperQueue reads these lines as options of submit; the number of concurrent workers is limited by the
+            // resources.
+            Self::HyperQueue => format!(
+                "#!/bin/bash\n\
+                 # By slipgrid: hq submit {engine}.sh, and in the end slipgrid campaign merge {folder}\n\
+                 #HQ --name=slipgrid\n\
+                 #HQ --array=1-{workers}\n\
+                 #HQ --cpus={threads}\n\
+                 {}",
+                run(&threads.to_string(), "$HQ_TASK_ID")
+            ),
+        })
+    }
+
+    /// Checks that the name of `folder` can be part of a script; a line break in it would begin a line of the script.
+    ///
+    /// # Errors
+    /// [`Diagnostic`] for a name with control characters, or one that is not UTF-8.
+    pub fn check_folder_name(folder: &Path) -> Result<&str, Diagnostic> {
+        folder.to_str().filter(|name| !name.contains(char::is_control)).ok_or_else(|| {
+            let reason = "cannot stand in a job script";
+            Diagnostic::flag("--output", folder.to_string_lossy(), reason)
+                .expected("a folder without control characters in its path, in UTF-8")
+        })
+    }
+}

@@ -1,0 +1,37 @@
+//! Errors of planning, working on or merging a campaign.
+
+use std::io;
+use std::path::PathBuf;
+
+use crate::formats::Diagnostic;
+
+/// Reason why a campaign could not be planned, worked on or merged.
+#[derive(Debug, thiserror::Error)]
+pub enum CampaignError {
+    /// A file was refused.
+    #[error(transparent)]
+    Refused(#[from] Diagnostic),
+    /// Results in the campaign's folder are damaged.
+    #[error("{} damaged {}; `slipgrid campaign work` on the same folder does their tasks again:{}",
+        .0.len(), if .0.len() == 1 { "result" } else { "results" }, lines(.0))]
+    Damaged(Vec<Diagnostic>),
+    /// A file could not be written.
+    #[error("{path}: cannot be written: {source}", path = path.display())]
+    Unwritable {
+        /// The file.
+        path: PathBuf,
+        /// Error of the operating system.
+        source: io::Error,
+    },
+    /// The monitor asked to stop.
+    #[error("stopped")]
+    Cancelled,
+    /// Another error.
+    #[error("{0}")]
+    Failed(String),
+}
+
+/// One line per diagnostic.
+fn lines(damaged: &[Diagnostic]) -> String {
+    damaged.iter().map(|one| format!("\n  {one}")).collect()
+}

@@ -1,0 +1,280 @@
+//! Planning: from a campaign file to its tasks.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+use std::sync::Arc;
+
+use crate::formats::calibrated::{Uncalibrated, complete};
+use crate::formats::calibration::Calibration;
+use crate::formats::confirmed_scene::steady_scene;
+use crate::formats::design::Design;
+use crate::formats::file_kind::FileKind;
+use crate::formats::run::Overrides;
+use crate::formats::scene::SceneInput;
+use crate::formats::source::{Source, read_text};
+use crate::formats::{Diagnostic, Document};
+use rayon::prelude::*;
+use serde::Deserialize;
+use serde_json::Value as Json;
+use slipgrid_base::monitor::{Monitor, Stage};
+use slipgrid_base::units::LENGTH_UM;
+use slipgrid_design::results::{SCHEMA, VERSION};
+use slipgrid_design::{DesignError, DesignTask, Expense, cost_line, lattice};
+use slipgrid_infer::calibrate::Selection;
+use slipgrid_model::pattern::Pattern;
+use toml::{Spanned, Table, Value};
+
+use crate::campaign::CampaignError;
+use crate::campaign::inputs::{Contents, ReadOnce, RecordedFiles};
+use crate::campaign::records::{Campaign, Kind, Task};
+use crate::campaign::varied::{MAX_TASKS, Row, Varied, combinations};
+
+/// Tables of a scene.
+const SCENE_TABLES: [&str; 6] = ["material", "pattern", "sample", "load", "condition", "run"];
+/// Kinds of work on a design.
+const WORK: [&str; 2] = ["search", "table"];
+
+/// A campaign with its tasks and input files.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Planned {
+    /// Data common to all tasks.
+    pub campaign: Campaign,
+    /// Distinct tasks.
+    pub tasks: Vec<Task>,
+    /// Contents of the input files, by hash.
+    pub contents: Contents,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct CampaignFile {
+    /// Name of the campaign; the file's name when absent.
+    name: Option<String>,
+    /// Path of a scene or a design.
+    base: Spanned<String>,
+    /// Work on a design: `search`, or `table` for every design of its table as a steady scene; `search` when absent.
+    work: Option<Spanned<String>>,
+    /// One table for each key that varies independently; every combination of all grids is a task.
+    #[serde(default)]
+    grid: Vec<Spanned<GridFile>>,
+    /// Rows of keys that vary together, each combined with all grids.
+    #[serde(default)]
+    list: Vec<Spanned<BTreeMap<String, Spanned<Value>>>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct GridFile {
+    /// Dotted key of the base, present there or not.
+    pub(crate) key: Spanned<String>,
+    /// Values of the key.
+    pub(crate) values: Vec<Spanned<Value>>,
+}
+
+/// Plans the campaign file at `path`. Every task is read as its command would read it, so that errors are found now.
+/// `monitor` receives progress.
+///
+/// # Errors
+/// [`CampaignError`] for any error in the campaign or in one of its tasks.
+pub fn plan(files: &Source, path: &Path, monitor: &dyn Monitor) -> Result<Planned, CampaignError> {
+    let text = read_text(files, path, FileKind::Campaign.expected())?;
+    FileKind::Campaign.require(path, &text)?;
+    let document = Document::within(files, path, text);
+    let file: CampaignFile = document.parse()?;
+    let varied = Varied::new(&document, &file.grid, &file.list)?;
+    let name = file.name.clone().unwrap_or_else(|| document.stem());
+    let base_path = document.resolve(file.base.get_ref());
+    let folder = base_path.parent().unwrap_or(Path::new(""));
+    let base_name = base_path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let (kind, text, base_rows) = base(files, &document, &file, &base_path, monitor)?;
+    check_keys(&varied, kind, &text, &base_rows)?;
+    let rows = combinations(varied.rows.clone(), &base_rows);
+    if rows.len() > MAX_TASKS {
+        return Err(document.refuse(file.base.span(), "has more than a million tasks").expected("fewer values").into());
+    }
+    let mut keys = varied.keys.clone();
+    keys.extend(base_rows.iter().flat_map(Row::keys).cloned().collect::<BTreeSet<_>>());
+    let (program, inputs) = ("slipgrid".to_owned(), BTreeMap::new());
+    let version = VERSION.to_owned();
+    let mut campaign = Campaign { program, version, schema: SCHEMA, name, kind, base: base_name, text, keys, inputs };
+
+    let stage = Stage::new(monitor, "tasks", None);
+    let read_once = ReadOnce::new(Arc::clone(files));
+    let probes = if rows.len() < PROBES * PROBES { 0 } else { PROBES };
+    let share = 1.0 / (rows.len() + probes).max(1) as f64;
+    let one = |values: &Row| {
+        stage.heed().map_err(|_| CampaignError::Cancelled)?;
+        let noted = RecordedFiles::new(&read_once, folder);
+        let source: Source = Arc::clone(&noted) as Source;
+        let placed = |refused: Diagnostic| {
+            // If the base is refused without any values as well, the error refers to the base.
+            let alone = check(kind, &source, &base_path, &campaign.text, monitor).err();
+            let is_base =
+                |own: &Diagnostic| base_rows.is_empty() && own.key == refused.key && own.reason == refused.reason;
+            let of_value = || varied.locate(&refused, values, &base_path);
+            alone.filter(is_base).or_else(of_value).unwrap_or_else(|| without_line(refused.clone(), values))
+        };
+        let text = campaign.text_with(values).map_err(|(key, reason)| {
+            let at = Diagnostic::file(&base_path, reason).expected("a key that stands in a table of the base");
+            placed(Diagnostic { key: Some(key.into()), ..at })
+        })?;
+        check(kind, &source, &base_path, &text, monitor).map_err(placed)?;
+        let inputs = noted.seen();
+        stage.advance(share);
+        Ok((Task { id: campaign.id(&text, &inputs), values: values.clone() }, inputs))
+    };
+    // Samples over the whole range, because some tasks take longer than others.
+    let started_s = monitor.seconds();
+    (0..probes).try_for_each(|probe| one(&rows[probe * (rows.len() / PROBES)]).map(|_| ()))?;
+    if probes > 0 {
+        note_cost(rows.len(), (monitor.seconds() - started_s) / PROBES as f64, monitor);
+    }
+    let planned = rows.par_iter().map(one).collect::<Result<Vec<_>, CampaignError>>();
+    // Threads may find any of the invalid tasks; report the first one.
+    let first_refused = || rows.par_iter().map(one).find_first(Result::is_err).and_then(Result::err);
+    let planned = planned.map_err(|refused| first_refused().unwrap_or(refused))?;
+    stage.finish();
+
+    let mut known = BTreeSet::new();
+    let mut tasks = Vec::with_capacity(planned.len());
+    for (task, inputs) in planned {
+        campaign.inputs.extend(inputs);
+        // Rows that give equal tasks are merged.
+        if known.insert(task.id.clone()) {
+            tasks.push(task);
+        }
+    }
+    let mut contents = read_once.contents();
+    contents.retain(|hash, _| campaign.inputs.values().any(|input| input == hash));
+    Ok(Planned { campaign, tasks, contents })
+}
+
+/// Number of tasks that are read first to estimate the planning time.
+const PROBES: usize = 20;
+/// Memory of a planned task with its values and its place in the list, in bytes: 10,000 and 50,000 tasks of two keys
+/// took 2.8 and 2.1 kB each.
+const BYTES_PER_TASK: f64 = 2400.0;
+
+/// Notes the cost of planning `count` tasks that take `each_s` seconds each, if it is large.
+fn note_cost(count: usize, each_s: f64, monitor: &dyn Monitor) {
+    let (core_s, threads) = (each_s * count as f64, rayon::current_num_threads());
+    let expense = Expense { core_s, wall_s: core_s / threads as f64, bytes: BYTES_PER_TASK * count as f64 };
+    cost_line(&format!("planning {count} tasks"), expense, false, threads).iter().for_each(|line| monitor.note(line));
+}
+
+/// The base of the tasks: kind, text, and rows that it defines itself.
+fn base(
+    files: &Source,
+    document: &Document,
+    file: &CampaignFile,
+    path: &Path,
+    monitor: &dyn Monitor,
+) -> Result<(Kind, String, Vec<Row>), CampaignError> {
+    let failed = |error: &dyn std::fmt::Display| CampaignError::Failed(error.to_string());
+    let text = read_text(files, path, "a scene or a design").map_err(|refused| {
+        document.refuse(file.base.span(), refused.reason).expected("a scene file or a design file")
+    })?;
+    let kind = FileKind::of(&text);
+    let work = file.work.as_ref().map_or(WORK[0], |work| work.get_ref());
+    match (kind, &file.work) {
+        (_, Some(named)) if !WORK.contains(&work) => {
+            Err(document.refuse(named.span(), "is no work").expected("\"search\" or \"table\"").into())
+        }
+        (Some(FileKind::Scene), Some(named)) => {
+            Err(document.refuse(named.span(), "is for designs").expected("no such key: a scene is solved").into())
+        }
+        (Some(FileKind::Scene), None) => Ok((Kind::Scene, text, Vec::new())),
+        (Some(FileKind::Design), _) if work == WORK[1] => {
+            let mut design = Design::from_document(Document::within(files, path, text))?;
+            complete(&mut design, files, monitor).map_err(|error| match error {
+                Uncalibrated::Refused(refused) => refused.into(),
+                Uncalibrated::Cancelled => CampaignError::Cancelled,
+                Uncalibrated::Failed(reason) => CampaignError::Failed(reason),
+            })?;
+            let (patterns, _) = lattice(&design.task);
+            let first = patterns.first().ok_or_else(|| {
+                document
+                    .refuse(file.base.span(), "has no design of whole blocks and bursts within its bounds and limits")
+            })?;
+            let scene = scene(&design.task, first).map_err(|error| match error {
+                DesignError::Refused(refused) => design.refuse(&refused).into(),
+                error => failed(&error),
+            })?;
+            Ok((Kind::Scene, scene, patterns.iter().map(dimensions).collect()))
+        }
+        (Some(FileKind::Design), _) => Ok((Kind::Design, text, Vec::new())),
+        _ => {
+            let refused = document.refuse(file.base.span(), "is no scene and no design");
+            Err(refused.expected("a scene file or a design file").into())
+        }
+    }
+}
+
+/// Steady scene of one period of `pattern`, at the loads of `task`.
+fn scene(task: &DesignTask, pattern: &Pattern) -> Result<String, DesignError> {
+    let known = task.material.as_ref().ok_or_else(|| DesignError::Failed("the design has no material".to_owned()))?;
+    let (loads, _) = task.loads(&known.material)?;
+    steady_scene(task, known, &loads, pattern).map_err(|error| DesignError::Failed(error.to_string()))
+}
+
+/// Row for a pattern of a table.
+fn dimensions(pattern: &Pattern) -> Row {
+    let lengths = [("width", pattern.width_m()), ("spacing", pattern.spacing_m()), ("depth", pattern.depth_m())];
+    lengths.map(|(name, m)| (format!("pattern.{name}_um"), Json::from(LENGTH_UM.from_si(m)))).into_iter().collect()
+}
+
+/// Reads everything that the command of a task would read before computing.
+fn check(kind: Kind, source: &Source, path: &Path, text: &str, monitor: &dyn Monitor) -> Result<(), Diagnostic> {
+    let document = Document::within(source, path, text);
+    match kind {
+        Kind::Scene => {
+            SceneInput::from_file(document.clone(), &document.parse()?, Overrides::default())?;
+        }
+        Kind::Design => {
+            let design = Design::from_document(document)?;
+            if let Some(path) = &design.calibration {
+                let task = &design.task;
+                let calibration = Calibration::read(source, path)?;
+                calibration.task(source, (task.layer, task.seed), Selection::default(), monitor)?;
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Refuses keys that tasks of this kind do not have, or that cannot vary.
+fn check_keys(varied: &Varied<'_>, kind: Kind, text: &str, base_rows: &[Row]) -> Result<(), Diagnostic> {
+    let refuse = |key: &str, reason: &str, expected: &str| Err(varied.refuse_key(key, reason, expected));
+    for key in &varied.keys {
+        let first = key.split('.').next().unwrap_or(key);
+        match kind {
+            Kind::Scene if base_rows.first().is_some_and(|row| row.contains_key(key)) => {
+                let expected = "another key, or bounds of the design that give these values";
+                return refuse(key, "is what the rows of the design's table vary already", expected);
+            }
+            Kind::Scene if !base_rows.is_empty() && !may_have_table(text, first) => {
+                let reason = "is no key of the scenes that work = \"table\" makes of the design";
+                let expected = format!("a key of {}, or work = \"search\"", SCENE_TABLES.join(", "));
+                return refuse(key, reason, &expected);
+            }
+            _ => {}
+        }
+    }
+    Ok(())
+}
+
+/// Whether a scene with `text` has, or may have, the table `first`.
+fn may_have_table(text: &str, first: &str) -> bool {
+    SCENE_TABLES.contains(&first) || text.parse::<Table>().is_ok_and(|table| table.contains_key(first))
+}
+
+/// An error that concerns none of the values: the line number refers to the task's text, which the user has not seen,
+/// and is removed.
+fn without_line(mut refused: Diagnostic, values: &Row) -> Diagnostic {
+    refused.line = None;
+    let at: Vec<String> = values.iter().map(|(key, value)| format!("{key} = {value}")).collect();
+    if !at.is_empty() {
+        refused.reason += &format!(" (where {})", at.join(", "));
+    }
+    refused
+}

@@ -1,0 +1,180 @@
+//! Results of a campaign as one table.
+
+use serde_json::Value as Json;
+use slipgrid_base::units::tidy;
+use slipgrid_design::results::guard_formula;
+
+use crate::campaign::records::{Campaign, Kind, Task};
+use crate::campaign::worker::{Done, Outcome};
+
+/// Columns of a scene, by load.
+const SCENE_COLUMNS: [&str; 8] = [
+    "pressure_mpa",
+    "mu_dynamic",
+    "mu_dynamic_stderr",
+    "mu_static",
+    "ratio",
+    "ratio_stderr",
+    "peak_pressure_mpa",
+    "cavity_closed",
+];
+/// Columns of a design, with JSON pointers to their values.
+const DESIGN_COLUMNS: [(&str, &str); 6] = [
+    ("found", "/advice"),
+    ("chance", "/chance"),
+    ("width_um", "/design/width_um"),
+    ("spacing_um", "/design/spacing_um"),
+    ("depth_um", "/design/depth_um"),
+    ("areal_density", "/specimen_areal_density"),
+];
+
+/// Number of tasks by outcome.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counts {
+    /// Tasks with a record.
+    pub done: usize,
+    /// Tasks that were refused.
+    pub refused: usize,
+    /// Tasks that failed.
+    pub failed: usize,
+    /// Tasks that have not been done.
+    pub missing: usize,
+}
+
+impl Counts {
+    /// Describes the counts.
+    #[must_use]
+    pub fn words(&self) -> String {
+        let Self { done, refused, failed, missing } = self;
+        let tasks = done + refused + failed + missing;
+        format!("{tasks} tasks: {done} done, {refused} refused, {failed} failed, {missing} missing")
+    }
+
+    /// Number of tasks with any outcome.
+    pub(crate) const fn ended(self) -> usize {
+        self.done + self.refused + self.failed
+    }
+
+    /// Counts one more task.
+    pub(crate) fn add(&mut self, outcome: Outcome) {
+        match outcome {
+            Outcome::Done => self.done += 1,
+            Outcome::Refused => self.refused += 1,
+            Outcome::Failed => self.failed += 1,
+        }
+    }
+}
+
+/// Results in the order of the campaign: one row for each load of a scene and for each design. A
+/// task without a result has a row as well. The table does not depend on who did which task.
+pub struct Results<'a> {
+    campaign: &'a Campaign,
+    text: String,
+    /// Number of columns of the kind of task, between outcome and reason.
+    columns: usize,
+    counts: Counts,
+}
+
+impl<'a> Results<'a> {
+    /// Creates an empty table.
+    #[must_use]
+    pub fn new(campaign: &'a Campaign) -> Self {
+        let own: Vec<&str> = match campaign.kind {
+            Kind::Scene => SCENE_COLUMNS.to_vec(),
+            Kind::Design => DESIGN_COLUMNS.map(|(name, _)| name).to_vec(),
+        };
+        let columns = own.len();
+        let keys = campaign.keys.iter().map(|key| quoted(key));
+        let header = ["task".to_owned()].into_iter().chain(keys).chain(["outcome".to_owned()]);
+        let header = header.chain(own.iter().map(|name| (*name).to_owned())).chain(["reason".to_owned()]);
+        let text = header.collect::<Vec<_>>().join(",") + "\n";
+        Self { campaign, text, columns, counts: Counts::default() }
+    }
+
+    /// Adds the result of `task`; `None` if it has not been done.
+    pub fn add(&mut self, task: &Task, done: Option<&Done>) {
+        match done {
+            Some(done) => self.counts.add(done.outcome),
+            None => self.counts.missing += 1,
+        }
+        for cells in self.rows(done) {
+            let values = self.campaign.keys.iter().map(|key| cell(task.values.get(key)));
+            let row = [task.id.clone()].into_iter().chain(values).chain(cells);
+            self.text += &(row.collect::<Vec<_>>().join(",") + "\n");
+        }
+    }
+
+    /// The table as CSV.
+    #[must_use]
+    pub fn csv(&self) -> &str {
+        &self.text
+    }
+
+    /// Number of tasks by outcome.
+    #[must_use]
+    pub const fn counts(&self) -> Counts {
+        self.counts
+    }
+
+    /// Rows with outcome, columns of the kind, and reason.
+    fn rows(&self, done: Option<&Done>) -> Vec<Vec<String>> {
+        let own = |record: &Json, places: &[(&str, &str)]| -> Vec<String> {
+            places.iter().map(|(_, place)| cell(record.pointer(place))).collect()
+        };
+        let empty = |outcome: &str, reason: &str| {
+            let mut row = vec![outcome.to_owned()];
+            row.resize(1 + self.columns, String::new());
+            row.push(quoted(reason));
+            vec![row]
+        };
+        let Some(done) = done else { return empty("missing", "") };
+        let reason = done.reason.as_deref().unwrap_or_default();
+        let record = match (&done.record, done.outcome) {
+            (Some(record), Outcome::Done) => record,
+            (_, Outcome::Refused) => return empty("refused", reason),
+            _ => return empty("failed", reason),
+        };
+        let cells = match self.campaign.kind {
+            Kind::Design => vec![own(record, &DESIGN_COLUMNS)],
+            Kind::Scene => {
+                let loads = record.get("results").and_then(Json::as_array).map_or(&[][..], Vec::as_slice);
+                loads.iter().map(|load| SCENE_COLUMNS.iter().map(|name| cell(load.get(*name))).collect()).collect()
+            }
+        };
+        cells.into_iter().map(|cells| [vec!["done".to_owned()], cells, vec![String::new()]].concat()).collect()
+    }
+}
+
+/// Formats a value as a cell; empty if it is absent.
+fn cell(value: Option<&Json>) -> String {
+    match value {
+        None | Some(Json::Null) => String::new(),
+        Some(Json::Number(number)) => {
+            number.as_f64().map_or_else(|| number.to_string(), |value| tidy(value).to_string())
+        }
+        Some(Json::String(text)) => quoted(text),
+        Some(other) => quoted(&other.to_string()),
+    }
+}
+
+/// Formats text as a cell: guarded against formulas, and quoted if necessary.
+fn quoted(text: &str) -> String {
+    let text = guard_formula(text);
+    if text.contains([',', '"', '\n', '\r']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use slipgrid_design::DesignReport;
+    use slipgrid_design::results::LoadReport;
+
+    /// A renamed field would leave its column empty.
+    #[test]
+    fn columns_have_the_names_of_the_records_they_are_taken_from() {
+        let design = serde_json::to_value(DesignReport::default()).unwrap();
+        assert_eq!(DESIGN_COLUMNS.into_iter().find(|(_, place)| design.pointer(place).is_none()), None);
+        let load = serde_json::to_value(LoadReport::default()).unwrap();
+        assert_eq!(SCENE_COLUMNS.into_iter().find(|name| load.get(name).is_none()), None);
+    }
+}

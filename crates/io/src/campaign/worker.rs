@@ -1,0 +1,166 @@
+//! Execution of a task.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use crate::formats::calibrated::{Uncalibrated, complete};
+use crate::formats::design::Design;
+use crate::formats::run::Overrides;
+use crate::formats::scene::SceneInput;
+use crate::formats::source::Source;
+use crate::formats::{Diagnostic, Document};
+use serde::{Deserialize, Serialize};
+use serde_json::Value as Json;
+use slipgrid_base::monitor::{Memory, Monitor};
+use slipgrid_design::results::{SCHEMA, SimulationReport, json_and_timings};
+use slipgrid_design::{DesignError, DesignReport, NoCache, simulate_on};
+
+use crate::campaign::inputs::{Contents, HashedFiles, InMemory, ReadOnce, RecordedFiles};
+use crate::campaign::records::{Campaign, Kind, Task};
+
+/// Outcome of a task.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Outcome {
+    /// The task has a record.
+    Done,
+    /// The input was refused, or has changed since the task was planned.
+    Refused,
+    /// The computation failed.
+    Failed,
+}
+
+/// Result of a task, independent of who did it and when.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Done {
+    /// Schema version of this record.
+    pub schema: u32,
+    /// Id of the task.
+    pub id: String,
+    /// Outcome of the task.
+    pub outcome: Outcome,
+    /// Reason why there is no record.
+    pub reason: Option<String>,
+    /// Content of result.json of the task's command.
+    pub record: Option<Json>,
+}
+
+impl Done {
+    /// Parses a result.
+    ///
+    /// # Errors
+    /// Description of the error.
+    pub fn read(json: &[u8]) -> Result<Self, String> {
+        let done: Self = serde_json::from_slice(json).map_err(|error| format!("is no result: {error}"))?;
+        if done.outcome == Outcome::Done && !done.record.as_ref().is_some_and(Json::is_object) {
+            return Err("is damaged: it says \"done\" and has no record".to_owned());
+        }
+        Ok(done)
+    }
+}
+
+/// Reason why a task has no record.
+enum TaskFailure {
+    Refused(String),
+    Failed(String),
+    Cancelled,
+}
+
+impl From<Diagnostic> for TaskFailure {
+    fn from(refused: Diagnostic) -> Self {
+        Self::Refused(refused.to_string())
+    }
+}
+
+/// Does tasks of one campaign, in as many threads as call it.
+pub struct Worker<'a> {
+    campaign: &'a Campaign,
+    files: Arc<ReadOnce>,
+}
+
+impl<'a> Worker<'a> {
+    /// Creates a worker with the contents of files in memory.
+    #[must_use]
+    pub fn new(campaign: &'a Campaign, contents: Contents) -> Self {
+        Self::with_store(campaign, Arc::new(InMemory(contents)))
+    }
+
+    /// Creates a worker that reads the contents of files from `store` by hash.
+    #[must_use]
+    pub fn with_store(campaign: &'a Campaign, store: Source) -> Self {
+        let given = HashedFiles::new(&campaign.inputs, store);
+        Self { campaign, files: ReadOnce::new(Arc::new(given)) }
+    }
+
+    /// Does `task`; `None` if `monitor` cancels.
+    pub fn work(&self, task: &Task, monitor: &dyn Monitor) -> Option<Done> {
+        let (outcome, reason, record) = match self.record(task, &Quiet(monitor)) {
+            Ok(record) => (Outcome::Done, None, Some(record)),
+            Err(TaskFailure::Refused(reason)) => (Outcome::Refused, Some(reason), None),
+            Err(TaskFailure::Failed(reason)) => (Outcome::Failed, Some(reason), None),
+            Err(TaskFailure::Cancelled) => return None,
+        };
+        Some(Done { schema: SCHEMA, id: task.id.clone(), outcome, reason, record })
+    }
+
+    fn record(&self, task: &Task, monitor: &dyn Monitor) -> Result<Json, TaskFailure> {
+        let said = |(key, reason): (String, String)| TaskFailure::Refused(format!("{key}: {reason}"));
+        let text = self.campaign.text_with(&task.values).map_err(said)?;
+        let noted = RecordedFiles::new(&self.files, Path::new(""));
+        let source: Source = Arc::clone(&noted) as Source;
+        let document = || Document::within(&source, &self.campaign.base, text.clone());
+        let whole = match self.campaign.kind {
+            Kind::Scene => json_and_timings(&solved(document(), monitor)?),
+            Kind::Design => json_and_timings(&designed(document(), &source, monitor)?),
+        };
+        if self.campaign.id(&text, &noted.seen()) != task.id {
+            return Err(TaskFailure::Refused("the task is not what it was when the campaign was planned".to_owned()));
+        }
+        let [whole, _] = whole.map_err(|error| TaskFailure::Failed(error.to_string()))?;
+        serde_json::from_str(&whole).map_err(|error| TaskFailure::Failed(error.to_string()))
+    }
+}
+
+/// Forwards cancellation, time and cache only; the stages of many concurrent tasks are not shown.
+struct Quiet<'a>(&'a dyn Monitor);
+
+impl Monitor for Quiet<'_> {
+    fn cancelled(&self) -> bool {
+        self.0.cancelled()
+    }
+
+    fn seconds(&self) -> f64 {
+        self.0.seconds()
+    }
+
+    fn memory(&self) -> Option<&dyn Memory> {
+        self.0.memory()
+    }
+}
+
+fn solved(document: Document, monitor: &dyn Monitor) -> Result<SimulationReport, TaskFailure> {
+    let file = document.parse()?;
+    let input = SceneInput::from_file(document, &file, Overrides::default())?;
+    let solved = simulate_on(&input.scene, input.specimen.as_ref(), monitor);
+    if monitor.cancelled() {
+        return Err(TaskFailure::Cancelled);
+    }
+    let simulation = solved.map_err(|error| input.refuse_on_specimen(&error))?;
+    let (_, report) = input.report(simulation).map_err(|error| TaskFailure::Failed(error.to_string()))?;
+    Ok(report)
+}
+
+fn designed(document: Document, source: &Source, monitor: &dyn Monitor) -> Result<DesignReport, TaskFailure> {
+    let mut design = Design::from_document(document)?;
+    complete(&mut design, source, monitor).map_err(|error| match error {
+        Uncalibrated::Refused(refused) => refused.into(),
+        Uncalibrated::Cancelled => TaskFailure::Cancelled,
+        Uncalibrated::Failed(reason) => TaskFailure::Failed(reason),
+    })?;
+    let found = slipgrid_design::run(&design.task, &mut NoCache, monitor).map_err(|error| match error {
+        DesignError::Refused(refused) => design.refuse(&refused).into(),
+        DesignError::Cancelled => TaskFailure::Cancelled,
+        error => TaskFailure::Failed(error.to_string()),
+    })?;
+    Ok(found.report)
+}

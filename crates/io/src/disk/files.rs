@@ -1,0 +1,71 @@
+//! Files on disk.
+
+use std::fs::{self, File};
+use std::io::{self, Read};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use crate::campaign::Store;
+use crate::formats::source::{Entry, Files, Source};
+
+use crate::disk::put;
+
+/// Maximum size, in bytes, of a file that is read at once: a tribometer with 100 rows per second takes weeks to fill
+/// it. Maps are read as streams.
+const MAX_BYTES: u64 = 1 << 30;
+
+/// Maximum size, in bytes, read from a pipe or device, which may have no end.
+const MAX_STREAM_BYTES: u64 = 1 << 26;
+
+/// Files of the operating system.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Disk;
+
+/// File source for readers.
+#[must_use]
+pub fn disk() -> Source {
+    Arc::new(Disk)
+}
+
+impl Files for Disk {
+    fn read(&self, path: &Path) -> io::Result<Vec<u8>> {
+        let file = File::open(path)?;
+        let most = if file.metadata()?.is_file() { MAX_BYTES } else { MAX_STREAM_BYTES };
+        let mut bytes = Vec::new();
+        file.take(most + 1).read_to_end(&mut bytes)?;
+        if bytes.len() as u64 > most {
+            return Err(io::Error::other(format!("it has more than {} MiB", most >> 20)));
+        }
+        Ok(bytes)
+    }
+
+    fn stream(&self, path: &Path) -> io::Result<Box<dyn io::Read>> {
+        Ok(Box::new(File::open(path)?))
+    }
+
+    fn entry(&self, path: &Path) -> io::Result<Entry> {
+        let found = fs::metadata(path)?;
+        Ok(if found.is_dir() {
+            Entry::Folder
+        } else if found.is_file() {
+            Entry::File
+        } else {
+            Entry::Other
+        })
+    }
+
+    fn names(&self, folder: &Path) -> Vec<String> {
+        let entries = fs::read_dir(folder).into_iter().flatten().flatten();
+        entries.map(|entry| entry.file_name().to_string_lossy().into_owned()).collect()
+    }
+
+    fn canonical(&self, path: &Path) -> PathBuf {
+        path.canonicalize().unwrap_or_else(|_| path.to_owned())
+    }
+}
+
+impl Store for Disk {
+    fn put(&self, path: &Path, bytes: &[u8]) -> io::Result<()> {
+        put(path, bytes)
+    }
+}

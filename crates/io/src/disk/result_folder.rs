@@ -1,0 +1,288 @@
+//! A folder of results that one run at a time writes, and whose files are replaced together.
+//!
+//! New files are first written under another name. If the folder holds only files, a new folder with the new files and
+//! links to the remaining ones then replaces it atomically (renameat2 of Linux, renamex_np of macOS), so that a killed
+//! run leaves either the old or the new result. Otherwise files are renamed one by one while `result.json` is absent,
+//! so that a folder with this file never holds files of two results.
+
+use std::collections::BTreeSet;
+use std::ffi::OsString;
+use std::fs::{self, File};
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, SystemTime};
+
+use crate::{Content, Outputs};
+use sha2::{Digest, Sha256};
+use tempfile::TempDir;
+
+use crate::disk::lock::Lock;
+use crate::disk::places::{Place, PlaceError, WriteError, check_folder, matching, refuse_foreign_in};
+use crate::disk::written_list::{LIST, Written, hexadecimal};
+use crate::disk::{UNFINISHED, parent, put, unfinished};
+
+/// Age from which on an unfinished file belongs to a killed run: writing takes milliseconds.
+const ABANDONED: Duration = Duration::from_secs(600);
+/// The file without which a folder holds no result.
+const RECORD: &str = "result.json";
+/// The file with values that differ between runs.
+const TIMINGS: &str = "timings.json";
+
+/// Locked while files are renamed.
+static RENAMING: Mutex<()> = Mutex::new(());
+
+/// Waits until no result is partially renamed and blocks further renames, before the program ends.
+pub fn hold_renaming() -> MutexGuard<'static, ()> {
+    RENAMING.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// A folder of results that only this run writes until it is dropped.
+#[derive(Debug)]
+pub struct ResultFolder {
+    path: PathBuf,
+    patterns: Vec<String>,
+    _lock: Lock,
+}
+
+impl ResultFolder {
+    /// Checks with [`check_folder`] that results can be written to `place`, and locks it for this run. `patterns` are
+    /// the names of the files of a result.
+    ///
+    /// # Errors
+    /// [`PlaceError`], as in [`check_folder`], and if another run holds the lock.
+    pub fn open(place: Place<'_>, patterns: &[&str], inputs: &[PathBuf]) -> Result<Self, PlaceError> {
+        check_folder(place, patterns, inputs)?;
+        let lock = Lock::new(&lock_path(place.path))?;
+        // Another run may have ended since.
+        check_folder(place, patterns, inputs)?;
+        let patterns = patterns.iter().map(|pattern| (*pattern).to_owned()).collect();
+        Ok(Self { path: place.path.to_owned(), patterns, _lock: lock })
+    }
+
+    /// The folder as given by the user.
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Writes all of `outputs`, and removes unchanged files of an earlier result with matching names. Other files stay.
+    /// Ends early once `is_cancelled`.
+    ///
+    /// # Errors
+    /// [`WriteError`] for an error of the operating system, or if a file to be replaced was not written by slipgrid;
+    /// the folder is then unchanged, unless a rename failed.
+    pub fn replace(&self, outputs: &Outputs, is_cancelled: &dyn Fn() -> bool) -> Result<(), WriteError> {
+        self.write(outputs, &self.patterns, is_cancelled)
+    }
+
+    /// Writes all of `outputs` in addition to the files in the folder.
+    ///
+    /// # Errors
+    /// See [`replace`](Self::replace).
+    pub fn add(&self, outputs: &Outputs, is_cancelled: &dyn Fn() -> bool) -> Result<(), WriteError> {
+        self.write(outputs, &[], is_cancelled)
+    }
+
+    fn write(&self, outputs: &Outputs, stale: &[String], is_cancelled: &dyn Fn() -> bool) -> Result<(), WriteError> {
+        let failed = WriteError::at(&self.path);
+        // Replace the target of a link, not the link.
+        let folder = &fs::canonicalize(&self.path).unwrap_or_else(|_| self.path.clone());
+        let mut names = BTreeSet::new();
+        if let Some((name, _)) = outputs.iter().find(|(name, _)| !names.insert(*name)) {
+            return Err(failed(io::Error::other(format!("two results would have the name {name}"))));
+        }
+        fs::create_dir_all(parent(folder)).map_err(&failed)?;
+        remove_abandoned(parent(folder));
+        if !folder.is_dir() {
+            let staged = Staged::new(outputs, parent(folder), Written::default(), is_cancelled).map_err(&failed)?;
+            let _whole = hold_renaming();
+            fs::rename(staged.folder.path(), folder).map_err(&failed)?;
+            // The folder was renamed, so that nothing is left to remove.
+            let _ = staged.folder.keep();
+            return Ok(());
+        }
+        remove_abandoned(folder);
+        // Checked before the work; other files may have been added since.
+        names.iter().try_for_each(|name| refuse_foreign_in(folder, Path::new(name)))?;
+        let mut written = Written::read(folder);
+        let stale: Vec<PathBuf> = stale
+            .iter()
+            .flat_map(|pattern| matching(folder, pattern))
+            .filter(|path| !path.to_str().is_some_and(|name| names.contains(name)) && written.holds(folder, path))
+            .collect();
+        stale.iter().for_each(|path| written.remove(path));
+        if holds_files_alone(folder) && self.swap(folder, outputs, &stale, &written, is_cancelled).unwrap_or(false) {
+            return Ok(());
+        }
+        let staged = Staged::new(outputs, folder, written, is_cancelled).map_err(&failed)?;
+        rename_each(&staged, folder, &names, &stale).map_err(failed)
+    }
+
+    /// Replaces `folder` atomically by a folder with `outputs` and the remaining files; `false` if the system cannot.
+    fn swap(
+        &self,
+        folder: &Path,
+        outputs: &Outputs,
+        stale: &[PathBuf],
+        written: &Written,
+        is_cancelled: &dyn Fn() -> bool,
+    ) -> io::Result<bool> {
+        let staged = Staged::new(outputs, parent(folder), written.clone(), is_cancelled)?;
+        let mut known: BTreeSet<OsString> = names_in(staged.folder.path())?;
+        known.extend(stale.iter().map(|path| path.clone().into_os_string()));
+        for name in names_in(folder)?.difference(&known.clone()) {
+            fs::hard_link(folder.join(name), staged.folder.path().join(name))?;
+            known.insert(name.clone());
+        }
+        fs::set_permissions(staged.folder.path(), fs::metadata(folder)?.permissions())?;
+        let _whole = hold_renaming();
+        if is_cancelled() || !exchange(staged.folder.path(), folder) {
+            return Ok(false);
+        }
+        // Files that were added meanwhile are moved to the new folder.
+        for name in names_in(staged.folder.path())?.difference(&known) {
+            let _ = fs::rename(staged.folder.path().join(name), folder.join(name));
+        }
+        Ok(true)
+    }
+}
+
+/// Files ready to be renamed, in a temporary folder.
+struct Staged {
+    folder: TempDir,
+}
+
+impl Staged {
+    /// Writes `outputs` to a temporary folder in `place`, with the list `written` extended by them.
+    fn new(outputs: &Outputs, place: &Path, mut written: Written, is_cancelled: &dyn Fn() -> bool) -> io::Result<Self> {
+        let folder = unfinished(0o777).tempdir_in(place)?;
+        for (name, content) in outputs.iter() {
+            let path = folder.path().join(name);
+            fs::create_dir_all(parent(&path))?;
+            let hash = write_through(File::create_new(path)?, content, is_cancelled)?;
+            // Timings differ between runs and have their own mark.
+            if name != TIMINGS {
+                written.insert(name, hash);
+            }
+        }
+        put(&folder.path().join(LIST), written.to_text().as_bytes())?;
+        Ok(Self { folder })
+    }
+}
+
+/// Renames the `staged` files into `folder` one by one, the record last, and removes `stale` files.
+fn rename_each(staged: &Staged, folder: &Path, names: &BTreeSet<&str>, stale: &[PathBuf]) -> io::Result<()> {
+    let _whole = hold_renaming();
+    let is_record = names.contains(RECORD);
+    // First list both the old and the new files as slipgrid's, because a killed run leaves files of both.
+    let both = Written::read(folder).to_text() + &fs::read_to_string(staged.folder.path().join(LIST))?;
+    put(&folder.join(LIST), both.as_bytes())?;
+    if is_record && folder.join(RECORD).is_file() {
+        fs::remove_file(folder.join(RECORD))?;
+    }
+    let rename = |name: &str| {
+        fs::create_dir_all(parent(&folder.join(name)))?;
+        fs::rename(staged.folder.path().join(name), folder.join(name))
+    };
+    names.iter().filter(|name| **name != RECORD).try_for_each(|name| rename(name))?;
+    for path in stale {
+        fs::remove_file(folder.join(path))?;
+    }
+    if is_record {
+        rename(RECORD)?;
+    }
+    rename(LIST)
+}
+
+/// Whether the folder holds no subfolders and is not the current folder, in which a shell would stay after the
+/// exchange.
+fn holds_files_alone(folder: &Path) -> bool {
+    let is_plain =
+        |entry: io::Result<fs::DirEntry>| entry.and_then(|entry| entry.file_type()).is_ok_and(|kind| !kind.is_dir());
+    let is_here = std::env::current_dir().and_then(fs::canonicalize).is_ok_and(|here| here == folder);
+    !is_here && fs::read_dir(folder).is_ok_and(|mut entries| entries.all(is_plain))
+}
+
+fn names_in(folder: &Path) -> io::Result<BTreeSet<OsString>> {
+    fs::read_dir(folder)?.map(|entry| Ok(entry?.file_name())).collect()
+}
+
+/// Exchanges two folders atomically; `false` if the system cannot.
+#[cfg(any(target_os = "linux", target_os = "macos"))]
+fn exchange(one: &Path, other: &Path) -> bool {
+    use rustix::fs::{CWD, RenameFlags, renameat_with};
+    renameat_with(CWD, one, CWD, other, RenameFlags::EXCHANGE).is_ok()
+}
+
+#[cfg(not(any(target_os = "linux", target_os = "macos")))]
+fn exchange(_: &Path, _: &Path) -> bool {
+    false
+}
+
+/// Writes the content, waits until it is stored, and returns its hash; the file may be renamed only afterwards.
+fn write_through(file: File, content: &Content, is_cancelled: &dyn Fn() -> bool) -> io::Result<String> {
+    let mut buffered = BufWriter::new(Hashing { file, hash: Sha256::new(), is_cancelled });
+    content.write(&mut buffered)?;
+    let Hashing { file, hash, .. } = buffered.into_inner().map_err(io::IntoInnerError::into_error)?;
+    file.sync_data()?;
+    Ok(hexadecimal(&hash.finalize()))
+}
+
+/// A file that hashes its content and refuses further data once the run is cancelled.
+struct Hashing<'a> {
+    file: File,
+    hash: Sha256,
+    is_cancelled: &'a dyn Fn() -> bool,
+}
+
+impl Write for Hashing<'_> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        // Writers retry after errors of the kind `Interrupted`.
+        if (self.is_cancelled)() {
+            return Err(io::Error::other("interrupted"));
+        }
+        let count = self.file.write(bytes)?;
+        self.hash.update(&bytes[..count]);
+        Ok(count)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.file.flush()
+    }
+}
+
+/// Removes files of killed runs in `folder`: unfinished names, old enough that no running process owns them. Errors are
+/// harmless.
+pub(crate) fn remove_abandoned(folder: &Path) {
+    let Ok(entries) = fs::read_dir(folder) else { return };
+    for entry in entries.flatten() {
+        let name = entry.file_name();
+        let name = name.to_string_lossy();
+        let ours = name.starts_with(UNFINISHED.0) && name.ends_with(UNFINISHED.1);
+        let old = entry
+            .metadata()
+            .and_then(|metadata| metadata.modified())
+            .is_ok_and(|modified| SystemTime::now().duration_since(modified).is_ok_and(|age| age > ABANDONED));
+        if ours && old {
+            let path = entry.path();
+            let _ = if path.is_dir() { fs::remove_dir_all(&path) } else { fs::remove_file(&path) };
+        }
+    }
+}
+
+/// Lock file of a run for `folder`: next to it, as NAME.lock, or inside if nothing can be written next to it.
+fn lock_path(folder: &Path) -> PathBuf {
+    let folder = fs::canonicalize(folder).unwrap_or_else(|_| folder.to_owned());
+    let mut name = folder.file_name().map_or_else(OsString::new, OsString::from);
+    name.push(".lock");
+    match folder.file_name() {
+        Some(_) if !folder.is_dir() || unfinished(0o600).tempfile_in(parent(&folder)).is_ok() => {
+            folder.with_file_name(name)
+        }
+        _ => folder.join(".slipgrid.lock"),
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,225 @@
+//! Reads the file of an altitude map and prepares the map for computation.
+
+use std::io::BufReader;
+use std::path::Path;
+
+use slipgrid_base::monitor::{CancellableReader, Monitor};
+use slipgrid_infer::calibrate::area_law::{AreaLawError, SurfaceWarning};
+use slipgrid_model::material::MAX_FACTOR;
+use slipgrid_surface::topography::{
+    MapOption, MapWarning, Preparation, PreparationError, PreparedMap, ReadError, ReadMap, ReadOptions, limits,
+    read_map,
+};
+
+use crate::formats::Diagnostic;
+use crate::formats::file_kind::FileKind;
+use crate::formats::source::{Source, read_text, stream};
+use crate::formats::surface::MapOptions;
+use slipgrid_base::units::{LENGTH_UM, significant};
+
+/// Description of the expected file in messages.
+const EXPECTED: &str = "the file of an altitude map";
+
+/// Reads the map at `path` as one period, for a contact computation.
+///
+/// # Errors
+/// [`Diagnostic`] if the file cannot be read or is no map, no surface has its slope, or `monitor` has cancelled.
+pub fn read_period(
+    source: &Source,
+    path: &Path,
+    options: &MapOptions,
+    monitor: &dyn Monitor,
+) -> Result<PreparedMap, Diagnostic> {
+    let (read, how) = read_for(source, path, options, monitor)?;
+    PreparedMap::one_period(read, how, monitor).map_err(|error| refuse(path, &error))
+}
+
+/// Reads the map at `path` and returns the preparation that remains to be done. Spikes are removed before points are
+/// joined, because a spike can no longer be found in a mean over several points.
+///
+/// # Errors
+/// Errors of [`open`].
+pub fn read_for(
+    source: &Source,
+    path: &Path,
+    options: &MapOptions,
+    monitor: &dyn Monitor,
+) -> Result<(ReadMap, Preparation), Diagnostic> {
+    let how = options.preparation();
+    let Some(decimation) = options.read.decimation.filter(|_| options.despike) else {
+        return Ok((open(source, path, &options.read, monitor)?, how));
+    };
+    let read = open(source, path, &ReadOptions { decimation: None, ..options.read }, monitor)?;
+    let read = read.despiked(monitor).map_err(|error| Diagnostic::file(path, error.to_string()))?;
+    let read = read.decimated(decimation).map_err(|error| Diagnostic::file(path, error.to_string()))?;
+    Ok((read, Preparation { despike: false, ..how }))
+}
+
+/// Diagnostic for an error while the map at `path` was prepared.
+#[must_use]
+pub fn refuse(path: &Path, error: &PreparationError) -> Diagnostic {
+    let mut refused = Diagnostic::file(path, error.to_string());
+    match error {
+        PreparationError::Map(_) => refused,
+        PreparationError::MostlyMissing { .. } => {
+            refused.expected(format!("at most {:.0} %; crop the map", 100.0 * limits::MAX_MISSING_SHARE))
+        }
+        PreparationError::ImpossibleSlope { warnings, .. } => {
+            let [least, most] = limits::POSSIBLE_SLOPE;
+            refused.reason += &listed(warnings);
+            refused.expected(format!(
+                "a slope from {least:e} to {most}: see the units of heights (--height-unit, height_unit) and of pixels"
+            ))
+        }
+    }
+}
+
+/// Joins warnings to a text that follows their explanation.
+fn listed(warnings: &[MapWarning]) -> String {
+    warnings.iter().map(|warning| format!("; {}", told(warning))).collect()
+}
+
+/// Warnings of a doubtful area law, with advice on each.
+#[must_use]
+pub fn law_warnings(warnings: &[SurfaceWarning]) -> Vec<String> {
+    let text = |warning: &SurfaceWarning| match warning {
+        SurfaceWarning::Map(warning) => told(warning),
+        _ => warning.to_string(),
+    };
+    warnings.iter().map(text).collect()
+}
+
+/// Text of a warning with advice.
+#[must_use]
+pub fn told(warning: &MapWarning) -> String {
+    match warning {
+        MapWarning::Spikes { .. } => format!("{warning}; --despike, or despike = true in [surface], replaces them"),
+        MapWarning::Curved { .. } => {
+            format!("{warning}; --form second-order, or form = \"second-order\" in [surface], subtracts it")
+        }
+        MapWarning::Pixels { .. } => {
+            format!("{warning}; --pixel-um and --pixel-y-um, or pixel_um and pixel_y_um in [surface], give both")
+        }
+        _ => warning.to_string(),
+    }
+}
+
+/// Reads the map at `path` as it is.
+///
+/// # Errors
+/// [`Diagnostic`] if the file cannot be read or is no map, or `monitor` has cancelled.
+pub fn open(source: &Source, path: &Path, options: &ReadOptions, monitor: &dyn Monitor) -> Result<ReadMap, Diagnostic> {
+    let file = stream(source, path, EXPECTED)?;
+    read_map(BufReader::new(CancellableReader::new(file, monitor)), options).map_err(|error| {
+        // A file of settings in place of a map is recognised by its name, because maps may be large.
+        let text = path.extension().filter(|&extension| extension == "toml").map(|_| read_text(source, path, EXPECTED));
+        let found = text.and_then(Result::ok).and_then(|text| FileKind::of(&text));
+        match (found, error) {
+            (Some(kind), _) => Diagnostic::file(path, kind.seems()).expected(EXPECTED),
+            (None, error @ ReadError::NotGiven { .. }) => ways(path, &error),
+            (None, error @ (ReadError::DecimalComma { .. } | ReadError::Oblong { .. })) => ways(path, &error),
+            (None, error) => Diagnostic::file(path, error.to_string()),
+        }
+    })
+}
+
+/// Diagnostic for an error while the map at `path` was read, with the options that would help.
+fn ways(path: &Path, error: &ReadError) -> Diagnostic {
+    let ways: Vec<String> = match error {
+        ReadError::NotGiven { missing } | ReadError::DecimalComma { missing, .. } => {
+            missing.iter().map(|missing| how_to_give(missing.option).to_owned()).collect()
+        }
+        &ReadError::Oblong { sides_m: [along_y_m, along_x_m], rows, cols } => {
+            let pixel_m = [along_x_m / cols as f64, along_y_m / rows as f64];
+            let [x, y] = pixel_m.map(|side_m| significant(LENGTH_UM.from_si(side_m), 6));
+            vec![format!(
+                "--pixel-um {x} --pixel-y-um {y}; in a calibration's [surface]: pixel_um = {x}, pixel_y_um = {y}"
+            )]
+        }
+        _ => Vec::new(),
+    };
+    let text = error.to_string();
+    let (reason, expected) = text.split_once(": expected ").unwrap_or((&text, ""));
+    Diagnostic::file(path, reason).expected(format!("{expected} ({})", ways.join("; ")))
+}
+
+/// How an option is given on the command line and in a calibration file.
+const fn how_to_give(option: MapOption) -> &'static str {
+    match option {
+        MapOption::HeightUnit => "--height-unit um; in a calibration's [surface]: height_unit = \"um\"",
+        MapOption::LateralUnit => "--lateral-unit um; in a calibration's [surface]: lateral_unit = \"um\"",
+        MapOption::Pixel => "--pixel-um 0.5; in a calibration's [surface]: pixel_um = 0.5",
+    }
+}
+
+/// Diagnostic for an error in the area law of the map at `path`; `None` if the computation was cancelled.
+#[must_use]
+pub fn refuse_law(path: &Path, error: &AreaLawError) -> Option<Diagnostic> {
+    let mut refused = Diagnostic::file(path, error.to_string());
+    match error {
+        AreaLawError::Cancelled => return None,
+        AreaLawError::FactorsAboveOne { warnings, .. } => {
+            refused.reason += &listed(warnings);
+            refused = refused.expected(format!(
+                "contact area that grows no faster than pressure, f at most {MAX_FACTOR}: {}",
+                cure(warnings)
+            ));
+        }
+        AreaLawError::Contact(_) | AreaLawError::Windows(_) => {}
+    }
+    Some(refused)
+}
+
+/// Advice for a map on which f exceeds 1, chosen by its warnings.
+fn cure(warnings: &[MapWarning]) -> &'static str {
+    let is_any = |wanted: fn(&MapWarning) -> bool| warnings.iter().any(wanted);
+    if is_any(|warning| matches!(warning, MapWarning::Lowered { .. } | MapWarning::Missing { .. })) {
+        "crop the map to what was measured of the surface itself (--crop ROW,COL,ROWS,COLS; crop in [surface])"
+    } else if is_any(|warning| matches!(warning, MapWarning::Spikes { .. })) {
+        "the spikes carry the load of the surface (--despike; despike = true in [surface])"
+    } else if is_any(|warning| matches!(warning, MapWarning::Raised { .. })) {
+        "the debris carries the load of the surface: crop the map beside it (--crop ROW,COL,ROWS,COLS; crop in [surface]), or clean the \
+         specimen and measure again"
+    } else {
+        "a few high points carry the load of the surface, which neither spikes, debris nor holes explain: a larger or another part of \
+         it (--crop ROW,COL,ROWS,COLS; crop in [surface])"
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use slipgrid_surface::topography::Spikes;
+
+    #[test]
+    fn the_pixels_that_a_header_with_oblong_ones_makes_are_those_to_be_given() {
+        let error = ReadError::Oblong { sides_m: [480e-6, 480e-6], rows: 240, cols: 320 };
+        let said = ways(Path::new("m.asc"), &error).to_string();
+        assert!(said.contains("make pixels of 1.5 x 2 um"), "{said}");
+        let given = "(--pixel-um 1.5 --pixel-y-um 2; in a calibration's [surface]: pixel_um = 1.5, pixel_y_um = 2)";
+        assert!(said.ends_with(given), "{said}");
+    }
+
+    #[test]
+    fn one_cure_is_named_for_a_map_whose_law_means_nothing() {
+        let spikes = MapWarning::Spikes {
+            spikes: Spikes::default(),
+            points: 100,
+            rms_slope: 0.2,
+            rms_slope_without: 0.1,
+            highest_m: 1e-6,
+            highest_without_m: 1e-6,
+        };
+        let hole = MapWarning::Lowered { share: 0.1, depth_m: 25e-6, extent: [[0, 9], [0, 9]] };
+        let missing = MapWarning::Missing { missing: 20, points: 100 };
+        for (warnings, crop, despike) in [
+            (vec![spikes.clone()], false, true),
+            (vec![spikes.clone(), hole], true, false),
+            (vec![missing, spikes], true, false),
+            (vec![], true, false),
+        ] {
+            let cure = cure(&warnings);
+            assert_eq!([cure.contains("--crop"), cure.contains("--despike")], [crop, despike], "{warnings:?}");
+        }
+    }
+}

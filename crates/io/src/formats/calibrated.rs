@@ -1,0 +1,190 @@
+//! Runs the calibrations that files ask for: a calibration file itself, or a design whose material names one.
+
+use std::path::Path;
+
+use slipgrid_base::monitor::{Cancelled, Key, Monitor};
+use slipgrid_design::KnownMaterial;
+use slipgrid_infer::calibrate::area_law::AreaLawError;
+use slipgrid_infer::calibrate::{
+    CalibrationError, CalibrationOutcome, CalibrationTask, FitError, LearnedSamples, Selection, measured_friction,
+    sample_bytes,
+};
+use slipgrid_model::material::{Material, Provenance};
+use slipgrid_model::springblock::{Layer, SceneError};
+
+use crate::formats::altitude_map::law_warnings;
+use crate::formats::calibration::Calibration;
+use crate::formats::design::Design;
+use crate::formats::diagnostic::Diagnostic;
+use crate::formats::document::Document;
+use crate::formats::material_uncertainty::read_known;
+use crate::formats::refused_calibration::refuse;
+use crate::formats::source::Source;
+use crate::formats::written_material::material_toml;
+
+/// Reason why a calibration gave no material.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum Uncalibrated {
+    /// A file was refused.
+    #[error(transparent)]
+    Refused(#[from] Diagnostic),
+    /// The monitor asked to stop.
+    #[error("stopped")]
+    Cancelled,
+    /// Any other failure.
+    #[error("{0}")]
+    Failed(String),
+}
+
+impl From<Cancelled> for Uncalibrated {
+    fn from(_: Cancelled) -> Self {
+        Self::Cancelled
+    }
+}
+
+/// Calibrates the material of the task of `design` if necessary, and returns the calibration.
+///
+/// # Errors
+/// [`Uncalibrated`] if the calibration is refused or fails.
+pub fn complete(
+    design: &mut Design,
+    files: &Source,
+    monitor: &dyn Monitor,
+) -> Result<Option<Calibration>, Uncalibrated> {
+    let Some(calibration) = read_calibration(design, files)? else { return Ok(None) };
+    complete_by(design, &calibration, files, monitor)?;
+    Ok(Some(calibration))
+}
+
+/// Calibration that gives the task of `design` its material; `None` if the material is known.
+///
+/// # Errors
+/// [`Diagnostic`] for anything refused in it.
+pub fn read_calibration(design: &Design, files: &Source) -> Result<Option<Calibration>, Diagnostic> {
+    design.calibration.as_ref().map(|path| Calibration::read(files, path)).transpose()
+}
+
+/// Gives the task of `design` the material of its `calibration`; does nothing if the material is known.
+///
+/// # Errors
+/// Errors of [`complete`].
+pub fn complete_by(
+    design: &mut Design,
+    calibration: &Calibration,
+    files: &Source,
+    monitor: &dyn Monitor,
+) -> Result<(), Uncalibrated> {
+    let Some(path) = design.calibration.clone() else { return Ok(()) };
+    // A pressure or condition that was not measured is refused before any computation.
+    let measured = as_measured(calibration)?;
+    let checked = design.task.resolve(&measured.friction);
+    checked.map_err(|refused| design.refuse(&refused))?;
+    let task = &design.task;
+    task.loads(&measured).map_err(|refused| design.refuse(&refused))?;
+    let conditions = task.condition.iter().chain(&task.also_at).copied().collect();
+    let selection = Selection { conditions, pressures_pa: task.pressures_pa() };
+    let asked = calibration.task(files, (task.layer, task.seed), selection, monitor)?;
+    // The design sets the block size, so an error in the number of blocks is not reported as one of the calibration.
+    if let Err(CalibrationError::Scene(error)) = sample_bytes(&asked) {
+        return Err(design.refuse(&task.refuse_samples(&error)).into());
+    }
+    let material = known_material(&asked, monitor).map_err(|error| match &error {
+        // The blocks of the flat sample are set by the design as well.
+        CalibrationError::Fit {
+            error: FitError::Scene(error @ (SceneError::TooLarge { .. } | SceneError::TooLong { .. })),
+            ..
+        } => design.refuse(&task.refuse_samples(error)).into(),
+        _ => failed(&error, &path, calibration),
+    })?;
+    design.task.material = Some(material);
+    Ok(())
+}
+
+/// Material of `task`: read from the cache, or calibrated now.
+fn known_material(task: &CalibrationTask, monitor: &dyn Monitor) -> Result<KnownMaterial, CalibrationError> {
+    // Cached files of earlier versions had no flat friction.
+    let memory = monitor.memory().map(|memory| (memory, Key::of("material", &("with flat friction", task))));
+    let recalled = memory.as_ref().and_then(|(memory, key)| memory.recall(key));
+    if let Some(known) = recalled.and_then(|bytes| read_kept(String::from_utf8(bytes).ok()?)) {
+        return Ok(known);
+    }
+    let found = outcome(task, monitor)?;
+    let file = memory.and_then(|(memory, key)| Some((memory, key, material_toml(task, &found, None).ok()?)));
+    let known = KnownMaterial { material: found.material, uncertainty: found.uncertainty };
+    // Only a file that reads back unchanged is cached.
+    if let Some((memory, key, text)) = file
+        && read_kept(text.clone()).as_ref() == Some(&known)
+    {
+        memory.keep(&key, text.as_bytes());
+    }
+    Ok(known)
+}
+
+/// Parses a cached material file.
+fn read_kept(text: String) -> Option<KnownMaterial> {
+    let document = Document::new("kept.toml", text);
+    let (material, uncertainty) = read_known(&document, &document.parse().ok()?, &(0..0)).ok()?;
+    Some(KnownMaterial { material, uncertainty })
+}
+
+/// Material as measured, before the fit.
+fn as_measured(calibration: &Calibration) -> Result<Material, Uncalibrated> {
+    let Calibration { flat, specimen_area_m2, coefficients, relative_std, .. } = calibration;
+    let friction = measured_friction(flat, *specimen_area_m2, *coefficients, *relative_std)
+        .map_err(|error| Uncalibrated::Failed(error.to_string()))?;
+    Ok(Material { elastic: calibration.elastic, friction, area_law: None, provenance: Provenance::default() })
+}
+
+/// Runs the `calibration` from `path` for a sample with this layer and seed, as far as `selection` needs it.
+///
+/// # Errors
+/// [`Uncalibrated`] if the calibration is refused or fails.
+pub fn calibrate(
+    calibration: &Calibration,
+    path: &Path,
+    files: &Source,
+    sample: (Layer, u64),
+    selection: Selection,
+    monitor: &dyn Monitor,
+) -> Result<(CalibrationTask, CalibrationOutcome), Uncalibrated> {
+    let task = calibration.task(files, sample, selection, monitor)?;
+    let outcome = outcome(&task, monitor).map_err(|error| failed(&error, path, calibration))?;
+    Ok((task, outcome))
+}
+
+/// Runs `task` and adds advice to warnings of a doubtful map.
+fn outcome(task: &CalibrationTask, monitor: &dyn Monitor) -> Result<CalibrationOutcome, CalibrationError> {
+    let mut outcome = slipgrid_infer::calibrate::run(task, monitor)?;
+    let warnings = &mut outcome.material.provenance.warnings;
+    warnings.splice(..outcome.surface.warnings.len(), law_warnings(&outcome.surface.warnings));
+    Ok(outcome)
+}
+
+/// Discrepancy from the trials of the `calibration` from `path`, without a fit if none is needed.
+///
+/// # Errors
+/// [`Uncalibrated`] if the calibration is refused or fails.
+pub fn learn(
+    calibration: &Calibration,
+    path: &Path,
+    files: &Source,
+    sample: (Layer, u64),
+    monitor: &dyn Monitor,
+) -> Result<(CalibrationTask, LearnedSamples), Uncalibrated> {
+    let task = calibration.task(files, sample, Selection::default(), monitor)?;
+    let learned =
+        slipgrid_infer::calibrate::learn_alone(&task, monitor).map_err(|error| failed(&error, path, calibration))?;
+    Ok((task, learned))
+}
+
+/// Converts the error of a calibration that gave no material.
+fn failed(error: &CalibrationError, path: &Path, calibration: &Calibration) -> Uncalibrated {
+    match (refuse(error, path, calibration), error) {
+        (Some(refused), _) => refused.into(),
+        (None, CalibrationError::Cancelled | CalibrationError::AreaLaw(AreaLawError::Cancelled)) => {
+            Uncalibrated::Cancelled
+        }
+        (None, CalibrationError::Fit { error, .. }) => Uncalibrated::Failed(format!("calibration: {error}")),
+        (None, error) => Uncalibrated::Failed(error.to_string()),
+    }
+}

@@ -1,0 +1,444 @@
+//! Calibration files, the input of `calibrate`.
+
+use std::path::{Path, PathBuf};
+
+use slipgrid_base::monitor::Monitor;
+use slipgrid_infer::calibrate::{
+    CalibrationTask, Coefficients, CutSample, MapSurface, Measurement, Selection, Surface as LawSource, TrialsTask,
+    flat_friction_law,
+};
+use slipgrid_laser::export::Specimen;
+use slipgrid_model::material::{AreaLaw, Elastic, Extrapolation};
+use slipgrid_model::pattern::Pattern;
+use slipgrid_model::springblock::{Holder, Layer};
+use toml::Spanned;
+
+use super::calibration_file::{BulkFile, CalibrationFile};
+use super::cavity_lengths;
+use super::document::Document;
+use super::file_kind::FileKind;
+use super::material::{DEFAULT_STATIC_OVER_DYNAMIC, check_modulus_std, existing};
+use super::measured::{self, Placed, Remarks, Specimens};
+use super::measurements;
+use super::pattern::{PatternFile, check_depth, read_pattern};
+use super::relief::read_relief;
+use super::scene::DEFAULT_LAYER;
+use super::stated_specimen::{StatedSpecimen, area_m2, extent_m, outline_told};
+use super::surface::{Surface, SurfaceFile};
+use super::trace_notes::unrepeated;
+use super::trace_table::TraceReader;
+use super::traces::{self, ConditionTraces, SurfaceKind};
+use super::trials::{self, FlatSamples};
+use crate::formats::altitude_map::read_period;
+use crate::formats::diagnostic::Diagnostic;
+use crate::formats::dimension_error;
+use crate::formats::plausible::{DENSITY, MODULUS, stiff_for_its_density};
+use crate::formats::source::Source;
+use slipgrid_base::units::{
+    DENSITY_G_CM3, LENGTH_MM, MODULUS_GPA, MODULUS_STD_GPA, POISSON, PRESSURE_MPA, RELATIVE_STD,
+};
+
+/// Default Poisson's ratio of the contact computation: the value of the lattice.
+pub const DEFAULT_POISSON_RATIO: f64 = 1.0 / 3.0;
+
+/// A calibration ready to be fitted.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Calibration {
+    /// Name of the pair of materials.
+    pub name: String,
+    /// Publication or laboratory.
+    pub source: String,
+    /// Young's modulus and density.
+    pub elastic: Elastic,
+    /// Standard deviation of Young's modulus, in pascals.
+    pub youngs_modulus_std_pa: Option<f64>,
+    /// Poisson's ratio of the contact computation.
+    pub poisson_ratio: f64,
+    /// Source of the area law.
+    pub surface: Surface,
+    /// Stated pressure P0 up to which friction is proportional to load, in pascals; `None` for the limit of small loads.
+    pub threshold_pa: Option<f64>,
+    /// Area of one specimen's face, in square metres.
+    pub specimen_area_m2: f64,
+    /// Thickness of the specimen, in metres, if stated.
+    pub thickness_m: Option<f64>,
+    /// How the specimen is held, if stated.
+    pub holder: Option<Holder>,
+    /// Measurements on flat samples.
+    pub flat: Vec<Measurement>,
+    /// Measurements on patterned samples; empty without any.
+    pub patterned: Vec<Measurement>,
+    /// Traces from which the measurements were read, if any.
+    pub traces: Vec<ConditionTraces>,
+    /// Pattern of the patterned samples, if the file names it.
+    pub pattern: Option<Pattern>,
+    /// Samples that were cut and measured, with that of `pattern` first, and the prior.
+    pub trials: TrialsTask,
+    /// Bounds of the area law's scale E* h'rms, in pascals, if no surface is given and the scale is fitted.
+    pub area_law_scale_pa: Option<[f64; 2]>,
+    /// Measured flat friction as the law of local pressure, if the calibration uses it as such. The shape is the mean
+    /// over the conditions that were measured at several pressures.
+    pub measured_law: Option<AreaLaw>,
+    /// Coefficients that are fitted.
+    pub coefficients: Coefficients,
+    /// Scatter of the local coefficients, which no mean value identifies.
+    pub relative_std: f64,
+    /// File positions of the measurements on flat samples, in the order of the files.
+    pub placed: Vec<Placed>,
+    /// Unusual inputs, one sentence each.
+    pub told: Vec<String>,
+    /// Measured numbers that are probably mistakes, one sentence each.
+    pub doubts: Vec<String>,
+    /// Tables that the file names: of flat samples, patterned samples and trials.
+    pub tables: Vec<PathBuf>,
+    /// Files from which the calibration was read.
+    pub inputs: Vec<PathBuf>,
+}
+
+impl Calibration {
+    /// Reads the calibration file at `path` and its measurements; of the map only the existence is checked.
+    ///
+    /// # Errors
+    /// [`Diagnostic`] for anything refused in it or in its tables.
+    pub fn read(source: &Source, path: &Path) -> Result<Self, Diagnostic> {
+        Self::from_document(&Document::read(source, path, FileKind::Calibration)?)
+    }
+
+    /// Trial that a validation of this calibration at `path` compares: the trial called `name`; without a name and
+    /// without patterned samples, the first measured one.
+    ///
+    /// # Errors
+    /// [`Diagnostic`] if there is no ratio to compare, or if no measured trial has the name.
+    pub fn compared_trial(&self, path: &Path, name: Option<&str>) -> Result<Option<&CutSample>, Diagnostic> {
+        let mut measured = self.trials.samples.iter().filter(|cut| !cut.measured.is_empty());
+        let Some(name) = name else {
+            let first = measured.next().filter(|_| self.patterned.is_empty());
+            if self.patterned.is_empty() && first.is_none() {
+                let reason = "has no measured sample with a pattern, so there is no ratio to compare";
+                return Err(Diagnostic::file(path, reason).expected(
+                    "patterned = \"patterned.csv\" in [measurements], a table in the columns of the flat one, or a [[trial]] with its \
+                     pattern and measurements = \"trial.csv\"",
+                ));
+            }
+            return Ok(first);
+        };
+        let names: Vec<&str> = measured.clone().map(|cut| cut.name.as_str()).collect();
+        let expected = if names.is_empty() { "a [[trial]] with measurements".to_owned() } else { names.join(", ") };
+        let refused = Diagnostic::flag("--trial", name, "is no measured trial of this calibration");
+        measured.find(|cut| cut.name == name).map(Some).ok_or_else(|| refused.expected(expected))
+    }
+
+    /// Relative standard deviation of Young's modulus, if given.
+    #[must_use]
+    pub fn modulus_relative_std(&self) -> Option<f64> {
+        Some(self.youngs_modulus_std_pa? / self.elastic.youngs_modulus_pa())
+    }
+
+    /// Reads a calibration from a document.
+    ///
+    /// # Errors
+    /// Errors of [`Calibration::read`].
+    pub fn from_document(document: &Document) -> Result<Self, Diagnostic> {
+        let document = &document.clone().as_kind(FileKind::Calibration);
+        let file: CalibrationFile = document.parse()?;
+        let bulk = file.material.get_ref();
+        let yield_pressure_pa = document.optional(bulk.yield_pressure_mpa.as_ref(), PRESSURE_MPA)?;
+        let elastic = Elastic::new(
+            document.number(&bulk.youngs_modulus_gpa, MODULUS_GPA)?,
+            document.number(&bulk.density_g_cm3, DENSITY_G_CM3)?,
+        )
+        .and_then(|elastic| elastic.with_yield_pressure_pa(yield_pressure_pa))
+        .map_err(|error| document.refuse(file.material.span(), error.to_string()))?;
+        let surface = file.surface.as_ref().map_or(Ok(Surface::None), |surface| Surface::new(document, surface))?;
+        let threshold = file.surface.as_ref().and_then(|surface| surface.get_ref().threshold_mpa.as_ref());
+        let threshold_pa = document.optional(threshold, PRESSURE_MPA)?;
+        let fit = file.fit.as_ref();
+        let coefficients =
+            fit.and_then(|fit| fit.coefficients.as_ref()).map_or(Ok(Coefficients::PerCondition), |name| {
+                document.choice(name, &Coefficients::ALL, Coefficients::name)
+            })?;
+        let stated = StatedSpecimen::read(document, &file.specimen, None)?;
+        let specimen = stated.specimen;
+        let outline = specimen.outline;
+        let specimens = Specimens { area_m2: area_m2(&outline), modulus_pa: elastic.youngs_modulus_pa() };
+        let mut remarks = Remarks { told: bulk_told(document, bulk)?, ..Remarks::default() };
+        remarks.told.extend(outline_told(document, &file.specimen, &outline)?);
+        let of_trials = file.trial.iter().filter_map(|trial| trial.get_ref().traces()).flatten();
+        let mut reader = TraceReader::new(document, file.traces.as_ref().map(Spanned::get_ref), of_trials)?;
+        let Measured { flat: placed, patterned, mut traces } = read_measured(document, &file, &mut reader)?;
+        for rows in [&placed, &patterned] {
+            remarks.told.extend(measured::check(rows, &specimens)?);
+            remarks.repeated.extend(measured::identical(&[], rows));
+        }
+        remarks.told.extend(measured::check_partners(&patterned, &patterned, &placed)?);
+        remarks.doubts.extend(measured::doubtful_ratios(&patterned, &placed));
+        if coefficients == Coefficients::PerCondition {
+            measured::refuse_repeated(&placed)?;
+        }
+        let pattern = file.pattern.as_ref();
+        let pattern = pattern.map(|table| read_fitting_pattern(document, table, &specimen, true)).transpose()?;
+        remarks.told.extend(file.pattern.iter().flat_map(|table| cavity_lengths::unusual(document, table)));
+        let relief = match file.pattern.as_ref().zip(pattern.as_ref()) {
+            Some((table, pattern)) => read_relief(document, table, pattern)?,
+            None => None,
+        };
+        let dimensions_std_m = match file.pattern.as_ref().zip(pattern.as_ref()) {
+            Some((table, pattern)) => dimension_error::read(document, table.get_ref().dimensions_std(), pattern)?,
+            None => [0.0; 3],
+        };
+        let first = pattern.filter(|_| !patterned.is_empty()).map(|pattern| CutSample {
+            dimensions_std_m,
+            ..trials::of_tables(pattern, relief, stated.cut(), &patterned)
+        });
+        let flat = FlatSamples { stated, specimens: &specimens, measured: &placed };
+        let prior = file.trial_prior.as_ref();
+        let (trials, of_trials) =
+            trials::read_trials(document, &file.trial, prior, &flat, first, &mut reader, &mut remarks)?;
+        let once = unrepeated(&traces);
+        traces.extend(of_trials);
+        let area_law_scale_pa = read_scale(document, &file)?;
+        let measured_law = match (&surface, &file.surface) {
+            (Surface::Measured { extrapolation }, Some(table)) => {
+                Some(measured_law(document, table, &placed, specimens.area_m2, *extrapolation)?)
+            }
+            _ => None,
+        };
+        Ok(Self {
+            tables: tables(document, &file),
+            inputs: inputs(document, &file, &surface, &traces),
+            name: file.name,
+            source: file.source,
+            elastic,
+            youngs_modulus_std_pa: document.optional(bulk.youngs_modulus_std_gpa.as_ref(), MODULUS_STD_GPA)?,
+            poisson_ratio: document.optional(bulk.poisson_ratio.as_ref(), POISSON)?.unwrap_or(DEFAULT_POISSON_RATIO),
+            surface,
+            threshold_pa,
+            specimen_area_m2: specimens.area_m2,
+            thickness_m: stated.thickness_m,
+            holder: stated.holder,
+            flat: placed.iter().map(|row| row.measurement).collect(),
+            patterned: patterned.iter().map(|row| row.measurement).collect(),
+            traces,
+            pattern,
+            trials,
+            area_law_scale_pa,
+            measured_law,
+            coefficients,
+            relative_std: document
+                .optional(fit.and_then(|fit| fit.relative_std.as_ref()), RELATIVE_STD)?
+                .unwrap_or(super::material::DEFAULT_RELATIVE_STD),
+            placed,
+            told: remarks.told.iter().map(Diagnostic::to_string).collect(),
+            doubts: remarks.warnings().into_iter().chain(once).collect(),
+        })
+    }
+
+    /// Calibration task for a `layer` with this `seed`, as far as `selection` needs it; maps are read from `files`.
+    ///
+    /// # Errors
+    /// [`Diagnostic`] if a map cannot be read, or if `monitor` has cancelled.
+    pub fn task(
+        &self,
+        files: &Source,
+        (layer, seed): (Layer, u64),
+        selection: Selection,
+        monitor: &dyn Monitor,
+    ) -> Result<CalibrationTask, Diagnostic> {
+        let surface = self.read_surface(files, monitor)?;
+        let mut notes = self.told.clone();
+        notes.extend(traces::notes(&self.traces));
+        Ok(CalibrationTask {
+            name: self.name.clone(),
+            source: self.source.clone(),
+            elastic: self.elastic,
+            youngs_modulus_std_pa: self.youngs_modulus_std_pa,
+            poisson_ratio: self.poisson_ratio,
+            surface,
+            threshold_pa: self.threshold_pa,
+            specimen_area_m2: self.specimen_area_m2,
+            flat: self.flat.clone(),
+            trials: self.trials.clone(),
+            coefficients: self.coefficients,
+            relative_std: self.relative_std,
+            static_over_dynamic: DEFAULT_STATIC_OVER_DYNAMIC,
+            layer,
+            seed,
+            selection,
+            notes,
+            doubts: self.doubts.clone(),
+        })
+    }
+
+    /// Source of the area law, with the maps read.
+    fn read_surface(&self, files: &Source, monitor: &dyn Monitor) -> Result<LawSource, Diagnostic> {
+        Ok(match (&self.surface, &self.measured_law, self.area_law_scale_pa) {
+            (Surface::Measured { extrapolation }, Some(law), _) => {
+                LawSource::FlatFriction { law: law.clone(), extrapolation: *extrapolation }
+            }
+            (Surface::Persson { rms_slope }, ..) => LawSource::RmsSlope(*rms_slope),
+            (Surface::Map { path, synthetic, options, windows, after }, ..) => LawSource::Map(Box::new(MapSurface {
+                map: read_period(files, path, options, monitor)?,
+                synthetic: *synthetic,
+                windows: *windows,
+                after: after.as_ref().map(|after| read_period(files, after, options, monitor)).transpose()?,
+            })),
+            (_, _, Some(bounds_pa)) => LawSource::FittedScale { bounds_pa },
+            _ => LawSource::None,
+        })
+    }
+
+    /// File position of `measurement` on a flat sample.
+    #[must_use]
+    pub fn place(&self, measurement: &Measurement) -> Option<&Placed> {
+        self.placed.iter().find(|placed| placed.measurement == *measurement)
+    }
+
+    /// Nominal pressure of a normal force on one specimen, in pascals.
+    #[must_use]
+    pub fn pressure_pa(&self, force_n: f64) -> f64 {
+        // P = F / A
+        force_n / self.specimen_area_m2
+    }
+}
+
+/// Law of local pressure that follows from flat friction in `rows`.
+fn measured_law(
+    document: &Document,
+    table: &Spanned<SurfaceFile>,
+    rows: &[Placed],
+    area_m2: f64,
+    extrapolation: Extrapolation,
+) -> Result<AreaLaw, Diagnostic> {
+    let flat: Vec<Measurement> = rows.iter().map(|row| row.measurement).collect();
+    let law = flat_friction_law(&flat, area_m2, extrapolation)
+        .map_err(|error| document.refuse(table.span(), error.to_string()))?;
+    law.ok_or_else(|| {
+        document
+            .refuse(
+                table.span(),
+                "takes flat friction for the law of local pressure, and no condition has it at several pressures",
+            )
+            .expected("flat samples measured at one speed and humidity at two forces or more, the lightest among them")
+    })
+}
+
+/// Diagnostics for unusual properties of the bulk.
+fn bulk_told(document: &Document, bulk: &BulkFile) -> Result<Vec<Diagnostic>, Diagnostic> {
+    let modulus_gpa = *bulk.youngs_modulus_gpa.get_ref();
+    check_modulus_std(document, modulus_gpa, bulk.youngs_modulus_std_gpa.as_ref())?;
+    let judged = [(MODULUS, &bulk.youngs_modulus_gpa), (DENSITY, &bulk.density_g_cm3)];
+    let told = judged.into_iter().filter_map(|(quantity, number)| {
+        quantity.check(*number.get_ref(), || document.refuse(number.span(), "")).transpose()
+    });
+    let stiff = stiff_for_its_density(modulus_gpa, *bulk.density_g_cm3.get_ref());
+    let stiff = stiff.map(|reason| Ok(document.refuse(bulk.youngs_modulus_gpa.span(), reason)));
+    told.chain(stiff).collect()
+}
+
+/// Reads the pattern and checks that one period fits on the specimen, because memory and time of the model's cell grow
+/// with the period.
+pub(crate) fn read_fitting_pattern(
+    document: &Document,
+    table: &Spanned<PatternFile>,
+    specimen: &Specimen,
+    is_laid: bool,
+) -> Result<Pattern, Diagnostic> {
+    let pattern = read_pattern(document, table)?;
+    check_depth(document, table.get_ref(), pattern.depth_m(), &DEFAULT_LAYER)?;
+    let (pitch_mm, extent_mm) = (LENGTH_MM.from_si(pattern.pitch_m()), LENGTH_MM.from_si(extent_m(&specimen.outline)));
+    if pitch_mm > extent_mm {
+        let reason = format!("repeats every {pitch_mm} mm, more than the specimen's {extent_mm} mm");
+        return Err(document
+            .refuse(table.span(), reason)
+            .expected("width_um and spacing_um of which a period fits on the specimen"));
+    }
+    if is_laid {
+        specimen.check(pattern).map_err(|error| {
+            document.refuse(table.span(), error.to_string()).expected("a pattern as it was cut into the specimen")
+        })?;
+    }
+    Ok(pattern)
+}
+
+/// Paths of the calibration's file, tables, map and traces.
+fn inputs(document: &Document, file: &CalibrationFile, surface: &Surface, traces: &[ConditionTraces]) -> Vec<PathBuf> {
+    let maps: Vec<PathBuf> = match surface {
+        Surface::Map { path, after, .. } => std::iter::once(path.clone()).chain(after.clone()).collect(),
+        _ => Vec::new(),
+    };
+    let traces = traces.iter().flat_map(|traces| traces.condition.files.iter().map(|export| export.path.clone()));
+    std::iter::once(document.path().to_owned()).chain(tables(document, file)).chain(maps).chain(traces).collect()
+}
+
+/// Paths of the tables that the calibration names.
+fn tables(document: &Document, file: &CalibrationFile) -> Vec<PathBuf> {
+    let tables = file.measurements.iter().flat_map(|table| [&table.get_ref().flat, &table.get_ref().patterned]);
+    let tables = tables.flatten().map(|name| name.get_ref().as_str());
+    let trials = file.trial.iter().filter_map(|trial| trial.get_ref().measurements());
+    tables.chain(trials).map(|name| document.resolve(name)).collect()
+}
+
+/// Measurements on flat and on patterned samples, from tables or from traces, and the traces.
+struct Measured {
+    flat: Vec<Placed>,
+    patterned: Vec<Placed>,
+    traces: Vec<ConditionTraces>,
+}
+
+fn read_measured(
+    document: &Document,
+    file: &CalibrationFile,
+    reader: &mut TraceReader<'_>,
+) -> Result<Measured, Diagnostic> {
+    let mut tables = [Vec::new(), Vec::new()];
+    if let Some(measurements) = &file.measurements {
+        let names = [measurements.get_ref().flat.as_ref(), measurements.get_ref().patterned.as_ref()];
+        for (table, name) in tables.iter_mut().zip(names) {
+            if let Some(name) = name {
+                let path = existing(document, name, name.get_ref())?;
+                *table = Placed::rows(&path, measurements::read(document.source(), &path)?);
+            }
+        }
+    }
+    let mut read = Vec::new();
+    if let Some(table) = &file.traces {
+        let needed = !file.trial.iter().any(|trial| trial.get_ref().traces().is_some());
+        let conditions = reader.table(table, needed)?;
+        for kind in SurfaceKind::ALL {
+            if !tables[kind as usize].is_empty() && conditions.iter().any(|(_, condition)| condition.surface == kind) {
+                let reason = format!("has {} samples, and so has [measurements]", kind.name());
+                return Err(document
+                    .refuse(table.span(), reason)
+                    .expected("samples of one kind either as a table or as traces"));
+            }
+        }
+        for (traces, (span, condition)) in reader.analyse(&conditions)?.into_iter().zip(&conditions) {
+            tables[condition.surface as usize].push(traces.placed(document, span));
+            read.push(traces);
+        }
+    }
+    let [flat, patterned] = tables;
+    if flat.is_empty() {
+        let missing = match &file.measurements {
+            Some(table) => document.missing(table.span(), "flat"),
+            None => document.missing(0..0, "measurements.flat"),
+        };
+        return Err(missing.expected(
+            "a table, or [traces] of flat samples; traces of a cut sample stand beside them, in its [[trial]] as [[trial.traces]]",
+        ));
+    }
+    Ok(Measured { flat, patterned, traces: read })
+}
+
+fn read_scale(document: &Document, file: &CalibrationFile) -> Result<Option<[f64; 2]>, Diagnostic> {
+    let Some(bounds) = file.fit.as_ref().and_then(|fit| fit.area_law_scale_mpa.as_ref()) else { return Ok(None) };
+    if file.surface.is_some() {
+        return Err(document
+            .refuse(bounds.span(), "stands beside [surface]")
+            .expected("either area_law_scale_mpa or [surface]"));
+    }
+    match document.numbers(bounds, PRESSURE_MPA)?[..] {
+        [from, to] if from < to => Ok(Some([from, to])),
+        _ => Err(document.refuse(bounds.span(), "is no range").expected("two increasing pressures, [0.5, 50]")),
+    }
+}

@@ -1,0 +1,360 @@
+//! Design files, the input of `optimize`.
+
+mod contradictions;
+mod read;
+
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+use serde::Deserialize;
+use slipgrid_base::units::{LENGTH_UM, MODULUS_GPA, PRESSURE_MPA, TIME_S};
+use slipgrid_design::optimize::{Constraints, DesignSpace};
+use slipgrid_design::{DesignTask, Refusal, TaskPart};
+use slipgrid_model::material::ConditionRange;
+use slipgrid_model::pattern::{Pattern, Texture};
+use slipgrid_model::springblock::Dimension;
+use toml::Spanned;
+
+use read::{read_date, read_dimensions, read_limits, read_material_input, read_range, read_ranges, whole_steps};
+
+use super::condition_ranges::ConditionRangeFile;
+use super::document::Document;
+use super::explored::of_material;
+use super::file_kind::FileKind;
+use super::laser::{LaserFile, SpecimenFile, check_fits, read_laser, read_specimen, unmeasured_fluence};
+use super::limits::{LimitsFile, read_limited};
+use super::material::MaterialFile;
+use super::pattern::{TextureFile, read_directions, read_texture, require_section};
+use super::rim::read_rim;
+use super::scene::{SampleFile, check_face, default_sample, read_layer};
+use super::target::{TargetFile, read_target};
+use super::tolerances::{TolerancesFile, read_tolerances};
+use super::trade_offs::{Given, TradeOffsFile, read_trade_offs};
+use super::unusual;
+use super::values::{Number, Numbers, PathOr, number_span};
+use crate::formats::diagnostic::Diagnostic;
+use crate::formats::source::Source;
+
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct DesignFile {
+    /// Name for reports; the file's name when absent.
+    name: Option<String>,
+    /// Date of the design, shown beside its name on the page: a calendar date as YYYY-MM-DD.
+    date: Option<Spanned<String>>,
+    /// The material: a table, the path of a material file, or that of a calibration, which is then fitted first.
+    material: Spanned<PathOr<MaterialFile>>,
+    /// Speed and humidity that select coefficients of a material with coefficients per condition.
+    condition: Option<Spanned<ConditionRangeFile>>,
+    /// Further conditions, or ranges of conditions, at which the target must also hold.
+    also_at: Option<Spanned<Vec<Spanned<ConditionRangeFile>>>>,
+    /// Friction target.
+    target: Spanned<TargetFile>,
+    /// Ranges of the dimensions that are searched.
+    bounds: Spanned<BoundsFile>,
+    /// Fixed properties of the texture, which are not searched; grooves across the sliding direction when absent.
+    #[serde(default = "plain_texture")]
+    pattern: Spanned<TextureFile>,
+    /// Limits set by the laser and the surface.
+    #[serde(default)]
+    limits: LimitsFile,
+    /// The laser, for the process sheet and the laser's input files.
+    laser: Option<Spanned<LaserFile>>,
+    /// Specimen on which the pattern is laid.
+    specimen: Spanned<SpecimenFile>,
+    /// The modelled layer.
+    #[serde(default = "default_sample")]
+    sample: Spanned<SampleFile>,
+    /// Solver options and time limit.
+    #[serde(default)]
+    search: SearchFile,
+    /// Scatter of the mean dimensions from sample to sample; without this table the chance leaves it out.
+    tolerances: Option<TolerancesFile>,
+    /// Table of Pareto-optimal designs: no other design is better in every goal.
+    trade_offs: Option<Spanned<TradeOffsFile>>,
+}
+
+/// Default texture: grooves across the sliding direction.
+fn plain_texture() -> Spanned<TextureFile> {
+    Spanned::new(0..0, TextureFile::default())
+}
+
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct BoundsFile {
+    /// Width of a cavity along its row: minimum and maximum, or one number, which fixes it.
+    width_um: Spanned<Numbers>,
+    /// Gap between two cavities of a row: minimum and maximum, or one number.
+    spacing_um: Spanned<Numbers>,
+    /// Depth of a cavity: minimum and maximum, or one number.
+    depth_um: Spanned<Numbers>,
+}
+
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct SearchFile {
+    /// Seed of the local coefficients; 1 when absent.
+    seed: Option<u64>,
+    /// Time limit of the whole job; no limit when absent.
+    max_seconds: Option<Number>,
+    /// Also write the predictions for every design of whole blocks and bursts to `table.csv`; false when absent.
+    table: Option<bool>,
+    /// Start the confirming run from an unloaded layer at rest, with static friction; false when absent.
+    from_rest: Option<bool>,
+    /// Confirm designs in space on a strip of the specimen with its ends and margins, along the row of cavities through
+    /// its middle, instead of on one cell; takes minutes instead of seconds; false when absent.
+    strip: Option<Spanned<bool>>,
+    /// 2 solves in the vertical plane, 3 in space; the planform decides when absent.
+    dimensions: Option<Spanned<u64>>,
+}
+
+/// A design read from its file: the task, and the file positions of its parts.
+#[derive(Clone, Debug)]
+pub struct Design {
+    /// Task; without a material if the material must be calibrated first.
+    pub task: DesignTask,
+    /// Calibration file from which the material must be calibrated.
+    pub calibration: Option<PathBuf>,
+    /// Paths of the design file, the material file and the drawing of the outline.
+    pub inputs: Vec<PathBuf>,
+    /// Unusual inputs in the design file.
+    pub told: Vec<Diagnostic>,
+    /// Path of the material or calibration that was given in place of a design.
+    pub(crate) stands_for: Option<PathBuf>,
+    document: Document,
+    places: Places,
+}
+
+/// File positions of the parts of a task.
+#[derive(Clone, Debug)]
+struct Places {
+    /// Positions of the conditions as given; the condition designed for is first.
+    ranges: Vec<Range<usize>>,
+    condition: Range<usize>,
+    also_at: Range<usize>,
+    pressures: Spanned<Numbers>,
+    /// `None` if the default holds.
+    block: Option<Range<usize>>,
+    /// `None` if the default holds.
+    thickness: Option<Range<usize>>,
+    /// `None` if the design does not state it.
+    holder: Option<Range<usize>>,
+}
+
+impl Design {
+    /// Reads the design file at `path` and the material file it names.
+    ///
+    /// # Errors
+    /// [`Diagnostic`] for any refused input.
+    pub fn read(source: &Source, path: &Path) -> Result<Self, Diagnostic> {
+        Self::from_document(Document::read(source, path, FileKind::Design)?)
+    }
+
+    /// Pattern with the design's texture and the lengths that the flag `--candidate` gives.
+    ///
+    /// # Errors
+    /// [`Diagnostic`] if the text gives no valid pattern.
+    pub fn candidate(&self, text: &str) -> Result<Pattern, Diagnostic> {
+        let lengths: Vec<f64> = text.split(',').filter_map(|length| length.trim().parse().ok()).collect();
+        let refuse = |reason: &str| {
+            Diagnostic::flag("--candidate", text.to_owned(), reason)
+                .expected("width, spacing and depth in um: 100,300,10")
+        };
+        let [width_um, spacing_um, depth_um] = lengths[..] else { return Err(refuse("is no pattern")) };
+        Pattern::new(*self.task.space.texture(), width_um * 1e-6, spacing_um * 1e-6, depth_um * 1e-6)
+            .map_err(|error| refuse(&error.to_string()))
+    }
+
+    /// Reads a design from a document.
+    ///
+    /// # Errors
+    /// Errors of [`Design::read`].
+    pub fn from_document(document: Document) -> Result<Self, Diagnostic> {
+        let document = document.as_kind(FileKind::Design);
+        let file: DesignFile = document.parse()?;
+        let ranges = read_ranges(&document, &file)?;
+        let target = read_target(&document, &file.target)?;
+        let specimen = read_specimen(&document, &file.specimen)?;
+        let texture = read_texture(&document, file.pattern.get_ref(), file.pattern.span())?;
+        let sliding = texture.sliding_direction_on_specimen();
+        let layer = read_layer(&document, &file.sample, Some((&specimen, sliding)))?;
+        let bounds = file.bounds.get_ref();
+        let (width_m, spacing_m, depth_m) = (
+            read_range(&document, &bounds.width_um)?,
+            read_range(&document, &bounds.spacing_um)?,
+            read_range(&document, &bounds.depth_um)?,
+        );
+        if depth_m[1] >= layer.height_m {
+            let layer_um = LENGTH_UM.from_si(layer.height_m);
+            return Err(document
+                .refuse(bounds.depth_um.span(), format!("reaches through the layer of {layer_um} um"))
+                .expected(format!("depths below {layer_um} um")));
+        }
+        let largest_m = [width_m[1], spacing_m[1], depth_m[1]];
+        let tolerances =
+            file.tolerances.as_ref().map(|table| read_tolerances(&document, table, largest_m)).transpose()?;
+        let texture = match file.tolerances.as_ref().and_then(|table| table.rim_height_std_um.as_ref()) {
+            Some(std) if *std.get_ref() > 0.0 => {
+                // A rim of zero mean height may still scatter in height.
+                let rim = read_rim(&document, file.pattern.get_ref())?;
+                texture.with_rim(rim.ok_or_else(|| {
+                    document
+                        .refuse(std.span(), "is of rims that [pattern] does not have")
+                        .expected("rim_height_um and rim_width_um in [pattern], or no such key")
+                })?)
+            }
+            _ => texture,
+        };
+        let directions = read_directions(&document, file.pattern.get_ref(), &texture, &specimen)?;
+        let dimensions = read_dimensions(&document, file.search.dimensions.as_ref())?;
+        let turned = directions.different_deg.iter().filter_map(|deg| texture.with_sliding_angle_deg(*deg).ok());
+        let each: Vec<Texture> = std::iter::once(texture).chain(turned).collect();
+        if dimensions.is_some_and(|asked| !Dimension::numbered(asked).sees_face()) {
+            each.iter().try_for_each(|texture| require_section(&document, file.pattern.get_ref(), texture))?;
+        }
+        // One model serves all directions: if one direction must be solved in space, all are.
+        let dimensions = dimensions.or_else(|| (each.len() > 1).then(|| Dimension::required_for(&each).number()));
+        let limits = &file.limits;
+        let laser = read_laser(&document, file.laser.as_ref(), (&limits.depth_per_burst_um, &limits.min_land_um))?;
+        let depth_m = whole_steps(depth_m, &laser);
+        let space = DesignSpace::new(texture, width_m, spacing_m, depth_m)
+            .map_err(|error| document.refuse(file.bounds.span(), error.to_string()))?;
+        let limits = read_limits(&document, &file, &laser, &texture, (width_m, spacing_m, depth_m))?;
+        let wide = file.bounds.get_ref().width_um.span();
+        check_fits(&document, (&file.specimen, wide), &specimen, &texture, (width_m, spacing_m, depth_m))?;
+        check_face(&document, &file.specimen, &specimen, &layer)?;
+        file.limits.check_peak(&document, &file.target.get_ref().pressure_mpa)?;
+        let (measures, quantities) = read_limited(&document, &file.limits, &laser)?;
+        let mut told =
+            unusual::of_shares(&document, file.condition.iter().chain(file.also_at.iter().flat_map(Spanned::get_ref)));
+        told.extend(unmeasured_fluence(&document, file.laser.as_ref(), &laser));
+        let (known, calibration) = read_material_input(&document, &file.material, &mut told)?;
+        let given = Given {
+            laser: &laser,
+            target: &target,
+            texture: space.texture(),
+            has_tolerances: file.tolerances.is_some(),
+        };
+        let trade_offs = file.trade_offs.as_ref().map(|table| read_trade_offs(&document, table, &given)).transpose()?;
+        let named = match file.material.get_ref() {
+            PathOr::Path(path) => Some(document.resolve(path)),
+            PathOr::Table(_) => None,
+        };
+        let (ranges, places): (Vec<ConditionRange>, Vec<Range<usize>>) = ranges.into_iter().unzip();
+        let task = DesignTask {
+            name: file.name.clone().unwrap_or_else(|| document.stem()),
+            date: file.date.as_ref().map(|date| read_date(&document, date)).transpose()?,
+            material: known,
+            ranges,
+            directions,
+            constraints: Constraints { limits, quantities },
+            quantities: measures,
+            laser,
+            seed: file.search.seed.unwrap_or(1),
+            max_seconds: document.optional(file.search.max_seconds.as_ref(), TIME_S)?,
+            table: file.search.table.unwrap_or(false),
+            from_rest: file.search.from_rest.unwrap_or(false),
+            strip: read_strip(&document, &file, &each, dimensions)?,
+            dimensions,
+            tolerances,
+            trade_offs,
+            ..DesignTask::without_material(target, space, specimen, layer)
+        };
+        let places = Places {
+            ranges: places,
+            condition: file.condition.as_ref().map_or(file.material.span(), Spanned::span),
+            also_at: file.also_at.as_ref().map_or(0..0, Spanned::span),
+            pressures: file.target.get_ref().pressure_mpa.clone(),
+            block: file.sample.get_ref().block_um.as_ref().map(Spanned::span),
+            thickness: file.sample.get_ref().thickness_mm.as_ref().map(Spanned::span),
+            holder: file.sample.get_ref().holder.as_ref().map(Spanned::span),
+        };
+        let drawing = file.pattern.get_ref().outline.as_ref().map(|outline| document.resolve(outline.get_ref()));
+        let inputs = std::iter::once(document.path().to_owned()).chain(named).chain(drawing).collect();
+        let (pattern, sample) = (file.pattern.get_ref(), file.sample.get_ref());
+        told.extend(unusual::of_rims(&document, task.space.texture().rim(), pattern, sample));
+        let mut design = Self { task, calibration, inputs, told, stands_for: None, document, places };
+        if let Some(known) = design.task.material.clone() {
+            design.task.check(&known).map_err(|refused| design.refuse(&refused))?;
+            design.told.extend(design.material_told());
+        }
+        Ok(design)
+    }
+
+    /// Diagnostic of the target's pressures relative to the material's Young's modulus, if that is known.
+    fn strained(&self) -> Option<Diagnostic> {
+        let material = &self.task.material.as_ref()?.material;
+        let modulus_gpa = MODULUS_GPA.from_si(material.elastic.youngs_modulus_pa());
+        unusual::of_pressures(&self.document, &self.places.pressures, modulus_gpa).map(|told| self.named(told))
+    }
+
+    /// Adapts a diagnostic of a design that may stand for a material.
+    fn named(&self, told: Diagnostic) -> Diagnostic {
+        match &self.stands_for {
+            Some(material) => of_material(told, self.document.path(), material),
+            None => told,
+        }
+    }
+
+    /// Refuses the design as a whole.
+    #[must_use]
+    pub fn refuse_whole(&self, reason: impl Into<String>) -> Diagnostic {
+        self.refuse(&Refusal::new(TaskPart::Whole, reason))
+    }
+
+    /// Diagnostic at the file position of `refused`.
+    #[must_use]
+    pub fn refuse(&self, refused: &Refusal) -> Diagnostic {
+        let at = |place: &Range<usize>| self.document.refuse(place.clone(), refused.reason.clone());
+        let whole = || Diagnostic::file(self.document.path(), refused.reason.clone());
+        let found = match refused.part {
+            TaskPart::Whole => whole(),
+            TaskPart::ConditionRange(place) => self.places.ranges.get(place).map_or_else(whole, at),
+            TaskPart::Condition => at(&self.places.condition),
+            TaskPart::FurtherConditions => at(&self.places.also_at),
+            TaskPart::Pressure(place) => at(&number_span(&self.places.pressures, place)),
+            TaskPart::BlockSize => match &self.places.block {
+                Some(place) => at(place),
+                None => Diagnostic {
+                    key: Some("sample.block_um".into()),
+                    value: Some(format!("{} (the default)", self.task.block_um()).into()),
+                    ..whole()
+                },
+            },
+        };
+        let pressure_pa = match refused.part {
+            TaskPart::Pressure(place) => self.task.pressures_pa().get(place).copied(),
+            _ => None,
+        };
+        let expected = refused.expected.as_ref().map(|expected| {
+            let pressure_mpa = pressure_pa.map(|pressure_pa| PRESSURE_MPA.from_si(pressure_pa));
+            pressure_mpa.map_or_else(|| expected.clone(), |at_mpa| unusual::with_slip(expected, at_mpa))
+        });
+        self.named(Diagnostic { expected: expected.map(Into::into), ..found })
+    }
+}
+
+/// Reads whether a strip confirms the design; possible for models in space that slide along or across the rows.
+fn read_strip(
+    document: &Document,
+    file: &DesignFile,
+    textures: &[Texture],
+    dimensions: Option<u8>,
+) -> Result<bool, Diagnostic> {
+    let Some(strip) = file.search.strip.as_ref().filter(|strip| *strip.get_ref()) else { return Ok(false) };
+    let is_in_space = dimensions.map_or_else(|| Dimension::required_for(textures), Dimension::numbered).sees_face();
+    if !is_in_space {
+        return Err(document
+            .refuse(strip.span(), "is of designs in space: in the plane all strips of the specimen are solved")
+            .expected("false"));
+    }
+    if textures.iter().any(Texture::slides_aslant) {
+        return Err(document
+            .refuse(
+                strip.span(),
+                "is of patterns that slide along their rows or across them: others repeat at no distance across",
+            )
+            .expected("false"));
+    }
+    Ok(true)
+}

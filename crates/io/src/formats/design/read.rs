@@ -1,0 +1,258 @@
+//! Reads the parts of a design file.
+
+use std::path::PathBuf;
+
+use slipgrid_design::KnownMaterial;
+use slipgrid_laser::export::Laser;
+use slipgrid_model::material::ConditionRange;
+use slipgrid_model::pattern::{Arrangement, ManufacturingLimits, Pattern, Texture};
+use toml::Spanned;
+
+use super::DesignFile;
+use crate::formats::condition_ranges::{ConditionRangeFile, read_conditions};
+use crate::formats::diagnostic::Diagnostic;
+use crate::formats::document::Document;
+use crate::formats::file_kind::FileKind;
+use crate::formats::material::{MaterialFile, existing};
+use crate::formats::material_uncertainty::read_known;
+use crate::formats::plausible::SPOT;
+use crate::formats::unusual;
+use crate::formats::values::{Numbers, PathOr, list};
+use slipgrid_base::units::{LENGTH_UM, significant, significant_to};
+
+/// Conditions with their file positions: the condition designed for, then the further ones.
+pub(super) fn read_ranges(
+    document: &Document,
+    file: &DesignFile,
+) -> Result<Vec<(ConditionRange, std::ops::Range<usize>)>, Diagnostic> {
+    if let (None, Some(also_at)) = (&file.condition, &file.also_at) {
+        return Err(document
+            .refuse(also_at.span(), "stands without the condition that is designed for")
+            .expected("condition = { speed_mm_s = ..., humidity_pct = ... } beside it"));
+    }
+    let further = file.also_at.iter().flat_map(Spanned::get_ref);
+    let read = |range: &Spanned<ConditionRangeFile>| Ok((read_conditions(document, range.get_ref())?, range.span()));
+    file.condition.iter().chain(further).map(read).collect()
+}
+
+pub(super) fn read_dimensions(
+    document: &Document,
+    dimensions: Option<&Spanned<u64>>,
+) -> Result<Option<u8>, Diagnostic> {
+    dimensions
+        .map(|dimensions| match dimensions.get_ref() {
+            2 => Ok(2),
+            3 => Ok(3),
+            _ => Err(document.refuse(dimensions.span(), "dimensions do not exist here").expected("2 or 3")),
+        })
+        .transpose()
+}
+
+/// Minimum and maximum of a length, or the one value at which a dimension is fixed.
+pub(super) fn read_range(document: &Document, bounds: &Spanned<Numbers>) -> Result<[f64; 2], Diagnostic> {
+    const EXPECTED: &str = "[smallest, largest], or one number without brackets, which fixes it";
+    let read = list(document, bounds, LENGTH_UM)?;
+    match read[..] {
+        [only] if matches!(bounds.get_ref(), Numbers::One(_)) => Ok([only; 2]),
+        [least, most] if least <= most => Ok([least, most]),
+        [_, _] => Err(document.refuse(bounds.span(), "has its larger number first").expected(EXPECTED)),
+        _ => Err(document.refuse(bounds.span(), format!("has {} numbers", read.len())).expected(EXPECTED)),
+    }
+}
+
+/// Width, spacing and depth bounds, in metres.
+type Bounds = ([f64; 2], [f64; 2], [f64; 2]);
+
+/// Name of the unit of which depths are whole multiples.
+pub(super) fn depth_steps(laser: &Laser) -> &'static str {
+    if laser.bursts_per_pass().is_some() { "passes" } else { "bursts" }
+}
+
+/// Rounds a single depth to the whole number of laser steps that it was printed from, to a hundredth of a micrometre.
+pub(super) fn whole_steps(depth_m: [f64; 2], laser: &Laser) -> [f64; 2] {
+    const PRINTED_M: f64 = 0.01e-6;
+    let Some(step_m) = laser.depth_step_um().map(|step_um| LENGTH_UM.to_si(step_um)) else { return depth_m };
+    let whole_m = (depth_m[0] / step_m).round().max(1.0) * step_m;
+    let is_printed = depth_m[0] == depth_m[1] && (whole_m - depth_m[0]).abs() <= PRINTED_M;
+    if is_printed { [whole_m; 2] } else { depth_m }
+}
+
+pub(super) fn read_limits(
+    document: &Document,
+    file: &DesignFile,
+    laser: &Laser,
+    asked: &Texture,
+    (width_m, spacing_m, depth_m): Bounds,
+) -> Result<ManufacturingLimits, Diagnostic> {
+    let limits = ManufacturingLimits {
+        min_land_m: document.optional(file.limits.min_land_um.as_ref(), LENGTH_UM)?,
+        spot_m: laser.spot_um.map(|spot_um| LENGTH_UM.to_si(spot_um)),
+        // From bursts, given or fitted against fluence, or from passes over the lines of a hatch.
+        depth_per_burst_m: laser.depth_step_um().map(|depth_um| LENGTH_UM.to_si(depth_um)),
+        wall_slope: laser.wall_taper_deg.map(|_| laser.slope()),
+    };
+    let bounds = file.bounds.get_ref();
+    if let Some(min_land_m) = limits.min_land_m
+        && spacing_m[1] < min_land_m
+    {
+        return Err(document
+            .refuse(bounds.spacing_um.span(), "ends below limits.min_land_um: no pattern is left")
+            .expected(format!("a largest spacing of at least {} um", LENGTH_UM.from_si(min_land_m))));
+    }
+    if let Some(spot_m) = limits.spot_m
+        && width_m[1] < spot_m
+    {
+        let (spot_um, most_um) = (LENGTH_UM.from_si(spot_m), LENGTH_UM.from_si(width_m[1]));
+        if let Some(spot) = file.laser.as_ref().and_then(|laser| laser.get_ref().spot_um.as_ref())
+            && let Some(slip) = SPOT.within([1.0, most_um]).slip(spot_um)
+        {
+            let reason = format!("is wider than the widest cavity within the bounds, {most_um} um");
+            return Err(document.refuse(spot.span(), reason).expected(format!("at most {most_um} um; {slip}")));
+        }
+        return Err(document
+            .refuse(bounds.width_um.span(), "ends below the laser's spot: no pattern is left")
+            .expected(format!("a largest width of at least {} um", LENGTH_UM.from_si(spot_m))));
+    }
+    let texture = file.pattern.get_ref();
+    if let Some((length, spot_m)) = texture.length_um.as_ref().zip(limits.spot_m)
+        && document.number(length, LENGTH_UM)? < spot_m
+    {
+        return Err(document
+            .refuse(length.span(), "is below the laser's spot: no pattern is left")
+            .expected(format!("at least {} um", LENGTH_UM.from_si(spot_m))));
+    }
+    if let Some((spacing, min_land_m)) = texture.spacing_across_um.as_ref().zip(limits.min_land_m)
+        && texture.arrangement.as_ref().is_none_or(|name| name.get_ref() == Arrangement::Square.name())
+        && document.number(spacing, LENGTH_UM)? < min_land_m
+    {
+        return Err(document
+            .refuse(spacing.span(), "is below limits.min_land_um: no pattern is left")
+            .expected(format!("at least {} um", LENGTH_UM.from_si(min_land_m))));
+    }
+    if let Some(burst_m) = limits.depth_per_burst_m {
+        // Smallest whole number of bursts at or above the minimum depth, with a tolerance for decimals.
+        let bursts = (depth_m[0] / burst_m - 1e-6).ceil().max(1.0);
+        if bursts * burst_m > depth_m[1] * (1.0 + 1e-6) {
+            return Err(document
+                .refuse(bounds.depth_um.span(), format!("holds no whole number of {}", depth_steps(laser)))
+                .expected(format!("a range with a multiple of {} um in it", LENGTH_UM.from_si(burst_m))));
+        }
+    }
+    // The widest cavities at minimum depth.
+    let widest = Pattern::new(*asked, width_m[1], spacing_m[1], depth_m[0]).ok();
+    let taper = file.laser.as_ref().and_then(|laser| laser.get_ref().wall_taper_deg.as_ref());
+    if let (Some(pattern), Some(taper)) = (widest, taper)
+        && limits.walls_meet(&pattern)
+    {
+        let extent_m = pattern.least_extent_m();
+        // tan(taper) = w / 2d
+        let most_deg = significant_to((extent_m / (2.0 * depth_m[0])).atan().to_degrees(), 3, f64::floor);
+        let (extent_um, depth_um) = (LENGTH_UM.from_si(extent_m), LENGTH_UM.from_si(depth_m[0]));
+        return Err(document
+            .refuse(
+                taper.span(),
+                format!(
+                    "lets walls meet above the floor of every cavity within the bounds: the widest is {} um wide, the shallowest {} um deep",
+                    significant(extent_um, 4),
+                    significant(depth_um, 4)
+                ),
+            )
+            .expected(format!("at most {most_deg} degrees, or wider or shallower cavities")));
+    }
+    Ok(limits)
+}
+
+/// Material, if it is known already; otherwise the file from which it must be calibrated.
+pub(super) fn read_material_input(
+    document: &Document,
+    material: &Spanned<PathOr<MaterialFile>>,
+    told: &mut Vec<Diagnostic>,
+) -> Result<(Option<KnownMaterial>, Option<PathBuf>), Diagnostic> {
+    match material.get_ref() {
+        PathOr::Table(table) => {
+            let (material, uncertainty) = read_known(document, table, &material.span())?;
+            told.extend(unusual::of_material(document, table));
+            Ok((Some(KnownMaterial { material, uncertainty }), None))
+        }
+        PathOr::Path(path) => {
+            let path = existing(document, material, path)?;
+            let named = Document::read_any(document.source(), &path, FileKind::Material)?;
+            if named.kind() == Some(FileKind::Calibration) {
+                return Ok((None, Some(path)));
+            }
+            named.require(FileKind::Material)?;
+            let named = named.as_kind(FileKind::Material);
+            let file: MaterialFile = named.parse()?;
+            let (material, uncertainty) = read_known(&named, &file, &(0..0))?;
+            told.extend(unusual::of_material(&named, &file));
+            Ok((Some(KnownMaterial { material, uncertainty }), None))
+        }
+    }
+}
+
+/// Reads a calendar date: four digits, two and two, with hyphens between.
+pub(super) fn read_date(document: &Document, date: &Spanned<String>) -> Result<String, Diagnostic> {
+    let text = date.get_ref();
+    if is_day(text) {
+        return Ok(text.clone());
+    }
+    Err(document.refuse(date.span(), "is no day").expected("a day as \"YYYY-MM-DD\", such as \"2026-11-22\""))
+}
+
+/// Whether `text` is a date of the Gregorian calendar as YYYY-MM-DD.
+fn is_day(text: &str) -> bool {
+    let is_written = text.len() == "YYYY-MM-DD".len()
+        && text.bytes().enumerate().all(|(place, byte)| match place {
+            4 | 7 => byte == b'-',
+            _ => byte.is_ascii_digit(),
+        });
+    let parts: Vec<u32> = text.split('-').filter_map(|part| part.parse().ok()).collect();
+    let (true, &[year, month, day]) = (is_written, &parts[..]) else { return false };
+    let is_leap = year % 4 == 0 && (year % 100 != 0 || year % 400 == 0);
+    let days = match month {
+        2 if is_leap => 29,
+        2 => 28,
+        4 | 6 | 9 | 11 => 30,
+        1..=12 => 31,
+        _ => 0,
+    };
+    (1..=days).contains(&day)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_depth_as_it_is_printed_is_a_whole_number_of_passes() {
+        let laser = Laser { depth_per_burst_um: Some(5.890_486_225_48), ..Laser::default() };
+        let of = |from_um: f64, to_um: f64| whole_steps([from_um * 1e-6, to_um * 1e-6], &laser);
+        assert_eq!(laser.depth_step_um(), Some(5.890_486_225_48));
+        assert_eq!(of(11.78, 11.78), [2.0 * LENGTH_UM.to_si(5.890_486_225_48); 2]);
+        // Neither a range nor a value that rounding to printed digits explains.
+        for [from_um, to_um] in [[11.6, 11.6], [11.78, 12.0]] {
+            assert_eq!(of(from_um, to_um), [from_um * 1e-6, to_um * 1e-6]);
+        }
+        assert_eq!(whole_steps([11.6e-6; 2], &Laser::default()), [11.6e-6; 2]);
+    }
+
+    #[test]
+    fn a_day_is_one_of_the_calendar() {
+        for day in ["2026-11-22", "2024-02-29", "2000-02-29", "2026-12-31"] {
+            assert!(is_day(day), "{day}");
+        }
+        for none in [
+            "2026-02-29",
+            "1900-02-29",
+            "2026-13-01",
+            "2026-00-10",
+            "2026-04-31",
+            "2026-1-1",
+            "22.11.2026",
+            "+026-01-01",
+            "",
+        ] {
+            assert!(!is_day(none), "{none}");
+        }
+    }
+}

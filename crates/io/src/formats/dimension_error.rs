@@ -1,0 +1,105 @@
+//! Standard errors of the measured dimensions of trials.
+
+use super::document::Document;
+use super::values::Number;
+use crate::formats::diagnostic::Diagnostic;
+use slipgrid_base::units::{LENGTH_STD_UM, LENGTH_UM, tidy};
+use slipgrid_model::pattern::Pattern;
+
+/// Maximum relative standard error of a dimension of a trial. With a larger error little more is known than that a
+/// cavity exists.
+const MAX_RELATIVE_STD: f64 = 1.0 / 3.0;
+
+/// Standard errors of the width, spacing and depth of the measured `pattern`, in metres; 0 if the file does not state
+/// them.
+///
+/// # Errors
+/// [`Diagnostic`] if a number is out of range, or more than a third of the dimension.
+pub fn read(document: &Document, written: [&Option<Number>; 3], pattern: &Pattern) -> Result<[f64; 3], Diagnostic> {
+    let measured = [("width", pattern.width_m()), ("spacing", pattern.spacing_m()), ("depth", pattern.depth_m())];
+    let mut stds_m = [0.0; 3];
+    for ((std_m, written), (name, length_m)) in stds_m.iter_mut().zip(written).zip(measured) {
+        let Some(written) = written else { continue };
+        *std_m = document.number(written, LENGTH_STD_UM)?;
+        if *std_m > MAX_RELATIVE_STD * length_m * (1.0 + 1e-9) {
+            let length_um = LENGTH_UM.from_si(length_m);
+            let reason = format!("is more than a third of the measured {name}, {} um", tidy(length_um));
+            let most_um = (1e3 * MAX_RELATIVE_STD * length_um).floor() / 1e3;
+            let refused = document.refuse(written.span(), reason);
+            return Err(refused.expected(format!("a standard error of at most {most_um} um")));
+        }
+    }
+    Ok(stds_m)
+}
+
+/// Standard errors of a trial, stated in its own table or in that of its pattern.
+///
+/// # Errors
+/// [`Diagnostic`] if both tables state one.
+pub fn of_trial<'a>(
+    document: &Document,
+    trial: [&'a Option<Number>; 3],
+    pattern: [&'a Option<Number>; 3],
+) -> Result<[&'a Option<Number>; 3], Diagnostic> {
+    for stated in trial.into_iter().zip(pattern) {
+        if let (Some(_), Some(twice)) = stated {
+            return Err(document
+                .refuse(twice.span(), "is stated by [[trial]], too")
+                .expected("the standard error in one of the two tables"));
+        }
+    }
+    Ok(std::array::from_fn(|axis| if trial[axis].is_some() { trial[axis] } else { pattern[axis] }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::formats::pattern::{PatternFile, read_pattern};
+    use serde::Deserialize;
+    use toml::Spanned;
+
+    #[derive(Deserialize)]
+    struct Trial {
+        depth_std_um: Option<Number>,
+        pattern: Spanned<PatternFile>,
+    }
+
+    /// The standard errors by the keys of a trial and of its pattern.
+    fn stds_um(trial: &str, pattern: &str) -> Result<[f64; 3], String> {
+        let text = format!("{trial}\n[pattern]\nwidth_um = 130.0\nspacing_um = 370.0\ndepth_um = 12.0\n{pattern}\n");
+        let document = Document::new("trials.toml", text);
+        let read = || {
+            let trial: Trial = document.parse()?;
+            let own = [&None, &None, &trial.depth_std_um];
+            let stds = of_trial(&document, own, trial.pattern.get_ref().dimensions_std())?;
+            read(&document, stds, &read_pattern(&document, &trial.pattern)?)
+        };
+        read()
+            .map(|stds_m| stds_m.map(|std_m| LENGTH_UM.from_si(std_m)))
+            .map_err(|refused: Diagnostic| refused.to_string())
+    }
+
+    #[test]
+    fn a_third_of_the_dimension_is_the_most() {
+        assert_eq!(stds_um("", ""), Ok([0.0; 3]));
+        assert_eq!(stds_um("depth_std_um = 4.0", ""), Ok([0.0, 0.0, 4.0]));
+        let refused = stds_um("depth_std_um = 11.0", "").unwrap_err();
+        let says = "trials.toml:1: depth_std_um: 11.0 is more than a third of the measured depth, 12 um; expected a standard error of at \
+                    most 4 um";
+        assert!(refused.contains(says), "{refused}");
+        assert!(stds_um("depth_std_um = -1.0", "").unwrap_err().contains("is out of range"));
+    }
+
+    #[test]
+    fn a_trial_or_its_pattern_states_each_of_them() {
+        assert_eq!(stds_um("depth_std_um = 1.0", "width_std_um = 8.0\nspacing_std_um = 13.0"), Ok([8.0, 13.0, 1.0]));
+        assert_eq!(stds_um("", "depth_std_um = 1.3"), Ok([0.0, 0.0, 1.3]));
+        let twice = stds_um("depth_std_um = 1.0", "depth_std_um = 1.0").unwrap_err();
+        assert!(twice.starts_with("trials.toml:6: pattern.depth_std_um: 1.0 is stated by [[trial]], too"), "{twice}");
+        let refused = stds_um("", "spacing_std_um = 124.0").unwrap_err();
+        assert!(
+            refused.contains("pattern.spacing_std_um: 124.0 is more than a third of the measured spacing"),
+            "{refused}"
+        );
+    }
+}

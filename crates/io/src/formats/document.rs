@@ -1,0 +1,490 @@
+//! TOML files with their text, so that every refusal can name a line.
+
+mod tables_only;
+
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use serde::de::DeserializeOwned;
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+use self::tables_only::TablesOnly;
+use super::file_kind::FileKind;
+use crate::formats::diagnostic::{Diagnostic, nearest};
+use crate::formats::plausible;
+use crate::formats::source::{Entry, NoFiles, Source, read_text};
+use slipgrid_base::units::{
+    DENSITY_G_CM3, HUMIDITY_PCT, LENGTH_MM, LENGTH_UM, MODULUS_GPA, PRESSURE_MPA, Quantity, SPEED_MM_S,
+};
+use slipgrid_design::results::SCHEMA;
+
+/// Keys of earlier versions, and their replacements.
+const GONE: [(&str, &str); 4] = [
+    ("target.discrepancy", "chances and expected values always have what trials say that the model lacks"),
+    ("search.robust", "textures are chosen by the chance that a sample is on target, which counts how samples scatter"),
+    ("search.max_evaluations", "every texture within the bounds is tabulated; max_seconds limits the time"),
+    ("tolerances.draws", "what is expected of samples is computed without draws"),
+];
+
+/// Maximum number of letters of a refused value in a message.
+const LONGEST_VALUE: usize = 60;
+
+/// A TOML file in memory.
+#[derive(Clone, Debug)]
+pub struct Document {
+    source: Source,
+    path: PathBuf,
+    text: String,
+    /// Expected kind of file, if known.
+    kind: Option<FileKind>,
+}
+
+impl Document {
+    /// Reads the file at `path` of `source`, which is expected to be a `kind`.
+    ///
+    /// # Errors
+    /// [`Diagnostic`] if it is a folder, cannot be read, is not UTF-8, or seems to be another kind of file.
+    pub fn read(source: &Source, path: &Path, kind: FileKind) -> Result<Self, Diagnostic> {
+        let document = Self::read_any(source, path, kind)?;
+        document.require(kind)?;
+        Ok(document.as_kind(kind))
+    }
+
+    /// Whether the document is known to be intended as a `kind`.
+    pub fn is_meant_as(&self, kind: FileKind) -> bool {
+        self.kind == Some(kind)
+    }
+
+    /// Marks the document as intended as a `kind`, so that messages about missing keys list the needs of such a file.
+    #[must_use]
+    pub fn as_kind(mut self, kind: FileKind) -> Self {
+        self.kind = Some(kind);
+        self
+    }
+
+    /// Refuses the document if it seems to be of another kind than `kind`.
+    ///
+    /// # Errors
+    /// [`Diagnostic`] that names the apparent kind.
+    pub fn require(&self, kind: FileKind) -> Result<(), Diagnostic> {
+        kind.require(&self.path, &self.text)
+    }
+
+    /// Reads the file at `path`, of any kind; `kind` is the file expected in place of a folder.
+    ///
+    /// # Errors
+    /// [`Diagnostic`] if it is a folder, cannot be read or is not UTF-8.
+    pub fn read_any(source: &Source, path: &Path, kind: FileKind) -> Result<Self, Diagnostic> {
+        if source.entry(path).is_ok_and(|entry| entry == Entry::Folder) {
+            return Err(kind.refuse_folder(source, path));
+        }
+        let text = read_text(source, path, kind.expected())?;
+        Ok(Self { source: Arc::clone(source), path: path.to_owned(), text, kind: None })
+    }
+
+    /// Source of the files that this document names.
+    #[must_use]
+    pub const fn source(&self) -> &Source {
+        &self.source
+    }
+
+    /// Apparent kind of the document, from its tables.
+    #[must_use]
+    pub fn kind(&self) -> Option<FileKind> {
+        FileKind::of(&self.text)
+    }
+
+    /// A document from text that names no other file; `path` names it in messages.
+    #[must_use]
+    pub fn new(path: impl Into<PathBuf>, text: impl Into<String>) -> Self {
+        Self::within(&(Arc::new(NoFiles) as Source), path, text)
+    }
+
+    /// A document from text; the files that it names are read from `source`.
+    #[must_use]
+    pub fn within(source: &Source, path: impl Into<PathBuf>, text: impl Into<String>) -> Self {
+        Self { source: Arc::clone(source), path: path.into(), text: text.into(), kind: None }
+    }
+
+    /// Text of the document.
+    #[must_use]
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+
+    /// The file's path, as the user named it.
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Resolves a path in this document relative to the folder of the document.
+    #[must_use]
+    pub fn resolve(&self, relative: &str) -> PathBuf {
+        self.path.parent().map_or_else(|| PathBuf::from(relative), |folder| folder.join(relative))
+    }
+
+    /// File name without extension, for default output names.
+    #[must_use]
+    pub fn stem(&self) -> String {
+        self.path.file_stem().map_or_else(|| "result".to_owned(), |stem| stem.to_string_lossy().into_owned())
+    }
+
+    /// Parses the document as a `T`.
+    ///
+    /// # Errors
+    /// [`Diagnostic`] for bad TOML, unknown and missing keys, and values of a wrong type.
+    pub fn parse<T: DeserializeOwned>(&self) -> Result<T, Diagnostic> {
+        let read = toml::Deserializer::parse(&self.text).and_then(|reader| T::deserialize(TablesOnly(reader)));
+        read.map_err(|error| self.explain(&error))
+    }
+
+    /// Refuses the value at `span`.
+    #[must_use]
+    pub fn refuse(&self, span: Range<usize>, reason: impl Into<String>) -> Diagnostic {
+        Diagnostic {
+            file: Some(self.path.as_path().into()),
+            line: Some(self.line(span.start)),
+            key: self.key_at(&span),
+            value: self.value_at(span),
+            reason: reason.into(),
+            ..Diagnostic::default()
+        }
+    }
+
+    /// Reports that `key` is missing in the table at `table`.
+    #[must_use]
+    pub fn missing(&self, table: Range<usize>, key: &str) -> Diagnostic {
+        // The document as a whole has no key.
+        let outer = Some(&table).filter(|span| !span.is_empty() && **span != (0..self.text.len()));
+        let outer = outer.and_then(|span| self.key_at(span));
+        if outer.is_none() && DeTable::parse(&self.text).is_ok_and(|table| table.get_ref().is_empty()) {
+            let expected = self.kind.map_or_else(
+                || {
+                    format!(
+                        "a file with the key {key}{}",
+                        needed_value(key).map_or_else(String::new, |value| format!(": {value}"))
+                    )
+                },
+                |kind| format!("{}, such as `{}` writes", kind.expected(), kind.written_by()),
+            );
+            return Diagnostic::file(&self.path, "holds no keys").expected(expected);
+        }
+        let kind = self.kind.filter(|_| outer.is_none());
+        let needed = kind.and_then(|kind| Some((kind.needed_table(key)?, kind.written_by())));
+        let needed = needed.map(|(keys, by)| format!("a table [{key}] with {keys}, as `{by}` writes one"));
+        let inside = outer.map_or_else(|| key.into(), |outer| format!("{outer}.{key}").into());
+        Diagnostic {
+            file: Some(self.path.as_path().into()),
+            line: Some(self.line(table.start)),
+            key: Some(inside),
+            reason: "is missing".to_owned(),
+            expected: needed.or_else(|| needed_value(key)).map(Into::into),
+            ..Diagnostic::default()
+        }
+    }
+
+    /// Refuses a file of a later schema than this version supports.
+    ///
+    /// # Errors
+    /// [`Diagnostic`] at the key.
+    pub fn check_schema(&self, schema: Option<&Spanned<u32>>) -> Result<(), Diagnostic> {
+        match schema {
+            Some(schema) if *schema.get_ref() > SCHEMA || *schema.get_ref() == 0 => Err(self
+                .refuse(schema.span(), "is the schema of a later slipgrid")
+                .expected(format!("a schema up to {SCHEMA}, or none"))),
+            _ => Ok(()),
+        }
+    }
+
+    /// Converts a number of the file to SI units.
+    ///
+    /// # Errors
+    /// [`Diagnostic`] if it is not finite or outside `quantity`'s range.
+    pub fn number(&self, value: &Spanned<f64>, quantity: Quantity) -> Result<f64, Diagnostic> {
+        if quantity.accepts(*value.get_ref()) {
+            Ok(quantity.to_si(*value.get_ref()))
+        } else {
+            let slip = plausible::slip(quantity, *value.get_ref()).map_or_else(String::new, |slip| format!("; {slip}"));
+            Err(self.refuse(value.span(), "is out of range").expected(format!("{quantity}{slip}")))
+        }
+    }
+
+    /// Converts an optional number of the file to SI units.
+    ///
+    /// # Errors
+    /// Errors of [`Document::number`].
+    pub fn optional(&self, value: Option<&Spanned<f64>>, quantity: Quantity) -> Result<Option<f64>, Diagnostic> {
+        value.map(|value| self.number(value, quantity)).transpose()
+    }
+
+    /// Converts a list of at least one number to SI units.
+    ///
+    /// # Errors
+    /// [`Diagnostic`] if it is empty or one of them is refused.
+    pub fn numbers(&self, values: &Spanned<Vec<Spanned<f64>>>, quantity: Quantity) -> Result<Vec<f64>, Diagnostic> {
+        if values.get_ref().is_empty() {
+            return Err(self.refuse(values.span(), "is empty").expected("at least one number"));
+        }
+        values.get_ref().iter().map(|value| self.number(value, quantity)).collect()
+    }
+
+    /// Selects one of `all` by its name.
+    ///
+    /// # Errors
+    /// [`Diagnostic`] that lists the accepted names.
+    pub fn choice<T: Copy>(
+        &self,
+        value: &Spanned<String>,
+        all: &[T],
+        name: impl Fn(T) -> &'static str,
+    ) -> Result<T, Diagnostic> {
+        all.iter().copied().find(|&one| name(one) == value.get_ref()).ok_or_else(|| {
+            let names: Vec<String> = all.iter().map(|&one| format!("\"{}\"", name(one))).collect();
+            let mut refused = self.refuse(value.span(), "is not known").expected(names.join(" or "));
+            refused.suggestion = nearest(value.get_ref(), all.iter().map(|&one| name(one))).map(Into::into);
+            refused
+        })
+    }
+
+    /// Line of a byte, counted from 1.
+    fn line(&self, byte: usize) -> u32 {
+        let before = self.text.as_bytes().iter().take(byte);
+        before.filter(|&&letter| letter == b'\n').fold(1, |line, _| line + 1)
+    }
+
+    /// Source text of a span on one line, shortened; `None` for tables.
+    fn value_at(&self, span: Range<usize>) -> Option<Box<str>> {
+        let text = self.text.get(span)?;
+        if text.is_empty() || text.starts_with('{') || (text.starts_with('[') && !text.contains(['.', ',', '1'])) {
+            return None;
+        }
+        let joined = text.split_whitespace().collect::<Vec<_>>().join(" ");
+        Some(if joined.chars().count() > LONGEST_VALUE {
+            joined.chars().take(LONGEST_VALUE).chain("...".chars()).collect()
+        } else {
+            joined.into()
+        })
+    }
+
+    /// Dotted key of the value at `span`.
+    fn key_at(&self, span: &Range<usize>) -> Option<Box<str>> {
+        let table = DeTable::parse(&self.text).ok()?;
+        let mut path = Vec::new();
+        find_in_table(table.get_ref(), span, &mut path).then(|| path.join(".").into())
+    }
+
+    /// Refuses a key or table heading that occurs for the second time at `span`, and names the first occurrence.
+    fn duplicate(&self, span: Range<usize>) -> Diagnostic {
+        let name = self.text.get(span.clone()).unwrap_or_default().trim_matches(['"', '\'']).to_owned();
+        let is_heading = self.line_text(span.start).trim_start().starts_with('[');
+        // The second heading replaces the first in the parsed document.
+        let line_start = self.text[..span.start].rfind('\n').map_or(0, |end| end + 1);
+        let text = if is_heading { &self.text[..line_start] } else { &*self.text };
+        let (table, _) = DeTable::parse_recoverable(text);
+        let mut found = Vec::new();
+        namesakes(text, table.get_ref(), (&name, &span), &mut Vec::new(), &mut found);
+        let first = found.into_iter().max_by_key(|(_, place)| place.start);
+        let key = first.as_ref().map_or_else(|| name.clone(), |(path, _)| path.clone());
+        let outer = key.rsplit_once('.').map(|(outer, _)| outer);
+        let what = match (is_heading, outer) {
+            (true, _) => format!("the table [{key}]"),
+            (false, Some(outer)) => format!("the key {name} of the table [{outer}]"),
+            (false, None) => format!("the key {name}, outside of all tables,"),
+        };
+        let before = first
+            .map_or_else(String::new, |(_, place)| format!("; the first stands in line {}", self.line(place.start)));
+        Diagnostic {
+            file: Some(self.path.as_path().into()),
+            line: Some(self.line(span.start)),
+            key: Some(key.into()),
+            reason: format!("{what} occurs a second time{before}"),
+            ..Diagnostic::default()
+        }
+        .expected(if is_heading { "one table with all of its keys" } else { "one line with this key" })
+    }
+
+    /// Line that holds a byte.
+    fn line_text(&self, byte: usize) -> &str {
+        self.text.lines().nth(self.line(byte) as usize - 1).unwrap_or_default()
+    }
+
+    fn explain(&self, error: &toml::de::Error) -> Diagnostic {
+        let span = error.span().unwrap_or(0..0);
+        let message = error.message();
+        let quoted: Vec<&str> = message.split('`').skip(1).step_by(2).collect();
+        if message.starts_with("unknown field") && !quoted.is_empty() {
+            let written = quoted[0];
+            let mut refused = self.refuse(span, "is not a known key");
+            refused.value = None;
+            let gone = GONE.iter().find(|(key, _)| refused.key.as_deref() == Some(key));
+            if let Some((_, instead)) = gone {
+                refused.reason = "is no longer a key".to_owned();
+                return refused.expected(format!("no such line: {instead}"));
+            }
+            refused.suggestion = nearest(written, quoted[1..].iter().copied()).map(Into::into);
+            return refused.expected(format!("one of {}", quoted[1..].join(", ")));
+        }
+        if message.starts_with("missing field") && !quoted.is_empty() {
+            return self.missing(span, quoted[0]);
+        }
+        if message.starts_with("duplicate key") {
+            return self.duplicate(span);
+        }
+        if let Some(value) = decimal_comma(self.line_text(span.start)) {
+            return Diagnostic {
+                file: Some(self.path.as_path().into()),
+                line: Some(self.line(span.start)),
+                reason: "has a decimal comma".to_owned(),
+                value: Some(value.clone().into()),
+                ..Diagnostic::default()
+            }
+            .expected(format!("a decimal point: {}", value.replace(',', ".")));
+        }
+        let plain = [
+            ("floating point ", ""),
+            ("f64", "a number"),
+            ("u64", "a whole number not below zero"),
+            ("u32", "a whole number not below zero"),
+            ("usize", "a whole number not below zero"),
+            ("boolean", "true or false"),
+            ("a boolean", "true or false"),
+            ("sequence", "list"),
+            ("map", "table"),
+        ];
+        let said = plain.iter().fold(message.to_owned(), |said, (code, word)| replace_word(&said, code, word));
+        // Names of the program's own types mean nothing to the user.
+        let said = said.find("expected struct ").map_or(said.clone(), |at| format!("{}expected a table", &said[..at]));
+        let is_listed = self.line_text(span.start).trim_start().starts_with("[[");
+        let mut refused = self.refuse(span, "");
+        if is_listed && said.ends_with("expected a table") {
+            let key = refused.key.clone().unwrap_or_default();
+            refused.value = None;
+            "stands in double brackets, as one of a list".clone_into(&mut refused.reason);
+            return refused.expected(format!("one table, [{key}]"));
+        }
+        if let Some((what, expected)) = said.rsplit_once(", expected ") {
+            what.clone_into(&mut refused.reason);
+            refused = refused.expected(expected);
+        } else {
+            refused.reason = said;
+        }
+        if refused.reason.starts_with("invalid type") {
+            "has the wrong type".clone_into(&mut refused.reason);
+        } else if refused.value.is_some() && refused.reason.starts_with("invalid value") {
+            "is out of range".clone_into(&mut refused.reason);
+        } else {
+            refused.value = None;
+        }
+        refused
+    }
+}
+
+/// Values that a required key of this name takes, with an example, if the key means the same in every file.
+fn needed_value(key: &str) -> Option<String> {
+    let number = |quantity: Quantity, example: &str| Some(format!("{quantity}, such as {key} = {example}"));
+    match key {
+        "speed_mm_s" => number(SPEED_MM_S, "5.0"),
+        "humidity_pct" => number(HUMIDITY_PCT, "50.0"),
+        "pressure_mpa" => Some(format!("{PRESSURE_MPA}, or a list of such numbers, such as {key} = [0.5, 2.0]")),
+        "youngs_modulus_gpa" => number(MODULUS_GPA, "2.7"),
+        "density_g_cm3" => number(DENSITY_G_CM3, "1.4"),
+        "diameter_mm" | "outer_diameter_mm" | "length_mm" | "width_mm" => number(LENGTH_MM, "10.0"),
+        "inner_diameter_mm" => number(LENGTH_MM, "4.0"),
+        "width_um" | "spacing_um" => number(LENGTH_UM, "130.0"),
+        "depth_um" => number(LENGTH_UM, "5.0"),
+        "name" | "source" => Some(format!("a text, such as {key} = \"...\"")),
+        "base" => Some(format!("the path of a scene or a design, such as {key} = \"scene.toml\"")),
+        "material" => Some(format!("the path of a file, such as {key} = \"material.toml\", or a table [{key}]")),
+        _ => None,
+    }
+}
+
+/// Replaces `code` where it occurs as a separate word.
+fn replace_word(text: &str, code: &str, word: &str) -> String {
+    let alphanumeric = |letter: Option<char>| letter.is_some_and(|letter| letter.is_alphanumeric() || letter == '_');
+    let mut replaced = String::new();
+    let mut rest = text;
+    while let Some(at) = rest.find(code) {
+        let (before, after) = (&rest[..at], &rest[at + code.len()..]);
+        let inside = alphanumeric(before.chars().next_back().or_else(|| replaced.chars().next_back()))
+            || (!code.ends_with(' ') && alphanumeric(after.chars().next()));
+        replaced.push_str(before);
+        replaced.push_str(if inside { code } else { word });
+        rest = after;
+    }
+    replaced + rest
+}
+
+/// Appends the keys that lead to `span` within `table` to `path`; returns false if no value there covers the span.
+fn find_in_table(table: &DeTable<'_>, span: &Range<usize>, path: &mut Vec<String>) -> bool {
+    for (key, value) in table {
+        path.push(key.get_ref().to_string());
+        if find_in_value(value, span, path) || covers(&key.span(), span) {
+            return true;
+        }
+        path.pop();
+    }
+    false
+}
+
+/// Keys called `name` before `second` in the tables that can hold `second`, with their dotted paths. Inline tables are
+/// skipped unless they hold `second`.
+fn namesakes(
+    text: &str,
+    table: &DeTable<'_>,
+    (name, second): (&str, &Range<usize>),
+    path: &mut Vec<String>,
+    found: &mut Vec<(String, Range<usize>)>,
+) {
+    for (key, value) in table {
+        path.push(key.get_ref().to_string());
+        if key.get_ref() == name && key.span().start < second.start {
+            found.push((path.join("."), key.span()));
+        }
+        let elements = match value.get_ref() {
+            DeValue::Array(array) => array.iter().collect(),
+            _ => vec![value],
+        };
+        for element in elements {
+            if let DeValue::Table(inner) = element.get_ref()
+                && (!text[element.span()].starts_with('{') || covers(&element.span(), second))
+            {
+                namesakes(text, inner, (name, second), path, found);
+            }
+        }
+        path.pop();
+    }
+}
+
+fn find_in_value(value: &Spanned<DeValue<'_>>, span: &Range<usize>, path: &mut Vec<String>) -> bool {
+    match value.get_ref() {
+        DeValue::Table(table) if find_in_table(table, span, path) => true,
+        DeValue::Array(array) => {
+            // Elements of an array of tables have their own keys; numbers use the key of the array.
+            array
+                .iter()
+                .any(|element| matches!(element.get_ref(), DeValue::Table(_)) && find_in_value(element, span, path))
+                || covers(&value.span(), span)
+        }
+        _ => covers(&value.span(), span),
+    }
+}
+
+fn covers(outer: &Range<usize>, inner: &Range<usize>) -> bool {
+    outer.start <= inner.start && inner.end <= outer.end && outer.start < outer.end
+}
+
+/// Number with a decimal comma in a line such as `key = 2,7`.
+fn decimal_comma(line: &str) -> Option<String> {
+    let (_, value) = line.split_once('=')?;
+    let value = value.split('#').next().unwrap_or_default();
+    let (whole, decimals) = value.trim().split_once(',')?;
+    let is_digits = |text: &str| !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit());
+    (is_digits(whole.trim_start_matches(['-', '+'])) && is_digits(decimals)).then(|| format!("{whole},{decimals}"))
+}
+
+#[cfg(test)]
+mod tests;

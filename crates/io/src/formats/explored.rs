@@ -1,0 +1,75 @@
+//! Input of the explorer: a design file, or a material with default bounds of a laser.
+
+use std::path::Path;
+
+use crate::formats::design::Design;
+use crate::formats::diagnostic::{Diagnostic, checked};
+use crate::formats::document::Document;
+use crate::formats::file_kind::FileKind;
+use crate::formats::source::Source;
+use slipgrid_base::units::{HUMIDITY_PCT, SPEED_MM_S};
+
+/// Design that is explored for a material alone.
+const OF_A_MATERIAL: &str = "[target]\nquantity = \"ratio\"\npressure_mpa = [0.65, 1.3, 1.95, 2.6]\ngoal = \"lowest\"\n\
+    [bounds]\nwidth_um = [20.0, 400.0]\nspacing_um = [40.0, 1000.0]\ndepth_um = [2.0, 50.0]\n[pattern]\nplanform = \"groove\"\n\
+    [specimen]\nshape = \"disc\"\ndiameter_mm = 10.0\n";
+
+/// Design from the file at `path`. For a material or a calibration: grooves in it, at the `condition` of a speed in
+/// mm/s and a relative humidity in per cent, if given.
+///
+/// # Errors
+/// [`Diagnostic`] if a file is refused, if a material needs a condition, or if a condition is given with a design.
+pub fn explored(source: &Source, path: &Path, condition: Option<[f64; 2]>) -> Result<Design, Diagnostic> {
+    if let Some([speed_mm_s, humidity_pct]) = condition {
+        checked("--speed-mm-s", speed_mm_s, SPEED_MM_S)?;
+        checked("--humidity-pct", humidity_pct, HUMIDITY_PCT)?;
+    }
+    let read = Document::read_any(source, path, FileKind::Design)?;
+    if !matches!(read.kind(), Some(FileKind::Material | FileKind::Calibration)) {
+        read.require(FileKind::Design)?;
+        let design = Design::from_document(read)?;
+        if condition.is_none() {
+            return Ok(design);
+        }
+        let reason = if design.task.ranges.is_empty() {
+            "is a design without a condition, and --speed-mm-s and --humidity-pct are of a material alone"
+        } else {
+            "names its own speed and humidity"
+        };
+        return Err(Diagnostic::file(path, reason).expected("no --speed-mm-s and no --humidity-pct with a design"));
+    }
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let at = condition.map_or_else(String::new, |[speed_mm_s, humidity_pct]| {
+        format!("condition = {{ speed_mm_s = {speed_mm_s}, humidity_pct = {humidity_pct} }}\n")
+    });
+    let text = format!("name = {:?}\nmaterial = {name:?}\n{at}{OF_A_MATERIAL}", read.stem());
+    let within = Document::within(source, path.with_file_name("explored.toml"), text);
+    let made_up = within.path().to_owned();
+    let mut design = Design::from_document(within).map_err(|refused| of_material(refused, &made_up, path))?;
+    design.told = design.told.into_iter().map(|told| of_material(told, &made_up, path)).collect();
+    design.stands_for = Some(path.to_owned());
+    Ok(design)
+}
+
+/// Turns a diagnostic of the `made_up` design, which no user wrote, into one of the `material` behind it. Diagnostics
+/// of user files are unchanged.
+pub(crate) fn of_material(told: Diagnostic, made_up: &Path, material: &Path) -> Diagnostic {
+    if told.file.as_deref() != Some(made_up) {
+        return told;
+    }
+    let file = Some(material.into());
+    match (told.key.as_deref(), told.value.as_deref()) {
+        (Some("target.pressure_mpa"), Some(value)) => {
+            // The interpretation in another unit assumes that the number was typed by a user.
+            let reason = told.reason.split_once("; in ").map_or(told.reason.as_str(), |(reason, _)| reason);
+            let reason = format!("the page's {value} {reason}");
+            Diagnostic { file, reason, ..Diagnostic::default() }.expected("a design file with pressures of its own")
+        }
+        (key, _) => {
+            let of_condition = matches!(key, Some("condition" | "material"));
+            let flags = of_condition.then(|| "--speed-mm-s and --humidity-pct, or a design file that says so".into());
+            let expected = told.expected.or(flags);
+            Diagnostic { file, line: None, key: None, value: None, expected, ..told }
+        }
+    }
+}

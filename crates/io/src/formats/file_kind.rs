@@ -1,0 +1,175 @@
+//! Recognises the kind of a file by its tables, so that a design given to `simulate` is reported as such.
+
+use std::path::{Path, PathBuf};
+
+use toml::de::{DeTable, DeValue};
+
+use crate::formats::diagnostic::Diagnostic;
+use crate::formats::source::Source;
+
+/// Kinds of files that commands take.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FileKind {
+    /// Input of `simulate`.
+    Scene,
+    /// Input of `optimize`.
+    Design,
+    /// Input of `calibrate`.
+    Calibration,
+    /// Output of `calibrate`.
+    Material,
+    /// Output of `optimize`.
+    Result,
+    /// Input of `campaign plan`.
+    Campaign,
+}
+
+impl FileKind {
+    /// Apparent kind of `text`; `None` if there is no evidence or the evidence is contradictory.
+    #[must_use]
+    pub fn of(text: &str) -> Option<Self> {
+        if text.trim_start().starts_with('{') {
+            let read: serde_json::Value = serde_json::from_str(text).ok()?;
+            return read.get("design").is_some().then_some(Self::Result);
+        }
+        let parsed = DeTable::parse(text).ok()?;
+        let value = |key: &str| {
+            let found = parsed.get_ref().iter().find(|(name, _)| name.get_ref().as_ref() == key);
+            found.map(|(_, value)| value.get_ref())
+        };
+        let table = |key: &str| matches!(value(key), Some(DeValue::Table(_) | DeValue::Array(_)));
+        let mut seen = [
+            (Self::Scene, table("load")),
+            (Self::Design, table("target") && table("bounds")),
+            (Self::Calibration, table("measurements") || table("traces")),
+            (Self::Material, table("friction")),
+            (Self::Campaign, matches!(value("base"), Some(DeValue::String(_)))),
+        ]
+        .into_iter()
+        .filter_map(|(kind, marked)| marked.then_some(kind));
+        seen.next().filter(|_| seen.next().is_none())
+    }
+
+    /// Refuses `text`, read from `path`, if it seems to be of another kind.
+    ///
+    /// # Errors
+    /// [`Diagnostic`] that names the apparent kind, the command that takes it, and the expected kind.
+    pub fn require(self, path: &Path, text: &str) -> Result<(), Diagnostic> {
+        match Self::of(text).filter(|&found| found != self) {
+            Some(found) => Err(Diagnostic::file(path, found.seems()).expected(self.expected())),
+            None => Ok(()),
+        }
+    }
+
+    /// Refuses the folder at `path`, and names the first file of this kind in it, if any.
+    #[must_use]
+    pub fn refuse_folder(self, source: &Source, path: &Path) -> Diagnostic {
+        let mut refused = Diagnostic::file(path, "is a folder").expected(self.expected());
+        refused.suggestion = self.first_in(source, path).map(|inside| inside.display().to_string().into());
+        refused
+    }
+
+    /// Description of the expected file for messages.
+    #[must_use]
+    pub const fn expected(self) -> &'static str {
+        match self {
+            Self::Scene => "a scene file, with [material] and [load]",
+            Self::Design => "a design file, with [target] and [bounds]",
+            Self::Calibration => "a calibration file, with [measurements] or [traces]",
+            Self::Material => "a material file, with [friction], as `slipgrid calibrate` writes it",
+            Self::Result => "result.json as `slipgrid optimize` writes it, or its folder",
+            Self::Campaign => "a campaign file, with base = \"SCENE or DESIGN\"",
+        }
+    }
+
+    /// Command that writes a starting file of this kind.
+    #[must_use]
+    pub const fn written_by(self) -> &'static str {
+        match self {
+            Self::Scene => "slipgrid new scene",
+            Self::Design => "slipgrid new design",
+            Self::Calibration => "slipgrid new calibration",
+            Self::Material => "slipgrid calibrate",
+            Self::Result => "slipgrid optimize",
+            Self::Campaign => "slipgrid campaign --help",
+        }
+    }
+
+    /// Minimum content of an outermost table that a file of this kind must have; `None` if the key need not be a table.
+    #[must_use]
+    pub fn needed_table(self, key: &str) -> Option<&'static str> {
+        match (self, key) {
+            (Self::Design, "target") => Some("quantity, pressure_mpa, and value with tolerance"),
+            (Self::Design, "bounds") => Some("width_um, spacing_um and depth_um"),
+            (Self::Design, "specimen") => Some("shape and diameter_mm, or what its shape needs"),
+            (Self::Scene, "load") => Some("pressure_mpa and speed_mm_s"),
+            (Self::Calibration, "material") => Some("youngs_modulus_gpa and density_g_cm3"),
+            (Self::Calibration, "specimen") => Some("radius_mm, or what its shape needs"),
+            (Self::Calibration, "measurements") => Some("flat = \"TABLE.csv\""),
+            (Self::Material, "friction") => Some("static_mean and dynamic_mean"),
+            _ => None,
+        }
+    }
+
+    /// Description of a file of this kind, and of the command that takes it.
+    #[must_use]
+    pub const fn seems(self) -> &'static str {
+        match self {
+            Self::Scene => "seems to be a scene file, which `slipgrid simulate` takes",
+            Self::Design => "seems to be a design file, which `slipgrid optimize` takes",
+            Self::Calibration => "seems to be a calibration file, which `slipgrid calibrate` takes",
+            Self::Material => "seems to be a material file, which scenes and designs name by material = \"PATH\"",
+            Self::Result => "seems to be a result of `slipgrid optimize`, which `slipgrid export` takes",
+            Self::Campaign => "seems to be a campaign file, which `slipgrid campaign plan` takes",
+        }
+    }
+
+    /// First file of this kind in `folder`, by name.
+    fn first_in(self, source: &Source, folder: &Path) -> Option<PathBuf> {
+        let mut paths: Vec<PathBuf> = source.names(folder).iter().map(|name| folder.join(name)).collect();
+        paths.retain(|path| path.extension().is_some_and(|extension| extension == "toml"));
+        paths.sort();
+        let text = |path: &PathBuf| String::from_utf8(source.read(path).ok()?).ok();
+        paths.into_iter().find(|path| text(path).is_some_and(|text| Self::of(&text) == Some(self)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn kinds_are_told_by_their_tables() {
+        for (text, kind) in [
+            ("material = \"m.toml\"\n[load]\npressure_mpa = 1", Some(FileKind::Scene)),
+            ("[material.friction]\n[load]", Some(FileKind::Scene)),
+            ("load = 50.0", None),
+            ("[target]\n[bounds]", Some(FileKind::Design)),
+            ("[target]", None),
+            ("[target]\n[bounds]\n[load]", None),
+            ("[measurements]\n[fit]", Some(FileKind::Calibration)),
+            ("[[traces]]", Some(FileKind::Calibration)),
+            ("[[friction.conditions]]", Some(FileKind::Material)),
+            ("base = \"scene.toml\"\n[[grid]]", Some(FileKind::Campaign)),
+            ("base = \"scene.toml\"\n[load]", None),
+            ("{\"design\": {}}", Some(FileKind::Result)),
+            ("{}", None),
+            ("{", None),
+            ("[load", None),
+            ("force_n,speed_mm_s\n50,2\n", None),
+        ] {
+            assert_eq!(FileKind::of(text), kind, "{text}");
+        }
+    }
+
+    #[test]
+    fn what_tells_nothing_is_left_to_the_reader() {
+        let path = Path::new("a.toml");
+        assert!(FileKind::Scene.require(path, "[run]").is_ok() && FileKind::Scene.require(path, "[load]").is_ok());
+        assert_eq!(
+            FileKind::Scene.require(path, "[target]\n[bounds]").unwrap_err().to_string(),
+            "a.toml: seems to be a design file, which `slipgrid optimize` takes; expected a scene file, with [material] \
+             and [load]"
+        );
+    }
+}

@@ -1,0 +1,453 @@
+//! Laser and specimen tables of design files.
+
+use std::ops::Range;
+
+use serde::{Deserialize, Serialize};
+use slipgrid_laser::export::{Ablation, AblationPoint, ExportError, Exposure, Laser, Outline};
+use slipgrid_model::pattern::{Pattern, Texture};
+use toml::Spanned;
+
+use super::document::Document;
+use super::values::{Number, NumberList, number};
+use crate::formats::diagnostic::Diagnostic;
+use crate::formats::plausible::SPOT;
+use slipgrid_base::units::{LENGTH_MM, LENGTH_UM, POSITIVE, WALL_TAPER_DEG, significant, significant_to, tidy};
+use slipgrid_design::results::SpecimenReport;
+use slipgrid_laser::export::{AT_THE_RIM, Specimen};
+
+/// The laser in the form of a design file.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LaserFile {
+    /// Wavelength, for the process sheet.
+    wavelength_nm: Option<Number>,
+    /// Diameter of the spot; no cavity is narrower.
+    pub(crate) spot_um: Option<Number>,
+    /// Length of a pulse, for the process sheet.
+    pulse_ns: Option<Number>,
+    /// Power density, for the process sheet.
+    power_density_gw_cm2: Option<Number>,
+    /// Pulses a second.
+    repetition_hz: Option<Number>,
+    /// Speed of the spot; with the repetition rate it gives pulses, overlap, passes and time.
+    speed_mm_s: Option<Number>,
+    /// Distance between marked lines; the spot when absent.
+    hatch_um: Option<Number>,
+    /// Inclination of walls from the vertical; 0 when absent.
+    pub(crate) wall_taper_deg: Option<Number>,
+    /// `hatch` marks lines inside each contour, `mask` exposes whole contours, one with each burst; `hatch` when
+    /// absent.
+    exposure: Option<Spanned<String>>,
+    /// Fluence used, with `[laser.ablation]`.
+    fluence_j_cm2: Option<Number>,
+    /// Measured depths per burst, to which d = delta ln(F / F_th) is fitted, in place of `limits.depth_per_burst_um`.
+    ablation: Option<Spanned<AblationFile>>,
+}
+
+/// Depths per burst against fluence.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct AblationFile {
+    /// Fluences of the measurements, three or more.
+    fluence_j_cm2: NumberList,
+    /// Measured depths per burst.
+    depth_per_burst_um: NumberList,
+    /// Standard errors of these depths.
+    depth_std_um: Option<NumberList>,
+}
+
+/// The specimen in the form of a design or scene file.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct SpecimenFile {
+    /// Shape of the face: `disc`, `rectangle` or `ring`.
+    pub shape: Spanned<String>,
+    /// Diameter of a disc.
+    pub diameter_mm: Option<Number>,
+    /// Length of a rectangle along x, the sliding direction unless `sliding_angle_deg` turns it.
+    pub length_mm: Option<Number>,
+    /// Width of a rectangle across the sliding direction.
+    pub width_mm: Option<Number>,
+    /// Outer diameter of a ring.
+    pub outer_diameter_mm: Option<Number>,
+    /// Diameter of a ring's hole.
+    pub inner_diameter_mm: Option<Number>,
+    /// Cavities that cross the rim of the specimen: `whole` leaves them out, `clipped` cuts them; `whole` when absent.
+    pub cavities: Option<Spanned<String>>,
+}
+
+impl From<&Specimen> for SpecimenFile {
+    fn from(specimen: &Specimen) -> Self {
+        let known = SpecimenReport::from(specimen);
+        let number = |length_mm: Option<f64>| length_mm.map(number);
+        Self {
+            shape: Spanned::new(0..0, known.shape),
+            diameter_mm: number(known.diameter_mm),
+            length_mm: number(known.length_mm),
+            width_mm: number(known.width_mm),
+            outer_diameter_mm: number(known.outer_diameter_mm),
+            inner_diameter_mm: number(known.inner_diameter_mm),
+            cavities: known.cavities.map(|name| Spanned::new(0..0, name)),
+        }
+    }
+}
+
+/// Reads the laser; `limits` holds the depth per burst and the smallest land from the table of limits.
+///
+/// # Errors
+/// [`Diagnostic`] if numbers are out of range, if lines or pulses lie farther apart than the spot is wide, or if no
+/// ablation law fits the measurements.
+pub fn read_laser(
+    document: &Document,
+    file: Option<&Spanned<LaserFile>>,
+    limits: (&Option<Number>, &Option<Number>),
+) -> Result<Laser, Diagnostic> {
+    let copied = |value: Option<&Number>| document.optional(value, POSITIVE);
+    // In the units of the file: only solvers take lengths in metres.
+    let length = |value: Option<&Number>| {
+        document.optional(value, LENGTH_UM)?;
+        copied(value)
+    };
+    let of_limits = Laser {
+        depth_per_burst_um: length(limits.0.as_ref())?,
+        min_land_um: length(limits.1.as_ref())?,
+        ..Laser::default()
+    };
+    let Some(table) = file else { return Ok(of_limits) };
+    let file = table.get_ref();
+    let spot_um = length(file.spot_um.as_ref())?;
+    if let Some(spot) = &file.spot_um
+        && let Err(expected) = SPOT.judge(*spot.get_ref())
+    {
+        return Err(document.refuse(spot.span(), "is the spot of no laser").expected(expected));
+    }
+    let exposure = file.exposure.as_ref().map(|name| document.choice(name, &EXPOSURES, exposure_name)).transpose()?;
+    let laser = Laser {
+        wavelength_nm: copied(file.wavelength_nm.as_ref())?,
+        spot_um,
+        pulse_ns: copied(file.pulse_ns.as_ref())?,
+        power_density_gw_cm2: copied(file.power_density_gw_cm2.as_ref())?,
+        repetition_hz: copied(file.repetition_hz.as_ref())?,
+        speed_mm_s: copied(file.speed_mm_s.as_ref())?,
+        hatch_um: length(file.hatch_um.as_ref())?,
+        wall_taper_deg: document.optional(file.wall_taper_deg.as_ref(), WALL_TAPER_DEG)?,
+        exposure,
+        ..of_limits
+    };
+    let laser = with_ablation(document, laser, table, limits.0.as_ref())?;
+    laser.validate().map_err(|error| unlike_spot(document, table, &error))?;
+    Ok(laser)
+}
+
+/// Names the number that is most probably wrong if lines or pulses lie farther apart than the spot is wide.
+fn unlike_spot(document: &Document, table: &Spanned<LaserFile>, error: &ExportError) -> Diagnostic {
+    let file = table.get_ref();
+    match (error, &file.hatch_um, &file.speed_mm_s, &file.repetition_hz) {
+        (ExportError::BeyondLaser { limit_um, .. }, Some(hatch), _, _) => document
+            .refuse(hatch.span(), format!("is more than the spot is wide, spot_um = {limit_um}: lines would not meet"))
+            .expected(format!("at most {limit_um} um")),
+        (
+            &ExportError::PulsesApart { pulse_um, speed_mm_s, repetition_hz, spot_um },
+            _,
+            Some(speed),
+            Some(repetition),
+        ) => {
+            // Rounded to a value at which the limits still hold.
+            let least_hz = significant_to(repetition_hz * pulse_um / spot_um * (1.0 - EXACT), 3, f64::ceil);
+            let most_mm_s = significant_to(speed_mm_s * spot_um / pulse_um * (1.0 + EXACT), 3, f64::floor);
+            let apart = format!("pulses {} um apart on a spot of {spot_um} um", significant(pulse_um, 4));
+            let either = format!("repetition_hz of at least {least_hz}, or speed_mm_s of at most {most_mm_s}");
+            // Lasers pulse thousands of times per second.
+            if repetition_hz < KILO && repetition_hz * KILO >= least_hz {
+                let meant = significant(repetition_hz * KILO, 4);
+                document
+                    .refuse(repetition.span(), format!("Hz at speed_mm_s = {speed_mm_s} sets {apart}"))
+                    .expected(format!("{either}; if {repetition_hz} kHz are meant, repetition_hz = {meant}"))
+            } else {
+                document
+                    .refuse(speed.span(), format!("mm/s at repetition_hz = {repetition_hz} sets {apart}"))
+                    .expected(either)
+            }
+        }
+        _ => document.refuse(table.span(), error.to_string()),
+    }
+}
+
+const KILO: f64 = 1e3;
+/// Relative tolerance for rounding.
+const EXACT: f64 = 1e-9;
+
+const EXPOSURES: [Exposure; 2] = [Exposure::Hatch, Exposure::Mask];
+
+const fn exposure_name(exposure: Exposure) -> &'static str {
+    match exposure {
+        Exposure::Hatch => "hatch",
+        Exposure::Mask => "mask",
+    }
+}
+
+/// Returns the laser with the depth per burst that its fluence gives.
+fn with_ablation(
+    document: &Document,
+    laser: Laser,
+    laser_table: &Spanned<LaserFile>,
+    depth_per_burst: Option<&Number>,
+) -> Result<Laser, Diagnostic> {
+    let file = laser_table.get_ref();
+    let fluence_j_cm2 = document.optional(file.fluence_j_cm2.as_ref(), POSITIVE)?;
+    let Some(table) = &file.ablation else { return Ok(laser) };
+    if let Some(depth) = depth_per_burst {
+        return Err(document
+            .refuse(depth.span(), "is given beside laser.ablation, which gives it too")
+            .expected("either depth_per_burst_um or [laser.ablation]"));
+    }
+    let fluence_j_cm2 = fluence_j_cm2.ok_or_else(|| document.missing(laser_table.span(), "fluence_j_cm2"))?;
+    let given = table.get_ref();
+    let fluences = document.numbers(&given.fluence_j_cm2, POSITIVE)?;
+    let column = |list: &NumberList| {
+        let values = document.numbers(list, POSITIVE)?;
+        if values.len() == fluences.len() {
+            return Ok(values);
+        }
+        let reason = format!("has {} values", values.len());
+        Err(document.refuse(list.span(), reason).expected(format!("{}, one for each fluence", fluences.len())))
+    };
+    let depths = column(&given.depth_per_burst_um)?;
+    let deviations = given.depth_std_um.as_ref().map(column).transpose()?;
+    let points: Vec<AblationPoint> = fluences
+        .iter()
+        .zip(&depths)
+        .enumerate()
+        .map(|(place, (&fluence_j_cm2, &depth_um))| AblationPoint {
+            fluence_j_cm2,
+            depth_um,
+            depth_std_um: deviations.as_ref().map(|all| all[place]),
+        })
+        .collect();
+    let law = Ablation::fit(&points, fluence_j_cm2)
+        .map_err(|error| document.refuse(given.fluence_j_cm2.span(), error.to_string()))?;
+    Ok(Laser { depth_per_burst_um: Some(law.depth_per_burst_um), ablation: Some(law), ..laser })
+}
+
+/// Warns if the fluence used lies outside the fluences at which depths were measured.
+pub(crate) fn unmeasured_fluence(
+    document: &Document,
+    file: Option<&Spanned<LaserFile>>,
+    laser: &Laser,
+) -> Option<Diagnostic> {
+    let (file, law) = (file?.get_ref(), laser.ablation?);
+    let (used, table) = (file.fluence_j_cm2.as_ref()?, file.ablation.as_ref()?);
+    // Values that are not numbers have been refused before.
+    let fluences = document.numbers(&table.get_ref().fluence_j_cm2, POSITIVE).ok()?;
+    let least = fluences.iter().copied().fold(f64::INFINITY, f64::min);
+    let most = fluences.into_iter().fold(0.0, f64::max);
+    (law.fluence_j_cm2 < least || law.fluence_j_cm2 > most).then(|| {
+        let reason = format!(
+            "J/cm2 lies outside the fluences at which depths were measured, {} to {} J/cm2: the depth per burst, {} um, is extrapolated along the law",
+            tidy(least),
+            tidy(most),
+            significant(law.depth_per_burst_um, 3)
+        );
+        document.refuse(used.span(), reason)
+    })
+}
+
+/// Reads the specimen.
+///
+/// # Errors
+/// [`Diagnostic`] if the shape is unknown, or if a length is missing, superfluous or impossible.
+pub fn read_specimen(document: &Document, file: &Spanned<SpecimenFile>) -> Result<Specimen, Diagnostic> {
+    const EXPECTED: &str = "diameter_mm for a disc, length_mm and width_mm for a rectangle, outer_diameter_mm and inner_diameter_mm for a ring";
+    let specimen = file.get_ref();
+    let lengths = [
+        ("diameter_mm", &specimen.diameter_mm, "disc"),
+        ("length_mm", &specimen.length_mm, "rectangle"),
+        ("width_mm", &specimen.width_mm, "rectangle"),
+        ("outer_diameter_mm", &specimen.outer_diameter_mm, "ring"),
+        ("inner_diameter_mm", &specimen.inner_diameter_mm, "ring"),
+    ];
+    let shape = document.choice(&specimen.shape, &["disc", "rectangle", "ring"], |name| name)?;
+    for (_, value, of_shape) in lengths {
+        if let Some(value) = value.as_ref().filter(|_| of_shape != shape) {
+            return Err(document.refuse(value.span(), format!("has no meaning for a {shape}")).expected(EXPECTED));
+        }
+    }
+    let needed = |place: usize| {
+        let (key, value, _) = lengths[place];
+        let value = value.as_ref().ok_or_else(|| document.missing(file.span(), key))?;
+        document.number(value, LENGTH_MM)
+    };
+    let outline = match shape {
+        "disc" => Outline::Disc { diameter_m: needed(0)? },
+        "rectangle" => Outline::Rectangle { length_m: needed(1)?, width_m: needed(2)? },
+        _ => {
+            let (outer_diameter_m, inner_diameter_m) = (needed(3)?, needed(4)?);
+            if inner_diameter_m >= outer_diameter_m {
+                let place = specimen.inner_diameter_mm.as_ref().map_or(file.span(), Spanned::span);
+                return Err(document
+                    .refuse(place, "leaves nothing of the ring")
+                    .expected("less than outer_diameter_mm"));
+            }
+            Outline::Ring { outer_diameter_m, inner_diameter_m }
+        }
+    };
+    Ok(Specimen { outline, is_clipped: read_is_clipped(document, specimen.cavities.as_ref())? })
+}
+
+/// Reads whether cavities that cross the rim are cut.
+pub(crate) fn read_is_clipped(document: &Document, name: Option<&Spanned<String>>) -> Result<bool, Diagnostic> {
+    let at_the_rim = name.map(|name| document.choice(name, &AT_THE_RIM, |name| name)).transpose()?;
+    Ok(at_the_rim == Some(AT_THE_RIM[1]))
+}
+
+/// Refuses a specimen on which the smallest cavity within the bounds does not fit, or on which even the largest and
+/// most distant cavities are too many.
+///
+/// # Errors
+/// [`Diagnostic`] at the width, whose file position is `width_um`, or at the specimen.
+pub fn check_fits(
+    document: &Document,
+    (table, width_um): (&Spanned<SpecimenFile>, Range<usize>),
+    outline: &Specimen,
+    texture: &Texture,
+    (width_m, spacing_m, depth_m): ([f64; 2], [f64; 2], [f64; 2]),
+) -> Result<(), Diagnostic> {
+    for end in [0, 1] {
+        // Lengths that the texture does not allow are refused with the bounds.
+        let Ok(pattern) = Pattern::new(*texture, width_m[end], spacing_m[end], depth_m[0]) else { continue };
+        match outline.check(pattern) {
+            Err(ExportError::NoCavityFits { needed_m, extent_m, .. }) if end == 0 => {
+                // Greatest width that fits, by bisection.
+                let fits = |width_m: f64| {
+                    let pattern = Pattern::new(*texture, width_m, spacing_m[0], depth_m[0]);
+                    !matches!(
+                        pattern.map(|pattern| outline.check(pattern)),
+                        Ok(Err(ExportError::NoCavityFits { .. })) | Err(_)
+                    )
+                };
+                let (least_m, _) = (0..40).fold((0.0, width_m[0]), |(low_m, high_m), _| {
+                    let middle_m = f64::midpoint(low_m, high_m);
+                    if fits(middle_m) { (middle_m, high_m) } else { (low_m, middle_m) }
+                });
+                let least_um = LENGTH_UM.from_si(least_m).floor();
+                let narrower =
+                    if least_um > 0.0 { format!("a width of at most {least_um} um, or ") } else { String::new() };
+                let has = if width_m[0] < width_m[1] {
+                    "cavities of the smallest of these widths"
+                } else {
+                    "cavities of this width"
+                };
+                let [extent_mm, needed_mm] = [
+                    significant(LENGTH_MM.from_si(extent_m), 4),
+                    significant_to(LENGTH_MM.from_si(needed_m) * (1.0 - EXACT), 3, f64::ceil),
+                ];
+                return Err(document
+                    .refuse(width_um, format!("{has} do not fit whole on the specimen, whose extent is {extent_mm} mm"))
+                    .expected(format!("{narrower}a specimen with an extent of at least {needed_mm} mm")));
+            }
+            Err(error @ ExportError::TooManyCavities { .. }) if end == 1 => {
+                return Err(document
+                    .refuse(table.span(), error.to_string())
+                    .expected("a smaller specimen, or larger bounds"));
+            }
+            _ => {}
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[derive(Debug, Deserialize)]
+    struct Written {
+        laser: Option<Spanned<LaserFile>>,
+        specimen: Spanned<SpecimenFile>,
+    }
+
+    fn read(laser: &str, specimen: &str) -> Result<(Laser, Specimen), String> {
+        let document = Document::new("a.toml", format!("[laser]\n{laser}\n[specimen]\n{specimen}\n"));
+        let written: Written = document.parse().map_err(|refused| refused.to_string())?;
+        let laser =
+            read_laser(&document, written.laser.as_ref(), (&None, &None)).map_err(|refused| refused.to_string())?;
+        Ok((laser, read_specimen(&document, &written.specimen).map_err(|refused| refused.to_string())?))
+    }
+
+    #[test]
+    fn a_fluence_outside_those_measured_is_told_of() {
+        let told = |fluence_j_cm2: &str| {
+            let table = ABLATION.replace("fluence_j_cm2 = 4.0", &format!("fluence_j_cm2 = {fluence_j_cm2}"));
+            let document = Document::new("a.toml", format!("[laser]\n{table}\n[specimen]\n{DISC}\n"));
+            let written: Written = document.parse().unwrap();
+            let laser = read_laser(&document, written.laser.as_ref(), (&None, &None)).unwrap();
+            unmeasured_fluence(&document, written.laser.as_ref(), &laser).map(|told| told.to_string())
+        };
+        assert_eq!([told("4.0"), told("8.0")], [None, None]);
+        let said = told("9.0").unwrap();
+        assert!(
+            said.starts_with("a.toml:2: laser.fluence_j_cm2: 9.0 J/cm2 lies outside") && said.contains("1 to 8 J/cm2"),
+            "{said}"
+        );
+        assert!(told("0.7").unwrap().contains("extrapolated"));
+    }
+
+    const DISC: &str = "shape = \"disc\"\ndiameter_mm = 10.0";
+    const ABLATION: &str = "fluence_j_cm2 = 4.0\nablation = { fluence_j_cm2 = [1.0, 2.0, 4.0, 8.0], depth_per_burst_um = [0.55, 1.11, 1.66, 2.22] }";
+
+    #[test]
+    fn depth_per_burst_follows_from_fluence() {
+        let (laser, _) = read(ABLATION, DISC).unwrap();
+        let law = laser.ablation.unwrap();
+        // 0.8 ln(F / 0.5) to two decimals.
+        assert!((law.delta_um - 0.8).abs() < 0.005 && (law.threshold_j_cm2 - 0.5).abs() < 0.01);
+        assert_eq!(laser.depth_per_burst_um, Some(law.depth_per_burst_um));
+        for (laser, says) in [
+            (ABLATION.replace("fluence_j_cm2 = 4.0", ""), "laser.fluence_j_cm2: is missing"),
+            (ABLATION.replace("fluence_j_cm2 = 4.0", "fluence_j_cm2 = 0.4"), "above the fitted threshold"),
+            (ABLATION.replace(", 2.22]", "]"), "4, one for each fluence"),
+            (
+                "spot_um = 20.0\nhatch_um = 21.0".to_owned(),
+                "a.toml:3: laser.hatch_um: 21.0 is more than the spot is wide, spot_um = 20: lines would not meet; expected at most 20 um",
+            ),
+            (
+                "spot_um = 30.0\nrepetition_hz = 20.0\nspeed_mm_s = 200.0\nhatch_um = 15.0".to_owned(),
+                "a.toml:3: laser.repetition_hz: 20.0 Hz at speed_mm_s = 200 sets pulses 10000 um apart on a spot of 30 um; expected repetition_hz of \
+                 at least 6670, or speed_mm_s of at most 0.6; if 20 kHz are meant, repetition_hz = 20000",
+            ),
+            (
+                "spot_um = 30.0\nrepetition_hz = 20000.0\nspeed_mm_s = 2000.0".to_owned(),
+                "a.toml:4: laser.speed_mm_s: 2000.0 mm/s at repetition_hz = 20000 sets pulses 100 um apart on a spot of 30 um; expected \
+                 repetition_hz of at least 66700, or speed_mm_s of at most 600",
+            ),
+            (
+                "spot_um = 0.02".to_owned(),
+                "a.toml:2: laser.spot_um: 0.02 is the spot of no laser; expected 0.2 to 10000 um, as light is focused to half its wavelength \
+                 at best, and masks let through 10 mm at most; in mm, that would be 20 um",
+            ),
+            ("spot_um = 20000".to_owned(), "in nm, that would be 20 um"),
+            ("spot_um = 0.0".to_owned(), "a.toml:2: laser.spot_um: 0.0 is out of range"),
+            ("wall_taper_deg = -1.0".to_owned(), "a.toml:2: laser.wall_taper_deg: -1.0 is out of range"),
+            ("exposure = \"mas\"".to_owned(), "did you mean `mask`?"),
+        ] {
+            let refused = read(&laser, DISC).unwrap_err();
+            assert!(refused.contains(says), "{refused}");
+        }
+    }
+
+    #[test]
+    fn specimens_of_every_shape() {
+        let ring = "shape = \"ring\"\nouter_diameter_mm = 10.0\ninner_diameter_mm = 4.0";
+        let outline = Outline::Ring { outer_diameter_m: 10e-3, inner_diameter_m: 4e-3 };
+        assert_eq!(read("", ring).unwrap().1, Specimen { outline, is_clipped: false });
+        assert!(read("", &format!("{ring}\ncavities = \"clipped\"")).unwrap().1.is_clipped);
+        for (specimen, says) in [
+            (ring.replace("4.0", "10.0"), "specimen.inner_diameter_mm: 10.0 leaves nothing"),
+            (ring.replace("inner_", ""), "specimen.diameter_mm: 4.0 has no meaning for a ring"),
+            (format!("{DISC}\ncavities = \"cut\""), "\"whole\" or \"clipped\""),
+        ] {
+            let refused = read("", &specimen).unwrap_err();
+            assert!(refused.contains(says), "{refused}");
+        }
+    }
+}

@@ -1,0 +1,232 @@
+//! `[learned]` of a material file: the trials that determine the discrepancy.
+
+use serde::{Deserialize, Serialize};
+use slipgrid_base::units::{HUMIDITY_PCT, LENGTH_UM, PRESSURE_MPA, SPEED_MM_S, tidy};
+use slipgrid_infer::discrepancy::{
+    Conditions, DimensionShift, Discrepancy, Features, Load, Measured, Sensitivity, Trial,
+};
+use toml::Spanned;
+
+use super::document::Document;
+use super::trials::PriorFile;
+use crate::formats::diagnostic::Diagnostic;
+
+/// `[learned]` of a material file: the trials with model predictions that determine the discrepancy.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct LearnedFile {
+    /// P0, the mean measured pressure.
+    reference_pressure_mpa: f64,
+    /// P1, the lowest measured pressure.
+    lowest_pressure_mpa: f64,
+    /// Reference speed for the effect of speed.
+    reference_speed_mm_s: f64,
+    /// Relative standard deviation of Young's modulus.
+    modulus_relative_std: f64,
+    /// Prior, before any trial.
+    prior: PriorFile,
+    /// The trials that were learned from.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    trial: Vec<LearnedTrial>,
+}
+
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+struct LearnedTrial {
+    /// Name of the sample.
+    name: String,
+    /// Fraction of the face that is cavity.
+    areal_density: f64,
+    /// Length of edges per area.
+    edge_per_mm: f64,
+    /// Width of a cavity.
+    width_um: f64,
+    /// Distance between two cavities, from middle to middle.
+    pitch_um: f64,
+    /// Depth of a cavity.
+    depth_um: f64,
+    /// Scatter of ln(ratio) between samples of this texture.
+    sample_std: Option<f64>,
+    /// Standard error of the width, used to decide whether two trials have the same texture; 0 when absent.
+    width_std_um: Option<f64>,
+    /// Standard error of the spacing; 0 when absent.
+    spacing_std_um: Option<f64>,
+    /// Standard error of the depth; 0 when absent.
+    depth_std_um: Option<f64>,
+    /// Name of the disc of which the sample was a sector. Trials on one disc share the scatter from disc to disc.
+    disc: Option<String>,
+    /// Nominal pressures of the measurements.
+    pressure_mpa: Vec<f64>,
+    /// Sliding speeds of the measurements.
+    speed_mm_s: Vec<f64>,
+    /// Relative humidities of the measurements.
+    humidity_pct: Vec<f64>,
+    /// Measured ratios, patterned over flat.
+    measured_ratio: Vec<f64>,
+    /// Modelled ratios.
+    modelled_ratio: Vec<f64>,
+    /// Relative standard errors of friction of the patterned sample.
+    patterned_std: Vec<f64>,
+    /// Relative standard errors of friction of the flat sample.
+    flat_std: Vec<f64>,
+    /// d ln(modelled ratio) / d ln(Young's modulus).
+    modulus_sensitivity: Vec<f64>,
+    /// Changes of ln(modelled ratio) if local friction follows the local instead of the nominal pressure; zeros when
+    /// absent.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    local_law_change: Vec<f64>,
+    /// Changes of ln(modelled ratio) for one standard error of width, spacing and depth, one list each.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    of_dimensions: Vec<Vec<f64>>,
+    /// Areal density, edges per mm, width, pitch and depth in um of the texture if one of these dimensions is one
+    /// standard error larger.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    texture_of_dimensions: Vec<Vec<f64>>,
+}
+
+/// Metres in a millimetre, for edges per area.
+const PER_MM: f64 = 1e-3;
+
+/// Areal density, edges per mm, width, pitch and depth in um.
+fn to_columns(of: &Features) -> [f64; 5] {
+    let [width_um, pitch_um, depth_um] =
+        [of.width_m, of.pitch_m, of.depth_m].map(|length_m| LENGTH_UM.from_si(length_m));
+    [of.areal_density, tidy(of.edge_1_m * PER_MM), width_um, pitch_um, depth_um]
+}
+
+/// Features from the columns that [`to_columns`] wrote.
+fn from_columns([areal_density, edge_per_mm, lengths_um @ ..]: &[f64; 5]) -> Features {
+    let [width_m, pitch_m, depth_m] = lengths_um.map(|length_um| tidy(LENGTH_UM.to_si(length_um)));
+    Features { areal_density: *areal_density, edge_1_m: tidy(edge_per_mm / PER_MM), width_m, pitch_m, depth_m }
+}
+
+impl LearnedFile {
+    /// Serialized form of `learned`.
+    #[must_use]
+    pub fn new(learned: &Discrepancy) -> Self {
+        let conditions = learned.conditions();
+        let trial = |trial: &Trial| {
+            let column = |of: fn(&Measured) -> f64| trial.measured.iter().map(|at| tidy(of(at))).collect();
+            let of_length =
+                |axis: usize| Some(LENGTH_UM.from_si(trial.dimensions_std_m[axis])).filter(|std| *std > 0.0);
+            let [areal_density, edge_per_mm, width_um, pitch_um, depth_um] = to_columns(&trial.features);
+            LearnedTrial {
+                name: trial.name.clone(),
+                areal_density,
+                edge_per_mm,
+                width_um,
+                pitch_um,
+                depth_um,
+                sample_std: trial.sample_std,
+                width_std_um: of_length(0),
+                spacing_std_um: of_length(1),
+                depth_std_um: of_length(2),
+                disc: trial.disc.clone(),
+                pressure_mpa: column(|at| PRESSURE_MPA.from_si(at.load.pressure_pa)),
+                speed_mm_s: column(|at| SPEED_MM_S.from_si(at.load.speed_m_s)),
+                humidity_pct: column(|at| HUMIDITY_PCT.from_si(at.load.humidity)),
+                measured_ratio: column(|at| at.measured),
+                modelled_ratio: column(|at| at.modelled),
+                patterned_std: column(|at| at.patterned_std),
+                flat_std: column(|at| at.flat_std),
+                modulus_sensitivity: column(|at| at.sensitivity.modulus),
+                local_law_change: if trial.measured.iter().any(|at| at.sensitivity.local_law != 0.0) {
+                    column(|at| at.sensitivity.local_law)
+                } else {
+                    Vec::new()
+                },
+                of_dimensions: trial.dimension_shifts.iter().map(|shift| shift.log_ratio.clone()).collect(),
+                texture_of_dimensions: trial
+                    .dimension_shifts
+                    .iter()
+                    .map(|shift| to_columns(&shift.above).to_vec())
+                    .collect(),
+            }
+        };
+        Self {
+            reference_pressure_mpa: PRESSURE_MPA.from_si(conditions.reference_pressure_pa),
+            lowest_pressure_mpa: PRESSURE_MPA.from_si(conditions.lowest_pressure_pa),
+            reference_speed_mm_s: SPEED_MM_S.from_si(conditions.reference_speed_m_s),
+            modulus_relative_std: learned.modulus_relative_std(),
+            prior: PriorFile::new(learned.hyperparameters()),
+            trial: learned.trials().iter().map(trial).collect(),
+        }
+    }
+
+    /// Reads the discrepancy.
+    ///
+    /// # Errors
+    /// [`Diagnostic`] at the table if the numbers are invalid.
+    pub fn read(document: &Document, table: &Spanned<Self>) -> Result<Discrepancy, Diagnostic> {
+        let file = table.get_ref();
+        let refuse = |reason: String| document.refuse(table.span(), reason);
+        let trial = |trial: &LearnedTrial| {
+            let n = trial.pressure_mpa.len();
+            let columns = [
+                &trial.speed_mm_s,
+                &trial.humidity_pct,
+                &trial.measured_ratio,
+                &trial.modelled_ratio,
+                &trial.patterned_std,
+                &trial.flat_std,
+                &trial.modulus_sensitivity,
+            ];
+            // Zeros for a file written before the key existed.
+            let by_law = Some(&trial.local_law_change).filter(|column| !column.is_empty());
+            if columns.into_iter().chain(&trial.of_dimensions).chain(by_law).any(|column| column.len() != n) {
+                let reason = format!("has columns of different lengths in trial \"{}\"", trial.name);
+                return Err(refuse(reason).expected("one number a pressure in each of them"));
+            }
+            if trial.texture_of_dimensions.iter().any(|columns| columns.len() != 5) {
+                let reason = format!("has a texture of other than five numbers in trial \"{}\"", trial.name);
+                return Err(refuse(reason).expected("areal density, edges per mm, width, pitch and depth"));
+            }
+            let measured = |row: usize| Measured {
+                load: Load {
+                    pressure_pa: tidy(PRESSURE_MPA.to_si(trial.pressure_mpa[row])),
+                    speed_m_s: tidy(SPEED_MM_S.to_si(trial.speed_mm_s[row])),
+                    humidity: tidy(HUMIDITY_PCT.to_si(trial.humidity_pct[row])),
+                },
+                measured: trial.measured_ratio[row],
+                modelled: trial.modelled_ratio[row],
+                patterned_std: trial.patterned_std[row],
+                flat_std: trial.flat_std[row],
+                sensitivity: Sensitivity {
+                    modulus: trial.modulus_sensitivity[row],
+                    local_law: trial.local_law_change.get(row).copied().unwrap_or(0.0),
+                },
+            };
+            let LearnedTrial { areal_density, edge_per_mm, width_um, pitch_um, depth_um, .. } = *trial;
+            let features = from_columns(&[areal_density, edge_per_mm, width_um, pitch_um, depth_um]);
+            // For a file written before the key existed: the changes of the model alone.
+            let above = |place: usize| {
+                let columns = trial.texture_of_dimensions.get(place).and_then(|columns| columns.first_chunk::<5>());
+                columns.map_or(features, from_columns)
+            };
+            let shift = |(place, log_ratio): (usize, &Vec<f64>)| DimensionShift {
+                log_ratio: log_ratio.clone(),
+                above: above(place),
+                below: None,
+            };
+            let dimension_shifts = trial.of_dimensions.iter().enumerate().map(shift).collect();
+            Ok(Trial {
+                name: trial.name.clone(),
+                features,
+                sample_std: trial.sample_std,
+                disc: trial.disc.clone(),
+                measured: (0..n).map(measured).collect(),
+                dimensions_std_m: [trial.width_std_um, trial.spacing_std_um, trial.depth_std_um]
+                    .map(|std_um| std_um.map_or(0.0, |std_um| tidy(LENGTH_UM.to_si(std_um)))),
+                dimension_shifts,
+            })
+        };
+        let trials = file.trial.iter().map(trial).collect::<Result<Vec<Trial>, Diagnostic>>()?;
+        let conditions = Conditions {
+            reference_pressure_pa: tidy(PRESSURE_MPA.to_si(file.reference_pressure_mpa)),
+            lowest_pressure_pa: tidy(PRESSURE_MPA.to_si(file.lowest_pressure_mpa)),
+            reference_speed_m_s: tidy(SPEED_MM_S.to_si(file.reference_speed_mm_s)),
+        };
+        Discrepancy::new(file.prior.read(), conditions, file.modulus_relative_std, trials)
+            .map_err(|error| refuse(error.to_string()))
+    }
+}

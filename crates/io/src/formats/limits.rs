@@ -1,0 +1,214 @@
+//! Constraints of a design in addition to its bounds: `[limits]` of design files.
+
+use serde::Deserialize;
+use slipgrid_design::ConstraintQuantity;
+use slipgrid_design::optimize::{Bound, Limit};
+use slipgrid_laser::export::Laser;
+use toml::Spanned;
+
+use super::document::Document;
+use super::values::{Number, Numbers, list, number_span};
+use crate::formats::diagnostic::Diagnostic;
+use slipgrid_base::units::{FRACTION, LENGTH_UM, PRESSURE_MPA, Quantity, TIME_S, in_digits};
+
+/// Limits in the form of a design file.
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LimitsFile {
+    /// Smallest gap between two cavities.
+    pub min_land_um: Option<Number>,
+    /// Depth that one burst removes. Depths are whole multiples of it if each spot is burnt separately. If `[laser]`
+    /// has a spot, a speed and a repetition rate, depths are whole multiples of the depth that one pass over an endless
+    /// hatch removes: `depth_per_burst_um` times the bursts that reach a point in a pass.
+    pub depth_per_burst_um: Option<Number>,
+    /// Maximum pressure on a contact block at the block size of `[sample]`, at every target pressure: in the steady
+    /// cell of every design, and in the confirming run of the specimen, whose outer lands may bear a higher pressure.
+    /// If a design breaks the limit in that run, the search is repeated with the pressures of cells increased by the
+    /// same factor.
+    max_peak_pressure_mpa: Option<Number>,
+    /// Minimum fraction of the face that is land.
+    min_bearing_area: Option<Number>,
+    /// Maximum fraction of the face that is cavity.
+    max_areal_density: Option<Number>,
+    /// Maximum time under the laser, as the process sheet estimates it; needs repetition rate, depth per burst and,
+    /// except for a mask, the spot.
+    max_laser_time_s: Option<Number>,
+    /// Minimum gap left under the ceiling of a cavity at every target pressure.
+    min_clearance_um: Option<Number>,
+    /// `refuse` rejects designs in which a contact block is under tension in the steady model.
+    lift_off: Option<Spanned<String>>,
+}
+
+impl LimitsFile {
+    /// Refuses a nominal pressure of the target at which every design, the flat surface included, breaks
+    /// `max_peak_pressure_mpa`.
+    ///
+    /// # Errors
+    /// [`Diagnostic`] at the first pressure that is not below the limit.
+    pub fn check_peak(&self, document: &Document, pressures: &Spanned<Numbers>) -> Result<(), Diagnostic> {
+        let Some(limit) = &self.max_peak_pressure_mpa else { return Ok(()) };
+        let (read, limit_mpa) = (list(document, pressures, PRESSURE_MPA)?, *limit.get_ref());
+        document.number(limit, PRESSURE_MPA)?;
+        let Some(place) = read.iter().position(|pressure_pa| PRESSURE_MPA.from_si(*pressure_pa) >= limit_mpa) else {
+            return Ok(());
+        };
+        let limit_mpa = in_digits(limit_mpa);
+        let line = document.refuse(limit.span(), "").line.map_or_else(String::new, |line| format!(" in line {line}"));
+        let reason = format!(
+            "MPa is not below limits.max_peak_pressure_mpa = {limit_mpa}{line}: the largest pressure on a block is never below the nominal \
+             pressure, so that no design keeps the limit"
+        );
+        Err(document
+            .refuse(number_span(pressures, place), reason)
+            .expected(format!("pressures below {limit_mpa} MPa, or a higher max_peak_pressure_mpa")))
+    }
+}
+
+type Side = fn(f64) -> Bound;
+
+/// A key that limits a quantity.
+struct Entry<'a> {
+    measure: ConstraintQuantity,
+    /// Description of the quantity.
+    name: &'static str,
+    number: &'a Option<Number>,
+    side: Side,
+    /// Loosest meaningful limit, in SI units.
+    loosest: f64,
+    quantity: Quantity,
+    unit: &'static str,
+}
+
+/// Scale of clearances if no minimum is given.
+const CLEARANCE_SCALE_M: f64 = 1e-6;
+
+/// Quantities that the model measures, and their limits, in the same order.
+///
+/// # Errors
+/// [`Diagnostic`] if a number is out of range, or if the laser's data do not give a time that is limited.
+pub fn read_limited(
+    document: &Document,
+    file: &LimitsFile,
+    laser: &Laser,
+) -> Result<(Vec<ConstraintQuantity>, Vec<Limit>), Diagnostic> {
+    let mut limited = (Vec::new(), Vec::new());
+    let (most, least): (Side, Side) = (Bound::AtMost, Bound::AtLeast);
+    let (unbounded, clearance) = (f64::INFINITY, LENGTH_UM.or_zero());
+    let entry = |measure, name, number, side, loosest, quantity, unit| Entry {
+        measure,
+        name,
+        number,
+        side,
+        loosest,
+        quantity,
+        unit,
+    };
+    let table = [
+        entry(
+            ConstraintQuantity::PeakPressure,
+            "peak pressure",
+            &file.max_peak_pressure_mpa,
+            most,
+            unbounded,
+            PRESSURE_MPA,
+            "MPa",
+        ),
+        entry(ConstraintQuantity::BearingArea, "bearing area", &file.min_bearing_area, least, 0.0, FRACTION, ""),
+        entry(
+            ConstraintQuantity::ArealDensity,
+            "share of the face that is cavity",
+            &file.max_areal_density,
+            most,
+            1.0,
+            FRACTION,
+            "",
+        ),
+        entry(
+            ConstraintQuantity::LaserTime,
+            "time under the laser",
+            &file.max_laser_time_s,
+            most,
+            unbounded,
+            TIME_S,
+            "s",
+        ),
+        entry(
+            ConstraintQuantity::Clearance,
+            "clearance under the ceiling",
+            &file.min_clearance_um,
+            least,
+            0.0,
+            clearance,
+            "um",
+        ),
+    ];
+    for Entry { measure, name, number, side, loosest, quantity, unit } in table {
+        let Some(given) = number else { continue };
+        let limit = document.number(given, quantity)?;
+        if measure == ConstraintQuantity::LaserTime {
+            needs_time(document, given, laser)?;
+        }
+        let scale = if limit > 0.0 { limit } else { CLEARANCE_SCALE_M };
+        limited.0.push(measure);
+        limited.1.push(Limit { name, unit, unit_si: quantity.to_si(1.0), bound: side(limit), scale, loosest });
+    }
+    if let Some(lift_off) = &file.lift_off
+        && document.choice(lift_off, &[true, false], |refused| if refused { "refuse" } else { "allow" })?
+    {
+        let name = "least local pressure over the nominal one";
+        let (bound, loosest) = (Bound::AtLeast(0.0), f64::NEG_INFINITY);
+        limited.0.push(ConstraintQuantity::LeastPressure);
+        limited.1.push(Limit { name, unit: "", unit_si: 1.0, bound, scale: 1.0, loosest });
+    }
+    Ok(limited)
+}
+
+/// Refuses a time limit if the time cannot be estimated.
+fn needs_time(document: &Document, limit: &Number, laser: &Laser) -> Result<(), Diagnostic> {
+    let missing = missing_for_time(laser);
+    if missing.is_empty() {
+        return Ok(());
+    }
+    Err(document
+        .refuse(limit.span(), "limits a time that cannot be estimated")
+        .expected(format!("{} beside it", missing.join(", "))))
+}
+
+/// Keys without which the time under the laser cannot be estimated.
+pub(super) fn missing_for_time(laser: &Laser) -> Vec<&'static str> {
+    let key = |name| match name {
+        "spot_um" => "laser.spot_um",
+        "repetition_hz" => "laser.repetition_hz",
+        _ => "limits.depth_per_burst_um or laser.ablation",
+    };
+    laser.missing_for_time().into_iter().map(key).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[derive(Deserialize)]
+    struct Both {
+        limits: LimitsFile,
+        pressure_mpa: Spanned<Numbers>,
+    }
+
+    #[test]
+    fn a_nominal_pressure_at_the_limit_of_the_largest_is_refused_with_both_keys_and_lines() {
+        let checked = |pressures: &str| {
+            let document = Document::new(
+                "d.toml",
+                format!("pressure_mpa = {pressures}\n\n[limits]\nmax_peak_pressure_mpa = 10.0"),
+            );
+            let both: Both = document.parse().unwrap();
+            both.limits.check_peak(&document, &both.pressure_mpa).map_err(|refused| refused.to_string())
+        };
+        for high in ["[1.0, 12.0]", "[1.0, 10.0]"] {
+            let said = checked(high).unwrap_err();
+            assert!(said.starts_with("d.toml:1: pressure_mpa: 1") && said.contains("MPa is not below"), "{said}");
+            assert!(said.contains("limits.max_peak_pressure_mpa = 10 in line 4"), "{said}");
+        }
+        assert_eq!(checked("[1.0, 9.9]"), Ok(()));
+    }
+}

@@ -1,0 +1,81 @@
+//! File formats: serialized types, converted once into the validated types of the library crates.
+//!
+//! A [`Document`] is a file with its text, so that every refusal, a [`Diagnostic`], names file, line, key and accepted
+//! values. Bytes come through [`source::Files`]: this module opens no files, reads no clock, prints nothing, and does
+//! not touch the environment.
+//!
+//! | module | reads |
+//! |---|---|
+//! | [`scene`], [`run`] | scenes to simulate |
+//! | [`design`], [`target`], [`limits`], [`tolerances`], [`trade_offs`], [`condition_ranges`] | a design task |
+//! | [`calibration`], [`measurements`], [`measured`], [`surface`] | measurements |
+//! | [`altitude_map`] | an altitude map, ready for computation |
+//! | [`traces`] | tribometer exports |
+//! | [`material`], [`material_uncertainty`] | a material and its uncertainty |
+//! | [`pattern`], [`outline`], [`rim`], [`relief`], [`laser`] | textures, outlines of cavities, rims, measured reliefs, specimens, lasers |
+//! | [`stored_pattern`] | the design of a result |
+//! | [`plausible`], [`unusual`] | numbers that are probably mistakes |
+//! | [`confirmed_scene`], [`written_material`] | output files: the scene of a design, the material of a calibration |
+//!
+//! A number in a file is one of a [`slipgrid_base::units::Quantity`]; a number outside its range is refused at its key:
+//!
+//! ```
+//! use slipgrid_io::formats::{Document, material::{MaterialFile, read_material}};
+//! let text = "youngs_modulus_gpa = 0.38\ndensity_g_cm3 = 900.0\nfriction = { static_mean = 0.30, dynamic_mean = 0.27 }\n";
+//! let document = Document::new("polymer.toml", text);
+//! let file: MaterialFile = document.parse()?;
+//! let refused = read_material(&document, &file, &(0..text.len())).unwrap_err();
+//! assert_eq!((refused.line, refused.key.as_deref()), (Some(2), Some("density_g_cm3")));
+//! assert!(refused.expected.is_some_and(|expected| expected.starts_with("a number above 0 up to 23 g/cm3")));
+//! # Ok::<(), slipgrid_io::formats::Diagnostic>(())
+//! ```
+
+pub mod altitude_map;
+pub mod calibrated;
+pub mod calibration;
+mod calibration_file;
+mod cavity_lengths;
+pub mod condition_ranges;
+pub mod confirmed_scene;
+pub mod design;
+pub mod diagnostic;
+mod dimension_error;
+pub mod document;
+mod exchanged;
+pub mod explored;
+pub mod file_kind;
+pub mod laser;
+pub mod learned;
+pub mod limits;
+pub mod made_from;
+pub mod material;
+pub mod material_uncertainty;
+pub mod measured;
+pub mod measurements;
+pub mod outline;
+pub mod pattern;
+pub mod plausible;
+pub mod refused_calibration;
+pub mod relief;
+pub mod rim;
+pub mod run;
+pub mod scene;
+pub mod source;
+mod stated_specimen;
+pub mod stored_pattern;
+pub mod surface;
+pub mod target;
+pub mod tolerances;
+mod trace_departures;
+mod trace_notes;
+mod trace_table;
+pub mod traces;
+pub mod trade_offs;
+pub mod trials;
+mod unused_columns;
+pub mod unusual;
+pub mod values;
+pub mod written_material;
+
+pub use diagnostic::{Diagnostic, checked};
+pub use document::Document;

@@ -1,0 +1,494 @@
+//! Scene files, the input of `simulate`.
+
+use std::ops::Range;
+
+use serde::{Deserialize, Serialize};
+use slipgrid_model::material::{Condition, Material, MaterialError};
+use slipgrid_model::springblock::{Layer, MAX_BLOCKS, MAX_ROWS, Scene, SceneError, Simulation};
+use toml::Spanned;
+
+use super::document::Document;
+use super::file_kind::FileKind;
+use super::laser::{SpecimenFile, read_specimen};
+use super::material::{ConditionFile, MaterialFile, read_condition};
+use super::material_uncertainty::read_referenced;
+use super::pattern::{PatternFile, check_depth, read_pattern, require_section};
+use super::relief::read_relief;
+use super::run::{Overrides, RunFile, read_run};
+use super::stated_specimen::read_holder;
+use super::unusual::{self, with_slip};
+use super::values::{MAX_PRESSURES, Number, Numbers, PathOr, check_count, distinct_pressures, number_span};
+use crate::formats::diagnostic::Diagnostic;
+use crate::formats::source::Source;
+use slipgrid_base::units::{
+    LENGTH_MM, LENGTH_STD_UM, LENGTH_UM, PRESSURE_MPA, Quantity, SPEED_MM_S, STEP_NS, significant_to, tidy,
+};
+use slipgrid_design::results::SimulationReport;
+use slipgrid_design::{SpecimenError, TaskPart, check_pressures, correct, loads, of_scene};
+use slipgrid_infer::calibrate::uncertainty::MaterialUncertainty;
+use slipgrid_laser::export::{Outline, Specimen};
+
+/// A scene in the form of its file.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct SceneFile {
+    /// Name for reports.
+    pub name: Option<String>,
+    /// Schema of the file; 1 when absent.
+    pub schema: Option<Spanned<u32>>,
+    /// Selects coefficients of a material that has them per condition.
+    pub condition: Option<Spanned<ConditionFile>>,
+    /// Material table, or path of a material file.
+    pub material: Spanned<PathOr<MaterialFile>>,
+    /// Texture; absent for a flat surface.
+    pub pattern: Option<Spanned<PatternFile>>,
+    /// Specimen on which the pattern is laid; absent where a sample is one strip of `sample.length_um`.
+    pub specimen: Option<Spanned<SpecimenFile>>,
+    /// The modelled layer.
+    #[serde(default = "default_sample")]
+    pub sample: Spanned<SampleFile>,
+    /// Loads and speed.
+    pub load: Spanned<LoadFile>,
+    /// Solver options.
+    #[serde(default)]
+    pub run: RunFile,
+}
+
+/// The modelled layer in the form of a file.
+#[derive(Clone, Debug, Default, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct SampleFile {
+    /// Length of the specimen along the sliding direction; that of `[specimen]` where there is one, otherwise 9960 when
+    /// absent.
+    pub length_um: Option<Number>,
+    /// Height of the layer that strips and runs in time represent by blocks; 200 um below the rest of the specimen when
+    /// absent. If it is given alone, nothing else is elastic.
+    pub layer_um: Option<Number>,
+    /// Thickness of the elastic specimen; 7 when neither this nor the layer is given.
+    pub thickness_mm: Option<Number>,
+    /// How the specimen is held: `rigid` if the holder keeps it from turning, so that friction tilts the pressure, or
+    /// `self-aligning`; needs `thickness_mm`; anything between the two when absent.
+    pub holder: Option<Spanned<String>>,
+    /// Lattice spacing; 10 when absent.
+    pub block_um: Option<Number>,
+}
+
+/// Thickness of the specimens in the paper, in metres.
+pub const DEFAULT_THICKNESS_M: f64 = 7e-3;
+
+/// Layer of the paper: 996 x 20 blocks of 10 um, under a rigid bulk.
+pub const DEFAULT_LAYER: Layer =
+    Layer { length_m: 9960e-6, height_m: 200e-6, block_m: 10e-6, thickness_m: None, holder: None };
+
+/// Layer of the paper as the lowest part of a specimen of the paper's thickness; the default of files.
+pub const DEFAULT_SPECIMEN: Layer = Layer { thickness_m: Some(DEFAULT_THICKNESS_M), ..DEFAULT_LAYER };
+
+/// Layer of a file without `[sample]`.
+#[must_use]
+pub fn default_sample() -> Spanned<SampleFile> {
+    Spanned::new(0..0, SampleFile::default())
+}
+
+/// Loads in the form of a file.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct LoadFile {
+    /// Nominal pressures, one or several.
+    pub pressure_mpa: Spanned<Numbers>,
+    /// Sliding speed; the condition's when absent.
+    pub speed_mm_s: Option<Number>,
+}
+
+/// A scene ready to be solved, with the data for its report.
+#[derive(Clone, Debug)]
+pub struct SceneInput {
+    /// Scene to be solved.
+    pub scene: Scene,
+    /// The material, with its provenance.
+    pub material: Material,
+    /// Uncertainty of the material.
+    pub uncertainty: MaterialUncertainty,
+    /// Speed and humidity that select the coefficients.
+    pub condition: Option<Condition>,
+    /// Specimen whose layout a sample represents; `None` for one strip, and for cells.
+    pub specimen: Option<Specimen>,
+    /// For each load, whether coefficients were taken from the nearest measured pressure.
+    pub friction_extrapolated: Vec<bool>,
+    /// Unusual inputs in the file and its material.
+    pub told: Vec<Diagnostic>,
+    document: Document,
+    places: Places,
+}
+
+/// File positions for diagnostics of a scene; `None` where the default holds.
+#[derive(Clone, Debug)]
+struct Places {
+    length: Option<Range<usize>>,
+    layer: Option<Range<usize>>,
+    block: Option<Range<usize>>,
+    depth: Option<Range<usize>>,
+    width: Option<Range<usize>>,
+    step: Option<Range<usize>>,
+    travel: Option<Range<usize>>,
+}
+
+impl SceneInput {
+    /// Reads the scene file at `path`.
+    ///
+    /// # Errors
+    /// [`Diagnostic`] for any refused input in the file or in a file that it names.
+    pub fn read(source: &Source, path: &std::path::Path, overrides: Overrides) -> Result<Self, Diagnostic> {
+        let document = Document::read(source, path, FileKind::Scene)?;
+        let file: SceneFile = document.parse()?;
+        Self::from_file(document, &file, overrides)
+    }
+
+    /// Converts a scene from its file form to one that can be solved.
+    ///
+    /// # Errors
+    /// [`Diagnostic`] for any refused input.
+    pub fn from_file(document: Document, file: &SceneFile, overrides: Overrides) -> Result<Self, Diagnostic> {
+        document.check_schema(file.schema.as_ref())?;
+        let (mut material, uncertainty) = read_referenced(&document, &file.material)?;
+        let condition = file.condition.as_ref().map(|c| read_condition(&document, c.get_ref())).transpose()?;
+        material.provenance.notes.extend(material.friction.interpolation(condition.as_ref()));
+        let specimen = file.specimen.as_ref().map(|table| read_specimen(&document, table)).transpose()?;
+        let pattern = file.pattern.as_ref().map(|pattern| read_pattern(&document, pattern)).transpose()?;
+        let stds = file.pattern.iter().flat_map(|table| table.get_ref().dimensions_std());
+        if let Some(std) = stds.flatten().next() {
+            document.number(std, LENGTH_STD_UM)?;
+            return Err(document
+                .refuse(std.span(), "has no meaning in a scene, which has one pattern")
+                .expected("no such line; the standard errors of samples to be cut stand in [tolerances] of a design"));
+        }
+        let sliding = pattern.map_or([1.0, 0.0], |pattern| pattern.texture().sliding_direction_on_specimen());
+        let layer = read_layer(&document, &file.sample, specimen.as_ref().map(|specimen| (specimen, sliding)))?;
+        if let Some((table, specimen)) = file.specimen.as_ref().zip(specimen.as_ref()) {
+            check_face(&document, table, specimen, &layer)?;
+        }
+        if let Some((table, pattern)) = file.pattern.as_ref().zip(pattern.as_ref()) {
+            check_depth(&document, table.get_ref(), pattern.depth_m(), &layer)?;
+        }
+        let relief = match file.pattern.as_ref().zip(pattern.as_ref()) {
+            Some((table, pattern)) => read_relief(&document, table, pattern)?,
+            None => None,
+        };
+        let run = read_run(&document, &file.run, overrides, specimen.is_some())?;
+        let speed_m_s = read_speed(&document, &file.load, condition.as_ref())?;
+        // A scene may have zero load and zero speed: both are meaningful, though without a friction coefficient.
+        let load = PRESSURE_MPA.or_zero();
+        let pressures_pa = read_pressures(&document, &file.load.get_ref().pressure_mpa, load, &material)?;
+        let asked = file.condition.as_ref().map_or(file.material.span(), Spanned::span);
+        let (loads, friction_extrapolated) = loads(&material.friction, &pressures_pa, condition.as_ref())
+            .map_err(|error| document.refuse(asked, error.to_string()))?;
+        let place = |number: Option<&Number>| number.map(Spanned::span);
+        let sample = file.sample.get_ref();
+        let texture = file.pattern.as_ref().map(Spanned::get_ref);
+        let places = Places {
+            length: place(sample.length_um.as_ref()),
+            layer: place(sample.layer_um.as_ref()),
+            block: place(sample.block_um.as_ref()),
+            depth: place(texture.map(|pattern| &pattern.depth_um)),
+            width: place(texture.map(|pattern| &pattern.width_um)),
+            step: place(file.run.step_ns.as_ref()),
+            travel: place(file.run.sliding_um.as_ref()),
+        };
+        // A flat specimen is represented by its strip, and one period has no rim.
+        let specimen = specimen.filter(|_| pattern.is_some() && run.extent.has_ends());
+        let scene = Scene {
+            elastic: material.elastic,
+            area_law: material.area_law.clone(),
+            pattern,
+            relief,
+            layer,
+            loads,
+            speed_m_s,
+            run: match &pattern {
+                Some(pattern) if specimen.is_some() => run.on_specimen(pattern.texture()),
+                _ => run,
+            },
+        };
+        if let Some((pattern, file)) = scene.section().zip(file.pattern.as_ref()) {
+            require_section(&document, &file.get_ref().texture(), pattern.texture())?;
+        }
+        let mut told = unusual::of_scene(&document, file);
+        told.extend(unusual::of_speed(&document, file.load.get_ref(), &scene));
+        let input =
+            Self { scene, material, uncertainty, condition, specimen, friction_extrapolated, told, document, places };
+        if let Some(extent) = file.run.extent.as_ref().filter(|_| input.scene.is_strip_aslant()) {
+            return Err(input
+                .document
+                .refuse(
+                    extent.span(),
+                    "asks for a strip of a pattern that slides aslant, and repeats at no distance across",
+                )
+                .expected("\"cell\", or a sliding direction along or across the rows"));
+        }
+        input.scene.validate().map_err(|error| input.refuse(&error))?;
+        Ok(input)
+    }
+
+    /// Diagnostic for an error of the solver, at the file position concerned and in the file's units.
+    #[must_use]
+    pub fn refuse(&self, error: &SceneError) -> Diagnostic {
+        let (places, layer) = (&self.places, &self.scene.layer);
+        let um = |length_m: f64| LENGTH_UM.from_si(length_m);
+        match error {
+            SceneError::NotWholeBlocks { quantity, length_m, block_m } => {
+                let (key, place) = match *quantity {
+                    "length_m" => ("sample.length_um", &places.length),
+                    _ => ("sample.layer_um", &places.layer),
+                };
+                let whole_um = um((length_m / block_m).round().max(1.0) * block_m);
+                self.at(place, key, um(*length_m), format!("is no whole number of blocks of {} um", um(*block_m)))
+                    .expected(format!("a multiple of block_um, for instance {whole_um}"))
+            }
+            SceneError::TooManyBlocks { blocks, most } => {
+                let reason = format!("divides the layer into {blocks:.1e} blocks");
+                self.at(&places.block, "sample.block_um", um(layer.block_m), reason)
+                    .expected(format!("a size that gives at most {most:.0e}"))
+            }
+            SceneError::TooLarge { bytes, most_bytes } => {
+                let gib = |bytes: f64| bytes / (1_u64 << 30) as f64;
+                let reason = format!("makes a lattice that takes {:.0} GiB", gib(*bytes));
+                self.at(&places.block, "sample.block_um", um(layer.block_m), reason)
+                    .expected(format!("larger blocks or a smaller layer, at most {:.0} GiB", gib(*most_bytes)))
+            }
+            SceneError::TooLong { core_s, most_s } => {
+                let days = |seconds: f64| seconds / 86_400.0;
+                let reason = format!("would take about {:.0} days of one core", days(*core_s));
+                self.at(&places.travel, "run.sliding_um", um(self.scene.run.sliding_m), reason).expected(format!(
+                    "less travel, larger blocks or a higher speed, at most {:.0} days",
+                    days(*most_s)
+                ))
+            }
+            SceneError::CavityThroughLayer { depth_m, height_m } => self
+                .at(
+                    &places.depth,
+                    "pattern.depth_um",
+                    um(*depth_m),
+                    format!("leaves nothing of the layer of {} um", um(*height_m)),
+                )
+                .expected(format!("a depth below {}", um(*height_m))),
+            SceneError::UnstableStep { step_s, limit_s, scheme } => {
+                let limit_ns = significant_to(limit_s * 1e9, 4, f64::floor);
+                if places.step.is_some() {
+                    let reason = format!("is beyond the stability limit of the {scheme}, {limit_ns}");
+                    self.at(&places.step, "run.step_ns", STEP_NS.from_si(*step_s), reason)
+                        .expected(format!("at most {limit_ns}"))
+                } else {
+                    // The default step of the fidelity: blocks are too small for it.
+                    let step_ns = STEP_NS.from_si(*step_s);
+                    let reason =
+                        format!("um brings the stability limit of the {scheme} below its step of {step_ns} ns");
+                    self.at(&places.block, "sample.block_um", um(layer.block_m), reason)
+                        .expected(format!("larger blocks, or run.step_ns of at most {limit_ns}"))
+                }
+            }
+            SceneError::OutOfRange { quantity: "pitch_m", value, expected } => self
+                .at(
+                    &places.width,
+                    "pattern.width_um",
+                    f64::NAN,
+                    format!("and the spacing make a pitch of {} um", um(*value)),
+                )
+                .expected(*expected),
+            SceneError::Unsupported { what, instead } => {
+                Diagnostic::file(self.document.path(), format!("{what} is not available")).expected(*instead)
+            }
+            // Numbers out of range and empty lists are refused by the reader.
+            SceneError::OutOfRange { .. } | SceneError::NoLoads | SceneError::Relief(_) => {
+                Diagnostic::file(self.document.path(), error.to_string())
+            }
+        }
+    }
+
+    /// Diagnostic for an error of the solver, or of the pattern's layout on the specimen.
+    #[must_use]
+    pub fn refuse_on_specimen(&self, error: &SpecimenError) -> Diagnostic {
+        match error {
+            SpecimenError::Scene(error) => self.refuse(error),
+            SpecimenError::Layout(error) => {
+                self.at(&self.places.width, "pattern.width_um", f64::NAN, format!("um: {error}"))
+            }
+        }
+    }
+
+    /// Refuses the value at `place`, or `key` by name if the file leaves the value to the default.
+    fn at(&self, place: &Option<Range<usize>>, key: &str, default: f64, reason: String) -> Diagnostic {
+        match place {
+            Some(span) => self.document.refuse(span.clone(), reason),
+            None => Diagnostic {
+                key: Some(key.into()),
+                value: Some(format!("{default} (the default)").into()),
+                ..Diagnostic::file(self.document.path(), reason)
+            },
+        }
+    }
+
+    /// Report of the scene's solution on its specimen: friction in time corrected by the calibrated one, and the record,
+    /// without the time that it took.
+    ///
+    /// # Errors
+    /// [`MaterialError`] if the area law cannot be varied within its errors.
+    pub fn report(&self, mut simulation: Simulation) -> Result<(Simulation, SimulationReport), MaterialError> {
+        let (scene, condition) = (&self.scene, self.condition.as_ref());
+        let pressures_pa: Vec<f64> = scene.loads.iter().map(|load| load.pressure_pa).collect();
+        let excess = self.uncertainty.excess(&pressures_pa, condition);
+        correct(&mut simulation, scene, excess.as_deref());
+        let errors = of_scene(scene, &self.uncertainty, condition, &simulation)?;
+        let (provenance, outside) = (&self.material.provenance, &self.friction_extrapolated);
+        let report = SimulationReport::new(scene, provenance, outside, &simulation, errors);
+        Ok((simulation, report))
+    }
+}
+
+/// Minimum width of a specimen's face in blocks, anywhere on it: a narrower face is no strip.
+const MIN_FACE_BLOCKS: f64 = 2.0;
+
+/// Refuses a specimen whose face is too narrow for the blocks of `layer`.
+///
+/// # Errors
+/// [`Diagnostic`] at the table of the specimen.
+pub fn check_face(
+    document: &Document,
+    table: &Spanned<SpecimenFile>,
+    specimen: &Specimen,
+    layer: &Layer,
+) -> Result<(), Diagnostic> {
+    let (what, narrowest_m) = match specimen.outline {
+        Outline::Disc { diameter_m } => ("diameter", diameter_m),
+        Outline::Rectangle { length_m, width_m } => ("shorter side", length_m.min(width_m)),
+        Outline::Ring { outer_diameter_m, inner_diameter_m } => {
+            ("width from inner to outer edge", 0.5 * (outer_diameter_m - inner_diameter_m))
+        }
+    };
+    if narrowest_m >= MIN_FACE_BLOCKS * layer.block_m {
+        return Ok(());
+    }
+    let [narrowest_um, block_um] = [narrowest_m, layer.block_m].map(|length_m| LENGTH_UM.from_si(length_m));
+    Err(document
+        .refuse(table.span(), format!("has a {what} of {narrowest_um} um, of blocks of {block_um} um"))
+        .expected(format!("a {what} of at least {MIN_FACE_BLOCKS} blocks, or a smaller sample.block_um")))
+}
+
+/// Reads the modelled layer, as long as `specimen` if given, and checks that it consists of whole blocks.
+///
+/// # Errors
+/// [`Diagnostic`] for numbers out of range.
+pub fn read_layer(
+    document: &Document,
+    file: &Spanned<SampleFile>,
+    specimen: Option<(&Specimen, [f64; 2])>,
+) -> Result<Layer, Diagnostic> {
+    let sample = file.get_ref();
+    let or = |value: Option<&Number>, default_m: f64| {
+        document.optional(value, LENGTH_UM).map(|read| read.unwrap_or(default_m))
+    };
+    let block_m = or(sample.block_um.as_ref(), DEFAULT_LAYER.block_m)?;
+    let length_m = match (&sample.length_um, specimen) {
+        (Some(length), Some((specimen, sliding))) => {
+            let length_m = specimen.outline.length_along_m(sliding);
+            return Err(document
+                .refuse(length.span(), "is given beside [specimen], which says how long the specimen is")
+                .expected(format!(
+                    "no such key: the {} is {} mm long in the sliding direction",
+                    specimen.outline.name(),
+                    tidy(LENGTH_MM.from_si(length_m))
+                )));
+        }
+        // Rounded to whole blocks; strips of the layout keep their lengths.
+        (None, Some((specimen, sliding))) => specimen.whole_length_m(sliding, block_m),
+        (length, None) => or(length.as_ref(), DEFAULT_LAYER.length_m)?,
+    };
+    let thickness_m = document.optional(sample.thickness_mm.as_ref(), LENGTH_MM)?;
+    let thickness_m = match &sample.layer_um {
+        // A layer given alone has no elastic body above it.
+        Some(_) => thickness_m,
+        None => thickness_m.or(DEFAULT_SPECIMEN.thickness_m),
+    };
+    let lowest_m = thickness_m.map_or(DEFAULT_LAYER.height_m, |thickness_m| thickness_m.min(DEFAULT_LAYER.height_m));
+    let height_m = or(sample.layer_um.as_ref(), lowest_m)?;
+    let holder = read_holder(document, sample.holder.as_ref(), sample.thickness_mm.is_some())?;
+    let layer = Layer { length_m, height_m, block_m, thickness_m, holder };
+    let blocks = layer.blocks();
+    if let (Some(given), true) = (&sample.block_um, blocks > MAX_BLOCKS) {
+        return Err(document
+            .refuse(given.span(), format!("divides the layer into {blocks:.1e} blocks"))
+            .expected(format!("a size that gives at most {MAX_BLOCKS:.0e}")));
+    }
+    if let (Some(thickness), Some(thickness_m)) = (&sample.thickness_mm, thickness_m)
+        && thickness_m < layer.height_m
+    {
+        let layer_um = LENGTH_UM.from_si(layer.height_m);
+        return Err(document
+            .refuse(thickness.span(), format!("mm is thinner than the layer of {layer_um} um, which is part of it"))
+            .expected(format!("at least {}, or a lower layer_um", LENGTH_MM.from_si(layer.height_m))));
+    }
+    if let Some(thickness_m) = thickness_m.filter(|thickness_m| *thickness_m > MAX_ROWS * block_m) {
+        let given = sample.thickness_mm.as_ref().or(sample.block_um.as_ref()).map_or(file.span(), Spanned::span);
+        let thick_mm = LENGTH_MM.from_si(thickness_m);
+        return Err(document
+            .refuse(given, format!("makes more than {MAX_ROWS:.0e} rows of blocks of a specimen {thick_mm} mm thick"))
+            .expected("larger blocks, a thinner specimen, or a layer_um alone"));
+    }
+    let block_um = LENGTH_UM.from_si(layer.block_m);
+    for (name, value, length_m) in
+        [("length_um", &sample.length_um, layer.length_m), ("layer_um", &sample.layer_um, layer.height_m)]
+    {
+        let blocks = length_m / layer.block_m;
+        if blocks < 0.5 || (blocks - blocks.round()).abs() > 1e-6 * blocks {
+            let named = value.as_ref().or(sample.block_um.as_ref()).map_or(file.span(), Spanned::span);
+            let whole_um = LENGTH_UM.from_si(blocks.round().max(1.0) * layer.block_m);
+            let length_um = LENGTH_UM.from_si(length_m);
+            let reason = match value {
+                Some(_) => format!("is no whole number of blocks of {block_um} um"),
+                None => format!("does not divide {name}, which is {length_um} by default"),
+            };
+            return Err(document
+                .refuse(named, reason)
+                .expected(format!("a multiple of block_um, for instance {name} = {whole_um}")));
+        }
+    }
+    Ok(layer)
+}
+
+/// Reads nominal pressures in the range of `quantity` and checks them against the elastic modulus.
+///
+/// # Errors
+/// [`Diagnostic`] if numbers are out of range, or if one is repeated.
+fn read_pressures(
+    document: &Document,
+    pressures: &Spanned<Numbers>,
+    quantity: Quantity,
+    material: &Material,
+) -> Result<Vec<f64>, Diagnostic> {
+    check_count(document, pressures, MAX_PRESSURES)?;
+    let read = distinct_pressures(document, pressures, quantity)?;
+    check_pressures(&read, material).map_err(|refused| {
+        let place = if let TaskPart::Pressure(place) = refused.part { place } else { 0 };
+        let expected = refused.expected.map(|expected| with_slip(&expected, PRESSURE_MPA.from_si(read[place])));
+        Diagnostic {
+            expected: expected.map(Into::into),
+            ..document.refuse(number_span(pressures, place), refused.reason)
+        }
+    })?;
+    Ok(read)
+}
+
+fn read_speed(document: &Document, load: &Spanned<LoadFile>, condition: Option<&Condition>) -> Result<f64, Diagnostic> {
+    match (&load.get_ref().speed_mm_s, condition) {
+        (None, None) => Err(document.missing(load.span(), "speed_mm_s")),
+        (None, Some(condition)) => Ok(condition.speed_m_s),
+        (Some(speed), condition) => {
+            let speed_m_s = document.number(speed, SPEED_MM_S.or_zero())?;
+            // A run in time may be slower, as that of a design in which the modelled layer would slide in waves.
+            let other = condition.filter(|condition| speed_m_s > (1.0 + 1e-6) * condition.speed_m_s);
+            other.map_or(Ok(speed_m_s), |condition| {
+                Err(document
+                    .refuse(speed.span(), "mm/s is more than the speed of the condition that selects the coefficients")
+                    .expected(format!("at most {}, or no such key", SPEED_MM_S.from_si(condition.speed_m_s))))
+            })
+        }
+    }
+}

@@ -1,0 +1,194 @@
+//! Specimens of a calibration and of its trials: face, rim, thickness and holder.
+
+use slipgrid_infer::calibrate::CutSpecimen;
+use slipgrid_laser::export::{Outline, Specimen};
+use slipgrid_model::springblock::{Holder, MAX_ROWS};
+use toml::Spanned;
+
+use super::calibration_file::FaceFile;
+use super::document::Document;
+use super::laser;
+use super::scene::DEFAULT_LAYER;
+use super::values::Number;
+use crate::formats::diagnostic::Diagnostic;
+use crate::formats::plausible::SPECIMEN;
+use slipgrid_base::units::LENGTH_MM;
+
+/// Minimum and maximum thickness of a specimen that a calibration may state, in metres: the height of the layer, and
+/// the maximum number of blocks of a solver.
+const THICKNESS_M: [f64; 2] = [DEFAULT_LAYER.height_m, MAX_ROWS * DEFAULT_LAYER.block_m];
+
+/// A specimen as stated by a table of a calibration.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct StatedSpecimen {
+    /// Face, and treatment of cavities at the rim.
+    pub(crate) specimen: Specimen,
+    /// Thickness, in metres, if given.
+    pub(crate) thickness_m: Option<f64>,
+    /// How the specimen is held, if given.
+    pub(crate) holder: Option<Holder>,
+}
+
+impl StatedSpecimen {
+    /// Reads the specimen of `table`; rim, thickness and holder default to those of `usual`.
+    pub(crate) fn read(
+        document: &Document,
+        table: &Spanned<FaceFile>,
+        usual: Option<Self>,
+    ) -> Result<Self, Diagnostic> {
+        let file = table.get_ref();
+        let is_clipped = match (&file.cavities, usual) {
+            (None, Some(usual)) => usual.specimen.is_clipped,
+            (name, _) => laser::read_is_clipped(document, name.as_ref())?,
+        };
+        let specimen = Specimen { outline: read_outline(document, table)?, is_clipped };
+        let thickness_m = match &file.thickness_mm {
+            Some(given) => Some(read_thickness_m(document, given)?),
+            None => usual.and_then(|usual| usual.thickness_m),
+        };
+        let holder = read_holder(document, file.holder.as_ref(), thickness_m.is_some())?;
+        Ok(Self { specimen, thickness_m, holder: holder.or(usual.and_then(|usual| usual.holder)) })
+    }
+
+    /// Converts to the specimen of a sample that was cut into it.
+    pub(crate) fn cut(self) -> CutSpecimen {
+        CutSpecimen { face: Some(self.specimen), thickness_m: self.thickness_m, holder: self.holder }
+    }
+}
+
+/// Reads a thickness in metres, within [`THICKNESS_M`].
+fn read_thickness_m(document: &Document, given: &Number) -> Result<f64, Diagnostic> {
+    let thickness_m = document.number(given, LENGTH_MM)?;
+    let [least_m, most_m] = THICKNESS_M;
+    if (least_m..=most_m).contains(&thickness_m) {
+        return Ok(thickness_m);
+    }
+    let [least_mm, most_mm] = [least_m, most_m].map(|end_m| LENGTH_MM.from_si(end_m));
+    Err(document
+        .refuse(given.span(), "mm is no thickness that is modelled")
+        .expected(format!("a thickness in millimetres, from {least_mm} to {most_mm}")))
+}
+
+/// Reads how a specimen is held. Refuses a holder of a specimen without a stated thickness, by which friction tilts the
+/// pressure.
+pub(crate) fn read_holder(
+    document: &Document,
+    given: Option<&Spanned<String>>,
+    has_thickness: bool,
+) -> Result<Option<Holder>, Diagnostic> {
+    let Some(given) = given else { return Ok(None) };
+    let holder = document.choice(given, &Holder::ALL, Holder::name)?;
+    if !has_thickness {
+        return Err(document
+            .refuse(given.span(), "is given without the thickness of the specimen")
+            .expected("thickness_mm beside it, or no such key"));
+    }
+    Ok(Some(holder))
+}
+
+/// Reads the face of a specimen: a disc by its radius, or one of the shapes of a design's specimen.
+fn read_outline(document: &Document, table: &Spanned<FaceFile>) -> Result<Outline, Diagnostic> {
+    let file = table.get_ref();
+    let others = [
+        ("disc", &file.diameter_mm),
+        ("rectangle", &file.length_mm),
+        ("rectangle", &file.width_mm),
+        ("ring", &file.outer_diameter_mm),
+        ("ring", &file.inner_diameter_mm),
+    ];
+    if let Some(radius) = &file.radius_mm {
+        let stray = others.iter().find_map(|(_, length)| length.as_ref().map(Spanned::span));
+        if let Some(stray) = stray.or(file.shape.as_ref().map(Spanned::span)) {
+            return Err(document
+                .refuse(stray, "stands beside radius_mm")
+                .expected("either radius_mm alone, or a shape with its lengths"));
+        }
+        return Ok(Outline::Disc { diameter_m: 2.0 * document.number(radius, LENGTH_MM)? });
+    }
+    // Without a shape key the lengths determine the shape.
+    let shape = others.iter().find(|(_, length)| length.is_some()).map(|(shape, _)| *shape);
+    let named = shape.map(|shape| Spanned::new(table.span(), shape.to_owned()));
+    let shape = file.shape.clone().or(named).ok_or_else(|| {
+        document.missing(table.span(), "radius_mm").expected(
+            "radius_mm or diameter_mm of a disc, outer_diameter_mm and inner_diameter_mm of a ring, or length_mm and \
+             width_mm of a rectangle",
+        )
+    })?;
+    let as_design = laser::SpecimenFile {
+        shape,
+        diameter_mm: file.diameter_mm.clone(),
+        length_mm: file.length_mm.clone(),
+        width_mm: file.width_mm.clone(),
+        outer_diameter_mm: file.outer_diameter_mm.clone(),
+        inner_diameter_mm: file.inner_diameter_mm.clone(),
+        cavities: None,
+    };
+    Ok(laser::read_specimen(document, &Spanned::new(table.span(), as_design))?.outline)
+}
+
+/// Area of a face, in square metres.
+pub(crate) fn area_m2(outline: &Outline) -> f64 {
+    match outline {
+        // pi r^2
+        Outline::Disc { diameter_m } => std::f64::consts::PI * (diameter_m / 2.0) * (diameter_m / 2.0),
+        other => other.area_m2(),
+    }
+}
+
+/// Greatest extent of a face, in metres.
+pub(crate) fn extent_m(outline: &Outline) -> f64 {
+    match *outline {
+        Outline::Disc { diameter_m } => diameter_m,
+        Outline::Rectangle { length_m, width_m } => length_m.max(width_m),
+        Outline::Ring { outer_diameter_m, .. } => outer_diameter_m,
+    }
+}
+
+/// Diagnostics for an unusual size of the specimen.
+pub(crate) fn outline_told(
+    document: &Document,
+    table: &Spanned<FaceFile>,
+    outline: &Outline,
+) -> Result<Option<Diagnostic>, Diagnostic> {
+    let file = table.get_ref();
+    let lengths = [&file.radius_mm, &file.diameter_mm, &file.length_mm, &file.outer_diameter_mm];
+    let place = lengths.into_iter().flatten().next().map_or(table.span(), Spanned::span);
+    SPECIMEN.check(LENGTH_MM.from_si(extent_m(outline)), || document.refuse(place, ""))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Reads the specimen of a trial from its `own` keys and the `usual` ones of the calibration.
+    fn cut(usual: &str, own: &str) -> Result<CutSpecimen, String> {
+        let read = |keys: &str, usual: Option<StatedSpecimen>| {
+            let document = Document::new("c.toml", format!("radius_mm = 5.0\n{keys}\n"));
+            let table = Spanned::new(0..0, document.parse().map_err(|refused: Diagnostic| refused.to_string())?);
+            StatedSpecimen::read(&document, &table, usual).map_err(|refused| refused.to_string())
+        };
+        Ok(read(own, Some(read(usual, None)?))?.cut())
+    }
+
+    #[test]
+    fn a_trial_is_held_as_the_calibration_says_or_as_it_says_itself() {
+        let held = |usual: &str, own: &str| cut(usual, own).map(|cut| cut.holder);
+        let rigid = "thickness_mm = 4.0\nholder = \"rigid\"";
+        assert_eq!(held("", ""), Ok(None));
+        assert_eq!(held(rigid, ""), Ok(Some(Holder::Rigid)));
+        assert_eq!(held(rigid, "holder = \"self-aligning\""), Ok(Some(Holder::SelfAligning)));
+        assert_eq!(held("thickness_mm = 4.0", "holder = \"rigid\""), Ok(Some(Holder::Rigid)));
+        for (keys, expected) in [
+            (
+                "holder = \"rigid\"",
+                "c.toml:2: holder: \"rigid\" is given without the thickness of the specimen; expected thickness_mm beside it",
+            ),
+            ("holder = \"glued\"", "c.toml:2: holder: \"glued\" is not known; expected \"rigid\" or \"self-aligning\""),
+        ] {
+            for refused in [held(keys, ""), held("", keys)] {
+                let refused = refused.unwrap_err();
+                assert!(refused.starts_with(expected), "{refused}");
+            }
+        }
+    }
+}

@@ -1,0 +1,304 @@
+//! `[surface]` of a calibration file: source of the area law, and options for reading an altitude map.
+
+use std::path::PathBuf;
+
+use serde::Deserialize;
+use slipgrid_model::material::Extrapolation;
+use slipgrid_surface::topography::{
+    Crop, Decimation, DecimationMethod, Form, LengthUnit, Missing, Preparation, ReadOptions,
+};
+use toml::Spanned;
+
+use super::document::Document;
+use super::material::existing;
+use super::values::Number;
+use crate::formats::diagnostic::Diagnostic;
+use slipgrid_base::units::{LENGTH_UM, SLOPE};
+
+/// The table in the form of a file.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SurfaceFile {
+    /// Altitude map of a flat sample before the test, from which the area law is computed.
+    map: Option<Spanned<String>>,
+    /// Altitude map of a flat sample after the test; its difference from `map` is reported.
+    map_after: Option<Spanned<String>>,
+    /// Law of local pressure: `area` for contact area, `measured` for flat friction itself; `area` when absent.
+    local_law: Option<Spanned<String>>,
+    /// Extrapolation of a measured law above the last measured pressure: `constant` or `logarithmic`.
+    extrapolation: Option<Spanned<String>>,
+    /// Rms slope for Persson's law, if there is no map.
+    persson_rms_slope: Option<Number>,
+    /// The map is synthetic, not measured; false when absent.
+    synthetic: Option<bool>,
+    /// Distance of points along x, on one line of the file, if the file does not state it.
+    pixel_um: Option<Number>,
+    /// Distance of points along y, from line to line; as along x when absent.
+    pixel_y_um: Option<Number>,
+    /// Unit of heights, if the file does not state it: `m`, `cm`, `mm`, `um`, `nm` or `pm`.
+    height_unit: Option<Spanned<String>>,
+    /// Unit of x and y in lists of points x y z; takes the values of `height_unit`.
+    lateral_unit: Option<Spanned<String>>,
+    /// Numbers are written with a decimal comma; false when absent, and needed only if commas may be thousands
+    /// separators, as in 1,234.
+    decimal_comma: Option<bool>,
+    /// Part of the map to use: first row, first column, rows, columns.
+    crop: Option<Spanned<Vec<usize>>>,
+    /// Number N of points along each side that are joined into one: N x N points become one.
+    decimate: Option<Spanned<usize>>,
+    /// Value of joined points: `mean` of the points or `pick` the first; `mean` when absent.
+    decimate_by: Option<Spanned<String>>,
+    /// Treatment of points that were not measured: `fill` them, or `refuse` the map; `fill` when absent.
+    missing: Option<Spanned<String>>,
+    /// Replace spikes by the median of the neighbouring points; false when absent.
+    despike: Option<bool>,
+    /// Form that is subtracted: `mean`, `plane` or `second-order`; `plane` when absent.
+    form: Option<Spanned<String>>,
+    /// Older name of `form`: true is `plane`, false is `mean`.
+    level: Option<Spanned<bool>>,
+    /// P0, up to which friction counts as proportional to load; without it f is A/P over its limit at small loads.
+    pub threshold_mpa: Option<Number>,
+    /// Windows along each side, whose scatter gives the errors of the law: 0 or 1 for none; without the key 2, if the
+    /// map is large enough.
+    windows: Option<Spanned<usize>>,
+}
+
+/// Options for reading a map.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MapOptions {
+    /// Known properties of the file, and the part to use.
+    pub read: ReadOptions,
+    /// Form that is subtracted; for a map of one whole period always the mean.
+    pub form: Form,
+    /// Treatment of missing points.
+    pub missing: Missing,
+    /// Replace spikes by the median of the neighbouring points.
+    pub despike: bool,
+}
+
+impl MapOptions {
+    /// Preparation of the map after reading.
+    #[must_use]
+    pub const fn preparation(&self) -> Preparation {
+        Preparation { form: self.form, missing: self.missing, despike: self.despike }
+    }
+}
+
+/// Source of the area law.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Surface {
+    /// Rough contact of a measured or synthetic altitude map.
+    Map {
+        /// Path of the map.
+        path: PathBuf,
+        /// Whether the calibration file declares the map synthetic.
+        synthetic: bool,
+        /// Options for reading the map.
+        options: MapOptions,
+        /// Windows along either side whose scatter gives the standard errors of the law; fewer than 2 for none, `None`
+        /// for the default.
+        windows: Option<usize>,
+        /// Map of a sample of this kind after the test, read like the first and only compared with it.
+        after: Option<PathBuf>,
+    },
+    /// No surface: measured flat friction is the law of local pressure.
+    Measured {
+        /// Extrapolation above the last measured pressure.
+        extrapolation: Extrapolation,
+    },
+    /// Persson's theory for an rms slope.
+    Persson {
+        /// Rms slope, dimensionless.
+        rms_slope: f64,
+    },
+    /// Amontons-Coulomb.
+    None,
+}
+
+impl Surface {
+    /// Reads the table.
+    ///
+    /// # Errors
+    /// [`Diagnostic`] unless the table names either a map or a slope and every value is valid.
+    pub fn new(document: &Document, file: &Spanned<SurfaceFile>) -> Result<Self, Diagnostic> {
+        let surface = file.get_ref();
+        if let Some(law) = &surface.local_law {
+            return measured(document, surface, law);
+        }
+        if let Some(extrapolation) = &surface.extrapolation {
+            return Err(document
+                .refuse(extrapolation.span(), "stands without a measured law")
+                .expected("`local_law = \"measured\"` beside it, or none"));
+        }
+        if let (Some(after), None) = (&surface.map_after, &surface.map) {
+            return Err(document
+                .refuse(after.span(), "stands alone")
+                .expected("`map` beside it: the map before the test"));
+        }
+        match (&surface.map, &surface.persson_rms_slope) {
+            (Some(_), Some(slope)) => Err(document
+                .refuse(slope.span(), "stands beside a map")
+                .expected("either `map` or `persson_rms_slope`")),
+            (None, None) => Err(document.missing(file.span(), "map").expected("`map` or `persson_rms_slope`")),
+            (None, Some(_)) if surface.windows.is_some() => {
+                let windows = surface.windows.as_ref().map_or(0..0, Spanned::span);
+                Err(document.refuse(windows, "stands without a map").expected("windows only of a map"))
+            }
+            (None, Some(slope)) => Ok(Self::Persson { rms_slope: document.number(slope, SLOPE)? }),
+            (Some(map), None) => Ok(Self::Map {
+                path: existing(document, map, map.get_ref())?,
+                synthetic: surface.synthetic.unwrap_or(false),
+                options: options(document, surface)?,
+                windows: surface.windows.as_ref().map(|windows| *windows.get_ref()),
+                after: surface
+                    .map_after
+                    .as_ref()
+                    .map(|after| existing(document, after, after.get_ref()))
+                    .transpose()?,
+            }),
+        }
+    }
+}
+
+/// Reads the options of measured flat friction as the local law, which needs no surface.
+fn measured(document: &Document, file: &SurfaceFile, law: &Spanned<String>) -> Result<Surface, Diagnostic> {
+    if !document.choice(law, &[true, false], |measured| if measured { "measured" } else { "area" })? {
+        let rest = SurfaceFile { local_law: None, ..file.clone() };
+        return Surface::new(document, &Spanned::new(law.span(), rest));
+    }
+    let stray = [&file.map, &file.map_after].into_iter().flatten().map(Spanned::span).next();
+    if let Some(stray) = stray.or(file.persson_rms_slope.as_ref().map(Spanned::span)) {
+        return Err(document
+            .refuse(stray, "stands beside local_law = \"measured\", which takes no surface")
+            .expected("either local_law = \"measured\" alone, or a surface by map or persson_rms_slope"));
+    }
+    let extrapolation = file.extrapolation.as_ref().ok_or_else(|| {
+        document
+            .missing(law.span(), "extrapolation")
+            .expected("\"constant\" or \"logarithmic\": how friction goes on above the last measured pressure")
+    })?;
+    let extrapolation = document.choice(extrapolation, &Extrapolation::ALL, Extrapolation::name)?;
+    Ok(Surface::Measured { extrapolation })
+}
+
+fn options(document: &Document, file: &SurfaceFile) -> Result<MapOptions, Diagnostic> {
+    let unit = |name: &Option<Spanned<String>>| name.as_ref().map(|name| unit(document, name)).transpose();
+    let read = ReadOptions {
+        pixel_m: pixel(document, file)?,
+        height_unit: unit(&file.height_unit)?,
+        lateral_unit: unit(&file.lateral_unit)?,
+        decimal_comma: file.decimal_comma.unwrap_or(false),
+        crop: file.crop.as_ref().map(|crop| self::crop(document, crop)).transpose()?,
+        decimation: decimation(document, file)?,
+        ..ReadOptions::NONE
+    };
+    let missing = [Missing::Fill, Missing::Refuse];
+    let missing = file.missing.as_ref().map(|name| {
+        document.choice(name, &missing, |one| match one {
+            Missing::Fill => "fill",
+            Missing::Refuse => "refuse",
+        })
+    });
+    Ok(MapOptions {
+        read,
+        form: form(document, file)?,
+        missing: missing.transpose()?.unwrap_or_default(),
+        despike: file.despike.unwrap_or(false),
+    })
+}
+
+fn pixel(document: &Document, file: &SurfaceFile) -> Result<Option<[f64; 2]>, Diagnostic> {
+    let along_y_m = document.optional(file.pixel_y_um.as_ref(), LENGTH_UM)?;
+    match (&file.pixel_um, &file.pixel_y_um) {
+        (Some(along_x), _) => {
+            let along_x_m = document.number(along_x, LENGTH_UM)?;
+            Ok(Some([along_x_m, along_y_m.unwrap_or(along_x_m)]))
+        }
+        (None, Some(along_y)) => Err(document.refuse(along_y.span(), "stands alone").expected("`pixel_um` beside it")),
+        (None, None) => Ok(None),
+    }
+}
+
+fn unit(document: &Document, name: &Spanned<String>) -> Result<LengthUnit, Diagnostic> {
+    name.get_ref().parse().map_err(|_| document.refuse(name.span(), "is no unit of length").expected(LengthUnit::NAMES))
+}
+
+fn crop(document: &Document, crop: &Spanned<Vec<usize>>) -> Result<Crop, Diagnostic> {
+    match crop.get_ref()[..] {
+        [first_row, first_col, rows, cols] if rows > 1 && cols > 1 => Ok(Crop { first_row, first_col, rows, cols }),
+        _ => Err(document
+            .refuse(crop.span(), "is no part of a map")
+            .expected("first row, first column, rows, columns, the last two from 2 up, as [0, 0, 512, 512]")),
+    }
+}
+
+fn decimation(document: &Document, file: &SurfaceFile) -> Result<Option<Decimation>, Diagnostic> {
+    let method = file.decimate_by.as_ref().map(|name| {
+        document.choice(name, &[DecimationMethod::Mean, DecimationMethod::Pick], |method| match method {
+            DecimationMethod::Mean => "mean",
+            DecimationMethod::Pick => "pick",
+        })
+    });
+    let method = method.transpose()?;
+    match (&file.decimate, &file.decimate_by) {
+        (Some(factor), _) if *factor.get_ref() == 0 => {
+            Err(document.refuse(factor.span(), "is out of range").expected("a whole number from 1 up"))
+        }
+        (Some(factor), _) => Ok(Some(Decimation { factor: *factor.get_ref(), method: method.unwrap_or_default() })),
+        (None, Some(name)) => Err(document.refuse(name.span(), "stands alone").expected("`decimate` beside it")),
+        (None, None) => Ok(None),
+    }
+}
+
+fn form(document: &Document, file: &SurfaceFile) -> Result<Form, Diagnostic> {
+    match (&file.form, &file.level) {
+        (Some(_), Some(level)) => {
+            Err(document.refuse(level.span(), "stands beside `form`").expected("either `form` or `level`"))
+        }
+        (Some(name), None) => document.choice(name, &[Form::Mean, Form::Plane, Form::SecondOrder], |form| match form {
+            Form::Mean => "mean",
+            Form::Plane => "plane",
+            Form::SecondOrder => "second-order",
+        }),
+        (None, level) if level.as_ref().is_none_or(|level| *level.get_ref()) => Ok(Form::Plane),
+        (None, _) => Ok(Form::Mean),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(text: &str) -> MapOptions {
+        let document = Document::new("calibration.toml", text);
+        options(&document, &document.parse().unwrap()).unwrap()
+    }
+
+    #[test]
+    fn every_key_arrives_at_the_reader() {
+        let found = read(
+            "pixel_um = 0.5\npixel_y_um = 2.0\nheight_unit = \"nm\"\nlateral_unit = \"mm\"\ndecimal_comma = true\ncrop = [1, 2, 30, 40]\n\
+             decimate = 3\ndecimate_by = \"pick\"\nmissing = \"refuse\"\ndespike = true\nform = \"second-order\"\n",
+        );
+        let read = ReadOptions {
+            format: None,
+            pixel_m: Some([0.5e-6, 2e-6]),
+            height_unit: Some(LengthUnit::Nanometre),
+            lateral_unit: Some(LengthUnit::Millimetre),
+            decimal_comma: true,
+            crop: Some(Crop { first_row: 1, first_col: 2, rows: 30, cols: 40 }),
+            decimation: Some(Decimation { factor: 3, method: DecimationMethod::Pick }),
+        };
+        assert_eq!(found, MapOptions { read, form: Form::SecondOrder, missing: Missing::Refuse, despike: true });
+    }
+
+    #[test]
+    fn without_keys_the_whole_map_is_filled_and_levelled() {
+        let expected = |form| MapOptions { read: ReadOptions::NONE, form, missing: Missing::Fill, despike: false };
+        assert_eq!(read(""), expected(Form::Plane));
+        assert_eq!(read("level = true"), expected(Form::Plane));
+        assert_eq!(read("level = false"), expected(Form::Mean));
+        let by_mean = Decimation { factor: 2, method: DecimationMethod::Mean };
+        assert_eq!(read("decimate = 2").read.decimation, Some(by_mean));
+    }
+}

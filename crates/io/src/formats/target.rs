@@ -1,0 +1,142 @@
+//! Friction target: `[target]` of design files.
+
+use serde::Deserialize;
+use slipgrid_design::optimize::{Demand, Goal, Quantity, Target, Wanted};
+use toml::Spanned;
+
+use super::document::Document;
+use super::values::{MAX_TARGET_PRESSURES, Numbers, check_count, distinct_pressures, for_each};
+use crate::formats::diagnostic::Diagnostic;
+use slipgrid_base::units::{FRICTION, PRESSURE_MPA, RATIO, TOLERANCE, WEIGHT};
+
+/// A target in the form of a design file.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TargetFile {
+    /// Target quantity: `ratio`, patterned over flat, or `mu_dynamic`.
+    quantity: Spanned<String>,
+    /// Nominal pressures.
+    pub pressure_mpa: Spanned<Numbers>,
+    /// Target value: one number, or one per pressure.
+    value: Option<Spanned<Numbers>>,
+    /// Half-width about `value` within which the target is met, or how far beyond `lowest` or `highest` alone is aimed,
+    /// 0.01 of it when absent there: one number, or one per pressure.
+    tolerance: Option<Spanned<Numbers>>,
+    /// Lower end of a band, in place of `value`: one number, or one per pressure.
+    lowest: Option<Spanned<Numbers>>,
+    /// Upper end of a band, in place of `value`: one number, or one per pressure.
+    highest: Option<Spanned<Numbers>>,
+    /// `lowest` or `highest` mean over the pressures, or `even`, the smallest relative standard deviation.
+    goal: Option<Spanned<String>>,
+    /// Weight of each pressure in means; all alike when absent.
+    weights: Option<Spanned<Numbers>>,
+}
+
+/// Default relative distance beyond a one-sided limit at which the search aims.
+const MARGIN: f64 = 0.01;
+
+/// Reads a target.
+///
+/// # Errors
+/// [`Diagnostic`] if numbers are out of range, lists differ in length, or keys contradict each other.
+pub fn read_target(document: &Document, file: &Spanned<TargetFile>) -> Result<Target, Diagnostic> {
+    let target = file.get_ref();
+    let all = [Quantity::Ratio, Quantity::DynamicFriction];
+    let quantity = document.choice(&target.quantity, &all, Quantity::name)?;
+    check_count(document, &target.pressure_mpa, MAX_TARGET_PRESSURES)?;
+    let pressures_pa = distinct_pressures(document, &target.pressure_mpa, PRESSURE_MPA)?;
+    let range = match quantity {
+        Quantity::Ratio => RATIO,
+        Quantity::DynamicFriction => FRICTION,
+    };
+    let each = |numbers: &Option<Spanned<Numbers>>, range: slipgrid_base::units::Quantity| {
+        numbers.as_ref().map(|numbers| for_each(document, numbers, range, pressures_pa.len(), "pressure")).transpose()
+    };
+    let goal = target.goal.as_ref().map(|goal| document.choice(goal, &Goal::ALL, Goal::name)).transpose()?;
+    let (value, tolerance) = (each(&target.value, range)?, each(&target.tolerance, TOLERANCE)?);
+    let (lowest, highest) = (each(&target.lowest, range)?, each(&target.highest, range)?);
+    let weights = each(&target.weights, WEIGHT)?;
+    combined(document, file, goal)?;
+    let wanted = |place: usize| {
+        let at = |numbers: &Option<Vec<f64>>| numbers.as_ref().map(|numbers| numbers[place]);
+        match (at(&value), at(&lowest), at(&highest)) {
+            (Some(value), ..) => Wanted::Near { value, tolerance: at(&tolerance).unwrap_or_default() },
+            (None, Some(lowest), Some(highest)) => Wanted::Between { lowest, highest },
+            (None, Some(lowest), None) => Wanted::AtLeast { lowest, margin: at(&tolerance).unwrap_or(MARGIN * lowest) },
+            (None, None, Some(highest)) => {
+                Wanted::AtMost { highest, margin: at(&tolerance).unwrap_or(MARGIN * highest) }
+            }
+            (None, None, None) => Wanted::Anything,
+        }
+    };
+    if let (Some(lowest), Some(highest), Some(place)) = (&lowest, &highest, &target.highest)
+        && let Some(reversed) = lowest.iter().zip(highest).position(|(lowest, highest)| lowest >= highest)
+    {
+        return Err(document
+            .refuse(
+                place.span(),
+                format!("does not lie above lowest at {} MPa", PRESSURE_MPA.from_si(pressures_pa[reversed])),
+            )
+            .expected("a band: lowest below highest"));
+    }
+    let demand = |(place, &pressure_pa): (usize, &f64)| Demand {
+        pressure_pa,
+        wanted: wanted(place),
+        weight: weights.as_ref().map_or(1.0, |weights| weights[place]),
+    };
+    Target::of(quantity, pressures_pa.iter().enumerate().map(demand).collect(), goal)
+        .map_err(|error| document.refuse(file.span(), error.to_string()))
+}
+
+/// Refuses contradictory keys.
+fn combined(document: &Document, file: &Spanned<TargetFile>, goal: Option<Goal>) -> Result<(), Diagnostic> {
+    let target = file.get_ref();
+    let band = target.lowest.as_ref().or(target.highest.as_ref());
+    if let (Some(_), Some(band)) = (&target.value, band) {
+        return Err(document
+            .refuse(band.span(), "stands beside value")
+            .expected("value with tolerance, or lowest and highest"));
+    }
+    if target.value.is_some() && target.tolerance.is_none() {
+        return Err(document.missing(file.span(), "tolerance").expected(TOLERANCE.to_string()));
+    }
+    if target.value.is_none() && band.is_none() && goal.is_none() {
+        return Err(document
+            .missing(file.span(), "value")
+            .expected("value with tolerance, lowest, highest, or goal = \"lowest\", \"highest\" or \"even\""));
+    }
+    let takes_none =
+        target.value.is_none() && (band.is_none() || (target.lowest.is_some() && target.highest.is_some()));
+    match &target.tolerance {
+        Some(tolerance) if takes_none => Err(document
+            .refuse(tolerance.span(), "has nothing that it belongs to")
+            .expected("a tolerance beside value, or beside one of lowest and highest")),
+        _ => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(keys: &str) -> Result<Target, String> {
+        let text = format!("quantity = \"ratio\"\npressure_mpa = 1.0\n{keys}");
+        let document = Document::new("design.toml", &text);
+        read_target(&document, &document.parse().unwrap()).map_err(|refused| refused.to_string())
+    }
+
+    #[test]
+    fn a_tolerance_beside_one_limit_says_how_far_beyond_it_is_aimed() {
+        for (keys, wanted) in [
+            ("highest = 0.9\ntolerance = 0.02", Wanted::AtMost { highest: 0.9, margin: 0.02 }),
+            ("highest = 0.9", Wanted::AtMost { highest: 0.9, margin: MARGIN * 0.9 }),
+            ("lowest = 0.9\ntolerance = 0.02", Wanted::AtLeast { lowest: 0.9, margin: 0.02 }),
+        ] {
+            let demand = Demand { pressure_pa: 1e6, wanted, weight: 1.0 };
+            assert_eq!(read(keys), Ok(Target::of(Quantity::Ratio, vec![demand], None).unwrap()), "{keys}");
+        }
+        let said = read("lowest = 0.8\nhighest = 0.9\ntolerance = 0.02").unwrap_err();
+        assert!(said.contains("tolerance: 0.02 has nothing that it belongs to"), "{said}");
+        assert!(read("value = 0.85\nhighest = 0.9\ntolerance = 0.02").unwrap_err().contains("stands beside value"));
+    }
+}

@@ -1,0 +1,131 @@
+//! Describes deviations of a trace from its condition.
+
+use slipgrid_base::units::{HUMIDITY_PCT, SPEED_MM_S};
+use slipgrid_traces::columns::Channel;
+use slipgrid_traces::export::{Recorded, TraceFile};
+use slipgrid_traces::{Tangential, TraceFindings, lag_of_friction, speed_of_position};
+
+use crate::formats::traces::TraceCondition;
+
+/// Relative deviation of a recorded speed from the nominal one that gives a warning.
+const SPEED_OFF: f64 = 0.1;
+/// Relative deviation of a speed from the recorded position that gives a warning: strokes differ in speed.
+const POSITION_OFF: f64 = 0.2;
+/// Deviation of a recorded humidity that gives a warning.
+const HUMIDITY_OFF: f64 = 0.05;
+/// Ratio of recorded to nominal speed below which the drive stood still.
+const STILL: f64 = 0.01;
+/// Relative deviation of the instrument's own friction coefficient that gives a warning: it may be divided by the
+/// nominal load and have an offset.
+const COEFFICIENT_OFF: f64 = 0.1;
+/// Lag of friction behind the position, relative to the duration of a stroke, that gives a warning. A filter lag of
+/// 0.05 strokes reduces friction in the middle half of a stroke by half a per cent, a lag of 0.1 strokes by three per
+/// cent.
+const LAG: f64 = 0.05;
+
+/// Warns that a trace was recorded at rest, if it has a column of speed.
+pub(crate) fn stands_still(condition: &TraceCondition, repeat: &Recorded) -> Option<String> {
+    let speed = repeat.speed_m_s.map(f64::abs).filter(|speed| *speed < STILL * condition.speed_m_s)?;
+    let (found, nominal) = (SPEED_MM_S.from_si(speed), SPEED_MM_S.from_si(condition.speed_m_s));
+    Some(format!(
+        "the recorded speed is {found:.4} mm/s, of {nominal} mm/s: the sample does not slide, or its unit is another"
+    ))
+}
+
+/// Deviations of speed, humidity, friction coefficient, position and rows of `repeat` in `file` from the condition and
+/// the `findings`.
+pub(crate) fn departures(
+    condition: &TraceCondition,
+    repeat: &Recorded,
+    findings: &TraceFindings,
+    file: &TraceFile,
+) -> Vec<String> {
+    let mut flags = Vec::new();
+    if let Some(line) = repeat.clock_restarts_in_line {
+        flags.push(format!("the clock begins anew in line {line}: the rows from there on were taken as a repeat"));
+    }
+    let is_loadless = repeat.channels.normal_force_n.is_empty();
+    if is_loadless && !matches!(repeat.channels.tangential, Tangential::Coefficient(_)) && !file.unused.is_empty() {
+        flags.push(format!("no column is the normal force; not used are {}", file.unused.join(", ")));
+    }
+    flags.extend(coefficient_off(condition, repeat, findings));
+    flags.extend(lags(condition, repeat));
+    if let Some(speed) = repeat.speed_m_s.map(f64::abs).filter(|v| (v / condition.speed_m_s - 1.0).abs() > SPEED_OFF) {
+        let (found, nominal) = (SPEED_MM_S.from_si(speed), SPEED_MM_S.from_si(condition.speed_m_s));
+        flags.push(format!("the recorded speed is {found:.3} mm/s, not the nominal {nominal}"));
+    }
+    flags.extend(position_speed_off(condition, repeat));
+    if let Some(humidity) = repeat.humidity.filter(|h| (h - condition.humidity).abs() > HUMIDITY_OFF) {
+        let (found, nominal) = (HUMIDITY_PCT.from_si(humidity), HUMIDITY_PCT.from_si(condition.humidity));
+        flags.push(format!("the recorded humidity is {found:.1} %, not the nominal {nominal}"));
+    }
+    if repeat.repeated_rows > 0 {
+        let (count, all) = (repeat.repeated_rows, repeat.repeated_rows + repeat.channels.time_s.len());
+        flags.push(format!("{count} of {all} rows repeat the row before them and were left out"));
+    }
+    if let Some(missing) = &repeat.missing {
+        flags.push(format!("{}: left out", missing.words(true)));
+    }
+    flags
+}
+
+/// Warns if the instrument's own friction coefficient differs from that of its torque or force.
+fn coefficient_off(condition: &TraceCondition, repeat: &Recorded, findings: &TraceFindings) -> Option<String> {
+    // The instrument does not subtract the zero.
+    let own = repeat.usual_coefficient(condition.window_s).filter(|_| condition.zero_s.is_none())?;
+    let (mu, force_n) = (findings.window.mu, findings.normal_force_n);
+    if (own / mu - 1.0).abs() <= COEFFICIENT_OFF {
+        return None;
+    }
+    let (channel, divisor, wrong) = match (&repeat.channels.tangential, repeat.channels.normal_force_n.is_empty()) {
+        (Tangential::TorqueNm(_), _) => {
+            (Channel::Torque, "(normal force x radius)", "the radius or a channel is wrong")
+        }
+        (_, true) => (Channel::FrictionForce, "the stated force", "the stated force or a channel is wrong"),
+        (_, false) => (Channel::FrictionForce, "normal force", "a channel or its unit is wrong"),
+    };
+    // If exchanged, the friction column holds the coefficient, and the coefficient column the force.
+    let is_exchanged =
+        channel == Channel::FrictionForce && (own / (mu * force_n * force_n) - 1.0).abs() <= COEFFICIENT_OFF;
+    let wrong =
+        if is_exchanged { "friction force and friction coefficient are likely in each other's place" } else { wrong };
+    Some(format!(
+        "the recorded friction coefficient is {own:.4}, {:.2} times the {mu:.4} of {} / {divisor}: {wrong}",
+        own / mu,
+        channel.title()
+    ))
+}
+
+/// Warns if friction reverses later than the position of a reciprocating sample.
+fn lags(condition: &TraceCondition, repeat: &Recorded) -> Option<String> {
+    condition.stroke_share?;
+    let lag = lag_of_friction(&repeat.channels, &repeat.position_m, condition.window_s)?;
+    let (part, side) = (lag.lag_s.abs() / lag.stroke_s, if lag.lag_s > 0.0 { "after" } else { "before" });
+    (part > LAG).then(|| {
+        format!(
+            "friction turns {:.3} s {side} the position, {:.0} % of a stroke: its filter or clock lags, or the arm yields; friction may be low",
+            lag.lag_s.abs(),
+            100.0 * part
+        )
+    })
+}
+
+/// Warns if the recorded position moves at another speed than the nominal one.
+fn position_speed_off(condition: &TraceCondition, repeat: &Recorded) -> Option<String> {
+    let moved = speed_of_position(
+        &repeat.channels.time_s,
+        repeat.channels.start_s,
+        &repeat.position_m,
+        condition.window_s,
+        condition.stroke_share.is_some(),
+    );
+    // A nearly constant position is not that of sliding: the position of a pin on its disc, or its wear.
+    let moved = moved.map(|speed| speed / condition.speed_m_s).filter(|ratio| *ratio > STILL);
+    let ratio = moved.filter(|ratio| (ratio - 1.0).abs() > POSITION_OFF)?;
+    let nominal = SPEED_MM_S.from_si(condition.speed_m_s);
+    let found = ratio * nominal;
+    Some(format!(
+        "the recorded position moves at {found:.3} mm/s in the window, not at the nominal {nominal}: speed, its unit or that of the \
+         position is wrong"
+    ))
+}

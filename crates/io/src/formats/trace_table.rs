@@ -1,0 +1,452 @@
+//! The tables `[traces]` of a calibration and `[[trial.traces]]` of a trial, in their serialized form.
+
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+use serde::Deserialize;
+use slipgrid_traces::columns::{Channel, Titles};
+use slipgrid_traces::{DEFAULT_STROKE_SHARE, DEFAULT_WINDOW_S, moderate};
+use toml::Spanned;
+
+use super::document::Document;
+use super::traces::{
+    ConditionTraces, Export, MAX_SPECIMENS, OfTrial, Seen, SurfaceKind, TraceCondition, TraceSetup, analyse_among,
+};
+use super::values::{Number, NumberList};
+use crate::formats::diagnostic::Diagnostic;
+use crate::formats::source::{Entry, Source};
+use slipgrid_base::units::{FORCE_N, HUMIDITY_PCT, LENGTH_MM, SPEED_MM_S, STROKE_SHARE, TIME_S};
+
+/// `[traces]` in the form of a file.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TracesFile {
+    /// Seconds since the first row between which friction is averaged; [10, 40] when absent.
+    window_s: Option<NumberList>,
+    /// Distance from the axis to a specimen's centre: mu = torque / (normal force x radius).
+    effective_radius_mm: Option<Number>,
+    /// Specimens that share the recorded normal force; 1 when absent.
+    specimens: Option<Spanned<u64>>,
+    /// Look for a static peak at the onset of sliding; true when absent. Not looked for in reciprocating sliding.
+    static_peak: Option<bool>,
+    /// The sample slides back and forth; false when absent. Friction is half the width of the loop of two strokes.
+    reciprocating: Option<bool>,
+    /// Fraction of every stroke, about its middle, that is averaged with `reciprocating`; 0.5 when absent.
+    stroke_share: Option<Number>,
+    /// Seconds since the first row, before touchdown, between which the means of normal force and of friction force (or
+    /// torque) are the zero of the sensors, which is subtracted; nothing is when absent.
+    zero_s: Option<NumberList>,
+    /// Titles of columns that are not among the known ones, as `{ friction_force = "F_tan", normal_force = "F_norm
+    /// [mN]" }`.
+    columns: Option<ColumnsFile>,
+    /// One table per condition; needed unless a trial has `[[trial.traces]]`.
+    condition: Option<Spanned<Vec<TraceConditionFile>>>,
+}
+
+/// Custom titles of columns of exports, with units as in an export; the known titles of the same quantity are then
+/// ignored. `#2` behind a title selects the second column with this title, and `none` states that no column holds the
+/// quantity.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ColumnsFile {
+    /// Title of the time column; a unit in its brackets applies to a column without a unit, which otherwise has s.
+    time: Option<Spanned<String>>,
+    /// Title of the torque column; N m without a unit.
+    torque: Option<Spanned<String>>,
+    /// Title of the friction force column; N without a unit.
+    friction_force: Option<Spanned<String>>,
+    /// Title of the friction coefficient column.
+    friction_coefficient: Option<Spanned<String>>,
+    /// Title of the normal force column; N without a unit.
+    normal_force: Option<Spanned<String>>,
+    /// Title of the sliding speed column; mm/s without a unit.
+    speed: Option<Spanned<String>>,
+    /// Title of the revolutions column; rpm without a unit.
+    revolutions: Option<Spanned<String>>,
+    /// Title of the relative humidity column; % without a unit.
+    humidity: Option<Spanned<String>>,
+    /// Title of the column with the number of the repeat.
+    repeat: Option<Spanned<String>>,
+    /// Title of the column with the number of the step.
+    step: Option<Spanned<String>>,
+    /// Title of the column with the position along the sliding path; not read without a unit.
+    position: Option<Spanned<String>>,
+}
+
+impl ColumnsFile {
+    fn titles(&self, document: &Document) -> Result<Titles, Diagnostic> {
+        let mut titles = Titles::default();
+        for (channel, title) in [
+            (Channel::Time, &self.time),
+            (Channel::Torque, &self.torque),
+            (Channel::FrictionForce, &self.friction_force),
+            (Channel::Coefficient, &self.friction_coefficient),
+            (Channel::NormalForce, &self.normal_force),
+            (Channel::Speed, &self.speed),
+            (Channel::Revolutions, &self.revolutions),
+            (Channel::Humidity, &self.humidity),
+            (Channel::Repeat, &self.repeat),
+            (Channel::Step, &self.step),
+            (Channel::Position, &self.position),
+        ] {
+            let Some(title) = title else { continue };
+            if !title.get_ref().contains(char::is_alphanumeric) {
+                return Err(document
+                    .refuse(title.span(), "is no title")
+                    .expected("letters or digits of the title of a column"));
+            }
+            titles.name(channel, title.get_ref()).map_err(|unknown| {
+                let [reason, expected] = unknown.words();
+                document.refuse(title.span(), reason).expected(expected)
+            })?;
+        }
+        Ok(titles)
+    }
+}
+
+/// Exports of one condition; further tables of the condition are repeats.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TraceConditionFile {
+    /// Normal force on one specimen.
+    force_n: Number,
+    /// Sliding speed.
+    speed_mm_s: Number,
+    /// Relative humidity; if it was not measured, one number in all conditions.
+    humidity_pct: Number,
+    /// `flat` or `patterned`; `flat` when absent, of a trial `patterned`.
+    surface: Option<Spanned<String>>,
+    /// Exports, each once; `*` stands for any letters.
+    files: Spanned<Vec<Spanned<String>>>,
+    /// Step of the exports to read, by its number in the export, or counted from 1 if steps are not numbered; the whole
+    /// export when absent.
+    step: Option<Spanned<u64>>,
+    /// Exports of `files` that are left out, such as a spoilt repeat; `*` stands for any letters.
+    exclude: Option<Vec<Spanned<String>>>,
+    /// Seconds between which friction of this condition is averaged; as `[traces]` says when absent.
+    window_s: Option<NumberList>,
+    /// The sample slides back and forth in this condition; as `[traces]` says when absent.
+    reciprocating: Option<bool>,
+    /// Fraction of every stroke in this condition; as `[traces]` says when absent.
+    stroke_share: Option<Number>,
+    /// Seconds between which the zero of the sensors is read in this condition; as `[traces]` says when absent.
+    zero_s: Option<NumberList>,
+}
+
+/// Conditions, each with its file position.
+pub(crate) type PlacedConditions = Vec<(Range<usize>, TraceCondition)>;
+
+/// Time span of the sensors' zero, in seconds since the first row, and the file position of its key.
+type Zero = ([f64; 2], Range<usize>);
+
+/// Reads the traces of a calibration, each export once.
+pub(crate) struct TraceReader<'d> {
+    document: &'d Document,
+    setup: TraceSetup,
+    window_s: [f64; 2],
+    reciprocating: bool,
+    stroke_share: Option<f64>,
+    /// Times between which the zero of the sensors is read, in seconds, with the file position of the key.
+    zero_s: Option<Zero>,
+    /// Every named export, with its path in the table and its line.
+    named: Vec<(Export, Option<u32>)>,
+    /// Every trace read so far.
+    seen: Vec<Seen>,
+}
+
+impl<'d> TraceReader<'d> {
+    /// Reads the options of the table `[traces]` for all traces, including the conditions `of_trials`.
+    ///
+    /// # Errors
+    /// [`Diagnostic`] for any refused input.
+    pub(crate) fn new<'f>(
+        document: &'d Document,
+        file: Option<&TracesFile>,
+        mut of_trials: impl Iterator<Item = &'f TraceConditionFile>,
+    ) -> Result<Self, Diagnostic> {
+        let window_s = read_window(document, file.and_then(|file| file.window_s.as_ref()))?;
+        let specimens = file.and_then(|file| file.specimens.as_ref()).map_or(Ok(1), |count| {
+            u32::try_from(*count.get_ref()).ok().filter(|count| (1..=MAX_SPECIMENS).contains(count)).ok_or_else(|| {
+                document
+                    .refuse(count.span(), "specimens are not held")
+                    .expected(format!("a whole number from 1 to {MAX_SPECIMENS}"))
+            })
+        })?;
+        let zero_s = read_zero(document, file.and_then(|file| file.zero_s.as_ref()))?;
+        let radius = file.and_then(|file| file.effective_radius_mm.as_ref());
+        let effective_radius_m = document.optional(radius, LENGTH_MM)?;
+        let reciprocating = file.and_then(|file| file.reciprocating).unwrap_or(false);
+        let share = file.and_then(|file| file.stroke_share.as_ref());
+        let conditions = file.and_then(|file| file.condition.as_ref()).map_or(&[][..], |list| list.get_ref());
+        let turns = |condition: &TraceConditionFile| condition.reciprocating == Some(true);
+        let some_turn = reciprocating || conditions.iter().any(turns) || of_trials.any(turns);
+        if let Some(share) = share.filter(|_| !some_turn) {
+            return Err(needs_reciprocating(document, share));
+        }
+        Ok(Self {
+            document,
+            setup: TraceSetup {
+                effective_radius_m,
+                specimens,
+                static_peak: file.and_then(|file| file.static_peak).unwrap_or(true),
+                titles: file
+                    .and_then(|file| file.columns.as_ref())
+                    .map_or(Ok(Titles::default()), |columns| columns.titles(document))?,
+            },
+            window_s: window_s.unwrap_or(DEFAULT_WINDOW_S),
+            reciprocating,
+            stroke_share: document.optional(share, STROKE_SHARE)?,
+            zero_s,
+            named: Vec::new(),
+            seen: Vec::new(),
+        })
+    }
+
+    /// Reads the conditions of the table; they are `needed` if no trial has its own traces. Checks that files exist.
+    ///
+    /// # Errors
+    /// [`Diagnostic`] for any refused input.
+    pub(crate) fn table(&mut self, table: &Spanned<TracesFile>, needed: bool) -> Result<PlacedConditions, Diagnostic> {
+        match &table.get_ref().condition {
+            Some(list) => self.conditions(list, None),
+            None if needed => {
+                Err(self.document.missing(table.span(), "condition").expected("at least one [[traces.condition]]"))
+            }
+            None => Ok(Vec::new()),
+        }
+    }
+
+    /// Reads the conditions of a list, of a trial or of the table; checks that files exist. Exports of a condition that
+    /// is named several times, for example once per repeat, are joined.
+    ///
+    /// # Errors
+    /// [`Diagnostic`] for any refused input.
+    pub(crate) fn conditions(
+        &mut self,
+        list: &Spanned<Vec<TraceConditionFile>>,
+        trial: Option<&OfTrial>,
+    ) -> Result<PlacedConditions, Diagnostic> {
+        if list.get_ref().is_empty() {
+            let one =
+                if trial.is_some() { "at least one [[trial.traces]]" } else { "at least one [[traces.condition]]" };
+            return Err(self.document.refuse(list.span(), "is empty").expected(one));
+        }
+        let mut all = PlacedConditions::new();
+        for file in list.get_ref() {
+            let found = self.condition(file, trial)?;
+            match all.iter_mut().find(|(_, other)| other.is_repeated_by(&found)) {
+                Some((_, other)) => {
+                    other.files.extend(found.files);
+                    other.excluded.extend(found.excluded);
+                }
+                None => all.push((file.force_n.span(), found)),
+            }
+        }
+        Ok(all)
+    }
+
+    /// Reads and analyses every trace of `conditions`; the scatter is shrunk towards that of the other conditions of
+    /// the surface.
+    ///
+    /// # Errors
+    /// Errors of [`analyse_condition`](super::traces::analyse_condition), and a refusal of an export with the content
+    /// of another.
+    pub(crate) fn analyse(
+        &mut self,
+        conditions: &[(Range<usize>, TraceCondition)],
+    ) -> Result<Vec<ConditionTraces>, Diagnostic> {
+        let source = self.document.source();
+        let analysed =
+            conditions.iter().map(|(_, condition)| analyse_among(source, &self.setup, condition, &mut self.seen));
+        let mut found = analysed.collect::<Result<Vec<ConditionTraces>, Diagnostic>>()?;
+        for kind in SurfaceKind::ALL {
+            let alike = found.iter_mut().filter(|traces| traces.condition.surface == kind);
+            moderate(&mut alike.map(|traces| &mut traces.mean).collect::<Vec<_>>());
+        }
+        Ok(found)
+    }
+
+    fn condition(&mut self, file: &TraceConditionFile, trial: Option<&OfTrial>) -> Result<TraceCondition, Diagnostic> {
+        let document = self.document;
+        let usual = if trial.is_some() { SurfaceKind::Patterned } else { SurfaceKind::Flat };
+        let surface = file
+            .surface
+            .as_ref()
+            .map_or(Ok(usual), |name| document.choice(name, &SurfaceKind::ALL, SurfaceKind::name))?;
+        if let Some(name) = file.surface.as_ref().filter(|_| trial.is_some() && surface == SurfaceKind::Flat) {
+            return Err(document
+                .refuse(name.span(), "is not the surface of a trial")
+                .expected("\"patterned\" or no key; flat samples stand in [[traces.condition]]"));
+        }
+        let (force_n, speed_m_s) =
+            (document.number(&file.force_n, FORCE_N)?, document.number(&file.speed_mm_s, SPEED_MM_S)?);
+        let humidity = document.number(&file.humidity_pct, HUMIDITY_PCT)?;
+        let window_s = read_window(document, file.window_s.as_ref())?.unwrap_or(self.window_s);
+        let stroke_share = match (&file.stroke_share, file.reciprocating.unwrap_or(self.reciprocating)) {
+            (Some(share), false) => return Err(needs_reciprocating(document, share)),
+            (None, false) => None,
+            (Some(share), true) => Some(document.number(share, STROKE_SHARE)?),
+            (None, true) => Some(self.stroke_share.unwrap_or(DEFAULT_STROKE_SHARE)),
+        };
+        let zero = read_zero(document, file.zero_s.as_ref())?.or_else(|| self.zero_s.clone());
+        if let Some((_, place)) = zero.as_ref().filter(|([_, to_s], _)| *to_s > window_s[0]) {
+            let reason = format!("reaches into the averaging window, which begins at {} s", window_s[0]);
+            return Err(document
+                .refuse(place.clone(), reason)
+                .expected(format!("a span before touchdown, that ends at {} s or before", window_s[0])));
+        }
+        let zero_s = zero.map(|(span_s, _)| span_s);
+        let step = file.step.as_ref().map(|step| read_step(document, step)).transpose()?;
+        let (files, excluded) = self.files(&file.files, file.exclude.as_deref().unwrap_or_default(), step)?;
+        Ok(TraceCondition {
+            surface,
+            trial: trial.cloned(),
+            force_n,
+            speed_m_s,
+            humidity,
+            window_s,
+            stroke_share,
+            zero_s,
+            files,
+            excluded,
+        })
+    }
+
+    /// Exports of a list, separated into used ones and those that `exclude` leaves out.
+    fn files(
+        &mut self,
+        list: &Spanned<Vec<Spanned<String>>>,
+        exclude: &[Spanned<String>],
+        step: Option<u32>,
+    ) -> Result<(Vec<Export>, Vec<PathBuf>), Diagnostic> {
+        let document = self.document;
+        let mut files = Vec::new();
+        for name in list.get_ref() {
+            let found = matching(document.source(), &document.resolve(name.get_ref()));
+            if found.is_empty() {
+                let entry = document.source().entry(&document.resolve(name.get_ref()));
+                let what =
+                    if entry.is_ok_and(|entry| entry == Entry::Folder) { "is a folder" } else { "names no file" };
+                return Err(document.refuse(name.span(), what).expected("an export, or a name with * in it"));
+            }
+            for path in &found {
+                let own = Export { path: document.source().canonical(path), step };
+                let here = document.refuse(name.span(), "");
+                // Other steps of an export are separate traces.
+                let is_same = |other: &Export| {
+                    other.path == own.path && (other.step == own.step || other.step.is_none() || own.step.is_none())
+                };
+                if let Some((_, line)) = self.named.iter().find(|(other, _)| is_same(other)) {
+                    let before = line.map_or_else(String::new, |line| format!(", as line {line} does"));
+                    let reason = format!("names {} once more{before}: one export is one repeat", path.display());
+                    return Err(Diagnostic { reason, ..here }.expected("each export once"));
+                }
+                self.named.push((own, here.line));
+            }
+            files.extend(found);
+        }
+        if files.is_empty() {
+            return Err(document.refuse(list.span(), "is empty").expected("at least one export"));
+        }
+        let mut excluded = Vec::new();
+        for name in exclude {
+            // A plain file name applies in the folder of any export, as messages show it.
+            let pattern = document.resolve(name.get_ref());
+            let parts: Vec<&str> = name.get_ref().split('*').collect();
+            let is_named = |path: &PathBuf| {
+                path.file_name().is_some_and(|file| fits(&file.to_string_lossy(), &parts))
+                    || matching(document.source(), &pattern).contains(path)
+            };
+            let named: Vec<PathBuf> = files.extract_if(.., |path| is_named(path)).collect();
+            if named.is_empty() {
+                let expected = "the name of an export that `files` names, each once";
+                return Err(document.refuse(name.span(), "leaves out none of the files").expected(expected));
+            }
+            excluded.extend(named);
+        }
+        if files.is_empty() {
+            let expected = "an `exclude` that leaves at least one export";
+            return Err(document.refuse(list.span(), "is left out as a whole").expected(expected));
+        }
+        Ok((files.into_iter().map(|path| Export { path, step }).collect(), excluded))
+    }
+}
+
+fn read_step(document: &Document, step: &Spanned<u64>) -> Result<u32, Diagnostic> {
+    u32::try_from(*step.get_ref()).map_err(|_| {
+        document.refuse(step.span(), "is no number of a step").expected("a whole number, as exports give it")
+    })
+}
+
+fn needs_reciprocating(document: &Document, share: &Number) -> Diagnostic {
+    document.refuse(share.span(), "needs `reciprocating = true`").expected("both keys or neither")
+}
+
+fn read_window(document: &Document, window: Option<&NumberList>) -> Result<Option<[f64; 2]>, Diagnostic> {
+    read_span(document, window, ["is no window", "two increasing times, [10, 40]"])
+}
+
+fn read_zero(document: &Document, zero: Option<&NumberList>) -> Result<Option<Zero>, Diagnostic> {
+    let words = ["is no span of time", "two increasing times before touchdown, [0, 2]"];
+    Ok(read_span(document, zero, words)?.zip(zero.map(Spanned::span)))
+}
+
+fn read_span(
+    document: &Document,
+    span: Option<&NumberList>,
+    [reason, expected]: [&str; 2],
+) -> Result<Option<[f64; 2]>, Diagnostic> {
+    let Some(span) = span else { return Ok(None) };
+    match document.numbers(span, TIME_S)?[..] {
+        [from, to] if from < to => Ok(Some([from, to])),
+        _ => Err(document.refuse(span.span(), reason).expected(expected)),
+    }
+}
+
+/// Files whose names match `pattern`, in which * stands for any letters of the name; sorted.
+fn matching(source: &Source, pattern: &Path) -> Vec<PathBuf> {
+    let is_file = |path: &Path| source.entry(path).is_ok_and(|entry| entry == Entry::File);
+    let name = pattern.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+    if !name.contains('*') {
+        return if is_file(pattern) { vec![pattern.to_owned()] } else { Vec::new() };
+    }
+    let parts: Vec<&str> = name.split('*').collect();
+    let folder = pattern.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let names = source.names(folder);
+    let fitting = names.iter().filter(|name| fits(name, &parts) && is_file(&folder.join(name)));
+    let mut found: Vec<PathBuf> = fitting.map(|name| pattern.with_file_name(name)).collect();
+    found.sort();
+    found
+}
+
+/// Whether `name` consists of the parts in order, with any text between them.
+fn fits(name: &str, parts: &[&str]) -> bool {
+    let [first, middle @ .., last] = parts else { return parts == [name] };
+    let Some(mut rest) = name.strip_prefix(first).and_then(|rest| rest.strip_suffix(last)) else { return false };
+    for part in middle {
+        match rest.find(part) {
+            Some(at) => rest = &rest[at + part.len()..],
+            None => return false,
+        }
+    }
+    true
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn stars_stand_for_any_letters() {
+        for (name, pattern, fit) in [
+            ("flat-50N-1.csv", "flat-50N-*.csv", true),
+            ("flat-50N-1.csv", "*", true),
+            ("flat-50N-1.csv", "*50N*1*", true),
+            ("flat-150N-1.csv", "flat-50N-*.csv", false),
+            ("flat-50N-1.txt", "flat-50N-*.csv", false),
+            ("aba", "ab*ba", false),
+        ] {
+            assert_eq!(fits(name, &pattern.split('*').collect::<Vec<_>>()), fit, "{name} {pattern}");
+        }
+    }
+}

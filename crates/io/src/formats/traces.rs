@@ -1,0 +1,351 @@
+//! Reads and analyses the traces of a calibration's conditions.
+
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+use slipgrid_infer::calibrate::{Measurement, StaticPeak};
+use slipgrid_traces::columns::Titles;
+use slipgrid_traces::export::{ExportOptions, Recorded, TraceFile, parse};
+use slipgrid_traces::{
+    OddRepeat, Repeats, TraceError, TraceFindings, TraceFlag, TraceOptions, analyse, average, odd_repeats,
+};
+
+use super::document::Document;
+use super::measured::Placed;
+pub use super::trace_notes::notes;
+use crate::formats::diagnostic::Diagnostic;
+use crate::formats::plausible::FRICTION;
+use crate::formats::source::{Source, read_letters};
+use crate::formats::trace_departures::{departures, stands_still};
+use crate::formats::unused_columns::near_titles;
+
+/// Maximum number of specimens in a holder.
+pub const MAX_SPECIMENS: u32 = 100;
+
+/// The surface of a specimen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SurfaceKind {
+    /// Flat.
+    Flat,
+    /// Patterned.
+    Patterned,
+}
+
+impl SurfaceKind {
+    /// All kinds of surface.
+    pub const ALL: [Self; 2] = [Self::Flat, Self::Patterned];
+
+    /// Name used in files.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Flat => "flat",
+            Self::Patterned => "patterned",
+        }
+    }
+}
+
+/// Options for reading all traces of a calibration.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TraceSetup {
+    /// Distance from the axis to a specimen's centre, in metres; a torque needs it.
+    pub effective_radius_m: Option<f64>,
+    /// Specimens that share the recorded normal force.
+    pub specimens: u32,
+    /// Look for a static peak.
+    pub static_peak: bool,
+    /// Titles of columns in addition to the known ones.
+    pub titles: Titles,
+}
+
+impl TraceSetup {
+    /// Traces with known column titles; `effective_radius_m` in metres.
+    #[must_use]
+    pub fn new(effective_radius_m: Option<f64>, specimens: u32, static_peak: bool) -> Self {
+        Self { effective_radius_m, specimens, static_peak, titles: Titles::default() }
+    }
+}
+
+/// Trial of a calibration to which traces belong.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct OfTrial {
+    /// Number in the file, counted from 1.
+    pub number: usize,
+    /// Name of the trial.
+    pub name: String,
+}
+
+/// An export, and the step in it that belongs to a condition.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Export {
+    /// The file.
+    pub path: PathBuf,
+    /// Step to read, by the instrument's number; `None` for the whole file.
+    pub step: Option<u32>,
+}
+
+impl Export {
+    /// The whole file at `path`.
+    #[must_use]
+    pub const fn whole(path: PathBuf) -> Self {
+        Self { path, step: None }
+    }
+
+    /// The name of the file.
+    fn name(&self) -> String {
+        self.path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default()
+    }
+}
+
+/// Traces of one condition.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TraceCondition {
+    /// Flat or patterned.
+    pub surface: SurfaceKind,
+    /// Trial that was measured, if any.
+    pub trial: Option<OfTrial>,
+    /// Nominal normal force on one specimen, in newtons.
+    pub force_n: f64,
+    /// Sliding speed, in m/s.
+    pub speed_m_s: f64,
+    /// Relative humidity, 0 to 1.
+    pub humidity: f64,
+    /// Averaging window, in seconds since the first row.
+    pub window_s: [f64; 2],
+    /// Fraction in the middle of every stroke that is averaged, if the sample slides back and forth.
+    pub stroke_share: Option<f64>,
+    /// Span before touchdown whose mean forces are subtracted as the zero of the sensors, in seconds since the first
+    /// row.
+    pub zero_s: Option<[f64; 2]>,
+    /// Exports, in the order of their names.
+    pub files: Vec<Export>,
+    /// Exports that `exclude` left out.
+    pub excluded: Vec<PathBuf>,
+}
+
+impl TraceCondition {
+    /// Whether `other` is a repeat: equal condition, sample and options.
+    #[must_use]
+    pub fn is_repeated_by(&self, other: &Self) -> bool {
+        Self { files: other.files.clone(), excluded: other.excluded.clone(), ..self.clone() } == *other
+    }
+
+    /// Describes the sample: `flat sample`, or the name of a trial.
+    #[must_use]
+    pub fn sample(&self) -> String {
+        self.trial
+            .as_ref()
+            .map_or_else(|| format!("{} sample", self.surface.name()), |trial| format!("trial \"{}\"", trial.name))
+    }
+}
+
+/// One analysed repeat.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ReadTrace {
+    /// File, and number in the file if there are several.
+    pub label: String,
+    /// Results of the analysis.
+    pub findings: TraceFindings,
+    /// Anomalies, in words.
+    pub flags: Vec<String>,
+}
+
+/// A condition with its repeats.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ConditionTraces {
+    /// The condition.
+    pub condition: TraceCondition,
+    /// Repeats of the condition.
+    pub traces: Vec<ReadTrace>,
+    /// Mean over the repeats.
+    pub mean: Repeats,
+}
+
+impl ConditionTraces {
+    /// Row of a table of measurements; its deviations describe the scatter between samples.
+    #[must_use]
+    pub fn measurement(&self) -> Measurement {
+        let (condition, mean) = (&self.condition, &self.mean);
+        Measurement {
+            force_n: condition.force_n,
+            speed_m_s: condition.speed_m_s,
+            humidity: condition.humidity,
+            mu_dynamic: mean.mu_dynamic.mean,
+            mu_dynamic_std: mean.mu_dynamic_predictive_std(),
+            static_peak: mean
+                .mu_static
+                .zip(mean.mu_static_predictive_std())
+                .map(|(peak, std)| StaticPeak { mu: peak.mean, std }),
+        }
+    }
+
+    /// Measurement with its file position: the condition at `span` of `document`.
+    pub(crate) fn placed(&self, document: &Document, span: &Range<usize>) -> Placed {
+        let line = document.refuse(span.clone(), "").line.unwrap_or(1);
+        Placed { measurement: self.measurement(), path: document.path().to_owned(), line }
+    }
+}
+
+/// Reads and analyses every trace of a condition.
+///
+/// # Errors
+/// [`Diagnostic`] if a file is no export, is given twice or repeats another, or for the first trace that cannot be
+/// used, with the number of further ones.
+pub fn analyse_condition(
+    source: &Source,
+    setup: &TraceSetup,
+    condition: &TraceCondition,
+) -> Result<ConditionTraces, Diagnostic> {
+    analyse_among(source, setup, condition, &mut Vec::new())
+}
+
+/// A trace read earlier, used to detect repeated content.
+pub(crate) struct Seen {
+    /// File, and number in the file.
+    label: String,
+    /// Number of samples.
+    samples: usize,
+    /// [`TraceChannels::fingerprint`](slipgrid_traces::TraceChannels::fingerprint).
+    sums: [u64; 3],
+}
+
+/// Analyses a condition; compares its traces with those `seen` before and adds them.
+///
+/// # Errors
+/// Errors of [`analyse_condition`]; a trace seen before is refused as given twice.
+pub(crate) fn analyse_among(
+    source: &Source,
+    setup: &TraceSetup,
+    condition: &TraceCondition,
+    seen: &mut Vec<Seen>,
+) -> Result<ConditionTraces, Diagnostic> {
+    let options = TraceOptions {
+        window_s: condition.window_s,
+        effective_radius_m: setup.effective_radius_m.unwrap_or(f64::NAN),
+        nominal_force_n: Some(condition.force_n * f64::from(setup.specimens)),
+        speed_m_s: condition.speed_m_s,
+        static_peak: setup.static_peak,
+        stroke_share: condition.stroke_share,
+        zero_s: condition.zero_s,
+    };
+    let (mut traces, mut names, mut refused) = (Vec::new(), Vec::new(), Vec::new());
+    for export in &condition.files {
+        let path = &export.path;
+        let file = read_export(source, export, setup)?;
+        let several = file.repeats.len() > 1;
+        let near_titles = near_titles(&file, &setup.titles);
+        for repeat in &file.repeats {
+            let name = export.name();
+            let step = export.step.map_or_else(String::new, |step| format!("step {step}"));
+            let number = if several { format!("repeat {}", repeat.number) } else { String::new() };
+            let parts: Vec<&str> = [&step[..], &number[..]].into_iter().filter(|part| !part.is_empty()).collect();
+            let which = if parts.is_empty() { String::new() } else { format!("{}: ", parts.join(", ")) };
+            let label = [&[&name[..]], &parts[..]].concat().join(", ");
+            let (samples, sums) = (repeat.channels.time_s.len(), repeat.channels.fingerprint());
+            if let Some(Seen { label, .. }) = seen.iter().find(|other| (other.samples, other.sums) == (samples, sums)) {
+                let reason = format!("{which}holds the {samples} samples of {label} again: one export given twice");
+                return Err(
+                    Diagnostic::file(path, reason).expected("each repeat once; remove or replace one of the two")
+                );
+            }
+            seen.push(Seen { label: label.clone(), samples, sums });
+            if let Some(reason) = stands_still(condition, repeat) {
+                refused.push(Diagnostic::file(path, format!("{which}{reason}")));
+                continue;
+            }
+            match analyse(&repeat.channels, &options) {
+                Ok(findings) => {
+                    let mut flags: Vec<String> = findings.flags.iter().map(TraceFlag::to_string).collect();
+                    flags.extend(departures(condition, repeat, &findings, &file));
+                    flags.extend_from_slice(&near_titles);
+                    let mu = findings.window.mu;
+                    match FRICTION.judge(mu) {
+                        Ok(told) => flags.extend(told.map(|reason| format!("mu {mu:.4} {reason}"))),
+                        Err(expected) => {
+                            let reason = format!("{which}friction is {mu:.4} in the window, which cannot be");
+                            refused.push(Diagnostic::file(path, reason).expected(format!(
+                                "{expected}; the unit of a column stands in its name, as `torque_mnm`"
+                            )));
+                            continue;
+                        }
+                    }
+                    traces.push(ReadTrace { label, findings, flags });
+                    names.push(name);
+                }
+                Err(error) => refused.push(refuse_trace(path, &which, repeat, &error, options.window_s)),
+            }
+        }
+    }
+    let others = refused.len().saturating_sub(1);
+    if let Some(mut first) = refused.into_iter().next() {
+        if others > 0 {
+            first.reason +=
+                &format!(" ({} of this condition cannot be used)", slipgrid_base::units::counted(others, "more trace"));
+        }
+        return Err(first);
+    }
+    let findings: Vec<TraceFindings> = traces.iter().map(|trace| trace.findings.clone()).collect();
+    let friction: Vec<(f64, f64)> = findings.iter().map(|found| (found.window.mu, found.window.stderr)).collect();
+    for odd in odd_repeats(&friction) {
+        let inside = if traces[odd.index].label == names[odd.index] { "" } else { "its rows removed or " };
+        let words = words_of_odd(&odd, friction[odd.index].0, &traces[0].label);
+        let exclude = format!("; {inside}`exclude = [\"{}\"]` in its condition leaves it out", names[odd.index]);
+        traces[odd.index].flags.push(words + &exclude);
+    }
+    match average(&findings) {
+        Some(mean) => Ok(ConditionTraces { condition: condition.clone(), traces, mean }),
+        None => Err(Diagnostic { reason: "no traces were given".into(), ..Diagnostic::default() }),
+    }
+}
+
+/// Diagnostic for a trace with `error`; if rows without a number cause it, for these rows.
+fn refuse_trace(path: &Path, which: &str, repeat: &Recorded, error: &TraceError, window_s: [f64; 2]) -> Diagnostic {
+    let missing = repeat.missing.as_ref();
+    match missing.and_then(|missing| Some((&missing.longest, missing.explains(error, window_s)?))) {
+        Some((longest, [reason, expected])) => Diagnostic {
+            line: Some(longest.lines[0]),
+            key: Some(longest.columns.join(", ").into()),
+            ..Diagnostic::file(path, format!("{which}{reason}")).expected(expected)
+        },
+        None => Diagnostic::file(path, format!("{which}{error}")),
+    }
+}
+
+/// Describes how a repeat differs from the others; `first` is the first of two.
+fn words_of_odd(odd: &OddRepeat, mu: f64, first: &str) -> String {
+    let (amount, others) = (100.0 * odd.relative.abs(), odd.others);
+    let side = if odd.relative < 0.0 { "below" } else { "above" };
+    match odd.others_differ {
+        Some(differ) => format!(
+            "mu {mu:.4} is {amount:.0} % {side} the mean {others:.4} of the other repeats, which differ by {:.1} %: it may be spoilt, and \
+             counts all the same",
+            100.0 * differ
+        ),
+        None => format!(
+            "mu {mu:.4} is {amount:.0} % {side} the {others:.4} of {first}: one of the two may be spoilt, and a third repeat would tell which; \
+             both count"
+        ),
+    }
+}
+
+fn read_export(source: &Source, export: &Export, setup: &TraceSetup) -> Result<TraceFile, Diagnostic> {
+    parse_export(export, &read_letters(source, &export.path, "a table of traces")?, setup)
+}
+
+/// Reads an export from its text; its path names it in messages.
+///
+/// # Errors
+/// [`Diagnostic`] that names line and column of the refused value.
+pub fn parse_export(export: &Export, text: &str, setup: &TraceSetup) -> Result<TraceFile, Diagnostic> {
+    let (effective_radius_m, titles) = (setup.effective_radius_m, Some(&setup.titles));
+    parse(text, &ExportOptions { effective_radius_m, titles, step: export.step }).map_err(|refused| Diagnostic {
+        line: refused.line,
+        key: refused.column.map(Into::into),
+        value: refused.value.map(Into::into),
+        ..Diagnostic::file(&export.path, refused.reason).expected(refused.expected)
+    })
+}
+
+#[cfg(test)]
+#[path = "traces_tests.rs"]
+mod tests;

@@ -1,0 +1,137 @@
+use std::io;
+use std::path::Path;
+use std::sync::Arc;
+
+use super::*;
+use crate::formats::calibration::Calibration;
+use crate::formats::source::{Entry, Files};
+
+/// Files in memory.
+#[derive(Debug)]
+struct Memory(Vec<(&'static str, String)>);
+
+impl Files for Memory {
+    fn read(&self, path: &Path) -> io::Result<Vec<u8>> {
+        let file = self.0.iter().find(|(name, _)| Path::new(name) == path);
+        file.map(|(_, text)| text.clone().into_bytes()).ok_or_else(|| io::ErrorKind::NotFound.into())
+    }
+
+    fn entry(&self, path: &Path) -> io::Result<Entry> {
+        self.read(path).map(|_| Entry::File)
+    }
+
+    fn names(&self, _: &Path) -> Vec<String> {
+        self.0.iter().map(|(name, _)| (*name).to_owned()).collect()
+    }
+}
+
+/// `rows` lines at 10 Hz, each from its time and a ripple, so that no sensor is constant.
+fn lines(rows: u32, line: impl Fn(f64, f64) -> String) -> String {
+    let ripple = |t: f64| 1.0 + 0.01 * (7.0 * t).sin();
+    (0..rows).map(|row| f64::from(row) * 0.1).map(|t| line(t, ripple(t)) + "\n").collect()
+}
+
+/// Traces of a calibration whose conditions have these speeds and keys, read from `export`.
+fn read(export: &str, keys: &str, conditions: &[(u32, &str)]) -> Result<Vec<ConditionTraces>, String> {
+    let condition = |(speed, own): &(u32, &str)| {
+        format!(
+            "[[traces.condition]]\nforce_n = 10\nspeed_mm_s = {speed}\nhumidity_pct = 50\nfiles = [\"a.csv\"]\n{own}\n"
+        )
+    };
+    let text = format!(
+        "name = \"a\"\nsource = \"test\"\n[material]\nyoungs_modulus_gpa = 2.5\ndensity_g_cm3 = 1.42\n[specimen]\nradius_mm = 1.0\n\
+         [surface]\npersson_rms_slope = 0.1\n[traces]\nwindow_s = [1, 9]\n{keys}\n{}",
+        conditions.iter().map(condition).collect::<String>()
+    );
+    let source: Source = Arc::new(Memory(vec![("c.toml", text), ("a.csv", export.to_owned())]));
+    Calibration::read(&source, Path::new("c.toml")).map(|read| read.traces).map_err(|refused| refused.to_string())
+}
+
+fn notes_of(export: &str, keys: &str) -> String {
+    notes(&read(export, keys, &[(100, "")]).unwrap()).join("\n")
+}
+
+#[test]
+fn steps_of_one_export_are_traces_of_several_conditions_or_repeats_of_one() {
+    let step = |step: u32, mu: f64| lines(101, move |t, ripple| format!("{step};{t:.1};{:.4};10", 10.0 * mu * ripple));
+    let export = format!("Step;Time [s];Fx [N];Fz [N]\n{}{}", step(4, 0.21), step(7, 0.23));
+    let found = read(&export, "", &[(100, "step = 4"), (200, "step = 7")]).unwrap();
+    let mu: Vec<f64> = found.iter().map(|traces| (1e2 * traces.mean.mu_dynamic.mean).round()).collect();
+    assert_eq!(mu, [21.0, 23.0]);
+    assert_eq!(found[1].traces[0].label, "a.csv, step 7");
+    let repeats = read(&export, "", &[(100, "step = 4"), (100, "step = 7")]).unwrap();
+    assert_eq!((repeats.len(), repeats[0].mean.count), (1, 2));
+    for (conditions, says) in [
+        (
+            &[(100, "step = 4"), (200, "step = 4")][..],
+            "c.toml:23: traces.condition.files: \"a.csv\" names a.csv once more, as line 17 does",
+        ),
+        (&[(100, "step = 4"), (200, "")], "names a.csv once more"),
+        (&[(100, "step = 5")], "a.csv: has no step 5; expected one of its steps: 4 (from line 2), 7 (from line 103)"),
+        (&[(100, "step = -1")], "c.toml:18: "),
+        (&[(100, "step = 5000000000")], "is no number of a step"),
+        (&[(100, "")], "a.csv: holds several steps, each with its own clock: 4 (from line 2), 7 (from line 103)"),
+    ] {
+        let refused = read(&export, "", conditions).unwrap_err();
+        assert!(refused.contains(says), "{conditions:?}: {refused}");
+    }
+}
+
+#[test]
+fn a_recorded_coefficient_that_contradicts_the_forces_is_told() {
+    let export = |factor: f64| {
+        "time [s],torque [N m],normal force [N],COF\n".to_owned()
+            + &lines(101, |t, ripple| format!("{t:.1},{:.5},10,{:.5}", 0.0381 * 2.5 * ripple, factor * 0.25 * ripple))
+    };
+    let radius = "effective_radius_mm = 38.1";
+    let said = notes_of(&export(2.0), radius);
+    let says = "the recorded friction coefficient is 0.5005, 2.00 times the 0.2500 of torque / (normal force x radius): the radius or a channel is wrong";
+    assert!(said.contains(says), "{said}");
+    assert!(!notes_of(&export(1.05), radius).contains("coefficient"));
+    // With a dead weight the stated force is doubtful; a force and a coefficient may be exchanged.
+    let dead = "time,Fx [N],COF\n".to_owned()
+        + &lines(101, |t, ripple| format!("{t:.1},{:.5},{:.5}", 2.5 * ripple, 0.5 * ripple));
+    assert!(
+        notes_of(&dead, "").contains("2.00 times the 0.2500 of friction force / the stated force"),
+        "{}",
+        notes_of(&dead, "")
+    );
+    let exchanged = "time,COF,Fx [N],Fz\n".to_owned()
+        + &lines(101, |t, ripple| format!("{t:.1},{:.5},{:.5},10", 2.5 * ripple, 0.25 * ripple));
+    assert!(
+        notes_of(&exchanged, "").contains("friction force and friction coefficient are likely in each other's place")
+    );
+}
+
+#[test]
+fn a_dead_weight_is_told_with_the_titles_that_are_not_used() {
+    let export = "time;Fx [N];Laps\n".to_owned() + &lines(101, |t, ripple| format!("{t:.1};{:.5};{t}", 2.1 * ripple));
+    let said = notes_of(&export, "");
+    assert!(said.contains("friction is over the stated 10 N, as of a dead weight"), "{said}");
+    assert!(said.contains("no column is the normal force; not used are Laps"), "{said}");
+}
+
+#[test]
+fn friction_that_turns_late_is_told() {
+    let export = |lag_s: f64| {
+        let row = |row: i32| {
+            let t = 0.01 * f64::from(row);
+            let side = if (t - lag_s).rem_euclid(0.8) < 0.4 { 1.0 } else { -1.0 };
+            let x = if t.rem_euclid(0.8) < 0.4 { t.rem_euclid(0.8) } else { 0.8 - t.rem_euclid(0.8) };
+            format!("{t:.2},{:.4},10,{:.3}\n", 2.5 * side * (1.0 + 0.01 * (7.0 * t).sin()), 100.0 * x)
+        };
+        "time [s],Fx [N],Fz [N],x [mm]\n".to_owned() + &(0..1500).map(row).collect::<String>()
+    };
+    let keys = "reciprocating = true";
+    let said = |lag_s: f64| notes(&read(&export(lag_s), keys, &[(100, "window_s = [1, 14]")]).unwrap()).join("\n");
+    assert!(said(0.08).contains("friction turns 0.085 s after the position, 21 % of a stroke"), "{}", said(0.08));
+    assert!(!said(0.0).contains("friction turns"), "{}", said(0.0));
+}
+
+#[test]
+fn lines_that_end_with_carriage_returns_alone_are_lines() {
+    let export = "time;Fx [N];Fz [N]\n".to_owned() + &lines(101, |t, ripple| format!("{t:.1};{:.5};10", 2.1 * ripple));
+    let [as_usual, returns] =
+        [export.clone(), export.replace('\n', "\r")].map(|text| read(&text, "", &[(100, "")]).unwrap());
+    assert_eq!(as_usual, returns);
+}

@@ -1,0 +1,156 @@
+//! `[trade_offs]` of a design: goals for the comparison of designs in addition to the search.
+
+use serde::Deserialize;
+use slipgrid_design::optimize::Target;
+use slipgrid_design::{TradeOffGoal, TradeOffsWanted};
+use slipgrid_laser::export::Laser;
+use slipgrid_model::pattern::{Arrangement, Texture};
+use toml::Spanned;
+
+use super::document::Document;
+use super::limits::missing_for_time;
+use crate::formats::diagnostic::Diagnostic;
+
+/// Default number of designs that are compared first.
+const DEFAULT_DESIGNS: usize = 2000;
+/// Default number of designs that are compared first, if each needs its neighbours as well.
+const DEFAULT_DESIGNS_WITH_SPREAD: usize = 400;
+
+/// The table in the form of a design file.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TradeOffsFile {
+    /// Two or three of `chance`, `misfit`, `laser_time`, `volume`, `peak_pressure` and `spread` (with `[tolerances]`).
+    goals: Spanned<Vec<Spanned<String>>>,
+    /// Designs compared at first; 2000 when absent, 400 with `spread`.
+    designs: Option<Spanned<u64>>,
+}
+
+/// Inputs that goals need.
+#[derive(Clone, Copy, Debug)]
+pub struct Given<'a> {
+    /// The laser.
+    pub laser: &'a Laser,
+    /// The target.
+    pub target: &'a Target,
+    /// The texture of every design.
+    pub texture: &'a Texture,
+    /// Whether the design states the scatter of samples.
+    pub has_tolerances: bool,
+}
+
+/// Reads the table.
+///
+/// # Errors
+/// [`Diagnostic`] if goals are unknown, repeated, too few or too many, or if they need inputs that are not given.
+pub fn read_trade_offs(
+    document: &Document,
+    table: &Spanned<TradeOffsFile>,
+    given: &Given<'_>,
+) -> Result<TradeOffsWanted, Diagnostic> {
+    let file = table.get_ref();
+    let mut goals: Vec<TradeOffGoal> = Vec::new();
+    for name in file.goals.get_ref() {
+        let goal = document.choice(name, &TradeOffGoal::ALL, TradeOffGoal::name)?;
+        if goals.contains(&goal) {
+            return Err(document.refuse(name.span(), "stands there twice").expected("each goal once"));
+        }
+        needs(document, name, goal, given)?;
+        goals.push(goal);
+    }
+    if !(2..=3).contains(&goals.len()) {
+        let reason = format!("has {} goals", goals.len());
+        return Err(document.refuse(file.goals.span(), reason).expected("two or three, to weigh against each other"));
+    }
+    let texture = given.texture;
+    if texture.sliding_direction()[1] != 0.0 || texture.arrangement() != Arrangement::Square {
+        return Err(document
+            .refuse(table.span(), "compares some thousand designs by the friction of one vertical section along the sliding direction: rows that are staggered, \
+                 hexagonal or turned have no section that stands for the whole texture, and to solve so many cells in space would take hours")
+            .expected("rows along the sliding direction in a square arrangement, or no [trade_offs]: the search itself solves such patterns in space"));
+    }
+    let usual = if goals.contains(&TradeOffGoal::Spread) { DEFAULT_DESIGNS_WITH_SPREAD } else { DEFAULT_DESIGNS };
+    let designs = match &file.designs {
+        None => usual,
+        Some(designs) => {
+            usize::try_from(*designs.get_ref()).ok().filter(|count| (8..=1_000_000).contains(count)).ok_or_else(
+                || document.refuse(designs.span(), "is out of range").expected("a whole number from 8 to 1000000"),
+            )?
+        }
+    };
+    Ok(TradeOffsWanted { goals, designs })
+}
+
+/// Refuses a goal that needs inputs that the design does not give.
+fn needs(document: &Document, name: &Spanned<String>, goal: TradeOffGoal, given: &Given<'_>) -> Result<(), Diagnostic> {
+    let refuse = |reason: &str, expected: String| Err(document.refuse(name.span(), reason).expected(expected));
+    match goal {
+        TradeOffGoal::LaserTime => {
+            let missing = missing_for_time(given.laser);
+            if !missing.is_empty() {
+                return refuse("is a time that cannot be estimated", format!("{} beside it", missing.join(", ")));
+            }
+        }
+        TradeOffGoal::Misfit if !given.target.has_demands() => {
+            return refuse("has nothing to miss", "a value or a band in [target]".to_owned());
+        }
+        TradeOffGoal::Spread if !given.has_tolerances => {
+            return refuse("needs to know how samples scatter", "a table [tolerances]".to_owned());
+        }
+        TradeOffGoal::Chance if !given.target.has_demands() || given.target.goal().is_some() => {
+            return refuse("is that of designs on a target", "a value or a band in [target], and no goal".to_owned());
+        }
+        TradeOffGoal::Chance
+        | TradeOffGoal::Misfit
+        | TradeOffGoal::Volume
+        | TradeOffGoal::Spread
+        | TradeOffGoal::PeakPressure => {}
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use slipgrid_design::optimize::{Quantity, TargetPoint};
+    use slipgrid_model::pattern::Planform;
+
+    #[derive(Debug, Deserialize)]
+    struct File {
+        trade_offs: Spanned<TradeOffsFile>,
+    }
+
+    fn read(text: &str, laser: &Laser, has_tolerances: bool) -> Result<TradeOffsWanted, String> {
+        let point = TargetPoint { pressure_pa: 1e6, value: 0.9 };
+        let target = Target::new(Quantity::Ratio, vec![point], 0.01).unwrap();
+        let texture = Texture::new(Planform::Square);
+        let given = Given { laser, target: &target, texture: &texture, has_tolerances };
+        let document = Document::new("d.toml", format!("[trade_offs]\n{text}\n"));
+        let file: File = document.parse().map_err(|error: Diagnostic| error.to_string())?;
+        read_trade_offs(&document, &file.trade_offs, &given).map_err(|error| error.to_string())
+    }
+
+    #[test]
+    fn goals_are_two_or_three_and_rest_on_what_is_given() {
+        let bare = Laser::default();
+        let known =
+            Laser { spot_um: Some(23.0), repetition_hz: Some(1e3), depth_per_burst_um: Some(2.6), ..Laser::default() };
+        let two = read("goals = [\"misfit\", \"peak_pressure\"]", &bare, false).unwrap();
+        assert_eq!(two.goals, [TradeOffGoal::Misfit, TradeOffGoal::PeakPressure]);
+        let three = read("goals = [\"misfit\", \"laser_time\", \"spread\"]\ndesigns = 64", &known, true).unwrap();
+        assert_eq!((three.goals.len(), three.designs), (3, 64));
+        let by_chance = read("goals = [\"chance\", \"volume\"]", &bare, false).unwrap();
+        assert_eq!(by_chance.goals, [TradeOffGoal::Chance, TradeOffGoal::Volume]);
+        for (text, laser, has_tolerances, says) in [
+            ("goals = [\"misfit\"]", &bare, false, "two or three"),
+            ("goals = [\"misfit\", \"misfit\"]", &bare, false, "each goal once"),
+            ("goals = [\"misfit\", \"cost\"]", &bare, false, "\"laser_time\""),
+            ("goals = [\"misfit\", \"laser_time\"]", &bare, false, "laser.repetition_hz"),
+            ("goals = [\"misfit\", \"spread\"]", &bare, false, "[tolerances]"),
+            ("goals = [\"misfit\", \"peak_pressure\"]\ndesigns = 1", &bare, false, "from 8 to 1000000"),
+        ] {
+            let refused = read(text, laser, has_tolerances).unwrap_err();
+            assert!(refused.contains(says), "{refused}");
+        }
+    }
+}

@@ -1,0 +1,306 @@
+//! Trials of a calibration: `[[trial]]` and `[trial_prior]`.
+
+use serde::{Deserialize, Serialize};
+use slipgrid_design::results::PatternReport;
+use slipgrid_infer::calibrate::{CutSample, CutSpecimen, TrialsTask};
+use slipgrid_infer::discrepancy::{Conditions, Discrepancy, Hyperparameters};
+use slipgrid_model::pattern::Pattern;
+use toml::Spanned;
+
+use super::calibration::read_fitting_pattern;
+use super::calibration_file::FaceFile;
+use super::cavity_lengths;
+use super::document::Document;
+use super::exchanged;
+use super::material::existing;
+use super::measured::{self, Placed, Remarks, Specimens};
+use super::measurements;
+use super::pattern::PatternFile;
+use super::relief::read_relief;
+use super::stated_specimen::{StatedSpecimen, area_m2};
+use super::trace_table::{TraceConditionFile, TraceReader};
+use super::traces::{ConditionTraces, OfTrial};
+use super::values::Number;
+use crate::formats::diagnostic::Diagnostic;
+use crate::formats::dimension_error;
+use slipgrid_base::units::RELATIVE_STD;
+
+/// `[[trial]]`: a sample that was cut; pending until it has measurements or traces.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TrialFile {
+    /// Name of the sample.
+    name: Spanned<String>,
+    /// Date of cutting, in any form.
+    #[serde(default)]
+    date: String,
+    /// Free notes.
+    #[serde(default)]
+    notes: String,
+    /// Measured pattern.
+    pattern: Spanned<PatternFile>,
+    /// CSV table of friction in the columns of flat samples.
+    measurements: Option<Spanned<String>>,
+    /// Raw exports of a tribometer in place of the table, one table per condition; `[traces]` has the reading options.
+    traces: Option<Spanned<Vec<TraceConditionFile>>>,
+    /// Face of this sample, to which `force_n` of its table refers; the calibration's specimen when absent.
+    specimen: Option<Spanned<FaceFile>>,
+    /// Standard error of the measured mean width, at most a third of the width; may stand in `[trial.pattern]` instead;
+    /// 0 when absent.
+    width_std_um: Option<Number>,
+    /// Standard error of the measured mean spacing, at most a third of the spacing; may stand in `[trial.pattern]`
+    /// instead; 0 when absent.
+    spacing_std_um: Option<Number>,
+    /// Standard error of the measured mean depth, at most a third of the depth; may stand in `[trial.pattern]` instead;
+    /// 0 when absent.
+    depth_std_um: Option<Number>,
+    /// Scatter of ln(ratio) between samples of this texture, which no trial changes; 0.02 when absent.
+    sample_std: Option<Number>,
+    /// Name of the disc of which the sample is a sector. Trials on one disc share the scatter from disc to disc.
+    disc: Option<Spanned<String>>,
+}
+
+impl TrialFile {
+    /// Path of the measurement table, if any.
+    #[must_use]
+    pub fn measurements(&self) -> Option<&str> {
+        self.measurements.as_ref().map(|name| name.get_ref().as_str())
+    }
+
+    /// Conditions of the trial's own traces, if any.
+    #[must_use]
+    pub fn traces(&self) -> Option<&[TraceConditionFile]> {
+        self.traces.as_ref().map(|list| list.get_ref().as_slice())
+    }
+}
+
+/// `[trial_prior]`: prior before any measurement, where it differs from the defaults.
+#[derive(Clone, Debug, Default, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct PriorFile {
+    /// Size of the discrepancy at the published squares; 0.2 when absent.
+    amplitude_std: Option<f64>,
+    /// Slope along (P - P0) / P0, with P0 the mean measured pressure; 0.06 when absent.
+    pressure_std: Option<f64>,
+    /// Slope along P1 / P, with P1 the lowest pressure, which adhesion would cause; 0.08 when absent.
+    inverse_pressure_std: Option<f64>,
+    /// Change for a speed e times as high; 0.05 when absent.
+    speed_std: Option<f64>,
+    /// Change from one humidity to another; 0.1 when absent.
+    humidity_std: Option<f64>,
+    /// Scatter between samples of one texture, until trials show otherwise; 0.02 when absent.
+    sample_std: Option<f64>,
+    /// Minimum relative standard error of a measurement; 0.005 when absent.
+    least_measured_std: Option<f64>,
+}
+
+impl PriorFile {
+    /// Pairs each key with its hyperparameter.
+    fn values<'a>(&'a self, of: &'a mut Hyperparameters) -> [(Option<f64>, &'a mut f64); 7] {
+        [
+            (self.amplitude_std, &mut of.amplitude_std),
+            (self.pressure_std, &mut of.pressure_std),
+            (self.inverse_pressure_std, &mut of.inverse_pressure_std),
+            (self.speed_std, &mut of.speed_std),
+            (self.humidity_std, &mut of.humidity_std),
+            (self.sample_std, &mut of.sample_std),
+            (self.least_measured_std, &mut of.least_measured_std),
+        ]
+    }
+
+    /// Defaults with the stated numbers in their place.
+    pub fn read(&self) -> Hyperparameters {
+        let mut prior = Hyperparameters::default();
+        for (given, value) in self.values(&mut prior) {
+            if let Some(given) = given {
+                *value = given;
+            }
+        }
+        prior
+    }
+
+    /// Sets every key to the number in `prior`.
+    pub const fn new(prior: &Hyperparameters) -> Self {
+        Self {
+            amplitude_std: Some(prior.amplitude_std),
+            pressure_std: Some(prior.pressure_std),
+            inverse_pressure_std: Some(prior.inverse_pressure_std),
+            speed_std: Some(prior.speed_std),
+            humidity_std: Some(prior.humidity_std),
+            sample_std: Some(prior.sample_std),
+            least_measured_std: Some(prior.least_measured_std),
+        }
+    }
+}
+
+/// Flat samples of a calibration, with which its trials are compared.
+pub(crate) struct FlatSamples<'a> {
+    /// Specimens of the flat samples.
+    pub(crate) stated: StatedSpecimen,
+    /// Specimen properties by which measurements are checked.
+    pub(crate) specimens: &'a Specimens,
+    /// The measurements.
+    pub(crate) measured: &'a [Placed],
+}
+
+/// Reads the `trials` of a calibration with these `flat` samples, and the prior. The sample `first` from the
+/// calibration's own tables comes first. Traces are read by `reader`, and returned. Adds to `remarks`.
+///
+/// # Errors
+/// [`Diagnostic`] for any refused input.
+pub(crate) fn read_trials(
+    document: &Document,
+    trials: &[Spanned<TrialFile>],
+    prior: Option<&Spanned<PriorFile>>,
+    flat: &FlatSamples<'_>,
+    first: Option<CutSample>,
+    reader: &mut TraceReader<'_>,
+    remarks: &mut Remarks,
+) -> Result<(TrialsTask, Vec<ConditionTraces>), Diagnostic> {
+    let FlatSamples { stated, specimens, measured: flat } = *flat;
+    let mut read = Vec::new();
+    let mut samples: Vec<CutSample> = first.into_iter().collect();
+    let mut before = flat.to_vec();
+    for (table, number) in trials.iter().zip(1..) {
+        let file = table.get_ref();
+        if samples.iter().any(|other| other.name == *file.name.get_ref()) {
+            return Err(document
+                .refuse(file.name.span(), "names two trials")
+                .expected("a name of its own for every [[trial]]"));
+        }
+        let own =
+            file.specimen.as_ref().map(|table| StatedSpecimen::read(document, table, Some(stated))).transpose()?;
+        let own = own.unwrap_or(stated);
+        let own_specimens = Specimens { area_m2: area_m2(&own.specimen.outline), ..*specimens };
+        // A sector bears force on its own face, and the surrounding specimen continues around it.
+        let is_laid = file.disc.is_none();
+        let pattern = read_fitting_pattern(document, &file.pattern, &own.specimen, is_laid)?;
+        remarks.told.extend(cavity_lengths::unusual(document, &file.pattern));
+        remarks.told.extend(exchanged::check(document, &file.pattern, &pattern, &samples));
+        remarks.told.extend(exchanged::check_depth(document, &file.pattern, &pattern, &samples));
+        let rows = match (&file.measurements, &file.traces) {
+            (Some(_), Some(traces)) => {
+                return Err(document
+                    .refuse(traces.span(), "stands beside measurements")
+                    .expected("either measurements or [[trial.traces]]"));
+            }
+            (Some(name), None) => {
+                let path = existing(document, name, name.get_ref())?;
+                Placed::rows(&path, measurements::read(document.source(), &path)?)
+            }
+            (None, Some(list)) => {
+                let conditions =
+                    reader.conditions(list, Some(&OfTrial { number, name: file.name.get_ref().clone() }))?;
+                let found = reader.analyse(&conditions)?;
+                let rows = found.iter().zip(&conditions).map(|(traces, (span, _))| traces.placed(document, span));
+                let rows = rows.collect();
+                read.extend(found);
+                rows
+            }
+            (None, None) => Vec::new(),
+        };
+        measured::refuse_repeated(&rows)?;
+        remarks.repeated.extend(measured::identical(&before, &rows));
+        before.extend(rows.iter().cloned());
+        remarks.told.extend(measured::check(&rows, &own_specimens)?);
+        let written = rows;
+        let rows: Vec<Placed> = written.iter().map(|row| row.on(&own_specimens, specimens, flat)).collect();
+        remarks.told.extend(measured::check_partners(&rows, &written, flat)?);
+        remarks.doubts.extend(measured::doubtful_ratios(&rows, flat));
+        let own_std = [&file.width_std_um, &file.spacing_std_um, &file.depth_std_um];
+        let stds = dimension_error::of_trial(document, own_std, file.pattern.get_ref().dimensions_std())?;
+        samples.push(CutSample {
+            name: file.name.get_ref().clone(),
+            date: file.date.clone(),
+            notes: file.notes.clone(),
+            relief: read_relief(document, &file.pattern, &pattern)?,
+            dimensions_std_m: dimension_error::read(document, stds, &pattern)?,
+            pattern,
+            sample_std: document.optional(file.sample_std.as_ref(), RELATIVE_STD)?,
+            specimen: if is_laid { own.cut() } else { CutSpecimen { face: None, ..own.cut() } },
+            disc: read_disc(document, file.disc.as_ref())?,
+            measured: rows.iter().map(|row| row.measurement).collect(),
+        });
+    }
+    let hyper = prior.map_or_else(Hyperparameters::default, |table| table.get_ref().read());
+    // An invalid prior is refused at its table.
+    Discrepancy::new(hyper.clone(), Conditions::default(), 0.0, Vec::new()).map_err(|error| {
+        let span = prior.map_or(0..0, Spanned::span);
+        document.refuse(span, error.to_string())
+    })?;
+    Ok((TrialsTask { samples, prior: hyper }, read))
+}
+
+/// A pattern without the derived keys, which no file is asked for.
+#[derive(Serialize)]
+struct TemplateFile<'a> {
+    trial: [TemplateTrial<'a>; 1],
+}
+
+#[derive(Serialize)]
+struct TemplateTrial<'a> {
+    name: String,
+    disc: &'a str,
+    notes: String,
+    pattern: toml::Table,
+}
+
+/// Template of `[[trial]]` tables for `patterns` on one `disc`, in the order of its sectors, to be added to a
+/// calibration and filled in; pending until they name their measurements. `densities` are the areal densities of the
+/// sectors as cut.
+#[must_use]
+pub fn sector_trials(disc: &str, patterns: &[Pattern], densities: &[f64]) -> String {
+    let mut text = "# Trials of one disc, by slipgrid: add these to the calibration once it is cut. They are pending until each names its measurements.\n\
+                    # Measure each sector alone: what presses the whole disc measures a mean of all sectors, which is a trial of none.\n\
+                    # Write measured dimensions in place of the designed ones. force_n in a table counts on the calibration's specimen,\n\
+                    # or on the face that [trial.specimen] gives, as that of a pin on a sector: radius_mm = 1.5.\n"
+        .to_owned();
+    for (place, (pattern, density)) in patterns.iter().zip(densities).enumerate() {
+        let number = place + 1;
+        // Keys of a pattern without derived ones; a table of numbers and texts always has a TOML form.
+        let mut table = toml::Table::try_from(PatternReport::from(pattern)).unwrap_or_default();
+        table.retain(|key, _| key != "areal_density" && key != "section_density");
+        let trial = TemplateTrial {
+            name: format!("{disc}, sector {number}"),
+            disc,
+            notes: format!("sector {number}, areal density as cut {:.2} %", 100.0 * density),
+            pattern: table,
+        };
+        let body = toml::to_string(&TemplateFile { trial: [trial] }).unwrap_or_default();
+        let measurements = format!("# measurements = \"sector-{number}.csv\"\n\n[trial.pattern]");
+        text += &format!("\n{}", body.replacen("\n[trial.pattern]", &measurements, 1));
+    }
+    text
+}
+
+/// Reads the name of the disc that a sample shares with others.
+fn read_disc(document: &Document, disc: Option<&Spanned<String>>) -> Result<Option<String>, Diagnostic> {
+    match disc {
+        Some(name) if name.get_ref().trim().is_empty() => Err(document
+            .refuse(name.span(), "names no disc")
+            .expected("a name that all [[trial]] on one disc have, or no key where a sample is alone on its disc")),
+        disc => Ok(disc.map(|name| name.get_ref().clone())),
+    }
+}
+
+/// First trial: the sample that a calibration describes by `[pattern]` and `patterned` measurements.
+#[must_use]
+pub fn of_tables(
+    pattern: slipgrid_model::pattern::Pattern,
+    relief: Option<std::sync::Arc<slipgrid_model::pattern::ReliefMap>>,
+    specimen: CutSpecimen,
+    measured: &[Placed],
+) -> CutSample {
+    CutSample {
+        name: "patterned samples".to_owned(),
+        date: String::new(),
+        notes: "read from [pattern] and the patterned measurements".to_owned(),
+        pattern,
+        relief,
+        dimensions_std_m: [0.0; 3],
+        sample_std: None,
+        disc: None,
+        specimen,
+        measured: measured.iter().map(|row| row.measurement).collect(),
+    }
+}

@@ -1,0 +1,213 @@
+//! Values that a key may hold in more than one form.
+
+use std::fmt;
+use std::ops::Range;
+
+use serde::de::value::MapAccessDeserializer;
+use serde::de::{Error, MapAccess, SeqAccess, Visitor};
+use serde::{Deserialize, Deserializer, Serialize};
+use toml::Spanned;
+
+use super::document::Document;
+use crate::formats::diagnostic::Diagnostic;
+use slipgrid_base::units::Quantity;
+
+/// A number with its file position.
+pub type Number = Spanned<f64>;
+/// A list of numbers with their file positions.
+pub type NumberList = Spanned<Vec<Number>>;
+
+/// A number without a file position, for files to be written.
+#[must_use]
+pub fn number(value: f64) -> Number {
+    Spanned::new(0..0, value)
+}
+
+/// A list without file positions, for files to be written.
+#[must_use]
+pub fn number_list(values: impl IntoIterator<Item = f64>) -> NumberList {
+    Spanned::new(0..0, values.into_iter().map(number).collect())
+}
+
+/// One number for all, or one for each entry of another list.
+#[derive(Clone, Debug, Serialize)]
+#[serde(untagged)]
+pub enum Numbers {
+    /// One number.
+    One(f64),
+    /// One for each.
+    Each(Vec<Number>),
+}
+
+impl<'de> Deserialize<'de> for Numbers {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Reader;
+        impl<'de> Visitor<'de> for Reader {
+            type Value = Numbers;
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("a number or a list of numbers")
+            }
+            fn visit_f64<E: Error>(self, value: f64) -> Result<Numbers, E> {
+                Ok(Numbers::One(value))
+            }
+            fn visit_i64<E: Error>(self, value: i64) -> Result<Numbers, E> {
+                Ok(Numbers::One(value as f64))
+            }
+            fn visit_u64<E: Error>(self, value: u64) -> Result<Numbers, E> {
+                Ok(Numbers::One(value as f64))
+            }
+            fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Numbers, A::Error> {
+                let mut each = Vec::new();
+                while let Some(value) = list.next_element()? {
+                    each.push(value);
+                }
+                Ok(Numbers::Each(each))
+            }
+        }
+        deserializer.deserialize_any(Reader)
+    }
+}
+
+/// Reads `values` in SI units as a list, at least one.
+///
+/// # Errors
+/// [`Diagnostic`] if the list is empty or a number is refused.
+pub fn list(document: &Document, values: &Spanned<Numbers>, quantity: Quantity) -> Result<Vec<f64>, Diagnostic> {
+    match values.get_ref() {
+        Numbers::One(value) => Ok(vec![document.number(&Spanned::new(values.span(), *value), quantity)?]),
+        Numbers::Each(each) => document.numbers(&Spanned::new(values.span(), each.clone()), quantity),
+    }
+}
+
+/// Relative difference up to which two pressures are equal: results and pictures are identified by their pressure.
+const SAME_PRESSURE: f64 = 1e-9;
+
+/// Reads the pressures `values` like [`list`], and refuses repeated ones.
+///
+/// # Errors
+/// Errors of [`list`], or [`Diagnostic`] at a repeated pressure.
+pub fn distinct_pressures(
+    document: &Document,
+    values: &Spanned<Numbers>,
+    quantity: Quantity,
+) -> Result<Vec<f64>, Diagnostic> {
+    let pressures_pa = list(document, values, quantity)?;
+    let mut order: Vec<usize> = (0..pressures_pa.len()).collect();
+    order.sort_by(|a, b| pressures_pa[*a].total_cmp(&pressures_pa[*b]));
+    let is_twice =
+        |pair: &&[usize]| pressures_pa[pair[1]] - pressures_pa[pair[0]] <= SAME_PRESSURE * pressures_pa[pair[1]];
+    if let Some(pair) = order.windows(2).find(is_twice) {
+        let later = pair[0].max(pair[1]);
+        return Err(document
+            .refuse(number_span(values, later), "MPa is in the list twice")
+            .expected("each pressure once"));
+    }
+    Ok(pressures_pa)
+}
+
+/// Maximum number of pressures of a scene: the report on each takes a millisecond and some kilobytes.
+pub const MAX_PRESSURES: usize = 10_000;
+/// Maximum number of pressures of a design: every design of a search is solved at each, and the errors of all pairs are
+/// correlated.
+pub const MAX_TARGET_PRESSURES: usize = 1000;
+
+/// Refuses a list of more than `most` pressures, at the first excess one.
+///
+/// # Errors
+/// [`Diagnostic`] at that pressure.
+pub fn check_count(document: &Document, pressures: &Spanned<Numbers>, most: usize) -> Result<(), Diagnostic> {
+    match pressures.get_ref() {
+        Numbers::Each(each) if each.len() > most => {
+            let reason = format!("MPa is one of {} pressures", each.len());
+            Err(document.refuse(each[most].span(), reason).expected(format!("at most {most}")))
+        }
+        _ => Ok(()),
+    }
+}
+
+impl Numbers {
+    /// Numbers as written.
+    #[must_use]
+    pub fn written(&self) -> Vec<f64> {
+        match self {
+            Self::One(value) => vec![*value],
+            Self::Each(each) => each.iter().map(|value| *value.get_ref()).collect(),
+        }
+    }
+}
+
+/// File position of number `place` of `values`; one number stands for all.
+#[must_use]
+pub fn number_span(values: &Spanned<Numbers>, place: usize) -> Range<usize> {
+    match values.get_ref() {
+        Numbers::Each(each) if place < each.len() => each[place].span(),
+        _ => values.span(),
+    }
+}
+
+/// Reads `values` in SI units, one for each of `count`; a single number stands for all.
+///
+/// # Errors
+/// [`Diagnostic`] if the list's length is not `count` or a number is refused.
+pub fn for_each(
+    document: &Document,
+    values: &Spanned<Numbers>,
+    quantity: Quantity,
+    count: usize,
+    of_what: &str,
+) -> Result<Vec<f64>, Diagnostic> {
+    let read = list(document, values, quantity)?;
+    match values.get_ref() {
+        Numbers::One(_) => Ok(vec![read[0]; count]),
+        Numbers::Each(_) if read.len() == count => Ok(read),
+        Numbers::Each(_) => Err(document
+            .refuse(values.span(), format!("has {} values", read.len()))
+            .expected(format!("{count}, one for each {of_what}"))),
+    }
+}
+
+/// Reads pressures that increase strictly.
+///
+/// # Errors
+/// [`Diagnostic`] if the list is empty, a number is refused, or one does not exceed the one before.
+pub fn increasing(document: &Document, values: &NumberList, quantity: Quantity) -> Result<Vec<f64>, Diagnostic> {
+    let read = document.numbers(values, quantity)?;
+    for (place, pair) in read.windows(2).enumerate() {
+        if pair[1] <= pair[0] {
+            let value = &values.get_ref()[place + 1];
+            return Err(document
+                .refuse(value.span(), format!("does not exceed the {} before it", values.get_ref()[place].get_ref()))
+                .expected("numbers that increase"));
+        }
+    }
+    Ok(read)
+}
+
+/// A path to another file, or the table itself.
+#[derive(Clone, Debug, Serialize)]
+#[serde(untagged)]
+pub enum PathOr<T> {
+    /// Path relative to the file that holds it.
+    Path(String),
+    /// The table.
+    Table(Box<T>),
+}
+
+impl<'de, T: Deserialize<'de>> Deserialize<'de> for PathOr<T> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Reader<T>(std::marker::PhantomData<T>);
+        impl<'de, T: Deserialize<'de>> Visitor<'de> for Reader<T> {
+            type Value = PathOr<T>;
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("a path in quotes or a table")
+            }
+            fn visit_str<E: Error>(self, path: &str) -> Result<PathOr<T>, E> {
+                Ok(PathOr::Path(path.to_owned()))
+            }
+            fn visit_map<A: MapAccess<'de>>(self, table: A) -> Result<PathOr<T>, A::Error> {
+                T::deserialize(MapAccessDeserializer::new(table)).map(|table| PathOr::Table(Box::new(table)))
+            }
+        }
+        deserializer.deserialize_any(Reader(std::marker::PhantomData))
+    }
+}

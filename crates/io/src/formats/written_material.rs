@@ -1,0 +1,295 @@
+//! Writes the material file of a calibration.
+
+use slipgrid_infer::calibrate::uncertainty::CoefficientEstimate;
+use slipgrid_infer::calibrate::{
+    AreaLawOrigin, CalibrationOutcome, CalibrationTask, Coefficients, FittedPair, FittedRow as Row,
+};
+use slipgrid_model::material::Condition;
+use toml::Spanned;
+
+use crate::formats::learned::LearnedFile;
+use crate::formats::made_from::MadeFrom;
+use crate::formats::material::{AreaLawFile, ConditionTable, FlatFrictionTable, FrictionFile, MaterialFile};
+use crate::formats::values::{Numbers, number, number_list};
+use slipgrid_base::units::{DENSITY_G_CM3, HUMIDITY_PCT, LENGTH_UM, MODULUS_GPA, PRESSURE_MPA, SPEED_MM_S, tidy};
+use slipgrid_design::results::{SCHEMA, VERSION};
+
+/// A material that cannot be written.
+#[derive(Debug, thiserror::Error)]
+pub enum UnwritableMaterial {
+    /// The numbers have no TOML form.
+    #[error("the material has no TOML form: {0}")]
+    Toml(toml::ser::Error),
+    /// The fit has neither one pair of coefficients nor one per measurement.
+    #[error("{0}")]
+    Pairs(String),
+}
+
+/// Material as TOML. `[made_from]` is for a file stored with its calibration, as `calibrate -o` writes it; pages and
+/// cached results have none.
+///
+/// # Errors
+/// [`UnwritableMaterial`] if the fit has neither one pair nor one pair per measurement.
+pub fn material_toml(
+    task: &CalibrationTask,
+    outcome: &CalibrationOutcome,
+    made_from: Option<MadeFrom>,
+) -> Result<String, UnwritableMaterial> {
+    let (provenance, facts) = (&outcome.material.provenance, &outcome.surface);
+    let file = MaterialFile {
+        name: Some(provenance.name.clone()),
+        source: Some(provenance.source.clone()),
+        schema: Some(unplaced(SCHEMA)),
+        slipgrid_version: Some(VERSION.to_owned()),
+        synthetic_surface: Some(facts.synthetic),
+        notes: provenance.notes.clone(),
+        warnings: provenance.warnings.clone(),
+        youngs_modulus_gpa: number(MODULUS_GPA.from_si(task.elastic.youngs_modulus_pa())),
+        youngs_modulus_std_gpa: task.youngs_modulus_std_pa.map(|std_pa| number(MODULUS_GPA.from_si(std_pa))),
+        density_g_cm3: number(DENSITY_G_CM3.from_si(task.elastic.density_kg_m3())),
+        yield_pressure_mpa: task.elastic.yield_pressure_pa().map(|pa| number(PRESSURE_MPA.from_si(pa))),
+        friction: unplaced(friction(task, outcome)?),
+        area_law: facts.law.as_ref().map(|law| {
+            let area = |&pressure_pa: &f64| {
+                let listed = facts.curve.iter().find(|point| point.pressure_pa == pressure_pa);
+                listed.map(|point| tidy(point.area_fraction_corrected))
+            };
+            let areas: Option<Vec<f64>> = law.pressures_pa().iter().map(area).collect();
+            unplaced(AreaLawFile {
+                origin: facts.origin.map(|origin| AreaLawOrigin::name(origin).to_owned()),
+                rms_slope: facts.rms_slope.map(|slope| number(tidy(slope))),
+                sa_um: facts.sa_m.map(|sa_m| number(LENGTH_UM.from_si(sa_m))),
+                pixel_um: facts.pixel_m.map(|pixel_m| number(LENGTH_UM.from_si(pixel_m))),
+                pixel_y_um: facts.pixel_y_m.map(|pixel_m| number(LENGTH_UM.from_si(pixel_m))),
+                poisson_ratio: Some(number(tidy(task.poisson_ratio))),
+                pressure_mpa: number_list(law.pressures_pa().iter().map(|&p| PRESSURE_MPA.from_si(p))),
+                factor: number_list(law.factors().iter().map(|&factor| tidy(factor))),
+                factor_std: law.factor_std().map(|std| number_list(std.iter().map(|&std| tidy(std)))),
+                area_fraction: areas.map(number_list),
+            })
+        }),
+        flat_friction: flat_friction(&outcome.uncertainty.flat_friction),
+        discrepancy: None,
+        made_from,
+        learned: outcome.uncertainty.learned.as_ref().map(|learned| unplaced(LearnedFile::new(learned))),
+    };
+    let body = toml::to_string(&file).map_err(UnwritableMaterial::Toml)?;
+    Ok(format!(
+        "# Material, by slipgrid calibrate {VERSION}. Scenes and designs name this file: material = \"...\".\n\
+         # residual: model minus measured dynamic friction of the flat sample.\n{body}"
+    ))
+}
+
+/// Rounds a residual to remove rounding errors of the fit.
+fn rounded(residual: f64) -> f64 {
+    (residual * 1e9).round() / 1e9 + 0.0
+}
+
+fn friction(task: &CalibrationTask, outcome: &CalibrationOutcome) -> Result<FrictionFile, UnwritableMaterial> {
+    let (relative_std, fit) = (Some(number(task.relative_std)), &outcome.fit);
+    match (task.coefficients, &fit.pairs[..]) {
+        (Coefficients::Single, [pair]) => Ok(FrictionFile {
+            static_mean: Some(unplaced(Numbers::One(tidy(pair.static_mean)))),
+            dynamic_mean: Some(unplaced(Numbers::One(tidy(pair.dynamic_mean)))),
+            static_std_error: pair.static_std_error.map(|error| unplaced(Numbers::One(tidy(error)))),
+            dynamic_std_error: pair.dynamic_std_error.map(|error| unplaced(Numbers::One(tidy(error)))),
+            dynamic_std_error_given_law: pair
+                .dynamic_std_error_given_law
+                .map(|error| unplaced(Numbers::One(tidy(error)))),
+            dynamic_over_steady: fit.mean_over_local_law().map(|excess| unplaced(Numbers::One(excess))),
+            relative_std,
+            residual: Some(fit.predictions.iter().map(|predicted| rounded(predicted.residual)).collect()),
+            scale_covariance: fit.scale_covariance().map(|rows| unplaced(rows.map(|row| row.to_vec()).to_vec())),
+            ..FrictionFile::default()
+        }),
+        (Coefficients::PerCondition, _) => {
+            let tables = outcome.by_condition.iter();
+            let conditions = tables.map(|(condition, rows)| unplaced(condition_table(*condition, rows))).collect();
+            Ok(FrictionFile { relative_std, conditions, ..FrictionFile::default() })
+        }
+        (_, pairs) => Err(UnwritableMaterial::Pairs(format!("the fit returned {} pairs of coefficients", pairs.len()))),
+    }
+}
+
+fn condition_table(condition: Condition, rows: &[Row]) -> ConditionTable {
+    let column =
+        |value: fn(&Row) -> f64| unplaced(Numbers::Each(rows.iter().map(|row| number(tidy(value(row)))).collect()));
+    let errors = |value: fn(&FittedPair) -> Option<f64>| {
+        let errors: Option<Vec<f64>> = rows.iter().map(|row| value(&row.pair).map(tidy)).collect();
+        errors.map(|errors| unplaced(Numbers::Each(errors.into_iter().map(number).collect())))
+    };
+    ConditionTable {
+        speed_mm_s: number(SPEED_MM_S.from_si(condition.speed_m_s)),
+        humidity_pct: number(HUMIDITY_PCT.from_si(condition.humidity)),
+        pressure_mpa: number_list(rows.iter().map(|row| PRESSURE_MPA.from_si(row.pressure_pa))),
+        static_mean: column(|row| row.pair.static_mean),
+        dynamic_mean: column(|row| row.pair.dynamic_mean),
+        static_std_error: errors(|pair| pair.static_std_error),
+        dynamic_std_error: errors(|pair| pair.dynamic_std_error),
+        dynamic_std_error_given_law: errors(|pair| pair.dynamic_std_error_given_law),
+        dynamic_over_steady: Some(column(|row| row.dynamic_over_steady)),
+        residual: Some(rows.iter().map(|row| rounded(row.residual)).collect()),
+    }
+}
+
+/// One table per condition, with the measurements in sequence.
+pub(crate) fn flat_friction(measured: &[CoefficientEstimate]) -> Vec<Spanned<FlatFrictionTable>> {
+    let table = |rows: &[CoefficientEstimate]| {
+        let Condition { speed_m_s, humidity } = rows[0].condition?;
+        let pressures = rows.iter().filter_map(|row| row.pressure_pa);
+        Some(unplaced(FlatFrictionTable {
+            speed_mm_s: number(SPEED_MM_S.from_si(speed_m_s)),
+            humidity_pct: number(HUMIDITY_PCT.from_si(humidity)),
+            pressure_mpa: number_list(pressures.map(|pressure_pa| PRESSURE_MPA.from_si(pressure_pa))),
+            mu_dynamic: unplaced(Numbers::Each(rows.iter().map(|row| number(tidy(row.value))).collect())),
+        }))
+    };
+    measured.chunk_by(|a, b| a.condition == b.condition).filter_map(table).collect()
+}
+
+fn unplaced<T>(value: T) -> Spanned<T> {
+    Spanned::new(0..0, value)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::formats::Document;
+    use crate::formats::material_uncertainty::read_known;
+    use crate::formats::scene::DEFAULT_LAYER;
+    use slipgrid_base::monitor::Unwatched;
+    use slipgrid_infer::calibrate::{CutSample, Measurement, Selection, Surface, TrialsTask};
+    use slipgrid_model::material::{Elastic, Friction};
+    use slipgrid_model::pattern::{Pattern, Planform};
+
+    fn measurement(force_n: f64, humidity: f64, mu_dynamic: f64) -> Measurement {
+        Measurement { force_n, speed_m_s: 2e-3, humidity, mu_dynamic, mu_dynamic_std: 0.002, static_peak: None }
+    }
+
+    /// Numbers of a short sample that have no short decimal form.
+    fn task(coefficients: Coefficients, surface: Surface) -> CalibrationTask {
+        let flat = vec![measurement(200.0, 0.15, 0.28), measurement(50.0, 0.8, 0.22), measurement(50.0, 0.15, 0.25)];
+        let patterned: Vec<Measurement> =
+            flat.iter().map(|flat| Measurement { mu_dynamic: flat.mu_dynamic * 0.9, ..*flat }).collect();
+        let sample = CutSample {
+            name: "squares".into(),
+            date: String::new(),
+            notes: String::new(),
+            pattern: Pattern::new(Planform::Square, 130e-6, 370e-6, 5.2e-6).unwrap(),
+            relief: None,
+            dimensions_std_m: [1e-6, 0.0, 0.2e-6],
+            sample_std: None,
+            disc: Some("disc \"1\"".into()),
+            specimen: slipgrid_infer::calibrate::CutSpecimen::default(),
+            measured: patterned,
+        };
+        CalibrationTask {
+            name: "test".into(),
+            source: "nowhere".into(),
+            elastic: Elastic::new(0.38e9, 900.0).unwrap(),
+            youngs_modulus_std_pa: Some(0.08e9),
+            poisson_ratio: 1.0 / 3.0,
+            surface,
+            threshold_pa: None,
+            specimen_area_m2: std::f64::consts::PI * 25e-6,
+            flat,
+            trials: TrialsTask { samples: vec![sample], ..TrialsTask::default() },
+            coefficients,
+            relative_std: 0.05,
+            static_over_dynamic: 0.30 / 0.27,
+            layer: slipgrid_model::springblock::Layer { length_m: 500e-6, height_m: 40e-6, ..DEFAULT_LAYER },
+            seed: 1,
+            selection: Selection::default(),
+            notes: vec!["a \"note\"".into()],
+            doubts: vec!["measured ratio: a \"doubt\"".into()],
+        }
+    }
+
+    /// Checks that the outcome equals the content of its file, and returns it.
+    fn read_back(coefficients: Coefficients, surface: Surface) -> CalibrationOutcome {
+        let task = task(coefficients, surface);
+        let outcome = slipgrid_infer::calibrate::run(&task, &Unwatched).unwrap();
+        let document = Document::new("m.toml", material_toml(&task, &outcome, None).unwrap());
+        let (material, uncertainty) = read_known(&document, &document.parse().unwrap(), &(0..0)).unwrap();
+        assert_eq!(material, outcome.material);
+        assert_eq!(uncertainty, outcome.uncertainty);
+        assert!(material.provenance.notes.contains(&"a \"note\"".to_owned()), "{:?}", material.provenance.notes);
+        outcome
+    }
+
+    /// A file written before the local law existed.
+    #[test]
+    fn a_file_without_flat_friction_is_read() {
+        let task = task(Coefficients::PerCondition, Surface::RmsSlope(0.0137));
+        let outcome = slipgrid_infer::calibrate::run(&task, &Unwatched).unwrap();
+        let mut file: toml::Table = material_toml(&task, &outcome, None).unwrap().parse().unwrap();
+        assert!(file.remove("flat_friction").is_some());
+        let trials = file["learned"]["trial"].as_array_mut().unwrap();
+        assert!(trials[0].as_table_mut().unwrap().remove("local_law_change").is_some());
+        let document = Document::new("m.toml", file.to_string());
+        let (_, uncertainty) = read_known(&document, &document.parse().unwrap(), &(0..0)).unwrap();
+        let zeros = uncertainty.learned.unwrap();
+        assert!(uncertainty.flat_friction.is_empty());
+        assert!(zeros.trials()[0].measured.iter().all(|at| at.sensitivity.local_law == 0.0));
+    }
+
+    #[test]
+    fn a_material_is_the_one_that_its_file_says() {
+        let each = read_back(Coefficients::PerCondition, Surface::RmsSlope(0.0137));
+        let own = |force_n: f64, humidity| {
+            let pressure_pa = force_n / (std::f64::consts::PI * 25e-6);
+            let condition = Condition { speed_m_s: 2e-3, humidity };
+            let at = each.material.friction.at(pressure_pa, Some(&condition)).unwrap();
+            (at.friction.dynamic_mean(), at.outside_measured_range)
+        };
+        for (place, (force_n, humidity)) in [(200.0, 0.15), (50.0, 0.8), (50.0, 0.15)].into_iter().enumerate() {
+            let (found, outside) = own(force_n, humidity);
+            assert!((found - each.fit.pairs[place].dynamic_mean).abs() < 1e-11 && !outside);
+        }
+        assert!(own(40.0, 0.15).1);
+        assert!(
+            each.material.area_law.is_some()
+                && each.uncertainty.learned.as_ref().unwrap().trials()[0].measured.len() == 3
+        );
+        assert!(each.uncertainty.has_marginal_errors);
+        // Friction rises with load at 15 %, where the area law falls; at 80 % one load was measured.
+        assert_eq!(each.uncertainty.flat_friction.len(), 3);
+        let learned = each.uncertainty.learned.as_ref().unwrap();
+        let changes: Vec<f64> = learned.trials()[0].measured.iter().map(|at| at.sensitivity.local_law).collect();
+        assert!(changes[0] > 1e-4 && changes[1] == 0.0 && changes[2] > 1e-4, "{changes:?}");
+
+        let single = read_back(Coefficients::Single, Surface::None);
+        assert!(matches!(single.material.friction, Friction::Single(_)) && single.material.area_law.is_none());
+        assert!(single.uncertainty.flat_friction.is_empty());
+        let fitted = read_back(Coefficients::Single, Surface::FittedScale { bounds_pa: [0.5e6, 50e6] });
+        assert!(fitted.uncertainty.law_is_fitted && fitted.material.area_law.is_some());
+        let synthetic = slipgrid_surface::topography::SelfAffine {
+            pixels: 32,
+            max_wave: 8,
+            ..slipgrid_surface::topography::SelfAffine::STAND_IN
+        };
+        // Pixels are twice as wide across the sliding direction.
+        let square = synthetic.map().unwrap();
+        let (dx_m, heights_m) = (square.dx_m(), square.heights_m().to_vec());
+        let read = slipgrid_surface::topography::ReadMap {
+            map: slipgrid_surface::topography::HeightMap::new(32, 32, dx_m, 2.0 * dx_m, heights_m).unwrap(),
+            format: slipgrid_surface::topography::MapFormat::Matrix,
+            whole: true,
+            comments: vec!["synthetic, one period".into()],
+            notes: Vec::new(),
+        };
+        let map = slipgrid_surface::topography::PreparedMap::one_period(
+            read,
+            slipgrid_surface::topography::Preparation::default(),
+            &slipgrid_base::monitor::Unwatched,
+        )
+        .unwrap();
+        let surface = slipgrid_infer::calibrate::MapSurface { map, synthetic: true, windows: Some(2), after: None };
+        let surface = Surface::Map(Box::new(surface));
+        let of_map = read_back(Coefficients::PerCondition, surface.clone());
+        let written = material_toml(&task(Coefficients::PerCondition, surface), &of_map, None).unwrap();
+        assert!(written.contains("\npixel_um = 31.25\npixel_y_um = 62.5\n"), "{written}");
+        assert!(of_map.material.provenance.synthetic_surface);
+        assert!(of_map.material.area_law.unwrap().factor_std().is_some());
+    }
+}

@@ -1,0 +1,222 @@
+use slipgrid_model::pattern::Planform;
+
+use crate::export::Outline;
+use crate::export::clip::{area_m2, circle, clip};
+use crate::export::clip_simple::clip_simple;
+use crate::export::crossing::Crossing;
+use crate::export::face::Face;
+use crate::export::outline::left_of;
+
+/// A cavity seen from above, in the specimen's axes x and y.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cavity {
+    /// Position of the centre along x, from the specimen's centre, in metres.
+    pub centre_x_m: f64,
+    /// Position of the centre along y, in metres.
+    pub centre_y_m: f64,
+    /// Extent along the pattern's x axis, in metres; the diameter of a disc.
+    pub width_m: f64,
+    /// Extent at right angles to the width, in metres; equal to the width for squares and discs.
+    pub length_m: f64,
+    /// Unit vector of the pattern's x axis, along the width.
+    pub orientation: [f64; 2],
+    /// Disc, polygon or rectangle; a groove laid on a specimen is a rectangle.
+    pub planform: Planform,
+    /// Outline that cuts the cavity, if the cavity crosses the border of the specimen.
+    pub cut_by: Option<Outline>,
+    /// Outline of a polygon, whose bounding box has the extents `width_m` and `length_m`.
+    pub(crate) face: Option<Face>,
+    /// For a groove of the second family, the crossing grooves that are cut out of it.
+    pub(crate) crossed_by: Option<Crossing>,
+}
+
+/// Outline of a cavity, or of a part of it if the border of the specimen cuts it.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Boundary {
+    /// A circle.
+    Circle {
+        /// Centre as `[x, y]`, in metres.
+        centre_m: [f64; 2],
+        /// Radius, in metres.
+        radius_m: f64,
+    },
+    /// A rectangle.
+    Rectangle {
+        /// Corners as `[x, y]`, in metres, anticlockwise from the lower left one in the cavity's axes.
+        corners_m: [[f64; 2]; 4],
+    },
+    /// A polygon: the remaining part of a cavity that is cut. Arcs are replaced by chords that deviate by at most 10
+    /// nm.
+    Polygon {
+        /// Corners as `[x, y]`, anticlockwise, in metres.
+        corners_m: Vec<[f64; 2]>,
+    },
+}
+
+impl Boundary {
+    /// Corners as `[x, y]`, anticlockwise, in metres; a circle is approximated by a polygon.
+    #[must_use]
+    pub fn polygon_m(&self) -> Vec<[f64; 2]> {
+        match self {
+            Self::Circle { centre_m, radius_m } => circle(*centre_m, *radius_m),
+            Self::Rectangle { corners_m } => corners_m.to_vec(),
+            Self::Polygon { corners_m } => corners_m.clone(),
+        }
+    }
+
+    /// Area, in square metres.
+    #[must_use]
+    pub fn area_m2(&self) -> f64 {
+        match self {
+            Self::Circle { radius_m, .. } => std::f64::consts::PI * radius_m * radius_m,
+            other => area_m2(&other.polygon_m()),
+        }
+    }
+}
+
+impl Cavity {
+    /// Outline of the cavity: one boundary, or one per part if the border or other grooves cut it.
+    #[must_use]
+    pub fn boundaries(&self) -> Vec<Boundary> {
+        let polygons =
+            |parts: Vec<Vec<[f64; 2]>>| parts.into_iter().map(|corners_m| Boundary::Polygon { corners_m }).collect();
+        if let Some(face) = &self.face {
+            let Some(corners_m) = face.inner_corners_m() else { return Vec::new() };
+            return polygons(match &self.cut_by {
+                None => vec![corners_m],
+                Some(outline) => clip_simple(&corners_m, outline),
+            });
+        }
+        if let Some(crossing) = &self.crossed_by {
+            let parts = crossing.outside(self.corners_m().to_vec());
+            return polygons(match &self.cut_by {
+                None => parts,
+                Some(outline) => parts.into_iter().flat_map(|part| clip(part, outline)).collect(),
+            });
+        }
+        let whole = match self.planform {
+            Planform::Disc => {
+                Boundary::Circle { centre_m: [self.centre_x_m, self.centre_y_m], radius_m: self.width_m / 2.0 }
+            }
+            _ => Boundary::Rectangle { corners_m: self.corners_m() },
+        };
+        match &self.cut_by {
+            None => vec![whole],
+            Some(outline) => {
+                let parts = clip(whole.polygon_m(), outline);
+                parts.into_iter().map(|corners_m| Boundary::Polygon { corners_m }).collect()
+            }
+        }
+    }
+
+    /// Shrinks the cavity to the points at least `wall_m` from its walls and `rim_m` from the border that cuts it;
+    /// `None` if there are none. A width of zero is kept as a line.
+    #[must_use]
+    pub fn inset(&self, wall_m: f64, rim_m: f64) -> Option<Self> {
+        let less = |extent_m: f64| {
+            // Within rounding, a cavity as wide as the inset keeps its middle line.
+            let left_m = extent_m - 2.0 * wall_m;
+            (left_m >= -1e-9 * extent_m).then_some(left_m.max(0.0))
+        };
+        let cut_by = match &self.cut_by {
+            None => None,
+            Some(outline) => Some(outline.inset(rim_m)?),
+        };
+        let face = self.face.map(|face| Face { inset_m: face.inset_m + wall_m, ..face });
+        // The walls of all families move by the same amount.
+        let crossed_by = self.crossed_by.map(|crossing| Crossing { grown_m: crossing.grown_m - wall_m, ..crossing });
+        Some(Self { width_m: less(self.width_m)?, length_m: less(self.length_m)?, cut_by, face, crossed_by, ..*self })
+    }
+
+    /// Distance of a point inside to the nearest wall, in metres; negative outside. The border of the specimen is not a
+    /// wall.
+    #[must_use]
+    pub fn wall_distance_m(&self, [x_m, y_m]: [f64; 2]) -> f64 {
+        let at_m = [x_m, y_m];
+        let (x_m, y_m) = (x_m - self.centre_x_m, y_m - self.centre_y_m);
+        if self.cut_by.is_some_and(|outline| !outline.contains([x_m + self.centre_x_m, y_m + self.centre_y_m])) {
+            return f64::NEG_INFINITY;
+        }
+        if let Some(face) = &self.face {
+            return face.wall_distance_m(at_m);
+        }
+        let [cosine, sine] = self.orientation;
+        match self.planform {
+            Planform::Disc => self.width_m / 2.0 - x_m.hypot(y_m),
+            _ => {
+                let (along_m, across_m) = (x_m * cosine + y_m * sine, y_m * cosine - x_m * sine);
+                (self.width_m / 2.0 - along_m.abs()).min(self.length_m / 2.0 - across_m.abs())
+            }
+        }
+    }
+
+    /// Points at which a line first enters and last leaves the walls of the cavity, measured along the line in metres.
+    /// The line runs along the unit vector `along`, `at_m` to its left from the specimen's centre; the border of the
+    /// specimen is not a wall. `None` if the line misses the cavity.
+    pub(crate) fn chord_m(&self, along: [f64; 2], at_m: f64) -> Option<[f64; 2]> {
+        if let Some(face) = &self.face {
+            let spans_m = face.spans_m(along, at_m);
+            return spans_m.first().zip(spans_m.last()).map(|(first, last)| [first[0], last[1]]);
+        }
+        let face = match self.planform {
+            Planform::Disc => Outline::Disc { diameter_m: self.width_m },
+            _ => Outline::Rectangle { length_m: self.width_m, width_m: self.length_m },
+        };
+        // The line's normal in the cavity's axes; turned anticlockwise it points backwards.
+        let ([nx, ny], [cosine, sine]) = (left_of(along), self.orientation);
+        let normal = [nx * cosine + ny * sine, ny * cosine - nx * sine];
+        let of_centre = |[x, y]: [f64; 2]| self.centre_x_m * x + self.centre_y_m * y;
+        let [low_m, high_m] = face.chord_m(normal, at_m - of_centre([nx, ny]))?;
+        Some([of_centre(along) - high_m, of_centre(along) - low_m])
+    }
+
+    /// Corners of the rectangle, or of the square around a disc, as `[x, y]` in metres, anticlockwise from the lower
+    /// left one in the cavity's axes.
+    #[must_use]
+    pub fn corners_m(&self) -> [[f64; 2]; 4] {
+        let (half_width_m, half_length_m) = (self.width_m / 2.0, self.length_m / 2.0);
+        let [cosine, sine] = self.orientation;
+        [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]].map(|[along, across]| {
+            let (along_m, across_m) = (along * half_width_m, across * half_length_m);
+            [
+                self.centre_x_m + (along_m * cosine - across_m * sine),
+                self.centre_y_m + (along_m * sine + across_m * cosine),
+            ]
+        })
+    }
+
+    /// Smallest and largest distance of a polygon's points from the specimen's centre, in metres; `None` for other
+    /// planforms.
+    pub(crate) fn polygon_reach_m(&self) -> Option<[f64; 2]> {
+        let corners = self.face?.corners_m();
+        let far_m = corners.iter().map(|[x_m, y_m]| x_m.hypot(*y_m)).fold(0.0, f64::max);
+        let interval_near_m = -self.face?.wall_distance_m([0.0; 2]);
+        Some([interval_near_m.max(0.0), far_m])
+    }
+
+    /// Whether every line along x crosses the cavity at most once, with floor everywhere between its walls.
+    pub(crate) fn is_plain(&self) -> bool {
+        self.cut_by.is_none() && self.face.is_none()
+    }
+
+    /// Area, in square metres. If walls slope and the border cuts a polygon, the walls are treated as planes.
+    #[must_use]
+    pub fn area_m2(&self) -> f64 {
+        if let (Some(face), None) = (&self.face, &self.cut_by) {
+            return face.area_m2();
+        }
+        if self.cut_by.is_some() || self.crossed_by.is_some() {
+            return self.boundaries().iter().map(Boundary::area_m2).sum();
+        }
+        match self.planform {
+            Planform::Disc => std::f64::consts::FRAC_PI_4 * self.width_m * self.width_m,
+            _ => self.width_m * self.length_m,
+        }
+    }
+
+    /// Whether the sides lie along x and y.
+    #[must_use]
+    pub fn is_aligned(&self) -> bool {
+        self.orientation == [1.0, 0.0]
+    }
+}

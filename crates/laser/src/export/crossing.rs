@@ -1,0 +1,82 @@
+//! Crossing of two families of grooves.
+//!
+//! The intersection belongs to the first family. The second family consists of the remaining parts of its grooves
+//! between those of the first, so that areas add up, contours do not overlap, and nothing is marked twice.
+
+use crate::export::clip::{outside_sides, within_sides};
+use crate::export::face::interval_outside;
+use crate::export::{Cavity, Layout, Line};
+
+/// Grooves of the first family, as they cut a groove of the second.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Crossing {
+    /// The first family on this specimen.
+    pub(crate) grooves: Layout,
+    /// Additional distance kept from the walls of the first family, in metres; may be negative.
+    pub(crate) grown_m: f64,
+}
+
+impl Crossing {
+    /// Parts of a convex polygon between the grooves, as convex polygons.
+    pub(crate) fn outside(&self, polygon: Vec<[f64; 2]>) -> Vec<Vec<[f64; 2]>> {
+        let grooves = self.reaching(&polygon);
+        let mut parts = vec![polygon];
+        for groove in &grooves {
+            let sides = self.sides(groove);
+            let mut left = Vec::with_capacity(parts.len() + 1);
+            for part in parts {
+                // Most parts lie completely beyond one side and are not cut.
+                let is_beyond =
+                    |&([nx, ny], limit_m): &([f64; 2], f64)| part.iter().all(|[x, y]| x * nx + y * ny >= limit_m);
+                if sides[..2].iter().any(is_beyond) {
+                    left.push(part);
+                } else {
+                    left.extend(outside_sides(part, &sides));
+                }
+            }
+            parts = left;
+        }
+        parts
+    }
+
+    /// Parts of a line between the grooves.
+    pub(crate) fn parts_of(&self, line: Line) -> Vec<Line> {
+        let [from, to] = line;
+        let at = |share: f64| [0, 1].map(|axis| from[axis] + share * (to[axis] - from[axis]));
+        let grooves = self.reaching(&line);
+        let shares = grooves.iter().fold(vec![[0.0, 1.0]], |shares, groove| {
+            let Some(taken) = within_sides(line, &self.sides(groove)) else { return shares };
+            shares.into_iter().flat_map(|share| interval_outside(share, taken)).collect()
+        });
+        shares.into_iter().map(|share: [f64; 2]| share.map(at)).collect()
+    }
+
+    /// Grooves that may contain some of the points.
+    fn reaching(&self, points: &[[f64; 2]]) -> Vec<Cavity> {
+        let pattern = self.grooves.pattern();
+        let [cosine, sine] = pattern.texture().orientation();
+        let offsets_m = points.iter().map(|[x_m, y_m]| x_m * cosine + y_m * sine);
+        let (low_m, high_m) =
+            offsets_m.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), at| (low.min(at), high.max(at)));
+        let half_m = pattern.width_m() / 2.0 + self.grown_m;
+        // Points lie on the specimen or close to it, which bounds the indices, so that the casts are exact.
+        let first = ((low_m - half_m) / pattern.pitch_m()).ceil() as i64;
+        let last = ((high_m + half_m) / pattern.pitch_m()).floor() as i64;
+        (first..=last).flat_map(|column| self.grooves.uncut_grooves(column)).flatten().collect()
+    }
+
+    /// Sides of a groove including the additional distance: unit normals and distances from the origin.
+    fn sides(&self, groove: &Cavity) -> [([f64; 2], f64); 4] {
+        let [cosine, sine] = groove.orientation;
+        let side = |normal: [f64; 2], half_m: f64| {
+            let middle_m = groove.centre_x_m * normal[0] + groove.centre_y_m * normal[1];
+            (normal, middle_m + half_m + self.grown_m)
+        };
+        [
+            side([cosine, sine], groove.width_m / 2.0),
+            side([-cosine, -sine], groove.width_m / 2.0),
+            side([-sine, cosine], groove.length_m / 2.0),
+            side([sine, -cosine], groove.length_m / 2.0),
+        ]
+    }
+}

@@ -1,0 +1,245 @@
+//! Laser parameters of a design, and the limits of the laser.
+
+use serde::{Deserialize, Serialize};
+use slipgrid_model::pattern::{ManufacturingLimits, Pattern};
+
+use crate::export::error::positive;
+use crate::export::{Ablation, ExportError};
+
+/// Exposure of a cavity.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Exposure {
+    /// The spot fills the cavity line by line.
+    #[default]
+    Hatch,
+    /// A mask has the shape of the cavity, so that the laser needs only its contour.
+    Mask,
+}
+
+/// Laser parameters as given in the design; absent ones are omitted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Laser {
+    /// Wavelength, in nm.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub wavelength_nm: Option<f64>,
+    /// Diameter of the spot, in um.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub spot_um: Option<f64>,
+    /// Pulse duration, in ns.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pulse_ns: Option<f64>,
+    /// Power density, in GW/cm^2.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub power_density_gw_cm2: Option<f64>,
+    /// Depth that one burst removes, in um.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub depth_per_burst_um: Option<f64>,
+    /// Bursts per second, in Hz.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub repetition_hz: Option<f64>,
+    /// Speed of the spot along a line, in mm/s.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub speed_mm_s: Option<f64>,
+    /// Distance between lines, in um; the diameter of the spot where absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub hatch_um: Option<f64>,
+    /// Angle of walls from vertical, in degrees; cavities narrow downwards.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub wall_taper_deg: Option<f64>,
+    /// Hatch or mask; hatch where absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub exposure: Option<Exposure>,
+    /// Minimum gap between two cavities, in um.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub min_land_um: Option<f64>,
+    /// Fitted depth per burst against fluence, if it was fitted.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ablation: Option<Ablation>,
+}
+
+/// Maximum taper: walls with a larger one meet at a very small depth.
+const MAX_TAPER_DEG: f64 = 80.0;
+
+/// Tolerance, in um, of a depth against a multiple of passes or bursts. Depths are printed to a hundredth of a
+/// micrometre.
+const STEP_TOLERANCE_UM: f64 = 0.005 + 1e-9;
+
+impl Laser {
+    /// Checks each parameter, and the distances of lines and pulses against the spot.
+    ///
+    /// # Errors
+    /// [`ExportError::NotPositive`]; [`ExportError::BeyondLaser`] if lines are farther apart than the spot is wide;
+    /// [`ExportError::PulsesApart`] if pulses are; [`ExportError::TaperOutOfRange`].
+    pub fn validate(&self) -> Result<(), ExportError> {
+        for (quantity, value) in [
+            ("wavelength_nm", self.wavelength_nm),
+            ("spot_um", self.spot_um),
+            ("pulse_ns", self.pulse_ns),
+            ("power_density_gw_cm2", self.power_density_gw_cm2),
+            ("depth_per_burst_um", self.depth_per_burst_um),
+            ("repetition_hz", self.repetition_hz),
+            ("speed_mm_s", self.speed_mm_s),
+            ("hatch_um", self.hatch_um),
+            ("min_land_um", self.min_land_um),
+        ] {
+            value.map_or(Ok(0.0), |value| positive(quantity, value))?;
+        }
+        if let Some(taper_deg) = self.wall_taper_deg
+            && !(0.0..=MAX_TAPER_DEG).contains(&taper_deg)
+        {
+            return Err(ExportError::TaperOutOfRange { taper_deg, most_deg: MAX_TAPER_DEG });
+        }
+        let Some(spot_um) = self.spot_um else { return Ok(()) };
+        let beyond = |what, value_um: f64| {
+            let limit = "spot_um";
+            Err(ExportError::BeyondLaser { what, value_um, relation: "above", limit, limit_um: spot_um })
+        };
+        // Rounding tolerance of one part in a million.
+        match (self.hatch_um, self.pulse_distance_um()) {
+            (Some(hatch_um), _) if hatch_um > spot_um * (1.0 + 1e-6) => beyond("hatch_um", hatch_um),
+            (_, Some(pulse_um)) if pulse_um > spot_um * (1.0 + 1e-6) => Err(ExportError::PulsesApart {
+                pulse_um,
+                speed_mm_s: self.speed_mm_s.unwrap_or_default(),
+                repetition_hz: self.repetition_hz.unwrap_or_default(),
+                spot_um,
+            }),
+            _ => Ok(()),
+        }
+    }
+
+    /// A laser without known parameters.
+    #[cfg(test)]
+    pub(crate) const UNKNOWN: Self = Self {
+        wavelength_nm: None,
+        spot_um: None,
+        pulse_ns: None,
+        power_density_gw_cm2: None,
+        depth_per_burst_um: None,
+        repetition_hz: None,
+        speed_mm_s: None,
+        hatch_um: None,
+        wall_taper_deg: None,
+        exposure: None,
+        min_land_um: None,
+        ablation: None,
+    };
+
+    /// Refuses a pattern that is too fine for the laser; the error names the limit.
+    ///
+    /// # Errors
+    /// [`ExportError::BeyondLaser`]; errors of [`Laser::validate`].
+    pub fn check(&self, pattern: &Pattern) -> Result<(), ExportError> {
+        self.validate()?;
+        let extent_um = pattern.least_extent_m() * 1e6;
+        let below = |what, value_um: f64, limit, limit_um: f64| {
+            // Rounding tolerance of one part in a million.
+            if value_um < limit_um * (1.0 - 1e-6) {
+                Err(ExportError::BeyondLaser { what, value_um, relation: "below", limit, limit_um })
+            } else {
+                Ok(())
+            }
+        };
+        if let Some(spot_um) = self.spot_um {
+            below("smallest extent of a cavity", extent_um, "spot_um", spot_um)?;
+        }
+        if let Some(land_um) = self.min_land_um {
+            below("land between cavities", pattern.least_land_m() * 1e6, "min_land_um", land_um)?;
+        }
+        if self.floor_inset_m(pattern.depth_m()) > 0.0 {
+            let walls_um = 2e6 * self.floor_inset_m(pattern.depth_m());
+            below("smallest extent of a cavity", extent_um, "what two walls of wall_taper_deg take", walls_um)?;
+        }
+        Ok(())
+    }
+
+    /// Whether a mask exposes each cavity as a whole.
+    #[must_use]
+    pub fn is_mask(&self) -> bool {
+        self.exposure == Some(Exposure::Mask)
+    }
+
+    /// Names of the missing parameters without which the marking time cannot be estimated. A mask needs no spot.
+    #[must_use]
+    pub fn missing_for_time(&self) -> Vec<&'static str> {
+        let spot_um = ("spot_um", self.spot_um.is_some() || self.is_mask());
+        let depth_per_burst_um = ("depth_per_burst_um", self.depth_per_burst_um.is_some());
+        let given = [spot_um, depth_per_burst_um, ("repetition_hz", self.repetition_hz.is_some())];
+        given.into_iter().filter_map(|(name, is_given)| (!is_given).then_some(name)).collect()
+    }
+
+    /// Mean number of bursts that reach a point in one pass over an infinite hatch. `None` for a mask, and if spot,
+    /// speed or repetition rate are missing: cavities are then made spot by spot.
+    #[must_use]
+    pub fn bursts_per_pass(&self) -> Option<f64> {
+        let spot_um = self.spot_um.filter(|_| !self.is_mask())?;
+        // n = (pi / 4) s^2 / (p h)
+        Some(std::f64::consts::FRAC_PI_4 * spot_um * spot_um / (self.pulse_distance_um()? * self.line_distance_um()?))
+    }
+
+    /// Depth of the smallest exposure, in um: one pass over an infinite hatch if cavities are hatched, otherwise one
+    /// burst. Depths of designs are multiples of it; [`crate::export::Removal`] plans the passes inside a cavity. `None`
+    /// without a depth per burst.
+    #[must_use]
+    pub fn depth_step_um(&self) -> Option<f64> {
+        Some(self.depth_per_burst_um? * self.bursts_per_pass().unwrap_or(1.0))
+    }
+
+    /// Relative standard error of the depth per burst, if it was fitted against fluence.
+    #[must_use]
+    pub fn depth_per_burst_std(&self) -> Option<f64> {
+        let std = self.ablation.map(|law| law.depth_per_burst_stderr_um / law.depth_per_burst_um);
+        std.filter(|std| *std > 0.0)
+    }
+
+    /// Refuses a depth that is not a multiple of passes or bursts.
+    ///
+    /// # Errors
+    /// [`ExportError::NoWholeSteps`].
+    pub fn check_depth(&self, depth_m: f64) -> Result<(), ExportError> {
+        let Some(step_um) = self.depth_step_um() else { return Ok(()) };
+        let (depth_um, steps) = (depth_m * 1e6, (depth_m * 1e6 / step_um).round().max(1.0));
+        if (depth_um - steps * step_um).abs() <= STEP_TOLERANCE_UM {
+            return Ok(());
+        }
+        let of = if self.bursts_per_pass().is_some() { "passes" } else { "bursts" };
+        Err(ExportError::NoWholeSteps { depth_um, of, step_um, nearest_um: steps * step_um })
+    }
+
+    /// Number of bursts per spot for a depth of `depth_m`, at least one; `None` without a depth per burst, and if
+    /// passes over lines give the depth.
+    #[must_use]
+    pub fn bursts(&self, depth_m: f64) -> Option<u32> {
+        if self.bursts_per_pass().is_some() {
+            return None;
+        }
+        let depth_per_burst_m = self.depth_per_burst_um.map(|depth_um| depth_um * 1e-6);
+        ManufacturingLimits { depth_per_burst_m, ..Default::default() }.bursts(depth_m)
+    }
+
+    /// Distance between pulses along a line, in um.
+    #[must_use]
+    pub fn pulse_distance_um(&self) -> Option<f64> {
+        // p = v / f
+        self.speed_mm_s.zip(self.repetition_hz).map(|(speed_mm_s, repetition_hz)| speed_mm_s * 1e3 / repetition_hz)
+    }
+
+    /// Distance between lines, in um.
+    #[must_use]
+    pub fn line_distance_um(&self) -> Option<f64> {
+        self.hatch_um.or(self.spot_um)
+    }
+
+    /// Distance of the floor's edge from the cavity's edge, in metres.
+    #[must_use]
+    pub fn floor_inset_m(&self, depth_m: f64) -> f64 {
+        depth_m * self.slope()
+    }
+
+    /// Horizontal extent of a wall over its height.
+    #[must_use]
+    pub fn slope(&self) -> f64 {
+        self.wall_taper_deg.map_or(0.0, |taper_deg| libm::tan(taper_deg.to_radians()))
+    }
+}

@@ -1,0 +1,333 @@
+//! Process sheet for the operator of the laser, as TOML.
+
+use serde::{Deserialize, Serialize};
+use slipgrid_model::pattern::{Arrangement, Pattern, Planform};
+
+use crate::export::error::positive;
+use crate::export::number::{DERIVED_DIGITS, micrometres, millimetres, round_decimals, round_digits};
+use crate::export::words::{ANGLE_DECIMALS, groove_direction, lattice};
+use crate::export::work::WorkSheet;
+use crate::export::{Cavity, ExportError, Laser, Layout, Outline};
+
+/// Effects that no model of slipgrid contains, for a pattern with or without rims; listed on every process sheet.
+#[must_use]
+pub const fn not_modelled(has_rim: bool) -> [&'static str; 5] {
+    let of_lasering = if has_rim {
+        "roughening of the surface by lasering"
+    } else {
+        "recast rims: lasering raises a rim around each cavity and roughens the surface"
+    };
+    [of_lasering, "plasticity", "viscoelasticity", "heating", "wear"]
+}
+
+/// Origin of the rims on a process sheet.
+const RIM_BASIS: &str = "what the design assumes: the laser's real rims have to be measured";
+
+/// Standard deviations of the mean dimensions of a cut sample that the design assumes; absent ones are omitted.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Tolerances {
+    /// Standard deviation of the width, in um.
+    pub width_um: Option<f64>,
+    /// Standard deviation of the spacing, in um.
+    pub spacing_um: Option<f64>,
+    /// Standard deviation of the depth, in um.
+    pub depth_um: Option<f64>,
+    /// Origin of the numbers.
+    pub basis: String,
+}
+
+/// The material and the origin of its numbers.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MaterialNote {
+    /// Name.
+    pub name: String,
+    /// Source of the measurements.
+    pub source: String,
+    /// Whether the height map of the area law is synthetic.
+    pub synthetic_surface: bool,
+}
+
+/// Input of a process sheet other than the layout.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ProcessInput {
+    /// Name of the design.
+    pub name: String,
+    /// Version of the program that made the design.
+    pub version: String,
+    /// Schema of the sheet.
+    pub schema: u32,
+    /// Seed of the design.
+    pub seed: u64,
+    /// The laser.
+    pub laser: Laser,
+    /// Tolerances that the design assumes, if it does.
+    pub tolerances: Option<Tolerances>,
+    /// The material.
+    pub material: MaterialNote,
+}
+
+/// The process sheet. Lengths are rounded to one nanometre, derived numbers to six digits.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ProcessSheet {
+    /// Name of the design.
+    pub name: String,
+    /// Program that made the sheet.
+    pub program: String,
+    /// Version of the program.
+    pub version: String,
+    /// Schema of the file.
+    pub schema: u32,
+    /// Seed of the design.
+    pub seed: u64,
+    /// Effects that the prediction leaves out.
+    pub not_modelled: Vec<String>,
+    /// The pattern.
+    pub pattern: PatternSheet,
+    /// Tolerances that the design assumes, if it does.
+    pub tolerances: Option<Tolerances>,
+    /// The specimen and the cavities on it.
+    pub specimen: SpecimenSheet,
+    /// The laser, as given.
+    pub laser: Laser,
+    /// Bursts, lines, passes and time.
+    pub work: WorkSheet,
+    /// The material.
+    pub material: MaterialNote,
+}
+
+/// Dimensions of the pattern.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PatternSheet {
+    /// `groove`, `square`, `rectangle`, `disc`, `polygon` or `crosshatch`.
+    pub planform: String,
+    /// Width of a cavity along a row, in um; the diameter of a disc. Rows run along the sliding direction unless an
+    /// angle is given.
+    pub width_um: f64,
+    /// Gap between the cavities of a row, in um.
+    pub spacing_um: f64,
+    /// Period of a row, width + spacing, in um.
+    pub pitch_um: f64,
+    /// Length of a rectangle across the rows, in um.
+    pub length_um: Option<f64>,
+    /// Corners of a polygon as `[x, y]` from the middle of its bounding box, anticlockwise, in um.
+    pub vertices_um: Option<Vec<[f64; 2]>>,
+    /// Gap between rows, in um, if the distance of rows is not the pitch.
+    pub spacing_across_um: Option<f64>,
+    /// Distance of rows, in um, if it is not the pitch.
+    pub pitch_across_um: Option<f64>,
+    /// `staggered` or `hexagonal`, if rows are shifted.
+    pub arrangement: Option<String>,
+    /// Orientation of grooves on the specimen, from lying across x, anticlockwise, in degrees.
+    pub angle_deg: Option<f64>,
+    /// Angle from the first to the second family of crossing grooves, anticlockwise, in degrees.
+    pub crossing_angle_deg: Option<f64>,
+    /// Sliding direction from x, anticlockwise, in degrees.
+    pub sliding_angle_deg: Option<f64>,
+    /// Depth, in um.
+    pub depth_um: f64,
+    /// Height of the rims at the edges of cavities of this depth, in um, if there are rims.
+    pub rim_height_um: Option<f64>,
+    /// Standard deviation of heights from rim to rim, in um, if they scatter.
+    pub rim_height_std_um: Option<f64>,
+    /// Width of the rims, in um.
+    pub rim_width_um: Option<f64>,
+    /// Profile of rims from the edge outward: `round`, `flat` or `ramp`.
+    pub rim_profile: Option<String>,
+    /// Origin of the rim dimensions.
+    pub rim_basis: Option<String>,
+    /// Areal density of the infinite pattern.
+    pub areal_density: f64,
+}
+
+/// The specimen and the cavities on it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SpecimenSheet {
+    /// `disc`, `rectangle` or `ring`.
+    pub shape: String,
+    /// Diameter of a disc, in mm.
+    pub diameter_mm: Option<f64>,
+    /// Length of a rectangle along x, in mm.
+    pub length_mm: Option<f64>,
+    /// Width of a rectangle along y, in mm.
+    pub width_mm: Option<f64>,
+    /// Outer diameter of a ring, in mm.
+    pub outer_diameter_mm: Option<f64>,
+    /// Diameter of the hole of a ring, in mm.
+    pub inner_diameter_mm: Option<f64>,
+    /// Treatment of cavities that cross the border.
+    pub at_the_rim: String,
+    /// Arrangement of the cavities.
+    pub arrangement: String,
+    /// Number of cavities.
+    pub cavities: usize,
+    /// Fraction of the specimen's face that is cavity.
+    pub areal_density: f64,
+    /// Area of all cavities, in mm^2.
+    pub cavity_area_mm2: f64,
+    /// Volume of all cavities, with walls as made by the laser, in mm^3.
+    pub cavity_volume_mm3: f64,
+}
+
+impl From<&Pattern> for PatternSheet {
+    fn from(pattern: &Pattern) -> Self {
+        let texture = pattern.texture();
+        let given = |angle_deg: f64| Some(round_decimals(angle_deg, ANGLE_DECIMALS)).filter(|_| angle_deg != 0.0);
+        let rim = texture.rim().filter(|rim| rim.stands());
+        let apart_m = pattern.pitch_across_m().filter(|&pitch_m| pitch_m != pattern.pitch_m());
+        Self {
+            planform: pattern.planform().name().to_owned(),
+            width_um: micrometres(pattern.width_m()),
+            spacing_um: micrometres(pattern.spacing_m()),
+            pitch_um: micrometres(pattern.pitch_m()),
+            length_um: texture.length_m().map(micrometres),
+            vertices_um: texture.outline().map(|outline| {
+                let at_um = |vertex: &[f64; 2]| vertex.map(|share| micrometres(share * pattern.width_m()));
+                outline.vertices().iter().map(at_um).collect()
+            }),
+            spacing_across_um: apart_m.and(pattern.spacing_across_m()).map(micrometres),
+            pitch_across_um: apart_m.map(micrometres),
+            arrangement: (texture.arrangement() != Arrangement::Square)
+                .then(|| texture.arrangement().name().to_owned()),
+            angle_deg: given(texture.groove_angle_deg()),
+            crossing_angle_deg: texture.crossing_angle_deg().map(|angle_deg| round_decimals(angle_deg, ANGLE_DECIMALS)),
+            sliding_angle_deg: given(texture.sliding_angle_deg()),
+            depth_um: micrometres(pattern.depth_m()),
+            rim_height_um: rim.map(|_| micrometres(pattern.rim_height_m())),
+            rim_height_std_um: rim.map(|rim| micrometres(rim.height_std_m())).filter(|std_um| *std_um > 0.0),
+            rim_width_um: rim.map(|rim| micrometres(rim.width_m())),
+            rim_profile: rim.map(|rim| rim.profile().name().to_owned()),
+            rim_basis: rim.map(|_| RIM_BASIS.to_owned()),
+            areal_density: round_digits(pattern.areal_density(), DERIVED_DIGITS),
+        }
+    }
+}
+
+impl ProcessSheet {
+    /// Creates the sheet for `layout`.
+    ///
+    /// # Errors
+    /// [`ExportError::NotPositive`] if a given laser parameter or tolerance is not positive.
+    pub fn new(layout: &Layout, input: ProcessInput) -> Result<Self, ExportError> {
+        let ProcessInput { name, version, schema, seed, laser, tolerances, material } = input;
+        laser.validate()?;
+        if let Some(tolerances) = &tolerances {
+            tolerances.validate()?;
+        }
+        let pattern = layout.pattern();
+        let rim = pattern.texture().rim().filter(|rim| rim.stands());
+        let none = [None; 3];
+        let (diameter_m, [length_m, width_m, _], [outer_m, inner_m, _]) = match *layout.outline() {
+            Outline::Disc { diameter_m } => (Some(diameter_m), none, none),
+            Outline::Rectangle { length_m, width_m } => (None, [Some(length_m), Some(width_m), None], none),
+            Outline::Ring { outer_diameter_m, inner_diameter_m } => {
+                (None, none, [Some(outer_diameter_m), Some(inner_diameter_m), None])
+            }
+        };
+        Ok(Self {
+            name,
+            program: "slipgrid".to_owned(),
+            version,
+            schema,
+            seed,
+            not_modelled: not_modelled(rim.is_some()).map(str::to_owned).to_vec(),
+            pattern: PatternSheet::from(pattern),
+            tolerances,
+            specimen: SpecimenSheet {
+                shape: layout.outline().name().to_owned(),
+                diameter_mm: diameter_m.map(millimetres),
+                length_mm: length_m.map(millimetres),
+                width_mm: width_m.map(millimetres),
+                outer_diameter_mm: outer_m.map(millimetres),
+                inner_diameter_mm: inner_m.map(millimetres),
+                at_the_rim: if layout.is_clipped() { "cavities are cut" } else { "whole cavities only" }.to_owned(),
+                arrangement: arrangement(layout),
+                cavities: layout.cavities(),
+                areal_density: round_digits(layout.areal_density(), DERIVED_DIGITS),
+                cavity_area_mm2: round_digits(layout.cavity_area_m2() * 1e6, DERIVED_DIGITS),
+                cavity_volume_mm3: round_digits(removed_volume_m3(layout, &laser) * 1e9, DERIVED_DIGITS),
+            },
+            laser,
+            work: WorkSheet::new(layout, &laser),
+            material,
+        })
+    }
+
+    /// Formats the sheet as TOML.
+    ///
+    /// # Errors
+    /// [`ExportError::Unwritable`] if TOML cannot hold a value.
+    pub fn to_toml(&self) -> Result<String, ExportError> {
+        let body = toml::to_string(self).map_err(|error| ExportError::Unwritable { reason: error.to_string() })?;
+        let sliding = match self.pattern.sliding_angle_deg {
+            None => "x is the sliding direction".to_owned(),
+            Some(angle_deg) => format!("The sliding direction lies {angle_deg} degrees from x, anticlockwise"),
+        };
+        Ok(format!("# Process sheet. {sliding}; units stand in the keys.\n{body}"))
+    }
+}
+
+impl Tolerances {
+    fn validate(&self) -> Result<(), ExportError> {
+        given([
+            ("tolerance width_um", self.width_um),
+            ("tolerance spacing_um", self.spacing_um),
+            ("tolerance depth_um", self.depth_um),
+        ])
+    }
+}
+
+/// Checks that the given numbers are positive.
+fn given<const N: usize>(numbers: [(&'static str, Option<f64>); N]) -> Result<(), ExportError> {
+    for (quantity, value) in numbers {
+        if let Some(value) = value {
+            positive(quantity, value)?;
+        }
+    }
+    Ok(())
+}
+
+fn arrangement(layout: &Layout) -> String {
+    let pattern = layout.pattern();
+    let ends = if layout.is_clipped() { "each cut at the rim" } else { "each as long as fits whole on the specimen" };
+    match pattern.planform() {
+        Planform::Groove => {
+            format!("grooves {}, one through the centre, {ends}", groove_direction(pattern.texture()))
+        }
+        Planform::Crosshatch => format!(
+            "{}, one of each family through the centre, {ends}; where they cross the first family is cut, the second ends at its walls",
+            groove_direction(pattern.texture())
+        ),
+        _ if layout.is_clipped() => format!("{}, one cavity on the centre, cut at the rim", lattice(pattern)),
+        _ => format!("{}, one cavity on the centre, only whole cavities", lattice(pattern)),
+    }
+}
+
+/// Volume of all cavities with sloping walls, in cubic metres.
+pub(crate) fn removed_volume_m3(layout: &Layout, laser: &Laser) -> f64 {
+    let depth_m = layout.pattern().depth_m();
+    let inset_m = laser.floor_inset_m(depth_m);
+    if inset_m == 0.0 {
+        return layout.cavity_volume_m3();
+    }
+    // Area is quadratic in depth for walls of constant slope, so that d/6 (A_0 + 4 A_1/2 + A_1) is exact.
+    let area_m2 = |cavity: &Cavity, share: f64| cavity.inset(share * inset_m, 0.0).map_or(0.0, |at| at.area_m2());
+    let six_m2 = |cavity: Cavity| cavity.area_m2() + 4.0 * area_m2(&cavity, 0.5) + area_m2(&cavity, 1.0);
+    // All complete polygons are equal, and the area inside their walls takes time to integrate.
+    let mut whole_m2 = None;
+    let each_m2 = |cavity: Cavity| {
+        if cavity.face.is_some() && cavity.cut_by.is_none() {
+            *whole_m2.get_or_insert_with(|| six_m2(cavity))
+        } else {
+            six_m2(cavity)
+        }
+    };
+    layout.iter().map(each_m2).sum::<f64>() * depth_m / 6.0
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,317 @@
+//! Depth removed by passes over the lines of a hatch.
+//!
+//! A pulse removes the depth d over the area of the spot, whose diameter is s. Pulses are p = v / f apart along lines,
+//! which stay half a spot inside a cavity's edge. The number of pulses that reach a point x is the length of the lines
+//! within half a spot of x, divided by p:
+//!
+//! ```text
+//! z(x) = N (d / p) sum over lines of length(line within s/2 of x)
+//! V = integral of z = N (d / p) (pi/4) s^2 L          L the length of all lines, N passes
+//! ```
+//!
+//! For an infinite hatch with the line distance h, z is N d (pi/4) s^2 / (p h). In a cavity, depth increases from zero
+//! at the edge over the width of a spot, and evenly spaced lines may be closer than h.
+
+use serde::{Deserialize, Serialize};
+
+use crate::export::cavity::Cavity;
+use crate::export::marking::length_m;
+use crate::export::number::{DERIVED_DIGITS, MICROMETRE_DECIMALS, decimal, micrometres, round_decimals, round_digits};
+use crate::export::process::removed_volume_m3;
+use crate::export::unreached;
+use crate::export::{Laser, Layout, Line, Marking};
+
+/// Range of a cavity's width that counts as its middle, as fractions.
+const MIDDLE_RANGE: [f64; 2] = [1.0 / 3.0, 2.0 / 3.0];
+/// Number of points at which a part of a cavity's width is sampled.
+const SAMPLE_POINTS: u32 = 400;
+/// Number of bins between the edge and the middle of a cavity that a sheet lists.
+const LISTED_BINS: u32 = 8;
+/// Relative deviation from the depth of the design that causes a warning.
+pub(crate) const WARNED_DEVIATION: f64 = 0.05;
+/// Relative tolerance for equal lengths of lines.
+const LENGTH_TOLERANCE: f64 = 1e-9;
+/// Maximum number of passes.
+const MAX_PASSES: f64 = 1e9;
+
+/// Depth removed by passes over the lines of a hatch, and the number of passes for a depth.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Removal {
+    /// Passes over every line, chosen for the best match with the depth of the design in the middle third of a cavity's
+    /// width, where depth is measured.
+    pub passes: u32,
+    /// Depth removed by one pass in the middle third.
+    pub depth_per_pass_um: f64,
+    /// Depth removed by all passes in the middle third.
+    pub depth_um: f64,
+    /// Mean depth over the cavities including edges: removed volume over area.
+    pub mean_depth_um: f64,
+    /// Distance from a cavity's edge over which depth increases from zero to that in the middle: one spot.
+    pub edge_ramp_um: f64,
+    /// Speed at which this number of passes makes the depth of the design; omitted if pulses would be farther apart
+    /// than the spot is wide.
+    pub speed_for_depth_mm_s: Option<f64>,
+    /// Deviations by more than 5 % from the depth of the design, with remedies.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub warnings: Vec<String>,
+}
+
+impl Removal {
+    /// Computes the removal for all cavities of `layout`; `None` if passes over lines do not give the depth, or if
+    /// laser parameters are missing.
+    #[must_use]
+    pub fn new(layout: &Layout, laser: &Laser) -> Option<Self> {
+        laser.depth_step_um().filter(|_| laser.bursts_per_pass().is_some())?;
+        Hatched::new(layout, &Marking::new(laser).ok()?).removal(layout, laser)
+    }
+
+    /// Describes the depth that the passes remove.
+    #[must_use]
+    pub fn words(&self) -> String {
+        let um = |depth_um: f64| decimal((100.0 * depth_um).round() / 100.0, 2);
+        let passes = f64::from(self.passes.max(1));
+        let [middle, mean] = [um(self.depth_per_pass_um), um(self.mean_depth_um / passes)];
+        let each =
+            format!("a pass removes {middle} um in the middle of a cavity and {mean} um on average with its edges");
+        match self.passes {
+            0 | 1 => each,
+            _ => format!("{each}; all make {} um and {} um", um(self.depth_um), um(self.mean_depth_um)),
+        }
+    }
+}
+
+/// Lines on a specimen.
+pub(crate) struct Hatched {
+    pub(crate) lines: u64,
+    pub(crate) length_m: f64,
+    /// Smallest and largest distance between neighbouring lines in a cavity, in metres; `None` if no cavity has two
+    /// lines.
+    pub(crate) apart_m: Option<[f64; 2]>,
+    /// Distance between neighbouring lines in the cavity with the greatest length of lines, in metres; the largest if
+    /// its parts differ.
+    pub(crate) one_apart_m: Option<f64>,
+    /// Number and area, in square metres, of cavities without a line.
+    bare: (u32, f64),
+    /// The cavity with the greatest length of lines, a complete one if possible; `None` if all lines have zero length.
+    one: Option<Cavity>,
+    /// Lines of this cavity.
+    lines_of_one: Vec<Line>,
+    /// Radius of the spot, in metres.
+    half_spot_m: f64,
+    /// Section along which depth is sampled.
+    section: Option<Section>,
+}
+
+/// Straight section across a cavity from edge to edge, through the middle of its longest line and at right angles to
+/// it.
+struct Section {
+    from_m: [f64; 2],
+    /// Unit vector.
+    across: [f64; 2],
+    width_m: f64,
+}
+
+impl Hatched {
+    pub(crate) fn new(layout: &Layout, marking: &Marking) -> Self {
+        let (mut lines, mut length, mut most_m, mut lines_of_one) = (0, 0.0, 0.0, None);
+        let mut apart_m: Option<[f64; 2]> = None;
+        let mut one_apart_m = None;
+        let mut bare = (0, 0.0);
+        for cavity in layout.iter() {
+            let (own, distances_m) = marking.fill(&cavity);
+            for &at_m in &distances_m {
+                let [least_m, most_m] = apart_m.unwrap_or([at_m; 2]);
+                apart_m = Some([least_m.min(at_m), most_m.max(at_m)]);
+            }
+            let own_m: f64 = own.iter().map(length_m).sum();
+            if own.is_empty() {
+                bare = (bare.0 + 1, bare.1 + cavity.area_m2());
+            }
+            lines += own.len() as u64;
+            length += own_m;
+            if own_m > most_m * (1.0 + LENGTH_TOLERANCE) {
+                (most_m, lines_of_one) = (own_m, Some((cavity, own)));
+                one_apart_m = distances_m.into_iter().reduce(f64::max);
+            }
+        }
+        let section =
+            lines_of_one.as_ref().and_then(|(cavity, own)| Section::across(cavity, own, marking.direction(cavity)));
+        let half_spot_m = marking.spot_compensation_m();
+        let (one, lines_of_one) = lines_of_one.map_or_else(Default::default, |(cavity, own)| (Some(cavity), own));
+        Self { lines, length_m: length, apart_m, one_apart_m, bare, one, lines_of_one, half_spot_m, section }
+    }
+
+    /// Warnings about areas that the spot does not reach.
+    pub(crate) fn unreached_warnings(&self, layout: &Layout) -> Vec<String> {
+        let of = |one| unreached::warnings(layout, self.half_spot_m, self.bare, one, &self.lines_of_one);
+        self.one.as_ref().map_or_else(Vec::new, of)
+    }
+
+    /// Mean, over a part of the section given by fractions of its width, of the sum over lines of `of` their length
+    /// within half a spot of a point, in metres.
+    fn mean_of_lines(&self, section: &Section, [from, to]: [f64; 2], of: fn(f64) -> f64) -> f64 {
+        let at_point = |k: u32| -> f64 {
+            let at_m = section.width_m * (from + (to - from) * (f64::from(k) + 0.5) / f64::from(SAMPLE_POINTS));
+            let at = [0, 1].map(|axis| section.from_m[axis] + at_m * section.across[axis]);
+            self.lines_of_one.iter().map(|line| of(within_m(line, at, self.half_spot_m))).sum()
+        };
+        (0..SAMPLE_POINTS).map(at_point).sum::<f64>() / f64::from(SAMPLE_POINTS)
+    }
+
+    /// Mean total length of lines within half a spot of a point, in metres.
+    fn mean_reach_m(&self, section: &Section, shares: [f64; 2]) -> f64 {
+        self.mean_of_lines(section, shares, |within_m| within_m)
+    }
+
+    /// Mean number of lines within half a spot of a point, over the middle third from edge to edge; `None` without a
+    /// section.
+    pub(crate) fn exposures(&self) -> Option<f64> {
+        let is_within = |within_m: f64| if within_m > 0.0 { 1.0 } else { 0.0 };
+        Some(self.mean_of_lines(self.section.as_ref()?, MIDDLE_RANGE, is_within))
+    }
+
+    /// Depth profile of `passes` between an edge and the middle, in um: distance from the edge at the end of each bin,
+    /// and mean depth in the bin.
+    pub(crate) fn across_um(&self, laser: &Laser, passes: u32) -> Option<Vec<[f64; 2]>> {
+        let section = self.section.as_ref()?;
+        let scale = f64::from(passes) * laser.depth_per_burst_um? / laser.pulse_distance_um()?;
+        let share = |k: u32| 0.5 * f64::from(k) / f64::from(LISTED_BINS);
+        let up_to = |k: u32| {
+            let depth_m = scale * self.mean_reach_m(section, [share(k - 1), share(k)]);
+            [micrometres(section.width_m * share(k)), micrometres(depth_m)]
+        };
+        Some((1..=LISTED_BINS).map(up_to).collect())
+    }
+
+    /// Volume removed by `passes`, in cubic metres.
+    pub(crate) fn volume_m3(&self, laser: &Laser, passes: u32) -> Option<f64> {
+        let spot_m2 = std::f64::consts::PI * self.half_spot_m * self.half_spot_m;
+        // V = N (d / p) (pi/4) s^2 L
+        let per_length = laser.depth_per_burst_um? / laser.pulse_distance_um()?;
+        Some(f64::from(passes) * per_length * spot_m2 * self.length_m)
+    }
+
+    pub(crate) fn removal(&self, layout: &Layout, laser: &Laser) -> Option<Removal> {
+        let (burst_um, pulse_um, speed_mm_s) =
+            (laser.depth_per_burst_um?, laser.pulse_distance_um()?, laser.speed_mm_s?);
+        let design_um = layout.pattern().depth_m() * 1e6;
+        let middle_m = self.section.as_ref().map(|section| self.mean_reach_m(section, MIDDLE_RANGE));
+        let Some(reach_m) = middle_m.filter(|mean_m| *mean_m > 0.0) else {
+            // Lines have zero length: only the depth of an infinite hatch is known.
+            let passes = (design_um / laser.depth_step_um()?).round().clamp(1.0, MAX_PASSES) as u32;
+            let warnings = vec![NO_LINES.to_owned()];
+            return Some(Removal { passes, edge_ramp_um: laser.spot_um?, warnings, ..Removal::default() });
+        };
+        // z / N = (d / p) <length of lines within s/2>
+        let per_pass_um = burst_um / pulse_um * reach_m * 1e6;
+        // At most a billion, so that the cast cannot overflow.
+        let passes = (design_um / per_pass_um).round().clamp(1.0, MAX_PASSES) as u32;
+        let made_um = f64::from(passes) * per_pass_um;
+        let area_m2 = layout.cavity_area_m2();
+        let mean_um = self.volume_m3(laser, passes)? / area_m2 * 1e6;
+        // z is proportional to 1 / v
+        let speed = speed_mm_s * made_um / design_um;
+        let are_pulses_close = speed / speed_mm_s * pulse_um <= laser.spot_um? * (1.0 + LENGTH_TOLERANCE);
+        let speed_for_depth_mm_s = are_pulses_close.then(|| round_digits(speed, DERIVED_DIGITS));
+        let mut warnings = self.unreached_warnings(layout);
+        let off = |made_um: f64, wanted_um: f64| {
+            let share = made_um / wanted_um - 1.0;
+            (share.abs() > WARNED_DEVIATION).then(|| format!("{:+.0} %", 100.0 * share))
+        };
+        let pass_words = if passes == 1 { "1 pass makes".to_owned() } else { format!("{passes} passes make") };
+        if let Some(off) = off(made_um, design_um) {
+            let how = speed_for_depth_mm_s.map_or_else(
+                || "a lower fluence makes passes finer".to_owned(),
+                |speed| format!("{} mm/s instead of {speed_mm_s} makes it right", decimal(speed, 1)),
+            );
+            warnings.push(format!(
+                "{pass_words} {} um in the middle of a cavity, {off} of the design's {} um: {how}",
+                decimal(made_um, 1),
+                decimal(design_um, 1)
+            ));
+        }
+        let wanted_um = removed_volume_m3(layout, laser) / area_m2 * 1e6;
+        if let Some(off) = off(mean_um, wanted_um) {
+            let what = if mean_um < wanted_um {
+                let more = (wanted_um / mean_um * f64::from(passes)).round();
+                let more = if more > f64::from(passes) {
+                    format!(
+                        "; {more} passes come nearest to it, with {} um in the middle",
+                        decimal(more * per_pass_um, 1)
+                    )
+                } else {
+                    String::new()
+                };
+                format!(
+                    "depth grows over one spot, {} um, from the edge of a cavity; a smaller spot or wider cavities have steeper walls{more}",
+                    decimal(2e6 * self.half_spot_m, 1)
+                )
+            } else {
+                "lines lie nearer to each other than the hatch, to fit into a cavity".to_owned()
+            };
+            let (mean, wanted) = (decimal(mean_um, 1), decimal(wanted_um, 1));
+            warnings
+                .push(format!("the mean depth over cavities is {mean} um, {off} of the design's {wanted} um: {what}"));
+        }
+        Some(Removal {
+            passes,
+            depth_per_pass_um: round_decimals(per_pass_um, MICROMETRE_DECIMALS),
+            depth_um: round_decimals(made_um, MICROMETRE_DECIMALS),
+            mean_depth_um: round_decimals(mean_um, MICROMETRE_DECIMALS),
+            edge_ramp_um: laser.spot_um?,
+            speed_for_depth_mm_s,
+            warnings,
+        })
+    }
+}
+
+/// Warning for cavities as small as the spot.
+const NO_LINES: &str = "lines of no length are left in a cavity as small as the spot, on which a moving laser gives no pulse: a smaller \
+                        spot, wider cavities, or bursts on the spot (without speed_mm_s) make it";
+
+impl Section {
+    fn across(cavity: &Cavity, lines: &[Line], [dx, dy]: [f64; 2]) -> Option<Self> {
+        let longest = lines.iter().fold(None, |longest: Option<&Line>, line| match longest {
+            Some(other) if length_m(line) <= length_m(other) * (1.0 + LENGTH_TOLERANCE) => Some(other),
+            _ => Some(line),
+        })?;
+        let middle = [0, 1].map(|axis| f64::midpoint(longest[0][axis], longest[1][axis]));
+        let across = [-dy, dx];
+        let place = |[x_m, y_m]: [f64; 2]| (x_m * dx + y_m * dy, y_m * dx - x_m * dy);
+        let (along_m, at_m) = place(middle);
+        let [from_m, to_m] = if let Some(face) = &cavity.face {
+            // The left side of the direction across is backwards along the lines.
+            let spans_m = face.spans_m(across, -along_m);
+            spans_m.into_iter().find(|[from_m, to_m]| (*from_m..=*to_m).contains(&at_m))?
+        } else {
+            let (centre_along_m, centre_m) = place([cavity.centre_x_m, cavity.centre_y_m]);
+            let half_m = match cavity.planform {
+                slipgrid_model::pattern::Planform::Disc => {
+                    let (radius_m, off_m) = (cavity.width_m / 2.0, along_m - centre_along_m);
+                    ((radius_m - off_m) * (radius_m + off_m)).max(0.0).sqrt()
+                }
+                _ => cavity.width_m.min(cavity.length_m) / 2.0,
+            };
+            [centre_m - half_m, centre_m + half_m]
+        };
+        let from = [along_m * dx - from_m * dy, along_m * dy + from_m * dx];
+        Some(Self { from_m: from, across, width_m: to_m - from_m })
+    }
+}
+
+/// Length of the part of a line within `radius_m` of a point, in metres.
+fn within_m([from, to]: &Line, [x_m, y_m]: [f64; 2], radius_m: f64) -> f64 {
+    let length = length_m(&[*from, *to]);
+    if length == 0.0 {
+        return 0.0;
+    }
+    let [ex, ey] = [(to[0] - from[0]) / length, (to[1] - from[1]) / length];
+    let (dx_m, dy_m) = (x_m - from[0], y_m - from[1]);
+    let (along_m, off_m) = (dx_m * ex + dy_m * ey, dy_m * ex - dx_m * ey);
+    let half_m = ((radius_m - off_m) * (radius_m + off_m)).max(0.0).sqrt();
+    ((along_m + half_m).min(length) - (along_m - half_m).max(0.0)).max(0.0)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,174 @@
+//! Formulae compared with single pulses.
+
+use super::*;
+use crate::export::layout::every_kind;
+use crate::export::{MaterialNote, Outline, ProcessInput, ProcessSheet};
+use slipgrid_model::pattern::{Pattern, Planform, Texture};
+
+/// Removes 35.343 um in two passes over an infinite hatch: (pi/4) 30^2 / (4 8) x 0.8 um each.
+const NARROW: Laser = laser(30.0, 8.0, 200.0, 0.8);
+
+const fn laser(spot_um: f64, hatch_um: f64, speed_mm_s: f64, burst_um: f64) -> Laser {
+    Laser {
+        spot_um: Some(spot_um),
+        depth_per_burst_um: Some(burst_um),
+        repetition_hz: Some(50e3),
+        speed_mm_s: Some(speed_mm_s),
+        hatch_um: Some(hatch_um),
+        ..Laser::UNKNOWN
+    }
+}
+
+fn laid(texture: impl Into<Texture>, [width_um, spacing_um, depth_um]: [f64; 3]) -> Layout {
+    let pattern = Pattern::new(texture, width_um * 1e-6, spacing_um * 1e-6, depth_um * 1e-6).unwrap();
+    Layout::new(pattern, Outline::Rectangle { length_m: 1.2e-3, width_m: 1e-3 }).unwrap()
+}
+
+/// Positions of the pulses in one pass over `lines`, at a constant distance along the path, which continues from line
+/// to line.
+fn pulses(lines: &[Line], pulse_m: f64) -> Vec<[f64; 2]> {
+    let (mut next_m, mut places) = (0.5 * pulse_m, Vec::new());
+    for line in lines {
+        let length = length_m(line);
+        while next_m < length {
+            places.push([0, 1].map(|axis| line[0][axis] + next_m / length * (line[1][axis] - line[0][axis])));
+            next_m += pulse_m;
+        }
+        next_m -= length;
+    }
+    places
+}
+
+#[test]
+fn depths_are_what_pulses_remove_one_by_one() {
+    for (texture, lengths_um, laser) in [
+        (Texture::new(Planform::Groove), [30.0, 60.0, 35.343], NARROW),
+        (Texture::new(Planform::Groove), [69.9, 80.1, 35.343], laser(40.0, 8.0, 200.0, 0.45)),
+        (Texture::new(Planform::Groove), [200.0, 100.0, 20.0], laser(20.0, 10.0, 100.0, 0.2)),
+        (Texture::new(Planform::Square), [130.0, 170.0, 12.0], laser(23.0, 11.5, 4.6 * 50.0, 0.2)),
+        (Texture::new(Planform::Disc), [130.0, 170.0, 12.0], laser(23.0, 11.5, 4.6 * 50.0, 0.2)),
+    ] {
+        let layout = laid(texture, lengths_um);
+        let removal = Removal::new(&layout, &laser).unwrap();
+        let marking = Marking::new(&laser).unwrap();
+        let (pulse_m, spot_m) = (laser.pulse_distance_um().unwrap() * 1e-6, laser.spot_um.unwrap() * 1e-6);
+        // One volume per pulse, divided by the area of the cavities.
+        let all: Vec<Line> = layout.iter().flat_map(|cavity| marking.lines(&cavity)).collect();
+        let pulse_m3 = std::f64::consts::FRAC_PI_4 * spot_m * spot_m * laser.depth_per_burst_um.unwrap() * 1e-6;
+        let volume_m3 = f64::from(removal.passes) * pulse_m3 * pulses(&all, pulse_m).len() as f64;
+        let mean_um = volume_m3 / layout.cavity_area_m2() * 1e6;
+        assert!((removal.mean_depth_um / mean_um - 1.0).abs() < 2e-3, "{texture:?}: {removal:?}, {mean_um}");
+        // Pulses that reach points in the middle third of a cavity's width, close to the middle of its length, for 200
+        // passes with random starts.
+        let cavity = layout.iter().next().unwrap();
+        let [dx, dy] = marking.direction(&cavity);
+        let width_m = cavity.width_m.min(cavity.length_m);
+        let centre_m = [cavity.centre_x_m, cavity.centre_y_m];
+        let mut places = pulses(&marking.lines(&cavity), pulse_m / 200.0);
+        places.retain(|[x_m, y_m]| ((x_m - centre_m[0]) * dx + (y_m - centre_m[1]) * dy).abs() <= spot_m / 2.0);
+        let mut reached = 0;
+        for k in 0..200 {
+            let across_m = width_m / 3.0 * ((f64::from(k) + 0.5) / 200.0 - 0.5);
+            let at = [centre_m[0] - across_m * dy, centre_m[1] + across_m * dx];
+            let are_pulses_close = |place: &&[f64; 2]| (place[0] - at[0]).hypot(place[1] - at[1]) <= spot_m / 2.0;
+            reached += places.iter().filter(are_pulses_close).count();
+        }
+        let per_pass_um = reached as f64 / 200.0 / 200.0 * laser.depth_per_burst_um.unwrap();
+        assert!(
+            (removal.depth_per_pass_um / per_pass_um - 1.0).abs() < 5e-3,
+            "{texture:?}: {removal:?}, {per_pass_um}"
+        );
+        // The nearest integer number of passes.
+        assert!((removal.depth_um - lengths_um[2]).abs() <= 0.5 * removal.depth_per_pass_um + 1e-3, "{removal:?}");
+    }
+}
+
+/// One line fills a groove as wide as the spot: an infinite hatch of closer lines removes far more.
+#[test]
+fn a_narrow_groove_gets_the_passes_that_its_one_line_needs_and_a_warning() {
+    let layout = laid(Planform::Groove, [30.0, 60.0, 35.343]);
+    let removal = Removal::new(&layout, &NARROW).unwrap();
+    // 0.8 um / 4 um times the mean chord over |y| < 5 um of a spot of 30 um, 2 (F(5) - F(0)) / 5, F = (y sqrt(225 -
+    // y^2) + 225 asin(y/15)) / 2: 29.436 um.
+    assert!((removal.depth_per_pass_um - 0.2 * 29.436).abs() < 1e-3, "{removal:?}");
+    assert_eq!((removal.passes, removal.depth_um), (6, 35.322));
+    // 6 x 0.2 x (pi/4) 30^2 / 30 um, minus the half spots at the ends of a groove.
+    assert!((removal.mean_depth_um - 1.2 * std::f64::consts::FRAC_PI_4 * 30.0 * 0.97).abs() < 1e-3, "{removal:?}");
+    let said = removal.warnings.join("; ");
+    assert!(said.starts_with("the mean depth over cavities is 27.4 um, -22 % of the design's 35.3 um"), "{said}");
+    assert!(said.ends_with("; 8 passes come nearest to it, with 47.1 um in the middle"), "{said}");
+    assert_eq!(removal.warnings.len(), 1);
+}
+
+/// A flat floor, and edges that take a fiftieth of the cavity: both depths are those of the design.
+#[test]
+fn wide_cavities_are_as_deep_as_an_endless_hatch_says() {
+    let laser = laser(10.0, 5.0, 100.0, 0.1);
+    let step_um = laser.depth_step_um().unwrap();
+    let layout = laid(Planform::Groove, [510.0, 90.0, 4.0 * step_um]);
+    let removal = Removal::new(&layout, &laser).unwrap();
+    assert_eq!((removal.passes, &removal.warnings[..]), (4, &[][..]));
+    assert!((removal.depth_per_pass_um / step_um - 1.0).abs() < 0.01, "{removal:?}");
+    // Volumes of pulses and of cavities agree up to the fraction of the edges, (s - h) / w, and of the ends, s / 1 mm.
+    let input = ProcessInput {
+        name: String::new(),
+        version: String::new(),
+        schema: 1,
+        seed: 1,
+        laser,
+        tolerances: None,
+        material: MaterialNote { name: String::new(), source: String::new(), synthetic_surface: false },
+    };
+    let sheet = ProcessSheet::new(&layout, input).unwrap();
+    let share = sheet.work.removed_volume_mm3.unwrap() / sheet.specimen.cavity_volume_mm3;
+    assert!((share - (1.0 - 5.0 / 510.0) * (1.0 - 10.0 / 1000.0)).abs() < 1e-3, "{share}");
+    let across = sheet.work.depths_across_um.unwrap();
+    assert!(across.len() == 8 && across[0][1] < across[1][1]);
+    // Bins of an eighth of half the width: a flat floor in all but the first, which holds the edge.
+    let ends: Vec<f64> = across.iter().map(|[end_um, _]| *end_um).collect();
+    assert!(ends.iter().zip(1..).all(|(end_um, bin)| (end_um - 31.875 * f64::from(bin)).abs() < 1e-9), "{ends:?}");
+    assert!(
+        sheet
+            .work
+            .depths_across_formula
+            .as_ref()
+            .is_some_and(|said| said.contains("the bin that ends at the distance x"))
+    );
+    assert_eq!(sheet.work.depth_step_um, Some(round_decimals(step_um, MICROMETRE_DECIMALS)));
+    assert!(across[7][0] == 255.0 && (across[7][1] / removal.depth_um - 1.0).abs() < 0.01, "{across:?}");
+    assert_eq!(toml::from_str::<Removal>(&toml::to_string(&removal).unwrap()).unwrap(), removal);
+}
+
+#[test]
+fn a_depth_between_whole_passes_is_said_with_the_speed_that_makes_it() {
+    // Lines of 22 um fit twice into a width of 42 um: 11 um apart, so that a pass removes more than in the hatch.
+    let laser = laser(20.0, 20.0, 200.0, 0.5);
+    let depth_um = laser.depth_step_um().unwrap();
+    let layout = laid(Planform::Groove, [42.0, 60.0, depth_um]);
+    let removal = Removal::new(&layout, &laser).unwrap();
+    assert_eq!(removal.passes, 1);
+    let said = &removal.warnings[0];
+    let speed_mm_s = removal.speed_for_depth_mm_s.unwrap();
+    assert!(
+        said.starts_with("1 pass makes ") && said.contains(&format!("{} mm/s instead of 200", decimal(speed_mm_s, 1)))
+    );
+    let slower = Laser { speed_mm_s: Some(speed_mm_s), ..laser };
+    let mended = Removal::new(&layout, &slower).unwrap();
+    assert!((mended.depth_um / depth_um - 1.0).abs() < 1e-3, "{mended:?}");
+}
+
+#[test]
+fn every_kind_of_cavity_has_its_passes() {
+    let laser = laser(23.0, 15.0, 200.0, 0.2);
+    for texture in every_kind() {
+        let removal = Removal::new(&laid(texture, [131.2, 170.0, 12.0]), &laser).unwrap();
+        assert!(removal.passes > 0 && (removal.depth_um / 12.0 - 1.0).abs() < 0.3, "{texture:?}: {removal:?}");
+        assert!(removal.mean_depth_um < 1.05 * removal.depth_um, "{texture:?}: {removal:?}");
+    }
+    let still = Laser { speed_mm_s: None, ..laser };
+    assert_eq!(Removal::new(&laid(Planform::Square, [131.2, 170.0, 12.0]), &still), None);
+    // The spot has no path left, and gives no pulse on it.
+    let removal = Removal::new(&laid(Planform::Square, [23.0, 170.0, 12.0]), &laser).unwrap();
+    assert_eq!(removal.mean_depth_um, 0.0);
+    assert!(removal.warnings[0].contains("lines of no length"));
+}

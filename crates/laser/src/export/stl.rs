@@ -1,0 +1,141 @@
+//! Removed volume as closed solids: binary STL, millimetres, the face at z = 0.
+//!
+//! 3D Systems' format: 80 bytes of text, the number of triangles, and for each triangle its normal and corners as
+//! single-precision numbers, anticlockwise seen from outside. One shell per cavity (or per part of a cut cavity): lid,
+//! floor and walls. Round cavities are polygons with [`CHORDS`] corners.
+
+use std::io::{self, Write};
+
+use slipgrid_model::pattern::Planform;
+
+use crate::export::{Cavity, ExportError, Heading, Laser, Layout};
+
+/// Number of corners of a round cavity: its area is 0.16 % too small.
+pub const CHORDS: u32 = 64;
+/// Buffer size, in bytes, at which data is written.
+const BLOCK: usize = 1 << 16;
+
+/// Writes the solids of `layout`, with the wall taper of `laser`.
+///
+/// # Errors
+/// Errors of the writer `to`; [`check`] finds layouts that cannot be written.
+pub fn stl(layout: &Layout, laser: &Laser, heading: &Heading, to: &mut dyn Write) -> io::Result<()> {
+    let inset_m = laser.floor_inset_m(layout.pattern().depth_m());
+    let depth_m = layout.pattern().depth_m();
+    // 2 (n - 2) of lid and floor, 2 n of walls.
+    let triangles: u64 =
+        layout.iter().flat_map(|cavity| solids(&cavity, inset_m)).map(|(face, _)| 4 * (face.len() as u64) - 4).sum();
+    let count = u32::try_from(triangles).map_err(|_| io::Error::other("more triangles than STL can count"))?;
+    let mut bytes = Vec::with_capacity(BLOCK + 1024);
+    let text = format!("slipgrid {}: removed volume, mm", heading.version);
+    bytes.extend(text.bytes().chain(std::iter::repeat(b' ')).take(80));
+    bytes.extend(count.to_le_bytes());
+    for cavity in layout.iter() {
+        for (face, floor) in solids(&cavity, inset_m) {
+            let at = |[x_m, y_m]: [f64; 2], z_m: f64| [x_m, y_m, z_m];
+            for [a, b, c] in triangulate(&face) {
+                triangle(&mut bytes, [at(face[a], 0.0), at(face[b], 0.0), at(face[c], 0.0)]);
+                triangle(&mut bytes, [at(floor[a], -depth_m), at(floor[c], -depth_m), at(floor[b], -depth_m)]);
+            }
+            for i in 0..face.len() {
+                let j = (i + 1) % face.len();
+                let (below_i, below_j) = (at(floor[i], -depth_m), at(floor[j], -depth_m));
+                triangle(&mut bytes, [at(face[i], 0.0), below_i, below_j]);
+                triangle(&mut bytes, [at(face[i], 0.0), below_j, at(face[j], 0.0)]);
+            }
+        }
+        if bytes.len() >= BLOCK {
+            to.write_all(&bytes)?;
+            bytes.clear();
+        }
+    }
+    to.write_all(&bytes)
+}
+
+/// Refuses sloping walls that the border cuts, and walls that meet above the floor.
+///
+/// # Errors
+/// [`ExportError::TaperAndCut`]; [`ExportError::TaperToNothing`] for polygons and crossing grooves with a wall that
+/// ends above the floor; errors of [`Laser::check`].
+pub fn check(layout: &Layout, laser: &Laser) -> Result<(), ExportError> {
+    laser.check(layout.pattern())?;
+    let inset_m = laser.floor_inset_m(layout.pattern().depth_m());
+    if inset_m > 0.0 && layout.iter().any(|cavity| cavity.cut_by.is_some()) {
+        return Err(ExportError::TaperAndCut);
+    }
+    let has_floor =
+        |cavity: Cavity| cavity.inset(inset_m, 0.0).is_some_and(|floor| matches(&faces(&cavity), &faces(&floor)));
+    let is_plain = layout.iter().all(|cavity| cavity.face.is_none() && cavity.crossed_by.is_none());
+    if inset_m > 0.0 && !is_plain && !layout.iter().all(has_floor) { Err(ExportError::TaperToNothing) } else { Ok(()) }
+}
+
+/// Whether each part has a floor with the same number of corners.
+fn matches(lids: &[Polygon], floors: &[Polygon]) -> bool {
+    lids.len() == floors.len() && lids.iter().zip(floors).all(|(lid, floor)| lid.len() == floor.len())
+}
+
+/// Corners of a face, anticlockwise, in metres.
+type Polygon = Vec<[f64; 2]>;
+
+/// Faces of the parts of a cavity.
+fn faces(cavity: &Cavity) -> Vec<Polygon> {
+    if cavity.planform == Planform::Disc && cavity.cut_by.is_none() {
+        let corner = |k: u32| {
+            let angle = std::f64::consts::TAU * f64::from(k) / f64::from(CHORDS);
+            let radius_m = cavity.width_m / 2.0;
+            [cavity.centre_x_m + radius_m * libm::cos(angle), cavity.centre_y_m + radius_m * libm::sin(angle)]
+        };
+        return vec![(0..CHORDS).map(corner).collect()];
+    }
+    cavity.boundaries().iter().map(|boundary| boundary.polygon_m()).collect()
+}
+
+/// Lid and floor of the parts of a cavity, with corresponding corners.
+fn solids(cavity: &Cavity, inset_m: f64) -> Vec<(Polygon, Polygon)> {
+    let lids = faces(cavity);
+    let floors = match cavity.inset(inset_m, 0.0) {
+        Some(floor) if inset_m > 0.0 && cavity.cut_by.is_none() => faces(&floor),
+        _ => lids.clone(),
+    };
+    lids.into_iter().zip(floors).collect()
+}
+
+/// Triangulation by ear clipping (Meisters, Am. Math. Monthly 82, 648): corners of each triangle, anticlockwise.
+fn triangulate(polygon: &[[f64; 2]]) -> Vec<[usize; 3]> {
+    let cross = |a: usize, b: usize, c: usize| {
+        let ([xa, ya], [xb, yb], [xc, yc]) = (polygon[a], polygon[b], polygon[c]);
+        (xb - xa) * (yc - ya) - (xc - xa) * (yb - ya)
+    };
+    let mut left: Vec<usize> = (0..polygon.len()).collect();
+    let mut triangles = Vec::with_capacity(polygon.len().saturating_sub(2));
+    let mut start = 0;
+    while left.len() > 3 {
+        let count = left.len();
+        let corner = |k: usize| [left[(k + count - 1) % count], left[k % count], left[(k + 1) % count]];
+        let is_ear = |[a, b, c]: [usize; 3]| {
+            let holds = |p: usize| cross(a, b, p) >= 0.0 && cross(b, c, p) >= 0.0 && cross(c, a, p) >= 0.0;
+            cross(a, b, c) > 0.0 && !left.iter().any(|&p| p != a && p != b && p != c && holds(p))
+        };
+        // Rounding may leave no ear among collinear corners; then any corner is valid.
+        let ear = (start..start + count).find(|&k| is_ear(corner(k))).unwrap_or(start);
+        triangles.push(corner(ear));
+        left.remove(ear % count);
+        start = ear % count;
+    }
+    if let [a, b, c] = left[..] {
+        triangles.push([a, b, c]);
+    }
+    triangles
+}
+
+fn triangle(bytes: &mut Vec<u8>, corners_m: [[f64; 3]; 3]) {
+    let [a, b, c] = corners_m;
+    let (u, v) = ([b[0] - a[0], b[1] - a[1], b[2] - a[2]], [c[0] - a[0], c[1] - a[1], c[2] - a[2]]);
+    let normal = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
+    let size = normal[0].hypot(normal[1]).hypot(normal[2]);
+    let unit = |value: f64| if size > 0.0 { value / size } else { 0.0 };
+    for value in normal.map(unit).into_iter().chain(corners_m.into_iter().flatten().map(|at_m| at_m * 1e3)) {
+        bytes.extend((value as f32).to_le_bytes());
+    }
+    bytes.extend([0, 0]);
+}

@@ -1,0 +1,252 @@
+//! Bursts, lines, passes and time for a layout and a laser.
+
+use serde::{Deserialize, Serialize};
+use slipgrid_model::pattern::Planform;
+
+use crate::export::number::{DERIVED_DIGITS, MICROMETRE_DECIMALS, micrometres, round_decimals, round_digits};
+use crate::export::overlap::Overlap;
+use crate::export::removal::Hatched;
+use crate::export::{Exposure, Laser, Layout, Marking, Removal};
+
+const SPOTS_FORMULA: &str = "ceil(cavity width / spot) * ceil(cavity length / spot): spots edge to edge, the spot taken as a square of that side; \
+     overlap, which a round spot needs for an even floor, adds to it";
+const SPOT_TIME_FORMULA: &str = "spots_on_specimen * bursts_per_cavity / repetition_hz";
+const SPOT_TIME_ASSUMPTIONS: &str =
+    "one burst per spot and repetition; movement between spots and cavities not counted";
+const NO_SPOTS: &str = "none are counted: a mask exposes each cavity as a whole";
+const MASK_TIME_FORMULA: &str = "cavities * bursts_per_cavity / repetition_hz";
+const MASK_TIME_ASSUMPTIONS: &str =
+    "one burst on a whole cavity per repetition, one cavity after the other; movement between cavities not counted";
+const LINE_TIME_FORMULA: &str = "passes * marked_length_mm / speed_mm_s";
+const LINE_TIME_ASSUMPTIONS: &str =
+    "the spot moves at its speed along lines; jumps between lines and cavities, and acceleration, not counted";
+const LINES_FORMULA: &str = "line_distance_um is nominal; within a cavity lines lie evenly from edge to edge, half a spot inside, so that they \
+     are as near as that or nearer: from least_line_distance_um to greatest_line_distance_um, as in hatch.csv";
+const BURSTS_FORMULA: &str = "(pi / 4) spot^2 / (pulse distance * line distance): bursts that reach a point in one pass over an endless hatch, on \
+     average; the line distance is the nominal one";
+const STEP_FORMULA: &str = "depths of designs are whole multiples of this: depth per burst * bursts per pass over lines, depth per burst where each spot is \
+     burnt by itself or a mask exposes whole cavities";
+const ACROSS_FORMULA: &str = "each pair is [x, z]: z is the mean depth, after all passes, over the bin that ends at the distance x from the edge of a \
+     cavity and begins where the bin before ends, the first at the edge; the eight bins are equally wide, and the last ends in \
+     the middle of the cavity";
+const REMOVAL_FORMULA: &str = "z(x) = passes * (depth per burst / pulse distance) * length of lines within half a spot of x; removed volume = passes * \
+     (depth per burst / pulse distance) * (pi / 4) spot^2 * marked length; depth in the middle is the mean of z over the middle \
+     third of a cavity's width, mean depth the removed volume over the area of all cavities";
+
+const OVERLAP_FORMULA: &str = "lines within half a spot of a point, as a mean over the middle third of a cavity's width; where the spot follows these \
+     lines, bursts edge to edge, depth there is depth_of_bursts_um times this";
+
+/// Bursts, lines and time.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct WorkSheet {
+    /// `hatch` or `mask`.
+    pub exposure: Exposure,
+    /// Depth of the smallest exposure, in um: one pass over an infinite hatch, otherwise one burst. Depths of designs
+    /// are multiples of it.
+    pub depth_step_um: Option<f64>,
+    /// Formula for the depth step.
+    pub depth_step_formula: Option<String>,
+    /// Bursts per cavity (on each of its spots, or on the whole cavity with a mask): depth over depth per burst,
+    /// rounded to an integer; absent if passes over lines give the depth.
+    pub bursts_per_cavity: Option<u32>,
+    /// Depth of these bursts, in um.
+    pub depth_of_bursts_um: Option<f64>,
+    /// Standard error of this depth, in um, if the depth per burst was fitted against fluence.
+    pub depth_of_bursts_stderr_um: Option<f64>,
+    /// Mean number of exposures of a point in the middle of a cavity, if bursts are planned on spots and the spot
+    /// follows the lines of `hatch.csv`; absent if lines do not overlap, if passes over lines give the depth, and for a
+    /// mask.
+    pub exposures_of_a_point: Option<f64>,
+    /// Formula for the exposures of a point.
+    pub exposures_of_a_point_formula: Option<String>,
+    /// Depth of these bursts where lines overlap, in um.
+    pub depth_where_lines_overlap_um: Option<f64>,
+    /// Width of a cavity at its floor, if walls slope, in um.
+    pub floor_width_um: Option<f64>,
+    /// Spots that tile a cavity; for grooves on a disc the longest one. Absent for a mask, which exposes whole
+    /// cavities.
+    pub spots_per_cavity: Option<u64>,
+    /// Spots that tile all cavities; absent for a mask.
+    pub spots_on_specimen: Option<u64>,
+    /// Formula for the number of spots.
+    pub spots_formula: String,
+    /// Distance of the spot's centre from a cavity's edge, in um.
+    pub spot_compensation_um: Option<f64>,
+    /// Direction of the lines; absent for a mask.
+    pub marking_direction: Option<String>,
+    /// Line distance setting of the laser, `laser.hatch_um`, in um: nominal, and that of an infinite hatch. Inside a
+    /// cavity lines are spaced evenly from edge to edge, at this distance or closer.
+    pub line_distance_um: Option<f64>,
+    /// Smallest distance between neighbouring lines inside a cavity, in um, as in `hatch.csv`; absent if one line fills
+    /// each cavity.
+    pub least_line_distance_um: Option<f64>,
+    /// Largest distance between neighbouring lines inside a cavity, in um, as in `hatch.csv`; equal to the smallest if
+    /// all cavities are equally wide.
+    pub greatest_line_distance_um: Option<f64>,
+    /// Relation between the three line distances.
+    pub line_distance_formula: Option<String>,
+    /// Overlap of lines at the nominal distance, as a fraction of the spot.
+    pub line_overlap: Option<f64>,
+    /// Number of lines on the specimen; absent for a mask.
+    pub lines_on_specimen: Option<u64>,
+    /// Total length of the lines, in mm; absent for a mask.
+    pub marked_length_mm: Option<f64>,
+    /// Distance between bursts along a line: speed over repetition rate, in um.
+    pub pulse_distance_um: Option<f64>,
+    /// Overlap of bursts, as a fraction of the spot.
+    pub pulse_overlap: Option<f64>,
+    /// Mean number of bursts that reach a point in one pass.
+    pub bursts_per_pass: Option<f64>,
+    /// Formula for the bursts per pass.
+    pub bursts_per_pass_formula: Option<String>,
+    /// Volume removed by all passes, in mm^3.
+    pub removed_volume_mm3: Option<f64>,
+    /// Depth profile of all passes between the edge of a cavity and its middle, in eight equally wide bins: pairs of
+    /// the distance from the edge at which a bin ends, and the mean depth in the bin, both in um.
+    pub depths_across_um: Option<Vec<[f64; 2]>>,
+    /// Explanation of these pairs.
+    pub depths_across_formula: Option<String>,
+    /// Formula for depths from the lines.
+    pub removal_formula: Option<String>,
+    /// Estimated marking time, in s.
+    pub estimated_time_s: Option<f64>,
+    /// Reason for a missing estimate.
+    pub no_estimate_because: Option<String>,
+    /// Formula for the marking time.
+    pub estimated_time_formula: String,
+    /// Assumptions of the estimate.
+    pub estimated_time_assumptions: String,
+    /// Deviations by more than 5 % from the depth of the design where lines overlap, with remedies.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub warnings: Vec<String>,
+    /// Passes over the lines, and the depth that they remove.
+    pub removal: Option<Removal>,
+}
+
+/// Estimated marking time for all cavities of `layout`, in seconds, as on the process sheet; `None` if laser parameters
+/// are missing.
+#[must_use]
+pub fn laser_time_s(layout: &Layout, laser: &Laser) -> Option<f64> {
+    WorkSheet::new(layout, laser).estimated_time_s
+}
+
+impl WorkSheet {
+    pub(crate) fn new(layout: &Layout, laser: &Laser) -> Self {
+        let depth_m = layout.pattern().depth_m();
+        let bursts = laser.bursts(depth_m);
+        let inset_m = laser.floor_inset_m(depth_m);
+        let of_bursts_um = |value: Option<f64>| {
+            bursts
+                .zip(value)
+                .map(|(bursts, depth_um)| round_decimals(f64::from(bursts) * depth_um, MICROMETRE_DECIMALS))
+        };
+        let mut sheet = Self {
+            exposure: laser.exposure.unwrap_or_default(),
+            depth_step_um: laser.depth_step_um().map(|step_um| round_decimals(step_um, MICROMETRE_DECIMALS)),
+            depth_step_formula: laser.depth_step_um().map(|_| STEP_FORMULA.to_owned()),
+            bursts_per_cavity: bursts,
+            depth_of_bursts_um: of_bursts_um(laser.depth_per_burst_um),
+            depth_of_bursts_stderr_um: of_bursts_um(laser.ablation.map(|law| law.depth_per_burst_stderr_um)),
+            floor_width_um: (inset_m > 0.0).then(|| micrometres((layout.pattern().width_m() - 2.0 * inset_m).max(0.0))),
+            spots_formula: match layout.pattern().planform() {
+                _ if laser.is_mask() => NO_SPOTS.to_owned(),
+                Planform::Disc => format!("{SPOTS_FORMULA}; a disc counts as the square around it"),
+                Planform::Polygon => format!("{SPOTS_FORMULA}; a polygon counts as the rectangle around it"),
+                Planform::Crosshatch => {
+                    format!("{SPOTS_FORMULA}; crossings count in both grooves, though they are cut once")
+                }
+                _ => SPOTS_FORMULA.to_owned(),
+            },
+            ..Self::default()
+        };
+        if let Some(spot_um) = laser.spot_um.filter(|_| !laser.is_mask()) {
+            let (longest, sum) = layout.iter().fold((0, 0), |(longest, sum), cavity| {
+                let spots = spots_along(cavity.width_m, spot_um) * spots_along(cavity.length_m, spot_um);
+                (spots.max(longest), sum + spots)
+            });
+            (sheet.spots_per_cavity, sheet.spots_on_specimen) = (Some(longest), Some(sum));
+        }
+        sheet.mark(layout, laser);
+        sheet.estimate(layout, laser);
+        sheet
+    }
+
+    /// Fills in lines, overlaps and passes.
+    fn mark(&mut self, layout: &Layout, laser: &Laser) {
+        // A mask exposes whole cavities, so that there are no lines.
+        let Some(marking) = Marking::new(laser).ok().filter(|_| !laser.is_mask()) else { return };
+        let rounded = |value: f64| round_digits(value, DERIVED_DIGITS);
+        let hatched = Hatched::new(layout, &marking);
+        (self.lines_on_specimen, self.marked_length_mm) = (Some(hatched.lines), Some(rounded(hatched.length_m * 1e3)));
+        self.spot_compensation_um = Some(micrometres(marking.spot_compensation_m()));
+        self.marking_direction = Some(
+            if layout.pattern().planform() == Planform::Crosshatch {
+                "along the grooves, first one family and then the other, whose lines end before the walls of the first where \
+                 their round ends meet: crossings are marked once, and no wall stays at their mouths; every second line backwards"
+            } else {
+                "along the longer side of a cavity, along x where both are alike; every second line backwards"
+            }
+            .to_owned(),
+        );
+        let overlap =
+            |distance_um: Option<f64>| distance_um.zip(laser.spot_um).map(|(d, spot)| rounded(1.0 - d / spot));
+        self.line_distance_um = laser.line_distance_um();
+        let [least_um, greatest_um] = [0, 1].map(|end| hatched.apart_m.map(|apart_m| micrometres(apart_m[end])));
+        (self.least_line_distance_um, self.greatest_line_distance_um) = (least_um, greatest_um);
+        self.line_distance_formula = Some(LINES_FORMULA.to_owned());
+        self.line_overlap = overlap(laser.line_distance_um());
+        if let Some(overlap) = Overlap::from_hatch(layout, laser, &hatched) {
+            self.exposures_of_a_point = Some(rounded(overlap.exposures));
+            self.exposures_of_a_point_formula = Some(OVERLAP_FORMULA.to_owned());
+            self.depth_where_lines_overlap_um = Some(overlap.depth_um);
+            self.warnings.push(overlap.warning());
+        }
+        self.pulse_distance_um = laser.pulse_distance_um().map(rounded);
+        self.pulse_overlap = overlap(laser.pulse_distance_um());
+        self.bursts_per_pass = laser.bursts_per_pass().map(rounded);
+        self.bursts_per_pass_formula = self.bursts_per_pass.map(|_| BURSTS_FORMULA.to_owned());
+        self.removal = hatched.removal(layout, laser);
+        if let Some(passes) = self.removal.as_ref().map(|removal| removal.passes) {
+            self.removed_volume_mm3 = hatched.volume_m3(laser, passes).map(|volume_m3| rounded(volume_m3 * 1e9));
+            self.depths_across_um = hatched.across_um(laser, passes);
+            self.depths_across_formula = self.depths_across_um.as_ref().map(|_| ACROSS_FORMULA.to_owned());
+            self.removal_formula = Some(REMOVAL_FORMULA.to_owned());
+        }
+    }
+
+    fn estimate(&mut self, layout: &Layout, laser: &Laser) {
+        let passes = self.removal.as_ref().map(|removal| removal.passes);
+        let lines = passes.zip(self.marked_length_mm).zip(laser.speed_mm_s);
+        // Places that are exposed one by one: whole cavities for a mask, otherwise spots.
+        let exposed = if laser.is_mask() { Some(layout.cavities() as u64) } else { self.spots_on_specimen };
+        let burnt = exposed.zip(self.bursts_per_cavity).zip(laser.repetition_hz);
+        let time_s = match (lines, burnt) {
+            // t = n_passes L / v
+            (Some(((passes, length_mm), speed_mm_s)), _) => Some(f64::from(passes) * length_mm / speed_mm_s),
+            // t = N n_bursts / f
+            (None, Some(((exposed, bursts), repetition_hz))) => {
+                Some(exposed as f64 * f64::from(bursts) / repetition_hz)
+            }
+            (None, None) => None,
+        };
+        self.estimated_time_s = time_s.map(|time_s| round_digits(time_s, DERIVED_DIGITS));
+        let missing = laser.missing_for_time();
+        self.no_estimate_because = (!missing.is_empty()).then(|| format!("not given: {}", missing.join(", ")));
+        let (formula, assumptions) = if lines.is_some() {
+            (LINE_TIME_FORMULA, LINE_TIME_ASSUMPTIONS)
+        } else if laser.is_mask() {
+            (MASK_TIME_FORMULA, MASK_TIME_ASSUMPTIONS)
+        } else {
+            (SPOT_TIME_FORMULA, SPOT_TIME_ASSUMPTIONS)
+        };
+        self.estimated_time_formula = formula.to_owned();
+        self.estimated_time_assumptions = assumptions.to_owned();
+    }
+}
+
+/// ceil(length / spot), with a rounding tolerance of one part in a million of a spot.
+pub(crate) fn spots_along(length_m: f64, spot_um: f64) -> u64 {
+    // Lengths are finite and positive; the cast saturates.
+    (length_m * 1e6 / spot_um - 1e-6).ceil().max(1.0) as u64
+}

@@ -1,0 +1,44 @@
+//! Friction of a pattern on the specimen that it is cut into, with the layout that is exported.
+//!
+//! Grooves across the sliding direction are solved strip by strip ([`slipgrid_model::springblock::simulate_specimen`]). For
+//! other planforms a cell is solved, and friction is reduced in proportion to the areal density D of the face, which
+//! includes untextured parts along the border:
+//!
+//! ```text
+//! 1 - r = (1 - r_cell) D / D_period
+//! ```
+//!
+//! The search uses this formula for all designs. The error of the formula comes from the ends of strips, and is
+//! estimated from grooves of the same section in two dimensions.
+//!
+//! | type | role |
+//! |---|---|
+//! | [`simulate_on`], [`strips_on`] | solves a scene on a specimen, dynamic or steady, or steady followed by dynamic |
+//! | [`SteadyOnFace`], [`time_changes_on`] | corrects steady ratios for a specimen and for sliding in time at low cost, for trials |
+//! | [`Laid`], [`on_face`] | areal density of a design and its samples on a face, and the ratio that follows |
+//!
+//! On a disc as wide as eleven periods, the border leaves some squares out, and friction is reduced less:
+//!
+//! ```
+//! use slipgrid_laser::export::{Outline, Specimen};
+//! use slipgrid_model::pattern::{Pattern, Planform};
+//! use slipgrid_laser::specimen::{Laid, on_face};
+//! use slipgrid_model::springblock::Dimension;
+//! let squares = Pattern::new(Planform::Square, 130e-6, 370e-6, 5.2e-6)?;
+//! // A face of eleven periods along both sides has the density of the infinite pattern.
+//! let side_m = 11.0 * squares.pitch_m();
+//! let square = Specimen { outline: Outline::Rectangle { length_m: side_m, width_m: side_m }, is_clipped: false };
+//! let share = Laid::new(Some(&square), &squares, Dimension::of(None, squares.texture()))?.share(&squares);
+//! assert!((share - 1.0).abs() < 1e-9);
+//! // The border of a disc leaves some out.
+//! let disc = Specimen { outline: Outline::Disc { diameter_m: side_m }, is_clipped: false };
+//! let share = Laid::new(Some(&disc), &squares, Dimension::of(None, squares.texture()))?.share(&squares);
+//! assert!(share > 0.85 && share < 1.0 && on_face(0.9, share) > 0.9);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod laid;
+mod on_specimen;
+
+pub use laid::{Laid, on_face};
+pub use on_specimen::{SpecimenError, SteadyOnFace, nearest_known, simulate_on, strips_on, time_changes_on};

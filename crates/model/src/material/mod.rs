@@ -1,0 +1,75 @@
+//! Material data for a friction model: elastic constants, local friction coefficients, the area law, and their
+//! provenance.
+//!
+//! The friction traction of a sliding block with the local pressure `p` is
+//!
+//! ```text
+//! friction traction = mu_d f(p) p
+//! ```
+//!
+//! `f` is the [`AreaLaw`]: real contact area relative to proportional growth (Balestra et al., J. Tribol. 144, 031704).
+//! Without an area law `f = 1`: Amontons-Coulomb.
+//!
+//! | type | role |
+//! |---|---|
+//! | [`Elastic`] | Young's modulus and density |
+//! | [`LocalFriction`] | means and scatter of the local coefficients |
+//! | [`Friction`] | one pair for all loads, or coefficients per condition |
+//! | [`AreaLaw`] | factor f(p) |
+//! | [`Provenance`] | origin of the values, and whether the surface is synthetic |
+//!
+//! This module does not depend on a lattice and opens no files.
+//!
+//! ```
+//! use slipgrid_model::material::AreaLaw;
+//! let law = AreaLaw::new(vec![0.7e6, 1.3e6], vec![1.0, 0.9])?;
+//! assert_eq!(law.factor(0.2e6), 1.0);
+//! assert!((law.factor(1.0e6) - 0.95).abs() < 1e-15);
+//! assert!((law.factor(2.6e6) - 0.45).abs() < 1e-15); // the area stays: f goes as 1/p
+//! # Ok::<(), slipgrid_model::material::MaterialError>(())
+//! ```
+
+mod area_law;
+mod condition;
+mod condition_range;
+mod elastic;
+mod error;
+mod friction;
+mod measured_law;
+mod modulus;
+
+pub use area_law::{AreaLaw, MAX_FACTOR, Piece, THRESHOLD_PRESSURE_PA};
+pub use condition::{Condition, between};
+pub use condition_range::ConditionRange;
+pub use elastic::Elastic;
+pub use error::MaterialError;
+pub use friction::{ConditionFriction, Friction, FrictionAt, LocalFriction};
+pub use measured_law::Extrapolation;
+
+/// Origin of a material's values.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Provenance {
+    /// Name of the material.
+    pub name: String,
+    /// Publication or laboratory.
+    pub source: String,
+    /// Whether the height map of the area law is synthetic.
+    pub synthetic_surface: bool,
+    /// Notes on how values were obtained and what was assumed, one sentence each.
+    pub notes: Vec<String>,
+    /// Reasons to doubt results; each begins with the name of the warning.
+    pub warnings: Vec<String>,
+}
+
+/// Material of the specimen.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Material {
+    /// Elastic constants and density.
+    pub elastic: Elastic,
+    /// Local friction coefficients.
+    pub friction: Friction,
+    /// Area law; `None` for Amontons-Coulomb friction.
+    pub area_law: Option<AreaLaw>,
+    /// Origin of the values.
+    pub provenance: Provenance,
+}

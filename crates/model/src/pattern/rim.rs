@@ -1,0 +1,343 @@
+//! Rims: recast material from laser ablation along the edge of a cavity.
+//!
+//! The rim of a cavity covers the land over its width w. At the distance d from the edge the land is raised by
+//!
+//! ```text
+//! r(d) = h phi(d / w),     phi(s) = 1 (flat), 1 - s (ramp), 1 - s^2 (round), sin(pi s) (half-sine),     0 <= s <= 1
+//! ```
+//!
+//! Between two cavities closer than two widths, the rims end half-way, so that each point belongs to the nearest edge.
+
+use std::f64::consts::PI;
+use std::fmt;
+use std::str::FromStr;
+
+use crate::pattern::error::length;
+use crate::pattern::{Pattern, PatternError, Planform};
+
+/// Maximum height of a rim, in metres.
+const MAX_HEIGHT_M: f64 = 1e-3;
+/// Nodes and weights on [0, 1] of the Gauss-Legendre rule with 8 points, first half; the others are symmetric.
+const GAUSS_LEGENDRE: [[f64; 2]; 4] = [
+    [0.019_855_071_751_231_9, 0.050_614_268_145_188_1],
+    [0.101_666_761_293_186_6, 0.111_190_517_226_687_2],
+    [0.237_233_795_041_835_5, 0.156_853_322_938_943_6],
+    [0.408_282_678_752_175_1, 0.181_341_891_689_181],
+];
+
+/// Profile of a rim from the edge of its cavity outward.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum RimProfile {
+    /// Parabola with its crest at the edge: 1 - s^2.
+    #[default]
+    Round,
+    /// Constant height up to the width.
+    Flat,
+    /// Linear fall: 1 - s.
+    Ramp,
+    /// Arch with its crest at half the width: sin(pi s), as observed on some measured rims.
+    HalfSine,
+}
+
+impl RimProfile {
+    /// Profiles allowed in pattern files, in the order in which help texts list them.
+    pub const ALL: [Self; 3] = [Self::Round, Self::Flat, Self::Ramp];
+    /// Profiles compared with measured rims, in the order in which help texts list them.
+    pub const MEASURED: [Self; 4] = [Self::Round, Self::Flat, Self::Ramp, Self::HalfSine];
+
+    /// The name used in files, options and results.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Round => "round",
+            Self::Flat => "flat",
+            Self::Ramp => "ramp",
+            Self::HalfSine => "half-sine",
+        }
+    }
+
+    /// Height relative to the maximum, at the distance `s` from the edge over the rim's width; 0 outside 0 to 1.
+    #[must_use]
+    pub fn height(self, s: f64) -> f64 {
+        match self {
+            _ if !(0.0..=1.0).contains(&s) => 0.0,
+            Self::Round => 1.0 - s * s,
+            Self::Flat => 1.0,
+            Self::Ramp => 1.0 - s,
+            Self::HalfSine => libm::sin(PI * s),
+        }
+    }
+
+    /// Integral of [`Self::height`] from the edge to `s`.
+    #[must_use]
+    pub fn integral(self, s: f64) -> f64 {
+        let s = s.clamp(0.0, 1.0);
+        match self {
+            Self::Round => s * (1.0 - s * s / 3.0),
+            Self::Flat => s,
+            Self::Ramp => s * (1.0 - 0.5 * s),
+            Self::HalfSine => (1.0 - libm::cos(PI * s)) / PI,
+        }
+    }
+
+    /// Integral, in metres, of the relative height of a rim `width_m` wide between the distances `from_m` and `to_m`
+    /// from the edge.
+    #[must_use]
+    pub fn integral_m(self, width_m: f64, from_m: f64, to_m: f64) -> f64 {
+        let to = |distance_m: f64| self.integral(distance_m / width_m);
+        width_m * (to(to_m) - to(from_m))
+    }
+
+    /// Mean relative height of a rim `width_m` wide between the distances `from_m` and `to_m` from the edge.
+    #[must_use]
+    pub fn mean(self, width_m: f64, from_m: f64, to_m: f64) -> f64 {
+        self.integral_m(width_m, from_m, to_m) / (to_m - from_m)
+    }
+
+    /// Negative slope at `s`.
+    fn fall(self, s: f64) -> f64 {
+        match self {
+            Self::Round => 2.0 * s,
+            Self::Flat => 0.0,
+            Self::Ramp => 1.0,
+            Self::HalfSine => -PI * libm::cos(PI * s),
+        }
+    }
+}
+
+impl fmt::Display for RimProfile {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+impl FromStr for RimProfile {
+    type Err = PatternError;
+
+    fn from_str(name: &str) -> Result<Self, Self::Err> {
+        let found = Self::ALL.into_iter().find(|profile| profile.name() == name);
+        found.ok_or_else(|| PatternError::UnknownRimProfile { name: name.to_owned() })
+    }
+}
+
+/// Rim of every cavity of a texture. Lengths are in metres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rim {
+    /// Depth of a cavity and height of its rim, by increasing depth; the first `known` pairs are valid.
+    heights_m: [[f64; 2]; Self::MAX_HEIGHTS],
+    known: usize,
+    width_m: f64,
+    profile: RimProfile,
+    height_std_m: f64,
+}
+
+impl Rim {
+    /// Maximum number of depths with given heights.
+    pub const MAX_HEIGHTS: usize = 8;
+
+    /// Creates a rim of `height_m` at the edge of the cavity and `width_m` wide, independent of the cavity's depth.
+    ///
+    /// # Errors
+    /// [`PatternError::RimHeight`] unless the height is between 0 and 1 mm, [`PatternError::NotALength`] for the width.
+    pub fn new(height_m: f64, width_m: f64, profile: RimProfile) -> Result<Self, PatternError> {
+        Self::following_depth(&[[0.0, height_m]], width_m, profile)
+    }
+
+    /// Creates a rim whose height depends on the depth of its cavity. `heights_m` holds pairs of depth and height by
+    /// increasing depth; heights are interpolated linearly, and constant outside the table.
+    ///
+    /// # Errors
+    /// The errors of [`Self::new`], and [`PatternError::RimHeights`] for no pair, more than 8 pairs, or depths that do
+    /// not increase.
+    pub fn following_depth(heights_m: &[[f64; 2]], width_m: f64, profile: RimProfile) -> Result<Self, PatternError> {
+        let ascends = heights_m.windows(2).all(|pair| pair[0][0] < pair[1][0]);
+        let is_depth = heights_m.iter().all(|[depth_m, _]| depth_m.is_finite() && *depth_m >= 0.0);
+        if heights_m.is_empty() || heights_m.len() > Self::MAX_HEIGHTS || !ascends || !is_depth {
+            return Err(PatternError::RimHeights { count: heights_m.len(), most: Self::MAX_HEIGHTS });
+        }
+        for [_, height_m] in heights_m {
+            height("rim height", *height_m)?;
+        }
+        let mut known = [[0.0; 2]; Self::MAX_HEIGHTS];
+        known[..heights_m.len()].copy_from_slice(heights_m);
+        let width_m = length("rim width", width_m)?;
+        Ok(Self { heights_m: known, known: heights_m.len(), width_m, profile, height_std_m: 0.0 })
+    }
+
+    /// Sets the standard deviation of heights from rim to rim, in metres.
+    ///
+    /// # Errors
+    /// [`PatternError::RimHeight`] unless it is between 0 and 1 mm.
+    pub fn with_height_std_m(mut self, height_std_m: f64) -> Result<Self, PatternError> {
+        self.height_std_m = height("scatter of rim heights", height_std_m)?;
+        Ok(self)
+    }
+
+    /// Raises all heights by `by_m`, in metres, limited to 0 to 1 mm.
+    #[must_use]
+    pub fn raised(mut self, by_m: f64) -> Self {
+        for [_, height_m] in &mut self.heights_m[..self.known] {
+            *height_m = (*height_m + by_m).clamp(0.0, MAX_HEIGHT_M);
+        }
+        self
+    }
+
+    /// Multiplies all heights by `factor`, limited to 0 to 1 mm.
+    #[must_use]
+    pub fn times(mut self, factor: f64) -> Self {
+        for [_, height_m] in &mut self.heights_m[..self.known] {
+            *height_m = (*height_m * factor).clamp(0.0, MAX_HEIGHT_M);
+        }
+        self
+    }
+
+    /// Whether the rim rises above the land: a height or the scatter is not zero.
+    #[must_use]
+    pub fn stands(&self) -> bool {
+        self.height_std_m > 0.0 || self.heights_m().iter().any(|[_, height_m]| *height_m > 0.0)
+    }
+
+    /// Height above the land at the edge of a cavity of depth `depth_m`, in metres.
+    #[must_use]
+    pub fn height_m(&self, depth_m: f64) -> f64 {
+        let known = self.heights_m();
+        let after = known.partition_point(|[at_m, _]| *at_m <= depth_m);
+        match (after.checked_sub(1).map(|before| known[before]), known.get(after)) {
+            (Some([d0, h0]), Some([d1, h1])) => h0 + (h1 - h0) * (depth_m - d0) / (d1 - d0),
+            (Some([_, height_m]), None) => height_m,
+            (None, first) => first.map_or(0.0, |[_, height_m]| *height_m),
+        }
+    }
+
+    /// Pairs of depth and height, in metres, by increasing depth; a single pair if heights do not depend on depth.
+    #[must_use]
+    pub fn heights_m(&self) -> &[[f64; 2]] {
+        &self.heights_m[..self.known]
+    }
+
+    /// Distance from the edge at which the rim ends, in metres.
+    #[must_use]
+    pub const fn width_m(&self) -> f64 {
+        self.width_m
+    }
+
+    /// Largest block, in metres, of which `block_m` is a multiple and two fit into the rim, so that the blocks resolve
+    /// its profile.
+    #[must_use]
+    pub fn block_m(&self, block_m: f64) -> f64 {
+        // A rim of two blocks within rounding has two blocks.
+        block_m / (2.0 * block_m / self.width_m - 1e-9).ceil().max(1.0)
+    }
+
+    /// Profile from the edge outward.
+    #[must_use]
+    pub const fn profile(&self) -> RimProfile {
+        self.profile
+    }
+
+    /// Standard deviation of heights from rim to rim, in metres.
+    #[must_use]
+    pub const fn height_std_m(&self) -> f64 {
+        self.height_std_m
+    }
+
+    /// Integral, in metres, of the relative height between the distances `from_m` and `to_m` from the edge.
+    #[must_use]
+    pub fn integral_m(&self, from_m: f64, to_m: f64) -> f64 {
+        self.profile.integral_m(self.width_m, from_m, to_m)
+    }
+}
+
+impl Pattern {
+    /// Height of the rims at the edges of the cavities, in metres; 0 without rims.
+    #[must_use]
+    pub fn rim_height_m(&self) -> f64 {
+        self.texture().rim().map_or(0.0, |rim| rim.height_m(self.depth_m()))
+    }
+
+    /// Mean relative height, from 0 to 1, of the rims on the land within the rectangle `[x0_m, x1_m] x [y0_m, y1_m]`,
+    /// given as for [`Self::coverage`]; 0 without land. Continuous in the rectangle and in every dimension.
+    ///
+    /// A rim is the region of all points within its width of the cavity, by Euclidean distance. It is as wide around a
+    /// corner as along an edge, so that the corners of a square's rim are quarter discs.
+    #[must_use]
+    pub fn rim_share(&self, x0_m: f64, x1_m: f64, y0_m: f64, y1_m: f64) -> f64 {
+        let Some(rim) = self.texture().rim() else { return 0.0 };
+        let cavity = self.coverage(x0_m, x1_m, y0_m, y1_m);
+        let land = 1.0 - cavity;
+        // Limited to half of the narrowest land, where the next rim begins.
+        let widest_m = rim.width_m().min(0.5 * self.least_land_m());
+        let beyond = |distance_m: f64| self.coverage_within(distance_m, [x0_m, x1_m], [y0_m, y1_m]) - cavity;
+        let whole = beyond(widest_m);
+        if land <= 0.0 || whole <= 0.0 {
+            return 0.0;
+        }
+        // integral of phi over the land = phi(end) A(end) + integral of -phi'(s) A(s) ds, A(s) the area within s w
+        let end = widest_m / rim.width_m();
+        let mut mean = rim.profile().height(end * (1.0 - f64::EPSILON)) * whole;
+        if rim.profile() != RimProfile::Flat {
+            let mut ends_m = self.kinks_m([x0_m, x1_m], [y0_m, y1_m]);
+            ends_m.retain(|distance_m| (0.0..widest_m).contains(distance_m));
+            ends_m.extend([0.0, widest_m]);
+            ends_m.sort_by(f64::total_cmp);
+            for piece in ends_m.windows(2).filter(|piece| piece[1] > piece[0]) {
+                let length_m = piece[1] - piece[0];
+                for (node, weight) in
+                    GAUSS_LEGENDRE.iter().flat_map(|[node, weight]| [(*node, weight), (1.0 - node, weight)])
+                {
+                    let distance_m = piece[0] + length_m * node;
+                    let s = distance_m / rim.width_m();
+                    mean += length_m / rim.width_m() * weight * rim.profile().fall(s) * beyond(distance_m);
+                }
+            }
+        }
+        (mean / land).clamp(0.0, 1.0)
+    }
+}
+
+impl Pattern {
+    /// Distances from a cavity at which the area within them, in the rectangle `x_m` by `y_m`, is not smooth: where the
+    /// offset outlines pass the sides and corners of the rectangle.
+    fn kinks_m(&self, x_m: [f64; 2], y_m: [f64; 2]) -> Vec<f64> {
+        let (cell_m, half_m) = (self.cell_m(), [Some(self.width_m()), self.length_m()].map(|m| m.map(|m| 0.5 * m)));
+        let mut kinks_m = Vec::new();
+        for centre_m in self.centres_m() {
+            // Distances of the sides from the nearest centres before and after.
+            let seen = |ends_m: [f64; 2], axis: usize| {
+                ends_m
+                    .map(|at_m| (at_m - centre_m[axis]).rem_euclid(cell_m[axis]))
+                    .map(|m| [m, cell_m[axis] - m])
+                    .concat()
+            };
+            let [x, y] = [seen(x_m, 0), seen(y_m, 1)];
+            for (distances_m, half_m) in [(&x, half_m[0]), (&y, half_m[1])] {
+                if let Some(half_m) = half_m {
+                    kinks_m.extend(distances_m.iter().map(|distance_m| distance_m - half_m));
+                }
+            }
+            // Arcs about the centre of a disc, or about the corners of a square or rectangle.
+            let arcs = match (self.planform(), half_m) {
+                (Planform::Disc, [Some(radius_m), _]) => Some(([0.0; 2], radius_m)),
+                (Planform::Square | Planform::Rectangle, [Some(x_m), Some(y_m)]) => Some(([x_m, y_m], 0.0)),
+                _ => None,
+            };
+            if let Some((about_m, radius_m)) = arcs {
+                let corners = x.iter().flat_map(|x| y.iter().map(move |y| (x - about_m[0]).hypot(y - about_m[1])));
+                kinks_m.extend(corners.map(|distance_m| distance_m - radius_m));
+            }
+        }
+        kinks_m
+    }
+}
+
+fn height(quantity: &'static str, value_m: f64) -> Result<f64, PatternError> {
+    if (0.0..=MAX_HEIGHT_M).contains(&value_m) {
+        // Adding zero removes the sign of a negative zero, which would be printed.
+        Ok(value_m + 0.0)
+    } else {
+        Err(PatternError::RimHeight { quantity, value_m })
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,472 @@
+//! Friction on the row of contact blocks.
+//!
+//! At rest friction balances the horizontal force up to max(mu_s, mu_d) f(p) F_n; in sliding it is mu_d f(p) F_n
+//! against the velocity; a step that would reverse the velocity ends at rest. The law depends only on the local
+//! pressure and the direction of slip.
+//!
+//! The leapfrog has forces at whole steps and velocities at half steps. A block released at one instant therefore gets
+//! half a kick for the half step after it. A block whose velocity reverses at an instant is placed where it turns, v^2
+//! / (2 a) further on. The length of a slip then has an error of second order in the step. A whole kick at the start
+//! and a stop at the instant would make it longer by 1 / cos(theta / 2), theta the phase of a step, and shorter by up
+//! to (theta / 4)^2.
+
+use crate::material::{AreaLaw, Piece};
+
+use super::sweep::Kick;
+use crate::springblock::draws::Coefficients;
+
+/// Local friction law: the resistance of a block with given coefficients at a given normal force.
+#[derive(Clone, Copy, Debug)]
+pub struct LocalLaw<'a> {
+    area_law: Option<&'a AreaLaw>,
+    /// Pressure of a unit normal force on one block, in pascals.
+    unit_pressure_pa: f64,
+}
+
+impl<'a> LocalLaw<'a> {
+    /// Creates the law for normal forces in units of `unit_pressure_pa` l^2.
+    #[must_use]
+    pub const fn new(area_law: Option<&'a AreaLaw>, unit_pressure_pa: f64) -> Self {
+        Self { area_law, unit_pressure_pa }
+    }
+
+    /// Returns the interval of normal forces around `normal` in which friction per unit coefficient is one polynomial.
+    pub fn piece(&self, normal: f64) -> GripPiece {
+        let unit_pa = self.unit_pressure_pa;
+        let piece = self.area_law.map_or(Piece::PROPORTIONAL, |law| law.piece(normal * unit_pa));
+        GripPiece {
+            from: piece.from_pa / unit_pa,
+            to: piece.to_pa / unit_pa,
+            constant: piece.constant_pa / unit_pa,
+            linear: piece.linear,
+            quadratic: piece.quadratic_per_pa * unit_pa,
+        }
+    }
+
+    /// Computes f(p) F_n, the friction per unit coefficient. `near` caches the interval of the law's table.
+    fn grip(&self, normal: f64, near: &mut usize) -> f64 {
+        match self.area_law {
+            Some(law) => normal * law.factor_near(normal * self.unit_pressure_pa, near),
+            None => normal,
+        }
+    }
+}
+
+/// Polynomial f(p) F_n = constant + linear F_n + quadratic F_n^2 for normal forces from `from` up to `to`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GripPiece {
+    pub from: f64,
+    pub to: f64,
+    pub constant: f64,
+    pub linear: f64,
+    pub quadratic: f64,
+}
+
+impl GripPiece {
+    /// Computes f(p) F_n at the normal force `normal`.
+    #[must_use]
+    pub fn grip(&self, normal: f64) -> f64 {
+        self.constant + normal * (self.linear + normal * self.quadratic)
+    }
+}
+
+/// State of motion of a contact block.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Motion {
+    /// Held at rest by friction.
+    Rest,
+    /// Sliding, or free to move because it has no normal pressure.
+    Slip,
+    /// Off the counterface (unilateral contact only).
+    Lifted,
+}
+
+/// One contact block with `H` horizontal degrees of freedom: 1 in the plane, 2 in space. Forces are in units of k l.
+#[derive(Clone, Copy, Debug)]
+pub struct ContactBlock<const H: usize> {
+    /// Local coefficients.
+    pub coefficients: Coefficients,
+    /// State of motion.
+    pub motion: Motion,
+    /// Whether the block has slipped along the drive, or had no friction, since the drive began.
+    pub has_slipped: bool,
+    /// Column of the block, the index into arrays over the contact row.
+    pub column: usize,
+    /// Vertical displacement at which the block touches the counterface: the height of its face, in lattice spacings.
+    pub face: f64,
+    /// Normal force, positive in compression, at the last force evaluation.
+    pub normal: f64,
+    /// Friction, as a resistance to motion along each axis, at the last force evaluation.
+    pub friction: [f64; H],
+    /// mu_d f(p) F_n at the last force evaluation: the friction of the block if it slides.
+    pub sliding: f64,
+}
+
+/// Coefficients and forces of a leapfrog step of one contact block.
+#[derive(Clone, Copy, Debug)]
+pub struct StepFactors<const H: usize> {
+    /// Fraction of the velocity that remains after damping.
+    pub kept: f64,
+    /// Displacement per step caused by a unit force.
+    pub kick: f64,
+    /// Horizontal spring forces.
+    pub force: [f64; H],
+    /// Vertical spring force, minus the normal force on the counterface.
+    pub lift: f64,
+    /// Direction of the drive.
+    pub drive: [f64; H],
+}
+
+/// The friction law along `H` axes.
+pub trait Slide<const H: usize> {
+    /// Whether friction up to `threshold` holds a block at rest against `force`.
+    fn is_held(force: [f64; H], threshold: f64) -> bool;
+
+    /// Velocity times the step after a full step that starts at rest and slides against `resistance`, which is below
+    /// the force.
+    fn start(&mut self, factors: &StepFactors<H>, resistance: f64) -> [f64; H];
+
+    /// Velocity times the step after a step of sliding against `resistance`. `v` is the velocity before the step,
+    /// `free` the velocity after a step without resistance.
+    fn slide(&mut self, v: [f64; H], free: [f64; H], factors: &StepFactors<H>, resistance: f64) -> [f64; H];
+}
+
+/// State of a contact block that results from the current spring forces.
+enum ContactState {
+    /// No normal pressure, hence no friction.
+    Free,
+    /// At rest; friction balances the horizontal force.
+    Held,
+    /// Starts to slide against mu_d f(p) F_n.
+    Starting { resistance: f64 },
+    /// Slides against mu_d f(p) F_n.
+    Sliding { resistance: f64 },
+}
+
+impl<const H: usize> ContactBlock<H> {
+    /// Creates a block at rest.
+    #[must_use]
+    pub const fn new(column: usize, coefficients: Coefficients) -> Self {
+        Self {
+            coefficients,
+            motion: Motion::Rest,
+            has_slipped: false,
+            column,
+            face: 0.0,
+            normal: 0.0,
+            friction: [0.0; H],
+            sliding: 0.0,
+        }
+    }
+
+    /// Sets the height of the face and the vertical displacement; the block is lifted if the displacement is larger.
+    pub fn place(&mut self, face: f64, height: f64) {
+        self.face = face;
+        if height > face {
+            self.motion = Motion::Lifted;
+        }
+    }
+
+    fn release(&mut self) -> ContactState {
+        (self.friction, self.sliding) = ([0.0; H], 0.0);
+        self.has_slipped = true;
+        if self.motion == Motion::Rest {
+            self.motion = Motion::Slip;
+        }
+        ContactState::Free
+    }
+
+    /// Moves a block vertically under unilateral contact: lifts blocks under tension, moves lifted blocks, and stops
+    /// blocks that reach the counterface.
+    ///
+    /// `fall` is the vertical displacement of the last step, `force` the vertical spring force. Returns the height
+    /// after the step if the block was lifted at `height`.
+    pub fn move_detached(
+        &mut self,
+        height: f64,
+        fall: &mut f64,
+        kick: Kick,
+        inverse_mass: f64,
+        force: f64,
+    ) -> Option<f64> {
+        if self.motion != Motion::Lifted && self.normal < 0.0 {
+            self.motion = Motion::Lifted;
+        }
+        if self.motion != Motion::Lifted {
+            return None;
+        }
+        *fall = kick.kept * *fall + kick.kick * inverse_mass * force;
+        let height = height + *fall;
+        if height > self.face || height.is_nan() {
+            return Some(height);
+        }
+        // Landing stops the vertical motion at the counterface.
+        *fall = 0.0;
+        self.motion = Motion::Slip;
+        Some(self.face)
+    }
+}
+
+impl<const H: usize> ContactBlock<H>
+where
+    Self: Slide<H>,
+{
+    /// Updates the block for the current spring forces: normal force, friction at rest, and whether the block starts to
+    /// slide. `grip_at` computes f(p) F_n for a positive normal force.
+    #[inline]
+    fn update_state(&mut self, force: [f64; H], lift: f64, grip_at: impl FnOnce(f64) -> f64) -> ContactState {
+        // F_n = -(vertical force of the springs)
+        self.normal = if self.motion == Motion::Lifted { 0.0 } else { -lift };
+        if self.normal <= 0.0 {
+            return self.release();
+        }
+        let grip = grip_at(self.normal);
+        let threshold = self.coefficients.starting_mu() * grip;
+        if threshold == 0.0 {
+            // Where the law reaches zero no friction acts, and a reversal of the velocity does not stop the block.
+            return self.release();
+        }
+        self.sliding = self.coefficients.dynamic_mu * grip;
+        if self.motion == Motion::Rest {
+            if Self::is_held(force, threshold) {
+                self.friction = force;
+                return ContactState::Held;
+            }
+            self.motion = Motion::Slip;
+            return ContactState::Starting { resistance: self.sliding };
+        }
+        ContactState::Sliding { resistance: self.sliding }
+    }
+
+    /// Returns the velocity times the step after one leapfrog kick from `v`; `grip_at` computes f(p) F_n for a positive
+    /// normal force.
+    #[inline]
+    pub fn kick(&mut self, v: [f64; H], factors: StepFactors<H>, grip_at: impl FnOnce(f64) -> f64) -> [f64; H] {
+        let free = std::array::from_fn(|axis| factors.kept * v[axis] + factors.kick * factors.force[axis]);
+        let after = match self.update_state(factors.force, factors.lift, grip_at) {
+            ContactState::Free => return free,
+            ContactState::Sliding { resistance } => return self.slide(v, free, &factors, resistance),
+            ContactState::Held if v == [0.0; H] => return v,
+            ContactState::Held => [0.0; H],
+            // The block was at rest until now, so half a step later it has half a kick.
+            ContactState::Starting { resistance } => self.start(&factors, resistance).map(|v| 0.5 * v),
+        };
+        self.friction = std::array::from_fn(|axis| (free[axis] - after[axis]) / factors.kick);
+        after
+    }
+}
+
+impl ContactBlock<1> {
+    /// Records a slip in `direction`. Slips against the drive, caused by the load or by waves, do not count.
+    fn record_slip(&mut self, direction: f64) {
+        self.has_slipped |= direction > 0.0;
+    }
+}
+
+impl Slide<1> for ContactBlock<1> {
+    #[inline]
+    fn is_held([force]: [f64; 1], threshold: f64) -> bool {
+        force.abs() <= threshold
+    }
+
+    #[inline]
+    fn start(&mut self, factors: &StepFactors<1>, resistance: f64) -> [f64; 1] {
+        let direction = slip_direction(0.0, factors.force[0]);
+        self.record_slip(direction);
+        [factors.kick * (factors.force[0] - direction * resistance)]
+    }
+
+    #[inline]
+    fn slide(&mut self, [v]: [f64; 1], [free]: [f64; 1], factors: &StepFactors<1>, resistance: f64) -> [f64; 1] {
+        let direction = slip_direction(v, factors.force[0]);
+        self.record_slip(direction);
+        let slowed = free - direction * factors.kick * resistance;
+        if slowed * direction > 0.0 {
+            self.friction = [direction * resistance];
+            [slowed]
+        } else {
+            // The step ends at rest; friction is the force that stopped the block.
+            self.motion = Motion::Rest;
+            let rest = direction * stopping_distance(v * direction, slowed * direction);
+            self.friction = [(free - rest) / factors.kick];
+            [rest]
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ContactSums {
+    /// Friction, positive against the drive.
+    pub friction: f64,
+    /// Friction perpendicular to the drive; zero in the vertical plane.
+    pub across: f64,
+    /// Sum of positive normal forces.
+    pub normal: f64,
+    /// Sum of mu_d f(p) F_n: the friction if every block slides.
+    pub sliding: f64,
+}
+
+impl ContactSums {
+    /// Whether friction and normal force are finite; they are not once a run has diverged.
+    #[must_use]
+    pub const fn is_finite(&self) -> bool {
+        self.friction.is_finite() && self.normal.is_finite()
+    }
+
+    /// Adds the sums of another part of the row.
+    pub fn add(&mut self, other: Self) {
+        self.friction += other.friction;
+        self.across += other.across;
+        self.normal += other.normal;
+        self.sliding += other.sliding;
+    }
+
+    fn add_block(&mut self, block: &ContactBlock<1>) {
+        self.friction += block.friction[0];
+        self.normal += block.normal.max(0.0);
+        self.sliding += block.sliding;
+    }
+}
+
+/// Force on one contact block, instantaneous or averaged.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ContactForce {
+    /// Normal force, positive in compression.
+    pub normal: f64,
+    /// Friction, positive against the drive.
+    pub friction: f64,
+}
+
+/// The contact row of a plane lattice, block by block.
+#[derive(Clone, Debug)]
+pub struct ContactRow<'a> {
+    /// Contact blocks, left to right.
+    pub blocks: Vec<ContactBlock<1>>,
+    /// Cached intervals of the law's table, one per block.
+    near: Vec<usize>,
+    law: LocalLaw<'a>,
+}
+
+impl<'a> ContactRow<'a> {
+    /// Creates blocks at rest in `columns` with the coefficients of their columns.
+    #[must_use]
+    pub fn new(columns: impl Iterator<Item = usize>, coefficients: &[Coefficients], law: LocalLaw<'a>) -> Self {
+        let blocks: Vec<_> = columns.map(|column| ContactBlock::new(column, coefficients[column])).collect();
+        Self { near: vec![0; blocks.len()], blocks, law }
+    }
+
+    /// Sets the face height and the vertical displacement of every block, given by column.
+    pub fn place(&mut self, face_and_height: impl Fn(usize) -> [f64; 2]) {
+        for block in &mut self.blocks {
+            let [face, height] = face_and_height(block.column);
+            block.place(face, height);
+        }
+    }
+
+    /// Returns the blocks and their law.
+    #[must_use]
+    pub fn into_parts(self) -> (Vec<ContactBlock<1>>, LocalLaw<'a>) {
+        (self.blocks, self.law)
+    }
+
+    #[cfg(test)]
+    pub fn all_slip(&mut self) {
+        for block in &mut self.blocks {
+            block.motion = Motion::Slip;
+            block.has_slipped = true;
+        }
+    }
+
+    /// Resets the record of slipped blocks, since the bulk begins to move.
+    pub fn begin_drive(&mut self) {
+        for block in &mut self.blocks {
+            block.has_slipped = false;
+        }
+    }
+
+    /// Whether every block has slipped since the drive began.
+    #[must_use]
+    pub fn all_have_slipped(&self) -> bool {
+        self.blocks.iter().all(|block| block.has_slipped)
+    }
+
+    /// Forces on the blocks at the last force evaluation.
+    #[must_use]
+    pub fn forces(&self) -> Vec<ContactForce> {
+        let force = |block: &ContactBlock<1>| ContactForce { normal: block.normal, friction: block.friction[0] };
+        self.blocks.iter().map(force).collect()
+    }
+
+    /// Applies one leapfrog kick to the contact row.
+    ///
+    /// All arguments are indexed by column: `velocity` is the horizontal velocity times the step, `force_x` and
+    /// `force_y` are spring forces, and `kick` is the displacement per step caused by a unit force. `kept` is the
+    /// fraction of the velocity that remains after damping.
+    pub fn kick(
+        &mut self,
+        velocity: &mut [f64],
+        force_x: &[f64],
+        force_y: &[f64],
+        kept: f64,
+        kick: &[f64],
+    ) -> ContactSums {
+        let mut sums = ContactSums::default();
+        let law = self.law;
+        for (block, near) in self.blocks.iter_mut().zip(&mut self.near) {
+            let i = block.column;
+            let factors = StepFactors { kept, kick: kick[i], force: [force_x[i]], lift: force_y[i], drive: [1.0] };
+            [velocity[i]] = block.kick([velocity[i]], factors, |normal| law.grip(normal, near));
+            sums.add_block(block);
+        }
+        sums
+    }
+
+    /// Updates friction at the start of a Runge-Kutta step, which releases overloaded blocks at rest, and returns the
+    /// sums at this instant. Arguments are indexed by column; `velocity` is horizontal.
+    pub fn begin_step(&mut self, velocity: &[f64], force_x: &[f64], force_y: &[f64]) -> ContactSums {
+        let mut sums = ContactSums::default();
+        let law = self.law;
+        for (block, near) in self.blocks.iter_mut().zip(&mut self.near) {
+            let i = block.column;
+            let state = block.update_state([force_x[i]], force_y[i], |normal| law.grip(normal, near));
+            if let ContactState::Starting { resistance } | ContactState::Sliding { resistance } = state {
+                let direction = slip_direction(velocity[i], force_x[i]);
+                block.record_slip(direction);
+                block.friction = [direction * resistance];
+            }
+            sums.add_block(block);
+        }
+        sums
+    }
+
+    /// Friction on block `number` that slides in `direction` at the vertical spring force `force_y`, as a resistance to
+    /// positive motion.
+    pub fn sliding_friction(&mut self, number: usize, direction: f64, force_y: f64) -> f64 {
+        let law = self.law;
+        let block = &mut self.blocks[number];
+        let normal = -force_y;
+        if normal <= 0.0 || block.motion == Motion::Lifted {
+            return 0.0;
+        }
+        direction * block.coefficients.dynamic_mu * law.grip(normal, &mut self.near[number])
+    }
+}
+
+/// Distance from the current instant to the point where the block stops, v^2 / (2 a).
+///
+/// The velocity times the step falls from `before` to `after`, which is not positive, around the instant: v = (before +
+/// after) / 2 and a = before - after.
+#[must_use]
+pub fn stopping_distance(before: f64, after: f64) -> f64 {
+    if before > 0.0 && after <= 0.0 { (before + after).powi(2) / (8.0 * (before - after)) } else { 0.0 }
+}
+
+/// Direction of slip: the sign of the velocity or, for a block that just starts, of the force; 0 if both are zero.
+#[must_use]
+pub fn slip_direction(velocity: f64, force: f64) -> f64 {
+    let of = if velocity != 0.0 { velocity } else { force };
+    if of == 0.0 { 0.0 } else { of.signum() }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,45 @@
+//! Load and motion of the bulk: the pressure ramps up from zero, rests, then the bulk moves.
+
+use super::scales::Scales;
+use crate::springblock::scene::Scene;
+
+/// Duration of the pressure ramp, in seconds (paper: 2 us).
+pub const RAMP_S: f64 = 2e-6;
+/// Duration of the rest at full pressure before the bulk moves, in seconds (paper: 10 us).
+pub const REST_S: f64 = 10e-6;
+
+/// Load and bulk position as functions of time, in the units of [`super::scales::Scales`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Protocol {
+    /// Duration of the ramp.
+    pub ramp: f64,
+    /// Time at which the bulk starts to move.
+    pub start: f64,
+    /// Full load: pressure times length, in units of k.
+    pub load: f64,
+    /// Speed of the bulk.
+    pub speed: f64,
+}
+
+impl Protocol {
+    /// Creates the protocol of `scene` for the full load `load` in units of k l. A warm start skips the ramp and the
+    /// rest.
+    #[must_use]
+    pub fn new(scene: &Scene, scales: &Scales, load: f64) -> Self {
+        let (ramp, start) =
+            if scene.run.warm_start { (0.0, 0.0) } else { (RAMP_S / scales.time_s, (RAMP_S + REST_S) / scales.time_s) };
+        Self { ramp, start, load, speed: scene.speed_m_s * scales.time_s / scales.length_m }
+    }
+
+    /// Load on the bulk at `time`.
+    #[must_use]
+    pub fn load(&self, time: f64) -> f64 {
+        if time >= self.ramp { self.load } else { self.load * (time / self.ramp).max(0.0) }
+    }
+
+    /// Horizontal displacement of the bulk at `time`.
+    #[must_use]
+    pub fn bulk_x(&self, time: f64) -> f64 {
+        self.speed * (time - self.start).max(0.0)
+    }
+}

@@ -1,0 +1,30 @@
+//! Cache of dynamic runs.
+
+use std::fmt::Debug;
+
+use slipgrid_base::monitor::{Monitor, cached};
+
+use crate::springblock::outcome::SurfaceOutcome;
+use crate::springblock::scene::Scene;
+
+/// Returns the outcome of `run` from the monitor's cache or by running it.
+///
+/// `content` must determine the outcome; it is the cache key. `share` is the share of the run in all work.
+pub fn cached_run(
+    monitor: &dyn Monitor,
+    content: &dyn Debug,
+    share: f64,
+    run: impl FnOnce() -> SurfaceOutcome,
+) -> SurfaceOutcome {
+    let known = |bytes: &[u8]| {
+        let outcome = SurfaceOutcome::from_bytes(bytes)?;
+        monitor.advance(share);
+        Some(outcome)
+    };
+    cached(monitor, ("run", content), (known, SurfaceOutcome::to_bytes), run)
+}
+
+/// Settings of `scene` that a run depends on besides its load and its lattice, as part of a cache key.
+pub fn cache_key_settings(scene: &Scene) -> impl Debug + '_ {
+    (&scene.elastic, &scene.area_law, &scene.layer, scene.speed_m_s, &scene.run, scene.dimension().number())
+}

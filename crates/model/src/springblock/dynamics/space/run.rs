@@ -1,0 +1,248 @@
+//! One dynamic run of one cell in space.
+
+use super::super::contact::LocalLaw;
+use super::super::drive::{Drive, MAX_STEPS, Plan, refused_outcome};
+use super::super::protocol::Protocol;
+use super::super::real::Real;
+use super::super::scales::Scales;
+use super::super::stability::largest_eigenfrequency;
+use super::bonds::SpaceBonds;
+use super::leapfrog::{SpaceLeapfrog, SpaceSetup};
+use crate::springblock::Monitor;
+use crate::springblock::SceneError;
+use crate::springblock::draws;
+use crate::springblock::outcome::{Status, SurfaceOutcome};
+use crate::springblock::scene::{Load, Scene};
+use crate::springblock::space::{SpaceLattice, SpaceLoad, SpaceSteadyModel};
+
+/// Default step in units of sqrt(m/k), k = 2/5 E l: 4 ns for the published polymer at l = 10 um, two fifths of the
+/// stability limit.
+pub const SPACE_STEP: f64 = 0.1644;
+/// Largest eigenfrequency times the step at the stability limit of the leapfrog.
+const LEAPFROG_LIMIT: f64 = 2.0;
+
+/// Time step of the leapfrog on a cell.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SpaceScheme {
+    /// Time step, in seconds.
+    pub step_s: f64,
+    /// Largest stable time step, in seconds.
+    pub limit_s: f64,
+}
+
+impl SpaceScheme {
+    /// Returns the step that `scene` requests on `lattice`.
+    ///
+    /// # Errors
+    /// [`SceneError::UnstableStep`] if the step exceeds the stability limit.
+    pub fn choose(scene: &Scene, lattice: &SpaceLattice) -> Result<Self, SceneError> {
+        let scales = Scales::space(&scene.elastic, scene.layer.block_m);
+        let limit_s = LEAPFROG_LIMIT / largest_frequency(lattice, is_unilateral(scene, lattice)) * scales.time_s;
+        let step_s = scene.run.step_s.unwrap_or(SPACE_STEP * scales.time_s);
+        if step_s > limit_s {
+            return Err(SceneError::UnstableStep { step_s, limit_s, scheme: "leapfrog in three dimensions" });
+        }
+        Ok(Self { step_s, limit_s })
+    }
+}
+
+/// Whether blocks of `lattice` may lift: if `scene` requests it, or if the face has heights.
+fn is_unilateral(scene: &Scene, lattice: &SpaceLattice) -> bool {
+    scene.run.liftoff || lattice.is_raised()
+}
+
+/// Largest eigenfrequency of `lattice` in units of sqrt(k/m); blocks on the counterface move vertically only if
+/// `liftoff`.
+pub fn largest_frequency(lattice: &SpaceLattice, liftoff: bool) -> f64 {
+    let bonds = SpaceBonds::new(lattice);
+    let [nx, ny] = lattice.columns();
+    let blocks = bonds.mass().len();
+    let mut weight = vec![0.0; 3 * blocks];
+    for (number, mass) in bonds.mass().iter().enumerate() {
+        let top_row_force = number < nx * ny && lattice.contact_share(number % nx, number / nx) > 0.0 && !liftoff;
+        if *mass > 0.0 {
+            weight[3 * number..][..3].fill(1.0 / mass.sqrt());
+            if top_row_force {
+                weight[3 * number + 2] = 0.0;
+            }
+        }
+    }
+    let (mut u, mut f) = (vec![[0.0; 3]; blocks + 1], vec![[0.0; 3]; blocks + 1]);
+    largest_eigenfrequency(&weight, |displacement, force| {
+        for (u, displacement) in u.iter_mut().zip(displacement.chunks_exact(3)) {
+            u.copy_from_slice(displacement);
+        }
+        bonds.balance(&mut u, 0.0);
+        bonds.forces(&u, &mut f);
+        for (force, f) in force.chunks_exact_mut(3).zip(&f) {
+            force.copy_from_slice(f);
+        }
+    })
+}
+
+/// A run of one cell under one load.
+#[derive(Clone, Copy)]
+pub struct SpaceRun<'a> {
+    pub scene: &'a Scene,
+    pub load: &'a Load,
+    /// Lattice of whole cubes.
+    pub lattice: &'a SpaceLattice,
+    /// Unit vector of the sliding direction.
+    pub direction: [f64; 2],
+    /// Integration scheme.
+    pub scheme: SpaceScheme,
+    /// Share of this run in all work, for the progress report.
+    pub share: f64,
+    /// Seed of the local coefficients.
+    pub seed: u64,
+    /// Relative standard error of dynamic mu at which the run may end.
+    pub stderr_share: Option<f64>,
+}
+
+impl SpaceRun<'_> {
+    #[must_use]
+    pub fn run(&self, monitor: &dyn Monitor) -> SurfaceOutcome {
+        let Self { scene, lattice, .. } = self;
+        if self.load.pressure_pa == 0.0 || self.centres_m().next().is_none() {
+            monitor.advance(self.share);
+            return refused_outcome(Status::NoLoad, self.scheme.step_s, self.centres_m());
+        }
+        if Plan::new(scene, self.scheme.step_s).total() > MAX_STEPS {
+            monitor.advance(self.share);
+            return refused_outcome(Status::TooManySteps, self.scheme.step_s, self.centres_m());
+        }
+        let started_s = monitor.seconds();
+        let scales = Scales::space(&scene.elastic, scene.layer.block_m);
+        let plane = Scales::new(&scene.elastic, scene.layer.block_m);
+        let [nx, ny] = lattice.columns();
+        let coefficients = draws::draw(&self.load.friction, self.seed, nx * ny);
+        let setup = SpaceSetup {
+            coefficients: &coefficients,
+            law: LocalLaw::new(scene.area_law.as_ref(), scales.pressure_pa),
+            // The load is P l^2 per column of the face.
+            protocol: Protocol::new(
+                scene,
+                &scales,
+                self.load.pressure_pa / scales.pressure_pa * lattice.face_columns() as f64,
+            ),
+            direction: self.direction,
+            time_step: self.scheme.step_s / scales.time_s,
+            // The damping rate in 1/s is the same as in the plane, where k differs.
+            damping: scene.run.damping * scales.time_s / plane.time_s,
+            liftoff: is_unilateral(scene, lattice),
+        };
+        let sheared = scene.run.warm_start.then(|| self.sheared());
+        let sliding = sheared.as_ref().and_then(|base| SpaceLeapfrog::from_sliding(lattice, setup.clone(), base));
+        if let Some(engine) = sliding {
+            return self.drive(engine, started_s, monitor);
+        }
+        let mut engine = SpaceLeapfrog::new(lattice, setup);
+        if let Some(start) = sheared {
+            engine.start_sheared(&|[i, j, k]| start[(k * ny + j) * nx + i]);
+        } else if lattice.is_raised() {
+            // The unloaded layer touches with its highest point.
+            let highest = lattice.highest();
+            engine.start_sheared(&|_| [0.0, 0.0, highest]);
+        }
+        self.drive(engine, started_s, monitor)
+    }
+
+    fn drive<R: Real>(&self, mut engine: SpaceLeapfrog<R>, started_s: f64, monitor: &dyn Monitor) -> SurfaceOutcome {
+        let Self { scene, lattice, .. } = self;
+        let scales = Scales::space(&scene.elastic, scene.layer.block_m);
+        if lattice.is_raised() {
+            engine.raise(lattice);
+        }
+        let drive = Drive {
+            scene,
+            pressure_pa: self.load.pressure_pa,
+            step_s: self.scheme.step_s,
+            share: self.share,
+            stderr_share: self.stderr_share,
+            blocks: (lattice.face_columns() * lattice.rows()) as u64,
+            // 4 h / c_s, c_s = sqrt(C44/rho) = l sqrt(k/m)
+            shear_period: 4.0 * lattice.rows() as f64,
+            started_s,
+        };
+        let driven = drive.run(&mut engine, monitor);
+        driven.outcome(scene, &scales, self.centres_m(), self.is_closed(&engine))
+    }
+
+    /// Displacements in units of l of the cell in equilibrium with sliding friction, every block at a random phase of
+    /// its stick-slip cycle: x fastest, then y, then upward.
+    fn sheared(&self) -> Vec<[f64; 3]> {
+        let Self { scene, load, lattice, .. } = *self;
+        let mean = SpaceLoad::with_mean_friction(load, scene.area_law.as_ref(), self.direction);
+        let [nx, ny] = lattice.columns();
+        let phases = draws::random_phase_mean_friction(&load.friction, self.seed, nx * ny);
+        let stiffness_pa = scene.elastic.youngs_modulus_pa();
+        let model = SpaceSteadyModel::new(lattice.clone(), scene.layer.block_m, stiffness_pa, scene.run.liftoff);
+        model.displacements(&SpaceLoad { relative_mu: Some(&phases), ..mean })
+    }
+
+    /// Centres of the contact blocks, x fastest, in metres.
+    fn centres_m(&self) -> impl Iterator<Item = [f64; 2]> + '_ {
+        let [nx, ny] = self.lattice.columns();
+        (0..nx * ny)
+            .map(move |column| [column % nx, column / nx])
+            .filter(|[i, j]| self.lattice.contact_share(*i, *j) > 0.0)
+            .map(|column| column.map(|number| (number as f64 + 0.5) * self.scene.layer.block_m))
+    }
+
+    /// Whether the ceiling of a cavity touches the counterface at the end of the run.
+    fn is_closed<R: Real>(&self, engine: &SpaceLeapfrog<R>) -> bool {
+        let ([nx, ny], ceiling) = (self.lattice.columns(), self.lattice.cavity_rows());
+        ceiling < self.lattice.rows()
+            && (0..nx * ny).map(|column| [column % nx, column / nx]).any(|[i, j]| {
+                self.lattice.is_cavity(i, j) && ceiling as f64 + engine.displacement([i, j, ceiling])[2] <= 0.0
+            })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::pattern::{Pattern, Planform};
+
+    #[test]
+    fn the_largest_frequency_is_that_of_the_dense_matrix() {
+        let pattern = Pattern::new(Planform::Square, 20e-6, 30e-6, 10e-6).unwrap();
+        for lattice in [SpaceLattice::cell(&pattern, 10e-6, 3), SpaceLattice::flat([4, 4], 3)] {
+            let bonds = SpaceBonds::new(&lattice);
+            let blocks = bonds.mass().len();
+            let unknowns: Vec<(usize, usize)> = (0..3 * blocks)
+                .map(|n| (n / 3, n % 3))
+                .filter(|(n, c)| {
+                    bonds.mass()[*n] > 0.0 && (*c < 2 || *n >= lattice.columns()[0] * lattice.columns()[1])
+                })
+                .collect();
+            let mut matrix = nalgebra::DMatrix::<f64>::zeros(unknowns.len(), unknowns.len());
+            let mut force = vec![[0.0; 3]; blocks + 1];
+            for (column, (n, c)) in unknowns.iter().enumerate() {
+                let mut u = vec![[0.0; 3]; blocks + 1];
+                u[*n][*c] = 1.0;
+                bonds.balance(&mut u, 0.0);
+                bonds.forces(&u, &mut force);
+                for (row, (m, d)) in unknowns.iter().enumerate() {
+                    matrix[(row, column)] = -force[*m][*d] / (bonds.mass()[*n] * bonds.mass()[*m]).sqrt();
+                }
+            }
+            assert!((&matrix - matrix.transpose()).abs().max() < 1e-12);
+            let expected = matrix.symmetric_eigenvalues().max().sqrt();
+            let found = largest_frequency(&lattice, false);
+            assert!((found / expected - 1.0).abs() < 1e-3, "{found} {expected}");
+        }
+    }
+
+    #[test]
+    fn the_stability_limit_leaves_the_default_step_room() {
+        // Inside the lattice, [100] waves of the shortest length have m w^2 = 12 k.
+        let flat = largest_frequency(&SpaceLattice::flat([8, 8], 20), false);
+        assert!(flat > 12.0_f64.sqrt() && flat < 4.5, "{flat}");
+        let pattern = Pattern::new(Planform::Square, 40e-6, 80e-6, 20e-6).unwrap();
+        let patterned = largest_frequency(&SpaceLattice::cell(&pattern, 10e-6, 10), false);
+        // Blocks at the edges of lands have a quarter of the mass and most of their springs.
+        assert!(patterned > flat && patterned < 5.2, "{patterned}");
+        assert!(SPACE_STEP < 0.45 * LEAPFROG_LIMIT / patterned);
+    }
+}

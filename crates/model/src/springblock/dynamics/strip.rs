@@ -1,0 +1,295 @@
+//! A strip of columns with its state, the part of a lattice that one thread advances.
+
+use std::ops::Range;
+
+use super::contact::{ContactBlock, ContactSums, LocalLaw};
+use super::contact_vectors::ContactVectors;
+use super::real::{AddForces, PlaceContacts, Real, whole_lines};
+use super::rows::Field;
+use super::stencil::StripStencil;
+use super::sweep::{ContactRowForces, InsideRows, Kick, MoveRow, RowForces, move_side_block};
+use slipgrid_base::fft::vectorized;
+
+/// Position of the bulk and of the moving frame in a step.
+#[derive(Clone, Copy, Debug)]
+pub struct BulkPosition {
+    /// Horizontal displacement of the bulk.
+    pub x: f64,
+    /// Vertical displacement of the bulk.
+    pub height: f64,
+    /// Displacement of the moving frame after the step.
+    pub carried: f64,
+}
+
+/// Base state from which displacements deviate: in equilibrium except for the contact row, in a frame that moves with
+/// the bulk.
+#[derive(Clone, Debug)]
+pub struct Base {
+    /// Spring forces on the contact row, horizontal and vertical, by column.
+    pub force: [Vec<f64>; 2],
+    /// Vertical displacements of the contact row, by column.
+    pub height: Vec<f64>,
+    /// Displacement of the frame per step.
+    pub carried: f64,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Side {
+    Left,
+    Right,
+}
+
+/// A strip of the lattice with its state.
+#[derive(Clone, Debug)]
+pub struct Strip<'a, R> {
+    stencil: StripStencil<R>,
+    field: Field<R>,
+    contact: ContactVectors<'a, 1>,
+    kick: Kick,
+    /// Decrease of the frame's velocity by damping.
+    drag: f64,
+    liftoff: bool,
+    /// Vertical displacements of lifted contact blocks in the last step, by column.
+    fall: Vec<f64>,
+    force: [Vec<R>; 2],
+    at_sides: Vec<[f64; 2]>,
+    /// Displacements of the contact row in the frame at rest, and spring forces on it, in double precision.
+    contact_place: [Vec<f64>; 2],
+    contact_force: [Vec<f64>; 2],
+    base: Base,
+}
+
+impl<'a, R: Real> Strip<'a, R> {
+    /// Creates a strip of `rows` rows at rest; `blocks` are the contact blocks of the whole lattice.
+    #[must_use]
+    pub fn new(
+        stencil: StripStencil<R>,
+        rows: usize,
+        blocks: &[ContactBlock<1>],
+        law: LocalLaw<'a>,
+        kick: Kick,
+        liftoff: bool,
+    ) -> Self {
+        let columns = stencil.columns.clone();
+        let nx = columns.len();
+        let own = blocks
+            .iter()
+            .filter(|block| columns.contains(&block.column))
+            .map(|block| {
+                let mut own = *block;
+                own.column -= columns.start;
+                own
+            })
+            .collect();
+        let inverse_mass = stencil.general[0].inverse_mass.iter().map(|inverse| inverse.to_f64());
+        let contact = ContactVectors::new(own, law, [1.0], inverse_mass, kick);
+        let padded = whole_lines::<R>(nx);
+        let zeros = || [vec![0.0; padded], vec![0.0; padded]];
+        Self {
+            stencil,
+            field: Field::at_rest(nx, rows),
+            contact,
+            kick,
+            drag: 0.0,
+            liftoff,
+            fall: vec![0.0; nx],
+            force: [vec![R::default(); padded], vec![R::default(); padded]],
+            at_sides: Vec::new(),
+            contact_place: zeros(),
+            contact_force: zeros(),
+            base: Base { force: zeros(), height: vec![0.0; padded], carried: 0.0 },
+        }
+    }
+
+    /// Columns of the strip in the lattice.
+    #[must_use]
+    pub const fn columns(&self) -> &Range<usize> {
+        &self.stencil.columns
+    }
+
+    #[must_use]
+    pub const fn contact(&self) -> &ContactVectors<'a, 1> {
+        &self.contact
+    }
+
+    /// Resets the record of slipped blocks, since the bulk begins to move.
+    pub fn begin_drive(&mut self) {
+        self.contact.begin_drive();
+    }
+
+    /// Sets the initial displacements, by column of the lattice and row, with every block at rest.
+    pub fn start(&mut self, displacement: &dyn Fn(usize, usize) -> [f64; 2]) {
+        for j in 0..self.field.ny {
+            for i in 0..self.field.nx {
+                let at = self.field.index(i, j);
+                let u = displacement(self.stencil.columns.start + i, j);
+                for (component, u) in u.into_iter().enumerate() {
+                    self.field.now[component].rows_mut()[at] = R::round_from(u);
+                    self.field.other[component].rows_mut()[at] = R::round_from(u);
+                    if j == 0 {
+                        self.contact_place[component][i] = u;
+                    }
+                }
+            }
+        }
+    }
+
+    /// Switches to displacements that are deviations from the state `base`, given by column of the lattice, in a moving
+    /// frame.
+    pub fn set_base(&mut self, base: &Base) {
+        let (columns, padded) = (self.stencil.columns.clone(), whole_lines::<R>(self.field.nx));
+        let own = |values: &[f64]| {
+            let mut own = values[columns.clone()].to_vec();
+            own.resize(padded, 0.0);
+            own
+        };
+        self.base = Base {
+            force: base.force.each_ref().map(|force| own(force)),
+            height: own(&base.height),
+            carried: base.carried,
+        };
+        self.drag = self.kick.drag(base.carried);
+        // Offset of the frame one step earlier.
+        let (first, stride, nx) = (self.field.index(0, 0), self.field.stride, self.field.nx);
+        for row in self.field.other[0].rows_mut()[first..].chunks_mut(stride).take(self.field.ny) {
+            row[..nx].fill(R::round_from(base.carried));
+        }
+    }
+
+    /// Vertical force of the top row on the bulk at zero displacement of the bulk.
+    #[must_use]
+    pub fn top_row_force(&self) -> f64 {
+        self.stencil.top_row_force(&self.field)
+    }
+
+    /// Displacements of block (i, j); i counts within the strip.
+    #[must_use]
+    pub fn displacement(&self, i: usize, j: usize) -> [f64; 2] {
+        let at = self.field.index(i, j);
+        [0, 1].map(|component: usize| self.field.now[component].rows()[at].to_f64())
+    }
+
+    /// Makes the strip periodic, if it is a whole period.
+    pub fn join_sides(&mut self) {
+        let (first, nx, stride) = (self.field.index(0, 0), self.field.nx, self.field.stride);
+        for plane in &mut self.field.now {
+            // Each row has the image of the last column, then the columns, then the image of the first column.
+            for row in plane.rows_mut()[first - 1..].chunks_exact_mut(stride).take(self.field.ny) {
+                row[0] = row[nx];
+                row[nx + 1] = row[1];
+            }
+        }
+    }
+
+    /// Number of values that a neighbour needs: both displacements of one side's column.
+    #[must_use]
+    pub const fn edge_len(&self) -> usize {
+        2 * self.field.ny
+    }
+
+    /// Calls `give` with the index and the value of each displacement in the column at the side `from`.
+    pub fn edge(&self, from: Side, mut give: impl FnMut(usize, f64)) {
+        let column = match from {
+            Side::Left => 0,
+            Side::Right => self.field.nx - 1,
+        };
+        let (at, stride, ny) = (self.field.index(column, 0), self.field.stride, self.field.ny);
+        for (component, plane) in self.field.now.iter().enumerate() {
+            for (j, value) in plane.rows()[at..].iter().step_by(stride).take(ny).enumerate() {
+                give(component * ny + j, value.to_f64());
+            }
+        }
+    }
+
+    /// Sets the image of the column beyond the side `beyond`; `take` returns values with the indices of
+    /// [`Strip::edge`].
+    pub fn set_image(&mut self, beyond: Side, mut take: impl FnMut(usize) -> f64) {
+        let at = match beyond {
+            Side::Left => self.field.index(0, 0) - 1,
+            Side::Right => self.field.index(self.field.nx, 0),
+        };
+        let (stride, ny) = (self.field.stride, self.field.ny);
+        for (component, plane) in self.field.now.iter_mut().enumerate() {
+            for (j, value) in plane.rows_mut()[at..].iter_mut().step_by(stride).take(ny).enumerate() {
+                *value = R::round_from(take(component * ny + j));
+            }
+        }
+    }
+
+    /// Takes one step; returns the sums over the strip's contact blocks at its beginning. The images of the neighbours'
+    /// columns must be up to date.
+    pub fn step(&mut self, bulk: BulkPosition) -> ContactSums {
+        self.place_bulk(bulk);
+        let Self { stencil, field, contact, kick, drag, force: [force_x, force_y], .. } = self;
+        let mut sums = ContactSums::default();
+        for (row, coefficients) in stencil.general.iter().enumerate() {
+            if row == 0 && !self.liftoff {
+                vectorized(ContactRowForces { coefficients, field, force_x, force_y });
+            } else {
+                vectorized(RowForces { coefficients, field, row, force_x, force_y });
+            }
+            if row == 0 {
+                let total = &mut self.contact_force;
+                for ((force, base_force), total) in
+                    [&*force_x, force_y].into_iter().zip(&self.base.force).zip(&mut *total)
+                {
+                    vectorized(AddForces { force, base_force, total });
+                }
+                let [force_x, force_y] = &*total;
+                sums = contact.kick([force_x], force_y, kick.kept);
+                let ([velocity], carried) = (contact.velocity(), bulk.carried);
+                let (start, columns, place) = (field.index(0, 0), field.nx, &mut self.contact_place[0]);
+                let (velocity, row) = (&velocity[..columns], &mut field.other[0].rows_mut()[start..][..columns]);
+                vectorized(PlaceContacts { place, velocity, carried, row });
+                if self.liftoff {
+                    let inverse_mass = &coefficients.inverse_mass;
+                    let (heights, rises) = (&self.base.height, &mut self.contact_place[1]);
+                    for block in contact.scalar_blocks() {
+                        let i = block.column;
+                        let (fall, inverse_mass) = (&mut self.fall[i], inverse_mass[i].to_f64());
+                        if let Some(height) =
+                            block.move_detached(heights[i] + rises[i], fall, *kick, inverse_mass, force_y[i])
+                        {
+                            rises[i] = height - heights[i];
+                        }
+                    }
+                    let row = &mut field.other[1].rows_mut()[start..][..columns];
+                    for (row, rise) in row.iter_mut().zip(rises) {
+                        *row = R::round_from(*rise);
+                    }
+                }
+            } else {
+                let inverse_mass = &coefficients.inverse_mass;
+                let (columns, start) = (field.nx, field.index(0, row));
+                let (now, other, force) = (&field.now, &mut field.other, [&force_x[..], force_y]);
+                let drag = [*drag, 0.0];
+                vectorized(MoveRow { inverse_mass, now, other, columns, start, kick: *kick, drag, force });
+            }
+        }
+        let from = stencil.general.len();
+        self.at_sides.clear();
+        for (i, sites) in &stencil.sides {
+            self.at_sides
+                .extend((from..).zip(sites).map(|(j, site)| move_side_block(site, field, [*i, j], *kick, *drag)));
+        }
+        vectorized(InsideRows { field, from, kick: *kick, drag: *drag });
+        let mut moved = self.at_sides.iter();
+        for (i, sites) in &stencil.sides {
+            for ((j, _), moved) in (from..).zip(sites).zip(&mut moved) {
+                let at = field.index(*i, j);
+                for (plane, moved) in field.other.iter_mut().zip(*moved) {
+                    plane.rows_mut()[at] = R::round_from(moved);
+                }
+            }
+        }
+        field.swap();
+        sums
+    }
+
+    fn place_bulk(&mut self, bulk: BulkPosition) {
+        let (start, end) = (self.field.index(0, self.field.ny) - 1, self.field.index(self.field.nx, self.field.ny) + 1);
+        for (plane, value) in self.field.now.iter_mut().zip([bulk.x, bulk.height]) {
+            plane.rows_mut()[start..end].fill(R::round_from(value));
+        }
+    }
+}

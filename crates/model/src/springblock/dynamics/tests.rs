@@ -1,0 +1,193 @@
+use crate::pattern::{Pattern, Planform};
+
+use super::bonds::Bonds;
+use super::contact::{ContactRow, LocalLaw};
+use super::engine::{Engine, PlaneEngine, Setup};
+use super::leapfrog::BondLeapfrog;
+use super::protocol::Protocol;
+use super::runge_kutta::RungeKutta;
+use super::strip_leapfrog::StripLeapfrog;
+use crate::springblock::columns;
+use crate::springblock::draws::Coefficients;
+use crate::springblock::lattice::Lattice;
+use crate::springblock::samples;
+use crate::springblock::scene::Springs;
+
+fn patterned(periodic: bool) -> Lattice {
+    let pattern = Pattern::new(Planform::Groove, 30e-6, 50e-6, 20e-6).unwrap();
+    let columns = if periodic { columns::cell(&pattern, 10e-6) } else { columns::sample(&pattern, 10e-6, 37) };
+    Lattice::new(columns, 6, periodic)
+}
+
+fn setup(lattice: &Lattice, time_step: f64, speed: f64) -> Setup<'static> {
+    let coefficients = samples::coefficients(5, lattice.nx());
+    Setup {
+        contact: ContactRow::new(lattice.contacts(), &coefficients, LocalLaw::new(None, 1.0)),
+        protocol: Protocol { ramp: 20.0, start: 60.0, load: 0.005 * lattice.length(), speed },
+        time_step,
+        damping: 0.01,
+        liftoff: false,
+    }
+}
+
+#[test]
+fn the_stencil_moves_as_the_bonds_do() {
+    for periodic in [true, false] {
+        let lattice = patterned(periodic);
+        let mut fast = StripLeapfrog::new(&lattice, setup(&lattice, 0.2, 1e-5));
+        let mut slow = BondLeapfrog::new(&lattice, Springs::Linear, setup(&lattice, 0.2, 1e-5));
+        for step in 0..4000 {
+            let (a, b) = (fast.step(), slow.step());
+            // Stick-slip amplifies rounding errors; they stay far below the forces of 0.1.
+            assert!((a.friction - b.friction).abs() < 1e-9, "{periodic} {step}: {} {}", a.friction, b.friction);
+            assert!((a.normal - b.normal).abs() < 1e-9);
+        }
+        assert!(slow.all_have_slipped() == fast.all_have_slipped());
+        for i in 0..lattice.nx() {
+            for j in 0..lattice.ny() {
+                assert!((fast.rise(i, j) - slow.rise(i, j)).abs() < 1e-9);
+            }
+        }
+    }
+}
+
+#[test]
+fn strips_of_a_long_sample_join_without_a_seam() {
+    // More columns than two strips hold, not a whole number of cache lines.
+    let pattern = Pattern::new(Planform::Groove, 30e-6, 50e-6, 20e-6).unwrap();
+    for periodic in [true, false] {
+        let lattice = Lattice::new(columns::sample(&pattern, 10e-6, 601), 6, periodic);
+        let mut fast = StripLeapfrog::new(&lattice, setup(&lattice, 0.2, 1e-5));
+        let mut slow = BondLeapfrog::new(&lattice, Springs::Linear, setup(&lattice, 0.2, 1e-5));
+        for _ in 0..500 {
+            fast.step();
+            slow.step();
+        }
+        for i in 0..lattice.nx() {
+            for j in 0..lattice.ny() {
+                assert!((fast.rise(i, j) - slow.rise(i, j)).abs() < 1e-12, "{periodic} {i} {j}");
+            }
+        }
+    }
+}
+
+#[test]
+fn any_number_of_threads_takes_the_same_steps() {
+    let pattern = Pattern::new(Planform::Groove, 30e-6, 50e-6, 20e-6).unwrap();
+    for periodic in [true, false] {
+        let lattice = Lattice::new(columns::sample(&pattern, 10e-6, 1101), 5, periodic);
+        let run = |threads: usize| {
+            std::thread::scope(|scope| {
+                let setup = setup(&lattice, 0.2, 1e-4);
+                let mut engine = StripLeapfrog::new(&lattice, setup).with_threads(scope, threads);
+                let mut sums: Vec<_> = (0..300).map(|_| engine.step()).collect();
+                engine.begin_drive();
+                sums.extend((0..600).map(|_| engine.step()));
+                let (forces, slipped) = (engine.contact_forces(), engine.all_have_slipped());
+                engine.finish();
+                let rises: Vec<f64> = (0..lattice.nx()).map(|i| engine.rise(i, 3)).collect();
+                (sums, forces, slipped, rises)
+            })
+        };
+        let alone = run(1);
+        assert!(alone.0.iter().any(|sums| sums.friction > 0.0));
+        for threads in [2, 3, 8] {
+            assert!(run(threads) == alone, "{periodic} {threads}");
+        }
+    }
+}
+
+/// Height of a block after a fixed time of frictionless oscillation.
+fn swing(make: impl Fn(&Lattice, Setup<'static>) -> Box<dyn PlaneEngine>, time_step: f64) -> f64 {
+    let lattice = patterned(true);
+    let mut setup = setup(&lattice, time_step, 0.0);
+    let coefficients = vec![Coefficients { static_mu: 0.0, dynamic_mu: 0.0 }; lattice.nx()];
+    setup.contact = ContactRow::new(lattice.contacts(), &coefficients, LocalLaw::new(None, 1.0));
+    setup.protocol = Protocol { ramp: 64.0, start: 1e9, load: 0.001 * lattice.length(), speed: 0.0 };
+    let mut engine = make(&lattice, setup);
+    for _ in 0..(48.0 / time_step).round() as usize {
+        engine.step();
+    }
+    engine.rise(lattice.nx() / 2, 4)
+}
+
+#[test]
+fn leapfrog_is_of_second_and_runge_kutta_of_fourth_order_without_friction() {
+    let leapfrog = |lattice: &Lattice, setup: Setup<'static>| -> Box<dyn PlaneEngine> {
+        Box::new(StripLeapfrog::new(lattice, setup))
+    };
+    let runge_kutta = |lattice: &Lattice, setup: Setup<'static>| -> Box<dyn PlaneEngine> {
+        Box::new(RungeKutta::new(lattice, Springs::Linear, setup))
+    };
+    let exact = swing(runge_kutta, 0.0125);
+    let order = |coarse: f64, fine: f64| ((coarse - exact) / (fine - exact)).abs().log2();
+    let second = order(swing(leapfrog, 0.2), swing(leapfrog, 0.1));
+    let fourth = order(swing(runge_kutta, 0.2), swing(runge_kutta, 0.1));
+    assert!((second - 2.0).abs() < 0.2, "{second}");
+    assert!((fourth - 4.0).abs() < 0.4, "{fourth}");
+}
+
+#[test]
+fn plane_waves_obey_the_dispersion_relation() {
+    // m w^2 = eig of Dxx = 2k(1 - cos qx) + k(1 - cos qx cos qy), Dyy likewise, Dxy = k sin qx sin qy.
+    let (n, rows) = (12, 40);
+    let lattice = Lattice::new(columns::flat(n), rows, true);
+    let mut bonds = Bonds::new(&lattice, Springs::Linear);
+    for (a, b) in [(1.0, 0.0), (1.0, 2.0), (3.0, 3.0), (6.0, 0.0), (4.0, 5.0)] {
+        let (qx, qy) = (std::f64::consts::TAU * a / n as f64, std::f64::consts::TAU * b / 12.0);
+        let phase = |number: usize| qx * (number % n) as f64 + qy * (number / n) as f64;
+        let (dxx, dyy) = (
+            2.0 * (1.0 - qx.cos()) + (1.0 - qx.cos() * qy.cos()),
+            2.0 * (1.0 - qy.cos()) + (1.0 - qx.cos() * qy.cos()),
+        );
+        let dxy = qx.sin() * qy.sin();
+        for polarization in [[1.0, 0.0], [0.0, 1.0]] {
+            let u = polarization.map(|p| (0..n * rows).map(|number| p * phase(number).cos()).collect::<Vec<f64>>());
+            bonds.evaluate(&u, 0.0, 0.0);
+            let inside = n * (rows / 2) + 5;
+            let expected = [
+                -(dxx * polarization[0] + dxy * polarization[1]) * phase(inside).cos(),
+                -(dxy * polarization[0] + dyy * polarization[1]) * phase(inside).cos(),
+            ];
+            for (force, expected) in bonds.forces().iter().zip(expected) {
+                assert!((force[inside] - expected).abs() < 1e-12, "{a} {b} {polarization:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_lattice_under_load_without_drive_comes_to_rest_with_the_load_on_its_contacts() {
+    for periodic in [true, false] {
+        let lattice = patterned(periodic);
+        let mut setup = setup(&lattice, 0.2, 0.0);
+        setup.damping = 0.2;
+        let mut engine = StripLeapfrog::new(&lattice, setup);
+        let mut sums = engine.step();
+        for _ in 0..20_000 {
+            sums = engine.step();
+        }
+        let load = 0.005 * lattice.length();
+        assert!((sums.normal / load - 1.0).abs() < 1e-9, "{periodic}: {} {load}", sums.normal);
+        // The remaining friction balances locked-in stress, below the static threshold.
+        assert!(sums.friction.abs() < 0.3 * load);
+    }
+}
+
+#[test]
+fn steps_beyond_the_limit_blow_up_and_steps_below_do_not() {
+    let lattice = patterned(true);
+    let limit = 2.0 / super::stability::largest_frequency(&lattice, false);
+    let grows = |factor: f64| {
+        let mut setup = setup(&lattice, factor * limit, 0.0);
+        setup.damping = 0.0;
+        let mut engine = StripLeapfrog::new(&lattice, setup);
+        for _ in 0..4000 {
+            engine.step();
+        }
+        let rise = engine.rise(0, 3).abs();
+        rise.is_nan() || rise >= 1.0
+    };
+    assert!(!grows(0.99));
+    assert!(grows(1.03));
+}

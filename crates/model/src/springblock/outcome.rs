@@ -1,0 +1,325 @@
+//! Results of a simulation: one record per load, with observables and recorded history.
+
+mod bytes;
+
+use crate::material::AreaLaw;
+
+/// State in which a run ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Status {
+    /// Steady: the residual is below the tolerance. Dynamic: sliding was reached and averaged.
+    Converged,
+    /// The nonlinear solve reached its iteration limit; the best state is reported.
+    NotConverged,
+    /// A dynamic run ended before every contact block had slipped.
+    NoOnset,
+    /// No contact block carries load, so that mu is undefined.
+    NoLoad,
+    /// The area law leaves no friction on any contact block: mu is 0, and a ratio to it is undefined.
+    NoFriction,
+    /// A dynamic run was refused, because it needs more steps than [`crate::springblock::MAX_STEPS`].
+    TooManySteps,
+    /// Dynamic mu was not yet stationary when the run ended, or was averaged over too few periods of the layer's first
+    /// shear mode.
+    ShortWindow,
+    /// Sliding is unstable to waves: blocks that stick while others slide reduce friction by more than
+    /// [`crate::springblock::WAVE_DEFICIT`], by an amount that depends on ends, damping and block size.
+    SlidingWaves,
+    /// The requested standard error was not reached within the maximum travel.
+    StderrNotReached,
+    /// The state is no longer finite.
+    Diverged,
+    /// The monitor cancelled the run.
+    Cancelled,
+}
+
+impl Status {
+    /// Name used in files.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Converged => "converged",
+            Self::NotConverged => "not_converged",
+            Self::NoOnset => "no_onset",
+            Self::NoLoad => "no_load",
+            Self::NoFriction => "no_friction",
+            Self::TooManySteps => "too_many_steps",
+            Self::ShortWindow => "short_window",
+            Self::SlidingWaves => "sliding_waves",
+            Self::StderrNotReached => "stderr_not_reached",
+            Self::Diverged => "diverged",
+            Self::Cancelled => "cancelled",
+        }
+    }
+}
+
+/// State of one contact block on the interface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct InterfacePoint {
+    /// Position along the sliding direction from the left side, in metres; in space along the pattern's x axis from the
+    /// corner of the cell.
+    pub x_m: f64,
+    /// Position along the pattern's y axis from the corner of the cell, in metres; 0 in the vertical plane.
+    pub y_m: f64,
+    /// Normal pressure, positive in compression, in pascals. For dynamic runs it is the mean from three fifths of the
+    /// planned travel on, or from the last judgement at which a longer run was not stationary.
+    pub pressure_pa: f64,
+    /// Friction traction, positive against sliding, in pascals. For dynamic runs it is a mean like the pressure.
+    pub friction_pa: f64,
+}
+
+/// One sample of the recorded friction coefficient.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TracePoint {
+    /// Time since the drive started, in seconds.
+    pub time_s: f64,
+    /// Sum of friction over sum of normal force, averaged over the interval that ends at `time_s`.
+    pub mu: f64,
+}
+
+/// Cost of a dynamic run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DynamicCost {
+    /// Number of time steps.
+    pub steps: u64,
+    /// Time step, in seconds.
+    pub dt_s: f64,
+    /// Number of blocks times number of force evaluations.
+    pub site_updates: u64,
+    /// Elapsed time of the monitor's clock, in seconds.
+    pub wall_s: f64,
+}
+
+/// Result of one surface, flat or patterned, under one load.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SurfaceOutcome {
+    /// How the run ended.
+    pub status: Status,
+    /// Dynamic friction coefficient; `None` if the status gives a reason.
+    pub mu_dynamic: Option<f64>,
+    /// Standard error of `mu_dynamic` from the time average and the loss to waves; `None` for steady runs.
+    pub mu_dynamic_stderr: Option<f64>,
+    /// Friction relative to that of the same normal forces with every block sliding, minus one; dynamic runs only. It
+    /// is positive if sticking blocks hold more than sliding friction, and negative if waves reduce friction
+    /// ([`Status::SlidingWaves`]).
+    pub stick_slip_excess: Option<f64>,
+    /// Mean friction perpendicular to the sliding direction over the normal force; dynamic runs in space only.
+    pub mu_across: Option<f64>,
+    /// Time since the start of the drive from which `mu_dynamic` was averaged, up to the end of the run, in seconds;
+    /// `None` for steady runs and without a mean.
+    pub averaged_from_s: Option<f64>,
+    /// Peak of mu(t) at the onset of sliding; dynamic runs only.
+    pub mu_static: Option<f64>,
+    /// Largest pressure on a contact block, in pascals. The pressure of a block that touches in part is averaged with
+    /// that of its neighbour over a whole block. The value increases as blocks become smaller.
+    pub peak_pressure_pa: f64,
+    /// Number of contact blocks under tension; for dynamic runs at the end.
+    pub tension_blocks: usize,
+    /// Whether the ceiling of a cavity touches the counterface.
+    pub cavity_closed: bool,
+    /// Minimum height of a cavity's ceiling above the counterface under load, in metres, negative if the ceiling passes
+    /// through it; steady runs of patterns only.
+    pub clearance_m: Option<f64>,
+    /// Whether a contact pressure exceeds the last pressure of the area law.
+    pub area_law_extrapolated: bool,
+    /// Steady runs: largest change of mu in the last iteration, which bounds the convergence error.
+    pub residual: Option<f64>,
+    /// Steady runs: number of iterations of the nonlinear solve.
+    pub iterations: usize,
+    /// Dynamic runs: cost of the run.
+    pub cost: Option<DynamicCost>,
+    /// Contact blocks of the interface, left to right.
+    pub interface: Vec<InterfacePoint>,
+    /// mu as a function of time; empty for steady runs.
+    pub trace: Vec<TracePoint>,
+}
+
+impl SurfaceOutcome {
+    /// Outcome of a surface that was not solved, with the reason `status` and unloaded contact blocks at the positions
+    /// `x_m`.
+    pub(crate) fn unsolved(status: Status, x_m: impl Iterator<Item = f64>) -> Self {
+        Self {
+            status,
+            mu_dynamic: None,
+            mu_dynamic_stderr: None,
+            stick_slip_excess: None,
+            mu_across: None,
+            averaged_from_s: None,
+            mu_static: None,
+            peak_pressure_pa: 0.0,
+            tension_blocks: 0,
+            cavity_closed: false,
+            clearance_m: None,
+            area_law_extrapolated: false,
+            residual: None,
+            iterations: 0,
+            cost: None,
+            interface: x_m.map(|x_m| InterfacePoint { x_m, y_m: 0.0, pressure_pa: 0.0, friction_pa: 0.0 }).collect(),
+            trace: Vec::new(),
+        }
+    }
+}
+
+impl SurfaceOutcome {
+    /// Outcome of steady sliding.
+    ///
+    /// `normal` and `friction` are forces on the contact blocks in any unit, `status` is that of the solve, `interface`
+    /// has the pressures, of which `peak_pressure_pa` is the largest over a whole block, and `clearance_m` is the
+    /// minimum height of a ceiling.
+    pub(crate) fn from_steady_forces(
+        status: Status,
+        [normal, friction]: [&[f64]; 2],
+        (interface, peak_pressure_pa): (Vec<InterfacePoint>, f64),
+        clearance_m: Option<f64>,
+        area_law: Option<&AreaLaw>,
+    ) -> Self {
+        let compressive: f64 = normal.iter().filter(|normal| **normal > 0.0).sum();
+        let total: f64 = friction.iter().sum();
+        let mu = (compressive > 0.0 && total.is_finite()).then(|| total / compressive);
+        let status = match mu {
+            Some(0.0) if status == Status::Converged => Status::NoFriction,
+            Some(_) => status,
+            None => Status::NoLoad,
+        };
+        let extrapolated = |law: &AreaLaw| interface.iter().any(|point| law.is_extrapolated(point.pressure_pa));
+        Self {
+            // A state out of equilibrium has no friction coefficient.
+            mu_dynamic: mu.filter(|_| status != Status::NotConverged),
+            peak_pressure_pa,
+            tension_blocks: normal.iter().filter(|normal| **normal < 0.0).count(),
+            cavity_closed: clearance_m.is_some_and(|clearance_m| clearance_m <= 0.0),
+            clearance_m,
+            area_law_extrapolated: area_law.is_some_and(extrapolated),
+            interface,
+            ..Self::unsolved(status, std::iter::empty())
+        }
+    }
+}
+
+/// Largest pressure of contact blocks that touch on the fraction `share` of a block each, averaged over a whole block.
+///
+/// At an edge the pressure is singular, so that a narrow part of a block has a higher pressure than a whole block,
+/// however narrow it is. `neighbours` returns the contact blocks next to one.
+pub(crate) fn peak_over_whole_blocks<I: IntoIterator<Item = usize>>(
+    interface: &[InterfacePoint],
+    share: &[f64],
+    neighbours: impl Fn(usize) -> I,
+) -> f64 {
+    let pressure_over_block = |number: usize| {
+        let (own_pa, own) = (interface[number].pressure_pa, share[number]);
+        if own >= WHOLE_SHARE {
+            return own_pa;
+        }
+        let Some(next) = neighbours(number).into_iter().max_by(|&a, &b| share[a].total_cmp(&share[b])) else {
+            return own_pa;
+        };
+        // The rest of a block, as far as the neighbour is land.
+        let rest = (1.0 - own).min(share[next]);
+        (own * own_pa + rest * interface[next].pressure_pa) / (own + rest)
+    };
+    (0..interface.len()).map(pressure_over_block).fold(0.0, f64::max)
+}
+
+/// Share from which a block counts as whole, except for rounding.
+const WHOLE_SHARE: f64 = 1.0 - 1e-9;
+
+/// Result of a scene under one load.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LoadOutcome {
+    /// Nominal pressure, in pascals.
+    pub pressure_pa: f64,
+    /// Surface with the scene's pattern.
+    pub surface: SurfaceOutcome,
+    /// Flat surface with the same settings; `None` for a flat scene.
+    pub flat: Option<SurfaceOutcome>,
+    /// Dynamic friction coefficient, patterned over flat; `None` for a flat scene or if one of the two is absent.
+    pub ratio: Option<f64>,
+    /// Standard error of `ratio`; `None` for steady runs.
+    pub ratio_stderr: Option<f64>,
+    /// Estimated difference of `ratio` from the limit of vanishing blocks, which the true error hardly exceeds: the
+    /// largest over all loads. `None` for a flat scene, and if the scene cannot be solved with blocks of another size.
+    pub ratio_discretization_error: Option<f64>,
+    /// Standard error of `ratio` from replacing the specimen's layout: by strips that sample its face, by one strip in
+    /// a dynamic run, or by a cell. `None` if nothing is replaced.
+    pub ratio_layout_error: Option<f64>,
+    /// Ratio of the steady cell over the specimen's thickness minus the ratio of the layer alone. It is included in
+    /// `ratio` if the scene gives the thickness; otherwise it is the effect of a thick specimen. `None` for a flat
+    /// scene, and if a cell has no ratio.
+    pub ratio_layer_difference: Option<f64>,
+    /// Standard error of `ratio` from adding `ratio_layer_difference` to a strip or a dynamic run; `None` if it was not
+    /// added.
+    pub ratio_layer_error: Option<f64>,
+    /// Change of the ratio by the tilted pressure that friction causes on a specimen whose holder prevents rotation.
+    ///
+    /// `ratio` includes the whole change if the holder is rigid, and half of it if the holder is unknown. `None` if the
+    /// specimen aligns itself, or if the scene has no ends or does not give the specimen's thickness.
+    pub ratio_tilt_change: Option<f64>,
+    /// Standard error of `ratio` due to the tilt of the pressure, signed: positive values are the change if the tilt
+    /// exceeds its mean. The error is fully correlated between all loads of a specimen. `None` without
+    /// `ratio_tilt_change`.
+    pub ratio_tilt_error: Option<f64>,
+    /// Change of the ratio from steady sliding to dynamic sliding, included in `ratio`; `None` if it is unknown. Only
+    /// strips of a specimen have it.
+    pub ratio_time_change: Option<f64>,
+}
+
+impl LoadOutcome {
+    /// Whether both surfaces have a meaningful mean friction.
+    #[must_use]
+    pub fn is_trusted(&self) -> bool {
+        let means = [Status::Converged, Status::NoFriction, Status::StderrNotReached];
+        std::iter::once(&self.surface).chain(&self.flat).all(|surface| means.contains(&surface.status))
+    }
+
+    /// Sets the ratio, and the patterned surface's dynamic friction to the ratio times that of the flat surface.
+    pub fn set_ratio(&mut self, ratio: Option<f64>) {
+        let flat_mu = self.flat.as_ref().and_then(|flat| flat.mu_dynamic);
+        self.ratio = ratio;
+        self.surface.mu_dynamic = ratio.zip(flat_mu).map(|(ratio, mu)| ratio * mu);
+    }
+
+    /// Adds `by` to the ratio, if there is one, and changes friction in proportion.
+    pub(crate) fn shift_ratio(&mut self, by: f64) {
+        if let Some(ratio) = self.ratio {
+            self.set_ratio(Some(ratio + by));
+        }
+    }
+}
+
+/// Statements about a simulation, one sentence each.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Statements {
+    /// Statements on what was modelled and why, relevant to decisions.
+    pub model: Vec<String>,
+    /// Statements on how it was computed.
+    pub method: Vec<String>,
+}
+
+impl Statements {
+    /// Adds a statement on what was modelled or neglected.
+    pub fn model(&mut self, said: impl Into<String>) {
+        self.model.push(said.into());
+    }
+
+    /// Adds a statement on how something was computed.
+    pub fn method(&mut self, said: impl Into<String>) {
+        self.method.push(said.into());
+    }
+}
+
+/// Results of a scene.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Simulation {
+    /// Statements on what was modelled and how it was computed.
+    pub statements: Statements,
+    /// One record per load, in the scene's order.
+    pub loads: Vec<LoadOutcome>,
+}
+
+impl Simulation {
+    /// Maximum pressure under the blocks over all loads.
+    #[must_use]
+    pub fn peak_pressure_pa(&self) -> f64 {
+        self.loads.iter().map(|load| load.surface.peak_pressure_pa).fold(0.0, f64::max)
+    }
+}

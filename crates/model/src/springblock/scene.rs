@@ -1,0 +1,499 @@
+//! Parameters of a simulation, with their validation.
+
+use std::sync::Arc;
+
+use crate::material::{AreaLaw, Elastic, LocalFriction};
+use crate::pattern::{Pattern, ReliefMap, Texture};
+
+use crate::springblock::{Dimension, SceneError, run_speed_m_s, warm_travel_m};
+
+/// Physical model and time integration scheme.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Fidelity {
+    /// Equilibrium with every contact block sliding, without time.
+    Steady,
+    /// Time integration by the fastest scheme with a measured error.
+    Dynamic,
+    /// The paper's scheme: classical Runge-Kutta of order 4, 1 ns, exact spring law.
+    Reference,
+}
+
+impl Fidelity {
+    /// All fidelities, cheapest first.
+    pub const ALL: [Self; 3] = [Self::Steady, Self::Dynamic, Self::Reference];
+
+    /// Name used in files.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Steady => "steady",
+            Self::Dynamic => "dynamic",
+            Self::Reference => "reference",
+        }
+    }
+}
+
+/// Part of the specimen that is modelled.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Extent {
+    /// One period of the pattern with periodic sides.
+    Cell,
+    /// The whole specimen with free sides, in the vertical plane.
+    Sample,
+    /// A strip of the specimen in space with two ends, one period wide with periodic sides; in the plane the same as a
+    /// sample.
+    Strip,
+}
+
+impl Extent {
+    /// All extents, cheapest first.
+    pub const ALL: [Self; 3] = [Self::Cell, Self::Sample, Self::Strip];
+
+    /// Name used in files.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Cell => "cell",
+            Self::Sample => "sample",
+            Self::Strip => "strip",
+        }
+    }
+
+    /// Whether the model has ends.
+    #[must_use]
+    pub const fn has_ends(self) -> bool {
+        !matches!(self, Self::Cell)
+    }
+}
+
+/// Force law of a spring.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Springs {
+    /// F = k e (e . (u_j - u_i)): small displacements.
+    Linear,
+    /// F = k (r - l) (r_j - r_i) / r: geometrically exact.
+    Exact,
+}
+
+impl Springs {
+    /// All spring laws.
+    pub const ALL: [Self; 2] = [Self::Linear, Self::Exact];
+
+    /// Name used in files.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Linear => "linear",
+            Self::Exact => "exact",
+        }
+    }
+}
+
+/// How a specimen is held.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Holder {
+    /// The holder prevents rotation, so that friction tilts the pressure.
+    Rigid,
+    /// The specimen aligns itself with the counterface, so that friction does not tilt the pressure.
+    SelfAligning,
+}
+
+impl Holder {
+    /// All holders.
+    pub const ALL: [Self; 2] = [Self::Rigid, Self::SelfAligning];
+
+    /// Name used in files.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Rigid => "rigid",
+            Self::SelfAligning => "self-aligning",
+        }
+    }
+}
+
+/// Modelled layer of the specimen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Layer {
+    /// Length of the specimen along the sliding direction, in metres.
+    pub length_m: f64,
+    /// Height of the elastic layer whose blocks are modelled individually, in metres: in scenes with ends and in
+    /// dynamic runs.
+    pub height_m: f64,
+    /// Distance between neighbouring blocks, the lattice spacing l, in metres.
+    pub block_m: f64,
+    /// Thickness of the specimen between the counterface and the rigid bulk, in metres. Steady cells are solved over
+    /// the whole thickness; for strips with ends and for dynamic runs, the effect on the steady cell is added. `None`
+    /// puts the rigid bulk directly above the layer.
+    pub thickness_m: Option<f64>,
+    /// How the specimen is held; `None` if unknown. It has no effect without the thickness.
+    pub holder: Option<Holder>,
+}
+
+/// Nominal pressure and the local friction coefficients at this pressure.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Load {
+    /// Load over the specimen's nominal area, in pascals.
+    pub pressure_pa: f64,
+    /// Local friction coefficients at this load.
+    pub friction: LocalFriction,
+}
+
+impl Load {
+    /// Friction coefficient of an infinite flat layer in steady sliding: mu_d f(P), with f = 1 without an area law.
+    #[must_use]
+    pub fn flat_mu(&self, area_law: Option<&AreaLaw>) -> f64 {
+        self.friction.dynamic_mean() * area_law.map_or(1.0, |law| law.factor(self.pressure_pa))
+    }
+}
+
+/// Options that control how a scene is solved.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RunOptions {
+    /// Physical model.
+    pub fidelity: Fidelity,
+    /// Part of the specimen that is modelled.
+    pub extent: Extent,
+    /// Seed of the local coefficients.
+    pub seed: u64,
+    /// Planned travel of the bulk in a dynamic run, in metres. A run whose mu is not stationary by then continues up to
+    /// four times as far, or twenty times if `mu_stderr` is set.
+    pub sliding_m: f64,
+    /// Whether contact is unilateral, so that a block under tension leaves the counterface.
+    pub liftoff: bool,
+    /// Relative standard error of dynamic mu; a dynamic run continues until it is reached.
+    pub mu_stderr: Option<f64>,
+    /// Time step, in seconds; `None` selects the default of the fidelity.
+    pub step_s: Option<f64>,
+    /// Damping frequency gamma in units of sqrt(k/m).
+    pub damping: f64,
+    /// Whether a dynamic run starts from a layer sheared as in sliding instead of from an unloaded layer. Blocks start
+    /// at rest, each at a random phase of its stick-slip cycle; if they started in steady sliding, stick-slip would set
+    /// in only after micrometres.
+    pub warm_start: bool,
+    /// Spring law of dynamic runs; `None` selects linear for `dynamic` and exact for `reference`.
+    pub springs: Option<Springs>,
+    /// 2 for the vertical plane along the sliding direction, 3 for a cell in space, steady or dynamic. `None` selects
+    /// the dimension by the pattern.
+    pub dimensions: Option<u8>,
+    /// Number of dynamic runs with the seeds `seed`, `seed` + 1 and so on. Their mean is reported, with a standard
+    /// error from their scatter.
+    pub draws: u64,
+    /// Whether ratios are extrapolated to vanishing blocks. Steady cells in smaller blocks give the correction in the
+    /// vertical plane, and cells of similar grooves give it for cavities in space. If the correction is impossible, the
+    /// statements of the simulation give the reason.
+    pub refine: bool,
+}
+
+/// Relative standard error of dynamic friction at which a run from sliding ends.
+const MEAN_STDERR: f64 = 0.001;
+
+impl RunOptions {
+    /// Options of a dynamic run for mean friction only: it starts near sliding and ends when the mean is known to a
+    /// thousandth.
+    #[must_use]
+    pub const fn from_sliding(self) -> Self {
+        Self { fidelity: Fidelity::Dynamic, warm_start: true, mu_stderr: Some(MEAN_STDERR), ..self }
+    }
+
+    /// Options for a specimen with patterns of `texture`: in the plane strip by strip, also for other sliding
+    /// directions of the texture; in space one cell, or the requested strip.
+    #[must_use]
+    pub fn on_specimen(self, texture: &Texture) -> Self {
+        match Dimension::of(self.dimensions, texture) {
+            Dimension::Plane => Self { dimensions: Some(Dimension::Plane.number()), ..self },
+            Dimension::Space if self.has_space() && self.extent == Extent::Sample => {
+                Self { extent: Extent::Cell, ..self }
+            }
+            Dimension::Space => self,
+        }
+    }
+
+    /// Whether a cell in space supports these options.
+    fn has_space(&self) -> bool {
+        match self.fidelity {
+            Fidelity::Steady => true,
+            Fidelity::Dynamic => self.springs != Some(Springs::Exact),
+            Fidelity::Reference => false,
+        }
+    }
+}
+
+impl Default for RunOptions {
+    fn default() -> Self {
+        Self {
+            fidelity: Fidelity::Steady,
+            extent: Extent::Cell,
+            seed: 1,
+            sliding_m: 2e-6,
+            liftoff: false,
+            mu_stderr: None,
+            step_s: None,
+            damping: 0.01,
+            warm_start: false,
+            springs: None,
+            dimensions: None,
+            draws: 1,
+            refine: false,
+        }
+    }
+}
+
+/// All parameters of a simulation.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scene {
+    /// Elastic constants of the layer.
+    pub elastic: Elastic,
+    /// Area law; `None` is Amontons-Coulomb friction.
+    pub area_law: Option<AreaLaw>,
+    /// Texture; `None` is a flat surface.
+    pub pattern: Option<Pattern>,
+    /// Measured heights of the textured face over one period, instead of rims.
+    pub relief: Option<Arc<ReliefMap>>,
+    /// The modelled layer.
+    pub layer: Layer,
+    /// Loads, solved independently.
+    pub loads: Vec<Load>,
+    /// Sliding speed of the bulk, in m/s.
+    pub speed_m_s: f64,
+    /// Options that control how the scene is solved.
+    pub run: RunOptions,
+}
+
+impl Layer {
+    /// Number of rows of blocks in the layer.
+    #[must_use]
+    pub fn rows(&self) -> usize {
+        whole(self.height_m / self.block_m)
+    }
+
+    /// Number of rows of blocks over the whole thickness, at least that of the layer.
+    #[must_use]
+    pub fn thick_rows(&self) -> usize {
+        self.thickness_m.map_or(0, |thickness_m| whole(thickness_m / self.block_m)).max(self.rows())
+    }
+
+    /// Whether the specimen is thicker than the layer.
+    #[must_use]
+    pub fn is_backed(&self) -> bool {
+        self.thick_rows() > self.rows()
+    }
+
+    /// Returns the layer with the rigid bulk directly above it.
+    #[must_use]
+    pub const fn alone(self) -> Self {
+        Self { thickness_m: None, holder: None, ..self }
+    }
+
+    /// Number of blocks in a section along the sliding direction, not rounded.
+    #[must_use]
+    pub fn blocks(&self) -> f64 {
+        (self.length_m / self.block_m) * (self.height_m / self.block_m)
+    }
+
+    /// Number of columns of blocks over the whole specimen.
+    #[must_use]
+    pub fn columns(&self) -> usize {
+        whole(self.length_m / self.block_m)
+    }
+}
+
+impl Scene {
+    /// Returns the scene at the speed of a dynamic run that represents it, limited by its lightest load
+    /// ([`run_speed_m_s`]).
+    #[must_use]
+    pub fn slowed(mut self) -> Self {
+        let lightest_pa = self.loads.iter().map(|load| load.pressure_pa).fold(f64::INFINITY, f64::min);
+        self.speed_m_s = run_speed_m_s(&self.elastic, lightest_pa, self.speed_m_s);
+        self
+    }
+
+    /// Returns the scene for a dynamic run that represents it: at the speed of [`Self::slowed`], with the travel that a
+    /// run from the sheared layer needs.
+    #[must_use]
+    pub fn in_time(self) -> Self {
+        let mut scene = self.slowed();
+        if scene.run.warm_start {
+            let law = (&scene.elastic, scene.area_law.as_ref());
+            scene.run.sliding_m = warm_travel_m(law, &scene.layer, &scene.loads, scene.speed_m_s);
+        }
+        scene
+    }
+}
+
+/// Rounds a positive ratio to a whole number.
+fn whole(ratio: f64) -> usize {
+    // Validated to lie in [1, 1e7]: the cast is exact.
+    ratio.round() as usize
+}
+
+/// Maximum number of blocks of a layer, which keeps the memory of a whole lattice below 24 GiB.
+pub const MAX_BLOCKS: f64 = 4e7;
+/// Maximum number of rows of blocks over the thickness of a specimen: rounding errors of the total shear grow with its
+/// square.
+pub const MAX_ROWS: f64 = 1e5;
+/// Maximum number of draws of one scene: the standard error falls only with the square root.
+pub const MAX_DRAWS: u64 = 64;
+/// Minimum pitch in blocks: springs between columns closer than l/sqrt(3) would have negative stiffness.
+const MIN_PITCH: f64 = 1.2;
+/// Relative tolerance within which a ratio counts as a whole number of blocks.
+const WHOLE_BLOCKS_TOLERANCE: f64 = 1e-6;
+
+impl Scene {
+    /// Dimension in which the scene is solved: the requested one, otherwise the one that the pattern needs if the scene
+    /// is a steady or dynamic cell. Other scenes, and flat layers, are solved in the vertical plane.
+    #[must_use]
+    pub fn dimension(&self) -> Dimension {
+        let is_open = self.run.dimensions.is_none() && !self.has_spatial_cell();
+        let pattern = self.pattern.as_ref().filter(|_| !is_open);
+        pattern.map_or(Dimension::Plane, |pattern| Dimension::of(self.run.dimensions, pattern.texture()))
+    }
+
+    /// Pattern of the scene, if only a section of it is solved.
+    #[must_use]
+    pub fn section(&self) -> Option<&Pattern> {
+        self.dimension().section_of(self.pattern.as_ref()?)
+    }
+
+    /// Whether a cell or a strip in space can solve the scene.
+    fn has_spatial_cell(&self) -> bool {
+        self.run.extent != Extent::Sample && self.run.has_space()
+    }
+
+    /// Whether the scene requests a strip in space of a pattern that slides neither along its rows nor across them.
+    #[must_use]
+    pub fn is_strip_aslant(&self) -> bool {
+        let is_strip = self.run.extent == Extent::Strip && self.dimension() == Dimension::Space;
+        is_strip && self.pattern.is_some_and(|pattern| pattern.texture().slides_aslant())
+    }
+
+    /// Checks all parameters.
+    ///
+    /// # Errors
+    /// [`SceneError`] with the first invalid quantity.
+    pub fn validate(&self) -> Result<(), SceneError> {
+        let positive = |quantity, value: f64| {
+            if value.is_finite() && value > 0.0 {
+                Ok(())
+            } else {
+                Err(SceneError::OutOfRange { quantity, value, expected: "a positive number" })
+            }
+        };
+        let not_negative = |quantity, value: f64| {
+            if value.is_finite() && value >= 0.0 {
+                Ok(())
+            } else {
+                Err(SceneError::OutOfRange { quantity, value, expected: "a number not below zero" })
+            }
+        };
+        positive("length_m", self.layer.length_m)?;
+        positive("layer_m", self.layer.height_m)?;
+        positive("block_m", self.layer.block_m)?;
+        for (quantity, length_m) in [("length_m", self.layer.length_m), ("layer_m", self.layer.height_m)] {
+            let blocks = length_m / self.layer.block_m;
+            if blocks < 1.0 - WHOLE_BLOCKS_TOLERANCE
+                || (blocks - blocks.round()).abs() > WHOLE_BLOCKS_TOLERANCE * blocks.max(1.0)
+            {
+                return Err(SceneError::NotWholeBlocks { quantity, length_m, block_m: self.layer.block_m });
+            }
+        }
+        if let Some(thickness_m) = self.layer.thickness_m {
+            positive("thickness_m", thickness_m)?;
+            if thickness_m < self.layer.height_m || thickness_m > MAX_ROWS * self.layer.block_m {
+                return Err(SceneError::OutOfRange {
+                    quantity: "thickness_m",
+                    value: thickness_m,
+                    expected: "at least the height of the layer and at most 1e5 blocks",
+                });
+            }
+        }
+        let blocks = self.layer.blocks();
+        if blocks > MAX_BLOCKS {
+            return Err(SceneError::TooManyBlocks { blocks, most: MAX_BLOCKS });
+        }
+        if self.loads.is_empty() {
+            return Err(SceneError::NoLoads);
+        }
+        for load in &self.loads {
+            not_negative("pressure_pa", load.pressure_pa)?;
+        }
+        not_negative("speed_m_s", self.speed_m_s)?;
+        positive("sliding_m", self.run.sliding_m)?;
+        not_negative("damping", self.run.damping)?;
+        if let Some(step_s) = self.run.step_s {
+            positive("step_s", step_s)?;
+        }
+        if let Some(mu_stderr) = self.run.mu_stderr {
+            positive("mu_stderr", mu_stderr)?;
+        }
+        if !(1..=MAX_DRAWS).contains(&self.run.draws) {
+            let value = self.run.draws as f64;
+            return Err(SceneError::OutOfRange { quantity: "draws", value, expected: "a whole number from 1 to 64" });
+        }
+        if self.run.dimensions.is_some_and(|dimensions| !(2..=3).contains(&dimensions)) {
+            let value = f64::from(self.run.dimensions.unwrap_or_default());
+            return Err(SceneError::OutOfRange { quantity: "dimensions", value, expected: "2 or 3" });
+        }
+        if self.run.dimensions == Some(3) && !self.has_spatial_cell() {
+            return Err(SceneError::Unsupported {
+                what: "three dimensions in whole samples, with exact springs and by the reference integration",
+                instead: "ask for a cell or a strip, steady or dynamic, with linear springs, or for dimensions = 2",
+            });
+        }
+        if self.is_strip_aslant() {
+            return Err(SceneError::Unsupported {
+                what: "a strip in space of a pattern that slides aslant to its rows, and so repeats at no distance across",
+                instead: "ask for extent = \"cell\", or slide along the rows or across them",
+            });
+        }
+        self.validate_relief()?;
+        if let Some(pattern) = &self.pattern {
+            if pattern.depth_m() >= self.layer.height_m {
+                return Err(SceneError::CavityThroughLayer {
+                    depth_m: pattern.depth_m(),
+                    height_m: self.layer.height_m,
+                });
+            }
+            if pattern.pitch_m() < MIN_PITCH * self.layer.block_m {
+                return Err(SceneError::OutOfRange {
+                    quantity: "pitch_m",
+                    value: pattern.pitch_m(),
+                    expected: "a pitch of at least 1.2 blocks: smaller blocks resolve it",
+                });
+            }
+            let most_m = MAX_BLOCKS / (self.layer.height_m / self.layer.block_m) * self.layer.block_m;
+            if pattern.pitch_m() > most_m {
+                return Err(SceneError::OutOfRange {
+                    quantity: "pitch_m",
+                    value: pattern.pitch_m(),
+                    expected: "a pitch of at most 4e7 blocks",
+                });
+            }
+        }
+        Ok(())
+    }
+
+    /// Checks that the measured relief fits the pattern and that the pattern has no rims.
+    fn validate_relief(&self) -> Result<(), SceneError> {
+        let Some(relief) = &self.relief else { return Ok(()) };
+        let Some(pattern) = &self.pattern else {
+            return Err(SceneError::Unsupported {
+                what: "a relief without a pattern, whose period it holds",
+                instead: "give the pattern, or no relief",
+            });
+        };
+        if pattern.texture().rim().is_some() {
+            return Err(SceneError::Unsupported {
+                what: "a measured relief beside rims, which it holds already",
+                instead: "give one of the two",
+            });
+        }
+        relief.lands(pattern).map(|_| ()).map_err(SceneError::Relief)
+    }
+
+    /// Whether the face of the pattern has height variations.
+    #[must_use]
+    pub fn is_raised(&self) -> bool {
+        self.relief.is_some() || self.pattern.as_ref().is_some_and(|pattern| pattern.texture().rim().is_some())
+    }
+}

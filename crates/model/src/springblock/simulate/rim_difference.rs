@@ -1,0 +1,153 @@
+//! Effect of rims on the strips of a specimen: the effect on the steady cell in proportion to the cavity fraction.
+//!
+//! Contact that opens and closes makes the equations of a strip nonlinear, which is expensive for a whole face. Rims
+//! act near their own cavities only, so that the cell gives their effect:
+//!
+//! ```text
+//! r = r_strips + (r_cell,rims - r_cell) D / D_cell
+//! ```
+
+use crate::pattern::Pattern;
+
+use crate::springblock::cell::{CellOutcome, SteadyCell};
+use crate::springblock::dimension::Dimension;
+use crate::springblock::outcome::{LoadOutcome, Statements};
+use crate::springblock::scene::{Extent, Fidelity, Scene};
+
+/// Relative standard error of the effect of rims: ends carry more load than the cell, and with few cavities rims have a
+/// different weight (`rims_add_to_a_strip_what_they_add_to_the_cell`).
+const RELATIVE_ERROR: f64 = 0.02;
+
+/// Differences with rims minus without, by load.
+pub struct RimDifference {
+    each: Vec<Option<Difference>>,
+}
+
+struct Difference {
+    ratio: f64,
+    /// Peak pressure over that without rims.
+    peak: f64,
+    clearance_m: f64,
+    is_extrapolated: bool,
+}
+
+/// Returns `pattern` with flat lands.
+pub fn without_rim(pattern: &Pattern) -> Pattern {
+    pattern.with_rim(None)
+}
+
+impl RimDifference {
+    /// Computes the differences for the cell of `scene` with `pattern`; empty without rims.
+    pub fn new(scene: &Scene, pattern: &Pattern) -> Self {
+        if !scene.is_raised() {
+            return Self { each: Vec::new() };
+        }
+        let solve =
+            |scene: &Scene, pattern: &Pattern| SteadyCell::with_dimension(scene, Dimension::Plane).solve(pattern);
+        let flat = Scene { relief: None, ..scene.clone() };
+        let (with, without) = rayon::join(|| solve(scene, pattern), || solve(&flat, &without_rim(pattern)));
+        Self { each: with.iter().zip(&without).map(|(with, without)| difference(with, without)).collect() }
+    }
+
+    /// Adds the differences to `loads`, whose cavity fraction is `share` times that of a period.
+    pub fn add(&self, share: f64, loads: &mut [LoadOutcome]) {
+        for (load, difference) in loads.iter_mut().zip(&self.each) {
+            let Some(difference) = difference else {
+                load.set_ratio(None);
+                continue;
+            };
+            load.shift_ratio(difference.ratio * share);
+            let open = RELATIVE_ERROR * (difference.ratio * share).abs();
+            load.ratio_layout_error = load.ratio.map(|_| load.ratio_layout_error.unwrap_or(0.0).hypot(open));
+            let surface = &mut load.surface;
+            surface.peak_pressure_pa *= difference.peak;
+            surface.clearance_m = surface.clearance_m.map(|clearance_m| clearance_m + difference.clearance_m);
+            surface.cavity_closed |= surface.clearance_m.is_some_and(|clearance_m| clearance_m <= 0.0);
+            surface.area_law_extrapolated |= difference.is_extrapolated;
+        }
+    }
+
+    /// Statement on the rims of strips.
+    pub fn statement() -> String {
+        format!(
+            "rims add to the strips what they add to the steady cell, known to {:.0} %; the interface is that of the cavities alone",
+            100.0 * RELATIVE_ERROR
+        )
+    }
+}
+
+/// Adds the effect of plastic yielding on the steady cell to `loads` of a sample or of a dynamic run, whose rims are
+/// elastic, and a statement to `statements`. Does nothing if the solid of `scene` does not yield; steady cells already
+/// include yielding.
+pub fn add_yielding(scene: &Scene, pattern: &Pattern, loads: &mut [LoadOutcome], statements: &mut Statements) {
+    let Some(yield_pa) = scene.elastic.yield_pressure_pa().filter(|_| scene.is_raised()) else { return };
+    let yields = format!(
+        "heights of the face flatten for good at {} MPa, in the order of the loads",
+        (yield_pa * 1e-3).round() * 1e-3
+    );
+    if scene.run.fidelity == Fidelity::Steady && scene.run.extent == Extent::Cell {
+        statements.model(yields);
+        return;
+    }
+    let Ok(elastic) = scene.elastic.with_yield_pressure_pa(None) else { return };
+    let solve = |scene: &Scene| SteadyCell::with_dimension(scene, scene.dimension()).solve(pattern);
+    let rigid = Scene { elastic, ..scene.clone() };
+    let (with, without) = rayon::join(|| solve(scene), || solve(&rigid));
+    let each = with.iter().zip(&without).map(|(with, without)| difference(with, without)).collect();
+    RimDifference { each }.add(1.0, loads);
+    statements
+        .model(format!("{yields}: by what that changes of the steady cell, known to {:.0} %", 100.0 * RELATIVE_ERROR));
+}
+
+fn difference(with: &CellOutcome, without: &CellOutcome) -> Option<Difference> {
+    let (of_with, of_without) = (&with.surface, &without.surface);
+    Some(Difference {
+        ratio: with.ratio? - without.ratio?,
+        peak: of_with.peak_pressure_pa / of_without.peak_pressure_pa,
+        clearance_m: of_with.clearance_m.zip(of_without.clearance_m).map_or(0.0, |(with, without)| with - without),
+        is_extrapolated: of_with.area_law_extrapolated,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::pattern::{Rim, RimProfile};
+    use crate::springblock::columns::{sample, with_relief};
+    use crate::springblock::lattice::Lattice;
+    use crate::springblock::outcome::Status;
+    use crate::springblock::samples;
+    use crate::springblock::scene::RunOptions;
+    use crate::springblock::steady::{SteadyLoad, SteadyModel};
+
+    #[test]
+    fn rims_add_to_a_strip_what_they_add_to_the_cell() {
+        let mut worst = 0.0_f64;
+        for (width, spacing, depth, height) in
+            [(130.0, 370.0, 20.0, 0.1), (80.0, 160.0, 10.0, 0.3), (150.0, 300.0, 40.0, 1.0)]
+        {
+            let rim = Rim::new(height * 1e-6, 20e-6, RimProfile::Round).unwrap();
+            let pattern = samples::groove(width, spacing, depth).with_rim(rim);
+            let scene = samples::scene(pattern, &[0.65, 2.6], RunOptions::default());
+            let difference = RimDifference::new(&scene, &pattern);
+            let law = samples::persson_law();
+            let flat = sample(&without_rim(&pattern), 10e-6, 500);
+            let share = flat.iter().map(|c| c.coverage).sum::<f64>() / 500.0 / pattern.section_density();
+            let solve = |columns: Vec<crate::springblock::columns::Column>, pressure_pa: f64| {
+                let lattice = Lattice::new(columns, 20, false);
+                let model = SteadyModel::new(lattice, 10e-6, samples::E_PA, false);
+                let load = SteadyLoad { pressure_pa, dynamic_mu: &vec![0.27; 500], area_law: Some(&law) };
+                let outcome = model.solve(&load);
+                assert_eq!(outcome.status, Status::Converged);
+                outcome.mu_dynamic.unwrap() / (0.27 * law.factor(pressure_pa))
+            };
+            for (load, difference) in scene.loads.iter().zip(&difference.each) {
+                let found = difference.as_ref().unwrap().ratio * share;
+                let expected = solve(with_relief(flat.clone(), &pattern, 10e-6, None), load.pressure_pa)
+                    - solve(flat.clone(), load.pressure_pa);
+                worst = worst.max((found / expected - 1.0).abs());
+            }
+        }
+        assert!(worst < 2.0 * RELATIVE_ERROR, "{worst}");
+    }
+}

@@ -1,0 +1,250 @@
+//! A specimen as it is cut: the sum of the strips of its face along the sliding direction.
+//!
+//! All strips are attached to one rigid bulk and descend by the same distance. With the width w_s, the length L_s and
+//! the stiffness per length k_s of strip s, the pressures P_s and the friction of the face under the nominal pressure P
+//! are
+//!
+//! ```text
+//! P_s = k_s d,     sum w_s L_s P_s = P sum w_s L_s,     mu = sum w_s L_s P_s mu_s / (P sum w_s L_s)
+//! ```
+//!
+//! This bulk is directly above the modelled layer. The effect of the elastic specimen beyond the layer on the
+//! distribution of the load is added ([`load_sharing`](super::load_sharing)).
+//!
+//! The strips only sample the face. The cavity fraction D of the face is known exactly, and the friction reduction is
+//! very nearly proportional to it, so that the ratio to the flat face is taken as 1 - (1 - r) D / D_strips. The
+//! deviation of the strips from this proportion is the sampling error.
+//!
+//! Only one strip, the longest, is run dynamically, on whole blocks. Its change from steady to dynamic sliding is
+//! applied to the others:
+//!
+//! ```text
+//! r = r_steady + (r_dynamic,1 - r_steady,1) D / D_1
+//! ```
+
+mod strips;
+mod timed_strip;
+
+use crate::pattern::Pattern;
+
+use super::blocks::{self, BlockRefinement, Unrefined};
+use super::pressure_tilt::PressureTilt;
+use super::rim_difference::RimDifference;
+use super::statements::modulus_of_heights;
+use super::{ThickLayerCorrection, cancelled, describe_draws, describe_law, discretization_error};
+use crate::springblock::cell::SteadyCell;
+use crate::springblock::dimension::Dimension;
+use crate::springblock::error::SceneError;
+use crate::springblock::face::{Face, Strip};
+use crate::springblock::outcome::{LoadOutcome, Simulation, Statements};
+use crate::springblock::scene::{Extent, Fidelity, RunOptions, Scene};
+use crate::springblock::{Monitor, Unwatched};
+use strips::{STRIP_HEIGHTS, SteadyFace};
+pub use strips::{min_wall_m, without_slivers};
+use timed_strip::TimedStrip;
+
+/// Simulates `scene` with its pattern laid out on `face`, together with the flat face. Loads and strips run in parallel
+/// on rayon's current pool; the result does not depend on the number of threads.
+///
+/// # Errors
+/// [`SceneError`] if the scene is invalid or has no pattern, or if the strips do not fit in memory.
+pub fn simulate_specimen(scene: &Scene, face: &Face, monitor: &dyn Monitor) -> Result<Simulation, SceneError> {
+    let pattern = validated_pattern(scene)?;
+    let in_time = || match scene.run.fidelity {
+        Fidelity::Steady => Ok(None),
+        Fidelity::Dynamic | Fidelity::Reference => {
+            TimedStrip::new(&without_thickness(scene), face, &pattern, monitor).map(Some)
+        }
+    };
+    let (steady, in_time) = rayon::join(|| SteadySpecimen::new(scene, face, monitor), in_time);
+    let Some(steady) = steady? else { return Ok(cancelled(scene)) };
+    Ok(steady.result(in_time?.as_ref(), monitor))
+}
+
+/// Validates `scene` and returns its pattern.
+fn validated_pattern(scene: &Scene) -> Result<Pattern, SceneError> {
+    scene.validate()?;
+    if !scene.dimension().takes_strips() {
+        return Err(SceneError::Unsupported {
+            what: "strips of a pattern that is solved in space",
+            instead: "simulate its cell",
+        });
+    }
+    scene.pattern.ok_or(SceneError::Unsupported {
+        what: "the layout of a flat specimen",
+        instead: "give a pattern, or simulate the flat sample",
+    })
+}
+
+/// Returns `scene` for strips: the layer without the thickness.
+fn without_thickness(scene: &Scene) -> Scene {
+    Scene { layer: scene.layer.alone(), ..scene.clone() }
+}
+
+/// Steady sliding of a specimen, with all corrections except the change by time.
+#[derive(Debug)]
+pub struct SteadySpecimen {
+    scene: Scene,
+    face: Face,
+    pattern: Pattern,
+    loads: Vec<LoadOutcome>,
+    /// Number of strips that were shortened by whole periods.
+    shortened: usize,
+    block_errors: Option<Vec<f64>>,
+    correction: ThickLayerCorrection,
+    tilt: PressureTilt,
+    refined: Option<Result<BlockRefinement, Unrefined>>,
+}
+
+impl SteadySpecimen {
+    /// Solves `scene` with its pattern laid out on `face`; `None` once `monitor` has cancelled.
+    ///
+    /// # Errors
+    /// The errors of [`simulate_specimen`].
+    pub fn new(scene: &Scene, face: &Face, monitor: &dyn Monitor) -> Result<Option<Self>, SceneError> {
+        let pattern = validated_pattern(scene)?;
+        let strips = || {
+            SteadyFace::new(&without_thickness(scene), &RimDifference::new(scene, &pattern), &pattern, face, monitor)
+        };
+        let block_errors = || {
+            let cells = SteadyCell::with_dimension(scene, Dimension::Plane).ratios(&pattern);
+            discretization_error(scene, &pattern, &cells)
+        };
+        let correction = || {
+            let run = RunOptions { extent: Extent::Sample, ..scene.run };
+            ThickLayerCorrection::for_face(&Scene { run, ..scene.clone() }, &pattern, face, monitor)
+        };
+        let tilt = || PressureTilt::for_strips(scene, &pattern, face, face.share_of(&pattern), monitor);
+        let refined = || {
+            scene.run.refine.then(|| blocks::refinement(scene, &pattern, &[], blocks::MAX_REFINEMENT_PRODUCTS, monitor))
+        };
+        let (strips, ((block_errors, refined), (correction, tilt))) = rayon::join(strips, || {
+            rayon::join(|| rayon::join(block_errors, refined), || rayon::join(correction, tilt))
+        });
+        let Some(SteadyFace { loads, shortened }) = strips? else { return Ok(None) };
+        let (scene, face) = (scene.clone(), face.clone());
+        let found = Self { scene, face, pattern, loads, shortened, block_errors, correction, tilt, refined };
+        Ok((!monitor.cancelled()).then_some(found))
+    }
+
+    /// Returns the result in steady sliding.
+    #[must_use]
+    pub fn steady(&self) -> Simulation {
+        self.result(None, &Unwatched)
+    }
+
+    /// Returns the result in dynamic sliding.
+    ///
+    /// # Errors
+    /// [`SceneError`] if the scene cannot be run dynamically.
+    pub fn in_time(&self, monitor: &dyn Monitor) -> Result<Simulation, SceneError> {
+        let timed = TimedStrip::new(&without_thickness(&self.scene), &self.face, &self.pattern, monitor)?;
+        Ok(self.result(Some(&timed), monitor))
+    }
+
+    /// Returns the result with the change of the dynamic run `timed`.
+    fn result(&self, timed: Option<&TimedStrip>, monitor: &dyn Monitor) -> Simulation {
+        let Self { scene, face, pattern, .. } = self;
+        let (mut loads, mut statements) = timed.map_or_else(
+            || {
+                let mut statements = Statements::default();
+                statements.model("steady: equilibrium with every contact block sliding, linear elasticity; no time");
+                (self.loads.clone(), statements)
+            },
+            |timed| timed.apply(face, &self.loads),
+        );
+        // The friction reduction of the face is that of the cell, in proportion to the cavity fraction.
+        let share = face.share_of(pattern);
+        blocks::set_errors(&mut loads, self.block_errors.as_deref(), share);
+        self.describe(&mut statements);
+        self.correction.apply(timed.is_some(), &self.tilt, &mut loads, &mut statements);
+        let mut simulation = Simulation { statements, loads };
+        if let Some(refined) = &self.refined {
+            if monitor.cancelled() {
+                return cancelled(scene);
+            }
+            blocks::apply_refinement(scene, refined.clone(), share, &mut simulation);
+        }
+        describe_draws(scene, &mut simulation.statements);
+        describe_law(scene, &mut simulation.statements);
+        simulation
+    }
+
+    fn describe(&self, statements: &mut Statements) {
+        let Self { scene, face, pattern, .. } = self;
+        let strips = face.strips().len();
+        statements.model(format!(
+            "specimen as it is laid out: cavities take {:.2} % of its face, {:.2} % of a period; {} along the sliding direction with cavities and ends of {} own{}",
+            100.0 * face.cavity_share(),
+            100.0 * pattern.areal_density(),
+            if strips == 1 { "one strip".to_owned() } else { format!("{strips} different strips") },
+            if strips == 1 { "its" } else { "their" },
+            if scene.layer.is_backed() { "" } else { ", under one rigid bulk" },
+        ));
+        let has_sliver =
+            |strip: &Strip| without_slivers(strip.clone(), pattern.depth_m(), scene.layer.block_m) != *strip;
+        if face.strips().iter().any(has_sliver) {
+            statements.model(
+                "walls at the rim that are narrower than the cavities are deep bear nothing: friction would turn them over",
+            );
+        }
+        if scene.is_raised() {
+            statements.model(RimDifference::statement());
+        }
+        if self.shortened > 0 {
+            statements.method(format!(
+                "strips longer than {} mm: both ends and periodic cells between them, which changes the ratio of cavities of whole blocks by less than 1e-5",
+                (STRIP_HEIGHTS * scene.layer.height_m * 1e6).round() / 1e3
+            ));
+        }
+        statements.method(format!(
+            "two dimensions: vertical planes along the sliding direction, plane stress, nu = 1/3{}",
+            modulus_of_heights(&self.scene)
+        ));
+    }
+}
+
+/// Memory that [`steady_face_ratios`] needs for the equations of `face`, in bytes.
+///
+/// # Errors
+/// [`SceneError::TooLarge`] if the equations are refused.
+pub fn steady_face_bytes(scene: &Scene, pattern: &Pattern, face: &Face) -> Result<f64, SceneError> {
+    strips::face_bytes(&without_thickness(scene).layer, pattern, face)
+}
+
+/// Steady ratios of the face by load, including the thickness of the scene, without error estimates; all `None` once
+/// `monitor` has cancelled.
+///
+/// # Errors
+/// [`SceneError`] if the strips do not fit in memory.
+pub fn steady_face_ratios(
+    scene: &Scene,
+    pattern: &Pattern,
+    face: &Face,
+    monitor: &dyn Monitor,
+) -> Result<Vec<Option<f64>>, SceneError> {
+    let steady =
+        SteadyFace::new(&without_thickness(scene), &RimDifference::new(scene, pattern), pattern, face, monitor)?;
+    let Some(SteadyFace { mut loads, .. }) = steady else { return Ok(vec![None; scene.loads.len()]) };
+    if scene.layer.is_backed() {
+        ThickLayerCorrection::for_face(scene, pattern, face, monitor).apply(
+            false,
+            &PressureTilt::default(),
+            &mut loads,
+            &mut Statements::default(),
+        );
+    }
+    Ok(loads.iter().map(|load| load.ratio).collect())
+}
+
+/// Change of the ratio of `face` from steady to dynamic sliding at each load of `scene`, which defines the run of the
+/// longest strip; `None` if that run has no mean.
+///
+/// # Errors
+/// The errors of [`simulate_specimen`].
+pub fn time_changes(scene: &Scene, face: &Face, monitor: &dyn Monitor) -> Result<Vec<Option<f64>>, SceneError> {
+    Ok(TimedStrip::new(&without_thickness(scene), face, &validated_pattern(scene)?, monitor)?.change_on(face))
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,297 @@
+//! Steady sliding of a face, strip by strip.
+
+use crate::pattern::Pattern;
+use rayon::prelude::*;
+
+use super::super::rim_difference::{RimDifference, without_rim};
+use super::super::{MAX_FACTOR_BYTES, UNIFORM_COLUMNS, compare};
+use crate::springblock::Monitor;
+use crate::springblock::columns;
+use crate::springblock::error::SceneError;
+use crate::springblock::face::{Face, Strip};
+use crate::springblock::lattice::Lattice;
+use crate::springblock::outcome::{LoadOutcome, Status, SurfaceOutcome};
+use crate::springblock::scene::{Layer, Load, Scene};
+use crate::springblock::steady::{SteadyLoad, SteadyModel, factor_bytes};
+
+/// Maximum length of a strip that is solved whole, in heights of the layer.
+///
+/// If a strip is longer, both ends are solved, half of that length each, and the part between is replaced by periodic
+/// cells. The effect of an end decays within one height, so that the error of the ratio is below 1e-5
+/// (`strips_are_their_ends_and_cells_between_them`). If cavities are not whole blocks, those of a whole strip have
+/// different positions relative to the blocks; those of the cell have one position, with a known effect of smaller
+/// blocks (`cells_between_ends_take_strips_to_smaller_blocks`).
+pub const STRIP_HEIGHTS: f64 = 15.0;
+/// Minimum width of land at the end of a strip that a lattice resolves, in blocks.
+const MIN_END_BLOCKS: f64 = 2.0;
+
+/// Part of the face that is solved on one lattice.
+pub struct Piece {
+    band: usize,
+    /// Area that the piece represents, in square metres.
+    area_m2: f64,
+    /// Area of the cavities, in square metres.
+    cavity_area_m2: f64,
+    model: SteadyModel,
+    /// Pressure relative to the nominal pressure, P_s / P.
+    pressure_share: f64,
+}
+
+/// Steady sliding of the whole face with mean coefficients.
+pub struct SteadyFace {
+    pub loads: Vec<LoadOutcome>,
+    /// Number of strips that were shortened by whole periods.
+    pub shortened: usize,
+}
+
+/// Removes whole periods from a `strip` longer than [`STRIP_HEIGHTS`]; returns the rest and the removed length, in
+/// metres.
+pub fn shortened(strip: &Strip, layer: &Layer) -> (Strip, f64) {
+    let most_m = STRIP_HEIGHTS * layer.height_m;
+    let cavities = &strip.cavities_m;
+    if strip.length_m <= most_m {
+        return (strip.clone(), 0.0);
+    }
+    let Some(periods) = cavities.len().checked_sub(1).filter(|periods| *periods > 0) else {
+        let kept = cavities.is_empty();
+        // Without cavities land can be removed; with one cavity nothing is removed.
+        return if kept {
+            (Strip { length_m: most_m, ..strip.clone() }, strip.length_m - most_m)
+        } else {
+            (strip.clone(), 0.0)
+        };
+    };
+    let pitch_m = (cavities[periods][0] - cavities[0][0]) / periods as f64;
+    // Whole periods, at most those between the first and the last cavity.
+    let left_out = (((strip.length_m - most_m) / pitch_m).ceil().max(0.0) as usize).min(periods - 1);
+    let first = (cavities.len() - left_out).div_ceil(2);
+    let out_m = left_out as f64 * pitch_m;
+    let ends = cavities[..first]
+        .iter()
+        .copied()
+        .chain(cavities[first + left_out..].iter().map(|[start_m, end_m]| [start_m - out_m, end_m - out_m]));
+    (Strip { length_m: strip.length_m - out_m, cavities_m: ends.collect(), ..strip.clone() }, out_m)
+}
+
+/// Minimum width of land between a cavity and an end of a strip; narrower land is removed.
+pub fn min_wall_m(depth_m: f64, block_m: f64) -> f64 {
+    depth_m.max(MIN_END_BLOCKS * block_m)
+}
+
+/// Removes land between a cavity and the ends of `strip` that is narrower than [`min_wall_m`]. On such a slender wall
+/// friction raises the pressure, which raises friction, and there is no equilibrium.
+pub fn without_slivers(mut strip: Strip, depth_m: f64, block_m: f64) -> Strip {
+    let least_m = min_wall_m(depth_m, block_m);
+    let length_m = strip.length_m;
+    if let Some(first) = strip.cavities_m.first_mut().filter(|first| first[0] < least_m) {
+        first[0] = 0.0;
+    }
+    if let Some(last) = strip.cavities_m.last_mut().filter(|last| length_m - last[1] < least_m) {
+        last[1] = length_m;
+    }
+    strip
+}
+
+/// Part of a face before it is solved: band of its strip, area, area of its cavities, and lattice.
+type Planned = (usize, f64, f64, Lattice);
+
+/// Divides `face` into parts in blocks of `layer`; also returns the number of strips that were shortened.
+fn planned(layer: &Layer, pattern: &Pattern, face: &Face) -> (Vec<Planned>, usize) {
+    let (block_m, rows) = (layer.block_m, layer.rows());
+    let blocks = |strip: &Strip| -> Vec<[f64; 2]> {
+        strip.cavities_m.iter().map(|ends_m| ends_m.map(|at_m| at_m / block_m)).collect()
+    };
+    // Rounding to a billionth of a row removes the rounding errors of decimal numbers in files.
+    let depth = (pattern.depth_m() / block_m * 1e9).round() * 1e-9;
+    let mut planned: Vec<Planned> = Vec::new();
+    let mut count = 0;
+    for strip in face.strips() {
+        let (kept, out_m) = shortened(strip, layer);
+        let cavity_m2 = |strip: &Strip| strip.cavity_length_m() * strip.width_m;
+        let bearing = without_slivers(kept.clone(), pattern.depth_m(), block_m);
+        let ends = Lattice::new(columns::strip(kept.length_m / block_m, &blocks(&bearing), depth), rows, false);
+        planned.push((strip.band, kept.area_m2(), cavity_m2(&kept), ends));
+        if out_m > 0.0 {
+            count += 1;
+            let middle = if kept.cavities_m.is_empty() {
+                columns::flat(UNIFORM_COLUMNS)
+            } else {
+                columns::cell(pattern, block_m)
+            };
+            let cavity_area_m2 = cavity_m2(strip) - cavity_m2(&kept);
+            planned.push((strip.band, out_m * strip.width_m, cavity_area_m2, Lattice::new(middle, rows, true)));
+        }
+    }
+    (planned, count)
+}
+
+fn bytes_of(planned: &[Planned]) -> f64 {
+    planned.iter().map(|(.., lattice)| factor_bytes(lattice.nx(), lattice.ny(), lattice.is_periodic())).sum()
+}
+
+/// Refuses parts of a face whose equations together do not fit in memory; returns their memory in bytes.
+fn affordable(planned: &[Planned]) -> Result<f64, SceneError> {
+    let bytes = bytes_of(planned);
+    if bytes > MAX_FACTOR_BYTES {
+        return Err(SceneError::TooLarge { bytes, most_bytes: MAX_FACTOR_BYTES });
+    }
+    Ok(bytes)
+}
+
+/// Memory of the equations of `face` in blocks of `layer`, in bytes.
+///
+/// # Errors
+/// [`SceneError::TooLarge`], as for the solve.
+pub fn face_bytes(layer: &Layer, pattern: &Pattern, face: &Face) -> Result<f64, SceneError> {
+    affordable(&planned(layer, &without_rim(pattern), face).0)
+}
+
+impl SteadyFace {
+    /// Solves the face; `None` once `monitor` has cancelled.
+    pub fn new(
+        scene: &Scene,
+        rims: &RimDifference,
+        pattern: &Pattern,
+        face: &Face,
+        monitor: &dyn Monitor,
+    ) -> Result<Option<Self>, SceneError> {
+        // Strips are solved with flat lands; the effect of rims is that on the cell.
+        let pattern = &without_rim(pattern);
+        let (planned, count) = planned(&scene.layer, pattern, face);
+        affordable(&planned)?;
+        let pieces: Option<Vec<Piece>> = planned
+            .into_par_iter()
+            .map(|(band, area_m2, cavity_area_m2, lattice)| {
+                monitor.heed().ok()?;
+                let model = SteadyModel::for_scene(scene, lattice);
+                Some(Piece { band, area_m2, cavity_area_m2, pressure_share: model.stiffness_per_length(), model })
+            })
+            .collect();
+        let Some(mut pieces) = pieces else { return Ok(None) };
+        // P_s = k_s d with sum A_s P_s = P sum A_s
+        let area_m2: f64 = pieces.iter().map(|piece| piece.area_m2).sum();
+        let carried: f64 = pieces.iter().map(|piece| piece.area_m2 * piece.pressure_share).sum();
+        for piece in &mut pieces {
+            piece.pressure_share *= area_m2 / carried;
+        }
+        let solved =
+            |piece: &Piece| Some(solve(scene, &piece.model, piece.pressure_share)).filter(|_| !monitor.cancelled());
+        let by_piece: Option<Vec<Vec<SurfaceOutcome>>> = pieces.par_iter().map(solved).collect();
+        let Some(by_piece) = by_piece else { return Ok(None) };
+        let mut by_piece: Vec<_> = by_piece.into_iter().map(Vec::into_iter).collect();
+        let flat = FlatFace::new(scene, face).solve(scene);
+        let each = scene.loads.iter().zip(flat).map(|(load, flat)| {
+            let surfaces: Vec<SurfaceOutcome> = by_piece.iter_mut().filter_map(Iterator::next).collect();
+            face_load(face, &pieces, &surfaces, flat, load)
+        });
+        let mut loads: Vec<LoadOutcome> = each.collect();
+        rims.add(face.share_of(pattern), &mut loads);
+        Ok(Some(Self { loads, shortened: count }))
+    }
+}
+
+/// Solves steady sliding on `model` at each load of `scene`, at `share` times its pressure, with its mean coefficient.
+pub fn solve(scene: &Scene, model: &SteadyModel, share: f64) -> Vec<SurfaceOutcome> {
+    let columns = model.lattice().nx();
+    let of_load = |load: &Load| vec![load.friction.dynamic_mean(); columns];
+    solve_drawn(scene, model, share, &scene.loads.iter().map(of_load).collect::<Vec<_>>())
+}
+
+/// Like [`solve`] with the column coefficients `dynamic_mu`, one row per load.
+pub fn solve_drawn<'a>(
+    scene: &'a Scene,
+    model: &SteadyModel,
+    share: f64,
+    dynamic_mu: &'a [Vec<f64>],
+) -> Vec<SurfaceOutcome> {
+    let of_load = |(load, dynamic_mu): (&Load, &'a Vec<f64>)| SteadyLoad {
+        pressure_pa: load.pressure_pa * share,
+        dynamic_mu,
+        area_law: scene.area_law.as_ref(),
+    };
+    let loads: Vec<SteadyLoad> = scene.loads.iter().zip(dynamic_mu).map(of_load).collect();
+    model.solve_all(&loads)
+}
+
+/// The flat face, which is uniform except for the ends of its strips.
+pub struct FlatFace {
+    /// Model of the longest strip, flat.
+    model: SteadyModel,
+    length_m: f64,
+    /// Width of all strips, each with two ends, over the area of the face, per metre.
+    ends_per_m: f64,
+}
+
+impl FlatFace {
+    fn new(scene: &Scene, face: &Face) -> Self {
+        let block_m = scene.layer.block_m;
+        let length_m = face.longest().length_m.min(STRIP_HEIGHTS * scene.layer.height_m);
+        let columns = columns::strip(length_m / block_m, &[], 0.0);
+        let lattice = Lattice::new(columns, scene.layer.rows(), false);
+        let model = SteadyModel::for_scene(scene, lattice);
+        let sum = |of: fn(&Strip) -> f64| face.strips().iter().map(of).sum::<f64>();
+        Self { model, length_m, ends_per_m: sum(|strip| strip.width_m) / sum(Strip::area_m2) }
+    }
+
+    /// Solves the flat face under each load: a pair of ends reduces friction equally on every strip.
+    fn solve(&self, scene: &Scene) -> Vec<SurfaceOutcome> {
+        let of_load = |(load, own): (&Load, SurfaceOutcome)| {
+            let uniform = load.flat_mu(scene.area_law.as_ref());
+            // mu = mu_u + (mu_1 - mu_u) L_1 sum w_s / sum w_s L_s
+            let mu_dynamic = own.mu_dynamic.map(|mu| uniform + (mu - uniform) * self.length_m * self.ends_per_m);
+            SurfaceOutcome { mu_dynamic, ..own }
+        };
+        scene.loads.iter().zip(solve(scene, &self.model, 1.0)).map(of_load).collect()
+    }
+}
+
+/// Combines the outcomes `surfaces` of the pieces and the outcome `flat` of the flat face under one load.
+fn face_load(
+    face: &Face,
+    pieces: &[Piece],
+    surfaces: &[SurfaceOutcome],
+    flat: SurfaceOutcome,
+    load: &Load,
+) -> LoadOutcome {
+    let (ratio, sampling_error) = face_ratio(face, pieces, surfaces, flat.mu_dynamic).unzip();
+    let longest = surfaces.iter().zip(pieces).max_by(|(_, a), (_, b)| {
+        (a.cavity_area_m2 > 0.0, a.model.lattice().nx()).cmp(&(b.cavity_area_m2 > 0.0, b.model.lattice().nx()))
+    });
+    let worst = surfaces.iter().map(|surface| surface.status).find(|status| *status != Status::Converged);
+    let most = |of: fn(&SurfaceOutcome) -> f64| surfaces.iter().map(of).fold(0.0, f64::max);
+    let surface = SurfaceOutcome {
+        status: worst.unwrap_or(Status::Converged),
+        peak_pressure_pa: most(|surface| surface.peak_pressure_pa),
+        residual: Some(most(|surface| surface.residual.unwrap_or(0.0))),
+        tension_blocks: surfaces.iter().map(|surface| surface.tension_blocks).sum(),
+        cavity_closed: surfaces.iter().any(|surface| surface.cavity_closed),
+        clearance_m: surfaces.iter().filter_map(|surface| surface.clearance_m).reduce(f64::min),
+        area_law_extrapolated: surfaces.iter().any(|surface| surface.area_law_extrapolated),
+        iterations: surfaces.iter().map(|surface| surface.iterations).max().unwrap_or(0),
+        mu_dynamic: ratio.zip(flat.mu_dynamic).map(|(ratio, mu)| ratio * mu),
+        ..longest.map_or_else(|| flat.clone(), |(surface, _)| surface.clone())
+    };
+    LoadOutcome { ratio_layout_error: sampling_error, ..compare(load, surface, Some(flat)) }
+}
+
+/// Ratio of the face to the flat face of `flat_mu`, and the standard error of sampling it by strips, from the
+/// deviations of the bands from a friction reduction proportional to their cavities.
+fn face_ratio(face: &Face, pieces: &[Piece], surfaces: &[SurfaceOutcome], flat_mu: Option<f64>) -> Option<(f64, f64)> {
+    let flat_mu = flat_mu.filter(|mu| *mu != 0.0)?;
+    let area_m2: f64 = pieces.iter().map(|piece| piece.area_m2).sum();
+    // By band: reduction of the ratio, and area of cavities over the area of the face.
+    let mut bands = vec![[0.0; 2]; face.bands()];
+    for (piece, surface) in pieces.iter().zip(surfaces) {
+        let [lowered, share] = &mut bands[piece.band];
+        *lowered += piece.area_m2 * piece.pressure_share * (1.0 - surface.mu_dynamic? / flat_mu) / area_m2;
+        *share += piece.cavity_area_m2 / area_m2;
+    }
+    let [lowered, share] = bands.iter().fold([0.0; 2], |sum, band| [sum[0] + band[0], sum[1] + band[1]]);
+    if share == 0.0 {
+        return None;
+    }
+    // 1 - r = D (1 - r_strips) / D_strips
+    let ratio = 1.0 - face.cavity_share() * lowered / share;
+    let departures = bands.iter().map(|band| (band[0] - band[1] * lowered / share).powi(2)).sum::<f64>();
+    Some((ratio, departures.sqrt() * face.cavity_share() / share))
+}

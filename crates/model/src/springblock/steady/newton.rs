@@ -1,0 +1,266 @@
+//! Newton's method for steady sliding if the fixed-point iteration does not converge: lands that tilt, laws that fall
+//! steeply.
+//!
+//! Normal forces N = N0 + A T are affine in the friction forces T. The equations
+//!
+//! ```text
+//! R(T) = T - g(N0 + A T) = 0,     g = mu_d f(p) max(N, 0)
+//! ```
+//!
+//! are piecewise smooth; their Jacobian I - g' A uses the slope of the current piece. Steps are halved until |R|
+//! decreases. A takes one solution of the elastic equations per contact, so the method is used only if the cheaper one
+//! has failed.
+
+use super::LinearResponse;
+use super::SteadyLoad;
+
+/// Maximum number of Newton steps.
+const MAX_STEPS: usize = 60;
+/// Maximum number of halvings of a step.
+const MAX_HALVINGS: usize = 12;
+/// Maximum number of contacts; the dense Jacobian becomes too expensive beyond it.
+pub const MAX_CONTACTS: usize = 1500;
+/// Relative step of the finite difference for the slope of g, far below the width of a law's steps.
+const SLOPE_STEP: f64 = 1e-7;
+
+/// Friction on contact number `number` at the normal force `normal`, in units of P l^2.
+pub fn friction_at(system: &impl LinearResponse, load: &SteadyLoad, number: usize, normal: f64) -> f64 {
+    let contact = &system.contacts()[number];
+    let normal = if contact.lifted { 0.0 } else { normal.max(0.0) };
+    let factor = load.area_law.map_or(1.0, |law| law.factor(normal / contact.width * load.pressure_pa));
+    // T = mu_d f(p) N
+    load.dynamic_mu[contact.column] * factor * normal
+}
+
+/// Slope of [`friction_at`] above the normal force `normal`.
+pub fn friction_slope(system: &impl LinearResponse, load: &SteadyLoad, number: usize, normal: f64) -> f64 {
+    let ahead = normal + SLOPE_STEP * normal.abs().max(SLOPE_STEP);
+    let at = |normal: f64| friction_at(system, load, number, normal);
+    (at(ahead) - at(normal)) / (ahead - normal)
+}
+
+/// Improves `friction` until |R| over the load is at most `tolerance`; leaves it unchanged if that fails. Returns the
+/// number of Newton steps.
+pub fn improve(system: &impl LinearResponse, load: &SteadyLoad, friction: &mut Vec<f64>, tolerance: f64) -> usize {
+    let n = friction.len();
+    if n == 0 || n > MAX_CONTACTS {
+        return 0;
+    }
+    let equations = Equations { system, load, influence: Influence::new(system, n), tolerance };
+    let mut at = friction.clone();
+    let (found, steps) = equations.solve(&mut at);
+    if found {
+        *friction = at;
+    }
+    steps
+}
+
+/// The equations R(T) = 0.
+struct Equations<'a, S> {
+    system: &'a S,
+    load: &'a SteadyLoad<'a>,
+    influence: Influence,
+    tolerance: f64,
+}
+
+impl<S: LinearResponse> Equations<'_, S> {
+    /// Returns R at `friction` and the normal forces `normal`, and |R| over the load.
+    fn residual(&self, friction: &[f64], normal: &[f64]) -> (Vec<f64>, f64) {
+        let of = |c: usize| friction[c] - friction_at(self.system, self.load, c, normal[c]);
+        let r: Vec<f64> = (0..friction.len()).map(of).collect();
+        let norm = r.iter().map(|r| r.abs()).sum::<f64>() / self.system.load();
+        (r, norm)
+    }
+
+    /// Direction of Newton's step for the residual `r`; `None` if the Jacobian is singular.
+    fn direction(&self, r: &[f64], normal: &[f64]) -> Option<Vec<f64>> {
+        let n = r.len();
+        // J = I - g' A
+        let mut jacobian = vec![0.0; n * n];
+        for (row, (entries, influence)) in
+            jacobian.chunks_exact_mut(n).zip(self.influence.matrix.chunks_exact(n)).enumerate()
+        {
+            let slope = friction_slope(self.system, self.load, row, normal[row]);
+            for (entry, a) in entries.iter_mut().zip(influence) {
+                *entry = -slope * a;
+            }
+            entries[row] += 1.0;
+        }
+        let mut direction: Vec<f64> = r.iter().map(|r| -r).collect();
+        solve_dense(&mut jacobian, &mut direction).then_some(direction)
+    }
+
+    /// Runs Newton's method from `at`; returns whether it converged, and the number of steps.
+    fn solve(&self, at: &mut Vec<f64>) -> (bool, usize) {
+        let mut normal = self.influence.normal(at);
+        let (mut r, mut norm) = self.residual(at, &normal);
+        for step in 0..MAX_STEPS {
+            if norm <= self.tolerance {
+                return (true, step);
+            }
+            let Some(direction) = self.direction(&r, &normal) else { return (false, step) };
+            let mut part = 1.0;
+            for halving in 0..=MAX_HALVINGS {
+                let trial: Vec<f64> = at.iter().zip(&direction).map(|(at, d)| at + part * d).collect();
+                let trial_normal = self.influence.normal(&trial);
+                let (trial_r, trial_norm) = self.residual(&trial, &trial_normal);
+                // A step that does not decrease |R| at any length crosses a kink: the shortest one is taken.
+                if trial_norm < norm || halving == MAX_HALVINGS {
+                    (*at, normal, r, norm) = (trial, trial_normal, trial_r, trial_norm);
+                    break;
+                }
+                part *= 0.5;
+            }
+        }
+        (norm <= self.tolerance, MAX_STEPS)
+    }
+}
+
+/// N0 and A of N = N0 + A T.
+struct Influence {
+    at_rest: Vec<f64>,
+    matrix: Vec<f64>,
+}
+
+impl Influence {
+    fn new(system: &impl LinearResponse, n: usize) -> Self {
+        let mut displacement = vec![0.0; system.order()];
+        let mut at_rest = vec![0.0; n];
+        system.respond(&vec![0.0; n], &mut displacement, &mut at_rest);
+        let mut matrix = vec![0.0; n * n];
+        let (mut unit, mut normal) = (vec![0.0; n], vec![0.0; n]);
+        for column in 0..n {
+            unit[column] = 1.0;
+            system.respond(&unit, &mut displacement, &mut normal);
+            unit[column] = 0.0;
+            for row in 0..n {
+                matrix[row * n + column] = normal[row] - at_rest[row];
+            }
+        }
+        Self { at_rest, matrix }
+    }
+
+    fn normal(&self, friction: &[f64]) -> Vec<f64> {
+        let n = friction.len();
+        let rows = self.matrix.chunks_exact(n);
+        rows.zip(&self.at_rest)
+            .map(|(row, rest)| rest + row.iter().zip(friction).map(|(a, t)| a * t).sum::<f64>())
+            .collect()
+    }
+}
+
+/// Solves `matrix` x = `right` by elimination with partial pivoting; returns false if a pivot vanishes.
+fn solve_dense(matrix: &mut [f64], right: &mut [f64]) -> bool {
+    let n = right.len();
+    for k in 0..n {
+        let largest = (k..n).max_by(|&a, &b| matrix[a * n + k].abs().total_cmp(&matrix[b * n + k].abs()));
+        let pivot_row = largest.unwrap_or(k);
+        if pivot_row != k {
+            for column in k..n {
+                matrix.swap(k * n + column, pivot_row * n + column);
+            }
+            right.swap(k, pivot_row);
+        }
+        let pivot = matrix[k * n + k];
+        if pivot == 0.0 || !pivot.is_finite() {
+            return false;
+        }
+        let (above, below) = matrix.split_at_mut((k + 1) * n);
+        let pivot_row = &above[k * n + k..];
+        for (number, row) in below.chunks_exact_mut(n).enumerate() {
+            let factor = row[k] / pivot;
+            if factor != 0.0 {
+                for (entry, pivot) in row[k..].iter_mut().zip(pivot_row) {
+                    *entry -= factor * pivot;
+                }
+                right[k + 1 + number] -= factor * right[k];
+            }
+        }
+    }
+    for k in (0..n).rev() {
+        let known: f64 = (k + 1..n).map(|c| matrix[k * n + c] * right[c]).sum();
+        right[k] = (right[k] - known) / matrix[k * n + k];
+    }
+    true
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_dense_system_with_a_vanishing_first_pivot_is_solved() {
+        let mut matrix = vec![0.0, 2.0, 1.0, 1.0, -1.0, 0.5, 3.0, 0.0, -2.0];
+        let mut x = vec![0.0 + 4.0 + 3.0, 1.0 - 2.0 + 1.5, 3.0 - 6.0];
+        assert!(solve_dense(&mut matrix, &mut x));
+        for (x, expected) in x.iter().zip([1.0, 2.0, 3.0]) {
+            assert!((x - expected).abs() < 1e-14, "{x}");
+        }
+        assert!(!solve_dense(&mut [1.0, 2.0, 2.0, 4.0], &mut [1.0, 2.0]));
+    }
+
+    /// Counts the equilibria of Amontons-Coulomb friction on `system`, one for each consistent set of loaded contacts,
+    /// by trying all sets.
+    fn equilibria(system: &impl LinearResponse, mu: f64) -> usize {
+        let n = system.contacts().len();
+        let influence = Influence::new(system, n);
+        let consistent = |loaded: usize| {
+            // N = N0 + mu A N on the loaded contacts; the others follow.
+            let on = |c: usize| f64::from(u8::from(loaded >> c & 1 == 1));
+            let mut matrix: Vec<f64> = (0..n * n)
+                .map(|at| f64::from(u8::from(at / n == at % n)) - mu * influence.matrix[at] * on(at % n))
+                .collect();
+            let mut normal = influence.at_rest.clone();
+            solve_dense(&mut matrix, &mut normal) && (0..n).all(|c| (normal[c] > 0.0) == (on(c) > 0.0))
+        };
+        (0..1 << n).filter(|&loaded| consistent(loaded)).count()
+    }
+
+    #[test]
+    fn an_equilibrium_is_found_wherever_there_is_one() {
+        use crate::pattern::{Pattern, Planform};
+        use crate::springblock::columns::cell;
+        use crate::springblock::lattice::Lattice;
+        use crate::springblock::outcome::Status;
+        for (land, depth) in [(40e-6, 120e-6), (40e-6, 60e-6), (60e-6, 150e-6), (80e-6, 100e-6)] {
+            let pattern = Pattern::new(Planform::Groove, 100e-6, land, depth).unwrap();
+            let model =
+                super::super::SteadyModel::new(Lattice::new(cell(&pattern, 10e-6), 20, true), 10e-6, 0.38e9, false);
+            for tenths in 1..16 {
+                let mu = 0.1 * f64::from(tenths);
+                let dynamic_mu = vec![mu; model.lattice().nx()];
+                let load = SteadyLoad { pressure_pa: 1e6, dynamic_mu: &dynamic_mu, area_law: None };
+                let status = model.solve(&load).status;
+                let (count, found) = (equilibria(&model.system, mu), status == Status::Converged);
+                assert!(count <= 1 && found == (count == 1), "{land} {depth} {mu}: {count} {status:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn steep_and_stepped_laws_are_solved() {
+        use crate::material::AreaLaw;
+        use crate::pattern::{Pattern, Planform};
+        use crate::springblock::columns::cell;
+        use crate::springblock::lattice::Lattice;
+        use crate::springblock::outcome::Status;
+        let pattern = Pattern::new(Planform::Groove, 60e-6, 60e-6, 50e-6).unwrap();
+        let lattice = Lattice::new(cell(&pattern, 10e-6), 20, true);
+        let model = super::super::SteadyModel::new(lattice, 10e-6, 0.38e9, false);
+        let mut rescued = 0;
+        for mu in [0.1, 0.27, 0.5, 0.7, 1.0] {
+            for (width, after) in [(1e-1, 0.0), (1e-2, 0.3), (1e-3, 0.8), (1e-5, 0.0), (1e-5, 2.0)] {
+                for at_pa in [0.5e6, 1.0e6, 1.5e6, 2.5e6] {
+                    // f changes from 1 to `after` within the relative pressure interval `width`.
+                    let law = AreaLaw::new(vec![at_pa, at_pa * (1.0 + width)], vec![1.0, after]).unwrap();
+                    let dynamic_mu = vec![mu; model.lattice().nx()];
+                    let load = SteadyLoad { pressure_pa: 1e6, dynamic_mu: &dynamic_mu, area_law: Some(&law) };
+                    let outcome = model.solve(&load);
+                    assert_ne!(outcome.status, Status::NotConverged, "{mu} {width} {after} {at_pa}");
+                    rescued += usize::from(outcome.iterations > super::super::MAX_ITERATIONS);
+                }
+            }
+        }
+        assert!(rescued > 0, "Newton's method was not needed");
+    }
+}

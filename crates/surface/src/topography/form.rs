@@ -1,0 +1,259 @@
+//! Form removal: subtracts the shape of a specimen and its tilt under the instrument.
+
+use slipgrid_base::monitor::Monitor;
+
+use crate::topography::{HeightMap, MapError};
+
+/// Shape fitted by least squares to the points present, and subtracted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Form {
+    /// The mean height.
+    Mean,
+    /// The plane.
+    #[default]
+    Plane,
+    /// 1, x, y, x^2, xy, y^2: a tilted, curved or saddle-shaped specimen.
+    SecondOrder,
+}
+
+impl Form {
+    /// All forms.
+    pub const ALL: [Self; 3] = [Self::Mean, Self::Plane, Self::SecondOrder];
+
+    /// The name used in options.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Mean => "mean",
+            Self::Plane => "plane",
+            Self::SecondOrder => "second-order",
+        }
+    }
+
+    /// Number of terms; a form uses the first ones of [`terms`].
+    const fn count(self) -> usize {
+        match self {
+            Self::Mean => 1,
+            Self::Plane => 3,
+            Self::SecondOrder => TERMS,
+        }
+    }
+}
+
+/// Terms of the largest form.
+const TERMS: usize = 6;
+/// A pivot of the normal equations below this fraction of its diagonal element means that the points do not determine
+/// the form.
+const SMALLEST_PIVOT: f64 = 1e-10;
+
+/// A fitted form, in coordinates that run from -1 to 1 over the map along x and y.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct FittedForm {
+    coefficient: [f64; TERMS],
+    count: usize,
+}
+
+/// Legendre polynomials: nearly orthogonal over a full map, which keeps the equations well conditioned.
+fn terms(u: f64, v: f64) -> [f64; TERMS] {
+    [1.0, u, v, 0.5 * (3.0 * u * u - 1.0), u * v, 0.5 * (3.0 * v * v - 1.0)]
+}
+
+/// Coordinate of line `index` of `count`, from -1 to 1.
+fn place(index: usize, count: usize) -> f64 {
+    2.0 * index as f64 / (count - 1) as f64 - 1.0
+}
+
+impl FittedForm {
+    /// Height of the form at row `i` and column `j` of `map`.
+    fn height_m(&self, [i, j]: [usize; 2], map: &HeightMap) -> f64 {
+        let (u, v) = (place(i, map.rows()), place(j, map.cols()));
+        terms(u, v)[..self.count].iter().zip(&self.coefficient).map(|(term, factor)| term * factor).sum()
+    }
+
+    /// Heights of the form at all points of `map`; ends once `monitor` cancels.
+    fn heights_m(&self, map: &HeightMap, monitor: &dyn Monitor) -> Result<Vec<f64>, MapError> {
+        let mut heights_m = Vec::with_capacity(map.heights_m().len());
+        for i in 0..map.rows() {
+            monitor.heed()?;
+            heights_m.extend((0..map.cols()).map(|j| self.height_m([i, j], map)));
+        }
+        Ok(heights_m)
+    }
+
+    /// Heights of `map` minus the form; ends once `monitor` cancels.
+    pub(crate) fn above_m(&self, map: &HeightMap, monitor: &dyn Monitor) -> Result<Vec<f64>, MapError> {
+        let mut above_m = self.heights_m(map, monitor)?;
+        for (above, height) in above_m.iter_mut().zip(map.heights_m()) {
+            *above = height - *above;
+        }
+        Ok(above_m)
+    }
+}
+
+impl HeightMap {
+    /// Fits `form` by least squares to the points that are present and for which `wanted` is true.
+    ///
+    /// # Errors
+    /// [`MapError::FormUndetermined`] if these points do not determine the form; [`MapError::Cancelled`] once `monitor`
+    /// cancels.
+    pub(crate) fn fit_form(
+        &self,
+        form: Form,
+        wanted: impl Fn(usize) -> bool,
+        monitor: &dyn Monitor,
+    ) -> Result<FittedForm, MapError> {
+        let count = form.count();
+        // Normal equations A c = b with A = sum of terms terms^T and b = sum of terms h; h relative to the first wanted
+        // height.
+        let (mut a, mut b, mut points) = ([[0.0; TERMS]; TERMS], [0.0; TERMS], 0_usize);
+        let is_wanted = |n: usize| !self.heights_m()[n].is_nan() && wanted(n);
+        let origin = (0..self.heights_m().len()).find(|n| is_wanted(*n)).map_or(0.0, |n| self.heights_m()[n]);
+        for (row, heights) in self.heights_m().chunks_exact(self.cols()).enumerate() {
+            monitor.heed()?;
+            let first = row * self.cols();
+            for (col, height) in heights.iter().enumerate().filter(|(col, _)| is_wanted(first + col)) {
+                let terms = terms(place(row, self.rows()), place(col, self.cols()));
+                for i in 0..count {
+                    for j in 0..=i {
+                        a[i][j] += terms[i] * terms[j];
+                    }
+                    b[i] += terms[i] * (height - origin);
+                }
+                points += 1;
+            }
+        }
+        let undetermined = MapError::FormUndetermined { form: form.name(), points };
+        if points < count {
+            return Err(undetermined);
+        }
+        // Cholesky factorisation A = L L^T in the lower half.
+        for i in 0..count {
+            for j in 0..=i {
+                let sum = (0..j).fold(a[i][j], |sum, k| sum - a[i][k] * a[j][k]);
+                if i == j {
+                    if sum <= SMALLEST_PIVOT * points as f64 {
+                        return Err(undetermined);
+                    }
+                    a[i][i] = sum.sqrt();
+                } else {
+                    a[i][j] = sum / a[j][j];
+                }
+            }
+        }
+        for i in 0..count {
+            b[i] = (0..i).fold(b[i], |sum, k| sum - a[i][k] * b[k]) / a[i][i];
+        }
+        for i in (0..count).rev() {
+            b[i] = (i + 1..count).fold(b[i], |sum, k| sum - a[k][i] * b[k]) / a[i][i];
+        }
+        b[0] += origin;
+        Ok(FittedForm { coefficient: b, count })
+    }
+
+    /// Subtracts `form` and returns the rms height of the subtracted form about its mean, in metres.
+    ///
+    /// # Errors
+    /// [`MapError::FormUndetermined`] if the points present do not determine the form; [`MapError::Cancelled`] once
+    /// `monitor` cancels. The map is then unchanged.
+    pub fn remove_form(&mut self, form: Form, monitor: &dyn Monitor) -> Result<f64, MapError> {
+        let fitted = self.fit_form(form, |_| true, monitor)?;
+        let subtracted = fitted.heights_m(self, monitor)?;
+        let (mut sum, mut square, mut count) = (0.0, 0.0, 0.0);
+        let first = subtracted[0];
+        for (height, form) in self.heights_mut().iter_mut().zip(subtracted) {
+            if !height.is_nan() {
+                sum += form - first;
+                square += (form - first).powi(2);
+                count += 1.0;
+            }
+            *height -= form;
+        }
+        // mean of f^2 minus (mean of f)^2, f relative to one of its values
+        Ok((square / count - (sum / count).powi(2)).max(0.0).sqrt())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use slipgrid_base::monitor::Unwatched;
+
+    /// c0 + c1 x + c2 y + c3 x^2 + c4 x y + c5 y^2 in micrometres, x and y in pixels.
+    fn map(c: [f64; 6], holes: &[usize]) -> HeightMap {
+        let height = |n: usize| {
+            let (x, y) = ((n / 13) as f64, (n % 13) as f64);
+            let h = c[0] + c[1] * x + c[2] * y + c[3] * x * x + c[4] * x * y + c[5] * y * y;
+            if holes.contains(&n) { f64::NAN } else { 1e-6 * h }
+        };
+        HeightMap::new(11, 13, 1e-6, 2e-6, (0..143).map(height).collect()).unwrap()
+    }
+
+    fn largest(map: &HeightMap) -> f64 {
+        map.heights_m().iter().filter(|height| !height.is_nan()).fold(0.0, |most, height| height.abs().max(most))
+    }
+
+    proptest! {
+        #[test]
+        fn every_form_removes_itself_whole(
+            c in proptest::array::uniform6(-5.0..5.0),
+            holes in proptest::collection::vec(0..143_usize, 0..40),
+        ) {
+            for (form, kept) in [(Form::Mean, 1), (Form::Plane, 3), (Form::SecondOrder, 6)] {
+                let mut only = [0.0; 6];
+                only[..kept].copy_from_slice(&c[..kept]);
+                let mut map = map(only, &holes);
+                map.remove_form(form, &Unwatched).unwrap();
+                prop_assert!(largest(&map) < 1e-17, "{form:?}: {}", largest(&map));
+            }
+        }
+
+        #[test]
+        fn removing_twice_changes_nothing(c in proptest::array::uniform6(-5.0..5.0)) {
+            for form in Form::ALL {
+                let mut map = map(c, &[7]);
+                map.remove_form(form, &Unwatched).unwrap();
+                let once = map.clone();
+                let rms = map.remove_form(form, &Unwatched).unwrap();
+                prop_assert!(rms < 1e-17);
+                for (a, b) in map.heights_m().iter().zip(once.heights_m()) {
+                    prop_assert!(a.is_nan() && b.is_nan() || (a - b).abs() < 1e-17);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_plane_is_that_of_subtract_plane() {
+        let c = [1.0, 0.2, -0.3, 0.05, 0.01, -0.02];
+        let (mut one, mut other) = (map(c, &[3, 50]), map(c, &[3, 50]));
+        one.remove_form(Form::Plane, &Unwatched).unwrap();
+        other.subtract_plane().unwrap();
+        for (a, b) in one.heights_m().iter().zip(other.heights_m()) {
+            assert!(a.is_nan() && b.is_nan() || (a - b).abs() < 1e-18);
+        }
+    }
+
+    #[test]
+    fn what_was_subtracted_is_reported() {
+        // A ramp of 10 steps of 1 um along x: variance 10 um^2.
+        let rms = map([0.0, 1.0, 0.0, 0.0, 0.0, 0.0], &[]).remove_form(Form::Plane, &Unwatched).unwrap();
+        assert!((rms - 10f64.sqrt() * 1e-6).abs() < 1e-15, "{rms}");
+    }
+
+    #[test]
+    fn points_that_determine_no_form_are_refused() {
+        let mut heights = vec![f64::NAN; 143];
+        for n in [0, 5, 9] {
+            heights[n] = 1e-6;
+        }
+        let mut line = HeightMap::new(11, 13, 1e-6, 1e-6, heights).unwrap();
+        assert!(matches!(
+            line.remove_form(Form::Plane, &Unwatched),
+            Err(MapError::FormUndetermined { form: "plane", points: 3 })
+        ));
+        assert!(line.remove_form(Form::SecondOrder, &Unwatched).is_err());
+        assert!(line.remove_form(Form::Mean, &Unwatched).is_ok());
+    }
+}

@@ -1,0 +1,365 @@
+//! Prepares a map as read for computation: fills missing points, removes spikes and form.
+
+use slipgrid_base::monitor::Monitor;
+
+use crate::topography::{
+    Decimation, Form, HeightMap, MapError, MapFormat, MapWarning, ReadError, ReadMap, limits, periodic_component,
+    side_step_ratio,
+};
+
+/// Largest ratio of the rms step across opposite sides to that between neighbours at which a map is taken as one
+/// period. A period has about 1, a piece of a smooth surface many times that.
+const PERIOD_STEP_RATIO: f64 = 1.5;
+
+/// Treatment of missing points.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Missing {
+    /// Missing points are filled by the smoothest surface.
+    #[default]
+    Fill,
+    /// A map with missing points is refused.
+    Refuse,
+}
+
+/// Options for preparing a map.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Preparation {
+    /// Form subtracted from the heights.
+    pub form: Form,
+    /// Treatment of missing points.
+    pub missing: Missing,
+    /// Whether spikes are replaced by the median of the surrounding points.
+    pub despike: bool,
+}
+
+/// Reason why a map cannot be prepared.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum PreparationError {
+    /// An operation on the map was refused.
+    #[error(transparent)]
+    Map(#[from] MapError),
+    /// Nearly all points are missing.
+    #[error("{missing} of {points} points are missing: what would fill them is no measurement")]
+    MostlyMissing {
+        /// Number of missing points.
+        missing: usize,
+        /// Points of the map.
+        points: usize,
+    },
+    /// The slope is impossible for a surface; see [`limits::POSSIBLE_SLOPE`].
+    #[error("the rms slope is {rms_slope:.2e}, which no measured surface has")]
+    ImpossibleSlope {
+        /// Rms slope.
+        rms_slope: f64,
+        /// Other warnings about the map.
+        warnings: Vec<MapWarning>,
+    },
+}
+
+/// A map ready for computation.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PreparedMap {
+    /// The complete map.
+    pub map: HeightMap,
+    /// Whether the file states that the map is synthetic.
+    pub synthetic: bool,
+    /// Whether the map is one whole period, as stated in the file or found from the heights.
+    pub period: bool,
+    /// Whether the map is the periodic component of the map read.
+    pub is_component: bool,
+    /// The file's format.
+    pub format: MapFormat,
+    /// Missing points of the file, row by row; empty if none are missing.
+    pub filled: Vec<bool>,
+    /// Arithmetic mean height Sa, in metres.
+    pub sa_m: f64,
+    /// Spectral rms slope; if opposite sides of the map do not continue each other, that of its periodic component.
+    pub rms_slope: f64,
+    /// Preparation steps, one sentence each.
+    pub notes: Vec<String>,
+    /// Warnings that make numbers computed from the map doubtful.
+    pub warnings: Vec<MapWarning>,
+}
+
+impl PreparedMap {
+    /// Prepares a map as one period for a contact computation. If opposite sides do not continue each other, the map is
+    /// replaced by its periodic component.
+    ///
+    /// # Errors
+    /// The errors of [`PreparedMap::new`], and [`PreparationError::ImpossibleSlope`].
+    pub fn one_period(read: ReadMap, how: Preparation, monitor: &dyn Monitor) -> Result<Self, PreparationError> {
+        let surface = Self::build(read, how, true, monitor)?.possible()?;
+        let is_flat = surface.rms_slope < limits::POSSIBLE_SLOPE[0];
+        if is_flat { Err(surface.impossible()) } else { Ok(surface) }
+    }
+
+    /// Returns the map unless it is steeper than any surface, which means that heights or pixels are in a wrong unit.
+    ///
+    /// # Errors
+    /// [`PreparationError::ImpossibleSlope`].
+    pub fn possible(self) -> Result<Self, PreparationError> {
+        if self.rms_slope <= limits::POSSIBLE_SLOPE[1] { Ok(self) } else { Err(self.impossible()) }
+    }
+
+    fn impossible(self) -> PreparationError {
+        PreparationError::ImpossibleSlope { rms_slope: self.rms_slope, warnings: self.warnings }
+    }
+
+    /// Fills missing points of a map as read and removes its form.
+    ///
+    /// # Errors
+    /// [`PreparationError`] if points are missing although this is not allowed, if nearly all are missing, if the
+    /// points present do not determine the form, and once `monitor` has cancelled.
+    pub fn new(read: ReadMap, how: Preparation, monitor: &dyn Monitor) -> Result<Self, PreparationError> {
+        Self::build(read, how, false, monitor)
+    }
+
+    fn build(
+        read: ReadMap,
+        how: Preparation,
+        one_period: bool,
+        monitor: &dyn Monitor,
+    ) -> Result<Self, PreparationError> {
+        let heed = || monitor.heed().map_err(MapError::from);
+        heed()?;
+        let synthetic = read.is_synthetic();
+        // A cropped part of a period is not a period.
+        let mut period = read.whole && is_period(&read.comments);
+        let mut map = read.map;
+        let mut notes = read.notes;
+        if how.missing == Missing::Refuse {
+            map.require_complete()?;
+        }
+        let (missing, points) = (map.missing(), map.rows() * map.cols());
+        if missing as f64 > limits::MAX_MISSING_SHARE * points as f64 {
+            return Err(PreparationError::MostlyMissing { missing, points });
+        }
+        let zeros = map.zeros_warning();
+        if how.despike {
+            notes.push(despiked(&mut map, monitor)?);
+        }
+        let spiked = map.spike_warning(monitor).map_err(MapError::from)?;
+        let spike_points = match &spiked {
+            Some(MapWarning::Spikes { spikes, .. }) => spikes.points(),
+            _ => 0,
+        };
+        let mut warnings: Vec<MapWarning> = spiked.iter().filter(|warning| warning.matters()).cloned().collect();
+        if let Some(MapWarning::Spikes { spikes, .. }) = spiked.filter(|warning| !warning.matters()) {
+            notes.push(format!(
+                "{spikes}; they change neither the rms slope by {:.0} % nor the highest point by {:.0} %, and do not matter",
+                100.0 * limits::SPIKE_SLOPE,
+                100.0 * limits::SPIKE_PEAK
+            ));
+        }
+        warnings.extend(map.missing_warning());
+        warnings.extend(map.pixel_warning().into_iter().chain(zeros));
+        let filled = match map.missing() {
+            0 => Vec::new(),
+            _ => map.heights_m().iter().map(|height| height.is_nan()).collect(),
+        };
+        heed()?;
+        let filling = map.fill_watched(monitor);
+        heed()?;
+        if filling.points > 0 {
+            let residual = if filling.converged { ", to a residual of 1e-10 of the start" } else { "" };
+            notes.push(format!(
+                "{} of {points} points ({:.1} %) were missing and have been filled by the smoothest surface{residual}",
+                filling.points,
+                100.0 * filling.points as f64 / points as f64,
+            ));
+            if !filling.converged {
+                notes.push(format!(
+                    "the filled heights are approximate: residual {:.1e} of the start after {} iterations",
+                    filling.residual, filling.iterations
+                ));
+            }
+        }
+        period |= one_period && side_step_ratio(&map, monitor)? <= PERIOD_STEP_RATIO;
+        let is_kept = !period && how.form != Form::SecondOrder;
+        let curved = if is_kept { map.form_warning(monitor).map_err(MapError::from)? } else { None };
+        // Subtracting a plane through one period would leave a step where the period closes.
+        match how.form {
+            Form::Plane if !period => {
+                map.subtract_plane_watched(monitor)?;
+                notes.push("the least-squares plane has been subtracted".to_owned());
+            }
+            Form::SecondOrder if !period => {
+                map.remove_form(Form::SecondOrder, monitor)?;
+                notes.push("the least-squares surface of second order has been subtracted".to_owned());
+            }
+            _ => {
+                map.subtract_mean();
+                notes.push("no plane has been subtracted".to_owned());
+            }
+        }
+        heed()?;
+        // Steps across the sides caused by a tilt or a bow are removed with the form.
+        let step_ratio = side_step_ratio(&map, monitor)?;
+        period |= one_period && step_ratio <= PERIOD_STEP_RATIO;
+        let is_component = one_period && !period && how.form != Form::Mean;
+        if is_component {
+            map = periodic_component(&map, monitor)?;
+            notes.push(format!(
+                "opposite sides do not continue each other (steps {step_ratio:.1} times those between neighbours): the \
+                 map is taken as its periodic component (Moisan)"
+            ));
+        } else if one_period {
+            notes.push("the map is taken as one period as it is".to_owned());
+        }
+        heed()?;
+        // The spectrum of a map that is not a period would count the step between opposite sides as slope.
+        let closes = period || one_period || step_ratio <= PERIOD_STEP_RATIO;
+        let rms_slope = if closes {
+            map.rms_slope_watched(monitor)?
+        } else {
+            periodic_component(&map, monitor)?.rms_slope_watched(monitor)?
+        };
+        // High points already reported as spikes are not reported again as debris.
+        let is_new =
+            |warning: &MapWarning| !matches!(warning, MapWarning::Raised { points, .. } if *points <= spike_points);
+        let hole = map.hole_warning();
+        // A hole also bends the second-order form, so that only the hole is reported.
+        warnings.extend(curved.filter(|_| hole.is_none()));
+        warnings.extend(hole);
+        heed()?;
+        warnings.extend(map.height_warnings(rms_slope).into_iter().filter(is_new));
+        heed()?;
+        let (sa_m, format) = (map.sa_m(), read.format);
+        Ok(Self { sa_m, rms_slope, is_component, format, map, synthetic, period, filled, notes, warnings })
+    }
+
+    /// Pixel size along the sliding direction, in metres.
+    #[must_use]
+    pub const fn pixel_m(&self) -> f64 {
+        self.map.dx_m()
+    }
+}
+
+impl ReadMap {
+    /// Removes spikes and adds a note about them.
+    ///
+    /// # Errors
+    /// [`MapError::Cancelled`] once `monitor` has cancelled.
+    pub fn despiked(mut self, monitor: &dyn Monitor) -> Result<Self, MapError> {
+        self.notes.push(despiked(&mut self.map, monitor)?);
+        Ok(self)
+    }
+
+    /// Decimates the map, with the same result as decimation by the reader.
+    ///
+    /// # Errors
+    /// [`ReadError`] if no points are left.
+    pub fn decimated(mut self, decimation: Decimation) -> Result<Self, ReadError> {
+        let is_whole = |points: usize| points.is_multiple_of(decimation.factor.max(1));
+        self.whole &= is_whole(self.map.rows()) && is_whole(self.map.cols());
+        self.map = self.map.windowed(None, Some(decimation))?;
+        Ok(self)
+    }
+}
+
+/// Removes spikes; returns the note about them.
+fn despiked(map: &mut HeightMap, monitor: &dyn Monitor) -> Result<String, MapError> {
+    let spikes = map.despike(monitor)?;
+    Ok(match spikes.points() {
+        0 => "despiked: no spikes were found".to_owned(),
+        _ => format!("despiked: {spikes}; the median of the points about them takes their place"),
+    })
+}
+
+/// Whether a file's comments state that the map is one whole period, as those of synthetic maps do.
+fn is_period(comments: &[String]) -> bool {
+    comments.iter().any(|comment| comment.contains("one period"))
+}
+
+#[cfg(test)]
+mod tests {
+    use slipgrid_base::monitor::Unwatched;
+
+    use super::*;
+    use crate::topography::{DecimationMethod, SelfAffine};
+
+    /// Prepares a map, tilted by `tilt_m` from its first to its last line, as one period.
+    fn prepared_with_tilt(map: &HeightMap, tilt_m: f64) -> PreparedMap {
+        let (rows, cols) = (map.rows(), map.cols());
+        let tilted = (0..rows * cols).map(|n| map.heights_m()[n] + tilt_m * (n / cols) as f64 / rows as f64).collect();
+        let map = HeightMap::new(rows, cols, map.dx_m(), map.dy_m(), tilted).unwrap();
+        let read = ReadMap { map, whole: true, format: MapFormat::Matrix, comments: Vec::new(), notes: Vec::new() };
+        PreparedMap::one_period(read, Preparation::default(), &Unwatched).unwrap()
+    }
+
+    #[test]
+    fn spikes_are_removed_before_points_are_joined() {
+        let clean = SelfAffine { pixels: 64, max_wave: 16, ..SelfAffine::STAND_IN }.map().unwrap();
+        let read = |spike_m: f64| {
+            let mut height_m = clean.heights_m().to_vec();
+            height_m[20 * 64 + 31] += spike_m;
+            let map = HeightMap::new(64, 64, clean.dx_m(), clean.dy_m(), height_m).unwrap();
+            ReadMap { map, whole: true, format: MapFormat::Matrix, comments: Vec::new(), notes: Vec::new() }
+        };
+        let of_two = |method| Decimation { factor: 2, method };
+        let slope = |read: &ReadMap| read.map.rms_slope_spectral().unwrap();
+        for method in [DecimationMethod::Mean, DecimationMethod::Pick] {
+            let own = read(0.0).decimated(of_two(method)).unwrap();
+            let despiked = read(2e-6).despiked(&Unwatched).unwrap();
+            assert!(despiked.notes[0].starts_with("despiked: 1 point"), "{:?}", despiked.notes);
+            let despiked = despiked.decimated(of_two(method)).unwrap();
+            assert_eq!([despiked.map.rows(), despiked.map.cols(), usize::from(despiked.whole)], [32, 32, 1]);
+            assert!((slope(&despiked) / slope(&own) - 1.0).abs() < 0.02, "{} {}", slope(&despiked), slope(&own));
+        }
+        let spoilt = read(20e-6).decimated(of_two(DecimationMethod::Mean)).unwrap();
+        let own = read(0.0).decimated(of_two(DecimationMethod::Mean)).unwrap();
+        assert!(slope(&spoilt) > 1.2 * slope(&own), "{} {}", slope(&spoilt), slope(&own));
+        assert!(!read(0.0).decimated(Decimation { factor: 5, method: DecimationMethod::Mean }).unwrap().whole);
+    }
+
+    #[test]
+    fn a_curved_specimen_is_told_until_its_form_is_removed() {
+        let rough = SelfAffine { pixels: 64, max_wave: 8, ..SelfAffine::STAND_IN }.map().unwrap();
+        let curved = |bow_m: f64, form: Form| {
+            let u = |n: usize| 2.0 * n as f64 / 63.0 - 1.0;
+            let height_m = (0..64 * 64).map(|n| rough.heights_m()[n] + bow_m * u(n / 64).powi(2)).collect();
+            let map = HeightMap::new(64, 64, rough.dx_m(), rough.dy_m(), height_m).unwrap();
+            let read = ReadMap { map, whole: true, format: MapFormat::Matrix, comments: Vec::new(), notes: Vec::new() };
+            let found = PreparedMap::new(read, Preparation { form, ..Preparation::default() }, &Unwatched).unwrap();
+            found.warnings.into_iter().find(|warning| matches!(warning, MapWarning::Curved { .. }))
+        };
+        let bow_m = 20.0 * rough.sa_m();
+        for form in [Form::Plane, Form::Mean] {
+            let Some(MapWarning::Curved { sa_m, sa_without_m }) = curved(bow_m, form) else { panic!("{form:?}") };
+            assert!(sa_without_m < 1.1 * rough.sa_m() && sa_m > 3.0 * sa_without_m, "{sa_m} {sa_without_m}");
+            assert_eq!(curved(0.0, form), None);
+            assert_eq!(curved(0.5 * rough.sa_m(), form), None);
+        }
+        assert_eq!(curved(bow_m, Form::SecondOrder), None);
+    }
+
+    #[test]
+    fn a_tilt_alone_is_no_step_between_opposite_sides() {
+        let level = SelfAffine { pixels: 64, max_wave: 8, ..SelfAffine::STAND_IN }.map().unwrap();
+        let steps = |prepared: &PreparedMap| {
+            prepared.notes.iter().find(|note| note.contains("do not continue each other")).cloned()
+        };
+        for tilt_m in [0.0, 2e-5, -1e-3] {
+            let prepared = prepared_with_tilt(&level, tilt_m);
+            assert_eq!(steps(&prepared), None, "{tilt_m} m: {:?}", prepared.notes);
+            assert!(prepared.period);
+            assert_eq!(prepared.notes[0] == "the least-squares plane has been subtracted", tilt_m != 0.0);
+            // The plane of the period itself is removed together with the tilt.
+            assert!(
+                (prepared.rms_slope / prepared_slope(&level) - 1.0).abs() < 0.02,
+                "{tilt_m} m: {}",
+                prepared.rms_slope
+            );
+        }
+        // A piece of the map is not a period: its steps are reported with or without tilt, and are the same.
+        let (rows, cols) = (40, 48);
+        let piece = (0..rows * cols).map(|n| level.heights_m()[n / cols * 64 + n % cols]).collect();
+        let piece = HeightMap::new(rows, cols, level.dx_m(), level.dy_m(), piece).unwrap();
+        let said = steps(&prepared_with_tilt(&piece, 0.0)).unwrap();
+        assert_eq!(steps(&prepared_with_tilt(&piece, 3e-5)).unwrap(), said);
+    }
+
+    fn prepared_slope(map: &HeightMap) -> f64 {
+        prepared_with_tilt(map, 0.0).rms_slope
+    }
+}

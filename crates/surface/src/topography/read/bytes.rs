@@ -1,0 +1,205 @@
+//! Reads numbers from binary files in pieces.
+
+use std::io::{ErrorKind, Read};
+
+use crate::topography::ReadError;
+
+/// Number of values decoded at a time.
+const PIECE: usize = 4096;
+
+/// Storage type of a number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Number {
+    U8,
+    I8,
+    U16,
+    I16,
+    U32,
+    I32,
+    U64,
+    I64,
+    F32,
+    F64,
+}
+
+impl Number {
+    /// Size of one number in bytes.
+    pub(crate) const fn bytes(self) -> usize {
+        match self {
+            Self::U8 | Self::I8 => 1,
+            Self::U16 | Self::I16 => 2,
+            Self::U32 | Self::I32 | Self::F32 => 4,
+            Self::U64 | Self::I64 | Self::F64 => 8,
+        }
+    }
+
+    /// Decodes the number in the first bytes of `bytes`, little endian.
+    fn decode(self, bytes: &[u8]) -> f64 {
+        match self {
+            Self::U8 => f64::from(bytes[0]),
+            Self::I8 => f64::from(bytes[0] as i8),
+            Self::U16 => f64::from(u16::from_le_bytes(array(bytes))),
+            Self::I16 => f64::from(i16::from_le_bytes(array(bytes))),
+            Self::U32 => f64::from(u32::from_le_bytes(array(bytes))),
+            Self::I32 => f64::from(i32::from_le_bytes(array(bytes))),
+            Self::U64 => u64::from_le_bytes(array(bytes)) as f64,
+            Self::I64 => i64::from_le_bytes(array(bytes)) as f64,
+            Self::F32 => f64::from(f32::from_le_bytes(array(bytes))),
+            Self::F64 => f64::from_le_bytes(array(bytes)),
+        }
+    }
+}
+
+/// The first N bytes of `bytes`, padded with zeros if there are fewer.
+pub(crate) fn array<const N: usize>(bytes: &[u8]) -> [u8; N] {
+    let mut array = [0; N];
+    for (target, source) in array.iter_mut().zip(bytes) {
+        *target = *source;
+    }
+    array
+}
+
+/// Error for a source or decompression library that failed; its message may quote a hostile file.
+pub(super) fn unreadable(format: &'static str, error: &dyn std::fmt::Display) -> ReadError {
+    const MAX_CHARS: usize = 160;
+    let reason = error.to_string().chars().map(|c| if c.is_control() { ' ' } else { c }).take(MAX_CHARS).collect();
+    ReadError::Unreadable { format, reason }
+}
+
+/// Fills `buffer` as far as the source reaches.
+fn fill(source: &mut impl Read, buffer: &mut [u8], format: &'static str) -> Result<usize, ReadError> {
+    let mut filled = 0;
+    while filled < buffer.len() {
+        match source.read(&mut buffer[filled..]) {
+            Ok(0) => break,
+            Ok(read) => filled += read,
+            Err(error) if error.kind() == ErrorKind::Interrupted => {}
+            Err(error) => return Err(unreadable(format, &error)),
+        }
+    }
+    Ok(filled)
+}
+
+/// Reads the next N bytes; `what` names the part of the file in errors.
+pub(crate) fn exact<const N: usize>(
+    source: &mut impl Read,
+    format: &'static str,
+    what: &'static str,
+) -> Result<[u8; N], ReadError> {
+    let mut bytes = [0; N];
+    let found = fill(source, &mut bytes, format)?;
+    if found < N {
+        return Err(ReadError::Ended { format, what, expected: N as u64, found: found as u64 });
+    }
+    Ok(bytes)
+}
+
+/// Skips `count` bytes; `what` names the part of the file in errors.
+pub(crate) fn skip(
+    source: &mut impl Read,
+    format: &'static str,
+    what: &'static str,
+    count: u64,
+) -> Result<(), ReadError> {
+    let skipped =
+        std::io::copy(&mut source.take(count), &mut std::io::sink()).map_err(|error| unreadable(format, &error))?;
+    if skipped < count {
+        return Err(ReadError::Ended { format, what, expected: count, found: skipped });
+    }
+    Ok(())
+}
+
+/// Reads `count` numbers and passes them to `take` in pieces, until it returns false. Returns whether all were read.
+pub(crate) fn numbers(
+    source: &mut impl Read,
+    format: &'static str,
+    number: Number,
+    big_endian: bool,
+    count: u64,
+    mut take: impl FnMut(&mut [f64]) -> Result<bool, ReadError>,
+) -> Result<bool, ReadError> {
+    let size = number.bytes();
+    let mut bytes = vec![0; PIECE * size];
+    let mut values = Vec::with_capacity(PIECE);
+    let mut left = count;
+    while left > 0 {
+        // At most PIECE, so the cast is exact.
+        let wanted = left.min(PIECE as u64) as usize;
+        let piece = &mut bytes[..wanted * size];
+        let found = fill(source, piece, format)?;
+        if big_endian {
+            piece.chunks_exact_mut(size).for_each(<[u8]>::reverse);
+        }
+        values.clear();
+        values.extend(piece[..found].chunks_exact(size).map(|bytes| number.decode(bytes)));
+        let wants_more = take(&mut values)?;
+        if found < wanted * size {
+            let found = count - left + (found / size) as u64;
+            return Err(ReadError::Ended { format, what: "heights", expected: count, found });
+        }
+        left -= wanted as u64;
+        if !wants_more {
+            return Ok(left == 0);
+        }
+    }
+    Ok(true)
+}
+
+/// Refuses a source that continues after its heights. Decompressors verify their checksum at this point.
+pub(crate) fn at_end(source: &mut impl Read, format: &'static str) -> Result<(), ReadError> {
+    match fill(source, &mut [0], format)? {
+        0 => Ok(()),
+        _ => Err(ReadError::GoesOn { format }),
+    }
+}
+
+/// Decodes a text field of fixed length, without the zeros and spaces that pad it; Latin-1 if it is not valid UTF-8.
+pub(crate) fn text(bytes: &[u8]) -> String {
+    let end = bytes.iter().position(|&byte| byte == 0).unwrap_or(bytes.len());
+    let bytes = &bytes[..end];
+    std::str::from_utf8(bytes)
+        .map_or_else(|_| bytes.iter().map(|&byte| char::from(byte)).collect(), str::to_owned)
+        .trim()
+        .to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn all(bytes: &[u8], number: Number, big_endian: bool, count: u64) -> Result<Vec<f64>, ReadError> {
+        let mut found = Vec::new();
+        numbers(&mut &bytes[..], "test", number, big_endian, count, |values| {
+            found.extend_from_slice(values);
+            Ok(true)
+        })
+        .map(|whole| assert!(whole))?;
+        Ok(found)
+    }
+
+    #[test]
+    fn numbers_of_every_kind_and_byte_order() {
+        assert_eq!(all(&[1, 255], Number::I8, false, 2).unwrap(), [1.0, -1.0]);
+        assert_eq!(all(&[0xfe, 0xff, 1, 0], Number::I16, false, 2).unwrap(), [-2.0, 1.0]);
+        assert_eq!(all(&[0xff, 0xfe, 0, 1], Number::I16, true, 2).unwrap(), [-2.0, 1.0]);
+        assert_eq!(all(&(-7_i64).to_le_bytes(), Number::I64, false, 1).unwrap(), [-7.0]);
+        assert_eq!(all(&1.5_f32.to_be_bytes(), Number::F32, true, 1).unwrap(), [1.5]);
+        let many: Vec<u8> = (0..10_000_u32).flat_map(u32::to_le_bytes).collect();
+        let read = all(&many, Number::U32, false, 10_000).unwrap();
+        assert!(read.iter().enumerate().all(|(n, &value)| value == n as f64));
+    }
+
+    #[test]
+    fn a_file_that_ends_early_says_how_much_is_missing() {
+        let message = all(&[0; 9], Number::F64, false, 1 << 60).unwrap_err().to_string();
+        assert!(message.contains("after 1 of") && message.contains(&(1_u64 << 60).to_string()), "{message}");
+        assert!(exact::<4>(&mut &[1_u8, 2][..], "test", "header").is_err());
+        assert!(skip(&mut &[0_u8; 3][..], "test", "comment", 4).is_err());
+    }
+
+    #[test]
+    fn texts_lose_their_padding() {
+        assert_eq!(text(b"\xb5m\0junk"), "\u{b5}m");
+        assert_eq!(text("\u{b5}m    ".as_bytes()), "\u{b5}m");
+    }
+}

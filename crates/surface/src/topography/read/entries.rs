@@ -1,0 +1,57 @@
+//! Values of header entries: lengths, units, counts.
+
+use super::comma::header_length;
+use super::lines::{excerpt, number};
+use super::scale::Scale;
+use crate::topography::unit::unit_names;
+use crate::topography::{LengthUnit, ReadError};
+
+/// A length with its unit, such as `1.5 mm`, in metres.
+pub(super) fn length(line: usize, key: &'static str, value: &str) -> Result<f64, ReadError> {
+    let refused = || ReadError::Header {
+        line,
+        key,
+        value: excerpt(value),
+        expected: concat!("a positive length with its unit (", unit_names!(), "), for instance 1.5 mm"),
+    };
+    stated_length(value).map(|length| length.to_metres(1.0)).ok_or_else(refused)
+}
+
+/// A length, if `value` begins with a number.
+pub(super) fn stated_length(value: &str) -> Option<Scale> {
+    Scale::parse(value).filter(|_| value.trim().starts_with(|c: char| c.is_ascii_digit() || "+.".contains(c)))
+}
+
+/// Relative rounding error of a length: half a unit of its last digit, divided by the length.
+pub(super) fn rounding(value: &str) -> f64 {
+    let value = &header_length(value);
+    let digits = value.split(|c: char| c.is_alphabetic() || c.is_whitespace()).next().unwrap_or_default();
+    let decimals = digits.split_once('.').map_or(0, |(_, decimals)| decimals.len());
+    // The cast saturates; no length has so many decimals.
+    let unit = 0.1_f64.powi(i32::try_from(decimals).unwrap_or(i32::MAX));
+    number(digits).map_or(0.0, |amount| 0.5 * unit / amount)
+}
+
+/// A length given in nanometres, in metres.
+pub(super) fn nanometres(line: usize, key: &'static str, value: &str) -> Result<f64, ReadError> {
+    Ok(LengthUnit::Nanometre.to_metres(positive(line, key, value)?))
+}
+
+pub(super) fn positive(line: usize, key: &'static str, value: &str) -> Result<f64, ReadError> {
+    let refused = || ReadError::Header { line, key, value: excerpt(value), expected: "a number of nanometres above 0" };
+    number(value).filter(|amount| *amount > 0.0).ok_or_else(refused)
+}
+
+pub(super) fn whole(line: usize, key: &'static str, value: &str) -> Result<u64, ReadError> {
+    let refused = || ReadError::Header { line, key, value: excerpt(value), expected: "a whole number from 1 up" };
+    value.parse().ok().filter(|count| *count > 0).ok_or_else(refused)
+}
+
+pub(super) fn unit(line: usize, key: &'static str, value: &str) -> Result<Scale, ReadError> {
+    Scale::parse(value).ok_or_else(|| ReadError::Header {
+        line,
+        key,
+        value: excerpt(value),
+        expected: concat!("one of ", unit_names!()),
+    })
+}

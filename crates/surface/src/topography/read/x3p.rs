@@ -1,0 +1,385 @@
+//! XML 3-D surface (`.x3p`, ISO 25178-72): a zip archive with the index `main.xml`. The heights are in a binary file
+//! named by the index (x fastest, little endian) or as text within it; an optional bit file marks the valid points
+//! (lowest bit first). All lengths are in metres; a height is the stored number times the increment of the z axis plus
+//! its offset. Missing points are NaN or not valid.
+
+use std::collections::HashMap;
+use std::io::{BufReader, Cursor, Read};
+
+use zip::ZipArchive;
+use zip::read::ZipFile;
+
+use super::bytes::{at_end, numbers, unreadable};
+use super::foreign;
+use super::overridden::StatedValues;
+use super::window::Window;
+use super::x3p_index::{Heights, Index};
+use super::{MapFormat, ReadMap, ReadOptions, check_expansion};
+use crate::topography::{LengthUnit, ReadError};
+
+pub(super) const MAGIC: &[u8] = b"PK\x03\x04";
+pub(super) const FORMAT: &str = MapFormat::X3p.name();
+/// Largest archive. It is held in memory because its directory is at the end.
+const MAX_ARCHIVE_BYTES: u64 = 1 << 29;
+/// Largest index: a few hundred thousand heights fit as text; larger maps use a binary file.
+const MAX_INDEX_BYTES: u64 = 1 << 24;
+/// An index that expands to more than this many times its packed size, and to more than these bytes, is refused as a
+/// decompression bomb. Digits of heights pack to a third, the tags around them to a twentieth.
+const MAX_INDEX_EXPANSION: u64 = 60;
+const HARMLESS_INDEX_BYTES: u64 = 1 << 20;
+
+pub(super) fn read(mut source: impl Read, options: &ReadOptions) -> Result<ReadMap, ReadError> {
+    let mut bytes = Vec::new();
+    let read = (&mut source)
+        .take(MAX_ARCHIVE_BYTES + 1)
+        .read_to_end(&mut bytes)
+        .map_err(|error| unreadable(FORMAT, &error))?;
+    if read as u64 > MAX_ARCHIVE_BYTES {
+        return Err(refused("archive", format!("over {MAX_ARCHIVE_BYTES} bytes"), "at most 512 MiB"));
+    }
+    let mut archive = ZipArchive::new(Cursor::new(bytes.as_slice())).map_err(|error| broken(&error))?;
+    let places = Places::of(&archive);
+    let index = {
+        if places.index.is_none()
+            && let Some(foreign) = foreign::archive_of(archive.file_names().filter_map(Result::ok))
+        {
+            return Err(ReadError::Foreign(foreign));
+        }
+        let place =
+            places.index.ok_or_else(|| refused("archive", "no main.xml".to_owned(), "the files of an X3P surface"))?;
+        let file = archive.by_index(place).map_err(|error| broken(&error))?;
+        if file.size() > MAX_INDEX_BYTES {
+            return Err(refused("main.xml", format!("{} bytes", file.size()), "at most 16 MiB"));
+        }
+        if file.size() > HARMLESS_INDEX_BYTES && file.size() / MAX_INDEX_EXPANSION > file.compressed_size() {
+            let (unpacked, packed) = (file.size(), file.compressed_size());
+            return Err(ReadError::Bomb { format: FORMAT, unpacked, packed, most_expansion: MAX_INDEX_EXPANSION });
+        }
+        Index::read(BufReader::new(file.take(MAX_INDEX_BYTES)))?
+    };
+    let mut window = Window::new(Some(index.rows), index.cols, options.crop, options.decimation)?;
+    match &index.heights {
+        Heights::File { path, valid: None } => {
+            let mut file = data_entry(&mut archive, places.find(path)?, &index)?;
+            let read_all = numbers(&mut file, FORMAT, index.number, false, index.points(), |values| {
+                keep_finite(values);
+                window.push(values)?;
+                Ok(!window.is_full())
+            })?;
+            if read_all {
+                at_end(&mut file, FORMAT)?;
+            }
+        }
+        Heights::File { path, valid: Some(valid_path) } => {
+            // Two entries are read in parallel, through two views of the same bytes.
+            let mut other = ZipArchive::new(Cursor::new(bytes.as_slice())).map_err(|error| broken(&error))?;
+            let needed = index.points().div_ceil(8);
+            let mut bits = Bits::new(sized_entry(&mut other, places.find(valid_path)?, needed)?);
+            let mut file = data_entry(&mut archive, places.find(path)?, &index)?;
+            let read_all = numbers(&mut file, FORMAT, index.number, false, index.points(), |values| {
+                keep_finite(values);
+                for value in values.iter_mut() {
+                    if !bits.next()? {
+                        *value = f64::NAN;
+                    }
+                }
+                window.push(values)?;
+                Ok(!window.is_full())
+            })?;
+            if read_all {
+                at_end(&mut file, FORMAT)?;
+                at_end(&mut bits.source, FORMAT)?;
+            }
+        }
+        Heights::List(values) => {
+            if values.len() as u64 != index.points() {
+                let (expected, found) = (index.points(), values.len() as u64);
+                return Err(ReadError::Ended { format: FORMAT, what: "heights", expected, found });
+            }
+            window.push(values)?;
+        }
+    }
+    let lateral = |value: f64| options.lateral_unit.unwrap_or(LengthUnit::Metre).to_metres(value);
+    let pixel_m = options.grid_m().unwrap_or([lateral(index.increment_m[1]), lateral(index.increment_m[0])]);
+    let unit = options.height_unit.unwrap_or(LengthUnit::Metre);
+    let [.., scale] = index.increment_m;
+    let whole = window.is_whole();
+    let map = window.finish_lines(pixel_m, |height| unit.to_metres(height * scale + index.offset_z_m))?;
+    let metre = Some(LengthUnit::Metre);
+    let [x, y, _] = index.increment_m;
+    let notes = StatedValues::from_steps([x, y], metre, metre).notes(options, MapFormat::X3p);
+    Ok(ReadMap { map, whole, format: MapFormat::X3p, comments: index.comments, notes })
+}
+
+pub(super) fn refused(field: &'static str, value: String, expected: &'static str) -> ReadError {
+    ReadError::Field { format: FORMAT, field, value, expected }
+}
+
+fn broken(error: &zip::result::ZipError) -> ReadError {
+    unreadable(FORMAT, error)
+}
+
+type Archive<'b> = ZipArchive<Cursor<&'b [u8]>>;
+
+/// Positions of the files in an archive, by their names in lower case, without `./` and backslashes. Files added by
+/// macOS are omitted.
+struct Places {
+    /// The index: `main.xml` in the outermost folder that has one.
+    index: Option<usize>,
+    /// Folder of the index, with its trailing slash.
+    folder: String,
+    names: HashMap<String, usize>,
+}
+
+impl Places {
+    fn of(archive: &Archive<'_>) -> Self {
+        let mut names = HashMap::new();
+        for name in archive.file_names().filter_map(Result::ok) {
+            let plain = plain(&name);
+            let is_mac =
+                plain.starts_with("__macosx/") || plain.rsplit('/').next().is_some_and(|file| file.starts_with("._"));
+            if let Some(place) = archive.index_for_name(&name).filter(|_| !is_mac) {
+                names.entry(plain).or_insert(place);
+            }
+        }
+        let is_index = |name: &&String| name.rsplit('/').next() == Some("main.xml");
+        let depth = |name: &&String| (name.matches('/').count(), name.len(), (*name).clone());
+        let found = names.keys().filter(is_index).min_by_key(depth);
+        let folder = found.map(|name| name.trim_end_matches("main.xml").to_owned()).unwrap_or_default();
+        Self { index: found.and_then(|name| names.get(name)).copied(), folder, names }
+    }
+
+    /// The file that the index calls `path`.
+    fn find(&self, path: &str) -> Result<usize, ReadError> {
+        let plain = plain(path);
+        let found = self.names.get(&format!("{}{plain}", self.folder)).or_else(|| self.names.get(&plain));
+        let name = || format!("no {}", super::lines::excerpt(path));
+        found.copied().ok_or_else(|| refused("archive", name(), "the files of an X3P surface"))
+    }
+}
+
+/// Normalises the name of a file in an archive; writers differ in case and separators.
+fn plain(name: &str) -> String {
+    let name = name.replace('\\', "/").to_lowercase();
+    name.split('/').filter(|part| !matches!(*part, "" | ".")).collect::<Vec<_>>().join("/")
+}
+
+/// The file of the archive with the heights that `index` names.
+fn data_entry<'a, 'b>(
+    archive: &'a mut Archive<'b>,
+    place: usize,
+    index: &Index,
+) -> Result<ZipFile<'a, Cursor<&'b [u8]>>, ReadError> {
+    let bytes_each = index.number.bytes() as u64;
+    let file = sized_entry(archive, place, index.points().saturating_mul(bytes_each))?;
+    check_expansion(FORMAT, index.points(), bytes_each, file.compressed_size())?;
+    Ok(file)
+}
+
+/// A file of the archive that must unpack to `needed` bytes.
+fn sized_entry<'a, 'b>(
+    archive: &'a mut Archive<'b>,
+    place: usize,
+    needed: u64,
+) -> Result<ZipFile<'a, Cursor<&'b [u8]>>, ReadError> {
+    let file = archive.by_index(place).map_err(|error| broken(&error))?;
+    if file.size() != needed {
+        let (expected, found) = (needed, file.size());
+        return Err(ReadError::Ended { format: FORMAT, what: "bytes of data", expected, found });
+    }
+    Ok(file)
+}
+
+/// Converts infinite heights to missing ones.
+fn keep_finite(values: &mut [f64]) {
+    for value in values.iter_mut().filter(|value| value.is_infinite()) {
+        *value = f64::NAN;
+    }
+}
+
+/// Reads bits, lowest first.
+struct Bits<R> {
+    source: BufReader<R>,
+    byte: u8,
+    left: u32,
+}
+
+impl<R: Read> Bits<R> {
+    fn new(source: R) -> Self {
+        Self { source: BufReader::new(source), byte: 0, left: 0 }
+    }
+
+    fn next(&mut self) -> Result<bool, ReadError> {
+        if self.left == 0 {
+            [self.byte] = super::bytes::exact(&mut self.source, FORMAT, "validity")?;
+            self.left = 8;
+        }
+        let bit = self.byte & 1 == 1;
+        self.byte >>= 1;
+        self.left -= 1;
+        Ok(bit)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::io::Write as _;
+
+    use zip::write::SimpleFileOptions;
+
+    use super::*;
+    use crate::topography::read_map;
+
+    const INDEX: &str = r#"<?xml version="1.0" encoding="UTF-8"?>
+<p:ISO5436_2 xmlns:p="http://www.opengps.eu/2008/ISO5436_2">
+ <Record1><Revision>ISO5436 - 2000</Revision><FeatureType>SUR</FeatureType><Axes>
+  <CX><AxisType>I</AxisType><DataType>D</DataType><Increment>1e-6</Increment><Offset>0</Offset></CX>
+  <CY><AxisType>I</AxisType><DataType>D</DataType><Increment>2e-6</Increment><Offset>0</Offset></CY>
+  <CZ><AxisType>A</AxisType><DataType>TYPE</DataType><Increment>1e-9</Increment><Offset>5e-9</Offset></CZ>
+ </Axes></Record1>
+ <Record2><Comment>a &lt;comment&gt;</Comment></Record2>
+ <Record3><MatrixDimension><SizeX>3</SizeX><SizeY>2</SizeY><SizeZ>1</SizeZ></MatrixDimension>DATA</Record3>
+</p:ISO5436_2>"#;
+
+    const LINK: &str = "<DataLink><PointDataLink>bindata/data.bin</PointDataLink></DataLink>";
+    const LINKS: &str = "<DataLink><PointDataLink>bindata/data.bin</PointDataLink>\
+                         <ValidPointsLink>bindata/valid.bin</ValidPointsLink></DataLink>";
+
+    fn archive(index: &str, files: &[(&str, &[u8])]) -> Vec<u8> {
+        let mut writer = zip::ZipWriter::new(Cursor::new(Vec::new()));
+        let options = SimpleFileOptions::default().compression_method(zip::CompressionMethod::Deflated);
+        for (name, bytes) in [("main.xml", index.as_bytes())].iter().chain(files) {
+            writer.start_file(*name, options).unwrap();
+            writer.write_all(bytes).unwrap();
+        }
+        writer.finish().unwrap().into_inner()
+    }
+
+    fn index(kind: &str, data: &str) -> String {
+        INDEX.replace("TYPE", kind).replace("DATA", data)
+    }
+
+    fn check(bytes: &[u8]) {
+        let read = read_map(bytes, &ReadOptions::default()).unwrap();
+        let map = &read.map;
+        assert_eq!((read.format, map.rows(), map.cols(), map.missing()), (MapFormat::X3p, 3, 2, 1));
+        assert_eq!((map.dx_m(), map.dy_m()), (1e-6, 2e-6));
+        for (found, expected) in map.heights_m().iter().zip([6.0, f64::NAN, 7.0, 0.0, 8.0, 11.0]) {
+            assert!(expected.is_nan() || (found * 1e9 - expected).abs() < 1e-9, "{found} {expected}");
+        }
+        assert!(read.comments.contains(&"Comment: a <comment>".to_owned()), "{:?}", read.comments);
+    }
+
+    #[test]
+    fn every_way_to_store_heights_gives_the_same_map() {
+        let floats: Vec<u8> = [1.0_f32, 2.0, 3.0, f32::NAN, -5.0, 6.0].into_iter().flat_map(f32::to_le_bytes).collect();
+        check(&archive(&index("F", LINK), &[("bindata/data.bin", &floats)]));
+        let shorts: Vec<u8> = [1_i16, 2, 3, 99, -5, 6].into_iter().flat_map(i16::to_le_bytes).collect();
+        let valid = [0b11_0111_u8];
+        check(&archive(&index("I", LINKS), &[("bindata/data.bin", &shorts), ("bindata/valid.bin", &valid)]));
+        let listed = "<DataList><Datum>1</Datum><Datum>2</Datum><Datum>3.0</Datum><Datum></Datum>\
+                      <Datum>-5</Datum><Datum> 6 </Datum></DataList>";
+        check(&archive(&index("D", listed), &[]));
+        check(&archive(&index("D", &listed.replace("<Datum></Datum>", "<Datum/>")), &[]));
+    }
+
+    #[test]
+    fn files_are_found_in_folders_in_any_case_and_with_any_slashes() {
+        let floats: Vec<u8> = [1.0_f32, 2.0, 3.0, f32::NAN, -5.0, 6.0].into_iter().flat_map(f32::to_le_bytes).collect();
+        let bits = [0xFF_u8];
+        let zipped = |prefix: &str, main: &str, link: &str| {
+            let mut writer = zip::ZipWriter::new(Cursor::new(Vec::new()));
+            let linked = LINKS
+                .replace("bindata/data.bin", link)
+                .replace("bindata/valid.bin", &link.replace("data.bin", "valid.bin"));
+            let index = index("F", &linked);
+            let junk = format!("__MACOSX/{prefix}._main.xml");
+            for (name, bytes) in [
+                (junk, &b"\x00\x05\x16\x07"[..]),
+                (format!("__MACOSX/{prefix}main.xml"), b"no index"),
+                (format!("{prefix}{main}"), index.as_bytes()),
+                (format!("{prefix}bindata/data.bin"), &floats),
+                (format!("{prefix}bindata/valid.bin"), &bits),
+            ] {
+                writer.start_file(name, SimpleFileOptions::default()).unwrap();
+                writer.write_all(bytes).unwrap();
+            }
+            writer.finish().unwrap().into_inner()
+        };
+        for (prefix, main, link) in [
+            ("", "main.xml", "bindata/data.bin"),
+            ("sample-7/", "main.xml", "bindata/data.bin"),
+            ("a/b/", "Main.XML", "Bindata/data.bin"),
+            ("./", "main.xml", "./bindata/data.bin"),
+            ("sample 7\\", "main.xml", "bindata\\data.bin"),
+            ("", "MAIN.XML", "/bindata/data.bin"),
+            ("sample-7/", "main.xml", "sample-7/bindata/data.bin"),
+        ] {
+            check(&zipped(prefix, main, link));
+        }
+    }
+
+    #[test]
+    fn an_optional_entry_that_is_empty_is_absent() {
+        let floats: Vec<u8> =
+            [6.0e-9_f64, 7e-9, 8e-9, f64::NAN, 0.0, 11e-9].into_iter().flat_map(f64::to_le_bytes).collect();
+        let plain = index("D", LINK).replace("<Increment>1e-9</Increment><Offset>5e-9</Offset>", "");
+        for (from, to) in [
+            ("</AxisType><DataType>D</DataType></CZ>", "</AxisType><DataType>D</DataType><Increment/><Offset/></CZ>"),
+            ("<Offset>0</Offset>", "<Offset></Offset>"),
+            ("</PointDataLink>", "</PointDataLink><ValidPointsLink/><MD5ChecksumPointData/>"),
+        ] {
+            assert!(plain.contains(from));
+            check(&archive(&plain.replace(from, to), &[("bindata/data.bin", &floats)]));
+        }
+    }
+
+    #[test]
+    fn archives_that_lie_are_refused_by_name() {
+        let refused = |bytes: &[u8]| read_map(bytes, &ReadOptions::default()).unwrap_err().to_string();
+        let data = [0; 48];
+        let whole = |xml: &str| refused(&archive(xml, &[("bindata/data.bin", &data)]));
+        assert!(refused(&archive(&index("D", LINK), &[])).contains("no bindata/data.bin"));
+        assert!(refused(&archive(&index("D", LINK), &[("bindata/data.bin", &data[1..])])).contains("47"));
+        assert!(whole(&index("X", LINK)).contains("DataType"));
+        assert!(whole(&index("D", LINK).replace(">SUR<", ">PCL<")).contains("FeatureType"));
+        assert!(whole(&index("D", LINK).replace("<SizeX>3", "<SizeX>4000000000")).contains("expected at most"));
+        assert!(whole(&index("D", LINK).replace("<SizeX>3", "<SizeX>-3")).contains("SizeX"));
+        assert!(whole(&index("D", LINK).replace("<SizeZ>1", "<SizeZ>2")).contains("SizeZ"));
+        assert!(whole(&index("D", LINK).replace("1e-6", "fine")).contains("Increment"));
+        assert!(whole(&index("D", "")).contains("PointDataLink"));
+        assert!(whole("<p><Record1>").contains("main.xml"));
+        assert!(refused(b"PK\x03\x04 and then nothing").contains("surface (.x3p)"));
+    }
+
+    #[test]
+    fn damaged_heights_fail_their_check_sum() {
+        let data: Vec<u8> = [1.0_f64, 2.0, 3.0, 4.0, 5.0, 6.0].into_iter().flat_map(f64::to_le_bytes).collect();
+        let mut writer = zip::ZipWriter::new(Cursor::new(Vec::new()));
+        let stored = SimpleFileOptions::default().compression_method(zip::CompressionMethod::Stored);
+        for (name, bytes) in [("main.xml", index("D", LINK).as_bytes()), ("bindata/data.bin", &data[..])] {
+            writer.start_file(name, stored).unwrap();
+            writer.write_all(bytes).unwrap();
+        }
+        let mut bytes = writer.finish().unwrap().into_inner();
+        assert!(read_map(&bytes[..], &ReadOptions::default()).is_ok());
+        let at = bytes.windows(8).position(|part| part == 5.0_f64.to_le_bytes()).unwrap();
+        bytes[at + 6] ^= 1;
+        let message = read_map(&bytes[..], &ReadOptions::default()).unwrap_err().to_string();
+        assert!(message.contains("checksum"), "{message}");
+    }
+
+    #[test]
+    fn zip_bombs_are_refused_before_they_unpack() {
+        // 3 million equal heights pack to a thousandth of their size.
+        let size = index("D", LINK).replace("<SizeX>3", "<SizeX>2000").replace("<SizeY>2", "<SizeY>1500");
+        let zeros = vec![0; 8 * 3_000_000];
+        let bomb = archive(&size, &[("bindata/data.bin", &zeros)]);
+        drop(zeros);
+        let message = read_map(&bomb[..], &ReadOptions::default()).unwrap_err().to_string();
+        assert!(message.contains("unpacks to 24000000 bytes"), "{message}");
+        let xml = index("D", LINK) + &" ".repeat(MAX_INDEX_BYTES as usize);
+        let message = read_map(&archive(&xml, &[])[..], &ReadOptions::default()).unwrap_err().to_string();
+        assert!(message.contains("main.xml"), "{message}");
+    }
+}

@@ -1,0 +1,71 @@
+//! Observed order of convergence on shapes with closed-form pressures.
+
+use crate::common::{MODULUS_PA, SIDE_M, crossed_waves, square};
+use slipgrid_surface::contact::closed_form::{CrossedWaves, Hertz};
+use slipgrid_surface::contact::{RoughContact, SolveOptions, Unwatched};
+use slipgrid_surface::topography::HeightMap;
+
+// Pressure falls to zero as the square root of the distance from the edge of the contact. The pixels along the edge, a
+// share h of all, have errors of order sqrt(h), so the L2 error is of order h. The position of the edge within a pixel
+// makes single errors scatter, hence the rms over several loads.
+
+fn pressure_pa(map: &HeightMap, nominal_pa: f64) -> Vec<f64> {
+    let options = SolveOptions { tolerance: 1e-7, ..SolveOptions::default() };
+    RoughContact::new(map, MODULUS_PA).unwrap().solve(nominal_pa, &options, &Unwatched).unwrap().pressure_pa
+}
+
+fn relative_distance(found: impl Iterator<Item = f64>, expected: impl Iterator<Item = f64>) -> f64 {
+    let (mut distance, mut norm) = (0.0, 0.0);
+    for (found, expected) in found.zip(expected) {
+        distance += (found - expected).powi(2);
+        norm += expected * expected;
+    }
+    (distance / norm).sqrt()
+}
+
+fn rms(errors: impl ExactSizeIterator<Item = f64>) -> f64 {
+    let count = errors.len() as f64;
+    (errors.map(|error| error * error).sum::<f64>() / count).sqrt()
+}
+
+#[test]
+fn validation_pressure_under_a_sphere_converges_at_order_one() {
+    let radius_m = 0.01;
+    // Contact radii of 4 to 7 % of the period: neighbours a period away change the pressure by less than 1e-3.
+    let error = |n: usize| {
+        let map = square(n, |x, y| -((x - 0.5).powi(2) + (y - 0.5).powi(2)) * SIDE_M * SIDE_M / (2.0 * radius_m));
+        rms((0..8).map(|load| {
+            let contact_radius_m = SIDE_M * (0.04 + 0.03 * f64::from(load) / 7.0);
+            // F = 4 E* a^3 / (3 R)
+            let load_n = 4.0 * MODULUS_PA * contact_radius_m.powi(3) / (3.0 * radius_m);
+            let hertz = Hertz::new(radius_m, load_n, MODULUS_PA).unwrap();
+            let expected = (0..n * n).map(|k| {
+                let at = |i: usize| (i as f64 / n as f64 - 0.5) * SIDE_M;
+                hertz.pressure_pa(at(k / n).hypot(at(k % n)))
+            });
+            relative_distance(pressure_pa(&map, load_n / (SIDE_M * SIDE_M)).into_iter(), expected)
+        }))
+    };
+    let (coarse, fine) = (error(64), error(256));
+    let order = (coarse / fine).log2() / 2.0;
+    assert!((0.85..1.15).contains(&order), "order {order}: {coarse}, {fine}");
+    assert!(fine < 0.04, "{fine}");
+}
+
+#[test]
+fn pressure_under_crossed_waves_converges_at_order_one() {
+    let full_pa = CrossedWaves::new(1e-6, SIDE_M, MODULUS_PA).unwrap().full_contact_pressure_pa();
+    // At intermediate loads there is no closed form: each grid is compared with the next finer one at common points.
+    let difference = |n: usize| {
+        rms((0..10).map(|load| {
+            let nominal_pa = full_pa * (0.05 + 0.085 * f64::from(load));
+            let coarse = pressure_pa(&crossed_waves(n), nominal_pa);
+            let fine = pressure_pa(&crossed_waves(2 * n), nominal_pa);
+            let shared = (0..n * n).map(|k| fine[2 * (k / n) * 2 * n + 2 * (k % n)]);
+            relative_distance(coarse.into_iter(), shared)
+        }))
+    };
+    let (coarse, fine) = (difference(24), difference(96));
+    let order = (coarse / fine).log2() / 2.0;
+    assert!((0.85..1.15).contains(&order), "order {order}: {coarse}, {fine}");
+}

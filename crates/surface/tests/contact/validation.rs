@@ -1,0 +1,139 @@
+//! Validation against independent results: closed forms, and tables computed with Tamaas.
+
+use crate::common::{MODULUS_PA, SIDE_M, crossed_waves, rows, self_affine, square, wave};
+use slipgrid_surface::contact::closed_form::{CrossedWaves, Hertz, Wave, persson_area_fraction};
+use slipgrid_surface::contact::{ContactState, RoughContact, SolveOptions, Unwatched, area_curve};
+use slipgrid_surface::topography::HeightMap;
+
+const AREA_CURVES: &str = include_str!("reference/area_curves.csv");
+const SMOOTH_SHAPES: &str = include_str!("reference/smooth_shapes.csv");
+
+fn solve(map: &HeightMap, pressure_pa: f64) -> ContactState {
+    let contact = RoughContact::new(map, MODULUS_PA).unwrap();
+    contact.solve(pressure_pa, &SolveOptions::default(), &Unwatched).unwrap()
+}
+
+fn peak_pa(state: &ContactState) -> f64 {
+    state.pressure_pa.iter().copied().fold(0.0, f64::max)
+}
+
+/// Tables give areas to six digits: half a unit of the last digit, plus rounding in the comparison.
+const SIX_DIGITS: f64 = 5.1e-7;
+
+fn compare_area_curve(surface: &str, pixels: usize, most_iterations: usize, wanted_mpa: impl Fn(f64) -> bool) {
+    let number = |field: &str| field.parse::<f64>().unwrap();
+    let table: Vec<_> = rows(AREA_CURVES)
+        .into_iter()
+        .filter(|row| row[0] == surface && wanted_mpa(number(row[1])))
+        .map(|row| [number(row[1]), number(row[2]), number(row[3])])
+        .collect();
+    let pressures_pa: Vec<f64> = table.iter().map(|row| row[0] * 1e6).collect();
+    let map = self_affine(pixels);
+    let curve = area_curve(&map, MODULUS_PA, &pressures_pa, &SolveOptions::default(), &Unwatched).unwrap();
+    let mut iterations = 0;
+    for (point, [mpa, area, corrected]) in curve.points.iter().zip(&table) {
+        assert!((point.area_fraction - area).abs() < SIX_DIGITS, "{mpa} MPa: {}", point.area_fraction);
+        assert!((point.area_fraction_corrected - corrected).abs() < SIX_DIGITS, "{mpa} MPa");
+        iterations += point.convergence.iterations;
+    }
+    assert!(iterations <= most_iterations, "{iterations} iterations");
+}
+
+#[test]
+fn validation_area_curve_of_a_256_map() {
+    // The reference implementation took 285 iterations.
+    compare_area_curve("A_256", 256, 300, |_| true);
+}
+
+#[test]
+fn validation_area_curve_of_a_512_map() {
+    // 376 iterations were needed for all 12 pressures.
+    compare_area_curve("A_512", 512, 130, |mpa| [0.1, 0.7, 2.6, 5.0].contains(&mpa));
+}
+
+#[test]
+fn validation_smooth_shapes() {
+    for row in rows(SMOOTH_SHAPES) {
+        let n: usize = row[1].parse().unwrap();
+        let number = |field: usize| row[field].parse::<f64>().unwrap();
+        let (map, pressure_pa) = match row[0] {
+            "hertz_periodic" => (paraboloid(n), number(2) / (SIDE_M * SIDE_M)),
+            "wave1" => (wave(n), number(2) * Wave::new(1e-6, SIDE_M, MODULUS_PA).unwrap().full_contact_pressure_pa()),
+            _ => {
+                let waves = CrossedWaves::new(1e-6, SIDE_M, MODULUS_PA).unwrap();
+                (crossed_waves(n), number(2) * waves.full_contact_pressure_pa())
+            }
+        };
+        let state = solve(&map, pressure_pa);
+        assert!((state.area.fraction / number(3) - 1.0).abs() < 1e-5, "{row:?}: {:?}", state.area);
+        assert!((state.area.fraction_corrected / number(4) - 1.0).abs() < 1e-5, "{row:?}: {:?}", state.area);
+        assert!((peak_pa(&state) / number(5) - 1.0).abs() < 1e-5, "{row:?}: {}", peak_pa(&state));
+    }
+}
+
+/// A paraboloid of radius 10 mm, its summit in the middle of the map.
+fn paraboloid(n: usize) -> HeightMap {
+    square(n, |x, y| -((x - 0.5).powi(2) + (y - 0.5).powi(2)) * SIDE_M * SIDE_M / (2.0 * 0.01))
+}
+
+#[test]
+fn validation_hertz() {
+    let hertz = Hertz::new(0.01, 0.057, MODULUS_PA).unwrap();
+    let state = solve(&paraboloid(256), 0.057 / (SIDE_M * SIDE_M));
+    // Periodic images raise the peak by 1.3e-3; the program that made the table shows the same deviation.
+    assert!((peak_pa(&state) / hertz.peak_pressure_pa() - 1.0).abs() < 2e-3);
+    let radius_m = (state.area.fraction_corrected / std::f64::consts::PI).sqrt() * SIDE_M;
+    assert!((radius_m / hertz.contact_radius_m() - 1.0).abs() < 1e-3, "{radius_m}");
+}
+
+/// Relative L2 distance between the computed pressure under a wave and Westergaard's solution.
+fn wave_error(n: usize, share: f64) -> f64 {
+    let exact = Wave::new(1e-6, SIDE_M, MODULUS_PA).unwrap();
+    let nominal_pa = share * exact.full_contact_pressure_pa();
+    let heights = (0..n * 2).map(|k| 1e-6 * (std::f64::consts::TAU * (k / 2) as f64 / n as f64).cos()).collect();
+    let pixel_m = SIDE_M / n as f64;
+    let state = solve(&HeightMap::new(n, 2, pixel_m, pixel_m, heights).unwrap(), nominal_pa);
+    let (mut distance, mut norm) = (0.0, 0.0);
+    for (i, p) in state.pressure_pa.chunks_exact(2).map(|pair| pair[0]).enumerate() {
+        let expected = exact.pressure_pa(nominal_pa, i as f64 * pixel_m);
+        distance += (p - expected).powi(2);
+        norm += expected.powi(2);
+    }
+    (distance / norm).sqrt()
+}
+
+#[test]
+fn validation_pressure_under_a_wave_converges_at_order_one() {
+    // The slope of the pressure is singular at the edge of the contact, so that the grid allows order one at most. The
+    // position of the edge within a pixel makes single errors scatter, hence the rms over many loads.
+    let rms = |n: usize| {
+        let square = |load: usize| wave_error(n, 0.05 + 0.9 * (load as f64 + 0.5) / 60.0).powi(2);
+        ((0..60).map(square).sum::<f64>() / 60.0).sqrt()
+    };
+    let (coarse, fine) = (rms(64), rms(1024));
+    let order = (coarse / fine).ln() / 16f64.ln();
+    assert!((0.9..1.1).contains(&order), "{order}");
+    // The rms error is about 0.55 / n.
+    assert!(fine < 0.65 / 1024.0, "{fine}");
+}
+
+#[test]
+fn validation_width_under_a_wave() {
+    let exact = Wave::new(1e-6, SIDE_M, MODULUS_PA).unwrap();
+    for share in [0.1, 0.3, 0.6, 0.9] {
+        let nominal_pa = share * exact.full_contact_pressure_pa();
+        let area = solve(&wave(512), nominal_pa).area.fraction_corrected;
+        assert!((area - exact.area_fraction(nominal_pa)).abs() <= 1.0 / 512.0, "{share}: {area}");
+    }
+}
+
+#[test]
+fn validation_light_loads_lie_between_persson_and_bush() {
+    let (map, pressure_pa) = (self_affine(256), 0.1e6);
+    let slope = map.rms_slope_spectral().unwrap();
+    let kappa = solve(&map, pressure_pa).area.fraction_corrected * MODULUS_PA * slope / pressure_pa;
+    // sqrt(8/pi) by Persson, sqrt(2 pi) by Bush, Gibson and Thomas; numerical results are 2.1 to 2.3.
+    assert!((2.1..2.3).contains(&kappa), "{kappa}");
+    let persson = persson_area_fraction(pressure_pa, MODULUS_PA, slope).unwrap() * MODULUS_PA * slope / pressure_pa;
+    assert!(persson < kappa);
+}

@@ -1,0 +1,39 @@
+//! Errors of studies.
+
+use slipgrid_base::monitor::Cancelled;
+use slipgrid_io::formats::Diagnostic;
+use slipgrid_io::formats::calibrated::Uncalibrated;
+use slipgrid_report::ChartError;
+
+/// Error that ends a study without a result.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum StudyError {
+    /// Input was refused.
+    #[error(transparent)]
+    Input(#[from] Diagnostic),
+    /// A picture could not be drawn.
+    #[error(transparent)]
+    Chart(#[from] ChartError),
+    /// The monitor cancelled the study.
+    #[error("cancelled")]
+    Cancelled,
+    /// Any other error.
+    #[error("{0}")]
+    Failed(String),
+}
+
+impl From<Cancelled> for StudyError {
+    fn from(_: Cancelled) -> Self {
+        Self::Cancelled
+    }
+}
+
+impl From<Uncalibrated> for StudyError {
+    fn from(why: Uncalibrated) -> Self {
+        match why {
+            Uncalibrated::Refused(refused) => Self::Input(refused),
+            Uncalibrated::Cancelled => Self::Cancelled,
+            Uncalibrated::Failed(reason) => Self::Failed(reason),
+        }
+    }
+}

@@ -1,0 +1,254 @@
+//! Area laws of a calibration's surface with scaled heights.
+
+use slipgrid_infer::calibrate::area_law::{
+    CONTACT_TOLERANCE, DEFAULT_PRESSURES_MPA, area_curve, area_law, persson_curve,
+};
+use slipgrid_infer::calibrate::{LawPressures, Selection};
+use slipgrid_model::material::AreaLaw;
+use slipgrid_surface::contact::AreaPoint;
+
+use super::ValidationTask;
+use crate::StudyError;
+use slipgrid_base::monitor::{Monitor, Stage};
+use slipgrid_base::units::{PRESSURE_MPA, tidy};
+use slipgrid_design::results::fixed;
+use slipgrid_io::formats::Diagnostic;
+use slipgrid_io::formats::altitude_map::{read_period, told};
+use slipgrid_io::formats::calibrated::calibrate;
+use slipgrid_io::formats::scene::DEFAULT_SPECIMEN;
+use slipgrid_io::formats::source::Source;
+use slipgrid_io::formats::surface::Surface;
+
+/// Seed of the flat sample in the fit of a scale, as for `calibrate` and `trials`.
+const FIT_SEED: u64 = 1;
+
+/// Area law of the surface with all heights multiplied by one factor.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ScaledLaw {
+    /// Factor of heights and therefore of slopes.
+    pub slope_factor: f64,
+    /// Rms slope of the scaled surface; `None` without a surface.
+    pub rms_slope: Option<f64>,
+    /// Area law; `None` without a surface.
+    pub law: Option<AreaLaw>,
+    /// Contact area of the law, pressures increasing; empty without a surface.
+    pub areas: Vec<AreaPoint>,
+}
+
+/// Laws of one surface.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ScaledLaws {
+    /// Laws, one per factor, in the order of the factors.
+    pub laws: Vec<ScaledLaw>,
+    /// The surface is synthetic.
+    pub synthetic: bool,
+    /// Notes on the processing of the surface.
+    pub notes: Vec<String>,
+}
+
+impl ScaledLaws {
+    /// Law of the surface as given.
+    pub fn given(&self) -> Option<&AreaLaw> {
+        self.laws.iter().find(|law| law.slope_factor == 1.0)?.law.as_ref()
+    }
+}
+
+/// Area laws of the surface of `task`, one per slope factor.
+///
+/// # Errors
+/// [`StudyError`] if the map cannot be read or its contact area gives no law.
+pub fn scaled_laws(
+    task: &ValidationTask<'_>,
+    source: &Source,
+    monitor: &dyn Monitor,
+) -> Result<ScaledLaws, StudyError> {
+    let (path, calibration, factors) = (task.path, task.calibration, &task.slope_factors);
+    let contact_modulus_pa = calibration.elastic.contact_modulus_pa(calibration.poisson_ratio);
+    let refuse = |error: &dyn std::fmt::Display| Diagnostic::file(path, error.to_string());
+    let law = |points: &[AreaPoint], threshold_pa: f64| {
+        area_law(points, threshold_pa)
+            .map_err(|error| Diagnostic::file(path, format!("the contact area gives no area law: {error}")))
+    };
+    let stated_pa = calibration.threshold_pa;
+    match &calibration.surface {
+        Surface::None if calibration.area_law_scale_pa.is_some() => fitted_laws(task, source, monitor),
+        Surface::None => Ok(ScaledLaws {
+            laws: vec![ScaledLaw { slope_factor: 1.0, rms_slope: None, law: None, areas: Vec::new() }],
+            synthetic: false,
+            notes: vec![
+                "the calibration has no surface: friction is proportional to load, whatever the slope".to_owned(),
+            ],
+        }),
+        Surface::Measured { .. } => Ok(ScaledLaws {
+            laws: vec![ScaledLaw {
+                slope_factor: 1.0,
+                rms_slope: None,
+                law: calibration.measured_law.clone(),
+                areas: Vec::new(),
+            }],
+            synthetic: false,
+            notes: vec![
+                "the calibration takes measured flat friction for the local law: no surface, whatever the slope"
+                    .to_owned(),
+            ],
+        }),
+        Surface::Persson { rms_slope } => {
+            let pressures_pa = DEFAULT_PRESSURES_MPA.map(|pressure_mpa| PRESSURE_MPA.to_si(pressure_mpa));
+            let laws = factors
+                .iter()
+                .map(|&slope_factor| {
+                    let scaled = rms_slope * slope_factor;
+                    let curve = |pressures_pa: &[f64]| persson_curve(scaled, contact_modulus_pa, pressures_pa);
+                    let areas = curve(&pressures_pa).map_err(|e| refuse(&e))?;
+                    let of = LawPressures::new(stated_pa, contact_modulus_pa, scaled, None);
+                    let behind = curve(&of.pressures_pa).map_err(|e| refuse(&e))?;
+                    let law = law(&behind, of.threshold_pa)?;
+                    Ok(ScaledLaw { slope_factor, rms_slope: Some(tidy(scaled)), law: Some(law), areas })
+                })
+                .collect::<Result<_, Diagnostic>>()?;
+            let notes = vec!["area law by Persson's theory from the rms slope: no substitute for a map".to_owned()];
+            Ok(ScaledLaws { laws, synthetic: false, notes })
+        }
+        Surface::Map { path: map_path, synthetic, options, .. } => {
+            let surface = read_period(source, map_path, options, monitor)?;
+            // A(P; s h) = A(P/s; h): the curve of every scaled surface follows from the curve of the given surface.
+            let points = surface.map.rows() * surface.map.cols();
+            let of = LawPressures::new(stated_pa, contact_modulus_pa, surface.rms_slope, Some(points));
+            // With a stated threshold, the tabulated pressures suffice for the scaled laws.
+            let light_pa = if stated_pa.is_none() { of.pressures_pa.as_slice() } else { &[] };
+            let solved_pa = unscaled_pressures_pa(factors, light_pa);
+            let progress = Stage::new(monitor, "area law", None);
+            let curve = area_curve(&surface.map, contact_modulus_pa, &solved_pa, CONTACT_TOLERANCE, &progress);
+            progress.finish();
+            monitor.heed()?;
+            let curve = curve.map_err(|error| Diagnostic::file(map_path, error.to_string()))?;
+            let mut notes = vec![format!(
+                "area law of {}: rms slope {}{}",
+                map_path.display(),
+                fixed(Some(surface.rms_slope), 4),
+                if *synthetic || surface.synthetic { ", synthetic" } else { "" },
+            )];
+            notes.extend(surface.notes.iter().cloned());
+            notes.extend(surface.warnings.iter().map(|warning| format!("warning: {}", told(warning))));
+            let laws = factors
+                .iter()
+                .map(|&slope_factor| {
+                    let areas = scaled(&curve.points, slope_factor);
+                    let law = match stated_pa {
+                        Some(threshold_pa) => law(&areas, threshold_pa)?,
+                        None => law(&stretched(&curve.points, slope_factor), slope_factor * of.threshold_pa)?,
+                    };
+                    let rms_slope = Some(tidy(surface.rms_slope * slope_factor));
+                    Ok(ScaledLaw { slope_factor, rms_slope, law: Some(law), areas })
+                })
+                .collect::<Result<_, Diagnostic>>()?;
+            Ok(ScaledLaws { laws, synthetic: *synthetic || surface.synthetic, notes })
+        }
+    }
+}
+
+/// Laws of a surface whose scale is fitted to flat friction, as in calibrations.
+fn fitted_laws(task: &ValidationTask<'_>, source: &Source, monitor: &dyn Monitor) -> Result<ScaledLaws, StudyError> {
+    // The fit uses flat samples only, so that trials are removed.
+    let mut flat = task.calibration.clone();
+    flat.trials.samples.clear();
+    let sample = (DEFAULT_SPECIMEN, FIT_SEED);
+    let (_, found) = calibrate(&flat, task.path, source, sample, Selection::default(), monitor)?;
+    let refuse = |error: &dyn std::fmt::Display| {
+        let key = Some("fit.area_law_scale_mpa".into());
+        Diagnostic { key, ..Diagnostic::file(task.path, format!("gives no area law: {error}")) }
+    };
+    let scale = found.fit.parameters.iter().find(|parameter| parameter.name == "area_law_scale_pa");
+    let (Some(own), Some(scale)) = (&found.surface.law, scale) else {
+        return Err(refuse(&"the fit found no scale")
+            .expected("measurements of flat samples at two loads or more")
+            .into());
+    };
+    let scale_pa = scale.value;
+    let rms_slope = scale_pa / flat.elastic.contact_modulus_pa(flat.poisson_ratio);
+    let pressures_pa = DEFAULT_PRESSURES_MPA.map(|pressure_mpa| PRESSURE_MPA.to_si(pressure_mpa));
+    let law = |slope_factor: f64| {
+        if slope_factor == 1.0 {
+            return Ok(own.clone());
+        }
+        let points = stretched(&found.surface.curve, slope_factor);
+        area_law(&points, points[0].pressure_pa).map_err(|error| refuse(&error))
+    };
+    let laws = task.slope_factors.iter().map(|&slope_factor| {
+        let areas = persson_curve(1.0, slope_factor * scale_pa, &pressures_pa).map_err(|error| refuse(&error))?;
+        Ok(ScaledLaw {
+            slope_factor,
+            rms_slope: Some(tidy(rms_slope * slope_factor)),
+            law: Some(law(slope_factor)?),
+            areas,
+        })
+    });
+    let notes = vec![format!(
+        "area law by Persson's theory, its pressure scale fitted to flat friction ([fit] area_law_scale_mpa): {} MPa, as an rms slope \
+         of {} has it",
+        fixed(Some(PRESSURE_MPA.from_si(scale_pa)), 2),
+        fixed(Some(rms_slope), 4),
+    )];
+    Ok(ScaledLaws { laws: laws.collect::<Result<_, Diagnostic>>()?, synthetic: false, notes })
+}
+
+/// Curve of the surface scaled by `factor`: A(P; s h) = A(P/s; h).
+fn stretched(curve: &[AreaPoint], factor: f64) -> Vec<AreaPoint> {
+    curve.iter().map(|point| AreaPoint { pressure_pa: factor * point.pressure_pa, ..*point }).collect()
+}
+
+/// Pressures P/s of the unscaled surface for all tabulated pressures of the scaled surfaces, and `more`, increasing.
+fn unscaled_pressures_pa(factors: &[f64], more: &[f64]) -> Vec<f64> {
+    let mut pressures_pa: Vec<f64> = factors
+        .iter()
+        .flat_map(|&factor| tabulated_pa(factor).map(|pair| pair[1]))
+        .chain(more.iter().copied())
+        .collect();
+    pressures_pa.sort_by(f64::total_cmp);
+    pressures_pa.dedup();
+    pressures_pa
+}
+
+/// Tabulated pressures P of a surface scaled by s, each with P/s.
+fn tabulated_pa(factor: f64) -> impl Iterator<Item = [f64; 2]> {
+    DEFAULT_PRESSURES_MPA.into_iter().map(move |pressure_mpa| {
+        let pressure_pa = PRESSURE_MPA.to_si(pressure_mpa);
+        // Rounded, so that equal pressures from two factors are solved once.
+        [pressure_pa, tidy(pressure_pa / factor)]
+    })
+}
+
+/// Curve of the surface scaled by `factor`, from the curve of the unscaled surface.
+fn scaled(curve: &[AreaPoint], factor: f64) -> Vec<AreaPoint> {
+    tabulated_pa(factor)
+        .filter_map(|[pressure_pa, unscaled_pa]| {
+            let point = curve.iter().find(|point| point.pressure_pa == unscaled_pa)?;
+            Some(AreaPoint { pressure_pa, ..*point })
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use slipgrid_surface::topography::{HeightMap, SelfAffine};
+
+    #[test]
+    fn a_scaled_surface_has_the_curve_of_its_own_map() {
+        let map = SelfAffine { pixels: 32, max_wave: 8, ..SelfAffine::STAND_IN }.map().unwrap();
+        let progress = slipgrid_base::monitor::Unwatched;
+        let solve = |map: &HeightMap, pressures_pa: &[f64]| {
+            area_curve(map, 427.5e6, pressures_pa, 1e-10, &progress).unwrap().points
+        };
+        let own = solve(&map, &unscaled_pressures_pa(&[0.5, 1.0, 2.0], &[]));
+        for factor in [0.5, 1.0, 2.0] {
+            let by_identity = scaled(&own, factor);
+            assert_eq!(by_identity.len(), DEFAULT_PRESSURES_MPA.len());
+            let listed: Vec<f64> = by_identity.iter().map(|point| point.pressure_pa).collect();
+            let solved = solve(&map.scaled(factor).unwrap(), &listed);
+            for (a, b) in by_identity.iter().zip(&solved) {
+                assert!((a.area_fraction - b.area_fraction).abs() < 1e-9, "{factor} {a:?} {b:?}");
+            }
+        }
+    }
+}

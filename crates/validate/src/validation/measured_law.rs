@@ -1,0 +1,77 @@
+//! Alternative interpretation of flat friction as a law of local pressure: mu(p) = mu_flat(P = p).
+
+use std::path::Path;
+
+use slipgrid_model::material::{AreaLaw, Extrapolation};
+use slipgrid_model::pattern::Pattern;
+
+use super::flat_point;
+use super::model::{Body, Case, FlatPoint, predict};
+use super::ratios::{MeasuredLawRatio, Pair, same_condition};
+use crate::StudyError;
+use slipgrid_base::monitor::{Monitor, Stage};
+use slipgrid_infer::calibrate::Measurement;
+use slipgrid_io::formats::calibration::Calibration;
+
+/// Ratios of `pattern` at each of `pairs` by the law of the flat measurements at the condition of the pair, one per
+/// extrapolation; empty if the flat measurements have a single pressure.
+///
+/// # Errors
+/// [`StudyError`] if the numbers make no valid scene; `path` is the file of the calibration.
+pub fn ratios(
+    path: &Path,
+    calibration: &Calibration,
+    body: Body,
+    pattern: Pattern,
+    pairs: &[Pair],
+    monitor: &dyn Monitor,
+) -> Result<Vec<Vec<MeasuredLawRatio>>, StudyError> {
+    // The law does not depend on the modulus.
+    let body = Body { modulus_relative_std: None, ..body };
+    let mut found: Vec<Vec<MeasuredLawRatio>> = vec![Vec::new(); pairs.len()];
+    let progress = Stage::new(monitor, "measured law", None);
+    for (place, pair) in pairs.iter().enumerate() {
+        let is_first = !pairs[..place].iter().any(|earlier| same_condition(&earlier.flat, &pair.flat));
+        if !is_first {
+            continue;
+        }
+        let laws = laws(calibration, &pair.flat);
+        if laws.is_empty() {
+            continue;
+        }
+        let own: Vec<usize> =
+            (0..pairs.len()).filter(|&other| same_condition(&pairs[other].flat, &pair.flat)).collect();
+        let points: Vec<FlatPoint> = own.iter().map(|&other| flat_point(&pairs[other], calibration)).collect();
+        let cases: Vec<Case<'_>> = laws.iter().map(|(_, law)| Case { pattern, law: Some(law) }).collect();
+        let predicted = predict(path, body, &cases, &points, &progress)?;
+        for ((extrapolation, _), predicted) in laws.iter().zip(&predicted) {
+            for (&row, prediction) in own.iter().zip(predicted) {
+                found[row].push(MeasuredLawRatio {
+                    extrapolation: extrapolation.name().into(),
+                    ratio_groove: prediction.outcome.ratio,
+                    ratio_square: prediction.squares.ratio,
+                });
+            }
+        }
+    }
+    progress.finish();
+    Ok(found)
+}
+
+/// Laws of the flat measurements at the condition of `measured`; none if they have a single pressure.
+fn laws(calibration: &Calibration, measured: &Measurement) -> Vec<(Extrapolation, AreaLaw)> {
+    let mut rows: Vec<[f64; 2]> = calibration
+        .flat
+        .iter()
+        .filter(|other| same_condition(other, measured))
+        .map(|other| [calibration.pressure_pa(other.force_n), other.mu_dynamic])
+        .collect();
+    rows.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    let (pressures_pa, mu): (Vec<f64>, Vec<f64>) = rows.into_iter().map(|[p, mu]| (p, mu)).unzip();
+    if pressures_pa.len() < 2 {
+        return Vec::new();
+    }
+    let law =
+        |extrapolation| Some((extrapolation, AreaLaw::from_flat_friction(&pressures_pa, &mu, extrapolation).ok()?));
+    Extrapolation::ALL.into_iter().filter_map(law).collect()
+}

@@ -1,0 +1,222 @@
+//! Model of patterned samples, from flat measurements and the surface alone.
+
+use std::path::Path;
+
+use rayon::prelude::*;
+use slipgrid_infer::calibrate::uncertainty::{Deviations, InputUncertainty, ScaleError, Slopes};
+use slipgrid_model::material::{AreaLaw, Elastic, LocalFriction};
+use slipgrid_model::pattern::{Pattern, Planform};
+use slipgrid_model::springblock::{CellOutcome, Layer, Load, Monitor, RunOptions, Scene, SteadyCell};
+
+use crate::StudyError;
+use slipgrid_io::formats::Diagnostic;
+use slipgrid_io::formats::scene::DEFAULT_THICKNESS_M;
+
+/// Flat measurement as input of the model.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FlatPoint {
+    /// Nominal pressure, in pascals.
+    pub pressure_pa: f64,
+    /// Sliding speed, in m/s.
+    pub speed_m_s: f64,
+    /// Dynamic friction coefficient of the flat sample.
+    pub mu_flat: f64,
+    /// Standard deviation of `mu_flat`.
+    pub mu_flat_std: f64,
+}
+
+/// Layer, and the uncertainty of its modulus.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Body {
+    /// Young's modulus and density.
+    pub elastic: Elastic,
+    /// Relative standard deviation of Young's modulus, if known.
+    pub modulus_relative_std: Option<f64>,
+    /// Modelled layer.
+    pub layer: Layer,
+}
+
+/// Uncertainty of the material at `points` under `law`.
+pub fn knowledge(modulus_relative_std: Option<f64>, law: Option<&AreaLaw>, points: &[FlatPoint]) -> InputUncertainty {
+    let std = modulus_relative_std.filter(|std| law.is_some() && *std > 0.0);
+    InputUncertainty {
+        flat_friction: Some(points.iter().map(|point| (point.mu_flat_std / point.mu_flat).powi(2)).collect()),
+        scale: std.map(|std| ScaleError::of_modulus(std, points.len())),
+        ..InputUncertainty::default()
+    }
+}
+
+/// Steady sliding of one pattern under one area law at every measurement.
+#[derive(Clone, Copy, Debug)]
+pub struct Case<'a> {
+    /// Pattern, as grooves.
+    pub pattern: Pattern,
+    /// Area law; `None` for Amontons-Coulomb.
+    pub law: Option<&'a AreaLaw>,
+}
+
+/// Model results at one measurement.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Prediction {
+    /// f at the nominal pressure.
+    pub area_law_factor: f64,
+    /// Local dynamic coefficient, mu_flat / f.
+    pub dynamic_mean: f64,
+    /// Solution for grooves.
+    pub outcome: CellOutcome,
+    /// Solution for square cavities with equal lengths, in three dimensions.
+    pub squares: CellOutcome,
+    /// Change of both ratios for a specimen of the source's thickness; `None` if a cell has none.
+    pub thick: [Option<f64>; 2],
+    /// Uncertainty of both ratios from Young's modulus and measured flat friction; `None` if it cannot be computed.
+    pub errors: [Option<Deviations>; 2],
+}
+
+/// Solves every case at every point, in parallel; returns one list per case.
+///
+/// # Errors
+/// [`StudyError`] if the numbers make no valid scene; `path` is the file of the calibration.
+pub fn predict(
+    path: &Path,
+    body: Body,
+    cases: &[Case<'_>],
+    points: &[FlatPoint],
+    progress: &dyn Monitor,
+) -> Result<Vec<Vec<Prediction>>, StudyError> {
+    let share = 1.0 / cases.len() as f64;
+    cases
+        .par_iter()
+        .map(|case| {
+            progress.heed()?;
+            let predicted =
+                solve(body, case, points).map_err(|reason| StudyError::from(Diagnostic::file(path, reason)));
+            progress.advance(share);
+            predicted
+        })
+        .collect()
+}
+
+/// Steady scene of `pattern` under `law` at every point.
+///
+/// # Errors
+/// The reason why the numbers make no valid scene.
+pub fn scene(body: Body, law: Option<&AreaLaw>, pattern: Pattern, points: &[FlatPoint]) -> Result<Scene, String> {
+    let loads = points
+        .iter()
+        .map(|point| {
+            let [_, dynamic_mean] = coefficients(law, point);
+            // Steady sliding does not depend on the static coefficient, and a cell uses the mean.
+            let friction = LocalFriction::new(dynamic_mean, dynamic_mean, 0.0).map_err(|error| error.to_string())?;
+            Ok(Load { pressure_pa: point.pressure_pa, friction })
+        })
+        .collect::<Result<Vec<_>, String>>()?;
+    let scene = Scene {
+        elastic: body.elastic,
+        area_law: law.cloned(),
+        pattern: Some(pattern),
+        relief: None,
+        layer: body.layer,
+        loads,
+        // Steady sliding does not depend on the speed.
+        speed_m_s: points.first().map_or(0.0, |point| point.speed_m_s),
+        run: RunOptions::default(),
+    };
+    scene.validate().map_err(|error| error.to_string())?;
+    Ok(scene)
+}
+
+/// f and the local dynamic coefficient at `point`: a flat cell slides at mu_flat = mu_d f(P).
+fn coefficients(law: Option<&AreaLaw>, point: &FlatPoint) -> [f64; 2] {
+    let area_law_factor = law.map_or(1.0, |law| law.factor(point.pressure_pa));
+    [area_law_factor, point.mu_flat / area_law_factor]
+}
+
+fn solve(body: Body, case: &Case<'_>, points: &[FlatPoint]) -> Result<Vec<Prediction>, String> {
+    let coefficients: Vec<[f64; 2]> = points.iter().map(|point| coefficients(case.law, point)).collect();
+    let scene = scene(body, case.law, case.pattern, points)?;
+    let in_space = Scene { pattern: Some(squares(&case.pattern)), ..scene.clone() };
+    let solved = |layer: Layer| {
+        let of = |pattern: Pattern| {
+            SteadyCell::new(&Scene { pattern: Some(pattern), layer, ..scene.clone() }).solve(&pattern)
+        };
+        rayon::join(|| of(case.pattern), || of(squares(&case.pattern)))
+    };
+    let (grooves, squares) = solved(scene.layer);
+    // A layer alone neglects the body behind it.
+    let is_layer = scene.layer.thickness_m.is_none();
+    let thick = is_layer.then(|| solved(Layer { thickness_m: Some(DEFAULT_THICKNESS_M), ..scene.layer }));
+    let known = knowledge(body.modulus_relative_std, case.law, points);
+    let slopes = [&scene, &in_space].map(|scene| Slopes::new(scene, &known));
+    let predictions = grooves.into_iter().zip(squares).zip(coefficients).enumerate();
+    Ok(predictions
+        .map(|(place, ((outcome, squares), [area_law_factor, dynamic_mean]))| {
+            let error =
+                |slopes: &Slopes, ratio: Option<f64>| slopes.deviations(place, ratio?, points[place].mu_flat, &known);
+            let errors = [error(&slopes[0], outcome.ratio), error(&slopes[1], squares.ratio)];
+            let beyond = |thick: &[CellOutcome], own: &CellOutcome| Some(thick[place].ratio? - own.ratio?);
+            let thick = match &thick {
+                Some((in_plane, in_space)) => [beyond(in_plane, &outcome), beyond(in_space, &squares)],
+                None => [None, None],
+            };
+            Prediction { area_law_factor, dynamic_mean, outcome, squares, thick, errors }
+        })
+        .collect())
+}
+
+/// Square cavities with the lengths of `pattern`.
+pub fn squares(pattern: &Pattern) -> Pattern {
+    // Lengths of a valid pattern are valid for another planform.
+    Pattern::new(Planform::Square, pattern.width_m(), pattern.spacing_m(), pattern.depth_m()).unwrap_or(*pattern)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Short layer, so that the test takes milliseconds.
+    const LAYER: Layer = Layer { length_m: 500e-6, height_m: 100e-6, block_m: 10e-6, thickness_m: None, holder: None };
+
+    fn predicted(law: Option<&AreaLaw>, depth_m: f64) -> Vec<Prediction> {
+        let pattern = Pattern::new(Planform::Groove, 60e-6, 140e-6, depth_m).unwrap();
+        let points = [(0.3e6, 0.25), (2.6e6, 0.278)].map(|(pressure_pa, mu_flat)| FlatPoint {
+            pressure_pa,
+            speed_m_s: 2e-3,
+            mu_flat,
+            mu_flat_std: 0.01 * mu_flat,
+        });
+        let elastic = Elastic::new(0.38e9, 900.0).unwrap();
+        let body = Body { elastic, modulus_relative_std: Some(0.2), layer: LAYER };
+        let progress = slipgrid_base::monitor::Unwatched;
+        predict(Path::new("c.toml"), body, &[Case { pattern, law }], &points, &progress).unwrap().remove(0)
+    }
+
+    #[test]
+    fn the_flat_surface_has_its_measured_friction() {
+        let law = AreaLaw::new(vec![0.7e6, 2.6e6, 26e6], vec![1.0, 0.8, 0.2]).unwrap();
+        let [light, heavy] = &predicted(Some(&law), 20e-6)[..] else { panic!() };
+        assert_eq!((light.area_law_factor, light.dynamic_mean), (1.0, 0.25));
+        assert!((heavy.area_law_factor - 0.8).abs() < 1e-12 && (heavy.dynamic_mean - 0.3475).abs() < 1e-12);
+        assert!((heavy.outcome.mu_flat.unwrap() - 0.278).abs() < 1e-12);
+        let ratio = |prediction: &Prediction| prediction.outcome.ratio.unwrap();
+        assert!(ratio(heavy) < ratio(light) && ratio(light) < 1.0);
+        for prediction in [light, heavy] {
+            let squares = prediction.squares.ratio.unwrap();
+            // At the light load no point reaches the pressure where the area law bends: friction equals the flat surface's, to rounding.
+            assert!(squares > ratio(prediction) && squares < 1.0 + 1e-9, "{squares}");
+            assert!((prediction.squares.mu_flat.unwrap() - prediction.outcome.mu_flat.unwrap()).abs() < 1e-12);
+            // An error of a fifth of Young's modulus changes the reduction by a fraction, less for squares than for grooves.
+            let [grooves, in_space] = prediction.errors.clone().map(|errors| errors.unwrap());
+            assert!(grooves.ratio.std < 0.5 * (1.0 - ratio(prediction)) && in_space.ratio.std < grooves.ratio.std);
+            // Flat friction is known to 1 %; the ratio decreases slightly as flat friction increases.
+            assert!(grooves.mu.std > 0.008 * prediction.outcome.mu_flat.unwrap() * ratio(prediction));
+        }
+    }
+
+    #[test]
+    fn no_pattern_changes_friction_without_an_area_law() {
+        for prediction in predicted(None, 20e-6) {
+            assert!((prediction.outcome.ratio.unwrap() - 1.0).abs() < 1e-9);
+            assert!((prediction.squares.ratio.unwrap() - 1.0).abs() < 1e-9);
+        }
+    }
+}

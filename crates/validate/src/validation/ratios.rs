@@ -1,0 +1,223 @@
+//! Measured and modelled ratios.
+
+use std::borrow::Cow;
+
+use serde::{Deserialize, Serialize};
+use slipgrid_infer::calibrate::uncertainty::{Deviation, Deviations};
+use slipgrid_model::pattern::Pattern;
+use slipgrid_model::springblock::Status;
+
+use super::laws::ScaledLaw;
+use super::model::{Prediction, squares};
+use slipgrid_base::units::{HUMIDITY_PCT, LENGTH_UM, PRESSURE_MPA, SPEED_MM_S, tidy};
+use slipgrid_infer::calibrate::Measurement;
+use slipgrid_io::formats::calibration::Calibration;
+
+/// Condition measured on both samples.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct MeasuredReport {
+    /// Normal force on one specimen.
+    pub force_n: f64,
+    /// Nominal pressure: normal force over the area of a specimen.
+    pub pressure_mpa: f64,
+    /// Sliding speed.
+    pub speed_mm_s: f64,
+    /// Relative humidity.
+    pub humidity_pct: f64,
+    /// Friction of the flat sample.
+    pub mu_flat: f64,
+    /// Standard deviation of `mu_flat`.
+    pub mu_flat_std: f64,
+    /// Friction of the patterned sample.
+    pub mu_patterned: f64,
+    /// Standard deviation of `mu_patterned`.
+    pub mu_patterned_std: f64,
+    /// Ratio patterned over flat.
+    pub ratio: f64,
+    /// Standard deviation of the ratio.
+    pub ratio_std: f64,
+}
+
+/// Measured ratio with the modelled ratios.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct RatioReport {
+    /// Measurement.
+    #[serde(flatten)]
+    pub measured: MeasuredReport,
+    /// Modelled ratio without an area law.
+    pub ratio_amontons_coulomb: Option<f64>,
+    /// Modelled ratios, one per slope factor.
+    pub modelled: Vec<ModelledRatio>,
+    /// Modelled ratios with measured flat friction as the local law, one per extrapolation; empty if flat friction was measured
+    /// at a single pressure.
+    pub measured_law: Vec<MeasuredLawRatio>,
+    /// Modelled ratio at the measured depth and the surface as given; null if both depths are equal.
+    pub modelled_at_measured_depth: Option<ModelledRatio>,
+}
+
+/// Model at one condition if a contact's friction depends on its local pressure like flat friction on the nominal pressure.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct MeasuredLawRatio {
+    /// Extrapolation of the law above the last measured pressure: `constant` or `logarithmic`.
+    pub extrapolation: Cow<'static, str>,
+    /// Ratio of the pattern as grooves; null if the solution did not converge.
+    pub ratio_groove: Option<f64>,
+    /// Ratio of square cavities with equal lengths, in three dimensions; null if the solution did not converge.
+    pub ratio_square: Option<f64>,
+}
+
+/// Model at one condition.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ModelledRatio {
+    /// Factor of the surface's slopes.
+    pub slope_factor: f64,
+    /// Rms slope; null without a surface.
+    pub rms_slope: Option<f64>,
+    /// f at the nominal pressure.
+    pub area_law_factor: f64,
+    /// Local dynamic coefficient, mu_flat / f.
+    pub dynamic_mean: f64,
+    /// Ratio of the pattern as grooves.
+    pub ratio_groove: Option<f64>,
+    /// Standard deviation of `ratio_groove`.
+    pub ratio_groove_std: Option<f64>,
+    /// Standard deviation of the groove's friction coefficient, ratio times flat friction.
+    pub mu_groove_std: Option<f64>,
+    /// Ratio of square cavities with equal lengths, in three dimensions.
+    pub ratio_square: Option<f64>,
+    /// Standard deviation of `ratio_square`.
+    pub ratio_square_std: Option<f64>,
+    /// Standard deviation of the squares' friction coefficient.
+    pub mu_square_std: Option<f64>,
+    /// Strip estimate of the squares' ratio from the groove's ratio.
+    pub ratio_square_estimate: Option<f64>,
+    /// Change of the groove's ratio for a specimen of the source's thickness, 7 mm.
+    pub ratio_groove_thick_difference: Option<f64>,
+    /// Change of the squares' ratio for a specimen of the source's thickness.
+    pub ratio_square_thick_difference: Option<f64>,
+    /// Maximum local pressure of grooves; it increases as blocks shrink.
+    pub peak_pressure_mpa: f64,
+    /// Maximum local pressure of squares.
+    pub peak_pressure_square_mpa: f64,
+    /// Number of contact blocks under tension.
+    pub tension_blocks: usize,
+    /// A cavity's ceiling reaches the counterface.
+    pub cavity_closed: bool,
+    /// A pressure exceeds the range of the area law.
+    pub area_law_extrapolated: bool,
+    /// Status of the solution for grooves.
+    pub status: Cow<'static, str>,
+    /// Status of the solution for squares.
+    pub status_square: Cow<'static, str>,
+}
+
+/// Flat and patterned measurement at one condition.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pair {
+    /// Measurement on the flat sample.
+    pub flat: Measurement,
+    /// Measurement on the patterned sample.
+    pub patterned: Measurement,
+}
+
+/// Conditions that both tables contain, in the order of the flat table.
+pub fn pairs(calibration: &Calibration) -> Vec<Pair> {
+    let pair = |flat: &Measurement| {
+        let patterned = calibration
+            .patterned
+            .iter()
+            .find(|patterned| same(flat.force_n, patterned.force_n) && same_condition(flat, patterned))?;
+        Some(Pair { flat: *flat, patterned: *patterned })
+    };
+    calibration.flat.iter().filter_map(pair).collect()
+}
+
+/// Whether two measurements have equal speed and humidity.
+pub fn same_condition(a: &Measurement, b: &Measurement) -> bool {
+    same(a.speed_m_s, b.speed_m_s) && same(a.humidity, b.humidity)
+}
+
+fn same(a: f64, b: f64) -> bool {
+    (a - b).abs() <= 1e-6 * a.abs().max(b.abs())
+}
+
+impl MeasuredReport {
+    /// Makes the record of the measurements of `pair`.
+    pub fn new(pair: &Pair, calibration: &Calibration) -> Self {
+        let Pair { flat, patterned } = pair;
+        let ratio = patterned.mu_dynamic / flat.mu_dynamic;
+        // (s_r / r)^2 = (s_p / mu_p)^2 + (s_f / mu_f)^2
+        let relative = (patterned.mu_dynamic_std / patterned.mu_dynamic).hypot(flat.mu_dynamic_std / flat.mu_dynamic);
+        Self {
+            force_n: flat.force_n,
+            pressure_mpa: PRESSURE_MPA.from_si(calibration.pressure_pa(flat.force_n)),
+            speed_mm_s: SPEED_MM_S.from_si(flat.speed_m_s),
+            humidity_pct: HUMIDITY_PCT.from_si(flat.humidity),
+            mu_flat: flat.mu_dynamic,
+            mu_flat_std: flat.mu_dynamic_std,
+            mu_patterned: patterned.mu_dynamic,
+            mu_patterned_std: patterned.mu_dynamic_std,
+            ratio,
+            ratio_std: ratio * relative,
+        }
+    }
+
+    /// Whether both measurements have equal speed and humidity.
+    pub fn is_at_condition_of(&self, other: &Self) -> bool {
+        self.speed_mm_s == other.speed_mm_s && self.humidity_pct == other.humidity_pct
+    }
+}
+
+impl RatioReport {
+    /// Modelled ratio at `slope_factor`.
+    pub fn at_slope(&self, slope_factor: f64) -> Option<&ModelledRatio> {
+        self.modelled.iter().find(|modelled| modelled.slope_factor == slope_factor)
+    }
+}
+
+impl ModelledRatio {
+    /// Makes the record of `prediction` for `pattern` on the surface of `law`.
+    pub fn new(law: &ScaledLaw, pattern: &Pattern, prediction: &Prediction) -> Self {
+        let (surface, square) = (&prediction.outcome.surface, &prediction.squares.surface);
+        let std = |planform: usize, of: fn(&Deviations) -> &Deviation| {
+            prediction.errors[planform].as_ref().map(|known| tidy(of(known).std))
+        };
+        Self {
+            slope_factor: law.slope_factor,
+            rms_slope: law.rms_slope,
+            area_law_factor: tidy(prediction.area_law_factor),
+            dynamic_mean: tidy(prediction.dynamic_mean),
+            ratio_groove: prediction.outcome.ratio,
+            ratio_groove_std: std(0, |of| &of.ratio),
+            mu_groove_std: std(0, |of| &of.mu),
+            ratio_square: prediction.squares.ratio,
+            ratio_square_std: std(1, |of| &of.ratio),
+            mu_square_std: std(1, |of| &of.mu),
+            ratio_square_estimate: prediction.outcome.ratio.map(|ratio| as_squares(pattern, ratio)),
+            ratio_groove_thick_difference: prediction.thick[0],
+            ratio_square_thick_difference: prediction.thick[1],
+            peak_pressure_mpa: PRESSURE_MPA.from_si(surface.peak_pressure_pa),
+            peak_pressure_square_mpa: PRESSURE_MPA.from_si(square.peak_pressure_pa),
+            tension_blocks: surface.tension_blocks + square.tension_blocks,
+            cavity_closed: surface.cavity_closed || square.cavity_closed,
+            area_law_extrapolated: surface.area_law_extrapolated || square.area_law_extrapolated,
+            status: surface.status.name().into(),
+            status_square: square.status.name().into(),
+        }
+    }
+
+    /// Whether both solutions converged.
+    pub fn has_converged(&self) -> bool {
+        [&self.status, &self.status_square].into_iter().all(|status| status == Status::Converged.name())
+    }
+}
+
+/// Strip estimate for square cavities with the lengths of `pattern`, from the `ratio_groove` of the cross-section.
+fn as_squares(pattern: &Pattern, ratio_groove: f64) -> f64 {
+    squares(pattern).strip_estimate(ratio_groove)
+}
+
+/// Depth of the pattern in micrometres, the unit of the record.
+pub fn depth_um(pattern: &Pattern) -> f64 {
+    LENGTH_UM.from_si(pattern.depth_m())
+}

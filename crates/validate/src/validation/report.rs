@@ -1,0 +1,156 @@
+//! Record of a validation.
+
+use std::borrow::Cow;
+
+use serde::{Deserialize, Serialize};
+
+use super::ratios::{MeasuredReport, RatioReport};
+use super::rims::RimsReport;
+use super::summary::Summary;
+use slipgrid_design::results::PatternReport;
+
+/// Record that `validate --json` prints.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ValidationReport {
+    /// Program name: `slipgrid`.
+    pub program: Cow<'static, str>,
+    /// Program version.
+    pub version: Cow<'static, str>,
+    /// Schema version of the record.
+    #[serde(default = "slipgrid_design::results::first_schema")]
+    pub schema: u32,
+    /// Name of the calibration.
+    pub name: String,
+    /// Source of the measurements.
+    pub source: String,
+    /// Name of the compared trial; null if the calibration's patterned samples are compared.
+    #[serde(default)]
+    pub trial: Option<String>,
+    /// Planform of the measured cavities; null if the calibration does not state it.
+    #[serde(default)]
+    pub cut_as: Option<String>,
+    /// Height of the modelled specimen; null if only a layer of it is modelled, as in the source.
+    #[serde(default)]
+    pub thickness_mm: Option<f64>,
+    /// The area law is based on a synthetic surface.
+    pub synthetic_surface: bool,
+    /// Model assumptions and methods.
+    pub model: Vec<String>,
+    /// Error sources that the standard deviations of modelled values include.
+    pub errors: String,
+    /// Modelled pattern, as grooves.
+    pub pattern: PatternReport,
+    /// Areal density of the modelled pattern as square cavities.
+    pub areal_density_square: f64,
+    /// Depth of the measured cavities.
+    pub measured_depth_um: f64,
+    /// Factors of the surface's slopes.
+    pub slope_factors: Vec<f64>,
+    /// Averages over `results`.
+    pub summary: Summary,
+    /// Conclusions, in sentences.
+    pub statements: Vec<String>,
+    /// Statements of the source, compared with the results.
+    pub published: Vec<PublishedReport>,
+    /// Every condition measured on both samples, modelled or not.
+    pub measured: Vec<MeasuredReport>,
+    /// Area laws, one per slope factor.
+    pub area_laws: Vec<AreaTable>,
+    /// Ratios for rims of several heights at the condition of the first row; null if not requested.
+    #[serde(default)]
+    pub rims: Option<RimsReport>,
+    /// Transient run at the highest load; null if none was made.
+    pub in_time: Option<TimeReport>,
+    /// Wall time in seconds, stored in timings.json.
+    #[serde(default)]
+    pub wall_s: f64,
+    /// Number of threads.
+    #[serde(default)]
+    pub threads: usize,
+    /// Results, one per measured condition.
+    pub results: Vec<RatioReport>,
+}
+
+impl ValidationReport {
+    /// Whether square cavities are relevant for the compared samples: not if the samples were cut as grooves.
+    #[must_use]
+    pub fn has_squares(&self) -> bool {
+        self.cut_as.as_deref() != Some("groove")
+    }
+}
+
+/// Statement of the source and its counterpart.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PublishedReport {
+    /// Subject of the statement.
+    pub quantity: String,
+    /// Statement of the source.
+    pub source: String,
+    /// Result of the source's tables and of the model.
+    pub here: String,
+}
+
+/// Area law with its contact area, one number per pressure.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct AreaTable {
+    /// Factor of the surface's slopes.
+    pub slope_factor: f64,
+    /// Rms slope.
+    pub rms_slope: Option<f64>,
+    /// Nominal pressures.
+    pub pressure_mpa: Vec<f64>,
+    /// Real contact area over nominal area, corrected along its perimeter.
+    pub area_fraction: Vec<f64>,
+    /// The factor f.
+    pub factor: Vec<f64>,
+}
+
+/// Friction in time at one load, whole sample, from rest.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct TimeReport {
+    /// Nominal pressure.
+    pub pressure_mpa: f64,
+    /// Sliding speed.
+    pub speed_mm_s: f64,
+    /// Travel of the bulk.
+    pub sliding_um: f64,
+    /// Mean local static coefficient, 0.30/0.27 times the dynamic one.
+    pub static_mean: f64,
+    /// Mean local dynamic coefficient, measured flat friction over f.
+    pub dynamic_mean: f64,
+    /// Relative scatter of both coefficients.
+    pub relative_std: f64,
+    /// Dynamic friction of the flat surface.
+    pub mu_flat: Option<f64>,
+    /// Standard error of `mu_flat` in time.
+    pub mu_flat_stderr: Option<f64>,
+    /// Standard deviation of `mu_flat` from draws and measurements.
+    pub mu_flat_std: Option<f64>,
+    /// Static peak at the onset of sliding, flat surface.
+    pub mu_static_flat: Option<f64>,
+    /// Standard deviation of `mu_static_flat` between draws.
+    pub mu_static_flat_std: Option<f64>,
+    /// Dynamic friction of the patterned surface.
+    pub mu_patterned: Option<f64>,
+    /// Standard error of `mu_patterned` in time.
+    pub mu_patterned_stderr: Option<f64>,
+    /// Standard deviation of `mu_patterned` from draws, measurements and Young's modulus.
+    pub mu_patterned_std: Option<f64>,
+    /// Static peak at the onset of sliding, patterned surface.
+    pub mu_static_patterned: Option<f64>,
+    /// Standard deviation of `mu_static_patterned` between draws.
+    pub mu_static_patterned_std: Option<f64>,
+    /// Ratio patterned over flat.
+    pub ratio: Option<f64>,
+    /// Standard error of the ratio in time.
+    pub ratio_stderr: Option<f64>,
+    /// Standard deviation of the ratio from all known error sources.
+    pub ratio_std: Option<f64>,
+    /// Status of the flat run.
+    pub status_flat: Cow<'static, str>,
+    /// Status of the patterned run.
+    pub status_patterned: Cow<'static, str>,
+    /// Wall time in seconds, stored in timings.json.
+    #[serde(default)]
+    pub wall_s: f64,
+}

@@ -1,0 +1,365 @@
+//! Effect of rims of unknown height on the modelled ratios.
+//!
+//! The heights are tabulated, not fitted: the source's rims were not measured. The distance of a row from the measurements is
+//! chi^2, the sum over the loads of ((modelled - measured) / standard deviation of the measured)^2.
+
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use slipgrid_base::monitor::Monitor;
+use slipgrid_base::units::{LENGTH_UM, PRESSURE_MPA};
+use slipgrid_design::results::{Table, fixed};
+use slipgrid_model::material::AreaLaw;
+use slipgrid_model::pattern::{Pattern, Rim, RimProfile};
+use slipgrid_model::springblock::{Layer, Scene, SteadyCell};
+use slipgrid_report::Outputs;
+use slipgrid_report::charts::{self, ChartError, Estimate, RatioSeries, RatiosChart};
+use slipgrid_report::html::page::{Page, number, plain, with_error};
+
+use super::model::{Body, FlatPoint, scene, squares};
+use super::ratios::RatioReport;
+use super::report::ValidationReport;
+use crate::StudyError;
+
+/// Heights and widths of the rims, in um.
+const HEIGHTS_UM: [f64; 5] = [0.0, 0.1, 0.2, 0.3, 0.5];
+const WIDTHS_UM: [f64; 2] = [10.0, 20.0];
+/// Block size in metres: half of the narrowest rim.
+const BLOCK_M: f64 = 5e-6;
+
+/// Ratios with rims of several heights, and measured ratios.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct RimsReport {
+    /// Nominal pressures.
+    pub pressure_mpa: Vec<f64>,
+    /// Measured ratios.
+    pub measured: Vec<f64>,
+    /// Standard deviations of the measured ratios.
+    pub measured_std: Vec<f64>,
+    /// Depth of the cavities.
+    pub depth_um: f64,
+    /// Lattice spacing.
+    pub block_um: f64,
+    /// Maximum change of a groove's ratio for blocks of half the size.
+    pub block_error: Option<f64>,
+    /// Rows, one per planform, width and height.
+    pub rows: Vec<RimsRow>,
+    /// Conclusions from the table, in sentences.
+    pub statements: Vec<String>,
+}
+
+/// Ratios with one rim.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct RimsRow {
+    /// `groove` or `square`.
+    pub planform: String,
+    /// Width of the flat-topped rim; null without a rim.
+    pub rim_width_um: Option<f64>,
+    /// Height of the rim.
+    pub rim_height_um: f64,
+    /// Ratios by pressure; null where a solution did not converge.
+    pub ratio: Vec<Option<f64>>,
+    /// Maximum pressure on a block at the cavity's edge.
+    pub peak_pressure_mpa: f64,
+    /// Sum of squared deviations over measured standard deviations; null unless all ratios and standard deviations are known.
+    pub chi_square: Option<f64>,
+}
+
+/// Computes the table for `points`, whose measurements are in `results`, in parallel.
+///
+/// # Errors
+/// [`StudyError`] if the numbers make no valid scene.
+pub fn rims(
+    path: &std::path::Path,
+    body: Body,
+    law: &AreaLaw,
+    groove: &Pattern,
+    points: &[FlatPoint],
+    results: &[RatioReport],
+    monitor: &dyn Monitor,
+) -> Result<RimsReport, StudyError> {
+    let refuse = |reason: String| StudyError::from(slipgrid_io::formats::Diagnostic::file(path, reason));
+    let body = Body { layer: Layer { block_m: BLOCK_M, ..body.layer }, ..body };
+    let scene = scene(body, Some(law), *groove, points).map_err(refuse)?;
+    let mut cases = Vec::new();
+    for pattern in [*groove, squares(groove)] {
+        cases.push((pattern, None));
+        for (width_um, height_um) in
+            WIDTHS_UM.into_iter().flat_map(|width| HEIGHTS_UM[1..].iter().map(move |h| (width, *h)))
+        {
+            let [height_m, width_m] = [height_um, width_um].map(|um| LENGTH_UM.to_si(um));
+            let rim = Rim::new(height_m, width_m, RimProfile::Flat).map_err(|error| refuse(error.to_string()))?;
+            cases.push((pattern.with_rim(rim), Some([width_um, height_um])));
+        }
+    }
+    let measured: Vec<f64> = results.iter().map(|row| row.measured.ratio).collect();
+    let measured_std: Vec<f64> = results.iter().map(|row| row.measured.ratio_std).collect();
+    let solved = |pattern: &Pattern, block_m: f64| {
+        let layer = Layer { block_m, ..scene.layer };
+        let scene = Scene { pattern: Some(*pattern), layer, ..scene.clone() };
+        SteadyCell::new(&scene).solve_heeding(pattern, monitor)
+    };
+    let rows = cases
+        .par_iter()
+        .map(|(pattern, rim)| {
+            monitor.heed()?;
+            let outcomes = solved(pattern, BLOCK_M);
+            let ratio: Vec<Option<f64>> = outcomes.iter().map(|outcome| outcome.ratio).collect();
+            let peaks = outcomes.iter().map(|outcome| outcome.surface.peak_pressure_pa);
+            Ok(RimsRow {
+                planform: pattern.planform().to_string(),
+                rim_width_um: rim.map(|[width_um, _]| width_um),
+                rim_height_um: rim.map_or(0.0, |[_, height_um]| height_um),
+                chi_square: chi_square(&ratio, &measured, &measured_std),
+                ratio,
+                peak_pressure_mpa: PRESSURE_MPA.from_si(peaks.fold(0.0, f64::max)),
+            })
+        })
+        .collect::<Result<Vec<RimsRow>, StudyError>>()?;
+    // Grooves are fast to solve: their error with finer blocks stands for both planforms.
+    let mut block_error: Option<f64> = None;
+    for ((pattern, _), row) in cases.iter().zip(&rows).filter(|((pattern, _), _)| pattern.texture().is_one_section()) {
+        monitor.heed()?;
+        let finer = solved(pattern, 0.5 * BLOCK_M);
+        for (own, finer) in row.ratio.iter().zip(finer) {
+            if let Some((own, finer)) = own.zip(finer.ratio) {
+                block_error = Some(block_error.unwrap_or(0.0).max((own - finer).abs()));
+            }
+        }
+    }
+    let mut report = RimsReport {
+        pressure_mpa: results.iter().map(|row| row.measured.pressure_mpa).collect(),
+        measured,
+        measured_std,
+        depth_um: LENGTH_UM.from_si(groove.depth_m()),
+        block_um: LENGTH_UM.from_si(BLOCK_M),
+        block_error,
+        rows,
+        statements: Vec::new(),
+    };
+    report.statements = statements(&report);
+    Ok(report)
+}
+
+fn chi_square(ratio: &[Option<f64>], measured: &[f64], std: &[f64]) -> Option<f64> {
+    let each = ratio.iter().zip(measured.iter().zip(std));
+    each.map(|(ratio, (measured, std))| Some((((*ratio)? - measured) / std).powi(2)))
+        .sum::<Option<f64>>()
+        .filter(|sum| sum.is_finite())
+}
+
+/// First and last of `values` by pressure.
+fn ends(values: &[Option<f64>], pressure_mpa: &[f64]) -> Option<[f64; 2]> {
+    let place = |better: fn(&f64, &f64) -> bool| {
+        let mut found = 0;
+        for at in 1..pressure_mpa.len() {
+            if better(&pressure_mpa[at], &pressure_mpa[found]) {
+                found = at;
+            }
+        }
+        found
+    };
+    let [low, high] = [place(|a, b| a < b), place(|a, b| a > b)];
+    (low != high).then(|| Some([(*values.get(low)?)?, (*values.get(high)?)?]))?
+}
+
+fn statements(report: &RimsReport) -> Vec<String> {
+    let squares = || report.rows.iter().filter(|row| row.planform == "square");
+    let measured: Vec<Option<f64>> = report.measured.iter().copied().map(Some).collect();
+    let Some([low, high]) = ends(&measured, &report.pressure_mpa) else { return Vec::new() };
+    let mut said = vec![format!(
+        "The rims of the patterned samples were not measured: these heights are a table, fitted to nothing. Flat-topped rims in blocks of {} um{}.",
+        report.block_um,
+        report.block_error.map_or_else(String::new, |error| format!(
+            ", half of which would change a groove's ratio by up to {error:.3}"
+        ))
+    )];
+    let best = squares().filter(|row| row.rim_height_um > 0.0 && row.chi_square.is_some());
+    let best =
+        best.min_by(|a, b| a.chi_square.unwrap_or(f64::INFINITY).total_cmp(&b.chi_square.unwrap_or(f64::INFINITY)));
+    let least = |row: &RimsRow| row.ratio.iter().flatten().copied().reduce(f64::min);
+    let lowest = squares().filter_map(least).fold(f64::INFINITY, f64::min);
+    let measured_lowest = report.measured.iter().copied().fold(f64::INFINITY, f64::min);
+    if lowest.is_finite() {
+        let has = if lowest <= measured_lowest { "have" } else { "do not reach" };
+        said.push(format!(
+            "Magnitude: rims of up to {} um {has} it: squares with them come down to a ratio of {lowest:.3}, where {measured_lowest:.3} was measured.",
+            HEIGHTS_UM[HEIGHTS_UM.len() - 1]
+        ));
+    }
+    if let Some(row) = best
+        && let (Some([first, last]), Some(chi_square)) = (ends(&row.ratio, &report.pressure_mpa), row.chi_square)
+    {
+        let turns = (last > first) != (high > low);
+        said.push(format!(
+            "Trend: with one height, the ratio of squares goes from {first:.3} at the lightest load to {last:.3} at the heaviest (the nearest row, {} um high and {} um wide), as the share of the load that rims carry falls with load; the measured one goes from {low:.3} to {high:.3}. chi^2 of that row is {chi_square:.0} on {} loads{}",
+            row.rim_height_um,
+            row.rim_width_um.unwrap_or(0.0),
+            report.measured.len(),
+            if turns { ": rims of one height leave the measured squares unexplained." } else { "." }
+        ));
+    }
+    said.push(
+        "Grooves with a rim may come near what was measured on squares. That is no validation: only the planform that was measured counts."
+            .to_owned(),
+    );
+    said
+}
+
+/// Formats the report as a table.
+pub fn table(report: &RimsReport) -> Table {
+    let mut header: Vec<String> = ["cavities", "rim um", "wide um"].map(Into::into).into();
+    header.extend(report.pressure_mpa.iter().map(|pressure| format!("{} MPa", fixed(Some(*pressure), 2))));
+    header.extend(["chi^2".into(), "peak MPa".into()]);
+    let mut table = Table::new(header.iter().map(String::as_str));
+    let measured = report.measured.iter().map(|ratio| fixed(Some(*ratio), 3));
+    table.row(["measured", "", ""].map(String::from).into_iter().chain(measured).chain(["".into(), "".into()]));
+    for row in &report.rows {
+        let first = [row.planform.clone(), row.rim_height_um.to_string(), fixed(row.rim_width_um, 0)];
+        let ratios = row.ratio.iter().map(|ratio| fixed(*ratio, 3));
+        table.row(
+            first.into_iter().chain(ratios).chain([fixed(row.chi_square, 0), fixed(Some(row.peak_pressure_mpa), 1)]),
+        );
+    }
+    table
+}
+
+/// Formats the rows as CSV, one line per planform, width, height and pressure.
+pub fn csv(report: &RimsReport) -> String {
+    let mut text = String::from(
+        "planform,rim_width_um,rim_height_um,pressure_mpa,ratio,measured,measured_std,peak_pressure_mpa\n",
+    );
+    let or_empty = |value: Option<f64>| value.map_or_else(String::new, |value| value.to_string());
+    for row in &report.rows {
+        for (at, ratio) in row.ratio.iter().enumerate() {
+            text += &format!(
+                "{},{},{},{},{},{},{},{}\n",
+                row.planform,
+                or_empty(row.rim_width_um),
+                row.rim_height_um,
+                report.pressure_mpa[at],
+                or_empty(*ratio),
+                report.measured[at],
+                report.measured_std[at],
+                row.peak_pressure_mpa
+            );
+        }
+    }
+    text
+}
+
+/// Draws the ratios of squares with the wider rims, and the measurements.
+///
+/// # Errors
+/// [`ChartError`] if the picture cannot be drawn.
+pub fn picture(report: &RimsReport) -> Result<String, ChartError> {
+    let measured: Vec<Option<Estimate>> = report
+        .measured
+        .iter()
+        .zip(&report.measured_std)
+        .map(|(value, error)| Some(Estimate { value: *value, error: Some(*error) }))
+        .collect();
+    let mut columns = vec![("measured (bars: ± one standard deviation)".to_owned(), measured)];
+    let widest = WIDTHS_UM[WIDTHS_UM.len() - 1];
+    // More rows would share their marks.
+    for row in report
+        .rows
+        .iter()
+        .filter(|row| row.planform == "square" && row.rim_width_um.is_none_or(|w| w == widest))
+        .filter(|row| row.rim_height_um != HEIGHTS_UM[2])
+    {
+        let label = if row.rim_height_um > 0.0 {
+            format!("squares, rim {} µm", row.rim_height_um)
+        } else {
+            "squares, no rim".to_owned()
+        };
+        columns.push((label, row.ratio.iter().map(|ratio| Some(Estimate { value: (*ratio)?, error: None })).collect()));
+    }
+    let series: Vec<RatioSeries<'_>> = columns.iter().map(|(label, ratios)| RatioSeries { label, ratios }).collect();
+    let title = format!("Patterned over flat: squares with flat rims {widest} µm wide, fitted to nothing");
+    let pressure_mpa: Vec<f64> = report.pressure_mpa.iter().map(|pressure| (pressure * 1e3).round() / 1e3).collect();
+    charts::ratios(&RatiosChart { title: &title, pressure_mpa: &pressure_mpa, series: &series })
+}
+
+/// Adds the section about rims to the page.
+pub fn section(page: &mut Page, report: &ValidationReport, outputs: &Outputs) {
+    let Some(rims) = &report.rims else { return };
+    page.heading("What rims of unknown height can and cannot explain");
+    page.list(&rims.statements);
+    page.picture_of(outputs, "rims.svg", "Measured ratios beside those of squares with rims of one height");
+    let mut header = vec!["cavities".to_owned(), "rim in µm".to_owned(), "width in µm".to_owned()];
+    header.extend(rims.pressure_mpa.iter().map(|pressure| format!("{} MPa", number(*pressure, 2))));
+    header.extend(["χ²".to_owned(), "peak in MPa".to_owned()]);
+    let both = rims.measured.iter().zip(&rims.measured_std);
+    let mut rows = vec![
+        ["measured".to_owned(), "-".to_owned(), "-".to_owned()]
+            .into_iter()
+            .chain(both.map(|(ratio, std)| with_error(*ratio, *std, 3)))
+            .chain(["-".to_owned(), "-".to_owned()])
+            .collect::<Vec<_>>(),
+    ];
+    rows.extend(rims.rows.iter().map(|row| {
+        [row.planform.clone(), plain(row.rim_height_um), plain(row.rim_width_um)]
+            .into_iter()
+            .chain(row.ratio.iter().map(|ratio| number(*ratio, 3)))
+            .chain([number(row.chi_square, 0), number(row.peak_pressure_mpa, 1)])
+            .collect()
+    }));
+    let header: Vec<&str> = header.iter().map(String::as_str).collect();
+    page.table(
+        &format!(
+            "Ratios, dimensionless, of cavities {} µm deep with flat-topped rims on all of their edges, elastic, at the surface's slope. χ²: sum \
+             over the loads of squared departures over the measured standard deviation.",
+            plain(rims.depth_um)
+        ),
+        &header,
+        &rows,
+    );
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn report(measured: [f64; 2], square: [f64; 2]) -> RimsReport {
+        let row = |planform: &str, height: f64, ratio: [f64; 2]| RimsRow {
+            planform: planform.into(),
+            rim_width_um: (height > 0.0).then_some(20.0),
+            rim_height_um: height,
+            ratio: ratio.map(Some).to_vec(),
+            peak_pressure_mpa: 9.0,
+            chi_square: chi_square(&ratio.map(Some), &measured, &[0.01, 0.01]),
+        };
+        let mut report = RimsReport {
+            pressure_mpa: vec![0.65, 2.6],
+            measured: measured.to_vec(),
+            measured_std: vec![0.01, 0.01],
+            depth_um: 5.2,
+            block_um: 5.0,
+            block_error: Some(0.008),
+            rows: vec![row("groove", 0.1, [0.85, 0.80]), row("square", 0.0, [0.99, 0.96]), row("square", 0.5, square)],
+            statements: Vec::new(),
+        };
+        report.statements = statements(&report);
+        report
+    }
+
+    #[test]
+    fn a_trend_that_turns_is_told_as_unexplained() {
+        let said = report([0.84, 0.81], [0.73, 0.87]).statements.join("\n");
+        assert!(said.contains("from 0.730 at the lightest load to 0.870") && said.contains("unexplained"), "{said}");
+        assert!(said.contains("have it") && said.contains("no validation") && said.contains("fitted to nothing"));
+        // ((0.73 - 0.84)^2 + (0.87 - 0.81)^2) / 0.01^2 = 121 + 36
+        assert!(said.contains("chi^2 of that row is 157 on 2 loads"), "{said}");
+        let said = report([0.73, 0.87], [0.74, 0.86]).statements.join("\n");
+        assert!(!said.contains("unexplained"), "{said}");
+    }
+
+    #[test]
+    fn the_table_and_the_file_hold_every_row_and_the_picture_the_squares() {
+        let report = report([0.84, 0.81], [0.73, 0.87]);
+        let (text, csv, svg) = (table(&report).to_string(), csv(&report), picture(&report).unwrap());
+        assert!(text.contains("measured") && text.contains("0.730") && text.contains("groove"), "{text}");
+        assert_eq!(csv.lines().count(), 1 + 3 * 2);
+        assert!(svg.contains("squares, no rim") && svg.contains("rim 0.5") && !svg.contains("groove"));
+    }
+}
