@@ -33,9 +33,13 @@ use std::path::Path;
 use clap::{CommandFactory, FromArgMatches};
 
 pub use error::CliError;
+use slipgrid_base::units::counted;
 use slipgrid_io::disk::{KeptResults, ResultFolder};
 use slipgrid_io::formats::diagnostic::printable_lines;
 use slipgrid_report::Outputs;
+
+/// Maximum number of written files that are named; more are counted.
+const MAX_NAMED: usize = 4;
 
 /// Exit codes of the program.
 pub mod exit_code {
@@ -121,7 +125,9 @@ impl Console<'_> {
 
     /// Prints a note that `outputs` were written into `folder`.
     pub fn kept(&mut self, outputs: &Outputs, folder: &Path) {
-        self.note(&format!("wrote {} to {}", outputs.names().join(", "), folder.display()));
+        let names = outputs.names();
+        let files = if names.len() > MAX_NAMED { counted(names.len(), "file") } else { names.join(", ") };
+        self.note(&format!("wrote {files} to {}", folder.display()));
     }
 }
 

@@ -1,10 +1,13 @@
 //! Limits and bounds that keep a target out of reach: the maximum chance with each limit, or each bound that the best
 //! texture rests on, lifted.
 
+use std::fmt;
+
 use crate::optimize::DesignSpace;
 use crate::results::PatternReport;
 use serde::{Deserialize, Serialize};
 use slipgrid_base::units::{LENGTH_UM, tidy};
+use slipgrid_model::pattern::Pattern;
 
 use crate::constraint_quantities::Limited;
 use crate::prediction::Prediction;
@@ -28,6 +31,31 @@ pub struct LiftedReport {
     pub design: PatternReport,
     /// True if the median of some texture is then accepted.
     pub is_within_reach: bool,
+}
+
+/// Bound of a dimension that a texture rests on.
+pub struct ReachedBound {
+    axis: usize,
+    is_upper: bool,
+    end_um: f64,
+}
+
+impl fmt::Display for ReachedBound {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let side = if self.is_upper { "greatest" } else { "least" };
+        write!(f, "the {side} {}, {} um", ["width", "spacing", "depth"][self.axis], self.end_um)
+    }
+}
+
+/// Bounds of `task` that `pattern` rests on; none for fixed dimensions.
+pub fn bounds_reached(task: &DesignTask, pattern: &Pattern) -> Vec<ReachedBound> {
+    let one = |(axis, ([low, high], own)): (usize, ([f64; 2], f64))| {
+        let is_at = |end: f64| (own / end - 1.0).abs() <= AT_BOUND;
+        let is_upper = is_at(high);
+        let end_um = tidy(LENGTH_UM.from_si(if is_upper { high } else { low }));
+        (high > low && (is_upper || is_at(low))).then_some(ReachedBound { axis, is_upper, end_um })
+    };
+    task.space.lengths_m().into_iter().zip(pattern.lengths_m()).enumerate().filter_map(one).collect()
 }
 
 /// Computes the maximum chance with each limit, and each bound that `best` rests on, lifted separately. Returns only
@@ -71,23 +99,14 @@ pub fn blocked_by(search: &Search<'_>, best: &Prediction) -> Vec<LiftedReport> {
     // In space, a wider table would take as long as the first one.
     if search.models.own.is_cheap_per_design() {
         let bounds_m = task.space.lengths_m();
-        for (axis, name) in ["width", "spacing", "depth"].into_iter().enumerate() {
-            let ([low, high], own) = (bounds_m[axis], best.texture.pattern.lengths_m()[axis]);
-            let is_at = |end: f64| (own / end - 1.0).abs() <= AT_BOUND;
-            let (side, wider) = if is_at(high) && high > low {
-                ("greatest", [low, high * WIDER])
-            } else if is_at(low) && high > low {
-                ("least", [low / WIDER, high])
-            } else {
-                continue;
-            };
+        for bound in bounds_reached(task, &best.texture.pattern) {
             let mut wide_m = bounds_m;
-            wide_m[axis] = wider;
+            let [low, high] = bounds_m[bound.axis];
+            wide_m[bound.axis] = if bound.is_upper { [low, high * WIDER] } else { [low / WIDER, high] };
             let Ok(space) = DesignSpace::new(*task.space.texture(), wide_m[0], wide_m[1], wide_m[2]) else { continue };
             let lifted = DesignTask { space, ..task.clone() };
             let Some(table) = search.table.widened(&lifted, search.models, search.stage) else { continue };
-            let end_um = LENGTH_UM.from_si(if side == "least" { low } else { high });
-            add(format!("the {side} {name}, {} um", tidy(end_um)), &lifted, &table);
+            add(bound.to_string(), &lifted, &table);
         }
     }
     all.sort_by(|a, b| b.is_within_reach.cmp(&a.is_within_reach).then(b.chance.total_cmp(&a.chance)));

@@ -9,7 +9,7 @@ use std::borrow::Cow;
 
 use crate::optimize::{Goal, Quantity};
 use serde::{Deserialize, Serialize};
-use slipgrid_base::units::tidy;
+use slipgrid_base::units::{counted, tidy};
 use slipgrid_laser::export::{Laser, Removal, Tolerances};
 use slipgrid_model::springblock::{Dimension, Extent, Fidelity};
 
@@ -55,6 +55,9 @@ pub struct DesignReport {
     pub others: Vec<SampleReport>,
     /// Limits and bounds that keep a target out of reach; empty if the target can be met.
     pub blocked_by: Vec<LiftedReport>,
+    /// Bounds that the texture rests on, in words, where the target can be met.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub at_bounds: Vec<String>,
     /// Derivatives of the expected values with respect to the dimensions.
     pub slopes: Vec<SlopeReport>,
     /// Designs that no other design beats in every goal; null where the design file names no goals.
@@ -183,8 +186,9 @@ impl DesignReport {
     /// Number of exposures of a cavity by the laser, in words; empty if unknown.
     fn exposure_words(&self) -> String {
         match (self.bursts, self.passes) {
-            (Some(bursts), _) => format!(" (bursts: {bursts})"),
-            (None, Some(passes)) => format!(" (passes: {passes})"),
+            (Some(bursts), _) => format!(" ({})", counted(bursts as usize, "burst")),
+            (None, Some(1)) => " (1 pass)".to_owned(),
+            (None, Some(passes)) => format!(" ({passes} passes)"),
             (None, None) => String::new(),
         }
     }

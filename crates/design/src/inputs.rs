@@ -141,14 +141,14 @@ impl<'a> Inputs<'a> {
         if let (Some(known), Some(law)) = (&material.scale_covariance, law) {
             let joint = with_scale(known, law, loads).map_err(of_material)?;
             let first = parts.add(joint.clone());
-            parts.name("flat friction", percent(rms(&joint[..count])), first..first + count);
+            parts.name(FLAT_FRICTION, percent(rms(&joint[..count])), first..first + count);
             parts.name("scale of the area law", percent(joint[count][count].sqrt()), first + count..first + count + 1);
             (friction_at, scale_at) = (Some(first), Some(first + count));
         } else {
             if let Some(covariance) = material.friction_covariance(&task.pressures_pa(), conditions) {
                 let known_to = percent(rms(&covariance));
                 let first = parts.add(covariance);
-                parts.name("flat friction", known_to, first..first + count);
+                parts.name(FLAT_FRICTION, known_to, first..first + count);
                 friction_at = Some(first);
             }
             if let Some(std) = material.modulus_std(law) {
@@ -345,6 +345,8 @@ impl<'a> Inputs<'a> {
 
 /// Name of the input Young's modulus.
 pub const MODULUS: &str = "Young's modulus";
+/// Name of the input flat friction.
+pub const FLAT_FRICTION: &str = "flat friction";
 /// Name of the input that says which pressure local friction follows.
 pub const LOCAL_LAW: &str = "local law";
 

@@ -10,7 +10,7 @@ use slipgrid_model::springblock::{Load, Scene, Simulation};
 
 use crate::DesignError;
 use crate::advice::Advice;
-use crate::blocked::blocked_by;
+use crate::blocked::{blocked_by, bounds_reached};
 use crate::confirmation::{Confirmed, confirm};
 use crate::design_report::{DesignReport, GoalReport, SCHEMA};
 use crate::evaluation_cache::EvaluationCache;
@@ -134,12 +134,15 @@ fn reported(
     let beside_s = monitor.seconds();
     let is_out_of_reach = asked.has_demands() && !found.is_within_reach && advice != Advice::DoNotTexture;
     let blocked = if is_out_of_reach { blocked_by(search, best) } else { Vec::new() };
+    let can_gain = asked.has_demands() && !is_out_of_reach && matches!(advice, Advice::Trial | Advice::Series);
+    let reached = if can_gain { bounds_reached(task, &pattern) } else { Vec::new() };
     let slopes = slopes(search, best);
     let (trade_offs, compared) = trade_offs::of(search, best).unzip();
     let sample = |of: &Prediction| of.report(asked, modulus_std, seconds(task, &of.texture.pattern));
     let limited_by = best.limited_by(asked, &search.predictor, modulus_std);
     let own = crate::prediction::SampleReport { limited_by, ..sample(best) };
-    let others = search.unlike(&found.solved, 1, 1 + OTHERS).iter().skip(1).map(sample).collect();
+    let worth_cutting = if advice == Advice::CannotBeMet { 1 } else { 1 + OTHERS };
+    let others = search.unlike(&found.solved, 1, worth_cutting).iter().skip(1).map(sample).collect();
     timings.trade_offs = monitor.seconds() - beside_s;
     monitor.heed()?;
     let lattice = task.table.then(|| Lattice::new(search));
@@ -185,6 +188,7 @@ fn reported(
         goal: GoalReport::of(search, best),
         others,
         blocked_by: blocked,
+        at_bounds: reached.iter().map(ToString::to_string).collect(),
         slopes,
         trade_offs,
         compared: found.compared,

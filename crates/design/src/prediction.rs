@@ -7,7 +7,7 @@ use slipgrid_infer::discrepancy::{Prediction as Distribution, Predictor, Score, 
 
 use crate::as_cut::{CutTexture, Known, sums};
 use crate::band::Asked;
-use crate::inputs::{Effect, LOCAL_LAW, MODULUS};
+use crate::inputs::{Effect, FLAT_FRICTION, LOCAL_LAW, MODULUS, Part};
 
 /// Relative error of a measurement, for the information of a trial.
 const MEASURED_STD: f64 = 0.01;
@@ -110,11 +110,17 @@ impl Prediction {
         asked.bands.iter().enumerate().map(of).collect()
     }
 
-    /// Values of the model alone, one per load, with the standard deviation from the material and from numerical errors.
+    /// Ratios by the model alone, one per load, with the standard deviation from the material and from numerical errors.
     pub fn modelled(&self, asked: &Asked, modulus_std: f64) -> Vec<ModelledRatio> {
         let n = self.texture.ratio.len();
         let of = |(load, ratio): (usize, &f64)| {
-            let own = self.texture.covariance.get(load * n + load).copied().unwrap_or(0.0);
+            let diagonal = |of: &[f64]| of.get(load * n + load).copied().unwrap_or(0.0);
+            // Friction as a target is uncertain with flat friction, the ratio is not.
+            let of_flat = |part: &Part| match &part.effect {
+                Effect::Shared(own) if part.name == FLAT_FRICTION && asked.bands[load].flat != 1.0 => diagonal(own),
+                _ => 0.0,
+            };
+            let own = diagonal(&self.texture.covariance) - self.texture.parts.iter().map(of_flat).sum::<f64>();
             let of_modulus = self.texture.sensitivity.get(load).map_or(0.0, |slope| slope.modulus * modulus_std);
             let pressure_mpa = tidy(PRESSURE_MPA.from_si(asked.loads[load].pressure_pa));
             ModelledRatio {

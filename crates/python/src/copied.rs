@@ -6,10 +6,10 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
+use slipgrid::disk::{Disk, disk};
 use slipgrid::formats::file_kind::FileKind;
 use slipgrid::formats::source::{Entry, Files, NoFiles, Source, read_bytes};
 use slipgrid::formats::{Diagnostic, Document};
-use slipgrid::disk::{Disk, disk};
 
 /// Contents of files by path. The paths are not `pathlib` paths, which would normalize some paths that are looked up verbatim.
 pub type Contents = BTreeMap<OsString, Vec<u8>>;

@@ -278,7 +278,7 @@ impl TrialsReport {
         match &self.identified {
             Some(family) => format!("the trials say that the discrepancy grows with {family}"),
             None if self.one_texture => {
-                "one texture cannot tell the forms apart: their weights differ by how large each was believed to be there"
+                "one texture does not tell whether the error grows with area, edges or depth; a second, different one would"
                     .to_owned()
             }
             None => "form not identified: trials of other densities, edge lengths and depths would tell forms apart"

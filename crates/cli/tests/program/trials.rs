@@ -215,7 +215,10 @@ fn a_ratio_that_is_hardly_meant_is_named_with_its_line() {
     assert!(said.contains("it would be 0.82") && said.matches("! measured ratio").count() == 1, "{said}");
     // One texture: nothing was predicted by a trial, and nothing is said of the form.
     assert!(said.contains("predicted by the trials before it: 3 ratios are not counted, because"), "{said}");
-    assert!(said.contains("one texture cannot tell the forms apart") && said.contains(" to above 2 "), "{said}");
+    assert!(
+        said.contains("one texture does not tell whether the error grows") && said.contains(" to above 2 "),
+        "{said}"
+    );
 }
 
 /// A material file is reported as outdated if its calibration has a trial that was added later.

@@ -17,7 +17,7 @@ impl DesignReport {
         let mut text = wrapped(&format!("{}: {}", self.name, self.words), SCREEN_WIDTH, "  ", 3) + "\n\n";
         let design = &self.sample.design;
         let texture = format!(
-            "  {} {} um wide, {} um apart, {} um deep{}{}; {:.1} % of the face",
+            "  {} {} um wide, gap {} um, {} um deep{}{}; {:.1} % of the face",
             design.planform,
             length_in_words(design.width_um),
             length_in_words(design.spacing_um),
@@ -43,7 +43,7 @@ impl DesignReport {
         let has_several = expected.iter().any(|at| !at.is_at_condition_of(&expected[0]));
         let mut columns = vec!["P MPa"];
         columns.extend(has_several.then_some("at"));
-        columns.extend(["target", "expected", "95 % of samples", "model alone"]);
+        columns.extend(["target", "expected", "95 % of samples", self.model_alone()]);
         let mut table = Table::new(columns);
         for (at, modelled) in expected.iter().zip(&self.sample.modelled) {
             let mut row = vec![at.pressure_mpa.to_string()];
@@ -56,19 +56,12 @@ impl DesignReport {
             ]);
             table.row(row);
         }
-        let quantity =
-            if self.is_ratio() { "ratio to the flat surface" } else { "dynamic friction; model alone: ratio" };
-        format!("\n  {quantity}\n{}", table.brief(MAX_LOADS))
+        format!("\n  {}\n{}", self.quantity_in_words(), table.brief(MAX_LOADS))
     }
 
     /// Expected value of the goal, limits of the chance, other textures worth cutting, and blockers of the target.
     fn below_the_table(&self) -> Vec<String> {
-        let trials = match self.trials {
-            0 => "no trial so far: before one the model's error is believed to be large".to_owned(),
-            1 => "expected: the model corrected by one trial".to_owned(),
-            count => format!("expected: the model corrected by {count} trials"),
-        };
-        let mut lines: Vec<String> = self.goal_in_words().into_iter().chain([trials]).collect();
+        let mut lines: Vec<String> = self.goal_in_words().into_iter().chain([self.trials_in_words()]).collect();
         lines.extend(self.limit_in_words());
         if !self.others.is_empty() {
             let other = |of: &crate::prediction::SampleReport| {
@@ -78,6 +71,7 @@ impl DesignReport {
             let others: Vec<String> = self.others.iter().map(other).collect();
             lines.push(format!("also worth cutting: {}", others.join(", ")));
         }
+        lines.extend(self.bounds_in_words());
         lines.extend(self.blocked_in_words().into_iter().take(MAX_LIFTED));
         lines
     }

@@ -20,7 +20,7 @@ impl DesignReport {
     fn texture_text(&self) -> String {
         let design = &self.sample.design;
         let mut text = format!(
-            "{}: {}\n\n  {} {} um wide, {} um apart, {} um deep{}{}\n  {:.1} % of the specimen's face, {:.1} % of a period\n",
+            "{}: {}\n\n  {} {} um wide, gap {} um, {} um deep{}{}\n  {:.1} % of the specimen's face, {:.1} % of a period\n",
             self.name,
             self.words,
             design.planform,
@@ -48,7 +48,7 @@ impl DesignReport {
         let has_several = expected.iter().any(|at| !at.is_at_condition_of(&expected[0]));
         let mut columns = vec!["P MPa"];
         columns.extend(has_several.then_some("at"));
-        columns.extend(["target", "expected", "95 % of samples", "model alone", "+-"]);
+        columns.extend(["target", "expected", "95 % of samples", self.model_alone(), "+-"]);
         let mut table = Table::new(columns);
         for (at, modelled) in expected.iter().zip(&self.sample.modelled) {
             let mut row = vec![at.pressure_mpa.to_string()];
@@ -62,10 +62,9 @@ impl DesignReport {
             ]);
             table.row(row);
         }
-        let friction =
-            if self.is_ratio() { "ratio to the flat surface" } else { "dynamic friction; model alone: ratio" };
-        let mut text = format!("  {friction}\n{table}");
-        for line in self.limit_in_words().into_iter().chain(self.goal_in_words()) {
+        let mut text = format!("  {}\n{table}", self.quantity_in_words());
+        let lines = [self.trials_in_words()].into_iter().chain(self.limit_in_words()).chain(self.goal_in_words());
+        for line in lines.chain(self.bounds_in_words()) {
             let _ = writeln!(text, "  {line}");
         }
         text
@@ -74,7 +73,32 @@ impl DesignReport {
     /// Main limit of the chance, in words.
     pub(super) fn limit_in_words(&self) -> Option<String> {
         let LimitedBy { input, known_to, chance_if_known, .. } = self.limit()?;
-        Some(format!("limited by {input} ({known_to}): without it the chance would be {}", percent(*chance_if_known)))
+        Some(format!("limited mostly by {input} ({known_to}): exactly known, {} chance", percent(*chance_if_known)))
+    }
+
+    /// Quantity of the expected values.
+    pub(super) fn quantity_in_words(&self) -> &'static str {
+        if self.is_ratio() { "ratio to the flat surface" } else { "dynamic friction" }
+    }
+
+    /// Heading of the values of the model alone, which are ratios for every target.
+    pub(super) fn model_alone(&self) -> &'static str {
+        if self.is_ratio() { "model alone" } else { "ratio, model alone" }
+    }
+
+    /// Number of trials that correct the model.
+    pub(super) fn trials_in_words(&self) -> String {
+        match self.trials {
+            0 => "no trial so far: before one the model's error is believed to be large".to_owned(),
+            1 => "expected: the model corrected by one trial".to_owned(),
+            count => format!("expected: the model corrected by {count} trials"),
+        }
+    }
+
+    /// Bounds that the texture rests on.
+    pub(super) fn bounds_in_words(&self) -> Option<String> {
+        let bounds = self.at_bounds.join(" and ");
+        (!bounds.is_empty()).then(|| format!("rests on {bounds}: wider bounds may give a higher chance"))
     }
 
     /// Expected value of the goal, in words.
@@ -222,22 +246,22 @@ impl SampleReport {
         }
     }
 
-    /// Row of [`samples_table`], labelled `name`.
-    fn row(&self, name: String) -> [String; 7] {
+    /// Row of [`samples_table`], labelled `name`; `has_times` adds the laser time.
+    fn row(&self, name: String, has_times: bool) -> Vec<String> {
         let at = |of: Option<&Expected>| {
             of.map_or_else(String::new, |at| {
                 format!("{:.3} ({})", at.median, believed_interval([at.low_95, at.high_95]))
             })
         };
-        [
+        let mut row = vec![
             name,
-            self.design.lengths_in_words(),
+            self.design.lengths_in_words().replace(' ', ""),
             self.chance.map_or_else(|| "-".to_owned(), percent),
             self.learns().to_owned(),
-            self.laser_s.map_or_else(|| "-".to_owned(), duration_in_words),
-            at(self.expected.first()),
-            at(self.expected.last()),
-        ]
+        ];
+        row.extend(has_times.then(|| self.laser_s.map_or_else(|| "-".to_owned(), duration_in_words)));
+        row.extend([at(self.expected.first()), at(self.expected.last())]);
+        row
     }
 }
 
@@ -251,7 +275,11 @@ pub fn samples_table<'a>(samples: impl Iterator<Item = (String, &'a SampleReport
     };
     let [first, last] = [at(|all| all.first()), at(|all| all.last())];
     let first = format!("{first} (95 %)");
-    let mut table = Table::new(["", "width / spacing / depth um", "chance", "learns", "laser time", &first, &last]);
-    samples.into_iter().for_each(|(name, sample)| table.row(sample.row(name)));
+    let has_times = samples.iter().any(|(_, sample)| sample.laser_s.is_some());
+    let mut columns = vec!["", "width/spacing/depth um", "chance", "learns"];
+    columns.extend(has_times.then_some("laser"));
+    columns.extend([first.as_str(), &last]);
+    let mut table = Table::new(columns);
+    samples.into_iter().for_each(|(name, sample)| table.row(sample.row(name, has_times)));
     table
 }

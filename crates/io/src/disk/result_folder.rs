@@ -66,6 +66,13 @@ impl ResultFolder {
         &self.path
     }
 
+    /// Name of the design or scene whose result is in the folder now, if there is one.
+    #[must_use]
+    pub fn earlier_name(&self) -> Option<String> {
+        let record: serde_json::Value = serde_json::from_slice(&fs::read(self.path.join(RECORD)).ok()?).ok()?;
+        record.get("name")?.as_str().map(str::to_owned)
+    }
+
     /// Writes all of `outputs`, and removes unchanged files of an earlier result with matching names. Other files stay.
     /// Ends early once `is_cancelled`.
     ///

@@ -17,9 +17,11 @@ use slipgrid_base::units::{FRACTION, LENGTH_UM, PRESSURE_MPA, Quantity, TIME_S, 
 pub struct LimitsFile {
     /// Smallest gap between two cavities.
     pub min_land_um: Option<Number>,
-    /// Depth that one burst removes. Depths are whole multiples of it if each spot is burnt separately. If `[laser]`
-    /// has a spot, a speed and a repetition rate, depths are whole multiples of the depth that one pass over an endless
-    /// hatch removes: `depth_per_burst_um` times the bursts that reach a point in a pass.
+    /// Depth that one burst removes, measured in a cavity that is hatched as those of the design will be: where lines
+    /// overlap, a burst on each spot removes more than a single spot shows. Depths are whole multiples of it. If
+    /// `[laser]` has a spot, a speed and a repetition rate, it is the depth of a single spot, and depths are whole
+    /// multiples of what one pass over an endless hatch removes: `depth_per_burst_um` times the bursts that reach a
+    /// point in a pass.
     pub depth_per_burst_um: Option<Number>,
     /// Maximum pressure on a contact block at the block size of `[sample]`, at every target pressure: in the steady
     /// cell of every design, and in the confirming run of the specimen, whose outer lands may bear a higher pressure.

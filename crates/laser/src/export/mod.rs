@@ -67,7 +67,6 @@ mod layout;
 mod marking;
 mod number;
 mod outline;
-mod overlap;
 mod process;
 mod removal;
 mod sector_sheet;
@@ -99,7 +98,6 @@ pub use layout::{Layout, MAX_CAVITIES};
 pub use marking::{Line, Marking};
 pub use number::COORDINATE_DECIMALS;
 pub use outline::Outline;
-pub use overlap::{burst_warnings, laser_warnings};
 pub use process::{MaterialNote, PatternSheet, ProcessInput, ProcessSheet, SpecimenSheet, Tolerances, not_modelled};
 pub use removal::Removal;
 pub use sector_sheet::{DividedSheet, MEASURE_EACH_ALONE, SectorSheet, SectorsSheet};
@@ -108,6 +106,7 @@ pub use specimen::{AT_THE_RIM, Specimen};
 pub use stl::{CHORDS, check as check_stl, stl};
 pub use strips::LaidStrip;
 pub use svg::{is_xml_letter, svg, svg_of_sectors};
+pub use unreached::{burst_warnings, laser_warnings};
 pub use work::{WorkSheet, laser_time_s};
 
 /// Title block of drawings.

@@ -28,7 +28,7 @@ const SAMPLE_POINTS: u32 = 400;
 /// Number of bins between the edge and the middle of a cavity that a sheet lists.
 const LISTED_BINS: u32 = 8;
 /// Relative deviation from the depth of the design that causes a warning.
-pub(crate) const WARNED_DEVIATION: f64 = 0.05;
+const WARNED_DEVIATION: f64 = 0.05;
 /// Relative tolerance for equal lengths of lines.
 const LENGTH_TOLERANCE: f64 = 1e-9;
 /// Maximum number of passes.
@@ -88,9 +88,6 @@ pub(crate) struct Hatched {
     /// Smallest and largest distance between neighbouring lines in a cavity, in metres; `None` if no cavity has two
     /// lines.
     pub(crate) apart_m: Option<[f64; 2]>,
-    /// Distance between neighbouring lines in the cavity with the greatest length of lines, in metres; the largest if
-    /// its parts differ.
-    pub(crate) one_apart_m: Option<f64>,
     /// Number and area, in square metres, of cavities without a line.
     bare: (u32, f64),
     /// The cavity with the greatest length of lines, a complete one if possible; `None` if all lines have zero length.
@@ -116,7 +113,6 @@ impl Hatched {
     pub(crate) fn new(layout: &Layout, marking: &Marking) -> Self {
         let (mut lines, mut length, mut most_m, mut lines_of_one) = (0, 0.0, 0.0, None);
         let mut apart_m: Option<[f64; 2]> = None;
-        let mut one_apart_m = None;
         let mut bare = (0, 0.0);
         for cavity in layout.iter() {
             let (own, distances_m) = marking.fill(&cavity);
@@ -132,14 +128,13 @@ impl Hatched {
             length += own_m;
             if own_m > most_m * (1.0 + LENGTH_TOLERANCE) {
                 (most_m, lines_of_one) = (own_m, Some((cavity, own)));
-                one_apart_m = distances_m.into_iter().reduce(f64::max);
             }
         }
         let section =
             lines_of_one.as_ref().and_then(|(cavity, own)| Section::across(cavity, own, marking.direction(cavity)));
         let half_spot_m = marking.spot_compensation_m();
         let (one, lines_of_one) = lines_of_one.map_or_else(Default::default, |(cavity, own)| (Some(cavity), own));
-        Self { lines, length_m: length, apart_m, one_apart_m, bare, one, lines_of_one, half_spot_m, section }
+        Self { lines, length_m: length, apart_m, bare, one, lines_of_one, half_spot_m, section }
     }
 
     /// Warnings about areas that the spot does not reach.

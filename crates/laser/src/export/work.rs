@@ -4,7 +4,6 @@ use serde::{Deserialize, Serialize};
 use slipgrid_model::pattern::Planform;
 
 use crate::export::number::{DERIVED_DIGITS, MICROMETRE_DECIMALS, micrometres, round_decimals, round_digits};
-use crate::export::overlap::Overlap;
 use crate::export::removal::Hatched;
 use crate::export::{Exposure, Laser, Layout, Marking, Removal};
 
@@ -24,8 +23,8 @@ const LINES_FORMULA: &str = "line_distance_um is nominal; within a cavity lines 
      are as near as that or nearer: from least_line_distance_um to greatest_line_distance_um, as in hatch.csv";
 const BURSTS_FORMULA: &str = "(pi / 4) spot^2 / (pulse distance * line distance): bursts that reach a point in one pass over an endless hatch, on \
      average; the line distance is the nominal one";
-const STEP_FORMULA: &str = "depths of designs are whole multiples of this: depth per burst * bursts per pass over lines, depth per burst where each spot is \
-     burnt by itself or a mask exposes whole cavities";
+const STEP_FORMULA: &str = "depths of designs are whole multiples of this: depth per burst * bursts per pass over lines, depth per burst where bursts are \
+     planned on spots or a mask exposes whole cavities";
 const ACROSS_FORMULA: &str = "each pair is [x, z]: z is the mean depth, after all passes, over the bin that ends at the distance x from the edge of a \
      cavity and begins where the bin before ends, the first at the edge; the eight bins are equally wide, and the last ends in \
      the middle of the cavity";
@@ -33,8 +32,8 @@ const REMOVAL_FORMULA: &str = "z(x) = passes * (depth per burst / pulse distance
      (depth per burst / pulse distance) * (pi / 4) spot^2 * marked length; depth in the middle is the mean of z over the middle \
      third of a cavity's width, mean depth the removed volume over the area of all cavities";
 
-const OVERLAP_FORMULA: &str = "lines within half a spot of a point, as a mean over the middle third of a cavity's width; where the spot follows these \
-     lines, bursts edge to edge, depth there is depth_of_bursts_um times this";
+const EXPOSURES_FORMULA: &str = "lines within half a spot of a point, as a mean over the middle third of a cavity's width; depth_per_burst_um is that \
+     of a cavity exposed so";
 
 /// Bursts, lines and time.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -54,14 +53,12 @@ pub struct WorkSheet {
     pub depth_of_bursts_um: Option<f64>,
     /// Standard error of this depth, in um, if the depth per burst was fitted against fluence.
     pub depth_of_bursts_stderr_um: Option<f64>,
-    /// Mean number of exposures of a point in the middle of a cavity, if bursts are planned on spots and the spot
-    /// follows the lines of `hatch.csv`; absent if lines do not overlap, if passes over lines give the depth, and for a
-    /// mask.
+    /// Mean number of exposures of a point in the middle of a cavity along the lines of `hatch.csv`, bursts edge to
+    /// edge. The depth per burst is that of a cavity exposed so, not of a single spot. Absent without bursts, if passes
+    /// over lines give the depth, and for a mask.
     pub exposures_of_a_point: Option<f64>,
     /// Formula for the exposures of a point.
     pub exposures_of_a_point_formula: Option<String>,
-    /// Depth of these bursts where lines overlap, in um.
-    pub depth_where_lines_overlap_um: Option<f64>,
     /// Width of a cavity at its floor, if walls slope, in um.
     pub floor_width_um: Option<f64>,
     /// Spots that tile a cavity; for grooves on a disc the longest one. Absent for a mask, which exposes whole
@@ -196,11 +193,10 @@ impl WorkSheet {
         (self.least_line_distance_um, self.greatest_line_distance_um) = (least_um, greatest_um);
         self.line_distance_formula = Some(LINES_FORMULA.to_owned());
         self.line_overlap = overlap(laser.line_distance_um());
-        if let Some(overlap) = Overlap::from_hatch(layout, laser, &hatched) {
-            self.exposures_of_a_point = Some(rounded(overlap.exposures));
-            self.exposures_of_a_point_formula = Some(OVERLAP_FORMULA.to_owned());
-            self.depth_where_lines_overlap_um = Some(overlap.depth_um);
-            self.warnings.push(overlap.warning());
+        if self.bursts_per_cavity.is_some() {
+            self.exposures_of_a_point = hatched.exposures().map(rounded);
+            self.exposures_of_a_point_formula = self.exposures_of_a_point.map(|_| EXPOSURES_FORMULA.to_owned());
+            self.warnings = hatched.unreached_warnings(layout);
         }
         self.pulse_distance_um = laser.pulse_distance_um().map(rounded);
         self.pulse_overlap = overlap(laser.pulse_distance_um());
@@ -249,4 +245,39 @@ impl WorkSheet {
 pub(crate) fn spots_along(length_m: f64, spot_um: f64) -> u64 {
     // Lengths are finite and positive; the cast saturates.
     (length_m * 1e6 / spot_um - 1e-6).ceil().max(1.0) as u64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::export::{Outline, laser_warnings};
+    use slipgrid_model::pattern::Pattern;
+
+    #[test]
+    fn bursts_make_the_depth_of_the_design_and_exposures_of_a_point_are_told() {
+        let laser = Laser { spot_um: Some(23.0), depth_per_burst_um: Some(2.6), ..Laser::UNKNOWN };
+        let sheet = |width_um: f64, laser: &Laser| {
+            let pattern = Pattern::new(Planform::Groove, width_um * 1e-6, 98.7e-6, 15.6e-6).unwrap();
+            let layout = Layout::new(pattern, Outline::Disc { diameter_m: 4e-3 }).unwrap();
+            let sheet = WorkSheet::new(&layout, laser);
+            assert_eq!(sheet.warnings, laser_warnings(&layout, laser));
+            sheet
+        };
+        // Three lines 11.6 um apart in 46.2 um: two of them expose every point. Two lines side by side, two lines 1 um
+        // apart, and one line.
+        for (width_um, exposures) in [(46.2, 1.98), (46.0, 1.0), (24.0, 2.0), (23.0, 1.0)] {
+            let sheet = sheet(width_um, &laser);
+            assert_eq!((sheet.bursts_per_cavity, sheet.depth_of_bursts_um), (Some(6), Some(15.6)));
+            assert!((sheet.exposures_of_a_point.unwrap() - exposures).abs() < 0.02, "{width_um}");
+            assert!(sheet.warnings.is_empty(), "{:?}", sheet.warnings);
+        }
+        // Passes over lines, a mask, and no depth per burst.
+        for other in [
+            Laser { repetition_hz: Some(1000.0), speed_mm_s: Some(18.064), ..laser },
+            Laser { exposure: Some(Exposure::Mask), ..laser },
+            Laser { depth_per_burst_um: None, ..laser },
+        ] {
+            assert_eq!(sheet(46.2, &other).exposures_of_a_point, None, "{other:?}");
+        }
+    }
 }

@@ -1,11 +1,11 @@
 //! The ledger of trials on the screen, in about 20 lines.
 
-use slipgrid_design::results::{
-    SCREEN_WIDTH, Table, believed, believed_interval, believed_std, doubts_in_brief, fixed, wrapped,
-};
+use slipgrid_design::results::{SCREEN_WIDTH, Table, believed, believed_interval, doubts_in_brief, fixed, wrapped};
 
 use super::TrialsReport;
 
+/// Standard deviation, in per cent, above which none is stated.
+const MAX_STD_PCT: f64 = 50.0;
 /// Maximum number of ratios on the screen; the others are counted.
 const MAX_RATIOS: usize = 8;
 
@@ -44,7 +44,10 @@ impl TrialsReport {
     pub(crate) fn learned_in_words(&self) -> String {
         let of_last = self.effects.first().filter(|_| !self.trials.is_empty());
         let found = of_last.map_or_else(String::new, |of| {
-            format!("; {}: ln(measured / modelled) = {} +- {}", of.of, fixed(Some(of.value), 3), believed_std(of.std))
+            let (by, side) = (100.0 * of.value.exp_m1(), if of.value < 0.0 { "below" } else { "above" });
+            let std = 100.0 * of.std * of.value.exp();
+            let std = if std > MAX_STD_PCT { "unsure by half or more".to_owned() } else { format!("+- {std:.0} %") };
+            format!("; {}: measured ratios lie {:.0} % {side} the model's ({std})", of.of, by.abs())
         });
         self.size_in_words() + &found
     }

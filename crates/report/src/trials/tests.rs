@@ -78,7 +78,8 @@ fn one_texture_predicts_nothing_and_tells_no_form() {
     assert_eq!((found.coverage[0].ratios, found.coverage[0].without_any, found.coverage[0].within_95), (0, 2, 0));
     let text = found.text();
     assert!(
-        text.contains("\n! measured ratio: odd\n") && text.contains("one texture cannot tell the forms apart"),
+        text.contains("\n! measured ratio: odd\n")
+            && text.contains("one texture does not tell whether the error grows with area, edges or depth"),
         "{text}"
     );
     assert!(text.contains("surprise, std: distance of the measured ratio"), "{text}");

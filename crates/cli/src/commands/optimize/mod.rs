@@ -44,6 +44,9 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     console.warn(&design.told);
     let folder = args.output.clone().unwrap_or_else(|| places::default_folder(&args.design));
     let results = ResultFolder::open(Place::output(&folder), &FILES, &design.inputs)?;
+    if let Some(earlier) = results.earlier_name().filter(|earlier| *earlier != design.task.name) {
+        console.note(&format!("the result of {earlier:?} in {} will be replaced", folder.display()));
+    }
     goes_on_with(args.resuming(console.no_cache));
 
     design.task.table |= args.table;
