@@ -10,6 +10,7 @@
 mod cancelling;
 mod debug_texts;
 mod first_pages;
+mod lines;
 mod outside;
 mod rooms;
 mod whole_maps;

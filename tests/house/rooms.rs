@@ -64,7 +64,7 @@ pub fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
 
 /// Lines of `text`, numbered from 1, without comments and without items that are compiled only for tests. In formatted
 /// text such an item ends with the first line of the same indentation that closes a brace or a statement.
-fn code(text: &str) -> Vec<(usize, &str)> {
+pub fn code(text: &str) -> Vec<(usize, &str)> {
     let mut kept = Vec::new();
     let mut lines = text.lines().enumerate();
     while let Some((place, line)) = lines.next() {

@@ -108,7 +108,7 @@ const RECORDS: [(&str, u32, [&str; 2], &str); 2] = [
     (
         "simulation",
         VERSION,
-        ["results/src/simulation.rs", "SimulationReport"],
+        ["design/src/results/simulation.rs", "SimulationReport"],
         "result.json of `simulate`, and what `simulate --json` prints",
     ),
 ];
@@ -139,10 +139,10 @@ fn the_chapter_of_results_is_generated_from_the_types_that_are_written() {
 
 /// Process sheets: name, place of the structure, and title.
 const SHEETS: [(&str, [&str; 2], &str); 2] = [
-    ("process sheet", ["export/src/process.rs", "ProcessSheet"], "`process.toml` of `optimize`, `next` and `export`"),
+    ("process sheet", ["laser/src/export/process.rs", "ProcessSheet"], "`process.toml` of `optimize`, `next` and `export`"),
     (
         "process sheet of sectors",
-        ["export/src/sector_sheet.rs", "SectorsSheet"],
+        ["laser/src/export/sector_sheet.rs", "SectorsSheet"],
         "`process.toml` of `next --one-disc`, whose specimen holds several samples",
     ),
 ];

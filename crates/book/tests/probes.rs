@@ -99,17 +99,11 @@ pub fn types() -> Types {
 
 /// Types of the records that are written, from their source files.
 pub fn records() -> Types {
-    let folders = ["results", "design", "export"].map(|name| root().join("crates").join(name).join("src"));
-    let mut read = Vec::new();
-    for (folder, path) in
-        folders.iter().flat_map(|folder| files(folder, ".rs").into_iter().map(move |path| (folder, path)))
-    {
-        // Names of files occur in several crates.
-        read.push((
-            path.strip_prefix(folder.parent().unwrap().parent().unwrap()).unwrap().display().to_string(),
-            text(&path),
-        ));
-    }
+    let crates = root().join("crates");
+    let all = ["design/src", "laser/src/export"].iter().flat_map(|folder| files(&crates.join(folder), ".rs"));
+    // Names of files occur in several crates.
+    let named = |path: PathBuf| (path.strip_prefix(&crates).unwrap().display().to_string(), text(&path));
+    let read: Vec<(String, String)> = all.map(named).collect();
     Types::new(read.iter().map(|(name, text)| (name.as_str(), text.as_str()))).records()
 }
 

@@ -4,19 +4,30 @@ use slipgrid_model::material::{AreaLaw, LocalFriction};
 
 use crate::calibrate::{FitError, Problem, flat_sample};
 
-/// Nodes of the emulator: coefficients relative to the current ones.
-const NODES: [f64; 3] = [0.8, 1.0, 1.25];
+/// Least and greatest node of a load, relative to the least and greatest coefficient at that load.
+const BEYOND: [f64; 2] = [0.8, 1.25];
 /// Number of nodes along the scale, on which the end effect depends slowly.
 const SCALES: usize = 13;
 
-/// Interpolates the end effect c in mu_i = mu_d f(P_i) c_i. c differs from 1 by some thousandths; it is interpolated
-/// quadratically in mu_d and linearly in the logarithm of the scale. The other factors are exact.
+/// Measurements at one load, which share three solves.
+struct AtLoad {
+    /// One of the measurements.
+    first: usize,
+    /// Coefficients at the nodes.
+    nodes: [f64; 3],
+}
+
+/// Interpolates the end effect c in mu_i = mu_d f(P_i) c_i. c depends on the load and on mu_d, and differs from 1 by some
+/// thousandths; it is interpolated quadratically in mu_d and linearly in the logarithm of the scale. The other factors
+/// are exact.
 pub struct Emulator<'a> {
     problem: &'a Problem,
-    dynamic_means: Vec<f64>,
+    loads: Vec<AtLoad>,
+    /// Load of each measurement.
+    load_of: Vec<usize>,
     /// Logarithms of the scales; a single dummy value if the law is given.
     log_scales: Vec<f64>,
-    /// c by scale, measurement and node.
+    /// c by scale, load and node.
     ends: Vec<Vec<[f64; 3]>>,
 }
 
@@ -27,35 +38,38 @@ impl<'a> Emulator<'a> {
             let [from, to] = unknown.bounds_pa.map(f64::ln);
             (0..SCALES).map(|i| from + (to - from) * i as f64 / (SCALES - 1) as f64).collect()
         });
+        let (loads, load_of) = loads(problem, dynamic_means);
+        let measurements = loads.iter().map(|load| problem.measurements[load.first].clone()).collect();
+        let alone = Problem { measurements, ..problem.clone() };
         let mut ends = Vec::new();
         for log_scale in &log_scales {
-            let law = problem.law_at(log_scale.exp())?;
-            let mut rows = vec![[0.0; 3]; dynamic_means.len()];
-            for (node, factor) in NODES.into_iter().enumerate() {
-                let pairs = dynamic_means
-                    .iter()
-                    .map(|mean| LocalFriction::new(mean * factor, mean * factor, problem.relative_std))
-                    .collect::<Result<_, _>>()?;
-                let solved = flat_sample::steady(&Problem { area_law: law.clone(), ..problem.clone() }, &pairs)?;
-                for (i, mu) in solved.iter().enumerate() {
-                    rows[i][node] = mu / (dynamic_means[i] * factor * factor_at(law.as_ref(), problem, i));
+            let solved = Problem { area_law: problem.law_at(log_scale.exp())?, ..alone.clone() };
+            let mut rows = vec![[0.0; 3]; loads.len()];
+            for node in 0..3 {
+                let pair = |load: &AtLoad| LocalFriction::new(load.nodes[node], load.nodes[node], problem.relative_std);
+                let pairs = loads.iter().map(pair).collect::<Result<_, _>>()?;
+                for (place, mu) in flat_sample::steady(&solved, &pairs)?.iter().enumerate() {
+                    let law = solved.area_law.as_ref();
+                    rows[place][node] = mu / (loads[place].nodes[node] * factor_at(law, &solved, place));
                 }
             }
             ends.push(rows);
         }
-        Ok(Self { problem, dynamic_means: dynamic_means.to_vec(), log_scales, ends })
+        Ok(Self { problem, loads, load_of, log_scales, ends })
     }
 
     /// Steady friction of measurement `i`.
     pub fn steady(&self, i: usize, dynamic_mean: f64, law: Option<&AreaLaw>, log_scale: f64) -> f64 {
+        let load = self.load_of[i];
+        let nodes = &self.loads[load].nodes;
+        let x = dynamic_mean.clamp(nodes[0], nodes[2]);
         let end = |scale: usize| {
-            let x = (dynamic_mean / self.dynamic_means[i]).clamp(NODES[0], NODES[2]);
-            let c = &self.ends[scale][i];
+            let c = &self.ends[scale][load];
             // Lagrange polynomial through the nodes
             (0..3)
                 .map(|j| {
                     let others = (0..3).filter(|&k| k != j);
-                    c[j] * others.map(|k| (x - NODES[k]) / (NODES[j] - NODES[k])).product::<f64>()
+                    c[j] * others.map(|k| (x - nodes[k]) / (nodes[j] - nodes[k])).product::<f64>()
                 })
                 .sum::<f64>()
         };
@@ -70,6 +84,25 @@ impl<'a> Emulator<'a> {
         };
         dynamic_mean * factor_at(law, self.problem, i) * ends
     }
+}
+
+/// Loads of `problem` with the nodes around the `dynamic_means` at each, and the load of each measurement.
+fn loads(problem: &Problem, dynamic_means: &[f64]) -> (Vec<AtLoad>, Vec<usize>) {
+    let pressure = |i: usize| problem.pressure_pa(&problem.measurements[i]);
+    let mut loads: Vec<AtLoad> = Vec::new();
+    let mut load_of = Vec::new();
+    for i in 0..dynamic_means.len() {
+        let known = loads.iter().position(|load| pressure(load.first) == pressure(i));
+        load_of.push(known.unwrap_or_else(|| {
+            let alike = (0..dynamic_means.len()).filter(|j| pressure(*j) == pressure(i)).map(|j| dynamic_means[j]);
+            let [least, most] =
+                alike.fold([f64::INFINITY, 0.0], |[least, most], mean| [mean.min(least), mean.max(most)]);
+            let nodes = [BEYOND[0] * least, (least * most).sqrt(), BEYOND[1] * most];
+            loads.push(AtLoad { first: i, nodes });
+            loads.len() - 1
+        }));
+    }
+    (loads, load_of)
 }
 
 fn factor_at(law: Option<&AreaLaw>, problem: &Problem, i: usize) -> f64 {

@@ -7,7 +7,7 @@ use crate::export::error::positive;
 use crate::export::number::{DERIVED_DIGITS, micrometres, millimetres, round_decimals, round_digits};
 use crate::export::words::{ANGLE_DECIMALS, groove_direction, lattice};
 use crate::export::work::WorkSheet;
-use crate::export::{Cavity, ExportError, Laser, Layout, Outline};
+use crate::export::{Cavity, ExportError, Laser, Layout, Outline, burst_warnings};
 
 /// Effects that no model of slipgrid contains, for a pattern with or without rims; listed on every process sheet.
 #[must_use]
@@ -252,7 +252,7 @@ impl ProcessSheet {
                 cavity_volume_mm3: round_digits(removed_volume_m3(layout, &laser) * 1e9, DERIVED_DIGITS),
             },
             laser,
-            work: WorkSheet::new(layout, &laser),
+            work: WorkSheet { warnings: burst_warnings(layout, &laser), ..WorkSheet::new(layout, &laser) },
             material,
         })
     }
