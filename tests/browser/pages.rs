@@ -134,7 +134,7 @@ fn cavities_that_close_have_no_answer() {
     let [verdict, first, second, map] = at([300.0, 100.0, 2.0]);
     assert!(verdict.contains("no answer"), "{verdict}");
     assert_eq!((first.as_str(), second.as_str()), ("-", "-"));
-    assert!(map.contains("White: ") && map.contains("no answer"), "{map}");
+    assert!(map.contains("Blank: ") && map.contains("no answer"), "{map}");
     let [verdict, first, second, _] = at([60.0, 300.0, 20.0]);
     let [ratio, mu] = [first, second].map(|own| own.parse::<f64>().unwrap());
     assert!(verdict.is_empty() && ratio > 0.8 && (mu / ratio / 0.243 - 1.0).abs() < 4e-3, "{verdict} {ratio} {mu}");

@@ -1,3 +1,5 @@
+use std::collections::BTreeSet;
+
 use plotters::style::RGBColor;
 
 use super::canvas::{GREY, INK, LEFT, Mark, PALETTE, RIGHT, Swatch, WIDTH, picture};
@@ -74,7 +76,10 @@ pub fn trade_offs(chart: &TradeOffsChart<'_>) -> Result<String, ChartError> {
                 canvas.rectangle([[x - half, y - half], [x + half, y + half]], color, 1.0)
             };
             let every = chart.others.len().div_ceil(MAX_OTHERS).max(1);
-            for goals in chart.others.iter().step_by(every) {
+            // A dot on top of another one is not seen.
+            let mut drawn = BTreeSet::new();
+            let cell = |goals: &[f64]| plot.at(place(goals)).map(|length| (length / SMALL).round() as i64);
+            for goals in chart.others.iter().step_by(every).filter(|goals| drawn.insert(cell(goals))) {
                 dot(goals, SMALL, PALE)?;
             }
             for goals in chart.front {

@@ -4,7 +4,6 @@ use slipgrid_calibrate::{
     AreaLawOrigin, CalibrationOutcome, CalibrationTask, Coefficients, FittedPair, Measurement, Parameter, Surface,
 };
 use slipgrid_formats::calibration::Calibration;
-use slipgrid_formats::written_material::material_toml;
 use slipgrid_results::VERSION;
 use slipgrid_statistics::median;
 use slipgrid_units::{HUMIDITY_PCT, MODULUS_GPA, PRESSURE_MPA, SPEED_MM_S};
@@ -97,9 +96,6 @@ pub fn calibration(fitted: Fitted<'_>, outputs: &Outputs) -> String {
         page.fold("Notes", |page| {
             page.list(&outcome.material.provenance.notes.iter().map(|note| sentence(note)).collect::<Vec<_>>())
         });
-        if let Ok(file) = material_toml(task, outcome, None) {
-            page.folded("The material, as -o MATERIAL.toml writes it with [made_from]", &file);
-        }
     });
     page.finish(&title, VERSION)
 }
@@ -213,14 +209,14 @@ fn found(page: &mut Page, task: &CalibrationTask, outcome: &CalibrationOutcome) 
     page.facts("What was fitted, and what it rests on", &rows);
 }
 
-/// Adds the most important warning, and folds the others.
+/// Adds all warnings, the most important first.
 fn caveat(page: &mut Page, outcome: &CalibrationOutcome) {
     let mut all: Vec<String> = Vec::new();
     if outcome.surface.synthetic {
         all.push("The area law rests on a synthetic surface, not on a measured one.".to_owned());
     }
     all.extend(outcome.material.provenance.warnings.iter().map(|doubtful| format!("Doubtful: {doubtful}.")));
-    page.doubts(all);
+    page.doubts(&all);
 }
 
 /// Lists quantities that the data leave uncertain.

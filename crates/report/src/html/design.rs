@@ -36,7 +36,6 @@ pub fn design(
     page.part("Other textures", |page| others(page, report, outputs));
     page.part("The run that confirmed the design", |page| {
         confirmed(page, report);
-        page.fold("The section", |page| page.section(&report.sample.design));
         let interface = if report.sees_face() {
             "one period of the patterned surface seen from above; a flat one carries the nominal pressure everywhere"
         } else {
@@ -48,12 +47,14 @@ pub fn design(
         pictures(page, outputs, "Friction in time", "friction-", in_time);
     });
     page.model([&report.model, &report.method], report.sample.design.rim.is_some());
-    page.fold("Material and calibration", |page| material(page, report, outputs, (area_law, loads)));
+    page.fold("Material", |page| material(page, report, (area_law, loads)));
     page.part("Files", |page| {
-        page.fold("pattern.svg: the pattern, with two periods enlarged", |page| {
+        page.files(&outputs.names());
+        page.fold("The pattern on the specimen", |page| {
+            page.section(&report.sample.design);
             page.picture_of(outputs, "pattern.svg", "The specimen seen from above, with two periods enlarged");
         });
-        laser(page, &report.laser, outputs);
+        page.fold("The laser, as the design gives it", |page| laser(page, &report.laser));
     });
     page.finish(&report.name, &report.version)
 }
@@ -262,7 +263,7 @@ fn pictures(page: &mut Page, outputs: &Outputs, heading: &str, prefix: &str, wha
     page.fold(heading, |page| page.pictures(named.iter().map(|(svg, caption)| (svg.as_str(), caption.as_str()))));
 }
 
-fn material(page: &mut Page, report: &DesignReport, outputs: &Outputs, (area_law, loads): (Option<&AreaLaw>, &[Load])) {
+fn material(page: &mut Page, report: &DesignReport, (area_law, loads): (Option<&AreaLaw>, &[Load])) {
     let (name, source) = (&report.material.name, &report.material.source);
     if !name.is_empty() {
         page.paragraph(&if source.is_empty() { name.clone() } else { format!("{name}. Source: {source}.") });
@@ -272,12 +273,9 @@ fn material(page: &mut Page, report: &DesignReport, outputs: &Outputs, (area_law
     if let Some(law) = area_law {
         background::area_law(page, law);
     }
-    if let Some(scene) = outputs.text("scene.toml") {
-        page.folded("scene.toml: coefficients, area law, sample and run, as confirmed", &scene);
-    }
 }
 
-fn laser(page: &mut Page, laser: &Laser, outputs: &Outputs) {
+fn laser(page: &mut Page, laser: &Laser) {
     // Alphabetical by name.
     let Laser {
         depth_per_burst_um,
@@ -298,22 +296,22 @@ fn laser(page: &mut Page, laser: &Laser, outputs: &Outputs) {
         Exposure::Mask => "mask".to_owned(),
     });
     let rows: Vec<(&str, String)> = [
-        ("depth_per_burst_um", depth_per_burst_um.map(plain)),
-        ("exposure", exposure),
-        ("hatch_um", hatch_um.map(plain)),
-        ("min_land_um", min_land_um.map(plain)),
-        ("power_density_gw_cm2", power_density_gw_cm2.map(plain)),
-        ("pulse_ns", pulse_ns.map(plain)),
-        ("repetition_hz", repetition_hz.map(plain)),
-        ("speed_mm_s", speed_mm_s.map(plain)),
-        ("spot_um", spot_um.map(plain)),
-        ("wall_taper_deg", wall_taper_deg.map(plain)),
-        ("wavelength_nm", wavelength_nm.map(plain)),
+        ("depth per burst", depth_per_burst_um, "µm"),
+        ("distance of hatch lines", hatch_um, "µm"),
+        ("smallest land", min_land_um, "µm"),
+        ("power density", power_density_gw_cm2, "GW/cm²"),
+        ("pulse length", pulse_ns, "ns"),
+        ("repetition rate", repetition_hz, "Hz"),
+        ("speed", speed_mm_s, "mm/s"),
+        ("spot", spot_um, "µm"),
+        ("taper of the walls", wall_taper_deg, "°"),
+        ("wavelength", wavelength_nm, "nm"),
     ]
     .into_iter()
-    .filter_map(|(name, value)| Some((name, value?)))
+    .filter_map(|(name, value, unit)| Some((name, format!("{} {unit}", plain(value?)))))
+    .chain(exposure.map(|exposure| ("exposure", exposure)))
     .collect();
-    page.facts("The laser, as the design gives it; units stand in the names", &rows);
+    page.facts("", &rows);
     if let Some(law) = ablation {
         page.paragraph(&format!(
             "Depth per burst d = delta ln(F / F_th): delta {} µm, F_th {} J/cm², at {} J/cm² {} µm ({} fluences).",
@@ -323,8 +321,5 @@ fn laser(page: &mut Page, laser: &Laser, outputs: &Outputs) {
             with_error(law.depth_per_burst_um, law.depth_per_burst_stderr_um, 3),
             law.points,
         ));
-    }
-    if let Some(sheet) = outputs.text("process.toml") {
-        page.folded("process.toml: the process sheet", &sheet);
     }
 }

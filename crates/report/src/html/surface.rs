@@ -114,7 +114,7 @@ fn doubts(page: &mut Page, report: &SurfaceReport) {
     if missing > MANY_MISSING {
         all.push(format!("{} % of the points are missing and were filled.", percent(missing, 1)));
     }
-    page.doubts(all);
+    page.doubts(&all);
 }
 
 /// Describes how pixel size and map size limit the parameters.

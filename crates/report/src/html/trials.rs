@@ -50,7 +50,7 @@ pub fn trials(report: &TrialsReport, outputs: &Outputs) -> String {
     page.title(&title);
     page.beside_picture(
         |page| {
-            page.doubts(report.warnings.iter().map(|doubtful| format!("Doubtful: {doubtful}.")).collect());
+            page.doubts(&report.warnings);
             verdict(page, report);
             page.named_list("What to measure next", &next(report));
             page.terms(&TERMS);
