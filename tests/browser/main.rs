@@ -143,7 +143,12 @@ fn explores(page: &mut dyn Page, folder: &Path) {
     let out = folder.join("out");
     // The stated error.
     let words = page.ask("document.querySelector('.screen p').textContent");
-    let stated: Vec<f64> = words.as_str().unwrap().split_whitespace().filter_map(|word| word.trim_end_matches([',', '.']).parse().ok()).collect();
+    let stated: Vec<f64> = words
+        .as_str()
+        .unwrap()
+        .split_whitespace()
+        .filter_map(|word| word.trim_end_matches([',', '.']).parse().ok())
+        .collect();
     let [_, median, worst] = stated[..] else { panic!("{words}") };
     println!("{}", words.as_str().unwrap());
     assert!(median < 0.001 && worst < 0.03, "{words}");

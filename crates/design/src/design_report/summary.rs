@@ -155,9 +155,8 @@ impl DesignReport {
 
     /// Whether a target pressure lies farther from the measured range than [`FAR_BEYOND`].
     fn is_far_beyond(&self) -> bool {
-        let is_far = |mpa: &f64| {
-            self.measured_mpa.is_none_or(|[low, high]| *mpa > FAR_BEYOND * high || FAR_BEYOND * mpa < low)
-        };
+        let is_far =
+            |mpa: &f64| self.measured_mpa.is_none_or(|[low, high]| *mpa > FAR_BEYOND * high || FAR_BEYOND * mpa < low);
         self.beyond_mpa().iter().any(is_far)
     }
 

@@ -11,6 +11,7 @@
 //! | [`ratios`] | measured and modelled ratios |
 //! | [`trade_offs`] | designs by two or three goals, with the Pareto front |
 //! | [`trials`] | measured and predicted ratios of trials, and ratios against texture features |
+//! | [`left_out`] | measured ratios against those predicted by all other trials |
 //! | [`tribometer`] | repeats of a test against time, with the values read from them |
 //! | [`surface_map`] | a surface seen from above, with heights as colours |
 //! | [`height_histogram`] | histogram of heights, and the bearing curve |
@@ -30,6 +31,7 @@ mod flat_friction;
 mod friction_trace;
 mod height_histogram;
 mod interface_pressure;
+mod left_out;
 mod plot;
 mod raster;
 mod ratios;
@@ -48,6 +50,7 @@ pub use flat_friction::{FlatFrictionChart, FlatSeries, flat_friction, flat_frict
 pub use friction_trace::{FrictionTraceChart, Trace, friction_trace};
 pub use height_histogram::{HeightHistogramChart, height_histogram};
 pub use interface_pressure::{InterfacePressureChart, interface_pressure};
+pub use left_out::left_out;
 pub use ratios::{RatioSeries, RatiosChart, ratios};
 pub use residuals::{ResidualsChart, residuals};
 pub use section::{SectionChart, SpectrumChart, section, spectrum};

@@ -81,10 +81,16 @@ fn target_of_width(chart: &TargetChart<'_>, width: f64) -> Result<String, ChartE
             .iter()
             .flat_map(|at| [at.median, at.interval_95[0], at.interval_95[1]].into_iter().chain(at.model))
     };
-    let values = || limits().chain(of_samples()).chain(chart.flat.iter().chain(chart.measured).map(|[_, value]| *value));
+    let values =
+        || limits().chain(of_samples()).chain(chart.flat.iter().chain(chart.measured).map(|[_, value]| *value));
     let pressures = || {
         let of_samples = chart.samples.iter().map(|at| at.pressure_mpa);
-        chart.target.iter().map(|point| point.pressure_mpa).chain(of_samples).chain(chart.flat.iter().chain(chart.measured).map(|[p, _]| *p))
+        chart
+            .target
+            .iter()
+            .map(|point| point.pressure_mpa)
+            .chain(of_samples)
+            .chain(chart.flat.iter().chain(chart.measured).map(|[p, _]| *p))
     };
     if let Some(value) = pressures().chain(values()).find(|value| !value.is_finite()) {
         return Err(ChartError::NotFinite { title: chart.title.to_owned(), value });

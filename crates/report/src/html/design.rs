@@ -110,6 +110,14 @@ fn goal(page: &mut Page, goal: &GoalReport) {
     ));
 }
 
+/// Standard deviation from which an input is listed: half a unit of the last decimal.
+const MIN_STD: f64 = 5e-5;
+
+/// Whether a cell has a number other than zero, or words.
+fn says(cell: &str) -> bool {
+    cell.chars().any(|c| !matches!(c, '-' | '0' | '.' | ' '))
+}
+
 fn limited_by(page: &mut Page, report: &DesignReport) {
     let last = report.target.pressure_mpa.len().saturating_sub(1);
     let has_chance = report.sample.chance.is_some();
@@ -119,6 +127,7 @@ fn limited_by(page: &mut Page, report: &DesignReport) {
         .sample
         .limited_by
         .iter()
+        .filter(|limit| limit.std.iter().any(|std| *std >= MIN_STD))
         .map(|limit| {
             let mut cells =
                 vec![limit.input.clone(), micrometres(&limit.known_to), number(limit.std.get(last).copied(), 4)];
@@ -165,9 +174,11 @@ fn others(page: &mut Page, report: &DesignReport, outputs: &Outputs) {
         ("planform", |of| of.design.planform.clone()),
         ("chance", |of| of.chance.map_or_else(|| "-".to_owned(), chance_words)),
         ("laser", |of| of.laser_s.map_or_else(|| "-".to_owned(), duration_in_words)),
-        ("learns (bits)", |of| number(of.information_bits, 2)),
+        ("learns", |of| of.learns().to_owned()),
         ("share in %", |of| percent(of.design.areal_density, 1)),
     ];
+    let is_known = |column: &&Column<SampleReport>| report.others.iter().any(|other| says(&column.1(other)));
+    let columns: Vec<Column<SampleReport>> = columns.iter().filter(is_known).copied().collect();
     let mut header: Vec<&str> = columns.iter().map(|(name, _)| *name).collect();
     header.extend(["expected at the first load (95 %)", "at the last"]);
     let own = std::iter::once(&report.sample).filter(|_| !report.others.is_empty());
@@ -234,8 +245,8 @@ fn confirmed(page: &mut Page, report: &DesignReport) {
         ("peak in MPa", |load| number(load.peak_pressure_mpa, 2)),
         ("status", |load| load.status.to_string()),
     ];
-    let says = |column: &&Column<LoadReport>| report.confirmed.iter().any(|load| column.1(load) != "-");
-    let columns: Vec<Column<LoadReport>> = columns.iter().filter(says).copied().collect();
+    let is_known = |column: &&Column<LoadReport>| report.confirmed.iter().any(|load| says(&column.1(load)));
+    let columns: Vec<Column<LoadReport>> = columns.iter().filter(is_known).copied().collect();
     page.records(
         &format!(
             "The model alone, {}: dimensionless, ± one standard error. The peak is the largest local pressure, which grows as blocks shrink.",
@@ -246,7 +257,8 @@ fn confirmed(page: &mut Page, report: &DesignReport) {
     );
 }
 
-/// Adds the pictures whose names begin with `prefix`, by load.
+/// Adds the pictures whose names begin with `prefix`, of the first and the last load: the others, which lie between them,
+/// are files beside the page and would double its size.
 fn pictures(page: &mut Page, outputs: &Outputs, heading: &str, prefix: &str, what: &str) {
     let named: Vec<(String, String)> = outputs
         .names()
@@ -257,10 +269,11 @@ fn pictures(page: &mut Page, outputs: &Outputs, heading: &str, prefix: &str, wha
             Some((outputs.text(name)?, format!("{heading} at {load} MPa: {what}")))
         })
         .collect();
-    if named.is_empty() {
-        return;
+    let mut named = named.into_iter();
+    let shown: Vec<_> = named.next().into_iter().chain(named.next_back()).collect();
+    if !shown.is_empty() {
+        page.fold(heading, |page| page.pictures(shown.iter().map(|(svg, caption)| (svg.as_str(), caption.as_str()))));
     }
-    page.fold(heading, |page| page.pictures(named.iter().map(|(svg, caption)| (svg.as_str(), caption.as_str()))));
 }
 
 fn material(page: &mut Page, report: &DesignReport, (area_law, loads): (Option<&AreaLaw>, &[Load])) {

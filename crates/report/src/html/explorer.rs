@@ -161,7 +161,8 @@ impl Subject<'_> {
         let explorer = self.explorer;
         let quantity = if self.task.target.quantity() == Quantity::Ratio { "ratio" } else { "friction" };
         let several = !self.task.also_at.is_empty() || !self.task.directions.different_deg.is_empty();
-        let conditions = if several { " The chance holds for all conditions; values are those of the first." } else { "" };
+        let conditions =
+            if several { " The chance holds for all conditions; values are those of the first." } else { "" };
         let error = if explorer.checked == 0 {
             "No random design has an answer to compare the interpolation with.".to_owned()
         } else {

@@ -82,10 +82,10 @@ fn expected_words(report: &DesignReport) -> Option<String> {
     let quantity = if report.is_ratio() { "a ratio of" } else { "a friction coefficient of" };
     let asked = match at.target_in_words().as_str() {
         "-" => String::new(),
-        words => format!("; accepted: {words}"),
+        words => format!(" Accepted: {words}."),
     };
     Some(format!(
-        "At {} MPa a cut sample is expected to have {quantity} {}; 95 % of samples: {}{asked}.",
+        "At {} MPa a cut sample is expected to have {quantity} {} (95 % of samples: {}).{asked}",
         plain(at.pressure_mpa),
         number(at.median, 3),
         believed_interval([at.low_95, at.high_95]),
@@ -214,7 +214,9 @@ fn next_steps(report: &DesignReport, is_calibrated: bool) -> Vec<String> {
         ]
     });
     steps.push("Design again: slipgrid optimize.");
-    steps.extend(report.material.synthetic_surface.then_some("Map a flat sample: the surface map used here is synthetic."));
+    steps.extend(
+        report.material.synthetic_surface.then_some("Map a flat sample: the surface map used here is synthetic."),
+    );
     steps.into_iter().map(str::to_owned).collect()
 }
 

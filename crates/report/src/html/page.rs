@@ -378,10 +378,10 @@ impl Page {
     pub fn model(&mut self, [model, method]: [&[String]; 2], has_rim: bool) {
         self.heading("What was modelled, and why");
         self.list(model);
-        if !method.is_empty() {
-            self.paragraph(&format!("How it was computed: {}.", method.join("; ")));
-        }
         self.paragraph(&format!("Not modelled: {}.", not_modelled(has_rim).join("; ")));
+        self.fold("How it was computed", |page| {
+            page.list(&method.iter().map(|step| sentence(step)).collect::<Vec<_>>());
+        });
     }
 
     /// Adds pictures side by side if there is room.

@@ -5,6 +5,7 @@ use slipgrid_results::{believed, believed_interval, believed_std};
 
 use super::page::{Column, Page, number, percent, plain, sentence, yes_or_no};
 use crate::Outputs;
+use crate::charts::{Estimate, Prediction, left_out};
 use crate::trials::{
     CoverageReport, EffectReport, MeasuredReport, PendingReport, PredictedReport, TrialReport, TrialsReport,
 };
@@ -178,6 +179,22 @@ fn next(report: &TrialsReport) -> Vec<String> {
     all
 }
 
+/// Draws each measured ratio against its prediction by all other trials; `None` for fewer than two trials.
+fn left_out_picture(report: &TrialsReport) -> Option<String> {
+    let names: Vec<String> = report.trials.iter().map(|trial| trial.name.clone()).collect();
+    let each = report.trials.iter().enumerate().flat_map(|(trial, of)| of.measured.iter().map(move |at| (trial, at)));
+    let predictions: Vec<Prediction> = each
+        .filter(|(_, at)| at.without_trial.known > 0)
+        .map(|(trial, at)| Prediction {
+            trial,
+            measured: at.measured,
+            predicted: Estimate { value: at.without_trial.ratio, error: None },
+            interval: at.without_trial.interval_95,
+        })
+        .collect();
+    left_out(&names, &predictions).ok()
+}
+
 fn details(page: &mut Page, report: &TrialsReport) {
     let rows: Vec<(&TrialReport, &MeasuredReport)> =
         report.trials.iter().flat_map(|trial| trial.measured.iter().map(move |at| (trial, at))).collect();
@@ -229,6 +246,12 @@ fn details(page: &mut Page, report: &TrialsReport) {
                 ("within 95 %", |of| share(of, of.within_95)),
             ],
         );
+        if let Some(svg) = left_out_picture(report) {
+            page.picture(
+                &svg,
+                "Measured ratios against those predicted by all other trials. Bars: 95 % of samples, cut off at the frame",
+            );
+        }
         page.fold("Every ratio predicted by the other trials, and by the other conditions", |page| {
             page.records(
                 "By all other trials; by all other conditions, of the same trial as well.",
