@@ -80,8 +80,7 @@ pub fn calibration(fitted: Fitted<'_>, outputs: &Outputs) -> String {
     );
     page.part("The fit", |page| fit(page, task, outcome, outputs));
     page.part("Contact and the area law", |page| {
-        page.picture_of(outputs, "area-law.svg", "Real contact area and the factor f against pressure, up to some times the highest nominal pressure that was measured: edges of \
-             cavities see as much");
+        page.picture_of(outputs, "area-law.svg", "Real contact area and the factor f against pressure. Edges of cavities see some times the highest nominal pressure");
         if let Some(law) = &outcome.surface.law {
             page.fold("The factors", |page| background::area_law(page, law));
         }
@@ -114,14 +113,14 @@ fn verdict(page: &mut Page, outcome: &CalibrationOutcome) {
     let words = if fit.pairs.len() > 1 {
         median(&mut errors).map_or_else(String::new, |error| {
             format!(
-                ", each known to {} % in the median with what Young's modulus and the area law leave open",
+                " Each is known to {} % in the median, errors of Young's modulus and of the area law included.",
                 percent(error, 1)
             )
         })
     } else {
         String::new()
     };
-    page.lead(&format!("Local dynamic friction is {known}{words}: {count} measurements on flat samples."));
+    page.lead(&format!("Local dynamic friction is {known}: {count} measurements on flat samples.{words}"));
     let off =
         outcome.measurements.iter().zip(&fit.predictions).map(|(of, at)| (at.residual / of.mu_dynamic_std).powi(2));
     let off = (off.sum::<f64>() / count.max(1) as f64).sqrt();
@@ -392,7 +391,7 @@ fn fit(page: &mut Page, task: &CalibrationTask, outcome: &CalibrationOutcome, ou
     let table = |page: &mut Page| {
         page.table(
             &format!(
-                "Fitted numbers with the ends of their 95 % intervals by profile likelihood, {}. Open where the data do not end it.",
+                "Fitted numbers with their 95 % intervals by profile likelihood, {}. Open: the data do not end the interval.",
                 which_errors(outcome)
             ),
             &["number", "value", "standard error", "95 % from", "to"],

@@ -6,6 +6,7 @@ use slipgrid_export::{Exposure, Laser};
 use slipgrid_material::AreaLaw;
 use slipgrid_results::{LoadReport, PatternReport, believed_interval, duration_in_words, length_in_words};
 use slipgrid_springblock::Load;
+use slipgrid_units::significant;
 
 use super::background;
 use super::first_screen::first_screen;
@@ -42,8 +43,8 @@ pub fn design(
             "flat and patterned"
         };
         pictures(page, outputs, "Pressure along the interface", "interface-", interface);
-        let in_time = "flat and patterned, with the averaging window; the curve of the patterned surface is the run of the longest strip, and its mean \
-                       that of the whole specimen, as in the tables";
+        let in_time = "flat and patterned, with the averaging window. The curve of the patterned surface is the longest strip; its mean is that of the \
+                       whole specimen";
         pictures(page, outputs, "Friction in time", "friction-", in_time);
     });
     page.model([&report.model, &report.method], report.sample.design.rim.is_some());
@@ -198,7 +199,7 @@ fn others(page: &mut Page, report: &DesignReport, outputs: &Outputs) {
     let table = &report.table;
     if table.nodes > 0 {
         page.paragraph(&format!(
-            "{} designs were compared by a table of the model over the bounds, seed {}. It has {} nodes, {} of them without an answer; at {} random \
+            "{} designs were compared by a table of the model over the bounds, seed {}. It has {} nodes, {} of them without an answer. At {} random \
              designs its ratios are off by {} in the median and {} at most.",
             report.compared,
             report.seed,
@@ -226,7 +227,7 @@ fn trade_offs(page: &mut Page, found: &TradeOffsReport, outputs: &Outputs) {
         .collect();
     let row = |design: &PatternReport, goals: &[f64]| {
         let lengths = [design.width_um, design.spacing_um, design.depth_um].map(length_in_words);
-        lengths.into_iter().chain(goals.iter().map(|goal| number(*goal, 2))).collect()
+        lengths.into_iter().chain(goals.iter().map(|goal| plain(significant(*goal, 3)))).collect()
     };
     let rows: Vec<Vec<String>> = found.listed.iter().map(|listed| row(&listed.design, &listed.goals)).collect();
     page.table("Some of the front, from one end to the other; trade-offs.csv has all.", &header, &rows);
@@ -281,7 +282,7 @@ fn material(page: &mut Page, report: &DesignReport, (area_law, loads): (Option<&
     if !name.is_empty() {
         page.paragraph(&if source.is_empty() { name.clone() } else { format!("{name}. Source: {source}.") });
     }
-    page.list(&report.material.notes);
+    page.list(&report.material.notes.iter().map(|note| sentence(note)).collect::<Vec<_>>());
     background::coefficients(page, loads);
     if let Some(law) = area_law {
         background::area_law(page, law);

@@ -295,7 +295,7 @@ fn controls(data: &Data) -> Markup {
                 dl class="readings" {
                     @if data.has_target() { (reading("chance on target, all pressures", "chance", "")) }
                     (reading(first, "first", "")) (reading("95 % of samples", "interval", "")) (reading(second, "second", ""))
-                    (reading("largest local pressure, all loads", "peak", "MPa")) (reading("cavities' share of the face", "density", "%"))
+                    (reading("largest pressure, all loads", "peak", "MPa")) (reading("cavities' share of the face", "density", "%"))
                     @if data.burst_um.is_some() { (reading(if data.has_passes { "depth, in whole passes" } else { "bursts (depth)" }, "bursts", "")) }
                     @if data.has_laser_time { (reading("laser time", "laser-time", "")) }
                 }

@@ -31,9 +31,9 @@ const FILES: [(&str, &str); 16] = [
     ("scene.toml", "the confirming run, for slipgrid simulate"),
     ("result.json", "every number of this page"),
     ("friction.csv", "friction in time"),
-    ("friction-", "friction in time at one load"),
+    ("friction-", "its pictures, one a load"),
     ("interface.csv", "pressure along the interface"),
-    ("interface-", "pressure along the interface at one load"),
+    ("interface-", "its pictures, one a load"),
     ("target.svg", "target and expected values"),
     ("trade-offs", "designs compared by goals"),
     ("table.csv", "designs of a lattice"),
@@ -377,8 +377,8 @@ impl Page {
     /// Adds model assumptions, numerical methods, and effects that are never modelled.
     pub fn model(&mut self, [model, method]: [&[String]; 2], has_rim: bool) {
         self.heading("What was modelled, and why");
-        self.list(model);
-        self.paragraph(&format!("Not modelled: {}.", not_modelled(has_rim).join("; ")));
+        self.list(&model.iter().map(|stated| sentence(stated)).collect::<Vec<_>>());
+        self.named_list("Not modelled", &not_modelled(has_rim).map(sentence));
         self.fold("How it was computed", |page| {
             page.list(&method.iter().map(|step| sentence(step)).collect::<Vec<_>>());
         });
@@ -393,13 +393,26 @@ impl Page {
         self.body.push_str("</div>\n");
     }
 
-    /// Adds links to the files beside the page, with what each is; files of no known kind have only their name.
+    /// Adds links to the files beside the page, with what each kind is; files of no known kind have only their name.
     pub(super) fn files(&mut self, names: &[&str]) {
-        let words = |name: &str| FILES.iter().find(|(start, _)| name.starts_with(start)).map(|(_, words)| *words);
-        if !names.is_empty() {
+        let mut rest = names.to_vec();
+        let mut kinds: Vec<(Vec<&str>, &str)> = Vec::new();
+        for (start, words) in FILES {
+            let (own, others) = rest.into_iter().partition(|name| name.starts_with(start));
+            kinds.push((own, words));
+            rest = others;
+        }
+        kinds.push((rest, ""));
+        kinds.retain(|(own, _)| !own.is_empty());
+        if !kinds.is_empty() {
             self.add(&html! {
                 ul class="files" { (NL)
-                    @for name in names { li { a href=(name) { (name) } @if let Some(words) = words(name) { ": " (words) } } (NL) }
+                    @for (own, words) in &kinds {
+                        li {
+                            @for (place, name) in own.iter().enumerate() { @if place > 0 { ", " } a href=(name) { (name) } }
+                            @if !words.is_empty() { ": " (words) }
+                        } (NL)
+                    }
                 }
             });
         }

@@ -20,9 +20,9 @@ const TOO_FEW: f64 = 0.8;
 const SURPRISING: f64 = 2.0;
 
 /// Definition of the ledger's modelled ratio, compared with the ratio of a design's report.
-const MODELLED: &str = "The modelled ratio is that of the texture as measured, on its specimen or endless on a sector of a disc, in steady sliding, with the error of its blocks taken \
-    off where it is known. A design's report has two more for the same texture: predicted is one period in the design's own blocks with its \
-    share of the specimen, and confirmed is the whole specimen with its rim, sliding in time. The three may differ by a hundredth.";
+const MODELLED: &str = "The modelled ratio is that of the texture as measured, in steady sliding, on its specimen or endless on a sector of a disc. The error of its \
+    blocks is taken off where it is known. A design's report has the ratio of the confirming run: the whole specimen, sliding in time. The two may differ \
+    by a hundredth.";
 
 const TERMS: [(&str, &str); 7] = [
     ("trial", "A sample that was cut and measured to learn how far the model is off."),
@@ -74,8 +74,8 @@ fn picture(page: &mut Page, outputs: &Outputs) {
     page.picture_of(
         outputs,
         "trials.svg",
-        "Above: every measured ratio (squares, a colour a trial) beside what the trials before it predicted (grey, with the interval of \
-         95 %, cut off at the frame). Below: measured ratios against the texture and the pressure",
+        "Above: every measured ratio (squares, a colour a trial) beside the prediction by the trials before it. Grey bars: 95 %, cut off at the \
+         frame. Below: measured ratios against the texture and the pressure",
     );
 }
 
@@ -91,14 +91,14 @@ fn verdict(page: &mut Page, report: &TrialsReport) {
         let times = |deviations: f64| number((effect.value + deviations * effect.std).exp(), 3);
         let [low, middle, high] = [-2.0, 0.0, 2.0].map(times);
         page.paragraph(&format!(
-            "Samples have {middle} times the modelled ratio ({low} to {high} with two standard deviations) {}.",
+            "Samples have {middle} times the modelled ratio ({low} to {high} with two standard deviations). This holds {}.",
             effect.of.trim_start_matches("discrepancy ")
         ));
     }
     page.paragraph(&match &report.identified {
         Some(family) => format!("The trials say that what the model lacks grows with {family}."),
-        None if report.one_texture => "One texture cannot tell the forms apart: how what the model lacks depends on the texture is as unknown as it was, and other \
-                                       textures are predicted by the mixture of all forms."
+        None if report.one_texture => "One texture cannot tell the forms apart: how the model's error depends on the texture is as unknown as before. Other textures are \
+                                       predicted by the mixture of all forms."
             .to_owned(),
         None => "The trials do not say how what the model lacks depends on the texture: several forms fit, and other textures are \
                  predicted by their mixture."

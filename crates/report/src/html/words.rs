@@ -12,15 +12,36 @@ pub fn known(value: impl Into<Option<f64>>) -> Option<f64> {
     value.into().filter(|value| value.is_finite())
 }
 
-/// Formats words as a sentence. A key or file name at the beginning keeps its case.
+/// Formats words as a sentence, or as several where a semicolon outside brackets separates them. A key or file name at the
+/// beginning keeps its case.
 pub fn sentence(words: &str) -> String {
+    let mut depth = 0_usize;
+    let mut parts = vec![String::new()];
+    for letter in words.chars() {
+        depth = match letter {
+            '(' | '[' => depth + 1,
+            ')' | ']' => depth.saturating_sub(1),
+            _ => depth,
+        };
+        match parts.last_mut() {
+            Some(part) if letter != ';' || depth > 0 => part.push(letter),
+            _ => parts.push(String::new()),
+        }
+    }
+    let parts: Vec<String> = parts.iter().map(|part| capitalized(part.trim())).collect();
+    parts.join(" ")
+}
+
+/// Formats one sentence.
+fn capitalized(words: &str) -> String {
+    let words = words.trim_end_matches('.');
     let first = words.split_whitespace().next().unwrap_or_default().trim_end_matches([':', ',', ';', '.']);
     if first.contains(['_', '.', '/', '`', '[']) {
-        return format!("{}.", words.trim_end_matches('.'));
+        return format!("{words}.");
     }
     let mut letters = words.chars();
     let first = letters.next().map_or_else(String::new, |letter| letter.to_uppercase().collect());
-    format!("{first}{}.", letters.as_str().trim_end_matches('.'))
+    format!("{first}{}.", letters.as_str())
 }
 
 /// Formats a number with `digits` decimals, or a dash.
@@ -93,6 +114,7 @@ mod tests {
     fn sentences_begin_with_a_capital_but_names_of_keys_and_files_stay_as_they_are() {
         assert_eq!(sentence("rows are left out"), "Rows are left out.");
         assert_eq!(sentence("Rows are left out."), "Rows are left out.");
+        assert_eq!(sentence("one (a; b) two; three; mu_d rises"), "One (a; b) two. Three. mu_d rises.");
         for named in
             ["dynamic_mean: fitted", "traces.csv: 3 rows", "static_mean 2: not determined", "[learned] is used"]
         {
