@@ -2,6 +2,7 @@
 
 use plotters::style::RGBColor;
 use plotters::style::text_anchor::{HPos, VPos};
+use slipgrid_units::tidy;
 
 use super::ChartError;
 use super::canvas::{Canvas, GREY, GRID, INK, Mark};
@@ -88,6 +89,18 @@ impl Axis {
             .map(|power| (f64::from(power), format!("1e{power}")))
             .collect();
         Self { title: title.to_owned(), range, ticks }
+    }
+
+    /// Axis with numbers at increasing `values` in place of round ones; a value too near the one before has none.
+    pub(super) fn numbered_at(self, values: &[f64]) -> Self {
+        const GAP: f64 = 0.09;
+        let mut ticks: Vec<(f64, String)> = Vec::new();
+        for value in values {
+            if ticks.last().is_none_or(|(before, _)| value - before > GAP * (self.range[1] - self.range[0])) {
+                ticks.push((*value, tidy(*value).to_string()));
+            }
+        }
+        Self { ticks, ..self }
     }
 
     /// Positions and texts of the numbers.
@@ -302,6 +315,12 @@ mod tests {
             assert!(axis.range[0] < value && value < axis.range[1]);
             assert!(!axis.ticks.is_empty());
         }
+    }
+
+    #[test]
+    fn an_axis_has_numbers_at_given_values_that_are_not_crowded() {
+        let axis = Axis::over("", [0.0, 3.0]).numbered_at(&[0.65, 1.3, 1.4, 2.6]);
+        assert_eq!(axis.numbers().collect::<Vec<_>>(), [(0.65, "0.65"), (1.3, "1.3"), (2.6, "2.6")]);
     }
 
     #[test]

@@ -136,7 +136,11 @@ fn target_of_width(chart: &TargetChart<'_>, width: f64) -> Result<String, ChartE
     let upper = widened().filter(is_banded).map(|point| [point.pressure_mpa, point.highest.unwrap_or(above)]);
     let band: Vec<[f64; 2]> = lower.chain(upper.rev()).collect();
 
-    let x_axis = Axis::around("nominal pressure (MPa)", pressures().chain(ends.iter().map(|end| end.pressure_mpa)));
+    // Conditions of a single pressure stand near its middle.
+    let around = if high_mpa > low_mpa { 0.0 } else { range_mpa };
+    let reached = ends.iter().zip([-around, around]).map(|(end, beyond_mpa)| end.pressure_mpa + beyond_mpa);
+    let own: Vec<f64> = chart.target.iter().map(|point| point.pressure_mpa).collect();
+    let x_axis = Axis::around("nominal pressure (MPa)", pressures().chain(reached)).numbered_at(&own);
     let y_axis = Axis::around(chart.quantity, values().chain(opened));
     picture_of_size([width, HEIGHT], |canvas| {
         let top = canvas.heading(chart.title, &legend)?;

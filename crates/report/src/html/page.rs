@@ -378,7 +378,7 @@ impl Page {
     pub fn model(&mut self, [model, method]: [&[String]; 2], has_rim: bool) {
         self.heading("What was modelled, and why");
         self.list(&model.iter().map(|stated| sentence(stated)).collect::<Vec<_>>());
-        self.named_list("Not modelled", &not_modelled(has_rim).map(sentence));
+        self.paragraph(&format!("Not modelled: {}.", not_modelled(has_rim).join("; ")));
         self.fold("How it was computed", |page| {
             page.list(&method.iter().map(|step| sentence(step)).collect::<Vec<_>>());
         });
