@@ -285,10 +285,11 @@ pub const CONTRAST: &str = r"(() => {
   const behind = element => { for (let own = element; own; own = own.parentElement) { const [rgb, alpha] = parse(getComputedStyle(own).backgroundColor); if (alpha > 0.5) return rgb; } return parse(getComputedStyle(document.body).backgroundColor)[0]; };
   const poor = [];
   for (const element of document.querySelectorAll('body *')) {
-    if (element.closest('svg') || !element.getClientRects().length) continue;
+    const drawn = element.tagName === 'text';
+    if (element.closest('svg') && !drawn || !element.getClientRects().length) continue;
     if (![...element.childNodes].some(node => node.nodeType === 3 && node.textContent.trim())) continue;
-    const style = getComputedStyle(element), size = parseFloat(style.fontSize), large = size >= 24 || (size >= 18.66 && +style.fontWeight >= 700);
-    const [a, b] = [luminance(parse(style.color)[0]), luminance(behind(element))], ratio = (Math.max(a, b) + 0.05) / (Math.min(a, b) + 0.05);
+    const style = getComputedStyle(element), size = parseFloat(style.fontSize), large = !drawn && (size >= 24 || (size >= 18.66 && +style.fontWeight >= 700));
+    const [a, b] = [luminance(parse(drawn ? style.fill : style.color)[0]), luminance(behind(element))], ratio = (Math.max(a, b) + 0.05) / (Math.min(a, b) + 0.05);
     if (ratio < (large ? 3 : 4.5)) poor.push(`${element.tagName} ${element.className} ${ratio.toFixed(2)} ${element.textContent.slice(0, 40)}`);
   }
   return poor;

@@ -12,6 +12,7 @@
 //! | [`trade_offs`] | designs by two or three goals, with the Pareto front |
 //! | [`trials`] | measured and predicted ratios of trials, and ratios against texture features |
 //! | [`left_out`] | measured ratios against those predicted by all other trials |
+//! | [`friction_loops`] | friction against position in reciprocating sliding |
 //! | [`tribometer`] | repeats of a test against time, with the values read from them |
 //! | [`surface_map`] | a surface seen from above, with heights as colours |
 //! | [`height_histogram`] | histogram of heights, and the bearing curve |
@@ -58,7 +59,7 @@ pub use surface_map::{SlidingMark, SurfaceMapChart, surface_map};
 pub use target::{SamplePoint, TargetChart, TargetPoint, target, target_narrow};
 pub use trade_offs::{TradeOffsChart, trade_offs};
 pub use trials::{Prediction, TrialsChart, trials};
-pub use tribometer::{RepeatTrace, TribometerChart, tribometer};
+pub use tribometer::{RepeatTrace, TribometerChart, friction_loops, tribometer};
 pub use work_precision::{WorkPoint, WorkPrecisionChart, WorkPrecisionPanel, work_precision};
 
 /// A labelled line.

@@ -12,6 +12,7 @@ use super::page::{Page, number, percent, plain, sentence, with_error};
 use super::{background, trials};
 use crate::Outputs;
 use crate::calibration::{StaticRow, flat_friction_narrow, in_words, static_rows, static_words, which_errors};
+use crate::traces::LOOPS;
 use crate::trials::TrialsReport;
 
 /// Relative error of Young's modulus above which the page suggests a measurement.
@@ -419,10 +420,12 @@ fn traces(page: &mut Page, outputs: &Outputs) {
         .into_iter()
         .filter(|name| name.ends_with("pct.svg"))
         .filter_map(|name| {
-            Some((
-                outputs.text(name)?,
-                format!("Repeats against time, with what was read from them ({})", name.trim_end_matches(".svg")),
-            ))
+            let shown = if name.contains(LOOPS) {
+                "The last loops of friction against position, as recorded"
+            } else {
+                "Repeats against time, with what was read from them"
+            };
+            Some((outputs.text(name)?, format!("{shown} ({})", name.trim_end_matches(".svg"))))
         })
         .collect();
     if !drawn.is_empty() {
