@@ -17,7 +17,8 @@ pub(super) const PALETTE: [RGBColor; 5] = [
 ];
 pub(super) const INK: RGBColor = RGBColor(51, 51, 51);
 pub(super) const GRID: RGBColor = RGBColor(225, 225, 225);
-pub(super) const GREY: RGBColor = RGBColor(120, 120, 120);
+/// Dark enough for text: its contrast to white is 5.1.
+pub(super) const GREY: RGBColor = RGBColor(110, 110, 110);
 
 /// Width of a picture, and of a picture for a phone.
 pub(super) const WIDTH: f64 = 900.0;

@@ -263,8 +263,8 @@ impl<'c, 'a> Plot<'c, 'a> {
     }
 
     /// Writes text at the right edge of the plot, at page height `page_y`.
-    pub(super) fn margin_text(&self, text: &str, page_y: f64, color: RGBColor) -> Result<(), ChartError> {
-        self.canvas.text(text, [self.frame[2] + 8.0, page_y], (HPos::Left, VPos::Center), color)
+    pub(super) fn margin_text(&self, text: &str, page_y: f64) -> Result<(), ChartError> {
+        self.canvas.text(text, [self.frame[2] + 8.0, page_y], (HPos::Left, VPos::Center), INK)
     }
 }
 

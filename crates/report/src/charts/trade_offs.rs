@@ -2,7 +2,7 @@ use std::collections::BTreeSet;
 
 use plotters::style::RGBColor;
 
-use super::canvas::{GREY, INK, LEFT, Mark, PALETTE, PRECISION, RIGHT, Swatch, WIDTH, picture};
+use super::canvas::{INK, LEFT, Mark, PALETTE, PRECISION, RIGHT, Swatch, WIDTH, picture};
 use super::plot::{Axis, Plot};
 use super::{ChartError, check};
 
@@ -113,7 +113,7 @@ fn behind(svg: &str, dots: &str) -> String {
 }
 
 /// Colour of background designs, lighter than the axes.
-const PALE: RGBColor = RGBColor(GREY.0 + 80, GREY.1 + 80, GREY.2 + 80);
+const PALE: RGBColor = RGBColor(200, 200, 200);
 
 /// Scale of a goal's axis.
 #[derive(Clone, Copy)]
