@@ -51,7 +51,7 @@ pub fn trials(report: &TrialsReport, outputs: &Outputs) -> String {
     page.title(&title);
     page.beside_picture(
         |page| {
-            page.doubts(&report.warnings);
+            page.doubts(&report.warnings.iter().map(|doubtful| format!("doubtful: {doubtful}")).collect::<Vec<_>>());
             verdict(page, report);
             page.named_list("What to measure next", &next(report));
             page.terms(&TERMS);
