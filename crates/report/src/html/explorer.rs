@@ -173,7 +173,7 @@ impl Subject<'_> {
                 number(explorer.worst_error, 4),
             )
         };
-        format!("Expected of a cut sample of any design within the bounds. {error}{conditions}")
+        format!("What is expected of a cut sample of any design within the bounds. {error}{conditions}")
     }
 
     /// Adds the sliders and their outputs.
