@@ -104,6 +104,24 @@ impl Chromium {
         self.call("Emulation.setEmulatedMedia", &json!({ "features": feature }));
     }
 
+    /// Number of A4 pages of the printed page.
+    pub fn printed_pages(&mut self) -> u64 {
+        let paper = json!({ "paperWidth": 8.27, "paperHeight": 11.69, "preferCSSPageSize": true });
+        let printed = self.call("Page.printToPDF", &paper);
+        let data = printed["data"].as_str().unwrap();
+        self.ask(&format!("(atob('{data}').match(/\\/Type \\/Page\\b/g) || []).length")).as_u64().unwrap()
+    }
+
+    /// Whether a reader of the printed page sees every element of `selector`, of which there is at least one.
+    pub fn prints_all(&mut self, selector: &str) -> bool {
+        self.call("Emulation.setEmulatedMedia", &json!({ "media": "print" }));
+        let seen = self.ask(&format!(
+            "(all => all.length > 0 && all.every(own => own.getClientRects().length > 0))([...document.querySelectorAll('{selector}')])"
+        ));
+        self.call("Emulation.setEmulatedMedia", &json!({ "media": "" }));
+        seen == json!(true)
+    }
+
     /// Resizes the window; a narrow one is emulated as that of a phone.
     pub fn resize(&mut self, [width, height]: [u32; 2]) {
         let own = json!({ "width": width, "height": height, "deviceScaleFactor": 1, "mobile": width < 500 });

@@ -126,6 +126,11 @@ fn the_explorer_says_what_is_predicted_and_needs_no_mouse() {
     let Some(mut page) = chromium else { return };
     println!("Chromium:");
     explores(&mut page, folder.path());
+    assert!(page.prints_all("#doubts li") && page.prints_all(".odds svg"));
+    let printed = page.printed_pages();
+    println!("{printed} printed pages");
+    assert!(printed <= 4, "{printed}");
+    assert!(fs::metadata(&report).unwrap().len() <= 400_000);
     page.ask("document.querySelectorAll('details').forEach(own => { own.open = true; })");
     for window in pages::WINDOWS {
         page.resize(window);
@@ -143,8 +148,13 @@ fn explores(page: &mut dyn Page, folder: &Path) {
     let out = folder.join("out");
     // The stated error.
     let words = page.ask("document.querySelector('.screen p').textContent");
-    let stated: Vec<f64> = words.as_str().unwrap().split_whitespace().filter_map(|word| word.parse().ok()).collect();
-    let (median, worst) = (stated[0], stated[1]);
+    let stated: Vec<f64> = words
+        .as_str()
+        .unwrap()
+        .split_whitespace()
+        .filter_map(|word| word.trim_end_matches([',', '.']).parse().ok())
+        .collect();
+    let [_, median, worst] = stated[..] else { panic!("{words}") };
     println!("{}", words.as_str().unwrap());
     assert!(median < 0.001 && worst < 0.03, "{words}");
 
@@ -156,6 +166,26 @@ fn explores(page: &mut dyn Page, folder: &Path) {
     }
     let chance = number(&page.ask("parseFloat(document.getElementById('explorer').dataset.chance)"));
     assert!((chance - number(&result["chance"])).abs() < 0.1, "{chance} {}", result["chance"]);
+
+    // Friction and pressure are those of the confirming run, at the last pressure.
+    let confirmed = result["confirmed"].as_array().unwrap();
+    let last = |name: &str| number(&confirmed.last().unwrap()[name]);
+    let said = |page: &mut dyn Page, name: &str| {
+        let text = page.ask(&format!("document.querySelector('[data-{name}]').textContent"));
+        text.as_str().unwrap().parse::<f64>().unwrap()
+    };
+    let (mu, peak) = (said(page, "second"), said(page, "peak"));
+    let expected = first.last().unwrap() * last("mu_flat");
+    assert!((mu - expected).abs() < 6e-4, "{mu} {expected}");
+    let largest = confirmed.iter().map(|load| number(&load["peak_pressure_mpa"])).fold(0.0, f64::max);
+    assert!((peak - largest).abs() < 0.06, "{peak} {largest}");
+    // Sliders say their values with units, and both axes of the map have ticks.
+    let values =
+        page.ask("[...document.querySelectorAll('input[type=range]')].map(own => own.getAttribute('aria-valuetext'))");
+    let values: Vec<&str> = values.as_array().unwrap().iter().map(|own| own.as_str().unwrap()).collect();
+    assert!(values[..3].iter().all(|own| own.ends_with(" µm")) && values[3].ends_with(" MPa"), "{values:?}");
+    let ticks = page.ask("[...document.querySelectorAll('.ticks')].map(own => own.children.length)");
+    assert!(ticks.as_array().unwrap().iter().all(|count| number(count) >= 2.0), "{ticks}");
 
     // Sliders move by the keyboard, and the curve with them.
     let (mut last, mut seen) = (start, Vec::new());

@@ -134,7 +134,7 @@ fn cavities_that_close_have_no_answer() {
     let [verdict, first, second, map] = at([300.0, 100.0, 2.0]);
     assert!(verdict.contains("no answer"), "{verdict}");
     assert_eq!((first.as_str(), second.as_str()), ("-", "-"));
-    assert!(map.contains("White: ") && map.contains("no answer"), "{map}");
+    assert!(map.contains("Blank: ") && map.contains("no answer"), "{map}");
     let [verdict, first, second, _] = at([60.0, 300.0, 20.0]);
     let [ratio, mu] = [first, second].map(|own| own.parse::<f64>().unwrap());
     assert!(verdict.is_empty() && ratio > 0.8 && (mu / ratio / 0.243 - 1.0).abs() < 4e-3, "{verdict} {ratio} {mu}");
@@ -285,10 +285,11 @@ pub const CONTRAST: &str = r"(() => {
   const behind = element => { for (let own = element; own; own = own.parentElement) { const [rgb, alpha] = parse(getComputedStyle(own).backgroundColor); if (alpha > 0.5) return rgb; } return parse(getComputedStyle(document.body).backgroundColor)[0]; };
   const poor = [];
   for (const element of document.querySelectorAll('body *')) {
-    if (element.closest('svg') || !element.getClientRects().length) continue;
+    const drawn = element.tagName === 'text';
+    if (element.closest('svg') && !drawn || !element.getClientRects().length) continue;
     if (![...element.childNodes].some(node => node.nodeType === 3 && node.textContent.trim())) continue;
-    const style = getComputedStyle(element), size = parseFloat(style.fontSize), large = size >= 24 || (size >= 18.66 && +style.fontWeight >= 700);
-    const [a, b] = [luminance(parse(style.color)[0]), luminance(behind(element))], ratio = (Math.max(a, b) + 0.05) / (Math.min(a, b) + 0.05);
+    const style = getComputedStyle(element), size = parseFloat(style.fontSize), large = !drawn && (size >= 24 || (size >= 18.66 && +style.fontWeight >= 700));
+    const [a, b] = [luminance(parse(drawn ? style.fill : style.color)[0]), luminance(behind(element))], ratio = (Math.max(a, b) + 0.05) / (Math.min(a, b) + 0.05);
     if (ratio < (large ? 3 : 4.5)) poor.push(`${element.tagName} ${element.className} ${ratio.toFixed(2)} ${element.textContent.slice(0, 40)}`);
   }
   return poor;

@@ -18,7 +18,8 @@ fn cell(dimensions: u8) -> SteadyCell {
 /// Grooves whose lengths cover the bounds of a design, by a sequence of low discrepancy.
 fn grooves(count: u32) -> Vec<Pattern> {
     let groove = |n: u32| {
-        let [width, spacing, depth] = [0.754_877_666, 0.569_840_291, 0.430_159_709].map(|step| f64::from(n) * step % 1.0);
+        let [width, spacing, depth] =
+            [0.754_877_666, 0.569_840_291, 0.430_159_709].map(|step| f64::from(n) * step % 1.0);
         let of = |[from, to]: [f64; 2], share: f64| from * (to / from).powf(share) * 1e-6;
         let lengths_m = [of([40.0, 400.0], width), of([40.0, 1000.0], spacing), of([2.0, 50.0], depth)];
         Pattern::new(Planform::Groove, lengths_m[0], lengths_m[1], lengths_m[2]).unwrap()

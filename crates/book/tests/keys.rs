@@ -139,7 +139,11 @@ fn the_chapter_of_results_is_generated_from_the_types_that_are_written() {
 
 /// Process sheets: name, place of the structure, and title.
 const SHEETS: [(&str, [&str; 2], &str); 2] = [
-    ("process sheet", ["laser/src/export/process.rs", "ProcessSheet"], "`process.toml` of `optimize`, `next` and `export`"),
+    (
+        "process sheet",
+        ["laser/src/export/process.rs", "ProcessSheet"],
+        "`process.toml` of `optimize`, `next` and `export`",
+    ),
     (
         "process sheet of sectors",
         ["laser/src/export/sector_sheet.rs", "SectorsSheet"],

@@ -9,7 +9,7 @@ use slipgrid_base::monitor::Monitor;
 use slipgrid_base::statistics::{Axis, ResponseSurface, median};
 use slipgrid_base::units::{LENGTH_UM, PRESSURE_MPA, tidy};
 use slipgrid_model::pattern::Pattern;
-use slipgrid_model::springblock::Load;
+use slipgrid_model::springblock::{Load, Simulation};
 
 use crate::DesignError;
 use crate::job::seconds;
@@ -42,7 +42,8 @@ pub struct Explorer {
     /// Surface of ln(p / (1 - p)), p the chance that a sample is on target.
     pub log_odds: ResponseSurface,
     /// Surface of the logarithm of the maximum local pressure over MPa, the minimum height of a ceiling under load in
-    /// micrometres, the share of the specimen's face that is cavity, and laser seconds; 0 where unknown.
+    /// micrometres, the share of the specimen's face that is cavity, laser seconds (0 where unknown), and the minimum of
+    /// the local over the nominal pressure.
     pub beside: ResponseSurface,
     /// Indices of nodes without an answer; the cells around these nodes have no answer either.
     pub holes: Vec<usize>,
@@ -65,7 +66,7 @@ pub struct Explored {
     pub pattern: Pattern,
     /// Loads of the predictions.
     pub loads: Vec<Load>,
-    /// Friction of the flat surface in steady sliding at each load.
+    /// Friction of the flat surface at each load, in time, as a confirming run has it.
     pub flat_mu: Vec<f64>,
     /// Number of trials that predictions use.
     pub trials: usize,
@@ -98,22 +99,26 @@ pub fn explore_bounds(task: &DesignTask, monitor: &dyn Monitor) -> Result<Explor
         let pattern = best.texture.pattern;
         // Same accuracy as in `optimize`: with ends, tilt and time of this texture.
         let about = search.solved(&pattern).map_or(best, |solved| search.as_cut(&solved));
-        let explorer = Explorer::new(search, &about);
+        let explorer = Explorer::new(search, &about, about.texture.run.as_deref());
         monitor.heed()?;
         Ok((pattern, explorer.ok_or_else(DesignError::nothing_computed)?, search.asked.learned.trials().len()))
     });
     let (pattern, explorer, trials) = found?;
     let PreparedTask { task, material, uncertainty, loads, outside, .. } = prepared.clone();
     let beyond_measured = task.beyond_measured(&material, &outside);
-    let flat_mu = loads.iter().map(|load| load.flat_mu(material.area_law.as_ref())).collect();
+    let excess = uncertainty.excess(&task.pressures_pa(), task.condition.as_ref());
+    let in_time = |row: usize| excess.as_ref().map_or(1.0, |excess| excess[row]);
+    let flat_mu = |(row, load): (usize, &Load)| load.flat_mu(material.area_law.as_ref()) * in_time(row);
+    let flat_mu = loads.iter().enumerate().map(flat_mu).collect();
     let material = KnownMaterial { material, uncertainty };
     Ok(Explored { task, material, pattern, loads, flat_mu, trials, beyond_measured, explorer })
 }
 
 impl Explorer {
     /// Builds the lattice from the table of `search`, with the table's error at `about` and the errors that samples of
-    /// `about` share. `None` if no design can be computed or if the search's monitor has cancelled.
-    pub fn new(search: &Search<'_>, about: &Prediction) -> Option<Self> {
+    /// `about` share. Around `about` it has the maximum pressure of `run`, the run of this texture on its specimen: outer
+    /// lands carry more than those of a period. `None` if no design can be computed or if the search's monitor has cancelled.
+    pub fn new(search: &Search<'_>, about: &Prediction, run: Option<&Simulation>) -> Option<Self> {
         let (task, loads) = (search.task, search.asked.loads.len());
         let off = search.off_at(about);
         let bounds_um = task.space.lengths_m().map(|bounds| bounds.map(|m| LENGTH_UM.from_si(m)));
@@ -145,6 +150,7 @@ impl Explorer {
                 answer.clearance_um.unwrap_or_else(|| LENGTH_UM.from_si(pattern.depth_m())),
                 laid.areal_density(),
                 seconds(task, &pattern).unwrap_or(0.0),
+                answer.least_pressure,
             ]);
             Some(numbers)
         };
@@ -155,9 +161,12 @@ impl Explorer {
         }
         let holes: Vec<usize> = (0..nodes.len()).filter(|place| answers[*place].is_none()).collect();
         let all = filled(answers, &axes)?;
-        let all = self_consistent(all, &axes, (&nodes, &holes), about, &numbers_of(about));
+        let mut reported = numbers_of(about);
+        // The logarithm of the maximum pressure follows the log odds.
+        reported.extend(run.map(|run| PRESSURE_MPA.from_si(run.peak_pressure_pa()).ln()));
+        let all = self_consistent(all, &axes, (&nodes, &holes), about, &reported);
         let (expected, log_odds) = (surface(&axes, &all, 0..3 * loads), surface(&axes, &all, 3 * loads..3 * loads + 1));
-        let beside = surface(&axes, &all, 3 * loads + 1..3 * loads + 5);
+        let beside = surface(&axes, &all, 3 * loads + 1..3 * loads + 6);
         let checks = random_places(&axes, CHECKS, 2);
         let off = |lengths_um: &[f64; 3]| {
             if expected.is_beside(&holes, lengths_um) {

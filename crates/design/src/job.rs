@@ -148,7 +148,7 @@ fn reported(
     let lattice = task.table.then(|| Lattice::new(search));
     monitor.heed()?;
     let exploring_s = monitor.seconds();
-    let explorer = task.explorer.then(|| Explorer::new(search, best)).flatten();
+    let explorer = task.explorer.then(|| Explorer::new(search, best, Some(&confirmed))).flatten();
     timings.explorer = monitor.seconds() - exploring_s;
     monitor.heed()?;
     if search.stage.cancelled() && !cut_short.contains(&"search") {

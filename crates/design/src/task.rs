@@ -20,6 +20,8 @@ pub struct DesignTask {
     pub date: Option<String>,
     /// Material; friction at the conditions of the task follows from it. A task without a material is not run.
     pub material: Option<KnownMaterial>,
+    /// Whether the material was computed from the calibration that the design file names, and not read from a material file.
+    pub is_calibrated: bool,
     /// Conditions at which the target must hold, the design condition first; empty if the material has coefficients for
     /// one condition only.
     pub ranges: Vec<ConditionRange>,
@@ -202,6 +204,7 @@ impl DesignTask {
             name: "design".to_owned(),
             date: None,
             material: None,
+            is_calibrated: false,
             ranges: Vec::new(),
             condition: None,
             also_at: Vec::new(),

@@ -161,12 +161,15 @@ fn optimize_and_next_find_one_texture_with_one_chance() {
 fn a_page_begins_with_what_is_reported_of_its_design() {
     searched(&three_tasks()[1], |search| {
         let best = search.best(&|_| true, 1).solved.remove(0);
-        let explorer = Explorer::new(search, &best).unwrap();
+        let run = best.texture.run.clone().unwrap();
+        let explorer = Explorer::new(search, &best, Some(&run)).unwrap();
         let about_um = best.texture.pattern.lengths_m().map(|m| 1e6 * m);
         let log_odds = explorer.log_odds.at(&about_um)[0];
         assert!((1.0 / (1.0 + (-log_odds).exp()) - best.chance()).abs() < 1e-9, "{log_odds} {}", best.chance());
         let medians = explorer.expected.at(&about_um);
         assert!(medians.iter().zip(best.medians()).all(|(own, median)| (own - median).abs() < 1e-9), "{medians:?}");
+        let peak_mpa = explorer.beside.at(&about_um)[0].exp();
+        assert!((peak_mpa / (1e-6 * run.peak_pressure_pa()) - 1.0).abs() < 1e-9, "{peak_mpa}");
     });
 }
 

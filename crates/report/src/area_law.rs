@@ -258,12 +258,18 @@ pub fn picture(report: &AreaLawReport) -> Result<String, charts::ChartError> {
         (false, None) => "Real contact area and the factor f (Persson's theory)",
         (is_synthetic, _) => picture_title(is_synthetic),
     };
+    // Windows may have been solved at some of the pressures only.
+    let windows = report.windows.as_ref().map_or_else(Vec::new, |of| {
+        of.factor_mean.iter().zip(&of.factor_spread).map(|(mean, spread)| [*mean, *spread]).collect()
+    });
+    let windows = if windows.len() == report.results.len() { windows } else { Vec::new() };
     charts::area_law(&AreaLawChart {
         title,
         pressure_mpa: &column(|point| point.pressure_mpa),
         area_fraction: &column(|point| point.area_fraction_corrected),
         factor: &factor,
         factor_std: factor_std.as_deref().unwrap_or_default(),
+        windows: &windows,
         threshold: threshold_area,
         others: &[],
     })

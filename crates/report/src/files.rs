@@ -43,7 +43,7 @@ pub fn of_design(found: &DesignOutcome) -> Result<Outputs, ReportError> {
             outputs.add("trade-offs.svg", trade_offs::picture(&task.name, compared, &found.pattern)?);
         }
     }
-    outputs.add("target.svg", target::target(report)?);
+    outputs.add("target.svg", target::target(report, Some(found))?);
     Ok(outputs)
 }
 

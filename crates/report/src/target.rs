@@ -2,26 +2,33 @@
 
 use crate::ChartError;
 use crate::charts::{self, SamplePoint, TargetChart, TargetPoint};
-use slipgrid_design::DesignReport;
+use slipgrid_base::units::PRESSURE_MPA;
+use slipgrid_design::{DesignOutcome, DesignReport, DesignTask};
+use slipgrid_infer::discrepancy::Load;
 
-/// Draws target and expected friction against pressure.
+/// Difference of speeds, relative, and of humidities up to which a trial was measured at the design condition.
+const SAME_CONDITION: f64 = 1e-6;
+/// Factor beyond the target's pressures up to which trials are drawn, so that they do not widen the plot.
+const BEYOND: f64 = 1.1;
+
+/// Draws target and expected friction against pressure, with the trials of `found`, the design of `report`, if available.
 ///
 /// # Errors
 /// [`ChartError`] if the picture cannot be drawn.
-pub fn target(report: &DesignReport) -> Result<String, ChartError> {
-    drawn(report, &format!("{}: friction of a cut sample", report.name), charts::target)
+pub fn target(report: &DesignReport, found: Option<&DesignOutcome>) -> Result<String, ChartError> {
+    drawn((report, found), &format!("{}: friction of a cut sample", report.name), charts::target)
 }
 
 /// Draws [`target`] for a narrow column of a page, without the title, which the page has.
 ///
 /// # Errors
 /// Same as [`target`].
-pub fn target_narrow(report: &DesignReport) -> Result<String, ChartError> {
-    drawn(report, "", charts::target_narrow)
+pub fn target_narrow(report: &DesignReport, found: Option<&DesignOutcome>) -> Result<String, ChartError> {
+    drawn((report, found), "", charts::target_narrow)
 }
 
 fn drawn(
-    report: &DesignReport,
+    (report, found): (&DesignReport, Option<&DesignOutcome>),
     title: &str,
     draw: fn(&TargetChart<'_>) -> Result<String, ChartError>,
 ) -> Result<String, ChartError> {
@@ -55,7 +62,28 @@ fn drawn(
         target: &points,
         samples: &report.sample.expected.iter().enumerate().map(sample).collect::<Vec<_>>(),
         flat: &flat,
+        measured: &found.map_or_else(Vec::new, |found| measured(report, found)),
     })
+}
+
+/// Whether a trial's `load` is at the design condition of `task`, if there is one.
+pub(crate) fn is_at_condition(task: &DesignTask, load: &Load) -> bool {
+    task.condition.is_none_or(|wanted| {
+        (load.speed_m_s / wanted.speed_m_s - 1.0).abs() < SAME_CONDITION
+            && (load.humidity - wanted.humidity).abs() < SAME_CONDITION
+    })
+}
+
+/// Ratios measured in trials at the design condition, within the range of the target's pressures; none for other targets,
+/// because flat friction at the loads of trials is not known here.
+fn measured(report: &DesignReport, found: &DesignOutcome) -> Vec<[f64; 2]> {
+    let (Some(learned), true) = (&found.material.uncertainty.learned, report.is_ratio()) else { return Vec::new() };
+    let all = learned.trials().iter().flat_map(|trial| &trial.measured);
+    let all = all.filter(|of| is_at_condition(&found.task, &of.load));
+    let points = all.map(|of| [PRESSURE_MPA.from_si(of.load.pressure_pa), of.measured]);
+    let ends = report.target.pressure_mpa.iter();
+    let [low, high] = ends.fold([f64::INFINITY, 0.0], |[low, high]: [f64; 2], p| [low.min(*p), high.max(*p)]);
+    points.filter(|[p, _]| (low / BEYOND..=high * BEYOND).contains(p)).collect()
 }
 
 /// Friction of the flat surface at a load, in the target's quantity: 1 for a ratio, otherwise the confirmed value, which exists

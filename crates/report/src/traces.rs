@@ -1,13 +1,13 @@
 //! Tables and pictures of tribometer traces.
 
-use slipgrid_base::units::{HUMIDITY_PCT, SPEED_MM_S, tidy};
+use slipgrid_base::units::{HUMIDITY_PCT, LENGTH_MM, SPEED_MM_S, tidy};
 use slipgrid_design::results::{SCHEMA, Table, VERSION, fixed, guard_formula};
 use slipgrid_infer::calibrate::Measurement;
 use slipgrid_io::formats::measurements;
 use slipgrid_io::formats::traces::{ConditionTraces, OfTrial, SurfaceKind, TraceCondition, notes};
 use slipgrid_traces::DEFAULT_WINDOW_S;
 
-use crate::charts::{RepeatTrace, Series, TribometerChart, tribometer};
+use crate::charts::{RepeatTrace, Series, TribometerChart, friction_loops, tribometer};
 use crate::pictures::name_part;
 use crate::{ChartError, Outputs};
 
@@ -47,13 +47,16 @@ pub fn files(conditions: &[ConditionTraces]) -> Result<Outputs, ChartError> {
     outputs.add("traces.csv", table(conditions));
     let mut names: Vec<String> = Vec::new();
     for traces in conditions {
-        let own = name(&traces.condition);
+        let own = name(&traces.condition, "");
         // One condition may be read twice, over two windows.
         let again = match names.iter().filter(|other| **other == own).count() {
             0 => String::new(),
             before => format!("-{}", before + 1),
         };
         outputs.add(format!("{own}{again}.svg"), picture(traces)?);
+        if let Some(loops) = loops(traces)? {
+            outputs.add(format!("{}{again}.svg", name(&traces.condition, LOOPS)), loops);
+        }
         names.push(own);
     }
     Ok(outputs)
@@ -92,13 +95,16 @@ fn words(condition: &TraceCondition) -> [String; 4] {
     ]
 }
 
-/// File name of a condition: `flat-200N-2mm_s-15pct`.
-fn name(condition: &TraceCondition) -> String {
+/// Part of the file name of a picture of friction against position.
+pub(crate) const LOOPS: &str = "loops-";
+
+/// File name of a picture of a `kind` of a condition: `flat-200N-2mm_s-15pct`.
+fn name(condition: &TraceCondition, kind: &str) -> String {
     let [surface, ..] = words(condition);
     let numbers =
         [condition.force_n, SPEED_MM_S.from_si(condition.speed_m_s), HUMIDITY_PCT.from_si(condition.humidity)];
     let [force, speed, humidity] = numbers.map(name_part);
-    format!("{surface}-{force}N-{speed}mm_s-{humidity}pct")
+    format!("{surface}-{kind}{force}N-{speed}mm_s-{humidity}pct")
 }
 
 fn title(condition: &TraceCondition) -> String {
@@ -125,6 +131,19 @@ fn picture(traces: &ConditionTraces) -> Result<String, ChartError> {
     let window_s = traces.traces.first().map_or(DEFAULT_WINDOW_S, |trace| trace.findings.window_s);
     let title = format!("Friction in time: {}", title(&traces.condition));
     tribometer(&TribometerChart { title: &title, window_s, repeats: &repeats })
+}
+
+/// Draws friction against position; `None` for sliding in one direction, and where no position was recorded.
+fn loops(traces: &ConditionTraces) -> Result<Option<String>, ChartError> {
+    let in_mm = |loops: &[[f64; 2]]| loops.iter().map(|[x_m, mu]| [LENGTH_MM.from_si(*x_m), *mu]).collect();
+    let recorded = || traces.traces.iter().filter(|trace| !trace.loops.is_empty());
+    let points: Vec<Vec<[f64; 2]>> = recorded().map(|trace| in_mm(&trace.loops)).collect();
+    let repeats: Vec<Series<'_>> =
+        recorded().zip(&points).map(|(trace, points)| Series { label: &trace.label, points }).collect();
+    if repeats.is_empty() {
+        return Ok(None);
+    }
+    friction_loops(&format!("Friction against position: {}", title(&traces.condition)), &repeats).map(Some)
 }
 
 /// One row per repeat.

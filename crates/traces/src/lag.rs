@@ -1,8 +1,10 @@
 //! Delay between the turns of the position and the sign changes of friction in reciprocating sliding.
 
 use super::time_series::median;
-use super::{TraceChannels, samples_between, sampling_interval};
+use super::{Tangential, TraceChannels, TraceOptions, samples_between, sampling_interval};
 
+/// Number of loops of friction against position.
+const LOOPS: usize = 2;
 /// Minimum number of turns for a lag.
 const MIN_TURNS: usize = 5;
 /// The position is at its end while it is within this fraction of the stroke from its extreme.
@@ -48,6 +50,34 @@ pub fn lag_of_friction(channels: &TraceChannels, position_m: &[f64], window_s: [
     (lag_s.abs() > 2.0 * sampling_interval(time_s)).then_some(Lag { lag_s, stroke_s })
 }
 
+/// Position in metres and recorded coefficient, with its sign, of the last loops within the averaging window; empty if the
+/// position was not recorded or if there are too few strokes. The offset of a sensor is not taken off.
+#[must_use]
+pub fn friction_loops(channels: &TraceChannels, position_m: &[f64], options: &TraceOptions) -> Vec<[f64; 2]> {
+    let tangential = channels.tangential.values();
+    if position_m.len() != tangential.len() || tangential.len() != channels.time_s.len() {
+        return Vec::new();
+    }
+    let time_s: Vec<f64> = channels.time_s.iter().map(|t| t - channels.start_s).collect();
+    let inside = samples_between(&time_s, options.window_s);
+    let position = &position_m[inside.clone()];
+    if position.is_empty() || !position.iter().all(|x| x.is_finite()) {
+        return Vec::new();
+    }
+    let turns = crossings(&time_s[inside.clone()], position);
+    let Some(from) = turns.len().checked_sub(2 * LOOPS + 1) else { return Vec::new() };
+    let force_n = |at: usize| channels.normal_force_n.get(at).copied().or(options.nominal_force_n).map(f64::abs);
+    let coefficient = |at: usize| {
+        Some(match channels.tangential {
+            Tangential::TorqueNm(_) => tangential[at] / (force_n(at)? * options.effective_radius_m),
+            Tangential::ForceN(_) => tangential[at] / force_n(at)?,
+            Tangential::Coefficient(_) => tangential[at],
+        })
+    };
+    let all = (inside.start + turns[from]..=inside.start + turns[turns.len() - 1]).map(|at| (at, coefficient(at)));
+    all.filter_map(|(at, mu)| Some([position_m[at], mu.filter(|mu| mu.is_finite())?])).collect()
+}
+
 /// Indices at which `values` cross the middle of their range and then exceed it by a quarter of the range.
 fn crossings(time_s: &[f64], values: &[f64]) -> Vec<usize> {
     let mut sorted = values.to_vec();
@@ -87,8 +117,8 @@ mod tests {
     use super::*;
     use crate::Tangential;
 
-    /// Strokes of half a second at 200 Hz by a crank or at constant speed; friction lags by `lag_s`.
-    fn found(lag_s: f64, is_crank: bool) -> Option<Lag> {
+    /// Strokes of half a second at 200 Hz by a crank or at constant speed, with their positions; friction lags by `lag_s`.
+    fn strokes(lag_s: f64, is_crank: bool) -> (TraceChannels, Vec<f64>) {
         let time_s: Vec<f64> = (0..4000).map(|i| 3.0 + 0.005 * f64::from(i)).collect();
         let triangle = |t: f64| if t.rem_euclid(1.0) < 0.5 { t.rem_euclid(1.0) } else { 1.0 - t.rem_euclid(1.0) };
         let position = |t: f64| if is_crank { -(std::f64::consts::TAU * t).cos() } else { triangle(t) };
@@ -96,8 +126,37 @@ mod tests {
         let force_n = |t: f64| if (t - lag_s).rem_euclid(1.0) < 0.5 { 2.0 } else { -2.0 };
         let friction: Vec<f64> = time_s.iter().map(|&t| force_n(t)).collect();
         let tangential = Tangential::ForceN(friction);
-        let channels = TraceChannels { start_s: 3.0, normal_force_n: vec![10.0; time_s.len()], time_s, tangential };
+        let normal_force_n = vec![10.0; time_s.len()];
+        (TraceChannels { start_s: 3.0, normal_force_n, time_s, tangential }, position_m)
+    }
+
+    fn found(lag_s: f64, is_crank: bool) -> Option<Lag> {
+        let (channels, position_m) = strokes(lag_s, is_crank);
         lag_of_friction(&channels, &position_m, [2.0, 18.0])
+    }
+
+    #[test]
+    fn the_last_loops_have_both_directions_of_every_position() {
+        let (channels, position_m) = strokes(0.0, true);
+        let options = TraceOptions {
+            window_s: [2.0, 18.0],
+            effective_radius_m: f64::NAN,
+            nominal_force_n: None,
+            speed_m_s: 0.02,
+            static_peak: false,
+            stroke_share: Some(0.5),
+            zero_s: None,
+        };
+        let loops = friction_loops(&channels, &position_m, &options);
+        // Two loops of a second at 200 Hz.
+        assert!(loops.len().abs_diff(400) <= 2, "{}", loops.len());
+        for side in [-1.0, 1.0] {
+            let own: Vec<f64> = loops.iter().filter(|[_, mu]| *mu == 0.2 * side).map(|[x, _]| *x).collect();
+            let (least, most) = own.iter().fold((0.0_f64, 0.0_f64), |(low, high), x| (low.min(*x), high.max(*x)));
+            assert!(own.len() > 180 && least < -0.0099 && most > 0.0099, "{least} {most}");
+        }
+        assert!(friction_loops(&channels, &[], &options).is_empty());
+        assert!(friction_loops(&channels, &position_m, &TraceOptions { window_s: [2.0, 3.0], ..options }).is_empty());
     }
 
     #[test]

@@ -76,7 +76,7 @@ mod trace_errors;
 mod zero;
 
 pub use averaging_window::WindowMean;
-pub use lag::{Lag, lag_of_friction};
+pub use lag::{Lag, friction_loops, lag_of_friction};
 pub use load::LoadMistake;
 pub use position::speed_of_position;
 pub use repeats::{MeanStd, OddRepeat, Repeats, average, moderate, odd_repeats};

@@ -413,8 +413,10 @@ fn a_page_explores_a_design_or_a_material_before_any_search() {
         place.succeed(&["explore", file, "-o", page]);
         let text = std::fs::read_to_string(place.path(page)).unwrap();
         assert!(text.contains("id=\"explorer-data\""), "{page}");
-        let said =
-            ["What is expected of a cut sample of any design within the bounds", " is interpolated; it is off by "];
+        let said = [
+            "What is expected of a cut sample of any design within the bounds",
+            " is interpolated between computed designs: of ",
+        ];
         assert_eq!(said.into_iter().find(|said| !text.contains(said)), None, "{page}");
         assert!(text.contains("no files belong to it") && !text.contains("files beside this page"), "{page}");
         // What there is not is not spoken of; flat friction is known.

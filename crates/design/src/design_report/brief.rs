@@ -81,7 +81,33 @@ impl DesignReport {
 mod tests {
     use super::*;
     use crate::prediction::{Expected, ModelledRatio, SampleReport};
-    use crate::results::MaterialReport;
+    use crate::results::{LoadReport, MaterialReport};
+
+    #[test]
+    fn the_gravest_doubt_comes_first() {
+        let mut report = DesignReport {
+            violations: vec!["a land is too small".into()],
+            laser_warnings: vec!["bursts are coarse".into()],
+            material: MaterialReport { warnings: vec!["the map is spiky".into()], ..MaterialReport::default() },
+            confirmed: vec![LoadReport {
+                pressure_mpa: 2.6,
+                friction_extrapolated: true,
+                status: "converged".into(),
+                ..LoadReport::default()
+            }],
+            measured_mpa: Some([0.6, 2.5]),
+            ..DesignReport::default()
+        };
+        let places = |report: &DesignReport| {
+            let doubts = report.doubts();
+            ["too small", "spiky", "outside the measured", "coarse"]
+                .map(|words| doubts.iter().position(|doubt| doubt.contains(words)).unwrap())
+        };
+        assert_eq!(places(&report), [0, 1, 2, 3]);
+        // Far outside, friction is a guess.
+        report.measured_mpa = Some([0.6, 1.3]);
+        assert_eq!(places(&report), [0, 2, 1, 3]);
+    }
 
     /// Tests with twelve loads, six doubts of a paragraph each, and three other textures.
     #[test]

@@ -9,6 +9,9 @@ use crate::results::{
     Table, believed_interval, beyond_measured, beyond_measured_range, duration_in_words, fixed, length_in_words, notes,
 };
 
+/// Factor beyond the measured pressures from which an extrapolated coefficient is the gravest doubt about the material.
+const FAR_BEYOND: f64 = 1.25;
+
 impl DesignReport {
     /// Formats the full text report.
     #[must_use]
@@ -154,25 +157,38 @@ impl DesignReport {
         beyond_measured_range(&self.beyond_mpa(), self.measured_mpa)
     }
 
-    /// Reasons to doubt the design, one sentence each; the text marks them with `!`.
+    /// Reasons to doubt the design, one sentence each, the gravest first; the text marks them with `!`.
     #[must_use]
     pub fn doubts(&self) -> Vec<String> {
-        self.beyond_range().into_iter().chain(self.other_doubts()).collect()
+        let [before, after] = self.other_doubts();
+        let beyond = self.beyond_range();
+        // Just beyond the measured loads the nearest coefficients hardly differ; far beyond them friction is a guess.
+        let (far, near) = if self.is_far_beyond() { (beyond, None) } else { (None, beyond) };
+        before.into_iter().chain(far).chain(self.material.doubts()).chain(near).chain(after).collect()
     }
 
-    fn other_doubts(&self) -> impl Iterator<Item = String> {
-        let laser = self.of_laser().map(|warning| format!("laser: {warning}"));
+    /// Doubts before and after those about the material: a design that breaks a limit, or a run without a valid result,
+    /// makes every number void; blocks and bursts change it by a known amount.
+    fn other_doubts(&self) -> [Vec<String>; 2] {
         let beyond = beyond_measured(&self.beyond_mpa());
         let loads = crate::results::warnings(&self.confirmed);
-        let loads = loads.into_iter().filter(move |warning| Some(warning) != beyond.as_ref());
-        let violations = self.violations.iter().cloned();
-        self.material.doubts().chain(violations).chain(laser).chain(loads).chain(self.unresolved())
+        let loads = loads.into_iter().filter(|warning| Some(warning) != beyond.as_ref());
+        let laser = self.of_laser().map(|warning| format!("laser: {warning}"));
+        [self.violations.iter().cloned().chain(loads).collect(), self.unresolved().into_iter().chain(laser).collect()]
+    }
+
+    /// Whether a target pressure lies farther from the measured range than [`FAR_BEYOND`].
+    fn is_far_beyond(&self) -> bool {
+        let is_far =
+            |mpa: &f64| self.measured_mpa.is_none_or(|[low, high]| *mpa > FAR_BEYOND * high || FAR_BEYOND * mpa < low);
+        self.beyond_mpa().iter().any(is_far)
     }
 
     /// Doubts, marked `!`, and notes on what is and what is not modelled.
     fn notes_text(&self) -> String {
         let mut text = "\n".to_owned();
-        for doubt in self.other_doubts() {
+        let [before, after] = self.other_doubts();
+        for doubt in before.into_iter().chain(self.material.doubts()).chain(after) {
             let _ = writeln!(text, "! {doubt}");
         }
         let stated = self.model.iter().map(String::as_str);

@@ -40,8 +40,8 @@ pub fn wrapped(text: &str, width: usize, indent: &str, most: usize) -> String {
 /// Width of the screen, in characters.
 pub const SCREEN_WIDTH: usize = 100;
 
-/// Places that have all details, as named on the screen.
-pub const WHERE_ALL: &str = "in the report, or with --details";
+/// Option that shows all details, as named on the screen. A report has them too, but not every job writes one.
+pub const WHERE_ALL: &str = "with --details";
 
 /// Maximum number of doubts that the screen lists; the others are counted.
 const MAX_DOUBTS: usize = 3;

@@ -97,6 +97,7 @@ pub fn complete_by(
         _ => failed(&error, &path, calibration),
     })?;
     design.task.material = Some(material);
+    design.task.is_calibrated = true;
     Ok(())
 }
 

@@ -56,7 +56,7 @@ pub struct DesignScene<'a> {
     pub run: &'a RunOptions,
 }
 
-/// Steady scene of one period of `pattern` at the loads of `task` with the material `known`, as TOML.
+/// Steady scene of `pattern` on the specimen of `task`, at the loads of `task`, with the material `known`, as TOML.
 ///
 /// # Errors
 /// [`UnwritableScene`] if the values have no TOML form.
@@ -66,7 +66,8 @@ pub fn steady_scene(
     loads: &[Load],
     pattern: &Pattern,
 ) -> Result<String, UnwritableScene> {
-    let run = RunOptions { seed: task.seed, dimensions: task.dimensions, ..RunOptions::default() };
+    let extent = if task.strip { Extent::Strip } else { Extent::Sample };
+    let run = RunOptions { seed: task.seed, dimensions: task.dimensions, extent, ..RunOptions::default() };
     let scene = DesignScene {
         name: &task.name,
         material: &known.material,

@@ -7,7 +7,8 @@ use slipgrid_infer::calibrate::{Measurement, StaticPeak};
 use slipgrid_traces::columns::Titles;
 use slipgrid_traces::export::{ExportOptions, Recorded, TraceFile, parse};
 use slipgrid_traces::{
-    OddRepeat, Repeats, TraceError, TraceFindings, TraceFlag, TraceOptions, analyse, average, odd_repeats,
+    OddRepeat, Repeats, TraceError, TraceFindings, TraceFlag, TraceOptions, analyse, average, friction_loops,
+    odd_repeats,
 };
 
 use super::document::Document;
@@ -146,6 +147,9 @@ pub struct ReadTrace {
     pub label: String,
     /// Results of the analysis.
     pub findings: TraceFindings,
+    /// Position in metres and coefficient of the last loops of reciprocating sliding; empty for other traces, and where the
+    /// position was not recorded.
+    pub loops: Vec<[f64; 2]>,
     /// Anomalies, in words.
     pub flags: Vec<String>,
 }
@@ -269,7 +273,10 @@ pub(crate) fn analyse_among(
                             continue;
                         }
                     }
-                    traces.push(ReadTrace { label, findings, flags });
+                    let is_reciprocating = options.stroke_share.is_some();
+                    let loops =
+                        is_reciprocating.then(|| friction_loops(&repeat.channels, &repeat.position_m, &options));
+                    traces.push(ReadTrace { label, findings, loops: loops.unwrap_or_default(), flags });
                     names.push(name);
                 }
                 Err(error) => refused.push(refuse_trace(path, &which, repeat, &error, options.window_s)),

@@ -20,8 +20,6 @@ const CAVITY_COLOUR: &str = "#0072b2";
 const INK_COLOUR: &str = "#333333";
 const FACE_COLOUR: &str = "#f4f4f2";
 
-/// Initial width in pixels.
-const SHOWN_WIDTH: f64 = 900.0;
 /// Page measures in hundredths of the specimen's larger extent, so that the layout does not depend on its size.
 const MARGIN: f64 = 4.0;
 const CONTENT: f64 = 100.0;
@@ -36,7 +34,7 @@ const TITLE_CHARACTERS: usize = 58;
 const CAPTION_CHARACTERS: usize = 48;
 const BOLD_CHARACTERS: usize = 40;
 
-/// Writes the layout as an SVG picture. One unit of the view box is a millimetre; coordinates are rounded to one
+/// Writes the layout as an SVG picture at true size. One unit of the view box is a millimetre; coordinates are rounded to one
 /// nanometre. A laser uses the DXF, which states its unit. The outline, the cavities (one path) and the sliding
 /// direction are separate groups in a frame whose origin is the specimen's centre; as usual in SVG, y points down.
 ///
@@ -212,10 +210,9 @@ impl Page {
 
     fn open(&mut self, width: f64, height: f64) {
         let (width_mm, height_mm) = (self.mm(width), self.mm(height));
-        let shown = decimal(SHOWN_WIDTH * height / width, 0);
         let _ = writeln!(
             self.out,
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{SHOWN_WIDTH}\" height=\"{shown}\" \
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width_mm}mm\" height=\"{height_mm}mm\" \
              viewBox=\"0 0 {width_mm} {height_mm}\" font-family=\"sans-serif\" fill=\"{INK_COLOUR}\">\n\
              <rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>"
         );

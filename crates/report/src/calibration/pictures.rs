@@ -70,13 +70,21 @@ pub fn area_law(task: &CalibrationTask, outcome: &CalibrationOutcome) -> Result<
     let pressure_mpa: Vec<f64> = curve.iter().map(|point| PRESSURE_MPA.from_si(point.pressure_pa)).collect();
     let area_fraction: Vec<f64> = curve.iter().map(|point| point.area_fraction_corrected).collect();
     let factor: Vec<f64> = curve.iter().map(|point| law.factor(point.pressure_pa)).collect();
+    // Standard errors of f from the windows of the map, at the pressures of the law; f is exact below them.
+    let std_at = |pressure_pa: f64| {
+        let all = law.factor_std()?;
+        let place = law.pressures_pa().iter().position(|own| (pressure_pa / own - 1.0).abs() < 1e-9);
+        Some(place.and_then(|place| all.get(place).copied()).unwrap_or(0.0))
+    };
+    let factor_std: Vec<f64> = curve.iter().filter_map(|point| std_at(point.pressure_pa)).collect();
     let threshold = curve.iter().find(|point| (point.pressure_pa / law.pressures_pa()[0] - 1.0).abs() < 1e-9);
     charts::area_law(&AreaLawChart {
         title: picture_title(surface.synthetic),
         pressure_mpa: &pressure_mpa,
         area_fraction: &area_fraction,
         factor: &factor,
-        factor_std: &[],
+        factor_std: &factor_std,
+        windows: &[],
         threshold: threshold.map(|point| [PRESSURE_MPA.from_si(point.pressure_pa), point.area_fraction_corrected]),
         others: &[],
     })

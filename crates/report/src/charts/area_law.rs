@@ -1,4 +1,4 @@
-use super::canvas::{GREY, LEFT, Mark, PALETTE, RIGHT, Swatch, WIDTH, picture};
+use super::canvas::{GREY, INK, LEFT, Mark, PALETTE, RIGHT, Swatch, WIDTH, picture};
 use super::plot::{Axis, Plot};
 use super::{ChartError, check, check_length};
 
@@ -15,6 +15,8 @@ pub struct AreaLawChart<'a> {
     pub factor: &'a [f64],
     /// Standard errors of f, one per pressure; may be empty.
     pub factor_std: &'a [f64],
+    /// Mean of f over windows of the map and its standard deviation among them, one pair per pressure; may be empty.
+    pub windows: &'a [[f64; 2]],
     /// Threshold pressure P0 in MPa, below which friction is proportional to load, and the area fraction at P0.
     pub threshold: Option<[f64; 2]>,
     /// Other surfaces at identical pressures, drawn as thinner lines; may be empty.
@@ -50,12 +52,16 @@ pub fn area_law(chart: &AreaLawChart<'_>) -> Result<String, ChartError> {
     if !chart.factor_std.is_empty() {
         check_length(chart.title, chart.pressure_mpa.len(), chart.factor_std.len())?;
     }
+    if !chart.windows.is_empty() {
+        check_length(chart.title, chart.pressure_mpa.len(), chart.windows.len())?;
+    }
     for other in chart.others {
         check_length(chart.title, chart.pressure_mpa.len(), other.area_fraction.len())?;
         check_length(chart.title, chart.pressure_mpa.len(), other.factor.len())?;
     }
     let others = || chart.others.iter().flat_map(|other| other.area_fraction.iter().chain(other.factor));
     let own = || chart.pressure_mpa.iter().chain(chart.area_fraction).chain(chart.factor).chain(chart.factor_std);
+    let own = || own().chain(chart.windows.as_flattened());
     let values = || own().chain(others());
     check(chart.title, chart.pressure_mpa)?;
     check(chart.title, values().chain(chart.threshold.iter().flatten()))?;
@@ -68,6 +74,9 @@ pub fn area_law(chart: &AreaLawChart<'_>) -> Result<String, ChartError> {
     ];
     if !chart.factor_std.is_empty() {
         legend.push((Swatch::Band(vermilion, BAND), "f ± standard error"));
+    }
+    if !chart.windows.is_empty() {
+        legend.push((Swatch::Mark(Mark::Ring, INK), "windows of the map, ± standard deviation"));
     }
     if chart.threshold.is_some() {
         legend.push((Swatch::Dashed(GREY), "proportional to load"));
@@ -86,7 +95,8 @@ pub fn area_law(chart: &AreaLawChart<'_>) -> Result<String, ChartError> {
     };
     let band: Vec<[f64; 2]> = edge(-1.0).chain(edge(1.0).rev()).collect();
     let edges = band.iter().map(|point| point[1]);
-    let factor_axis = Axis::around("factor f", factors().chain(edges).chain([1.0]));
+    let of_windows = chart.windows.iter().flat_map(|[mean, std]| [mean - std, mean + std]);
+    let factor_axis = Axis::around("factor f", factors().chain(edges).chain(of_windows).chain([1.0]));
     let area_high = chart.area_fraction.iter().fold(0.0_f64, |high, &area| high.max(area));
     let last = chart.pressure_mpa.iter().fold(0.0_f64, |high, &pressure| high.max(pressure));
     picture(HEIGHT, |canvas| {
@@ -128,6 +138,9 @@ pub fn area_law(chart: &AreaLawChart<'_>) -> Result<String, ChartError> {
         for &point in &points {
             lower.mark(Mark::Square, point, None, 0.0, vermilion)?;
         }
+        for (pressure, [mean, std]) in chart.pressure_mpa.iter().zip(chart.windows) {
+            lower.mark(Mark::Ring, [*pressure, *mean], Some(*std), 0.0, INK)?;
+        }
         Ok(())
     })
 }
@@ -144,6 +157,7 @@ mod tests {
             area_fraction: &[0.1, 0.2, 0.35, 0.5],
             factor: &[1.0, 1.0, 0.875, 0.625],
             factor_std: &[0.0, 0.0, 0.01, 0.02],
+            windows: &[],
             threshold: Some([0.7, 0.2]),
             others: &[],
         };
@@ -158,6 +172,10 @@ mod tests {
         let compared = area_law(&AreaLawChart { others: &[other], ..chart }).unwrap();
         // One more line in each panel and one in the legend.
         assert_eq!(compared.matches("#009E73").count(), 3);
+        // A ring on each pressure, one in the legend.
+        let windows = [[1.0, 0.0], [1.0, 0.0], [0.88, 0.03], [0.6, 0.05]];
+        let spread = area_law(&AreaLawChart { windows: &windows, ..chart }).unwrap();
+        assert_eq!(spread.matches("<circle").count(), 5 + 5);
         let short = OtherSurface { factor: &[1.0], ..other };
         assert!(area_law(&AreaLawChart { others: &[short], ..chart }).is_err());
     }
@@ -170,6 +188,7 @@ mod tests {
             area_fraction: &[0.1],
             factor: &[1.0, 1.0],
             factor_std: &[],
+            windows: &[],
             threshold: None,
             others: &[],
         };

@@ -17,7 +17,8 @@ pub(super) const PALETTE: [RGBColor; 5] = [
 ];
 pub(super) const INK: RGBColor = RGBColor(51, 51, 51);
 pub(super) const GRID: RGBColor = RGBColor(225, 225, 225);
-pub(super) const GREY: RGBColor = RGBColor(120, 120, 120);
+/// Dark enough for text: its contrast to white is 5.1.
+pub(super) const GREY: RGBColor = RGBColor(110, 110, 110);
 
 /// Width of a picture, and of a picture for a phone.
 pub(super) const WIDTH: f64 = 900.0;
@@ -228,11 +229,14 @@ impl Canvas<'_> {
     pub(super) fn heading(&self, title: &str, legend: &[(Swatch, &str)]) -> Result<f64, ChartError> {
         let anchor = (HPos::Left, VPos::Center);
         self.styled_text(title, [LEFT, 24.0], anchor, INK, TITLE_SIZE, FontStyle::Bold, FontTransform::None)?;
-        let mut at = [LEFT, if title.is_empty() { 24.0 } else { 52.0 }];
+        // A narrow picture needs the whole width for its legend.
+        let left = if self.width < WIDTH { RIGHT } else { LEFT };
+        let mut at = [left, if title.is_empty() { 24.0 } else { 52.0 }];
         for &(swatch, label) in legend {
             let width = SWATCH + 8.0 + text_width(label) + 22.0;
-            if at[0] > LEFT && at[0] + width > self.width - RIGHT {
-                at = [LEFT, at[1] + LEGEND_HEIGHT];
+            // The gap after the last label may lie in the margin.
+            if at[0] > left && at[0] + width > self.width {
+                at = [left, at[1] + LEGEND_HEIGHT];
             }
             self.swatch(swatch, at)?;
             self.text(label, [at[0] + SWATCH + 8.0, at[1]], anchor, INK)?;

@@ -1,5 +1,3 @@
-use plotters::style::RGBColor;
-
 use super::canvas::{GREY, INK, LEFT, PALETTE, Swatch, TEXT_SIZE, WIDTH, picture};
 use super::plot::{Axis, Plot};
 use super::{ChartError, Estimate, Series, check};
@@ -77,7 +75,7 @@ pub fn friction_trace(chart: &FrictionTraceChart<'_>) -> Result<String, ChartErr
         for (trace, color) in coloured() {
             plot.line(trace.series.points, color, 1.6)?;
         }
-        let mut means: Vec<(f64, Estimate, RGBColor)> = Vec::new();
+        let mut means: Vec<(f64, Estimate)> = Vec::new();
         // Bars side by side at the end of the windows.
         for (place, (trace, color)) in coloured().enumerate() {
             let aside = -BESIDE * place as f64;
@@ -87,15 +85,15 @@ pub fn friction_trace(chart: &FrictionTraceChart<'_>) -> Result<String, ChartErr
             if let Some(error) = mean.error {
                 plot.error_bar([to, mean.value], error, aside, color)?;
             }
-            means.push((plot.at([to, mean.value])[1], mean, color));
+            means.push((plot.at([to, mean.value])[1], mean));
         }
         // Values from the top down, without overlap.
         means.sort_by(|a, b| a.0.total_cmp(&b.0));
         let mut free = f64::NEG_INFINITY;
-        for (page_y, mean, color) in means {
+        for (page_y, mean) in means {
             let page_y = page_y.max(free);
             let error = mean.error.map_or_else(String::new, |error| format!(" ± {error:.4}"));
-            plot.margin_text(&format!("{:.4}{error}", mean.value), page_y, color)?;
+            plot.margin_text(&format!("{:.4}{error}", mean.value), page_y)?;
             free = page_y + 1.2 * TEXT_SIZE;
         }
         Ok(())

@@ -11,6 +11,8 @@
 //! | [`ratios`] | measured and modelled ratios |
 //! | [`trade_offs`] | designs by two or three goals, with the Pareto front |
 //! | [`trials`] | measured and predicted ratios of trials, and ratios against texture features |
+//! | [`left_out`] | measured ratios against those predicted by all other trials |
+//! | [`friction_loops`] | friction against position in reciprocating sliding |
 //! | [`tribometer`] | repeats of a test against time, with the values read from them |
 //! | [`surface_map`] | a surface seen from above, with heights as colours |
 //! | [`height_histogram`] | histogram of heights, and the bearing curve |
@@ -30,6 +32,7 @@ mod flat_friction;
 mod friction_trace;
 mod height_histogram;
 mod interface_pressure;
+mod left_out;
 mod plot;
 mod raster;
 mod ratios;
@@ -48,6 +51,7 @@ pub use flat_friction::{FlatFrictionChart, FlatSeries, flat_friction, flat_frict
 pub use friction_trace::{FrictionTraceChart, Trace, friction_trace};
 pub use height_histogram::{HeightHistogramChart, height_histogram};
 pub use interface_pressure::{InterfacePressureChart, interface_pressure};
+pub use left_out::left_out;
 pub use ratios::{RatioSeries, RatiosChart, ratios};
 pub use residuals::{ResidualsChart, residuals};
 pub use section::{SectionChart, SpectrumChart, section, spectrum};
@@ -55,7 +59,7 @@ pub use surface_map::{SlidingMark, SurfaceMapChart, surface_map};
 pub use target::{SamplePoint, TargetChart, TargetPoint, target, target_narrow};
 pub use trade_offs::{TradeOffsChart, trade_offs};
 pub use trials::{Prediction, TrialsChart, trials};
-pub use tribometer::{RepeatTrace, TribometerChart, tribometer};
+pub use tribometer::{RepeatTrace, TribometerChart, friction_loops, tribometer};
 pub use work_precision::{WorkPoint, WorkPrecisionChart, WorkPrecisionPanel, work_precision};
 
 /// A labelled line.

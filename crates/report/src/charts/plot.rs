@@ -2,6 +2,7 @@
 
 use plotters::style::RGBColor;
 use plotters::style::text_anchor::{HPos, VPos};
+use slipgrid_base::units::tidy;
 
 use super::ChartError;
 use super::canvas::{Canvas, GREY, GRID, INK, Mark};
@@ -88,6 +89,18 @@ impl Axis {
             .map(|power| (f64::from(power), format!("1e{power}")))
             .collect();
         Self { title: title.to_owned(), range, ticks }
+    }
+
+    /// Axis with numbers at increasing `values` in place of round ones; a value too near the one before has none.
+    pub(super) fn numbered_at(self, values: &[f64]) -> Self {
+        const GAP: f64 = 0.09;
+        let mut ticks: Vec<(f64, String)> = Vec::new();
+        for value in values {
+            if ticks.last().is_none_or(|(before, _)| value - before > GAP * (self.range[1] - self.range[0])) {
+                ticks.push((*value, tidy(*value).to_string()));
+            }
+        }
+        Self { ticks, ..self }
     }
 
     /// Positions and texts of the numbers.
@@ -250,15 +263,15 @@ impl<'c, 'a> Plot<'c, 'a> {
     }
 
     /// Writes text at the right edge of the plot, at page height `page_y`.
-    pub(super) fn margin_text(&self, text: &str, page_y: f64, color: RGBColor) -> Result<(), ChartError> {
-        self.canvas.text(text, [self.frame[2] + 8.0, page_y], (HPos::Left, VPos::Center), color)
+    pub(super) fn margin_text(&self, text: &str, page_y: f64) -> Result<(), ChartError> {
+        self.canvas.text(text, [self.frame[2] + 8.0, page_y], (HPos::Left, VPos::Center), INK)
     }
 }
 
-/// Keeps only the first, the extreme and the last points within each quarter unit of x, in order, which leaves
-/// the visible line unchanged.
+/// Keeps only the first, the extreme and the last points within each unit of x, in order, which leaves the visible line
+/// unchanged: a unit is at most a pixel where pages show a picture.
 fn thinned(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
-    const BIN: f64 = 0.25;
+    const BIN: f64 = 1.0;
     let bin = |point: &[f64; 2]| (point[0] / BIN).floor();
     let mut kept = Vec::new();
     for group in points.chunk_by(|a, b| bin(a) == bin(b)) {
@@ -305,10 +318,16 @@ mod tests {
     }
 
     #[test]
+    fn an_axis_has_numbers_at_given_values_that_are_not_crowded() {
+        let axis = Axis::over("", [0.0, 3.0]).numbered_at(&[0.65, 1.3, 1.4, 2.6]);
+        assert_eq!(axis.numbers().collect::<Vec<_>>(), [(0.65, "0.65"), (1.3, "1.3"), (2.6, "2.6")]);
+    }
+
+    #[test]
     fn thinning_keeps_extremes_and_short_lines_whole() {
         let points: Vec<[f64; 2]> = (0..100_000).map(|i| [f64::from(i) * 1e-3, f64::from(i * 7919 % 1000)]).collect();
         let kept = thinned(&points);
-        assert!(kept.len() <= 1604);
+        assert!(kept.len() <= 404);
         let high = |points: &[[f64; 2]]| points.iter().map(|p| p[1]).fold(0.0, f64::max);
         assert_eq!(high(&kept), high(&points));
         assert_eq!((kept[0], kept[kept.len() - 1]), (points[0], points[99_999]));

@@ -15,6 +15,8 @@ pub struct TargetChart<'a> {
     pub samples: &'a [SamplePoint],
     /// Flat surface in the target's quantity: nominal pressure in MPa and value. May be empty.
     pub flat: &'a [[f64; 2]],
+    /// Values measured in trials, of any texture: nominal pressure in MPa and value. May be empty.
+    pub measured: &'a [[f64; 2]],
 }
 
 /// Point of the target.
@@ -53,8 +55,6 @@ const INTERVAL: f64 = 0.4;
 /// Half the width of an interval bar, and the distance between conditions, relative to the range of pressures.
 const HALF_BAR: f64 = 0.012;
 const CONDITION_STEP: f64 = 0.04;
-/// Distance from a sample's median to the mark of the model, in picture units.
-const BESIDE: f64 = 15.0;
 
 /// Draws the target and the expected value of a cut sample against pressure.
 ///
@@ -81,31 +81,35 @@ fn target_of_width(chart: &TargetChart<'_>, width: f64) -> Result<String, ChartE
             .iter()
             .flat_map(|at| [at.median, at.interval_95[0], at.interval_95[1]].into_iter().chain(at.model))
     };
-    let values = || limits().chain(of_samples()).chain(chart.flat.iter().map(|[_, value]| *value));
+    let values =
+        || limits().chain(of_samples()).chain(chart.flat.iter().chain(chart.measured).map(|[_, value]| *value));
     let pressures = || {
         let of_samples = chart.samples.iter().map(|at| at.pressure_mpa);
-        chart.target.iter().map(|point| point.pressure_mpa).chain(of_samples).chain(chart.flat.iter().map(|[p, _]| *p))
+        chart
+            .target
+            .iter()
+            .map(|point| point.pressure_mpa)
+            .chain(of_samples)
+            .chain(chart.flat.iter().chain(chart.measured).map(|[p, _]| *p))
     };
     if let Some(value) = pressures().chain(values()).find(|value| !value.is_finite()) {
         return Err(ChartError::NotFinite { title: chart.title.to_owned(), value });
     }
 
-    let [blue, vermilion, green, ..] = PALETTE;
-    let has_values = chart.target.iter().any(|point| point.value.is_some());
-    let mut legend = Vec::new();
-    if limits().next().is_some() {
-        legend.push((Swatch::Band(green, BAND), if has_values { "target ± tolerance" } else { "accepted" }));
-    }
-    if !chart.samples.is_empty() {
-        legend.push((Swatch::Mark(Mark::Circle, vermilion), "expected of a cut sample"));
-        legend.push((Swatch::Band(vermilion, INTERVAL), "95 % of samples"));
-    }
-    if chart.samples.iter().any(|at| at.model.is_some()) {
-        legend.push((Swatch::Mark(Mark::Ring, blue), "model alone"));
-    }
-    if !chart.flat.is_empty() {
-        legend.push((Swatch::Line(GREY), "flat surface"));
-    }
+    let [blue, vermilion, green, purple, ..] = PALETTE;
+    // In an order that fills the rows of a narrow picture.
+    let has_model = chart.samples.iter().any(|at| at.model.is_some());
+    let legend: Vec<(Swatch, &str)> = [
+        (limits().next().is_some(), Swatch::Band(green, BAND), "accepted"),
+        (!chart.samples.is_empty(), Swatch::Mark(Mark::Circle, vermilion), "expected"),
+        (!chart.flat.is_empty(), Swatch::Line(GREY), "flat"),
+        (!chart.samples.is_empty(), Swatch::Band(vermilion, INTERVAL), "95 % of samples"),
+        (has_model, Swatch::Mark(Mark::Ring, blue), "model alone"),
+        (!chart.measured.is_empty(), Swatch::Mark(Mark::Square, purple), "measured trials"),
+    ]
+    .into_iter()
+    .filter_map(|(is_drawn, swatch, label)| is_drawn.then_some((swatch, label)))
+    .collect();
 
     // The band extends slightly beyond the first and the last pressure, so that it surrounds the marks.
     let (Some(first), Some(last)) = (chart.target.first(), chart.target.last()) else {
@@ -132,7 +136,11 @@ fn target_of_width(chart: &TargetChart<'_>, width: f64) -> Result<String, ChartE
     let upper = widened().filter(is_banded).map(|point| [point.pressure_mpa, point.highest.unwrap_or(above)]);
     let band: Vec<[f64; 2]> = lower.chain(upper.rev()).collect();
 
-    let x_axis = Axis::around("nominal pressure (MPa)", pressures().chain(ends.iter().map(|end| end.pressure_mpa)));
+    // Conditions of a single pressure stand near its middle.
+    let around = if high_mpa > low_mpa { 0.0 } else { range_mpa };
+    let reached = ends.iter().zip([-around, around]).map(|(end, beyond_mpa)| end.pressure_mpa + beyond_mpa);
+    let own: Vec<f64> = chart.target.iter().map(|point| point.pressure_mpa).collect();
+    let x_axis = Axis::around("nominal pressure (MPa)", pressures().chain(reached)).numbered_at(&own);
     let y_axis = Axis::around(chart.quantity, values().chain(opened));
     picture_of_size([width, HEIGHT], |canvas| {
         let top = canvas.heading(chart.title, &legend)?;
@@ -153,8 +161,11 @@ fn target_of_width(chart: &TargetChart<'_>, width: f64) -> Result<String, ChartE
             plot.polygon(&[[left, low], [right, low], [right, high], [left, high]], vermilion, INTERVAL)?;
             plot.mark(Mark::Circle, [pressure_mpa, at.median], None, 0.0, vermilion)?;
             if let Some(model) = at.model {
-                plot.mark(Mark::Ring, [pressure_mpa, model], None, -BESIDE, blue)?;
+                plot.mark(Mark::Ring, [pressure_mpa, model], None, 0.0, blue)?;
             }
+        }
+        for point in chart.measured {
+            plot.mark(Mark::Square, *point, None, 0.0, purple)?;
         }
         Ok(())
     })
@@ -172,21 +183,26 @@ mod tests {
         SamplePoint { pressure_mpa: 0.65, condition: 0, median: 0.95, interval_95: [0.9, 0.99], model: None };
 
     fn chart<'a>(target: &'a [TargetPoint], samples: &'a [SamplePoint], flat: &'a [[f64; 2]]) -> TargetChart<'a> {
-        TargetChart { title: "Target", quantity: "friction ratio", target, samples, flat }
+        TargetChart { title: "Target", quantity: "friction ratio", target, samples, flat, measured: &[] }
     }
 
     #[test]
     fn only_what_is_there_stands_in_the_legend() {
         let svg = target(&chart(&TARGET, &[], &[])).unwrap();
-        assert!(svg.contains("\ntarget ± tolerance\n") && svg.contains("\nfriction ratio\n"));
-        for absent in ["expected of a cut sample", "model alone", "flat surface"] {
-            assert!(!svg.contains(absent), "{absent}");
+        assert!(svg.contains("\naccepted\n") && svg.contains("\nfriction ratio\n"));
+        for absent in ["expected", "model alone", "flat", "measured trials"] {
+            assert!(!svg.contains(&format!("\n{absent}\n")), "{absent}");
         }
         let samples = [SamplePoint { model: Some(0.96), ..SAMPLE }];
-        let full = target(&chart(&TARGET, &samples, &[[0.65, 1.0]])).unwrap();
-        for present in ["expected of a cut sample", "95 % of samples", "model alone", "flat surface"] {
+        let full = TargetChart { measured: &[[1.3, 0.9]], ..chart(&TARGET, &samples, &[[0.65, 1.0]]) };
+        let full = target(&full).unwrap();
+        for present in ["expected", "95 % of samples", "model alone", "flat", "measured trials"] {
             assert!(full.contains(&format!("\n{present}\n")), "{present}");
         }
+        // Every series stands at its own pressure, and a ring leaves the mark inside it visible.
+        let circles: Vec<&str> = full.split("<circle ").skip(1).filter_map(|rest| rest.split('"').nth(1)).collect();
+        assert_eq!(circles.len(), 4, "two in the legend, two in the plot");
+        assert_eq!(circles[2], circles[3]);
         // A target with a single point is drawn as well.
         assert!(target(&chart(&TARGET[..1], &samples, &[])).is_ok());
     }
@@ -208,7 +224,7 @@ mod tests {
     fn bands_may_be_open_and_goals_have_none() {
         let open = TARGET.map(|point| TargetPoint { value: None, lowest: None, ..point });
         let svg = target(&chart(&open, &[SAMPLE], &[])).unwrap();
-        assert!(svg.contains("\naccepted\n") && svg.contains("<polygon") && !svg.contains("\ntarget\n"));
+        assert!(svg.contains("\naccepted\n") && svg.contains("<polygon"));
         let free = open.map(|point| TargetPoint { highest: None, ..point });
         let svg = target(&chart(&free, &[SAMPLE], &[])).unwrap();
         assert!(!svg.contains("accepted") && svg.contains("\n95 % of samples\n"));

@@ -71,9 +71,40 @@ pub fn tribometer(chart: &TribometerChart<'_>) -> Result<String, ChartError> {
     })
 }
 
+/// Draws friction against position, in mm, of reciprocating traces: half the height of a loop is dynamic friction.
+///
+/// # Errors
+/// [`ChartError`] if there is nothing to draw or a value is not finite.
+pub fn friction_loops(title: &str, repeats: &[Series<'_>]) -> Result<String, ChartError> {
+    let points = || repeats.iter().flat_map(|repeat| repeat.points);
+    check(title, points().flatten())?;
+    let coloured = || repeats.iter().zip(PALETTE.into_iter().cycle());
+    let legend: Vec<(Swatch, &str)> = coloured().map(|(repeat, color)| (Swatch::Line(color), repeat.label)).collect();
+    let x_axis = Axis::around("position (mm)", points().map(|point| point[0]));
+    let y_axis = Axis::around("friction coefficient, with its sign", points().map(|point| point[1]));
+    picture(HEIGHT, |canvas| {
+        let top = canvas.heading(title, &legend)?;
+        let plot = Plot::new(canvas, [LEFT, top, WIDTH - RIGHT, HEIGHT - 62.0], x_axis, y_axis)?;
+        for (repeat, color) in coloured() {
+            plot.line(repeat.points, color, 1.2)?;
+        }
+        Ok(())
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn loops_are_lines_against_position() {
+        let turn = |i: u32| 0.1 * f64::from(i);
+        let points: Vec<[f64; 2]> = (0..200).map(|i| [turn(i).cos(), turn(i).sin().signum() * 0.3]).collect();
+        let svg = friction_loops("t", &[Series { label: "one", points: &points }]).unwrap();
+        // A line in the plot and one in the legend, drawn in the first colour.
+        assert!(svg.matches("#0072B2").count() == 2 && svg.contains("\nposition (mm)\n"));
+        assert!(matches!(friction_loops("t", &[]), Err(ChartError::Empty { .. })));
+    }
 
     #[test]
     fn window_means_and_peaks_are_drawn() {

@@ -42,7 +42,7 @@ pub(super) fn area_law(page: &mut Page, law: &AreaLaw) {
         })
         .collect();
     page.table(
-        "The area law: local friction is the local coefficient times f, dimensionless, at the local pressure p; ± one standard error. \
+        "The area law: local friction is the local coefficient times f at the local pressure p, dimensionless. ± is one standard error. \
          f is 1 below the first pressure.",
         &["p in MPa", "f"],
         &rows,

@@ -7,12 +7,12 @@ use slipgrid_infer::calibrate::{
     AreaLawOrigin, CalibrationOutcome, CalibrationTask, Coefficients, FittedPair, Measurement, Parameter, Surface,
 };
 use slipgrid_io::formats::calibration::Calibration;
-use slipgrid_io::formats::written_material::material_toml;
 
 use super::page::{Page, number, percent, plain, sentence, with_error};
 use super::{background, trials};
 use crate::Outputs;
 use crate::calibration::{StaticRow, flat_friction_narrow, in_words, static_rows, static_words, which_errors};
+use crate::traces::LOOPS;
 use crate::trials::TrialsReport;
 
 /// Relative error of Young's modulus above which the page suggests a measurement.
@@ -81,8 +81,7 @@ pub fn calibration(fitted: Fitted<'_>, outputs: &Outputs) -> String {
     );
     page.part("The fit", |page| fit(page, task, outcome, outputs));
     page.part("Contact and the area law", |page| {
-        page.picture_of(outputs, "area-law.svg", "Real contact area and the factor f against pressure, up to some times the highest nominal pressure that was measured: edges of \
-             cavities see as much");
+        page.picture_of(outputs, "area-law.svg", "Real contact area and the factor f against pressure. Edges of cavities see some times the highest nominal pressure");
         if let Some(law) = &outcome.surface.law {
             page.fold("The factors", |page| background::area_law(page, law));
         }
@@ -97,9 +96,6 @@ pub fn calibration(fitted: Fitted<'_>, outputs: &Outputs) -> String {
         page.fold("Notes", |page| {
             page.list(&outcome.material.provenance.notes.iter().map(|note| sentence(note)).collect::<Vec<_>>())
         });
-        if let Ok(file) = material_toml(task, outcome, None) {
-            page.folded("The material, as -o MATERIAL.toml writes it with [made_from]", &file);
-        }
     });
     page.finish(&title, VERSION)
 }
@@ -118,14 +114,14 @@ fn verdict(page: &mut Page, outcome: &CalibrationOutcome) {
     let words = if fit.pairs.len() > 1 {
         median(&mut errors).map_or_else(String::new, |error| {
             format!(
-                ", each known to {} % in the median with what Young's modulus and the area law leave open",
+                " Each is known to {} % in the median, errors of Young's modulus and of the area law included.",
                 percent(error, 1)
             )
         })
     } else {
         String::new()
     };
-    page.lead(&format!("Local dynamic friction is {known}{words}: {count} measurements on flat samples."));
+    page.lead(&format!("Local dynamic friction is {known}: {count} measurements on flat samples.{words}"));
     let off =
         outcome.measurements.iter().zip(&fit.predictions).map(|(of, at)| (at.residual / of.mu_dynamic_std).powi(2));
     let off = (off.sum::<f64>() / count.max(1) as f64).sqrt();
@@ -213,14 +209,14 @@ fn found(page: &mut Page, task: &CalibrationTask, outcome: &CalibrationOutcome) 
     page.facts("What was fitted, and what it rests on", &rows);
 }
 
-/// Adds the most important warning, and folds the others.
+/// Adds all warnings, the most important first.
 fn caveat(page: &mut Page, outcome: &CalibrationOutcome) {
     let mut all: Vec<String> = Vec::new();
     if outcome.surface.synthetic {
         all.push("The area law rests on a synthetic surface, not on a measured one.".to_owned());
     }
     all.extend(outcome.material.provenance.warnings.iter().map(|doubtful| format!("Doubtful: {doubtful}.")));
-    page.doubts(all);
+    page.doubts(&all);
 }
 
 /// Lists quantities that the data leave uncertain.
@@ -396,7 +392,7 @@ fn fit(page: &mut Page, task: &CalibrationTask, outcome: &CalibrationOutcome, ou
     let table = |page: &mut Page| {
         page.table(
             &format!(
-                "Fitted numbers with the ends of their 95 % intervals by profile likelihood, {}. Open where the data do not end it.",
+                "Fitted numbers with their 95 % intervals by profile likelihood, {}. Open: the data do not end the interval.",
                 which_errors(outcome)
             ),
             &["number", "value", "standard error", "95 % from", "to"],
@@ -424,10 +420,12 @@ fn traces(page: &mut Page, outputs: &Outputs) {
         .into_iter()
         .filter(|name| name.ends_with("pct.svg"))
         .filter_map(|name| {
-            Some((
-                outputs.text(name)?,
-                format!("Repeats against time, with what was read from them ({})", name.trim_end_matches(".svg")),
-            ))
+            let shown = if name.contains(LOOPS) {
+                "The last loops of friction against position, as recorded"
+            } else {
+                "Repeats against time, with what was read from them"
+            };
+            Some((outputs.text(name)?, format!("{shown} ({})", name.trim_end_matches(".svg"))))
         })
         .collect();
     if !drawn.is_empty() {

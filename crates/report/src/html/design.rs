@@ -1,5 +1,6 @@
 //! Page of a design found by `optimize`.
 
+use slipgrid_base::units::significant;
 use slipgrid_design::records::{GoalReport, TradeOffsReport};
 use slipgrid_design::results::{LoadReport, PatternReport, believed_interval, duration_in_words, length_in_words};
 use slipgrid_design::{DesignOutcome, DesignReport, Expected, SampleReport, percent as chance_words};
@@ -36,24 +37,25 @@ pub fn design(
     page.part("Other textures", |page| others(page, report, outputs));
     page.part("The run that confirmed the design", |page| {
         confirmed(page, report);
-        page.fold("The section", |page| page.section(&report.sample.design));
         let interface = if report.sees_face() {
             "one period of the patterned surface seen from above; a flat one carries the nominal pressure everywhere"
         } else {
             "flat and patterned"
         };
         pictures(page, outputs, "Pressure along the interface", "interface-", interface);
-        let in_time = "flat and patterned, with the averaging window; the curve of the patterned surface is the run of the longest strip, and its mean \
-                       that of the whole specimen, as in the tables";
+        let in_time = "flat and patterned, with the averaging window. The curve of the patterned surface is the longest strip; its mean is that of the \
+                       whole specimen";
         pictures(page, outputs, "Friction in time", "friction-", in_time);
     });
     page.model([&report.model, &report.method], report.sample.design.rim.is_some());
-    page.fold("Material and calibration", |page| material(page, report, outputs, (area_law, loads)));
+    page.fold("Material", |page| material(page, report, (area_law, loads)));
     page.part("Files", |page| {
-        page.fold("pattern.svg: the pattern, with two periods enlarged", |page| {
+        page.files(&outputs.names());
+        page.fold("The pattern on the specimen", |page| {
+            page.section(&report.sample.design);
             page.picture_of(outputs, "pattern.svg", "The specimen seen from above, with two periods enlarged");
         });
-        laser(page, &report.laser, outputs);
+        page.fold("The laser, as the design gives it", |page| laser(page, &report.laser));
     });
     page.finish(&report.name, &report.version)
 }
@@ -109,6 +111,14 @@ fn goal(page: &mut Page, goal: &GoalReport) {
     ));
 }
 
+/// Standard deviation from which an input is listed: half a unit of the last decimal.
+const MIN_STD: f64 = 5e-5;
+
+/// Whether a cell has a number other than zero, or words.
+fn says(cell: &str) -> bool {
+    cell.chars().any(|c| !matches!(c, '-' | '0' | '.' | ' '))
+}
+
 fn limited_by(page: &mut Page, report: &DesignReport) {
     let last = report.target.pressure_mpa.len().saturating_sub(1);
     let has_chance = report.sample.chance.is_some();
@@ -118,6 +128,7 @@ fn limited_by(page: &mut Page, report: &DesignReport) {
         .sample
         .limited_by
         .iter()
+        .filter(|limit| limit.std.iter().any(|std| *std >= MIN_STD))
         .map(|limit| {
             let mut cells =
                 vec![limit.input.clone(), micrometres(&limit.known_to), number(limit.std.get(last).copied(), 4)];
@@ -164,9 +175,11 @@ fn others(page: &mut Page, report: &DesignReport, outputs: &Outputs) {
         ("planform", |of| of.design.planform.clone()),
         ("chance", |of| of.chance.map_or_else(|| "-".to_owned(), chance_words)),
         ("laser", |of| of.laser_s.map_or_else(|| "-".to_owned(), duration_in_words)),
-        ("learns (bits)", |of| number(of.information_bits, 2)),
+        ("learns", |of| of.learns().to_owned()),
         ("share in %", |of| percent(of.design.areal_density, 1)),
     ];
+    let is_known = |column: &&Column<SampleReport>| report.others.iter().any(|other| says(&column.1(other)));
+    let columns: Vec<Column<SampleReport>> = columns.iter().filter(is_known).copied().collect();
     let mut header: Vec<&str> = columns.iter().map(|(name, _)| *name).collect();
     header.extend(["expected at the first load (95 %)", "at the last"]);
     let own = std::iter::once(&report.sample).filter(|_| !report.others.is_empty());
@@ -186,7 +199,7 @@ fn others(page: &mut Page, report: &DesignReport, outputs: &Outputs) {
     let table = &report.table;
     if table.nodes > 0 {
         page.paragraph(&format!(
-            "{} designs were compared by a table of the model over the bounds, seed {}. It has {} nodes, {} of them without an answer; at {} random \
+            "{} designs were compared by a table of the model over the bounds, seed {}. It has {} nodes, {} of them without an answer. At {} random \
              designs its ratios are off by {} in the median and {} at most.",
             report.compared,
             report.seed,
@@ -214,7 +227,7 @@ fn trade_offs(page: &mut Page, found: &TradeOffsReport, outputs: &Outputs) {
         .collect();
     let row = |design: &PatternReport, goals: &[f64]| {
         let lengths = [design.width_um, design.spacing_um, design.depth_um].map(length_in_words);
-        lengths.into_iter().chain(goals.iter().map(|goal| number(*goal, 2))).collect()
+        lengths.into_iter().chain(goals.iter().map(|goal| plain(significant(*goal, 3)))).collect()
     };
     let rows: Vec<Vec<String>> = found.listed.iter().map(|listed| row(&listed.design, &listed.goals)).collect();
     page.table("Some of the front, from one end to the other; trade-offs.csv has all.", &header, &rows);
@@ -233,8 +246,8 @@ fn confirmed(page: &mut Page, report: &DesignReport) {
         ("peak in MPa", |load| number(load.peak_pressure_mpa, 2)),
         ("status", |load| load.status.to_string()),
     ];
-    let says = |column: &&Column<LoadReport>| report.confirmed.iter().any(|load| column.1(load) != "-");
-    let columns: Vec<Column<LoadReport>> = columns.iter().filter(says).copied().collect();
+    let is_known = |column: &&Column<LoadReport>| report.confirmed.iter().any(|load| says(&column.1(load)));
+    let columns: Vec<Column<LoadReport>> = columns.iter().filter(is_known).copied().collect();
     page.records(
         &format!(
             "The model alone, {}: dimensionless, ± one standard error. The peak is the largest local pressure, which grows as blocks shrink.",
@@ -245,7 +258,8 @@ fn confirmed(page: &mut Page, report: &DesignReport) {
     );
 }
 
-/// Adds the pictures whose names begin with `prefix`, by load.
+/// Adds the pictures whose names begin with `prefix`, of the first and the last load: the others, which lie between them,
+/// are files beside the page and would double its size.
 fn pictures(page: &mut Page, outputs: &Outputs, heading: &str, prefix: &str, what: &str) {
     let named: Vec<(String, String)> = outputs
         .names()
@@ -256,28 +270,26 @@ fn pictures(page: &mut Page, outputs: &Outputs, heading: &str, prefix: &str, wha
             Some((outputs.text(name)?, format!("{heading} at {load} MPa: {what}")))
         })
         .collect();
-    if named.is_empty() {
-        return;
+    let mut named = named.into_iter();
+    let shown: Vec<_> = named.next().into_iter().chain(named.next_back()).collect();
+    if !shown.is_empty() {
+        page.fold(heading, |page| page.pictures(shown.iter().map(|(svg, caption)| (svg.as_str(), caption.as_str()))));
     }
-    page.fold(heading, |page| page.pictures(named.iter().map(|(svg, caption)| (svg.as_str(), caption.as_str()))));
 }
 
-fn material(page: &mut Page, report: &DesignReport, outputs: &Outputs, (area_law, loads): (Option<&AreaLaw>, &[Load])) {
+fn material(page: &mut Page, report: &DesignReport, (area_law, loads): (Option<&AreaLaw>, &[Load])) {
     let (name, source) = (&report.material.name, &report.material.source);
     if !name.is_empty() {
         page.paragraph(&if source.is_empty() { name.clone() } else { format!("{name}. Source: {source}.") });
     }
-    page.list(&report.material.notes);
+    page.list(&report.material.notes.iter().map(|note| sentence(note)).collect::<Vec<_>>());
     background::coefficients(page, loads);
     if let Some(law) = area_law {
         background::area_law(page, law);
     }
-    if let Some(scene) = outputs.text("scene.toml") {
-        page.folded("scene.toml: coefficients, area law, sample and run, as confirmed", &scene);
-    }
 }
 
-fn laser(page: &mut Page, laser: &Laser, outputs: &Outputs) {
+fn laser(page: &mut Page, laser: &Laser) {
     // Alphabetical by name.
     let Laser {
         depth_per_burst_um,
@@ -298,22 +310,22 @@ fn laser(page: &mut Page, laser: &Laser, outputs: &Outputs) {
         Exposure::Mask => "mask".to_owned(),
     });
     let rows: Vec<(&str, String)> = [
-        ("depth_per_burst_um", depth_per_burst_um.map(plain)),
-        ("exposure", exposure),
-        ("hatch_um", hatch_um.map(plain)),
-        ("min_land_um", min_land_um.map(plain)),
-        ("power_density_gw_cm2", power_density_gw_cm2.map(plain)),
-        ("pulse_ns", pulse_ns.map(plain)),
-        ("repetition_hz", repetition_hz.map(plain)),
-        ("speed_mm_s", speed_mm_s.map(plain)),
-        ("spot_um", spot_um.map(plain)),
-        ("wall_taper_deg", wall_taper_deg.map(plain)),
-        ("wavelength_nm", wavelength_nm.map(plain)),
+        ("depth per burst", depth_per_burst_um, "µm"),
+        ("distance of hatch lines", hatch_um, "µm"),
+        ("smallest land", min_land_um, "µm"),
+        ("power density", power_density_gw_cm2, "GW/cm²"),
+        ("pulse length", pulse_ns, "ns"),
+        ("repetition rate", repetition_hz, "Hz"),
+        ("speed", speed_mm_s, "mm/s"),
+        ("spot", spot_um, "µm"),
+        ("taper of the walls", wall_taper_deg, "°"),
+        ("wavelength", wavelength_nm, "nm"),
     ]
     .into_iter()
-    .filter_map(|(name, value)| Some((name, value?)))
+    .filter_map(|(name, value, unit)| Some((name, format!("{} {unit}", plain(value?)))))
+    .chain(exposure.map(|exposure| ("exposure", exposure)))
     .collect();
-    page.facts("The laser, as the design gives it; units stand in the names", &rows);
+    page.facts("", &rows);
     if let Some(law) = ablation {
         page.paragraph(&format!(
             "Depth per burst d = delta ln(F / F_th): delta {} µm, F_th {} J/cm², at {} J/cm² {} µm ({} fluences).",
@@ -323,8 +335,5 @@ fn laser(page: &mut Page, laser: &Laser, outputs: &Outputs) {
             with_error(law.depth_per_burst_um, law.depth_per_burst_stderr_um, 3),
             law.points,
         ));
-    }
-    if let Some(sheet) = outputs.text("process.toml") {
-        page.folded("process.toml: the process sheet", &sheet);
     }
 }

@@ -57,7 +57,7 @@
   };
   const axes = data.axes, loads = data.pressure_mpa.length;
   // Medians at every load of every condition; the ends of 95 % of samples at the loads of the first; ln(p / (1 - p)) of the chance p; ln of the
-  // largest pressure, least height of a ceiling, share of the face, and seconds under the laser.
+  // largest pressure, least height of a ceiling, share of the face, seconds under the laser, and least local over nominal pressure.
   const medians = surface(data.medians, axes), lower = surface(data.lower, axes), upper = surface(data.upper, axes);
   const logOdds = surface(data.log_odds, axes), beside = surface(data.beside, axes);
   const all_loads = data.medians.outputs.length, BESIDE = data.beside.outputs.length;
@@ -82,13 +82,13 @@
   const round = (value, step) => Math.round(value / step) * step;
   const bursts = depth => data.burst_um ? Math.max(1, Math.round(depth / data.burst_um)) : null;
   const describe = at => {
-    const [logPeak, height, face, seconds] = beside.at(at), values = medians.at(at);
+    const [logPeak, height, face, seconds, least] = beside.at(at), values = medians.at(at);
     return {
-      at, values, face, seconds, gap: gapOf(axes.map((axis, k) => around(axis, at[k])), height), peak: Math.exp(logPeak), chance: chanceOf(logOdds.at(at)[0]),
+      at, values, height, face, seconds, least, gap: gapOf(axes.map((axis, k) => around(axis, at[k])), height), peak: Math.exp(logPeak), chance: chanceOf(logOdds.at(at)[0]),
       lower: lower.at(at), upper: upper.at(at), isOn: values.every(isWithin), bursts: bursts(at[2]),
     };
   };
-  const LIMITED = { peak: own => own.peak, land: own => own.at[1], spot: own => own.at[0], density: own => own.face, bearing: own => 1 - own.face, laser: own => own.seconds };
+  const LIMITED = { peak: own => own.peak, land: own => own.at[1], spot: own => own.at[0], density: own => own.face, bearing: own => 1 - own.face, laser: own => own.seconds, clearance: own => own.height, least: own => own.least };
   const limits = data.limits.map(({ kind, words, bound, is_most }) => ({ words, of: LIMITED[kind], bound: bound * (is_most ? 1 + 1e-9 : 1 - 1e-9), is_most }));
   const isBroken = (limit, state) => limit.is_most ? limit.of(state) > limit.bound : limit.of(state) < limit.bound;
   const hasTarget = [...data.lowest, ...data.highest].some(bound => bound !== null);
@@ -207,6 +207,12 @@
   });
   const colours = { on: shades("on"), off: shades("off") };
   const chanceInWords = chance => chance < 0.005 ? "less than 1 %" : chance > 0.995 ? "more than 99 %" : `${fixed(100 * chance, 0)} %`;
+  // 1, 2 and 5 times powers of ten within an axis, or its ends where there are fewer than two.
+  const logTicks = ({ from, to }) => {
+    const powers = Array.from({ length: 12 }, (_, k) => 10 ** (k - 3));
+    const found = powers.flatMap(power => [1, 2, 5].map(own => +(own * power).toPrecision(1))).filter(own => own >= from && own <= to);
+    return found.length > 1 ? found : [from, to].map(own => +own.toPrecision(3));
+  };
   let image = null;
   const drawMap = () => {
     const [h, v] = plane, hidden = free.find(k => k !== h && k !== v);
@@ -226,7 +232,7 @@
         return gapOf(nodes, sides[BESIDE * cell + 1]);
       });
       for (const gap of gaps) if (gap) told.add(gap);
-      find("closed-words").textContent = told.size ? `. White: ${[...told].join("; ")}` : "";
+      find("closed-words").textContent = told.size ? `. Blank: ${[...told].join("; ")}` : "";
       // The chance, or without a target how low the value is at the pressure chosen.
       const own = new Array(loads), rank = new Float64Array(cells);
       let [least, most] = [Infinity, -Infinity];
@@ -245,11 +251,12 @@
       for (let row = 0; row < ROWS; row++) for (let column = 0; column < COLUMNS; column++) {
         const cell = row * COLUMNS + column, from = BESIDE * cell;
         [at[h], at[v]] = [hs[column], vs[row]];
-        [side.peak, side.face, side.seconds] = [Math.exp(sides[from]), sides[from + 2], sides[from + 3]];
+        [side.peak, side.height, side.face, side.seconds, side.least] = [Math.exp(sides[from]), ...sides.slice(from + 1, from + BESIDE)];
         let isOn = hasTarget;
         for (let load = 0; isOn && load < all_loads; load++) isOn = isWithin(values[cell * all_loads + load], load);
         const tones = colours[isOn ? "on" : "off"][Math.round(LEVELS * (rank[cell] - least) / Math.max(most - least, 1e-9))];
-        const [plain, dark] = gaps[cell] ? [0xffffffff, 0xffffffff] : tones, hatch = limits.some(limit => isBroken(limit, side)) ? dark : plain;
+        // Without an answer a cell is transparent, so that the card shows in any colour scheme.
+        const [plain, dark] = gaps[cell] ? [0, 0] : tones, hatch = limits.some(limit => isBroken(limit, side)) ? dark : plain;
         for (let y = row * wide; y < (row + 1) * wide; y++) for (let x = column * wide; x < (column + 1) * wide; x++) {
           pixels[y * map.width + x] = (x + y) % 8 === 0 ? hatch : plain;
         }
@@ -270,8 +277,15 @@
     for (const { at, kind, on_map } of data.points) if (on_map && kind !== "found") kind === "trial" ? mark(at, "#7a0060", 5, "square") : mark(at, "#555", 4, "disc");
     mark(data.design, "#000", 8, "diamond");
     mark(state, "#d55e00", 6, "disc");
-    find("across").textContent = `${axes[h].name} in µm: ${fixed(axes[h].from, 0)} (left) to ${fixed(axes[h].to, 0)}`;
-    find("up").textContent = `${axes[v].name} in µm: ${fixed(axes[v].from, 0)} (below) to ${fixed(axes[v].to, 0)}`;
+    for (const [k, side, edge] of [[h, "across", "left"], [v, "up", "bottom"]]) {
+      find(side).textContent = `${axes[k].name} in µm`;
+      find(`ticks="${side}"`).replaceChildren(...logTicks(axes[k]).map(length => {
+        const tick = document.createElement("span");
+        tick.textContent = length;
+        tick.style[edge] = `${(100 * shareAt(k, length)).toFixed(2)}%`;
+        return tick;
+      }));
+    }
   };
   if (map) map.addEventListener("click", event => {
     const box = map.getBoundingClientRect(), [h, v] = plane;
@@ -287,9 +301,16 @@
   const duration = seconds => seconds >= 599.5 ? `${fixed(seconds / 60, 1)} min` : `${fixed(seconds, seconds < 0.995 ? 2 : seconds < 99.95 ? 1 : 0)} s`;
   const draw = () => {
     const shown = describe(state), isKnown = shown.gap === null;
-    for (const slider of all("slider")) slider.value = toStep(axes[+slider.dataset.slider], state[+slider.dataset.slider]);
+    for (const slider of all("slider")) {
+      const k = +slider.dataset.slider;
+      slider.value = toStep(axes[k], state[k]);
+      slider.setAttribute("aria-valuetext", `${fixed(state[k], 1)} µm`);
+    }
     for (const field of all("number")) field.value = fixed(state[+field.dataset.number], 1);
-    if (pressing) pressing.value = pressure;
+    if (pressing) {
+      pressing.value = pressure;
+      pressing.setAttribute("aria-valuetext", `${fixed(pressure, 2)} MPa`);
+    }
     const say = (name, text) => { const place = find(name); if (place) place.textContent = text; };
     const value = (name, text) => say(name, isKnown ? text() : "-");
     say("at", `${fixed(pressure, 2)} MPa`);

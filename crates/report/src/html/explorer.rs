@@ -10,15 +10,17 @@ use slipgrid_design::records::TargetReport;
 use slipgrid_design::results::{PatternReport, VERSION};
 use slipgrid_design::{ConstraintQuantity, DesignOutcome, DesignReport, DesignTask, Explored, Explorer, KnownMaterial};
 use slipgrid_model::pattern::Pattern;
+use slipgrid_model::springblock::Load;
 
 use self::surfaces::{AxisData, LENGTHS, Packed, axes_data};
-use super::page::{Page, number, sentence};
+use super::page::{Page, number};
 use super::points::{Among, Point};
 use crate::Outputs;
 
 const SCRIPT: &str = include_str!("explorer.js");
-/// Number of outputs besides the expected values; the last one is the laser time in seconds.
-const BESIDE: usize = 4;
+/// Number of outputs besides the expected values, and the place of the laser time in seconds among them.
+const BESIDE: usize = 5;
+const SECONDS: usize = 3;
 
 /// Limit that the page can check.
 #[derive(Serialize)]
@@ -45,7 +47,8 @@ struct Data {
     upper: Packed,
     /// Logit ln(p / (1 - p)) of the probability p.
     log_odds: Packed,
-    /// ln of the maximum pressure in MPa, minimum height of a ceiling in um, areal density, and laser time in seconds.
+    /// ln of the maximum pressure in MPa, minimum height of a ceiling in um, areal density, laser time in seconds, and
+    /// minimum local over nominal pressure.
     beside: Packed,
     /// Lattice nodes without a result.
     holes: Vec<usize>,
@@ -102,7 +105,8 @@ impl Subject<'_> {
                 ConstraintQuantity::ArealDensity => ("density", 1.0),
                 ConstraintQuantity::BearingArea => ("bearing", 1.0),
                 ConstraintQuantity::LaserTime => ("laser", 1.0),
-                _ => continue,
+                ConstraintQuantity::Clearance => ("clearance", 1e-6),
+                ConstraintQuantity::LeastPressure => ("least", 1.0),
             };
             let bound = limit.bound.limit();
             if bound.is_finite() {
@@ -145,7 +149,7 @@ impl Subject<'_> {
             limits: self.limits(),
             burst_um: task.constraints.limits.depth_per_burst_m.map(|m| LENGTH_UM.from_si(m)),
             has_passes: task.laser.bursts_per_pass().is_some(),
-            has_laser_time: explorer.beside.at(&design).last().is_some_and(|seconds| *seconds > 0.0),
+            has_laser_time: explorer.beside.at(&design).get(SECONDS).is_some_and(|seconds| *seconds > 0.0),
             design,
             points,
             toml: self.toml.clone(),
@@ -158,15 +162,15 @@ impl Subject<'_> {
         let quantity = if self.task.target.quantity() == Quantity::Ratio { "ratio" } else { "friction" };
         let several = !self.task.also_at.is_empty() || !self.task.directions.different_deg.is_empty();
         let conditions =
-            if several { " The chance is one of all conditions; values are those of the first." } else { "" };
+            if several { " The chance holds for all conditions; values are those of the first." } else { "" };
         let error = if explorer.checked == 0 {
             "No random design has an answer to compare the interpolation with.".to_owned()
         } else {
             format!(
-                "The expected {quantity} is interpolated; it is off by {} in the median and {} at most at {} random designs.",
+                "The {quantity} is interpolated between computed designs: of {} random ones half are off by less than {}, all by at most {}.",
+                explorer.checked,
                 number(explorer.median_error, 4),
                 number(explorer.worst_error, 4),
-                explorer.checked,
             )
         };
         format!("What is expected of a cut sample of any design within the bounds. {error}{conditions}")
@@ -191,7 +195,10 @@ pub(super) fn explorer(page: &mut Page, found: &DesignOutcome, outputs: &Outputs
     let toml = outputs.text("scene.toml").unwrap_or_default();
     let (task, material, pattern) = (&found.task, &found.material, &found.pattern);
     let law = material.material.area_law.as_ref();
-    let flat_mu: Vec<f64> = found.loads.iter().map(|load| load.flat_mu(law)).collect();
+    // In time, as in the record of the confirming run.
+    let confirmed = |row: usize| found.report.confirmed.get(row).and_then(|load| load.mu_flat);
+    let flat_mu = |(row, load): (usize, &Load)| confirmed(row).unwrap_or_else(|| load.flat_mu(law));
+    let flat_mu: Vec<f64> = found.loads.iter().enumerate().map(flat_mu).collect();
     Subject { task, material, pattern, explorer, report: Some(&found.report), flat_mu: &flat_mu, toml }.add(page);
 }
 
@@ -207,7 +214,7 @@ pub fn exploration(found: &Explored, toml: String) -> String {
     if material.material.provenance.synthetic_surface {
         page.warning("The area law behind these numbers rests on a synthetic surface, not on a measured one.");
     }
-    page.doubts(found.doubts().iter().map(|doubt| sentence(doubt)).collect());
+    page.doubts(&found.doubts());
     if *trials == 0 {
         page.paragraph(
             "No trial was measured: what is expected rests on the model and on what is believed of its error.",
@@ -286,9 +293,9 @@ fn controls(data: &Data) -> Markup {
                     }
                 }
                 dl class="readings" {
-                    @if data.has_target() { (reading("chance on target", "chance", "")) }
+                    @if data.has_target() { (reading("chance on target, all pressures", "chance", "")) }
                     (reading(first, "first", "")) (reading("95 % of samples", "interval", "")) (reading(second, "second", ""))
-                    (reading("largest pressure", "peak", "MPa")) (reading("cavities' share of the face", "density", "%"))
+                    (reading("largest pressure, all loads", "peak", "MPa")) (reading("cavities' share of the face", "density", "%"))
                     @if data.burst_um.is_some() { (reading(if data.has_passes { "depth, in whole passes" } else { "bursts (depth)" }, "bursts", "")) }
                     @if data.has_laser_time { (reading("laser time", "laser-time", "")) }
                 }
@@ -305,7 +312,13 @@ fn controls(data: &Data) -> Markup {
                 }
                 @if free.len() > 1 {
                     figure {
-                        div class="card" { canvas data-map width="384" height="288" role="img" aria-label=(of_map) {} }
+                        div class="card map" {
+                            p class="up" data-up {}
+                            div class="ticks" data-ticks="up" aria-hidden="true" {}
+                            canvas data-map width="384" height="288" role="img" aria-label=(of_map) {}
+                            div class="ticks" data-ticks="across" aria-hidden="true" {}
+                            p class="across" data-across {}
+                        }
                         figcaption {
                             @if free.len() > 2 {
                                 select data-pair aria-label="What the map shows" {
@@ -313,8 +326,7 @@ fn controls(data: &Data) -> Markup {
                                 }
                                 " "
                             }
-                            span data-across {} "; " span data-up {}
-                            @if data.has_target() { ". The darker, the greater the chance: " span data-scale {} ". Green: expected on target" } @else { ". The darker, the lower" }
+                            @if data.has_target() { "The darker, the greater the chance: " span data-scale {} ". Green: expected on target" } @else { "The darker, the lower" }
                             @if !data.limits.is_empty() { ". Hatched: breaks a limit" span data-limits {} }
                             span data-closed-words {}
                             ". Diamond: where it started; orange: chosen here" @if data.shows("trade-off") { "; grey: trade-offs" } @if data.shows("trial") { "; purple squares: trials, cut and measured" } ". Click to choose."

@@ -1,11 +1,11 @@
 //! First screen of a design's page: decision, sample to cut, expected values, limits and basis.
 
 use maud::html;
-use slipgrid_design::results::{LoadReport, believed_interval, duration_in_words, length_in_words};
+use slipgrid_design::results::{believed_interval, duration_in_words, length_in_words};
 use slipgrid_design::{DesignOutcome, DesignReport, LimitedBy, percent};
 use slipgrid_laser::export::not_modelled;
 
-use super::page::{Page, Text, known, length_um, micrometres, number, percent as share, plain, sentence};
+use super::page::{Page, Text, known, length_um, number, percent as share, plain, sentence};
 use crate::Outputs;
 use crate::target::{flat_of, target_narrow};
 
@@ -44,25 +44,31 @@ const TERMS: [(&str, &str); 11] = [
 
 /// Adds the first screen of `report`, with details from `found` if available.
 pub(super) fn first_screen(page: &mut Page, report: &DesignReport, outputs: &Outputs, found: Option<&DesignOutcome>) {
+    let doubts = report.doubts();
     page.block(if is_worth_cutting(report) { "decision" } else { "decision missed" }, |page| {
-        page.marked("headline", &sentence(&report.words));
-        if let Some(words) = expected_words(report) {
-            page.paragraph(&words);
-        }
-        if let Some(chance) = known(report.sample.chance) {
-            page.bar(chance);
+        page.block("", |page| {
+            page.marked("headline", &sentence(&report.words));
+            if let Some(words) = expected_words(report) {
+                page.paragraph(&words);
+            }
+            page.badges(&doubts);
+        });
+        if let Some(chance) = report.sample.chance {
+            page.dots(chance);
         }
     });
     page.block("first three", |page| {
         page.block("cut", |page| to_cut(page, report, outputs, found));
         page.block("plot", |page| {
-            if let Ok(svg) = target_narrow(report) {
+            if let Ok(svg) = target_narrow(report, found) {
                 page.picture(&svg, &plot_caption(report));
             }
         });
-        page.block("limits", |page| limits(page, report));
+        page.block("limits", |page| limits(page, report, found));
     });
     basis(page, report);
+    page.part("Doubts, the gravest first", |page| page.doubts(&doubts));
+    page.terms(&TERMS);
 }
 
 /// Whether the advice is to cut a sample, or a cut sample is on target.
@@ -76,10 +82,10 @@ fn expected_words(report: &DesignReport) -> Option<String> {
     let quantity = if report.is_ratio() { "a ratio of" } else { "a friction coefficient of" };
     let asked = match at.target_in_words().as_str() {
         "-" => String::new(),
-        words => format!("; accepted: {words}"),
+        words => format!(" Accepted: {words}."),
     };
     Some(format!(
-        "At {} MPa a cut sample is expected to have {quantity} {}; 95 % of samples: {}{asked}.",
+        "At {} MPa a cut sample is expected to have {quantity} {} (95 % of samples: {}).{asked}",
         plain(at.pressure_mpa),
         number(at.median, 3),
         believed_interval([at.low_95, at.high_95]),
@@ -146,7 +152,7 @@ fn to_cut(page: &mut Page, report: &DesignReport, outputs: &Outputs, found: Opti
 }
 
 /// Adds the factors that limit the probability as bars, the constraints that keep the target out of reach, and the next steps.
-fn limits(page: &mut Page, report: &DesignReport) {
+fn limits(page: &mut Page, report: &DesignReport, found: Option<&DesignOutcome>) {
     let row = last(report);
     let std = |limit: &LimitedBy| limit.std.get(row).copied().filter(|std| std.is_finite()).unwrap_or(0.0);
     let tolerance = report.sample.expected.get(row).and_then(|at| {
@@ -169,9 +175,12 @@ fn limits(page: &mut Page, report: &DesignReport) {
                 p { "One standard deviation of the ratio at " (at) " MPa" (accepted) "." }
                 @for limit in shown {
                     div class="input" {
-                        span { (Text(&limit.input)) small { " " (Text(&micrometres(&limit.known_to))) } }
+                        span {
+                            (Text(&limit.input)) small { " " (Text(&limit.known_to))
+                                @if raises(limit) { "; if known exactly: " (percent(limit.chance_if_known)) " chance" }
+                            }
+                        }
                         div { div style=(bar(std(limit))) {} } b { (number(std(limit), 3)) }
-                        @if raises(limit) { small { "if it were known: " (percent(limit.chance_if_known)) " chance" } }
                     }
                 }
                 @if let Some(tolerance) = tolerance {
@@ -183,18 +192,35 @@ fn limits(page: &mut Page, report: &DesignReport) {
     let lifted = report.blocked_by.iter().map(|lifted| {
         let reach = if lifted.is_within_reach { "" } else { ", still out of reach" };
         let (chance, lengths) = (percent(lifted.chance), lifted.design.lengths_in_words());
-        format!("Without {}: {chance} chance, {lengths} µm{reach}.", micrometres(&lifted.what))
+        format!("Without {}: {chance} chance, {lengths} µm{reach}.", lifted.what)
     });
     page.named_list("What keeps the target out of reach", &lifted.collect::<Vec<_>>());
-    if &*report.advice == "trial" {
-        page.named_list(
-            "What to do next",
-            &["Cut one sample and measure it at these loads. Add it to the trials of the calibration, and design again.".to_owned()],
-        );
-    }
+    page.steps("What to do next", &next_steps(report, found.is_some_and(|found| found.task.is_calibrated)));
 }
 
-/// Adds the basis of the numbers, and the warnings.
+/// Steps to a better design. A calibration named by the design file is read again by the next search; a material file
+/// has the trials of the day on which it was made.
+fn next_steps(report: &DesignReport, is_calibrated: bool) -> Vec<String> {
+    if &*report.advice != "trial" {
+        return Vec::new();
+    }
+    let mut steps = vec!["Cut one sample and measure it at these loads."];
+    steps.extend(if is_calibrated {
+        &["Add it as [[trial]] to the calibration."][..]
+    } else {
+        &[
+            "Add it as [[trial]] to the calibration of this material.",
+            "Make the material file anew: slipgrid calibrate CALIBRATION.toml -o MATERIAL.toml.",
+        ]
+    });
+    steps.push("Design again: slipgrid optimize.");
+    steps.extend(
+        report.material.synthetic_surface.then_some("Map a flat sample: the surface map used here is synthetic."),
+    );
+    steps.into_iter().map(str::to_owned).collect()
+}
+
+/// Adds the basis of the numbers.
 fn basis(page: &mut Page, report: &DesignReport) {
     let mut known = vec![match report.trials {
         0 => "no trial yet".to_owned(),
@@ -222,15 +248,4 @@ fn basis(page: &mut Page, report: &DesignReport) {
             }
         }
     });
-    let doubts = |load: &LoadReport| {
-        let at = plain(load.pressure_mpa);
-        load.doubts().map(|doubt| format!("At {at} MPa {doubt}.")).collect::<Vec<_>>()
-    };
-    let mut all: Vec<String> = report.material.doubts().map(|doubt| sentence(&doubt)).collect();
-    all.extend(report.confirmed.iter().flat_map(doubts));
-    all.extend(report.violations.iter().cloned());
-    all.extend(report.of_laser().map(|warning| format!("Laser: {warning}.")));
-    all.extend(report.unresolved().map(|doubt| sentence(&doubt)));
-    page.doubts(all);
-    page.terms(&TERMS);
 }

@@ -22,6 +22,7 @@ mod points;
 mod section;
 mod surface;
 mod trials;
+mod words;
 
 pub use calibration::{Fitted, calibration};
 pub use design::design;

@@ -1,10 +1,13 @@
 //! Parts of a page: text, sortable tables, pictures on cards.
 
 use maud::{DOCTYPE, Markup, PreEscaped, Render, html};
-use slipgrid_design::results::{PatternReport, fixed};
+use slipgrid_base::units::counted;
+use slipgrid_design::results::PatternReport;
 use slipgrid_laser::export::{is_xml_letter, not_modelled};
 
 use super::section::section;
+use super::words::brief;
+pub use super::words::{ends, known, length_um, micrometres, number, percent, plain, sentence, with_error, yes_or_no};
 use crate::Outputs;
 
 const STYLE: &str = include_str!("style.css");
@@ -19,15 +22,38 @@ const LARGEST_PICTURE: usize = 3_000_000;
 /// Minimum displayed height of a drawing's smallest text, in pixels of the page.
 const MIN_TEXT_PX: f64 = 9.0;
 
+/// Beginnings of the names of files, with what such files hold.
+const FILES: [(&str, &str); 16] = [
+    ("pattern.dxf", "cavities and outline for the laser, in mm"),
+    ("pattern.svg", "drawing to scale, for people"),
+    ("pattern.csv", "cavities with their positions"),
+    ("process.toml", "process sheet: depth, bursts, hatch and tolerances"),
+    ("scene.toml", "the confirming run, for slipgrid simulate"),
+    ("result.json", "every number of this page"),
+    ("friction.csv", "friction in time"),
+    ("friction-", "its pictures, one a load"),
+    ("interface.csv", "pressure along the interface"),
+    ("interface-", "its pictures, one a load"),
+    ("target.svg", "target and expected values"),
+    ("trade-offs", "designs compared by goals"),
+    ("table.csv", "designs of a lattice"),
+    ("timings.json", "seconds by stage"),
+    ("corners.csv", "corners of cavities"),
+    ("hatch.csv", "lines of the hatch"),
+];
+
+/// Maximum number of doubts on the first screen; the list below it has all.
+const MAX_BADGES: usize = 3;
+
 /// Maximum length of a number with its error and unit; longer cells are treated as sentences.
 const LONGEST_NUMBER: usize = 24;
 
-/// Text that is escaped when written, without control characters other than line ends.
+/// Text that is escaped when written, without control characters other than line ends, and with micrometres as µm.
 pub(super) struct Text<'a>(pub(super) &'a str);
 
 impl Render for Text<'_> {
     fn render_to(&self, buffer: &mut String) {
-        self.0.replace(|c: char| !is_xml_letter(c) && c != '\n', "").render_to(buffer);
+        micrometres(self.0).replace(|c: char| !is_xml_letter(c) && c != '\n', "").render_to(buffer);
     }
 }
 
@@ -174,29 +200,61 @@ impl Page {
         self.marked("warning", text);
     }
 
-    /// Adds warnings: the first one, which is the most important, visible and the others folded.
-    pub fn doubts(&mut self, all: Vec<String>) {
-        let mut all = all.into_iter();
-        if let Some(first) = all.next() {
-            self.warning(&first);
-        }
-        let others: Vec<String> = all.collect();
-        if !others.is_empty() {
-            self.fold("Further doubts", |page| others.iter().for_each(|doubt| page.warning(doubt)));
+    /// Adds all `doubts`, the gravest first; none is folded, so that all are printed. Adds nothing for an empty list.
+    pub fn doubts(&mut self, doubts: &[String]) {
+        if !doubts.is_empty() {
+            self.add(&html! {
+                ul id="doubts" class="doubts" { (NL) @for doubt in doubts { li { (Text(&sentence(doubt))) } (NL) } }
+            });
         }
     }
 
-    /// Adds a bar for a share from 0 to 1; adjacent text states the share too.
-    pub fn bar(&mut self, share: f64) {
-        let percent = 100.0 * share.clamp(0.0, 1.0);
+    /// Adds the first of `doubts` in a few words each, with a link to [`Page::doubts`].
+    pub fn badges(&mut self, doubts: &[String]) {
+        let more = doubts.len().saturating_sub(MAX_BADGES);
+        if !doubts.is_empty() {
+            self.add(&html! {
+                ul class="badges" aria-label="Doubts, the gravest first" { (NL)
+                    @for doubt in &doubts[..doubts.len() - more] { li { a href="#doubts" { (Text(brief(doubt))) } } (NL) }
+                    @if more > 0 { li { a href="#doubts" { (counted(more, "more doubt")) } } (NL) }
+                }
+            });
+        }
+    }
+
+    /// Adds a hundred dots, of which `chance` are filled, with the number in words.
+    pub fn dots(&mut self, chance: f64) {
+        let Some(chance) = known(chance) else { return };
+        let count = (100.0 * chance.clamp(0.0, 1.0)).round();
+        let many = match count {
+            0.0 => "fewer than 1".to_owned(),
+            100.0 => "more than 99".to_owned(),
+            count => count.to_string(),
+        };
+        let words = format!("{many} of 100 cut samples would be on target");
         self.add(&html! {
-            div class="bar" aria-hidden="true" { div style=(format!("width:{percent:.1}%")) {} }
+            div class="odds" {
+                svg viewBox="0 0 110 110" role="img" aria-label=(words) {
+                    @for dot in 0_u8..100 {
+                        circle class=[(f64::from(dot) < count).then_some("on")] cx=(11 * (dot % 10) + 5) cy=(11 * (dot / 10) + 5) r="4" {}
+                    }
+                }
+                p aria-hidden="true" { (words) }
+            }
         });
     }
 
     /// Adds the main sentence of the page.
     pub fn lead(&mut self, text: &str) {
         self.marked("chance", text);
+    }
+
+    /// Adds numbered steps under a name; adds nothing for an empty list.
+    pub fn steps(&mut self, name: &str, steps: &[String]) {
+        if !steps.is_empty() {
+            self.subheading(name);
+            self.add(&html! { ol { (NL) @for step in steps { li { (Text(step)) } (NL) } } });
+        }
     }
 
     /// Adds a bulleted list under a name; adds nothing for an empty list.
@@ -319,11 +377,11 @@ impl Page {
     /// Adds model assumptions, numerical methods, and effects that are never modelled.
     pub fn model(&mut self, [model, method]: [&[String]; 2], has_rim: bool) {
         self.heading("What was modelled, and why");
-        self.list(model);
-        if !method.is_empty() {
-            self.paragraph(&format!("How it was computed: {}.", method.join("; ")));
-        }
+        self.list(&model.iter().map(|stated| sentence(stated)).collect::<Vec<_>>());
         self.paragraph(&format!("Not modelled: {}.", not_modelled(has_rim).join("; ")));
+        self.fold("How it was computed", |page| {
+            page.list(&method.iter().map(|step| sentence(step)).collect::<Vec<_>>());
+        });
     }
 
     /// Adds pictures side by side if there is room.
@@ -335,9 +393,29 @@ impl Page {
         self.body.push_str("</div>\n");
     }
 
-    /// Adds the text of a file, folded.
-    pub fn folded(&mut self, name: &str, text: &str) {
-        self.add(&html! { details { summary { (Text(name)) } pre { (Text(text.trim_end())) } } });
+    /// Adds links to the files beside the page, with what each kind is; files of no known kind have only their name.
+    pub(super) fn files(&mut self, names: &[&str]) {
+        let mut rest = names.to_vec();
+        let mut kinds: Vec<(Vec<&str>, &str)> = Vec::new();
+        for (start, words) in FILES {
+            let (own, others) = rest.into_iter().partition(|name| name.starts_with(start));
+            kinds.push((own, words));
+            rest = others;
+        }
+        kinds.push((rest, ""));
+        kinds.retain(|(own, _)| !own.is_empty());
+        if !kinds.is_empty() {
+            self.add(&html! {
+                ul class="files" { (NL)
+                    @for (own, words) in &kinds {
+                        li {
+                            @for (place, name) in own.iter().enumerate() { @if place > 0 { ", " } a href=(name) { (name) } }
+                            @if !words.is_empty() { ": " (words) }
+                        } (NL)
+                    }
+                }
+            });
+        }
     }
 }
 
@@ -349,81 +427,20 @@ fn least_width_px(svg: &str) -> Option<f64> {
     (smallest > 0.0 && smallest.is_finite()).then(|| (MIN_TEXT_PX * width / smallest).ceil())
 }
 
-/// Finite value; `None` for infinities and NaN.
-pub fn known(value: impl Into<Option<f64>>) -> Option<f64> {
-    value.into().filter(|value| value.is_finite())
-}
-
-/// Formats words as a sentence. A key or file name at the beginning keeps its case.
-pub fn sentence(words: &str) -> String {
-    let first = words.split_whitespace().next().unwrap_or_default().trim_end_matches([':', ',', ';', '.']);
-    if first.contains(['_', '.', '/', '`', '[']) {
-        return format!("{words}.");
-    }
-    let mut letters = words.chars();
-    let first = letters.next().map_or_else(String::new, |letter| letter.to_uppercase().collect());
-    format!("{first}{}.", letters.as_str())
-}
-
-/// Formats a number with `digits` decimals, or a dash.
-pub fn number(value: impl Into<Option<f64>>, digits: usize) -> String {
-    fixed(value.into(), digits)
-}
-
-/// Formats a number with the fewest digits that represent it exactly, or a dash: 50, not 50.0.
-pub fn plain(value: impl Into<Option<f64>>) -> String {
-    known(value).map_or_else(|| "-".to_owned(), |value| value.to_string())
-}
-
-/// Replaces the unit of micrometres by µm.
-pub fn micrometres(words: &str) -> String {
-    let one = |word: &str| match word.trim_end_matches([',', '.', ';']) {
-        "um" => word.replacen("um", "µm", 1),
-        _ => word.to_owned(),
-    };
-    words.split(' ').map(one).collect::<Vec<_>>().join(" ")
-}
-
-/// Formats a length in micrometres, to a tenth of a nanometre.
-pub fn length_um(value: f64) -> String {
-    plain((value * 1e4).round() / 1e4)
-}
-
-/// Formats a share from 0 to 1 in per cent, or a dash.
-pub fn percent(share: impl Into<Option<f64>>, digits: usize) -> String {
-    number(share.into().map(|share| 100.0 * share), digits)
-}
-
-/// Formats a number with its error, or whichever of them is known.
-pub fn with_error(value: impl Into<Option<f64>>, error: impl Into<Option<f64>>, digits: usize) -> String {
-    let value = known(value);
-    match known(error).filter(|_| value.is_some()) {
-        Some(error) => format!("{} ± {}", number(value, digits), number(error.abs(), digits)),
-        None => number(value, digits),
-    }
-}
-
-/// Formats the ends of an interval, or a dash.
-pub fn ends(interval: Option<[f64; 2]>, digits: usize) -> String {
-    interval.map_or_else(|| "-".to_owned(), |[from, to]| format!("{} to {}", number(from, digits), number(to, digits)))
-}
-
-/// Formats a Boolean as yes or no.
-pub fn yes_or_no(is_so: bool) -> String {
-    if is_so { "yes" } else { "no" }.to_owned()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn sentences_begin_with_a_capital_but_names_of_keys_and_files_stay_as_they_are() {
-        assert_eq!(sentence("rows are left out"), "Rows are left out.");
-        for named in
-            ["dynamic_mean: fitted", "traces.csv: 3 rows", "static_mean 2: not determined", "[learned] is used"]
+    fn chances_are_dots_of_a_hundred() {
+        for (chance, filled, words) in
+            [(0.614, 61, "61 of 100"), (0.001, 0, "fewer than 1 of 100"), (1.0, 100, "more than 99 of 100")]
         {
-            assert_eq!(sentence(named), format!("{named}."));
+            let mut page = Page::default();
+            page.dots(chance);
+            let page = page.finish("t", "0");
+            assert_eq!((page.matches("class=\"on\"").count(), page.matches("<circle").count()), (filled, 100));
+            assert!(page.contains(&format!("aria-label=\"{words} cut samples would be on target\"")), "{page}");
         }
     }
 

@@ -9,6 +9,7 @@ use slipgrid_infer::discrepancy::{Features, Trial};
 use slipgrid_model::pattern::{Pattern, Texture};
 
 use super::page::{number, plain};
+use crate::target::is_at_condition;
 
 /// Relative difference of features up to which a trial has the design's texture; allows for rounding only.
 const ALIKE: f64 = 1e-6;
@@ -68,12 +69,7 @@ impl Among<'_> {
         let has_texture = is_of(self.task.space.texture(), &trial.features);
         let on_map = has_texture && self.holds(&at);
         // Loads at the design condition, if there are any.
-        let is_wanted = |load: &slipgrid_infer::discrepancy::Load| {
-            self.task.condition.is_none_or(|wanted| {
-                (load.speed_m_s / wanted.speed_m_s - 1.0).abs() < ALIKE
-                    && (load.humidity - wanted.humidity).abs() < ALIKE
-            })
-        };
+        let is_wanted = |load: &slipgrid_infer::discrepancy::Load| is_at_condition(self.task, load);
         let is_any = trial.measured.iter().any(|of| is_wanted(&of.load));
         let words = |of: &slipgrid_infer::discrepancy::Measured| {
             let mut condition = format!("{} MPa", number(PRESSURE_MPA.from_si(of.load.pressure_pa), 2));

@@ -114,7 +114,7 @@ fn doubts(page: &mut Page, report: &SurfaceReport) {
     if missing > MANY_MISSING {
         all.push(format!("{} % of the points are missing and were filled.", percent(missing, 1)));
     }
-    page.doubts(all);
+    page.doubts(&all);
 }
 
 /// Describes how pixel size and map size limit the parameters.
@@ -127,7 +127,7 @@ fn limits(report: &SurfaceReport) -> Vec<String> {
             "finer pixels would change it little unless the surface has more below them"
         };
         all.push(format!(
-            "Rms slope and Sdq: {} % of the squared slope lies in waves shorter than {} µm, four pixels: {words}.",
+            "Rms slope and Sdq: {} % of the squared slope lies in waves shorter than {} µm, four pixels. Here {words}.",
             percent(short.slope_share, 0),
             number(short.below_um, 2)
         ));
@@ -147,7 +147,7 @@ fn limits(report: &SurfaceReport) -> Vec<String> {
             "the map is large enough for them"
         };
         all.push(format!(
-            "Sa and Sq: {} % of the squared height lies in waves longer than {} µm, half the longest: {words}.",
+            "Sa and Sq: {} % of the squared height lies in waves longer than {} µm, half the longest. Here {words}.",
             percent(height, 0),
             number(0.5 * longest_um, 0)
         ));

@@ -5,6 +5,7 @@ use slipgrid_design::results::{believed, believed_interval, believed_std};
 
 use super::page::{Column, Page, number, percent, plain, sentence, yes_or_no};
 use crate::Outputs;
+use crate::charts::{Estimate, Prediction, left_out};
 use crate::trials::{
     CoverageReport, EffectReport, MeasuredReport, PendingReport, PredictedReport, TrialReport, TrialsReport,
 };
@@ -19,9 +20,9 @@ const TOO_FEW: f64 = 0.8;
 const SURPRISING: f64 = 2.0;
 
 /// Definition of the ledger's modelled ratio, compared with the ratio of a design's report.
-const MODELLED: &str = "The modelled ratio is that of the texture as measured, on its specimen or endless on a sector of a disc, in steady sliding, with the error of its blocks taken \
-    off where it is known. A design's report has two more for the same texture: predicted is one period in the design's own blocks with its \
-    share of the specimen, and confirmed is the whole specimen with its rim, sliding in time. The three may differ by a hundredth.";
+const MODELLED: &str = "The modelled ratio is that of the texture as measured, in steady sliding, on its specimen or endless on a sector of a disc. The error of its \
+    blocks is taken off where it is known. A design's report has the ratio of the confirming run: the whole specimen, sliding in time. The two may differ \
+    by a hundredth.";
 
 const TERMS: [(&str, &str); 7] = [
     ("trial", "A sample that was cut and measured to learn how far the model is off."),
@@ -50,7 +51,7 @@ pub fn trials(report: &TrialsReport, outputs: &Outputs) -> String {
     page.title(&title);
     page.beside_picture(
         |page| {
-            page.doubts(report.warnings.iter().map(|doubtful| format!("Doubtful: {doubtful}.")).collect());
+            page.doubts(&report.warnings.iter().map(|doubtful| format!("doubtful: {doubtful}")).collect::<Vec<_>>());
             verdict(page, report);
             page.named_list("What to measure next", &next(report));
             page.terms(&TERMS);
@@ -73,8 +74,8 @@ fn picture(page: &mut Page, outputs: &Outputs) {
     page.picture_of(
         outputs,
         "trials.svg",
-        "Above: every measured ratio (squares, a colour a trial) beside what the trials before it predicted (grey, with the interval of \
-         95 %, cut off at the frame). Below: measured ratios against the texture and the pressure",
+        "Above: every measured ratio (squares, a colour a trial) beside the prediction by the trials before it. Grey bars: 95 %, cut off at the \
+         frame. Below: measured ratios against the texture and the pressure",
     );
 }
 
@@ -90,14 +91,14 @@ fn verdict(page: &mut Page, report: &TrialsReport) {
         let times = |deviations: f64| number((effect.value + deviations * effect.std).exp(), 3);
         let [low, middle, high] = [-2.0, 0.0, 2.0].map(times);
         page.paragraph(&format!(
-            "Samples have {middle} times the modelled ratio ({low} to {high} with two standard deviations) {}.",
+            "Samples have {middle} times the modelled ratio ({low} to {high} with two standard deviations). This holds {}.",
             effect.of.trim_start_matches("discrepancy ")
         ));
     }
     page.paragraph(&match &report.identified {
         Some(family) => format!("The trials say that what the model lacks grows with {family}."),
-        None if report.one_texture => "One texture cannot tell the forms apart: how what the model lacks depends on the texture is as unknown as it was, and other \
-                                       textures are predicted by the mixture of all forms."
+        None if report.one_texture => "One texture cannot tell the forms apart: how the model's error depends on the texture is as unknown as before. Other textures are \
+                                       predicted by the mixture of all forms."
             .to_owned(),
         None => "The trials do not say how what the model lacks depends on the texture: several forms fit, and other textures are \
                  predicted by their mixture."
@@ -178,6 +179,22 @@ fn next(report: &TrialsReport) -> Vec<String> {
     all
 }
 
+/// Draws each measured ratio against its prediction by all other trials; `None` for fewer than two trials.
+fn left_out_picture(report: &TrialsReport) -> Option<String> {
+    let names: Vec<String> = report.trials.iter().map(|trial| trial.name.clone()).collect();
+    let each = report.trials.iter().enumerate().flat_map(|(trial, of)| of.measured.iter().map(move |at| (trial, at)));
+    let predictions: Vec<Prediction> = each
+        .filter(|(_, at)| at.without_trial.known > 0)
+        .map(|(trial, at)| Prediction {
+            trial,
+            measured: at.measured,
+            predicted: Estimate { value: at.without_trial.ratio, error: None },
+            interval: at.without_trial.interval_95,
+        })
+        .collect();
+    left_out(&names, &predictions).ok()
+}
+
 fn details(page: &mut Page, report: &TrialsReport) {
     let rows: Vec<(&TrialReport, &MeasuredReport)> =
         report.trials.iter().flat_map(|trial| trial.measured.iter().map(move |at| (trial, at))).collect();
@@ -229,6 +246,12 @@ fn details(page: &mut Page, report: &TrialsReport) {
                 ("within 95 %", |of| share(of, of.within_95)),
             ],
         );
+        if let Some(svg) = left_out_picture(report) {
+            page.picture(
+                &svg,
+                "Measured ratios against those predicted by all other trials. Bars: 95 % of samples, cut off at the frame",
+            );
+        }
         page.fold("Every ratio predicted by the other trials, and by the other conditions", |page| {
             page.records(
                 "By all other trials; by all other conditions, of the same trial as well.",

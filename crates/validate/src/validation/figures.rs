@@ -164,6 +164,7 @@ impl Figures<'_> {
             area_fraction: &given.area_fraction[..shown],
             factor: &given.factor[..shown],
             factor_std: &[],
+            windows: &[],
             threshold: at_threshold,
             others: &others,
         })?))
