@@ -11,8 +11,8 @@ use slipgrid_model::pattern::Pattern;
 use slipgrid_model::springblock::{RunOptions, Scene, Simulation};
 
 use crate::inputs::{Effect, Part};
+use crate::sensitivities::Modelled;
 use crate::steady_model::SteadyModel;
-use crate::table::Modelled;
 
 /// Minimum number of blocks across lands and cavities when larger blocks are used.
 const MIN_BLOCKS: f64 = 2.0;

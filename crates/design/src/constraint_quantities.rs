@@ -5,33 +5,8 @@ use slipgrid_laser::export::{Laser, Layout, laser_time_s};
 use slipgrid_model::pattern::Pattern;
 
 use crate::evaluation_cache::Answer;
-use crate::task::DesignTask;
+use crate::task::{ConstraintQuantity, DesignTask};
 use slipgrid_laser::export::Specimen;
-
-/// Quantity of a design that can be limited.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ConstraintQuantity {
-    /// Maximum local pressure over the target pressures, in the cell and in confirming runs of the specimen.
-    PeakPressure,
-    /// Fraction of the face that is land.
-    BearingArea,
-    /// Fraction of the face that is cavity.
-    ArealDensity,
-    /// Laser time for the specimen.
-    LaserTime,
-    /// Minimum height of a ceiling above the counterface over the target pressures.
-    Clearance,
-    /// Minimum local pressure over nominal pressure, over the target pressures: negative under tension.
-    LeastPressure,
-}
-
-impl ConstraintQuantity {
-    /// Whether the quantity requires the layout of a design on the specimen.
-    #[must_use]
-    pub const fn takes_a_layout(self) -> bool {
-        matches!(self, Self::BearingArea | Self::ArealDensity | Self::LaserTime)
-    }
-}
 
 /// Limited quantities of designs and the inputs to compute them.
 #[derive(Clone, Debug, Default)]

@@ -12,7 +12,6 @@ use slipgrid_model::pattern::Pattern;
 use slipgrid_model::springblock::{Load, Simulation};
 
 use crate::DesignError;
-use crate::job::seconds;
 use crate::prediction::Prediction;
 use crate::prepared_task::PreparedTask;
 use crate::search::Search;
@@ -149,7 +148,7 @@ impl Explorer {
                 PRESSURE_MPA.from_si(answer.peak_pressure_pa()).ln(),
                 answer.clearance_um.unwrap_or_else(|| LENGTH_UM.from_si(pattern.depth_m())),
                 laid.areal_density(),
-                seconds(task, &pattern).unwrap_or(0.0),
+                task.laser_time_s(&pattern).unwrap_or(0.0),
                 answer.least_pressure,
             ]);
             Some(numbers)

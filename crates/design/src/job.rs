@@ -4,7 +4,7 @@
 use crate::results::{MaterialReport, VERSION, load_reports, measured_range, model_notes};
 use slipgrid_base::monitor::{CachingMonitor, Monitor};
 use slipgrid_base::units::tidy;
-use slipgrid_laser::export::{Removal, burst_warnings, laser_time_s};
+use slipgrid_laser::export::{Removal, burst_warnings};
 use slipgrid_model::pattern::Pattern;
 use slipgrid_model::springblock::{Load, Scene, Simulation};
 
@@ -138,7 +138,7 @@ fn reported(
     let reached = if can_gain { bounds_reached(task, &pattern) } else { Vec::new() };
     let slopes = slopes(search, best);
     let (trade_offs, compared) = trade_offs::of(search, best).unzip();
-    let sample = |of: &Prediction| of.report(asked, modulus_std, seconds(task, &of.texture.pattern));
+    let sample = |of: &Prediction| of.report(asked, modulus_std, task.laser_time_s(&of.texture.pattern));
     let limited_by = best.limited_by(asked, &search.predictor, modulus_std);
     let own = crate::prediction::SampleReport { limited_by, ..sample(best) };
     let worth_cutting = if advice == Advice::CannotBeMet { 1 } else { 1 + OTHERS };
@@ -220,9 +220,4 @@ fn reported(
     let PreparedTask { task, material, uncertainty, loads, .. } = prepared.clone();
     let material = KnownMaterial { material, uncertainty };
     Ok(DesignOutcome { report, advice, pattern, task, material, loads, scene, confirmed, lattice, compared, explorer })
-}
-
-/// Laser seconds, if the laser's speed is known.
-pub fn seconds(task: &DesignTask, pattern: &Pattern) -> Option<f64> {
-    laser_time_s(&task.specimen.layout(*pattern).ok()?, &task.laser)
 }

@@ -3,18 +3,9 @@
 
 use rayon::prelude::*;
 use slipgrid_model::pattern::Pattern;
-use slipgrid_model::springblock::Dimension;
 
-use crate::DesignError;
 use crate::search::Search;
-use crate::task::DesignTask;
-
-/// Step of the depth if no burst gives one, in metres.
-const DEPTH_STEP_M: f64 = 2e-6;
-/// Maximum number of designs in a table.
-const MAX_NODES: usize = 1_000_000;
-/// Tolerance for rounding at bounds that are whole steps.
-const WHOLE: f64 = 1e-6;
+use crate::whole_steps::lattice;
 
 /// Every design of a lattice with the prediction for a sample, by the table of the bounds.
 #[derive(Clone, Debug)]
@@ -52,65 +43,5 @@ impl Lattice {
         };
         let predicted = patterns.par_iter().map(sample).collect();
         Self { patterns, predicted }
-    }
-}
-
-/// Returns the widths, spacings and depths of whole blocks and bursts within the bounds of `design`, and their steps, in
-/// metres.
-#[must_use]
-pub fn axes(design: &DesignTask) -> ([Vec<f64>; 3], [f64; 3]) {
-    let (space, limits) = (&design.space, &design.constraints.limits);
-    let block_m = design.layer.block_m;
-    let steps_m = [block_m, block_m, limits.depth_per_burst_m.unwrap_or(DEPTH_STEP_M)];
-    let axis = |[lower_m, upper_m]: [f64; 2], step_m: f64| -> Vec<f64> {
-        if lower_m == upper_m {
-            return vec![lower_m];
-        }
-        // Bounds are at most a metre, so the casts are exact.
-        let (first, last) = ((lower_m / step_m - WHOLE).ceil().max(1.0), (upper_m / step_m + WHOLE).floor());
-        let whole: Vec<f64> =
-            (first as u64..=last as u64).map(|step| (step as f64 * step_m).clamp(lower_m, upper_m)).collect();
-        // If the bounds lie between two steps, the bounds and their middle are used.
-        if whole.is_empty() { vec![lower_m, f64::midpoint(lower_m, upper_m), upper_m] } else { whole }
-    };
-    let axes =
-        [axis(space.width_m(), steps_m[0]), axis(space.spacing_m(), steps_m[1]), axis(space.depth_m(), steps_m[2])];
-    (axes, steps_m)
-}
-
-/// Designs of a lattice, width varying slowest, with the steps of width, spacing and depth in metres; at most one more
-/// than a million.
-#[must_use]
-pub fn lattice(design: &DesignTask) -> (Vec<Pattern>, [f64; 3]) {
-    let (space, limits) = (&design.space, &design.constraints.limits);
-    let ([widths, spacings, depths], steps_m) = axes(design);
-    let makeable = |pattern: &Pattern| limits.violations(pattern).is_empty();
-    let patterns = widths
-        .iter()
-        .flat_map(|width_m| spacings.iter().map(move |spacing_m| (*width_m, *spacing_m)))
-        .flat_map(|(width_m, spacing_m)| depths.iter().map(move |depth_m| (width_m, spacing_m, *depth_m)))
-        .filter_map(|(width_m, spacing_m, depth_m)| space.pattern([width_m, spacing_m, depth_m]).ok())
-        .filter(makeable)
-        .take(MAX_NODES + 1)
-        .collect();
-    (patterns, steps_m)
-}
-
-/// Checks that the table can be made, before anything is computed.
-///
-/// # Errors
-/// [`DesignError`] for models in space, and tables of too many designs or none.
-pub fn check(design: &DesignTask) -> Result<(), DesignError> {
-    if !Dimension::of(design.dimensions, design.space.texture()).is_cheap_per_design() {
-        return Err(DesignError::refused(
-            "a table takes the vertical plane: in space it would take hours, which a campaign with work = \"table\" spreads over machines",
-        ));
-    }
-    match lattice(design).0.len() {
-        0 => Err(DesignError::refused("no whole blocks and bursts lie within bounds and limits: the table is empty")),
-        nodes if nodes > MAX_NODES => {
-            Err(DesignError::refused(format!("the table has more than {MAX_NODES} designs: narrow the bounds")))
-        }
-        _ => Ok(()),
     }
 }

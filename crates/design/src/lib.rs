@@ -96,6 +96,7 @@ mod tests;
 mod time_budget;
 mod timings;
 mod trade_offs;
+mod whole_steps;
 
 // Re-exports the types of a task, so that a program needs no other crate.
 pub use slipgrid_base::monitor::{Monitor, Unwatched};
@@ -105,7 +106,6 @@ pub use slipgrid_model::pattern;
 pub use slipgrid_model::springblock;
 
 pub use advice::Advice;
-pub use constraint_quantities::ConstraintQuantity;
 pub use cost_estimate::{cost_line, run_line};
 pub use design_report::DesignReport;
 pub use dynamic_excess::correct;
@@ -113,7 +113,7 @@ pub use error::{DesignError, Refusal, TaskPart};
 pub use evaluation_cache::{Answer, Answered, Evaluation, EvaluationCache, Evaluations, Fault, LARGEST, NoCache};
 pub use explorer::{Explored, Explorer, explore_bounds};
 pub use job::{DesignOutcome, run};
-pub use lattice_table::{Lattice, LatticeSample, lattice};
+pub use lattice_table::{Lattice, LatticeSample};
 pub use next_report::{NextReport, OneDiscReport, RatioPrediction, SectorReport};
 pub use next_trial::{NextOptions, NextTrials, next_trials};
 pub use prediction::{Expected, LimitedBy, ModelledRatio, SampleReport, percent};
@@ -122,10 +122,11 @@ pub use slipgrid_laser::specimen::{SpecimenError, simulate_on};
 pub use slipgrid_model::springblock::Expense;
 pub use stored_result::{StoredDesign, StoredError};
 pub use task::{
-    DEFAULT_SPEED_M_S, DesignTask, FurtherDirections, KnownMaterial, MAX_STRAIN, TradeOffGoal, TradeOffsWanted,
-    check_pressures, loads,
+    ConstraintQuantity, DEFAULT_SPEED_M_S, DesignTask, FurtherDirections, KnownMaterial, MAX_STRAIN, TradeOffGoal,
+    TradeOffsWanted, check_pressures, loads,
 };
 pub use trade_offs::{Compared, TradeOff};
+pub use whole_steps::lattice;
 
 /// Records of result.json that a [`DesignReport`] is composed of.
 pub mod records {

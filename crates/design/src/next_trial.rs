@@ -14,7 +14,6 @@ use crate::DesignError;
 use crate::advice::Advice;
 use crate::band::Asked;
 use crate::design_report::SCHEMA;
-use crate::job::seconds;
 use crate::next_report::{NextReport, OneDiscReport};
 use crate::prediction::{Prediction, SampleReport};
 use crate::prepared_task::PreparedTask;
@@ -153,7 +152,7 @@ fn choose(
         (chosen, together)
     };
     let modulus_std = prepared.modulus_std();
-    let report = |of: &Prediction| of.report(asked, modulus_std, seconds(task, &of.texture.pattern));
+    let report = |of: &Prediction| of.report(asked, modulus_std, task.laser_time_s(&of.texture.pattern));
     let with_limits = |of: &Prediction| SampleReport {
         limited_by: of.limited_by(asked, &search.predictor, modulus_std),
         ..report(of)

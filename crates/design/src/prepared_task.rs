@@ -6,7 +6,7 @@ use slipgrid_model::springblock::Load;
 
 use crate::operating_conditions::{self, Further};
 use crate::task::{DesignTask, KnownMaterial};
-use crate::{DesignError, lattice_table};
+use crate::{DesignError, whole_steps};
 
 /// Task with its material and its conditions.
 #[derive(Clone, Debug)]
@@ -41,7 +41,7 @@ impl PreparedTask {
         let (loads, outside) = task.loads(&material)?;
         let further = operating_conditions::further(&task, &material)?;
         if task.table {
-            lattice_table::check(&task)?;
+            whole_steps::check(&task)?;
         }
         Ok(Self { task, material, uncertainty, loads, outside, further })
     }

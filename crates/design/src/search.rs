@@ -20,14 +20,14 @@ use crate::as_cut::{BeyondCells, CutTexture, Known};
 use crate::band::Asked;
 use crate::between_designs::BetweenDesigns;
 use crate::confirmation::confirming_scene;
-use crate::constraint_quantities::{ConstraintQuantity, Limited};
+use crate::constraint_quantities::Limited;
 use crate::evaluation_cache::Answer;
 use crate::inputs::{Effect, Inputs, Part, percent};
 use crate::prediction::Prediction;
 use crate::prepared_task::PreparedTask;
 use crate::steps::{Place, Steps, climb};
 use crate::table::{Models, Table};
-use crate::task::DesignTask;
+use crate::task::{ConstraintQuantity, DesignTask};
 
 /// Approximate number of textures compared by the table.
 const COMPARED: usize = 3000;

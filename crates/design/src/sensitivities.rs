@@ -23,6 +23,15 @@ const NOTED_CHANGE: f64 = 0.002;
 /// Relative humidity if neither design nor trials name one.
 const USUAL_HUMIDITY: f64 = 0.4;
 
+/// Model values of a texture at the loads.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Modelled {
+    /// Logarithm ln R of the ratio at each load.
+    pub log_ratio: Vec<f64>,
+    /// Sensitivity of ln R to inputs that all textures share.
+    pub sensitivity: Vec<Sensitivity>,
+}
+
 /// Models for the sensitivity of ratios to Young's modulus and to the pressure that friction follows.
 pub struct Sensitivities<'a> {
     /// Models with a stiffer and a softer body; `None` if the modulus has no effect.

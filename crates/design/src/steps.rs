@@ -9,8 +9,8 @@ use rayon::prelude::*;
 use slipgrid_base::monitor::Monitor;
 use slipgrid_model::pattern::Pattern;
 
-use crate::lattice_table::axes;
 use crate::task::DesignTask;
+use crate::whole_steps::axes;
 
 /// Steps in blocks and bursts, in decreasing order.
 const STEPS: [usize; 3] = [4, 2, 1];

@@ -14,7 +14,7 @@ use slipgrid_base::monitor::{Monitor, Part};
 use slipgrid_base::statistics::{Axis, Normals, ResponseSurface, median, normal_probability};
 use slipgrid_base::units::tidy;
 use slipgrid_infer::calibrate::uncertainty::MaterialUncertainty;
-use slipgrid_infer::discrepancy::{DimensionShift, Sensitivity};
+use slipgrid_infer::discrepancy::DimensionShift;
 use slipgrid_model::material::Condition;
 use slipgrid_model::pattern::Pattern;
 use slipgrid_model::springblock::{Scene, block_refinement};
@@ -24,7 +24,7 @@ use crate::as_cut::BeyondCells;
 use crate::evaluation_cache::Answer;
 use crate::inputs::{made, of_dimensions, shift};
 use crate::kept_nodes::kept;
-use crate::sensitivities::{Sensitivities, from_numbers};
+use crate::sensitivities::{Modelled, Sensitivities, from_numbers};
 use crate::steady_model::SteadyModel;
 use crate::task::DesignTask;
 
@@ -85,15 +85,6 @@ pub struct TableReport {
     pub worst_error: f64,
     /// Memory of the table's numbers.
     pub bytes: usize,
-}
-
-/// Model values of a texture at the loads.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Modelled {
-    /// Logarithm ln R of the ratio at each load.
-    pub log_ratio: Vec<f64>,
-    /// Sensitivity of ln R to inputs that all textures share.
-    pub sensitivity: Vec<Sensitivity>,
 }
 
 /// Model with its sensitivities.

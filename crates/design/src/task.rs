@@ -4,12 +4,37 @@ use crate::optimize::{Constraints, DesignSpace, Target, Tolerances};
 use crate::results::beyond_measured_range;
 use slipgrid_base::units::{LENGTH_UM, PRESSURE_MPA, in_digits, tidy};
 use slipgrid_infer::calibrate::uncertainty::MaterialUncertainty;
-use slipgrid_laser::export::{Laser, Specimen, Tolerances as SheetTolerances};
+use slipgrid_laser::export::{Laser, Specimen, Tolerances as SheetTolerances, laser_time_s};
 use slipgrid_model::material::{Condition, ConditionRange, Friction, Material, MaterialError};
+use slipgrid_model::pattern::Pattern;
 use slipgrid_model::springblock::{Layer, Load, RunOptions, Scene, SceneError};
 
-use crate::constraint_quantities::ConstraintQuantity;
 use crate::error::{Refusal, TaskPart};
+
+/// Quantity of a design that can be limited.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ConstraintQuantity {
+    /// Maximum local pressure over the target pressures, in the cell and in confirming runs of the specimen.
+    PeakPressure,
+    /// Fraction of the face that is land.
+    BearingArea,
+    /// Fraction of the face that is cavity.
+    ArealDensity,
+    /// Laser time for the specimen.
+    LaserTime,
+    /// Minimum height of a ceiling above the counterface over the target pressures.
+    Clearance,
+    /// Minimum local pressure over nominal pressure, over the target pressures: negative under tension.
+    LeastPressure,
+}
+
+impl ConstraintQuantity {
+    /// Whether the quantity requires the layout of a design on the specimen.
+    #[must_use]
+    pub const fn takes_a_layout(self) -> bool {
+        matches!(self, Self::BearingArea | Self::ArealDensity | Self::LaserTime)
+    }
+}
 
 /// Design task. [`DesignTask::new`] gives the defaults of optional fields.
 #[derive(Clone, Debug)]
@@ -170,6 +195,12 @@ pub const DEFAULT_SPEED_M_S: f64 = 2e-3;
 pub(crate) const SCATTER_BASIS: &str = "standard deviation of a sample's mean, as the design file gives it";
 
 impl DesignTask {
+    /// Laser time for `pattern` on the specimen, in seconds; `None` if the laser's speed is not known.
+    #[must_use]
+    pub fn laser_time_s(&self, pattern: &Pattern) -> Option<f64> {
+        laser_time_s(&self.specimen.layout(*pattern).ok()?, &self.laser)
+    }
+
     /// Assumed manufacturing tolerances, as written to files for the laser.
     #[must_use]
     pub fn assumed_tolerances(&self) -> Option<SheetTolerances> {

@@ -10,7 +10,6 @@ use serde::{Deserialize, Serialize};
 use slipgrid_base::units::{PRESSURE_MPA, tidy};
 use slipgrid_model::pattern::Pattern;
 
-use crate::job::seconds;
 use crate::prediction::{Prediction, percent};
 use crate::search::Search;
 use crate::steps::Steps;
@@ -124,7 +123,7 @@ fn value(search: &Search<'_>, found: &Prediction, goal: TradeOffGoal) -> Option<
     match goal {
         TradeOffGoal::Chance => Some(found.chance()),
         TradeOffGoal::Misfit => Some(search.asked.misfit(&found.medians())),
-        TradeOffGoal::LaserTime => seconds(search.task, pattern),
+        TradeOffGoal::LaserTime => search.task.laser_time_s(pattern),
         TradeOffGoal::Volume => Some(1e9 * search.task.specimen.layout(*pattern).ok()?.cavity_volume_m3()),
         TradeOffGoal::PeakPressure => {
             // A specimen that was run has the pressure of the run.

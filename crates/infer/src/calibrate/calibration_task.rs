@@ -1,21 +1,15 @@
-//! Calibration job: from measurements and a surface to a material and its uncertainty.
+//! Input of a calibration, and reasons to refuse it.
 
-use slipgrid_base::monitor::{Monitor, Part, Stage};
 use slipgrid_laser::specimen::SpecimenError;
-use slipgrid_model::material::{AreaLaw, Condition, Elastic, Extrapolation, Material, MaterialError};
+use slipgrid_model::material::{AreaLaw, Elastic, Extrapolation, MaterialError};
 use slipgrid_model::springblock::{Layer, SceneError};
 use slipgrid_surface::contact::ContactError;
 use slipgrid_surface::topography::PreparedMap;
 
 use crate::calibrate::area_law::AreaLawError;
-use crate::calibrate::fit::{check_speeds, local_static_over_dynamic, seconds};
+use crate::calibrate::fit::local_static_over_dynamic;
 use crate::calibrate::select_measurements::Selection;
-use crate::calibrate::surface_area_law_source::{SurfaceFindings, surface_findings};
-use crate::calibrate::trial_discrepancy::{TrialsTask, learn, sample_bytes};
-use crate::calibrate::uncertainty::MaterialUncertainty;
-use crate::calibrate::{
-    Coefficients, Fit, FitError, Measurement, Problem, fit_coefficients, fitted_material, planned_steps,
-};
+use crate::calibrate::{Coefficients, FitError, Measurement, TrialsTask};
 
 /// Input of a calibration: measurements, the surface of the samples, and options.
 #[derive(Clone, Debug, PartialEq)]
@@ -94,37 +88,6 @@ pub struct MapSurface {
     pub windows: Option<usize>,
     /// Map of an equal sample after the test, prepared alike; only compared with `map`.
     pub after: Option<PreparedMap>,
-}
-
-/// Result of a calibration.
-#[derive(Clone, Debug, PartialEq)]
-pub struct CalibrationOutcome {
-    /// The material, with its numbers rounded as in a material file.
-    pub material: Material,
-    /// Uncertainty of the material's numbers.
-    pub uncertainty: MaterialUncertainty,
-    /// Measurements on flat samples that were selected for the fit.
-    pub measurements: Vec<Measurement>,
-    /// The fit to these measurements.
-    pub fit: Fit,
-    /// Fitted rows by speed and humidity, in the order of the measurements, with increasing pressures; empty if one
-    /// pair of coefficients is fitted to all measurements.
-    pub by_condition: Vec<(Condition, Vec<FittedRow>)>,
-    /// The surface and its contact area.
-    pub surface: SurfaceFindings,
-}
-
-/// Fitted values at one measured pressure.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct FittedRow {
-    /// Nominal pressure, in pascals.
-    pub pressure_pa: f64,
-    /// Fitted coefficients.
-    pub pair: crate::calibrate::FittedPair,
-    /// Model minus measurement of dynamic friction.
-    pub residual: f64,
-    /// Dynamic friction of the flat sample over mu_d f(P), to five digits.
-    pub dynamic_over_steady: f64,
 }
 
 /// Reason why a calibration was refused.
@@ -227,95 +190,4 @@ impl CalibrationTask {
     pub fn modulus_relative_std(&self) -> Option<f64> {
         Some(self.youngs_modulus_std_pa? / self.elastic.youngs_modulus_pa())
     }
-}
-
-/// Runs a calibration: selects the required measurements, computes the area law, fits local coefficients and learns
-/// from trials. Stages of the monitor: "area law", "windows", "area law after the test", "calibration", and "trials" if
-/// the area law is fitted. The monitor gets a note if the fit will take long.
-///
-/// # Errors
-/// [`CalibrationError`] if a number is invalid, the model cannot reproduce a measurement, or the monitor cancels.
-pub fn run(task: &CalibrationTask, monitor: &dyn Monitor) -> Result<CalibrationOutcome, CalibrationError> {
-    let check_cancelled = || if monitor.cancelled() { Err(CalibrationError::Cancelled) } else { Ok(()) };
-    // Estimated first, so that a run that needs too much memory fails at once.
-    note_memory(sample_bytes(task)?, monitor);
-    let measurements = task.selection.flat(task);
-    // Finds a modulus in the wrong unit before the contact of a map is computed.
-    check_speeds(&task.elastic, task.specimen_area_m2, &measurements).map_err(|error| refused(error, &measurements))?;
-    let mut surface = surface_findings(task, monitor)?;
-    let problem = Problem {
-        elastic: task.elastic,
-        area_law: surface.law.clone(),
-        area_law_scale: surface.scale()?,
-        layer: task.layer,
-        specimen_area_m2: task.specimen_area_m2,
-        measurements,
-        coefficients: task.coefficients,
-        relative_std: task.relative_std,
-        static_over_dynamic: task.static_over_dynamic,
-        seed: task.seed,
-    };
-    if let Some(text) = long_fit_note(&problem) {
-        monitor.note(&text);
-    }
-    let stage = Stage::new(monitor, "calibration", None);
-    // Trials run in parallel with the fit, except if they need the fitted area law.
-    let is_known = problem.area_law_scale.is_none();
-    let trials_share =
-        if is_known && task.trials.samples.iter().any(|sample| !sample.measured.is_empty()) { 0.2 } else { 0.0 };
-    let (fit, early) = rayon::join(
-        || fit_coefficients(&problem, &Part::new(&stage, 1.0 - trials_share)),
-        || is_known.then(|| learn(task, surface.law_and_curve(), &Part::new(&stage, trials_share))),
-    );
-    stage.finish();
-    let mut fit = fit.map_err(|error| refused(error, &problem.measurements))?;
-    surface.set_fitted_scale(&fit)?;
-    fit.include_law_errors(&problem, task.modulus_relative_std().filter(|_| surface.depends_on_modulus()))?;
-    let learned = match early {
-        Some(learned) => learned,
-        None => {
-            let stage = Stage::new(monitor, "trials", None);
-            let learned = learn(task, surface.law_and_curve(), &stage);
-            stage.finish();
-            learned
-        }
-    };
-    check_cancelled()?;
-    fitted_material::outcome(task, problem.measurements, fit, surface, learned?)
-}
-
-fn refused(error: FitError, measurements: &[Measurement]) -> CalibrationError {
-    match error {
-        FitError::Cancelled => CalibrationError::Cancelled,
-        error => {
-            let measurement = error.measurement().and_then(|number| measurements.get(number - 1)).copied();
-            CalibrationError::Fit { error, measurement }
-        }
-    }
-}
-
-/// Memory, in bytes, above which a note is given.
-const NOTED_BYTES: f64 = (1_u64 << 30) as f64;
-
-/// Notes the memory that the samples take, if it is large.
-fn note_memory(bytes: f64, monitor: &dyn Monitor) {
-    if bytes > NOTED_BYTES {
-        let gib = bytes / NOTED_BYTES;
-        monitor.note(&format!("the strips of a measured sample take about {gib:.1} GiB of memory"));
-    }
-}
-
-/// Estimated minutes of a fit above which a note is given.
-const NOTED_MINUTES: f64 = 0.5;
-
-/// Notes the estimated time of the fit, if it is long.
-fn long_fit_note(problem: &Problem) -> Option<String> {
-    let steps: u64 = planned_steps(problem).ok()?.iter().fold(0, |sum, steps| sum.saturating_add(*steps));
-    let runs = if problem.has_peaks() { 4.0 } else { 1.0 };
-    // Each run uses one thread.
-    let threads = rayon::current_num_threads().min(problem.measurements.len()) as f64;
-    let minutes = runs * seconds(problem, steps as f64) / threads / 60.0;
-    (minutes > NOTED_MINUTES).then(|| {
-        format!("the runs of the flat sample take {steps} time steps a round, roughly {minutes:.1} minutes in all, and up to twenty times as long where means have to be taken for longer; steps grow with 1/speed, and heavy loads take more")
-    })
 }

@@ -22,6 +22,19 @@ const MAX_ROUNDS: usize = 6;
 /// Relative change of the coefficients between rounds at which the fit has settled; three standard errors of the
 /// dynamic runs if these are larger.
 const SETTLED_CHANGE: f64 = 5e-4;
+/// Fitted values at one measured pressure.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FittedRow {
+    /// Nominal pressure, in pascals.
+    pub pressure_pa: f64,
+    /// Fitted coefficients.
+    pub pair: FittedPair,
+    /// Model minus measurement of dynamic friction.
+    pub residual: f64,
+    /// Dynamic friction of the flat sample over mu_d f(P), to five digits.
+    pub dynamic_over_steady: f64,
+}
+
 /// Fitted coefficients for one measurement, or for all.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FittedPair {

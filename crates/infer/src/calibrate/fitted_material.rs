@@ -10,13 +10,31 @@ use slipgrid_model::material::{
 };
 
 use crate::calibrate::area_law::table_warnings;
-use crate::calibrate::calibration_task::{CalibrationError, CalibrationOutcome, CalibrationTask, FittedRow};
+use crate::calibrate::calibration_task::{CalibrationError, CalibrationTask};
 use crate::calibrate::contradicting_samples::contradicting_samples;
 use crate::calibrate::load_dependence::load_dependence_warning;
 use crate::calibrate::surface_area_law_source::{AreaLawOrigin, SurfaceFindings};
 use crate::calibrate::trial_discrepancy::{Learned, note};
 use crate::calibrate::uncertainty::{CoefficientEstimate, MaterialUncertainty, flat_friction};
-use crate::calibrate::{Coefficients, Fit, FittedPair, Measurement, split_parameter_name};
+use crate::calibrate::{Coefficients, Fit, FittedPair, FittedRow, Measurement, split_parameter_name};
+
+/// Result of a calibration.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CalibrationOutcome {
+    /// The material, with its numbers rounded as in a material file.
+    pub material: Material,
+    /// Uncertainty of the material's numbers.
+    pub uncertainty: MaterialUncertainty,
+    /// Measurements on flat samples that were selected for the fit.
+    pub measurements: Vec<Measurement>,
+    /// The fit to these measurements.
+    pub fit: Fit,
+    /// Fitted rows by speed and humidity, in the order of the measurements, with increasing pressures; empty if one
+    /// pair of coefficients is fitted to all measurements.
+    pub by_condition: Vec<(Condition, Vec<FittedRow>)>,
+    /// The surface and its contact area.
+    pub surface: SurfaceFindings,
+}
 
 /// Rounds a number of the material as in a file.
 fn rounded(field: &'static str, quantity: Quantity, si: f64) -> Result<f64, CalibrationError> {

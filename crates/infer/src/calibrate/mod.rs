@@ -71,8 +71,10 @@
 
 pub mod area_law;
 pub mod area_law_sampling;
+mod calibration;
 mod calibration_task;
 mod contradicting_samples;
+mod cut_sample;
 mod fit;
 mod fit_problem;
 mod fitted_material;
@@ -91,12 +93,15 @@ mod surface_area_law_source;
 mod trial_discrepancy;
 pub mod uncertainty;
 
-pub use calibration_task::{
-    CalibrationError, CalibrationOutcome, CalibrationTask, FittedRow, MapSurface, Surface, run,
-};
+pub use calibration::{LearnedSamples, learn_alone, run};
+pub use calibration_task::{CalibrationError, CalibrationTask, MapSurface, Surface};
 pub use contradicting_samples::{contradicting_samples, is_of_contradicting_samples};
-pub use fit::{Fit, FittedPair, Parameter, Prediction, STATIC_OVER_DYNAMIC, fit_coefficients, planned_steps};
+pub use cut_sample::{CutSample, CutSpecimen, TrialsTask};
+pub use fit::{
+    Fit, FittedPair, FittedRow, Parameter, Prediction, STATIC_OVER_DYNAMIC, fit_coefficients, planned_steps,
+};
 pub use fit_problem::{Coefficients, FitError, Measurement, Problem, StaticPeak, split_parameter_name};
+pub use fitted_material::CalibrationOutcome;
 pub use flat_friction_law::flat_friction_law;
 pub use law_pressures::{LawPressures, light_pressure_pa};
 pub use marginal_uncertainty::{FlatLoad, marginal_relative_std};
@@ -104,6 +109,4 @@ pub use pending_sample::{ModelledRatio, PendingSample};
 pub use scaled_area_law::AreaLawScale;
 pub use select_measurements::{Selection, measured_friction};
 pub use surface_area_law_source::{AreaLawOrigin, SurfaceFindings};
-pub use trial_discrepancy::{
-    CutSample, CutSpecimen, Learned, LearnedSamples, TrialsTask, learn, learn_alone, sample_bytes,
-};
+pub use trial_discrepancy::{Learned, learn, sample_bytes};

@@ -1,67 +1,16 @@
 //! Trials: samples that were cut and measured, and the discrepancy learned from them.
 
-use std::sync::Arc;
-
-use crate::discrepancy::{
-    Conditions, DimensionShift, Discrepancy, Features, Hyperparameters, Load, Measured, Sensitivity, Trial,
-};
-use slipgrid_base::monitor::{Monitor, Stage};
+use crate::discrepancy::{Conditions, DimensionShift, Discrepancy, Features, Load, Measured, Sensitivity, Trial};
+use slipgrid_base::monitor::Monitor;
 use slipgrid_base::units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, counted, tidy};
-use slipgrid_laser::export::Specimen;
 use slipgrid_model::material::AreaLaw;
-use slipgrid_model::pattern::{Pattern, ReliefMap};
-use slipgrid_model::springblock::{Dimension, Holder};
+use slipgrid_model::pattern::Pattern;
+use slipgrid_model::springblock::Dimension;
 use slipgrid_surface::contact::AreaPoint;
 
 use crate::calibrate::patterned_samples::{Model, Pair, pair_measurements};
-use crate::calibrate::surface_area_law_source::surface_findings;
-use crate::calibrate::{CalibrationError, CalibrationTask, Measurement, PendingSample, Surface};
+use crate::calibrate::{CalibrationError, CalibrationTask, CutSample};
 use slipgrid_base::monitor::Part;
-
-/// A sample that was cut; it is pending if it has no measurements.
-#[derive(Clone, Debug, PartialEq)]
-pub struct CutSample {
-    /// Name of the sample.
-    pub name: String,
-    /// Date of the measurement as written in the file, or empty.
-    pub date: String,
-    /// Free text from the file.
-    pub notes: String,
-    /// Pattern, as measured or as designed.
-    pub pattern: Pattern,
-    /// Measured heights of the face over one period, instead of rims.
-    pub relief: Option<Arc<ReliefMap>>,
-    /// Standard errors of width, spacing and depth, in metres; 0 for exact dimensions.
-    pub dimensions_std_m: [f64; 3],
-    /// Standard deviation of the logarithm of the ratio between samples of one texture, if known.
-    pub sample_std: Option<f64>,
-    /// Name of the disc if the sample is one of several sectors of it; `None` if it has its own disc.
-    pub disc: Option<String>,
-    /// Specimen into which the sample was cut.
-    pub specimen: CutSpecimen,
-    /// Measurements; empty while the sample is pending.
-    pub measured: Vec<Measurement>,
-}
-
-/// Specimen into which a sample was cut.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct CutSpecimen {
-    /// Face, and treatment of cavities that cross its border; `None` for an infinite pattern, as on a sector of a disc.
-    pub face: Option<Specimen>,
-    /// Thickness, in metres, if it differs from that of the task's layer.
-    pub thickness_m: Option<f64>,
-    /// How the specimen is held, if it differs from that of the task's layer.
-    pub holder: Option<Holder>,
-}
-
-/// Input for learning from trials.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct TrialsTask {
-    /// Samples, earliest first.
-    pub samples: Vec<CutSample>,
-    /// Prior of the discrepancy.
-    pub prior: Hyperparameters,
-}
 
 /// Result of learning from trials.
 #[derive(Clone, Debug, PartialEq)]
@@ -111,44 +60,6 @@ pub fn sample_bytes(task: &CalibrationTask) -> Result<f64, CalibrationError> {
     Ok(most)
 }
 
-/// Discrepancy learned from a calibration's samples, and modelled ratios of pending samples.
-#[derive(Clone, Debug, PartialEq)]
-pub struct LearnedSamples {
-    /// Posterior of the discrepancy.
-    pub discrepancy: Discrepancy,
-    /// Modelled ratios of the pending samples.
-    pub pending: Vec<PendingSample>,
-}
-
-/// Learns from trials without a fit to flat samples, unless the area law is fitted to them. Stages of the monitor:
-/// those of the area law, "calibration" if a fit is made, and "trials".
-///
-/// # Errors
-/// See [`crate::calibrate::run`].
-pub fn learn_alone(task: &CalibrationTask, monitor: &dyn Monitor) -> Result<LearnedSamples, CalibrationError> {
-    let (surface, learned) = if matches!(task.surface, Surface::FittedScale { .. }) {
-        let found = crate::calibrate::run(task, monitor)?;
-        (found.surface, found.uncertainty.learned)
-    } else {
-        (surface_findings(task, monitor)?, None)
-    };
-    let law = surface.law_and_curve();
-    let stage = Stage::new(monitor, "trials", None);
-    let learned = learned.map_or_else(|| learn(task, law, &stage).map(|learned| learned.discrepancy), Ok);
-    let pending = task.trials.samples.iter().filter(|sample| sample.measured.is_empty());
-    let pending = pending.map(|sample| {
-        // Flat measurements stand in for patterned ones; only the modelled values are used.
-        let sample = CutSample { measured: task.flat.clone(), ..sample.clone() };
-        trial(task, &sample, law, &Part::new(&stage, 0.0)).map(|(trial, _)| PendingSample::from(trial))
-    });
-    let pending = pending.collect::<Result<Vec<_>, CalibrationError>>();
-    stage.finish();
-    if monitor.cancelled() {
-        return Err(CalibrationError::Cancelled);
-    }
-    Ok(LearnedSamples { discrepancy: learned?, pending: pending? })
-}
-
 /// Reference pressure and speed of the discrepancy, from the measurements on flat samples.
 fn conditions(task: &CalibrationTask) -> Conditions {
     let usual = Conditions::default();
@@ -174,7 +85,7 @@ fn conditions(task: &CalibrationTask) -> Conditions {
 ///
 /// The correction for sliding in time is included, as in the confirmed ratios of designs. Otherwise it would become
 /// part of the discrepancy and would be counted twice in designs.
-fn trial(
+pub(super) fn trial(
     task: &CalibrationTask,
     cut: &CutSample,
     law: (Option<&AreaLaw>, &[AreaPoint]),

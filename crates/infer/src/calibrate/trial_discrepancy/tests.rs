@@ -4,8 +4,10 @@ use slipgrid_model::pattern::Planform;
 use slipgrid_model::springblock::{Holder, Layer};
 
 use super::*;
+use crate::calibrate::surface_area_law_source::surface_findings;
 use crate::calibrate::uncertainty::{flat_friction, local_law};
 use crate::calibrate::{Coefficients, Selection};
+use crate::calibrate::{CutSpecimen, Measurement, PendingSample, Surface, TrialsTask, learn_alone};
 
 fn measured(force_n: f64, humidity: f64, mu_dynamic: f64) -> Measurement {
     Measurement { force_n, speed_m_s: 2e-3, humidity, mu_dynamic, mu_dynamic_std: 0.002, static_peak: None }
