@@ -213,7 +213,7 @@ pub struct CalibrateArgs {
     Takes a calibration file with a table [traces], which says what the flags say of exports, or the repeats of one condition. An export is a \
     table with a header that names time, torque (or friction force) and normal force, with units; comma, \
     semicolon or tab, decimal point or comma. mu = torque / (normal force x effective radius). \
-    Writes flat.csv, patterned.csv and a table of each trial, which `calibrate` takes, traces.csv and a picture of each condition. \
+    Writes flat.csv, patterned.csv and a table of each trial, which `calibrate` takes, traces.csv and pictures of each condition: friction against time, and loops against position where strokes go back and forth. \
     A trace that cannot be used (saturated, gap, no load, wrong sign, clock going back) is refused.")]
 pub struct TracesArgs {
     /// Calibration file, or exports of one condition

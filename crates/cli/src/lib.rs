@@ -8,7 +8,8 @@
 //! | [`progress`] | progress bar on a terminal, clock of long runs |
 //! | [`commands`] | one module per command |
 //!
-//! This crate contains no equations; it is the only crate that accesses files, the clock, the environment and stdout.
+//! This crate contains no equations. It and `io::disk` alone access files and the environment, and it alone the clock and
+//! stdout.
 //!
 //! ```
 //! let (mut out, mut err) = (Vec::new(), Vec::new());

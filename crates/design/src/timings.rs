@@ -27,7 +27,8 @@ impl Timings {
     /// Counts the seconds of `wall_s` that no other stage counts as those of the export, so that the stages sum to it.
     pub fn count_rest(&mut self, wall_s: f64) {
         let counted = self.material + self.table + self.search + self.confirm + self.trade_offs + self.explorer;
-        self.export = wall_s - counted;
+        // Rounding may leave less than nothing.
+        self.export = (wall_s - counted).max(0.0);
     }
 
     /// Formats the seconds.

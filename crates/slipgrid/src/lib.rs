@@ -70,7 +70,7 @@
 //! The design in this example stands alone: a document of [`Document::new`](formats::Document::new) has no other files,
 //! and a key that names a material, a calibration or a drawing is refused.
 //! [`Document::within`](formats::Document::within) gives a document the files of a source. The source for files on a
-//! disk is `slipgrid::disk::disk()`, from the crate `slipgrid-disk`:
+//! disk is [`disk::disk`]:
 //!
 //! ```
 //! use slipgrid::formats::{Document, design::Design};

@@ -2,7 +2,7 @@
 //! two.
 //!
 //! The transforms of rustfft are generic over the number type. A crate that plans one compiles all of them, for every
-//! vector width, which took half of the build time of `contact` and `topography`. This module compiles them once per
+//! vector width, which took half of the build time of `slipgrid-surface`. This module compiles them once per
 //! precision; other crates hold them behind pointers, as rustfft itself does.
 //!
 //! ```

@@ -48,7 +48,12 @@ impl<'a> Emulator<'a> {
             for node in 0..3 {
                 let pair = |load: &AtLoad| LocalFriction::new(load.nodes[node], load.nodes[node], problem.relative_std);
                 let pairs = loads.iter().map(pair).collect::<Result<_, _>>()?;
-                for (place, mu) in flat_sample::steady(&solved, &pairs)?.iter().enumerate() {
+                // A load is refused as the first measurement at it.
+                let found = flat_sample::steady(&solved, &pairs).map_err(|error| {
+                    let load = error.measurement().and_then(|number| loads.get(number - 1));
+                    load.map_or(error.clone(), |load| error.with_place(load.first))
+                })?;
+                for (place, mu) in found.iter().enumerate() {
                     let law = solved.area_law.as_ref();
                     rows[place][node] = mu / (loads[place].nodes[node] * factor_at(law, &solved, place));
                 }

@@ -1,7 +1,6 @@
 //! Trials: samples that were cut and measured, and the discrepancy learned from them.
 
-use crate::discrepancy::{Conditions, DimensionShift, Discrepancy, Features, Load, Measured, Sensitivity, Trial};
-use slipgrid_base::monitor::Monitor;
+use slipgrid_base::monitor::{Monitor, Part};
 use slipgrid_base::units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, counted, tidy};
 use slipgrid_model::material::AreaLaw;
 use slipgrid_model::pattern::Pattern;
@@ -10,7 +9,7 @@ use slipgrid_surface::contact::AreaPoint;
 
 use crate::calibrate::patterned_samples::{Model, Pair, pair_measurements};
 use crate::calibrate::{CalibrationError, CalibrationTask, CutSample};
-use slipgrid_base::monitor::Part;
+use crate::discrepancy::{Conditions, DimensionShift, Discrepancy, Features, Load, Measured, Sensitivity, Trial};
 
 /// Result of learning from trials.
 #[derive(Clone, Debug, PartialEq)]

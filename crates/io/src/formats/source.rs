@@ -1,4 +1,4 @@
-//! Sources of files: a disk, memory or a page. This crate requests bytes by path and opens no file itself.
+//! Sources of files: a disk, memory or a page. This module requests bytes by path and opens no file itself.
 
 use std::fmt::Debug;
 use std::io;

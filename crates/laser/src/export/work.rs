@@ -114,7 +114,7 @@ pub struct WorkSheet {
     pub estimated_time_formula: String,
     /// Assumptions of the estimate.
     pub estimated_time_assumptions: String,
-    /// Deviations by more than 5 % from the depth of the design where lines overlap, with remedies.
+    /// Areas of cavities that the spot does not reach, with remedies.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub warnings: Vec<String>,
     /// Passes over the lines, and the depth that they remove.

@@ -231,7 +231,9 @@ mod tests {
         let at = |p| friction.at(p, Some(&condition)).unwrap();
         assert!((at(1.5e6).friction.dynamic_mean() - 0.25).abs() < 1e-12);
         assert!(!at(1.5e6).outside_measured_range && !at(2e6).outside_measured_range);
-        assert!(at(2.1e6).outside_measured_range && at(2.1e6).friction.dynamic_mean() == 0.3);
+        assert!(at(2.2e6).outside_measured_range && at(2.2e6).friction.dynamic_mean() == 0.3);
+        // No doubt within 5 % of an end.
+        assert!(!at(2.08e6).outside_measured_range && at(2.08e6).friction.dynamic_mean() == 0.3);
         assert!(at(0.9e6).outside_measured_range && at(0.9e6).friction.dynamic_mean() == 0.2);
     }
 

@@ -70,11 +70,15 @@ pub fn area_law(task: &CalibrationTask, outcome: &CalibrationOutcome) -> Result<
     let pressure_mpa: Vec<f64> = curve.iter().map(|point| PRESSURE_MPA.from_si(point.pressure_pa)).collect();
     let area_fraction: Vec<f64> = curve.iter().map(|point| point.area_fraction_corrected).collect();
     let factor: Vec<f64> = curve.iter().map(|point| law.factor(point.pressure_pa)).collect();
-    // Standard errors of f from the windows of the map, at the pressures of the law; f is exact below them.
+    // Standard errors of f from the windows of the map, linear between the pressures of the law; f is exact below them.
     let std_at = |pressure_pa: f64| {
-        let all = law.factor_std()?;
-        let place = law.pressures_pa().iter().position(|own| (pressure_pa / own - 1.0).abs() < 1e-9);
-        Some(place.and_then(|place| all.get(place).copied()).unwrap_or(0.0))
+        let (all, own) = (law.factor_std()?, law.pressures_pa());
+        let above = own.partition_point(|own| *own < pressure_pa * (1.0 - 1e-9)).min(own.len() - 1);
+        let Some(below) = above.checked_sub(1) else {
+            return Some(if (pressure_pa / own[0] - 1.0).abs() < 1e-9 { all[0] } else { 0.0 });
+        };
+        let share = ((pressure_pa - own[below]) / (own[above] - own[below])).clamp(0.0, 1.0);
+        Some(all[below] + share * (all[above] - all[below]))
     };
     let factor_std: Vec<f64> = curve.iter().filter_map(|point| std_at(point.pressure_pa)).collect();
     let threshold = curve.iter().find(|point| (point.pressure_pa / law.pressures_pa()[0] - 1.0).abs() < 1e-9);

@@ -6,6 +6,8 @@ use super::{ChartError, Prediction, check};
 
 /// Height of the picture; with the legend above it the plot is about square.
 const HEIGHT: f64 = 500.0;
+/// Maximum number of letters of a name in the legend.
+const MAX_LETTERS: usize = 20;
 /// Maximum number of trials named in the legend.
 const NAMED: usize = 4;
 
@@ -27,7 +29,9 @@ pub fn left_out(names: &[String], predictions: &[Prediction]) -> Result<String, 
     let mark = |trial: usize| Mark::FILLED[trial % Mark::FILLED.len()];
     picture_of_size([NARROW, HEIGHT], |canvas| {
         let mut legend = vec![(Swatch::Dashed(GREY), "as predicted")];
-        for (trial, name) in names.iter().enumerate().take(NAMED) {
+        let short: Vec<String> =
+            names.iter().take(NAMED).map(|name| name.chars().take(MAX_LETTERS).collect()).collect();
+        for (trial, name) in short.iter().enumerate() {
             legend.push((Swatch::Mark(mark(trial), colour(trial)), name));
         }
         let top = canvas.heading("", &legend)?;

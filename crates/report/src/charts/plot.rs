@@ -91,13 +91,15 @@ impl Axis {
         Self { title: title.to_owned(), range, ticks }
     }
 
-    /// Axis with numbers at increasing `values` in place of round ones; a value too near the one before has none.
+    /// Axis with numbers at `values` in place of round ones; a value too near the one before has none.
     pub(super) fn numbered_at(self, values: &[f64]) -> Self {
         const GAP: f64 = 0.09;
         let mut ticks: Vec<(f64, String)> = Vec::new();
+        let mut values = values.to_vec();
+        values.sort_by(f64::total_cmp);
         for value in values {
             if ticks.last().is_none_or(|(before, _)| value - before > GAP * (self.range[1] - self.range[0])) {
-                ticks.push((*value, tidy(*value).to_string()));
+                ticks.push((value, tidy(value).to_string()));
             }
         }
         Self { ticks, ..self }

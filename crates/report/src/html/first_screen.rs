@@ -207,6 +207,8 @@ fn next_steps(report: &DesignReport, is_calibrated: bool) -> Vec<String> {
     let mut steps = vec!["Cut one sample and measure it at these loads."];
     steps.extend(if is_calibrated {
         &["Add it as [[trial]] to the calibration."][..]
+    } else if report.material.name.is_empty() {
+        &["Write a calibration of this material with it as [[trial]], and name the calibration as material."][..]
     } else {
         &[
             "Add it as [[trial]] to the calibration of this material.",

@@ -312,7 +312,7 @@ impl Page {
         self.table(caption, &header, &records.iter().map(row).collect::<Vec<_>>());
     }
 
-    /// Adds a picture on a card that is white in any colour scheme, with a caption.
+    /// Adds a picture on a card, with a caption.
     pub fn picture(&mut self, svg: &str, caption: &str) {
         if svg.len() > LARGEST_PICTURE {
             self.paragraph(&format!("{caption} The picture is too large for this page: it is a file beside the page."));

@@ -182,7 +182,7 @@ fn a_goal_alone_has_neither_chance_nor_tolerance() {
     assert!(page.contains(
         "Goal: the least standard deviation of the ratio over its mean. Expected 0.1000, model alone 0.1100."
     ));
-    for absent in [">accepted<", "against what is accepted", "if it were known", "class=\"bar\"", "Accepted:"] {
+    for absent in [">accepted<", "against what is accepted", "if known exactly", "class=\"odds\"", "Accepted:"] {
         assert!(!page.contains(absent), "{absent}");
     }
     assert!(page.contains("What limits it"));

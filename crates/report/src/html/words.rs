@@ -28,13 +28,14 @@ pub fn sentence(words: &str) -> String {
             _ => parts.push(String::new()),
         }
     }
-    let parts: Vec<String> = parts.iter().map(|part| capitalized(part.trim())).collect();
+    let parts = parts.iter().map(|part| part.trim()).filter(|part| !part.is_empty());
+    let parts: Vec<String> = parts.map(capitalized).collect();
     parts.join(" ")
 }
 
 /// Formats one sentence.
 fn capitalized(words: &str) -> String {
-    let words = words.trim_end_matches('.');
+    let words = words.strip_suffix('.').unwrap_or(words);
     let first = words.split_whitespace().next().unwrap_or_default().trim_end_matches([':', ',', ';', '.']);
     if first.contains(['_', '.', '/', '`', '[']) {
         return format!("{words}.");
@@ -54,13 +55,15 @@ pub fn plain(value: impl Into<Option<f64>>) -> String {
     known(value).map_or_else(|| "-".to_owned(), |value| value.to_string())
 }
 
-/// Replaces the unit of micrometres by µm. Names of keys, which end in `_um`, stay as they are.
+/// Replaces the unit of micrometres by µm where it follows a number, a bracket or "in". Names of keys, which end in `_um`,
+/// and words of the user stay as they are.
 pub fn micrometres(words: &str) -> String {
     let is_of_word = |c: char| c.is_alphanumeric() || c == '_';
     let mut parts = words.split(" um");
     let mut text = parts.next().unwrap_or_default().to_owned();
     for part in parts {
-        text += if part.starts_with(is_of_word) { " um" } else { " µm" };
+        let is_unit = text.ends_with(|c: char| c.is_ascii_digit() || ")]".contains(c)) || text.ends_with(" in");
+        text += if is_unit && !part.starts_with(is_of_word) { " µm" } else { " um" };
         text += part;
     }
     text

@@ -79,7 +79,7 @@ impl fmt::Display for Spikes {
             count_with_noun(self.points(), "point"),
             count_with_noun(self.list.len(), "place"),
             if self.points() == 1 { "s" } else { "" },
-            // Files list rows along x, this crate columns: the indices are exchanged to match the file.
+            // Files list rows along x, this module columns: the indices are exchanged to match the file.
             extent(|spike| spike.col),
             extent(|spike| spike.row)
         )?;

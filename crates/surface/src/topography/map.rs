@@ -157,7 +157,7 @@ impl HeightMap {
         Self { rows: cols, cols: rows, dx_m: self.dy_m, dy_m: self.dx_m, height_m }
     }
 
-    /// Heights, for the operations of this crate that keep them valid.
+    /// Heights, for the operations of this module that keep them valid.
     pub(crate) fn heights_mut(&mut self) -> &mut [f64] {
         &mut self.height_m
     }

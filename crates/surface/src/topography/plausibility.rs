@@ -175,7 +175,7 @@ impl fmt::Display for MapWarning {
                 highest_m * 1e6,
                 highest_m / deviation_m
             ),
-            // Files list rows along x, this crate columns: the indices are exchanged to match the file.
+            // Files list rows along x, this module columns: the indices are exchanged to match the file.
             Self::Lowered { share, depth_m, extent: [[col, last_col], [row, last_row]] } => write!(
                 f,
                 "{:.1} % of the map lies {:.3} um below the rest on average (within rows {row} to {last_row}, columns {col} to \

@@ -4,6 +4,7 @@ mod places;
 
 use std::time::Instant;
 
+use slipgrid_design::results::{SCREEN_WIDTH, wrapped};
 use slipgrid_design::{Advice, DesignError};
 use slipgrid_io::formats::design::Design;
 use slipgrid_report::{ReportError, files};
@@ -45,7 +46,8 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     let folder = args.output.clone().unwrap_or_else(|| places::default_folder(&args.design));
     let results = ResultFolder::open(Place::output(&folder), &FILES, &design.inputs)?;
     if let Some(earlier) = results.earlier_name().filter(|earlier| *earlier != design.task.name) {
-        console.note(&format!("the result of {earlier:?} in {} will be replaced", folder.display()));
+        let note = format!("the result of {earlier:?} in {} will be replaced", folder.display());
+        console.note(&wrapped(&note, SCREEN_WIDTH, "  ", 2));
     }
     goes_on_with(args.resuming(console.no_cache));
 

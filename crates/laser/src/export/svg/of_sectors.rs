@@ -92,7 +92,7 @@ fn words(sector: &Sector, laser: &Laser) -> String {
     let removal = Removal::new(sector.whole(), laser);
     let passes = removal.map_or_else(String::new, |removal| format!(", {} passes", removal.passes));
     format!(
-        "{}: {} {} µm wide, {} µm apart, {} µm deep{bursts}{passes}; {:.2} % of the sector, {:.2} % of the pattern",
+        "{}: {} {} µm wide, gap {} µm, {} µm deep{bursts}{passes}; {:.2} % of the sector, {:.2} % of the pattern",
         sector.number(),
         cavities(pattern.planform()),
         um(pattern.width_m()),

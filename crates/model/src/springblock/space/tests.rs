@@ -320,7 +320,7 @@ fn refinement_moves_the_ratio_by_less_than_stated() {
     assert!((fine - coarse).abs() < 0.0006, "{coarse} {fine}");
 }
 
-/// Run with `cargo test --release -p slipgrid-springblock squares_at_quarter_blocks -- --ignored`.
+/// Run with `cargo test --release -p slipgrid-model squares_at_quarter_blocks -- --ignored`.
 #[test]
 #[ignore = "200 x 200 x 80 blocks take seconds"]
 fn squares_at_quarter_blocks_differ_by_less_than_half_blocks_do() {

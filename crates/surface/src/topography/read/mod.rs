@@ -20,7 +20,7 @@
 //! comments, in UTF-8 or Latin-1, and so are lines above the data that name a value, such as `Operator: Anna`; both may
 //! state sizes and units.
 //!
-//! Lines of a matrix, which instruments call x, run along this crate's y (the file's width); the first line is x = 0.
+//! Lines of a matrix, which instruments call x, run along this module's y (the file's width); the first line is x = 0.
 //! Points x y z keep their axes. Only the heights kept by [`ReadOptions::crop`] and [`ReadOptions::decimation`] are
 //! held in memory, except for points x y z, the archive of an X3P and the packed stream of a compressed `.sur`. Sizes
 //! stated by a file are checked and memory is never reserved for them: memory grows with the heights that arrive.

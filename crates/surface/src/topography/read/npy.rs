@@ -1,5 +1,5 @@
 //! NumPy array (`.npy`, versions 1 to 3): a magic string, the length of the header, the header as a Python dictionary
-//! of `descr`, `fortran_order` and `shape`, then the numbers. The first index runs along this crate's x. The file has
+//! of `descr`, `fortran_order` and `shape`, then the numbers. The first index runs along this module's x. The file has
 //! no pixel size and no unit.
 
 use std::io::Read;
