@@ -7,10 +7,10 @@ use crate::rooms::{root, sources};
 
 /// Files that implement `Debug` by hand, and the reason why no key misses a field.
 const BY_HAND: [(&str, &str); 4] = [
-    ("report/src/outputs.rs", "is written after all is computed, and is in no key"),
-    ("springblock/src/space/layer.rs", "is a solver's work space, and is in no key"),
-    ("topography/src/fourier.rs", "is a plan of transforms, and is in no key"),
-    ("topography/src/map.rs", "names every field: heights as their bits"),
+    ("io/src/outputs.rs", "is written after all is computed, and is in no key"),
+    ("model/src/springblock/space/layer.rs", "is a solver's work space, and is in no key"),
+    ("surface/src/topography/fourier.rs", "is a plan of transforms, and is in no key"),
+    ("surface/src/topography/map.rs", "names every field: heights as their bits"),
 ];
 
 #[test]
@@ -32,6 +32,6 @@ fn debug_is_derived_but_where_no_key_can_miss_a_field() {
     found.sort();
     assert_eq!(found, BY_HAND.map(|(path, _)| path));
     // The one that is in keys is taken apart field by field, so that a new field does not compile without its text.
-    let map = fs::read_to_string(crates.join("topography/src/map.rs")).unwrap();
+    let map = fs::read_to_string(crates.join("surface/src/topography/map.rs")).unwrap();
     assert!(map.contains("let Self { rows, cols, dx_m, dy_m, height_m } = self;"));
 }

@@ -13,7 +13,7 @@ const LIMITS: [(&str, usize); 14] = [
     ("infer", 5_800),
     ("design", 6_900),
     ("io", 10_200),
-    ("report", 7_200),
+    ("report", 7_500),
     ("validate", 3_900),
     ("slipgrid", 100),
     ("cli", 2_700),

@@ -197,6 +197,6 @@ mod tests {
         assert_eq!(told(0.048e9, 0.048e9, 0.0), None);
         // No modulus explains friction that rises with load.
         let said = told(0.048e9, 48e9, 0.6).unwrap();
-        assert!(said.contains("threshold_mpa; local_law"), "{said}");
+        assert!(said.contains("threshold_mpa counts, too; local_law"), "{said}");
     }
 }
