@@ -219,7 +219,12 @@ fn next_steps(report: &DesignReport, is_calibrated: bool) -> Vec<String> {
     steps.extend(
         report.material.synthetic_surface.then_some("Map a flat sample: the surface map used here is synthetic."),
     );
-    steps.into_iter().map(str::to_owned).collect()
+    let mut steps: Vec<String> = steps.into_iter().map(str::to_owned).collect();
+    if !report.at_bounds.is_empty() {
+        let bounds = report.at_bounds.join(" and ");
+        steps.push(format!("Or widen the bounds, if you can: the texture rests on {bounds}."));
+    }
+    steps
 }
 
 /// Adds the basis of the numbers.

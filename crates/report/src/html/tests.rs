@@ -38,6 +38,16 @@ fn grooves_that_cross_are_given_by_both_directions() {
     }
 }
 
+#[test]
+fn bounds_that_a_texture_rests_on_are_a_next_step() {
+    let said = |at_bounds: &[&str]| {
+        let at_bounds = at_bounds.iter().map(|bound| (*bound).to_owned()).collect();
+        page_of(&DesignReport { advice: "trial".into(), at_bounds, ..report() }, &Outputs::default())
+    };
+    assert!(said(&["the greatest spacing, 1000 um"]).contains("the texture rests on the greatest spacing, 1000 µm."));
+    assert!(!said(&[]).contains("widen the bounds"));
+}
+
 /// Tags that are opened but not closed, or closed but not opened.
 fn unbalanced(page: &str) -> Vec<String> {
     const VOID: [&str; 2] = ["meta", "!DOCTYPE"];
