@@ -2,7 +2,7 @@
 
 use maud::html;
 use slipgrid_design::results::{believed_interval, duration_in_words, length_in_words};
-use slipgrid_design::{DesignOutcome, DesignReport, LimitedBy, percent};
+use slipgrid_design::{DesignOutcome, DesignReport, Expected, LimitedBy, percent};
 use slipgrid_laser::export::not_modelled;
 
 use super::page::{Page, Text, known, length_um, number, percent as share, plain, sentence};
@@ -100,7 +100,9 @@ fn last(report: &DesignReport) -> usize {
 fn plot_caption(report: &DesignReport) -> String {
     let several = report.sample.expected.len() > report.target.pressure_mpa.len();
     let conditions = if several { "; conditions side by side, in the order of the table below" } else { "" };
-    format!("Friction of a cut sample against pressure{conditions}")
+    format!(
+        "Friction of a cut sample against pressure{conditions}; measured trials have textures and loads of their own"
+    )
 }
 
 /// Adds texture, exposure and files.
@@ -201,10 +203,18 @@ fn limits(page: &mut Page, report: &DesignReport, found: Option<&DesignOutcome>)
 /// Steps to a better design. A calibration named by the design file is read again by the next search; a material file
 /// has the trials of the day on which it was made.
 fn next_steps(report: &DesignReport, is_calibrated: bool) -> Vec<String> {
-    if &*report.advice != "trial" {
-        return Vec::new();
-    }
-    let mut steps = vec!["Cut one sample and measure it at these loads."];
+    let mut steps = match &*report.advice {
+        "trial" => vec!["Cut one sample and measure it at these loads."],
+        "series" => return vec!["Cut the series. Measure its first samples and add them as [[trial]].".to_owned()],
+        "trial_meets_it" => {
+            return vec![
+                "Nothing new need be cut: the trial's texture meets the target.".to_owned(),
+                "To come closer, cut the texture above as another trial.".to_owned(),
+            ];
+        }
+        "cannot_be_met" => return steps_beyond_reach(report),
+        _ => return Vec::new(),
+    };
     steps.extend(if is_calibrated {
         &["Add it as [[trial]] to the calibration."][..]
     } else if report.material.name.is_empty() {
@@ -225,6 +235,25 @@ fn next_steps(report: &DesignReport, is_calibrated: bool) -> Vec<String> {
         steps.push(format!("Or widen the bounds, if you can: the texture rests on {bounds}."));
     }
     steps
+}
+
+/// Steps for a target that no texture is expected to meet, with the load at which the likeliest misses it by most.
+fn steps_beyond_reach(report: &DesignReport) -> Vec<String> {
+    let miss = |at: &Expected| {
+        let below = at.target_low.map_or(0.0, |low| low - at.median);
+        below.max(at.target_high.map_or(0.0, |high| at.median - high))
+    };
+    let farthest = report.sample.expected.iter().max_by(|a, b| miss(a).total_cmp(&miss(b)));
+    let missed = farthest.map(|at| {
+        let (pressure, median, target) = (at.pressure_mpa, at.median, at.target_in_words());
+        format!("At {pressure} MPa the likeliest texture is expected at {median:.3}, and the target is {target}.")
+    });
+    let rest = [
+        "Accept more, or widen a bound or a limit.",
+        "Or cut the texture above as a trial: it shows how far the model is off there.",
+    ];
+    let rest = rest.map(str::to_owned);
+    ["Cut nothing for this target yet.".to_owned()].into_iter().chain(missed).chain(rest).collect()
 }
 
 /// Adds the basis of the numbers.

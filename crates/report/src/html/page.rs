@@ -222,19 +222,15 @@ impl Page {
         }
     }
 
-    /// Adds a hundred dots, of which `chance` are filled, with the number in words.
+    /// Adds a hundred dots, of which `chance` are filled, with the number in words. They are chances and no samples: what is
+    /// not known of the model holds for all samples of a texture.
     pub fn dots(&mut self, chance: f64) {
         let Some(chance) = known(chance) else { return };
         let count = (100.0 * chance.clamp(0.0, 1.0)).round();
-        let many = match count {
-            0.0 => "fewer than 1".to_owned(),
-            100.0 => "more than 99".to_owned(),
-            count => count.to_string(),
-        };
-        let words = format!("{many} of 100 cut samples would be on target");
+        let words = format!("{} chance", slipgrid_design::percent(chance));
         self.add(&html! {
             div class="odds" {
-                svg viewBox="0 0 110 110" role="img" aria-label=(words) {
+                svg viewBox="0 0 110 110" role="img" aria-label={ (words) " that a cut sample is on target" } {
                     @for dot in 0_u8..100 {
                         circle class=[(f64::from(dot) < count).then_some("on")] cx=(11 * (dot % 10) + 5) cy=(11 * (dot / 10) + 5) r="4" {}
                     }
@@ -433,14 +429,13 @@ mod tests {
 
     #[test]
     fn chances_are_dots_of_a_hundred() {
-        for (chance, filled, words) in
-            [(0.614, 61, "61 of 100"), (0.001, 0, "fewer than 1 of 100"), (1.0, 100, "more than 99 of 100")]
+        for (chance, filled, words) in [(0.614, 61, "61 %"), (0.001, 0, "less than 1 %"), (1.0, 100, "more than 99 %")]
         {
             let mut page = Page::default();
             page.dots(chance);
             let page = page.finish("t", "0");
             assert_eq!((page.matches("class=\"on\"").count(), page.matches("<circle").count()), (filled, 100));
-            assert!(page.contains(&format!("aria-label=\"{words} cut samples would be on target\"")), "{page}");
+            assert!(page.contains(&format!("aria-label=\"{words} chance that a cut sample is on target\"")), "{page}");
         }
     }
 
