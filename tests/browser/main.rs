@@ -37,6 +37,7 @@ const DESIGN: &str = r#"name = "</script><script>window.hacked = 1</script><b>bo
 youngs_modulus_gpa = 0.38
 youngs_modulus_std_gpa = 0.08
 density_g_cm3 = 0.9
+warnings = ["this material is made up"]
 [material.friction]
 static_mean = 0.30
 dynamic_mean = 0.27

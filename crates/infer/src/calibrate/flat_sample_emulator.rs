@@ -28,7 +28,7 @@ pub struct Emulator<'a> {
     /// Logarithms of the scales; a single dummy value if the law is given.
     log_scales: Vec<f64>,
     /// c by scale, load and node.
-    ends: Vec<Vec<[f64; 3]>>,
+    ends: Vec<Vec<Vec<f64>>>,
 }
 
 impl<'a> Emulator<'a> {
@@ -39,12 +39,13 @@ impl<'a> Emulator<'a> {
             (0..SCALES).map(|i| from + (to - from) * i as f64 / (SCALES - 1) as f64).collect()
         });
         let (loads, load_of) = loads(problem, dynamic_means);
-        let measurements = loads.iter().map(|load| problem.measurements[load.first].clone()).collect();
+        let measurements = loads.iter().map(|load| problem.measurements[load.first]).collect();
         let alone = Problem { measurements, ..problem.clone() };
         let mut ends = Vec::new();
         for log_scale in &log_scales {
             let solved = Problem { area_law: problem.law_at(log_scale.exp())?, ..alone.clone() };
-            let mut rows = vec![[0.0; 3]; loads.len()];
+            let law = solved.area_law.as_ref();
+            let mut rows = vec![Vec::with_capacity(3); loads.len()];
             for node in 0..3 {
                 let pair = |load: &AtLoad| LocalFriction::new(load.nodes[node], load.nodes[node], problem.relative_std);
                 let pairs = loads.iter().map(pair).collect::<Result<_, _>>()?;
@@ -53,9 +54,8 @@ impl<'a> Emulator<'a> {
                     let load = error.measurement().and_then(|number| loads.get(number - 1));
                     load.map_or(error.clone(), |load| error.with_place(load.first))
                 })?;
-                for (place, mu) in found.iter().enumerate() {
-                    let law = solved.area_law.as_ref();
-                    rows[place][node] = mu / (loads[place].nodes[node] * factor_at(law, &solved, place));
+                for (place, (mu, load)) in found.iter().zip(&loads).enumerate() {
+                    rows[place].push(mu / (load.nodes[node] * factor_at(law, &solved, place)));
                 }
             }
             ends.push(rows);
