@@ -9,7 +9,7 @@ use std::ops::Range;
 
 use crate::optimize::{ModelFailure, Quantity, SearchError, Tolerances, Uncertainty, with_rim_off};
 use slipgrid_base::units::{LENGTH_UM, tidy};
-use slipgrid_infer::calibrate::uncertainty::{Covariance, MaterialUncertainty, ScaleShift, moved, with_scale};
+use slipgrid_infer::calibrate::uncertainty::{Covariance, MaterialUncertainty, ScaleShift, Source, moved, with_scale};
 use slipgrid_infer::discrepancy::{DimensionShift, Features};
 use slipgrid_model::material::{Condition, MaterialError};
 use slipgrid_model::pattern::Pattern;
@@ -345,8 +345,8 @@ impl<'a> Inputs<'a> {
 
 /// Name of the input Young's modulus.
 pub const MODULUS: &str = "Young's modulus";
-/// Name of the input flat friction.
-pub const FLAT_FRICTION: &str = "flat friction";
+/// Name of the input flat friction, which is the only error of a flat surface.
+pub const FLAT_FRICTION: &str = Source::FlatFriction.name();
 /// Name of the input that says which pressure local friction follows.
 pub const LOCAL_LAW: &str = "local law";
 

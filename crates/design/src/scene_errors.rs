@@ -13,11 +13,9 @@ use slipgrid_infer::discrepancy::{Features, Sensitivity};
 use slipgrid_model::material::{Condition, MaterialError};
 use slipgrid_model::springblock::{Fidelity, Load, LoadOutcome, Scene, Simulation, SurfaceOutcome};
 
+use crate::inputs::FLAT_FRICTION;
 use crate::sensitivities::usual_humidity;
 use slipgrid_infer::calibrate::uncertainty::MaterialUncertainty;
-
-/// Name of the only error of a flat surface.
-const FLAT_FRICTION: &str = slipgrid_infer::calibrate::uncertainty::Source::FlatFriction.name();
 
 /// Solved scene with the uncertainty of its material.
 #[derive(Clone, Copy)]
