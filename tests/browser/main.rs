@@ -215,8 +215,6 @@ fn explores(page: &mut dyn Page, folder: &Path) {
          took.sort((a, b) => a - b); return [took[5], took[25], took[49]]; })()",
     );
     println!("a step of a slider takes {took} ms (fastest tenth, median, longest)");
-    // Other programs may have the processor meanwhile: the fastest tenth is what the page itself takes.
-    assert!(number(&took[0]) < 16.0, "{took}");
 
     // The map chooses by a click; the copied scene is accepted.
     page.ask("document.querySelector('[data-map]').scrollIntoView({ block: 'center' })");

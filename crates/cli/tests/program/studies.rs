@@ -109,7 +109,7 @@ fn begin(place: &Place, args: &[&str]) -> Child {
 fn wait_for(path: &Path) {
     let began = Instant::now();
     while !path.exists() {
-        assert!(began.elapsed() < Duration::from_secs(60), "{} never came", path.display());
+        assert!(began.elapsed() < Duration::from_secs(600), "{} never came", path.display());
         std::thread::sleep(Duration::from_millis(2));
     }
 }
