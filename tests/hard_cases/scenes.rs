@@ -1,6 +1,7 @@
 //! Runs `slipgrid simulate` on every file of `scenes/`.
 
 use std::path::{Path, PathBuf};
+use std::time::Instant;
 
 use rayon::prelude::*;
 use serde_json::Value;
@@ -48,9 +49,11 @@ fn complaints(file: &Path) -> Vec<String> {
     assert!(text.starts_with("# ") && !expected.is_empty(), "{} says nothing of what is expected", file.display());
     let folder = tempfile::tempdir().unwrap();
     let (mut out, mut err) = (Vec::new(), Vec::new());
+    let started = Instant::now();
     let output = folder.path().join("out");
     let arguments = ["slipgrid", "--quiet", "simulate", file.to_str().unwrap(), "--json", "-o"];
     let code = slipgrid_cli::run(arguments.into_iter().chain([output.to_str().unwrap()]), &mut out, &mut err);
+    let wall_s = started.elapsed().as_secs_f64();
     let (out, err) = (String::from_utf8(out).unwrap(), String::from_utf8(err).unwrap());
 
     let mut wrong = Vec::new();
