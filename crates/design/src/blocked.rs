@@ -65,18 +65,7 @@ pub fn blocked_by(search: &Search<'_>, best: &Prediction) -> Vec<LiftedReport> {
     let mut all = Vec::new();
     let mut add = |what: String, lifted: &DesignTask, table: &Table| {
         let limited = Limited::of(lifted);
-        let relaxed = Search {
-            prepared: search.prepared,
-            task: lifted,
-            predictor: search.predictor.clone(),
-            asked: search.asked,
-            models: search.models,
-            beyond: search.beyond,
-            table,
-            inputs: search.inputs,
-            limited: &limited,
-            stage: search.stage,
-        };
+        let relaxed = Search { task: lifted, table, limited: &limited, ..search.clone() };
         let (found, is_within_reach) = relaxed.greatest();
         let Some(found) = found.filter(|found| found.value() > best.value() + ALIKE || is_within_reach) else { return };
         all.push(LiftedReport {

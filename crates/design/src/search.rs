@@ -31,6 +31,15 @@ use crate::task::{ConstraintQuantity, DesignTask};
 
 /// Approximate number of textures compared by the table.
 const COMPARED: usize = 3000;
+/// Number of these that are predicted by the whole mixture: the best by its likeliest members.
+const PREDICTED: usize = 400;
+/// Number of the best of every region that are predicted by the whole mixture, too.
+const PREDICTED_OF_REGION: usize = 8;
+/// Weight of the members that choose those: a sixth of the members after one trial.
+pub const SHARE_OF_RANKING: f64 = 0.8;
+/// Weight of the members that predict lattices of a thousand textures, for pages and trade-offs: half of the members after
+/// one trial, and chances to 0.004 (`likeliest_members_give_the_chances_of_all`).
+pub const SHARE_OF_LATTICES: f64 = 0.995;
 /// Number of regions along each length; the best texture of each region is examined.
 const REGIONS: usize = 3;
 /// Number of starts of climbs, in different regions.
@@ -60,11 +69,15 @@ pub fn is_same(a: &Features, b: &Features) -> bool {
 }
 
 /// Task, models and table of a search.
+#[derive(Clone)]
 pub struct Search<'a> {
     pub prepared: &'a PreparedTask,
     pub task: &'a DesignTask,
     pub asked: &'a Asked,
     pub predictor: Predictor,
+    /// The likeliest members of `predictor`, for lattices of textures, and fewer of them, to rank textures.
+    pub of_lattices: Predictor,
+    pub of_ranking: Predictor,
     pub models: &'a Models<'a>,
     pub beyond: &'a BeyondCells<'a>,
     pub table: &'a Table,
@@ -171,10 +184,10 @@ impl Search<'_> {
         self.interpolated(pattern).map(|texture| self.predicted(texture))
     }
 
-    /// Predicts `pattern` by the table with the correction `off` of ln R and the shared errors `covariance`.
+    /// Predicts `pattern` for a lattice by the table with the correction `off` of ln R and the shared errors `covariance`.
     pub fn roughly_with(&self, pattern: &Pattern, off: &[f64], covariance: &[f64]) -> Option<Prediction> {
         let texture = CutTexture { covariance: covariance.to_vec(), ..self.interpolated(pattern)?.moved(off) };
-        Some(self.predicted(texture))
+        Some(Prediction::new(texture, &self.of_lattices, self.asked))
     }
 
     /// Error of the table in ln R at the texture of `found`.
@@ -295,6 +308,7 @@ impl Search<'_> {
         let compared = drafts.len();
         let least = drafts.iter().map(|texture| texture.excess).fold(f64::INFINITY, f64::min);
         let left: Vec<CutTexture> = drafts.into_iter().filter(|texture| texture.excess <= least).collect();
+        let left = self.likeliest(left);
         // Distributions of thousands of textures would fill the memory, so those of the best are recomputed.
         let one = |(place, texture): (usize, &CutTexture)| {
             let found = (!self.stage.cancelled()).then(|| self.predicted(texture.clone()))?;
@@ -314,6 +328,29 @@ impl Search<'_> {
         });
         let best = scored.par_iter().map(|(place, ..)| self.predicted(left[*place].clone())).collect();
         (best, compared, is_within_reach && least == 0.0)
+    }
+
+    /// Textures of `all` that are the best by the likeliest members of the mixture, and the best of every region.
+    fn likeliest(&self, all: Vec<CutTexture>) -> Vec<CutTexture> {
+        if all.len() <= PREDICTED {
+            return all;
+        }
+        let value = |texture: &CutTexture| {
+            let is_left = !self.stage.cancelled();
+            is_left.then(|| Prediction::new(texture.clone(), &self.of_ranking, self.asked).value())
+        };
+        let values: Vec<Option<f64>> = all.par_iter().map(value).collect();
+        let mut order: Vec<usize> = (0..all.len()).filter(|place| values[*place].is_some()).collect();
+        order.sort_by(|a, b| values[*b].unwrap_or(0.0).total_cmp(&values[*a].unwrap_or(0.0)));
+        let (mut of_region, mut rank) = ([0; REGIONS.pow(3)], 0);
+        order.retain(|place| {
+            rank += 1;
+            let before = &mut of_region[self.region(&all[*place].pattern)];
+            *before += 1;
+            rank <= PREDICTED || *before <= PREDICTED_OF_REGION
+        });
+        order.sort_unstable();
+        order.into_iter().map(|place| all[place].clone()).collect()
     }
 
     /// First texture of `ranked` in each region.
@@ -355,7 +392,8 @@ impl Search<'_> {
                 solved = self.ordered(&mut known);
             }
             let first = solved.first().filter(|first| first.texture.known < Known::AsCut && !self.stage.cancelled());
-            let Some(pattern) = first.map(|first| first.texture.pattern) else { break };
+            let Some(first) = first.filter(|first| !self.is_alike_as_cut(first, &solved)) else { break };
+            let pattern = first.texture.pattern;
             let Some(own) = known.solved.iter_mut().find(|of| of.texture.pattern == pattern) else { break };
             let found = self.as_cut(own);
             let by = found.texture.ratio.iter().zip(&own.texture.ratio).map(|(cut, solved)| (cut / solved).ln());
@@ -371,6 +409,13 @@ impl Search<'_> {
         }
         self.stage.advance(0.2);
         Found { solved, compared, is_within_reach }
+    }
+
+    /// Whether a texture of `solved` that is solved as cut has the chance of `first` within the error of the table: another
+    /// run in time would choose between equals.
+    fn is_alike_as_cut(&self, first: &Prediction, solved: &[Prediction]) -> bool {
+        let is_alike = |of: &&Prediction| of.texture.known == Known::AsCut && of.value() >= first.value() - ALIKE;
+        self.asked.goal.is_none() && solved.iter().any(|of| is_alike(&of))
     }
 
     /// Finds the maximum value by the table after a climb, and whether some median is accepted.

@@ -13,7 +13,7 @@ use crate::cost_estimate::announce;
 use crate::evaluation_cache::{EvaluationCache, Evaluations};
 use crate::inputs::Inputs;
 use crate::prepared_task::PreparedTask;
-use crate::search::Search;
+use crate::search::{SHARE_OF_LATTICES, SHARE_OF_RANKING, Search};
 use crate::sensitivities::conditions_of;
 use crate::steady_model::SteadyModel;
 use crate::table::{Models, Table};
@@ -75,10 +75,13 @@ pub fn with_table<T>(
     };
     let searching_s = monitor.seconds();
     let stage = budget.stage_of_share("search", SEARCH_SHARE);
+    let predictor = asked.learned.at(&asked.loads);
     let search = Search {
         prepared,
         task,
-        predictor: asked.learned.at(&asked.loads),
+        of_lattices: predictor.likeliest(SHARE_OF_LATTICES),
+        of_ranking: predictor.likeliest(SHARE_OF_RANKING),
+        predictor,
         asked: &asked,
         models: &models,
         beyond: &beyond,

@@ -274,7 +274,7 @@ impl TrialsReport {
     }
 
     /// Describes the form of the discrepancy that the trials identify, in one sentence.
-    fn form_in_words(&self) -> String {
+    pub(crate) fn form_in_words(&self) -> String {
         match &self.identified {
             Some(family) => format!("the trials say that the discrepancy grows with {family}"),
             None if self.one_texture => {

@@ -186,7 +186,12 @@ pub fn tidy(value: f64) -> f64 {
 /// `count` and `noun`, in the plural unless `count` is 1.
 #[must_use]
 pub fn counted(count: usize, noun: &str) -> String {
-    format!("{count} {noun}{}", if count == 1 { "" } else { "s" })
+    let plural = match noun {
+        _ if count == 1 => "",
+        _ if noun.ends_with('s') => "es",
+        _ => "s",
+    };
+    format!("{count} {noun}{plural}")
 }
 
 /// Rounds `value` to `digits` significant digits.

@@ -7,6 +7,12 @@ impl OptimizeArgs {
     /// Command line that resumes the search from the study that this command left.
     #[must_use]
     pub fn resuming(&self, no_cache: bool) -> String {
+        format!("{} --resume", self.again(no_cache))
+    }
+
+    /// Command line that does the same again.
+    #[must_use]
+    pub fn again(&self, no_cache: bool) -> String {
         let output = self.output.as_ref().map(|folder| format!(" -o {}", quoted(folder))).unwrap_or_default();
         let given = [
             (self.table, " --table"),
@@ -15,7 +21,7 @@ impl OptimizeArgs {
             (no_cache, " --no-cache"),
         ];
         let flags: String = given.into_iter().filter_map(|(is_given, flag)| is_given.then_some(flag)).collect();
-        format!("slipgrid optimize {}{output}{flags} --resume", quoted(&self.design))
+        format!("slipgrid optimize {}{output}{flags}", quoted(&self.design))
     }
 }
 

@@ -149,6 +149,22 @@ impl Predictor {
         }
     }
 
+    /// Predictor with only the members of greatest weight, which together have at least `share` of the weight. Its
+    /// probabilities differ by at most 1 - `share`.
+    #[must_use]
+    pub fn likeliest(&self, share: f64) -> Self {
+        let mut members = self.members.clone();
+        members.sort_by(|a, b| b.member.weight.total_cmp(&a.member.weight));
+        let mut sum = 0.0;
+        members.retain(|own| {
+            let is_needed = sum < share;
+            sum += if is_needed { own.member.weight } else { 0.0 };
+            is_needed
+        });
+        members.iter_mut().for_each(|own| own.member.weight /= sum);
+        Self { members, ..self.clone() }
+    }
+
     /// Predicts a sample with the features `of`, made exactly, with the `sensitivity` of its modelled ratio to Young's
     /// modulus and the local law at each load. Includes the scatter of the sample.
     #[must_use]

@@ -95,15 +95,7 @@ fn verdict(page: &mut Page, report: &TrialsReport) {
             effect.of.trim_start_matches("discrepancy ")
         ));
     }
-    page.paragraph(&match &report.identified {
-        Some(family) => format!("The trials say that what the model lacks grows with {family}."),
-        None if report.one_texture => "One texture cannot tell the forms apart: how the model's error depends on the texture is as unknown as before. Other textures are \
-                                       predicted by the mixture of all forms."
-            .to_owned(),
-        None => "The trials do not say how what the model lacks depends on the texture: several forms fit, and other textures are \
-                 predicted by their mixture."
-            .to_owned(),
-    });
+    page.paragraph(&sentence(&report.form_in_words()));
     let surprises = report.trials.iter().flat_map(|trial| trial.measured.iter().map(move |at| (trial, at)));
     let predicted = surprises.filter(|(_, at)| at.before.known > 0);
     let largest = predicted.max_by(|a, b| a.1.before.surprise.abs().total_cmp(&b.1.before.surprise.abs()));

@@ -90,7 +90,7 @@ fn one_texture_predicts_nothing_and_tells_no_form() {
     for text in [
         "Doubtful: measured ratio: odd.",
         "nothing was predicted by a trial yet",
-        "One texture cannot tell the forms apart",
+        "One texture does not tell whether the error grows with area, edges or depth",
     ] {
         assert!(page.contains(text), "{text}");
     }

@@ -78,7 +78,7 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
         console.kept(&outputs, &folder);
     } else {
         let calibration = design.calibration.as_deref();
-        console.answer(&places::written(&args.design, calibration, &folder, &found.advice))?;
+        console.answer(&places::written(&args.again(false), calibration, &folder, &found.advice))?;
     }
     Ok(match found.advice {
         _ if !report.cut_short.is_empty() => exit_code::BUDGET,

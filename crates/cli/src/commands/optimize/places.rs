@@ -21,9 +21,10 @@ pub fn study_path(folder: &Path) -> PathBuf {
     beside(folder, ".study.jsonl")
 }
 
-/// Message with the paths of the report and the laser's files, and with the next steps.
+/// Message with the paths of the report and the laser's files in `folder`, and with the next steps; `command` is the
+/// command that was given.
 #[must_use]
-pub fn written(design: &Path, calibration: Option<&Path>, folder: &Path, advice: &Advice) -> String {
+pub fn written(command: &str, calibration: Option<&Path>, folder: &Path, advice: &Advice) -> String {
     let at = |name: &str| quoted(&folder.join(name));
     let mut text = format!("\nreport  {}\n", at("report.html"));
     if *advice != Advice::DoNotTexture {
@@ -38,10 +39,7 @@ pub fn written(design: &Path, calibration: Option<&Path>, folder: &Path, advice:
             },
             |path| quoted(&shortened(path)),
         );
-        text += &format!(
-            "next    cut it, measure it, add it as [[trial]] to {ledger},\n        then: slipgrid optimize {}\n",
-            quoted(design)
-        );
+        text += &format!("next    cut it, measure it, add it as [[trial]] to {ledger},\n        then: {command}\n");
     }
     text
 }
@@ -68,15 +66,16 @@ mod tests {
 
     #[test]
     fn a_trial_goes_on_with_its_calibration() {
-        let of =
-            |advice: &Advice| written(Path::new("a b.toml"), Some(Path::new("c.toml")), Path::new("out/a"), advice);
+        let of = |advice: &Advice| {
+            written("slipgrid optimize 'a b.toml'", Some(Path::new("c.toml")), Path::new("out/a"), advice)
+        };
         assert_eq!(
             of(&Advice::Trial),
             "\nreport  out/a/report.html\nlaser   out/a/pattern.dxf, out/a/process.toml\n\
              next    cut it, measure it, add it as [[trial]] to c.toml,\n        then: slipgrid optimize 'a b.toml'\n"
         );
         assert_eq!(of(&Advice::DoNotTexture), "\nreport  out/a/report.html\n");
-        let of_file = written(Path::new("a.toml"), None, Path::new("out/a"), &Advice::Trial);
+        let of_file = written("slipgrid optimize a.toml", None, Path::new("out/a"), &Advice::Trial);
         assert!(
             of_file.contains("to its calibration,\n        make the material anew: slipgrid calibrate"),
             "{of_file}"

@@ -173,3 +173,34 @@ fn points_shared_by_all_components_leave_little_of_a_chance_open() {
         assert!(exact < 0.0015 && rough < 0.01, "{n}: {exact} {rough}");
     }
 }
+
+/// Compares chances by members of 99.5 % of the weight with chances by all, from narrow to wide bands, before trials and
+/// after one.
+#[test]
+fn likeliest_members_give_the_chances_of_all() {
+    let after = discrepancy(vec![trial("A", groove(100.0, 300.0, 10.0), &loads(), 0.01, &mut |_| -0.1)]);
+    for known in [discrepancy(vec![]), after] {
+        let (n, all) = (loads().len(), known.at(&loads()));
+        let (some, one) = (all.likeliest(0.995), all.likeliest(1e-9));
+        let sensitivity = vec![Sensitivity::of_modulus(0.1); n];
+        let components =
+            |of: &crate::discrepancy::Predictor| of.predict(&groove(100.0, 300.0, 10.0), &sensitivity).components;
+        let weight: f64 = components(&some).iter().map(|of| of.weight).sum();
+        assert!((weight - 1.0).abs() < 1e-12 && components(&some).len() < components(&all).len());
+        // The first is the likeliest.
+        let most = components(&all).into_iter().max_by(|a, b| a.weight.total_cmp(&b.weight)).unwrap();
+        assert!(matches!(&components(&one)[..], [only] if only.mean == most.mean && only.weight == 1.0));
+        for width_um in [40.0, 110.0, 300.0] {
+            for half in [0.02, 0.05, 0.1] {
+                let chance = |of: &crate::discrepancy::Predictor| {
+                    let prediction = of.predict(&groove(width_um, 300.0, 10.0), &sensitivity);
+                    let wanted = Wanted { lower: vec![0.87 - half; n], upper: vec![0.87 + half; n] };
+                    wanted.score(&prediction, &vec![0.95; n]).chance
+                };
+                let off = (chance(&some) - chance(&all)).abs();
+                println!("{width_um} um, +-{half}: {off:.5}");
+                assert!(off < 0.005, "{width_um} {half}: {off}");
+            }
+        }
+    }
+}

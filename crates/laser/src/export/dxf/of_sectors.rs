@@ -6,6 +6,7 @@ use super::{Arrow, LAYER_ORIGIN, LAYER_OUTLINE, LAYER_SLIDING_DIRECTION, Writer,
 use crate::export::sectors::Sector;
 use crate::export::stream::{flush_full, flush_rest};
 use crate::export::{Heading, Laser, Removal};
+use slipgrid_base::units::counted;
 
 /// Layer of the mark on a land that identifies the sectors; it is made by the laser.
 pub const LAYER_MARK: &str = "MARK";
@@ -39,9 +40,10 @@ pub fn dxf_of_sectors(sectors: &[Sector], laser: &Laser, heading: &Heading, to: 
     for sector in sectors {
         let (number, pattern) = (sector.number(), sector.pattern());
         let depth_m = pattern.depth_m();
-        let bursts = laser.bursts(depth_m).map_or_else(String::new, |bursts| format!(", {bursts} bursts"));
+        let bursts =
+            laser.bursts(depth_m).map_or_else(String::new, |bursts| format!(", {}", counted(bursts as usize, "burst")));
         let passes = Removal::new(sector.whole(), laser)
-            .map_or_else(String::new, |removal| format!(", {} passes", removal.passes));
+            .map_or_else(String::new, |removal| format!(", {}", counted(removal.passes as usize, "pass")));
         file.comment(&format!(
             "{}: {}{}, width {:.3} um, spacing {:.3} um, depth {:.3} um{bursts}{passes}, turned by {:.6} degrees",
             sector_layer(number),
