@@ -67,7 +67,7 @@ fn outcome(scene: &Scene) -> LoadOutcome {
 }
 
 /// Scenes that every run of the tests solves, with their outcomes; shared by two tests.
-static FEW: LazyLock<Vec<(Scene, LoadOutcome)>> = LazyLock::new(|| solved(30));
+static FEW: LazyLock<Vec<(Scene, LoadOutcome)>> = LazyLock::new(|| solved(20));
 
 fn solved(count: usize) -> Vec<(Scene, LoadOutcome)> {
     scenes(count).into_par_iter().map(|scene| (scene.clone(), outcome(&scene))).collect()

@@ -114,7 +114,7 @@ pub fn message() -> String {
     let mut text = format!("interrupted{during}: ");
     if !(written.is_empty() && kept.is_some_and(|(.., what)| *what == RESULTS)) {
         let written = if written.is_empty() { "no result".to_owned() } else { written.join(", ") };
-        text += &format!("{written} was written{}", if kept.is_some() { "; " } else { "" });
+        text += &format!("{written} was written{}", if kept.is_some() { "\n" } else { "" });
     }
     if let Some((path, count, what)) = kept {
         text += &format!("{count} {what} are kept in {}", path.display());

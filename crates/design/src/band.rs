@@ -3,7 +3,7 @@
 use crate::optimize::{Goal, Quantity};
 use slipgrid_infer::calibrate::uncertainty::MaterialUncertainty;
 use slipgrid_infer::discrepancy::{Discrepancy, Load, Prediction as Distribution, Trial, Wanted};
-use slipgrid_model::material::AreaLaw;
+use slipgrid_model::material::{AreaLaw, END_MARGIN};
 
 use crate::DesignError;
 use crate::operating_conditions::{Further, Setting};
@@ -11,8 +11,9 @@ use crate::sensitivities::loads_of;
 use crate::steady_model::SteadyModel;
 use crate::task::DesignTask;
 
-/// Tolerance for equal loads of trial and task: relative for pressure and speed, absolute for humidity.
-const SAME_LOAD: f64 = 0.02;
+/// Tolerance for equal conditions of trial and task: relative for speed, absolute for humidity. Pressures are equal within
+/// [`END_MARGIN`], as where a material was measured.
+const SAME_SPEED: f64 = 0.02;
 const SAME_HUMIDITY: f64 = 0.02;
 
 /// Accepted values at one load of one condition.
@@ -178,17 +179,17 @@ impl Asked {
 
 /// Measured value of `trial` at `load`; `None` if there is none.
 fn measured_at(trial: &Trial, load: &Load) -> Option<f64> {
-    let is_same = |a: f64, b: f64| (a / b - 1.0).abs() <= SAME_LOAD;
+    let is_within = |a: f64, b: f64, margin: f64| (a / b - 1.0).abs() <= margin;
     let here = trial.measured.iter().filter(|at| {
-        is_same(at.load.speed_m_s, load.speed_m_s) && (at.load.humidity - load.humidity).abs() <= SAME_HUMIDITY
+        is_within(at.load.speed_m_s, load.speed_m_s, SAME_SPEED)
+            && (at.load.humidity - load.humidity).abs() <= SAME_HUMIDITY
     });
     let mut known: Vec<(f64, f64)> = here.map(|at| (at.load.pressure_pa, at.measured)).collect();
     known.sort_by(|a, b| a.0.total_cmp(&b.0));
-    if let Some((_, ratio)) = known.iter().find(|(pressure_pa, _)| is_same(*pressure_pa, load.pressure_pa)) {
-        return Some(*ratio);
-    }
-    known.windows(2).find_map(|pair| {
+    let between = known.windows(2).find_map(|pair| {
         let ([from, to], p) = ([pair[0], pair[1]], load.pressure_pa);
         (from.0..=to.0).contains(&p).then(|| from.1 + (to.1 - from.1) * (p - from.0) / (to.0 - from.0))
-    })
+    });
+    let near = || known.iter().find(|(pressure_pa, _)| is_within(*pressure_pa, load.pressure_pa, END_MARGIN));
+    between.or_else(|| near().map(|(_, ratio)| *ratio))
 }

@@ -281,10 +281,19 @@ fn a_trial_on_target_is_said_and_its_texture_is_the_likeliest() {
     assert_eq!(report.advice, "trial_meets_it");
     assert!(report.words.starts_with("trial cut already meets the target"), "{}", report.words);
     assert!(report.sample.chance.unwrap() > 0.6, "{:?}", report.sample.chance);
+    let meets = |trial: Trial| {
+        run(&taught(&task, vec![trial]), &mut NoCache, &*KNOWN).unwrap().report.advice == "trial_meets_it"
+    };
     // A trial off target at one load is not on target.
-    let mut off = cut;
+    let mut off = cut.clone();
     off.measured[1].measured = 0.80;
-    assert_ne!(run(&taught(&task, vec![off]), &mut NoCache, &*KNOWN).unwrap().report.advice, "trial_meets_it");
+    assert!(!meets(off));
+    // A trial that was measured up to a load a little below the last one, and farther below.
+    for (share, is_near) in [(0.96, true), (0.94, false)] {
+        let mut short = cut.clone();
+        short.measured[1].load.pressure_pa *= share;
+        assert_eq!(meets(short), is_near, "{share}");
+    }
 }
 
 #[test]

@@ -204,9 +204,9 @@ mod tests {
     #[test]
     fn rows_hold_the_pixels_one_by_one_would() {
         let outlines = [
-            Outline::Disc { diameter_m: 3e-3 },
-            Outline::Rectangle { length_m: 3e-3, width_m: 1.9e-3 },
-            Outline::Ring { outer_diameter_m: 3e-3, inner_diameter_m: 1.1e-3 },
+            Outline::Disc { diameter_m: 1.6e-3 },
+            Outline::Rectangle { length_m: 1.6e-3, width_m: 1.1e-3 },
+            Outline::Ring { outer_diameter_m: 1.6e-3, inner_diameter_m: 0.5e-3 },
         ];
         for (texture, outline) in every_kind().into_iter().flat_map(|kind| outlines.map(|outline| (kind, outline))) {
             // Edges at arbitrary places, and edges and centres on the middles of pixels.

@@ -169,7 +169,7 @@ impl Friction {
 /// Relative distance from an end of the measured range up to which a pressure counts as that end. A coefficient that
 /// changes by 20 % over a factor of four in pressure, as that of the published polymer does, changes by 0.7 % over this
 /// distance, which is less than its standard error.
-const END_MARGIN: f64 = 0.05;
+pub const END_MARGIN: f64 = 0.05;
 
 /// Coefficients at a pressure, from the `rows` of one condition; `None` without rows.
 fn at_pressure(rows: &[&ConditionFriction], pressure_pa: f64) -> Option<FrictionAt> {

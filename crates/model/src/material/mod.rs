@@ -43,7 +43,7 @@ pub use condition::{Condition, between};
 pub use condition_range::ConditionRange;
 pub use elastic::Elastic;
 pub use error::MaterialError;
-pub use friction::{ConditionFriction, Friction, FrictionAt, LocalFriction};
+pub use friction::{ConditionFriction, END_MARGIN, Friction, FrictionAt, LocalFriction};
 pub use measured_law::Extrapolation;
 
 /// Origin of a material's values.

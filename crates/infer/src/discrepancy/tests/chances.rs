@@ -159,7 +159,7 @@ fn points_shared_by_all_components_leave_little_of_a_chance_open() {
                 let rule = BoxRule::new(n);
                 let part = |of: &crate::discrepancy::Component| {
                     let factor = covariance_factor(&of.covariance, n);
-                    of.weight * rule.probability(&of.mean, &factor, [&lower, &upper], 0..1 << 13)
+                    of.weight * rule.probability(&of.mean, &factor, [&lower, &upper], 0..1 << 11)
                 };
                 let integral: f64 = prediction.components.iter().map(part).sum();
                 let off = |score: crate::discrepancy::Score| score.chance - integral;
