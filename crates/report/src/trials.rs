@@ -10,11 +10,13 @@ use slipgrid_design::results::{
 use slipgrid_infer::calibrate::{CutSample, contradicting_samples};
 use slipgrid_infer::discrepancy::{Discrepancy, LeftOut, Surprise, leave_out};
 
+use crate::ReportError;
 use crate::charts::{Estimate, Prediction, TrialsChart, trials};
-use crate::{Outputs, ReportError, html};
+pub use effects::EffectReport;
 use effects::{effects, less_known};
 
 mod effects;
+mod files;
 mod pending;
 mod scatter;
 mod screen;
@@ -134,19 +136,6 @@ pub struct FormReport {
     pub prior: f64,
     /// Posterior weight.
     pub weight: f64,
-}
-
-/// Discrepancy of the logarithm of the ratio, or its dependence on a quantity.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct EffectReport {
-    /// Name of the effect.
-    pub of: String,
-    /// Mean.
-    pub value: f64,
-    /// Standard deviation.
-    pub std: f64,
-    /// Prior standard deviation.
-    pub prior_std: f64,
 }
 
 /// Number of measured ratios within their predicted intervals.
@@ -374,22 +363,6 @@ impl TrialsReport {
             }
         }
         text
-    }
-
-    /// Makes the files of the ledger.
-    ///
-    /// # Errors
-    /// [`ReportError`] if the picture cannot be drawn or the record has no JSON form.
-    pub fn files(&self) -> Result<Outputs, ReportError> {
-        let mut outputs = Outputs::default();
-        outputs.add("trials.csv", self.csv());
-        if !self.trials.is_empty() {
-            outputs.add("trials.svg", self.picture()?);
-        }
-        outputs.add_record(self)?;
-        let page = html::trials(self, &outputs);
-        outputs.add("report.html", page);
-        Ok(outputs)
     }
 
     /// Draws predicted against measured ratios, and measured ratios against density, edge length and pressure, as SVG.

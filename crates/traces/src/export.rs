@@ -5,8 +5,9 @@
 //! where the clock restarts. Steps are numbered by a column or by lines such as `Step No. 2`; [`ExportOptions::step`]
 //! selects one of them.
 
-use crate::cells::{DecimalSigns, cut, number_in, unquoted};
-use crate::columns::{Channel, Column, Titles, UnknownUnit};
+use crate::cells::{DecimalSigns, cut, number_in};
+use crate::columns::{Channel, Column, Titles};
+pub use crate::export_error::ExportError;
 use crate::layout::{Layout, Line, header, is_missing, no_header};
 use crate::markers::{Marker, marker};
 use crate::missing_numbers::Longest;
@@ -48,43 +49,6 @@ const MIN_ROWS_OF_CLOCK: usize = 20;
 const MAX_SUMMARY_LINES: usize = 10;
 /// Largest number of steps that a message lists.
 const MAX_LISTED_STEPS: usize = 12;
-
-/// Reason why an export was refused.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("{}{reason}; expected {expected}", .line.map_or_else(String::new, |line| format!("line {line}: ")))]
-pub struct ExportError {
-    /// Line in the file, from 1; `None` for the file as a whole.
-    pub line: Option<u32>,
-    /// Column name, as in the file.
-    pub column: Option<String>,
-    /// Text of the cell.
-    pub value: Option<String>,
-    /// Reason for the refusal.
-    pub reason: String,
-    /// Description of what is accepted.
-    pub expected: String,
-}
-
-impl ExportError {
-    pub(crate) fn at(line: Option<u32>, reason: impl Into<String>, expected: impl Into<String>) -> Self {
-        Self { line, column: None, value: None, reason: reason.into(), expected: expected.into() }
-    }
-
-    /// A column with an unknown unit.
-    pub(crate) fn unit(line: u32, unknown: &UnknownUnit) -> Self {
-        let [reason, expected] = unknown.words();
-        Self { column: Some(unknown.name.clone()), ..Self::at(Some(line), reason, expected) }
-    }
-
-    /// A cell that is not a number.
-    fn cell(line: u32, column: &str, cell: &str) -> Self {
-        Self {
-            column: Some(column.to_owned()),
-            value: Some(format!("\"{}\"", unquoted(cell))),
-            ..Self::at(Some(line), "is no number", "a number, or nothing where it was not measured")
-        }
-    }
-}
 
 /// Parses the text of an export.
 ///

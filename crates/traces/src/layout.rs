@@ -2,7 +2,7 @@
 
 use crate::cells::{cut, number_in, separator, unquoted};
 use crate::columns::{Channel, Column, Priority, Titles, columns, may_be_force, needed_columns};
-use crate::export::ExportError;
+use crate::export_error::ExportError;
 
 /// Hint for messages: place of custom titles, and the list of known ones.
 const TITLES_HINT: &str = "in [traces]; see reference/trace-columns.md";

@@ -59,6 +59,7 @@ mod channels;
 pub mod columns;
 mod correlated_noise;
 pub mod export;
+mod export_error;
 mod lag;
 mod layout;
 mod load;

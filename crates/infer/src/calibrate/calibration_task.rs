@@ -1,15 +1,23 @@
 //! Input of a calibration, and reasons to refuse it.
 
 use slipgrid_laser::specimen::SpecimenError;
-use slipgrid_model::material::{AreaLaw, Elastic, Extrapolation, MaterialError};
+use slipgrid_model::material::{AreaLaw, Condition, Elastic, Extrapolation, MaterialError};
 use slipgrid_model::springblock::{Layer, SceneError};
 use slipgrid_surface::contact::ContactError;
 use slipgrid_surface::topography::PreparedMap;
 
 use crate::calibrate::area_law::AreaLawError;
 use crate::calibrate::fit::local_static_over_dynamic;
-use crate::calibrate::select_measurements::Selection;
 use crate::calibrate::{Coefficients, FitError, Measurement, TrialsTask};
+
+/// Conditions and pressures at which friction is needed.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Selection {
+    /// Speeds and humidities; all measurements are selected if empty.
+    pub conditions: Vec<Condition>,
+    /// Nominal pressures, in pascals. With conditions, only measurements at or next to these pressures are selected.
+    pub pressures_pa: Vec<f64>,
+}
 
 /// Input of a calibration: measurements, the surface of the samples, and options.
 #[derive(Clone, Debug, PartialEq)]

@@ -94,7 +94,7 @@ mod trial_discrepancy;
 pub mod uncertainty;
 
 pub use calibration::{LearnedSamples, learn_alone, run};
-pub use calibration_task::{CalibrationError, CalibrationTask, MapSurface, Surface};
+pub use calibration_task::{CalibrationError, CalibrationTask, MapSurface, Selection, Surface};
 pub use contradicting_samples::{contradicting_samples, is_of_contradicting_samples};
 pub use cut_sample::{CutSample, CutSpecimen, TrialsTask};
 pub use fit::{
@@ -107,6 +107,6 @@ pub use law_pressures::{LawPressures, light_pressure_pa};
 pub use marginal_uncertainty::{FlatLoad, marginal_relative_std};
 pub use pending_sample::{ModelledRatio, PendingSample};
 pub use scaled_area_law::AreaLawScale;
-pub use select_measurements::{Selection, measured_friction};
+pub use select_measurements::measured_friction;
 pub use surface_area_law_source::{AreaLawOrigin, SurfaceFindings};
 pub use trial_discrepancy::{Learned, learn, sample_bytes};

@@ -2,19 +2,10 @@
 
 use slipgrid_model::material::{Condition, ConditionFriction, Friction, LocalFriction, MaterialError, between};
 
-use crate::calibrate::{CalibrationTask, Coefficients, Measurement};
+use crate::calibrate::{CalibrationTask, Coefficients, Measurement, Selection};
 
 /// Relative tolerance for equal pressures.
 const PRESSURE_TOLERANCE: f64 = 1e-6;
-
-/// Conditions and pressures at which friction is needed.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Selection {
-    /// Speeds and humidities; all measurements are selected if empty.
-    pub conditions: Vec<Condition>,
-    /// Nominal pressures, in pascals. With conditions, only measurements at or next to these pressures are selected.
-    pub pressures_pa: Vec<f64>,
-}
 
 impl Selection {
     /// Selects the measurements of `task` on flat samples. If coefficients depend on the condition, these are the

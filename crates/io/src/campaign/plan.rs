@@ -27,7 +27,7 @@ use toml::{Spanned, Table, Value};
 use crate::campaign::CampaignError;
 use crate::campaign::inputs::{Contents, ReadOnce, RecordedFiles};
 use crate::campaign::records::{Campaign, Kind, Task};
-use crate::campaign::varied::{MAX_TASKS, Row, Varied, combinations};
+use crate::campaign::varied::{GridFile, MAX_TASKS, Row, Varied, combinations};
 
 /// Tables of a scene.
 const SCENE_TABLES: [&str; 6] = ["material", "pattern", "sample", "load", "condition", "run"];
@@ -60,15 +60,6 @@ struct CampaignFile {
     /// Rows of keys that vary together, each combined with all grids.
     #[serde(default)]
     list: Vec<Spanned<BTreeMap<String, Spanned<Value>>>>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(crate) struct GridFile {
-    /// Dotted key of the base, present there or not.
-    pub(crate) key: Spanned<String>,
-    /// Values of the key.
-    pub(crate) values: Vec<Spanned<Value>>,
 }
 
 /// Plans the campaign file at `path`. Every task is read as its command would read it, so that errors are found now.

@@ -5,10 +5,19 @@ use std::ops::Range;
 use std::path::Path;
 
 use crate::formats::{Diagnostic, Document};
+use serde::Deserialize;
 use serde_json::Value as Json;
 use toml::{Spanned, Value};
 
-use crate::campaign::plan::GridFile;
+/// Values of one key.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct GridFile {
+    /// Dotted key of the base, present there or not.
+    pub(crate) key: Spanned<String>,
+    /// Values of the key.
+    pub(crate) values: Vec<Spanned<Value>>,
+}
 
 /// Maximum number of tasks of a campaign; each result is a file.
 pub(crate) const MAX_TASKS: usize = 1_000_000;

@@ -29,8 +29,8 @@ mod written_list;
 
 pub use files::{Disk, disk};
 pub use kept_results::KeptResults;
-pub use places::{Place, PlaceError, WriteError, check_file, check_folder, refuse_foreign, write_file, write_folder};
-pub use result_folder::{ResultFolder, hold_renaming};
+pub use places::{Place, PlaceError, WriteError, check_file, check_folder, refuse_foreign, write_file};
+pub use result_folder::{ResultFolder, hold_renaming, write_folder};
 
 use std::fs;
 use std::io;

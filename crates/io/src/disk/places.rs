@@ -4,11 +4,9 @@ use std::fs;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
-use crate::Outputs;
 use crate::disk::written::{HEAD, has_mark};
 use crate::formats::Diagnostic;
 
-use crate::disk::result_folder::ResultFolder;
 use crate::disk::written_list::Written;
 use crate::disk::{parent, put, unfinished};
 
@@ -139,18 +137,6 @@ pub fn check_file(place: Place<'_>, inputs: &[PathBuf]) -> Result<(), PlaceError
     Ok(())
 }
 
-/// Writes `files`, by name, into the folder at `place` after checking all of them; the folder is created if needed.
-/// `inputs` are files from which the results were made.
-///
-/// # Errors
-/// [`PlaceError`], as in [`check_folder`], or for an error of the operating system.
-pub fn write_folder(place: Place<'_>, files: &[(String, Vec<u8>)], inputs: &[PathBuf]) -> Result<(), PlaceError> {
-    let names: Vec<&str> = files.iter().map(|(name, _)| name.as_str()).collect();
-    let mut outputs = Outputs::default();
-    files.iter().for_each(|(name, bytes)| outputs.add(name.as_str(), bytes.as_slice()));
-    Ok(ResultFolder::open(place, &names, inputs)?.replace(&outputs, &|| false)?)
-}
-
 /// Writes one file at `place`; `inputs` are files from which it was made.
 ///
 /// # Errors
@@ -250,6 +236,7 @@ fn check_writable(path: &Path) -> Result<(), WriteError> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::disk::write_folder;
 
     #[test]
     fn an_output_that_cannot_be_is_seen_before_the_work() {

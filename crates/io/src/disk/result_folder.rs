@@ -291,5 +291,17 @@ fn lock_path(folder: &Path) -> PathBuf {
     }
 }
 
+/// Writes `files`, by name, into the folder at `place` after checking all of them; the folder is created if needed.
+/// `inputs` are files from which the results were made.
+///
+/// # Errors
+/// [`PlaceError`], as in [`check_folder`], or for an error of the operating system.
+pub fn write_folder(place: Place<'_>, files: &[(String, Vec<u8>)], inputs: &[PathBuf]) -> Result<(), PlaceError> {
+    let names: Vec<&str> = files.iter().map(|(name, _)| name.as_str()).collect();
+    let mut outputs = Outputs::default();
+    files.iter().for_each(|(name, bytes)| outputs.add(name.as_str(), bytes.as_slice()));
+    Ok(ResultFolder::open(place, &names, inputs)?.replace(&outputs, &|| false)?)
+}
+
 #[cfg(test)]
 mod tests;

@@ -19,7 +19,6 @@ use read::{read_date, read_dimensions, read_limits, read_material_input, read_ra
 
 use super::condition_ranges::ConditionRangeFile;
 use super::document::Document;
-use super::explored::of_material;
 use super::file_kind::FileKind;
 use super::laser::{LaserFile, SpecimenFile, check_fits, read_laser, read_specimen, unmeasured_fluence};
 use super::limits::{LimitsFile, read_limited};
@@ -291,7 +290,7 @@ impl Design {
     /// Adapts a diagnostic of a design that may stand for a material.
     fn named(&self, told: Diagnostic) -> Diagnostic {
         match &self.stands_for {
-            Some(material) => of_material(told, self.document.path(), material),
+            Some(material) => told.of_material(self.document.path(), material),
             None => told,
         }
     }

@@ -3,7 +3,6 @@
 use std::fmt;
 use std::path::Path;
 
-use slipgrid_base::units::{Quantity, in_digits};
 use strsim::levenshtein;
 
 /// Reason why an input was refused.
@@ -28,6 +27,30 @@ pub struct Diagnostic {
 }
 
 impl Diagnostic {
+    /// Turns a diagnostic of the `made_up` design, which no user wrote, into one of the `material` behind it. Diagnostics
+    /// of user files are unchanged.
+    pub(crate) fn of_material(self, made_up: &Path, material: &Path) -> Self {
+        if self.file.as_deref() != Some(made_up) {
+            return self;
+        }
+        let file = Some(material.into());
+        match (self.key.as_deref(), self.value.as_deref()) {
+            (Some("target.pressure_mpa"), Some(value)) => {
+                // The interpretation in another unit assumes that the number was typed by a user.
+                let reason = self.reason.split_once("; in ").map_or(self.reason.as_str(), |(reason, _)| reason);
+                let reason = format!("the page's {value} {reason}");
+                Diagnostic { file, reason, ..Diagnostic::default() }.expected("a design file with pressures of its own")
+            }
+            (key, _) => {
+                let of_condition = matches!(key, Some("condition" | "material"));
+                let flags =
+                    of_condition.then(|| "--speed-mm-s and --humidity-pct, or a design file that says so".into());
+                let expected = self.expected.or(flags);
+                Diagnostic { file, line: None, key: None, value: None, expected, ..self }
+            }
+        }
+    }
+
     /// Refuses a file as a whole.
     #[must_use]
     pub fn file(path: &Path, reason: impl Into<String>) -> Self {
@@ -129,20 +152,6 @@ fn stem(key: &str) -> Option<&str> {
     key.rsplit_once('_').map(|(quantity, _)| quantity)
 }
 
-/// Converts the number of a flag to SI units.
-///
-/// # Errors
-/// [`Diagnostic`] if `quantity` does not accept the number.
-pub fn checked(flag: &str, value: f64, quantity: Quantity) -> Result<f64, Diagnostic> {
-    if quantity.accepts(value) {
-        return Ok(quantity.to_si(value));
-    }
-    // Limits the digits: a float may have three hundred.
-    let given = in_digits(value);
-    let slip = crate::formats::plausible::slip(quantity, value).map_or_else(String::new, |slip| format!("; {slip}"));
-    Err(Diagnostic::flag(flag, given, "is out of range").expected(format!("{quantity}{slip}")))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -176,13 +185,6 @@ mod tests {
         };
         let message = refused.to_string();
         assert!(message.len() < 2000 && !message.contains('\u{1b}'), "{message}");
-    }
-
-    #[test]
-    fn a_flag_in_another_unit_is_told_which() {
-        let refused = checked("youngs_modulus_gpa", 380e6, slipgrid_base::units::MODULUS_GPA).unwrap_err().to_string();
-        let expected = "expected a number above 0 up to 1250 GPa; in Pa, that would be 0.38 GPa";
-        assert_eq!(refused, format!("youngs_modulus_gpa: 380000000 is out of range; {expected}"));
     }
 
     #[test]

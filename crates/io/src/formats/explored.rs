@@ -3,9 +3,10 @@
 use std::path::Path;
 
 use crate::formats::design::Design;
-use crate::formats::diagnostic::{Diagnostic, checked};
+use crate::formats::diagnostic::Diagnostic;
 use crate::formats::document::Document;
 use crate::formats::file_kind::FileKind;
+use crate::formats::plausible::checked;
 use crate::formats::source::Source;
 use slipgrid_base::units::{HUMIDITY_PCT, SPEED_MM_S};
 
@@ -45,31 +46,8 @@ pub fn explored(source: &Source, path: &Path, condition: Option<[f64; 2]>) -> Re
     let text = format!("name = {:?}\nmaterial = {name:?}\n{at}{OF_A_MATERIAL}", read.stem());
     let within = Document::within(source, path.with_file_name("explored.toml"), text);
     let made_up = within.path().to_owned();
-    let mut design = Design::from_document(within).map_err(|refused| of_material(refused, &made_up, path))?;
-    design.told = design.told.into_iter().map(|told| of_material(told, &made_up, path)).collect();
+    let mut design = Design::from_document(within).map_err(|refused| refused.of_material(&made_up, path))?;
+    design.told = design.told.into_iter().map(|told| told.of_material(&made_up, path)).collect();
     design.stands_for = Some(path.to_owned());
     Ok(design)
-}
-
-/// Turns a diagnostic of the `made_up` design, which no user wrote, into one of the `material` behind it. Diagnostics
-/// of user files are unchanged.
-pub(crate) fn of_material(told: Diagnostic, made_up: &Path, material: &Path) -> Diagnostic {
-    if told.file.as_deref() != Some(made_up) {
-        return told;
-    }
-    let file = Some(material.into());
-    match (told.key.as_deref(), told.value.as_deref()) {
-        (Some("target.pressure_mpa"), Some(value)) => {
-            // The interpretation in another unit assumes that the number was typed by a user.
-            let reason = told.reason.split_once("; in ").map_or(told.reason.as_str(), |(reason, _)| reason);
-            let reason = format!("the page's {value} {reason}");
-            Diagnostic { file, reason, ..Diagnostic::default() }.expected("a design file with pressures of its own")
-        }
-        (key, _) => {
-            let of_condition = matches!(key, Some("condition" | "material"));
-            let flags = of_condition.then(|| "--speed-mm-s and --humidity-pct, or a design file that says so".into());
-            let expected = told.expected.or(flags);
-            Diagnostic { file, line: None, key: None, value: None, expected, ..told }
-        }
-    }
 }

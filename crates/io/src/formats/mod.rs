@@ -66,6 +66,7 @@ pub mod stored_pattern;
 pub mod surface;
 pub mod target;
 pub mod tolerances;
+mod trace_condition;
 mod trace_departures;
 mod trace_notes;
 mod trace_table;
@@ -77,5 +78,6 @@ pub mod unusual;
 pub mod values;
 pub mod written_material;
 
-pub use diagnostic::{Diagnostic, checked};
+pub use diagnostic::Diagnostic;
 pub use document::Document;
+pub use plausible::checked;

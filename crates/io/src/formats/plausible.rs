@@ -5,7 +5,7 @@
 //! gets warnings.
 
 use crate::formats::diagnostic::Diagnostic;
-use slipgrid_base::units::{MAX_DENSITY_G_CM3, MAX_MODULUS_GPA, Quantity, significant, tidy};
+use slipgrid_base::units::{MAX_DENSITY_G_CM3, MAX_MODULUS_GPA, Quantity, in_digits, significant, tidy};
 
 /// A quantity of an experiment, in the unit of its key.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -255,6 +255,20 @@ pub fn slip(quantity: Quantity, value: f64) -> Option<String> {
     judged.into_iter().find(|(own, _)| *own == quantity).and_then(|(_, plausible)| plausible.slip(value))
 }
 
+/// Converts the number of a flag to SI units.
+///
+/// # Errors
+/// [`Diagnostic`] if `quantity` does not accept the number.
+pub fn checked(flag: &str, value: f64, quantity: Quantity) -> Result<f64, Diagnostic> {
+    if quantity.accepts(value) {
+        return Ok(quantity.to_si(value));
+    }
+    // Limits the digits: a float may have three hundred.
+    let given = in_digits(value);
+    let slip = slip(quantity, value).map_or_else(String::new, |slip| format!("; {slip}"));
+    Err(Diagnostic::flag(flag, given, "is out of range").expected(format!("{quantity}{slip}")))
+}
+
 impl Plausible {
     /// Replaces the usual range by a better known one.
     #[must_use]
@@ -326,6 +340,13 @@ impl Plausible {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_flag_in_another_unit_is_told_which() {
+        let refused = checked("youngs_modulus_gpa", 380e6, slipgrid_base::units::MODULUS_GPA).unwrap_err().to_string();
+        let expected = "expected a number above 0 up to 1250 GPa; in Pa, that would be 0.38 GPa";
+        assert_eq!(refused, format!("youngs_modulus_gpa: 380000000 is out of range; {expected}"));
+    }
 
     #[test]
     fn every_range_is_a_range_within_a_range() {

@@ -5,7 +5,7 @@ use slipgrid_traces::columns::Channel;
 use slipgrid_traces::export::{Recorded, TraceFile};
 use slipgrid_traces::{Tangential, TraceFindings, lag_of_friction, speed_of_position};
 
-use crate::formats::traces::TraceCondition;
+use crate::formats::trace_condition::TraceCondition;
 
 /// Relative deviation of a recorded speed from the nominal one that gives a warning.
 const SPEED_OFF: f64 = 0.1;

@@ -72,6 +72,20 @@ pub(crate) fn circle([x_m, y_m]: [f64; 2], radius_m: f64) -> Polygon {
         .collect()
 }
 
+/// The border and the hole of a ring as polygons, in metres.
+pub(crate) fn rims(outline: &Outline) -> Vec<Vec<[f64; 2]>> {
+    match *outline {
+        Outline::Disc { diameter_m } => vec![circle([0.0; 2], diameter_m / 2.0)],
+        Outline::Ring { outer_diameter_m, inner_diameter_m } => {
+            [outer_diameter_m, inner_diameter_m].map(|diameter_m| circle([0.0; 2], diameter_m / 2.0)).to_vec()
+        }
+        Outline::Rectangle { length_m, width_m } => {
+            let corner = |x: f64, y: f64| [x * length_m / 2.0, y * width_m / 2.0];
+            vec![vec![corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)]]
+        }
+    }
+}
+
 /// Number of chords for an arc of `angle`, at least one.
 fn chords(angle: f64, radius_m: f64) -> usize {
     // s = R (1 - cos(a/2)), a the angle of one chord.

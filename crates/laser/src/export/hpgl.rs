@@ -7,8 +7,8 @@
 use std::io::{self, Write};
 
 use crate::export::ascii::ascii;
+use crate::export::clip::rims;
 use crate::export::number::push_decimal;
-use crate::export::outline::rims;
 use crate::export::stream::{flush_full, flush_rest};
 use crate::export::{Heading, Layout, Marking};
 

@@ -99,14 +99,13 @@ pub use marking::{Line, Marking};
 pub use number::COORDINATE_DECIMALS;
 pub use outline::Outline;
 pub use process::{MaterialNote, PatternSheet, ProcessInput, ProcessSheet, SpecimenSheet, Tolerances, not_modelled};
-pub use removal::Removal;
+pub use removal::{Removal, burst_warnings, laser_warnings};
 pub use sector_sheet::{DividedSheet, MEASURE_EACH_ALONE, SectorSheet, SectorsSheet};
 pub use sectors::{Division, MAX_SECTORS, MIN_PERIODS, Sector};
 pub use specimen::{AT_THE_RIM, Specimen};
 pub use stl::{CHORDS, check as check_stl, stl};
 pub use strips::LaidStrip;
 pub use svg::{is_xml_letter, svg, svg_of_sectors};
-pub use unreached::{burst_warnings, laser_warnings};
 pub use work::{WorkSheet, laser_time_s};
 
 /// Title block of drawings.

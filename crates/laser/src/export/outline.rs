@@ -1,5 +1,4 @@
 use crate::export::ExportError;
-use crate::export::clip::circle;
 use crate::export::error::positive;
 
 /// Sliding face of the specimen, centred on the origin of its axes x and y. x is the sliding direction unless the
@@ -179,20 +178,6 @@ impl Outline {
 pub(crate) fn left_of([dx, dy]: [f64; 2]) -> [f64; 2] {
     // Avoids a negative zero.
     [0.0 - dy, dx]
-}
-
-/// The border and the hole of a ring as polygons, in metres.
-pub(crate) fn rims(outline: &Outline) -> Vec<Vec<[f64; 2]>> {
-    match *outline {
-        Outline::Disc { diameter_m } => vec![circle([0.0; 2], diameter_m / 2.0)],
-        Outline::Ring { outer_diameter_m, inner_diameter_m } => {
-            [outer_diameter_m, inner_diameter_m].map(|diameter_m| circle([0.0; 2], diameter_m / 2.0)).to_vec()
-        }
-        Outline::Rectangle { length_m, width_m } => {
-            let corner = |x: f64, y: f64| [x * length_m / 2.0, y * width_m / 2.0];
-            vec![vec![corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)]]
-        }
-    }
 }
 
 /// Range of t for which `at_m + t slope` lies within +-`half_m`; `None` if it is empty.

@@ -5,9 +5,10 @@ use slipgrid_model::pattern::{Arrangement, Pattern, Planform};
 
 use crate::export::error::positive;
 use crate::export::number::{DERIVED_DIGITS, micrometres, millimetres, round_decimals, round_digits};
+use crate::export::removal::removed_volume_m3;
 use crate::export::words::{ANGLE_DECIMALS, groove_direction, lattice};
 use crate::export::work::WorkSheet;
-use crate::export::{Cavity, ExportError, Laser, Layout, Outline, burst_warnings};
+use crate::export::{ExportError, Laser, Layout, Outline, burst_warnings};
 
 /// Effects that no model of slipgrid contains, for a pattern with or without rims; listed on every process sheet.
 #[must_use]
@@ -305,28 +306,6 @@ fn arrangement(layout: &Layout) -> String {
         _ if layout.is_clipped() => format!("{}, one cavity on the centre, cut at the rim", lattice(pattern)),
         _ => format!("{}, one cavity on the centre, only whole cavities", lattice(pattern)),
     }
-}
-
-/// Volume of all cavities with sloping walls, in cubic metres.
-pub(crate) fn removed_volume_m3(layout: &Layout, laser: &Laser) -> f64 {
-    let depth_m = layout.pattern().depth_m();
-    let inset_m = laser.floor_inset_m(depth_m);
-    if inset_m == 0.0 {
-        return layout.cavity_volume_m3();
-    }
-    // Area is quadratic in depth for walls of constant slope, so that d/6 (A_0 + 4 A_1/2 + A_1) is exact.
-    let area_m2 = |cavity: &Cavity, share: f64| cavity.inset(share * inset_m, 0.0).map_or(0.0, |at| at.area_m2());
-    let six_m2 = |cavity: Cavity| cavity.area_m2() + 4.0 * area_m2(&cavity, 0.5) + area_m2(&cavity, 1.0);
-    // All complete polygons are equal, and the area inside their walls takes time to integrate.
-    let mut whole_m2 = None;
-    let each_m2 = |cavity: Cavity| {
-        if cavity.face.is_some() && cavity.cut_by.is_none() {
-            *whole_m2.get_or_insert_with(|| six_m2(cavity))
-        } else {
-            six_m2(cavity)
-        }
-    };
-    layout.iter().map(each_m2).sum::<f64>() * depth_m / 6.0
 }
 
 #[cfg(test)]

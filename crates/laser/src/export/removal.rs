@@ -17,7 +17,6 @@ use serde::{Deserialize, Serialize};
 use crate::export::cavity::Cavity;
 use crate::export::marking::length_m;
 use crate::export::number::{DERIVED_DIGITS, MICROMETRE_DECIMALS, decimal, micrometres, round_decimals, round_digits};
-use crate::export::process::removed_volume_m3;
 use crate::export::unreached;
 use crate::export::{Laser, Layout, Line, Marking};
 
@@ -306,6 +305,44 @@ fn within_m([from, to]: &Line, [x_m, y_m]: [f64; 2], radius_m: f64) -> f64 {
     let (along_m, off_m) = (dx_m * ex + dy_m * ey, dy_m * ex - dx_m * ey);
     let half_m = ((radius_m - off_m) * (radius_m + off_m)).max(0.0).sqrt();
     ((along_m + half_m).min(length) - (along_m - half_m).max(0.0)).max(0.0)
+}
+
+/// Warnings about cavities of `layout` that deviate from the design, made by passes over lines or by bursts on spots.
+#[must_use]
+pub fn laser_warnings(layout: &Layout, laser: &Laser) -> Vec<String> {
+    Removal::new(layout, laser).map_or_else(|| burst_warnings(layout, laser), |removal| removal.warnings)
+}
+
+/// Warnings about cavities of `layout` that the spot does not reach, if bursts on spots make them. Empty if passes over
+/// lines give the depth, for which [`Removal`] has warnings.
+#[must_use]
+pub fn burst_warnings(layout: &Layout, laser: &Laser) -> Vec<String> {
+    if laser.is_mask() || laser.bursts(layout.pattern().depth_m()).is_none() {
+        return Vec::new();
+    }
+    Marking::new(laser).map_or_else(|_| Vec::new(), |marking| Hatched::new(layout, &marking).unreached_warnings(layout))
+}
+
+/// Volume of all cavities with sloping walls, in cubic metres.
+pub(crate) fn removed_volume_m3(layout: &Layout, laser: &Laser) -> f64 {
+    let depth_m = layout.pattern().depth_m();
+    let inset_m = laser.floor_inset_m(depth_m);
+    if inset_m == 0.0 {
+        return layout.cavity_volume_m3();
+    }
+    // Area is quadratic in depth for walls of constant slope, so that d/6 (A_0 + 4 A_1/2 + A_1) is exact.
+    let area_m2 = |cavity: &Cavity, share: f64| cavity.inset(share * inset_m, 0.0).map_or(0.0, |at| at.area_m2());
+    let six_m2 = |cavity: Cavity| cavity.area_m2() + 4.0 * area_m2(&cavity, 0.5) + area_m2(&cavity, 1.0);
+    // All complete polygons are equal, and the area inside their walls takes time to integrate.
+    let mut whole_m2 = None;
+    let each_m2 = |cavity: Cavity| {
+        if cavity.face.is_some() && cavity.cut_by.is_none() {
+            *whole_m2.get_or_insert_with(|| six_m2(cavity))
+        } else {
+            six_m2(cavity)
+        }
+    };
+    layout.iter().map(each_m2).sum::<f64>() * depth_m / 6.0
 }
 
 #[cfg(test)]

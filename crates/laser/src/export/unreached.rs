@@ -9,8 +9,7 @@
 
 use crate::export::face::distance_m;
 use crate::export::number::decimal;
-use crate::export::removal::Hatched;
-use crate::export::{Cavity, Laser, Layout, Line, Marking, Removal};
+use crate::export::{Cavity, Layout, Line};
 
 /// Number of sample points along either extent of a cavity.
 const POINTS: u32 = 60;
@@ -47,22 +46,6 @@ pub(crate) fn warnings(
         ));
     }
     warnings
-}
-
-/// Warnings about cavities of `layout` that the spot does not reach, if bursts on spots make them. Empty if passes over
-/// lines give the depth, for which [`Removal`] has warnings.
-#[must_use]
-pub fn burst_warnings(layout: &Layout, laser: &Laser) -> Vec<String> {
-    if laser.is_mask() || laser.bursts(layout.pattern().depth_m()).is_none() {
-        return Vec::new();
-    }
-    Marking::new(laser).map_or_else(|_| Vec::new(), |marking| Hatched::new(layout, &marking).unreached_warnings(layout))
-}
-
-/// Warnings about cavities of `layout` that deviate from the design, made by passes over lines or by bursts on spots.
-#[must_use]
-pub fn laser_warnings(layout: &Layout, laser: &Laser) -> Vec<String> {
-    Removal::new(layout, laser).map_or_else(|| burst_warnings(layout, laser), |removal| removal.warnings)
 }
 
 /// Fraction of `cavity` within `half_spot_m` of one of `lines`.

@@ -55,6 +55,7 @@ mod planform;
 mod polygon;
 mod relief_map;
 mod rim;
+mod rim_share;
 mod texture;
 
 pub use array::Pattern;

@@ -9,14 +9,7 @@
 
 use crate::pattern::{Pattern, ReliefMap, Texture};
 
-use crate::springblock::rims::Rims;
-
-/// Ratio of the plane-strain modulus E / (1 - nu^2) at nu = 1/4, the value of cells in space, to E.
-///
-/// The plane lattice with modulus E is in plane stress at nu = 1/3, which is equivalent to plane strain at nu = 1/4 up
-/// to this factor. The lattice therefore takes face heights multiplied by the factor, which gives the same pressures
-/// and displacements larger by the factor.
-pub const PLANE_STRAIN: f64 = 16.0 / 15.0;
+use crate::springblock::rims::{PLANE_STRAIN, Rims};
 
 /// One column of blocks.
 #[derive(Clone, Copy, Debug, PartialEq)]

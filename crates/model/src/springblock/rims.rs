@@ -11,7 +11,12 @@
 
 use crate::pattern::{Pattern, Rim};
 
-use crate::springblock::columns::PLANE_STRAIN;
+/// Ratio of the plane-strain modulus E / (1 - nu^2) at nu = 1/4, the value of cells in space, to E.
+///
+/// The plane lattice with modulus E is in plane stress at nu = 1/3, which is equivalent to plane strain at nu = 1/4 up
+/// to this factor. The lattice therefore takes face heights multiplied by the factor, which gives the same pressures
+/// and displacements larger by the factor.
+pub const PLANE_STRAIN: f64 = 16.0 / 15.0;
 
 /// Number of periods in a cell whose rims have different heights.
 const SCATTERED_PERIODS: usize = 4;

@@ -1,9 +1,11 @@
 //! Reports on a calibration: text, tables, pictures.
 
+mod files;
 mod fit_details;
 mod pictures;
 mod static_friction;
 
+pub use files::{FILES, files};
 pub(crate) use fit_details::{in_words, which_errors};
 pub(crate) use pictures::flat_friction_narrow;
 pub(crate) use static_friction::{StaticRow, rows as static_rows, words as static_words};
@@ -14,8 +16,8 @@ use slipgrid_design::results::{SCREEN_WIDTH, Table, WHERE_ALL, doubts_in_brief, 
 use slipgrid_infer::calibrate::{CalibrationOutcome, CalibrationTask};
 use slipgrid_io::formats::calibration::Calibration;
 
+use crate::ReportError;
 use crate::trials::TrialsReport;
-use crate::{Outputs, ReportError, html};
 
 /// Maximum number of measurements on the screen; the others are counted.
 const MAX_MEASUREMENTS: usize = 8;
@@ -104,39 +106,6 @@ fn flat_samples(task: &CalibrationTask, outcome: &CalibrationOutcome) -> Table {
         ]);
     }
     table
-}
-
-/// Names of a calibration's files other than traces, with `*` as a wildcard.
-pub const FILES: [&str; 7] =
-    ["report.html", "fit.json", "profiles.csv", "residuals.svg", "flat-friction.svg", "area-law.svg", "trials.*"];
-
-/// Makes the files of a calibration: page, fit, profiles, residuals, flat friction, area law, the [`ledger`] of trials,
-/// and traces if there are any.
-///
-/// # Errors
-/// [`ReportError`] if a picture cannot be drawn or a record has no JSON form.
-pub fn files(
-    calibration: &Calibration,
-    task: &CalibrationTask,
-    outcome: &CalibrationOutcome,
-    ledger: Option<&TrialsReport>,
-) -> Result<Outputs, ReportError> {
-    let mut outputs =
-        if calibration.traces.is_empty() { Outputs::default() } else { crate::traces::files(&calibration.traces)? };
-    outputs.add("fit.json", fit_json(task, outcome)?);
-    outputs.add("profiles.csv", fit_details::profiles(&outcome.fit));
-    outputs.add("residuals.svg", fit_details::residuals(&calibration.name, outcome)?);
-    outputs.add("flat-friction.svg", pictures::flat_friction(&calibration.name, task, outcome)?);
-    if let Some(picture) = pictures::area_law(task, outcome)? {
-        outputs.add("area-law.svg", picture);
-    }
-    if let Some(ledger) = ledger {
-        outputs.add("trials.csv", ledger.csv());
-        outputs.add("trials.svg", ledger.picture()?);
-    }
-    let page = html::calibration(html::Fitted { calibration, task, outcome, ledger }, &outputs);
-    outputs.add("report.html", page);
-    Ok(outputs)
 }
 
 /// Serializes the fit as in fit.json.

@@ -3,14 +3,17 @@
 use std::fmt::Write as _;
 
 use serde::Serialize;
-use slipgrid_base::units::{significant, tidy};
+use slipgrid_base::units::{LENGTH_UM, significant, tidy};
 use slipgrid_design::results::{Table, fixed};
 use slipgrid_surface::topography::{CavityMetrology, Estimate, RimMetrology, Spread};
 
-use super::um;
 use crate::ChartError;
 use crate::charts::{self, EdgeProfileChart};
 use crate::html::page::sentence;
+
+pub(super) fn um(length_m: f64) -> f64 {
+    LENGTH_UM.from_si(length_m)
+}
 
 /// Number of points of the drawn rim.
 const RIM_POINTS: u32 = 240;

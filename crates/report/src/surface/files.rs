@@ -2,8 +2,8 @@
 
 use slipgrid_base::monitor::Monitor;
 use slipgrid_design::results::json;
-use slipgrid_surface::topography::{CavityMetrology, MaterialRatioCurve, PreparedMap, SpectrumBin};
 
+use super::pictures::Measured;
 use super::{SurfaceReport, cavities_csv, edge_profile_csv, edge_profile_svg, pictures, section_csv, spectrum_csv};
 use crate::{Outputs, ReportError, html};
 
@@ -18,21 +18,6 @@ pub const FILES: [&str; 8] = [
     "cavities.*",
     "edge-profile.*",
 ];
-
-/// Measured map with its results.
-#[derive(Clone, Copy, Debug)]
-pub struct Measured<'a> {
-    /// The map.
-    pub surface: &'a PreparedMap,
-    /// Bearing curve of the map.
-    pub curve: &'a MaterialRatioCurve,
-    /// Power spectrum of the map.
-    pub spectrum: &'a [SpectrumBin],
-    /// Cavities of the map, if they were detected.
-    pub cavities: Option<&'a CavityMetrology>,
-    /// Index of the pixel column along which the section runs.
-    pub column: usize,
-}
 
 /// Makes the files of a map described by `report`: record, tables, pictures and page.
 ///

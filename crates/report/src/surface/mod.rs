@@ -6,19 +6,20 @@ mod period;
 mod pictures;
 
 pub use cavities::{cavities_csv, edge_profile_csv, edge_profile_svg};
-pub use files::{FILES, Measured, files};
+pub use files::{FILES, files};
 pub use period::{period_note, period_text};
+pub use pictures::Measured;
 
 use std::fmt::Write as _;
 
-use cavities::CavityReport;
+use cavities::{CavityReport, um};
 use serde::Serialize;
 use slipgrid_base::monitor::{Cancelled, Monitor};
 use slipgrid_surface::topography::{
     CavityMetrology, CorrelationLengths, HeightMap, MapError, MaterialRatioCurve, PreparedMap, SpectrumBin,
 };
 
-use slipgrid_base::units::{LENGTH_UM, tidy};
+use slipgrid_base::units::tidy;
 use slipgrid_design::results::{SCHEMA, SCREEN_WIDTH, Table, VERSION, fixed, wrapped};
 use slipgrid_io::formats::altitude_map::told;
 
@@ -91,10 +92,6 @@ pub(crate) struct SpectrumReport {
     pub(crate) q_per_um: f64,
     pub(crate) psd_um4: f64,
     pub(crate) waves: f64,
-}
-
-fn um(length_m: f64) -> f64 {
-    LENGTH_UM.from_si(length_m)
 }
 
 impl SurfaceReport {

@@ -1,9 +1,10 @@
 //! Pictures of a surface.
 
 use slipgrid_base::monitor::{Cancelled, Monitor};
-use slipgrid_surface::topography::{Decimation, DecimationMethod, HeightMap, PreparedMap};
+use slipgrid_surface::topography::{
+    CavityMetrology, Decimation, DecimationMethod, HeightMap, MaterialRatioCurve, PreparedMap, SpectrumBin,
+};
 
-use super::Measured;
 use crate::charts::{self, HeightHistogramChart, SectionChart, SpectrumChart, SurfaceMapChart};
 use crate::{Outputs, ReportError};
 
@@ -15,6 +16,21 @@ const CLASSES: usize = 80;
 const CURVE_POINTS: u32 = 400;
 /// Share of the heights at either end that the colour scale excludes as spikes.
 const SPIKES: f64 = 5e-4;
+
+/// Measured map with its results.
+#[derive(Clone, Copy, Debug)]
+pub struct Measured<'a> {
+    /// The map.
+    pub surface: &'a PreparedMap,
+    /// Bearing curve of the map.
+    pub curve: &'a MaterialRatioCurve,
+    /// Power spectrum of the map.
+    pub spectrum: &'a [SpectrumBin],
+    /// Cavities of the map, if they were detected.
+    pub cavities: Option<&'a CavityMetrology>,
+    /// Index of the pixel column along which the section runs.
+    pub column: usize,
+}
 
 /// Adds the pictures to `outputs`.
 pub(super) fn add(outputs: &mut Outputs, of: Measured<'_>, monitor: &dyn Monitor) -> Result<(), ReportError> {

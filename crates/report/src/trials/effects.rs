@@ -1,13 +1,25 @@
 //! Discrepancy at the texture measured last, and its dependence on the condition.
 
+use serde::{Deserialize, Serialize};
 use slipgrid_base::units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, tidy};
 use slipgrid_design::results::fixed;
 use slipgrid_infer::discrepancy::{Discrepancy, Load, Sensitivity};
 
-use super::EffectReport;
-
 /// Share of its prior error above which an effect counts as less known than before.
 const LESS_KNOWN: f64 = 1.05;
+
+/// Discrepancy of the logarithm of the ratio, or its dependence on a quantity.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct EffectReport {
+    /// Name of the effect.
+    pub of: String,
+    /// Mean.
+    pub value: f64,
+    /// Standard deviation.
+    pub std: f64,
+    /// Prior standard deviation.
+    pub prior_std: f64,
+}
 
 /// Effects at the texture measured last, or at the reference: the discrepancy and its dependence on pressure, speed and humidity.
 pub(super) fn effects(learned: &Discrepancy) -> Vec<EffectReport> {

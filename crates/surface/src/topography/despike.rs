@@ -15,7 +15,8 @@ use crate::topography::HeightMap;
 use crate::topography::plausibility::limits::{MAX_SPIKE_POINTS, MIN_SPIKE_NEIGHBOURS, SPIKE_DEVIATIONS, SPIKE_REACH};
 use slipgrid_base::statistics::upper_median;
 
-use crate::topography::plausibility::ROBUST_DEVIATION;
+/// Ratio of the standard deviation of a normal distribution to the median of its absolute values.
+pub(crate) const ROBUST_DEVIATION: f64 = 1.4826;
 
 /// Largest number of points, spread evenly over the map, that are compared with their medians to find T: enough for an
 /// error of 1 % in T.

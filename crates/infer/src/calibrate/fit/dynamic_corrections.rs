@@ -3,7 +3,7 @@
 use slipgrid_model::material::LocalFriction;
 use slipgrid_model::springblock::{Monitor, Unwatched};
 
-use super::Layout;
+use super::layout::Layout;
 use crate::calibrate::flat_sample::{self, DynamicFlat, Pairs};
 use crate::calibrate::{FitError, Problem};
 

@@ -3,7 +3,7 @@
 use slipgrid_model::material::Elastic;
 use slipgrid_model::springblock::{MAX_EXTENSION_FOR_STDERR, MAX_STEPS, max_run_speed_m_s};
 
-use super::{FRICTION_BOUNDS, Layout, first_guess};
+use super::layout::{FRICTION_BOUNDS, Layout, first_guess};
 use crate::calibrate::{FitError, Measurement, Problem, flat_sample};
 
 /// Largest ratio of static peak to dynamic friction that the modelled flat sample shows. At 0.64 MPa on the default

@@ -1,8 +1,10 @@
 use super::dynamic_corrections::PeakLine;
 use super::*;
 use crate::calibrate::flat_sample;
+use crate::calibrate::flat_sample::Pairs;
 use crate::calibrate::{AreaLawScale, Measurement, StaticPeak};
 use slipgrid_base::statistics::Noise;
+use slipgrid_model::material::LocalFriction;
 use slipgrid_model::material::{AreaLaw, Elastic};
 use slipgrid_model::springblock::{Layer, Unwatched};
 

@@ -1,5 +1,5 @@
 use super::*;
-use crate::pattern::{Arrangement, Planform, Polygon, Texture};
+use crate::pattern::{Arrangement, Pattern, Planform, Polygon, Texture};
 
 fn rimmed(planform: Planform, profile: RimProfile) -> Pattern {
     let rim = Rim::new(0.5e-6, 20e-6, profile).unwrap();

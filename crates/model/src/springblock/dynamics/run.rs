@@ -14,10 +14,10 @@ use super::stability::largest_frequency;
 use super::strip_leapfrog::StripLeapfrog;
 use crate::springblock::Monitor;
 use crate::springblock::SceneError;
-use crate::springblock::columns::PLANE_STRAIN;
 use crate::springblock::draws;
 use crate::springblock::lattice::Lattice;
 use crate::springblock::outcome::{Status, SurfaceOutcome};
+use crate::springblock::rims::PLANE_STRAIN;
 use crate::springblock::scene::{Fidelity, Load, Scene, Springs};
 use crate::springblock::steady::{SteadyLoad, SteadyModel};
 

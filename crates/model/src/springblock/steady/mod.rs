@@ -32,9 +32,9 @@ mod thick;
 
 use crate::material::AreaLaw;
 
-use crate::springblock::columns::PLANE_STRAIN;
 use crate::springblock::lattice::Lattice;
 use crate::springblock::outcome::{InterfacePoint, Status, SurfaceOutcome, peak_over_whole_blocks};
+use crate::springblock::rims::PLANE_STRAIN;
 use crate::springblock::scene::Scene;
 use anderson::Anderson;
 pub use band::{BandFactor, BandMatrix};

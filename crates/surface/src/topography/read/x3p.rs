@@ -13,12 +13,11 @@ use super::bytes::{at_end, numbers, unreadable};
 use super::foreign;
 use super::overridden::StatedValues;
 use super::window::Window;
-use super::x3p_index::{Heights, Index};
+use super::x3p_index::{FORMAT, Heights, Index, refused};
 use super::{MapFormat, ReadMap, ReadOptions, check_expansion};
 use crate::topography::{LengthUnit, ReadError};
 
 pub(super) const MAGIC: &[u8] = b"PK\x03\x04";
-pub(super) const FORMAT: &str = MapFormat::X3p.name();
 /// Largest archive. It is held in memory because its directory is at the end.
 const MAX_ARCHIVE_BYTES: u64 = 1 << 29;
 /// Largest index: a few hundred thousand heights fit as text; larger maps use a binary file.
@@ -109,10 +108,6 @@ pub(super) fn read(mut source: impl Read, options: &ReadOptions) -> Result<ReadM
     let [x, y, _] = index.increment_m;
     let notes = StatedValues::from_steps([x, y], metre, metre).notes(options, MapFormat::X3p);
     Ok(ReadMap { map, whole, format: MapFormat::X3p, comments: index.comments, notes })
-}
-
-pub(super) fn refused(field: &'static str, value: String, expected: &'static str) -> ReadError {
-    ReadError::Field { format: FORMAT, field, value, expected }
 }
 
 fn broken(error: &zip::result::ZipError) -> ReadError {

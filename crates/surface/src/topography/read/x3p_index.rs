@@ -6,13 +6,17 @@ use quick_xml::Reader;
 use quick_xml::events::Event;
 
 use super::bytes::{Number, unreadable};
-use super::keep_comment;
 use super::lines::{excerpt, number};
-use super::x3p::{FORMAT, refused};
+use super::{MapFormat, keep_comment};
 use crate::topography::ReadError;
 
+pub(super) const FORMAT: &str = MapFormat::X3p.name();
 /// Deepest nesting of elements; the schema has six levels.
 const MAX_LEVELS: usize = 32;
+
+pub(super) fn refused(field: &'static str, value: String, expected: &'static str) -> ReadError {
+    ReadError::Field { format: FORMAT, field, value, expected }
+}
 
 /// Location of the heights.
 #[derive(Debug)]

@@ -264,7 +264,8 @@ fn the_prototype_s_ratios_are_found() {
         (0.3, [0.696, 0.752, 0.767, 0.765], 0.005),
         (1.0, [0.223, 0.473, 0.581, 0.637], 0.01),
     ] {
-        let pattern = rimmed([130.0, 370.0, 5.2], height / columns::PLANE_STRAIN, 10.0, RimProfile::Flat);
+        let pattern =
+            rimmed([130.0, 370.0, 5.2], height / crate::springblock::rims::PLANE_STRAIN, 10.0, RimProfile::Flat);
         let lattice = Lattice::new(columns::cell(&pattern, 2.5e-6), 80, true);
         let model = RaisedModel::new(&lattice, 2.5e-6, elastic(E_PA)).unwrap();
         let dynamic_mu = vec![0.27; lattice.nx()];
