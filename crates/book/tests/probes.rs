@@ -91,7 +91,7 @@ pub const KINDS: [Kind; 5] = [
 /// Types of the files that are read, from their source files.
 pub fn types() -> Types {
     let mut sources = files(&root().join("crates/io/src/formats"), ".rs");
-    sources.push(root().join("crates/io/src/campaign/plan.rs"));
+    sources.extend(["plan.rs", "varied.rs"].map(|name| root().join("crates/io/src/campaign").join(name)));
     let named = |path: &PathBuf| (path.file_name().unwrap().to_str().unwrap().to_owned(), text(path));
     let read: Vec<(String, String)> = sources.iter().map(named).collect();
     Types::new(read.iter().map(|(name, text)| (name.as_str(), text.as_str())))

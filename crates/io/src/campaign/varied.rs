@@ -9,10 +9,9 @@ use serde::Deserialize;
 use serde_json::Value as Json;
 use toml::{Spanned, Value};
 
-/// Values of one key.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct GridFile {
+pub struct GridFile {
     /// Dotted key of the base, present there or not.
     pub(crate) key: Spanned<String>,
     /// Values of the key.
