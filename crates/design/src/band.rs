@@ -161,8 +161,8 @@ impl Asked {
         }
     }
 
-    /// First trial measured on target at every load, at the load itself or interpolated linearly between two measured
-    /// loads.
+    /// First trial measured on target at every load: interpolated linearly between two measured loads, or measured up to
+    /// [`END_MARGIN`] away.
     pub fn met_by(&self) -> Option<&Trial> {
         if !self.has_demands() || self.goal.is_some() {
             return None;
@@ -177,19 +177,22 @@ impl Asked {
     }
 }
 
-/// Measured value of `trial` at `load`; `None` if there is none.
+/// Measured value of `trial` at `load`: interpolated between measured pressures, or that of the nearest one within
+/// [`END_MARGIN`]; `None` if there is none.
 fn measured_at(trial: &Trial, load: &Load) -> Option<f64> {
-    let is_within = |a: f64, b: f64, margin: f64| (a / b - 1.0).abs() <= margin;
     let here = trial.measured.iter().filter(|at| {
-        is_within(at.load.speed_m_s, load.speed_m_s, SAME_SPEED)
+        (at.load.speed_m_s / load.speed_m_s - 1.0).abs() <= SAME_SPEED
             && (at.load.humidity - load.humidity).abs() <= SAME_HUMIDITY
     });
     let mut known: Vec<(f64, f64)> = here.map(|at| (at.load.pressure_pa, at.measured)).collect();
     known.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let p = load.pressure_pa;
     let between = known.windows(2).find_map(|pair| {
-        let ([from, to], p) = ([pair[0], pair[1]], load.pressure_pa);
-        (from.0..=to.0).contains(&p).then(|| from.1 + (to.1 - from.1) * (p - from.0) / (to.0 - from.0))
+        let [from, to] = [pair[0], pair[1]];
+        let is_between = from.0 < to.0 && (from.0..=to.0).contains(&p);
+        is_between.then(|| from.1 + (to.1 - from.1) * (p - from.0) / (to.0 - from.0))
     });
-    let near = || known.iter().find(|(pressure_pa, _)| is_within(*pressure_pa, load.pressure_pa, END_MARGIN));
-    between.or_else(|| near().map(|(_, ratio)| *ratio))
+    let nearest =
+        known.iter().map(|(known_pa, ratio)| ((known_pa - p).abs(), *ratio)).min_by(|a, b| a.0.total_cmp(&b.0));
+    between.or_else(|| nearest.filter(|(off_pa, _)| *off_pa <= END_MARGIN * p).map(|(_, ratio)| ratio))
 }

@@ -142,7 +142,8 @@ fn reported(
     let limited_by = best.limited_by(asked, &search.predictor, modulus_std);
     let own = crate::prediction::SampleReport { limited_by, ..sample(best) };
     let worth_cutting = if advice == Advice::CannotBeMet { 1 } else { 1 + OTHERS };
-    let others = search.unlike(&found.solved, 1, worth_cutting).iter().skip(1).map(sample).collect();
+    let others = search.unlike(&found.solved, 1, worth_cutting);
+    let others = others.iter().skip(1).map(|of| sample(of).beside(&own)).collect();
     timings.trade_offs = monitor.seconds() - beside_s;
     monitor.heed()?;
     let lattice = task.table.then(|| Lattice::new(search));

@@ -157,6 +157,7 @@ fn choose(
         limited_by: of.limited_by(asked, &search.predictor, modulus_std),
         ..report(of)
     };
+    let first = report(best);
     let is_chosen = |of: &&Prediction| !chosen.iter().any(|own| own.texture.pattern == of.texture.pattern);
     let next = NextReport {
         program: "slipgrid".to_owned(),
@@ -171,7 +172,7 @@ fn choose(
         samples: chosen.iter().map(with_limits).collect(),
         one_on_target: tidy(together),
         one_disc: None,
-        others: listed.iter().filter(is_chosen).map(report).collect(),
+        others: listed.iter().filter(is_chosen).map(|of| report(of).beside(&first)).collect(),
         own: own.iter().map(report).collect(),
         warnings: Vec::new(),
         beyond_measured: task.beyond_measured(&prepared.material, &prepared.outside),

@@ -236,6 +236,16 @@ pub struct SampleReport {
     pub is_as_cut: bool,
 }
 
+impl SampleReport {
+    /// The sample beside a `best` one that is chosen. A chance that is greater within the error of what the table
+    /// interpolates is stated as equal.
+    #[must_use]
+    pub fn beside(self, best: &Self) -> Self {
+        let chance = self.chance.zip(best.chance).map(|(own, best)| own.min(best));
+        Self { chance: chance.or(self.chance), ..self }
+    }
+}
+
 /// Predicted values of a cut sample at one load, in the quantity of the target, with the accepted band.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Expected {

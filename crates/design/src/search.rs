@@ -57,8 +57,9 @@ const MAX_AS_CUT: usize = 4;
 const OF_CHANCE: f64 = 0.25;
 /// Chances that differ by less are equal within the error of the table.
 pub const ALIKE: f64 = 0.005;
-/// Share of a chance by which ends, tilt and time typically change it: 0.1 to 2.5 % for the shipped designs and seven other
-/// targets, half of them by less than 0.8 %.
+/// Share of a value up to which a promise of more is not worth another run in time. Ends, tilt and time change values by
+/// 0.1 to 2.5 % for the shipped designs and seven other targets, half of them by less than 0.8 %; of four promises below
+/// 0.7 % three were not kept.
 const EQUAL: f64 = 0.01;
 /// Textures are similar if no length differs by more than this factor, given as its logarithm.
 const UNLIKE: f64 = 0.15;
@@ -92,7 +93,8 @@ pub struct Search<'a> {
 
 /// Result of a search.
 pub struct Found {
-    /// Textures solved by the model, sorted by decreasing value.
+    /// Textures solved by the model: the first is solved as cut, the others are sorted by decreasing value, which may be
+    /// greater by [`EQUAL`] than that of the first.
     pub solved: Vec<Prediction>,
     /// Number of textures compared by the table.
     pub compared: usize,
@@ -311,14 +313,20 @@ impl Search<'_> {
         let compared = drafts.len();
         let least = drafts.iter().map(|texture| texture.excess).fold(f64::INFINITY, f64::min);
         let left: Vec<CutTexture> = drafts.into_iter().filter(|texture| texture.excess <= least).collect();
-        let left = self.likeliest(left);
+        let (left, others) = self.likeliest(left);
         // Distributions of thousands of textures would fill the memory, so those of the best are recomputed.
         let one = |(place, texture): (usize, &CutTexture)| {
             let found = (!self.stage.cancelled()).then(|| self.predicted(texture.clone()))?;
             Some((place, found.value(), found.chance(), found.is_within(self.asked)))
         };
         let mut scored: Vec<(usize, f64, f64, bool)> = left.par_iter().enumerate().filter_map(one).collect();
-        let is_within_reach = scored.iter().any(|(.., is_within)| *is_within);
+        // The likeliest members may misjudge a median: before a target counts as out of reach, the others are asked, too.
+        let has_median_within = |texture: &CutTexture| {
+            let distribution = self.predictor.of(&texture.candidate());
+            !self.stage.cancelled() && self.asked.has_medians_within(&texture.ratio, &distribution)
+        };
+        let is_within_reach =
+            scored.iter().any(|(.., is_within)| *is_within) || others.par_iter().any(has_median_within);
         scored.sort_by(|a, b| b.1.total_cmp(&a.1));
         let greatest = scored.first().map_or(0.0, |(_, _, chance, _)| *chance);
         let has_chances = self.asked.goal.is_none() && least <= 0.0;
@@ -333,11 +341,11 @@ impl Search<'_> {
         (best, compared, is_within_reach && least == 0.0)
     }
 
-    /// Textures of `all` that are the best by the likeliest members of the mixture: of all, of every region, and of those
-    /// whose medians are accepted.
-    fn likeliest(&self, all: Vec<CutTexture>) -> Vec<CutTexture> {
+    /// Divides `all` into the best by the likeliest members of the mixture (of all, of every region, and of those whose
+    /// medians are accepted) and the others.
+    fn likeliest(&self, all: Vec<CutTexture>) -> (Vec<CutTexture>, Vec<CutTexture>) {
         if all.len() <= PREDICTED {
-            return all;
+            return (all, Vec::new());
         }
         let one = |(place, texture): (usize, &CutTexture)| {
             let found = Prediction::new(texture.clone(), &self.of_ranking, self.asked);
@@ -351,9 +359,11 @@ impl Search<'_> {
             (rank, within, *own_region) = (rank + 1, within + usize::from(*is_within), *own_region + 1);
             rank <= PREDICTED || *own_region <= PREDICTED_OF_EACH || *is_within && within <= PREDICTED_OF_EACH
         });
-        let mut kept: Vec<usize> = scored.into_iter().map(|(place, ..)| place).collect();
-        kept.sort_unstable();
-        kept.into_iter().map(|place| all[place].clone()).collect()
+        let mut is_kept = vec![false; all.len()];
+        scored.iter().for_each(|(place, ..)| is_kept[*place] = true);
+        let (kept, others): (Vec<_>, Vec<_>) = all.into_iter().zip(is_kept).partition(|(_, is_kept)| *is_kept);
+        let textures = |of: Vec<(CutTexture, bool)>| of.into_iter().map(|(texture, _)| texture).collect();
+        (textures(kept), textures(others))
     }
 
     /// First texture of `ranked` in each region.
@@ -368,8 +378,8 @@ impl Search<'_> {
         ranked.iter().filter(is_new).take(STARTS).map(|of| of.texture.pattern).collect()
     }
 
-    /// Finds the textures of the maximum value among those that are `open`, sorted by decreasing value, the first solved
-    /// as cut. If the stage is cancelled, returns the results so far. At least `count` textures if there are as many.
+    /// Finds the textures of the maximum value among those that are `open`, the first solved as cut, the others sorted by
+    /// decreasing value. If the stage is cancelled, returns the results so far. At least `count` textures if there are as many.
     pub fn best(&self, open: &(dyn Fn(&Pattern) -> bool + Sync), count: usize) -> Found {
         let steps = Steps::new(self.task);
         let (ranked, compared, is_within_reach) = self.ranked(&steps, POOL.max(count), open);
@@ -406,7 +416,7 @@ impl Search<'_> {
             solved = self.ordered(&mut known);
             self.stage.advance(0.05);
         }
-        // At the round limit, returns the best of those solved as cut, even if others promise more.
+        // The best of those solved as cut comes first, even if others promise a little more, or more at the round limit.
         if let Some(first) = solved.iter().position(|of| of.texture.known == Known::AsCut) {
             solved[..=first].rotate_right(1);
         }

@@ -92,7 +92,7 @@ def test_ctrl_c_ends_the_ratios_of_many_patterns() -> None:
     started = time.process_time()
     cell.ratios_of(patterns[::20])
     twentieth_s = time.process_time() - started
-    threading.Timer(0.5, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
+    threading.Timer(0.1, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
     started = time.process_time()
     with pytest.raises(KeyboardInterrupt):
         cell.ratios_of(patterns)

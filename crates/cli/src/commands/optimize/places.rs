@@ -21,8 +21,8 @@ pub fn study_path(folder: &Path) -> PathBuf {
     beside(folder, ".study.jsonl")
 }
 
-/// Message with the paths of the report and the laser's files in `folder`, and with the next steps; `command` is the
-/// command that was given.
+/// Message with the paths of the report and the laser's files in `folder`, and with the next steps; `command` does
+/// the same again.
 #[must_use]
 pub fn written(command: &str, calibration: Option<&Path>, folder: &Path, advice: &Advice) -> String {
     let at = |name: &str| quoted(&folder.join(name));

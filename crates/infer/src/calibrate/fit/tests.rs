@@ -121,7 +121,7 @@ fn a_measured_static_peak_determines_the_static_coefficient() {
     assert!((pair.dynamic_mean / 0.25 - 1.0).abs() < 0.01, "{pair:?}");
 }
 
-/// With peaks far below or above those of the model, modelled dynamic friction must still equal the measured one.
+/// With peaks below or above those of the model, modelled dynamic friction must still equal the measured one.
 #[test]
 fn flat_friction_does_not_pay_for_a_static_peak_that_the_model_does_not_have() {
     for factor in [0.96, 1.2] {
@@ -174,7 +174,6 @@ fn is_named_and_left_out(above: f64) {
 }
 
 #[test]
-#[ignore = "twenty seconds: peaks that do not stand out are left out by name in a test below"]
 fn a_peak_above_that_of_the_model_is_named_and_left_out() {
     is_named_and_left_out(1.6);
 }
