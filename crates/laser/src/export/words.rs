@@ -1,8 +1,10 @@
 //! Descriptions of a texture for drawings and process sheets.
 
+use slipgrid_base::units::counted;
 use slipgrid_model::pattern::{Arrangement, Pattern, Planform, Texture};
 
 use crate::export::number::decimal;
+use crate::export::{Laser, Layout, Removal};
 
 /// Decimals of an angle in degrees: a millionth turns a specimen of 10 mm by less than a nanometre.
 pub(crate) const ANGLE_DECIMALS: usize = 6;
@@ -10,6 +12,13 @@ pub(crate) const ANGLE_DECIMALS: usize = 6;
 /// An angle in degrees as text.
 pub(crate) fn degrees(angle_deg: f64) -> String {
     decimal(angle_deg, ANGLE_DECIMALS)
+}
+
+/// Bursts and passes that make the cavities of `layout`, each behind a comma, where `laser` states what they remove.
+pub(crate) fn steps(layout: &Layout, laser: &Laser) -> String {
+    let bursts = laser.bursts(layout.pattern().depth_m()).map(|bursts| (bursts, "burst"));
+    let passes = Removal::new(layout, laser).map(|removal| (removal.passes, "pass"));
+    bursts.into_iter().chain(passes).map(|(count, noun)| format!(", {}", counted(count as usize, noun))).collect()
 }
 
 /// Sliding direction on the specimen; "x" without a sliding angle.

@@ -5,8 +5,8 @@ use std::io::{self, Write};
 use super::{Arrow, LAYER_ORIGIN, LAYER_OUTLINE, LAYER_SLIDING_DIRECTION, Writer, half_extents_mm, texture_words};
 use crate::export::sectors::Sector;
 use crate::export::stream::{flush_full, flush_rest};
-use crate::export::{Heading, Laser, Removal};
-use slipgrid_base::units::counted;
+use crate::export::words::steps;
+use crate::export::{Heading, Laser};
 
 /// Layer of the mark on a land that identifies the sectors; it is made by the laser.
 pub const LAYER_MARK: &str = "MARK";
@@ -40,12 +40,9 @@ pub fn dxf_of_sectors(sectors: &[Sector], laser: &Laser, heading: &Heading, to: 
     for sector in sectors {
         let (number, pattern) = (sector.number(), sector.pattern());
         let depth_m = pattern.depth_m();
-        let bursts =
-            laser.bursts(depth_m).map_or_else(String::new, |bursts| format!(", {}", counted(bursts as usize, "burst")));
-        let passes = Removal::new(sector.whole(), laser)
-            .map_or_else(String::new, |removal| format!(", {}", counted(removal.passes as usize, "pass")));
+        let steps = steps(sector.whole(), laser);
         file.comment(&format!(
-            "{}: {}{}, width {:.3} um, spacing {:.3} um, depth {:.3} um{bursts}{passes}, turned by {:.6} degrees",
+            "{}: {}{}, width {:.3} um, spacing {:.3} um, depth {:.3} um{steps}, turned by {:.6} degrees",
             sector_layer(number),
             pattern.planform(),
             texture_words(pattern),

@@ -8,9 +8,8 @@ use crate::export::number::{MICROMETRE_DECIMALS, decimal};
 use crate::export::sector_sheet::MEASURE_EACH_ALONE;
 use crate::export::sectors::Sector;
 use crate::export::stream::{flush_full, flush_rest};
-use crate::export::words::cavities;
-use crate::export::{Boundary, Heading, Laser, Removal};
-use slipgrid_base::units::counted;
+use crate::export::words::{cavities, steps};
+use crate::export::{Boundary, Heading, Laser};
 
 /// Space for the sectors' numbers around the specimen, in page units.
 const NUMBER_SPACE: f64 = 6.0;
@@ -89,12 +88,9 @@ fn words(sector: &Sector, laser: &Laser) -> String {
     let pattern = sector.pattern();
     let um = |length_m: f64| decimal(length_m * 1e6, MICROMETRE_DECIMALS);
     let depth_m = pattern.depth_m();
-    let bursts =
-        laser.bursts(depth_m).map_or_else(String::new, |bursts| format!(", {}", counted(bursts as usize, "burst")));
-    let removal = Removal::new(sector.whole(), laser);
-    let passes = removal.map_or_else(String::new, |removal| format!(", {}", counted(removal.passes as usize, "pass")));
+    let steps = steps(sector.whole(), laser);
     format!(
-        "{}: {} {} µm wide, gap {} µm, {} µm deep{bursts}{passes}; {:.2} % of the sector, {:.2} % of the pattern",
+        "{}: {} {} µm wide, gap {} µm, {} µm deep{steps}; {:.2} % of the sector, {:.2} % of the pattern",
         sector.number(),
         cavities(pattern.planform()),
         um(pattern.width_m()),
