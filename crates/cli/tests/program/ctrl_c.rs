@@ -136,7 +136,8 @@ fn the_command_that_is_named_goes_on() {
     let output = interrupted(&place, &["optimize", "design.toml", "-o", "out"], 0.4);
     let kept = output.map(|output| told(&place, &output)).filter(|message| message.contains("--resume"));
     if let Some(message) = kept {
-        let answers = message.split(' ').find_map(|word| word.parse::<usize>().ok()).unwrap();
+        let (before, _) = message.split_once(" answers of the search's model").unwrap();
+        let answers = before.split_whitespace().next_back().unwrap();
         let again = place.run(&["optimize", "design.toml", "-o", "out", "--resume"]);
         let said = String::from_utf8_lossy(&again.stderr).into_owned();
         // No design lies within the one per cent that is asked for.
