@@ -1,9 +1,11 @@
 //! Advice on the texture that was found: cut a series, cut a trial, or nothing.
 
 use crate::optimize::Goal;
+use slipgrid_base::units::tidy;
 use slipgrid_infer::discrepancy::{Features, Trial};
 
 use crate::prediction::{Prediction, percent};
+use crate::results::length_in_words;
 use crate::search::Search;
 
 /// Minimum chance at which a series is advised.
@@ -18,7 +20,7 @@ pub enum Advice {
     Series,
     /// Cut a trial: the trial teaches more than a series would.
     Trial,
-    /// Cut nothing new: the named trial is on target.
+    /// Cut nothing new: the trial with this name and texture is on target.
     TrialMeetsIt(String),
     /// Cut nothing: no texture has a median within the accepted band.
     CannotBeMet,
@@ -41,7 +43,7 @@ impl Advice {
             return Self::DoNotTexture;
         }
         if let Some(trial) = asked.met_by() {
-            return Self::TrialMeetsIt(trial.name.clone());
+            return Self::TrialMeetsIt(named(trial));
         }
         // Before any trial the model error is unknown, so only a trial can be advised.
         let has_trials = !asked.learned.trials().is_empty();
@@ -77,17 +79,22 @@ impl Advice {
             ),
             Self::Trial if has_demands => format!("cut a trial: {of_sample}"),
             Self::Trial => "cut a trial: the best texture found for the goal".to_owned(),
-            Self::TrialMeetsIt(name) => {
-                format!(
-                    "trial {name} already meets the target; a sample of the texture below would with a chance of {chance}"
-                )
-            }
+            Self::TrialMeetsIt(trial) => format!(
+                "nothing need be cut: trial {trial} already meets the target; the texture below would with a chance of {chance}"
+            ),
             Self::CannotBeMet => format!(
                 "this target cannot be met within the bounds and limits: no texture is expected to lie within it; the likeliest has a chance of {chance}"
             ),
             Self::DoNotTexture => "do not texture: the flat surface is what is asked for".to_owned(),
         }
     }
+}
+
+/// Name of `trial` in quotes, with its width, spacing and depth.
+fn named(trial: &Trial) -> String {
+    let Features { width_m, pitch_m, depth_m, .. } = trial.features;
+    let lengths_um = [width_m, pitch_m - width_m, depth_m].map(|length_m| length_in_words(tidy(1e6 * length_m)));
+    format!("\"{}\" ({} um)", trial.name, lengths_um.join(" / "))
 }
 
 /// Whether `trial` was cut with a texture similar to the one with the features `of`.

@@ -36,9 +36,9 @@ pub fn correct(simulation: &mut Simulation, scene: &Scene, excess: Option<&[f64]
     let (factor, time, ends) = (range(&factors), range(&of_time), range(&of_ends));
     let in_time = "by which the calibration's flat sample has more friction in time than in steady sliding";
     simulation.statements.model(if is_calibrated {
-        format!("dynamic friction: times {factor}, so that the flat sample has the calibrated friction, which was fitted with another layer, other blocks or another seed")
+        format!("dynamic friction: times {factor}, so that the flat sample has the calibrated friction; the calibration used another layer, other blocks or another seed")
     } else if !is_steady {
-        format!("dynamic friction: times {factor}, so that the flat surface has the calibrated friction in space, where its excess over steady sliding differs from that in the plane")
+        format!("dynamic friction: times {factor}, so that the flat surface has the calibrated friction; in space friction in time exceeds steady sliding by another factor than in the plane")
     } else if of_ends.iter().all(|times| (times - 1.0).abs() < ROUNDING) {
         format!("dynamic friction: steady friction times {factor}, {in_time}; stresses are the steady ones")
     } else {

@@ -173,7 +173,7 @@ fn reported(
     if let Some(range) = measured_mpa {
         said.model(format!("{}; beyond that the nearest measurement's coefficients were taken", measured_range(range)));
     }
-    said.model.extend(model_notes(section, &prepared.material.provenance));
+    said.model.extend(model_notes(section));
     let answer = search.models.own.steady(&pattern);
     let broken = answer.and_then(|answer| search.violations(&pattern, &answer)).unwrap_or_default();
     let report = DesignReport {

@@ -1,6 +1,6 @@
 //! Samples to cut next, as JSON and as text.
 
-use crate::results::{MaterialReport, SCREEN_WIDTH, SYNTHETIC_SURFACE, SpecimenReport, doubt_in_brief, wrapped};
+use crate::results::{MaterialReport, SCREEN_WIDTH, SpecimenReport, doubt_in_brief, wrapped};
 use serde::{Deserialize, Serialize};
 use slipgrid_base::units::counted;
 use slipgrid_base::units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, tidy};
@@ -209,9 +209,6 @@ impl NextReport {
         let (trials, designs) = (counted(self.trials, "trial"), counted(self.compared, "design"));
         text += &format!("\n  {trials} measured, {} pending; {designs} compared\n", self.pending);
         self.material_doubts().for_each(|doubt| text += &doubt_in_brief(&doubt));
-        if self.material.synthetic_surface {
-            text += &format!("{SYNTHETIC_SURFACE}\n");
-        }
         if let Some(own) = self.likelier_own() {
             let chance = percent(own.chance.unwrap_or(0.0));
             text += &format!("yours, {} um, is likelier: {chance}\n", own.design.lengths_in_words());

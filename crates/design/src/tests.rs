@@ -279,7 +279,7 @@ fn a_trial_on_target_is_said_and_its_texture_is_the_likeliest() {
     let task = taught(&task, vec![cut.clone()]);
     let report = run(&task, &mut NoCache, &*KNOWN).unwrap().report;
     assert_eq!(report.advice, "trial_meets_it");
-    assert!(report.words.starts_with("trial cut already meets the target"), "{}", report.words);
+    assert!(report.words.contains("trial \"cut\" (100 / 300 / 10 um) already meets the target"), "{}", report.words);
     assert!(report.sample.chance.unwrap() > 0.6, "{:?}", report.sample.chance);
     let meets = |trial: Trial| {
         run(&taught(&task, vec![trial]), &mut NoCache, &*KNOWN).unwrap().report.advice == "trial_meets_it"
@@ -401,6 +401,24 @@ fn squares_are_chosen_in_space() {
     let found = next_trials(&task, &NextOptions::default(), &*KNOWN).unwrap();
     assert_eq!(found.patterns.len(), 1);
     assert_eq!(found.report.samples[0].design.planform, "square");
+}
+
+/// The explorer draws straight lines between the target's pressures.
+#[test]
+fn values_between_four_pressures_lie_on_straight_lines_to_three_thousandths() {
+    let mut task = three_tasks()[1].clone();
+    let pressures_pa = [0.65e6, 0.975e6, 1.3e6, 1.625e6, 1.95e6, 2.275e6, 2.6e6];
+    let points = pressures_pa.map(|pressure_pa| TargetPoint { pressure_pa, value: 0.87 });
+    task.target = Target::new(Quantity::Ratio, points.to_vec(), 0.05).unwrap();
+    searched(&task, |search| {
+        for lengths_m in [[100e-6, 300e-6, 12e-6], [60e-6, 600e-6, 5e-6], [200e-6, 200e-6, 30e-6]] {
+            let medians = search.solved(&task.space.pattern(lengths_m).unwrap()).unwrap().medians();
+            for between in [1, 3, 5] {
+                let straight = 0.5 * (medians[between - 1] + medians[between + 1]);
+                assert!((straight - medians[between]).abs() < 0.003, "{lengths_m:?} {medians:?}");
+            }
+        }
+    });
 }
 
 /// Stages that began, with the completed shares of their work.

@@ -1,7 +1,7 @@
 //! Delay between the turns of the position and the sign changes of friction in reciprocating sliding.
 
 use super::time_series::median;
-use super::{Tangential, TraceChannels, TraceOptions, samples_between, sampling_interval};
+use super::{Tangential, TraceChannels, TraceOptions, samples_between, sampling_interval, zero};
 
 /// Number of loops of friction against position.
 const LOOPS: usize = 2;
@@ -51,15 +51,20 @@ pub fn lag_of_friction(channels: &TraceChannels, position_m: &[f64], window_s: [
 }
 
 /// Position in metres and recorded coefficient, with its sign, of the last loops within the averaging window; empty if the
-/// position was not recorded or if there are too few strokes. The offset of a sensor is not taken off.
+/// position was not recorded, if there are too few strokes, or if `options` names a zero of the sensors that is refused.
 #[must_use]
 pub fn friction_loops(channels: &TraceChannels, position_m: &[f64], options: &TraceOptions) -> Vec<[f64; 2]> {
-    let tangential = channels.tangential.values();
-    if position_m.len() != tangential.len() || tangential.len() != channels.time_s.len() {
+    if position_m.len() != channels.tangential.values().len() || position_m.len() != channels.time_s.len() {
         return Vec::new();
     }
     let time_s: Vec<f64> = channels.time_s.iter().map(|t| t - channels.start_s).collect();
     let inside = samples_between(&time_s, options.window_s);
+    if let Some(span_s) = options.zero_s {
+        let zeroed = zero::subtract(channels, &time_s, &inside, span_s, options.window_s[0]);
+        let options = TraceOptions { zero_s: None, ..*options };
+        return zeroed.map_or_else(|_| Vec::new(), |(channels, _)| friction_loops(&channels, position_m, &options));
+    }
+    let tangential = channels.tangential.values();
     let position = &position_m[inside.clone()];
     if position.is_empty() || !position.iter().all(|x| x.is_finite()) {
         return Vec::new();
@@ -155,6 +160,15 @@ mod tests {
             let (least, most) = own.iter().fold((0.0_f64, 0.0_f64), |(low, high), x| (low.min(*x), high.max(*x)));
             assert!(own.len() > 180 && least < -0.0099 && most > 0.0099, "{least} {most}");
         }
+        // Sensors that read 0.5 N too much of the normal force and 0.4 N of friction before touchdown give the same loops.
+        let mut offset = channels.clone();
+        let is_loaded = |at: usize| if at < 300 { 0.0 } else { 1.0 };
+        offset.normal_force_n.iter_mut().enumerate().for_each(|(at, force)| *force = *force * is_loaded(at) + 0.5);
+        let Tangential::ForceN(friction) = &mut offset.tangential else { panic!() };
+        friction.iter_mut().enumerate().for_each(|(at, force)| *force = *force * is_loaded(at) + 0.4);
+        let zeroed = friction_loops(&offset, &position_m, &TraceOptions { zero_s: Some([0.0, 1.0]), ..options });
+        assert_eq!(zeroed.len(), loops.len());
+        assert!(zeroed.iter().zip(&loops).all(|(a, b)| a[0] == b[0] && (a[1] - b[1]).abs() < 1e-12));
         assert!(friction_loops(&channels, &[], &options).is_empty());
         assert!(friction_loops(&channels, &position_m, &TraceOptions { window_s: [2.0, 3.0], ..options }).is_empty());
     }

@@ -70,7 +70,7 @@ fn what_is_added_to_strips_is_among_the_errors() {
     };
     // The widest change that friction makes by tilting the pressure, to four decimals.
     let model = thick["model"].to_string();
-    let said = model.split_once("and moves the ratio by ").unwrap().1;
+    let said = model.split_once("this moves the ratio by ").unwrap().1;
     let change: f64 = said.split_once(" at most").unwrap().0.parse().unwrap();
     assert!(
         tilts.iter().any(|tilt| (tilt - change).abs() < 5e-5)

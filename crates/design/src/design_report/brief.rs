@@ -17,7 +17,7 @@ impl DesignReport {
         let mut text = wrapped(&format!("{}: {}", self.name, self.words), SCREEN_WIDTH, "  ", 3) + "\n\n";
         let design = &self.sample.design;
         let texture = format!(
-            "  {} {} um wide, gap {} um, {} um deep{}{}; {:.1} % of the face",
+            "  {} {} um wide, spacing {} um, {} um deep{}{}; {:.1} % of the face",
             design.planform,
             length_in_words(design.width_um),
             length_in_words(design.spacing_um),
@@ -69,7 +69,7 @@ impl DesignReport {
                 of.design.lengths_in_words().replace(' ', "") + &chance
             };
             let others: Vec<String> = self.others.iter().map(other).collect();
-            lines.push(format!("also worth cutting: {}", others.join(", ")));
+            lines.push(format!("also worth cutting (width/spacing/depth): {}", others.join(", ")));
         }
         lines.extend(self.bounds_in_words());
         lines.extend(self.blocked_in_words().into_iter().take(MAX_LIFTED));

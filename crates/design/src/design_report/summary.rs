@@ -23,7 +23,7 @@ impl DesignReport {
     fn texture_text(&self) -> String {
         let design = &self.sample.design;
         let mut text = format!(
-            "{}: {}\n\n  {} {} um wide, gap {} um, {} um deep{}{}\n  {:.1} % of the specimen's face, {:.1} % of a period\n",
+            "{}: {}\n\n  {} {} um wide, spacing {} um, {} um deep{}{}\n  {:.1} % of the specimen's face, {:.1} % of a period\n",
             self.name,
             self.words,
             design.planform,

@@ -44,8 +44,8 @@ pub use notes::{SCREEN_WIDTH, WHERE_ALL, doubt_in_brief, doubts_in_brief, notes,
 pub use pattern::{PatternReport, duration_in_words, length_in_words};
 pub use rim::RimReport;
 pub use simulation::{
-    LoadReport, MaterialReport, SYNTHETIC_SURFACE, SimulationReport, beyond_measured, beyond_measured_range,
-    load_reports, measured_range, model_notes, unresolved, warnings,
+    LoadReport, MaterialReport, SimulationReport, beyond_measured, beyond_measured_range, load_reports, measured_range,
+    model_notes, unresolved, warnings,
 };
 pub use specimen::SpecimenReport;
 pub use table::{Table, fixed, with_error};

@@ -121,7 +121,7 @@ impl PatternReport {
         let angles = angles.into_iter().filter_map(|(what, angle)| angle.map(|angle| format!(", {what} {angle} deg")));
         let arrangement = self.arrangement.iter().map(|name| format!(", {name}"));
         let corners = self.vertices_um.iter().map(|vertices| format!(", {} corners", vertices.len()));
-        let rim = self.rim.iter().map(|rim| format!(", {}", rim.words()));
+        let rim = self.rim.iter().map(|rim| format!(", {}", rim.words(self.depth_um)));
         lengths.chain(corners).chain(arrangement).chain(angles).chain(rim).collect()
     }
 }

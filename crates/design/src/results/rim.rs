@@ -1,7 +1,7 @@
 //! Record of the rims of a pattern, with the keys of input files.
 
 use serde::{Deserialize, Serialize};
-use slipgrid_base::units::LENGTH_UM;
+use slipgrid_base::units::{LENGTH_UM, significant};
 use slipgrid_model::pattern::{PatternError, Rim, RimProfile};
 
 /// Rims along the edges of cavities.
@@ -66,13 +66,11 @@ impl RimReport {
         rim.map_err(keyed)?.with_height_std_m(std_m).map_err(|error| ("rim_height_std_um", error))
     }
 
-    /// Describes the rim in words, with lengths in um.
+    /// Describes the rim of cavities of depth `depth_um` in words, with lengths in um.
     #[must_use]
-    pub fn words(&self) -> String {
-        let pairs = self.rim_heights_um.iter().flatten();
-        let measured: Vec<String> =
-            pairs.map(|[depth, height]| format!("{height} um at a depth of {depth} um")).collect();
-        let height = self.rim_height_um.map_or_else(|| measured.join(", "), |height_um| format!("{height_um} um high"));
+    pub fn words(&self, depth_um: f64) -> String {
+        let height_um = |rim: Rim| significant(LENGTH_UM.from_si(rim.height_m(LENGTH_UM.to_si(depth_um))), 3);
+        let height = self.rim().map_or("of unknown height".to_owned(), |rim| format!("{} um high", height_um(rim)));
         let scatter = self.rim_height_std_um.map_or_else(String::new, |std_um| format!(", scattering by {std_um} um"));
         format!("{} rims {height}, {} um wide{scatter}", self.rim_profile, self.rim_width_um)
     }
@@ -114,7 +112,11 @@ mod tests {
     #[test]
     fn records_that_are_no_rim_are_refused_by_their_key() {
         let whole = RimReport::of(&Rim::new(1e-7, 1e-5, RimProfile::Round).unwrap()).unwrap();
-        assert_eq!(whole.words(), "round rims 0.1 um high, 10 um wide");
+        assert_eq!(whole.words(5.0), "round rims 0.1 um high, 10 um wide");
+        // 0.05 um + 0.1 um * (5.2 - 2.6) / (10.4 - 2.6)
+        let pairs = [[2.6e-6, 5e-8], [10.4e-6, 15e-8]];
+        let by_depth = RimReport::of(&Rim::following_depth(&pairs, 2e-5, RimProfile::Round).unwrap()).unwrap();
+        assert_eq!(by_depth.words(5.2), "round rims 0.0833 um high, 20 um wide");
         for (key, bad) in [
             ("rim_height_um", RimReport { rim_height_um: Some(-1.0), ..whole.clone() }),
             ("rim_heights_um", RimReport { rim_heights_um: Some(vec![[1.0, 1.0]]), ..whole.clone() }),

@@ -85,7 +85,8 @@ pub struct MaterialReport {
 impl MaterialReport {
     /// Reasons to doubt results computed with the material, one sentence each.
     pub fn doubts(&self) -> impl Iterator<Item = String> {
-        self.warnings.iter().map(|doubtful| format!("the material is doubtful: {doubtful}"))
+        let synthetic = self.synthetic_surface.then(|| SYNTHETIC_SURFACE.to_owned());
+        synthetic.into_iter().chain(self.warnings.iter().map(|words| format!("the material is doubtful: {words}")))
     }
 }
 
@@ -237,13 +238,14 @@ pub fn load_reports(simulation: &Simulation, pattern: Option<&Pattern>, outside:
     simulation.loads.iter().zip(flags).map(|(load, outside)| LoadReport::new(load, pattern, outside)).collect()
 }
 
-/// Statement about an area law of a surface that was not measured.
-pub const SYNTHETIC_SURFACE: &str = "the area law rests on a synthetic surface, not on a measured one";
+/// Doubt about an area law of a surface that was not measured.
+const SYNTHETIC_SURFACE: &str =
+    "the altitude map is synthetic, not measured: map a flat sample, since every ratio rests on it";
 
 /// Statements about the model that the solver does not make itself. `pattern` is given if the vertical plane is a
 /// section of it.
 #[must_use]
-pub fn model_notes(pattern: Option<&Pattern>, provenance: &Provenance) -> Vec<String> {
+pub fn model_notes(pattern: Option<&Pattern>) -> Vec<String> {
     let mut notes = Vec::new();
     if let Some(pattern) = pattern {
         notes.push(format!(
@@ -254,9 +256,6 @@ pub fn model_notes(pattern: Option<&Pattern>, provenance: &Provenance) -> Vec<St
             100.0 * pattern.section_density(),
             100.0 * pattern.areal_density(),
         ));
-    }
-    if provenance.synthetic_surface {
-        notes.push(SYNTHETIC_SURFACE.to_owned());
     }
     notes
 }
@@ -281,7 +280,7 @@ impl SimulationReport {
             fidelity: scene.run.fidelity.name().into(),
             extent: scene.run.extent.name().into(),
             dimensions: scene.dimension().number(),
-            model: [simulation.statements.model.clone(), model_notes(section, provenance)].concat(),
+            model: [simulation.statements.model.clone(), model_notes(section)].concat(),
             method: simulation.statements.method.clone(),
             material: provenance.into(),
             pattern: pattern.map(PatternReport::from),

@@ -30,7 +30,10 @@ impl SimulationReport {
             || "flat surface".to_owned(),
             |p| {
                 let words = p.texture_words();
-                format!("{} {} um wide, gap {} um, {} um deep{words}", p.planform, p.width_um, p.spacing_um, p.depth_um)
+                format!(
+                    "{} {} um wide, spacing {} um, {} um deep{words}",
+                    p.planform, p.width_um, p.spacing_um, p.depth_um
+                )
             },
         );
         format!("{surface}; {}, {}", self.fidelity, self.extent)

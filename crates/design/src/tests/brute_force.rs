@@ -3,11 +3,11 @@
 use crate::optimize::{DesignSpace, Quantity, Target, TargetPoint};
 use slipgrid_base::statistics::cholesky::covariance_factor;
 use slipgrid_base::statistics::{Normals, normal_probability};
-use slipgrid_infer::discrepancy::{Features, Sensitivity};
+use slipgrid_infer::discrepancy::{Candidate, Features, Scenarios, Sensitivity};
 use slipgrid_model::pattern::{Pattern, Planform};
 use slipgrid_model::springblock::Layer;
 
-use super::{contradicted, searched, three_tasks};
+use super::{contradicted, searched, steady, taught, three_tasks, trial};
 use crate::search::Search;
 use crate::slopes::slopes;
 
@@ -86,6 +86,54 @@ fn chances_of_many_textures_are_the_shares_of_samples() {
         });
     }
     assert!(worst < 0.01, "{worst}");
+}
+
+/// Draws truths from the prior, cuts one trial of each, designs by it, and counts how often the sample of the texture
+/// that was found is truly on target: as often as was said, in every bin of the chance.
+#[test]
+#[expect(clippy::print_stdout, reason = "a table for people")]
+#[ignore = "some minutes: 600 truths, each with a search of its own"]
+fn chances_come_true_of_truths_that_are_drawn_from_the_prior() {
+    const TRUTHS: usize = 600;
+    let mut base = three_tasks()[0].clone();
+    let targets: Vec<Target> = [0.80, 0.87, 0.93]
+        .map(|value| {
+            let points = [0.65e6, 2.6e6].map(|pressure_pa| TargetPoint { pressure_pa, value });
+            Target::new(Quantity::Ratio, points.to_vec(), 0.1).unwrap()
+        })
+        .to_vec();
+    let prior = base.material.as_ref().unwrap().uncertainty.learned.clone().unwrap();
+    let truths = Scenarios::new(&prior, TRUTHS, 5);
+    let cut_m = [100e-6, 300e-6, 10e-6];
+    let of_trial = searched(&base, |search| {
+        let found = search.solved(&search.task.space.pattern(cut_m).unwrap()).unwrap();
+        // The trial's dimensions are those that were measured, and its scatter is that of samples.
+        let exact = Candidate { covariance: &[], dimension_shifts: &[], ..found.texture.candidate() };
+        truths.log_excesses(&exact, &search.asked.loads, 0)
+    });
+    let modelled = steady(&base, cut_m);
+    let mut normals = Normals::new(8);
+    // Sum of chances, samples on target, and truths, in each bin.
+    let mut bins = [(0.0, 0_u32, 0_u32); 5];
+    for (number, excess) in of_trial.iter().enumerate() {
+        base.target = targets[number % targets.len()].clone();
+        let noise_std = 0.005_f64.hypot(0.005);
+        let measured = [0, 1].map(|load| modelled[load] * (excess[load] + noise_std * normals.draw()).exp());
+        let task = taught(&base, vec![trial(&base, cut_m, measured)]);
+        let (chance, is_on) = searched(&task, |search| {
+            let best = search.best(&|_| true, 1).solved.remove(0);
+            let on = truths.on_target(&best.texture.candidate(), &search.asked.loads, &search.asked.wanted, 1);
+            (best.chance(), on[number])
+        });
+        let bin = &mut bins[((5.0 * chance) as usize).min(4)];
+        *bin = (bin.0 + chance, bin.1 + u32::from(is_on), bin.2 + 1);
+    }
+    for (place, (sum, on, count)) in bins.into_iter().enumerate().filter(|(_, bin)| bin.2 > 0) {
+        let [said, share] = [sum, f64::from(on)].map(|sum| sum / f64::from(count));
+        let stderr = (said * (1.0 - said) / f64::from(count)).sqrt();
+        println!("bin {place}: {count} truths, {said:.3} said, {share:.3} on target +- {stderr:.3}");
+        assert!((share - said).abs() < 0.05_f64.max(2.5 * stderr), "{said} {share} +- {stderr}");
+    }
 }
 
 #[test]

@@ -73,7 +73,7 @@ impl WindowSpread {
     #[must_use]
     pub fn statement(&self) -> String {
         format!(
-            "factor_std: standard deviation of f among {} windows of the map over the root of {}, the number that counts as independent, \
+            "factor_std: standard deviation of f among {} windows of the map, over the root of {} independent ones, \
              times Student's factor for 95 %; {WINDOW_STATEMENT}",
             self.count(),
             self.independent()

@@ -31,7 +31,7 @@ pub(crate) fn load_dependence_warning(
         changes.filter(|(_, change)| change.part.abs() > MIN_CHANGE && change.errors.abs() > MIN_SIGNIFICANCE);
     let (condition, change) = changes.max_by(|(_, a), (_, b)| a.errors.abs().total_cmp(&b.errors.abs()))?;
     let source = if surface.origin == Some(AreaLawOrigin::Map) { "altitude map" } else { "rms slope" };
-    let (moves, falls) = if change.part > 0.0 { ("rises", "less") } else { ("falls", "more") };
+    let moves = if change.part > 0.0 { "rises" } else { "falls" };
     let [from, to] = change.pressures_pa.map(|pressure_pa| PRESSURE_MPA.from_si(pressure_pa));
     let fitting = fitting_modulus(surface, by_condition).map_or_else(String::new, |factor| {
         let modulus_gpa = MODULUS_GPA.from_si(modulus_pa);
@@ -39,9 +39,9 @@ pub(crate) fn load_dependence_warning(
         format!("; Young's modulus of about {fitting_gpa} GPa in place of {} GPa would fit", tidy(modulus_gpa))
     });
     Some(format!(
-        "flat friction falls {falls} with load than the {source} says ({:.1} standard errors): check both, and Young's modulus; mu_d {moves} by {:.0} % from {from:.3} to {to:.3} MPa \
-         at {} mm/s and {} %; threshold_mpa counts, too{fitting}; local_law = \"measured\" in [surface] takes \
-         flat friction as measured",
+        "flat friction does not follow the {source} ({:.1} standard errors): check the {source}, threshold_mpa and \
+         Young's modulus; the local coefficient mu_d, which should be constant, {moves} by {:.0} % from {from:.3} to \
+         {to:.3} MPa at {} mm/s and {} %{fitting}; local_law = \"measured\" in [surface] takes flat friction as measured",
         change.errors.abs(),
         100.0 * change.part.abs(),
         tidy(SPEED_MM_S.from_si(condition.speed_m_s)),
@@ -151,10 +151,13 @@ mod tests {
             load_dependence_warning(&surface, 0.38e9, &[(at(2e-3), rows(0.281)), (at(1e-2), rows(last))])
         };
         let said = of(map, 0.336, 0.018).unwrap();
-        let first = "flat friction falls less with load than the altitude map says (3.1 standard errors): check both, and Young's modulus; mu_d";
+        let first = "flat friction does not follow the altitude map (3.1 standard errors): check the altitude map, threshold_mpa and Young's modulus; ";
         assert!(said.starts_with(first), "{said}");
-        assert!(said.contains("mu_d rises by 20 % from 0.400 to 4.000 MPa at 10 mm/s and 50 %;"), "{said}");
-        assert!(of(map, 0.23, 0.01).unwrap().contains("mu_d falls by 18 %"));
+        assert!(
+            said.contains("which should be constant, rises by 20 % from 0.400 to 4.000 MPa at 10 mm/s and 50 %;"),
+            "{said}"
+        );
+        assert!(of(map, 0.23, 0.01).unwrap().contains("falls by 18 %"));
         // A change within its error, one too small to matter, and a measured law.
         assert_eq!(of(map, 0.336, 0.02), None);
         assert_eq!(of(map, 0.29, 0.001), None);

@@ -176,8 +176,8 @@ pub(crate) fn note(learned: &Discrepancy) -> Option<String> {
     let found = learned.at(&[at.load]).predict(&trial.features, &[at.sensitivity]);
     let Load { pressure_pa, speed_m_s, humidity } = at.load;
     Some(format!(
-        "trials: {} of {}. At the texture of \"{}\", {:.3} MPa, {} mm/s and {} % a sample's true ratio is \
-         {:.3} times the modelled one (95 % of samples: {:.3} to {:.3}); this is kept apart from the physics, in [learned]",
+        "trials: {} of {}. At the texture of \"{}\", {:.3} MPa, {} mm/s and {} % the true ratio is \
+         {:.3} times the modelled one (95 % of samples: {:.3} to {:.3}); [learned] keeps this apart from the physics",
         counted(ratios, "measured ratio"),
         counted(learned.trials().len(), "sample"),
         trial.name,

@@ -121,7 +121,9 @@ impl Scenarios {
     }
 
     /// Logarithm of the true over the modelled ratio of a sample of `candidate`, at each of `loads` for each truth.
-    pub(crate) fn log_excesses(&self, candidate: &Candidate<'_>, loads: &[Load], number: usize) -> Vec<Vec<f64>> {
+    /// `number` tells samples apart as in [`Scenarios::on_target`].
+    #[must_use]
+    pub fn log_excesses(&self, candidate: &Candidate<'_>, loads: &[Load], number: usize) -> Vec<Vec<f64>> {
         let n = loads.len();
         let places: Vec<Place> = loads.iter().map(|load| self.basis.place(&candidate.features, load)).collect();
         let explained: Vec<Vec<f64>> = places.iter().map(|place| self.basis.residual(place)).collect();

@@ -173,7 +173,12 @@ impl Subject<'_> {
                 number(explorer.worst_error, 4),
             )
         };
-        format!("What is expected of a cut sample of any design within the bounds. {error}{conditions}")
+        let between = if self.task.target.points().len() > 1 {
+            " Between the target's pressures values lie on straight lines."
+        } else {
+            ""
+        };
+        format!("What is expected of a cut sample of any design within the bounds. {error}{between}{conditions}")
     }
 
     /// Adds the sliders and their outputs.
@@ -210,9 +215,6 @@ pub fn exploration(found: &Explored, toml: String) -> String {
     page.title(&task.name);
     if let Some(date) = &task.date {
         page.marked("date", date);
-    }
-    if material.material.provenance.synthetic_surface {
-        page.warning("The area law behind these numbers rests on a synthetic surface, not on a measured one.");
     }
     page.doubts(&found.doubts());
     if *trials == 0 {

@@ -131,7 +131,9 @@ fn to_cut(page: &mut Page, report: &DesignReport, outputs: &Outputs, found: Opti
             .into_iter()
             .filter_map(|(name, unit, value)| Some((name, format!("{} {unit}", length_um(known(value)?))))),
     );
-    rows.extend(design.rim.iter().map(|rim| ("rims, as assumed", rim.words())));
+    rows.extend(
+        design.rim.iter().map(|rim| ("rims, as assumed", rim.words(known(design.depth_um).unwrap_or_default()))),
+    );
     rows.push(("cavities' share of the face", format!("{} %", share(report.specimen_areal_density, 1))));
     let laid = found.and_then(|found| found.task.specimen.layout(found.pattern).ok());
     rows.extend(laid.map(|laid| ("cavities on the specimen", laid.iter().count().to_string())));
@@ -208,8 +210,8 @@ fn next_steps(report: &DesignReport, is_calibrated: bool) -> Vec<String> {
         "series" => return vec!["Cut the series. Measure its first samples and add them as [[trial]].".to_owned()],
         "trial_meets_it" => {
             return vec![
-                "Nothing new need be cut: the trial's texture meets the target.".to_owned(),
-                "To come closer, cut the texture above as another trial.".to_owned(),
+                "Make the trial's texture: it meets the target.".to_owned(),
+                "To come closer, cut the texture on this page as another trial.".to_owned(),
             ];
         }
         "cannot_be_met" => return steps_beyond_reach(report),
@@ -274,12 +276,10 @@ fn basis(page: &mut Page, report: &DesignReport) {
     let has_rim = report.sample.design.rim.is_some();
     let lacking = not_modelled(has_rim).map(|what| what.split(':').next().unwrap_or_default());
     known.push(format!("not modelled: {}", lacking.join(", ")));
-    let synthetic = report.material.synthetic_surface;
     page.add(&html! {
         div class="basis" {
             h3 { "What this rests on" }
             ul {
-                @if synthetic { li class="doubtful" { "surface map: synthetic, not measured" } }
                 @for words in &known { li { (Text(words)) } }
             }
         }

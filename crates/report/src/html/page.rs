@@ -365,7 +365,8 @@ impl Page {
         let rim = pattern.rim.as_ref().and_then(|rim| rim.rim().ok());
         let svg = section(pattern.width_um, pattern.spacing_um, pattern.depth_um, rim.as_ref(), true);
         if !svg.is_empty() {
-            let words = pattern.rim.as_ref().map_or_else(String::new, |rim| format!("; {}", rim.words()));
+            let words =
+                pattern.rim.as_ref().map_or_else(String::new, |rim| format!("; {}", rim.words(pattern.depth_um)));
             self.picture(&svg, &format!("Vertical section through the centres of cavities, along their row{words}"));
         }
     }

@@ -98,7 +98,7 @@ fn a_page_holds_every_number_with_its_error_and_asks_the_network_for_nothing() {
         "model error<small> known from one trial; if known exactly: 40 % chance</small>",
         "<div style=\"width:100.0%\"></div></div><b>0.040</b>",
         "accepted: half the width of the target",
-        "<li class=\"doubtful\">surface map: synthetic, not measured</li>",
+        "the altitude map is synthetic, not measured",
         "<li>1 trial</li>",
         "<li>Young's modulus known to 8.0 %</li>",
         "not modelled: recast rims, plasticity",

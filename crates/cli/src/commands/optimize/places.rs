@@ -41,6 +41,9 @@ pub fn written(command: &str, calibration: Option<&Path>, folder: &Path, advice:
         );
         text += &format!("next    cut it, measure it, add it as [[trial]] to {ledger},\n        then: {command}\n");
     }
+    if matches!(advice, Advice::TrialMeetsIt(_)) {
+        text += "next    make the trial's texture; to come closer, cut the one above as another trial\n";
+    }
     text
 }
 
@@ -74,6 +77,7 @@ mod tests {
             "\nreport  out/a/report.html\nlaser   out/a/pattern.dxf, out/a/process.toml\n\
              next    cut it, measure it, add it as [[trial]] to c.toml,\n        then: slipgrid optimize 'a b.toml'\n"
         );
+        assert!(of(&Advice::TrialMeetsIt("\"cut\"".into())).contains("\nnext    make the trial's texture; "));
         assert_eq!(of(&Advice::DoNotTexture), "\nreport  out/a/report.html\n");
         let of_file = written("slipgrid optimize a.toml", None, Path::new("out/a"), &Advice::Trial);
         assert!(

@@ -185,7 +185,7 @@ fn drawings_have_a_layer_for_every_sector_and_a_mark() {
     }
     assert!(picture.contains("the arrow is the sliding direction on sector 1"));
     assert!(picture.contains("id=\"mark\"") && picture.contains("a mean of all sectors"));
-    assert!(picture.contains("1: grooves 20 µm wide, gap 150 µm, 10 µm deep, 4 bursts"));
+    assert!(picture.contains("1: grooves 20 µm wide, spacing 150 µm, 10 µm deep, 4 bursts"));
     // The mark lies on a land.
     let of = sectors[0].division();
     for [x, y] in of.mark_m() {

@@ -90,7 +90,7 @@ fn words(sector: &Sector, laser: &Laser) -> String {
     let depth_m = pattern.depth_m();
     let steps = steps(sector.whole(), laser);
     format!(
-        "{}: {} {} µm wide, gap {} µm, {} µm deep{steps}; {:.2} % of the sector, {:.2} % of the pattern",
+        "{}: {} {} µm wide, spacing {} µm, {} µm deep{steps}; {:.2} % of the sector, {:.2} % of the pattern",
         sector.number(),
         cavities(pattern.planform()),
         um(pattern.width_m()),

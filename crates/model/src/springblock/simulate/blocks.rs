@@ -273,11 +273,11 @@ pub fn apply_refinement(
             let cell = match scene.dimension() {
                 Dimension::Plane => "the steady cell",
                 Dimension::Space => {
-                    "steady cells in space, as far as these take a second, and then of steady grooves of the same width, depth and share of the face, as the same share of what is taken off"
+                    "steady cells (in space as far as they take a second; then in the plane, of grooves of equal width, depth and share of the face)"
                 }
             };
             statements.method(format!(
-                "blocks of {} um: their ratio plus what blocks of {} um change of {cell}, {:+.4} at most, which leaves it open by \
+                "blocks of {} um: their ratio plus the change that blocks of {} um make of {cell}, {:+.4} at most; the change is known to \
                  {:.4}; pressures and the interface are those of the larger blocks",
                 micrometres(block_m),
                 micrometres(block_m * factor),

@@ -63,10 +63,10 @@ impl Included {
             None => Some(Self {
                 mean: 0.5,
                 std: 0.34,
-                words: "half of that is in the ratio, as nobody says how the specimen is held, and its error counts the rest",
+                words: "the holder is not stated, so that half of the change is in the ratio and the rest in its error",
             }),
             Some(Holder::Rigid) => {
-                Some(Self { mean: 1.0, std: RELATIVE_ERROR, words: "all of that is in the ratio, known to 30 %" })
+                Some(Self { mean: 1.0, std: RELATIVE_ERROR, words: "all of the change is in the ratio, known to 30 %" })
             }
             Some(Holder::SelfAligning) => None,
         }
@@ -177,7 +177,7 @@ impl PressureTilt {
         };
         let change = widest(self.changes.iter().copied().flatten());
         (self.max_change >= MIN_STATED_CHANGE).then(|| {
-            format!("on a specimen that its holder keeps from turning, friction {what}, and moves the ratio by {change:+.4} at most; {}", self.included.words)
+            format!("on a specimen that cannot turn in its holder friction {what}; this moves the ratio by {change:+.4} at most; {}", self.included.words)
         })
     }
 }
@@ -428,7 +428,9 @@ mod tests {
             assert!((after.ratio.unwrap() - before.ratio.unwrap() - mean * change).abs() < 1e-12);
             assert_eq!(before.ratio_tilt_error, Some(std * change));
         }
-        assert!(plain.statements.model.iter().any(|statements| statements.contains("half of that is in the ratio")));
+        assert!(
+            plain.statements.model.iter().any(|statements| statements.contains("half of the change is in the ratio"))
+        );
         let held = |holder: Holder| {
             let layer = Layer { holder: Some(holder), ..scene.layer };
             crate::springblock::simulate(&Scene { layer, ..scene.clone() }, &Unwatched).unwrap()
@@ -444,7 +446,8 @@ mod tests {
         let is_told =
             |simulation: &Simulation, words: &str| simulation.statements.model.iter().any(|of| of.contains(words));
         assert!(
-            is_told(&rigid, "all of that is in the ratio, known to 30 %") && !is_told(&aligned, "its holder keeps")
+            is_told(&rigid, "all of the change is in the ratio, known to 30 %")
+                && !is_told(&aligned, "its holder keeps")
         );
         // Friction coefficients independent of pressure are not affected.
         let amontons = Scene { area_law: None, ..scene };

@@ -173,14 +173,10 @@ impl ThickLayerCorrection {
         }
         if is_added {
             let open = loads.iter().filter_map(|load| load.ratio_layer_error).fold(0.0, f64::max);
-            let what = if self.relative_error == 0.0 {
-                "what it adds to the steady cell"
-            } else {
-                "what it adds to steady cells that share the load as it lets them"
-            };
+            let cells = if self.relative_error == 0.0 { "the steady cell" } else { "steady cells that share the load" };
             return statements.method(format!(
-                "blocks of the lowest {layer_um:.0} um of the specimen; the rest of its {thick_mm} mm adds to the ratio {what}, \
-                 {widest}, known to {open:.4}; mu_static and the interface are those of the layer alone"
+                "blocks of the lowest {layer_um:.0} um of the specimen; the rest of its {thick_mm} mm changes the ratio as \
+                 that of {cells}, by {widest}, known to {open:.4}; mu_static and the interface are those of the layer alone"
             ));
         }
         statements.model(format!(

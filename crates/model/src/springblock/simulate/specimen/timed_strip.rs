@@ -114,8 +114,8 @@ impl TimedStrip {
         let most = each.map(|(strip, face)| peak_pa(face) / peak_pa(strip)).fold(1.0, f64::max);
         (most > 1.02).then(|| {
             format!(
-                "the largest local pressure is that of the strip that was run in time; lands that the border of the specimen cuts narrower are \
-                 pressed up to {most:.2} times as hard"
+                "the largest local pressure is that of the strip that was run in time; narrower lands at the border of the specimen \
+                 carry up to {most:.2} times that pressure"
             )
         })
     }
