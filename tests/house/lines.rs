@@ -6,7 +6,7 @@ use crate::rooms::{code, root, sources};
 /// change, with the reason; a crate that shrinks lowers it.
 const LIMITS: [(&str, usize); 14] = [
     ("base", 1_700),
-    ("model", 16_200),
+    ("model", 16_400),
     ("surface", 10_800),
     ("traces", 3_200),
     ("laser", 4_800),

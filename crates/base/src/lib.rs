@@ -6,8 +6,10 @@
 //! | [`units`] | units of files and their conversion |
 //! | [`statistics`] | draws, quantiles, and linear algebra |
 //! | [`fft`] | real Fourier transforms |
+//! | [`key_error`] | refused keys of records |
 
 pub mod fft;
+pub mod key_error;
 pub mod monitor;
 pub mod statistics;
 pub mod units;

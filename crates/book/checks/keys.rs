@@ -157,8 +157,10 @@ impl Types {
             if field.is_flattened {
                 if let Shape::Table(inner) = self.shape(&field.kind, &place.0)? {
                     let is_optional = field.kind.starts_with("Option<");
-                    let own = self.table(&inner)?.keys.into_iter();
-                    keys.extend(own.map(|key| Key { is_required: key.is_required && !is_optional, ..key }));
+                    // A key that the structure has of its own is not that of the flattened one.
+                    let others = self.table(&inner)?.keys.into_iter();
+                    let others = others.filter(|key| structure.fields.iter().all(|field| field.name != key.name));
+                    keys.extend(others.map(|key| Key { is_required: key.is_required && !is_optional, ..key }));
                 }
                 continue;
             }

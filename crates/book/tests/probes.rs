@@ -88,10 +88,14 @@ pub const KINDS: [Kind; 5] = [
     },
 ];
 
+/// Keys of a texture, in files that are read and in records that are written.
+const TEXTURE: &str = "crates/model/src/pattern/record.rs";
+
 /// Types of the files that are read, from their source files.
 pub fn types() -> Types {
     let mut sources = files(&root().join("crates/io/src/formats"), ".rs");
     sources.extend(["plan.rs", "varied.rs"].map(|name| root().join("crates/io/src/campaign").join(name)));
+    sources.push(root().join(TEXTURE));
     let named = |path: &PathBuf| (path.file_name().unwrap().to_str().unwrap().to_owned(), text(path));
     let read: Vec<(String, String)> = sources.iter().map(named).collect();
     Types::new(read.iter().map(|(name, text)| (name.as_str(), text.as_str())))
@@ -101,6 +105,7 @@ pub fn types() -> Types {
 pub fn records() -> Types {
     let crates = root().join("crates");
     let all = ["design/src", "laser/src/export"].iter().flat_map(|folder| files(&crates.join(folder), ".rs"));
+    let all = all.chain([root().join(TEXTURE)]);
     // Names of files occur in several crates.
     let named = |path: PathBuf| (path.strip_prefix(&crates).unwrap().display().to_string(), text(&path));
     let read: Vec<(String, String)> = all.map(named).collect();

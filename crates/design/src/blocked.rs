@@ -43,7 +43,7 @@ pub struct ReachedBound {
 impl fmt::Display for ReachedBound {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let side = if self.is_upper { "greatest" } else { "least" };
-        write!(f, "the {side} {}, {} um", ["width", "spacing", "depth"][self.axis], self.end_um)
+        write!(f, "the {side} {} of {} um", ["width", "spacing", "depth"][self.axis], self.end_um)
     }
 }
 

@@ -1,8 +1,7 @@
 //! Cache key: everything that the answers of the search's model depend on.
 
-use crate::results::RimReport;
 use serde_json::{Map, Value, json};
-use slipgrid_model::pattern::Texture;
+use slipgrid_model::pattern::{Texture, TextureRecord};
 use slipgrid_model::springblock::{Dimension, Scene};
 
 use slipgrid_base::units::{LENGTH_MM, LENGTH_UM, MODULUS_GPA, PRESSURE_MPA};
@@ -24,23 +23,10 @@ pub fn cache_key(scene: &Scene, texture: &Texture, further_deg: &[f64]) -> Map<S
     if let Some(thickness_m) = scene.layer.thickness_m {
         layer["thickness_mm"] = json!(LENGTH_MM.from_si(thickness_m));
     }
-    let rim = texture.rim().and_then(RimReport::of);
-    let mut pattern = json!({
-        "planform": texture.planform().name(),
-        "arrangement": texture.arrangement().name(),
-        "length_um": texture.length_m().map(um),
-        "spacing_across_um": texture.spacing_across_m().map(um),
-        "angle_deg": texture.groove_angle_deg(),
-        "sliding_angle_deg": match further_deg {
-            [] => json!(texture.sliding_angle_deg()),
-            _ => json!([&[texture.sliding_angle_deg()], further_deg].concat()),
-        },
-    });
-    if let Some(outline) = texture.outline() {
-        pattern["outline"] = json!(outline.vertices());
-    }
-    if let Some(angle_deg) = texture.crossing_angle_deg() {
-        pattern["crossing_angle_deg"] = json!(angle_deg);
+    // Corners of an outline are shares of the width.
+    let mut pattern = json!(TextureRecord::new(texture, LENGTH_UM.to_si(1.0)));
+    if !further_deg.is_empty() {
+        pattern["sliding_angle_deg"] = json!([&[texture.sliding_angle_deg()], further_deg].concat());
     }
     let mut entries = [
         ("area_law", json!(area_law)),
@@ -50,12 +36,8 @@ pub fn cache_key(scene: &Scene, texture: &Texture, further_deg: &[f64]) -> Map<S
         ("pattern", pattern),
         ("youngs_modulus_gpa", json!(MODULUS_GPA.from_si(scene.elastic.youngs_modulus_pa()))),
     ];
-    if let Some(yield_pa) = scene.elastic.yield_pressure_pa().filter(|_| rim.is_some()) {
+    if let Some(yield_pa) = scene.elastic.yield_pressure_pa().filter(|_| texture.rim().is_some()) {
         entries[4].1["yield_pressure_mpa"] = json!(PRESSURE_MPA.from_si(yield_pa));
-    }
-    if let Some(rim) = rim {
-        // The rim is inserted before the last entry, by name.
-        entries[4].1["rim"] = json!(rim);
     }
     entries.into_iter().map(|(name, value)| (name.to_owned(), value)).collect()
 }

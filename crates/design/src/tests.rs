@@ -400,7 +400,7 @@ fn squares_are_chosen_in_space() {
     task.layer = Layer { height_m: 40e-6, block_m: 20e-6, ..task.layer };
     let found = next_trials(&task, &NextOptions::default(), &*KNOWN).unwrap();
     assert_eq!(found.patterns.len(), 1);
-    assert_eq!(found.report.samples[0].design.planform, "square");
+    assert_eq!(found.report.samples[0].design.planform(), "square");
 }
 
 /// The explorer draws straight lines between the target's pressures.

@@ -90,8 +90,11 @@ fn every_planform_can_be_exported() {
         assert_eq!(drawing.matches("\nCIRCLE\n").count() > 1, texture.contains("disc"));
     }
     for (texture, says) in [
-        (r#""planform": "groove", "arrangement": "staggered""#, "design.arrangement: a staggered arrangement has no"),
-        (r#""planform": "disc", "sliding_angle_deg": 200.0"#, "design.sliding_angle_deg: sliding angle of 200 degrees"),
+        (
+            r#""planform": "groove", "arrangement": "staggered""#,
+            r#"design.arrangement: has no meaning for planform "groove""#,
+        ),
+        (r#""planform": "disc", "sliding_angle_deg": 200.0"#, "design.sliding_angle_deg: 200 is out of range"),
         (r#""planform": "rectangle", "length_um": -1.0"#, "design.length_um: -1 is out of range"),
     ] {
         let place = Place::with(&[("result.json", &result(texture))]);

@@ -133,7 +133,7 @@ fn polygons_are_searched_confirmed_and_exported() {
     let other = fs::read_to_string(place.path("bent.toml")).unwrap().replace("[6, 5]", "[5, 5]");
     fs::write(place.path("bent.toml"), other).unwrap();
     let refused = place.refuse(&["optimize", "bent.toml", "-o", "out", "--resume"]);
-    assert!(refused.contains("outline"), "{refused}");
+    assert!(refused.contains("vertices_um"), "{refused}");
 }
 
 #[test]

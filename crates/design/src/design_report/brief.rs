@@ -18,7 +18,7 @@ impl DesignReport {
         let design = &self.sample.design;
         let texture = format!(
             "  {} {} um wide, spacing {} um, {} um deep{}{}; {:.1} % of the face",
-            design.planform,
+            design.planform(),
             length_in_words(design.width_um),
             length_in_words(design.spacing_um),
             length_in_words(design.depth_um),

@@ -26,7 +26,7 @@ impl DesignReport {
             "{}: {}\n\n  {} {} um wide, spacing {} um, {} um deep{}{}\n  {:.1} % of the specimen's face, {:.1} % of a period\n",
             self.name,
             self.words,
-            design.planform,
+            design.planform(),
             length_in_words(design.width_um),
             length_in_words(design.spacing_um),
             length_in_words(design.depth_um),
@@ -101,7 +101,7 @@ impl DesignReport {
     /// Bounds that the texture rests on.
     pub(super) fn bounds_in_words(&self) -> Option<String> {
         let bounds = self.at_bounds.join(" and ");
-        (!bounds.is_empty()).then(|| format!("rests on {bounds}: wider bounds may give a higher chance"))
+        (!bounds.is_empty()).then(|| format!("rests on {bounds}: wider bounds may help"))
     }
 
     /// Expected value of the goal, in words.
@@ -125,7 +125,7 @@ impl DesignReport {
 
     /// Model error, in words.
     pub(super) fn lacking(&self) -> String {
-        let of_lasering = if self.sample.design.rim.is_some() { "roughening by the laser" } else { "recast rims" };
+        let of_lasering = if self.sample.design.rim().is_some() { "roughening by the laser" } else { "recast rims" };
         format!("not modelled: {of_lasering}, plasticity, viscoelasticity, heating, wear")
     }
 

@@ -5,7 +5,7 @@
 //!
 //! | type | holds |
 //! |---|---|
-//! | [`PatternReport`], [`RimReport`], [`MaterialReport`], [`SpecimenReport`] | inputs: texture, material, specimen |
+//! | [`PatternReport`], [`MaterialReport`], [`SpecimenReport`] | inputs: texture, material, specimen |
 //! | [`SimulationReport`], [`LoadReport`] | results of a scene, and at one pressure |
 //! | [`ErrorsReport`], [`PressureErrors`], [`ErrorReport`] | errors of results, and their parts |
 //! | [`CorrectedReport`] | results corrected by the discrepancy of patterned samples |
@@ -29,7 +29,6 @@ mod csv;
 pub mod errors;
 mod notes;
 mod pattern;
-pub mod rim;
 mod simulation;
 mod simulation_text;
 mod specimen;
@@ -40,9 +39,8 @@ pub use believed::{believed, believed_interval, believed_std};
 pub use corrected::{CorrectedAt, CorrectedReport};
 pub use csv::guard_formula;
 pub use errors::{ErrorReport, ErrorsReport, PartsReport, PressureErrors};
-pub use notes::{SCREEN_WIDTH, WHERE_ALL, doubt_in_brief, doubts_in_brief, notes, wrapped};
+pub use notes::{ABOUT_MATERIAL, SCREEN_WIDTH, WHERE_ALL, doubt_in_brief, doubts_in_brief, notes, wrapped};
 pub use pattern::{PatternReport, duration_in_words, length_in_words};
-pub use rim::RimReport;
 pub use simulation::{
     LoadReport, MaterialReport, SimulationReport, beyond_measured, beyond_measured_range, load_reports, measured_range,
     model_notes, unresolved, warnings,

@@ -56,9 +56,14 @@ pub fn doubts_in_brief(doubts: &[String]) -> String {
     text
 }
 
-/// Formats a doubt as at most three lines of the screen. The explanation after the first semicolon is left to reports.
+/// Beginning of a doubt about the material.
+pub const ABOUT_MATERIAL: &str = "the material is doubtful: ";
+
+/// Formats a doubt as at most three lines of the screen. Its source and the explanation after the first semicolon are left
+/// to reports.
 #[must_use]
 pub fn doubt_in_brief(doubt: &str) -> String {
+    let doubt = doubt.strip_prefix(ABOUT_MATERIAL).unwrap_or(doubt);
     let first = doubt.split("; ").next().unwrap_or(doubt);
     wrapped(&format!("! {first}"), SCREEN_WIDTH, "  ", 3) + "\n"
 }

@@ -1,10 +1,9 @@
 //! Record of a texture in result files.
 
 use serde::{Deserialize, Serialize};
-use slipgrid_base::units::{LENGTH_UM, tidy};
-use slipgrid_model::pattern::{Arrangement, Pattern, Planform, Polygon};
-
-use super::rim::RimReport;
+use slipgrid_base::key_error::KeyError;
+use slipgrid_base::units::{LENGTH_UM, significant, tidy};
+use slipgrid_model::pattern::{Pattern, Rim, TextureRecord};
 
 /// Texture of a sample.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -15,32 +14,9 @@ pub struct PatternReport {
     pub spacing_um: f64,
     /// Depth of a cavity.
     pub depth_um: f64,
-    /// Shape of the cavities seen from above.
-    pub planform: String,
-    /// Length of a rectangle across its row.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub length_um: Option<f64>,
-    /// Corners of a polygon as `[x, y]`, anticlockwise; the origin is the middle of its bounding box.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub vertices_um: Option<Vec<[f64; 2]>>,
-    /// Gap between rows, if it differs from the gap within a row.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub spacing_across_um: Option<f64>,
-    /// Arrangement of rows, `staggered` or `hexagonal`; left out for the square arrangement.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub arrangement: Option<String>,
-    /// Angle of grooves from the direction across the specimen's x axis; left out if zero.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub angle_deg: Option<f64>,
-    /// Angle of the second family of crossing grooves from the first.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub crossing_angle_deg: Option<f64>,
-    /// Angle of the sliding direction from the specimen's x axis; left out if zero.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub sliding_angle_deg: Option<f64>,
-    /// Rims along the edges of the cavities, if there are any.
+    /// Shape, arrangement, directions and rims.
     #[serde(flatten)]
-    pub rim: Option<RimReport>,
+    pub texture: TextureRecord,
     /// Share of the surface that is cavity.
     pub areal_density: f64,
     /// Share of the section through the cavities' centres that is cavity.
@@ -48,38 +24,17 @@ pub struct PatternReport {
 }
 
 impl From<&Pattern> for PatternReport {
-    /// Converts a pattern; default values are left out.
     fn from(pattern: &Pattern) -> Self {
-        let texture = pattern.texture();
-        let um = |length_m: f64| LENGTH_UM.from_si(length_m);
-        let turned = |angle_deg: f64| (angle_deg != 0.0).then(|| tidy(angle_deg));
-        let arrangement = texture.arrangement();
+        let [width_um, spacing_um, depth_um] = pattern.lengths_m().map(|length_m| LENGTH_UM.from_si(length_m));
         Self {
-            width_um: um(pattern.width_m()),
-            spacing_um: um(pattern.spacing_m()),
-            depth_um: um(pattern.depth_m()),
-            planform: texture.planform().name().to_owned(),
-            length_um: pattern.length_m().filter(|_| texture.planform() == Planform::Rectangle).map(um),
-            vertices_um: texture.outline().map(|outline| vertices_um(outline, pattern.width_m())),
-            spacing_across_um: texture.spacing_across_m().map(um),
-            arrangement: (arrangement != Arrangement::Square).then(|| arrangement.name().to_owned()),
-            angle_deg: turned(texture.groove_angle_deg()),
-            crossing_angle_deg: texture.crossing_angle_deg().map(tidy),
-            sliding_angle_deg: turned(texture.sliding_angle_deg()),
-            rim: texture.rim().and_then(RimReport::of),
+            width_um,
+            spacing_um,
+            depth_um,
+            texture: pattern.into(),
             areal_density: tidy(pattern.areal_density()),
             section_density: tidy(pattern.section_density()),
         }
     }
-}
-
-/// Corners of an outline at its width, in um, with 15 digits, which identify the outline exactly.
-fn vertices_um(outline: Polygon, width_m: f64) -> Vec<[f64; 2]> {
-    let written = |share: f64| {
-        let at_um = share * LENGTH_UM.from_si(width_m);
-        format!("{at_um:.14e}").parse().unwrap_or(at_um)
-    };
-    outline.vertices().iter().map(|vertex| vertex.map(written)).collect()
 }
 
 /// Formats a length in micrometres, rounded to 0.01 um, which no laser resolves.
@@ -107,21 +62,56 @@ impl PatternReport {
         [self.width_um, self.spacing_um, self.depth_um].map(length_in_words).join(" / ")
     }
 
+    /// Converts the record back into the pattern.
+    ///
+    /// # Errors
+    /// [`KeyError`] at the key whose value gives no valid pattern.
+    pub fn pattern(&self) -> Result<Pattern, KeyError> {
+        let texture = self.texture.texture(None)?;
+        let length_m = |key, length_um| KeyError::number(key, length_um, LENGTH_UM);
+        let (width_m, spacing_m) = (length_m("width_um", self.width_um)?, length_m("spacing_um", self.spacing_um)?);
+        let pattern = Pattern::new(texture, width_m, spacing_m, length_m("depth_um", self.depth_um)?);
+        pattern.map_err(|error| KeyError::rule("spacing_um", error.to_string(), None))
+    }
+
+    /// Name of the planform.
+    #[must_use]
+    pub fn planform(&self) -> &str {
+        self.texture.planform.as_deref().unwrap_or_default()
+    }
+
+    /// Rims, if there are any.
+    #[must_use]
+    pub fn rim(&self) -> Option<Rim> {
+        self.texture.rim().ok().flatten()
+    }
+
+    /// Describes the rims of cavities of this depth, with lengths in um; `None` if there are none.
+    #[must_use]
+    pub fn rim_words(&self) -> Option<String> {
+        let rim = self.rim()?;
+        let um = |length_m: f64| significant(LENGTH_UM.from_si(length_m), 3);
+        let height_um = um(rim.height_m(LENGTH_UM.to_si(self.depth_um)));
+        let std_um = Some(um(rim.height_std_m())).filter(|std_um| *std_um > 0.0);
+        let scatter = std_um.map_or_else(String::new, |std_um| format!(", scattering by {std_um} um"));
+        Some(format!("{} rims {height_um} um high, {} um wide{scatter}", rim.profile(), um(rim.width_m())))
+    }
+
     /// Describes the properties of the texture that the name of the planform does not give; empty if there are none.
     #[must_use]
     pub fn texture_words(&self) -> String {
-        let lengths = [("long", self.length_um), ("between rows", self.spacing_across_um)];
+        let lengths = [("long", self.texture.length_um), ("between rows", self.texture.spacing_across_um)];
         let lengths =
             lengths.into_iter().filter_map(|(what, um)| um.map(|um| format!(", {} um {what}", length_in_words(um))));
         let angles = [
-            ("grooves turned by", self.angle_deg),
-            ("crossing at", self.crossing_angle_deg),
-            ("sliding at", self.sliding_angle_deg),
+            ("grooves turned by", self.texture.angle_deg),
+            ("crossing at", self.texture.crossing_angle_deg),
+            ("sliding at", self.texture.sliding_angle_deg),
         ];
         let angles = angles.into_iter().filter_map(|(what, angle)| angle.map(|angle| format!(", {what} {angle} deg")));
-        let arrangement = self.arrangement.iter().map(|name| format!(", {name}"));
-        let corners = self.vertices_um.iter().map(|vertices| format!(", {} corners", vertices.len()));
-        let rim = self.rim.iter().map(|rim| format!(", {}", rim.words(self.depth_um)));
+        let arrangement = self.texture.arrangement.iter().map(|name| format!(", {name}"));
+        let corners = self.texture.vertices_um.iter().map(|vertices| format!(", {} corners", vertices.len()));
+        let rim = self.rim_words().map(|rim| format!(", {rim}"));
         lengths.chain(corners).chain(arrangement).chain(angles).chain(rim).collect()
     }
 }
@@ -129,10 +119,63 @@ impl PatternReport {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use slipgrid_model::pattern::{Planform, RimProfile, Texture};
 
     #[test]
     fn times_have_the_digits_that_rank_them() {
         let times = [0.042, 0.996, 2.34, 2.65, 13.0, 99.96, 480.0, 600.0, 5400.0].map(duration_in_words);
         assert_eq!(times, ["0.04 s", "1.0 s", "2.3 s", "2.6 s", "13.0 s", "100 s", "480 s", "10.0 min", "90.0 min"]);
+    }
+
+    #[test]
+    fn what_is_written_reads_back_to_the_last_bit_and_a_rim_of_no_height_is_not_written() {
+        for n in 1..400_u32 {
+            let um = |hundredths: u32| LENGTH_UM.to_si(f64::from(hundredths) / 100.0);
+            let pairs = [[um(n), um(n + 7)], [um(2 * n), um(3 * n)]];
+            let profile = RimProfile::ALL[n as usize % 3];
+            for rim in [
+                Rim::new(um(n), um(900 + n), profile).unwrap().with_height_std_m(um(n / 3)).unwrap(),
+                Rim::following_depth(&pairs, um(1700 + n), profile).unwrap(),
+                Rim::following_depth(&pairs[..1], um(n), profile).unwrap(),
+            ] {
+                let pattern =
+                    Pattern::new(Texture::new(Planform::Groove).with_rim(rim), 1e-4, 2e-4, um(300 + n)).unwrap();
+                let json = crate::results::json(&PatternReport::from(&pattern)).unwrap();
+                let read: PatternReport = serde_json::from_str(&json).unwrap();
+                assert_eq!(read.pattern().unwrap(), pattern, "{json}");
+            }
+        }
+        let none = Rim::new(0.0, 1e-5, RimProfile::Flat).unwrap();
+        let report = |texture| PatternReport::from(&Pattern::new(texture, 1e-4, 2e-4, 1e-5).unwrap());
+        let without = report(Texture::new(Planform::Groove));
+        assert_eq!(report(Texture::new(Planform::Groove).with_rim(none)), without);
+        let json = crate::results::json(&without).unwrap();
+        assert!(!json.contains("rim") && serde_json::from_str::<PatternReport>(&json).unwrap() == without, "{json}");
+        assert!(report(Texture::new(Planform::Groove).with_rim(none.with_height_std_m(1e-8).unwrap())).rim().is_some());
+    }
+
+    #[test]
+    fn rims_have_the_height_of_their_cavities_and_bad_ones_are_refused_by_their_key() {
+        let with = |rim: Rim, depth_m: f64| {
+            let texture = Texture::new(Planform::Groove).with_rim(rim);
+            PatternReport::from(&Pattern::new(texture, 1e-4, 2e-4, depth_m).unwrap())
+        };
+        let whole = with(Rim::new(1e-7, 1e-5, RimProfile::Round).unwrap(), 5e-6);
+        assert_eq!(whole.rim_words().unwrap(), "round rims 0.1 um high, 10 um wide");
+        // 0.05 um + 0.1 um * (5.2 - 2.6) / (10.4 - 2.6)
+        let pairs = [[2.6e-6, 5e-8], [10.4e-6, 15e-8]];
+        let by_depth = with(Rim::following_depth(&pairs, 2e-5, RimProfile::Round).unwrap(), 5.2e-6);
+        assert_eq!(by_depth.rim_words().unwrap(), "round rims 0.0833 um high, 20 um wide");
+        let texture = whole.texture;
+        for (key, bad) in [
+            ("rim_height_um", TextureRecord { rim_height_um: Some(-1.0), ..texture.clone() }),
+            ("rim_heights_um", TextureRecord { rim_heights_um: Some(vec![vec![1.0, 1.0]]), ..texture.clone() }),
+            ("rim_width_um", TextureRecord { rim_height_um: None, ..texture.clone() }),
+            ("rim_width_um", TextureRecord { rim_width_um: Some(0.0), ..texture.clone() }),
+            ("rim_profile", TextureRecord { rim_profile: Some("square".to_owned()), ..texture.clone() }),
+            ("rim_height_std_um", TextureRecord { rim_height_std_um: Some(f64::NAN), ..texture.clone() }),
+        ] {
+            assert_eq!(bad.texture(None).unwrap_err().key, key);
+        }
     }
 }

@@ -9,6 +9,7 @@ use slipgrid_model::springblock::{LoadOutcome, Scene, Simulation, Status};
 
 use super::corrected::CorrectedReport;
 use super::errors::ErrorsReport;
+use super::notes::ABOUT_MATERIAL;
 use super::pattern::PatternReport;
 use slipgrid_base::units::{LENGTH_UM, PRESSURE_MPA, tidy};
 
@@ -86,7 +87,7 @@ impl MaterialReport {
     /// Reasons to doubt results computed with the material, one sentence each.
     pub fn doubts(&self) -> impl Iterator<Item = String> {
         let synthetic = self.synthetic_surface.then(|| SYNTHETIC_SURFACE.to_owned());
-        synthetic.into_iter().chain(self.warnings.iter().map(|words| format!("the material is doubtful: {words}")))
+        synthetic.into_iter().chain(self.warnings.iter().map(|words| format!("{ABOUT_MATERIAL}{words}")))
     }
 }
 

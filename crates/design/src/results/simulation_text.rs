@@ -32,7 +32,10 @@ impl SimulationReport {
                 let words = p.texture_words();
                 format!(
                     "{} {} um wide, spacing {} um, {} um deep{words}",
-                    p.planform, p.width_um, p.spacing_um, p.depth_um
+                    p.planform(),
+                    p.width_um,
+                    p.spacing_um,
+                    p.depth_um
                 )
             },
         );

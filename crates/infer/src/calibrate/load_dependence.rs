@@ -30,7 +30,8 @@ pub(crate) fn load_dependence_warning(
     let changes =
         changes.filter(|(_, change)| change.part.abs() > MIN_CHANGE && change.errors.abs() > MIN_SIGNIFICANCE);
     let (condition, change) = changes.max_by(|(_, a), (_, b)| a.errors.abs().total_cmp(&b.errors.abs()))?;
-    let source = if surface.origin == Some(AreaLawOrigin::Map) { "altitude map" } else { "rms slope" };
+    let is_of_map = surface.origin == Some(AreaLawOrigin::Map);
+    let (source, check) = if is_of_map { ("altitude map", "map") } else { ("rms slope", "slope") };
     let moves = if change.part > 0.0 { "rises" } else { "falls" };
     let [from, to] = change.pressures_pa.map(|pressure_pa| PRESSURE_MPA.from_si(pressure_pa));
     let fitting = fitting_modulus(surface, by_condition).map_or_else(String::new, |factor| {
@@ -39,8 +40,7 @@ pub(crate) fn load_dependence_warning(
         format!("; Young's modulus of about {fitting_gpa} GPa in place of {} GPa would fit", tidy(modulus_gpa))
     });
     Some(format!(
-        "flat friction does not follow the {source} ({:.1} standard errors): check the {source}, threshold_mpa and \
-         Young's modulus; the local coefficient mu_d, which should be constant, {moves} by {:.0} % from {from:.3} to \
+        "flat friction does not follow the {source} ({:.1} sigma): check {check}, threshold_mpa and modulus; the local coefficient mu_d, which should be constant, {moves} by {:.0} % from {from:.3} to \
          {to:.3} MPa at {} mm/s and {} %{fitting}; local_law = \"measured\" in [surface] takes flat friction as measured",
         change.errors.abs(),
         100.0 * change.part.abs(),
@@ -151,7 +151,7 @@ mod tests {
             load_dependence_warning(&surface, 0.38e9, &[(at(2e-3), rows(0.281)), (at(1e-2), rows(last))])
         };
         let said = of(map, 0.336, 0.018).unwrap();
-        let first = "flat friction does not follow the altitude map (3.1 standard errors): check the altitude map, threshold_mpa and Young's modulus; ";
+        let first = "flat friction does not follow the altitude map (3.1 sigma): check map, threshold_mpa and modulus; ";
         assert!(said.starts_with(first), "{said}");
         assert!(
             said.contains("which should be constant, rises by 20 % from 0.400 to 4.000 MPa at 10 mm/s and 50 %;"),

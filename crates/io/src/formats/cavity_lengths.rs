@@ -10,10 +10,12 @@ use crate::formats::plausible::{CAVITY_DEPTH, CAVITY_WIDTH, Plausible};
 /// Warns of lengths in the `table` that no cut cavity has.
 pub(crate) fn unusual(document: &Document, table: &Spanned<PatternFile>) -> Vec<Diagnostic> {
     let file = table.get_ref();
+    let length = file.texture.record.length_um;
+    let length = length.map(|length| Spanned::new(document.value_span(&table.span(), "length_um"), length));
     let lengths = [
         (CAVITY_WIDTH, Some(&file.width_um)),
         (CAVITY_WIDTH, Some(&file.spacing_um)),
-        (CAVITY_WIDTH, file.length_um.as_ref()),
+        (CAVITY_WIDTH, length.as_ref()),
         (CAVITY_DEPTH, Some(&file.depth_um)),
     ];
     let told = |(quantity, length): (Plausible, Option<&Spanned<f64>>)| {

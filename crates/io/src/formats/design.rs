@@ -24,7 +24,6 @@ use super::laser::{LaserFile, SpecimenFile, check_fits, read_laser, read_specime
 use super::limits::{LimitsFile, read_limited};
 use super::material::MaterialFile;
 use super::pattern::{TextureFile, read_directions, read_texture, require_section};
-use super::rim::read_rim;
 use super::scene::{SampleFile, check_face, default_sample, read_layer};
 use super::target::{TargetFile, read_target};
 use super::tolerances::{TolerancesFile, read_tolerances};
@@ -195,7 +194,8 @@ impl Design {
         let texture = match file.tolerances.as_ref().and_then(|table| table.rim_height_std_um.as_ref()) {
             Some(std) if *std.get_ref() > 0.0 => {
                 // A rim of zero mean height may still scatter in height.
-                let rim = read_rim(&document, file.pattern.get_ref())?;
+                let rim = file.pattern.get_ref().record.rim();
+                let rim = rim.map_err(|error| document.refuse_key(&file.pattern.span(), &error))?;
                 texture.with_rim(rim.ok_or_else(|| {
                     document
                         .refuse(std.span(), "is of rims that [pattern] does not have")
@@ -209,7 +209,8 @@ impl Design {
         let turned = directions.different_deg.iter().filter_map(|deg| texture.with_sliding_angle_deg(*deg).ok());
         let each: Vec<Texture> = std::iter::once(texture).chain(turned).collect();
         if dimensions.is_some_and(|asked| !Dimension::numbered(asked).sees_face()) {
-            each.iter().try_for_each(|texture| require_section(&document, file.pattern.get_ref(), texture))?;
+            let table = || (file.pattern.get_ref(), file.pattern.span());
+            each.iter().try_for_each(|texture| require_section(&document, table(), texture))?;
         }
         // One model serves all directions: if one direction must be solved in space, all are.
         let dimensions = dimensions.or_else(|| (each.len() > 1).then(|| Dimension::required_for(&each).number()));
@@ -270,8 +271,8 @@ impl Design {
         };
         let drawing = file.pattern.get_ref().outline.as_ref().map(|outline| document.resolve(outline.get_ref()));
         let inputs = std::iter::once(document.path().to_owned()).chain(named).chain(drawing).collect();
-        let (pattern, sample) = (file.pattern.get_ref(), file.sample.get_ref());
-        told.extend(unusual::of_rims(&document, task.space.texture().rim(), pattern, sample));
+        let sample = file.sample.get_ref();
+        told.extend(unusual::of_rims(&document, task.space.texture().rim(), &file.pattern.span(), sample));
         let mut design = Self { task, calibration, inputs, told, stands_for: None, document, places };
         if let Some(known) = design.task.material.clone() {
             design.task.check(&known).map_err(|refused| design.refuse(&refused))?;

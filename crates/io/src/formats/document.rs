@@ -15,6 +15,7 @@ use super::file_kind::FileKind;
 use crate::formats::diagnostic::{Diagnostic, nearest};
 use crate::formats::plausible;
 use crate::formats::source::{Entry, NoFiles, Source, read_text};
+use slipgrid_base::key_error::{KeyError, Refusal};
 use slipgrid_base::units::{
     DENSITY_G_CM3, HUMIDITY_PCT, LENGTH_MM, LENGTH_UM, MODULUS_GPA, PRESSURE_MPA, Quantity, SPEED_MM_S,
 };
@@ -207,9 +208,41 @@ impl Document {
         if quantity.accepts(*value.get_ref()) {
             Ok(quantity.to_si(*value.get_ref()))
         } else {
-            let slip = plausible::slip(quantity, *value.get_ref()).map_or_else(String::new, |slip| format!("; {slip}"));
-            Err(self.refuse(value.span(), "is out of range").expected(format!("{quantity}{slip}")))
+            Err(self.out_of_range(value, quantity))
         }
+    }
+
+    /// Refuses a key of the table at `table`.
+    #[must_use]
+    pub fn refuse_key(&self, table: &Range<usize>, error: &KeyError) -> Diagnostic {
+        let span = self.value_span(table, error.key);
+        let refused = self.refuse(span.clone(), error.refusal.to_string());
+        match &error.refusal {
+            Refusal::Missing => self.missing(table.clone(), error.key),
+            Refusal::OutOfRange { value, quantity } => self.out_of_range(&Spanned::new(span, *value), *quantity),
+            Refusal::UnknownName { name, known } => {
+                let suggestion = nearest(name, known.iter().copied()).map(Into::into);
+                Diagnostic { suggestion, expected: error.refusal.expected().map(Into::into), ..refused }
+            }
+            Refusal::Rule { .. } => Diagnostic { expected: error.refusal.expected().map(Into::into), ..refused },
+        }
+    }
+
+    /// Position of the value of `key` in the table at `table`, or of the table if it does not have the key.
+    pub(crate) fn value_span(&self, table: &Range<usize>, key: &str) -> Range<usize> {
+        let root = DeTable::parse(&self.text).ok();
+        let found = root.as_ref().and_then(|root| {
+            let whole = table.is_empty() || root.span() == *table;
+            let held = if whole { Some(root.get_ref()) } else { table_at(root.get_ref(), table) };
+            Some(held?.get(key)?.span())
+        });
+        found.unwrap_or_else(|| table.clone())
+    }
+
+    /// Refuses a number outside the range of `quantity`.
+    fn out_of_range(&self, value: &Spanned<f64>, quantity: Quantity) -> Diagnostic {
+        let slip = plausible::slip(quantity, *value.get_ref()).map_or_else(String::new, |slip| format!("; {slip}"));
+        self.refuse(value.span(), "is out of range").expected(format!("{quantity}{slip}"))
     }
 
     /// Converts an optional number of the file to SI units.
@@ -317,7 +350,7 @@ impl Document {
         let quoted: Vec<&str> = message.split('`').skip(1).step_by(2).collect();
         if message.starts_with("unknown field") && !quoted.is_empty() {
             let written = quoted[0];
-            let mut refused = self.refuse(span, "is not a known key");
+            let mut refused = self.refuse(self.value_span(&span, written), "is not a known key");
             refused.value = None;
             let gone = GONE.iter().find(|(key, _)| refused.key.as_deref() == Some(key));
             if let Some((_, instead)) = gone {
@@ -327,12 +360,21 @@ impl Document {
             refused.suggestion = nearest(written, quoted[1..].iter().copied()).map(Into::into);
             return refused.expected(format!("one of {}", quoted[1..].join(", ")));
         }
+        // Errors of records name their key first.
+        if let Some((key, message)) = message.strip_prefix('`').and_then(|message| message.split_once("`: ")) {
+            return self.explain_value(self.value_span(&span, key), message);
+        }
         if message.starts_with("missing field") && !quoted.is_empty() {
             return self.missing(span, quoted[0]);
         }
         if message.starts_with("duplicate key") {
             return self.duplicate(span);
         }
+        self.explain_value(span, message)
+    }
+
+    /// Explains why the value at `span` was refused, by serde's `message`.
+    fn explain_value(&self, span: Range<usize>, message: &str) -> Diagnostic {
         if let Some(value) = decimal_comma(self.line_text(span.start)) {
             return Diagnostic {
                 file: Some(self.path.as_path().into()),
@@ -428,6 +470,19 @@ fn find_in_table(table: &DeTable<'_>, span: &Range<usize>, path: &mut Vec<String
         path.pop();
     }
     false
+}
+
+/// Table at `span` within `table`.
+fn table_at<'t, 'a>(table: &'t DeTable<'a>, span: &Range<usize>) -> Option<&'t DeTable<'a>> {
+    fn of_value<'t, 'a>(value: &'t Spanned<DeValue<'a>>, span: &Range<usize>) -> Option<&'t DeTable<'a>> {
+        match value.get_ref() {
+            DeValue::Table(own) if value.span() == *span => Some(own),
+            DeValue::Table(own) => table_at(own, span),
+            DeValue::Array(list) => list.iter().find_map(|element| of_value(element, span)),
+            _ => None,
+        }
+    }
+    table.iter().find_map(|(_, value)| of_value(value, span))
 }
 
 /// Keys called `name` before `second` in the tables that can hold `second`, with their dotted paths. Inline tables are

@@ -12,7 +12,7 @@
 //! | [`altitude_map`] | an altitude map, ready for computation |
 //! | [`traces`] | tribometer exports |
 //! | [`material`], [`material_uncertainty`] | a material and its uncertainty |
-//! | [`pattern`], [`outline`], [`rim`], [`relief`], [`laser`] | textures, outlines of cavities, rims, measured reliefs, specimens, lasers |
+//! | [`pattern`], [`outline`], [`relief`], [`laser`] | textures, outlines of cavities, rims, measured reliefs, specimens, lasers |
 //! | [`stored_pattern`] | the design of a result |
 //! | [`plausible`], [`unusual`] | numbers that are probably mistakes |
 //! | [`confirmed_scene`], [`written_material`] | output files: the scene of a design, the material of a calibration |
@@ -44,6 +44,7 @@ pub mod document;
 mod exchanged;
 pub mod explored;
 pub mod file_kind;
+mod keys;
 pub mod laser;
 pub mod learned;
 pub mod limits;
@@ -57,7 +58,6 @@ pub mod pattern;
 pub mod plausible;
 pub mod refused_calibration;
 pub mod relief;
-pub mod rim;
 pub mod run;
 pub mod scene;
 pub mod source;

@@ -3,24 +3,23 @@
 use std::ops::Range;
 
 use serde::{Deserialize, Serialize};
-use slipgrid_model::pattern::{Arrangement, Pattern, PatternError, Planform, Rim, Texture};
+use slipgrid_base::key_error::KeyError;
+use slipgrid_base::units::{LENGTH_UM, SLIDING_ANGLE_DEG};
+use slipgrid_design::FurtherDirections;
+use slipgrid_laser::export::Specimen;
+use slipgrid_model::pattern::{Arrangement, Pattern, Planform, Texture, TextureRecord};
 use slipgrid_model::springblock::Layer;
 use toml::Spanned;
 
-use slipgrid_design::FurtherDirections;
-use slipgrid_design::results::PatternReport;
-use slipgrid_laser::export::Specimen;
-
 use super::document::Document;
-use super::rim::read_rim;
-use super::values::{Number, NumberList, Numbers, list, number, number_list};
+use super::keys::Keys;
+use super::values::{Number, Numbers, list, number};
 use crate::formats::diagnostic::Diagnostic;
 use crate::formats::outline::read_outline;
-use slipgrid_base::units::{CROSSING_ANGLE_DEG, GROOVE_ANGLE_DEG, LENGTH_UM, SLIDING_ANGLE_DEG};
 
 /// A pattern in the form of a scene file.
 #[derive(Clone, Debug, Deserialize, Serialize)]
-#[serde(deny_unknown_fields)]
+#[serde(try_from = "Keys")]
 pub struct PatternFile {
     /// Width of a cavity along its row; the diameter of a disc.
     pub width_um: Number,
@@ -34,76 +33,73 @@ pub struct PatternFile {
     pub spacing_std_um: Option<Number>,
     /// Standard error of the measured mean depth of a cut sample, at most a third of it; 0 when absent. No key of a scene.
     pub depth_std_um: Option<Number>,
-    /// As in [`TextureFile`].
-    pub planform: Option<Spanned<String>>,
-    /// As in [`TextureFile`].
-    pub length_um: Option<Number>,
-    /// As in [`TextureFile`].
-    pub vertices_um: Option<Spanned<Vec<[f64; 2]>>>,
-    /// As in [`TextureFile`].
-    pub outline: Option<Spanned<String>>,
-    /// As in [`TextureFile`].
-    pub outline_layer: Option<Spanned<String>>,
-    /// As in [`TextureFile`].
-    pub spacing_across_um: Option<Number>,
-    /// As in [`TextureFile`].
-    pub arrangement: Option<Spanned<String>>,
-    /// As in [`TextureFile`].
-    pub angle_deg: Option<Number>,
-    /// As in [`TextureFile`].
-    pub crossing_angle_deg: Option<Number>,
-    /// Angle of the sliding direction from the specimen's x axis; 0 when absent.
-    pub sliding_angle_deg: Option<Number>,
     /// Map of one period of the measured face, in place of rims.
     pub relief: Option<Spanned<String>>,
-    /// As in [`TextureFile`].
-    pub rim_height_um: Option<Number>,
-    /// As in [`TextureFile`].
-    pub rim_heights_um: Option<Spanned<Vec<NumberList>>>,
-    /// As in [`TextureFile`].
-    pub rim_width_um: Option<Number>,
-    /// As in [`TextureFile`].
-    pub rim_profile: Option<Spanned<String>>,
-    /// As in [`TextureFile`].
-    pub rim_height_std_um: Option<Number>,
+    /// Shape, arrangement, directions and rims.
+    #[serde(flatten)]
+    pub texture: TextureFile,
 }
 
-/// A texture in the form of a design file: all properties of a pattern that the design does not search.
-#[derive(Clone, Debug, Default, Deserialize)]
-#[serde(deny_unknown_fields)]
+/// A texture in the form of a scene file or a design file: all properties of a pattern that a design does not search.
+#[derive(Clone, Debug, Default, Deserialize, Serialize)]
+#[serde(try_from = "Keys")]
 pub struct TextureFile {
-    /// Shape seen from above; `groove` when absent.
-    pub planform: Option<Spanned<String>>,
-    /// Extent of a rectangle across its row.
-    pub length_um: Option<Number>,
-    /// Outline of a polygon: corners as `[x, y]` in order, the last joined to the first. Only the shape matters: it is
-    /// scaled so that the extent along x is the width.
-    pub vertices_um: Option<Spanned<Vec<[f64; 2]>>>,
     /// A drawing, SVG or DXF, whose only closed outline is used in place of `vertices_um`.
     pub outline: Option<Spanned<String>>,
     /// The layer of the DXF drawing that holds the outline; any when absent.
     pub outline_layer: Option<Spanned<String>>,
-    /// Gap between rows; as along the row when absent.
-    pub spacing_across_um: Option<Number>,
-    /// `square`, `staggered` or `hexagonal`; `square` when absent.
-    pub arrangement: Option<Spanned<String>>,
-    /// Angle of grooves (of the first family of crossing grooves) from the direction across the specimen's x axis; 0
-    /// when absent.
-    pub angle_deg: Option<Number>,
-    /// Angle of the second family of crossing grooves from the first; 90 when absent.
-    pub crossing_angle_deg: Option<Number>,
     /// Angle of the sliding direction from the specimen's x axis; 0 when absent. A design may name several.
     pub sliding_angle_deg: Option<Spanned<Numbers>>,
-    /// Height of the rims at the edges of cavities, for any depth; no rims when neither this nor the next is given.
-    pub rim_height_um: Option<Number>,
-    /// Pairs of cavity depth and rim height, in ascending order.
-    pub rim_heights_um: Option<Spanned<Vec<NumberList>>>,
-    /// Distance from the edge at which a rim ends.
-    pub rim_width_um: Option<Number>,
-    /// Outward profile of rims: `round`, `flat` or `ramp`; `round` when absent.
-    pub rim_profile: Option<Spanned<String>>,
-    /// Standard deviation of the height between rims of one sample; 0 when absent.
-    pub rim_height_std_um: Option<Number>,
+    /// Other keys, without positions, which [`Document::refuse_key`] finds, and without the sliding direction.
+    #[serde(flatten)]
+    pub record: TextureRecord,
+}
+
+impl TryFrom<Keys> for PatternFile {
+    type Error = String;
+
+    fn try_from(mut keys: Keys) -> Result<Self, String> {
+        let own = ["width_um", "spacing_um", "depth_um", "width_std_um", "spacing_std_um", "depth_std_um", "relief"];
+        let mut numbers = [const { None }; 6];
+        for (number, key) in numbers.iter_mut().zip(own) {
+            *number = keys.take(key)?;
+        }
+        let [width_um, spacing_um, depth_um, width_std_um, spacing_std_um, depth_std_um] = numbers;
+        let relief = keys.take("relief")?;
+        let texture = TextureFile::read(keys, &own)?;
+        let needed = |key: &str, number: Option<Number>| number.ok_or_else(|| format!("missing field `{key}`"));
+        if let Some(Numbers::Each(_)) = texture.sliding_angle_deg.as_ref().map(Spanned::get_ref) {
+            return Err("`sliding_angle_deg`: invalid type: sequence, expected f64".to_owned());
+        }
+        Ok(Self {
+            width_um: needed("width_um", width_um)?,
+            spacing_um: needed("spacing_um", spacing_um)?,
+            depth_um: needed("depth_um", depth_um)?,
+            width_std_um,
+            spacing_std_um,
+            depth_std_um,
+            relief,
+            texture,
+        })
+    }
+}
+
+impl TryFrom<Keys> for TextureFile {
+    type Error = String;
+
+    fn try_from(keys: Keys) -> Result<Self, String> {
+        Self::read(keys, &[])
+    }
+}
+
+impl TextureFile {
+    /// Reads `keys`, of which the table also has those named in `beside`.
+    fn read(mut keys: Keys, beside: &[&str]) -> Result<Self, String> {
+        let own = ["outline", "outline_layer", "sliding_angle_deg"];
+        let (outline, outline_layer) = (keys.take(own[0])?, keys.take(own[1])?);
+        let sliding_angle_deg = keys.take_directions();
+        Ok(Self { outline, outline_layer, sliding_angle_deg, record: keys.record(&[beside, &own].concat())? })
+    }
 }
 
 impl PatternFile {
@@ -111,65 +107,17 @@ impl PatternFile {
     pub(crate) const fn dimensions_std(&self) -> [&Option<Number>; 3] {
         [&self.width_std_um, &self.spacing_std_um, &self.depth_std_um]
     }
-
-    /// Texture properties of the pattern.
-    #[must_use]
-    pub fn texture(&self) -> TextureFile {
-        TextureFile {
-            planform: self.planform.clone(),
-            length_um: self.length_um.clone(),
-            vertices_um: self.vertices_um.clone(),
-            outline: self.outline.clone(),
-            outline_layer: self.outline_layer.clone(),
-            spacing_across_um: self.spacing_across_um.clone(),
-            arrangement: self.arrangement.clone(),
-            angle_deg: self.angle_deg.clone(),
-            crossing_angle_deg: self.crossing_angle_deg.clone(),
-            sliding_angle_deg: self
-                .sliding_angle_deg
-                .as_ref()
-                .map(|angle| Spanned::new(angle.span(), Numbers::One(*angle.get_ref()))),
-            rim_height_um: self.rim_height_um.clone(),
-            rim_heights_um: self.rim_heights_um.clone(),
-            rim_width_um: self.rim_width_um.clone(),
-            rim_profile: self.rim_profile.clone(),
-            rim_height_std_um: self.rim_height_std_um.clone(),
-        }
-    }
 }
 
 impl From<&Pattern> for PatternFile {
     /// Converts the pattern to its file form; defaults are left out.
     fn from(pattern: &Pattern) -> Self {
-        let written = PatternReport::from(pattern);
-        let named = |name: String| Spanned::new(0..0, name);
-        let rim = written.rim.as_ref();
-        Self {
-            width_um: number(written.width_um),
-            spacing_um: number(written.spacing_um),
-            depth_um: number(written.depth_um),
-            width_std_um: None,
-            spacing_std_um: None,
-            depth_std_um: None,
-            planform: Some(named(written.planform)),
-            length_um: written.length_um.map(number),
-            vertices_um: written.vertices_um.map(|vertices| Spanned::new(0..0, vertices)),
-            outline: None,
-            outline_layer: None,
-            spacing_across_um: written.spacing_across_um.map(number),
-            arrangement: written.arrangement.map(named),
-            angle_deg: written.angle_deg.map(number),
-            crossing_angle_deg: written.crossing_angle_deg.map(number),
-            sliding_angle_deg: written.sliding_angle_deg.map(number),
-            relief: None,
-            rim_height_um: rim.and_then(|rim| rim.rim_height_um).map(number),
-            rim_heights_um: rim
-                .and_then(|rim| rim.rim_heights_um.as_ref())
-                .map(|pairs| Spanned::new(0..0, pairs.iter().map(|pair| number_list(*pair)).collect())),
-            rim_width_um: rim.map(|rim| number(rim.rim_width_um)),
-            rim_profile: rim.map(|rim| named(rim.rim_profile.clone())),
-            rim_height_std_um: rim.and_then(|rim| rim.rim_height_std_um).map(number),
-        }
+        let [width_um, spacing_um, depth_um] = pattern.lengths_m().map(|length_m| number(LENGTH_UM.from_si(length_m)));
+        let mut record = TextureRecord::from(pattern);
+        let sliding_angle_deg = record.sliding_angle_deg.take().map(|angle| Spanned::new(0..0, Numbers::One(angle)));
+        let texture = TextureFile { outline: None, outline_layer: None, sliding_angle_deg, record };
+        let [width_std_um, spacing_std_um, depth_std_um] = [None, None, None];
+        Self { width_um, spacing_um, depth_um, width_std_um, spacing_std_um, depth_std_um, relief: None, texture }
     }
 }
 
@@ -179,7 +127,7 @@ impl From<&Pattern> for PatternFile {
 /// [`Diagnostic`] if numbers are out of range, or if the planform does not use a key.
 pub fn read_pattern(document: &Document, file: &Spanned<PatternFile>) -> Result<Pattern, Diagnostic> {
     let pattern = file.get_ref();
-    let texture = read_texture(document, &pattern.texture(), file.span())?;
+    let texture = read_texture(document, &pattern.texture, file.span())?;
     let width_m = document.number(&pattern.width_um, LENGTH_UM)?;
     let spacing_m = document.number(&pattern.spacing_um, LENGTH_UM)?;
     let depth_m = document.number(&pattern.depth_um, LENGTH_UM)?;
@@ -205,72 +153,23 @@ pub fn check_depth(document: &Document, file: &PatternFile, depth_m: f64, layer:
 /// # Errors
 /// [`Diagnostic`] if names are unknown, numbers are out of range, or the planform does not use a key.
 pub fn read_texture(document: &Document, file: &TextureFile, table: Range<usize>) -> Result<Texture, Diagnostic> {
-    let planform = file.planform.as_ref();
-    let planform =
-        planform.map_or(Ok(Planform::Groove), |name| document.choice(name, &Planform::ALL, Planform::name))?;
-    if planform == Planform::Rectangle && file.length_um.is_none() {
-        return Err(document.missing(table, "length_um"));
-    }
-    let drawn = [
-        file.vertices_um.as_ref().map(Spanned::span),
-        file.outline.as_ref().map(Spanned::span),
-        file.outline_layer.as_ref().map(Spanned::span),
-    ];
-    if let (Some(key), true) = (drawn.into_iter().flatten().next(), planform != Planform::Polygon) {
-        let refused = document.refuse(key, format!("has no meaning for planform \"{planform}\""));
+    let TextureFile { outline, outline_layer, sliding_angle_deg, record } = file;
+    let refused = |error: KeyError| document.refuse_key(&table, &error);
+    let planform = record.planform().map_err(refused)?;
+    let drawing = [outline, outline_layer].into_iter().flatten().next();
+    if let (Some(key), true) = (drawing, planform != Planform::Polygon) {
+        let refused = document.refuse(key.span(), format!("has no meaning for planform \"{planform}\""));
         return Err(refused.expected("planform = \"polygon\", or no such key"));
     }
-    // A property that the planform lacks is refused at the key that needs it.
-    let refuse = |span: Range<usize>, error: &PatternError, expected: &'static str| match error {
-        PatternError::NoSuchProperty { .. } => {
-            document.refuse(span, format!("has no meaning for planform \"{planform}\"")).expected(expected)
-        }
-        _ => document.refuse(span, error.to_string()),
+    let drawn = if planform == Planform::Polygon {
+        let vertices = record.vertices_um.clone();
+        let vertices = vertices.map(|vertices| Spanned::new(document.value_span(&table, "vertices_um"), vertices));
+        Some(read_outline(document, vertices.as_ref(), outline.as_ref(), outline_layer.as_ref(), table.clone())?)
+    } else {
+        None
     };
-    let mut texture = Texture::new(planform);
-    if planform == Planform::Polygon {
-        let (vertices, drawing, layer) =
-            (file.vertices_um.as_ref(), file.outline.as_ref(), file.outline_layer.as_ref());
-        let outline = read_outline(document, vertices, drawing, layer, table.clone())?;
-        texture = texture.with_outline(outline).map_err(|error| document.refuse(table, error.to_string()))?;
-    }
-    if let Some(length) = &file.length_um {
-        texture = texture
-            .with_length_m(document.number(length, LENGTH_UM)?)
-            .map_err(|error| refuse(length.span(), &error, "planform = \"rectangle\", or no such key"))?;
-    }
-    if let Some(spacing) = &file.spacing_across_um {
-        texture = texture.with_spacing_across_m(document.number(spacing, LENGTH_UM)?).map_err(|error| {
-            refuse(
-                spacing.span(),
-                &error,
-                "planform = \"square\", \"rectangle\", \"disc\" or \"polygon\", or no such key",
-            )
-        })?;
-    }
-    if let Some(name) = &file.arrangement {
-        let arrangement = document.choice(name, &Arrangement::ALL, Arrangement::name)?;
-        texture = texture.with_arrangement(arrangement).map_err(|error| {
-            refuse(name.span(), &error, "\"square\", or planform = \"square\", \"rectangle\", \"disc\" or \"polygon\"")
-        })?;
-    }
-    if let Some(angle) = &file.angle_deg {
-        texture = texture.with_groove_angle_deg(document.number(angle, GROOVE_ANGLE_DEG)?).map_err(|error| {
-            refuse(angle.span(), &error, "planform = \"groove\" or \"crosshatch\", or sliding_angle_deg instead")
-        })?;
-    }
-    if let Some(angle) = &file.crossing_angle_deg {
-        texture = texture
-            .with_crossing_angle_deg(document.number(angle, CROSSING_ANGLE_DEG)?)
-            .map_err(|error| refuse(angle.span(), &error, "planform = \"crosshatch\", or no such key"))?;
-    }
-    if let Some(angle) = &file.sliding_angle_deg {
-        texture = texture
-            .with_sliding_angle_deg(list(document, angle, SLIDING_ANGLE_DEG)?[0])
-            .map_err(|error| document.refuse(angle.span(), error.to_string()))?;
-    }
-    // A rim without height is left out.
-    Ok(texture.with_rim(read_rim(document, file)?.filter(Rim::stands)))
+    let first = sliding_angle_deg.as_ref().and_then(|angles| angles.get_ref().written().first().copied());
+    TextureRecord { sliding_angle_deg: first, ..record.clone() }.texture(drawn).map_err(refused)
 }
 
 /// Sliding directions of `file` on `specimen`, without the first, which `texture` has.
@@ -303,28 +202,33 @@ pub fn read_directions(
 ///
 /// # Errors
 /// [`Diagnostic`] at the first key that needs a model in space.
-pub fn require_section(document: &Document, file: &TextureFile, texture: &Texture) -> Result<(), Diagnostic> {
+pub fn require_section(
+    document: &Document,
+    (file, table): (&TextureFile, Range<usize>),
+    texture: &Texture,
+) -> Result<(), Diagnostic> {
     const WHY: &str = "needs three dimensions, which scenes with extent = \"cell\" or \"strip\" have: the vertical \
                        section along the sliding direction says little of it";
     if texture.is_one_section() {
         return Ok(());
     }
-    let refuse = |span: Range<usize>, expected: &str| Err(document.refuse(span, WHY).expected(expected));
-    if let (false, Some(planform)) = (matches!(texture.planform(), Planform::Groove | Planform::Square), &file.planform)
-    {
-        return refuse(planform.span(), "\"groove\" or \"square\"");
+    let TextureRecord { planform, arrangement, angle_deg, .. } = &file.record;
+    let refuse =
+        |key: &str, expected: &str| Err(document.refuse(document.value_span(&table, key), WHY).expected(expected));
+    if !matches!(texture.planform(), Planform::Groove | Planform::Square) && planform.is_some() {
+        return refuse("planform", "\"groove\" or \"square\"");
     }
-    if let Some(arrangement) = file.arrangement.as_ref().filter(|_| texture.arrangement() != Arrangement::Square) {
-        return refuse(arrangement.span(), "\"square\"");
+    if texture.arrangement() != Arrangement::Square && arrangement.is_some() {
+        return refuse("arrangement", "\"square\"");
     }
     if texture.sliding_direction()[1] == 0.0 {
         return Ok(());
     }
     // Grooves or the sliding direction are turned, or both by different angles.
-    match (&file.sliding_angle_deg, &file.angle_deg) {
-        (Some(sliding), Some(groove)) => refuse(sliding.span(), &format!("that of the grooves, {}", groove.get_ref())),
-        (Some(sliding), None) => refuse(sliding.span(), "0"),
-        (None, Some(groove)) => refuse(groove.span(), "0"),
+    match (&file.sliding_angle_deg, angle_deg) {
+        (Some(_), Some(groove_deg)) => refuse("sliding_angle_deg", &format!("that of the grooves, {groove_deg}")),
+        (Some(_), None) => refuse("sliding_angle_deg", "0"),
+        (None, Some(_)) => refuse("angle_deg", "0"),
         (None, None) => Ok(()),
     }
 }
@@ -344,7 +248,8 @@ mod tests {
         let document = Document::new("a.toml", format!("{LENGTHS}{keys}"));
         let written: Written = document.parse()?;
         let pattern = read_pattern(&document, &written.pattern)?;
-        let section = require_section(&document, &written.pattern.get_ref().texture(), pattern.texture());
+        let section =
+            require_section(&document, (&written.pattern.get_ref().texture, written.pattern.span()), pattern.texture());
         Ok((pattern, section))
     }
 
@@ -403,5 +308,69 @@ mod tests {
             let refused = read(keys).unwrap().1.unwrap_err().to_string();
             assert!(refused.starts_with(&format!("a.toml:{key}")) && refused.contains(expected), "{keys}: {refused}");
         }
+    }
+
+    #[test]
+    fn refusals_name_line_key_and_value_and_what_is_accepted() {
+        for (keys, refused) in [
+            (
+                "rim_height_um = 0.1",
+                "5: pattern.rim_height_um: 0.1 stands without a width of the rims; expected rim_width_um",
+            ),
+            (
+                "rim_width_um = 10.0",
+                "5: pattern.rim_width_um: 10.0 stands without a height of the rims; expected rim_height_um",
+            ),
+            ("rim_profile = \"flat\"", "5: pattern.rim_profile: \"flat\" stands without a height"),
+            ("rim_height_std_um = 0.1", "5: pattern.rim_height_std_um: 0.1 stands without a height"),
+            (
+                "rim_height_um = 0.1\nrim_heights_um = [[1.0, 0.1]]",
+                "6: pattern.rim_heights_um: [[1.0, 0.1]] stands beside rim_height_um; expected either rim_height_um or rim_heights_um",
+            ),
+            (
+                "rim_height_um = 0.1\nrim_width_um = 10\nrim_profile = \"rund\"",
+                "7: pattern.rim_profile: \"rund\" is not known; expected \"round\" or \"flat\" or \"ramp\"",
+            ),
+            (
+                "rim_height_um = -0.1\nrim_width_um = 10",
+                "5: pattern.rim_height_um: -0.1 is out of range; expected a number from 0",
+            ),
+            (
+                "rim_height_um = 0.1\nrim_width_um = 0",
+                "6: pattern.rim_width_um: 0 is out of range; expected a number from 0.000001",
+            ),
+            (
+                "rim_heights_um = [[5.0, 0.1], [5.0, 0.2]]\nrim_width_um = 10",
+                "5: pattern.rim_heights_um: [[5.0, 0.1], [5.0, 0.2]] has a depth of 5 um that is no greater than the one before it; \
+                 expected depths that ascend",
+            ),
+            (
+                "rim_heights_um = [[5.0, 0.1, 1.0]]\nrim_width_um = 10",
+                "5: pattern.rim_heights_um: [[5.0, 0.1, 1.0]] has a pair of 3 numbers; expected a depth and a height",
+            ),
+            ("rim_heights_um = []\nrim_width_um = 10", "5: pattern.rim_heights_um: has 0 pairs; expected 1 to 8 pairs"),
+            ("rim_heights_um = 0.1\nrim_width_um = 10", "5: pattern.rim_heights_um: 0.1 has the wrong type"),
+            (
+                "rim_hight_um = 0.1",
+                "5: pattern.rim_hight_um: is not a known key; expected one of width_um, spacing_um, depth_um, ",
+            ),
+            ("length_um = \"a\"", "5: pattern.length_um: \"a\" has the wrong type; expected a number"),
+            ("planform = \"rectangle\"", "1: pattern.length_um: is missing"),
+            (
+                "sliding_angle_deg = [0, 90]",
+                "5: pattern.sliding_angle_deg: [0, 90] has the wrong type; expected a number",
+            ),
+            (
+                "planform = \"disc\"\nangle_deg = 3",
+                "6: pattern.angle_deg: 3 has no meaning for planform \"disc\"; expected planform = \"groove\"",
+            ),
+            ("length_um = 2,7", "5: 2,7 has a decimal comma"),
+        ] {
+            let found = read(keys).map(|_| ()).unwrap_err().to_string();
+            assert!(found.starts_with(&format!("a.toml:{refused}")), "{keys}: {found}");
+        }
+        let missing = Document::new("a.toml", "[pattern]\nwidth_um = 1.0\nspacing_um = 1.0\n").parse::<Written>();
+        let missing = missing.unwrap_err().to_string();
+        assert!(missing.starts_with("a.toml:1: pattern.depth_um: is missing; expected a number"), "{missing}");
     }
 }

@@ -209,7 +209,7 @@ impl SceneInput {
             },
         };
         if let Some((pattern, file)) = scene.section().zip(file.pattern.as_ref()) {
-            require_section(&document, &file.get_ref().texture(), pattern.texture())?;
+            require_section(&document, (&file.get_ref().texture, file.span()), pattern.texture())?;
         }
         let mut told = unusual::of_scene(&document, file);
         told.extend(unusual::of_speed(&document, file.load.get_ref(), &scene));

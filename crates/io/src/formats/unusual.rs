@@ -1,6 +1,8 @@
 //! Warnings of unusual values in a scene and its material. Nothing is refused, because a scene may be a thought
 //! experiment.
 
+use std::ops::Range;
+
 use slipgrid_model::material::Elastic;
 use slipgrid_model::pattern::Rim;
 use slipgrid_model::springblock::{Fidelity, RunOptions, Scene, max_run_speed_m_s};
@@ -10,8 +12,6 @@ use super::condition_ranges::ConditionRangeFile;
 use super::document::Document;
 use super::file_kind::FileKind;
 use super::material::MaterialFile;
-use super::pattern::TextureFile;
-use super::rim::read_rim;
 use super::scene::{DEFAULT_LAYER, LoadFile, SampleFile, SceneFile};
 use super::values::{Number, Numbers, PathOr, number_span};
 use crate::formats::diagnostic::Diagnostic;
@@ -42,10 +42,10 @@ pub fn of_scene(document: &Document, file: &SceneFile) -> Vec<Diagnostic> {
     told.extend(load.speed_mm_s.as_ref().and_then(|speed| number(document, SPEED, speed)));
     told.extend(of_pressures(document, &load.pressure_mpa, modulus_gpa));
     if let Some(pattern) = &file.pattern {
-        let texture = pattern.get_ref().texture();
+        let record = &pattern.get_ref().texture.record;
         // Invalid rims have been refused before.
-        let rim = read_rim(document, &texture).ok().flatten().filter(Rim::stands);
-        told.extend(of_rims(document, rim.as_ref(), &texture, file.sample.get_ref()));
+        let rim = record.rim().ok().flatten().filter(Rim::stands);
+        told.extend(of_rims(document, rim.as_ref(), &pattern.span(), file.sample.get_ref()));
     }
     told
 }
@@ -100,10 +100,15 @@ pub fn of_speed(document: &Document, load: &LoadFile, scene: &Scene) -> Option<D
     Some(Diagnostic { value: None, ..told }.expected(expected))
 }
 
-/// Warning of rims narrower than two blocks, of which blocks resolve only the mean.
+/// Warning of rims of the pattern in `table` narrower than two blocks, of which blocks resolve only the mean.
 #[must_use]
-pub fn of_rims(document: &Document, rim: Option<&Rim>, file: &TextureFile, sample: &SampleFile) -> Option<Diagnostic> {
-    let (rim, width) = (rim?, file.rim_width_um.as_ref()?);
+pub fn of_rims(
+    document: &Document,
+    rim: Option<&Rim>,
+    table: &Range<usize>,
+    sample: &SampleFile,
+) -> Option<Diagnostic> {
+    let rim = rim?;
     let block_m = sample.block_um.as_ref().map_or(DEFAULT_LAYER.block_m, |um| LENGTH_UM.to_si(*um.get_ref()));
     let [block_um, smaller_um] = [block_m, rim.block_m(block_m)].map(|length_m| LENGTH_UM.from_si(length_m));
     (smaller_um < block_um).then(|| {
@@ -111,7 +116,7 @@ pub fn of_rims(document: &Document, rim: Option<&Rim>, file: &TextureFile, sampl
             "is narrower than two blocks of {block_um} um: they hold no more than the mean height of a rim, and friction moves with its \
              crest"
         );
-        document.refuse(width.span(), reason).expected(format!("block_um = {smaller_um} or less in [sample]"))
+        document.refuse(document.value_span(table, "rim_width_um"), reason).expected(format!("block_um = {smaller_um} or less in [sample]"))
     })
 }
 
@@ -211,6 +216,7 @@ fn first(values: &Spanned<Numbers>, tell: impl Fn(&Number) -> Option<Diagnostic>
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::formats::pattern::TextureFile;
 
     #[test]
     fn a_humidity_of_1_and_below_is_asked_about_but_not_that_of_dry_air() {
@@ -293,8 +299,8 @@ mod tests {
             let document = Document::new("a.toml", format!("{pattern}\nrim_profile = \"flat\""));
             let file: TextureFile = document.parse().unwrap();
             let sample: SampleFile = toml::from_str(sample).unwrap();
-            let rim = read_rim(&document, &file).unwrap().filter(Rim::stands);
-            of_rims(&document, rim.as_ref(), &file, &sample).map(|told| told.to_string())
+            let rim = file.record.rim().unwrap().filter(Rim::stands);
+            of_rims(&document, rim.as_ref(), &(0..0), &sample).map(|told| told.to_string())
         };
         let rim = |height: f64, width: f64| format!("rim_height_um = {height}\nrim_width_um = {width}");
         for (width, sample, block) in

@@ -24,6 +24,7 @@
 //! | [`ReliefMap`], [`LandRelief`] | measured heights of a face over one period, and of the lands between cavities |
 //! | [`Polygon`] | outline of a cavity of arbitrary shape |
 //! | [`Grown`] | all points within a given distance of an outline |
+//! | [`TextureRecord`] | a texture as keys of a file |
 //! | [`Pattern`] | a texture with width, spacing and depth in SI units: cell, coverage, densities |
 //! | [`ManufacturingLimits`] | limits of the laser, and the [`LimitViolation`]s of a pattern |
 //! | [`PatternError`] | reasons why a texture or a pattern is refused |
@@ -53,6 +54,7 @@ mod grown;
 mod limits;
 mod planform;
 mod polygon;
+mod record;
 mod relief_map;
 mod rim;
 mod rim_share;
@@ -64,6 +66,7 @@ pub use grown::Grown;
 pub use limits::{LimitViolation, ManufacturingLimits};
 pub use planform::{Arrangement, Planform};
 pub use polygon::{OutlineError, Polygon};
+pub use record::TextureRecord;
 pub use relief_map::{LandRelief, ReliefMap};
 pub use rim::{Rim, RimProfile};
 pub use texture::{Texture, folded_deg};

@@ -47,7 +47,7 @@ pub fn design(
                        whole specimen";
         pictures(page, outputs, "Friction in time", "friction-", in_time);
     });
-    page.model([&report.model, &report.method], report.sample.design.rim.is_some());
+    page.model([&report.model, &report.method], report.sample.design.rim().is_some());
     page.fold("Material", |page| material(page, report, (area_law, loads)));
     page.part("Files", |page| {
         page.files(&outputs.names());
@@ -172,7 +172,7 @@ fn others(page: &mut Page, report: &DesignReport, outputs: &Outputs) {
     };
     let columns: [Column<SampleReport>; 6] = [
         ("width / spacing / depth in µm", |of| of.design.lengths_in_words()),
-        ("planform", |of| of.design.planform.clone()),
+        ("planform", |of| of.design.planform().to_owned()),
         ("chance", |of| of.chance.map_or_else(|| "-".to_owned(), chance_words)),
         ("laser", |of| of.laser_s.map_or_else(|| "-".to_owned(), duration_in_words)),
         ("learns", |of| of.learns().to_owned()),

@@ -108,21 +108,22 @@ fn plot_caption(report: &DesignReport) -> String {
 /// Adds texture, exposure and files.
 fn to_cut(page: &mut Page, report: &DesignReport, outputs: &Outputs, found: Option<&DesignOutcome>) {
     let design = &report.sample.design;
-    let mut rows: Vec<(&str, String)> = vec![("planform", design.planform.clone())];
-    rows.extend(design.arrangement.iter().map(|arrangement| ("arrangement", arrangement.clone())));
+    let texture = &design.texture;
+    let mut rows: Vec<(&str, String)> = vec![("planform", design.planform().to_owned())];
+    rows.extend(texture.arrangement.iter().map(|arrangement| ("arrangement", arrangement.clone())));
     let sizes =
         [("width", design.width_um), ("spacing (gap between cavities)", design.spacing_um), ("depth", design.depth_um)];
     rows.extend(
         sizes.into_iter().filter_map(|(name, um)| Some((name, format!("{}\u{a0}µm", length_in_words(known(um)?))))),
     );
     let lengths = [
-        ("length", "µm", design.length_um),
-        ("spacing across", "µm", design.spacing_across_um),
-        ("grooves turned by", "degrees", design.angle_deg.filter(|_| design.crossing_angle_deg.is_none())),
-        ("sliding direction turned by", "degrees", design.sliding_angle_deg),
+        ("length", "µm", texture.length_um),
+        ("spacing across", "µm", texture.spacing_across_um),
+        ("grooves turned by", "degrees", texture.angle_deg.filter(|_| texture.crossing_angle_deg.is_none())),
+        ("sliding direction turned by", "degrees", texture.sliding_angle_deg),
     ];
-    if let Some(crossing_deg) = known(design.crossing_angle_deg) {
-        let first_deg = design.angle_deg.unwrap_or(0.0);
+    if let Some(crossing_deg) = known(texture.crossing_angle_deg) {
+        let first_deg = texture.angle_deg.unwrap_or(0.0);
         let [first, second] = [first_deg, first_deg + crossing_deg].map(length_um);
         rows.push(("grooves turned by", format!("{first} degrees, crossed by grooves turned by {second} degrees")));
     }
@@ -131,9 +132,7 @@ fn to_cut(page: &mut Page, report: &DesignReport, outputs: &Outputs, found: Opti
             .into_iter()
             .filter_map(|(name, unit, value)| Some((name, format!("{} {unit}", length_um(known(value)?))))),
     );
-    rows.extend(
-        design.rim.iter().map(|rim| ("rims, as assumed", rim.words(known(design.depth_um).unwrap_or_default()))),
-    );
+    rows.extend(design.rim_words().map(|rim| ("rims, as assumed", rim)));
     rows.push(("cavities' share of the face", format!("{} %", share(report.specimen_areal_density, 1))));
     let laid = found.and_then(|found| found.task.specimen.layout(found.pattern).ok());
     rows.extend(laid.map(|laid| ("cavities on the specimen", laid.iter().count().to_string())));
@@ -273,7 +272,7 @@ fn basis(page: &mut Page, report: &DesignReport) {
     if !report.confirmed.is_empty() {
         known.push(format!("confirmed by a run of the model alone: {}", report.confirmation()));
     }
-    let has_rim = report.sample.design.rim.is_some();
+    let has_rim = report.sample.design.rim().is_some();
     let lacking = not_modelled(has_rim).map(|what| what.split(':').next().unwrap_or_default());
     known.push(format!("not modelled: {}", lacking.join(", ")));
     page.add(&html! {

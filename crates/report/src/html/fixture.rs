@@ -6,16 +6,16 @@ use slipgrid_design::records::{
 use slipgrid_design::results::{LoadReport, MaterialReport, PatternReport};
 use slipgrid_design::{DesignReport, Expected, LimitedBy, ModelledRatio, SampleReport};
 use slipgrid_laser::export::{Ablation, Exposure, Laser, Removal};
+use slipgrid_model::pattern::TextureRecord;
 
 /// Report that contains every part that a page can show.
 pub fn report() -> DesignReport {
     let design = PatternReport {
-        planform: "groove".into(),
         width_um: 130.0,
         spacing_um: 370.0,
         depth_um: 20.0,
         areal_density: 0.26,
-        angle_deg: Some(30.0),
+        texture: TextureRecord { planform: Some("groove".into()), angle_deg: Some(30.0), ..TextureRecord::default() },
         ..PatternReport::default()
     };
     let sample = sample(&design);

@@ -353,7 +353,7 @@ impl Page {
 
     /// Adds two periods of a pattern in vertical section without labels; adds nothing if a length is not positive.
     pub(super) fn outline(&mut self, pattern: &PatternReport) {
-        let rim = pattern.rim.as_ref().and_then(|rim| rim.rim().ok());
+        let rim = pattern.rim();
         let svg = section(pattern.width_um, pattern.spacing_um, pattern.depth_um, rim.as_ref(), false);
         if !svg.is_empty() {
             self.picture(&svg, "Section of two periods, to scale");
@@ -362,11 +362,10 @@ impl Page {
 
     /// Adds two periods of a pattern in vertical section; adds nothing if a length is not positive.
     pub fn section(&mut self, pattern: &PatternReport) {
-        let rim = pattern.rim.as_ref().and_then(|rim| rim.rim().ok());
+        let rim = pattern.rim();
         let svg = section(pattern.width_um, pattern.spacing_um, pattern.depth_um, rim.as_ref(), true);
         if !svg.is_empty() {
-            let words =
-                pattern.rim.as_ref().map_or_else(String::new, |rim| format!("; {}", rim.words(pattern.depth_um)));
+            let words = pattern.rim_words().map_or_else(String::new, |rim| format!("; {rim}"));
             self.picture(&svg, &format!("Vertical section through the centres of cavities, along their row{words}"));
         }
     }

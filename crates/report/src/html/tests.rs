@@ -1,5 +1,4 @@
 use slipgrid_design::records::TableReport;
-use slipgrid_design::results::RimReport;
 use slipgrid_design::{DesignReport, SampleReport};
 use slipgrid_model::material::{AreaLaw, LocalFriction};
 use slipgrid_model::pattern::{Rim, RimProfile};
@@ -21,7 +20,8 @@ fn page_of(report: &DesignReport, outputs: &Outputs) -> String {
 fn grooves_that_cross_are_given_by_both_directions() {
     let said = |angle_deg, crossing_angle_deg| {
         let mut report = report();
-        (report.sample.design.angle_deg, report.sample.design.crossing_angle_deg) = (angle_deg, crossing_angle_deg);
+        let texture = &mut report.sample.design.texture;
+        (texture.angle_deg, texture.crossing_angle_deg) = (angle_deg, crossing_angle_deg);
         page_of(&report, &Outputs::default())
     };
     let turned = "<th scope=\"row\">grooves turned by</th><td>";
@@ -317,7 +317,9 @@ fn rims_are_drawn_to_scale_where_that_can_be_seen_and_stretched_by_a_number_that
     let low = drawn(0.1, RimProfile::Flat);
     assert!(low.contains("rims 100 times as high") && low.contains("H385.40V99.20L309.40 99.20"), "{low}");
     let mut report = report();
-    report.sample.design.rim = RimReport::of(&Rim::new(1e-7, 1e-5, RimProfile::Round).unwrap());
+    let rims = (Some(0.1), Some(10.0));
+    let texture = &mut report.sample.design.texture;
+    (texture.rim_height_um, texture.rim_width_um) = rims;
     let page = page_of(&report, &Outputs::default());
     for said in
         ["round rims 0.1 µm high, 10 µm wide", "rims 100 times as high", "Not modelled: roughening of the surface"]

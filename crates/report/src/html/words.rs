@@ -1,9 +1,9 @@
 //! Words and numbers of a page.
 
-use slipgrid_design::results::fixed;
+use slipgrid_design::results::{ABOUT_MATERIAL, fixed};
 
 /// Beginnings of doubts that name their source.
-const PREFIXES: [&str; 2] = ["the material is doubtful: ", "laser: "];
+const PREFIXES: [&str; 2] = [ABOUT_MATERIAL, "laser: "];
 /// Maximum length of a name at the beginning of a doubt.
 const LONGEST_NAME: usize = 24;
 

@@ -113,21 +113,21 @@ pub(super) fn read_limits(
             .refuse(bounds.width_um.span(), "ends below the laser's spot: no pattern is left")
             .expected(format!("a largest width of at least {} um", LENGTH_UM.from_si(spot_m))));
     }
-    let texture = file.pattern.get_ref();
-    if let Some((length, spot_m)) = texture.length_um.as_ref().zip(limits.spot_m)
-        && document.number(length, LENGTH_UM)? < spot_m
+    let too_small = |key: &str, limit: &str, least_m: f64| {
+        document
+            .refuse(document.value_span(&file.pattern.span(), key), format!("is below {limit}: no pattern is left"))
+            .expected(format!("at least {} um", LENGTH_UM.from_si(least_m)))
+    };
+    if let Some(spot_m) = limits.spot_m
+        && asked.length_m().is_some_and(|length_m| length_m < spot_m)
     {
-        return Err(document
-            .refuse(length.span(), "is below the laser's spot: no pattern is left")
-            .expected(format!("at least {} um", LENGTH_UM.from_si(spot_m))));
+        return Err(too_small("length_um", "the laser's spot", spot_m));
     }
-    if let Some((spacing, min_land_m)) = texture.spacing_across_um.as_ref().zip(limits.min_land_m)
-        && texture.arrangement.as_ref().is_none_or(|name| name.get_ref() == Arrangement::Square.name())
-        && document.number(spacing, LENGTH_UM)? < min_land_m
+    if let Some(min_land_m) = limits.min_land_m
+        && asked.arrangement() == Arrangement::Square
+        && asked.spacing_across_m().is_some_and(|spacing_m| spacing_m < min_land_m)
     {
-        return Err(document
-            .refuse(spacing.span(), "is below limits.min_land_um: no pattern is left")
-            .expected(format!("at least {} um", LENGTH_UM.from_si(min_land_m))));
+        return Err(too_small("spacing_across_um", "limits.min_land_um", min_land_m));
     }
     if let Some(burst_m) = limits.depth_per_burst_m {
         // Smallest whole number of bursts at or above the minimum depth, with a tolerance for decimals.

@@ -1,0 +1,122 @@
+//! Refused keys of records: a record is read without positions, and the document that holds it finds the line by the key.
+
+use std::fmt;
+
+use crate::units::Quantity;
+
+/// Key of a record, with the reason why its value was refused.
+#[derive(Clone, Debug, PartialEq)]
+pub struct KeyError {
+    /// Name of the key.
+    pub key: &'static str,
+    /// Reason of the refusal.
+    pub refusal: Refusal,
+}
+
+/// Reason why a value was refused.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Refusal {
+    /// The number is outside the range of its quantity.
+    OutOfRange {
+        /// Number in the unit of the key.
+        value: f64,
+        /// Quantity with its range.
+        quantity: Quantity,
+    },
+    /// The name is not known.
+    UnknownName {
+        /// Name that was given.
+        name: String,
+        /// Known names.
+        known: Vec<&'static str>,
+    },
+    /// The key is absent, and others need it.
+    Missing,
+    /// The value contradicts a rule.
+    Rule {
+        /// What is wrong, as the end of a sentence that begins with key and value.
+        reason: String,
+        /// What would be accepted.
+        expected: Option<&'static str>,
+    },
+}
+
+impl KeyError {
+    /// Refusal by a rule.
+    #[must_use]
+    pub fn rule(key: &'static str, reason: impl Into<String>, expected: impl Into<Option<&'static str>>) -> Self {
+        Self { key, refusal: Refusal::Rule { reason: reason.into(), expected: expected.into() } }
+    }
+
+    /// Converts the number `value` of `key` to SI units.
+    ///
+    /// # Errors
+    /// [`Refusal::OutOfRange`] if it is not finite or outside the range of `quantity`.
+    pub fn number(key: &'static str, value: f64, quantity: Quantity) -> Result<f64, Self> {
+        let refusal = Refusal::OutOfRange { value, quantity };
+        if quantity.accepts(value) { Ok(quantity.to_si(value)) } else { Err(Self { key, refusal }) }
+    }
+
+    /// Selects the one of `all` that is called `name`.
+    ///
+    /// # Errors
+    /// [`Refusal::UnknownName`] if there is none.
+    pub fn choice<T: Copy>(
+        key: &'static str,
+        name: &str,
+        all: &[T],
+        name_of: impl Fn(T) -> &'static str,
+    ) -> Result<T, Self> {
+        all.iter().copied().find(|one| name_of(*one) == name).ok_or_else(|| {
+            let known = all.iter().map(|one| name_of(*one)).collect();
+            Self { key, refusal: Refusal::UnknownName { name: name.to_owned(), known } }
+        })
+    }
+}
+
+impl Refusal {
+    /// What would be accepted, if known.
+    #[must_use]
+    pub fn expected(&self) -> Option<String> {
+        match self {
+            Self::OutOfRange { quantity, .. } => Some(quantity.to_string()),
+            Self::UnknownName { known, .. } => {
+                Some(known.iter().map(|name| format!("\"{name}\"")).collect::<Vec<_>>().join(" or "))
+            }
+            Self::Missing => None,
+            Self::Rule { expected, .. } => expected.map(str::to_owned),
+        }
+    }
+}
+
+impl fmt::Display for Refusal {
+    /// Writes the reason, as the end of a sentence that begins with key and value.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::OutOfRange { .. } => f.write_str("is out of range"),
+            Self::UnknownName { .. } => f.write_str("is not known"),
+            Self::Missing => f.write_str("is missing"),
+            Self::Rule { reason, .. } => f.write_str(reason),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::units::LENGTH_UM;
+
+    #[test]
+    fn refusals_say_what_is_wrong_and_what_is_accepted() {
+        assert_eq!(KeyError::number("width_um", 130.0, LENGTH_UM), Ok(130e-6));
+        let refused = KeyError::number("width_um", -1.0, LENGTH_UM).unwrap_err();
+        assert_eq!((refused.key, refused.refusal.to_string()), ("width_um", "is out of range".to_owned()));
+        assert_eq!(refused.refusal.expected(), Some(LENGTH_UM.to_string()));
+        let choose = |name: &str| KeyError::choice("side", name, &[0, 1], |side| ["left", "right"][side]);
+        assert_eq!(choose("right"), Ok(1));
+        assert_eq!(choose("top").unwrap_err().refusal.expected().unwrap(), "\"left\" or \"right\"");
+        let rule = KeyError::rule("depth_um", "is deeper than the layer", "a depth below 100 um");
+        assert_eq!(rule.refusal.to_string(), "is deeper than the layer");
+        assert_eq!(rule.refusal.expected().unwrap(), "a depth below 100 um");
+    }
+}

@@ -1,0 +1,89 @@
+//! Keys of a table with their positions, for tables whose keys belong to several records.
+
+use std::collections::BTreeMap;
+use std::fmt;
+
+use serde::de::{DeserializeOwned, MapAccess, Visitor};
+use serde::{Deserialize, Deserializer};
+use toml::{Spanned, Table, Value};
+
+use super::values::Numbers;
+
+/// Key whose value may be a list, the elements of which have positions of their own.
+const SEVERAL: &str = "sliding_angle_deg";
+
+/// Keys of a table with their values and positions. Errors are those of serde, after the name of the key at fault in
+/// backticks.
+#[derive(Default)]
+pub struct Keys {
+    rest: BTreeMap<String, Spanned<Value>>,
+    several: Option<Spanned<Numbers>>,
+}
+
+impl<'de> Deserialize<'de> for Keys {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Reader;
+        impl<'de> Visitor<'de> for Reader {
+            type Value = Keys;
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("a table")
+            }
+            fn visit_map<A: MapAccess<'de>>(self, mut table: A) -> Result<Keys, A::Error> {
+                let mut keys = Keys::default();
+                while let Some(key) = table.next_key::<String>()? {
+                    if key == SEVERAL {
+                        keys.several = Some(table.next_value()?);
+                    } else {
+                        keys.rest.insert(key, table.next_value()?);
+                    }
+                }
+                Ok(keys)
+            }
+        }
+        deserializer.deserialize_map(Reader)
+    }
+}
+
+impl Keys {
+    /// Takes the value of `key` with its position out of the table.
+    ///
+    /// # Errors
+    /// Message about a value of a wrong type.
+    pub fn take<T: DeserializeOwned>(&mut self, key: &str) -> Result<Option<Spanned<T>>, String> {
+        let Some(value) = self.rest.remove(key) else { return Ok(None) };
+        let span = value.span();
+        let read = T::deserialize(value.into_inner()).map_err(|error| format!("`{key}`: {}", error.message()))?;
+        Ok(Some(Spanned::new(span, read)))
+    }
+
+    /// Takes the sliding directions out of the table.
+    pub const fn take_directions(&mut self) -> Option<Spanned<Numbers>> {
+        self.several.take()
+    }
+
+    /// Reads a record whose keys are all optional from the remaining keys. `beside` are the keys that the table has besides
+    /// those of the record.
+    ///
+    /// # Errors
+    /// Message about an unknown key, or about a value of a wrong type.
+    pub fn record<T: DeserializeOwned>(self, beside: &[&str]) -> Result<T, String> {
+        let table: Table = self.rest.into_iter().map(|(key, value)| (key, value.into_inner())).collect();
+        // One key at a time, so that the key of an error is known.
+        for (key, value) in &table {
+            let alone = Table::from_iter([(key.clone(), value.clone())]);
+            if let Err(error) = T::deserialize(alone) {
+                let message = error.message();
+                let Some((_, known)) =
+                    message.split_once("expected one of ").filter(|_| message.starts_with("unknown"))
+                else {
+                    return Err(format!("`{key}`: {message}"));
+                };
+                let beside: Vec<String> = beside.iter().map(|key| format!("`{key}`")).collect();
+                let known = known.split(", ").filter(|key| !beside.iter().any(|other| other == key));
+                let known: Vec<&str> = beside.iter().map(String::as_str).chain(known).collect();
+                return Err(format!("unknown field `{key}`, expected one of {}", known.join(", ")));
+            }
+        }
+        T::deserialize(table).map_err(|error| error.message().to_owned())
+    }
+}
