@@ -9,7 +9,7 @@ const LIMITS: [(&str, usize); 14] = [
     ("model", 16_400),
     ("surface", 10_800),
     ("traces", 3_200),
-    ("laser", 4_800),
+    ("laser", 4_900),
     ("infer", 5_800),
     ("design", 6_900),
     ("io", 10_200),

@@ -37,15 +37,26 @@ pub enum Refusal {
         /// What is wrong, as the end of a sentence that begins with key and value.
         reason: String,
         /// What would be accepted.
-        expected: Option<&'static str>,
+        expected: Option<String>,
     },
 }
 
 impl KeyError {
     /// Refusal by a rule.
     #[must_use]
-    pub fn rule(key: &'static str, reason: impl Into<String>, expected: impl Into<Option<&'static str>>) -> Self {
-        Self { key, refusal: Refusal::Rule { reason: reason.into(), expected: expected.into() } }
+    pub fn rule(key: &'static str, reason: impl Into<String>, expected: impl Into<String>) -> Self {
+        Self { key, refusal: Refusal::Rule { reason: reason.into(), expected: Some(expected.into()) } }
+    }
+
+    /// Refusal for an `error` of the types that the record converts to; what is accepted follows after ": expected".
+    #[must_use]
+    pub fn from_error(key: &'static str, error: &dyn fmt::Display) -> Self {
+        let words = error.to_string();
+        let (reason, expected) = match words.split_once(": expected ") {
+            Some((reason, expected)) => (reason.to_owned(), Some(expected.to_owned())),
+            None => (words, None),
+        };
+        Self { key, refusal: Refusal::Rule { reason, expected } }
     }
 
     /// Converts the number `value` of `key` to SI units.
@@ -84,7 +95,7 @@ impl Refusal {
                 Some(known.iter().map(|name| format!("\"{name}\"")).collect::<Vec<_>>().join(" or "))
             }
             Self::Missing => None,
-            Self::Rule { expected, .. } => expected.map(str::to_owned),
+            Self::Rule { expected, .. } => expected.clone(),
         }
     }
 }
@@ -118,5 +129,7 @@ mod tests {
         let rule = KeyError::rule("depth_um", "is deeper than the layer", "a depth below 100 um");
         assert_eq!(rule.refusal.to_string(), "is deeper than the layer");
         assert_eq!(rule.refusal.expected().unwrap(), "a depth below 100 um");
+        let error = KeyError::from_error("angle_deg", &"an angle of 100 degrees: expected 0 to 90");
+        assert_eq!(error, KeyError::rule("angle_deg", "an angle of 100 degrees", "0 to 90"));
     }
 }

@@ -156,11 +156,10 @@ impl Types {
         for field in &structure.fields {
             if field.is_flattened {
                 if let Shape::Table(inner) = self.shape(&field.kind, &place.0)? {
-                    let is_optional = field.kind.starts_with("Option<");
                     // A key that the structure has of its own is not that of the flattened one.
                     let others = self.table(&inner)?.keys.into_iter();
                     let others = others.filter(|key| structure.fields.iter().all(|field| field.name != key.name));
-                    keys.extend(others.map(|key| Key { is_required: key.is_required && !is_optional, ..key }));
+                    keys.extend(others);
                 }
                 continue;
             }
@@ -172,21 +171,10 @@ impl Types {
                 name: field.name.clone(),
                 shape: self.shape(kind, &place.0)?,
                 is_required: !is_optional,
-                meaning: self.meaning(field, &place.0)?,
+                meaning: field.comment.clone(),
             });
         }
         Ok(Table { meaning: structure.comment.clone(), keys })
-    }
-
-    /// Description of a field: its comment, or, if the comment is "As in [`Other`].", that of the field of the same
-    /// name in `Other`.
-    fn meaning(&self, field: &Field, file: &str) -> Result<String, String> {
-        let Some(other) = field.comment.strip_prefix("As in [`").and_then(|rest| rest.strip_suffix("`].")) else {
-            return Ok(field.comment.clone());
-        };
-        let place = self.named(other, file).ok_or_else(|| format!("no structure {other}"))?;
-        let same = self.structures[&place].fields.iter().find(|same| same.name == field.name);
-        same.map(|same| same.comment.clone()).ok_or_else(|| format!("{other} has no {}", field.name))
     }
 
     /// Place of the structure called `name`: in `file`, or else a public one in another file.
@@ -328,7 +316,7 @@ mod tests {
 
     const SOURCE: &str = "/// A thing.\n#[derive(Clone, Deserialize)]\nstruct ThingFile {\n    /// How wide it\n    /// is; 3 when absent.\n    \
                           #[serde(default)]\n    pub width_um: Option<Number>,\n    parts: Spanned<Vec<Spanned<PartFile>>>,\n}\n\
-                          #[derive(Deserialize)]\npub struct PartFile {\n    /// As in [`ThingFile`].\n    width_um: Numbers,\n}\n\
+                          #[derive(Deserialize)]\npub struct PartFile {\n    /// Widths.\n    width_um: Numbers,\n}\n\
                           #[derive(Debug)]\nstruct Other {\n    x: Strange,\n}\n";
 
     #[test]
@@ -341,7 +329,7 @@ mod tests {
         assert_eq!((width.default(), width.unit(), width.is_required), (Some("3"), "µm", false));
         assert_eq!(width.meaning, "How wide it is; 3 when absent.");
         assert_eq!(parts.shape.table(), Some(&place("PartFile")));
-        assert!(parts.is_required && types.table(&place("PartFile")).unwrap().keys[0].meaning.starts_with("How wide"));
+        assert!(parts.is_required && types.table(&place("PartFile")).unwrap().keys[0].meaning == "Widths.");
         assert!(types.table(&place("Other")).is_err());
     }
 

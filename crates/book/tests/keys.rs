@@ -328,7 +328,7 @@ fn describe(
     }
     described.insert(place.clone(), title);
     if !table.meaning.is_empty() {
-        let _ = write!(chapter, "{}\n\n", table.meaning.replace("[`TextureFile`]", "a design's texture"));
+        let _ = write!(chapter, "{}\n\n", table.meaning);
     }
     chapter.push_str("| key | type | unit | when absent | accepted | meaning |\n|---|---|---|---|---|---|\n");
     for key in &table.keys {

@@ -88,14 +88,14 @@ pub const KINDS: [Kind; 5] = [
     },
 ];
 
-/// Keys of a texture, in files that are read and in records that are written.
-const TEXTURE: &str = "crates/model/src/pattern/record.rs";
+/// Records of textures and specimens, in files that are read and that are written.
+const RECORDS: [&str; 2] = ["crates/model/src/pattern/record.rs", "crates/laser/src/export/specimen_record.rs"];
 
 /// Types of the files that are read, from their source files.
 pub fn types() -> Types {
     let mut sources = files(&root().join("crates/io/src/formats"), ".rs");
     sources.extend(["plan.rs", "varied.rs"].map(|name| root().join("crates/io/src/campaign").join(name)));
-    sources.push(root().join(TEXTURE));
+    sources.extend(RECORDS.map(|path| root().join(path)));
     let named = |path: &PathBuf| (path.file_name().unwrap().to_str().unwrap().to_owned(), text(path));
     let read: Vec<(String, String)> = sources.iter().map(named).collect();
     Types::new(read.iter().map(|(name, text)| (name.as_str(), text.as_str())))
@@ -105,7 +105,7 @@ pub fn types() -> Types {
 pub fn records() -> Types {
     let crates = root().join("crates");
     let all = ["design/src", "laser/src/export"].iter().flat_map(|folder| files(&crates.join(folder), ".rs"));
-    let all = all.chain([root().join(TEXTURE)]);
+    let all = all.chain([root().join(RECORDS[0])]);
     // Names of files occur in several crates.
     let named = |path: PathBuf| (path.strip_prefix(&crates).unwrap().display().to_string(), text(&path));
     let read: Vec<(String, String)> = all.map(named).collect();

@@ -80,7 +80,7 @@ impl Advice {
             Self::Trial if has_demands => format!("cut a trial: {of_sample}"),
             Self::Trial => "cut a trial: the best texture found for the goal".to_owned(),
             Self::TrialMeetsIt(trial) => format!(
-                "nothing need be cut: trial {trial} already meets the target; the texture below would with a chance of {chance}"
+                "nothing need be cut: trial {trial} already meets the target; the likeliest other texture has a chance of {chance}"
             ),
             Self::CannotBeMet => format!(
                 "this target cannot be met within the bounds and limits: no texture is expected to lie within it; the likeliest has a chance of {chance}"
@@ -90,11 +90,11 @@ impl Advice {
     }
 }
 
-/// Name of `trial` in quotes, with its width, spacing and depth.
+/// Name of `trial` in quotes, with its lengths.
 fn named(trial: &Trial) -> String {
     let Features { width_m, pitch_m, depth_m, .. } = trial.features;
     let lengths_um = [width_m, pitch_m - width_m, depth_m].map(|length_m| length_in_words(tidy(1e6 * length_m)));
-    format!("\"{}\" ({} um)", trial.name, lengths_um.join(" / "))
+    format!("\"{}\" (width/spacing/depth {} um)", trial.name, lengths_um.join("/"))
 }
 
 /// Whether `trial` was cut with a texture similar to the one with the features `of`.

@@ -23,8 +23,11 @@ pub fn cache_key(scene: &Scene, texture: &Texture, further_deg: &[f64]) -> Map<S
     if let Some(thickness_m) = scene.layer.thickness_m {
         layer["thickness_mm"] = json!(LENGTH_MM.from_si(thickness_m));
     }
-    // Corners of an outline are shares of the width.
+    // The width is searched: at a width of 1 um the corners of an outline are shares of it.
     let mut pattern = json!(TextureRecord::new(texture, LENGTH_UM.to_si(1.0)));
+    if texture.length_m().is_none() {
+        pattern["length_um"] = Value::Null;
+    }
     if !further_deg.is_empty() {
         pattern["sliding_angle_deg"] = json!([&[texture.sliding_angle_deg()], further_deg].concat());
     }

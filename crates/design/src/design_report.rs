@@ -10,12 +10,12 @@ use std::borrow::Cow;
 use crate::optimize::{Goal, Quantity};
 use serde::{Deserialize, Serialize};
 use slipgrid_base::units::{counted, tidy};
-use slipgrid_laser::export::{Laser, Removal, Tolerances};
+use slipgrid_laser::export::{Laser, Removal, SpecimenRecord, Tolerances};
 use slipgrid_model::springblock::{Dimension, Extent, Fidelity};
 
 use crate::blocked::LiftedReport;
 use crate::prediction::{Prediction, SampleReport};
-use crate::results::{LoadReport, MaterialReport, SpecimenReport};
+use crate::results::{LoadReport, MaterialReport};
 use crate::search::Search;
 use crate::slopes::SlopeReport;
 use crate::table::TableReport;
@@ -109,7 +109,7 @@ pub struct DesignReport {
     /// Material and its provenance.
     pub material: MaterialReport,
     /// Specimen.
-    pub specimen: SpecimenReport,
+    pub specimen: SpecimenRecord,
     /// Laser.
     pub laser: Laser,
     /// Assumed manufacturing tolerances of samples; absent where the design file does not give them.

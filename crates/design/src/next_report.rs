@@ -1,12 +1,12 @@
 //! Samples to cut next, as JSON and as text.
 
-use crate::results::{MaterialReport, SCREEN_WIDTH, SpecimenReport, doubt_in_brief, wrapped};
+use crate::results::{MaterialReport, SCREEN_WIDTH, doubt_in_brief, wrapped};
 use serde::{Deserialize, Serialize};
 use slipgrid_base::units::counted;
 use slipgrid_base::units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, tidy};
 use slipgrid_infer::discrepancy::{Load, Prediction};
 
-use slipgrid_laser::export::{Laser, MEASURE_EACH_ALONE, Outline, Sector, Tolerances};
+use slipgrid_laser::export::{Laser, MEASURE_EACH_ALONE, Outline, Sector, SpecimenRecord, Tolerances};
 
 use crate::design_report::samples_table;
 use crate::prediction::{SampleReport, percent};
@@ -53,7 +53,7 @@ pub struct NextReport {
     /// Material and its provenance.
     pub material: MaterialReport,
     /// Specimen.
-    pub specimen: SpecimenReport,
+    pub specimen: SpecimenRecord,
     /// Laser.
     pub laser: Laser,
     /// Assumed manufacturing tolerances of samples; absent where the design file does not give them.

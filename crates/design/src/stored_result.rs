@@ -1,9 +1,9 @@
 //! Stored results, with the parts that `export` needs.
 
-use crate::results::{MaterialReport, PatternReport, SpecimenReport};
+use crate::results::{MaterialReport, PatternReport};
 use serde::Deserialize;
 use serde::de::IgnoredAny;
-use slipgrid_laser::export::{Laser, Tolerances};
+use slipgrid_laser::export::{Laser, SpecimenRecord, Tolerances};
 
 use crate::next_report::NextReport;
 
@@ -22,7 +22,7 @@ pub struct StoredDesign {
     /// Material of the design.
     pub material: MaterialReport,
     /// Specimen to export.
-    pub specimen: SpecimenReport,
+    pub specimen: SpecimenRecord,
     /// Laser settings.
     pub laser: Laser,
     /// Assumed manufacturing tolerances of samples; absent where the design file does not give them.

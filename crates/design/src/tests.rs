@@ -279,7 +279,11 @@ fn a_trial_on_target_is_said_and_its_texture_is_the_likeliest() {
     let task = taught(&task, vec![cut.clone()]);
     let report = run(&task, &mut NoCache, &*KNOWN).unwrap().report;
     assert_eq!(report.advice, "trial_meets_it");
-    assert!(report.words.contains("trial \"cut\" (100 / 300 / 10 um) already meets the target"), "{}", report.words);
+    assert!(
+        report.words.contains("trial \"cut\" (width/spacing/depth 100/300/10 um) already meets the target"),
+        "{}",
+        report.words
+    );
     assert!(report.sample.chance.unwrap() > 0.6, "{:?}", report.sample.chance);
     let meets = |trial: Trial| {
         run(&taught(&task, vec![trial]), &mut NoCache, &*KNOWN).unwrap().report.advice == "trial_meets_it"

@@ -12,7 +12,7 @@ use slipgrid_io::disk::disk;
 use slipgrid_io::formats::Diagnostic;
 use slipgrid_io::formats::file_kind::FileKind;
 use slipgrid_io::formats::source::read_text;
-use slipgrid_io::formats::stored_pattern::stored_pattern;
+use slipgrid_io::formats::stored_pattern::{stored_pattern, stored_specimen};
 use slipgrid_report::Outputs;
 use slipgrid_report::{DrawingInput, draw_with};
 
@@ -38,7 +38,7 @@ pub fn run(args: &ExportArgs, console: &mut Console<'_>) -> Result<u8, CliError>
         version: &stored.version,
         seed: stored.seed,
         pattern,
-        outline: stored.specimen.specimen().map_err(refuse)?,
+        outline: stored_specimen(result, &stored.specimen)?,
         laser: stored.laser,
         tolerances: stored.tolerances.clone(),
         material: &stored.material,

@@ -73,7 +73,7 @@ fn a_trial_moves_what_is_expected_and_says_what_to_do() {
     let told = place.succeed(&["optimize", "met.toml"]);
     let found = result(&place, "out/met");
     let plain = told.split_whitespace().collect::<Vec<_>>().join(" ");
-    let words = "nothing need be cut: trial \"first\" (80 / 120 / 10 um) already meets the target; the texture below would with a chance of ";
+    let words = "nothing need be cut: trial \"first\" (width/spacing/depth 80/120/10 um) already meets the target; the likeliest other texture has a chance of ";
     assert!(found["advice"] == "trial_meets_it" && plain.contains(words), "{told}");
     assert!(fs::read_to_string(place.path("out/met/report.html")).unwrap().contains("already meets the target"));
     let next = json(&place.succeed(&["next", "met.toml", "--json"]));

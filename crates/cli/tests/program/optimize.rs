@@ -92,10 +92,10 @@ fn every_planform_can_be_exported() {
     for (texture, says) in [
         (
             r#""planform": "groove", "arrangement": "staggered""#,
-            r#"design.arrangement: has no meaning for planform "groove""#,
+            r#"design.arrangement: "staggered" has no meaning for planform "groove""#,
         ),
-        (r#""planform": "disc", "sliding_angle_deg": 200.0"#, "design.sliding_angle_deg: 200 is out of range"),
-        (r#""planform": "rectangle", "length_um": -1.0"#, "design.length_um: -1 is out of range"),
+        (r#""planform": "disc", "sliding_angle_deg": 200.0"#, "design.sliding_angle_deg: 200.0 is out of range"),
+        (r#""planform": "rectangle", "length_um": -1.0"#, "design.length_um: -1.0 is out of range"),
     ] {
         let place = Place::with(&[("result.json", &result(texture))]);
         let message = place.refuse(&["export", "result.json", "--format", "dxf", "-o", "laser"]);

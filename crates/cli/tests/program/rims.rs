@@ -98,7 +98,10 @@ fn rims_that_mean_nothing_are_refused_and_narrow_ones_told() {
         ("rim_height_um = 0.1\n", "x.toml:15: pattern.rim_height_um: 0.1 stands without a width"),
         ("rim_width_um = 20\nrim_profile = \"flat\"\n", "x.toml:15: pattern.rim_width_um: 20 stands without a height"),
         ("rim_height_um = 0.1\nrim_width_um = 20\nrim_heights_um = [[1, 2]]\n", "x.toml:17: pattern.rim_heights_um"),
-        ("rim_heights_um = [[5, 1], [4, 2]]\nrim_width_um = 20\n", "has a depth of 4 um that is no greater"),
+        (
+            "rim_heights_um = [[5, 1], [4, 2]]\nrim_width_um = 20\n",
+            "x.toml:15: pattern.rim_heights_um: [[5, 1], [4, 2]] has a depth of 4 um",
+        ),
         ("rim_height_um = 0.1\nrim_width_um = 20\nrim_profile = \"square\"\n", "\"round\" or \"flat\" or \"ramp\""),
         ("rim_height_um = 2000\nrim_width_um = 20\n", "expected a number from 0 up to 1000 um"),
     ] {

@@ -5,7 +5,7 @@
 //!
 //! | type | holds |
 //! |---|---|
-//! | [`PatternReport`], [`MaterialReport`], [`SpecimenReport`] | inputs: texture, material, specimen |
+//! | [`PatternReport`], [`MaterialReport`] | inputs: texture, material |
 //! | [`SimulationReport`], [`LoadReport`] | results of a scene, and at one pressure |
 //! | [`ErrorsReport`], [`PressureErrors`], [`ErrorReport`] | errors of results, and their parts |
 //! | [`CorrectedReport`] | results corrected by the discrepancy of patterned samples |
@@ -31,7 +31,6 @@ mod notes;
 mod pattern;
 mod simulation;
 mod simulation_text;
-mod specimen;
 mod table;
 mod timings;
 
@@ -45,7 +44,6 @@ pub use simulation::{
     LoadReport, MaterialReport, SimulationReport, beyond_measured, beyond_measured_range, load_reports, measured_range,
     model_notes, unresolved, warnings,
 };
-pub use specimen::SpecimenReport;
 pub use table::{Table, fixed, with_error};
 pub use timings::json_and_timings;
 

@@ -1,9 +1,9 @@
 //! Record of a texture in result files.
 
 use serde::{Deserialize, Serialize};
-use slipgrid_base::key_error::KeyError;
+use slipgrid_base::key_error::{KeyError, Refusal};
 use slipgrid_base::units::{LENGTH_UM, significant, tidy};
-use slipgrid_model::pattern::{Pattern, Rim, TextureRecord};
+use slipgrid_model::pattern::{Pattern, Planform, Rim, TextureRecord};
 
 /// Texture of a sample.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -67,17 +67,20 @@ impl PatternReport {
     /// # Errors
     /// [`KeyError`] at the key whose value gives no valid pattern.
     pub fn pattern(&self) -> Result<Pattern, KeyError> {
+        if self.texture.planform.is_none() {
+            return Err(KeyError { key: "planform", refusal: Refusal::Missing });
+        }
         let texture = self.texture.texture(None)?;
         let length_m = |key, length_um| KeyError::number(key, length_um, LENGTH_UM);
         let (width_m, spacing_m) = (length_m("width_um", self.width_um)?, length_m("spacing_um", self.spacing_um)?);
         let pattern = Pattern::new(texture, width_m, spacing_m, length_m("depth_um", self.depth_um)?);
-        pattern.map_err(|error| KeyError::rule("spacing_um", error.to_string(), None))
+        pattern.map_err(|error| KeyError::from_error("spacing_um", &error))
     }
 
     /// Name of the planform.
     #[must_use]
     pub fn planform(&self) -> &str {
-        self.texture.planform.as_deref().unwrap_or_default()
+        self.texture.planform.as_deref().unwrap_or(Planform::Groove.name())
     }
 
     /// Rims, if there are any.
@@ -90,8 +93,8 @@ impl PatternReport {
     #[must_use]
     pub fn rim_words(&self) -> Option<String> {
         let rim = self.rim()?;
-        let um = |length_m: f64| significant(LENGTH_UM.from_si(length_m), 3);
-        let height_um = um(rim.height_m(LENGTH_UM.to_si(self.depth_um)));
+        let um = |length_m: f64| LENGTH_UM.from_si(length_m);
+        let height_um = significant(um(rim.height_m(LENGTH_UM.to_si(self.depth_um))), 3);
         let std_um = Some(um(rim.height_std_m())).filter(|std_um| *std_um > 0.0);
         let scatter = std_um.map_or_else(String::new, |std_um| format!(", scattering by {std_um} um"));
         Some(format!("{} rims {height_um} um high, {} um wide{scatter}", rim.profile(), um(rim.width_m())))
@@ -119,7 +122,7 @@ impl PatternReport {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use slipgrid_model::pattern::{Planform, RimProfile, Texture};
+    use slipgrid_model::pattern::{RimProfile, Texture};
 
     #[test]
     fn times_have_the_digits_that_rank_them() {

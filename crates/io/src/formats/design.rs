@@ -10,6 +10,7 @@ use serde::Deserialize;
 use slipgrid_base::units::{LENGTH_UM, MODULUS_GPA, PRESSURE_MPA, TIME_S};
 use slipgrid_design::optimize::{Constraints, DesignSpace};
 use slipgrid_design::{DesignTask, Refusal, TaskPart};
+use slipgrid_laser::export::SpecimenRecord;
 use slipgrid_model::material::ConditionRange;
 use slipgrid_model::pattern::{Pattern, Texture};
 use slipgrid_model::springblock::Dimension;
@@ -20,7 +21,7 @@ use read::{read_date, read_dimensions, read_limits, read_material_input, read_ra
 use super::condition_ranges::ConditionRangeFile;
 use super::document::Document;
 use super::file_kind::FileKind;
-use super::laser::{LaserFile, SpecimenFile, check_fits, read_laser, read_specimen, unmeasured_fluence};
+use super::laser::{LaserFile, check_fits, read_laser, read_specimen, unmeasured_fluence};
 use super::limits::{LimitsFile, read_limited};
 use super::material::MaterialFile;
 use super::pattern::{TextureFile, read_directions, read_texture, require_section};
@@ -59,7 +60,7 @@ struct DesignFile {
     /// The laser, for the process sheet and the laser's input files.
     laser: Option<Spanned<LaserFile>>,
     /// Specimen on which the pattern is laid.
-    specimen: Spanned<SpecimenFile>,
+    specimen: Spanned<SpecimenRecord>,
     /// The modelled layer.
     #[serde(default = "default_sample")]
     sample: Spanned<SampleFile>,

@@ -205,44 +205,50 @@ impl Document {
     /// # Errors
     /// [`Diagnostic`] if it is not finite or outside `quantity`'s range.
     pub fn number(&self, value: &Spanned<f64>, quantity: Quantity) -> Result<f64, Diagnostic> {
-        if quantity.accepts(*value.get_ref()) {
-            Ok(quantity.to_si(*value.get_ref()))
-        } else {
-            Err(self.out_of_range(value, quantity))
-        }
+        KeyError::number("", *value.get_ref(), quantity)
+            .map_err(|error| self.refuse_value(value.span(), &error.refusal))
     }
 
     /// Refuses a key of the table at `table`.
     #[must_use]
     pub fn refuse_key(&self, table: &Range<usize>, error: &KeyError) -> Diagnostic {
-        let span = self.value_span(table, error.key);
-        let refused = self.refuse(span.clone(), error.refusal.to_string());
         match &error.refusal {
             Refusal::Missing => self.missing(table.clone(), error.key),
-            Refusal::OutOfRange { value, quantity } => self.out_of_range(&Spanned::new(span, *value), *quantity),
-            Refusal::UnknownName { name, known } => {
-                let suggestion = nearest(name, known.iter().copied()).map(Into::into);
-                Diagnostic { suggestion, expected: error.refusal.expected().map(Into::into), ..refused }
-            }
-            Refusal::Rule { .. } => Diagnostic { expected: error.refusal.expected().map(Into::into), ..refused },
+            refusal => self.refuse_value(self.value_span(table, error.key), refusal),
         }
+    }
+
+    /// Refuses the value at `span`, or a number of the list there.
+    fn refuse_value(&self, span: Range<usize>, refusal: &Refusal) -> Diagnostic {
+        let is_list = self.text.get(span.clone()).is_some_and(|text| text.starts_with('['));
+        let mut refused = self.refuse(span, refusal.to_string());
+        refused.expected = refusal.expected().map(Into::into);
+        match refusal {
+            Refusal::OutOfRange { value, quantity } => {
+                if is_list {
+                    refused.value = Some(value.to_string().into());
+                }
+                if let Some(slip) = plausible::slip(*quantity, *value) {
+                    refused.expected = Some(format!("{quantity}; {slip}").into());
+                }
+            }
+            Refusal::UnknownName { name, known } => {
+                refused.suggestion = nearest(name, known.iter().copied()).map(Into::into);
+            }
+            Refusal::Missing | Refusal::Rule { .. } => {}
+        }
+        refused
     }
 
     /// Position of the value of `key` in the table at `table`, or of the table if it does not have the key.
     pub(crate) fn value_span(&self, table: &Range<usize>, key: &str) -> Range<usize> {
         let root = DeTable::parse(&self.text).ok();
         let found = root.as_ref().and_then(|root| {
-            let whole = table.is_empty() || root.span() == *table;
-            let held = if whole { Some(root.get_ref()) } else { table_at(root.get_ref(), table) };
+            // The document as a whole has no position.
+            let held = if table.is_empty() { Some(root.get_ref()) } else { table_at(root.get_ref(), table) };
             Some(held?.get(key)?.span())
         });
         found.unwrap_or_else(|| table.clone())
-    }
-
-    /// Refuses a number outside the range of `quantity`.
-    fn out_of_range(&self, value: &Spanned<f64>, quantity: Quantity) -> Diagnostic {
-        let slip = plausible::slip(quantity, *value.get_ref()).map_or_else(String::new, |slip| format!("; {slip}"));
-        self.refuse(value.span(), "is out of range").expected(format!("{quantity}{slip}"))
     }
 
     /// Converts an optional number of the file to SI units.
@@ -274,12 +280,8 @@ impl Document {
         all: &[T],
         name: impl Fn(T) -> &'static str,
     ) -> Result<T, Diagnostic> {
-        all.iter().copied().find(|&one| name(one) == value.get_ref()).ok_or_else(|| {
-            let names: Vec<String> = all.iter().map(|&one| format!("\"{}\"", name(one))).collect();
-            let mut refused = self.refuse(value.span(), "is not known").expected(names.join(" or "));
-            refused.suggestion = nearest(value.get_ref(), all.iter().map(|&one| name(one))).map(Into::into);
-            refused
-        })
+        KeyError::choice("", value.get_ref(), all, name)
+            .map_err(|error| self.refuse_value(value.span(), &error.refusal))
     }
 
     /// Line of a byte, counted from 1.

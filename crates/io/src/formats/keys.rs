@@ -3,14 +3,14 @@
 use std::collections::BTreeMap;
 use std::fmt;
 
-use serde::de::{DeserializeOwned, MapAccess, Visitor};
+use serde::de::{DeserializeOwned, Error, MapAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 use toml::{Spanned, Table, Value};
 
 use super::values::Numbers;
 
 /// Key whose value may be a list, the elements of which have positions of their own.
-const SEVERAL: &str = "sliding_angle_deg";
+pub const SEVERAL: &str = "sliding_angle_deg";
 
 /// Keys of a table with their values and positions. Errors are those of serde, after the name of the key at fault in
 /// backticks.
@@ -34,7 +34,14 @@ impl<'de> Deserialize<'de> for Keys {
                     if key == SEVERAL {
                         keys.several = Some(table.next_value()?);
                     } else {
-                        keys.rest.insert(key, table.next_value()?);
+                        let value: Spanned<Value> = table.next_value()?;
+                        // A date would be read as a text.
+                        if value.get_ref().is_datetime() {
+                            return Err(A::Error::custom(format!(
+                                "`{key}`: invalid type: date, expected a text in quotes"
+                            )));
+                        }
+                        keys.rest.insert(key, value);
                     }
                 }
                 Ok(keys)
@@ -68,7 +75,11 @@ impl Keys {
     /// Message about an unknown key, or about a value of a wrong type.
     pub fn record<T: DeserializeOwned>(self, beside: &[&str]) -> Result<T, String> {
         let table: Table = self.rest.into_iter().map(|(key, value)| (key, value.into_inner())).collect();
-        // One key at a time, so that the key of an error is known.
+        let error = match T::deserialize(table.clone()) {
+            Ok(read) => return Ok(read),
+            Err(error) => error.message().to_owned(),
+        };
+        // One key at a time tells the key of the error.
         for (key, value) in &table {
             let alone = Table::from_iter([(key.clone(), value.clone())]);
             if let Err(error) = T::deserialize(alone) {
@@ -84,6 +95,6 @@ impl Keys {
                 return Err(format!("unknown field `{key}`, expected one of {}", known.join(", ")));
             }
         }
-        T::deserialize(table).map_err(|error| error.message().to_owned())
+        Err(error)
     }
 }

@@ -2,18 +2,16 @@
 
 use std::ops::Range;
 
-use serde::{Deserialize, Serialize};
-use slipgrid_laser::export::{Ablation, AblationPoint, ExportError, Exposure, Laser, Outline};
+use serde::Deserialize;
+use slipgrid_laser::export::{Ablation, AblationPoint, ExportError, Exposure, Laser, Specimen, SpecimenRecord};
 use slipgrid_model::pattern::{Pattern, Texture};
 use toml::Spanned;
 
 use super::document::Document;
-use super::values::{Number, NumberList, number};
+use super::values::{Number, NumberList};
 use crate::formats::diagnostic::Diagnostic;
 use crate::formats::plausible::SPOT;
 use slipgrid_base::units::{LENGTH_MM, LENGTH_UM, POSITIVE, WALL_TAPER_DEG, significant, significant_to, tidy};
-use slipgrid_design::results::SpecimenReport;
-use slipgrid_laser::export::{AT_THE_RIM, Specimen};
 
 /// The laser in the form of a design file.
 #[derive(Clone, Debug, Deserialize)]
@@ -54,42 +52,6 @@ struct AblationFile {
     depth_per_burst_um: NumberList,
     /// Standard errors of these depths.
     depth_std_um: Option<NumberList>,
-}
-
-/// The specimen in the form of a design or scene file.
-#[derive(Clone, Debug, Deserialize, Serialize)]
-#[serde(deny_unknown_fields)]
-pub struct SpecimenFile {
-    /// Shape of the face: `disc`, `rectangle` or `ring`.
-    pub shape: Spanned<String>,
-    /// Diameter of a disc.
-    pub diameter_mm: Option<Number>,
-    /// Length of a rectangle along x, the sliding direction unless `sliding_angle_deg` turns it.
-    pub length_mm: Option<Number>,
-    /// Width of a rectangle across the sliding direction.
-    pub width_mm: Option<Number>,
-    /// Outer diameter of a ring.
-    pub outer_diameter_mm: Option<Number>,
-    /// Diameter of a ring's hole.
-    pub inner_diameter_mm: Option<Number>,
-    /// Cavities that cross the rim of the specimen: `whole` leaves them out, `clipped` cuts them; `whole` when absent.
-    pub cavities: Option<Spanned<String>>,
-}
-
-impl From<&Specimen> for SpecimenFile {
-    fn from(specimen: &Specimen) -> Self {
-        let known = SpecimenReport::from(specimen);
-        let number = |length_mm: Option<f64>| length_mm.map(number);
-        Self {
-            shape: Spanned::new(0..0, known.shape),
-            diameter_mm: number(known.diameter_mm),
-            length_mm: number(known.length_mm),
-            width_mm: number(known.width_mm),
-            outer_diameter_mm: number(known.outer_diameter_mm),
-            inner_diameter_mm: number(known.inner_diameter_mm),
-            cavities: known.cavities.map(|name| Spanned::new(0..0, name)),
-        }
-    }
 }
 
 /// Reads the laser; `limits` holds the depth per burst and the smallest land from the table of limits.
@@ -256,48 +218,8 @@ pub(crate) fn unmeasured_fluence(
 ///
 /// # Errors
 /// [`Diagnostic`] if the shape is unknown, or if a length is missing, superfluous or impossible.
-pub fn read_specimen(document: &Document, file: &Spanned<SpecimenFile>) -> Result<Specimen, Diagnostic> {
-    const EXPECTED: &str = "diameter_mm for a disc, length_mm and width_mm for a rectangle, outer_diameter_mm and inner_diameter_mm for a ring";
-    let specimen = file.get_ref();
-    let lengths = [
-        ("diameter_mm", &specimen.diameter_mm, "disc"),
-        ("length_mm", &specimen.length_mm, "rectangle"),
-        ("width_mm", &specimen.width_mm, "rectangle"),
-        ("outer_diameter_mm", &specimen.outer_diameter_mm, "ring"),
-        ("inner_diameter_mm", &specimen.inner_diameter_mm, "ring"),
-    ];
-    let shape = document.choice(&specimen.shape, &["disc", "rectangle", "ring"], |name| name)?;
-    for (_, value, of_shape) in lengths {
-        if let Some(value) = value.as_ref().filter(|_| of_shape != shape) {
-            return Err(document.refuse(value.span(), format!("has no meaning for a {shape}")).expected(EXPECTED));
-        }
-    }
-    let needed = |place: usize| {
-        let (key, value, _) = lengths[place];
-        let value = value.as_ref().ok_or_else(|| document.missing(file.span(), key))?;
-        document.number(value, LENGTH_MM)
-    };
-    let outline = match shape {
-        "disc" => Outline::Disc { diameter_m: needed(0)? },
-        "rectangle" => Outline::Rectangle { length_m: needed(1)?, width_m: needed(2)? },
-        _ => {
-            let (outer_diameter_m, inner_diameter_m) = (needed(3)?, needed(4)?);
-            if inner_diameter_m >= outer_diameter_m {
-                let place = specimen.inner_diameter_mm.as_ref().map_or(file.span(), Spanned::span);
-                return Err(document
-                    .refuse(place, "leaves nothing of the ring")
-                    .expected("less than outer_diameter_mm"));
-            }
-            Outline::Ring { outer_diameter_m, inner_diameter_m }
-        }
-    };
-    Ok(Specimen { outline, is_clipped: read_is_clipped(document, specimen.cavities.as_ref())? })
-}
-
-/// Reads whether cavities that cross the rim are cut.
-pub(crate) fn read_is_clipped(document: &Document, name: Option<&Spanned<String>>) -> Result<bool, Diagnostic> {
-    let at_the_rim = name.map(|name| document.choice(name, &AT_THE_RIM, |name| name)).transpose()?;
-    Ok(at_the_rim == Some(AT_THE_RIM[1]))
+pub fn read_specimen(document: &Document, file: &Spanned<SpecimenRecord>) -> Result<Specimen, Diagnostic> {
+    file.get_ref().specimen().map_err(|error| document.refuse_key(&file.span(), &error))
 }
 
 /// Refuses a specimen on which the smallest cavity within the bounds does not fit, or on which even the largest and
@@ -307,7 +229,7 @@ pub(crate) fn read_is_clipped(document: &Document, name: Option<&Spanned<String>
 /// [`Diagnostic`] at the width, whose file position is `width_um`, or at the specimen.
 pub fn check_fits(
     document: &Document,
-    (table, width_um): (&Spanned<SpecimenFile>, Range<usize>),
+    (table, width_um): (&Spanned<SpecimenRecord>, Range<usize>),
     outline: &Specimen,
     texture: &Texture,
     (width_m, spacing_m, depth_m): ([f64; 2], [f64; 2], [f64; 2]),
@@ -359,11 +281,12 @@ pub fn check_fits(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use slipgrid_laser::export::Outline;
 
     #[derive(Debug, Deserialize)]
     struct Written {
         laser: Option<Spanned<LaserFile>>,
-        specimen: Spanned<SpecimenFile>,
+        specimen: Spanned<SpecimenRecord>,
     }
 
     fn read(laser: &str, specimen: &str) -> Result<(Laser, Specimen), String> {

@@ -12,7 +12,7 @@ use slipgrid_model::springblock::Layer;
 use toml::Spanned;
 
 use super::document::Document;
-use super::keys::Keys;
+use super::keys::{Keys, SEVERAL as SLIDING};
 use super::values::{Number, Numbers, list, number};
 use crate::formats::diagnostic::Diagnostic;
 use crate::formats::outline::read_outline;
@@ -35,6 +35,8 @@ pub struct PatternFile {
     pub depth_std_um: Option<Number>,
     /// Map of one period of the measured face, in place of rims.
     pub relief: Option<Spanned<String>>,
+    /// Angle of the sliding direction from the specimen's x axis; 0 when absent.
+    pub sliding_angle_deg: Option<Number>,
     /// Shape, arrangement, directions and rims.
     #[serde(flatten)]
     pub texture: TextureFile,
@@ -44,13 +46,13 @@ pub struct PatternFile {
 #[derive(Clone, Debug, Default, Deserialize, Serialize)]
 #[serde(try_from = "Keys")]
 pub struct TextureFile {
+    /// Angle of the sliding direction from the specimen's x axis; 0 when absent. A design may name several.
+    pub sliding_angle_deg: Option<Spanned<Numbers>>,
     /// A drawing, SVG or DXF, whose only closed outline is used in place of `vertices_um`.
     pub outline: Option<Spanned<String>>,
     /// The layer of the DXF drawing that holds the outline; any when absent.
     pub outline_layer: Option<Spanned<String>>,
-    /// Angle of the sliding direction from the specimen's x axis; 0 when absent. A design may name several.
-    pub sliding_angle_deg: Option<Spanned<Numbers>>,
-    /// Other keys, without positions, which [`Document::refuse_key`] finds, and without the sliding direction.
+    /// The other keys of a texture. They have no positions: [`Document::refuse_key`] finds a key that is refused.
     #[serde(flatten)]
     pub record: TextureRecord,
 }
@@ -59,18 +61,23 @@ impl TryFrom<Keys> for PatternFile {
     type Error = String;
 
     fn try_from(mut keys: Keys) -> Result<Self, String> {
-        let own = ["width_um", "spacing_um", "depth_um", "width_std_um", "spacing_std_um", "depth_std_um", "relief"];
+        let own =
+            ["width_um", "spacing_um", "depth_um", "width_std_um", "spacing_std_um", "depth_std_um", "relief", SLIDING];
         let mut numbers = [const { None }; 6];
         for (number, key) in numbers.iter_mut().zip(own) {
             *number = keys.take(key)?;
         }
         let [width_um, spacing_um, depth_um, width_std_um, spacing_std_um, depth_std_um] = numbers;
         let relief = keys.take("relief")?;
+        let sliding_angle_deg = match keys.take_directions() {
+            None => None,
+            Some(angles) => match *angles.get_ref() {
+                Numbers::One(angle_deg) => Some(Spanned::new(angles.span(), angle_deg)),
+                Numbers::Each(_) => return Err(format!("`{SLIDING}`: invalid type: sequence, expected f64")),
+            },
+        };
         let texture = TextureFile::read(keys, &own)?;
         let needed = |key: &str, number: Option<Number>| number.ok_or_else(|| format!("missing field `{key}`"));
-        if let Some(Numbers::Each(_)) = texture.sliding_angle_deg.as_ref().map(Spanned::get_ref) {
-            return Err("`sliding_angle_deg`: invalid type: sequence, expected f64".to_owned());
-        }
         Ok(Self {
             width_um: needed("width_um", width_um)?,
             spacing_um: needed("spacing_um", spacing_um)?,
@@ -79,6 +86,7 @@ impl TryFrom<Keys> for PatternFile {
             spacing_std_um,
             depth_std_um,
             relief,
+            sliding_angle_deg,
             texture,
         })
     }
@@ -88,14 +96,14 @@ impl TryFrom<Keys> for TextureFile {
     type Error = String;
 
     fn try_from(keys: Keys) -> Result<Self, String> {
-        Self::read(keys, &[])
+        Self::read(keys, &[SLIDING])
     }
 }
 
 impl TextureFile {
-    /// Reads `keys`, of which the table also has those named in `beside`.
+    /// Reads the keys of a texture. `beside` names further keys of the table, for messages about unknown ones.
     fn read(mut keys: Keys, beside: &[&str]) -> Result<Self, String> {
-        let own = ["outline", "outline_layer", "sliding_angle_deg"];
+        let own = ["outline", "outline_layer"];
         let (outline, outline_layer) = (keys.take(own[0])?, keys.take(own[1])?);
         let sliding_angle_deg = keys.take_directions();
         Ok(Self { outline, outline_layer, sliding_angle_deg, record: keys.record(&[beside, &own].concat())? })
@@ -114,10 +122,17 @@ impl From<&Pattern> for PatternFile {
     fn from(pattern: &Pattern) -> Self {
         let [width_um, spacing_um, depth_um] = pattern.lengths_m().map(|length_m| number(LENGTH_UM.from_si(length_m)));
         let mut record = TextureRecord::from(pattern);
-        let sliding_angle_deg = record.sliding_angle_deg.take().map(|angle| Spanned::new(0..0, Numbers::One(angle)));
-        let texture = TextureFile { outline: None, outline_layer: None, sliding_angle_deg, record };
-        let [width_std_um, spacing_std_um, depth_std_um] = [None, None, None];
-        Self { width_um, spacing_um, depth_um, width_std_um, spacing_std_um, depth_std_um, relief: None, texture }
+        Self {
+            width_um,
+            spacing_um,
+            depth_um,
+            width_std_um: None,
+            spacing_std_um: None,
+            depth_std_um: None,
+            relief: None,
+            sliding_angle_deg: record.sliding_angle_deg.take().map(number),
+            texture: TextureFile { record, ..TextureFile::default() },
+        }
     }
 }
 
@@ -127,7 +142,12 @@ impl From<&Pattern> for PatternFile {
 /// [`Diagnostic`] if numbers are out of range, or if the planform does not use a key.
 pub fn read_pattern(document: &Document, file: &Spanned<PatternFile>) -> Result<Pattern, Diagnostic> {
     let pattern = file.get_ref();
-    let texture = read_texture(document, &pattern.texture, file.span())?;
+    let mut texture = read_texture(document, &pattern.texture, file.span())?;
+    if let Some(angle) = &pattern.sliding_angle_deg {
+        texture = texture
+            .with_sliding_angle_deg(document.number(angle, SLIDING_ANGLE_DEG)?)
+            .map_err(|error| document.refuse(angle.span(), error.to_string()))?;
+    }
     let width_m = document.number(&pattern.width_um, LENGTH_UM)?;
     let spacing_m = document.number(&pattern.spacing_um, LENGTH_UM)?;
     let depth_m = document.number(&pattern.depth_um, LENGTH_UM)?;
@@ -168,8 +188,11 @@ pub fn read_texture(document: &Document, file: &TextureFile, table: Range<usize>
     } else {
         None
     };
-    let first = sliding_angle_deg.as_ref().and_then(|angles| angles.get_ref().written().first().copied());
-    TextureRecord { sliding_angle_deg: first, ..record.clone() }.texture(drawn).map_err(refused)
+    let texture = record.texture(drawn).map_err(refused)?;
+    let Some(angles) = sliding_angle_deg else { return Ok(texture) };
+    texture
+        .with_sliding_angle_deg(list(document, angles, SLIDING_ANGLE_DEG)?[0])
+        .map_err(|error| document.refuse(angles.span(), error.to_string()))
 }
 
 /// Sliding directions of `file` on `specimen`, without the first, which `texture` has.
@@ -225,17 +248,18 @@ pub fn require_section(
         return Ok(());
     }
     // Grooves or the sliding direction are turned, or both by different angles.
-    match (&file.sliding_angle_deg, angle_deg) {
-        (Some(_), Some(groove_deg)) => refuse("sliding_angle_deg", &format!("that of the grooves, {groove_deg}")),
-        (Some(_), None) => refuse("sliding_angle_deg", "0"),
-        (None, Some(_)) => refuse("angle_deg", "0"),
-        (None, None) => Ok(()),
+    match (texture.sliding_angle_deg() != 0.0, angle_deg) {
+        (true, Some(groove_deg)) => refuse(SLIDING, &format!("that of the grooves, {groove_deg}")),
+        (true, None) => refuse(SLIDING, "0"),
+        (false, Some(_)) => refuse("angle_deg", "0"),
+        (false, None) => Ok(()),
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use slipgrid_model::pattern::{Rim, RimProfile};
 
     #[derive(Debug, Deserialize)]
     struct Written {
@@ -311,6 +335,21 @@ mod tests {
     }
 
     #[test]
+    fn rims_have_the_numbers_of_their_keys() {
+        let um = |um: f64| LENGTH_UM.to_si(um);
+        let rim = |keys: &str| *read(keys).unwrap().0.texture().rim().unwrap();
+        let one = Rim::new(um(0.1), um(10.0), RimProfile::Round).unwrap();
+        assert_eq!(rim("rim_height_um = 0.1\nrim_width_um = 10"), one);
+        let pairs = [[um(5.2), um(0.1)], [um(20.0), um(0.5)]];
+        let by_depth = Rim::following_depth(&pairs, um(12.5), RimProfile::Flat).unwrap();
+        let keys = "rim_heights_um = [[5.2, 0.1], [20, 0.5]]\nrim_width_um = 12.5\nrim_profile = \"flat\"\n\
+                    rim_height_std_um = 0.02";
+        assert_eq!(rim(keys), by_depth.with_height_std_m(um(0.02)).unwrap());
+        // A rim of no height is none.
+        assert!(read("rim_height_um = 0\nrim_width_um = 10").unwrap().0.texture().rim().is_none());
+    }
+
+    #[test]
     fn refusals_name_line_key_and_value_and_what_is_accepted() {
         for (keys, refused) in [
             (
@@ -329,7 +368,7 @@ mod tests {
             ),
             (
                 "rim_height_um = 0.1\nrim_width_um = 10\nrim_profile = \"rund\"",
-                "7: pattern.rim_profile: \"rund\" is not known; expected \"round\" or \"flat\" or \"ramp\"",
+                "7: pattern.rim_profile: \"rund\" is not known; expected \"round\" or \"flat\" or \"ramp\" (did you mean `round`?)",
             ),
             (
                 "rim_height_um = -0.1\nrim_width_um = 10",
@@ -365,6 +404,19 @@ mod tests {
                 "6: pattern.angle_deg: 3 has no meaning for planform \"disc\"; expected planform = \"groove\"",
             ),
             ("length_um = 2,7", "5: 2,7 has a decimal comma"),
+            (
+                "rim_heights_um = [[5.0, 0.1], [20, -0.5]]\nrim_width_um = 10",
+                "5: pattern.rim_heights_um: -0.5 is out of range",
+            ),
+            (
+                "planform = \"polygon\"\nvertices_um = [[0, 0], [1, \"a\"]]",
+                "6: pattern.vertices_um: [[0, 0], [1, \"a\"]] has the wrong type",
+            ),
+            (
+                "vertices_um = []",
+                "5: pattern.vertices_um: has no meaning for planform \"groove\"; expected planform = \"polygon\"",
+            ),
+            ("outline_layer = 2024-05-01", "5: pattern.outline_layer: 2024-05-01 has the wrong type; expected a text"),
         ] {
             let found = read(keys).map(|_| ()).unwrap_err().to_string();
             assert!(found.starts_with(&format!("a.toml:{refused}")), "{keys}: {found}");

@@ -9,7 +9,7 @@ use toml::Spanned;
 
 use super::document::Document;
 use super::file_kind::FileKind;
-use super::laser::{SpecimenFile, read_specimen};
+use super::laser::read_specimen;
 use super::material::{ConditionFile, MaterialFile, read_condition};
 use super::material_uncertainty::read_referenced;
 use super::pattern::{PatternFile, check_depth, read_pattern, require_section};
@@ -26,7 +26,7 @@ use slipgrid_base::units::{
 use slipgrid_design::results::SimulationReport;
 use slipgrid_design::{SpecimenError, TaskPart, check_pressures, correct, loads, of_scene};
 use slipgrid_infer::calibrate::uncertainty::MaterialUncertainty;
-use slipgrid_laser::export::{Outline, Specimen};
+use slipgrid_laser::export::{Outline, Specimen, SpecimenRecord};
 
 /// A scene in the form of its file.
 #[derive(Clone, Debug, Deserialize, Serialize)]
@@ -43,7 +43,7 @@ pub struct SceneFile {
     /// Texture; absent for a flat surface.
     pub pattern: Option<Spanned<PatternFile>>,
     /// Specimen on which the pattern is laid; absent where a sample is one strip of `sample.length_um`.
-    pub specimen: Option<Spanned<SpecimenFile>>,
+    pub specimen: Option<Spanned<SpecimenRecord>>,
     /// The modelled layer.
     #[serde(default = "default_sample")]
     pub sample: Spanned<SampleFile>,
@@ -352,7 +352,7 @@ const MIN_FACE_BLOCKS: f64 = 2.0;
 /// [`Diagnostic`] at the table of the specimen.
 pub fn check_face(
     document: &Document,
-    table: &Spanned<SpecimenFile>,
+    table: &Spanned<SpecimenRecord>,
     specimen: &Specimen,
     layer: &Layer,
 ) -> Result<(), Diagnostic> {

@@ -1,13 +1,12 @@
 //! Specimens of a calibration and of its trials: face, rim, thickness and holder.
 
 use slipgrid_infer::calibrate::CutSpecimen;
-use slipgrid_laser::export::{Outline, Specimen};
+use slipgrid_laser::export::{Outline, Specimen, SpecimenRecord};
 use slipgrid_model::springblock::{Holder, MAX_ROWS};
 use toml::Spanned;
 
 use super::calibration_file::FaceFile;
 use super::document::Document;
-use super::laser;
 use super::scene::DEFAULT_LAYER;
 use super::values::Number;
 use crate::formats::diagnostic::Diagnostic;
@@ -37,11 +36,10 @@ impl StatedSpecimen {
         usual: Option<Self>,
     ) -> Result<Self, Diagnostic> {
         let file = table.get_ref();
-        let is_clipped = match (&file.cavities, usual) {
-            (None, Some(usual)) => usual.specimen.is_clipped,
-            (name, _) => laser::read_is_clipped(document, name.as_ref())?,
-        };
-        let specimen = Specimen { outline: read_outline(document, table)?, is_clipped };
+        let mut specimen = read_face(document, table)?;
+        if file.cavities.is_none() {
+            specimen.is_clipped = usual.is_some_and(|usual| usual.specimen.is_clipped);
+        }
         let thickness_m = match &file.thickness_mm {
             Some(given) => Some(read_thickness_m(document, given)?),
             None => usual.and_then(|usual| usual.thickness_m),
@@ -87,7 +85,7 @@ pub(crate) fn read_holder(
 }
 
 /// Reads the face of a specimen: a disc by its radius, or one of the shapes of a design's specimen.
-fn read_outline(document: &Document, table: &Spanned<FaceFile>) -> Result<Outline, Diagnostic> {
+fn read_face(document: &Document, table: &Spanned<FaceFile>) -> Result<Specimen, Diagnostic> {
     let file = table.get_ref();
     let others = [
         ("disc", &file.diameter_mm),
@@ -96,6 +94,8 @@ fn read_outline(document: &Document, table: &Spanned<FaceFile>) -> Result<Outlin
         ("ring", &file.outer_diameter_mm),
         ("ring", &file.inner_diameter_mm),
     ];
+    let mut written = others.map(|(_, length)| length.as_ref().map(|length| *length.get_ref()));
+    let mut named = file.shape.as_ref().map(|shape| shape.get_ref().as_str());
     if let Some(radius) = &file.radius_mm {
         let stray = others.iter().find_map(|(_, length)| length.as_ref().map(Spanned::span));
         if let Some(stray) = stray.or(file.shape.as_ref().map(Spanned::span)) {
@@ -103,27 +103,25 @@ fn read_outline(document: &Document, table: &Spanned<FaceFile>) -> Result<Outlin
                 .refuse(stray, "stands beside radius_mm")
                 .expected("either radius_mm alone, or a shape with its lengths"));
         }
-        return Ok(Outline::Disc { diameter_m: 2.0 * document.number(radius, LENGTH_MM)? });
+        document.number(radius, LENGTH_MM)?;
+        (named, written[0]) = (Some("disc"), Some(2.0 * radius.get_ref()));
     }
     // Without a shape key the lengths determine the shape.
-    let shape = others.iter().find(|(_, length)| length.is_some()).map(|(shape, _)| *shape);
-    let named = shape.map(|shape| Spanned::new(table.span(), shape.to_owned()));
-    let shape = file.shape.clone().or(named).ok_or_else(|| {
+    let shape = named.or_else(|| others.iter().find(|(_, length)| length.is_some()).map(|(shape, _)| *shape));
+    let shape = shape.ok_or_else(|| {
         document.missing(table.span(), "radius_mm").expected(
             "radius_mm or diameter_mm of a disc, outer_diameter_mm and inner_diameter_mm of a ring, or length_mm and \
              width_mm of a rectangle",
         )
     })?;
-    let as_design = laser::SpecimenFile {
-        shape,
-        diameter_mm: file.diameter_mm.clone(),
-        length_mm: file.length_mm.clone(),
-        width_mm: file.width_mm.clone(),
-        outer_diameter_mm: file.outer_diameter_mm.clone(),
-        inner_diameter_mm: file.inner_diameter_mm.clone(),
-        cavities: None,
-    };
-    Ok(laser::read_specimen(document, &Spanned::new(table.span(), as_design))?.outline)
+    let [diameter_mm, length_mm, width_mm, outer_diameter_mm, inner_diameter_mm] = written;
+    let (shape, cavities) = (shape.to_owned(), file.cavities.as_ref().map(|name| name.get_ref().clone()));
+    let record =
+        SpecimenRecord { shape, diameter_mm, length_mm, width_mm, outer_diameter_mm, inner_diameter_mm, cavities };
+    record.specimen().map_err(|error| match &file.radius_mm {
+        Some(radius) => document.refuse(radius.span(), "is the radius of no specimen").expected("at most 5000 mm"),
+        None => document.refuse_key(&table.span(), &error),
+    })
 }
 
 /// Area of a face, in square metres.

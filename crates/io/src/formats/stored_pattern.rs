@@ -1,9 +1,11 @@
-//! Reads the design of a result.json back as a pattern.
+//! Reads the design and the specimen of a result.json back.
 
 use std::path::Path;
 
-use slipgrid_base::key_error::Refusal;
+use serde::Serialize;
+use slipgrid_base::key_error::KeyError;
 use slipgrid_design::results::PatternReport;
+use slipgrid_laser::export::{Specimen, SpecimenRecord};
 use slipgrid_model::pattern::Pattern;
 
 use crate::formats::diagnostic::Diagnostic;
@@ -13,14 +15,24 @@ use crate::formats::diagnostic::Diagnostic;
 /// # Errors
 /// [`Diagnostic`] at the key whose value gives no valid pattern.
 pub fn stored_pattern(path: &Path, design: &PatternReport) -> Result<Pattern, Diagnostic> {
-    design.pattern().map_err(|error| Diagnostic {
-        key: Some(format!("design.{}", error.key).into()),
-        value: match &error.refusal {
-            Refusal::OutOfRange { value, .. } => Some(value.to_string().into()),
-            Refusal::UnknownName { name, .. } => Some(format!("\"{name}\"").into()),
-            Refusal::Missing | Refusal::Rule { .. } => None,
-        },
+    design.pattern().map_err(|error| refuse(path, ("design", design), &error))
+}
+
+/// Specimen of the result at `path`.
+///
+/// # Errors
+/// [`Diagnostic`] at the key whose value gives no valid specimen.
+pub fn stored_specimen(path: &Path, specimen: &SpecimenRecord) -> Result<Specimen, Diagnostic> {
+    specimen.specimen().map_err(|error| refuse(path, ("specimen", specimen), &error))
+}
+
+/// Refuses a key of `record`, which is the table `name` of the result at `path`.
+fn refuse(path: &Path, (name, record): (&str, &impl Serialize), error: &KeyError) -> Diagnostic {
+    let value = serde_json::to_value(record).ok().and_then(|record| Some(record.get(error.key)?.to_string()));
+    Diagnostic {
+        key: Some(format!("{name}.{}", error.key).into()),
+        value: value.map(Into::into),
         expected: error.refusal.expected().map(Into::into),
         ..Diagnostic::file(path, error.refusal.to_string())
-    })
+    }
 }

@@ -112,26 +112,6 @@ pub enum PatternError {
         /// Spacing of the pattern, in metres.
         spacing_m: f64,
     },
-    /// The name of a rim profile is not known.
-    #[error("unknown rim profile \"{name}\": expected \"round\", \"flat\" or \"ramp\"")]
-    UnknownRimProfile {
-        /// The name given.
-        name: String,
-    },
-    /// The name of a planform is not known.
-    #[error(
-        "unknown planform \"{name}\": expected \"groove\", \"square\", \"rectangle\", \"disc\", \"polygon\" or \"crosshatch\""
-    )]
-    UnknownPlanform {
-        /// The name given.
-        name: String,
-    },
-    /// The name of an arrangement is not known.
-    #[error("unknown arrangement \"{name}\": expected \"square\", \"staggered\" or \"hexagonal\"")]
-    UnknownArrangement {
-        /// The name given.
-        name: String,
-    },
 }
 
 /// Checks that `value_m` is a positive, finite length.

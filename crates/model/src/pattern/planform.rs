@@ -1,7 +1,4 @@
 use std::fmt;
-use std::str::FromStr;
-
-use crate::pattern::PatternError;
 
 /// Shape of a cavity seen from above. Its sides lie along the pattern's axes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -53,17 +50,6 @@ impl fmt::Display for Planform {
     }
 }
 
-impl FromStr for Planform {
-    type Err = PatternError;
-
-    fn from_str(name: &str) -> Result<Self, Self::Err> {
-        Self::ALL
-            .into_iter()
-            .find(|planform| planform.name() == name)
-            .ok_or_else(|| PatternError::UnknownPlanform { name: name.to_owned() })
-    }
-}
-
 /// Arrangement of the rows of cavities. Rows run along the pattern's x axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Arrangement {
@@ -100,39 +86,5 @@ impl Arrangement {
 impl fmt::Display for Arrangement {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.name())
-    }
-}
-
-impl FromStr for Arrangement {
-    type Err = PatternError;
-
-    fn from_str(name: &str) -> Result<Self, Self::Err> {
-        Self::ALL
-            .into_iter()
-            .find(|arrangement| arrangement.name() == name)
-            .ok_or_else(|| PatternError::UnknownArrangement { name: name.to_owned() })
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn names_read_back() {
-        for planform in Planform::ALL {
-            assert_eq!(planform.name().parse::<Planform>().unwrap(), planform);
-        }
-        for arrangement in Arrangement::ALL {
-            assert_eq!(arrangement.name().parse::<Arrangement>().unwrap(), arrangement);
-        }
-    }
-
-    #[test]
-    fn refused_names_are_told_with_all_that_are_accepted() {
-        let refused = "hexagon".parse::<Planform>().unwrap_err().to_string();
-        assert!(refused.contains("hexagon") && Planform::ALL.iter().all(|planform| refused.contains(planform.name())));
-        let refused = "triangular".parse::<Arrangement>().unwrap_err().to_string();
-        assert!(refused.contains("triangular") && Arrangement::ALL.iter().all(|a| refused.contains(a.name())));
     }
 }

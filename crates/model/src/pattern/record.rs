@@ -18,8 +18,9 @@ pub struct TextureRecord {
     /// Extent of a rectangle across its row.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub length_um: Option<f64>,
-    /// Outline of a polygon: corners as `[x, y]` in order, the last joined to the first. Only the shape matters: it is
-    /// scaled so that the extent along x is the width.
+    /// Outline of a polygon: corners as `[x, y]` in order, the last joined to the first. A file that is read may have them in
+    /// any unit and order, as the shape is scaled to the width; a result has them in um, anticlockwise, from the middle of the
+    /// bounding box.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub vertices_um: Option<Vec<[f64; 2]>>,
     /// Gap between rows; as along the row when absent.
@@ -61,8 +62,8 @@ const HEIGHTS: &str = "rim_height_um, or rim_heights_um = [[depth, height], ...]
 const WITH_ROWS: &str = "planform = \"square\", \"rectangle\", \"disc\" or \"polygon\", or no such key";
 
 impl TextureRecord {
-    /// Converts the texture of cavities `width_m` wide; defaults are left out, but for the planform and for what belongs
-    /// to it.
+    /// Converts the texture of cavities `width_m` wide. The planform is always written, the crossing angle of a crosshatch
+    /// and the profile of rims, too; other properties only if they differ from their default.
     #[must_use]
     pub fn new(texture: &Texture, width_m: f64) -> Self {
         let um = |length_m: f64| LENGTH_UM.from_si(length_m);
@@ -103,15 +104,20 @@ impl TextureRecord {
                 PatternError::NoSuchProperty { .. } => {
                     KeyError::rule(key, format!("has no meaning for planform \"{planform}\""), expected)
                 }
-                _ => KeyError::rule(key, error.to_string(), None),
+                _ => KeyError::from_error(key, &error),
             }
         };
         let mut texture = Texture::new(planform);
+        let is_polygon = planform == Planform::Polygon;
+        if self.vertices_um.is_some() && !is_polygon {
+            let reason = format!("has no meaning for planform \"{planform}\"");
+            return Err(KeyError::rule("vertices_um", reason, "planform = \"polygon\", or no such key"));
+        }
         let written = self.vertices_um.as_ref().filter(|_| drawn.is_none()).map(|vertices| Polygon::new(vertices));
-        let written = written.transpose().map_err(|error| KeyError::rule("vertices_um", error.to_string(), None))?;
-        if let Some(outline) = drawn.or(written) {
-            let expected = "planform = \"polygon\", or no such key";
-            texture = texture.with_outline(outline).map_err(refused("vertices_um", expected))?;
+        let written = written.transpose().map_err(|error| KeyError::from_error("vertices_um", &error))?;
+        if let Some(outline) = drawn.or(written).filter(|_| is_polygon) {
+            let refused = |error| KeyError::from_error("vertices_um", &error);
+            texture = texture.with_outline(outline).map_err(refused)?;
         }
         if let Some(length_m) = si("length_um", self.length_um, LENGTH_UM)? {
             let expected = "planform = \"rectangle\", or no such key";
@@ -135,7 +141,9 @@ impl TextureRecord {
             texture = texture.with_crossing_angle_deg(angle_deg).map_err(refused("crossing_angle_deg", expected))?;
         }
         if let Some(angle_deg) = si("sliding_angle_deg", self.sliding_angle_deg, SLIDING_ANGLE_DEG)? {
-            texture = texture.with_sliding_angle_deg(angle_deg).map_err(refused("sliding_angle_deg", "no such key"))?;
+            texture = texture
+                .with_sliding_angle_deg(angle_deg)
+                .map_err(|error: PatternError| KeyError::from_error("sliding_angle_deg", &error))?;
         }
         // A rim without height is left out.
         Ok(texture.with_rim(self.rim()?.filter(Rim::stands)))
@@ -190,7 +198,7 @@ impl TextureRecord {
         Rim::following_depth(&heights_m, width_m, profile.unwrap_or_default())
             .and_then(|rim| rim.with_height_std_m(std_m))
             .map(Some)
-            .map_err(|error| KeyError::rule(key, error.to_string(), None))
+            .map_err(|error| KeyError::from_error(key, &error))
     }
 }
 
@@ -208,9 +216,10 @@ fn si(key: &'static str, value: Option<f64>, quantity: Quantity) -> Result<Optio
 /// Converts pairs of depth and height to metres.
 fn heights_m(pairs: &[Vec<f64>]) -> Result<Vec<[f64; 2]>, KeyError> {
     const KEY: &str = "rim_heights_um";
-    let refuse = |reason: String, expected: &'static str| Err(KeyError::rule(KEY, reason, expected));
+    let refuse = |reason: String, expected: &str| Err(KeyError::rule(KEY, reason, expected));
     if pairs.is_empty() || pairs.len() > Rim::MAX_HEIGHTS {
-        return refuse(format!("has {} pairs", pairs.len()), "1 to 8 pairs [depth, height], in um");
+        let expected = format!("1 to {} pairs [depth, height], in um", Rim::MAX_HEIGHTS);
+        return refuse(format!("has {} pairs", pairs.len()), &expected);
     }
     let mut read: Vec<[f64; 2]> = Vec::new();
     for pair in pairs {

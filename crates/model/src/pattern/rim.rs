@@ -10,7 +10,6 @@
 
 use std::f64::consts::PI;
 use std::fmt;
-use std::str::FromStr;
 
 use crate::pattern::PatternError;
 use crate::pattern::error::length;
@@ -101,15 +100,6 @@ impl RimProfile {
 impl fmt::Display for RimProfile {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.name())
-    }
-}
-
-impl FromStr for RimProfile {
-    type Err = PatternError;
-
-    fn from_str(name: &str) -> Result<Self, Self::Err> {
-        let found = Self::ALL.into_iter().find(|profile| profile.name() == name);
-        found.ok_or_else(|| PatternError::UnknownRimProfile { name: name.to_owned() })
     }
 }
 

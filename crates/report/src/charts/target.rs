@@ -105,7 +105,7 @@ fn target_of_width(chart: &TargetChart<'_>, width: f64) -> Result<String, ChartE
         (!chart.flat.is_empty(), Swatch::Line(GREY), "flat"),
         (!chart.samples.is_empty(), Swatch::Band(vermilion, INTERVAL), "95 % of samples"),
         (has_model, Swatch::Mark(Mark::Ring, blue), "model alone"),
-        (!chart.measured.is_empty(), Swatch::Mark(Mark::Square, purple), "measured trials"),
+        (!chart.measured.is_empty(), Swatch::Mark(Mark::Square, purple), "earlier trials"),
     ]
     .into_iter()
     .filter_map(|(is_drawn, swatch, label)| is_drawn.then_some((swatch, label)))
@@ -190,13 +190,13 @@ mod tests {
     fn only_what_is_there_stands_in_the_legend() {
         let svg = target(&chart(&TARGET, &[], &[])).unwrap();
         assert!(svg.contains("\naccepted\n") && svg.contains("\nfriction ratio\n"));
-        for absent in ["expected", "model alone", "flat", "measured trials"] {
+        for absent in ["expected", "model alone", "flat", "earlier trials"] {
             assert!(!svg.contains(&format!("\n{absent}\n")), "{absent}");
         }
         let samples = [SamplePoint { model: Some(0.96), ..SAMPLE }];
         let full = TargetChart { measured: &[[1.3, 0.9]], ..chart(&TARGET, &samples, &[[0.65, 1.0]]) };
         let full = target(&full).unwrap();
-        for present in ["expected", "95 % of samples", "model alone", "flat", "measured trials"] {
+        for present in ["expected", "95 % of samples", "model alone", "flat", "earlier trials"] {
             assert!(full.contains(&format!("\n{present}\n")), "{present}");
         }
         // Every series stands at its own pressure, and a ring leaves the mark inside it visible.

@@ -187,7 +187,7 @@
     drawing.setAttribute("viewBox", `0 0 460 ${face + 48}`);
     drawing.replaceChildren(
       svg("path", { d: outline + "H20z", fill: "#cfe3f0", stroke: "#333" }), svg("path", { d: `M20 ${face + 2}H440`, stroke: "#333", "stroke-width": 3 }),
-      svg("text", { x: 20, y: face + 22 }, `${fixed(w, 1)} µm wide, gap ${fixed(s, 1)} µm, ${fixed(d, 1)} µm deep`),
+      svg("text", { x: 20, y: face + 22 }, `${fixed(w, 1)} µm wide, spacing ${fixed(s, 1)} µm, ${fixed(d, 1)} µm deep`),
       svg("text", { x: 20, y: face + 41 }, "both axes at one scale"));
   };
 

@@ -53,7 +53,8 @@ pub(super) fn first_screen(page: &mut Page, report: &DesignReport, outputs: &Out
             }
             page.badges(&doubts);
         });
-        if let Some(chance) = report.sample.chance {
+        // Where a trial meets the target, the chance is that of another texture.
+        if let Some(chance) = report.sample.chance.filter(|_| report.advice != "trial_meets_it") {
             page.dots(chance);
         }
     });
@@ -76,32 +77,46 @@ fn is_worth_cutting(report: &DesignReport) -> bool {
     matches!(&*report.advice, "series" | "trial" | "trial_meets_it")
 }
 
-/// Describes the expected value at the last load of the target in one sentence.
+/// Describes the expected value at the shown load of the target, and what limits the chance most.
 fn expected_words(report: &DesignReport) -> Option<String> {
-    let at = report.sample.expected.get(last(report))?;
-    let quantity = if report.is_ratio() { "a ratio of" } else { "a friction coefficient of" };
+    let at = report.sample.expected.get(shown(report))?;
+    let quantity = if report.is_ratio() { "a ratio to flat friction of" } else { "a friction coefficient of" };
+    let limit = report.limit().map_or_else(String::new, |LimitedBy { input, known_to, chance_if_known, .. }| {
+        format!(
+            " Limited mostly by {input} ({known_to}): if it were known exactly, {} chance.",
+            percent(*chance_if_known)
+        )
+    });
     let asked = match at.target_in_words().as_str() {
         "-" => String::new(),
         words => format!(" Accepted: {words}."),
     };
     Some(format!(
-        "At {} MPa a cut sample is expected to have {quantity} {} (95 % of samples: {}).{asked}",
+        "At {} MPa a cut sample is expected to have {quantity} {} (95 % of samples: {}).{asked}{limit}",
         plain(at.pressure_mpa),
         number(at.median, 3),
         believed_interval([at.low_95, at.high_95]),
     ))
 }
 
-/// Index of the last load at the design condition.
-fn last(report: &DesignReport) -> usize {
-    report.target.pressure_mpa.len().saturating_sub(1)
+/// Index of the load at the design condition that the first screen describes: the last one, or, for a target that cannot be
+/// met, the one at which the expected value misses it by most.
+fn shown(report: &DesignReport) -> usize {
+    let count = report.target.pressure_mpa.len();
+    let miss = |at: &Expected| {
+        let below = at.target_low.map_or(0.0, |low| low - at.median);
+        below.max(at.target_high.map_or(0.0, |high| at.median - high))
+    };
+    let rows = report.sample.expected.iter().take(count).enumerate();
+    let farthest = rows.max_by(|(_, a), (_, b)| miss(a).total_cmp(&miss(b))).map(|(row, _)| row);
+    farthest.filter(|_| report.advice == "cannot_be_met").unwrap_or(count.saturating_sub(1))
 }
 
 fn plot_caption(report: &DesignReport) -> String {
     let several = report.sample.expected.len() > report.target.pressure_mpa.len();
     let conditions = if several { "; conditions side by side, in the order of the table below" } else { "" };
     format!(
-        "Friction of a cut sample against pressure{conditions}; measured trials have textures and loads of their own"
+        "Friction of a cut sample against pressure{conditions}; earlier trials have textures and loads of their own"
     )
 }
 
@@ -143,7 +158,8 @@ fn to_cut(page: &mut Page, report: &DesignReport, outputs: &Outputs, found: Opti
     let where_burst = if report.laser.is_mask() { "bursts per cavity" } else { "bursts per spot" };
     rows.extend(report.bursts.map(|bursts| (where_burst, bursts.to_string())));
     rows.extend(report.sample.laser_s.map(|seconds| ("time under the laser", duration_in_words(seconds))));
-    page.subheading(if is_worth_cutting(report) { "What to cut" } else { "The likeliest texture" });
+    let is_to_be_cut = matches!(&*report.advice, "series" | "trial");
+    page.subheading(if is_to_be_cut { "What to cut" } else { "The likeliest texture" });
     page.outline(design);
     page.facts("", &rows);
     let files: Vec<&str> = outputs.names().into_iter().filter(|name| LASER_FILES.contains(name)).collect();
@@ -156,7 +172,7 @@ fn to_cut(page: &mut Page, report: &DesignReport, outputs: &Outputs, found: Opti
 
 /// Adds the factors that limit the probability as bars, the constraints that keep the target out of reach, and the next steps.
 fn limits(page: &mut Page, report: &DesignReport, found: Option<&DesignOutcome>) {
-    let row = last(report);
+    let row = shown(report);
     let std = |limit: &LimitedBy| limit.std.get(row).copied().filter(|std| std.is_finite()).unwrap_or(0.0);
     let tolerance = report.sample.expected.get(row).and_then(|at| {
         let half = 0.5 * (at.target_high? - at.target_low?);
@@ -205,7 +221,7 @@ fn limits(page: &mut Page, report: &DesignReport, found: Option<&DesignOutcome>)
 /// has the trials of the day on which it was made.
 fn next_steps(report: &DesignReport, is_calibrated: bool) -> Vec<String> {
     let mut steps = match &*report.advice {
-        "trial" => vec!["Cut one sample and measure it at these loads."],
+        "trial" => vec!["Cut one sample and measure it at the pressures of the plot."],
         "series" => return vec!["Cut the series. Measure its first samples and add them as [[trial]].".to_owned()],
         "trial_meets_it" => {
             return vec![
@@ -213,7 +229,15 @@ fn next_steps(report: &DesignReport, is_calibrated: bool) -> Vec<String> {
                 "To come closer, cut the texture on this page as another trial.".to_owned(),
             ];
         }
-        "cannot_be_met" => return steps_beyond_reach(report),
+        "cannot_be_met" => {
+            return [
+                "Cut nothing for this target yet.",
+                "Accept more, or widen a bound or a limit.",
+                "Or cut the texture on this page as a trial: it shows how far the model is off there.",
+            ]
+            .map(str::to_owned)
+            .to_vec();
+        }
         _ => return Vec::new(),
     };
     steps.extend(if is_calibrated {
@@ -236,25 +260,6 @@ fn next_steps(report: &DesignReport, is_calibrated: bool) -> Vec<String> {
         steps.push(format!("Or widen the bounds, if you can: the texture rests on {bounds}."));
     }
     steps
-}
-
-/// Steps for a target that no texture is expected to meet, with the load at which the likeliest misses it by most.
-fn steps_beyond_reach(report: &DesignReport) -> Vec<String> {
-    let miss = |at: &Expected| {
-        let below = at.target_low.map_or(0.0, |low| low - at.median);
-        below.max(at.target_high.map_or(0.0, |high| at.median - high))
-    };
-    let farthest = report.sample.expected.iter().max_by(|a, b| miss(a).total_cmp(&miss(b)));
-    let missed = farthest.map(|at| {
-        let (pressure, median, target) = (at.pressure_mpa, at.median, at.target_in_words());
-        format!("At {pressure} MPa the likeliest texture is expected at {median:.3}, and the target is {target}.")
-    });
-    let rest = [
-        "Accept more, or widen a bound or a limit.",
-        "Or cut the texture above as a trial: it shows how far the model is off there.",
-    ];
-    let rest = rest.map(str::to_owned);
-    ["Cut nothing for this target yet.".to_owned()].into_iter().chain(missed).chain(rest).collect()
 }
 
 /// Adds the basis of the numbers.

@@ -92,7 +92,7 @@ fn a_page_holds_every_number_with_its_error_and_asks_the_network_for_nothing() {
         "<p class=\"headline\">Cut a trial: 16 % chance that a cut sample is on target.</p>",
         "aria-label=\"16 % chance that a cut sample is on target\"",
         "<li><a href=\"#doubts\">at 2.6 MPa cavities close</a></li>",
-        "At 2.6 MPa a cut sample is expected to have a ratio of 0.791 (95 % of samples: 0.702 to 0.880). Accepted: 0.820 to 0.840.",
+        "At 2.6 MPa a cut sample is expected to have a ratio to flat friction of 0.791 (95 % of samples: 0.702 to 0.880). Accepted: 0.820 to 0.840.",
         "<a href=\"process.toml\">process.toml</a>",
         "<th scope=\"row\">time under the laser</th><td>13.0 s</td>",
         "model error<small> known from one trial; if known exactly: 40 % chance</small>",
@@ -207,7 +207,7 @@ fn a_target_out_of_reach_is_marked_and_says_what_keeps_it_there() {
     assert!(page.contains("<li>Without the smallest land, 80 µm: 35 % chance, 40 / 60 / 10 µm.</li>"), "{page}");
     assert!(!page.contains("What to cut") && page.contains("The likeliest texture"));
     assert!(page.contains("<li>Cut nothing for this target yet.</li>"));
-    let missed = "At 2.6 MPa the likeliest texture is expected at 0.791, and the target is 0.820 to 0.840.";
+    let missed = "Or cut the texture on this page as a trial: it shows how far the model is off there.";
     assert!(page.contains(missed), "{page}");
     report.blocked_by[0].is_within_reach = false;
     assert!(page_of(&report, &Outputs::default()).contains("40 / 60 / 10 µm, still out of reach."));

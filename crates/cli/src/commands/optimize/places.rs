@@ -41,10 +41,15 @@ pub fn written(command: &str, calibration: Option<&Path>, folder: &Path, advice:
         );
         text += &format!("next    cut it, measure it, add it as [[trial]] to {ledger},\n        then: {command}\n");
     }
-    if matches!(advice, Advice::TrialMeetsIt(_)) {
-        text += "next    make the trial's texture; to come closer, cut the one above as another trial\n";
+    match advice {
+        Advice::TrialMeetsIt(_) => {
+            text + "next    make the trial's texture; to come closer, cut the one above as another trial\n"
+        }
+        Advice::CannotBeMet => {
+            text + "next    accept more, widen a bound or a limit, or cut the texture above as a trial\n"
+        }
+        Advice::Series | Advice::Trial | Advice::DoNotTexture => text,
     }
-    text
 }
 
 /// Shortens a `path` below the current folder: designs/../materials/a.toml becomes materials/a.toml.

@@ -93,7 +93,7 @@ fn scatter_note(model: &Model<'_>) -> String {
     let spread = problem.measurements.iter().map(|measured| measured.mu_dynamic_std / measured.mu_dynamic);
     let bound = spread.fold(f64::INFINITY, f64::min) * blocks.sqrt();
     format!(
-        "relative_std: not determined by means of friction; {} is assumed. Repeated measurements say that it is at most about {bound:.2}: friction is the mean over {blocks} blocks, and a larger scatter would let repeats differ by more. The spread of onset events in a trace would settle it",
+        "relative_std: not determined by means of friction; {} is assumed. Measurements, where they were repeated, say that it is at most about {bound:.2}: friction is the mean over {blocks} blocks, and a larger scatter would let repeats differ by more. The spread of onset events in a trace would settle it",
         problem.relative_std
     )
 }

@@ -277,7 +277,7 @@ pub fn apply_refinement(
                 }
             };
             statements.method(format!(
-                "blocks of {} um: their ratio plus the change that blocks of {} um make of {cell}, {:+.4} at most; the change is known to \
+                "blocks of {} um: their ratio plus the change of {cell} with blocks of {} um, {:+.4} at most and known to \
                  {:.4}; pressures and the interface are those of the larger blocks",
                 micrometres(block_m),
                 micrometres(block_m * factor),

@@ -447,7 +447,7 @@ mod tests {
             |simulation: &Simulation, words: &str| simulation.statements.model.iter().any(|of| of.contains(words));
         assert!(
             is_told(&rigid, "all of the change is in the ratio, known to 30 %")
-                && !is_told(&aligned, "its holder keeps")
+                && !is_told(&aligned, "cannot turn in its holder")
         );
         // Friction coefficients independent of pressure are not affected.
         let amontons = Scene { area_law: None, ..scene };

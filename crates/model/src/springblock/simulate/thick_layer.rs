@@ -175,8 +175,8 @@ impl ThickLayerCorrection {
             let open = loads.iter().filter_map(|load| load.ratio_layer_error).fold(0.0, f64::max);
             let cells = if self.relative_error == 0.0 { "the steady cell" } else { "steady cells that share the load" };
             return statements.method(format!(
-                "blocks of the lowest {layer_um:.0} um of the specimen; the rest of its {thick_mm} mm changes the ratio as \
-                 that of {cells}, by {widest}, known to {open:.4}; mu_static and the interface are those of the layer alone"
+                "blocks of the lowest {layer_um:.0} um of the specimen; the rest of its {thick_mm} mm changes the ratio by \
+                 {widest}, as found for {cells}, known to {open:.4}; mu_static and the interface are those of the layer alone"
             ));
         }
         statements.model(format!(

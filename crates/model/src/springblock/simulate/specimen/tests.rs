@@ -303,7 +303,7 @@ fn lands_that_the_border_cuts_are_said_to_be_pressed_harder() {
     scene.loads.truncate(1);
     let found = |strips: Vec<Strip>| simulate_specimen(&scene, &face(strips), &Unwatched).unwrap();
     let statements =
-        |found: &Simulation| found.statements.model.iter().any(|statements| statements.contains("times as hard"));
+        |found: &Simulation| found.statements.model.iter().any(|statements| statements.contains("times that pressure"));
     // The land between the two cavities of the shorter strip is a fifth as wide.
     let longest = strip(0, 2e-3, 180e-6);
     let cavities_m = vec![[300e-6, 430e-6], [470e-6, 600e-6]];
