@@ -67,7 +67,8 @@ fn the_chance_comes_first_with_what_is_expected_and_what_limits_it() {
     let at = |what: &str| page.find(what).unwrap_or_else(|| panic!("{what}"));
     assert!(at("chance that a cut sample is on target") < at("95 % of samples"));
     assert!(page.contains("explorer-data"));
-    assert!(at("95 % of samples") < at("What to cut") && at("What to cut") < at("model error"));
+    assert!(at("95 % of samples") < at("Limited mostly by model error"));
+    assert!(at("Limited mostly by model error") < at("What to cut") && at("What to cut") < at("What limits it"));
 }
 
 /// A target from `low_95` to `high_95` has a chance of 95 %, and a target below the median a chance of one half.
