@@ -48,44 +48,63 @@ impl KeyError {
         Self { key, refusal: Refusal::Rule { reason: reason.into(), expected: Some(expected.into()) } }
     }
 
-    /// Refusal for an `error` of the types that the record converts to; what is accepted follows after ": expected".
+    /// Refusal for an `error` of the types that the record converts to, as by [`Refusal::from_error`].
     #[must_use]
     pub fn from_error(key: &'static str, error: &dyn fmt::Display) -> Self {
-        let words = error.to_string();
-        let (reason, expected) = match words.split_once(": expected ") {
-            Some((reason, expected)) => (reason.to_owned(), Some(expected.to_owned())),
-            None => (words, None),
-        };
-        Self { key, refusal: Refusal::Rule { reason, expected } }
+        Self { key, refusal: Refusal::from_error(error) }
     }
 
     /// Converts the number `value` of `key` to SI units.
     ///
     /// # Errors
-    /// [`Refusal::OutOfRange`] if it is not finite or outside the range of `quantity`.
+    /// Error of [`Refusal::number`].
     pub fn number(key: &'static str, value: f64, quantity: Quantity) -> Result<f64, Self> {
-        let refusal = Refusal::OutOfRange { value, quantity };
-        if quantity.accepts(value) { Ok(quantity.to_si(value)) } else { Err(Self { key, refusal }) }
+        Refusal::number(value, quantity).map_err(|refusal| Self { key, refusal })
     }
 
-    /// Selects the one of `all` that is called `name`.
+    /// Selects the one of `all` that the value of `key` names.
     ///
     /// # Errors
-    /// [`Refusal::UnknownName`] if there is none.
+    /// Error of [`Refusal::choice`].
     pub fn choice<T: Copy>(
         key: &'static str,
         name: &str,
         all: &[T],
         name_of: impl Fn(T) -> &'static str,
     ) -> Result<T, Self> {
-        all.iter().copied().find(|one| name_of(*one) == name).ok_or_else(|| {
-            let known = all.iter().map(|one| name_of(*one)).collect();
-            Self { key, refusal: Refusal::UnknownName { name: name.to_owned(), known } }
-        })
+        Refusal::choice(name, all, name_of).map_err(|refusal| Self { key, refusal })
     }
 }
 
 impl Refusal {
+    /// Refusal for an `error`; what is accepted follows after ": expected".
+    #[must_use]
+    pub fn from_error(error: &dyn fmt::Display) -> Self {
+        let words = error.to_string();
+        match words.split_once(": expected ") {
+            Some((reason, expected)) => Self::Rule { reason: reason.to_owned(), expected: Some(expected.to_owned()) },
+            None => Self::Rule { reason: words, expected: None },
+        }
+    }
+
+    /// Converts the number `value` to SI units.
+    ///
+    /// # Errors
+    /// [`Refusal::OutOfRange`] if it is not finite or outside the range of `quantity`.
+    pub fn number(value: f64, quantity: Quantity) -> Result<f64, Self> {
+        if quantity.accepts(value) { Ok(quantity.to_si(value)) } else { Err(Self::OutOfRange { value, quantity }) }
+    }
+
+    /// Selects the one of `all` that is called `name`.
+    ///
+    /// # Errors
+    /// [`Refusal::UnknownName`] if there is none.
+    pub fn choice<T: Copy>(name: &str, all: &[T], name_of: impl Fn(T) -> &'static str) -> Result<T, Self> {
+        let found = all.iter().copied().find(|one| name_of(*one) == name);
+        let known = || all.iter().map(|one| name_of(*one)).collect();
+        found.ok_or_else(|| Self::UnknownName { name: name.to_owned(), known: known() })
+    }
+
     /// What would be accepted, if known.
     #[must_use]
     pub fn expected(&self) -> Option<String> {

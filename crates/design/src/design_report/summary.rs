@@ -74,7 +74,8 @@ impl DesignReport {
     }
 
     /// Main limit of the chance, in words.
-    pub(super) fn limit_in_words(&self) -> Option<String> {
+    #[must_use]
+    pub fn limit_in_words(&self) -> Option<String> {
         let LimitedBy { input, known_to, chance_if_known, .. } = self.limit()?;
         Some(format!("limited mostly by {input} ({known_to}): exactly known, {} chance", percent(*chance_if_known)))
     }

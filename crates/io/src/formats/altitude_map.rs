@@ -3,6 +3,7 @@
 use std::io::BufReader;
 use std::path::Path;
 
+use slipgrid_base::key_error::Refusal;
 use slipgrid_base::monitor::{CancellableReader, Monitor};
 use slipgrid_infer::calibrate::area_law::{AreaLawError, SurfaceWarning};
 use slipgrid_model::material::MAX_FACTOR;
@@ -138,9 +139,9 @@ fn ways(path: &Path, error: &ReadError) -> Diagnostic {
         }
         _ => Vec::new(),
     };
-    let text = error.to_string();
-    let (reason, expected) = text.split_once(": expected ").unwrap_or((&text, ""));
-    Diagnostic::file(path, reason).expected(format!("{expected} ({})", ways.join("; ")))
+    let refusal = Refusal::from_error(error);
+    let expected = refusal.expected().unwrap_or_default();
+    Diagnostic::file(path, refusal.to_string()).expected(format!("{expected} ({})", ways.join("; ")))
 }
 
 /// How an option is given on the command line and in a calibration file.

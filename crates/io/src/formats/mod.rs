@@ -13,7 +13,7 @@
 //! | [`traces`] | tribometer exports |
 //! | [`material`], [`material_uncertainty`] | a material and its uncertainty |
 //! | [`pattern`], [`outline`], [`relief`], [`laser`] | textures, outlines of cavities, rims, measured reliefs, specimens, lasers |
-//! | [`stored_pattern`] | the design of a result |
+//! | [`stored_pattern`] | the design and the specimen of a result |
 //! | [`plausible`], [`unusual`] | numbers that are probably mistakes |
 //! | [`confirmed_scene`], [`written_material`] | output files: the scene of a design, the material of a calibration |
 //!

@@ -144,9 +144,7 @@ pub fn read_pattern(document: &Document, file: &Spanned<PatternFile>) -> Result<
     let pattern = file.get_ref();
     let mut texture = read_texture(document, &pattern.texture, file.span())?;
     if let Some(angle) = &pattern.sliding_angle_deg {
-        texture = texture
-            .with_sliding_angle_deg(document.number(angle, SLIDING_ANGLE_DEG)?)
-            .map_err(|error| document.refuse(angle.span(), error.to_string()))?;
+        texture = slid(document, &texture, document.number(angle, SLIDING_ANGLE_DEG)?, angle.span())?;
     }
     let width_m = document.number(&pattern.width_um, LENGTH_UM)?;
     let spacing_m = document.number(&pattern.spacing_um, LENGTH_UM)?;
@@ -190,9 +188,12 @@ pub fn read_texture(document: &Document, file: &TextureFile, table: Range<usize>
     };
     let texture = record.texture(drawn).map_err(refused)?;
     let Some(angles) = sliding_angle_deg else { return Ok(texture) };
-    texture
-        .with_sliding_angle_deg(list(document, angles, SLIDING_ANGLE_DEG)?[0])
-        .map_err(|error| document.refuse(angles.span(), error.to_string()))
+    slid(document, &texture, list(document, angles, SLIDING_ANGLE_DEG)?[0], angles.span())
+}
+
+/// Texture that slides at `angle_deg`, which stands at `span`.
+fn slid(document: &Document, texture: &Texture, angle_deg: f64, span: Range<usize>) -> Result<Texture, Diagnostic> {
+    texture.with_sliding_angle_deg(angle_deg).map_err(|error| document.refuse(span, error.to_string()))
 }
 
 /// Sliding directions of `file` on `specimen`, without the first, which `texture` has.
@@ -213,8 +214,7 @@ pub fn read_directions(
             found.alike_deg.push(angle_deg);
             continue;
         }
-        let turned = texture.with_sliding_angle_deg(angle_deg);
-        known.push(turned.map_err(|error| document.refuse(angles.span(), error.to_string()))?);
+        known.push(slid(document, texture, angle_deg, angles.span())?);
         found.different_deg.push(angle_deg);
     }
     Ok(found)

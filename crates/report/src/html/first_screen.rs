@@ -81,12 +81,7 @@ fn is_worth_cutting(report: &DesignReport) -> bool {
 fn expected_words(report: &DesignReport) -> Option<String> {
     let at = report.sample.expected.get(shown(report))?;
     let quantity = if report.is_ratio() { "a ratio to flat friction of" } else { "a friction coefficient of" };
-    let limit = report.limit().map_or_else(String::new, |LimitedBy { input, known_to, chance_if_known, .. }| {
-        format!(
-            " Limited mostly by {input} ({known_to}): if it were known exactly, {} chance.",
-            percent(*chance_if_known)
-        )
-    });
+    let limit = report.limit_in_words().map_or_else(String::new, |words| format!(" {}", sentence(&words)));
     let asked = match at.target_in_words().as_str() {
         "-" => String::new(),
         words => format!(" Accepted: {words}."),

@@ -1,5 +1,6 @@
 //! Tests of the contents of TOML refusals.
 
+use super::explain::replace_word;
 use super::*;
 
 #[derive(serde::Deserialize, Debug)]

@@ -10,6 +10,7 @@ mod svg;
 use std::ops::Range;
 use std::path::Path;
 
+use slipgrid_base::key_error::Refusal;
 use slipgrid_model::pattern::{OutlineError, Polygon};
 use toml::Spanned;
 
@@ -95,10 +96,10 @@ pub fn read_drawing(source: &Source, path: &Path, layer: Option<&str>) -> Result
 
 /// Diagnostic for `error` at the position `at`.
 fn refused(at: Diagnostic, error: &OutlineError) -> Diagnostic {
-    let text = error.to_string();
-    let (reason, expected) = text.split_once(": expected ").unwrap_or((&text, "a closed outline"));
+    let refusal = Refusal::from_error(error);
+    let expected = refusal.expected().unwrap_or_else(|| "a closed outline".to_owned());
     // A list of vertices is too long to repeat, so the message names the corner.
-    Diagnostic { reason: reason.to_owned(), value: None, ..at }.expected(expected)
+    Diagnostic { reason: refusal.to_string(), value: None, ..at }.expected(expected)
 }
 
 fn has_extension(name: &str, extension: &str) -> bool {
