@@ -38,7 +38,7 @@ impl<'de> Deserialize<'de> for Keys {
                         // A date would be read as a text.
                         if value.get_ref().is_datetime() {
                             return Err(A::Error::custom(format!(
-                                "`{key}`: invalid type: date, expected a text in quotes"
+                                "`{key}`: invalid type: date, expected a text in quotes, a number or a list"
                             )));
                         }
                         keys.rest.insert(key, value);

@@ -118,7 +118,8 @@ fn read_face(document: &Document, table: &Spanned<FaceFile>) -> Result<Specimen,
     let (shape, cavities) = (shape.to_owned(), file.cavities.as_ref().map(|name| name.get_ref().clone()));
     let record =
         SpecimenRecord { shape, diameter_mm, length_mm, width_mm, outer_diameter_mm, inner_diameter_mm, cavities };
-    record.specimen().map_err(|error| match &file.radius_mm {
+    // A disc given by its radius has no key for the diameter.
+    record.specimen().map_err(|error| match file.radius_mm.as_ref().filter(|_| error.key == "diameter_mm") {
         Some(radius) => document.refuse(radius.span(), "is the radius of no specimen").expected("at most 5000 mm"),
         None => document.refuse_key(&table.span(), &error),
     })
@@ -166,6 +167,12 @@ mod tests {
             StatedSpecimen::read(&document, &table, usual).map_err(|refused| refused.to_string())
         };
         Ok(read(own, Some(read(usual, None)?))?.cut())
+    }
+
+    #[test]
+    fn a_refused_key_beside_a_radius_is_named_by_itself() {
+        let refused = cut("", "cavities = \"cut\"").unwrap_err();
+        assert!(refused.starts_with("c.toml:2: cavities: \"cut\" is not known; expected \"whole\""), "{refused}");
     }
 
     #[test]

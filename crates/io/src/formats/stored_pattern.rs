@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use serde::Serialize;
-use slipgrid_base::key_error::KeyError;
+use slipgrid_base::key_error::{KeyError, Refusal};
 use slipgrid_design::results::PatternReport;
 use slipgrid_laser::export::{Specimen, SpecimenRecord};
 use slipgrid_model::pattern::Pattern;
@@ -28,7 +28,12 @@ pub fn stored_specimen(path: &Path, specimen: &SpecimenRecord) -> Result<Specime
 
 /// Refuses a key of `record`, which is the table `name` of the result at `path`.
 fn refuse(path: &Path, (name, record): (&str, &impl Serialize), error: &KeyError) -> Diagnostic {
-    let value = serde_json::to_value(record).ok().and_then(|record| Some(record.get(error.key)?.to_string()));
+    let value = serde_json::to_value(record).ok().and_then(|record| record.get(error.key).cloned());
+    let value = value.map(|value| match &error.refusal {
+        // The number of the list that is refused.
+        Refusal::OutOfRange { value: number, .. } if value.is_array() => number.to_string(),
+        _ => value.to_string(),
+    });
     Diagnostic {
         key: Some(format!("{name}.{}", error.key).into()),
         value: value.map(Into::into),

@@ -86,8 +86,11 @@ fn expected_words(report: &DesignReport) -> Option<String> {
         "-" => String::new(),
         words => format!(" Accepted: {words}."),
     };
+    // Where a trial meets the target, the page shows another texture.
+    let sample =
+        if report.advice == "trial_meets_it" { "a sample of the texture on this page" } else { "a cut sample" };
     Some(format!(
-        "At {} MPa a cut sample is expected to have {quantity} {} (95 % of samples: {}).{asked}{limit}",
+        "At {} MPa {sample} is expected to have {quantity} {} (95 % of samples: {}).{asked}{limit}",
         plain(at.pressure_mpa),
         number(at.median, 3),
         believed_interval([at.low_95, at.high_95]),
