@@ -4,8 +4,8 @@
 //! |---|---|
 //! | [`console`] | fenced blocks of a chapter, and comparison of a command's output with the chapter |
 //! | [`links`] | links and anchors of a chapter |
-//! | [`keys`] | the keys of a file, read from the source text of the types that read it |
-//! | [`schema`] | JSON schemas of these keys, and validation of files |
+//! | [`keys`] | keys of a file, from the JSON schema of its table |
+//! | [`schema`] | JSON schemas of files, completed, and validation of files by them |
 //!
 //! This crate opens no files; its tests do. Two numbers of a line agree if they differ by at most two parts in a
 //! thousand plus 1.5 units of the last digit that the book shows:

@@ -1,108 +1,79 @@
-//! JSON schemas of files, and validation of files by them.
+//! JSON schemas of files: what the types do not say is added, and files are validated.
 //!
 //! A schema contains only these keywords of JSON Schema (draft 07, which TOML editors support): `type`, `properties`,
-//! `required`, `additionalProperties`, `items`, `minItems`, `anyOf`, `enum`, `minimum`, `exclusiveMinimum`, `maximum`,
-//! `description`, `default`.
+//! `required`, `additionalProperties`, `items`, `minItems`, `maxItems`, `anyOf`, `enum`, `minimum`, `exclusiveMinimum`,
+//! `maximum`, `description`, `default`.
 
 use std::collections::BTreeMap;
 
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
 
-use crate::keys::{Key, Place, Shape, Types};
+use crate::keys::{Key, has_type, keys};
 
 /// Values that a reader accepts, by the dotted path of the key, such as "a number above 0 up to 10 um" or "\"a\" or
 /// \"b\"".
 pub type Accepted = BTreeMap<String, String>;
 
-/// Creates the schema of a file with the root structure `root`, a `title` and the `version` of the format.
-///
-/// # Errors
-/// Message about an unknown structure or type.
-pub fn schema(
-    types: &Types,
-    root: &Place,
-    (title, version): (&str, u32),
-    accepted: &Accepted,
-) -> Result<Value, String> {
-    let mut object = table(types, root, "", accepted)?;
-    if let Some(object) = object.as_object_mut() {
-        object.insert("$schema".to_owned(), json!("http://json-schema.org/draft-07/schema#"));
-        // Taplo takes a schema only if this is an absolute URI.
-        object.insert("$id".to_owned(), json!(format!("urn:slipgrid:schema:{title}-{version}")));
-        object.insert("title".to_owned(), json!(format!("slipgrid {title}, schema {version}")));
-    }
-    Ok(object)
+/// Completes the `schema` of a type to that of a file with a `title` and the `version` of the format: adds units,
+/// defaults, and the ranges that are `accepted`.
+#[must_use]
+pub fn file_schema(schema: &Value, (title, version): (&str, u32), accepted: &Accepted) -> Value {
+    let mut file = schema.clone();
+    complete(&mut file, "", accepted);
+    // Taplo takes a schema only if its id is an absolute URI.
+    file["$id"] = json!(format!("urn:slipgrid:schema:{title}-{version}"));
+    file["title"] = json!(format!("slipgrid {title}, schema {version}"));
+    file
 }
 
-fn table(types: &Types, place: &Place, path: &str, accepted: &Accepted) -> Result<Value, String> {
-    let table = types.table(place)?;
-    let mut properties = Map::new();
-    for key in &table.keys {
-        let path = if path.is_empty() { key.name.clone() } else { format!("{path}.{}", key.name) };
-        let mut property = value(types, &key.shape, &path, accepted)?;
-        if types.is_record() && !key.is_required {
-            property = json!({ "anyOf": [{ "type": "null" }, property] });
+/// Completes the keys of the table with the schema `table`, at `path`.
+fn complete(table: &mut Value, path: &str, accepted: &Accepted) {
+    let own: Vec<(String, String, String, Option<Value>)> = keys(table)
+        .map(|key| {
+            let unit = key.unit();
+            let meaning =
+                if unit.is_empty() { key.meaning().to_owned() } else { format!("{} In {unit}.", key.meaning()) };
+            (key.name.to_owned(), key.path(path), meaning, default(&key))
+        })
+        .collect();
+    for (name, path, meaning, default) in own {
+        let value = &mut table["properties"][&name];
+        restrict(value, &path, accepted);
+        if value.is_boolean() {
+            *value = json!({});
         }
-        if let Some(object) = property.as_object_mut() {
-            object.insert("description".to_owned(), json!(describe(key)));
-            if let Some(default) = key.default().and_then(|words| literal(words, &key.shape)) {
-                object.insert("default".to_owned(), default);
-            }
+        value["description"] = json!(meaning);
+        if let Some(default) = default {
+            value["default"] = default;
         }
-        properties.insert(key.name.clone(), property);
     }
-    // What is not said is left out of a record or is null there.
-    let is_required = |key: &&Key| key.is_required;
-    let required: Vec<&str> = table.keys.iter().filter(is_required).map(|key| key.name.as_str()).collect();
-    // A line `#:schema` is a comment; a key `$schema` would be refused.
-    Ok(json!({
-        "type": "object",
-        "description": table.meaning,
-        "additionalProperties": false,
-        "properties": properties,
-        "required": required,
-    }))
 }
 
-/// Description of a key, with its unit.
-fn describe(key: &Key) -> String {
-    let unit = key.unit();
-    if unit.is_empty() { key.meaning.clone() } else { format!("{} In {unit}.", key.meaning) }
-}
-
-fn value(types: &Types, shape: &Shape, path: &str, accepted: &Accepted) -> Result<Value, String> {
-    let range = accepted.get(path).map(String::as_str);
-    Ok(match shape {
-        Shape::Number => number("number", range),
-        Shape::Whole => number("integer", range),
-        Shape::Flag => json!({ "type": "boolean" }),
-        Shape::Text => match range.and_then(names) {
-            Some(names) => json!({ "type": "string", "enum": names }),
-            None => json!({ "type": "string" }),
-        },
-        Shape::Any => json!({}),
-        Shape::OneOrMore => {
-            json!({ "anyOf": [number("number", range), { "type": "array", "items": number("number", range), "minItems": 1 }] })
-        }
-        Shape::List(of) => json!({ "type": "array", "items": value(types, of, path, accepted)? }),
-        Shape::OrNull(of) => json!({ "anyOf": [{ "type": "null" }, value(types, of, path, accepted)?] }),
-        Shape::PathOr(of) => json!({ "anyOf": [{ "type": "string" }, value(types, of, path, accepted)?] }),
-        Shape::Table(place) => table(types, place, path, accepted)?,
-    })
-}
-
-/// Schema of a number within the range that a reader accepts.
-fn number(kind: &str, range: Option<&str>) -> Value {
-    let mut schema = Map::from_iter([("type".to_owned(), json!(kind))]);
-    if let Some((from, above, most)) = range.and_then(ends) {
-        let least = if above { "exclusiveMinimum" } else { "minimum" };
-        schema.insert(least.to_owned(), json!(from));
-        schema.insert("maximum".to_owned(), json!(most));
-    } else if kind == "integer" {
-        // Whole numbers are read without a sign.
-        schema.insert("minimum".to_owned(), json!(0));
+/// Adds the range that is accepted at `path` to the schema `value`, and completes the tables in it.
+fn restrict(value: &mut Value, path: &str, accepted: &Accepted) {
+    // A key that takes any value has the schema `true`.
+    if !value.is_object() {
+        return;
     }
-    Value::Object(schema)
+    if value["properties"].is_object() {
+        complete(value, path, accepted);
+    }
+    for either in value["anyOf"].as_array_mut().into_iter().flatten() {
+        restrict(either, path, accepted);
+    }
+    if let Some(items) = value.get_mut("items") {
+        restrict(items, path, accepted);
+    }
+    let Some(range) = accepted.get(path).filter(|_| value["anyOf"].is_null()) else { return };
+    if let Some((from, is_above, most)) =
+        ends(range).filter(|_| has_type(value, "number") || has_type(value, "integer"))
+    {
+        value.as_object_mut().into_iter().for_each(|value| drop(value.remove("minimum")));
+        value[if is_above { "exclusiveMinimum" } else { "minimum" }] = json!(from);
+        value["maximum"] = json!(most);
+    } else if let Some(names) = names(range).filter(|_| has_type(value, "string")) {
+        value["enum"] = json!(names);
+    }
 }
 
 /// Whether the words of a refusal contain a range or names, which a schema can express.
@@ -128,16 +99,18 @@ fn names(range: &str) -> Option<Vec<&str>> {
     names.into_iter().map(|name| name.strip_prefix('"')?.strip_suffix('"').filter(|name| !name.contains('"'))).collect()
 }
 
-/// Converts a default in words, such as "0.05", "`round`" or "false", into a value of the kind `shape`.
+/// Default of `key` in words, such as "0.05", "`round`" or "false", as a value.
 #[must_use]
-pub fn literal(words: &str, shape: &Shape) -> Option<Value> {
-    match shape {
-        Shape::Number | Shape::OneOrMore => words.parse::<f64>().ok().map(|number| json!(number)),
-        Shape::Whole => words.parse::<u64>().ok().map(|number| json!(number)),
-        Shape::Flag => words.parse::<bool>().ok().map(|flag| json!(flag)),
-        Shape::Text => words.strip_prefix('`')?.strip_suffix('`').map(|name| json!(name)),
-        Shape::List(_) => serde_json::from_str(words).ok(),
-        _ => None,
+pub fn default(key: &Key<'_>) -> Option<Value> {
+    let (words, has) = (key.default()?, |kind| has_type(key.schema, kind));
+    let number = || words.parse::<f64>().ok().map(|number| json!(number));
+    match () {
+        () if has("number") => number(),
+        () if has("integer") => words.parse::<u64>().ok().map(|number| json!(number)),
+        () if has("boolean") => words.parse::<bool>().ok().map(|flag| json!(flag)),
+        () if has("string") => words.strip_prefix('`')?.strip_suffix('`').map(|name| json!(name)),
+        () if has("array") => serde_json::from_str(words).ok(),
+        () => None,
     }
 }
 
@@ -150,20 +123,22 @@ pub fn violations(schema: &Value, value: &Value) -> Vec<String> {
 }
 
 fn check(schema: &Value, value: &Value, path: &str, found: &mut Vec<String>) {
-    if let Some(kind) = schema["type"].as_str() {
-        let fits = match kind {
-            "number" => value.is_number(),
-            "integer" => value.is_u64() || value.is_i64(),
-            "boolean" => value.is_boolean(),
-            "string" => value.is_string(),
-            "null" => value.is_null(),
-            "array" => value.is_array(),
-            _ => value.is_object(),
-        };
-        if !fits {
-            found.push(format!("{path} is no {kind}"));
-            return;
-        }
+    let fits = |kind: &str| match kind {
+        "number" => value.is_number(),
+        "integer" => value.is_u64() || value.is_i64(),
+        "boolean" => value.is_boolean(),
+        "string" => value.is_string(),
+        "null" => value.is_null(),
+        "array" => value.is_array(),
+        _ => value.is_object(),
+    };
+    let kinds: Vec<&str> = match &schema["type"] {
+        Value::Array(kinds) => kinds.iter().filter_map(Value::as_str).collect(),
+        kind => kind.as_str().into_iter().collect(),
+    };
+    if !kinds.is_empty() && !kinds.iter().any(|kind| fits(kind)) {
+        found.push(format!("{path} is no {}", kinds.join(" or ")));
+        return;
     }
     if let Some(names) = schema["enum"].as_array().filter(|names| !names.contains(value)) {
         found.push(format!("{path} is none of {names:?}"));
@@ -185,14 +160,18 @@ fn check(schema: &Value, value: &Value, path: &str, found: &mut Vec<String>) {
                 found
             })
             .collect();
-        // Of several that do not fit the last, a table or a list, says most.
+        // If none fits, the violations of the last, a table or a list, are the most specific.
         if !tried.iter().any(Vec::is_empty) {
             found.extend(tried.into_iter().next_back().unwrap_or_default());
         }
     }
     if let Some(list) = value.as_array() {
-        if schema["minItems"].as_u64().is_some_and(|least| (list.len() as u64) < least) {
+        let count = list.len() as u64;
+        if schema["minItems"].as_u64().is_some_and(|least| count < least) {
             found.push(format!("{path} is too short"));
+        }
+        if schema["maxItems"].as_u64().is_some_and(|most| count > most) {
+            found.push(format!("{path} is too long"));
         }
         for item in list {
             check(&schema["items"], item, path, found);
@@ -219,38 +198,30 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_a_reader_accepts_becomes_a_range_and_what_is_outside_violates_it() {
-        let types = Types::new([(
-            "a.rs",
-            "#[derive(Deserialize)]\nstruct A {\n    /// Width; 3 when absent.\n    width_um: Option<Number>,\n    kind: String,\n    seed: Option<u64>,\n}\n",
-        )]);
+    fn accepted_values_become_a_range_and_values_outside_violate_it() {
+        let table = json!({
+            "type": "object",
+            "properties": {
+                "width_um": { "type": "number", "description": "Width; 3 when absent." },
+                "kind": { "type": "string" },
+                "seed": { "type": "integer", "minimum": 0 },
+                "lowest_um": { "type": "array", "items": { "type": ["number", "null"] } },
+            },
+            "required": ["kind"],
+        });
         let accepted = Accepted::from([
             ("width_um".to_owned(), "a number above 0 up to 10 um".to_owned()),
             ("kind".to_owned(), "\"x\" or \"y\"".to_owned()),
         ]);
-        let root = ("a.rs".to_owned(), "A".to_owned());
-        let schema = schema(&types, &root, ("a", 1), &accepted).unwrap();
+        let schema = file_schema(&table, ("a", 1), &accepted);
         assert_eq!(schema["properties"]["width_um"]["default"], json!(3.0));
         let of = |text: &str| violations(&schema, &serde_json::from_str(text).unwrap());
-        assert!(of(r#"{"width_um": 10.0, "kind": "x"}"#).is_empty());
+        assert!(of(r#"{"width_um": 10.0, "kind": "x", "lowest_um": [null, 1.0]}"#).is_empty());
         assert_eq!(of(r#"{"width_um": 0.0, "kind": "x"}"#), ["width_um is out of range"]);
         assert_eq!(of(r#"{"widht_um": 1.0, "kind": "x"}"#), ["widht_um is not a known key"]);
         assert_eq!(of(r#"{"kind": "x", "seed": -1}"#), ["seed is out of range"]);
+        assert_eq!(of(r#"{"kind": "x", "lowest_um": ["x"]}"#), ["lowest_um is no number or null"]);
         assert_eq!(of("{}"), ["kind is missing"]);
         assert_eq!(of(r#"{"kind": "z"}"#).len(), 1);
-    }
-
-    #[test]
-    fn an_element_of_a_list_may_be_null_where_its_type_may_be_absent() {
-        let text =
-            "#[derive(Deserialize)]\nstruct A {\n    lowest_um: Vec<Option<f64>>,\n    highest_um: Vec<f64>,\n}\n";
-        let types = Types::new([("a.rs", text)]).records();
-        let root = ("a.rs".to_owned(), "A".to_owned());
-        let known = schema(&types, &root, ("a", 1), &Accepted::new()).unwrap();
-        let of = |text: &str| violations(&known, &serde_json::from_str(text).unwrap());
-        assert!(of(r#"{"lowest_um": [null, 1.0], "highest_um": []}"#).is_empty());
-        assert_eq!(of(r#"{"lowest_um": ["x"], "highest_um": [null]}"#).len(), 2);
-        let keys = types.table(&root).unwrap().keys;
-        assert_eq!((keys[0].unit(), &*keys[0].shape.words()), ("\u{b5}m", "list of numbers, or nulls"));
     }
 }

@@ -1,8 +1,9 @@
 //! Finds the values that readers accept for a key: writes an invalid value and parses the refusal.
 
 use std::path::{Path, PathBuf};
+use std::sync::LazyLock;
 
-use slipgrid_book::keys::{Key, Place, Shape, Types};
+use slipgrid_book::keys::{all_keys, has_type};
 use slipgrid_book::schema::{Accepted, is_judged};
 use slipgrid_io::campaign::plan;
 use slipgrid_io::disk::disk;
@@ -13,15 +14,15 @@ use slipgrid_io::formats::scene::{SceneFile, SceneInput};
 use slipgrid_io::formats::{Diagnostic, Document};
 use toml::{Table, Value};
 
-use crate::{files, root, text};
+use crate::{root, text};
 
-/// Kind of file, with its root structure, examples that contain all tables, and its reader, which returns the read
-/// values as text.
+/// Schemas of the types that are read, by the kind of file.
+static SCHEMAS: LazyLock<[(&str, serde_json::Value); 5]> = LazyLock::new(slipgrid_io::schemas);
+
+/// Kind of file, with examples that contain all tables, and its reader, which returns the read values as text.
 pub struct Kind {
     /// Name of the kind.
     pub name: &'static str,
-    /// Root structure: source file and name.
-    pub root: (&'static str, &'static str),
     /// Description of the kind of file in one sentence.
     pub meaning: &'static str,
     /// Accepted files of this kind, which together contain every table.
@@ -33,7 +34,6 @@ pub struct Kind {
 pub const KINDS: [Kind; 5] = [
     Kind {
         name: "material",
-        root: ("material.rs", "MaterialFile"),
         meaning: "A material as `calibrate` writes it; a scene or a design may hold the same keys in its table `[material]`.",
         examples: materials,
         read: |path, text| {
@@ -44,14 +44,12 @@ pub const KINDS: [Kind; 5] = [
     },
     Kind {
         name: "design",
-        root: ("design.rs", "DesignFile"),
         meaning: "What is wanted of a surface, read by `optimize`, `next` and `explore`.",
         examples: designs,
         read: |path, text| Ok(format!("{:?}", Design::from_document(Document::within(&disk(), path, text))?.task)),
     },
     Kind {
         name: "scene",
-        root: ("scene.rs", "SceneFile"),
         meaning: "One surface under given loads, read by `simulate` and `accuracy`.",
         examples: scenes,
         read: |path, text| {
@@ -63,14 +61,12 @@ pub const KINDS: [Kind; 5] = [
     },
     Kind {
         name: "calibration",
-        root: ("calibration_file.rs", "CalibrationFile"),
         meaning: "What was measured, read by `calibrate`, `traces` and `trials`, and by every command that takes a material.",
         examples: calibrations,
         read: |path, text| Ok(format!("{:?}", Calibration::from_document(&Document::within(&disk(), path, text))?)),
     },
     Kind {
         name: "campaign",
-        root: ("plan.rs", "CampaignFile"),
         meaning: "Many scenes or designs, read by `campaign plan`.",
         examples: campaigns,
         read: |path, text| {
@@ -87,30 +83,6 @@ pub const KINDS: [Kind; 5] = [
         },
     },
 ];
-
-/// Records of textures and specimens, in files that are read and that are written.
-const RECORDS: [&str; 2] = ["crates/model/src/pattern/record.rs", "crates/laser/src/export/specimen_record.rs"];
-
-/// Types of the files that are read, from their source files.
-pub fn types() -> Types {
-    let mut sources = files(&root().join("crates/io/src/formats"), ".rs");
-    sources.extend(["plan.rs", "varied.rs"].map(|name| root().join("crates/io/src/campaign").join(name)));
-    sources.extend(RECORDS.map(|path| root().join(path)));
-    let named = |path: &PathBuf| (path.file_name().unwrap().to_str().unwrap().to_owned(), text(path));
-    let read: Vec<(String, String)> = sources.iter().map(named).collect();
-    Types::new(read.iter().map(|(name, text)| (name.as_str(), text.as_str())))
-}
-
-/// Types of the records that are written, from their source files.
-pub fn records() -> Types {
-    let crates = root().join("crates");
-    let all = ["design/src", "laser/src/export"].iter().flat_map(|folder| files(&crates.join(folder), ".rs"));
-    let all = all.chain([root().join(RECORDS[0])]);
-    // Names of files occur in several crates.
-    let named = |path: PathBuf| (path.strip_prefix(&crates).unwrap().display().to_string(), text(&path));
-    let read: Vec<(String, String)> = all.map(named).collect();
-    Types::new(read.iter().map(|(name, text)| (name.as_str(), text.as_str()))).records()
-}
 
 fn template(name: &str) -> String {
     text(&root().join("crates/cli/src/templates").join(name))
@@ -251,21 +223,22 @@ fn put(table: &mut Table, path: &[&str], value: &Value) -> bool {
     }
 }
 
-/// Value of the kind `shape` that no reader accepts; `None` for other kinds.
-fn nonsense(shape: &Shape) -> Option<Value> {
-    Some(match shape {
-        Shape::Number | Shape::OneOrMore => Value::Float(-1e300),
-        Shape::Whole => Value::Integer(i64::MAX),
-        Shape::Text => Value::String("?".to_owned()),
-        Shape::List(of) => Value::Array(vec![nonsense(of)?]),
-        _ => return None,
+/// Value of the type of `schema` that no reader accepts; `None` for tables and flags.
+fn nonsense(schema: &serde_json::Value) -> Option<Value> {
+    let has = |kind| has_type(schema, kind);
+    Some(match () {
+        () if has("number") => Value::Float(-1e300),
+        () if has("integer") => Value::Integer(i64::MAX),
+        () if has("string") && !has("object") => Value::String("?".to_owned()),
+        () if has("array") => Value::Array(vec![nonsense(&schema["items"])?]),
+        () => return None,
     })
 }
 
 impl Kind {
-    /// Place of the root structure.
-    pub fn root(&self) -> Place {
-        (self.root.0.to_owned(), self.root.1.to_owned())
+    /// Schema of the type that is read.
+    pub fn schema(&self) -> &'static serde_json::Value {
+        &SCHEMAS.iter().find(|(name, _)| *name == self.name).unwrap().1
     }
 
     /// Examples as tables, each with the path under which it is read.
@@ -282,24 +255,17 @@ impl Kind {
         (self.read)(path, &toml::to_string(table).unwrap())
     }
 
-    /// All keys of the files of this kind, by dotted path.
-    pub fn keys(&self, types: &Types) -> Vec<(String, Key)> {
-        let mut found = Vec::new();
-        collect(types, &self.root(), "", &mut found);
-        found
-    }
-
     /// Accepted values of each key, as the reader's refusals state them.
-    pub fn accepted(&self, types: &Types) -> Accepted {
+    pub fn accepted(&self) -> Accepted {
         let examples = self.examples();
         let mut accepted = Accepted::new();
         // A scene and a design hold a material, or name the file of one.
         if ["design", "scene"].contains(&self.name) {
-            let inner = KINDS.into_iter().find(|kind| kind.name == "material").unwrap().accepted(types);
+            let inner = KINDS.into_iter().find(|kind| kind.name == "material").unwrap().accepted();
             accepted.extend(inner.into_iter().map(|(path, range)| (format!("material.{path}"), range)));
         }
-        for (path, key) in self.keys(types) {
-            let Some(value) = nonsense(&key.shape) else { continue };
+        for (path, key) in all_keys(self.schema()) {
+            let Some(value) = nonsense(key.schema) else { continue };
             let parts: Vec<&str> = path.split('.').collect();
             for (file, example) in &examples {
                 let mut spoiled = example.clone();
@@ -323,16 +289,6 @@ impl Kind {
             }
         }
         accepted
-    }
-}
-
-fn collect(types: &Types, place: &Place, path: &str, found: &mut Vec<(String, Key)>) {
-    for key in types.table(place).unwrap().keys {
-        let path = if path.is_empty() { key.name.clone() } else { format!("{path}.{}", key.name) };
-        found.push((path.clone(), key.clone()));
-        if let Some(inner) = key.shape.table() {
-            collect(types, inner, &path, found);
-        }
     }
 }
 

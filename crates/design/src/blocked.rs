@@ -5,6 +5,7 @@ use std::fmt;
 
 use crate::optimize::DesignSpace;
 use crate::results::PatternReport;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use slipgrid_base::units::{LENGTH_UM, tidy};
 use slipgrid_model::pattern::Pattern;
@@ -21,7 +22,7 @@ const WIDER: f64 = 2.0;
 const AT_BOUND: f64 = 0.05;
 
 /// Maximum chance without one limit or bound.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct LiftedReport {
     /// Name of the limit or bound, in words.
     pub what: String,

@@ -8,6 +8,7 @@ pub(crate) use summary::samples_table;
 use std::borrow::Cow;
 
 use crate::optimize::{Goal, Quantity};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use slipgrid_base::units::{counted, tidy};
 use slipgrid_laser::export::{Laser, Removal, SpecimenRecord, Tolerances};
@@ -27,7 +28,7 @@ use crate::trade_offs::TradeOffsReport;
 pub const SCHEMA: u32 = 2;
 
 /// result.json of `optimize`.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct DesignReport {
     /// Program name, `slipgrid`.
     pub program: Cow<'static, str>,
@@ -129,7 +130,7 @@ pub struct DesignReport {
 }
 
 /// Result for a goal.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct GoalReport {
     /// `lowest`, `highest` or `even`.
     pub goal: Cow<'static, str>,

@@ -1,6 +1,7 @@
 //! Samples to cut next, as JSON and as text.
 
 use crate::results::{MaterialReport, SCREEN_WIDTH, doubt_in_brief, wrapped};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use slipgrid_base::units::counted;
 use slipgrid_base::units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, tidy};
@@ -13,7 +14,7 @@ use crate::prediction::{SampleReport, percent};
 use crate::search::ALIKE;
 
 /// Samples to cut next.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct NextReport {
     /// Program name.
     pub program: String,
@@ -64,7 +65,7 @@ pub struct NextReport {
 }
 
 /// Specimen on which the samples are sectors.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct OneDiscReport {
     /// Name of the specimen, for the field `disc` of its trials.
     pub name: String,
@@ -85,7 +86,7 @@ const OF_A_RECTANGLE: &str = "the specimen is a rectangle: its sectors meet in i
                               lie as that of a whole specimen";
 
 /// Sample as a sector.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct SectorReport {
     /// Direction of the middle of the sector on the specimen, anticlockwise from x.
     pub middle_deg: f64,
@@ -136,7 +137,7 @@ impl OneDiscReport {
 }
 
 /// Prediction of a sample's ratio at one load by the model and the trials.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct RatioPrediction {
     /// Nominal pressure.
     pub pressure_mpa: f64,

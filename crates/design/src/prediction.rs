@@ -1,6 +1,7 @@
 //! Prediction of a cut sample: the one distribution that all chances, intervals and shares are computed from.
 
 use crate::results::PatternReport;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use slipgrid_base::units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, tidy};
 use slipgrid_infer::discrepancy::{Prediction as Distribution, Predictor, Score, Sensitivity, information};
@@ -214,7 +215,7 @@ impl Prediction {
 }
 
 /// Sample that could be cut, with its prediction; `optimize` and `next` use the same fields.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct SampleReport {
     /// Texture of the sample.
     pub design: PatternReport,
@@ -247,7 +248,7 @@ impl SampleReport {
 }
 
 /// Predicted values of a cut sample at one load, in the quantity of the target, with the accepted band.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Expected {
     /// Nominal pressure.
     pub pressure_mpa: f64,
@@ -279,7 +280,7 @@ impl Expected {
 }
 
 /// Ratio by the model alone for a texture as cut, at one load.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ModelledRatio {
     /// Nominal pressure.
     pub pressure_mpa: f64,
@@ -290,7 +291,7 @@ pub struct ModelledRatio {
 }
 
 /// Uncertain input that limits the chance.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct LimitedBy {
     /// Name of the input, in words.
     pub input: String,

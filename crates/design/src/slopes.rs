@@ -1,5 +1,6 @@
 //! Derivatives of expected values of a sample with respect to its dimensions.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use slipgrid_base::units::{LENGTH_UM, tidy};
 
@@ -8,7 +9,7 @@ use crate::prediction::Prediction;
 use crate::search::Search;
 
 /// Derivative of expected values along one dimension.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct SlopeReport {
     /// `width_um`, `spacing_um` or `depth_um`.
     pub dimension: String,

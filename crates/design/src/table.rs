@@ -9,6 +9,7 @@
 
 use crate::optimize::{ModelFailure, Tolerances};
 use rayon::prelude::*;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use slipgrid_base::monitor::{Monitor, Part};
 use slipgrid_base::statistics::{Axis, Normals, ResponseSurface, median, normal_probability};
@@ -71,7 +72,7 @@ impl Scope {
 }
 
 /// Error and cost of a table.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct TableReport {
     /// Number of nodes.
     pub nodes: usize,

@@ -4,11 +4,12 @@ use std::borrow::Cow;
 
 use crate::optimize::{Demand, Target, Wanted};
 use crate::results::fixed;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use slipgrid_base::units::PRESSURE_MPA;
 
 /// Record of a target in result.json.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct TargetReport {
     /// `ratio` or `mu_dynamic`.
     pub quantity: Cow<'static, str>,
@@ -29,7 +30,7 @@ pub struct TargetReport {
 }
 
 /// Tolerance for all pressures, or for each pressure.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(untagged)]
 pub enum Tolerance {
     /// One tolerance for all pressures.

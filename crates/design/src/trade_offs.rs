@@ -6,6 +6,7 @@ use std::borrow::Cow;
 
 use crate::results::PatternReport;
 use rayon::prelude::*;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use slipgrid_base::units::{PRESSURE_MPA, tidy};
 use slipgrid_model::pattern::Pattern;
@@ -39,7 +40,7 @@ pub struct Compared {
 }
 
 /// Record of the trade-offs in result.json.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct TradeOffsReport {
     /// Columns of trade-offs.csv for the goals.
     pub goals: Vec<Cow<'static, str>>,
@@ -58,7 +59,7 @@ pub struct TradeOffsReport {
 }
 
 /// Design of the front.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ListedDesign {
     /// Texture of the design.
     pub design: PatternReport,

@@ -5,6 +5,7 @@
 //! | [`formats`] | scene, design, calibration and material files |
 //! | [`campaign`] | many scenes or designs as tasks for any number of machines |
 //! | [`Outputs`] | files of one result, in memory |
+//! | [`schemas()`] | JSON schemas of the files that are read |
 //! | [`disk`] | access to files, results and the cache on a disk |
 //!
 //! Only [`disk`] opens files, reads the clock or the environment; nothing prints.
@@ -21,5 +22,7 @@ pub mod campaign;
 pub mod disk;
 pub mod formats;
 mod outputs;
+mod schemas;
 
 pub use outputs::{Content, Outputs};
+pub use schemas::{record_schema, schemas, sheet_schema};

@@ -1,12 +1,13 @@
 //! Results of a scene multiplied by the discrepancy that trials show.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::errors::ErrorReport;
 use super::table::{Table, fixed};
 
 /// Ratio and friction corrected by the discrepancy that trials show.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct CorrectedReport {
     /// Number of trials used.
     pub trials: usize,
@@ -15,7 +16,7 @@ pub struct CorrectedReport {
 }
 
 /// Corrected values at one pressure.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct CorrectedAt {
     /// Nominal pressure.
     pub pressure_mpa: f64,

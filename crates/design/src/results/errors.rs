@@ -1,6 +1,7 @@
 //! Errors of friction coefficients and ratios, separated into their sources: run, calibration and, for corrected
 //! values, the discrepancy.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use slipgrid_base::units::tidy;
 use slipgrid_infer::calibrate::uncertainty::Deviation;
@@ -26,7 +27,7 @@ pub const NO_SLOPES: &str =
     "errors of the material's values (with slightly changed values the scene could not be solved)";
 
 /// Errors of the results of one scene.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ErrorsReport {
     /// Summary of the included and the unknown errors in one sentence.
     pub meaning: String,
@@ -39,7 +40,7 @@ pub struct ErrorsReport {
 }
 
 /// Values at one pressure with their errors.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct PressureErrors {
     /// Nominal pressure.
     pub pressure_mpa: f64,
@@ -60,7 +61,7 @@ pub struct PressureErrors {
 }
 
 /// Value with its standard deviation and interval.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ErrorReport {
     /// Value; null if the run gave none.
     pub value: Option<f64>,
@@ -74,7 +75,7 @@ pub struct ErrorReport {
 }
 
 /// Contribution of one source of error.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct PartsReport {
     /// Name of the source.
     pub input: String,

@@ -45,7 +45,7 @@ pub use simulation::{
     model_notes, unresolved, warnings,
 };
 pub use table::{Table, fixed, with_error};
-pub use timings::json_and_timings;
+pub use timings::{TIMES, json_and_timings};
 
 /// Version of the program, written into every file.
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");

@@ -1,12 +1,13 @@
 //! Record of a texture in result files.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use slipgrid_base::key_error::{KeyError, Refusal};
 use slipgrid_base::units::{LENGTH_UM, significant, tidy};
 use slipgrid_model::pattern::{Pattern, Planform, Rim, TextureRecord};
 
 /// Texture of a sample.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct PatternReport {
     /// Width of a cavity along the sliding direction.
     pub width_um: f64,

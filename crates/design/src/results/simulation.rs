@@ -2,6 +2,7 @@
 
 use std::borrow::Cow;
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use slipgrid_model::material::Provenance;
 use slipgrid_model::pattern::Pattern;
@@ -14,7 +15,7 @@ use super::pattern::PatternReport;
 use slipgrid_base::units::{LENGTH_UM, PRESSURE_MPA, tidy};
 
 /// Results of a simulated scene, as `simulate --json` prints them.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct SimulationReport {
     /// Program name, `slipgrid`.
     pub program: Cow<'static, str>,
@@ -68,7 +69,7 @@ pub struct SimulationReport {
 }
 
 /// Material and its provenance.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct MaterialReport {
     /// Name of the material.
     pub name: String,
@@ -110,7 +111,7 @@ impl From<&Provenance> for MaterialReport {
 }
 
 /// Results at one pressure.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct LoadReport {
     /// Nominal pressure.
     pub pressure_mpa: f64,

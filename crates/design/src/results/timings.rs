@@ -9,8 +9,8 @@ use serde_json::Value;
 
 use super::{NoJsonForm, SCHEMA, VERSION, json};
 
-/// Keys whose values differ from run to run.
-const TIMES: [&str; 4] = ["timings_s", "wall_s", "threads", "site_updates_per_s"];
+/// Keys whose values differ from run to run: result.json does not have them.
+pub const TIMES: [&str; 4] = ["timings_s", "wall_s", "threads", "site_updates_per_s"];
 
 /// JSON value whose objects keep the order of their keys.
 #[derive(Clone, Debug, PartialEq)]

@@ -34,7 +34,7 @@ mod engine;
 mod error;
 mod folder;
 mod inputs;
-mod plan;
+pub(crate) mod plan;
 mod records;
 mod results;
 mod varied;

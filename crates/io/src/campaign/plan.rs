@@ -12,8 +12,10 @@ use crate::formats::file_kind::FileKind;
 use crate::formats::run::Overrides;
 use crate::formats::scene::SceneInput;
 use crate::formats::source::{Source, read_text};
+use crate::formats::spanned::Spanned;
 use crate::formats::{Diagnostic, Document};
 use rayon::prelude::*;
+use schemars::JsonSchema;
 use serde::Deserialize;
 use serde_json::Value as Json;
 use slipgrid_base::monitor::{Monitor, Stage};
@@ -22,7 +24,7 @@ use slipgrid_design::results::{SCHEMA, VERSION};
 use slipgrid_design::{DesignError, DesignTask, Expense, cost_line, lattice};
 use slipgrid_infer::calibrate::Selection;
 use slipgrid_model::pattern::Pattern;
-use toml::{Spanned, Table, Value};
+use toml::{Table, Value};
 
 use crate::campaign::CampaignError;
 use crate::campaign::inputs::{Contents, ReadOnce, RecordedFiles};
@@ -45,9 +47,9 @@ pub struct Planned {
     pub contents: Contents,
 }
 
-#[derive(Deserialize)]
+#[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-struct CampaignFile {
+pub(crate) struct CampaignFile {
     /// Name of the campaign; the file's name when absent.
     name: Option<String>,
     /// Path of a scene or a design.
@@ -59,6 +61,7 @@ struct CampaignFile {
     grid: Vec<Spanned<GridFile>>,
     /// Rows of keys that vary together, each combined with all grids.
     #[serde(default)]
+    #[schemars(with = "Vec<BTreeMap<String, Json>>")]
     list: Vec<Spanned<BTreeMap<String, Spanned<Value>>>>,
 }
 

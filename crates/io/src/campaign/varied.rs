@@ -4,17 +4,20 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::Path;
 
+use crate::formats::spanned::Spanned;
 use crate::formats::{Diagnostic, Document};
+use schemars::JsonSchema;
 use serde::Deserialize;
 use serde_json::Value as Json;
-use toml::{Spanned, Value};
+use toml::Value;
 
-#[derive(Deserialize)]
+#[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct GridFile {
     /// Dotted key of the base, present there or not.
     pub(crate) key: Spanned<String>,
     /// Values of the key.
+    #[schemars(with = "Vec<Json>")]
     pub(crate) values: Vec<Spanned<Value>>,
 }
 

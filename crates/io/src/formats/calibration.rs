@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::formats::spanned::Spanned;
 use slipgrid_base::monitor::Monitor;
 use slipgrid_infer::calibrate::{
     CalibrationTask, Coefficients, CutSample, MapSurface, Measurement, Selection, Surface as LawSource, TrialsTask,
@@ -11,7 +12,6 @@ use slipgrid_laser::export::Specimen;
 use slipgrid_model::material::{AreaLaw, Elastic, Extrapolation};
 use slipgrid_model::pattern::Pattern;
 use slipgrid_model::springblock::{Holder, Layer};
-use toml::Spanned;
 
 use super::calibration_file::{BulkFile, CalibrationFile};
 use super::cavity_lengths;

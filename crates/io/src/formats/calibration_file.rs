@@ -1,7 +1,8 @@
 //! Tables of a calibration file in their serialized form.
 
+use crate::formats::spanned::Spanned;
+use schemars::JsonSchema;
 use serde::Deserialize;
-use toml::Spanned;
 
 use super::pattern::PatternFile;
 use super::surface::SurfaceFile;
@@ -10,7 +11,7 @@ use super::trials::{PriorFile, TrialFile};
 use super::values::{Number, NumberList};
 
 /// Calibration in the form of its file.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct CalibrationFile {
     /// Name of the pair of materials.
@@ -39,7 +40,7 @@ pub(crate) struct CalibrationFile {
 }
 
 /// The bulk of the modelled body.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct BulkFile {
     /// Young's modulus at small strains, at the temperature of the test.
@@ -56,7 +57,7 @@ pub(crate) struct BulkFile {
 }
 
 /// The face of one specimen, by the radius of a disc or by a shape.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct FaceFile {
     /// Radius of a disc.
@@ -85,7 +86,7 @@ pub struct FaceFile {
 }
 
 /// Tables of measured friction, one row per condition.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct MeasurementsFile {
     /// CSV table of flat samples.
@@ -95,7 +96,7 @@ pub(crate) struct MeasurementsFile {
 }
 
 /// Options of the fit.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct FitFile {
     /// `per-condition`, or `single`: one pair for all loads, speeds and humidities; `per-condition` when absent.

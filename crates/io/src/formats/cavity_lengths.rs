@@ -1,6 +1,6 @@
 //! Checks whether the cavity lengths of a cut sample were probably written in another unit.
 
-use toml::Spanned;
+use crate::formats::spanned::Spanned;
 
 use super::document::Document;
 use super::pattern::PatternFile;

@@ -1,8 +1,9 @@
 //! Speeds and humidities at which a design must meet its target, each a number or a range.
 
+use crate::formats::spanned::Spanned;
+use schemars::JsonSchema;
 use serde::Deserialize;
 use slipgrid_model::material::ConditionRange;
-use toml::Spanned;
 
 use super::document::Document;
 use super::values::{Numbers, list};
@@ -10,7 +11,7 @@ use crate::formats::diagnostic::Diagnostic;
 use slipgrid_base::units::{HUMIDITY_PCT, Quantity, SPEED_MM_S};
 
 /// A condition or a range of conditions in the form of a design file.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ConditionRangeFile {
     /// Sliding speed: one number, or minimum and maximum.

@@ -1,10 +1,10 @@
 //! Scene of a design: scene.toml, an input of `simulate`.
 
+use crate::formats::spanned::Spanned;
 use slipgrid_infer::calibrate::uncertainty::InputUncertainty;
 use slipgrid_model::material::{Condition, LocalFriction, Material, MaterialError};
 use slipgrid_model::pattern::Pattern;
 use slipgrid_model::springblock::{Extent, Layer, Load, RunOptions};
-use toml::Spanned;
 
 use crate::formats::learned::LearnedFile;
 use crate::formats::material::{AreaLawFile, ConditionFile, FrictionFile, MaterialFile};

@@ -6,6 +6,8 @@ mod read;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
+use crate::formats::spanned::Spanned;
+use schemars::JsonSchema;
 use serde::Deserialize;
 use slipgrid_base::units::{LENGTH_UM, MODULUS_GPA, PRESSURE_MPA, TIME_S};
 use slipgrid_design::optimize::{Constraints, DesignSpace};
@@ -14,7 +16,6 @@ use slipgrid_laser::export::SpecimenRecord;
 use slipgrid_model::material::ConditionRange;
 use slipgrid_model::pattern::{Pattern, Texture};
 use slipgrid_model::springblock::Dimension;
-use toml::Spanned;
 
 use read::{read_date, read_dimensions, read_limits, read_material_input, read_range, read_ranges, whole_steps};
 
@@ -34,9 +35,9 @@ use super::values::{Number, Numbers, PathOr, number_span};
 use crate::formats::diagnostic::Diagnostic;
 use crate::formats::source::Source;
 
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-struct DesignFile {
+pub(crate) struct DesignFile {
     /// Name for reports; the file's name when absent.
     name: Option<String>,
     /// Date of the design, shown beside its name on the page: a calendar date as YYYY-MM-DD.
@@ -78,7 +79,7 @@ fn plain_texture() -> Spanned<TextureFile> {
     Spanned::new(0..0, TextureFile::default())
 }
 
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct BoundsFile {
     /// Width of a cavity along its row: minimum and maximum, or one number, which fixes it.
@@ -89,7 +90,7 @@ struct BoundsFile {
     depth_um: Spanned<Numbers>,
 }
 
-#[derive(Clone, Debug, Default, Deserialize)]
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct SearchFile {
     /// Seed of the local coefficients; 1 when absent.

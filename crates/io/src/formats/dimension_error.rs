@@ -55,8 +55,8 @@ pub fn of_trial<'a>(
 mod tests {
     use super::*;
     use crate::formats::pattern::{PatternFile, read_pattern};
+    use crate::formats::spanned::Spanned;
     use serde::Deserialize;
-    use toml::Spanned;
 
     #[derive(Deserialize)]
     struct Trial {

@@ -7,8 +7,8 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use crate::formats::spanned::Spanned;
 use serde::de::DeserializeOwned;
-use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use self::tables_only::TablesOnly;
@@ -320,6 +320,9 @@ fn needed_value(key: &str) -> Option<String> {
         "diameter_mm" | "outer_diameter_mm" | "length_mm" | "width_mm" => number(LENGTH_MM, "10.0"),
         "inner_diameter_mm" => number(LENGTH_MM, "4.0"),
         "width_um" | "spacing_um" => number(LENGTH_UM, "130.0"),
+        "length_um" => number(LENGTH_UM, "260.0"),
+        "vertices_um" => Some(format!("corners, such as {key} = [[0, 0], [9, 0], [4, 6]]")),
+        "shape" => Some(format!("\"disc\", \"rectangle\" or \"ring\", such as {key} = \"disc\"")),
         "depth_um" => number(LENGTH_UM, "5.0"),
         "name" | "source" => Some(format!("a text, such as {key} = \"...\"")),
         "base" => Some(format!("the path of a scene or a design, such as {key} = \"scene.toml\"")),
@@ -342,7 +345,7 @@ fn find_in_table(table: &DeTable<'_>, span: &Range<usize>, path: &mut Vec<String
 
 /// Table at `span` within `table`.
 fn table_at<'t, 'a>(table: &'t DeTable<'a>, span: &Range<usize>) -> Option<&'t DeTable<'a>> {
-    fn of_value<'t, 'a>(value: &'t Spanned<DeValue<'a>>, span: &Range<usize>) -> Option<&'t DeTable<'a>> {
+    fn of_value<'t, 'a>(value: &'t toml::Spanned<DeValue<'a>>, span: &Range<usize>) -> Option<&'t DeTable<'a>> {
         match value.get_ref() {
             DeValue::Table(own) if value.span() == *span => Some(own),
             DeValue::Table(own) => table_at(own, span),
@@ -353,7 +356,7 @@ fn table_at<'t, 'a>(table: &'t DeTable<'a>, span: &Range<usize>) -> Option<&'t D
     table.iter().find_map(|(_, value)| of_value(value, span))
 }
 
-fn find_in_value(value: &Spanned<DeValue<'_>>, span: &Range<usize>, path: &mut Vec<String>) -> bool {
+fn find_in_value(value: &toml::Spanned<DeValue<'_>>, span: &Range<usize>, path: &mut Vec<String>) -> bool {
     match value.get_ref() {
         DeValue::Table(table) if find_in_table(table, span, path) => true,
         DeValue::Array(array) => {

@@ -1,9 +1,9 @@
 //! Detects mistaken dimensions of a cut sample by comparison with other samples: width and spacing exchanged, or the
 //! decimal point of a depth misplaced.
 
+use crate::formats::spanned::Spanned;
 use slipgrid_infer::calibrate::CutSample;
 use slipgrid_model::pattern::Pattern;
-use toml::Spanned;
 
 use super::document::Document;
 use super::pattern::PatternFile;

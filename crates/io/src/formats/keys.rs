@@ -3,9 +3,10 @@
 use std::collections::BTreeMap;
 use std::fmt;
 
+use crate::formats::spanned::Spanned;
 use serde::de::{DeserializeOwned, Error, MapAccess, Visitor};
 use serde::{Deserialize, Deserializer};
-use toml::{Spanned, Table, Value};
+use toml::{Table, Value};
 
 use super::values::Numbers;
 

@@ -2,10 +2,11 @@
 
 use std::ops::Range;
 
+use crate::formats::spanned::Spanned;
+use schemars::JsonSchema;
 use serde::Deserialize;
 use slipgrid_laser::export::{Ablation, AblationPoint, ExportError, Exposure, Laser, Specimen, SpecimenRecord};
 use slipgrid_model::pattern::{Pattern, Texture};
-use toml::Spanned;
 
 use super::document::Document;
 use super::values::{Number, NumberList};
@@ -14,7 +15,7 @@ use crate::formats::plausible::SPOT;
 use slipgrid_base::units::{LENGTH_MM, LENGTH_UM, POSITIVE, WALL_TAPER_DEG, significant, significant_to, tidy};
 
 /// The laser in the form of a design file.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct LaserFile {
     /// Wavelength, for the process sheet.
@@ -43,7 +44,7 @@ pub struct LaserFile {
 }
 
 /// Depths per burst against fluence.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct AblationFile {
     /// Fluences of the measurements, three or more.

@@ -1,18 +1,19 @@
 //! `[learned]` of a material file: the trials that determine the discrepancy.
 
+use crate::formats::spanned::Spanned;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use slipgrid_base::units::{HUMIDITY_PCT, LENGTH_UM, PRESSURE_MPA, SPEED_MM_S, tidy};
 use slipgrid_infer::discrepancy::{
     Conditions, DimensionShift, Discrepancy, Features, Load, Measured, Sensitivity, Trial,
 };
-use toml::Spanned;
 
 use super::document::Document;
 use super::trials::PriorFile;
 use crate::formats::diagnostic::Diagnostic;
 
 /// `[learned]` of a material file: the trials with model predictions that determine the discrepancy.
-#[derive(Clone, Debug, Deserialize, Serialize)]
+#[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct LearnedFile {
     /// P0, the mean measured pressure.
@@ -30,7 +31,7 @@ pub struct LearnedFile {
     trial: Vec<LearnedTrial>,
 }
 
-#[derive(Clone, Debug, Deserialize, Serialize)]
+#[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct LearnedTrial {
     /// Name of the sample.

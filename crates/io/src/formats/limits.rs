@@ -1,10 +1,11 @@
 //! Constraints of a design in addition to its bounds: `[limits]` of design files.
 
+use crate::formats::spanned::Spanned;
+use schemars::JsonSchema;
 use serde::Deserialize;
 use slipgrid_design::ConstraintQuantity;
 use slipgrid_design::optimize::{Bound, Limit};
 use slipgrid_laser::export::Laser;
-use toml::Spanned;
 
 use super::document::Document;
 use super::values::{Number, Numbers, list, number_span};
@@ -12,7 +13,7 @@ use crate::formats::diagnostic::Diagnostic;
 use slipgrid_base::units::{FRACTION, LENGTH_UM, PRESSURE_MPA, Quantity, TIME_S, in_digits};
 
 /// Limits in the form of a design file.
-#[derive(Clone, Debug, Default, Deserialize)]
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct LimitsFile {
     /// Smallest gap between two cavities.

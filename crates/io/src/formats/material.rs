@@ -1,11 +1,12 @@
 //! Material tables: inline in a scene or design, or in a separate file, with the same keys.
 
+use crate::formats::spanned::Spanned;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use slipgrid_infer::calibrate::area_law::table_warnings;
 use slipgrid_model::material::{
     AreaLaw, Condition, ConditionFriction, Elastic, Friction, LocalFriction, Material, MaterialError, Provenance,
 };
-use toml::Spanned;
 
 use super::document::Document;
 use super::file_kind::FileKind;
@@ -25,7 +26,7 @@ pub const DEFAULT_RELATIVE_STD: f64 = 0.05;
 pub const DEFAULT_STATIC_OVER_DYNAMIC: f64 = 0.30 / 0.27;
 
 /// A material in the form of its file.
-#[derive(Clone, Debug, Deserialize, Serialize)]
+#[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MaterialFile {
     /// The material's name.
@@ -62,6 +63,7 @@ pub struct MaterialFile {
     pub flat_friction: Vec<Spanned<FlatFrictionTable>>,
     /// One factor for every texture, written by earlier versions; it is ignored.
     #[serde(default, skip_serializing)]
+    #[schemars(with = "Option<serde_json::Map<String, serde_json::Value>>")]
     pub discrepancy: Option<toml::Table>,
     /// Discrepancy learned from trials, for any texture.
     pub learned: Option<Spanned<LearnedFile>>,
@@ -70,7 +72,7 @@ pub struct MaterialFile {
 }
 
 /// Local friction coefficients in the form of a file: one pair, one pair per pressure, or tables per condition.
-#[derive(Clone, Debug, Default, Deserialize, Serialize)]
+#[derive(Clone, Debug, Default, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct FrictionFile {
     /// Nominal pressures of the coefficients; absent for one pair.
@@ -100,7 +102,7 @@ pub struct FrictionFile {
 }
 
 /// Coefficients at one speed and humidity.
-#[derive(Clone, Debug, Deserialize, Serialize)]
+#[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ConditionTable {
     /// Sliding speed.
@@ -127,7 +129,7 @@ pub struct ConditionTable {
 }
 
 /// Dynamic friction of flat samples at one speed and humidity.
-#[derive(Clone, Debug, Deserialize, Serialize)]
+#[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct FlatFrictionTable {
     /// Sliding speed.
@@ -141,7 +143,7 @@ pub struct FlatFrictionTable {
 }
 
 /// An area law in the form of a file.
-#[derive(Clone, Debug, Deserialize, Serialize)]
+#[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct AreaLawFile {
     /// Source of the law: `map`, `persson`, `fit`, or `measured` for flat friction itself.
@@ -167,7 +169,7 @@ pub struct AreaLawFile {
 }
 
 /// Speed and humidity that select coefficients.
-#[derive(Clone, Debug, Deserialize, Serialize)]
+#[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ConditionFile {
     /// Sliding speed.

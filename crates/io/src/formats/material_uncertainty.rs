@@ -1,9 +1,9 @@
 //! Uncertainty of a material, as its file states it.
 
+use crate::formats::spanned::Spanned;
 use slipgrid_infer::calibrate::uncertainty::{CoefficientEstimate, MaterialUncertainty};
 use slipgrid_infer::calibrate::{contradicting_samples, is_of_contradicting_samples};
 use slipgrid_model::material::{Condition, Material};
-use toml::Spanned;
 
 use super::document::Document;
 use super::file_kind::FileKind;

@@ -33,7 +33,7 @@
 pub mod altitude_map;
 pub mod calibrated;
 pub mod calibration;
-mod calibration_file;
+pub(crate) mod calibration_file;
 mod cavity_lengths;
 pub mod condition_ranges;
 pub mod confirmed_scene;
@@ -61,6 +61,7 @@ pub mod relief;
 pub mod run;
 pub mod scene;
 pub mod source;
+pub mod spanned;
 mod stated_specimen;
 pub mod stored_pattern;
 pub mod surface;

@@ -2,6 +2,8 @@
 
 use std::ops::Range;
 
+use crate::formats::spanned::Spanned;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use slipgrid_base::key_error::KeyError;
 use slipgrid_base::units::{LENGTH_UM, SLIDING_ANGLE_DEG};
@@ -9,7 +11,6 @@ use slipgrid_design::FurtherDirections;
 use slipgrid_laser::export::Specimen;
 use slipgrid_model::pattern::{Arrangement, Pattern, Planform, Texture, TextureRecord};
 use slipgrid_model::springblock::Layer;
-use toml::Spanned;
 
 use super::document::Document;
 use super::keys::{Keys, SEVERAL as SLIDING};
@@ -18,8 +19,9 @@ use crate::formats::diagnostic::Diagnostic;
 use crate::formats::outline::read_outline;
 
 /// A pattern in the form of a scene file.
-#[derive(Clone, Debug, Deserialize, Serialize)]
+#[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(try_from = "Keys")]
+#[schemars(!try_from)]
 pub struct PatternFile {
     /// Width of a cavity along its row; the diameter of a disc.
     pub width_um: Number,
@@ -35,19 +37,19 @@ pub struct PatternFile {
     pub depth_std_um: Option<Number>,
     /// Map of one period of the measured face, in place of rims.
     pub relief: Option<Spanned<String>>,
-    /// Angle of the sliding direction from the specimen's x axis; 0 when absent.
-    pub sliding_angle_deg: Option<Number>,
     /// Shape, arrangement, directions and rims.
     #[serde(flatten)]
     pub texture: TextureFile,
+    // In a schema a later key replaces a flattened one.
+    /// Angle of the sliding direction from the specimen's x axis; 0 when absent.
+    pub sliding_angle_deg: Option<Number>,
 }
 
 /// A texture in the form of a scene file or a design file: all properties of a pattern that a design does not search.
-#[derive(Clone, Debug, Default, Deserialize, Serialize)]
+#[derive(Clone, Debug, Default, Deserialize, Serialize, JsonSchema)]
 #[serde(try_from = "Keys")]
+#[schemars(!try_from)]
 pub struct TextureFile {
-    /// Angle of the sliding direction from the specimen's x axis; 0 when absent. A design may name several.
-    pub sliding_angle_deg: Option<Spanned<Numbers>>,
     /// A drawing, SVG or DXF, whose only closed outline is used in place of `vertices_um`.
     pub outline: Option<Spanned<String>>,
     /// The layer of the DXF drawing that holds the outline; any when absent.
@@ -55,6 +57,8 @@ pub struct TextureFile {
     /// The other keys of a texture. They have no positions: [`Document::refuse_key`] finds a key that is refused.
     #[serde(flatten)]
     pub record: TextureRecord,
+    /// Angle of the sliding direction from the specimen's x axis; 0 when absent. A design may name several.
+    pub sliding_angle_deg: Option<Spanned<Numbers>>,
 }
 
 impl TryFrom<Keys> for PatternFile {

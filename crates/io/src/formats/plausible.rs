@@ -144,6 +144,15 @@ pub const CAVITY_WIDTH: Plausible = Plausible {
     why: "lasers cut from 1 um, and cutters up to 10 mm",
     slips: OF_MICROMETRES,
 };
+/// Heights of rims.
+pub const RIM_HEIGHT: Plausible = Plausible {
+    what: "heights of rims",
+    unit: "um",
+    measurable: [0.0, 1000.0],
+    usual: [0.0, 20.0],
+    why: "lasers leave rims of 0.1 to 10 um around cavities",
+    slips: &[("in nm, that", 1e-3)],
+};
 /// Depths of cavities.
 pub const CAVITY_DEPTH: Plausible = Plausible {
     what: "depths of cavities",
@@ -223,7 +232,8 @@ pub fn exchanged_forces(friction: &[f64]) -> Option<String> {
 }
 
 /// All quantities that are checked.
-pub const ALL: [Plausible; 14] = [
+pub const ALL: [Plausible; 15] = [
+    RIM_HEIGHT,
     FRICTION,
     STATIC_OVER_DYNAMIC,
     RATIO,

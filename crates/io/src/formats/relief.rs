@@ -2,10 +2,10 @@
 
 use std::sync::Arc;
 
+use crate::formats::spanned::Spanned;
 use slipgrid_base::monitor::Unwatched;
 use slipgrid_model::pattern::{Pattern, ReliefMap};
 use slipgrid_surface::topography::{HeightMap, ReadOptions};
-use toml::Spanned;
 
 use super::altitude_map::open;
 use super::document::Document;

@@ -1,8 +1,9 @@
 //! Solver options: the table `[run]` of scenes.
 
+use crate::formats::spanned::Spanned;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use slipgrid_model::springblock::{Extent, Fidelity, MAX_DRAWS, RunOptions, Springs};
-use toml::Spanned;
 
 use super::document::Document;
 use super::values::Number;
@@ -10,7 +11,7 @@ use crate::formats::diagnostic::Diagnostic;
 use slipgrid_base::units::{DAMPING, LENGTH_UM, STEP_NS, TOLERANCE};
 
 /// Run options in the form of a file; absent ones have the defaults of `RunOptions`.
-#[derive(Clone, Debug, Default, Deserialize, Serialize)]
+#[derive(Clone, Debug, Default, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RunFile {
     /// Method of solution: `steady`, `dynamic` or `reference`; `steady` when absent.

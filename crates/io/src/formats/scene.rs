@@ -2,10 +2,11 @@
 
 use std::ops::Range;
 
+use crate::formats::spanned::Spanned;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use slipgrid_model::material::{Condition, Material, MaterialError};
 use slipgrid_model::springblock::{Layer, MAX_BLOCKS, MAX_ROWS, Scene, SceneError, Simulation};
-use toml::Spanned;
 
 use super::document::Document;
 use super::file_kind::FileKind;
@@ -29,7 +30,7 @@ use slipgrid_infer::calibrate::uncertainty::MaterialUncertainty;
 use slipgrid_laser::export::{Outline, Specimen, SpecimenRecord};
 
 /// A scene in the form of its file.
-#[derive(Clone, Debug, Deserialize, Serialize)]
+#[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SceneFile {
     /// Name for reports.
@@ -55,7 +56,7 @@ pub struct SceneFile {
 }
 
 /// The modelled layer in the form of a file.
-#[derive(Clone, Debug, Default, Deserialize, Serialize)]
+#[derive(Clone, Debug, Default, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SampleFile {
     /// Length of the specimen along the sliding direction; that of `[specimen]` where there is one, otherwise 9960 when
@@ -90,7 +91,7 @@ pub fn default_sample() -> Spanned<SampleFile> {
 }
 
 /// Loads in the form of a file.
-#[derive(Clone, Debug, Deserialize, Serialize)]
+#[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct LoadFile {
     /// Nominal pressures, one or several.

@@ -1,9 +1,9 @@
 //! Specimens of a calibration and of its trials: face, rim, thickness and holder.
 
+use crate::formats::spanned::Spanned;
 use slipgrid_infer::calibrate::CutSpecimen;
 use slipgrid_laser::export::{Outline, Specimen, SpecimenRecord};
 use slipgrid_model::springblock::{Holder, MAX_ROWS};
-use toml::Spanned;
 
 use super::calibration_file::FaceFile;
 use super::document::Document;

@@ -2,12 +2,13 @@
 
 use std::path::PathBuf;
 
+use crate::formats::spanned::Spanned;
+use schemars::JsonSchema;
 use serde::Deserialize;
 use slipgrid_model::material::Extrapolation;
 use slipgrid_surface::topography::{
     Crop, Decimation, DecimationMethod, Form, LengthUnit, Missing, Preparation, ReadOptions,
 };
-use toml::Spanned;
 
 use super::document::Document;
 use super::material::existing;
@@ -16,7 +17,7 @@ use crate::formats::diagnostic::Diagnostic;
 use slipgrid_base::units::{LENGTH_UM, SLOPE};
 
 /// The table in the form of a file.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SurfaceFile {
     /// Altitude map of a flat sample before the test, from which the area law is computed.

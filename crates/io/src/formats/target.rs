@@ -1,8 +1,9 @@
 //! Friction target: `[target]` of design files.
 
+use crate::formats::spanned::Spanned;
+use schemars::JsonSchema;
 use serde::Deserialize;
 use slipgrid_design::optimize::{Demand, Goal, Quantity, Target, Wanted};
-use toml::Spanned;
 
 use super::document::Document;
 use super::values::{MAX_TARGET_PRESSURES, Numbers, check_count, distinct_pressures, for_each};
@@ -10,7 +11,7 @@ use crate::formats::diagnostic::Diagnostic;
 use slipgrid_base::units::{FRICTION, PRESSURE_MPA, RATIO, TOLERANCE, WEIGHT};
 
 /// A target in the form of a design file.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TargetFile {
     /// Target quantity: `ratio`, patterned over flat, or `mu_dynamic`.

@@ -1,5 +1,6 @@
 //! `[tolerances]` of a design: scatter of manufactured samples about the design.
 
+use schemars::JsonSchema;
 use serde::Deserialize;
 use slipgrid_design::optimize::Tolerances;
 
@@ -9,7 +10,7 @@ use crate::formats::diagnostic::Diagnostic;
 use slipgrid_base::units::{CORRELATION, LENGTH_STD_UM, LENGTH_UM, RIM_HEIGHT_UM};
 
 /// The table in the form of a design file.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TolerancesFile {
     /// Standard deviation of a sample's mean width; 0 when absent.

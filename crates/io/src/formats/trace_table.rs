@@ -3,10 +3,11 @@
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
+use crate::formats::spanned::Spanned;
+use schemars::JsonSchema;
 use serde::Deserialize;
 use slipgrid_traces::columns::{Channel, Titles};
 use slipgrid_traces::{DEFAULT_STROKE_SHARE, DEFAULT_WINDOW_S, moderate};
-use toml::Spanned;
 
 use super::document::Document;
 use super::traces::{
@@ -18,7 +19,7 @@ use crate::formats::source::{Entry, Source};
 use slipgrid_base::units::{FORCE_N, HUMIDITY_PCT, LENGTH_MM, SPEED_MM_S, STROKE_SHARE, TIME_S};
 
 /// `[traces]` in the form of a file.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TracesFile {
     /// Seconds since the first row between which friction is averaged; [10, 40] when absent.
@@ -37,7 +38,8 @@ pub struct TracesFile {
     /// torque) are the zero of the sensors, which is subtracted; nothing is when absent.
     zero_s: Option<NumberList>,
     /// Titles of columns that are not among the known ones, as `{ friction_force = "F_tan", normal_force = "F_norm
-    /// [mN]" }`.
+    /// [mN]" }`; the known titles of the quantity are then ignored. `#2` behind a title selects the second column with
+    /// this title, and `none` states that no column holds the quantity.
     columns: Option<ColumnsFile>,
     /// One table per condition; needed unless a trial has `[[trial.traces]]`.
     condition: Option<Spanned<Vec<TraceConditionFile>>>,
@@ -46,7 +48,7 @@ pub struct TracesFile {
 /// Custom titles of columns of exports, with units as in an export; the known titles of the same quantity are then
 /// ignored. `#2` behind a title selects the second column with this title, and `none` states that no column holds the
 /// quantity.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ColumnsFile {
     /// Title of the time column; a unit in its brackets applies to a column without a unit, which otherwise has s.
@@ -105,7 +107,7 @@ impl ColumnsFile {
 }
 
 /// Exports of one condition; further tables of the condition are repeats.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TraceConditionFile {
     /// Normal force on one specimen.

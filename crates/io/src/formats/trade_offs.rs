@@ -1,11 +1,12 @@
 //! `[trade_offs]` of a design: goals for the comparison of designs in addition to the search.
 
+use crate::formats::spanned::Spanned;
+use schemars::JsonSchema;
 use serde::Deserialize;
 use slipgrid_design::optimize::Target;
 use slipgrid_design::{TradeOffGoal, TradeOffsWanted};
 use slipgrid_laser::export::Laser;
 use slipgrid_model::pattern::{Arrangement, Texture};
-use toml::Spanned;
 
 use super::document::Document;
 use super::limits::missing_for_time;
@@ -17,7 +18,7 @@ const DEFAULT_DESIGNS: usize = 2000;
 const DEFAULT_DESIGNS_WITH_SPREAD: usize = 400;
 
 /// The table in the form of a design file.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TradeOffsFile {
     /// Two or three of `chance`, `misfit`, `laser_time`, `volume`, `peak_pressure` and `spread` (with `[tolerances]`).

@@ -1,11 +1,12 @@
 //! Trials of a calibration: `[[trial]]` and `[trial_prior]`.
 
+use crate::formats::spanned::Spanned;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use slipgrid_design::results::PatternReport;
 use slipgrid_infer::calibrate::{CutSample, CutSpecimen, TrialsTask};
 use slipgrid_infer::discrepancy::{Conditions, Discrepancy, Hyperparameters};
 use slipgrid_model::pattern::Pattern;
-use toml::Spanned;
 
 use super::calibration::read_fitting_pattern;
 use super::calibration_file::FaceFile;
@@ -26,7 +27,7 @@ use crate::formats::dimension_error;
 use slipgrid_base::units::RELATIVE_STD;
 
 /// `[[trial]]`: a sample that was cut; pending until it has measurements or traces.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TrialFile {
     /// Name of the sample.
@@ -75,7 +76,7 @@ impl TrialFile {
 }
 
 /// `[trial_prior]`: prior before any measurement, where it differs from the defaults.
-#[derive(Clone, Debug, Default, Deserialize, Serialize)]
+#[derive(Clone, Debug, Default, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PriorFile {
     /// Size of the discrepancy at the published squares; 0.2 when absent.

@@ -3,10 +3,10 @@
 
 use std::ops::Range;
 
+use crate::formats::spanned::Spanned;
 use slipgrid_model::material::Elastic;
 use slipgrid_model::pattern::Rim;
 use slipgrid_model::springblock::{Fidelity, RunOptions, Scene, max_run_speed_m_s};
-use toml::Spanned;
 
 use super::condition_ranges::ConditionRangeFile;
 use super::document::Document;
@@ -16,8 +16,8 @@ use super::scene::{DEFAULT_LAYER, LoadFile, SampleFile, SceneFile};
 use super::values::{Number, Numbers, PathOr, number_span};
 use crate::formats::diagnostic::Diagnostic;
 use crate::formats::plausible::{
-    DENSITY, FRICTION, GIVEN_PRESSURE, MODULUS, Plausible, SPEED, STATIC_OVER_DYNAMIC, STRAIN, exchanged_forces,
-    share_of_one, stiff_for_its_density,
+    DENSITY, FRICTION, GIVEN_PRESSURE, MODULUS, Plausible, RIM_HEIGHT, SPEED, STATIC_OVER_DYNAMIC, STRAIN,
+    exchanged_forces, share_of_one, stiff_for_its_density,
 };
 use slipgrid_base::units::{
     LENGTH_UM, MODULUS_GPA, PRESSURE_MPA, SPEED_MM_S, in_digits, significant, significant_to, tidy,
@@ -100,7 +100,8 @@ pub fn of_speed(document: &Document, load: &LoadFile, scene: &Scene) -> Option<D
     Some(Diagnostic { value: None, ..told }.expected(expected))
 }
 
-/// Warning of rims of the pattern in `table` narrower than two blocks, of which blocks resolve only the mean.
+/// Warning of rims of the pattern in `table` that are higher than lasers leave them, or narrower than two blocks, of which
+/// blocks resolve only the mean.
 #[must_use]
 pub fn of_rims(
     document: &Document,
@@ -109,6 +110,12 @@ pub fn of_rims(
     sample: &SampleFile,
 ) -> Option<Diagnostic> {
     let rim = rim?;
+    let height_um = LENGTH_UM.from_si(rim.heights_m().iter().map(|[_, height_m]| *height_m).fold(0.0, f64::max));
+    let place = |key| document.refuse(document.value_span(table, key), "");
+    let key = if rim.heights_m().len() > 1 { "rim_heights_um" } else { "rim_height_um" };
+    if let Some(told) = RIM_HEIGHT.tell(height_um, || place(key)) {
+        return Some(told);
+    }
     let block_m = sample.block_um.as_ref().map_or(DEFAULT_LAYER.block_m, |um| LENGTH_UM.to_si(*um.get_ref()));
     let [block_um, smaller_um] = [block_m, rim.block_m(block_m)].map(|length_m| LENGTH_UM.from_si(length_m));
     (smaller_um < block_um).then(|| {
@@ -313,6 +320,11 @@ mod tests {
             );
             assert!(said.ends_with(&format!("expected block_um = {block} or less in [sample]")), "{said}");
         }
+        let said = told(&rim(300.0, 20.0), "").unwrap();
+        assert!(
+            said.starts_with("a.toml:1: rim_height_um: 300") && said.ends_with("in nm, that would be 0.3 um"),
+            "{said}"
+        );
         for (height, width, sample) in [(0.1, 20.0, ""), (0.1, 10.0, "block_um = 5"), (0.0, 1.0, "")] {
             assert_eq!(told(&rim(height, width), sample), None, "{width}");
         }

@@ -1,12 +1,14 @@
 //! Values that a key may hold in more than one form.
 
+use std::borrow::Cow;
 use std::fmt;
 use std::ops::Range;
 
+use crate::formats::spanned::Spanned;
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{Error, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
-use toml::Spanned;
 
 use super::document::Document;
 use crate::formats::diagnostic::Diagnostic;
@@ -65,6 +67,22 @@ impl<'de> Deserialize<'de> for Numbers {
             }
         }
         deserializer.deserialize_any(Reader)
+    }
+}
+
+impl JsonSchema for Numbers {
+    fn inline_schema() -> bool {
+        true
+    }
+
+    fn schema_name() -> Cow<'static, str> {
+        "Numbers".into()
+    }
+
+    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+        let mut list = generator.subschema_for::<Vec<f64>>();
+        list.insert("minItems".to_owned(), 1.into());
+        json_schema!({ "anyOf": [generator.subschema_for::<f64>(), list] })
     }
 }
 
@@ -184,7 +202,7 @@ pub fn increasing(document: &Document, values: &NumberList, quantity: Quantity) 
 }
 
 /// A path to another file, or the table itself.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 #[serde(untagged)]
 pub enum PathOr<T> {
     /// Path relative to the file that holds it.

@@ -1,11 +1,11 @@
 //! Writes the material file of a calibration.
 
+use crate::formats::spanned::Spanned;
 use slipgrid_infer::calibrate::uncertainty::CoefficientEstimate;
 use slipgrid_infer::calibrate::{
     AreaLawOrigin, CalibrationOutcome, CalibrationTask, Coefficients, FittedPair, FittedRow as Row,
 };
 use slipgrid_model::material::Condition;
-use toml::Spanned;
 
 use crate::formats::learned::LearnedFile;
 use crate::formats::made_from::MadeFrom;

@@ -3,6 +3,7 @@
 //! Beer-Lambert absorption with a threshold: fluence decays as exp(-z / delta), and material is removed where it
 //! exceeds F_th. The straight line in ln F is fitted by least squares.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::export::error::positive;
@@ -23,7 +24,7 @@ pub struct AblationPoint {
 const DIGITS: usize = 6;
 
 /// Fitted ablation law, and the depth per burst at the fluence used.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Ablation {
     /// delta, the depth removed at e times the threshold fluence, in um.

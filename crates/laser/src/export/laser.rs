@@ -1,5 +1,6 @@
 //! Laser parameters of a design, and the limits of the laser.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use slipgrid_model::pattern::{ManufacturingLimits, Pattern};
 
@@ -7,7 +8,7 @@ use crate::export::error::positive;
 use crate::export::{Ablation, ExportError};
 
 /// Exposure of a cavity.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Exposure {
     /// The spot fills the cavity line by line.
@@ -18,7 +19,7 @@ pub enum Exposure {
 }
 
 /// Laser parameters as given in the design; absent ones are omitted.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Laser {
     /// Wavelength, in nm.

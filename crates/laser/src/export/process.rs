@@ -1,5 +1,6 @@
 //! Process sheet for the operator of the laser, as TOML.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use slipgrid_model::pattern::{Arrangement, Pattern, Planform};
 
@@ -25,7 +26,7 @@ pub const fn not_modelled(has_rim: bool) -> [&'static str; 5] {
 const RIM_BASIS: &str = "what the design assumes: the laser's real rims have to be measured";
 
 /// Standard deviations of the mean dimensions of a cut sample that the design assumes; absent ones are omitted.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Tolerances {
     /// Standard deviation of the width, in um.
@@ -39,7 +40,7 @@ pub struct Tolerances {
 }
 
 /// The material and the origin of its numbers.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MaterialNote {
     /// Name.
@@ -70,7 +71,7 @@ pub struct ProcessInput {
 }
 
 /// The process sheet. Lengths are rounded to one nanometre, derived numbers to six digits.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ProcessSheet {
     /// Name of the design.
@@ -100,7 +101,7 @@ pub struct ProcessSheet {
 }
 
 /// Dimensions of the pattern.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PatternSheet {
     /// `groove`, `square`, `rectangle`, `disc`, `polygon` or `crosshatch`.
@@ -145,7 +146,7 @@ pub struct PatternSheet {
 }
 
 /// The specimen and the cavities on it.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SpecimenSheet {
     /// `disc`, `rectangle` or `ring`.

@@ -12,6 +12,7 @@
 //! For an infinite hatch with the line distance h, z is N d (pi/4) s^2 / (p h). In a cavity, depth increases from zero
 //! at the edge over the width of a spot, and evenly spaced lines may be closer than h.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::export::cavity::Cavity;
@@ -34,7 +35,7 @@ const LENGTH_TOLERANCE: f64 = 1e-9;
 const MAX_PASSES: f64 = 1e9;
 
 /// Depth removed by passes over the lines of a hatch, and the number of passes for a depth.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Removal {
     /// Passes over every line, chosen for the best match with the depth of the design in the middle third of a cavity's

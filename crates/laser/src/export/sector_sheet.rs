@@ -1,5 +1,6 @@
 //! Process sheet of several patterns on sectors of one specimen, as TOML.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::export::dxf::sector_layer;
@@ -16,7 +17,7 @@ pub const MEASURE_EACH_ALONE: &str = "measure each sector alone: with a counter-
      angle of a turning disc; a tribometer that presses the whole face measures a mean of all sectors, which is a trial of none";
 
 /// The process sheet of sectors.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SectorsSheet {
     /// Name of the design.
@@ -44,7 +45,7 @@ pub struct SectorsSheet {
 }
 
 /// A specimen divided into sectors.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DividedSheet {
     /// `disc`, `rectangle` or `ring`.
@@ -64,7 +65,7 @@ pub struct DividedSheet {
 }
 
 /// A sector.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SectorSheet {
     /// Number of the sector, from 1, anticlockwise.

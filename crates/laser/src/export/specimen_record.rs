@@ -1,5 +1,6 @@
 //! A specimen as keys of a file: the one definition for files that are read and for records that are written.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use slipgrid_base::key_error::{KeyError, Refusal};
 use slipgrid_base::units::LENGTH_MM;
@@ -12,7 +13,7 @@ const SHAPES: [&str; 3] = ["disc", "rectangle", "ring"];
 const LENGTHS: &str = "diameter_mm for a disc, length_mm and width_mm for a rectangle, outer_diameter_mm and inner_diameter_mm for a ring";
 
 /// Specimen as keys of a file.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SpecimenRecord {
     /// Shape of the face: `disc`, `rectangle` or `ring`.

@@ -1,5 +1,6 @@
 //! Bursts, lines, passes and time for a layout and a laser.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use slipgrid_model::pattern::Planform;
 
@@ -36,7 +37,7 @@ const EXPOSURES_FORMULA: &str = "lines within half a spot of a point, as a mean 
      of a cavity exposed so";
 
 /// Bursts, lines and time.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct WorkSheet {
     /// `hatch` or `mask`.

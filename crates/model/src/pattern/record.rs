@@ -1,5 +1,6 @@
 //! A texture as keys of a file: the one definition for files that are read and for records that are written.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use slipgrid_base::key_error::{KeyError, Refusal};
 use slipgrid_base::units::{
@@ -9,7 +10,7 @@ use slipgrid_base::units::{
 use super::{Arrangement, Pattern, PatternError, Planform, Polygon, Rim, RimProfile, Texture};
 
 /// Texture as keys of a file. Keys that are absent have their default.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TextureRecord {
     /// Shape seen from above; `groove` when absent.
@@ -115,9 +116,10 @@ impl TextureRecord {
         }
         let written = self.vertices_um.as_ref().filter(|_| drawn.is_none()).map(|vertices| Polygon::new(vertices));
         let written = written.transpose().map_err(|error| KeyError::from_error("vertices_um", &error))?;
-        if let Some(outline) = drawn.or(written).filter(|_| is_polygon) {
+        if is_polygon {
+            let missing = KeyError { key: "vertices_um", refusal: Refusal::Missing };
             let refused = |error| KeyError::from_error("vertices_um", &error);
-            texture = texture.with_outline(outline).map_err(refused)?;
+            texture = texture.with_outline(drawn.or(written).ok_or(missing)?).map_err(refused)?;
         }
         if let Some(length_m) = si("length_um", self.length_um, LENGTH_UM)? {
             let expected = "planform = \"rectangle\", or no such key";

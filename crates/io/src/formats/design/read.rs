@@ -2,11 +2,11 @@
 
 use std::path::PathBuf;
 
+use crate::formats::spanned::Spanned;
 use slipgrid_design::KnownMaterial;
 use slipgrid_laser::export::Laser;
 use slipgrid_model::material::ConditionRange;
 use slipgrid_model::pattern::{Arrangement, ManufacturingLimits, Pattern, Texture};
-use toml::Spanned;
 
 use super::DesignFile;
 use crate::formats::condition_ranges::{ConditionRangeFile, read_conditions};

@@ -10,9 +10,9 @@ mod svg;
 use std::ops::Range;
 use std::path::Path;
 
+use crate::formats::spanned::Spanned;
 use slipgrid_base::key_error::Refusal;
 use slipgrid_model::pattern::{OutlineError, Polygon};
-use toml::Spanned;
 
 use crate::formats::diagnostic::Diagnostic;
 use crate::formats::document::Document;
