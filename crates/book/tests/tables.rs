@@ -7,7 +7,7 @@ use crate::{book, files, root, text};
 
 /// Source files that write the tables of commands that no chapter runs.
 const WRITERS: [&str; 6] = [
-    "crates/validate/src/accuracy/text.rs",
+    "crates/validate/src/accuracy/output.rs",
     "crates/validate/src/validation/text.rs",
     "crates/validate/src/validation/rims.rs",
     "crates/validate/src/validation/figures.rs",

@@ -65,9 +65,8 @@ pub struct ValidateArgs {
     slipgrid accuracy --full -o out/accuracy\n  \
     slipgrid accuracy scene.toml --seeds 5 --json\n\n\
     Methods (fidelity, integrator, springs, step, block size, extent, shortcuts) are compared with \
-    `reference` on the same scene: wall time, site updates, error and its standard error. Damping, \
-    speed and layer height are choices of the model, not errors, and have a table of their own. Writes report.html, accuracy.md, \
-    accuracy.csv, accuracy.svg and result.json.\n\n\
+    `reference` on the same scene: wall time, site updates, error and its standard error. Writes accuracy.md, accuracy.csv, \
+    accuracy.svg and result.json.\n\n\
     Reported times are those of runs on one thread with a core to itself. Not modelled: recast rims, plasticity, \
     viscoelasticity, heating, wear.")]
 pub struct AccuracyArgs {

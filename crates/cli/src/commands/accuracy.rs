@@ -8,9 +8,8 @@ use slipgrid_io::formats::run::Overrides;
 use slipgrid_io::formats::scene::SceneInput;
 use slipgrid_model::springblock::{Expense, Fidelity, Scene};
 use slipgrid_report::Outputs;
-use slipgrid_validate::accuracy::{self, Machine, Size};
+use slipgrid_validate::accuracy::{self, Size};
 
-use super::date;
 use crate::args::AccuracyArgs;
 use crate::output::open;
 use crate::progress::Job;
@@ -20,7 +19,7 @@ use slipgrid_io::disk::disk;
 /// Runs every row and reports.
 pub fn run(args: &AccuracyArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
     let inputs: Vec<PathBuf> = args.scene.iter().cloned().collect();
-    let folder = open(args.output.as_ref(), &["report.html", "accuracy.*", "result.json"], &inputs)?;
+    let folder = open(args.output.as_ref(), &["accuracy.*", "result.json"], &inputs)?;
     let (scene, input) = match &args.scene {
         Some(path) => {
             let input =
@@ -49,23 +48,21 @@ pub fn run(args: &AccuracyArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     let expense = Expense { core_s: wall_s * console.threads as f64, wall_s, bytes: 0.0 };
     let line = cost_line("this comparison", expense, false, console.threads);
     line.iter().for_each(|line| console.note(line));
-    let report = accuracy::compare(size, &base, &source, seeds, machine(size), &Job::new(console))?;
+    let compared = accuracy::compare(size, &base, &source, seeds, &Job::new(console))?;
     if let Some(folder) = &folder {
         let mut outputs = Outputs::default();
-        outputs.add("accuracy.md", accuracy::markdown(&report));
-        outputs.add("accuracy.csv", accuracy::csv(&report));
-        if let Some(picture) = accuracy::picture(&report)? {
+        outputs.add("accuracy.md", accuracy::markdown(&compared));
+        outputs.add("accuracy.csv", accuracy::csv(&compared));
+        if let Some(picture) = accuracy::picture(&compared)? {
             outputs.add("accuracy.svg", picture);
         }
-        let page = accuracy::page(&report, &outputs);
-        outputs.add("report.html", page);
-        outputs.add("result.json", json(&report)?);
+        outputs.add("result.json", json(&compared)?);
         console.keep(&outputs, folder)?;
     }
     if args.json {
-        console.out.write_all(json(&report)?.as_bytes())?;
+        console.out.write_all(json(&compared)?.as_bytes())?;
     } else if args.output.is_none() {
-        console.answer(&accuracy::markdown(&report))?;
+        console.answer(&accuracy::markdown(&compared))?;
     }
     Ok(exit_code::DONE)
 }
@@ -73,14 +70,4 @@ pub fn run(args: &AccuracyArgs, console: &mut Console<'_>) -> Result<u8, CliErro
 fn source_of(path: &std::path::Path, scene: &Scene) -> String {
     let first = if scene.loads.len() > 1 { ", the first of its loads" } else { "" };
     format!("scene: {}{first}", path.display())
-}
-
-/// Describes the machine; includes the date for a page that is kept.
-fn machine(size: Size) -> Machine {
-    Machine {
-        architecture: std::env::consts::ARCH,
-        system: std::env::consts::OS,
-        processors: std::thread::available_parallelism().ok().map(Into::into),
-        date: (size == Size::Full).then(date::today),
-    }
 }

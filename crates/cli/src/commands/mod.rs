@@ -4,7 +4,6 @@ mod accuracy;
 mod area_law;
 mod calibrate;
 mod campaign;
-mod date;
 mod explore;
 mod export;
 mod new;

@@ -1,26 +1,52 @@
-//! Comparison of speed and error of every method, on one page.
+//! Comparison of speed and error of every method.
+//!
+//! | module | content |
+//! |---|---|
+//! | `scene` | the source paper's specimen, and its reduced form |
+//! | `plan` | methods as named changes to a scene |
+//! | `measure` | runs of a method, with their time |
+//! | `comparison` | errors against the reference, and the front of time and error |
+//! | `output` | Markdown, CSV and a picture |
 
-mod difference;
-mod front;
+mod comparison;
 mod measure;
-mod page;
+mod output;
 mod plan;
-mod report;
 mod scene;
-mod text;
 
+use serde::Serialize;
 use slipgrid_base::monitor::{Monitor, Stage};
+use slipgrid_base::units::{LENGTH_UM, PRESSURE_MPA, SPEED_MM_S};
+use slipgrid_design::results::{SCHEMA, VERSION};
 use slipgrid_model::springblock::{Scene, SceneError, Unwatched, simulate};
 
 use crate::StudyError;
-use plan::{Role, rows};
-use report::model_notes;
+use comparison::Compared;
 
-pub use page::page;
+pub use output::{csv, markdown, picture};
 pub use plan::Size;
-pub use report::{AccuracyReport, Machine};
 pub use scene::{base, paper_scene, reduced};
-pub use text::{csv, markdown, picture};
+
+/// Result of a comparison, as `accuracy --json` prints it.
+#[derive(Clone, Debug, Serialize)]
+pub struct Accuracy {
+    program: &'static str,
+    version: &'static str,
+    schema: u32,
+    /// `quick` or `full`.
+    size: &'static str,
+    /// Description of the scene and of the comparison.
+    model: Vec<String>,
+    /// Smallest distinguishable error in dynamic mu, static mu and the ratio, in per cent; null where it is unknown.
+    resolution_pct: [Option<f64>; 3],
+    /// Methods, the reference first.
+    methods: Vec<Compared>,
+    /// Architecture of the processor and operating system.
+    machine: [&'static str; 2],
+    /// Total wall time in seconds, and the number of threads.
+    wall_s: f64,
+    threads: usize,
+}
 
 /// Checks that the reference accepts the scene, without running it.
 ///
@@ -43,14 +69,14 @@ pub fn check_reference(base: &Scene) -> Result<(), SceneError> {
 /// Time step of the published scheme.
 const REFERENCE_STEP_S: f64 = 1e-9;
 
-/// Estimated wall time for comparing the methods of `size` on `base` with all threads, in seconds.
+/// Estimated wall time for comparing the methods of `size` on `base`, in seconds.
 #[must_use]
 pub fn expected_wall_s(size: Size, base: &Scene, seeds: u64) -> f64 {
-    measure::expected_wall_s(&rows(size, base, seeds), base, rayon::current_num_threads())
+    plan::methods(size, base).iter().map(|method| measure::expected_wall_s(method, base, seeds)).sum()
 }
 
-/// Runs the rows of `size` on `base`, each for `seeds` draws of the local coefficients, on a `machine`, and makes the
-/// page; `source` names the origin of the scene. Times are measured with the monitor's clock.
+/// Runs the methods of `size` on `base`, each for `seeds` draws of the local coefficients, and compares them with the
+/// reference; `source` names the origin of the scene. Times are measured with the monitor's clock.
 ///
 /// # Errors
 /// [`StudyError::Cancelled`] if the monitor has cancelled.
@@ -59,21 +85,69 @@ pub fn compare(
     base: &Scene,
     source: &str,
     seeds: u64,
-    machine: Machine,
     monitor: &dyn Monitor,
-) -> Result<AccuracyReport, StudyError> {
-    let rows = rows(size, base, seeds);
+) -> Result<Accuracy, StudyError> {
+    let methods = plan::methods(size, base);
     let progress = Stage::new(monitor, "accuracy", None);
-    let runs = measure::measure_all(&rows, base, size == Size::Full, &progress);
+    let all_s = expected_wall_s(size, base, seeds);
+    let runs: Vec<Vec<measure::Run>> =
+        methods.iter().map(|method| measure::measure_all(method, base, seeds, all_s, &progress)).collect();
     let wall_s = progress.finish();
     monitor.heed()?;
-    debug_assert!(rows.iter().filter(|row| row.role == Role::Judge).count() == 1);
-    let size_name = match size {
-        Size::Quick => "quick",
-        Size::Full => "full",
-    };
-    let model = model_notes(base, source, size_name, seeds);
-    Ok(AccuracyReport::new(size_name, model, &rows, &runs, machine, wall_s, rayon::current_num_threads()))
+    let (resolution_pct, methods) = comparison::compare(methods, &runs);
+    Ok(Accuracy {
+        program: "slipgrid",
+        version: VERSION,
+        schema: SCHEMA,
+        size: size.name(),
+        model: describe(size, base, source, seeds),
+        resolution_pct,
+        methods,
+        machine: [std::env::consts::ARCH, std::env::consts::OS],
+        wall_s,
+        threads: rayon::current_num_threads(),
+    })
+}
+
+/// Describes the scene and the comparison.
+fn describe(size: Size, scene: &Scene, source: &str, seeds: u64) -> Vec<String> {
+    let um = |length_m: f64| (LENGTH_UM.from_si(length_m) * 1e3).round() / 1e3;
+    let mut notes = vec![source.to_owned()];
+    if size == Size::Quick {
+        notes.push(
+            "quick: a short specimen, a thin layer and little travel; --full takes the scene as it is".to_owned(),
+        );
+    }
+    if let Some(load) = scene.loads.first() {
+        notes.push(format!(
+            "{} x {} blocks of {} um, {} MPa, {} mm/s, {} um of travel, damping {} sqrt(k/m)",
+            scene.layer.columns(),
+            scene.layer.rows(),
+            um(scene.layer.block_m),
+            PRESSURE_MPA.from_si(load.pressure_pa),
+            SPEED_MM_S.from_si(scene.speed_m_s),
+            um(scene.run.sliding_m),
+            scene.run.damping,
+        ));
+    }
+    notes.extend(scene.pattern.map(|pattern| {
+        let [width_um, spacing_um, depth_um] = pattern.lengths_m().map(um);
+        let name = pattern.planform().name();
+        format!(
+            "{name} {width_um} um wide, spacing {spacing_um} um, {depth_um} um deep; the ratio is to the flat surface"
+        )
+    }));
+    notes.extend(
+        [
+            "reference: the whole sample by the published scheme (Runge-Kutta of order 4, 1 ns, exact springs), from rest",
+            "+-: standard error of a difference, the larger of the scatter between draws and the batch means of both runs",
+            "n.s.: not significant, below 2 standard errors (Student's t where only the draws tell, as for static mu)",
+            "the reference's own blocks have an error, so that methods with other blocks are not on the front",
+        ]
+        .map(str::to_owned),
+    );
+    notes.push(format!("{seeds} draws of the local coefficients for each method, equal for all methods"));
+    notes
 }
 
 #[cfg(test)]

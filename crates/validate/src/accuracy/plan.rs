@@ -21,12 +21,6 @@ pub enum Change {
     WarmStart,
     /// Stop at this relative standard error of dynamic mu, checked from this share of the travel on.
     StopAt { mu_stderr: f64, travel_share: f64 },
-    /// Layer height relative to the scene's. A higher layer needs more travel until it slides.
-    LayerTimes(f64),
-    /// Damping frequency relative to sqrt(k/m).
-    Damping(f64),
-    /// Speed relative to the scene's speed.
-    SpeedTimes(f64),
 }
 
 impl Change {
@@ -44,17 +38,11 @@ impl Change {
                 scene.run.mu_stderr = Some(mu_stderr);
                 scene.run.sliding_m *= travel_share;
             }
-            Self::LayerTimes(factor) => {
-                scene.layer.height_m *= factor;
-                scene.run.sliding_m *= factor.max(1.0);
-            }
-            Self::Damping(damping) => scene.run.damping = damping,
-            Self::SpeedTimes(factor) => scene.speed_m_s *= factor,
         }
     }
 }
 
-/// Group of rows on the page.
+/// Group of methods.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Family {
     /// Steady equilibrium.
@@ -67,77 +55,26 @@ pub enum Family {
     BlockSize,
     /// Reduced extent and other ways to simulate less.
     Shortcut,
-    /// Damping frequency.
-    Damping,
-    /// Sliding speed.
-    Speed,
-    /// Height of the elastic layer.
-    LayerHeight,
 }
 
 impl Family {
-    /// Families of methods, in the order of the page.
-    pub const METHODS: [Self; 5] = [Self::Steady, Self::RungeKutta, Self::Leapfrog, Self::BlockSize, Self::Shortcut];
-
-    /// Name on the page.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Steady => "steady",
-            Self::RungeKutta => "Runge-Kutta",
-            Self::Leapfrog => "leapfrog",
-            Self::BlockSize => "block size",
-            Self::Shortcut => "extent and shortcuts",
-            Self::Damping => "damping",
-            Self::Speed => "speed",
-            Self::LayerHeight => "layer height",
-        }
-    }
+    /// Names by family, in their order.
+    pub const NAMES: [&str; 5] = ["steady", "Runge-Kutta", "leapfrog", "block size", "extent and shortcuts"];
 }
 
-/// Role of a row in the comparison.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Role {
-    /// Reference that judges the methods.
-    Judge,
-    /// Another method for an identical problem: its difference from the judge is an error.
-    Method,
-    /// Dynamic run with which choices are compared.
-    Base,
-    /// Another physical scene: its difference from the base is a change of the answer.
-    Choice,
-    /// Base with many draws of the local coefficients.
-    Seeds,
-}
-
-/// Row of the page.
+/// Method of the comparison.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Row {
+pub struct Method {
     /// Full description of the change.
     pub name: String,
-    /// Short label of the change, for the diagram.
+    /// Short label of the change, for the picture.
     pub label: String,
-    /// Family of the row.
+    /// Family of the method.
     pub family: Family,
-    /// Role of the row.
-    pub role: Role,
-    /// Changes to the base scene, in order.
+    /// Changes to the base scene, in order; none for the reference.
     pub changes: Vec<Change>,
-    /// Number of draws of the local coefficients, from the scene's seed on.
-    pub seeds: u64,
     /// Commands for which this method is the program's default.
     pub default_of: Option<&'static str>,
-}
-
-impl Row {
-    /// Relative block size of a steady cell; `None` for every other row. A steady cell is deterministic:
-    /// its discretization error is exact to the last digit.
-    pub fn steady_cell_blocks(&self) -> Option<f64> {
-        match self.changes[..] {
-            [STEADY, CELL] => Some(1.0),
-            [STEADY, CELL, Change::BlockTimes(times)] => Some(times),
-            _ => None,
-        }
-    }
 }
 
 /// Size of the comparison.
@@ -149,8 +86,16 @@ pub enum Size {
     Full,
 }
 
-/// Number of draws for the scatter between draws.
-pub const SCATTER_SEEDS: u64 = 10;
+impl Size {
+    /// Name in results.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Quick => "quick",
+            Self::Full => "full",
+        }
+    }
+}
+
 /// Step near the stability limit, relative to the limit.
 const NEAR_LIMIT: f64 = 0.97;
 /// Relative standard error of mu at which shortened runs stop, as for the confirming runs of `optimize`.
@@ -158,27 +103,19 @@ const STOP_STDERR: f64 = 0.001;
 /// Share of the travel from which shortened runs may stop.
 const STOP_TRAVEL_SHARE: f64 = 0.2;
 
-/// All rows, judge first; `scene` is the base scene.
-pub fn rows(size: Size, scene: &Scene, seeds: u64) -> Vec<Row> {
-    let mut rows = vec![row("reference", "reference", Family::RungeKutta, Role::Judge, vec![])];
-    rows.extend(steady());
-    rows.extend(runge_kutta(size));
-    rows.extend(leapfrog());
-    rows.extend(block_sizes(size, scene.layer.block_m * 1e6));
-    rows.extend(shortcuts());
-    rows.extend(choices(scene));
-    for row in &mut rows {
-        row.seeds = if row.role == Role::Seeds { SCATTER_SEEDS.max(seeds) } else { seeds };
-    }
-    rows
+/// All methods, the reference first; `scene` is the base scene.
+pub fn methods(size: Size, scene: &Scene) -> Vec<Method> {
+    let mut methods = vec![method("reference", "reference", Family::RungeKutta, vec![])];
+    methods.extend(steady());
+    methods.extend(runge_kutta(size));
+    methods.extend(leapfrog());
+    methods.extend(block_sizes(size, scene.layer.block_m * 1e6));
+    methods.extend(shortcuts());
+    methods
 }
 
-fn row(name: impl Into<String>, label: impl Into<String>, family: Family, role: Role, changes: Vec<Change>) -> Row {
-    Row { name: name.into(), label: label.into(), family, role, changes, seeds: 1, default_of: None }
-}
-
-fn method(name: impl Into<String>, label: impl Into<String>, family: Family, changes: Vec<Change>) -> Row {
-    row(name, label, family, Role::Method, changes)
+fn method(name: impl Into<String>, label: impl Into<String>, family: Family, changes: Vec<Change>) -> Method {
+    Method { name: name.into(), label: label.into(), family, changes, default_of: None }
 }
 
 const STEADY: Change = Change::Fidelity(Fidelity::Steady);
@@ -187,9 +124,9 @@ const CELL: Change = Change::Extent(Extent::Cell);
 const LINEAR: Change = Change::Springs(Springs::Linear);
 const EXACT: Change = Change::Springs(Springs::Exact);
 
-fn steady() -> Vec<Row> {
+fn steady() -> Vec<Method> {
     vec![
-        Row {
+        Method {
             default_of: Some("simulate, and the search of optimize"),
             ..method("steady, cell", "steady cell", Family::Steady, vec![STEADY, CELL])
         },
@@ -197,7 +134,7 @@ fn steady() -> Vec<Row> {
     ]
 }
 
-fn runge_kutta(size: Size) -> Vec<Row> {
+fn runge_kutta(size: Size) -> Vec<Method> {
     let step = |name: &str, springs: Change, step: Change| {
         let law = if springs == EXACT { "exact" } else { "linear" };
         method(
@@ -221,7 +158,7 @@ fn runge_kutta(size: Size) -> Vec<Row> {
     rows
 }
 
-fn leapfrog() -> Vec<Row> {
+fn leapfrog() -> Vec<Method> {
     let step = |name: &str, law: &str, changes: &[Change]| {
         let changes = [DYNAMIC].into_iter().chain(changes.iter().copied()).collect();
         method(format!("leapfrog, {law} springs, {name}"), format!("LF {law} {name}"), Family::Leapfrog, changes)
@@ -229,7 +166,7 @@ fn leapfrog() -> Vec<Row> {
     vec![
         step("1 ns", "linear", &[Change::StepNs(1.0)]),
         step("2 ns", "linear", &[Change::StepNs(2.0)]),
-        Row {
+        Method {
             name: "dynamic as it comes, sample".to_owned(),
             label: "dynamic sample".to_owned(),
             default_of: Some("simulate --fidelity dynamic, and optimize with from_rest = true"),
@@ -243,20 +180,20 @@ fn leapfrog() -> Vec<Row> {
     ]
 }
 
-fn block_sizes(size: Size, block_um: f64) -> Vec<Row> {
+fn block_sizes(size: Size, block_um: f64) -> Vec<Method> {
     let named = |what: &str, short: &str, times: f64, changes: &[Change]| {
         let um = slipgrid_base::units::tidy(block_um * times);
         let changes = changes.iter().copied().chain([Change::BlockTimes(times)]).collect();
         method(format!("{what}, blocks of {um} um"), format!("{short} {um} um"), Family::BlockSize, changes)
     };
-    let mut rows: Vec<Row> =
+    let mut rows: Vec<Method> =
         [2.0, 0.5, 0.25].map(|times| named("steady, cell", "steady", times, &[STEADY, CELL])).into();
     let dynamic: &[f64] = if size == Size::Full { &[2.0, 0.5, 0.25] } else { &[2.0, 0.5] };
     rows.extend(dynamic.iter().map(|&times| named("dynamic, sample", "dynamic", times, &[DYNAMIC])));
     rows
 }
 
-fn shortcuts() -> Vec<Row> {
+fn shortcuts() -> Vec<Method> {
     let stop = Change::StopAt { mu_stderr: STOP_STDERR, travel_share: STOP_TRAVEL_SHARE };
     let percent = slipgrid_base::units::tidy(100.0 * STOP_STDERR);
     let shortcut = |name: String, label: &str, changes: &[Change]| {
@@ -264,12 +201,12 @@ fn shortcuts() -> Vec<Row> {
         method(name, label, Family::Shortcut, changes)
     };
     vec![
-        Row {
+        Method {
             default_of: Some("simulate --fidelity dynamic with extent = cell"),
             ..shortcut("dynamic, cell".to_owned(), "dynamic cell", &[CELL])
         },
         shortcut("dynamic, sample, warm start".to_owned(), "warm", &[Change::WarmStart]),
-        Row {
+        Method {
             default_of: Some("the confirming runs of optimize"),
             ..shortcut(
                 format!("dynamic, sample, warm start, stop at a standard error of {percent} %"),
@@ -283,29 +220,4 @@ fn shortcuts() -> Vec<Row> {
             &[CELL, Change::WarmStart, stop],
         ),
     ]
-}
-
-fn choices(scene: &Scene) -> Vec<Row> {
-    let dynamic = |name: String, family, role, change: Option<Change>| {
-        row(name.clone(), name, family, role, [DYNAMIC].into_iter().chain(change).collect())
-    };
-    let choice = |name, family, change| dynamic(name, family, Role::Choice, Some(change));
-    let um = |times: f64| slipgrid_base::units::tidy(scene.layer.height_m * 1e6 * times);
-    let mm_s = |times: f64| slipgrid_base::units::tidy(scene.speed_m_s * 1e3 * times);
-    let mut rows = vec![dynamic("as in the scene".to_owned(), Family::Damping, Role::Base, None)];
-    let damping = [0.003, 0.01, 0.03, 0.1].into_iter().filter(|damping| *damping != scene.run.damping);
-    rows.extend(
-        damping.map(|damping| {
-            choice(format!("damping of {damping} sqrt(k/m)"), Family::Damping, Change::Damping(damping))
-        }),
-    );
-    rows.extend(
-        [0.2, 2.0].map(|times| choice(format!("{} mm/s", mm_s(times)), Family::Speed, Change::SpeedTimes(times))),
-    );
-    rows.extend(
-        [0.5, 2.0]
-            .map(|times| choice(format!("layer of {} um", um(times)), Family::LayerHeight, Change::LayerTimes(times))),
-    );
-    rows.push(dynamic("draws of the local coefficients".to_owned(), Family::Damping, Role::Seeds, None));
-    rows
 }

@@ -1,0 +1,177 @@
+//! Comparison as Markdown, CSV and a picture.
+
+use std::fmt::Write as _;
+
+use slipgrid_design::results::fixed;
+use slipgrid_report::charts::{self, ChartError, WorkPoint, WorkPrecisionChart, WorkPrecisionPanel};
+
+use super::Accuracy;
+use super::comparison::{Compared, OBSERVABLES, Value};
+use super::plan::Family;
+
+/// Observables with a front: static friction has no standard error within a run.
+const WITH_FRONT: [usize; 2] = [0, 2];
+
+/// Formats the comparison as Markdown.
+#[must_use]
+pub fn markdown(of: &Accuracy) -> String {
+    let mut text = format!("# Speed against error ({})\n\n", of.size);
+    of.model.iter().for_each(|statement| text += &format!("- {statement}\n"));
+    if let Some(reference) = of.methods.first() {
+        text += "\n## Reference\n\n| quantity | mean | +- | standard deviation between draws |\n|---|---:|---:|---:|\n";
+        for (name, value) in OBSERVABLES.iter().zip(&reference.values) {
+            let Some(value) = value else { continue };
+            let [mean, stderr, std] = [Some(value.mean), value.stderr, value.std].map(|value| fixed(value, 5));
+            let _ = writeln!(text, "| {name} | {mean} | {stderr} | {std} |");
+        }
+    }
+    text += "\n## Methods: error against the reference, per cent\n\n\
+             | method | step ns | site updates | dynamic mu | static mu | ratio | status | wall s | updates/s |\n\
+             |---|---:|---:|---:|---:|---:|---:|---:|---:|\n";
+    for method in &of.methods {
+        // A bar would end its cell.
+        let status = method.status.replace('|', "/");
+        let [dynamic, at_rest, ratio] = method.values.each_ref().map(|value| error(value.as_ref()));
+        let updates = |number: Option<f64>| number.map_or_else(|| "-".to_owned(), |number| format!("{number:.2e}"));
+        let _ = writeln!(
+            text,
+            "| {} | {} | {} | {dynamic} | {at_rest} | {ratio} | {status} | {} | {} |",
+            if method.default_of.is_some() { format!("**{}**", method.name) } else { method.name.clone() },
+            fixed(method.step_ns, 2),
+            updates(method.site_updates.map(|updates| updates as f64)),
+            three_digits(method.wall_s),
+            updates(method.site_updates_per_s),
+        );
+    }
+    text += "\nWall time: one draw, both surfaces, on one thread. Bold: a default of the program.\n\n## Fastest at each error\n";
+    for observable in WITH_FRONT {
+        text += &front(of, observable);
+    }
+    let [architecture, system] = of.machine;
+    text + &format!(
+        "\nslipgrid {}, {architecture}, {system}; {:.0} s on {} threads in all.\n",
+        of.version, of.wall_s, of.threads
+    )
+}
+
+/// Formats the front in `observable`, and the places of the program's defaults.
+fn front(of: &Accuracy, observable: usize) -> String {
+    let Some(resolution_pct) = of.resolution_pct[observable] else { return String::new() };
+    let ranked = || of.methods.iter().filter_map(|method| Some((method, method.values[observable].as_ref()?)));
+    let mut best: Vec<&Compared> = ranked().filter(|(_, value)| value.is_on_front).map(|(method, _)| method).collect();
+    best.sort_by(|a, b| a.wall_s.total_cmp(&b.wall_s));
+    let mut text = format!(
+        "\nFront of wall time against error in {}, fastest first: {}. Errors below {} % and times within a tenth count as \
+         equal.\n\n",
+        OBSERVABLES[observable],
+        best.iter().map(|method| method.name.as_str()).collect::<Vec<_>>().join("; "),
+        fixed(Some(resolution_pct), 2),
+    );
+    for (method, value) in ranked() {
+        let Some(default_of) = method.default_of else { continue };
+        text += &match &value.better {
+            None => format!("- on the front: {}, the default of {default_of}\n", method.name),
+            Some(better) => format!(
+                "- not on the front: {}, the default of {default_of}; {better} is faster and no less accurate\n",
+                method.name
+            ),
+        };
+    }
+    text
+}
+
+/// Formats a difference with its standard error, and whether it is significant.
+fn error(value: Option<&Value>) -> String {
+    let Some((value, percent)) = value.and_then(|value| Some((value, value.difference_pct?))) else {
+        return "-".to_owned();
+    };
+    let sign = if percent > 0.0 { "+" } else { "" };
+    let stderr =
+        value.difference_stderr_pct.map_or_else(String::new, |stderr| format!(" +- {}", fixed(Some(stderr), 2)));
+    let chance = if value.is_significant() == Some(false) { " n.s." } else { "" };
+    format!("{sign}{}{stderr}{chance}", fixed(Some(percent), 2))
+}
+
+/// Formats three significant digits.
+fn three_digits(value: f64) -> String {
+    if value <= 0.0 {
+        return "-".to_owned();
+    }
+    // Between 0 and 9: the cast is exact.
+    let decimals = (2.0 - value.log10().floor()).clamp(0.0, 9.0) as usize;
+    format!("{value:.decimals$}")
+}
+
+/// Formats the methods as CSV, one line each.
+#[must_use]
+pub fn csv(of: &Accuracy) -> String {
+    let mut text = String::from(
+        "family,name,default_of,status,step_ns,site_updates,\
+         mu_dynamic,mu_dynamic_stderr,mu_dynamic_difference_pct,mu_dynamic_difference_stderr_pct,\
+         mu_static,mu_static_stderr,mu_static_difference_pct,mu_static_difference_stderr_pct,\
+         ratio,ratio_stderr,ratio_difference_pct,ratio_difference_stderr_pct,\
+         wall_s,site_updates_per_s\n",
+    );
+    let number = |value: Option<f64>| value.map_or_else(String::new, |value| value.to_string());
+    for method in &of.methods {
+        let quoted = |text: &str| format!("\"{}\"", text.replace('"', "\"\""));
+        let mut cells = vec![
+            Family::NAMES[method.family].to_owned(),
+            quoted(&method.name),
+            quoted(method.default_of.unwrap_or_default()),
+            quoted(&method.status),
+            number(method.step_ns),
+            method.site_updates.map_or_else(String::new, |updates| updates.to_string()),
+        ];
+        for value in &method.values {
+            let of = |get: fn(&Value) -> Option<f64>| number(value.as_ref().and_then(get));
+            cells.extend([
+                of(|value| Some(value.mean)),
+                of(|value| value.stderr),
+                of(|value| value.difference_pct),
+                of(|value| value.difference_stderr_pct),
+            ]);
+        }
+        cells.extend([method.wall_s.to_string(), number(method.site_updates_per_s)]);
+        let _ = writeln!(text, "{}", cells.join(","));
+    }
+    text
+}
+
+/// Draws wall time against error; `None` if no method has an error.
+///
+/// # Errors
+/// [`ChartError`] if the picture cannot be drawn.
+pub fn picture(of: &Accuracy) -> Result<Option<String>, ChartError> {
+    let point = |method: &'_ Compared, observable: usize| {
+        let value = method.values[observable].as_ref()?;
+        let error_pct = value.error_pct().filter(|error| error.is_finite() && method.wall_s > 0.0)?;
+        Some((error_pct, value.is_significant() != Some(true), value.is_on_front))
+    };
+    let panels: Vec<(String, f64, Vec<WorkPoint<'_>>)> = WITH_FRONT
+        .into_iter()
+        .filter_map(|observable| {
+            let points = of.methods.iter().filter_map(|method| {
+                let (error_pct, at_most, on_front) = point(method, observable)?;
+                let (label, family, is_default) = (method.label.as_str(), method.family, method.default_of.is_some());
+                Some(WorkPoint { label, family, wall_s: method.wall_s, error_pct, at_most, on_front, is_default })
+            });
+            let title = format!("error in {} (%)", OBSERVABLES[observable]);
+            Some((title, of.resolution_pct[observable]?, points.collect::<Vec<_>>()))
+        })
+        .filter(|(.., points)| !points.is_empty())
+        .collect();
+    let panels: Vec<WorkPrecisionPanel<'_>> = panels
+        .iter()
+        .map(|(error_title, resolution_pct, points)| WorkPrecisionPanel {
+            error_title,
+            points,
+            resolution_pct: *resolution_pct,
+        })
+        .collect();
+    let Some(reference) = of.methods.first().filter(|_| !panels.is_empty()) else { return Ok(None) };
+    let title = format!("Speed against error ({})", of.size);
+    let chart =
+        WorkPrecisionChart { title: &title, families: &Family::NAMES, panels: &panels, reference_s: reference.wall_s };
+    charts::work_precision(&chart).map(Some)
+}
