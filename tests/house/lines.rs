@@ -11,13 +11,13 @@ const LIMITS: [(&str, usize); 14] = [
     ("traces", 3_200),
     ("laser", 4_900),
     ("infer", 5_800),
-    ("design", 6_900),
-    ("io", 10_200),
+    ("design", 6_800),
+    ("io", 10_300),
     ("report", 7_500),
-    ("validate", 3_900),
+    ("validate", 3_400),
     ("slipgrid", 100),
     ("cli", 2_700),
-    ("book", 600),
+    ("book", 400),
     ("python", 1_600),
 ];
 

@@ -138,7 +138,8 @@ fn the_chapter_of_results_is_generated_from_the_types_that_are_written() {
 }
 
 /// Process sheets: name, schema, and title.
-const SHEETS: [(&str, fn() -> Json, &str); 2] = [
+type Sheet = (&'static str, fn() -> Json, &'static str);
+const SHEETS: [Sheet; 2] = [
     ("process sheet", sheet_schema::<ProcessSheet>, "`process.toml` of `optimize`, `next` and `export`"),
     (
         "process sheet of sectors",

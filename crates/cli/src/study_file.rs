@@ -162,11 +162,12 @@ fn is_replaceable(path: &Path) -> bool {
 
 /// First line of the file.
 fn header(depends_on: &Map<String, Value>) -> String {
+    // The first key is that by which a study is recognized.
     let mut object = Map::new();
+    object.insert("depends_on".to_owned(), Value::Object(depends_on.clone()));
+    object.insert("hash".to_owned(), Value::from(hash(depends_on)));
     object.insert("study".to_owned(), Value::from("slipgrid optimize"));
     object.insert("version".to_owned(), Value::from(VERSION));
-    object.insert("hash".to_owned(), Value::from(hash(depends_on)));
-    object.insert("depends_on".to_owned(), Value::Object(depends_on.clone()));
     Value::Object(object).to_string() + "\n"
 }
 

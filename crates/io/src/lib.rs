@@ -5,10 +5,10 @@
 //! | [`formats`] | scene, design, calibration and material files |
 //! | [`campaign`] | many scenes or designs as tasks for any number of machines |
 //! | [`Outputs`] | files of one result, in memory |
-//! | [`schemas()`] | JSON schemas of the files that are read |
 //! | [`disk`] | access to files, results and the cache on a disk |
 //!
-//! Only [`disk`] opens files, reads the clock or the environment; nothing prints.
+//! Only [`disk`] opens files, reads the clock or the environment; nothing prints. [`schemas()`] describes the files that are read as
+//! JSON schemas.
 //!
 //! ```
 //! use slipgrid_io::Outputs;

@@ -1,5 +1,6 @@
 //! `accuracy`: compares speed and error of every method on one page.
 
+use std::env::consts::{ARCH, OS};
 use std::path::PathBuf;
 
 use slipgrid_design::cost_line;
@@ -48,7 +49,7 @@ pub fn run(args: &AccuracyArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     let expense = Expense { core_s: wall_s * console.threads as f64, wall_s, bytes: 0.0 };
     let line = cost_line("this comparison", expense, false, console.threads);
     line.iter().for_each(|line| console.note(line));
-    let compared = accuracy::compare(size, &base, &source, seeds, &Job::new(console))?;
+    let compared = accuracy::compare(size, &base, &source, seeds, [ARCH, OS], &Job::new(console))?;
     if let Some(folder) = &folder {
         let mut outputs = Outputs::default();
         outputs.add("accuracy.md", accuracy::markdown(&compared));

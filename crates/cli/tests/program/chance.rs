@@ -77,7 +77,7 @@ fn the_chance_is_the_share_of_the_samples_that_are_expected() {
     let place = Place::with(&[]);
     let of = |target: &str| {
         fs::write(place.path("a.toml"), trusted(&fixed(target, TOLERANCES))).unwrap();
-        json(&String::from_utf8(place.run(&["optimize", "a.toml", "--json"]).stdout).unwrap())
+        json(&place.succeed(&["optimize", "a.toml", "--json"]))
     };
     let found = of("value = 0.88\ntolerance = 0.02");
     let [low, median, high] = ["low_95", "median", "high_95"].map(|key| number(&found["expected"][0][key]));

@@ -76,7 +76,7 @@ pub fn expected_wall_s(size: Size, base: &Scene, seeds: u64) -> f64 {
 }
 
 /// Runs the methods of `size` on `base`, each for `seeds` draws of the local coefficients, and compares them with the
-/// reference; `source` names the origin of the scene. Times are measured with the monitor's clock.
+/// reference; `source` names the origin of the scene, `machine` its architecture and operating system. Times are measured with the monitor's clock.
 ///
 /// # Errors
 /// [`StudyError::Cancelled`] if the monitor has cancelled.
@@ -85,6 +85,7 @@ pub fn compare(
     base: &Scene,
     source: &str,
     seeds: u64,
+    machine: [&'static str; 2],
     monitor: &dyn Monitor,
 ) -> Result<Accuracy, StudyError> {
     let methods = plan::methods(size, base);
@@ -103,7 +104,7 @@ pub fn compare(
         model: describe(size, base, source, seeds),
         resolution_pct,
         methods,
-        machine: [std::env::consts::ARCH, std::env::consts::OS],
+        machine,
         wall_s,
         threads: rayon::current_num_threads(),
     })

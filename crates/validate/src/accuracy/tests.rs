@@ -98,7 +98,7 @@ impl Monitor for Clock {
 
 #[test]
 fn a_tiny_comparison_from_end_to_end() {
-    let of = compare(Size::Quick, &tiny(), "tiny", 2, &Clock(std::time::Instant::now())).unwrap();
+    let of = compare(Size::Quick, &tiny(), "tiny", 2, ["any", "any"], &Clock(std::time::Instant::now())).unwrap();
     let reference = &of.methods[0];
     assert_eq!((reference.name.as_str(), reference.status.as_str()), ("reference", "converged"));
     // 4 evaluations, 1 ns, 12 us of preparation and 20 us of travel, 10 x 2 blocks, both surfaces
