@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
+import tempfile
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
+
+# The caches of the package, which is imported below, and of the program.
+os.environ.setdefault("SLIPGRID_CACHE", tempfile.mkdtemp())
 
 import pytest
 

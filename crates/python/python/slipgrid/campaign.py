@@ -24,13 +24,15 @@ import socket
 from collections.abc import Callable, Sequence
 from concurrent.futures import Executor, as_completed
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Union
+from typing import TYPE_CHECKING, Any, Optional, Union
 
 from . import _slipgrid
-from ._records import Record
+from ._records import Progress, Record
+from .types import DesignRecord, SimulationRecord
 
 if TYPE_CHECKING:
     import pandas as _pandas
+    from dask.distributed import Client
 
 __all__ = ["Campaign", "Results", "Task", "plan", "run"]
 
@@ -43,10 +45,27 @@ _LARGEST_PART = 64
 class Task(Record):
     """A task: ``id``, a hash of all that matters to the result, and ``values``, what its keys are."""
 
+    id: str
+
     @property
     def values(self) -> Record:  # type: ignore[override]
         """What the keys of the task are, by their names; in place of the method of mappings."""
         return Record(self["values"])
+
+
+class TaskResult(Record):
+    """Result of a task."""
+
+    #: "done", "refused" or "failed".
+    outcome: str
+    #: Why there is no record; ``None`` where there is one.
+    reason: Optional[str]
+
+    @property
+    def record(self) -> Union[SimulationRecord, DesignRecord]:
+        """The record of a scene or of a design, with the fields of result.json."""
+        record = self["record"]
+        return SimulationRecord(record) if "results" in record else DesignRecord(record)
 
 
 class Campaign:
@@ -87,10 +106,9 @@ class Results:
     def __len__(self) -> int:
         return len(self._results)
 
-    def __getitem__(self, place: int) -> Record:
-        """What came of one task: its ``outcome`` ("done", "refused" or "failed"), the ``reason``, and the ``record``, whose fields
-        are those of result.json."""
-        return Record(json.loads(self._results[place]))
+    def __getitem__(self, place: int) -> TaskResult:
+        """Result of one task."""
+        return TaskResult(json.loads(self._results[place]))
 
     def frame(self) -> _pandas.DataFrame:
         """The table."""
@@ -102,7 +120,7 @@ class Results:
         return f"<Results of {self.counts}>"
 
 
-def plan(path: Union[str, Path], progress: Callable[[str, float], object] | None = None) -> Campaign:
+def plan(path: Union[str, Path], progress: Progress | None = None) -> Campaign:
     """The campaign of the file at ``path``. Every task is read as its command would; what is refused raises now."""
     return Campaign(_slipgrid.Campaign.plan(Path(path), progress))
 
@@ -121,10 +139,10 @@ def _work(shared: tuple[str, dict[str, bytes]], tasks: Sequence[str], threads: i
 
 def run(
     tasks: Campaign,
-    client: Any,
+    client: Union[Executor, Client],
     *,
     threads: int | None = 1,
-    progress: Callable[[str, float], object] | None = None,
+    progress: Progress | None = None,
 ) -> Results:
     """Does all tasks and waits for them.
 
@@ -132,18 +150,19 @@ def run(
     of this process uses the threads of this process.
     """
     shared, own = tasks._campaign.parts(), tasks._tasks
-    is_dask = hasattr(client, "scatter")
-    if not is_dask and not isinstance(client, Executor):
+    cluster: Any = client if hasattr(client, "scatter") else None
+    if cluster is None and not isinstance(client, Executor):
         raise TypeError(f"{client!r} runs nothing: expected a concurrent.futures.Executor or a dask.distributed.Client")
-    workers = len(client.scheduler_info()["workers"]) if is_dask else getattr(client, "_max_workers", None) or 1
+    workers = getattr(client, "_max_workers", None) or 1 if cluster is None else len(cluster.scheduler_info()["workers"])
     size = max(1, min(_LARGEST_PART, len(own) // (workers * _PARTS_EACH)))
     parts = [own[first : first + size] for first in range(0, len(own), size)]
-    if is_dask:
+    completed: Callable[..., Any]
+    if cluster is not None:
         from dask import distributed
 
-        completed: Callable[..., Any] = distributed.as_completed
-        given = client.scatter(shared, broadcast=True, hash=False)
-        futures = [client.submit(_work, given, part, threads, _process(), pure=False) for part in parts]
+        completed = distributed.as_completed
+        given = cluster.scatter(shared, broadcast=True, hash=False)
+        futures = [cluster.submit(_work, given, part, threads, _process(), pure=False) for part in parts]
     else:
         completed = as_completed
         futures = [client.submit(_work, shared, part, threads, _process()) for part in parts]
