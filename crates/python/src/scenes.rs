@@ -16,7 +16,7 @@ use slipgrid::formats::file_kind::FileKind;
 use slipgrid::formats::run::Overrides;
 use slipgrid::formats::scene::SceneInput;
 use slipgrid::formats::{Diagnostic, checked};
-use slipgrid::monitor::{Cancelled, Monitor, Stage};
+use slipgrid::monitor::{Cancelled, Monitor, Stage, Unwatched};
 use slipgrid::pattern::{Pattern, Texture};
 use slipgrid::report::files;
 use slipgrid::results::{SimulationReport, beyond_measured, json_and_timings};
@@ -208,6 +208,8 @@ impl Solved {
 
 /// Number of rows that are checked, within milliseconds, between two checks for Ctrl-C.
 const ROWS_BETWEEN_SIGNALS: usize = 4096;
+/// Number of loads of one texture up to which a solve takes some milliseconds.
+const QUICK_LOADS: usize = 16;
 /// Number of values per row that a steady cell computes: ratio, dynamic friction, peak pressure in MPa.
 const VALUES: usize = 3;
 
@@ -233,23 +235,27 @@ impl SteadyCell {
         let rows = rows.as_array();
         let groups = self.groups(py, rows)?;
         let loads = self.loads(py, groups.values().flat_map(|(_, places)| places.keys().copied()))?;
-        let solved = watched(py, None, |watch| {
-            let solve = |(pattern, places): &Group| {
-                watch.heed()?;
-                let scene = springblock::Scene {
-                    loads: places.keys().map(|bits| loads[bits].0).collect(),
-                    ..self.input.scene.clone()
-                };
-                let cell = Cell::of_texture(&scene, &self.texture);
-                let found = cell.solve_heeding(pattern, watch);
-                // A solve that was cancelled has no valid result.
-                watch.heed().map(|()| found)
+        let solve = |(pattern, places): &Group, monitor: &dyn Monitor| {
+            monitor.heed()?;
+            let scene = springblock::Scene {
+                loads: places.keys().map(|bits| loads[bits].0).collect(),
+                ..self.input.scene.clone()
             };
-            let groups: Vec<_> = groups.values().collect();
-            groups.into_par_iter().map(|group| Ok((group, solve(group)?))).collect::<Result<Vec<_>, Cancelled>>()
-        })?;
+            let found = Cell::of_texture(&scene, &self.texture).solve_heeding(pattern, monitor);
+            // A solve that was cancelled has no valid result.
+            monitor.heed().map(|()| found)
+        };
+        let groups: Vec<&Group> = groups.values().collect();
+        let is_quick = Cell::of_texture(&self.input.scene, &self.texture).dimension().is_cheap_per_design();
+        let solved: Result<Vec<_>, Cancelled> = match groups[..] {
+            // Waking a thread of the pool would take as long as the solve.
+            [group] if is_quick && group.1.len() <= QUICK_LOADS => {
+                detached(py, || Ok(vec![solve(group, &Unwatched)?]))?
+            }
+            _ => watched(py, None, |watch| groups.par_iter().map(|group| solve(group, watch)).collect())?,
+        };
         let mut values = Array2::from_elem((rows.nrows(), VALUES), f64::NAN);
-        for ((_, places), outcomes) in solved.map_err(|_| errors::stopped())? {
+        for ((_, places), outcomes) in groups.iter().zip(solved.map_err(|_| errors::stopped())?) {
             for ((bits, rows), outcome) in places.iter().zip(outcomes) {
                 let ratio = outcome.ratio.unwrap_or(f64::NAN);
                 let peak_mpa = PRESSURE_MPA.from_si(outcome.surface.peak_pressure_pa);

@@ -9,8 +9,9 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-# The caches of the package, which is imported below, and of the program.
-os.environ.setdefault("SLIPGRID_CACHE", tempfile.mkdtemp())
+# Cache of the package, which is imported below, and of the program.
+CACHE = tempfile.TemporaryDirectory()
+os.environ["SLIPGRID_CACHE"] = CACHE.name
 
 import pytest
 

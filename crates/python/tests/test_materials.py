@@ -53,12 +53,13 @@ def test_what_a_material_does_not_bear_is_refused(material: slipgrid.Material) -
         slipgrid.Material.from_toml("youngs_modulus_gpa = -1.0\ndensity_g_cm3 = 1.0\nfriction = {static_mean = 0.3, dynamic_mean = 0.27}")
 
 
-def test_pressures_beyond_those_measured_are_warned_of() -> None:
-    calibration = slipgrid.Calibration.read(ROOT / "calibration" / "ldpe-cast-iron" / "calibration.toml")
-    with pytest.warns(SlipgridWarning):
-        material = calibration.fit()
-    with pytest.warns(SlipgridWarning, match="^at 0.1, 20 MPa friction"):
-        material.ratio(130.0, 370.0, 5.2, [0.1, 1.3, 20.0], condition={"speed_mm_s": 2.0, "humidity_pct": 15.0})
+def test_pressures_beyond_those_measured_are_warned_of_where_the_caller_stands() -> None:
+    rows = {"pressure_mpa": [0.6, 2.6], "static_mean": [0.30, 0.32], "dynamic_mean": [0.27, 0.29]}
+    condition: slipgrid.types.ConditionTable = {"speed_mm_s": 2.0, "humidity_pct": 15.0}
+    material = slipgrid.Material.from_toml(toml({**MATERIAL, "friction": {"conditions": [{**condition, **rows}]}}))
+    with pytest.warns(SlipgridWarning, match="^at 0.1, 20 MPa outside the measured range") as warned:
+        material.ratio(130.0, 370.0, 5.2, [0.1, 1.3, 20.0], condition=condition)
+    assert [own.filename for own in warned if "outside" in str(own.message)] == [__file__]
     with pytest.raises(InputError, match="condition"):
         material.ratio(130.0, 370.0, 5.2, 1.3)
 

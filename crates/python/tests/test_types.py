@@ -58,6 +58,7 @@ def test_records_have_types_and_values_left_out_are_none() -> None:
         found.results[0].rato  # type: ignore[attr-defined]
 
 
+@pytest.fixture(scope="module")
 def shown() -> list[object]:
     """One object of every kind."""
     calibration = slipgrid.Calibration.read(ROOT / "calibration" / "synthetic-polymer" / "calibration.toml")
@@ -84,8 +85,8 @@ def shown() -> list[object]:
 
 
 @pytest.mark.filterwarnings("ignore::slipgrid.errors.SlipgridWarning")
-def test_every_object_says_what_it_is_in_a_line_and_in_little_html() -> None:
-    for own in shown():
+def test_every_object_says_what_it_is_in_a_line_and_in_little_html(shown: list[object]) -> None:
+    for own in shown:
         line = repr(own)
         assert line.startswith("<") and " " in line and "\n" not in line and len(line) < 300, line
         html: Callable[[], str] | None = getattr(own, "_repr_html_", None)
@@ -94,11 +95,11 @@ def test_every_object_says_what_it_is_in_a_line_and_in_little_html() -> None:
 
 
 @pytest.mark.filterwarnings("ignore::slipgrid.errors.SlipgridWarning")
-def test_results_draw_themselves_on_given_axes() -> None:
+def test_results_draw_themselves_on_given_axes(shown: list[object]) -> None:
     pyplot = pytest.importorskip("matplotlib.pyplot")
     pyplot.switch_backend("agg")
     drawn = 0
-    for own in shown():
+    for own in shown:
         if isinstance(own, slipgrid.Prediction):
             with pytest.raises(ValueError, match=r"have the shape \(1000,\): choose one"):
                 own.plot()

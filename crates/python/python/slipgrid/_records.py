@@ -5,6 +5,7 @@ from __future__ import annotations
 import html
 import importlib
 import json
+import math
 import re
 import typing
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -214,6 +215,8 @@ def real(name: str, given: ArrayLike, max_count: int = MAX_NUMBERS, what: str = 
     """The argument ``name`` as an array of real numbers, NaN where they are masked."""
     typed: NDArray[Any] = np.asanyarray(given)
     check_count(name, typed.size, max_count, what)
+    if type(typed) is np.ndarray and typed.dtype == np.float64:
+        return typed
     if typed.dtype.kind not in _REAL:
         raise TypeError(f"{name} holds what is of the type {typed.dtype}; expected real numbers")
     try:
@@ -225,15 +228,16 @@ def real(name: str, given: ArrayLike, max_count: int = MAX_NUMBERS, what: str = 
 def rows(**arguments: ArrayLike) -> tuple[NDArray[np.float64], tuple[int, ...]]:
     """The arguments broadcast against each other: an array with a column for each, and their common shape."""
     arrays = [real(name, given) for name, given in arguments.items()]
-    names = ", ".join(arguments)
     try:
         shape = np.broadcast_shapes(*(own.shape for own in arrays))
     except ValueError:
         shapes = ", ".join(f"{name} {own.shape}" for name, own in zip(arguments, arrays))
         raise ValueError(f"shapes do not broadcast: {shapes}") from None
-    check_count(names, int(np.prod(shape, dtype=object)), what="elements")
-    columns = [np.broadcast_to(own, shape).reshape(-1) for own in arrays]
-    return np.ascontiguousarray(np.column_stack(columns)), shape
+    check_count(", ".join(arguments), math.prod(shape), what="elements")
+    columns = np.empty((*shape, len(arrays)))
+    for place, own in enumerate(arrays):
+        columns[..., place] = own
+    return columns.reshape(-1, len(arrays)), shape
 
 
 def heights(given: ArrayLike) -> NDArray[np.float64]:
