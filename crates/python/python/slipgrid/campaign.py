@@ -11,8 +11,8 @@ A campaign file names a scene or a design and which of its keys vary::
     print(found.counts)
     found.frame()
 
-Instead of the pool any ``concurrent.futures.Executor`` will do, and the client of a Dask cluster (``dask.distributed``). Results are
-those of ``slipgrid campaign work``, the same bytes whoever does what.
+Any ``concurrent.futures.Executor`` or the client of a Dask cluster (``dask.distributed``) may replace the pool. Results are those of
+``slipgrid campaign work``, byte for byte, on any number of workers.
 """
 
 from __future__ import annotations
@@ -43,13 +43,13 @@ _LARGEST_PART = 64
 
 
 class Task(Record):
-    """A task: ``id``, a hash of all that matters to the result, and ``values``, what its keys are."""
+    """A task: ``id``, a hash of everything that the result depends on, and ``values`` of the keys that vary."""
 
     id: str
 
     @property
     def values(self) -> Record:  # type: ignore[override]
-        """What the keys of the task are, by their names; in place of the method of mappings."""
+        """Values of the keys that vary, by key; replaces the method of mappings."""
         return Record(self["values"])
 
 
@@ -69,7 +69,7 @@ class TaskResult(Record):
 
 
 class Campaign:
-    """Tasks that stand alone, with all that they read."""
+    """Independent tasks, with all files that they read."""
 
     def __init__(self, campaign: _slipgrid.Campaign) -> None:
         self._campaign = campaign
@@ -82,7 +82,7 @@ class Campaign:
 
     @property
     def tasks(self) -> list[Task]:
-        """The tasks: ``id``, a hash of all that matters to the result, and ``values``, what its keys are."""
+        """The tasks, in the order of the campaign file."""
         return [Task(json.loads(task)) for task in self._tasks]
 
     def __len__(self) -> int:
@@ -93,13 +93,13 @@ class Campaign:
 
 
 class Results:
-    """What came of the tasks of a campaign, in their order."""
+    """Results of the tasks of a campaign, in their order."""
 
     def __init__(self, campaign: _slipgrid.Campaign, results: Sequence[str]) -> None:
         self._results = list(results)
         #: The table as CSV, as ``slipgrid campaign merge`` writes it.
         self.csv: str
-        #: How many tasks ended how, in words.
+        #: Numbers of tasks by outcome, in words.
         self.counts: str
         self.csv, self.counts = campaign.table(self._results)
 
@@ -121,17 +121,30 @@ class Results:
 
 
 def plan(path: Union[str, Path], progress: Progress | None = None) -> Campaign:
-    """The campaign of the file at ``path``. Every task is read as its command would; what is refused raises now."""
+    """Reads a campaign file and all its tasks.
+
+    Parameters
+    ----------
+    path
+        The campaign file.
+    progress
+        Called with the stage and the share that is done.
+
+    Raises
+    ------
+    slipgrid.errors.InputError
+        If the file or a task is refused.
+    """
     return Campaign(_slipgrid.Campaign.plan(Path(path), progress))
 
 
 def _process() -> str:
-    """What tells this process from others on the same and on other machines."""
+    """Identifies this process among those of all machines."""
     return f"{socket.gethostname()} {os.getpid()}"
 
 
 def _work(shared: tuple[str, dict[str, bytes]], tasks: Sequence[str], threads: int | None, sender: str) -> list[str]:
-    """Does tasks where they were sent."""
+    """Works on tasks in the process that received them."""
     if _process() != sender:
         _slipgrid.set_threads(threads)
     return _slipgrid.Campaign.of(*shared, tasks).work()
@@ -144,10 +157,23 @@ def run(
     threads: int | None = 1,
     progress: Progress | None = None,
 ) -> Results:
-    """Does all tasks and waits for them.
+    """Works on all tasks and waits for them.
 
-    ``client`` is an ``Executor`` or a Dask client. ``threads`` are those of each of its processes, 1 as there are several; a thread
-    of this process uses the threads of this process.
+    Parameters
+    ----------
+    tasks
+        The campaign.
+    client
+        Executor, or client of a Dask cluster.
+    threads
+        Threads of each process of the client; a thread of this process uses the threads of this process.
+    progress
+        Called with the stage and the share that is done.
+
+    Raises
+    ------
+    TypeError
+        If the client can run nothing.
     """
     shared, own = tasks._campaign.parts(), tasks._tasks
     cluster: Any = client if hasattr(client, "scatter") else None
