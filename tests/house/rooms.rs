@@ -125,7 +125,7 @@ const WITHOUT_THREADS: [&str; 11] = [
 ];
 /// Files of the Python crate that release the interpreter; all others call these functions, which use the pool of the
 /// process.
-const DETACHING: [&str; 3] = ["threads.rs", "watched.rs", "written.rs"];
+const DETACHING: [&str; 3] = ["threads.rs", "progress.rs", "output.rs"];
 
 #[test]
 fn nothing_uses_a_pool_that_no_front_door_has_made() {

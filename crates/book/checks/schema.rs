@@ -58,7 +58,7 @@ fn restrict(value: &mut Value, path: &str, accepted: &Accepted) {
     if value["properties"].is_object() {
         complete(value, path, accepted);
     }
-    for either in value["anyOf"].as_array_mut().into_iter().flatten() {
+    for either in value.get_mut("anyOf").and_then(Value::as_array_mut).into_iter().flatten() {
         restrict(either, path, accepted);
     }
     if let Some(items) = value.get_mut("items") {

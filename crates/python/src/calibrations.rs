@@ -6,24 +6,42 @@ use std::path::PathBuf;
 use pyo3::prelude::*;
 use pyo3::types::PyType;
 use slipgrid::calibrate::{CalibrationOutcome, CalibrationTask, Selection};
+use slipgrid::disk::disk;
 use slipgrid::formats::calibrated::{Uncalibrated, calibrate, learn};
 use slipgrid::formats::calibration::Calibration as Read;
 use slipgrid::formats::file_kind::FileKind;
 use slipgrid::formats::made_from::MadeFrom;
+use slipgrid::formats::material_uncertainty::read_known;
 use slipgrid::formats::scene::DEFAULT_SPECIMEN;
 use slipgrid::formats::written_material::material_toml;
+use slipgrid::formats::{Diagnostic, Document};
 use slipgrid::report::calibration::{files, fit_json, ledger, summary};
 use slipgrid::report::trials::TrialsReport;
 use slipgrid::results::json;
 
-use crate::copied::{Anchored, Contents, Origin};
-use crate::refused;
+use crate::errors;
+use crate::origin::{Anchored, Contents, Origin};
+use crate::progress::watched;
 use crate::threads::{detached, in_pool};
-use crate::told::warn_of;
-use crate::watched::watched;
+use crate::warnings::warn_all;
 
 /// Seed of the flat sample's local coefficients.
 const SEED: u64 = 1;
+
+/// Checks the material file at `path`, or `text` in its place; returns the text and its warnings.
+#[pyfunction]
+#[pyo3(signature = (path, text=None))]
+pub fn read_material(py: Python<'_>, path: PathBuf, text: Option<String>) -> PyResult<(String, Vec<String>)> {
+    let read = in_pool(py, || {
+        let document = match text {
+            Some(text) => Document::new(path, text),
+            None => Document::read(&disk(), &path, FileKind::Material)?,
+        };
+        let (material, _) = read_known(&document, &document.parse()?, &(0..0))?;
+        Ok((document.text().to_owned(), material.provenance.warnings))
+    })?;
+    read.map_err(|error: Diagnostic| errors::input(py, &error))
+}
 
 /// A calibration, ready to be fitted.
 #[pyclass(frozen, module = "slipgrid._slipgrid")]
@@ -51,10 +69,10 @@ pub struct Fitted {
 impl Calibration {
     fn of(py: Python<'_>, origin: Origin, warns: bool) -> PyResult<Self> {
         let read = in_pool(py, || Read::from_document(&origin.document(FileKind::Calibration)?))?;
-        let read = read.map_err(|error| refused::input(py, &error))?;
+        let read = read.map_err(|error| errors::input(py, &error))?;
         let inputs = origin.inputs(&read.inputs);
         if warns {
-            warn_of(py, &read.told)?;
+            warn_all(py, &read.told)?;
         }
         Ok(Self { read, inputs, origin })
     }
@@ -63,27 +81,39 @@ impl Calibration {
 #[pymethods]
 impl Calibration {
     /// Parses the calibration in `text` as a file at `path`; relative paths in the text start from the folder of `path`.
-    /// `is_file` states that the file exists; `files` are the only available files, and None stands for the disk.
+    /// `is_file` states that the file exists; `files` are the only available files, and None stands for the disk, before which
+    /// `objects` are looked at.
     #[new]
-    #[pyo3(signature = (text, path, is_file=false, files=None))]
-    fn new(py: Python<'_>, text: String, path: PathBuf, is_file: bool, files: Option<Contents>) -> PyResult<Self> {
+    #[pyo3(signature = (text, path, is_file=false, files=None, objects=None))]
+    fn new(
+        py: Python<'_>,
+        text: String,
+        path: PathBuf,
+        is_file: bool,
+        files: Option<Contents>,
+        objects: Option<Contents>,
+    ) -> PyResult<Self> {
         // A copy repeats no warnings: they were given when the original was made.
         let warns = files.is_none();
-        Self::of(py, Origin::new(text, path, is_file, files), warns)
+        Self::of(py, Origin::new(text, path, is_file, files, objects), warns)
     }
 
     /// Reads the calibration file at `path`.
     #[staticmethod]
     fn read(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
         let origin = detached(py, || Origin::read(path, FileKind::Calibration))?;
-        Self::of(py, origin.map_err(|error| refused::input(py, &error))?, true)
+        Self::of(py, origin.map_err(|error| errors::input(py, &error))?, true)
     }
 
     /// Constructor and arguments from which `pickle` and `copy` restore the calibration, on any machine.
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyType>, Parts<'_>)> {
         let Origin { text, path, is_file, .. } = &self.origin;
-        let files = detached(py, || self.origin.contents())?.map_err(|error| refused::input(py, &error))?;
+        let files = detached(py, || self.origin.contents())?.map_err(|error| errors::input(py, &error))?;
         Ok((py.get_type::<Self>(), (text, path.clone().into(), *is_file, files)))
+    }
+
+    fn __repr__(&self) -> String {
+        format!("<slipgrid.Calibration {:?}>", self.read.name)
     }
 
     /// Warnings about the calibration, one sentence each.
@@ -102,8 +132,8 @@ impl Calibration {
             let ledger = ledger(&self.read, &outcome, watch)?;
             Ok((task, outcome, ledger))
         })?;
-        let (task, outcome, ledger) = found.map_err(|error: Uncalibrated| refused::uncalibrated(py, &error))?;
-        warn_of(py, &outcome.material.provenance.warnings)?;
+        let (task, outcome, ledger) = found.map_err(|error: Uncalibrated| errors::uncalibrated(py, &error))?;
+        warn_all(py, &outcome.material.provenance.warnings)?;
         let (read, path, inputs) = (self.read.clone(), self.origin.path.clone(), self.inputs.clone());
         Ok(Fitted { read, path, disk: self.origin.disk.clone(), inputs, task, outcome, ledger })
     }
@@ -120,8 +150,8 @@ impl Calibration {
             let record = json(&report).map_err(|error| Uncalibrated::Failed(error.to_string()))?;
             Ok(([record, report.text()], report.warnings))
         })?;
-        let (found, warnings) = found.map_err(|error: Uncalibrated| refused::uncalibrated(py, &error))?;
-        warn_of(py, &warnings)?;
+        let (found, warnings) = found.map_err(|error: Uncalibrated| errors::uncalibrated(py, &error))?;
+        warn_all(py, &warnings)?;
         Ok(found)
     }
 }
@@ -132,11 +162,11 @@ impl Fitted {
     #[pyo3(signature = (output=None))]
     fn material_toml(&self, py: Python<'_>, output: Option<PathBuf>) -> PyResult<String> {
         let made_from = output.and_then(|output| {
-            let output = self.disk.seen_from_there(output);
+            let output = self.disk.to_absolute(output);
             MadeFrom::new(&self.read, &self.path, &output, &self.disk.source())
         });
         let text = in_pool(py, || material_toml(&self.task, &self.outcome, made_from))?;
-        text.map_err(|error| refused::failed(py, &error.to_string()))
+        text.map_err(|error| errors::failed(py, &error.to_string()))
     }
 
     /// Files that the calibration was made from.
@@ -147,7 +177,7 @@ impl Fitted {
 
     /// The fit as in fit.json.
     fn fit_json(&self, py: Python<'_>) -> PyResult<String> {
-        in_pool(py, || fit_json(&self.task, &self.outcome))?.map_err(|error| refused::failed(py, &error.to_string()))
+        in_pool(py, || fit_json(&self.task, &self.outcome))?.map_err(|error| errors::failed(py, &error.to_string()))
     }
 
     /// Text as the command line prints it.
@@ -164,6 +194,6 @@ impl Fitted {
     /// All files of the fit that the command line writes, by name.
     fn files(&self, py: Python<'_>) -> PyResult<Vec<(String, Vec<u8>)>> {
         let outputs = in_pool(py, || files(&self.read, &self.task, &self.outcome, self.ledger.as_ref()))?;
-        crate::designs::contents(py, &outputs.map_err(|error| refused::failed(py, &error.to_string()))?)
+        crate::designs::contents(py, &outputs.map_err(|error| errors::failed(py, &error.to_string()))?)
     }
 }

@@ -9,8 +9,8 @@ use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use slipgrid::campaign::{Campaign as Shared, Done, Planned, Results, Task, Worker, plan};
 
-use crate::refused;
-use crate::watched::watched;
+use crate::errors;
+use crate::progress::watched;
 use slipgrid::disk::disk;
 
 /// Tasks with all files that they read.
@@ -30,7 +30,7 @@ impl Campaign {
     #[pyo3(signature = (path, progress=None))]
     fn plan(py: Python<'_>, path: PathBuf, progress: Option<&Bound<'_, PyAny>>) -> PyResult<Self> {
         let planned = watched(py, progress, |watch| plan(&disk(), &path, watch))?;
-        Ok(Self { planned: planned.map_err(|error| refused::campaign(py, &error))? })
+        Ok(Self { planned: planned.map_err(|error| errors::campaign(py, &error))? })
     }
 
     /// Makes a campaign from `parts` of another campaign, with these of its tasks.
@@ -47,12 +47,12 @@ impl Campaign {
     fn parts<'py>(&self, py: Python<'py>) -> PyResult<(String, BTreeMap<&str, Bound<'py, PyBytes>>)> {
         let shared = serde_json::to_string(&self.planned.campaign);
         let inputs = self.planned.contents.iter().map(|(hash, bytes)| (hash.as_str(), PyBytes::new(py, bytes)));
-        Ok((shared.map_err(|error| refused::failed(py, &error.to_string()))?, inputs.collect()))
+        Ok((shared.map_err(|error| errors::failed(py, &error.to_string()))?, inputs.collect()))
     }
 
     /// Every task as JSON.
     fn tasks(&self, py: Python<'_>) -> PyResult<Vec<String>> {
-        let json = |task: &Task| serde_json::to_string(task).map_err(|error| refused::failed(py, &error.to_string()));
+        let json = |task: &Task| serde_json::to_string(task).map_err(|error| errors::failed(py, &error.to_string()));
         self.planned.tasks.iter().map(json).collect()
     }
 
@@ -69,7 +69,7 @@ impl Campaign {
             let worker = Worker::new(campaign, contents.clone());
             tasks.iter().map(|task| worker.work(task, watch)).collect()
         })?;
-        let json = |done| serde_json::to_string(done).map_err(|error| refused::failed(py, &error.to_string()));
+        let json = |done| serde_json::to_string(done).map_err(|error| errors::failed(py, &error.to_string()));
         done.unwrap_or_default().iter().map(json).collect()
     }
 

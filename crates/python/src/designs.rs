@@ -3,30 +3,34 @@
 use std::ffi::OsString;
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 
+use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyType;
+use rayon::prelude::*;
 use slipgrid::design::{
-    DesignError, DesignOutcome, NextOptions, NextTrials, NoCache, explore_bounds, next_trials, run,
+    DesignError, DesignOutcome, Explored, Explorer, NextOptions, NextTrials, NoCache, explore_bounds, next_trials, run,
 };
 use slipgrid::formats::calibrated::{Uncalibrated, complete_by, read_calibration};
 use slipgrid::formats::calibration::Calibration;
 use slipgrid::formats::confirmed_scene::steady_scene;
 use slipgrid::formats::file_kind::FileKind;
 use slipgrid::formats::{Diagnostic, design::Design as Read};
+use slipgrid::monitor::{Cancelled, Monitor};
 use slipgrid::pattern::Pattern;
 use slipgrid::report::html::exploration;
 use slipgrid::report::{LaserFile, Outputs, draw, files};
 use slipgrid::results::{json, json_and_timings};
+use slipgrid::units::{PRESSURE_MPA, tidy};
 
-use crate::copied::{Contents, Origin};
-use crate::given::{counted, shown};
-use crate::refused;
+use crate::counts::{shown, to_count};
+use crate::errors;
+use crate::origin::{Contents, Origin};
+use crate::progress::{Watch, watched};
 use crate::threads::{detached, in_pool};
-use crate::told::warn_of;
-use crate::watched::{Watch, watched};
+use crate::warnings::warn_all;
 
 /// Accepted numbers of samples to cut next.
 const SAMPLES: RangeInclusive<usize> = 1..=20;
@@ -40,7 +44,18 @@ pub struct Design {
     /// Design with its material after the first calibration, and the calibration. The lock must not be held during a computation:
     /// a pool thread that waits for others may start another call, which may need the lock.
     completed: Mutex<Option<(Read, Option<Calibration>)>>,
+    /// Predictions over the bounds and their warnings, after the first call that needs them; the lock as above.
+    bounds: Mutex<Option<Arc<Bounds>>>,
 }
+
+/// Predictions over the bounds of a design, with the warnings about them.
+struct Bounds {
+    found: Explored,
+    warnings: Vec<String>,
+}
+
+/// Values, pressures, quantity, errors and warnings of [`Design::predict`].
+type Predicted<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray1<f64>>, &'static str, [f64; 2], Vec<String>);
 
 /// Text and path of a design, whether the path is a file, and the files that the design reads.
 type Parts<'a> = (&'a str, OsString, bool, Contents);
@@ -66,11 +81,39 @@ enum Undone {
     Design(DesignError),
 }
 
+/// Number of predicted columns beside medians and intervals: chance, peak pressure, clearance, areal density, laser seconds.
+const BESIDE: usize = 5;
+/// Relative distance beyond a bound that is rounding, as between micrometres and metres.
+const ROUNDING: f64 = 1e-9;
+
+/// Values of `explorer` at a texture for the `count` pressures of the first condition, in the order of [`Design::predict`]; `None`
+/// outside the bounds and beside textures without an answer.
+fn predicted(explorer: &Explorer, lengths_um: [f64; 3], count: usize, has_demand: bool) -> Option<Vec<f64>> {
+    let is_within = explorer
+        .expected
+        .axes()
+        .iter()
+        .zip(lengths_um)
+        .all(|(axis, length_um)| (axis.from * (1.0 - ROUNDING)..=axis.to * (1.0 + ROUNDING)).contains(&length_um));
+    if !is_within || explorer.expected.is_beside(&explorer.holes, &lengths_um) {
+        return None;
+    }
+    let expected = explorer.expected.at(&lengths_um);
+    // Medians of every load of every condition, then the lower ends, then the upper ends.
+    let mut values: Vec<f64> = expected.chunks(expected.len() / 3).flat_map(|part| part[..count].to_vec()).collect();
+    let log_odds = explorer.log_odds.at(&lengths_um)[0];
+    let beside = explorer.beside.at(&lengths_um);
+    let (log_peak_mpa, clearance_um, density, laser_s) = (beside[0], beside[1], beside[2], beside[3]);
+    values.push(if has_demand { 1.0 / (1.0 + (-log_odds).exp()) } else { f64::NAN });
+    values.extend([log_peak_mpa.exp(), clearance_um, density, if laser_s > 0.0 { laser_s } else { f64::NAN }]);
+    Some(values)
+}
+
 /// Contents of files by name.
 pub fn contents(py: Python<'_>, outputs: &Outputs) -> PyResult<Vec<(String, Vec<u8>)>> {
     let content = |(name, content): (&str, &slipgrid::report::Content)| {
         let mut bytes = Vec::new();
-        content.write(&mut bytes).map_err(|error| refused::failed(py, &error.to_string()))?;
+        content.write(&mut bytes).map_err(|error| errors::failed(py, &error.to_string()))?;
         Ok((name.to_owned(), bytes))
     };
     outputs.iter().map(content).collect()
@@ -79,11 +122,11 @@ pub fn contents(py: Python<'_>, outputs: &Outputs) -> PyResult<Vec<(String, Vec<
 impl Design {
     fn of(py: Python<'_>, origin: Origin, warns: bool) -> PyResult<Self> {
         let read = in_pool(py, || Read::from_document(origin.document(FileKind::Design)?))?;
-        let read = read.map_err(|error| refused::input(py, &error))?;
+        let read = read.map_err(|error| errors::input(py, &error))?;
         let inputs = origin.inputs(&read.inputs);
-        let made = Self { read, inputs, origin, completed: Mutex::new(None) };
+        let made = Self { read, inputs, origin, completed: Mutex::new(None), bounds: Mutex::new(None) };
         if warns {
-            warn_of(py, &made.warnings())?;
+            warn_all(py, &made.warnings())?;
         }
         Ok(made)
     }
@@ -115,13 +158,33 @@ impl Design {
 
     /// Gives the `warnings` that were not given when the design was read.
     fn warn_of_found(&self, py: Python<'_>, warnings: &[String]) -> PyResult<()> {
-        warn_of(py, &warnings[self.read.told.len().min(warnings.len())..])
+        warn_all(py, &warnings[self.read.told.len().min(warnings.len())..])
+    }
+
+    /// Predictions over the bounds; computed, with their warnings, at the first call only.
+    fn explored(&self, py: Python<'_>, progress: Option<&Bound<'_, PyAny>>) -> PyResult<Arc<Bounds>> {
+        let known = || self.bounds.lock().unwrap_or_else(PoisonError::into_inner);
+        let found = known().clone();
+        if let Some(found) = found {
+            return Ok(found);
+        }
+        let found = watched(py, progress, |watch| {
+            let (read, calibration) = self.completed(watch).map_err(Undone::Calibration)?;
+            let mut warnings = self.told(&read, calibration.as_ref());
+            let found = explore_bounds(&read.task, watch).map_err(Undone::Design)?;
+            warnings.extend(found.doubts());
+            Ok(Bounds { found, warnings })
+        })?;
+        let found = Arc::new(found.map_err(|undone| self.undone(py, &undone))?);
+        self.warn_of_found(py, &found.warnings)?;
+        *known() = Some(Arc::clone(&found));
+        Ok(found)
     }
 
     fn undone(&self, py: Python<'_>, undone: &Undone) -> PyErr {
         match undone {
-            Undone::Calibration(error) => refused::uncalibrated(py, error),
-            Undone::Design(error) => refused::undesigned(py, error, &self.read),
+            Undone::Calibration(error) => errors::uncalibrated(py, error),
+            Undone::Design(error) => errors::undesigned(py, error, &self.read),
         }
     }
 }
@@ -129,20 +192,28 @@ impl Design {
 #[pymethods]
 impl Design {
     /// Parses the design in `text` as a file at `path`; relative paths in the text start from the folder of `path`.
-    /// `is_file` states that the file exists; `files` are the only available files, and None stands for the disk.
+    /// `is_file` states that the file exists; `files` are the only available files, and None stands for the disk, before which
+    /// `objects` are looked at.
     #[new]
-    #[pyo3(signature = (text, path, is_file=false, files=None))]
-    fn new(py: Python<'_>, text: String, path: PathBuf, is_file: bool, files: Option<Contents>) -> PyResult<Self> {
+    #[pyo3(signature = (text, path, is_file=false, files=None, objects=None))]
+    fn new(
+        py: Python<'_>,
+        text: String,
+        path: PathBuf,
+        is_file: bool,
+        files: Option<Contents>,
+        objects: Option<Contents>,
+    ) -> PyResult<Self> {
         // A copy repeats no warnings: they were given when the original was made.
         let warns = files.is_none();
-        Self::of(py, Origin::new(text, path, is_file, files), warns)
+        Self::of(py, Origin::new(text, path, is_file, files, objects), warns)
     }
 
     /// Reads the design file at `path`.
     #[staticmethod]
     fn read(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
         let origin = detached(py, || Origin::read(path, FileKind::Design))?;
-        Self::of(py, origin.map_err(|error| refused::input(py, &error))?, true)
+        Self::of(py, origin.map_err(|error| errors::input(py, &error))?, true)
     }
 
     /// Constructor and arguments from which `pickle` and `copy` restore the design, on any machine.
@@ -153,8 +224,18 @@ impl Design {
             read_calibration(&self.read, &self.origin.source())?;
             self.origin.contents()
         })?;
-        let files = files.map_err(|error| refused::input(py, &error))?;
+        let files = files.map_err(|error| errors::input(py, &error))?;
         Ok((py.get_type::<Self>(), (text, path.clone().into(), *is_file, files)))
+    }
+
+    fn __repr__(&self) -> String {
+        let task = &self.read.task;
+        format!(
+            "<slipgrid.Design {:?}, {} at {} pressures>",
+            task.name,
+            task.target.quantity().name(),
+            task.target.points().len()
+        )
     }
 
     /// Files that the design was made from.
@@ -188,18 +269,44 @@ impl Design {
     /// HTML page with sliders that shows the predictions for any design within the bounds, without a search.
     #[pyo3(signature = (progress=None))]
     fn explore_html(&self, py: Python<'_>, progress: Option<&Bound<'_, PyAny>>) -> PyResult<String> {
-        let found = watched(py, progress, |watch| {
-            let (read, calibration) = self.completed(watch).map_err(Undone::Calibration)?;
-            let mut warnings = self.told(&read, calibration.as_ref());
-            let found = explore_bounds(&read.task, watch).map_err(Undone::Design)?;
-            warnings.extend(found.doubts());
-            let scene = steady_scene(&found.task, &found.material, &found.loads, &found.pattern);
-            let scene = scene.map_err(|error| Undone::Design(DesignError::Failed(error.to_string())))?;
-            Ok((exploration(&found, scene), warnings))
+        let bounds = self.explored(py, progress)?;
+        let found = &bounds.found;
+        let scene = steady_scene(&found.task, &found.material, &found.loads, &found.pattern);
+        let scene = scene.map_err(|error| errors::failed(py, &error.to_string()))?;
+        in_pool(py, || exploration(found, scene))
+    }
+
+    /// Predictions for `rows` of width, spacing and depth in micrometres, by the lattice of the page with sliders. Columns: medians of
+    /// all target pressures, lower and upper ends of the 95 % interval, chance, peak pressure in MPa, clearance in micrometres,
+    /// areal density, laser seconds; NaN outside the bounds and beside textures without an answer. Beside them the pressures in MPa,
+    /// the quantity of the target, errors of the interpolated medians (median and maximum over random textures), and warnings.
+    #[pyo3(signature = (rows, progress=None))]
+    fn predict<'py>(
+        &self,
+        py: Python<'py>,
+        rows: PyReadonlyArray2<'py, f64>,
+        progress: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Predicted<'py>> {
+        let bounds = self.explored(py, progress)?;
+        let (found, rows) = (&bounds.found, rows.as_array());
+        let points = found.task.target.points();
+        let has_demand = points.iter().any(|point| point.wanted.band().iter().any(Option::is_some));
+        let columns = 3 * points.len() + BESIDE;
+        let mut values = vec![f64::NAN; rows.nrows() * columns];
+        let predicted = watched(py, None, |watch| {
+            values.par_chunks_mut(columns).enumerate().try_for_each(|(row, value)| {
+                watch.heed()?;
+                let own = predicted(&found.explorer, [0, 1, 2].map(|axis| rows[[row, axis]]), points.len(), has_demand);
+                own.iter().for_each(|own| value.copy_from_slice(own));
+                Ok::<_, Cancelled>(())
+            })
         })?;
-        let (page, warnings) = found.map_err(|undone| self.undone(py, &undone))?;
-        self.warn_of_found(py, &warnings)?;
-        Ok(page)
+        predicted.map_err(|_| errors::stopped())?;
+        let pressures = points.iter().map(|point| tidy(PRESSURE_MPA.from_si(point.pressure_pa)));
+        let (pressures, quantity) = (PyArray1::from_iter(py, pressures), found.task.target.quantity().name());
+        let errors = [found.explorer.median_error, found.explorer.worst_error];
+        let values = PyArray1::from_vec(py, values).reshape([rows.nrows(), columns])?;
+        Ok((values, pressures, quantity, errors, bounds.warnings.clone()))
     }
 
     /// The `count` samples to cut next; `candidates_um` are additional patterns whose probability is computed.
@@ -215,7 +322,7 @@ impl Design {
             let [least, most] = [SAMPLES.start(), SAMPLES.end()];
             PyValueError::new_err(format!("count is {}: expected {least} to {most}", shown(count)))
         };
-        let count = counted("count", count)?.filter(|count| SAMPLES.contains(count)).ok_or_else(refused)?;
+        let count = to_count("count", count)?.filter(|count| SAMPLES.contains(count)).ok_or_else(refused)?;
         let own = candidates_um.iter().map(|lengths_um| {
             let [width_m, spacing_m, depth_m] = lengths_um.map(|length_um| length_um * 1e-6);
             Pattern::new(*self.read.task.space.texture(), width_m, spacing_m, depth_m)
@@ -242,7 +349,7 @@ impl Design {
 impl Designed {
     /// The record and its wall times, as in result.json and timings.json.
     fn json(&self, py: Python<'_>) -> PyResult<[String; 2]> {
-        json_and_timings(&self.found.report).map_err(|error| refused::failed(py, &error.to_string()))
+        json_and_timings(&self.found.report).map_err(|error| errors::failed(py, &error.to_string()))
     }
 
     /// Text as the command line prints it.
@@ -269,7 +376,7 @@ impl Designed {
             files::add_report(&self.found, &mut outputs)?;
             Ok::<_, slipgrid::report::ReportError>(outputs)
         })?;
-        contents(py, &outputs.map_err(|error| refused::failed(py, &error.to_string()))?)
+        contents(py, &outputs.map_err(|error| errors::failed(py, &error.to_string()))?)
     }
 
     /// The pattern in one of the laser's formats: name and content of the file.
@@ -284,9 +391,9 @@ impl Designed {
             draw(&files::drawing(&self.found), &[named], &mut outputs).map(|()| outputs)
         })?;
         let outputs =
-            drawn.map_err(|error| refused::input(py, &Diagnostic::flag("format", format, error.to_string())))?;
+            drawn.map_err(|error| errors::input(py, &Diagnostic::flag("format", format, error.to_string())))?;
         let mut all = contents(py, &outputs)?;
-        if all.is_empty() { Err(refused::failed(py, "nothing was drawn")) } else { Ok(all.swap_remove(0)) }
+        if all.is_empty() { Err(errors::failed(py, "nothing was drawn")) } else { Ok(all.swap_remove(0)) }
     }
 }
 
@@ -294,7 +401,7 @@ impl Designed {
 impl NextSamples {
     /// The record, as `slipgrid next --json` writes it.
     fn json(&self, py: Python<'_>) -> PyResult<String> {
-        json(&self.found.report).map_err(|error| refused::failed(py, &error.to_string()))
+        json(&self.found.report).map_err(|error| errors::failed(py, &error.to_string()))
     }
 
     /// Text as the command line prints it.

@@ -7,13 +7,13 @@
 //! | `calibrations` | fit of a material to measurements, and trials |
 //! | `designs` | search for a design, and the samples to cut next |
 //! | `campaigns` | many scenes or designs as tasks for any number of processes |
-//! | `copied` | files that scenes, designs and calibrations were read from, kept in their copies |
-//! | `given` | conversion of numeric arguments |
-//! | `watched` | work in the thread pool, progress, Ctrl-C |
+//! | `origin` | files that scenes, designs and calibrations were read from, kept in their copies |
+//! | `counts` | conversion of counts |
+//! | `progress` | work in the thread pool, progress, Ctrl-C |
 //! | `threads` | the thread pool |
-//! | `written` | safe writing of files |
-//! | `refused` | errors as exceptions with file, line and key |
-//! | `told` | warnings |
+//! | `output` | safe writing of files |
+//! | `errors` | errors as exceptions with file, line and key |
+//! | `warnings` | warnings |
 //!
 //! Records are passed to Python as the JSON that the command line writes, byte for byte. Arrays are NumPy arrays.
 
@@ -21,16 +21,16 @@
 
 mod calibrations;
 mod campaigns;
-mod copied;
+mod counts;
 mod designs;
-mod given;
+mod errors;
 mod maps;
-mod refused;
+mod origin;
+mod output;
+mod progress;
 mod scenes;
 mod threads;
-mod told;
-mod watched;
-mod written;
+mod warnings;
 
 use pyo3::prelude::*;
 
@@ -40,19 +40,23 @@ mod _slipgrid {
     use super::*;
 
     #[pymodule_export]
-    use crate::calibrations::{Calibration, Fitted};
+    use crate::calibrations::{Calibration, Fitted, read_material};
     #[pymodule_export]
     use crate::campaigns::Campaign;
     #[pymodule_export]
     use crate::designs::{Design, Designed, NextSamples};
     #[pymodule_export]
-    use crate::maps::{Map, map_of};
+    use crate::maps::{Map, restore_map};
+    #[pymodule_export]
+    use crate::output::{check_file, write_file, write_folder};
+    #[pymodule_export]
+    use crate::progress::set_cache;
     #[pymodule_export]
     use crate::scenes::{Scene, Solved, SteadyCell};
     #[pymodule_export]
     use crate::threads::{set_threads, threads};
     #[pymodule_export]
-    use crate::written::{check_file, write_file, write_folder};
+    use crate::warnings::give_warnings;
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {

@@ -14,14 +14,14 @@ use slipgrid::monitor::Cancelled;
 use slipgrid::report::area_law::{AreaLawOptions, AreaLawReport};
 use slipgrid::report::surface::SurfaceReport;
 use slipgrid::topography::{
-    CORRELATION_THRESHOLD, Form, HeightMap, MAX_POINTS, MapError, MapFormat, MaterialRatioCurve, Missing, Preparation,
-    PreparedMap, ReadMap, ReadOptions, Sides, SpectrumWindow,
+    CORRELATION_THRESHOLD, Crop, Decimation, DecimationMethod, Form, HeightMap, MAX_POINTS, MapError, MapFormat,
+    MaterialRatioCurve, Missing, Preparation, PreparedMap, ReadMap, ReadOptions, Sides, SpectrumWindow,
 };
 use slipgrid::units::{MODULUS_GPA, PIXEL_UM, POISSON, PRESSURE_MPA, TOLERANCE};
 
-use crate::given::{counted, shown};
-use crate::refused;
-use crate::watched::{Watch, watched};
+use crate::counts::{shown, to_count};
+use crate::errors;
+use crate::progress::{Watch, watched};
 use slipgrid::disk::disk;
 
 /// Side of the square tiles for transposing an array.
@@ -65,7 +65,7 @@ fn pressures(pressures_mpa: &[f64]) -> Result<Vec<f64>, Diagnostic> {
 /// Restores a map that was read from `path` in `format`, with all its data; used by copies.
 #[pyfunction]
 #[allow(clippy::too_many_arguments, reason = "they are what a map is made of, and Python's interpreter")]
-pub fn map_of(
+pub fn restore_map(
     py: Python<'_>,
     heights_m: PyReadonlyArray2<'_, f64>,
     sides_m: [f64; 2],
@@ -82,7 +82,7 @@ pub fn map_of(
 
 /// Converts the argument `name`, the side of a pixel, to metres.
 fn side(py: Python<'_>, name: &str, pixel_um: f64) -> PyResult<f64> {
-    checked(name, pixel_um, PIXEL_UM).map_err(|error| refused::input(py, &error))
+    checked(name, pixel_um, PIXEL_UM).map_err(|error| errors::input(py, &error))
 }
 
 /// Error of making a map from an array.
@@ -98,9 +98,9 @@ impl NoMap {
         match self {
             Self::TooLarge(points) => {
                 let expected = format!("at most {MAX_POINTS}, and room for them");
-                refused::too_large(py, &of_heights(format!("has {points} points")).expected(expected))
+                errors::too_large(py, &of_heights(format!("has {points} points")).expected(expected))
             }
-            Self::Refused(error) => refused::input(py, &of_heights(error.to_string())),
+            Self::Refused(error) => errors::input(py, &of_heights(error.to_string())),
         }
     }
 }
@@ -147,29 +147,47 @@ impl Map {
 
     /// Reads the map in the file at `path`, x along its lines, in any format that `slipgrid surface` reads.
     #[staticmethod]
-    #[pyo3(signature = (path, *, pixel_um=None, height_unit=None, lateral_unit=None, decimal_comma=false))]
+    #[pyo3(signature = (path, *, pixel_um=None, pixel_y_um=None, height_unit=None, lateral_unit=None, decimal_comma=false,
+                        crop=None, decimate=None, decimate_by="mean"))]
+    #[allow(clippy::too_many_arguments, reason = "they are named where it is called")]
     fn read(
         py: Python<'_>,
         path: PathBuf,
         pixel_um: Option<f64>,
+        pixel_y_um: Option<f64>,
         height_unit: Option<&str>,
         lateral_unit: Option<&str>,
         decimal_comma: bool,
+        crop: Option<[usize; 4]>,
+        decimate: Option<usize>,
+        decimate_by: &str,
     ) -> PyResult<Self> {
         let unit = |name: Option<&str>| {
             name.map(str::parse)
                 .transpose()
                 .map_err(|error: slipgrid::topography::UnknownUnit| PyValueError::new_err(error.to_string()))
         };
+        let x_m = pixel_um.map(|pixel_um| side(py, "pixel_um", pixel_um)).transpose()?;
+        let y_m = pixel_y_um.map(|pixel_um| side(py, "pixel_y_um", pixel_um)).transpose()?;
+        if x_m.is_none() && y_m.is_some() {
+            return Err(PyValueError::new_err(
+                "pixel_y_um is given without pixel_um: expected both, or pixel_um alone",
+            ));
+        }
+        let ways = [("mean", DecimationMethod::Mean), ("pick", DecimationMethod::Pick)];
         let options = ReadOptions {
-            pixel_m: pixel_um.map(|pixel_um| side(py, "pixel_um", pixel_um).map(|side_m| [side_m; 2])).transpose()?,
+            pixel_m: x_m.map(|x_m| [x_m, y_m.unwrap_or(x_m)]),
             height_unit: unit(height_unit)?,
             lateral_unit: unit(lateral_unit)?,
             decimal_comma,
+            crop: crop.map(|[first_row, first_col, rows, cols]| Crop { first_row, first_col, rows, cols }),
+            decimation: decimate
+                .map(|factor| Ok::<_, PyErr>(Decimation { factor, method: named("decimate_by", decimate_by, &ways)? }))
+                .transpose()?,
             ..ReadOptions::NONE
         };
         let read = watched(py, None, |watch| open(&disk(), &path, &options, watch))?;
-        let read = read.map_err(|error| refused::input(py, &error))?;
+        let read = read.map_err(|error| errors::input(py, &error))?;
         Ok(Self { read, path })
     }
 
@@ -179,7 +197,7 @@ impl Map {
         let Self { read: ReadMap { map, whole, format, comments, notes }, path } = this.get();
         let (heights_m, sides_m) = (Self::heights_m(this)?, [map.dx_m(), map.dy_m()]);
         let parts = (heights_m, sides_m, *whole, format.name(), comments, notes, path.as_os_str());
-        Ok((py.import("slipgrid._slipgrid")?.getattr("map_of")?, parts.into_pyobject(py)?))
+        Ok((py.import("slipgrid._slipgrid")?.getattr("restore_map")?, parts.into_pyobject(py)?))
     }
 
     /// Heights in metres, whose rows are lines along x, the sliding direction: a read-only view of the map's data.
@@ -208,10 +226,14 @@ impl Map {
     /// Sides of a pixel in micrometres: along x, from point to point of a row, and along y, from row to row.
     #[getter]
     fn pixel_um(&self) -> (f64, f64) {
-        {
-            let um = |side_m: f64| slipgrid::units::tidy(side_m * 1e6);
-            (um(self.read.map.dx_m()), um(self.read.map.dy_m()))
-        }
+        let um = |side_m: f64| slipgrid::units::tidy(side_m * 1e6);
+        (um(self.read.map.dx_m()), um(self.read.map.dy_m()))
+    }
+
+    /// Sides of a pixel in metres, along x and along y, to the last bit.
+    #[getter]
+    fn sides_m(&self) -> (f64, f64) {
+        (self.read.map.dx_m(), self.read.map.dy_m())
     }
 
     /// The file states that the surface is synthetic.
@@ -224,7 +246,7 @@ impl Map {
     #[pyo3(signature = (*, form="plane", missing="fill", despike=false))]
     fn measure_json(&self, py: Python<'_>, form: &str, missing: &str, despike: bool) -> PyResult<String> {
         let how = preparation(form, missing, despike)?;
-        watched(py, None, |watch| self.measure(how, watch))?.map_err(|error| refused::input(py, &error))
+        watched(py, None, |watch| self.measure(how, watch))?.map_err(|error| errors::input(py, &error))
     }
 
     /// Real contact area and area law at `pressures_mpa`: lists by pressure.
@@ -255,11 +277,11 @@ impl Map {
             let pressures_pa = pressures(&pressures_mpa)?;
             Ok(AreaLawOptions { youngs_modulus_gpa, poisson_ratio, tolerance, threshold_pa, pressures_pa })
         };
-        let wanted = wanted().map_err(|error| refused::input(py, &error))?;
+        let wanted = wanted().map_err(|error| errors::input(py, &error))?;
         let per_side = |given: &Bound<'_, PyAny>| {
             let refused = Diagnostic::flag("windows", shown(given), "is no number of windows");
-            let refused = || refused::input(py, &refused.expected("1 for none, 2 or more, or None"));
-            counted("windows", given)?.filter(|count| *count > 0).ok_or_else(refused)
+            let refused = || errors::input(py, &refused.expected("1 for none, 2 or more, or None"));
+            to_count("windows", given)?.filter(|count| *count > 0).ok_or_else(refused)
         };
         let windows = windows.map(per_side).transpose()?;
         let found = watched(py, progress, |watch| {
@@ -277,8 +299,8 @@ impl Map {
             let warnings = found.warnings.iter().map(ToString::to_string).collect();
             Ok(AreaLawRecord::new(&report, found.curve.full_contact_pressure_pa, warnings))
         })?;
-        let record = found.map_err(|error| refused::input(py, &error))?;
-        slipgrid::results::json(&record).map_err(|error| refused::failed(py, &error.to_string()))
+        let record = found.map_err(|error| errors::input(py, &error))?;
+        slipgrid::results::json(&record).map_err(|error| errors::failed(py, &error.to_string()))
     }
 
     fn __repr__(&self) -> String {

@@ -1,31 +1,33 @@
 //! Scenes: friction of a given surface at given loads.
 
+use std::collections::btree_map::Entry;
+use std::collections::{BTreeMap, BTreeSet};
 use std::ffi::OsString;
-use std::fmt::Arguments;
 use std::path::PathBuf;
-use std::sync::Arc;
 
-use numpy::{AllowTypeChange, PyArray1, PyArray2, PyArrayLike2, PyArrayMethods, PyUntypedArrayMethods};
+use numpy::ndarray::{Array2, ArrayView1, ArrayView2};
+use numpy::{PyArray1, PyArray2, PyReadonlyArray2};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyType;
-use slipgrid::design::{run_line, simulate_on};
-use slipgrid::formats::Diagnostic;
+use rayon::prelude::*;
+use slipgrid::design::{check_pressures, loads, run_line, simulate_on};
 use slipgrid::formats::file_kind::FileKind;
 use slipgrid::formats::run::Overrides;
 use slipgrid::formats::scene::SceneInput;
-use slipgrid::monitor::{Monitor, Stage};
+use slipgrid::formats::{Diagnostic, checked};
+use slipgrid::monitor::{Cancelled, Monitor, Stage, Unwatched};
 use slipgrid::pattern::{Pattern, Texture};
 use slipgrid::report::files;
-use slipgrid::results::{SimulationReport, json_and_timings};
-use slipgrid::springblock::{Extent, Fidelity, Simulation, Status};
+use slipgrid::results::{SimulationReport, beyond_measured, json_and_timings};
+use slipgrid::springblock::{self, Extent, Fidelity, Load, Simulation, SteadyCell as Cell};
+use slipgrid::units::{PRESSURE_MPA, tidy};
 
-use crate::copied::{Contents, Origin};
-use crate::given;
-use crate::refused;
+use crate::errors;
+use crate::origin::{Contents, Origin};
+use crate::progress::watched;
 use crate::threads::{detached, in_pool};
-use crate::told::warn_of;
-use crate::watched::watched;
+use crate::warnings::warn_all;
 
 /// A scene: a material, a pattern or none, loads, and the solution method.
 #[pyclass(frozen, module = "slipgrid._slipgrid")]
@@ -80,11 +82,11 @@ impl Scene {
             let document = origin.document(FileKind::Scene)?;
             SceneInput::from_file(document.clone(), &document.parse()?, overrides)
         };
-        let input = in_pool(py, read)?.map_err(|error| refused::input(py, &error))?;
+        let input = in_pool(py, read)?.map_err(|error| errors::input(py, &error))?;
         let inputs = origin.inputs(std::slice::from_ref(&origin.path));
         let made = Self { input, inputs, origin, fidelity, extent };
         if warns {
-            warn_of(py, &made.warnings())?;
+            warn_all(py, &made.warnings())?;
         }
         Ok(made)
     }
@@ -93,9 +95,11 @@ impl Scene {
 #[pymethods]
 impl Scene {
     /// Parses the scene in `text` as a file at `path`; relative paths in the text start from the folder of `path`.
-    /// `is_file` states that the file exists; `files` are the only available files, and None stands for the disk.
+    /// `is_file` states that the file exists; `files` are the only available files, and None stands for the disk, before which
+    /// `objects` are looked at.
     #[new]
-    #[pyo3(signature = (text, path, fidelity=None, extent=None, is_file=false, files=None))]
+    #[allow(clippy::too_many_arguments, reason = "they are what a scene is made of, and Python's interpreter")]
+    #[pyo3(signature = (text, path, fidelity=None, extent=None, is_file=false, files=None, objects=None))]
     fn new(
         py: Python<'_>,
         text: String,
@@ -104,10 +108,11 @@ impl Scene {
         extent: Option<String>,
         is_file: bool,
         files: Option<Contents>,
+        objects: Option<Contents>,
     ) -> PyResult<Self> {
         // A copy repeats no warnings: they were given when the original was made.
         let warns = files.is_none();
-        Self::of(py, Origin::new(text, path, is_file, files), fidelity, extent, warns)
+        Self::of(py, Origin::new(text, path, is_file, files, objects), fidelity, extent, warns)
     }
 
     /// Reads the scene file at `path`.
@@ -115,15 +120,21 @@ impl Scene {
     #[pyo3(signature = (path, fidelity=None, extent=None))]
     fn read(py: Python<'_>, path: PathBuf, fidelity: Option<String>, extent: Option<String>) -> PyResult<Self> {
         let origin = detached(py, || Origin::read(path, FileKind::Scene))?;
-        Self::of(py, origin.map_err(|error| refused::input(py, &error))?, fidelity, extent, true)
+        Self::of(py, origin.map_err(|error| errors::input(py, &error))?, fidelity, extent, true)
     }
 
     /// Constructor and arguments from which `pickle` and `copy` restore the scene, on any machine.
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyType>, Parts<'_>)> {
         let Origin { text, path, is_file, .. } = &self.origin;
-        let files = detached(py, || self.origin.contents())?.map_err(|error| refused::input(py, &error))?;
+        let files = detached(py, || self.origin.contents())?.map_err(|error| errors::input(py, &error))?;
         let (fidelity, extent) = (self.fidelity.as_deref(), self.extent.as_deref());
         Ok((py.get_type::<Self>(), (text, path.clone().into(), fidelity, extent, *is_file, files)))
+    }
+
+    fn __repr__(&self) -> String {
+        let scene = &self.input.scene;
+        let of = scene.pattern.as_ref().map_or("flat", |pattern| pattern.planform().name());
+        format!("<slipgrid.Scene {of}, {} loads, {}>", scene.loads.len(), scene.run.fidelity.name())
     }
 
     /// Warnings about the scene, one sentence each.
@@ -148,21 +159,19 @@ impl Scene {
             Ok(Solved { scene: input.scene.clone(), simulation, report, warnings, inputs: self.inputs.clone() })
         })?;
         let found = found.map_err(|error| match error {
-            Ok(refused) => refused::input(py, &refused),
-            Err(reason) => refused::failed(py, &reason),
+            Ok(refused) => errors::input(py, &refused),
+            Err(reason) => errors::failed(py, &reason),
         })?;
-        warn_of(py, &found.warnings[self.input.told.len()..])?;
+        warn_all(py, &found.warnings[self.input.told.len()..])?;
         Ok(found)
     }
 
     /// The steady cell of the scene's texture, which computes ratios for any pattern.
     fn steady(&self) -> PyResult<SteadyCell> {
-        let scene = &self.input.scene;
-        let Some(pattern) = &scene.pattern else {
-            return Err(PyValueError::new_err("a flat scene has no pattern to vary"));
-        };
-        let cell = slipgrid::springblock::SteadyCell::new(scene);
-        Ok(SteadyCell { cell: Arc::new(cell), texture: *pattern.texture(), loads: scene.loads.len() })
+        match &self.input.scene.pattern {
+            Some(pattern) => Ok(SteadyCell { input: self.input.clone(), texture: *pattern.texture() }),
+            None => Err(PyValueError::new_err("a flat scene has no pattern to vary")),
+        }
     }
 }
 
@@ -170,7 +179,7 @@ impl Scene {
 impl Solved {
     /// The record and its wall times, as in result.json and timings.json.
     fn json(&self, py: Python<'_>) -> PyResult<[String; 2]> {
-        json_and_timings(&self.report).map_err(|error| refused::failed(py, &error.to_string()))
+        json_and_timings(&self.report).map_err(|error| errors::failed(py, &error.to_string()))
     }
 
     /// Files that the result was made from.
@@ -193,94 +202,139 @@ impl Solved {
     /// All files that the command line writes, by name.
     fn files(&self, py: Python<'_>) -> PyResult<Vec<(String, Vec<u8>)>> {
         let outputs = in_pool(py, || files::of_scene(&self.scene, &self.simulation, &self.report))?;
-        crate::designs::contents(py, &outputs.map_err(|error| refused::failed(py, &error.to_string()))?)
+        crate::designs::contents(py, &outputs.map_err(|error| errors::failed(py, &error.to_string()))?)
     }
 }
 
-/// Number of patterns that are checked, within milliseconds, between two checks for Ctrl-C.
+/// Number of rows that are checked, within milliseconds, between two checks for Ctrl-C.
 const ROWS_BETWEEN_SIGNALS: usize = 4096;
-
-/// Maximum number of patterns per call: with their ratios, they take a few gigabytes.
-const MAX_ROWS: usize = 10_000_000;
+/// Number of loads of one texture up to which a solve takes some milliseconds.
+const QUICK_LOADS: usize = 16;
+/// Number of values per row that a steady cell computes: ratio, dynamic friction, peak pressure in MPa.
+const VALUES: usize = 3;
 
 /// A steady cell: equilibrium of one period with every contact block sliding.
 #[pyclass(frozen, module = "slipgrid")]
 pub struct SteadyCell {
-    cell: Arc<slipgrid::springblock::SteadyCell>,
+    input: SceneInput,
     texture: Texture,
-    loads: usize,
 }
 
 #[pymethods]
 impl SteadyCell {
-    /// Ratio of patterned to flat friction at each load, shape (loads,); NaN where there is none. A cell that would take too much
-    /// memory is refused.
-    fn ratios<'py>(
-        &self,
-        py: Python<'py>,
-        width_um: f64,
-        spacing_um: f64,
-        depth_um: f64,
-    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        let pattern =
-            self.pattern(py, format_args!("width_um, spacing_um, depth_um"), [width_um, spacing_um, depth_um])?;
-        let found = if self.cell.dimension().is_cheap_per_design() {
-            detached(py, || self.cell.ratios(&pattern))?
-        } else {
-            watched(py, None, |watch| {
-                let found = self.cell.solve_heeding(&pattern, watch);
-                let is_whole = !watch.cancelled() && found.iter().all(|of| of.surface.status != Status::Cancelled);
-                if is_whole { found.into_iter().map(|of| of.ratio).collect() } else { Vec::new() }
-            })?
-        };
-        Ok(PyArray1::from_iter(py, found.into_iter().map(|ratio| ratio.unwrap_or(f64::NAN))))
+    /// Nominal pressures of the scene in MPa.
+    #[getter]
+    fn pressure_mpa<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        let loads = self.input.scene.loads.iter();
+        PyArray1::from_iter(py, loads.map(|load| tidy(PRESSURE_MPA.from_si(load.pressure_pa))))
     }
 
-    /// Ratios of many patterns, rows of width, spacing and depth in micrometres: shape (patterns, loads), on all threads. Masked
-    /// numbers are refused.
-    fn ratios_of<'py>(&self, py: Python<'py>, patterns_um: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let rows = numbers(patterns_um)?;
-        let mut patterns: Vec<Pattern> = Vec::new();
-        if rows.shape()[0] > MAX_ROWS || patterns.try_reserve_exact(rows.shape()[0]).is_err() {
-            let reason = format!("has {} rows", rows.shape()[0]);
-            let refused = Diagnostic { key: Some("patterns_um".into()), reason, ..Diagnostic::default() };
-            return Err(refused::too_large(py, &refused.expected(format!("at most {MAX_ROWS}, and room for them"))));
+    /// Ratio, dynamic friction and peak pressure in MPa, shape (rows, 3), for rows of width, spacing and depth in micrometres and
+    /// pressure in MPa. A row with a NaN, and a load without friction, gives NaN.
+    fn solve<'py>(&self, py: Python<'py>, rows: PyReadonlyArray2<'py, f64>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let rows = rows.as_array();
+        let groups = self.groups(py, rows)?;
+        let loads = self.loads(py, groups.values().flat_map(|(_, places)| places.keys().copied()))?;
+        let solve = |(pattern, places): &Group, monitor: &dyn Monitor| {
+            monitor.heed()?;
+            let scene = springblock::Scene {
+                loads: places.keys().map(|bits| loads[bits].0).collect(),
+                ..self.input.scene.clone()
+            };
+            let found = Cell::of_texture(&scene, &self.texture).solve_heeding(pattern, monitor);
+            // A solve that was cancelled has no valid result.
+            monitor.heed().map(|()| found)
+        };
+        let groups: Vec<&Group> = groups.values().collect();
+        let is_quick = Cell::of_texture(&self.input.scene, &self.texture).dimension().is_cheap_per_design();
+        let solved: Result<Vec<_>, Cancelled> = match groups[..] {
+            // Waking a thread of the pool would take as long as the solve.
+            [group] if is_quick && group.1.len() <= QUICK_LOADS => {
+                detached(py, || Ok(vec![solve(group, &Unwatched)?]))?
+            }
+            _ => watched(py, None, |watch| groups.par_iter().map(|group| solve(group, watch)).collect())?,
+        };
+        let mut values = Array2::from_elem((rows.nrows(), VALUES), f64::NAN);
+        for ((_, places), outcomes) in groups.iter().zip(solved.map_err(|_| errors::stopped())?) {
+            for ((bits, rows), outcome) in places.iter().zip(outcomes) {
+                let ratio = outcome.ratio.unwrap_or(f64::NAN);
+                let peak_mpa = PRESSURE_MPA.from_si(outcome.surface.peak_pressure_pa);
+                let own = [ratio, ratio * loads[bits].1, if ratio.is_nan() { f64::NAN } else { peak_mpa }];
+                rows.iter().for_each(|row| values.row_mut(*row).assign(&ArrayView1::from(&own)));
+            }
         }
-        for (row, own) in rows.as_array().rows().into_iter().enumerate() {
+        Ok(PyArray2::from_owned_array(py, values))
+    }
+}
+
+/// Pattern, and the rows that ask for it by the bits of their pressure in MPa, which sort as positive numbers do.
+type Group = (Pattern, BTreeMap<u64, Vec<usize>>);
+
+impl SteadyCell {
+    /// Groups the rows by texture, so that each is condensed once for all its loads.
+    fn groups(&self, py: Python<'_>, rows: ArrayView2<'_, f64>) -> PyResult<BTreeMap<[u64; 3], Group>> {
+        let largest = Cell::of_texture(&self.input.scene, &self.texture);
+        let mut groups: BTreeMap<[u64; 3], Group> = BTreeMap::new();
+        for (row, own) in rows.rows().into_iter().enumerate() {
             if row % ROWS_BETWEEN_SIGNALS == 0 {
                 py.check_signals()?;
             }
-            patterns.push(self.pattern(py, format_args!("patterns_um[{row}]"), [own[0], own[1], own[2]])?);
+            let [width, spacing, depth, pressure_mpa] = [own[0], own[1], own[2], own[3]];
+            if own.iter().any(|value| value.is_nan()) {
+                continue;
+            }
+            let group = match groups.entry([width, spacing, depth].map(f64::to_bits)) {
+                Entry::Occupied(known) => known.into_mut(),
+                Entry::Vacant(new) => {
+                    new.insert((self.pattern(py, &largest, [width, spacing, depth])?, BTreeMap::new()))
+                }
+            };
+            group.1.entry(pressure_mpa.to_bits()).or_default().push(row);
         }
-        let found = watched(py, None, |watch| self.cell.ratios_of_heeding(&patterns, watch))?;
-        let found = found.map_err(|_| refused::stopped())?.into_iter().flatten().map(|ratio| ratio.unwrap_or(f64::NAN));
-        PyArray1::from_iter(py, found).reshape([patterns.len(), self.loads])
+        Ok(groups)
     }
-}
 
-/// Converts an array of rows of three numbers.
-fn numbers<'py>(patterns_um: &Bound<'py, PyAny>) -> PyResult<PyArrayLike2<'py, f64, AllowTypeChange>> {
-    let expected = "expected rows of width, spacing and depth in micrometres";
-    let rows = given::rows("patterns_um", patterns_um, expected)?;
-    match rows.shape()[1] {
-        3 => Ok(rows),
-        columns => Err(PyValueError::new_err(format!("patterns_um has {columns} columns: {expected}"))),
+    /// Loads at pressures in MPa, by the bits of the pressure, each with the dynamic friction of the flat surface in time.
+    fn loads(&self, py: Python<'_>, pressures: impl Iterator<Item = u64>) -> PyResult<BTreeMap<u64, (Load, f64)>> {
+        let input = &self.input;
+        let bits: Vec<u64> = pressures.collect::<BTreeSet<u64>>().into_iter().collect();
+        let pressure = |bits: &u64| checked("pressure_mpa", f64::from_bits(*bits), PRESSURE_MPA);
+        let pressures_pa: Vec<f64> =
+            bits.iter().map(pressure).collect::<Result<_, _>>().map_err(|error| errors::input(py, &error))?;
+        let refuse = |reason: String| {
+            errors::input(py, &Diagnostic { key: Some("pressure_mpa".into()), reason, ..Diagnostic::default() })
+        };
+        check_pressures(&pressures_pa, &input.material).map_err(|error| refuse(error.reason))?;
+        let condition = input.condition.as_ref();
+        let (loads, outside) =
+            loads(&input.material.friction, &pressures_pa, condition).map_err(|error| refuse(error.to_string()))?;
+        let beyond =
+            bits.iter().zip(&outside).filter(|(_, outside)| **outside).map(|(bits, _)| tidy(f64::from_bits(*bits)));
+        // The least and the greatest stand for all: there may be as many as rows.
+        let beyond_mpa: Vec<f64> = beyond.collect();
+        let ends_mpa: Vec<f64> =
+            beyond_mpa.first().into_iter().chain(beyond_mpa.last().filter(|_| beyond_mpa.len() > 1)).copied().collect();
+        warn_all(py, &beyond_measured(&ends_mpa).into_iter().collect::<Vec<_>>())?;
+        let excess = input.uncertainty.excess(&pressures_pa, condition);
+        let flat_mu = |(place, load): (usize, &Load)| {
+            load.flat_mu(input.scene.area_law.as_ref()) * excess.as_ref().map_or(1.0, |excess| excess[place])
+        };
+        let flat: Vec<f64> = loads.iter().enumerate().map(flat_mu).collect();
+        Ok(bits.into_iter().zip(loads.into_iter().zip(flat)).collect())
     }
-}
 
-impl SteadyCell {
-    /// Makes the pattern with these lengths from the argument `named`; refuses it if its cell is too large.
-    fn pattern(&self, py: Python<'_>, named: Arguments<'_>, lengths_um: [f64; 3]) -> PyResult<Pattern> {
+    /// Makes the pattern with these lengths; refuses it if its cell is too large.
+    fn pattern(&self, py: Python<'_>, cell: &Cell, lengths_um: [f64; 3]) -> PyResult<Pattern> {
+        const NAMED: &str = "width_um, spacing_um, depth_um";
+        let given = || lengths_um.map(|length_um| length_um.to_string()).join(", ");
         let [width_m, spacing_m, depth_m] = lengths_um.map(|length_um| length_um * 1e-6);
         let pattern = Pattern::new(self.texture, width_m, spacing_m, depth_m)
-            .map_err(|error| PyValueError::new_err(format!("{named}: {error}")))?;
-        let (bytes, most_bytes) = (self.cell.bytes(&pattern), self.cell.most_bytes());
-        if bytes > most_bytes {
-            let given = lengths_um.map(|length_um| length_um.to_string()).join(", ");
-            let refused =
-                Diagnostic::flag(&named.to_string(), given, format!("makes a cell that takes {bytes:.1e} bytes"));
-            let expected = format!("a smaller pattern or larger blocks, at most {most_bytes:.1e} bytes");
-            return Err(refused::input(py, &refused.expected(expected)));
+            .map_err(|error| errors::input(py, &Diagnostic::flag(NAMED, given(), error.to_string())))?;
+        let (bytes, max_bytes) = (cell.bytes(&pattern), cell.most_bytes());
+        if bytes > max_bytes {
+            let refused = Diagnostic::flag(NAMED, given(), format!("makes a cell that takes {bytes:.1e} bytes"));
+            let expected = format!("a smaller pattern or larger blocks, at most {max_bytes:.1e} bytes");
+            return Err(errors::input(py, &refused.expected(expected)));
         }
         Ok(pattern)
     }

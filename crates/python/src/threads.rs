@@ -1,7 +1,7 @@
 //! The thread pool for computations. It belongs to one process: a forked child makes its own pool, because its parent's threads
 //! do not exist in the child.
 //!
-//! All computations run in the pool ([`in_pool`], `watched`): rayon's global pool would not survive a fork, and would not have
+//! All computations run in the pool ([`in_pool`], `progress`): rayon's global pool would not survive a fork, and would not have
 //! the requested number of threads.
 
 use std::sync::atomic::{AtomicBool, AtomicU32, AtomicUsize, Ordering};
@@ -12,7 +12,7 @@ use pyo3::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use slipgrid::disk::MAX_THREADS;
 
-use crate::given::{counted, shown};
+use crate::counts::{shown, to_count};
 
 /// Requested number of threads, 0 for the number of cores, and the pool.
 struct Pool {
@@ -93,7 +93,7 @@ pub fn pool(_busy: &Busy) -> PyResult<Arc<ThreadPool>> {
 #[pyo3(signature = (count=None))]
 pub fn set_threads(py: Python<'_>, count: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
     let accepted = |given: &Bound<'_, PyAny>| {
-        let count = counted("count", given)?.filter(|count| (1..=MAX_THREADS).contains(count));
+        let count = to_count("count", given)?.filter(|count| (1..=MAX_THREADS).contains(count));
         let expected = format!("expected 1 to {MAX_THREADS}, or None for all cores");
         count.ok_or_else(|| PyValueError::new_err(format!("count is {}: {expected}", shown(given))))
     };

@@ -2,10 +2,16 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
+import tempfile
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
+
+# Cache of the package, which is imported below, and of the program.
+CACHE = tempfile.TemporaryDirectory()
+os.environ["SLIPGRID_CACHE"] = CACHE.name
 
 import pytest
 

@@ -69,7 +69,7 @@ def test_a_scene_takes_along_what_it_read(folder: Path, monkeypatch: pytest.Monk
         for copy in all_copies:
             assert copy.warnings == scene.warnings
             assert copy.simulate().to_dict() == record
-            assert np.array_equal(copy.steady().ratios(130.0, 370.0, 20.0), scene.steady().ratios(130.0, 370.0, 20.0))
+            assert np.array_equal(copy.steady().ratio(130.0, 370.0, 20.0), scene.steady().ratio(130.0, 370.0, 20.0))
 
 
 def test_a_scene_does_not_notice_what_changes_after_it_was_read(folder: Path) -> None:
@@ -194,9 +194,9 @@ def test_a_map_is_copied_with_what_its_file_says(folder: Path, monkeypatch: pyte
 def test_a_damaged_copy_of_a_map_is_refused() -> None:
     sides_m = [1e-6, 1e-6]
     with pytest.raises(ValueError, match='format is "none": expected one of matrix, '):
-        _slipgrid.map_of(surface(), sides_m, True, "none", [], [], "array")
+        _slipgrid.restore_map(surface(), sides_m, True, "none", [], [], "array")
     with pytest.raises(ValueError, match="pixel size along x"):
-        _slipgrid.map_of(surface(), [-1.0, 1e-6], True, "matrix", [], [], "array")
+        _slipgrid.restore_map(surface(), [-1.0, 1e-6], True, "matrix", [], [], "array")
 
 
 def test_processes_are_sent_scenes_designs_calibrations_and_maps(folder: Path) -> None:

@@ -90,16 +90,16 @@ def test_ctrl_c_ends_the_ratios_of_many_patterns() -> None:
     patterns = np.column_stack([widths_um, np.full_like(widths_um, 200.0), np.full_like(widths_um, 10.0)])
     # Time of the processors, which other programs do not lengthen: a twentieth of the patterns, and all until Ctrl-C.
     started = time.process_time()
-    cell.ratios_of(patterns[::20])
+    cell.ratio(*patterns[::20].T)
     twentieth_s = time.process_time() - started
     threading.Timer(0.1, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
     started = time.process_time()
     with pytest.raises(KeyboardInterrupt):
-        cell.ratios_of(patterns)
+        cell.ratio(*patterns.T)
     took_s = time.process_time() - started
     assert took_s < 10 * twentieth_s, f"{took_s} s, {twentieth_s} s for a twentieth"
     # The same cell goes on.
-    assert np.array_equal(cell.ratios_of(patterns[:5])[4], cell.ratios(*patterns[4]))
+    assert np.array_equal(cell.ratio(*patterns[:5].T)[4], cell.ratio(*patterns[4]))
 
 
 def test_what_a_callback_raises_ends_a_run_too() -> None:
@@ -134,10 +134,10 @@ def test_other_threads_of_python_go_on_meanwhile() -> None:
 def test_a_process_forked_after_use_computes_on_threads_of_its_own() -> None:
     cell = slipgrid.Scene(**SCENE).steady()
     patterns = np.array([[100.0, 200.0, 10.0], [130.0, 370.0, 20.0]])
-    expected = cell.ratios_of(patterns)
+    expected = cell.ratio(*patterns.T)
     child = os.fork()
     if child == 0:
-        same = np.array_equal(cell.ratios_of(patterns), expected) and slipgrid.threads() > 0
+        same = np.array_equal(cell.ratio(*patterns.T), expected) and slipgrid.threads() > 0
         os._exit(0 if same else 1)
     for _ in range(300):
         ended, status = os.waitpid(child, os.WNOHANG)
@@ -169,10 +169,10 @@ def test_the_border_costs_microseconds() -> None:
     for _ in range(5):
         started = time.perf_counter()
         for width_um, spacing_um, depth_um in patterns:
-            cell.ratios(width_um, spacing_um, depth_um)
+            cell.ratio(width_um, spacing_um, depth_um)
         single = time.perf_counter() - started
         started = time.perf_counter()
-        cell.ratios_of(patterns)
+        cell.ratio(*patterns.T)
         beside.append((single - (time.perf_counter() - started)) / len(patterns))
     slipgrid.set_threads(None)
     print(f"{1e6 * statistics.median(beside):.1f} us a call beside the solve")

@@ -65,26 +65,28 @@ def test_cells_that_take_too_much_memory_are_refused() -> None:
     thick = {**SCENE, "sample": {"length_um": 2000.0, "thickness_mm": 5.0, "block_um": 10.0}}
     cell = slipgrid.Scene(**thick).steady()
     with pytest.raises(InputError, match=r"width_um, spacing_um, depth_um: 100000, 10, 10 makes a cell that takes .* bytes") as refused:
-        cell.ratios(1e5, 10.0, 10.0)
+        cell.ratio([130.0, 1e5], 10.0, 10.0)
     assert "at most 4.3e9 bytes" in str(refused.value)
-    with pytest.raises(InputError, match=r"patterns_um\[1\]: 100000, 10, 10 makes a cell"):
-        cell.ratios_of([[130.0, 370.0, 20.0], [1e5, 10.0, 10.0]])
 
 
-def test_many_patterns_come_as_any_array_of_numbers() -> None:
+def test_lengths_come_as_any_array_of_numbers() -> None:
     cell = slipgrid.Scene(**SCENE).steady()
-    patterns = np.array([[100.0, 200.0, 10.0], [130.0, 370.0, 20.0]])
-    expected = cell.ratios_of(patterns)
-    for same in (patterns.astype(np.float32), patterns.astype(int), patterns.tolist(), np.repeat(patterns, 2, axis=0)[::2]):
-        assert np.array_equal(cell.ratios_of(same), expected)
-    assert cell.ratios_of(np.ones((0, 3))).shape == (0, 2)
-    with pytest.raises(ValueError, match="patterns_um has 4 columns: expected rows of width"):
-        cell.ratios_of(np.ones((2, 4)))
-    for wrong in (patterns[0], "abc", None, 1.0):
-        with pytest.raises(TypeError, match="patterns_um is no array of numbers: expected rows of width"):
-            cell.ratios_of(wrong)  # type: ignore[arg-type]
-    with pytest.raises(ValueError, match=r"patterns_um\[0\]: "):
-        cell.ratios_of([[-1.0, 200.0, 10.0]])
+    widths_um = np.array([100.0, 120.0])
+    expected = cell.ratio(widths_um, 370.0, 20.0)
+    kinds = (np.float16, np.int8, np.uint64, object)
+    for same in (*(widths_um.astype(kind) for kind in kinds), widths_um.tolist(), np.repeat(widths_um, 2)[::2]):
+        assert np.array_equal(cell.ratio(same, 370.0, 20.0), expected)
+    assert cell.ratio(np.ones(0), 370.0, 20.0).shape == (0, 2)
+    with pytest.raises(ValueError, match=r"shapes do not broadcast: width_um \(2, 1\), spacing_um \(3, 1\)"):
+        cell.ratio(widths_um, np.ones(3), 20.0)
+    with pytest.raises(TypeError, match="width_um holds what is of the type <U3; expected real numbers"):
+        cell.ratio("abc", 370.0, 20.0)
+    with pytest.raises(InputError, match="width_um, spacing_um, depth_um: -1, 370, 20"):
+        cell.ratio([100.0, -1.0], 370.0, 20.0)
+    with pytest.raises(InputError, match="pressure_mpa: -1 is out of range"):
+        cell.ratio(100.0, 370.0, 20.0, [0.65, -1.0])
+    with pytest.raises(InputError, match="pressure_mpa: MPa is above 0.5 of Young's modulus"):
+        cell.ratio(100.0, 370.0, 20.0, 300.0)
 
 
 def test_threads_are_bounded() -> None:
@@ -107,7 +109,7 @@ def test_counts_of_any_size_are_refused_in_words() -> None:
             slipgrid.set_threads(wrong)  # type: ignore[arg-type]
 
 
-def test_masked_heights_are_missing_and_masked_patterns_refused() -> None:
+def test_masked_heights_and_lengths_are_missing() -> None:
     rng = np.random.default_rng(0)
     heights_m, bad = 1e-7 * rng.standard_normal((16, 16)), rng.random((16, 16)) < 0.1
     with_gaps = slipgrid.Map(np.where(bad, np.nan, heights_m), 1.0)
@@ -117,11 +119,9 @@ def test_masked_heights_are_missing_and_masked_patterns_refused() -> None:
     assert np.array_equal(slipgrid.Map(whole, 1.0).heights_m, [[0.0, np.nan], [2.0, 3.0]], equal_nan=True)
     assert not np.isnan(slipgrid.Map(np.ma.MaskedArray(heights_m), 1.0).heights_m).any()
     cell = slipgrid.Scene(**SCENE).steady()
-    patterns = np.ma.MaskedArray([[100.0, 200.0, 10.0], [130.0, 370.0, 20.0]])
-    assert np.array_equal(cell.ratios_of(patterns), cell.ratios_of(patterns.data))
-    patterns[1, 2] = np.ma.masked
-    with pytest.raises(ValueError, match="patterns_um has masked numbers: expected rows of width, .*, none of them masked"):
-        cell.ratios_of(patterns)
+    widths_um = np.ma.MaskedArray([100.0, 130.0], [False, True])
+    found = cell.ratio(widths_um, 370.0, 20.0)
+    assert np.array_equal(found[0], cell.ratio(100.0, 370.0, 20.0)) and np.isnan(found[1]).all()
     with pytest.raises(TypeError, match="load.pressure_mpa is masked: expected a number"):
         slipgrid.Scene(**{**SCENE, "load": {"pressure_mpa": np.ma.MaskedArray([0.65, 2.6], [False, True]), "speed_mm_s": 2.0}})
 
@@ -139,18 +139,15 @@ def test_masked_heights_are_missing_and_masked_patterns_refused() -> None:
     ids=lambda wrong: str(wrong.dtype),
 )
 def test_only_real_numbers_are_numbers(wrong: np.ndarray) -> None:
-    with pytest.raises(TypeError, match=r"heights_m: .*; expected real numbers, shape \(rows, columns\)"):
+    with pytest.raises(TypeError, match="heights_m holds what is of the type .*; expected real numbers"):
         slipgrid.Map(wrong, 1.0)
-    with pytest.raises(TypeError, match="patterns_um is no array of numbers: expected rows of width"):
-        slipgrid.Scene(**SCENE).steady().ratios_of(wrong)
+    with pytest.raises(TypeError, match="width_um holds what is of the type .*; expected real numbers"):
+        slipgrid.Scene(**SCENE).steady().ratio(wrong, 200.0, 10.0)
 
 
 def test_any_type_of_real_numbers_is_taken() -> None:
     for kind in (np.float16, np.float32, np.longdouble, np.int8, np.uint64, object):
         assert np.array_equal(slipgrid.Map(np.arange(6).reshape(2, 3).astype(kind), 1.0).heights_m, [[0, 1, 2], [3, 4, 5]])
-    patterns = np.array([[100, 200, 10]])
-    cell = slipgrid.Scene(**SCENE).steady()
-    assert np.array_equal(cell.ratios_of(patterns.astype(object)), cell.ratios_of(patterns))
 
 
 def test_pixels_are_refused_in_their_unit(tmp_path: Path) -> None:

@@ -103,8 +103,10 @@ def test_what_is_too_large_is_refused_before_it_is_copied(kind: type, shape: tup
 
 def test_no_other_array_is_copied_out_either() -> None:
     cell = slipgrid.Scene(**SCENE).steady()
-    with pytest.raises(MemoryError, match="patterns_um.*rows"):
-        cell.ratios_of(np.broadcast_to(np.ones((1, 3)), (10**10, 3)))
+    with pytest.raises(MemoryError, match="width_um: has 10000000000 numbers"):
+        cell.ratio(np.broadcast_to(np.ones(1), (10**10,)), 100.0, 10.0)
+    with pytest.raises(MemoryError, match="width_um, spacing_um, depth_um, pressure_mpa: has .* elements"):
+        cell.ratio(np.ones((10**4, 1)), np.ones((1, 10**4)), 10.0)
     many = np.broadcast_to(np.ones(1), (10**10,))
     with pytest.raises(MemoryError, match="load.pressure_mpa"):
         slipgrid.Scene(**{**SCENE, "load": {"pressure_mpa": many, "speed_mm_s": 2.0}})

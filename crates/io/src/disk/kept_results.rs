@@ -42,20 +42,27 @@ impl KeptResults {
         Self { folder, build, max_bytes, is_cleared: AtomicBool::new(false) }
     }
 
-    /// The cache of the running program in the user's cache folder: the one in the environment variable
-    /// `SLIPGRID_CACHE`, otherwise `slipgrid` in the system's cache folder. `None` if `SLIPGRID_CACHE` is empty, or no
-    /// folder is known. The build is identified by size and modification time of the program's file.
+    /// The cache of the running program in the user's cache folder, as [`Self::for_program`].
     #[must_use]
     pub fn for_this_program() -> Option<Self> {
+        Self::for_program(&std::env::current_exe().ok()?, None)
+    }
+
+    /// The cache of the `program` in a file, in `folder` if given, otherwise in the user's cache folder: the one in the
+    /// environment variable `SLIPGRID_CACHE`, otherwise `slipgrid` in the system's cache folder. `None` if
+    /// `SLIPGRID_CACHE` is empty, or no folder is known. The build is identified by size and modification time of the
+    /// program's file.
+    #[must_use]
+    pub fn for_program(program: &Path, folder: Option<PathBuf>) -> Option<Self> {
         let named = |name: &str| std::env::var_os(name).filter(|value| !value.is_empty()).map(PathBuf::from);
-        let folder = match std::env::var_os("SLIPGRID_CACHE") {
+        let folder = match folder.map_or_else(|| std::env::var_os("SLIPGRID_CACHE"), |folder| Some(folder.into())) {
             Some(folder) => Some(PathBuf::from(folder)).filter(|folder| !folder.as_os_str().is_empty()),
             None => named("XDG_CACHE_HOME")
                 .or_else(|| named("LOCALAPPDATA"))
                 .or_else(|| Some(named("HOME")?.join(".cache")))
                 .map(|folder| folder.join("slipgrid")),
         };
-        let program = fs::metadata(std::env::current_exe().ok()?).ok()?;
+        let program = fs::metadata(program).ok()?;
         let build = format!("{} {:?}", program.len(), program.modified().ok()?);
         Some(Self::new(folder?, &build, MAX_BYTES))
     }

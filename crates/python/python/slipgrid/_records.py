@@ -1,16 +1,19 @@
-"""Records: what a computation found, with the field names of result.json."""
+"""Records of results, and conversion of arguments."""
 
 from __future__ import annotations
 
 import html
 import importlib
 import json
+import math
 import re
-import warnings
-from collections.abc import Iterator, Mapping, Sequence
+import typing
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import lru_cache
+from os import PathLike
 from pathlib import Path
 from types import ModuleType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -20,31 +23,72 @@ from . import _slipgrid, errors
 if TYPE_CHECKING:
     import pandas as _pandas
 
+#: Called several times per second with the stage that runs and the share of it that is done, 0 to 1.
+Progress = Callable[[str, float], object]
+#: Maximum number of numbers of an argument: an array that claims more is not copied.
+MAX_NUMBERS = 10_000_000
+#: Kinds of arrays that hold real numbers: floating point, whole, without sign, and objects that may be any of them.
+_REAL = "fiuO"
 
-def _wrapped(value: Any) -> Any:
-    if isinstance(value, dict):
-        return Record(value)
+
+class Stored(Protocol):
+    """An object that stands for a file: a map, a material, a calibration."""
+
+    def _as_files(self, number: int) -> tuple[str, dict[str, bytes]]:
+        """Name under which the object is read, unique by `number`, and contents of all files that it needs."""
+
+
+class TableOfFile(Protocol):
+    """A table that stands for a CSV file: a pandas frame."""
+
+    @property
+    def columns(self) -> Any: ...
+    @property
+    def to_csv(self) -> Callable[..., Any]: ...
+
+
+#: What a key that names a file takes: a path, or an object in its place.
+FileLike = Union[str, "PathLike[str]", Stored, TableOfFile]
+
+
+@lru_cache(maxsize=None)
+def _types(owner: type) -> dict[str, Any]:
+    """Types of the fields of a record."""
+    return typing.get_type_hints(owner)
+
+
+def _typed(value: Any, kind: Any) -> Any:
+    """`value` of a field as its type says: dictionaries as records, and an empty list where a list was left out."""
+    inside = typing.get_args(kind)
+    if value is None and typing.get_origin(kind) is list:
+        return []
     if isinstance(value, list):
-        return [_wrapped(item) for item in value]
+        return [_typed(item, inside[0] if inside else None) for item in value]
+    if isinstance(value, dict):
+        records = [own for own in (kind, *inside) if isinstance(own, type) and issubclass(own, Record)]
+        return (records[0] if records else Record)(value)
     return value
 
 
 class Record(Mapping[str, Any]):
     """A record whose fields are attributes as well as keys: ``found.design.width_um``, ``found["design"]["width_um"]``.
 
-    Units stand in the names. A field that has no value is ``None``.
+    Units stand in the names. An attribute that has no value is ``None``, a list without items is empty.
     """
 
     def __init__(self, fields: dict[str, Any]) -> None:
         self._fields = fields
 
-    def __getattr__(self, name: str) -> Any:
-        if name.startswith("_"):
-            raise AttributeError(name)
-        try:
-            return _wrapped(self._fields[name])
-        except KeyError:
-            raise AttributeError(f"no field {name!r}: expected one of {', '.join(self._fields)}") from None
+    if not TYPE_CHECKING:
+        # Type checkers know the fields from the annotations of subclasses alone.
+        def __getattr__(self, name: str) -> Any:
+            if name.startswith("_"):
+                raise AttributeError(name)
+            kinds = _types(type(self))
+            if name not in self._fields and name not in kinds:
+                known = sorted({*self._fields, *kinds})
+                raise AttributeError(f"no field {name!r}: expected one of {', '.join(known)}")
+            return _typed(self._fields.get(name), kinds.get(name))
 
     def __getitem__(self, name: str) -> Any:
         return self._fields[name]
@@ -59,7 +103,11 @@ class Record(Mapping[str, Any]):
         return [*super().__dir__(), *self._fields]
 
     def __repr__(self) -> str:
-        return f"<{type(self).__name__}: {', '.join(self._fields)}>"
+        plain = [f"{name}={value!r}" for name, value in self._fields.items() if not isinstance(value, (dict, list))]
+        return f"<{type(self).__name__} {', '.join(plain or self._fields)}>"
+
+    def _repr_html_(self) -> str:
+        return table([self._fields], [name for name, value in self._fields.items() if not isinstance(value, (dict, list))])
 
     def to_dict(self) -> dict[str, Any]:
         """A copy as plain dictionaries, lists, numbers and strings."""
@@ -73,7 +121,7 @@ def array(rows: Sequence[Mapping[str, Any]], name: str) -> NDArray[np.float64]:
 
 
 def pandas() -> ModuleType:
-    """The package pandas, which frames alone need."""
+    """The package pandas, which only frames need."""
     try:
         return importlib.import_module("pandas")
     except ImportError as error:
@@ -81,7 +129,7 @@ def pandas() -> ModuleType:
 
 
 class Kept:
-    """What the compiled half of a result gave, in a copy of the result: in another process it is not there."""
+    """What the compiled half of a result gives, in a copy of the result: in another process it is not there."""
 
     def __init__(self, given: dict[str, Any]) -> None:
         self._given = given
@@ -133,61 +181,71 @@ def frame(rows: Sequence[Mapping[str, Any]]) -> _pandas.DataFrame:
     return found
 
 
-def table(rows: Sequence[Mapping[str, Any]], names: Sequence[str]) -> str:
-    """An HTML table of ``names`` of every row."""
+def table(rows: Sequence[Mapping[str, Any]], names: Sequence[str], caption: str = "") -> str:
+    """An HTML table of ``names`` of every row, 50 at most."""
 
     def cell(value: Any) -> str:
         if value is None:
             return "-"
-        return html.escape(f"{value:.5g}" if isinstance(value, float) else str(value))
+        return html.escape(f"{value:.4g}" if isinstance(value, float) else str(value)[:200])
 
     head = "".join(f"<th>{html.escape(name)}</th>" for name in names)
-    body = "".join("<tr>" + "".join(f"<td>{cell(row.get(name))}</td>" for name in names) + "</tr>" for row in rows)
-    return f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
+    body = "".join("<tr>" + "".join(f"<td>{cell(row.get(name))}</td>" for name in names) + "</tr>" for row in rows[:50])
+    title = f"<caption>{html.escape(caption)}</caption>" if caption else ""
+    return f"<table>{title}<thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
 
 
-#: Kinds of arrays that hold real numbers: of floating point, whole, without sign, and objects that may be any of them.
-_REAL = "fiuO"
-
-
-#: Most numbers of a list in a file, a list of pressures or of candidates: an array that claims more is not copied out.
-_MAX_NUMBERS = 10_000_000
-
-
-def _check_count(name: str, given: Any) -> None:
-    """Refuses, before it is copied, an array with more than ``_MAX_NUMBERS`` numbers."""
-    size = getattr(given, "size", 0)
-    if isinstance(size, (int, np.integer)) and size > _MAX_NUMBERS:
+def check_count(name: str, count: int, max_count: int = MAX_NUMBERS, what: str = "numbers") -> None:
+    """Refuses an array that is too large before it is copied."""
+    if count > max_count:
         raise errors.TooLargeError(
-            f"{name}: has {size} numbers; expected at most {_MAX_NUMBERS}",
+            f"{name}: has {count} {what}; expected at most {max_count}",
             key=name,
-            value=str(size),
-            expected=f"at most {_MAX_NUMBERS}",
+            value=str(count),
+            expected=f"at most {max_count}",
         )
+
+
+def _size(given: Any) -> int:
+    size = getattr(given, "size", 0)
+    return int(size) if isinstance(size, (int, np.integer)) else 0
+
+
+def real(name: str, given: ArrayLike, max_count: int = MAX_NUMBERS, what: str = "numbers") -> NDArray[np.float64]:
+    """The argument ``name`` as an array of real numbers, NaN where they are masked."""
+    typed: NDArray[Any] = np.asanyarray(given)
+    check_count(name, typed.size, max_count, what)
+    if type(typed) is np.ndarray and typed.dtype == np.float64:
+        return typed
+    if typed.dtype.kind not in _REAL:
+        raise TypeError(f"{name} holds what is of the type {typed.dtype}; expected real numbers")
+    try:
+        return np.asarray(np.ma.filled(typed.astype(np.float64, copy=False), np.nan))
+    except (TypeError, ValueError) as error:
+        raise type(error)(f"{name}: {error}; expected real numbers") from None
+
+
+def rows(**arguments: ArrayLike) -> tuple[NDArray[np.float64], tuple[int, ...]]:
+    """The arguments broadcast against each other: an array with a column for each, and their common shape."""
+    arrays = [real(name, given) for name, given in arguments.items()]
+    try:
+        shape = np.broadcast_shapes(*(own.shape for own in arrays))
+    except ValueError:
+        shapes = ", ".join(f"{name} {own.shape}" for name, own in zip(arguments, arrays))
+        raise ValueError(f"shapes do not broadcast: {shapes}") from None
+    check_count(", ".join(arguments), math.prod(shape), what="elements")
+    columns = np.empty((*shape, len(arrays)))
+    for place, own in enumerate(arrays):
+        columns[..., place] = own
+    return columns.reshape(-1, len(arrays)), shape
 
 
 def heights(given: ArrayLike) -> NDArray[np.float64]:
     """``given`` as a matrix of heights, NaN where they are masked."""
-    expected = "expected real numbers, shape (rows, columns)"
-    try:
-        typed: NDArray[Any] = np.asanyarray(given)
-        if typed.size > _slipgrid.MAX_MAP_POINTS:
-            raise errors.TooLargeError(
-                f"heights_m: has {typed.size} points; expected at most {_slipgrid.MAX_MAP_POINTS}",
-                key="heights_m",
-                value=str(typed.size),
-                expected=f"at most {_slipgrid.MAX_MAP_POINTS}",
-            )
-        if typed.dtype.kind not in _REAL:
-            raise TypeError(f"holds what is of the type {typed.dtype}")
-        array: NDArray[np.float64] = np.asarray(np.ma.filled(typed.astype(np.float64, copy=False), np.nan))
-    except errors.InputError:
-        raise
-    except (TypeError, ValueError) as error:
-        raise type(error)(f"heights_m: {error}; {expected}") from None
-    if array.ndim != 2:
-        raise ValueError(f"heights_m has the shape {array.shape}; {expected}")
-    return array
+    matrix = real("heights_m", given, _slipgrid.MAX_MAP_POINTS, "points")
+    if matrix.ndim != 2:
+        raise ValueError(f"heights_m has the shape {matrix.shape}; expected real numbers, shape (rows, columns)")
+    return matrix
 
 
 def floats(name: str, given: Any) -> list[float]:
@@ -195,7 +253,7 @@ def floats(name: str, given: Any) -> list[float]:
     expected = f"{name} is {given!r:.80}: expected a list of numbers"
     if isinstance(given, (str, bytes, bytearray, memoryview, Mapping)):
         raise TypeError(expected)
-    _check_count(name, given)
+    check_count(name, _size(given))
     try:
         return [float(number) for number in given]
     except (TypeError, ValueError):
@@ -206,32 +264,35 @@ def triples(name: str, given: Any) -> list[tuple[float, float, float]]:
     """The argument ``name`` as rows of width, spacing and depth."""
     if isinstance(given, (str, bytes, bytearray, memoryview, Mapping)) or not hasattr(given, "__iter__"):
         raise TypeError(f"{name} is {given!r:.80}: expected rows of width, spacing and depth")
-    _check_count(name, given)
-    rows = []
+    check_count(name, _size(given))
+    found = []
     # A frame of pandas gives the names of its columns where rows are asked for.
     for place, row in enumerate(np.asanyarray(given) if hasattr(given, "__array__") else given):
         lengths = floats(f"{name}[{place}]", row)
         if len(lengths) != 3:
             raise ValueError(f"{name}[{place}] has {len(lengths)} numbers: expected width, spacing and depth")
-        rows.append((lengths[0], lengths[1], lengths[2]))
-    return rows
+        found.append((lengths[0], lengths[1], lengths[2]))
+    return found
 
 
-def warn(doubts: Sequence[str]) -> None:
-    """Warns who called the caller of each of ``doubts``."""
-    for doubt in doubts:
-        warnings.warn(doubt, errors.SlipgridWarning, stacklevel=3)
-
-
-def write(files: Sequence[tuple[str, bytes]], folder: str | Path, inputs: Sequence[Path]) -> list[Path]:
+def write(files: Sequence[tuple[str, bytes]], folder: str | PathLike[str], inputs: Sequence[Path]) -> list[Path]:
     """Writes ``files`` into ``folder``, which is made where there is none; neither ``inputs`` nor files of others are replaced."""
     folder = Path(folder)
     _slipgrid.write_folder(files, folder, inputs)
     return [folder / name for name, _ in files]
 
 
-def toml(tables: Mapping[str, Any]) -> str:
-    """Nested dictionaries as TOML; their lists may be arrays, or what is like one."""
+def document(tables: Mapping[str, Any], folder: str | PathLike[str]) -> tuple[str, dict[str, bytes]]:
+    """Text of ``tables`` as a file in ``folder``, and contents of the objects in them, by the paths at which the text looks for
+    them."""
+    objects: dict[str, bytes] = {}
+    text = toml(tables, objects)
+    return text, {str(Path(folder) / name): content for name, content in objects.items()}
+
+
+def toml(tables: Mapping[str, Any], objects: dict[str, bytes] | None = None) -> str:
+    """Nested dictionaries as TOML; their lists may be arrays, or what is like one. Objects that stand for files are put into
+    ``objects``, by the name that the text has for them."""
 
     def quoted(text: str) -> str:
         return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
@@ -239,15 +300,29 @@ def toml(tables: Mapping[str, Any]) -> str:
     def bare(name: Any) -> str:
         return str(name) if re.fullmatch("[A-Za-z0-9_-]+", str(name)) else quoted(str(name))
 
+    def named(item: Any, into: dict[str, bytes]) -> str:
+        number = len(into) + 1
+        if hasattr(item, "_as_files"):
+            name, contents = item._as_files(number)
+        else:
+            name, contents = f"<table {number}>.csv", {}
+            contents[name] = item.to_csv(index=False).encode()
+        into.update(contents)
+        return quoted(name)
+
     def value(at: str, item: Any) -> str:
+        if hasattr(item, "_as_table"):
+            item = item._as_table()
+        if objects is not None and (hasattr(item, "_as_files") or (hasattr(item, "to_csv") and hasattr(item, "columns"))):
+            return named(item, objects)
         if isinstance(item, Mapping):
             return "{ " + ", ".join(f"{bare(key)} = {value(f'{at}.{key}', own)}" for key, own in item.items()) + " }"
         if isinstance(item, (bool, np.bool_)):
             return "true" if item else "false"
         if isinstance(item, str):
             return quoted(item)
-        if isinstance(item, Path):
-            return quoted(str(item))
+        if isinstance(item, PathLike):
+            return quoted(str(Path(item)))
         if isinstance(item, (int, np.integer)):
             return str(int(item))
         if isinstance(item, (float, np.floating)):
@@ -259,17 +334,15 @@ def toml(tables: Mapping[str, Any]) -> str:
             item = np.asarray(item)
         if isinstance(item, np.ndarray) and item.ndim == 0:
             raise TypeError(f"{at} is an array without dimensions: expected a number, as its item() gives it, or a list")
-        _check_count(at, item)
+        check_count(at, _size(item))
         if isinstance(item, (Sequence, np.ndarray)) and not isinstance(item, (bytes, bytearray, memoryview)):
             return "[" + ", ".join(value(at, own) for own in item) + "]"
         raise TypeError(f"{at} is {item!r:.80}, which has no TOML form: expected numbers, strings, booleans, lists and dictionaries")
 
-    lines = []
+    is_table = {name: isinstance(item, Mapping) and not hasattr(item, "_as_table") for name, item in tables.items()}
+    lines = [f"{bare(name)} = {value(name, item)}" for name, item in tables.items() if not is_table[name]]
     for name, item in tables.items():
-        if not isinstance(item, Mapping):
-            lines.append(f"{bare(name)} = {value(name, item)}")
-    for name, item in tables.items():
-        if isinstance(item, Mapping):
+        if is_table[name]:
             lines.append(f"[{bare(name)}]")
             lines.extend(f"{bare(key)} = {value(f'{name}.{key}', own)}" for key, own in item.items())
     return "\n".join(lines) + "\n"

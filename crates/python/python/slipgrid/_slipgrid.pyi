@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 __version__: str
 MAX_MAP_POINTS: int
@@ -24,9 +24,12 @@ __all__ = [
     "Solved",
     "SteadyCell",
     "check_file",
-    "map_of",
+    "restore_map",
+    "read_material",
+    "set_cache",
     "set_threads",
     "threads",
+    "give_warnings",
     "write_file",
     "write_folder",
 ]
@@ -38,8 +41,18 @@ def set_threads(count: int | None = None) -> None:
     """Sets the number of threads to `count`, or to the number of cores if `count` is None. Results do not depend on it.
     More than 1024 are refused."""
 
+def set_cache(library: _Path, is_on: bool, folder: _Path | None) -> None:
+    """Keeps results of the library in the file `library` from now on: in the process, and in `folder` or where the environment says;
+    not at all unless `is_on`."""
+
+def read_material(path: _Path, text: str | None = None) -> tuple[str, list[str]]:
+    """Checks the material file at `path`, or `text` in its place; returns the text and its warnings."""
+
 def threads() -> int:
     """Number of computing threads."""
+
+def give_warnings(doubts: Sequence[str]) -> None:
+    """Gives a warning for each of `doubts`, sentences about input or results."""
 
 def write_folder(files: Sequence[tuple[str, bytes]], folder: _Path, inputs: Sequence[_Path]) -> None:
     """Writes `files`, by name, into `folder`; neither `inputs` nor files of other programs are replaced."""
@@ -50,7 +63,7 @@ def write_file(content: bytes, path: _Path, inputs: Sequence[_Path]) -> None:
 def check_file(path: _Path, inputs: Sequence[_Path]) -> None:
     """Checks before a long computation that the file can be written; raises an error otherwise."""
 
-def map_of(
+def restore_map(
     heights_m: NDArray[np.float64],
     sides_m: Sequence[float],
     whole: bool,
@@ -69,9 +82,13 @@ class Map:
         path: _Path,
         *,
         pixel_um: float | None = None,
+        pixel_y_um: float | None = None,
         height_unit: str | None = None,
         lateral_unit: str | None = None,
         decimal_comma: bool = False,
+        crop: Sequence[int] | None = None,
+        decimate: int | None = None,
+        decimate_by: str = "mean",
     ) -> Map: ...
     def __reduce__(
         self,
@@ -82,6 +99,8 @@ class Map:
     def heights_m(self) -> NDArray[np.float64]: ...
     @property
     def pixel_um(self) -> tuple[float, float]: ...
+    @property
+    def sides_m(self) -> tuple[float, float]: ...
     @property
     def is_synthetic(self) -> bool: ...
     def measure_json(self, *, form: str = "plane", missing: str = "fill", despike: bool = False) -> str: ...
@@ -110,6 +129,7 @@ class Scene:
         extent: str | None = None,
         is_file: bool = False,
         files: Mapping[str, bytes] | None = None,
+        objects: Mapping[str, bytes] | None = None,
     ) -> Scene: ...
     @staticmethod
     def read(path: _Path, fidelity: str | None = None, extent: str | None = None) -> Scene: ...
@@ -135,18 +155,16 @@ class Solved:
 class SteadyCell:
     """A steady cell: equilibrium of one period with every contact block sliding."""
 
-    def ratios(self, width_um: float, spacing_um: float, depth_um: float) -> NDArray[np.float64]:
-        """Ratio of patterned to flat friction at each load, shape (loads,); NaN where there is none. A cell that would take too much
-        memory is refused."""
-
-    def ratios_of(self, patterns_um: ArrayLike) -> NDArray[np.float64]:
-        """Ratios of many patterns, rows of width, spacing and depth in micrometres: shape (patterns, loads), on all threads. Masked
-        numbers, and more than ten million rows, are refused."""
+    @property
+    def pressure_mpa(self) -> NDArray[np.float64]: ...
+    def solve(self, rows: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Ratio, dynamic friction and peak pressure in MPa, shape (rows, 3), for rows of width, spacing and depth in micrometres and
+        pressure in MPa."""
 
 @final
 class Calibration:
     def __new__(
-        cls, text: str, path: _Path, is_file: bool = False, files: Mapping[str, bytes] | None = None
+        cls, text: str, path: _Path, is_file: bool = False, files: Mapping[str, bytes] | None = None, objects: Mapping[str, bytes] | None = None
     ) -> Calibration: ...
     @staticmethod
     def read(path: _Path) -> Calibration: ...
@@ -183,7 +201,7 @@ class Campaign:
 @final
 class Design:
     def __new__(
-        cls, text: str, path: _Path, is_file: bool = False, files: Mapping[str, bytes] | None = None
+        cls, text: str, path: _Path, is_file: bool = False, files: Mapping[str, bytes] | None = None, objects: Mapping[str, bytes] | None = None
     ) -> Design: ...
     @staticmethod
     def read(path: _Path) -> Design: ...
@@ -193,6 +211,9 @@ class Design:
     @property
     def warnings(self) -> list[str]: ...
     def optimize(self, progress: _Progress | None = None) -> Designed: ...
+    def predict(
+        self, rows: NDArray[np.float64], progress: _Progress | None = None
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64], str, list[float], list[str]]: ...
     def explore_html(self, progress: _Progress | None = None) -> str: ...
     def next_samples(
         self,

@@ -11,8 +11,8 @@ A campaign file names a scene or a design and which of its keys vary::
     print(found.counts)
     found.frame()
 
-Instead of the pool any ``concurrent.futures.Executor`` will do, and the client of a Dask cluster (``dask.distributed``). Results are
-those of ``slipgrid campaign work``, the same bytes whoever does what.
+Any ``concurrent.futures.Executor`` or the client of a Dask cluster (``dask.distributed``) may replace the pool. Results are those of
+``slipgrid campaign work``, byte for byte, on any number of workers.
 """
 
 from __future__ import annotations
@@ -24,13 +24,15 @@ import socket
 from collections.abc import Callable, Sequence
 from concurrent.futures import Executor, as_completed
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Union
+from typing import TYPE_CHECKING, Any, Optional, Union
 
 from . import _slipgrid
-from ._records import Record
+from ._records import Progress, Record
+from .types import DesignRecord, SimulationRecord
 
 if TYPE_CHECKING:
     import pandas as _pandas
+    from dask.distributed import Client
 
 __all__ = ["Campaign", "Results", "Task", "plan", "run"]
 
@@ -41,16 +43,33 @@ _LARGEST_PART = 64
 
 
 class Task(Record):
-    """A task: ``id``, a hash of all that matters to the result, and ``values``, what its keys are."""
+    """A task: ``id``, a hash of everything that the result depends on, and ``values`` of the keys that vary."""
+
+    id: str
 
     @property
     def values(self) -> Record:  # type: ignore[override]
-        """What the keys of the task are, by their names; in place of the method of mappings."""
+        """Values of the keys that vary, by key; replaces the method of mappings."""
         return Record(self["values"])
 
 
+class TaskResult(Record):
+    """Result of a task."""
+
+    #: "done", "refused" or "failed".
+    outcome: str
+    #: Why there is no record; ``None`` where there is one.
+    reason: Optional[str]
+
+    @property
+    def record(self) -> Union[SimulationRecord, DesignRecord]:
+        """The record of a scene or of a design, with the fields of result.json."""
+        record = self["record"]
+        return SimulationRecord(record) if "results" in record else DesignRecord(record)
+
+
 class Campaign:
-    """Tasks that stand alone, with all that they read."""
+    """Independent tasks, with all files that they read."""
 
     def __init__(self, campaign: _slipgrid.Campaign) -> None:
         self._campaign = campaign
@@ -63,7 +82,7 @@ class Campaign:
 
     @property
     def tasks(self) -> list[Task]:
-        """The tasks: ``id``, a hash of all that matters to the result, and ``values``, what its keys are."""
+        """The tasks, in the order of the campaign file."""
         return [Task(json.loads(task)) for task in self._tasks]
 
     def __len__(self) -> int:
@@ -74,23 +93,22 @@ class Campaign:
 
 
 class Results:
-    """What came of the tasks of a campaign, in their order."""
+    """Results of the tasks of a campaign, in their order."""
 
     def __init__(self, campaign: _slipgrid.Campaign, results: Sequence[str]) -> None:
         self._results = list(results)
         #: The table as CSV, as ``slipgrid campaign merge`` writes it.
         self.csv: str
-        #: How many tasks ended how, in words.
+        #: Numbers of tasks by outcome, in words.
         self.counts: str
         self.csv, self.counts = campaign.table(self._results)
 
     def __len__(self) -> int:
         return len(self._results)
 
-    def __getitem__(self, place: int) -> Record:
-        """What came of one task: its ``outcome`` ("done", "refused" or "failed"), the ``reason``, and the ``record``, whose fields
-        are those of result.json."""
-        return Record(json.loads(self._results[place]))
+    def __getitem__(self, place: int) -> TaskResult:
+        """Result of one task."""
+        return TaskResult(json.loads(self._results[place]))
 
     def frame(self) -> _pandas.DataFrame:
         """The table."""
@@ -102,18 +120,31 @@ class Results:
         return f"<Results of {self.counts}>"
 
 
-def plan(path: Union[str, Path], progress: Callable[[str, float], object] | None = None) -> Campaign:
-    """The campaign of the file at ``path``. Every task is read as its command would; what is refused raises now."""
+def plan(path: Union[str, Path], progress: Progress | None = None) -> Campaign:
+    """Reads a campaign file and all its tasks.
+
+    Parameters
+    ----------
+    path
+        The campaign file.
+    progress
+        Called with the stage and the share that is done.
+
+    Raises
+    ------
+    slipgrid.errors.InputError
+        If the file or a task is refused.
+    """
     return Campaign(_slipgrid.Campaign.plan(Path(path), progress))
 
 
 def _process() -> str:
-    """What tells this process from others on the same and on other machines."""
+    """Identifies this process among those of all machines."""
     return f"{socket.gethostname()} {os.getpid()}"
 
 
 def _work(shared: tuple[str, dict[str, bytes]], tasks: Sequence[str], threads: int | None, sender: str) -> list[str]:
-    """Does tasks where they were sent."""
+    """Works on tasks in the process that received them."""
     if _process() != sender:
         _slipgrid.set_threads(threads)
     return _slipgrid.Campaign.of(*shared, tasks).work()
@@ -121,29 +152,43 @@ def _work(shared: tuple[str, dict[str, bytes]], tasks: Sequence[str], threads: i
 
 def run(
     tasks: Campaign,
-    client: Any,
+    client: Union[Executor, Client],
     *,
     threads: int | None = 1,
-    progress: Callable[[str, float], object] | None = None,
+    progress: Progress | None = None,
 ) -> Results:
-    """Does all tasks and waits for them.
+    """Works on all tasks and waits for them.
 
-    ``client`` is an ``Executor`` or a Dask client. ``threads`` are those of each of its processes, 1 as there are several; a thread
-    of this process uses the threads of this process.
+    Parameters
+    ----------
+    tasks
+        The campaign.
+    client
+        Executor, or client of a Dask cluster.
+    threads
+        Threads of each process of the client; a thread of this process uses the threads of this process.
+    progress
+        Called with the stage and the share that is done.
+
+    Raises
+    ------
+    TypeError
+        If the client can run nothing.
     """
     shared, own = tasks._campaign.parts(), tasks._tasks
-    is_dask = hasattr(client, "scatter")
-    if not is_dask and not isinstance(client, Executor):
+    cluster: Any = client if hasattr(client, "scatter") else None
+    if cluster is None and not isinstance(client, Executor):
         raise TypeError(f"{client!r} runs nothing: expected a concurrent.futures.Executor or a dask.distributed.Client")
-    workers = len(client.scheduler_info()["workers"]) if is_dask else getattr(client, "_max_workers", None) or 1
+    workers = getattr(client, "_max_workers", None) or 1 if cluster is None else len(cluster.scheduler_info()["workers"])
     size = max(1, min(_LARGEST_PART, len(own) // (workers * _PARTS_EACH)))
     parts = [own[first : first + size] for first in range(0, len(own), size)]
-    if is_dask:
+    completed: Callable[..., Any]
+    if cluster is not None:
         from dask import distributed
 
-        completed: Callable[..., Any] = distributed.as_completed
-        given = client.scatter(shared, broadcast=True, hash=False)
-        futures = [client.submit(_work, given, part, threads, _process(), pure=False) for part in parts]
+        completed = distributed.as_completed
+        given = cluster.scatter(shared, broadcast=True, hash=False)
+        futures = [cluster.submit(_work, given, part, threads, _process(), pure=False) for part in parts]
     else:
         completed = as_completed
         futures = [client.submit(_work, shared, part, threads, _process()) for part in parts]

@@ -1,4 +1,4 @@
-"""What slipgrid raises, and what it warns of."""
+"""Exceptions and warnings of slipgrid."""
 
 from __future__ import annotations
 
@@ -7,9 +7,12 @@ from typing import Any
 
 
 class InputError(ValueError):
-    """Input that was refused: which file, line and key, what stood there, and what would be accepted.
+    """Input that was refused. The message is the line that the command line prints.
 
-    Its text is the line that the command line prints; the parts stand in the attributes, ``None`` where there is no such part.
+    Attributes
+    ----------
+    file, line, key, value, expected
+        File, line and key of the input, the refused value, and accepted values; ``None`` where there is none.
     """
 
     def __init__(
@@ -31,7 +34,7 @@ class InputError(ValueError):
 
 
 class MissingFileError(FileNotFoundError, InputError):
-    """A file that is not there: :class:`InputError` with its path in ``file``, and Python's own ``FileNotFoundError``."""
+    """A file that does not exist: an :class:`InputError` with the path in ``file``, and a ``FileNotFoundError``."""
 
     def __init__(self, message: str, *, file: str | None = None, **named: Any) -> None:
         InputError.__init__(self, message, file=file, **named)
@@ -43,19 +46,18 @@ class MissingFileError(FileNotFoundError, InputError):
 
 
 class TooLargeError(MemoryError, InputError):
-    """An array that is larger than what is accepted, or than memory: :class:`InputError`, and Python's own ``MemoryError``. It was
-    not copied."""
+    """An array that exceeds a limit or the memory, and was not copied: an :class:`InputError`, and a ``MemoryError``."""
 
     def __init__(self, message: str, **named: Any) -> None:
         InputError.__init__(self, message, **named)
 
 
 class SlipgridWarning(UserWarning):
-    """What is doubtful in the input or in a result: the command line says it as ``warning:`` or marks it with ``!``."""
+    """Doubtful input or a doubtful result, which the command line marks with ``warning:`` or ``!``."""
 
 
 class CostWarning(SlipgridWarning):
-    """A computation that takes more than half a minute or a gigabyte, told before it begins."""
+    """A computation that takes more than half a minute or a gigabyte; given before it begins."""
 
 
 class ComputationError(RuntimeError):

@@ -4,9 +4,6 @@ use std::ffi::CString;
 
 use pyo3::prelude::*;
 
-/// Stack level of the caller: the called method of `slipgrid`, and its caller.
-const CALLER: i32 = 2;
-
 /// Category of a warning.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Category {
@@ -33,13 +30,34 @@ pub fn warn(py: Python<'_>, category: Category, text: &str) -> PyResult<()> {
     let class = py.import("slipgrid.errors")?.getattr(category.class())?;
     // Zero bytes, the only cause of an error, were replaced.
     let text = CString::new(text.replace('\0', " ")).unwrap_or_default();
-    PyErr::warn(py, &class, &text, CALLER)
+    PyErr::warn(py, &class, &text, caller_level(py)?)
+}
+
+/// Stack level of the first caller outside the package, to which a warning belongs.
+fn caller_level(py: Python<'_>) -> PyResult<i32> {
+    let frame = py.import("sys")?.getattr("_getframe")?;
+    let mut level = 0;
+    while let Ok(frame) = frame.call1((level,)) {
+        let module: String = frame.getattr("f_globals")?.get_item("__name__")?.extract()?;
+        if module != "slipgrid" && !module.starts_with("slipgrid.") {
+            break;
+        }
+        level += 1;
+    }
+    // A warning counts the calling frame as 1.
+    Ok(level + 1)
+}
+
+/// Gives a warning for each of `doubts`, sentences about input or results.
+#[pyfunction]
+pub fn give_warnings(py: Python<'_>, doubts: Vec<String>) -> PyResult<()> {
+    warn_all(py, &doubts)
 }
 
 /// Gives a warning for each of `doubts`.
 ///
 /// # Errors
 /// Same as [`warn`].
-pub fn warn_of(py: Python<'_>, doubts: &[String]) -> PyResult<()> {
+pub fn warn_all(py: Python<'_>, doubts: &[String]) -> PyResult<()> {
     doubts.iter().try_for_each(|doubt| warn(py, Category::Doubt, doubt))
 }

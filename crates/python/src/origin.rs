@@ -94,7 +94,7 @@ impl Anchored {
     }
 
     /// Makes a `path` relative to the current folder absolute; keeps it if the current folder is still the fixed folder.
-    pub fn seen_from_there(&self, path: PathBuf) -> PathBuf {
+    pub fn to_absolute(&self, path: PathBuf) -> PathBuf {
         let here = Self::here();
         if here.folder == self.folder { path } else { here.place(&path) }
     }
@@ -137,11 +137,17 @@ pub struct Origin {
 }
 
 impl Origin {
-    /// Makes the origin of a text at `path`. Files named in the text are read from the disk, or, for a copy, from `given` only.
-    pub fn new(text: String, path: PathBuf, is_file: bool, given: Option<Contents>) -> Self {
+    /// Makes the origin of a text at `path`. Files named in the text are `objects`, or are read from the disk; for a copy they are
+    /// those of `given` only.
+    pub fn new(text: String, path: PathBuf, is_file: bool, given: Option<Contents>, objects: Option<Contents>) -> Self {
         let disk = Anchored::here();
         let beyond = if given.is_none() { disk.source() } else { Arc::new(NoFiles) };
-        let known = given.into_iter().flatten().map(|(path, bytes)| (path.into(), Some(bytes.into()))).collect();
+        let known = [given, objects]
+            .into_iter()
+            .flatten()
+            .flatten()
+            .map(|(path, bytes)| (path.into(), Some(bytes.into())))
+            .collect();
         Self { text, path, is_file, disk, files: Arc::new(Remembered { known: Mutex::new(known), beyond }) }
     }
 
@@ -151,7 +157,7 @@ impl Origin {
     /// [`Diagnostic`] if the file cannot be read, is not text, or seems to be another kind of file.
     pub fn read(path: PathBuf, kind: FileKind) -> Result<Self, Diagnostic> {
         let text = Document::read(&disk(), &path, kind)?.text().to_owned();
-        Ok(Self::new(text, path, true, None))
+        Ok(Self::new(text, path, true, None, None))
     }
 
     /// Source of the files named in the text.

@@ -1,23 +1,56 @@
 //! Work in the pool, while the calling thread reports progress and checks for Ctrl-C.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
-use slipgrid::monitor::{InMemory, Memory, Monitor};
+use slipgrid::disk::KeptResults;
+use slipgrid::monitor::{InMemory, Key, Memory, Monitor};
 
 use crate::threads::{Busy, pool};
-use crate::told::{Category, warn};
+use crate::warnings::{Category, warn};
 
 /// Interval of checks for signals and of progress reports.
 const TICK: Duration = Duration::from_millis(50);
 
-/// Cache of fitted materials, runs of flat samples and nodes of explorers. Cached results are identical to the last bit, and a
-/// series of targets needs a single calibration. A calibration and a design take about a megabyte.
+/// Cache of fitted materials, runs of flat samples and nodes of tables within the process. A calibration and a design take about a
+/// megabyte.
 static MEMORY: InMemory = InMemory::new(256 << 20);
+/// Cache that calls use from now on.
+static CACHE: Mutex<Option<Cache>> = Mutex::new(None);
+
+/// Cache within the process, before a cache in a folder that outlives it. Cached results are identical to the last bit.
+#[derive(Clone, Debug)]
+struct Cache {
+    folder: Option<Arc<KeptResults>>,
+}
+
+impl Memory for Cache {
+    fn recall(&self, key: &Key) -> Option<Vec<u8>> {
+        MEMORY.recall(key).or_else(|| {
+            let value = self.folder.as_ref()?.recall(key)?;
+            MEMORY.keep(key, &value);
+            Some(value)
+        })
+    }
+
+    fn keep(&self, key: &Key, value: &[u8]) {
+        MEMORY.keep(key, value);
+        self.folder.iter().for_each(|folder| folder.keep(key, value));
+    }
+}
+
+/// Keeps results of the library in the file `library` from now on: in the process, and in `folder` or where the environment says;
+/// not at all unless `is_on`.
+#[pyfunction]
+pub fn set_cache(library: PathBuf, is_on: bool, folder: Option<PathBuf>) {
+    let folder = || KeptResults::for_program(&library, folder).map(Arc::new);
+    *CACHE.lock().unwrap_or_else(PoisonError::into_inner) = is_on.then(|| Cache { folder: folder() });
+}
 
 /// Progress of the work.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -34,12 +67,14 @@ pub struct Watch {
     cancelled: AtomicBool,
     standing: Mutex<Standing>,
     changed: Condvar,
+    cache: Option<Cache>,
 }
 
 impl Watch {
     fn new() -> Self {
         let (standing, changed) = (Mutex::default(), Condvar::new());
-        Self { started: Instant::now(), cancelled: AtomicBool::new(false), standing, changed }
+        let cache = CACHE.lock().unwrap_or_else(PoisonError::into_inner).clone();
+        Self { started: Instant::now(), cancelled: AtomicBool::new(false), standing, changed, cache }
     }
 
     fn standing(&self) -> MutexGuard<'_, Standing> {
@@ -85,7 +120,7 @@ impl Monitor for Watch {
     }
 
     fn memory(&self) -> Option<&dyn Memory> {
-        Some(&MEMORY)
+        self.cache.as_ref().map(|cache| cache as &dyn Memory)
     }
 }
 
@@ -115,7 +150,7 @@ pub fn watched<T: Send>(
             let _end = End(&watch);
             found = Some(catch_unwind(AssertUnwindSafe(|| work(&watch))));
         });
-        heed(py, progress, &watch)
+        wait_and_report(py, progress, &watch)
     });
     match (raised, found) {
         (Err(error), _) => Err(error),
@@ -125,13 +160,13 @@ pub fn watched<T: Send>(
 }
 
 /// Waits for the end of the work and reports to `progress`; an exception cancels the work.
-fn heed(py: Python<'_>, progress: Option<&Bound<'_, PyAny>>, watch: &Watch) -> PyResult<()> {
+fn wait_and_report(py: Python<'_>, progress: Option<&Bound<'_, PyAny>>, watch: &Watch) -> PyResult<()> {
     let mut raised = Ok(());
     let mut told = Standing::default();
     loop {
         let standing = py.detach(|| watch.wait());
         if raised.is_ok() {
-            raised = tell(py, progress, &standing, &told);
+            raised = report(py, progress, &standing, &told);
             watch.cancelled.fetch_or(raised.is_err(), Ordering::Relaxed);
         }
         if standing.ended {
@@ -142,7 +177,7 @@ fn heed(py: Python<'_>, progress: Option<&Bound<'_, PyAny>>, watch: &Watch) -> P
 }
 
 /// Checks for signals, gives warnings, and calls `progress` if `standing` differs from the last report `told`.
-fn tell(py: Python<'_>, progress: Option<&Bound<'_, PyAny>>, standing: &Standing, told: &Standing) -> PyResult<()> {
+fn report(py: Python<'_>, progress: Option<&Bound<'_, PyAny>>, standing: &Standing, told: &Standing) -> PyResult<()> {
     py.check_signals()?;
     standing.warnings.iter().try_for_each(|(category, text)| warn(py, *category, text))?;
     let has_moved = (&standing.stage, standing.done, standing.ended) != (&told.stage, told.done, told.ended);

@@ -6,12 +6,12 @@ use std::path::{Path, PathBuf};
 use pyo3::prelude::*;
 use slipgrid::disk::{Place, PlaceError};
 
-use crate::refused;
+use crate::errors;
 
 /// Converts a refused path to `InputError`, and a system error to `OSError`.
 fn misplaced(py: Python<'_>, error: &PlaceError) -> PyErr {
     match error {
-        PlaceError::Refused(refused) => refused::input(py, refused),
+        PlaceError::Refused(refused) => errors::input(py, refused),
         PlaceError::Unwritable(error) => io::Error::new(error.source.kind(), error.to_string()).into(),
     }
 }
