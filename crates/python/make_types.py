@@ -75,7 +75,7 @@ class Types:
             if key in (TIMINGS if self.is_record else IGNORED):
                 continue
             kind = self.kind(own, key, inside)
-            is_open = any(not item or item.get("type") == "null" for item in own.get("anyOf", []))
+            is_open = any(not item or "null" in item.get("type", ()) for item in own.get("anyOf", [own]))
             # A list that is left out is empty.
             if self.is_record and (is_open or key not in required) and not kind.startswith("list["):
                 kind = f"Optional[{kind}]"
@@ -83,7 +83,7 @@ class Types:
                 kind = f"Required[{kind}]"
             fields.append(f"    {key}: {kind}")
         bases = "Record" if self.is_record else "TypedDict, total=False"
-        meaning = schema["description"].replace("`", "``") or f"Tables of a {owner.lower()} file."
+        meaning = schema.get("description", "").replace("`", "``") or f"Tables of a {owner.lower()} file."
         meaning += "" if meaning.endswith(".") else "."
         self.text.append("\n".join([f"class {name}({base or bases}):", f'    """{meaning}"""', "", *fields]))
         return name
@@ -100,7 +100,8 @@ class Types:
         return kinds[0] if len(kinds) == 1 else f"Union[{', '.join(kinds)}]"
 
     def one(self, schema: dict[str, Any], key: str, owner: str) -> str:
-        match schema.get("type"):
+        kinds = schema.get("type")
+        match next(kind for kind in kinds if kind != "null") if isinstance(kinds, list) else kinds:
             case "number":
                 return "float"
             case "integer":

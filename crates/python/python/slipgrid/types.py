@@ -19,8 +19,191 @@ if TYPE_CHECKING:
 class ConditionTable(TypedDict, total=False):
     """Selects coefficients of a material that has them per condition."""
 
-    humidity_pct: Required[float]
     speed_mm_s: Required[float]
+    humidity_pct: Required[float]
+
+
+class ConditionsTable(TypedDict, total=False):
+    """Coefficients at one speed and humidity."""
+
+    speed_mm_s: Required[float]
+    humidity_pct: Required[float]
+    pressure_mpa: Required[ArrayLike]
+    static_mean: Required[ArrayLike]
+    dynamic_mean: Required[ArrayLike]
+    static_std_error: ArrayLike
+    dynamic_std_error: ArrayLike
+    dynamic_std_error_given_law: ArrayLike
+    dynamic_over_steady: ArrayLike
+    residual: ArrayLike
+
+
+class FrictionTable(TypedDict, total=False):
+    """Local friction coefficients."""
+
+    pressure_mpa: ArrayLike
+    static_mean: ArrayLike
+    dynamic_mean: ArrayLike
+    relative_std: float
+    static_std_error: ArrayLike
+    dynamic_std_error: ArrayLike
+    dynamic_std_error_given_law: ArrayLike
+    dynamic_over_steady: ArrayLike
+    residual: ArrayLike
+    scale_covariance: ArrayLike
+    conditions: Sequence[ConditionsTable]
+
+
+class AreaLawTable(TypedDict, total=False):
+    """Area law; absent for Amontons-Coulomb."""
+
+    origin: str
+    rms_slope: float
+    sa_um: float
+    pixel_um: float
+    pixel_y_um: float
+    poisson_ratio: float
+    pressure_mpa: Required[ArrayLike]
+    factor: Required[ArrayLike]
+    factor_std: ArrayLike
+    area_fraction: ArrayLike
+
+
+class FlatFrictionTable(TypedDict, total=False):
+    """Dynamic friction of flat samples at one speed and humidity."""
+
+    speed_mm_s: Required[float]
+    humidity_pct: Required[float]
+    pressure_mpa: Required[ArrayLike]
+    mu_dynamic: Required[ArrayLike]
+
+
+class PriorTable(TypedDict, total=False):
+    """Prior, before any trial."""
+
+    amplitude_std: float
+    pressure_std: float
+    inverse_pressure_std: float
+    speed_std: float
+    humidity_std: float
+    sample_std: float
+    least_measured_std: float
+
+
+class TrialTable(TypedDict, total=False):
+    """Tables of a learned file."""
+
+    name: Required[str]
+    areal_density: Required[float]
+    edge_per_mm: Required[float]
+    width_um: Required[float]
+    pitch_um: Required[float]
+    depth_um: Required[float]
+    sample_std: float
+    width_std_um: float
+    spacing_std_um: float
+    depth_std_um: float
+    disc: str
+    pressure_mpa: Required[ArrayLike]
+    speed_mm_s: Required[ArrayLike]
+    humidity_pct: Required[ArrayLike]
+    measured_ratio: Required[ArrayLike]
+    modelled_ratio: Required[ArrayLike]
+    patterned_std: Required[ArrayLike]
+    flat_std: Required[ArrayLike]
+    modulus_sensitivity: Required[ArrayLike]
+    local_law_change: ArrayLike
+    of_dimensions: ArrayLike
+    texture_of_dimensions: ArrayLike
+
+
+class LearnedTable(TypedDict, total=False):
+    """Discrepancy learned from trials, for any texture."""
+
+    reference_pressure_mpa: Required[float]
+    lowest_pressure_mpa: Required[float]
+    reference_speed_mm_s: Required[float]
+    modulus_relative_std: Required[float]
+    prior: Required[PriorTable]
+    trial: Sequence[TrialTable]
+
+
+class MadeFromTable(TypedDict, total=False):
+    """The calibration from which the file was made."""
+
+    calibration: Required[str]
+    tables: Sequence[str]
+    fingerprint: Required[str]
+
+
+class MaterialTable(TypedDict, total=False):
+    """The table."""
+
+    name: str
+    source: str
+    schema: int
+    slipgrid_version: str
+    synthetic_surface: bool
+    notes: Sequence[str]
+    warnings: Sequence[str]
+    youngs_modulus_gpa: Required[float]
+    youngs_modulus_std_gpa: float
+    density_g_cm3: Required[float]
+    yield_pressure_mpa: float
+    friction: Required[FrictionTable]
+    area_law: Union[AreaLawTable, AreaLaw]
+    flat_friction: Sequence[FlatFrictionTable]
+    learned: LearnedTable
+    made_from: MadeFromTable
+
+
+class PatternTable(TypedDict, total=False):
+    """Texture; absent for a flat surface."""
+
+    width_um: Required[float]
+    spacing_um: Required[float]
+    depth_um: Required[float]
+    width_std_um: float
+    spacing_std_um: float
+    depth_std_um: float
+    relief: FileLike
+    outline: FileLike
+    outline_layer: str
+    planform: Literal["groove", "square", "rectangle", "disc", "polygon", "crosshatch"]
+    length_um: float
+    vertices_um: ArrayLike
+    spacing_across_um: float
+    arrangement: Literal["square", "staggered", "hexagonal"]
+    angle_deg: float
+    crossing_angle_deg: float
+    sliding_angle_deg: float
+    rim_height_um: float
+    rim_heights_um: ArrayLike
+    rim_width_um: float
+    rim_profile: Literal["round", "flat", "ramp"]
+    rim_height_std_um: float
+
+
+class SpecimenTable(TypedDict, total=False):
+    """Specimen on which the pattern is laid; absent where a sample is one strip of ``sample.length_um``."""
+
+    shape: Required[Literal["disc", "rectangle", "ring"]]
+    diameter_mm: float
+    length_mm: float
+    width_mm: float
+    outer_diameter_mm: float
+    inner_diameter_mm: float
+    cavities: Literal["whole", "clipped"]
+
+
+class SampleTable(TypedDict, total=False):
+    """The modelled layer."""
+
+    length_um: float
+    layer_um: float
+    thickness_mm: float
+    holder: Literal["rigid", "self-aligning"]
+    block_um: float
 
 
 class LoadTable(TypedDict, total=False):
@@ -30,380 +213,229 @@ class LoadTable(TypedDict, total=False):
     speed_mm_s: float
 
 
-class AreaLawTable(TypedDict, total=False):
-    """Area law; absent for Amontons-Coulomb."""
-
-    area_fraction: ArrayLike
-    factor: Required[ArrayLike]
-    factor_std: ArrayLike
-    origin: str
-    pixel_um: float
-    pixel_y_um: float
-    poisson_ratio: float
-    pressure_mpa: Required[ArrayLike]
-    rms_slope: float
-    sa_um: float
-
-
-class FlatFrictionTable(TypedDict, total=False):
-    """Dynamic friction of flat samples at one speed and humidity."""
-
-    humidity_pct: Required[float]
-    mu_dynamic: Required[ArrayLike]
-    pressure_mpa: Required[ArrayLike]
-    speed_mm_s: Required[float]
-
-
-class ConditionsTable(TypedDict, total=False):
-    """Coefficients at one speed and humidity."""
-
-    dynamic_mean: Required[ArrayLike]
-    dynamic_over_steady: ArrayLike
-    dynamic_std_error: ArrayLike
-    dynamic_std_error_given_law: ArrayLike
-    humidity_pct: Required[float]
-    pressure_mpa: Required[ArrayLike]
-    residual: ArrayLike
-    speed_mm_s: Required[float]
-    static_mean: Required[ArrayLike]
-    static_std_error: ArrayLike
-
-
-class FrictionTable(TypedDict, total=False):
-    """Local friction coefficients."""
-
-    conditions: Sequence[ConditionsTable]
-    dynamic_mean: ArrayLike
-    dynamic_over_steady: ArrayLike
-    dynamic_std_error: ArrayLike
-    dynamic_std_error_given_law: ArrayLike
-    pressure_mpa: ArrayLike
-    relative_std: float
-    residual: ArrayLike
-    scale_covariance: ArrayLike
-    static_mean: ArrayLike
-    static_std_error: ArrayLike
-
-
-class PriorTable(TypedDict, total=False):
-    """Prior, before any trial."""
-
-    amplitude_std: float
-    humidity_std: float
-    inverse_pressure_std: float
-    least_measured_std: float
-    pressure_std: float
-    sample_std: float
-    speed_std: float
-
-
-class TrialTable(TypedDict, total=False):
-    """Tables of a learned file."""
-
-    areal_density: Required[float]
-    depth_std_um: float
-    depth_um: Required[float]
-    disc: str
-    edge_per_mm: Required[float]
-    flat_std: Required[ArrayLike]
-    humidity_pct: Required[ArrayLike]
-    local_law_change: ArrayLike
-    measured_ratio: Required[ArrayLike]
-    modelled_ratio: Required[ArrayLike]
-    modulus_sensitivity: Required[ArrayLike]
-    name: Required[str]
-    of_dimensions: ArrayLike
-    patterned_std: Required[ArrayLike]
-    pitch_um: Required[float]
-    pressure_mpa: Required[ArrayLike]
-    sample_std: float
-    spacing_std_um: float
-    speed_mm_s: Required[ArrayLike]
-    texture_of_dimensions: ArrayLike
-    width_std_um: float
-    width_um: Required[float]
-
-
-class LearnedTable(TypedDict, total=False):
-    """Discrepancy learned from trials, for any texture."""
-
-    lowest_pressure_mpa: Required[float]
-    modulus_relative_std: Required[float]
-    prior: Required[PriorTable]
-    reference_pressure_mpa: Required[float]
-    reference_speed_mm_s: Required[float]
-    trial: Sequence[TrialTable]
-
-
-class MadeFromTable(TypedDict, total=False):
-    """The calibration from which the file was made."""
-
-    calibration: Required[str]
-    fingerprint: Required[str]
-    tables: Sequence[str]
-
-
-class MaterialTable(TypedDict, total=False):
-    """A material in the form of its file."""
-
-    area_law: Union[AreaLawTable, AreaLaw]
-    density_g_cm3: Required[float]
-    flat_friction: Sequence[FlatFrictionTable]
-    friction: Required[FrictionTable]
-    learned: LearnedTable
-    made_from: MadeFromTable
-    name: str
-    notes: Sequence[str]
-    schema: int
-    slipgrid_version: str
-    source: str
-    synthetic_surface: bool
-    warnings: Sequence[str]
-    yield_pressure_mpa: float
-    youngs_modulus_gpa: Required[float]
-    youngs_modulus_std_gpa: float
-
-
-class PatternTable(TypedDict, total=False):
-    """Texture; absent for a flat surface."""
-
-    angle_deg: float
-    arrangement: Literal["square", "staggered", "hexagonal"]
-    crossing_angle_deg: float
-    depth_std_um: float
-    depth_um: Required[float]
-    length_um: float
-    outline: FileLike
-    outline_layer: str
-    planform: Literal["groove", "square", "rectangle", "disc", "polygon", "crosshatch"]
-    relief: FileLike
-    rim_height_std_um: float
-    rim_height_um: float
-    rim_heights_um: ArrayLike
-    rim_profile: Literal["round", "flat", "ramp"]
-    rim_width_um: float
-    sliding_angle_deg: float
-    spacing_across_um: float
-    spacing_std_um: float
-    spacing_um: Required[float]
-    vertices_um: ArrayLike
-    width_std_um: float
-    width_um: Required[float]
-
-
 class RunTable(TypedDict, total=False):
     """Solver options."""
 
-    damping: float
-    dimensions: int
-    draws: int
-    extent: Literal["cell", "sample", "strip"]
     fidelity: Literal["steady", "dynamic", "reference"]
-    liftoff: bool
-    mu_stderr: float
-    refine: bool
+    extent: Literal["cell", "sample", "strip"]
     seed: int
     sliding_um: float
-    springs: Literal["linear", "exact"]
+    liftoff: bool
+    mu_stderr: float
     step_ns: float
+    damping: float
     warm_start: bool
-
-
-class SampleTable(TypedDict, total=False):
-    """The modelled layer."""
-
-    block_um: float
-    holder: Literal["rigid", "self-aligning"]
-    layer_um: float
-    length_um: float
-    thickness_mm: float
-
-
-class SpecimenTable(TypedDict, total=False):
-    """Specimen on which the pattern is laid; absent where a sample is one strip of ``sample.length_um``."""
-
-    cavities: Literal["whole", "clipped"]
-    diameter_mm: float
-    inner_diameter_mm: float
-    length_mm: float
-    outer_diameter_mm: float
-    shape: Required[Literal["disc", "rectangle", "ring"]]
-    width_mm: float
+    springs: Literal["linear", "exact"]
+    dimensions: int
+    draws: int
+    refine: bool
 
 
 class SceneTables(TypedDict, total=False):
     """A scene in the form of its file."""
 
-    condition: ConditionTable
-    load: Required[LoadTable]
-    material: Required[Union[FileLike, MaterialTable, Material, Calibration]]
     name: str
-    pattern: PatternTable
-    run: RunTable
-    sample: SampleTable
     schema: int
+    condition: ConditionTable
+    material: Required[Union[FileLike, MaterialTable, Material, Calibration]]
+    pattern: PatternTable
     specimen: SpecimenTable
+    sample: SampleTable
+    load: Required[LoadTable]
+    run: RunTable
 
 
-class AlsoAtTable(TypedDict, total=False):
-    """A condition or a range of conditions in the form of a design file."""
+class DesignConditionTable(TypedDict, total=False):
+    """Speed and humidity that select coefficients of a material with coefficients per condition."""
 
-    humidity_pct: Required[ArrayLike]
     speed_mm_s: Required[ArrayLike]
-
-
-class BoundsTable(TypedDict, total=False):
-    """Ranges of the dimensions that are searched."""
-
-    depth_um: Required[ArrayLike]
-    spacing_um: Required[ArrayLike]
-    width_um: Required[ArrayLike]
-
-
-class AblationTable(TypedDict, total=False):
-    """Measured depths per burst, to which d = delta ln(F / F_th) is fitted, in place of ``limits.depth_per_burst_um``."""
-
-    depth_per_burst_um: Required[ArrayLike]
-    depth_std_um: ArrayLike
-    fluence_j_cm2: Required[ArrayLike]
-
-
-class LaserTable(TypedDict, total=False):
-    """The laser, for the process sheet and the laser's input files."""
-
-    ablation: AblationTable
-    exposure: Literal["hatch", "mask"]
-    fluence_j_cm2: float
-    hatch_um: float
-    power_density_gw_cm2: float
-    pulse_ns: float
-    repetition_hz: float
-    speed_mm_s: float
-    spot_um: float
-    wall_taper_deg: float
-    wavelength_nm: float
-
-
-class LimitsTable(TypedDict, total=False):
-    """Limits set by the laser and the surface."""
-
-    depth_per_burst_um: float
-    lift_off: Literal["refuse", "allow"]
-    max_areal_density: float
-    max_laser_time_s: float
-    max_peak_pressure_mpa: float
-    min_bearing_area: float
-    min_clearance_um: float
-    min_land_um: float
-
-
-class DesignPatternTable(TypedDict, total=False):
-    """Fixed properties of the texture, which are not searched; grooves across the sliding direction when absent."""
-
-    angle_deg: float
-    arrangement: Literal["square", "staggered", "hexagonal"]
-    crossing_angle_deg: float
-    length_um: float
-    outline: FileLike
-    outline_layer: str
-    planform: Literal["groove", "square", "rectangle", "disc", "polygon", "crosshatch"]
-    rim_height_std_um: float
-    rim_height_um: float
-    rim_heights_um: ArrayLike
-    rim_profile: Literal["round", "flat", "ramp"]
-    rim_width_um: float
-    sliding_angle_deg: ArrayLike
-    spacing_across_um: float
-    vertices_um: ArrayLike
-
-
-class DesignSampleTable(TypedDict, total=False):
-    """The modelled layer."""
-
-    block_um: float
-    holder: Literal["rigid", "self-aligning"]
-    layer_um: float
-    length_um: float
-    thickness_mm: float
-
-
-class SearchTable(TypedDict, total=False):
-    """Solver options and time limit."""
-
-    dimensions: int
-    from_rest: bool
-    max_seconds: float
-    seed: int
-    strip: bool
-    table: bool
+    humidity_pct: Required[ArrayLike]
 
 
 class TargetTable(TypedDict, total=False):
     """Friction target."""
 
-    goal: Literal["lowest", "highest", "even"]
-    highest: ArrayLike
-    lowest: ArrayLike
-    pressure_mpa: Required[ArrayLike]
     quantity: Required[Literal["ratio", "mu_dynamic"]]
-    tolerance: ArrayLike
+    pressure_mpa: Required[ArrayLike]
     value: ArrayLike
+    tolerance: ArrayLike
+    lowest: ArrayLike
+    highest: ArrayLike
+    goal: Literal["lowest", "highest", "even"]
     weights: ArrayLike
+
+
+class BoundsTable(TypedDict, total=False):
+    """Ranges of the dimensions that are searched."""
+
+    width_um: Required[ArrayLike]
+    spacing_um: Required[ArrayLike]
+    depth_um: Required[ArrayLike]
+
+
+class DesignPatternTable(TypedDict, total=False):
+    """Fixed properties of the texture, which are not searched; grooves across the sliding direction when absent."""
+
+    outline: FileLike
+    outline_layer: str
+    planform: Literal["groove", "square", "rectangle", "disc", "polygon", "crosshatch"]
+    length_um: float
+    vertices_um: ArrayLike
+    spacing_across_um: float
+    arrangement: Literal["square", "staggered", "hexagonal"]
+    angle_deg: float
+    crossing_angle_deg: float
+    sliding_angle_deg: ArrayLike
+    rim_height_um: float
+    rim_heights_um: ArrayLike
+    rim_width_um: float
+    rim_profile: Literal["round", "flat", "ramp"]
+    rim_height_std_um: float
+
+
+class LimitsTable(TypedDict, total=False):
+    """Limits set by the laser and the surface."""
+
+    min_land_um: float
+    depth_per_burst_um: float
+    max_peak_pressure_mpa: float
+    min_bearing_area: float
+    max_areal_density: float
+    max_laser_time_s: float
+    min_clearance_um: float
+    lift_off: Literal["refuse", "allow"]
+
+
+class AblationTable(TypedDict, total=False):
+    """Measured depths per burst, to which d = delta ln(F / F_th) is fitted, in place of ``limits.depth_per_burst_um``."""
+
+    fluence_j_cm2: Required[ArrayLike]
+    depth_per_burst_um: Required[ArrayLike]
+    depth_std_um: ArrayLike
+
+
+class LaserTable(TypedDict, total=False):
+    """The laser, for the process sheet and the laser's input files."""
+
+    wavelength_nm: float
+    spot_um: float
+    pulse_ns: float
+    power_density_gw_cm2: float
+    repetition_hz: float
+    speed_mm_s: float
+    hatch_um: float
+    wall_taper_deg: float
+    exposure: Literal["hatch", "mask"]
+    fluence_j_cm2: float
+    ablation: AblationTable
+
+
+class DesignSampleTable(TypedDict, total=False):
+    """The modelled layer."""
+
+    length_um: float
+    layer_um: float
+    thickness_mm: float
+    holder: Literal["rigid", "self-aligning"]
+    block_um: float
+
+
+class SearchTable(TypedDict, total=False):
+    """Solver options and time limit."""
+
+    seed: int
+    max_seconds: float
+    table: bool
+    from_rest: bool
+    strip: bool
+    dimensions: int
 
 
 class TolerancesTable(TypedDict, total=False):
     """Scatter of the mean dimensions from sample to sample; without this table the chance leaves it out."""
 
+    width_std_um: float
+    spacing_std_um: float
     depth_std_um: float
     rim_height_std_um: float
-    spacing_std_um: float
     width_spacing_correlation: float
-    width_std_um: float
 
 
 class TradeOffsTable(TypedDict, total=False):
     """Table of Pareto-optimal designs: no other design is better in every goal."""
 
-    designs: int
     goals: Required[Sequence[Literal["chance", "misfit", "laser_time", "volume", "peak_pressure", "spread"]]]
+    designs: int
 
 
 class DesignTables(TypedDict, total=False):
     """Tables of a design file."""
 
-    also_at: Sequence[AlsoAtTable]
-    bounds: Required[BoundsTable]
-    condition: AlsoAtTable
-    date: str
-    laser: LaserTable
-    limits: LimitsTable
-    material: Required[Union[FileLike, MaterialTable, Material, Calibration]]
     name: str
+    date: str
+    material: Required[Union[FileLike, MaterialTable, Material, Calibration]]
+    condition: DesignConditionTable
+    also_at: Sequence[DesignConditionTable]
+    target: Required[TargetTable]
+    bounds: Required[BoundsTable]
     pattern: DesignPatternTable
+    limits: LimitsTable
+    laser: LaserTable
+    specimen: Required[SpecimenTable]
     sample: DesignSampleTable
     search: SearchTable
-    specimen: Required[SpecimenTable]
-    target: Required[TargetTable]
     tolerances: TolerancesTable
     trade_offs: TradeOffsTable
-
-
-class FitTable(TypedDict, total=False):
-    """Options of the fit."""
-
-    area_law_scale_mpa: ArrayLike
-    coefficients: Literal["single", "per-condition"]
-    relative_std: float
 
 
 class CalibrationMaterialTable(TypedDict, total=False):
     """The softer body, which is modelled."""
 
-    density_g_cm3: Required[float]
-    poisson_ratio: float
-    yield_pressure_mpa: float
     youngs_modulus_gpa: Required[float]
     youngs_modulus_std_gpa: float
+    density_g_cm3: Required[float]
+    yield_pressure_mpa: float
+    poisson_ratio: float
+
+
+class SurfaceTable(TypedDict, total=False):
+    """Source of the area law; friction is proportional to load when absent."""
+
+    map: FileLike
+    map_after: FileLike
+    local_law: Literal["measured", "area"]
+    extrapolation: Literal["constant", "logarithmic"]
+    persson_rms_slope: float
+    synthetic: bool
+    pixel_um: float
+    pixel_y_um: float
+    height_unit: str
+    lateral_unit: str
+    decimal_comma: bool
+    crop: Sequence[int]
+    decimate: int
+    decimate_by: Literal["mean", "pick"]
+    missing: Literal["fill", "refuse"]
+    despike: bool
+    form: Literal["mean", "plane", "second-order"]
+    level: bool
+    threshold_mpa: float
+    windows: int
+
+
+class CalibrationSpecimenTable(TypedDict, total=False):
+    """The face of one specimen: pressure is force over its area."""
+
+    radius_mm: float
+    shape: Literal["disc", "rectangle", "ring"]
+    diameter_mm: float
+    length_mm: float
+    width_mm: float
+    outer_diameter_mm: float
+    inner_diameter_mm: float
+    thickness_mm: float
+    holder: Literal["rigid", "self-aligning"]
+    cavities: Literal["whole", "clipped"]
 
 
 class MeasurementsTable(TypedDict, total=False):
@@ -413,279 +445,143 @@ class MeasurementsTable(TypedDict, total=False):
     patterned: FileLike
 
 
-class CalibrationSpecimenTable(TypedDict, total=False):
-    """The face of one specimen: pressure is force over its area."""
-
-    cavities: Literal["whole", "clipped"]
-    diameter_mm: float
-    holder: Literal["rigid", "self-aligning"]
-    inner_diameter_mm: float
-    length_mm: float
-    outer_diameter_mm: float
-    radius_mm: float
-    shape: Literal["disc", "rectangle", "ring"]
-    thickness_mm: float
-    width_mm: float
-
-
-class SurfaceTable(TypedDict, total=False):
-    """Source of the area law; friction is proportional to load when absent."""
-
-    crop: Sequence[int]
-    decimal_comma: bool
-    decimate: int
-    decimate_by: Literal["mean", "pick"]
-    despike: bool
-    extrapolation: Literal["constant", "logarithmic"]
-    form: Literal["mean", "plane", "second-order"]
-    height_unit: str
-    lateral_unit: str
-    level: bool
-    local_law: Literal["measured", "area"]
-    map: FileLike
-    map_after: FileLike
-    missing: Literal["fill", "refuse"]
-    persson_rms_slope: float
-    pixel_um: float
-    pixel_y_um: float
-    synthetic: bool
-    threshold_mpa: float
-    windows: int
-
-
 class ColumnsTable(TypedDict, total=False):
-    """Titles of columns that are not among the known ones, as ``{ friction_force = "F_tan", normal_force = "F_norm [mN]" }``."""
+    """Titles of columns that are not among the known ones, as ``{ friction_force = "F_tan", normal_force = "F_norm [mN]" }``; the known titles of the quantity are then ignored. ``#2`` behind a title selects the second column with this title, and ``none`` states that no column holds the quantity."""
 
-    friction_coefficient: str
-    friction_force: str
-    humidity: str
-    normal_force: str
-    position: str
-    repeat: str
-    revolutions: str
-    speed: str
-    step: str
     time: str
     torque: str
+    friction_force: str
+    friction_coefficient: str
+    normal_force: str
+    speed: str
+    revolutions: str
+    humidity: str
+    repeat: str
+    step: str
+    position: str
 
 
 class TracesConditionTable(TypedDict, total=False):
     """Exports of one condition; further tables of the condition are repeats."""
 
-    exclude: Sequence[str]
-    files: Required[Sequence[FileLike]]
     force_n: Required[float]
-    humidity_pct: Required[float]
-    reciprocating: bool
     speed_mm_s: Required[float]
-    step: int
-    stroke_share: float
+    humidity_pct: Required[float]
     surface: Literal["flat", "patterned"]
+    files: Required[Sequence[FileLike]]
+    step: int
+    exclude: Sequence[str]
     window_s: ArrayLike
+    reciprocating: bool
+    stroke_share: float
     zero_s: ArrayLike
 
 
 class TracesTable(TypedDict, total=False):
     """Raw exports of a tribometer, in place of tables."""
 
-    columns: ColumnsTable
-    condition: Sequence[TracesConditionTable]
+    window_s: ArrayLike
     effective_radius_mm: float
-    reciprocating: bool
     specimens: int
     static_peak: bool
+    reciprocating: bool
     stroke_share: float
-    window_s: ArrayLike
     zero_s: ArrayLike
+    columns: ColumnsTable
+    condition: Sequence[TracesConditionTable]
 
 
 class CalibrationTrialSpecimenTable(TypedDict, total=False):
     """Face of this sample, to which ``force_n`` of its table refers; the calibration's specimen when absent."""
 
-    cavities: str
-    diameter_mm: float
-    holder: str
-    inner_diameter_mm: float
-    length_mm: float
-    outer_diameter_mm: float
     radius_mm: float
     shape: Literal["disc", "rectangle", "ring"]
-    thickness_mm: float
+    diameter_mm: float
+    length_mm: float
     width_mm: float
+    outer_diameter_mm: float
+    inner_diameter_mm: float
+    thickness_mm: float
+    holder: str
+    cavities: str
 
 
 class CalibrationTrialTable(TypedDict, total=False):
     """``[[trial]]``: a sample that was cut; pending until it has measurements or traces."""
 
-    date: str
-    depth_std_um: float
-    disc: str
-    measurements: FileLike
     name: Required[str]
+    date: str
     notes: str
     pattern: Required[PatternTable]
-    sample_std: float
-    spacing_std_um: float
-    specimen: CalibrationTrialSpecimenTable
+    measurements: FileLike
     traces: Sequence[TracesConditionTable]
+    specimen: CalibrationTrialSpecimenTable
     width_std_um: float
+    spacing_std_um: float
+    depth_std_um: float
+    sample_std: float
+    disc: str
+
+
+class FitTable(TypedDict, total=False):
+    """Options of the fit."""
+
+    coefficients: Literal["single", "per-condition"]
+    area_law_scale_mpa: ArrayLike
+    relative_std: float
 
 
 class CalibrationTables(TypedDict, total=False):
     """Calibration in the form of its file."""
 
-    fit: FitTable
-    material: Required[CalibrationMaterialTable]
-    measurements: MeasurementsTable
     name: Required[str]
-    pattern: PatternTable
     source: Required[str]
-    specimen: Required[CalibrationSpecimenTable]
+    material: Required[CalibrationMaterialTable]
     surface: SurfaceTable
+    specimen: Required[CalibrationSpecimenTable]
+    measurements: MeasurementsTable
     traces: TracesTable
+    pattern: PatternTable
     trial: Sequence[CalibrationTrialTable]
     trial_prior: PriorTable
+    fit: FitTable
 
 
 class Pattern(Record):
-    """Texture that has the maximum chance."""
+    """Texture of the sample."""
 
-    angle_deg: Optional[float]
-    areal_density: float
-    arrangement: Optional[str]
-    crossing_angle_deg: Optional[float]
+    width_um: float
+    spacing_um: float
     depth_um: float
-    length_um: Optional[float]
     planform: Optional[str]
-    rim_height_std_um: Optional[float]
+    length_um: Optional[float]
+    vertices_um: list[list[float]]
+    spacing_across_um: Optional[float]
+    arrangement: Optional[str]
+    angle_deg: Optional[float]
+    crossing_angle_deg: Optional[float]
+    sliding_angle_deg: Optional[float]
     rim_height_um: Optional[float]
     rim_heights_um: list[list[float]]
-    rim_profile: Optional[str]
     rim_width_um: Optional[float]
+    rim_profile: Optional[str]
+    rim_height_std_um: Optional[float]
+    areal_density: float
     section_density: float
-    sliding_angle_deg: Optional[float]
-    spacing_across_um: Optional[float]
-    spacing_um: float
-    vertices_um: list[list[float]]
-    width_um: float
-
-
-class Blocked(Record):
-    """Maximum chance without one limit or bound."""
-
-    chance: float
-    design: Pattern
-    is_within_reach: bool
-    what: str
-
-
-class LoadResult(Record):
-    """Results at one pressure."""
-
-    area_law_extrapolated: bool
-    averaged_from_s: Optional[float]
-    averaged_from_s_flat: Optional[float]
-    cavity_closed: bool
-    dt_s: Optional[float]
-    friction_extrapolated: bool
-    iterations: int
-    mu_across: Optional[float]
-    mu_dynamic: Optional[float]
-    mu_dynamic_stderr: Optional[float]
-    mu_flat: Optional[float]
-    mu_flat_static: Optional[float]
-    mu_flat_stderr: Optional[float]
-    mu_static: Optional[float]
-    peak_pressure_mpa: float
-    pressure_mpa: float
-    ratio: Optional[float]
-    ratio_discretization_error: Optional[float]
-    ratio_layer_difference: Optional[float]
-    ratio_layer_error: Optional[float]
-    ratio_stderr: Optional[float]
-    ratio_strip_estimate: Optional[float]
-    ratio_tilt_change: Optional[float]
-    ratio_time_change: Optional[float]
-    residual: Optional[float]
-    site_updates: Optional[int]
-    site_updates_per_s: Optional[float]
-    status: str
-    status_flat: Optional[str]
-    steps: Optional[int]
-    tension_blocks: int
 
 
 class Expected(Record):
     """Predicted values of a cut sample at one load, in the quantity of the target, with the accepted band."""
 
-    high_95: float
-    humidity_pct: float
-    low_95: float
-    median: float
     pressure_mpa: float
-    sliding_angle_deg: Optional[float]
     speed_mm_s: float
-    target_high: Optional[float]
+    humidity_pct: float
+    sliding_angle_deg: Optional[float]
+    median: float
+    low_95: float
+    high_95: float
     target_low: Optional[float]
-
-
-class Goal(Record):
-    """Result for a goal."""
-
-    expected: float
-    goal: str
-    interval_95: list[float]
-    modelled: float
-    of: str
-
-
-class Ablation(Record):
-    """Fitted ablation law, and the depth per burst at the fluence used."""
-
-    delta_stderr_um: float
-    delta_um: float
-    depth_per_burst_stderr_um: float
-    depth_per_burst_um: float
-    fluence_j_cm2: float
-    points: int
-    threshold_j_cm2: float
-    threshold_stderr_j_cm2: float
-
-
-class Laser(Record):
-    """Laser."""
-
-    ablation: Optional[Ablation]
-    depth_per_burst_um: Optional[float]
-    exposure: Optional[str]
-    hatch_um: Optional[float]
-    min_land_um: Optional[float]
-    power_density_gw_cm2: Optional[float]
-    pulse_ns: Optional[float]
-    repetition_hz: Optional[float]
-    speed_mm_s: Optional[float]
-    spot_um: Optional[float]
-    wall_taper_deg: Optional[float]
-    wavelength_nm: Optional[float]
-
-
-class LimitedBy(Record):
-    """Uncertain input that limits the chance."""
-
-    chance_if_known: float
-    input: str
-    known_to: str
-    std: list[float]
-
-
-class MaterialSource(Record):
-    """Material and its provenance."""
-
-    name: str
-    notes: list[str]
-    source: str
-    synthetic_surface: bool
-    warnings: list[str]
+    target_high: Optional[float]
 
 
 class Modelled(Record):
@@ -696,29 +592,45 @@ class Modelled(Record):
     std: float
 
 
+class LimitedBy(Record):
+    """Uncertain input that limits the chance."""
+
+    input: str
+    known_to: str
+    std: list[float]
+    chance_if_known: float
+
+
+class Goal(Record):
+    """Expected value of the goal; null without one."""
+
+    goal: str
+    of: str
+    expected: float
+    interval_95: list[float]
+    modelled: float
+
+
 class Sample(Record):
     """Sample that could be cut, with its prediction; ``optimize`` and ``next`` use the same fields."""
 
-    chance: Optional[float]
     design: Pattern
+    chance: Optional[float]
     expected: list[Expected]
-    information_bits: float
-    is_as_cut: bool
-    laser_s: Optional[float]
-    limited_by: list[LimitedBy]
     modelled: list[Modelled]
+    limited_by: list[LimitedBy]
+    information_bits: float
+    laser_s: Optional[float]
+    is_as_cut: bool
 
 
-class Removal(Record):
-    """Depth removed by passes over the lines of a hatch, and the number of passes for a depth."""
+class Blocked(Record):
+    """Maximum chance without one limit or bound."""
 
-    depth_per_pass_um: float
-    depth_um: float
-    edge_ramp_um: float
-    mean_depth_um: float
-    passes: int
-    speed_for_depth_mm_s: Optional[float]
-    warnings: list[str]
+    what: str
+    chance: float
+    design: Pattern
+    is_within_reach: bool
 
 
 class Slope(Record):
@@ -726,51 +638,6 @@ class Slope(Record):
 
     dimension: str
     per_um: list[float]
-
-
-class Specimen(Record):
-    """Specimen."""
-
-    cavities: Optional[str]
-    diameter_mm: Optional[float]
-    inner_diameter_mm: Optional[float]
-    length_mm: Optional[float]
-    outer_diameter_mm: Optional[float]
-    shape: str
-    width_mm: Optional[float]
-
-
-class TableErrors(Record):
-    """Table of the bounds that the designs were compared by."""
-
-    bytes: int
-    checked: int
-    holes: int
-    median_error: float
-    nodes: int
-    worst_error: float
-
-
-class Target(Record):
-    """Target of the task."""
-
-    goal: Optional[str]
-    highest: list[float]
-    lowest: list[float]
-    pressure_mpa: list[float]
-    quantity: str
-    tolerance: Optional[Union[float, list[float]]]
-    value: list[float]
-    weights: list[float]
-
-
-class Tolerances(Record):
-    """Standard deviations of the mean dimensions of a cut sample that the design assumes; absent ones are omitted."""
-
-    basis: str
-    depth_um: Optional[float]
-    spacing_um: Optional[float]
-    width_um: Optional[float]
 
 
 class ListedDesign(Record):
@@ -781,66 +648,221 @@ class ListedDesign(Record):
 
 
 class TradeOffs(Record):
-    """Record of the trade-offs in result.json."""
+    """Designs that no other design beats in every goal; null where the design file names no goals."""
 
-    best: list[ListedDesign]
-    chosen: list[float]
+    goals: list[str]
+    words: list[str]
     designs: int
     front: int
-    goals: list[str]
+    chosen: list[float]
     listed: list[ListedDesign]
-    words: list[str]
+    best: list[ListedDesign]
+
+
+class TableErrors(Record):
+    """Table of the bounds that the designs were compared by."""
+
+    nodes: int
+    holes: int
+    checked: int
+    median_error: float
+    worst_error: float
+    bytes: int
+
+
+class Removal(Record):
+    """Removal by the passes from the cavities of the layout; null where the laser settings do not give passes."""
+
+    passes: int
+    depth_per_pass_um: float
+    depth_um: float
+    mean_depth_um: float
+    edge_ramp_um: float
+    speed_for_depth_mm_s: Optional[float]
+    warnings: list[str]
+
+
+class Target(Record):
+    """Target of the task."""
+
+    quantity: str
+    pressure_mpa: list[float]
+    value: list[float]
+    tolerance: Optional[Union[float, list[float]]]
+    lowest: list[float]
+    highest: list[float]
+    goal: Optional[str]
+    weights: list[float]
+
+
+class LoadResult(Record):
+    """Results at one pressure."""
+
+    pressure_mpa: float
+    mu_dynamic: Optional[float]
+    mu_dynamic_stderr: Optional[float]
+    mu_across: Optional[float]
+    mu_static: Optional[float]
+    mu_flat: Optional[float]
+    mu_flat_stderr: Optional[float]
+    mu_flat_static: Optional[float]
+    ratio: Optional[float]
+    ratio_stderr: Optional[float]
+    ratio_discretization_error: Optional[float]
+    ratio_layer_difference: Optional[float]
+    ratio_layer_error: Optional[float]
+    ratio_tilt_change: Optional[float]
+    ratio_time_change: Optional[float]
+    ratio_strip_estimate: Optional[float]
+    peak_pressure_mpa: float
+    tension_blocks: int
+    status: str
+    status_flat: Optional[str]
+    cavity_closed: bool
+    area_law_extrapolated: bool
+    friction_extrapolated: bool
+    residual: Optional[float]
+    iterations: int
+    averaged_from_s: Optional[float]
+    averaged_from_s_flat: Optional[float]
+    steps: Optional[int]
+    dt_s: Optional[float]
+    site_updates: Optional[int]
+
+
+class MaterialSource(Record):
+    """Material and its provenance."""
+
+    name: str
+    source: str
+    synthetic_surface: bool
+    notes: list[str]
+    warnings: list[str]
+
+
+class Specimen(Record):
+    """Specimen."""
+
+    shape: str
+    diameter_mm: Optional[float]
+    length_mm: Optional[float]
+    width_mm: Optional[float]
+    outer_diameter_mm: Optional[float]
+    inner_diameter_mm: Optional[float]
+    cavities: Optional[str]
+
+
+class Ablation(Record):
+    """Fitted depth per burst against fluence, if it was fitted."""
+
+    delta_um: float
+    delta_stderr_um: float
+    threshold_j_cm2: float
+    threshold_stderr_j_cm2: float
+    fluence_j_cm2: float
+    depth_per_burst_um: float
+    depth_per_burst_stderr_um: float
+    points: int
+
+
+class Laser(Record):
+    """Laser."""
+
+    wavelength_nm: Optional[float]
+    spot_um: Optional[float]
+    pulse_ns: Optional[float]
+    power_density_gw_cm2: Optional[float]
+    depth_per_burst_um: Optional[float]
+    repetition_hz: Optional[float]
+    speed_mm_s: Optional[float]
+    hatch_um: Optional[float]
+    wall_taper_deg: Optional[float]
+    exposure: Optional[str]
+    min_land_um: Optional[float]
+    ablation: Optional[Ablation]
+
+
+class Tolerances(Record):
+    """Assumed manufacturing tolerances of samples; absent where the design file does not give them."""
+
+    width_um: Optional[float]
+    spacing_um: Optional[float]
+    depth_um: Optional[float]
+    basis: str
 
 
 class DesignRecord(Record):
     """result.json of ``optimize``."""
 
-    advice: str
-    at_bounds: list[str]
-    block_um: Optional[float]
-    blocked_by: list[Blocked]
-    bursts: Optional[int]
-    chance: Optional[float]
-    compared: int
-    confirmed: list[LoadResult]
-    cut_short: list[str]
-    date: Optional[str]
-    design: Pattern
-    dimensions: int
-    expected: list[Expected]
-    extent: str
-    fidelity: str
-    goal: Optional[Goal]
-    information_bits: float
-    is_as_cut: bool
-    laser: Laser
-    laser_s: Optional[float]
-    laser_warnings: list[str]
-    limited_by: list[LimitedBy]
-    material: MaterialSource
-    measured_mpa: list[float]
-    method: list[str]
-    model: list[str]
-    modelled: list[Modelled]
-    name: str
-    others: list[Sample]
-    passes: Optional[int]
     program: str
-    removal: Optional[Removal]
-    schema: int
-    section_model: bool
-    seed: int
-    slopes: list[Slope]
-    specimen: Specimen
-    specimen_areal_density: float
-    table: TableErrors
-    target: Target
-    tolerances: Optional[Tolerances]
-    trade_offs: Optional[TradeOffs]
-    trials: int
     version: str
-    violations: list[str]
+    schema: int
+    name: str
+    date: Optional[str]
+    advice: str
     words: str
+    trials: int
+    design: Pattern
+    chance: Optional[float]
+    expected: list[Expected]
+    modelled: list[Modelled]
+    limited_by: list[LimitedBy]
+    information_bits: float
+    laser_s: Optional[float]
+    is_as_cut: bool
+    goal: Optional[Goal]
+    others: list[Sample]
+    blocked_by: list[Blocked]
+    at_bounds: list[str]
+    slopes: list[Slope]
+    trade_offs: Optional[TradeOffs]
+    compared: int
+    table: TableErrors
+    specimen_areal_density: float
+    bursts: Optional[int]
+    passes: Optional[int]
+    removal: Optional[Removal]
+    laser_warnings: list[str]
+    block_um: float
+    dimensions: int
+    section_model: bool
+    fidelity: str
+    extent: str
+    target: Target
+    confirmed: list[LoadResult]
+    violations: list[str]
+    cut_short: list[str]
+    model: list[str]
+    method: list[str]
+    measured_mpa: list[float]
+    material: MaterialSource
+    specimen: Specimen
+    laser: Laser
+    tolerances: Optional[Tolerances]
+    seed: int
+
+
+class SimulationPattern(Record):
+    """Texture; null for a flat scene."""
+
+    width_um: float
+    spacing_um: float
+    depth_um: float
+    planform: Optional[str]
+    length_um: Optional[float]
+    vertices_um: list[list[float]]
+    spacing_across_um: Optional[float]
+    arrangement: Optional[str]
+    angle_deg: Optional[float]
+    crossing_angle_deg: Optional[float]
+    sliding_angle_deg: Optional[float]
+    rim_height_um: Optional[float]
+    rim_heights_um: list[list[float]]
+    rim_width_um: Optional[float]
+    rim_profile: Optional[str]
+    rim_height_std_um: Optional[float]
+    areal_density: float
+    section_density: float
 
 
 class Parts(Record):
@@ -850,72 +872,81 @@ class Parts(Record):
     std: float
 
 
-class Mu(Record):
-    """Dynamic friction times the factor."""
+class Ratio(Record):
+    """Ratio of dynamic friction, patterned over flat; left out for a flat scene."""
 
+    value: Optional[float]
+    std: Optional[float]
     interval_95: list[float]
     parts: list[Parts]
-    std: Optional[float]
-    value: Optional[float]
 
 
 class ByPressure(Record):
-    """Corrected values at one pressure."""
-
-    factor: float
-    factor_relative_std: float
-    mu: Mu
-    pressure_mpa: float
-    ratio: Optional[Mu]
-
-
-class Discrepancy(Record):
-    """Ratio and friction corrected by the discrepancy that trials show."""
-
-    by_pressure: list[ByPressure]
-    trials: int
-
-
-class ErrorsByPressure(Record):
     """Values at one pressure with their errors."""
 
-    mu: Mu
-    mu_flat: Optional[Mu]
-    mu_static: Optional[Mu]
-    mu_static_flat: Optional[Mu]
     pressure_mpa: float
-    ratio: Optional[Mu]
+    ratio: Optional[Ratio]
+    mu: Ratio
+    mu_flat: Optional[Ratio]
+    mu_static: Optional[Ratio]
+    mu_static_flat: Optional[Ratio]
 
 
 class Errors(Record):
     """Errors of the results."""
 
-    by_pressure: list[ErrorsByPressure]
-    includes: list[str]
     meaning: str
+    includes: list[str]
     unknown: list[str]
+    by_pressure: list[ByPressure]
+
+
+class DiscrepancyByPressureRatio(Record):
+    """Ratio times the factor."""
+
+    value: Optional[float]
+    std: Optional[float]
+    interval_95: list[float]
+    parts: list[Parts]
+
+
+class DiscrepancyByPressure(Record):
+    """Corrected values at one pressure."""
+
+    pressure_mpa: float
+    factor: float
+    factor_relative_std: float
+    ratio: Optional[DiscrepancyByPressureRatio]
+    mu: Ratio
+
+
+class Discrepancy(Record):
+    """Ratio and friction corrected by the discrepancy of the material's patterned samples; null for a flat scene, and if no trials are known."""
+
+    trials: int
+    by_pressure: list[DiscrepancyByPressure]
 
 
 class SimulationRecord(Record):
     """Results of a simulated scene, as ``simulate --json`` prints them."""
 
-    areal_density: Optional[float]
-    block_um: float
-    dimensions: int
-    discrepancy: Optional[Discrepancy]
-    draws: int
-    errors: Errors
-    extent: str
-    fidelity: str
-    material: MaterialSource
-    method: list[str]
-    model: list[str]
-    pattern: Optional[Pattern]
     program: str
-    results: list[LoadResult]
-    schema: Optional[int]
-    section_density: Optional[float]
-    section_model: bool
-    seed: int
-    speed_mm_s: float
     version: str
+    schema: int
+    fidelity: str
+    extent: str
+    dimensions: int
+    model: list[str]
+    method: list[str]
+    material: MaterialSource
+    pattern: Optional[SimulationPattern]
+    section_model: bool
+    areal_density: Optional[float]
+    section_density: Optional[float]
+    block_um: float
+    speed_mm_s: float
+    seed: int
+    draws: int
+    results: list[LoadResult]
+    errors: Errors
+    discrepancy: Optional[Discrepancy]
