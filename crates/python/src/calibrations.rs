@@ -144,9 +144,10 @@ impl Calibration {
         let sample = (DEFAULT_SPECIMEN, SEED);
         let found = watched(py, progress, |watch| {
             let (task, learned) = learn(&self.read, &self.origin.path, &self.origin.source(), sample, watch)?;
-            let report = TrialsReport::new(&self.read.name, &task.trials.samples, &learned.discrepancy, watch)?
-                .with_pending(&learned)
-                .with_warnings(self.read.doubts.clone());
+            let report =
+                TrialsReport::new(&self.read.name, &task.flat, &task.trials.samples, &learned.discrepancy, watch)?
+                    .with_pending(&learned)
+                    .with_warnings(self.read.doubts.clone());
             let record = json(&report).map_err(|error| Uncalibrated::Failed(error.to_string()))?;
             Ok(([record, report.text()], report.warnings))
         })?;

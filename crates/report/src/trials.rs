@@ -7,7 +7,7 @@ use slipgrid_base::units::{HUMIDITY_PCT, LENGTH_UM, PRESSURE_MPA, SPEED_MM_S, co
 use slipgrid_design::results::{
     SCHEMA, Table, VERSION, believed, believed_interval, believed_std, fixed, guard_formula,
 };
-use slipgrid_infer::calibrate::{CutSample, contradicting_samples};
+use slipgrid_infer::calibrate::{CutSample, Measurement, contradicting_samples};
 use slipgrid_infer::discrepancy::{Discrepancy, LeftOut, Surprise, leave_out};
 
 use crate::ReportError;
@@ -17,10 +17,13 @@ use effects::{effects, less_known};
 
 mod effects;
 mod files;
+mod load_lines;
 mod pending;
 mod scatter;
 mod screen;
 
+pub use load_lines::LoadLineReport;
+use load_lines::load_lines;
 pub use pending::PendingReport;
 pub use scatter::ScatterReport;
 
@@ -60,6 +63,9 @@ pub struct TrialsReport {
     pub scatter: Option<ScatterReport>,
     /// Discrepancy at the texture measured last, and its dependence on the condition.
     pub effects: Vec<EffectReport>,
+    /// Lines of friction force against normal force.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub load_lines: Vec<LoadLineReport>,
     /// Coverage of the predictions: measured ratios within their intervals.
     pub coverage: Vec<CoverageReport>,
 }
@@ -155,12 +161,14 @@ pub struct CoverageReport {
 }
 
 impl TrialsReport {
-    /// Makes the ledger of the discrepancy `learned` from `samples` of the calibration `name`.
+    /// Makes the ledger of the discrepancy `learned` from `samples` of the calibration `name` with measurements on `flat`
+    /// samples.
     ///
     /// # Errors
     /// [`Cancelled`] if `monitor` has cancelled.
     pub fn new(
         name: &str,
+        flat: &[Measurement],
         samples: &[CutSample],
         learned: &Discrepancy,
         monitor: &dyn Monitor,
@@ -235,6 +243,7 @@ impl TrialsReport {
             forms,
             scatter: ScatterReport::of(learned),
             effects: effects(learned),
+            load_lines: load_lines(flat, samples),
             coverage: coverage.collect(),
         })
     }
@@ -304,7 +313,7 @@ impl TrialsReport {
         for of in &self.effects {
             table.row([of.of.clone(), fixed(Some(of.value), 3), believed_std(of.std), believed_std(of.prior_std)]);
         }
-        text + &table.to_string() + &less_known(&self.effects)
+        text + &table.to_string() + &less_known(&self.effects) + &load_lines::text(&self.load_lines)
     }
 
     fn table(&self) -> Table {

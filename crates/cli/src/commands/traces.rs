@@ -129,6 +129,7 @@ fn condition(args: &TracesArgs) -> Result<TraceCondition, Diagnostic> {
         force_n: needed("--force-n", args.force_n, FORCE_N)?,
         speed_m_s: needed("--speed-mm-s", args.speed_mm_s, SPEED_MM_S)?,
         humidity: needed("--humidity-pct", args.humidity_pct, HUMIDITY_PCT)?,
+        order: None,
         files: args.files.iter().map(|path| Export { path: path.clone(), step: args.step }).collect(),
         excluded: Vec::new(),
     })

@@ -21,7 +21,7 @@ pub fn run(args: &TrialsArgs, console: &mut Console<'_>) -> Result<u8, CliError>
     let sample = (DEFAULT_SPECIMEN, DEFAULT_SEED);
     let job = Job::new(console);
     let (task, learned) = learn(&calibration, &args.calibration, &disk(), sample, &job)?;
-    let report = TrialsReport::new(&calibration.name, &task.trials.samples, &learned.discrepancy, &job)?
+    let report = TrialsReport::new(&calibration.name, &task.flat, &task.trials.samples, &learned.discrepancy, &job)?
         .with_pending(&learned)
         .with_warnings(calibration.doubts.clone());
     if let Some(folder) = &folder {

@@ -93,6 +93,11 @@ pub(crate) struct MeasurementsFile {
     pub flat: Option<Spanned<String>>,
     /// CSV table of patterned samples, which are not fitted: with `[pattern]` they are the first trial.
     pub patterned: Option<Spanned<String>>,
+    /// Number of specimens in the holder of the tables, also those of trials; 1 when absent.
+    pub samples: Option<Spanned<u64>>,
+    /// `per_sample` if forces in the tables press one specimen, `total` if they press all of them; needed with several
+    /// `samples`.
+    pub force_is: Option<Spanned<String>>,
 }
 
 /// Options of the fit.

@@ -5,10 +5,13 @@ use std::path::{Path, PathBuf};
 use slipgrid_infer::calibrate::{Measurement, StaticPeak};
 
 use crate::formats::diagnostic::Diagnostic;
+use crate::formats::measurements::Row;
 use crate::formats::plausible::{
     FORCE, FRICTION, PRESSURE, RATIO, RELATIVE_DEVIATION, SPEED, STRAIN, exchanged_forces, share_of_one,
 };
 use slipgrid_base::units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, significant, tidy};
+
+mod collinear;
 
 /// Relative difference below which two values are equal.
 const SAME: f64 = 1e-9;
@@ -22,6 +25,10 @@ pub struct Placed {
     pub path: PathBuf,
     /// Line in the file, counted from 1.
     pub line: u32,
+    /// Distance slid up to the middle of the averaging window, in metres, if known.
+    pub sliding_m: Option<f64>,
+    /// Place in the order of all runs, if given.
+    pub order: Option<f64>,
 }
 
 /// Remarks about measurements that are accepted.
@@ -66,10 +73,15 @@ pub struct Specimens {
 }
 
 impl Placed {
-    /// Rows of the table at `path`.
+    /// Rows of the table at `path`, whose forces press `samples` specimens at once.
     #[must_use]
-    pub fn rows(path: &Path, rows: Vec<(u32, Measurement)>) -> Vec<Self> {
-        rows.into_iter().map(|(line, measurement)| Self { measurement, path: path.to_owned(), line }).collect()
+    pub fn rows(path: &Path, rows: Vec<Row>, samples: u32) -> Vec<Self> {
+        let placed = |Row { line, measurement, sliding_m, order }: Row| {
+            let force_n = measurement.force_n / f64::from(samples);
+            let measurement = Measurement { force_n, ..measurement };
+            Self { measurement, path: path.to_owned(), line, sliding_m, order }
+        };
+        rows.into_iter().map(placed).collect()
     }
 
     /// Converts the force from a face of `own` to the same pressure on a face of `specimens`; if `flat` samples were
@@ -149,6 +161,7 @@ pub fn check(rows: &[Placed], specimens: &Specimens) -> Result<Vec<Diagnostic>, 
     }
     told.extend(low_force(rows, specimens).into_iter().chain(low_speed(rows)).chain(low_humidity(rows)));
     told.extend(high_friction(rows));
+    told.extend(collinear::check(rows));
     Ok(told)
 }
 
@@ -308,7 +321,7 @@ mod tests {
             mu_dynamic_std: 0.003,
             static_peak: None,
         };
-        Placed { measurement, path: PathBuf::from("flat.csv"), line }
+        Placed { measurement, path: PathBuf::from("flat.csv"), line, sliding_m: None, order: None }
     }
 
     #[test]
@@ -380,6 +393,8 @@ mod tests {
             },
             path: PathBuf::from("flat.csv"),
             line,
+            sliding_m: None,
+            order: None,
         };
         // Repeats of a condition differ by their scatter.
         assert_eq!(identical(&[], &[row(2, 0.27), row(3, 0.271)]), []);

@@ -6,11 +6,16 @@ use slipgrid_infer::calibrate::{Measurement, StaticPeak};
 
 use crate::formats::diagnostic::{Diagnostic, nearest};
 use crate::formats::source::{Source, read_letters};
-use slipgrid_base::units::{FORCE_N, FRICTION, FRICTION_STD, HUMIDITY_PCT, Quantity, SPEED_MM_S, tidy};
+use slipgrid_base::units::{
+    FORCE_N, FRICTION, FRICTION_STD, HUMIDITY_PCT, LENGTH_MM, Quantity, SPEED_MM_S, WEIGHT, tidy,
+};
 use slipgrid_traces::cells::{DecimalSigns, cut, number_in, separator, unquoted};
 
+/// Place of a run in the order of all runs: any positive number that rises with time.
+pub(crate) const ORDER: Quantity = WEIGHT;
+
 /// Columns: name, range, and whether the column is required.
-const COLUMNS: [(&str, Quantity, bool); 7] = [
+const COLUMNS: [(&str, Quantity, bool); 9] = [
     ("force_n", FORCE_N, true),
     ("speed_mm_s", SPEED_MM_S, true),
     ("humidity_pct", HUMIDITY_PCT, true),
@@ -18,15 +23,32 @@ const COLUMNS: [(&str, Quantity, bool); 7] = [
     ("mu_dynamic_std", FRICTION_STD, true),
     ("mu_static", FRICTION, false),
     ("mu_static_std", FRICTION_STD, false),
+    ("sliding_mm", LENGTH_MM, false),
+    ("order", ORDER, false),
 ];
+/// Number of columns that describe friction; the others describe how it was measured.
+const FRICTION_COLUMNS: usize = 7;
+
+/// Row of a table.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Row {
+    /// Line in the table, counted from 1.
+    pub line: u32,
+    /// The measurement.
+    pub measurement: Measurement,
+    /// Distance slid up to the middle of the averaging window, in metres, if given.
+    pub sliding_m: Option<f64>,
+    /// Place in the order of all runs, if given.
+    pub order: Option<f64>,
+}
 
 /// Reads the table at `path` of `source` and returns every row with its line.
 ///
 /// # Errors
 /// [`Diagnostic`] that names line and column of the refused value.
-pub fn read(source: &Source, path: &Path) -> Result<Vec<(u32, Measurement)>, Diagnostic> {
+pub fn read(source: &Source, path: &Path) -> Result<Vec<Row>, Diagnostic> {
     let text = read_letters(source, path, "a table of measurements")?;
-    rows(path, &text)
+    read_text(path, &text)
 }
 
 /// Reads a table from text; `path` names it in messages. Lines that start with `#` are comments. Tabs, semicolons or
@@ -35,13 +57,17 @@ pub fn read(source: &Source, path: &Path) -> Result<Vec<(u32, Measurement)>, Dia
 /// # Errors
 /// [`Diagnostic`] that names line and column of the refused value.
 pub fn parse(path: &Path, text: &str) -> Result<Vec<Measurement>, Diagnostic> {
-    Ok(rows(path, text)?.into_iter().map(|(_, row)| row).collect())
+    Ok(read_text(path, text)?.into_iter().map(|row| row.measurement).collect())
 }
 
 /// Maximum number of rows of a table. A laboratory measures some hundred conditions, and rows are compared in pairs.
 const MAX_ROWS: usize = 5000;
 
-fn rows(path: &Path, text: &str) -> Result<Vec<(u32, Measurement)>, Diagnostic> {
+/// Reads every row of a table from text; see [`parse`].
+///
+/// # Errors
+/// As [`parse`].
+pub(crate) fn read_text(path: &Path, text: &str) -> Result<Vec<Row>, Diagnostic> {
     let refuse = |line: u32, key: Option<&str>, value: Option<&str>, reason: String| Diagnostic {
         line: Some(line),
         key: key.map(Into::into),
@@ -153,6 +179,8 @@ fn rows(path: &Path, text: &str) -> Result<Vec<(u32, Measurement)>, Diagnostic> 
             Some(mu_dynamic_std),
             mu_static,
             mu_static_std,
+            sliding_m,
+            order,
         ] = values
         {
             let (given, lacking) = (COLUMNS[5].0, COLUMNS[6].0);
@@ -162,7 +190,7 @@ fn rows(path: &Path, text: &str) -> Result<Vec<(u32, Measurement)>, Diagnostic> 
                     .expected("both in a row, or neither where no static peak was measured"));
             }
             let static_peak = mu_static.zip(mu_static_std).map(|(mu, std)| StaticPeak { mu, std });
-            let row = Measurement { force_n, speed_m_s, humidity, mu_dynamic, mu_dynamic_std, static_peak };
+            let measurement = Measurement { force_n, speed_m_s, humidity, mu_dynamic, mu_dynamic_std, static_peak };
             if rows.len() == MAX_ROWS {
                 return Err(refuse(
                     line,
@@ -174,7 +202,7 @@ fn rows(path: &Path, text: &str) -> Result<Vec<(u32, Measurement)>, Diagnostic> 
                     "at most {MAX_ROWS}, one a condition; samples in time are exports, which stand in [traces]"
                 )));
             }
-            rows.push((line, row));
+            rows.push(Row { line, measurement, sliding_m, order });
         }
     }
     if rows.is_empty() {
@@ -186,7 +214,10 @@ fn rows(path: &Path, text: &str) -> Result<Vec<(u32, Measurement)>, Diagnostic> 
 /// Writes the table as text, with `comment` above it.
 #[must_use]
 pub fn table(comment: &str, rows: &[Measurement]) -> String {
-    let mut text = format!("# {comment}\n{}\n", COLUMNS.map(|(name, _, _)| name).join(","));
+    let mut text = format!(
+        "# {comment}\n{}\n",
+        COLUMNS[..FRICTION_COLUMNS].iter().map(|column| column.0).collect::<Vec<_>>().join(",")
+    );
     for row in rows {
         let rounded = |value: f64| tidy((value * 1e6).round() / 1e6).to_string();
         let optional = |value: Option<f64>| value.map_or_else(String::new, rounded);

@@ -76,6 +76,8 @@ pub struct TraceCondition {
     /// Span before touchdown whose mean forces are subtracted as the zero of the sensors, in seconds since the first
     /// row.
     pub zero_s: Option<[f64; 2]>,
+    /// Place in the order of all runs, if given.
+    pub order: Option<f64>,
     /// Exports, in the order of their names.
     pub files: Vec<Export>,
     /// Exports that `exclude` left out.
@@ -86,7 +88,8 @@ impl TraceCondition {
     /// Whether `other` is a repeat: equal condition, sample and options.
     #[must_use]
     pub fn is_repeated_by(&self, other: &Self) -> bool {
-        Self { files: other.files.clone(), excluded: other.excluded.clone(), ..self.clone() } == *other
+        let Self { files, excluded, order, .. } = other.clone();
+        Self { files, excluded, order, ..self.clone() } == *other
     }
 
     /// Describes the sample: `flat sample`, or the name of a trial.

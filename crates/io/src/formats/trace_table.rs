@@ -10,6 +10,7 @@ use slipgrid_traces::columns::{Channel, Titles};
 use slipgrid_traces::{DEFAULT_STROKE_SHARE, DEFAULT_WINDOW_S, moderate};
 
 use super::document::Document;
+use super::measurements::ORDER;
 use super::traces::{
     ConditionTraces, Export, MAX_SPECIMENS, OfTrial, Seen, SurfaceKind, TraceCondition, TraceSetup, analyse_among,
 };
@@ -120,6 +121,8 @@ pub struct TraceConditionFile {
     surface: Option<Spanned<String>>,
     /// Exports, each once; `*` stands for any letters.
     files: Spanned<Vec<Spanned<String>>>,
+    /// Place of the runs of this condition in the order of all runs, counted from 1; unknown when absent.
+    order: Option<Number>,
     /// Step of the exports to read, by its number in the export, or counted from 1 if steps are not numbered; the whole
     /// export when absent.
     step: Option<Spanned<u64>>,
@@ -309,6 +312,7 @@ impl<'d> TraceReader<'d> {
             window_s,
             stroke_share,
             zero_s,
+            order: document.optional(file.order.as_ref(), ORDER)?,
             files,
             excluded,
         })

@@ -91,7 +91,14 @@ impl ConditionTraces {
     /// Measurement with its file position: the condition at `span` of `document`.
     pub(crate) fn placed(&self, document: &Document, span: &Range<usize>) -> Placed {
         let line = document.refuse(span.clone(), "").line.unwrap_or(1);
-        Placed { measurement: self.measurement(), path: document.path().to_owned(), line }
+        let TraceCondition { window_s: [from_s, to_s], speed_m_s, order, .. } = self.condition;
+        Placed {
+            measurement: self.measurement(),
+            path: document.path().to_owned(),
+            line,
+            sliding_m: Some(0.5 * (from_s + to_s) * speed_m_s),
+            order,
+        }
     }
 }
 

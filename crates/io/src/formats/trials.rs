@@ -83,11 +83,12 @@ pub struct PriorFile {
     amplitude_std: Option<f64>,
     /// Slope along (P - P0) / P0, with P0 the mean measured pressure; 0.06 when absent.
     pressure_std: Option<f64>,
-    /// Slope along P1 / P, with P1 the lowest pressure, which adhesion would cause; 0.08 when absent.
+    /// Slope along P1 / P at any humidity, with P1 the lowest pressure, which adhesion or a film would cause; 0.08 when
+    /// absent.
     inverse_pressure_std: Option<f64>,
     /// Change for a speed e times as high; 0.05 when absent.
     speed_std: Option<f64>,
-    /// Change from one humidity to another; 0.1 when absent.
+    /// Change from one humidity to another at every load; 0.06 when absent.
     humidity_std: Option<f64>,
     /// Scatter between samples of one texture, until trials show otherwise; 0.02 when absent.
     sample_std: Option<f64>,
@@ -142,6 +143,8 @@ pub(crate) struct FlatSamples<'a> {
     pub(crate) specimens: &'a Specimens,
     /// The measurements.
     pub(crate) measured: &'a [Placed],
+    /// Number of specimens that a force in a table presses.
+    pub(crate) samples: u32,
 }
 
 /// Reads the `trials` of a calibration with these `flat` samples, and the prior. The sample `first` from the
@@ -158,7 +161,7 @@ pub(crate) fn read_trials(
     reader: &mut TraceReader<'_>,
     remarks: &mut Remarks,
 ) -> Result<(TrialsTask, Vec<ConditionTraces>), Diagnostic> {
-    let FlatSamples { stated, specimens, measured: flat } = *flat;
+    let FlatSamples { stated, specimens, measured: flat, samples: pressed } = *flat;
     let mut read = Vec::new();
     let mut samples: Vec<CutSample> = first.into_iter().collect();
     let mut before = flat.to_vec();
@@ -187,7 +190,7 @@ pub(crate) fn read_trials(
             }
             (Some(name), None) => {
                 let path = existing(document, name, name.get_ref())?;
-                Placed::rows(&path, measurements::read(document.source(), &path)?)
+                Placed::rows(&path, measurements::read(document.source(), &path)?, pressed)
             }
             (None, Some(list)) => {
                 let conditions =

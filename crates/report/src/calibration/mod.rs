@@ -127,7 +127,8 @@ pub fn ledger(
 ) -> Result<Option<TrialsReport>, Cancelled> {
     let learned = outcome.uncertainty.learned.as_ref().filter(|learned| !learned.trials().is_empty());
     let Some(learned) = learned else { return Ok(None) };
-    let ledger = TrialsReport::new(&calibration.name, &calibration.trials.samples, learned, monitor)?;
+    let ledger =
+        TrialsReport::new(&calibration.name, &calibration.flat, &calibration.trials.samples, learned, monitor)?;
     // The material's warnings, which the calibration prints, already include the ledger's warnings.
     Ok(Some(TrialsReport { warnings: Vec::new(), ..ledger }))
 }

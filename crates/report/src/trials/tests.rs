@@ -25,7 +25,7 @@ fn trial(name: &str, spacing_um: f64, excess: f64) -> Trial {
 
 fn ledger(trials: Vec<Trial>) -> TrialsReport {
     let learned = Discrepancy::new(Hyperparameters::default(), Conditions::default(), 0.2, trials).unwrap();
-    TrialsReport::new("a <polymer>", &[], &learned, &slipgrid_base::monitor::Unwatched).unwrap()
+    TrialsReport::new("a <polymer>", &[], &[], &learned, &slipgrid_base::monitor::Unwatched).unwrap()
 }
 
 #[test]

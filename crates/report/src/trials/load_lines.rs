@@ -1,0 +1,126 @@
+//! Friction force against normal force: dF/dN and the load at which the line has no friction.
+
+use serde::{Deserialize, Serialize};
+use slipgrid_base::units::{HUMIDITY_PCT, SPEED_MM_S, tidy};
+use slipgrid_design::results::{Table, fixed};
+use slipgrid_infer::calibrate::{CutSample, Measurement};
+
+/// Minimum number of forces on a line, so that its errors are known.
+const MIN_FORCES: usize = 3;
+
+/// Line F = s (N - N0) of friction force against normal force at one speed and humidity, by least squares.
+///
+/// Adhesion would pull, N0 < 0. A film that bears load without friction pushes, N0 > 0; s is then free of it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LoadLineReport {
+    /// `flat`, or the name of the trial.
+    pub sample: String,
+    /// Sliding speed.
+    pub speed_mm_s: f64,
+    /// Relative humidity.
+    pub humidity_pct: f64,
+    /// Number of normal forces.
+    pub forces: usize,
+    /// s = dF/dN.
+    pub slope: f64,
+    /// Standard error of the slope, from the scatter about the line.
+    pub slope_std: f64,
+    /// N0 on one specimen.
+    pub zero_n: f64,
+    /// Standard error of N0.
+    pub zero_n_std: f64,
+}
+
+/// Lines of the `flat` samples and of every sample, at conditions with three forces or more.
+pub(super) fn load_lines(flat: &[Measurement], samples: &[CutSample]) -> Vec<LoadLineReport> {
+    let trials = samples.iter().map(|cut| (cut.name.as_str(), cut.measured.as_slice()));
+    let mut found = Vec::new();
+    for (name, rows) in std::iter::once(("flat", flat)).chain(trials) {
+        for (place, first) in rows.iter().enumerate() {
+            let is_alike = |row: &&Measurement| row.speed_m_s == first.speed_m_s && row.humidity == first.humidity;
+            if !rows[..place].iter().any(|row| is_alike(&row)) {
+                let own: Vec<&Measurement> = rows.iter().filter(is_alike).collect();
+                found.extend(line(name, &own));
+            }
+        }
+    }
+    found
+}
+
+fn line(sample: &str, rows: &[&Measurement]) -> Option<LoadLineReport> {
+    let n = rows.len() as f64;
+    let mean = |of: fn(&Measurement) -> f64| rows.iter().map(|row| of(row)).sum::<f64>() / n;
+    let friction_n = |row: &Measurement| row.mu_dynamic * row.force_n;
+    let (force_n, friction) = (mean(|row| row.force_n), mean(friction_n));
+    let sum = |of: &dyn Fn(&Measurement) -> f64| rows.iter().map(|row| of(row)).sum::<f64>();
+    let spread = sum(&|row| (row.force_n - force_n).powi(2));
+    if rows.len() < MIN_FORCES || spread <= 0.0 {
+        return None;
+    }
+    let slope = sum(&|row| (row.force_n - force_n) * (friction_n(row) - friction)) / spread;
+    let rest = sum(&|row| (friction_n(row) - friction - slope * (row.force_n - force_n)).powi(2)) / (n - 2.0);
+    let zero_n = force_n - friction / slope;
+    // N0 = N - F / s: var = [var F + (F / s)^2 var s] / s^2
+    let slope_variance = rest / spread;
+    let zero_variance = (rest / n + (friction / slope).powi(2) * slope_variance) / (slope * slope);
+    let first = rows.first().filter(|_| slope > 0.0)?;
+    Some(LoadLineReport {
+        sample: sample.to_owned(),
+        speed_mm_s: tidy(SPEED_MM_S.from_si(first.speed_m_s)),
+        humidity_pct: tidy(HUMIDITY_PCT.from_si(first.humidity)),
+        forces: rows.len(),
+        slope: tidy(slope),
+        slope_std: tidy(slope_variance.sqrt()),
+        zero_n: tidy(zero_n),
+        zero_n_std: tidy(zero_variance.sqrt()),
+    })
+}
+
+/// Table of the lines; empty without any.
+pub(super) fn text(lines: &[LoadLineReport]) -> String {
+    if lines.is_empty() {
+        return String::new();
+    }
+    let mut table = Table::new(["sample", "v mm/s", "RH %", "dF/dN", "+-", "N0 N", "+-"]);
+    for of in lines {
+        table.row([
+            of.sample.clone(),
+            of.speed_mm_s.to_string(),
+            of.humidity_pct.to_string(),
+            fixed(Some(of.slope), 3),
+            fixed(Some(of.slope_std), 3),
+            fixed(Some(of.zero_n), 1),
+            fixed(Some(of.zero_n_std), 1),
+        ]);
+    }
+    format!("\nfriction force F = dF/dN (N - N0); N0 > 0: something bears load without friction\n{table}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_force_borne_without_friction_is_the_zero_of_the_line() {
+        let row = |force_n: f64, humidity: f64, off: f64| Measurement {
+            force_n,
+            speed_m_s: 2e-3,
+            humidity,
+            // F = 0.3 (N - 10)
+            mu_dynamic: 0.3 * (force_n - 10.0) / force_n + off / force_n,
+            mu_dynamic_std: 0.002,
+            static_peak: None,
+        };
+        let flat = [row(50.0, 0.8, 0.0), row(100.0, 0.8, 0.0), row(50.0, 0.4, 0.0), row(200.0, 0.8, 0.0)];
+        let found = load_lines(&flat, &[]);
+        assert_eq!(found.len(), 1, "two forces make no line: {found:?}");
+        let of = &found[0];
+        assert_eq!((of.sample.as_str(), of.forces, of.humidity_pct), ("flat", 3, 80.0));
+        assert!((of.slope - 0.3).abs() < 1e-9 && (of.zero_n - 10.0).abs() < 1e-6 && of.zero_n_std < 1e-6, "{of:?}");
+        // Residuals -1, 2, -1 over equal distances: the slope is unchanged.
+        let scattered = [row(50.0, 0.4, -1.0), row(100.0, 0.4, 2.0), row(150.0, 0.4, -1.0)];
+        let of = &load_lines(&scattered, &[])[0];
+        assert!((of.slope - 0.3).abs() < 1e-9 && (of.slope_std - (6.0_f64 / 5000.0).sqrt()).abs() < 1e-9, "{of:?}");
+        assert!(text(&[]).is_empty() && text(&found).contains("0.300"));
+    }
+}
