@@ -12,6 +12,7 @@
 //! | [`trade_offs`] | designs by two or three goals, with the Pareto front |
 //! | [`trials`] | measured and predicted ratios of trials, and ratios against texture features |
 //! | [`left_out`] | measured ratios against those predicted by all other trials |
+//! | [`literature`] | published ratios beside those of trials |
 //! | [`friction_loops`] | friction against position in reciprocating sliding |
 //! | [`tribometer`] | repeats of a test against time, with the values read from them |
 //! | [`surface_map`] | a surface seen from above, with heights as colours |
@@ -33,6 +34,7 @@ mod friction_trace;
 mod height_histogram;
 mod interface_pressure;
 mod left_out;
+mod literature;
 mod plot;
 mod raster;
 mod ratios;
@@ -52,6 +54,7 @@ pub use friction_trace::{FrictionTraceChart, Trace, friction_trace};
 pub use height_histogram::{HeightHistogramChart, height_histogram};
 pub use interface_pressure::{InterfacePressureChart, interface_pressure};
 pub use left_out::left_out;
+pub use literature::{LiteratureChart, LiteratureMark, literature};
 pub use ratios::{RatioSeries, RatiosChart, ratios};
 pub use residuals::{ResidualsChart, residuals};
 pub use section::{SectionChart, SpectrumChart, section, spectrum};

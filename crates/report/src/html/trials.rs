@@ -6,6 +6,7 @@ use slipgrid_design::results::{believed, believed_interval, believed_std};
 use super::page::{Column, Page, number, percent, plain, sentence, yes_or_no};
 use crate::Outputs;
 use crate::charts::{Estimate, Prediction, left_out};
+use crate::literature;
 use crate::trials::{
     CoverageReport, EffectReport, MeasuredReport, PendingReport, PredictedReport, TrialReport, TrialsReport,
 };
@@ -59,6 +60,7 @@ pub fn trials(report: &TrialsReport, outputs: &Outputs) -> String {
         |page| picture(page, outputs),
     );
     details(&mut page, report);
+    published(&mut page, report);
     page.finish(&title, &report.version)
 }
 
@@ -185,6 +187,27 @@ fn left_out_picture(report: &TrialsReport) -> Option<String> {
         })
         .collect();
     left_out(&names, &predictions).ok()
+}
+
+/// Adds published ratios beside the measured ones.
+fn published(page: &mut Page, report: &TrialsReport) {
+    let Ok(svg) = literature::picture(report) else { return };
+    page.part("What others measured", |page| {
+        page.picture(&svg, "Measured ratios of the trials beside published ones, a column a source");
+        let rows: Vec<Vec<String>> = literature::sources()
+            .into_iter()
+            .zip(1_usize..)
+            .map(|((source, reference, ratios), at)| {
+                let numbers = ratios.iter().map(|ratio| number(*ratio, 2)).collect::<Vec<_>>().join(", ");
+                vec![at.to_string(), source, reference, numbers]
+            })
+            .collect();
+        page.table(
+            "Dry polymers and rubbers with numbers. Only the first has a flat face with known dimensions of the texture; the others slid on balls or do not give them.",
+            &["number", "source", "reference", "ratios"],
+            &rows,
+        );
+    });
 }
 
 fn details(page: &mut Page, report: &TrialsReport) {

@@ -1,0 +1,150 @@
+//! Published ratios of textured over flat friction, beside a user's trials.
+
+use crate::charts::{ChartError, LiteratureChart, LiteratureMark, literature};
+use crate::trials::TrialsReport;
+
+/// The table, with references.
+const TABLE: &str = include_str!("../data/dry_textured_friction.csv");
+
+/// Published comparison of a textured with a flat surface.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Published {
+    /// Authors and year.
+    pub source: String,
+    /// Journal or identifier.
+    pub reference: String,
+    /// Material of the sample.
+    pub material: String,
+    /// Surface that it slid on.
+    pub counterface: String,
+    /// Shape of the texture.
+    pub texture: String,
+    /// Areal density, if given.
+    pub areal_density: Option<f64>,
+    /// Ratio of friction, textured over flat, as written: a number, a bound or nothing.
+    pub ratio: String,
+    /// Dry polymer or rubber, textured over flat; others are lubricated, of metal or another comparison.
+    pub is_dry_polymer: bool,
+}
+
+impl Published {
+    /// Ratio, if it is a number.
+    #[must_use]
+    pub fn number(&self) -> Option<f64> {
+        self.ratio.parse().ok()
+    }
+}
+
+/// All rows of the table.
+#[must_use]
+pub fn published() -> Vec<Published> {
+    let mut lines = TABLE.lines().filter(|line| !line.starts_with('#'));
+    let header = cells(lines.next().unwrap_or_default());
+    let row = |line: &str| {
+        let cells = cells(line);
+        let cell = |name: &str| {
+            let place = header.iter().position(|own| own == name);
+            place.and_then(|place| cells.get(place)).cloned().unwrap_or_default()
+        };
+        Published {
+            source: cell("source"),
+            reference: cell("reference"),
+            material: cell("material"),
+            counterface: cell("counterface"),
+            texture: cell("planform"),
+            areal_density: cell("areal_density").parse().ok(),
+            ratio: cell("ratio"),
+            is_dry_polymer: cell("kind") == "measured",
+        }
+    };
+    lines.map(row).collect()
+}
+
+/// Cells of a line of comma-separated values; commas within quotes do not separate.
+fn cells(line: &str) -> Vec<String> {
+    let mut cells = vec![String::new()];
+    let mut is_quoted = false;
+    for letter in line.chars() {
+        match letter {
+            '"' => is_quoted = !is_quoted,
+            ',' if !is_quoted => cells.push(String::new()),
+            _ => {
+                if let Some(cell) = cells.last_mut() {
+                    cell.push(letter);
+                }
+            }
+        }
+    }
+    cells
+}
+
+/// Sources with numbers of dry polymers, in the order of the table.
+#[must_use]
+pub fn sources() -> Vec<(String, String, Vec<f64>)> {
+    let mut found: Vec<(String, String, Vec<f64>)> = Vec::new();
+    for of in published().into_iter().filter(|of| of.is_dry_polymer) {
+        let Some(ratio) = of.number() else { continue };
+        match found.iter_mut().find(|(source, ..)| *source == of.source) {
+            Some((.., ratios)) => ratios.push(ratio),
+            None => found.push((of.source, of.reference, vec![ratio])),
+        }
+    }
+    found
+}
+
+/// Draws the measured ratios of `report` beside published ones.
+///
+/// # Errors
+/// [`ChartError`] if there is nothing to draw or a value is not finite.
+pub fn picture(report: &TrialsReport) -> Result<String, ChartError> {
+    let sources = sources();
+    let own = report.trials.iter().flat_map(|trial| trial.measured.iter().map(|at| at.measured)).collect();
+    let mut marks = vec![LiteratureMark { number: "yours".to_owned(), ratios: own, is_own: true }];
+    marks.extend(sources.into_iter().zip(1_usize..).map(|((_, _, ratios), number)| LiteratureMark {
+        number: number.to_string(),
+        ratios,
+        is_own: false,
+    }));
+    literature(&LiteratureChart { title: "Dry polymers and rubbers: friction of textured over flat", marks: &marks })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use slipgrid_infer::discrepancy::{Conditions, Discrepancy, Features, Hyperparameters, Load, Sensitivity};
+    use slipgrid_model::pattern::{Pattern, Planform};
+
+    #[test]
+    fn every_row_has_a_source_a_reference_and_a_kind_and_numbers_are_those_of_coefficients() {
+        let all = published();
+        assert!(all.len() >= 40 && all.iter().all(|of| !of.source.is_empty() && !of.reference.is_empty()));
+        let contrasts = all.iter().filter(|of| !of.is_dry_polymer).count();
+        assert!((3..10).contains(&contrasts), "{contrasts}");
+        let squares: Vec<&Published> = all.iter().filter(|of| of.areal_density == Some(0.0676)).collect();
+        assert_eq!(squares.len(), 18);
+        assert!(all.iter().filter_map(Published::number).all(|ratio| (0.1..3.0).contains(&ratio)));
+        assert_eq!(cells("a,\"b, c\",,d"), ["a", "b, c", "", "d"]);
+    }
+
+    /// Root mean square of the logarithms, each source with numbers counted once by its strongest texture: the
+    /// publications chose textures with an effect.
+    fn rms() -> f64 {
+        let strongest = |ratios: &[f64]| {
+            ratios.iter().map(|ratio| ratio.ln()).fold(0.0, |a: f64, b| if b.abs() > a.abs() { b } else { a })
+        };
+        let all: Vec<f64> = sources().iter().map(|(.., ratios)| strongest(ratios)).collect();
+        (all.iter().map(|log| log * log).sum::<f64>() / all.len() as f64).sqrt()
+    }
+
+    /// Before any trial, dense textures are believed to change friction as much as published ones do.
+    #[test]
+    fn the_prior_of_a_dense_texture_is_as_wide_as_published_ratios() {
+        let published = rms();
+        assert!((0.6..0.85).contains(&published), "{published}");
+        let prior = Discrepancy::new(Hyperparameters::default(), Conditions::default(), 0.0, Vec::new()).unwrap();
+        let load = Load { pressure_pa: 1.5e6, speed_m_s: 2e-3, humidity: 0.4 };
+        let squares = Pattern::new(Planform::Square, 250e-6, 50e-6, 10e-6).unwrap();
+        let (_, std) = prior.at(&[load]).predict(&Features::from(&squares), &[Sensitivity::default()]).moments(0);
+        assert!((std / published - 1.0).abs() < 0.3, "{std} {published}");
+    }
+}
