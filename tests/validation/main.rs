@@ -13,6 +13,7 @@ mod coverage;
 mod dynamic_against_reference;
 mod excess;
 mod finite_elements;
+mod floor;
 mod lattices;
 mod rims;
 mod steady_against_dynamic;

@@ -111,8 +111,6 @@ pub fn picture(report: &TrialsReport) -> Result<String, ChartError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use slipgrid_infer::discrepancy::{Conditions, Discrepancy, Features, Hyperparameters, Load, Sensitivity};
-    use slipgrid_model::pattern::{Pattern, Planform};
 
     #[test]
     fn every_row_has_a_source_a_reference_and_a_kind_and_numbers_are_those_of_coefficients() {
@@ -124,27 +122,5 @@ mod tests {
         assert_eq!(squares.len(), 18);
         assert!(all.iter().filter_map(Published::number).all(|ratio| (0.1..3.0).contains(&ratio)));
         assert_eq!(cells("a,\"b, c\",,d"), ["a", "b, c", "", "d"]);
-    }
-
-    /// Root mean square of the logarithms, each source with numbers counted once by its strongest texture: the
-    /// publications chose textures with an effect.
-    fn rms() -> f64 {
-        let strongest = |ratios: &[f64]| {
-            ratios.iter().map(|ratio| ratio.ln()).fold(0.0, |a: f64, b| if b.abs() > a.abs() { b } else { a })
-        };
-        let all: Vec<f64> = sources().iter().map(|(.., ratios)| strongest(ratios)).collect();
-        (all.iter().map(|log| log * log).sum::<f64>() / all.len() as f64).sqrt()
-    }
-
-    /// Before any trial, dense textures are believed to change friction as much as published ones do.
-    #[test]
-    fn the_prior_of_a_dense_texture_is_as_wide_as_published_ratios() {
-        let published = rms();
-        assert!((0.6..0.85).contains(&published), "{published}");
-        let prior = Discrepancy::new(Hyperparameters::default(), Conditions::default(), 0.0, Vec::new()).unwrap();
-        let load = Load { pressure_pa: 1.5e6, speed_m_s: 2e-3, humidity: 0.4 };
-        let squares = Pattern::new(Planform::Square, 250e-6, 50e-6, 10e-6).unwrap();
-        let (_, std) = prior.at(&[load]).predict(&Features::from(&squares), &[Sensitivity::default()]).moments(0);
-        assert!((std / published - 1.0).abs() < 0.3, "{std} {published}");
     }
 }
