@@ -62,7 +62,7 @@ class Types:
         self.text: list[str] = []
 
     def table(self, schema: dict[str, Any], name: str, owner: str, base: str | None = None) -> str:
-        known = json.dumps(structure(schema), sort_keys=True)
+        known = json.dumps(structure([schema["properties"], schema.get("required", [])]), sort_keys=True)
         if base is None and known in self.named:
             return self.named[known]
         while name in self.taken:

@@ -443,6 +443,8 @@ class MeasurementsTable(TypedDict, total=False):
 
     flat: FileLike
     patterned: FileLike
+    samples: int
+    force_is: Literal["per_sample", "total"]
 
 
 class ColumnsTable(TypedDict, total=False):
@@ -469,6 +471,7 @@ class TracesConditionTable(TypedDict, total=False):
     humidity_pct: Required[float]
     surface: Literal["flat", "patterned"]
     files: Required[Sequence[FileLike]]
+    order: float
     step: int
     exclude: Sequence[str]
     window_s: ArrayLike
@@ -842,29 +845,6 @@ class DesignRecord(Record):
     seed: int
 
 
-class SimulationPattern(Record):
-    """Texture; null for a flat scene."""
-
-    width_um: float
-    spacing_um: float
-    depth_um: float
-    planform: Optional[str]
-    length_um: Optional[float]
-    vertices_um: list[list[float]]
-    spacing_across_um: Optional[float]
-    arrangement: Optional[str]
-    angle_deg: Optional[float]
-    crossing_angle_deg: Optional[float]
-    sliding_angle_deg: Optional[float]
-    rim_height_um: Optional[float]
-    rim_heights_um: list[list[float]]
-    rim_width_um: Optional[float]
-    rim_profile: Optional[str]
-    rim_height_std_um: Optional[float]
-    areal_density: float
-    section_density: float
-
-
 class Parts(Record):
     """Contribution of one source of error."""
 
@@ -901,22 +881,13 @@ class Errors(Record):
     by_pressure: list[ByPressure]
 
 
-class DiscrepancyByPressureRatio(Record):
-    """Ratio times the factor."""
-
-    value: Optional[float]
-    std: Optional[float]
-    interval_95: list[float]
-    parts: list[Parts]
-
-
 class DiscrepancyByPressure(Record):
     """Corrected values at one pressure."""
 
     pressure_mpa: float
     factor: float
     factor_relative_std: float
-    ratio: Optional[DiscrepancyByPressureRatio]
+    ratio: Optional[Ratio]
     mu: Ratio
 
 
@@ -939,7 +910,7 @@ class SimulationRecord(Record):
     model: list[str]
     method: list[str]
     material: MaterialSource
-    pattern: Optional[SimulationPattern]
+    pattern: Optional[Pattern]
     section_model: bool
     areal_density: Optional[float]
     section_density: Optional[float]
