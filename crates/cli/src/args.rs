@@ -15,7 +15,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use slipgrid_io::disk::MAX_THREADS;
-use slipgrid_io::formats::traces::MAX_SPECIMENS;
+use slipgrid_io::formats::held_specimens::MAX_SPECIMENS;
 
 pub use campaign::{CampaignArgs, CampaignStep, MergeArgs, PlanArgs, WorkArgs};
 pub use evidence::{AccuracyArgs, ValidateArgs};

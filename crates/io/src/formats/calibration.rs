@@ -13,10 +13,11 @@ use slipgrid_model::material::{AreaLaw, Elastic, Extrapolation};
 use slipgrid_model::pattern::Pattern;
 use slipgrid_model::springblock::{Holder, Layer};
 
-use super::calibration_file::{BulkFile, CalibrationFile, MeasurementsFile};
+use super::calibration_file::{BulkFile, CalibrationFile};
 use super::cavity_lengths;
 use super::document::Document;
 use super::file_kind::FileKind;
+use super::held_specimens::sharing_force;
 use super::material::{DEFAULT_STATIC_OVER_DYNAMIC, check_modulus_std, existing};
 use super::measured::{self, Placed, Remarks, Specimens};
 use super::measurements;
@@ -27,7 +28,7 @@ use super::stated_specimen::{StatedSpecimen, area_m2, extent_m, outline_told};
 use super::surface::{Surface, SurfaceFile};
 use super::trace_notes::unrepeated;
 use super::trace_table::TraceReader;
-use super::traces::{self, ConditionTraces, MAX_SPECIMENS, SurfaceKind};
+use super::traces::{self, ConditionTraces, SurfaceKind};
 use super::trials::{self, FlatSamples};
 use crate::formats::altitude_map::read_period;
 use crate::formats::diagnostic::Diagnostic;
@@ -165,7 +166,8 @@ impl Calibration {
         remarks.told.extend(outline_told(document, &file.specimen, &outline)?);
         let of_trials = file.trial.iter().filter_map(|trial| trial.get_ref().traces()).flatten();
         let mut reader = TraceReader::new(document, file.traces.as_ref().map(Spanned::get_ref), of_trials)?;
-        let Measured { flat: placed, patterned, mut traces } = read_measured(document, &file, &mut reader)?;
+        let samples = sharing_force(document, file.measurements.as_ref())?;
+        let Measured { flat: placed, patterned, mut traces } = read_measured(document, &file, samples, &mut reader)?;
         for rows in [&placed, &patterned] {
             remarks.told.extend(measured::check(rows, &specimens)?);
             remarks.repeated.extend(measured::identical(&[], rows));
@@ -190,7 +192,6 @@ impl Calibration {
             dimensions_std_m,
             ..trials::of_tables(pattern, relief, stated.cut(), &patterned)
         });
-        let samples = read_samples(document, &file)?;
         let flat = FlatSamples { stated, specimens: &specimens, measured: &placed, samples };
         let prior = file.trial_prior.as_ref();
         let (trials, of_trials) =
@@ -389,10 +390,10 @@ struct Measured {
 fn read_measured(
     document: &Document,
     file: &CalibrationFile,
+    samples: u32,
     reader: &mut TraceReader<'_>,
 ) -> Result<Measured, Diagnostic> {
     let mut tables = [Vec::new(), Vec::new()];
-    let samples = read_samples(document, file)?;
     if let Some(measurements) = &file.measurements {
         let names = [measurements.get_ref().flat.as_ref(), measurements.get_ref().patterned.as_ref()];
         for (table, name) in tables.iter_mut().zip(names) {
@@ -432,52 +433,6 @@ fn read_measured(
     Ok(Measured { flat, patterned, traces: read })
 }
 
-/// Meaning of a force in a table where a holder has several specimens.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum ForceIs {
-    PerSample,
-    Total,
-}
-
-impl ForceIs {
-    const ALL: [Self; 2] = [Self::PerSample, Self::Total];
-
-    const fn name(self) -> &'static str {
-        match self {
-            Self::PerSample => "per_sample",
-            Self::Total => "total",
-        }
-    }
-}
-
-/// Number of specimens that a force in the tables presses: that of the holder if forces are totals.
-fn read_samples(document: &Document, file: &CalibrationFile) -> Result<u32, Diagnostic> {
-    let Some(table) = &file.measurements else { return Ok(1) };
-    let MeasurementsFile { samples, force_is, .. } = table.get_ref();
-    let force_is = force_is.as_ref().map(|name| document.choice(name, &ForceIs::ALL, ForceIs::name)).transpose()?;
-    let Some(given) = samples else {
-        return match force_is {
-            Some(ForceIs::Total) => {
-                Err(document.missing(table.span(), "samples").expected("the specimens in the holder"))
-            }
-            _ => Ok(1),
-        };
-    };
-    let count = u32::try_from(*given.get_ref()).ok().filter(|count| (1..=MAX_SPECIMENS).contains(count));
-    let count = count.ok_or_else(|| {
-        document
-            .refuse(given.span(), "specimens are not held")
-            .expected(format!("a whole number from 1 to {MAX_SPECIMENS}"))
-    })?;
-    match force_is {
-        None if count > 1 => Err(document
-            .refuse(given.span(), "specimens share a force, or each bears it")
-            .expected("force_is = \"per_sample\" or \"total\" beside samples")),
-        Some(ForceIs::Total) => Ok(count),
-        _ => Ok(1),
-    }
-}
-
 fn read_scale(document: &Document, file: &CalibrationFile) -> Result<Option<[f64; 2]>, Diagnostic> {
     let Some(bounds) = file.fit.as_ref().and_then(|fit| fit.area_law_scale_mpa.as_ref()) else { return Ok(None) };
     if file.surface.is_some() {
@@ -488,52 +443,5 @@ fn read_scale(document: &Document, file: &CalibrationFile) -> Result<Option<[f64
     match document.numbers(bounds, PRESSURE_MPA)?[..] {
         [from, to] if from < to => Ok(Some([from, to])),
         _ => Err(document.refuse(bounds.span(), "is no range").expected("two increasing pressures, [0.5, 50]")),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_total_force_presses_all_specimens_and_several_specimens_say_which_it_is() {
-        let pressed = |keys: &str| {
-            let text = format!(
-                "name = \"a\"\nsource = \"b\"\n[material]\nyoungs_modulus_gpa = 0.38\ndensity_g_cm3 = 0.9\n[specimen]\nradius_mm = 5.0\n\
-                 [measurements]\n{keys}\n"
-            );
-            let document = Document::new("c.toml", text);
-            let file: CalibrationFile = document.parse().map_err(|refused: Diagnostic| refused.to_string())?;
-            read_samples(&document, &file).map_err(|refused| refused.to_string())
-        };
-        assert_eq!(pressed(""), Ok(1));
-        assert_eq!(pressed("samples = 3\nforce_is = \"total\""), Ok(3));
-        assert_eq!(pressed("samples = 3\nforce_is = \"per_sample\""), Ok(1));
-        assert_eq!(pressed("samples = 1"), Ok(1));
-        for (keys, expected) in [
-            (
-                "samples = 3",
-                "c.toml:9: measurements.samples: 3 specimens share a force, or each bears it; expected force_is",
-            ),
-            (
-                "samples = 0",
-                "c.toml:9: measurements.samples: 0 specimens are not held; expected a whole number from 1 to 100",
-            ),
-            (
-                "force_is = \"total\"",
-                "c.toml:8: measurements.samples: is missing; expected the specimens in the holder",
-            ),
-            (
-                "samples = 2\nforce_is = \"all\"",
-                "c.toml:10: measurements.force_is: \"all\" is not known; expected \"per_sample\" or \"total\"",
-            ),
-        ] {
-            let refused = pressed(keys).unwrap_err();
-            assert!(refused.starts_with(expected), "{refused}");
-        }
-        // 200 N on three specimens of one table are 66.7 N on each.
-        let table = "force_n,speed_mm_s,humidity_pct,mu_dynamic,mu_dynamic_std\n200,2,15,0.25,0.002\n";
-        let rows = measurements::read_text(Path::new("flat.csv"), table).unwrap();
-        assert!((Placed::rows(Path::new("flat.csv"), rows, 3)[0].measurement.force_n - 200.0 / 3.0).abs() < 1e-12);
     }
 }

@@ -44,6 +44,7 @@ pub mod document;
 mod exchanged;
 pub mod explored;
 pub mod file_kind;
+pub mod held_specimens;
 mod keys;
 pub mod laser;
 pub mod learned;

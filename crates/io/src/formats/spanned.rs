@@ -29,11 +29,6 @@ impl<T> Spanned<T> {
         &self.value
     }
 
-    /// The value, to be changed.
-    pub const fn get_mut(&mut self) -> &mut T {
-        &mut self.value
-    }
-
     /// Returns the value without its position.
     pub fn into_inner(self) -> T {
         self.value

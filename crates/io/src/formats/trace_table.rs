@@ -10,10 +10,9 @@ use slipgrid_traces::columns::{Channel, Titles};
 use slipgrid_traces::{DEFAULT_STROKE_SHARE, DEFAULT_WINDOW_S, moderate};
 
 use super::document::Document;
+use super::held_specimens;
 use super::measurements::ORDER;
-use super::traces::{
-    ConditionTraces, Export, MAX_SPECIMENS, OfTrial, Seen, SurfaceKind, TraceCondition, TraceSetup, analyse_among,
-};
+use super::traces::{ConditionTraces, Export, OfTrial, Seen, SurfaceKind, TraceCondition, TraceSetup, analyse_among};
 use super::values::{Number, NumberList};
 use crate::formats::diagnostic::Diagnostic;
 use crate::formats::source::{Entry, Source};
@@ -170,13 +169,8 @@ impl<'d> TraceReader<'d> {
         mut of_trials: impl Iterator<Item = &'f TraceConditionFile>,
     ) -> Result<Self, Diagnostic> {
         let window_s = read_window(document, file.and_then(|file| file.window_s.as_ref()))?;
-        let specimens = file.and_then(|file| file.specimens.as_ref()).map_or(Ok(1), |count| {
-            u32::try_from(*count.get_ref()).ok().filter(|count| (1..=MAX_SPECIMENS).contains(count)).ok_or_else(|| {
-                document
-                    .refuse(count.span(), "specimens are not held")
-                    .expected(format!("a whole number from 1 to {MAX_SPECIMENS}"))
-            })
-        })?;
+        let specimens = file.and_then(|file| file.specimens.as_ref());
+        let specimens = specimens.map_or(Ok(1), |count| held_specimens::read_count(document, count))?;
         let zero_s = read_zero(document, file.and_then(|file| file.zero_s.as_ref()))?;
         let radius = file.and_then(|file| file.effective_radius_mm.as_ref());
         let effective_radius_m = document.optional(radius, LENGTH_MM)?;

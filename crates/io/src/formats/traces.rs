@@ -21,9 +21,6 @@ use crate::formats::source::{Source, read_letters};
 use crate::formats::trace_departures::{departures, stands_still};
 use crate::formats::unused_columns::near_titles;
 
-/// Maximum number of specimens in a holder.
-pub const MAX_SPECIMENS: u32 = 100;
-
 /// Options for reading all traces of a calibration.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TraceSetup {
