@@ -136,13 +136,6 @@ class Design:
         self._design = _slipgrid.Design(text, Path(folder) / "design", objects=objects)
 
     @classmethod
-    def _of_tables(cls, tables: Mapping[str, object]) -> Design:
-        made = cls.__new__(cls)
-        text, objects = document(tables, ".")
-        made._design = _slipgrid.Design(text, "design", objects=objects)
-        return made
-
-    @classmethod
     def from_toml(cls, text: str, folder: str | PathLike[str] = ".") -> Design:
         """A task from the text of a design file in ``folder``."""
         made = cls.__new__(cls)

@@ -96,12 +96,12 @@ class AreaLaw(Record):
     @property
     def factor(self) -> NDArray[np.float64]:
         """f(P), by which the local coefficient is multiplied, shape (pressures,); NaN where there is no law."""
-        return np.array([np.nan if own is None else own for own in self["factor"]], dtype=np.float64)
+        return np.array(self["factor"], dtype=np.float64)
 
     @property
     def factor_std(self) -> NDArray[np.float64]:
         """Standard errors of f(P) from windows of the map, shape (pressures,); NaN without windows."""
-        return np.array([np.nan if own is None else own for own in self["factor_std"]], dtype=np.float64)
+        return np.array(self["factor_std"], dtype=np.float64)
 
     def _as_table(self) -> dict[str, object]:
         known = np.isfinite(self.factor)

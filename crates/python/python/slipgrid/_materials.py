@@ -6,7 +6,7 @@ import html
 import json
 from os import PathLike, fspath
 from pathlib import Path
-from typing import TYPE_CHECKING, Optional, TypedDict
+from typing import TYPE_CHECKING, Optional, TypedDict, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -25,6 +25,7 @@ if TYPE_CHECKING:
         CalibrationTables,
         ConditionTable,
         DesignPatternTable,
+        DesignTables,
         LaserTable,
         SampleTable,
         SpecimenTable,
@@ -286,7 +287,7 @@ class Material:
             "target": {"quantity": "ratio", "pressure_mpa": pressures, **(ends or {"goal": "lowest"})},
             "bounds": dict(zip(["width_um", "spacing_um", "depth_um"], bounds)),
         }
-        return Design._of_tables(tables).predict(width_um, spacing_um, depth_um, progress=progress)
+        return Design(**cast("DesignTables", tables)).predict(width_um, spacing_um, depth_um, progress=progress)
 
     def save(self, path: str | PathLike[str]) -> Path:
         """Writes the material file at ``path``. A file that slipgrid did not write is not replaced."""

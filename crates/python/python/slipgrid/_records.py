@@ -117,7 +117,7 @@ class Record(Mapping[str, Any]):
 
 def array(rows: Sequence[Mapping[str, Any]], name: str) -> NDArray[np.float64]:
     """The field ``name`` of every row; NaN where there is no value."""
-    return np.array([np.nan if row.get(name) is None else row[name] for row in rows], dtype=np.float64)
+    return np.array([row.get(name) for row in rows], dtype=np.float64)
 
 
 def pandas() -> ModuleType:
