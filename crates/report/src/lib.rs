@@ -7,7 +7,6 @@
 //! | [`html`] | self-contained pages: report.html |
 //! | [`pictures`], [`target`], [`trade_offs`], [`lattice`], [`csv`] | pictures and tables of one result |
 //! | [`calibration`], [`area_law`], [`surface`], [`traces`] | reports on calibrations, contact, maps and tribometer traces |
-//! | [`literature`] | published friction of textured surfaces |
 //! | [`laser_files`] | files for the laser, by format |
 //!
 //! The crate opens no files, reads no clock, prints nothing, and does not access the environment.
@@ -21,7 +20,7 @@ pub mod files;
 pub mod html;
 pub mod laser_files;
 pub mod lattice;
-pub mod literature;
+mod literature;
 pub mod pictures;
 pub mod surface;
 pub mod target;
