@@ -75,7 +75,60 @@ pub struct Explored {
     pub explorer: Explorer,
 }
 
+/// Prediction for samples of one texture, interpolated between the nodes of an [`Explorer`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct ExploredTexture {
+    /// Median over cut samples at each target pressure, in the quantity of the target.
+    pub expected: Vec<f64>,
+    /// Lower and upper end of the interval of 95 % of samples.
+    pub lower_95: Vec<f64>,
+    pub upper_95: Vec<f64>,
+    /// Chance that a sample is on target; `None` where every value is accepted.
+    pub chance: Option<f64>,
+    /// Maximum local pressure, in MPa.
+    pub peak_pressure_mpa: f64,
+    /// Minimum height of a cavity's ceiling under load, in micrometres.
+    pub clearance_um: f64,
+    /// Share of the face that is cavity.
+    pub areal_density: f64,
+    /// Time under the laser, in seconds, where it is known.
+    pub laser_s: Option<f64>,
+}
+
+/// Relative distance beyond a bound that is rounding, as between micrometres and metres.
+const BOUND_ROUNDING: f64 = 1e-9;
+
 impl Explored {
+    /// Prediction for samples with this width, spacing and depth, in micrometres, at the loads of the first condition; `None`
+    /// outside the bounds and beside textures without an answer.
+    #[must_use]
+    pub fn predict(&self, lengths_um: [f64; 3]) -> Option<ExploredTexture> {
+        let Explorer { expected, log_odds, beside, holes, .. } = &self.explorer;
+        let is_within = expected.axes().iter().zip(lengths_um).all(|(axis, length_um)| {
+            (axis.from * (1.0 - BOUND_ROUNDING)..=axis.to * (1.0 + BOUND_ROUNDING)).contains(&length_um)
+        });
+        if !is_within || expected.is_beside(holes, &lengths_um) {
+            return None;
+        }
+        let points = self.task.target.points();
+        let all = expected.at(&lengths_um);
+        // Medians of every load of every condition, then the lower ends, then the upper ends.
+        let part = |number: usize| all[number * all.len() / 3..][..points.len()].to_vec();
+        let has_demand = points.iter().any(|point| point.wanted.band().iter().any(Option::is_some));
+        let log_odds = log_odds.at(&lengths_um)[0];
+        let beside = beside.at(&lengths_um);
+        Some(ExploredTexture {
+            expected: part(0),
+            lower_95: part(1),
+            upper_95: part(2),
+            chance: has_demand.then(|| 1.0 / (1.0 + (-log_odds).exp())),
+            peak_pressure_mpa: beside[0].exp(),
+            clearance_um: beside[1],
+            areal_density: beside[2],
+            laser_s: Some(beside[3]).filter(|laser_s| *laser_s > 0.0),
+        })
+    }
+
     /// Reasons to doubt the numbers, in words.
     #[must_use]
     pub fn doubts(&self) -> Vec<String> {

@@ -83,31 +83,6 @@ enum Undone {
 
 /// Number of predicted columns beside medians and intervals: chance, peak pressure, clearance, areal density, laser seconds.
 const BESIDE: usize = 5;
-/// Relative distance beyond a bound that is rounding, as between micrometres and metres.
-const ROUNDING: f64 = 1e-9;
-
-/// Values of `explorer` at a texture for the `count` pressures of the first condition, in the order of [`Design::predict`]; `None`
-/// outside the bounds and beside textures without an answer.
-fn predicted(explorer: &Explorer, lengths_um: [f64; 3], count: usize, has_demand: bool) -> Option<Vec<f64>> {
-    let is_within = explorer
-        .expected
-        .axes()
-        .iter()
-        .zip(lengths_um)
-        .all(|(axis, length_um)| (axis.from * (1.0 - ROUNDING)..=axis.to * (1.0 + ROUNDING)).contains(&length_um));
-    if !is_within || explorer.expected.is_beside(&explorer.holes, &lengths_um) {
-        return None;
-    }
-    let expected = explorer.expected.at(&lengths_um);
-    // Medians of every load of every condition, then the lower ends, then the upper ends.
-    let mut values: Vec<f64> = expected.chunks(expected.len() / 3).flat_map(|part| part[..count].to_vec()).collect();
-    let log_odds = explorer.log_odds.at(&lengths_um)[0];
-    let beside = explorer.beside.at(&lengths_um);
-    let (log_peak_mpa, clearance_um, density, laser_s) = (beside[0], beside[1], beside[2], beside[3]);
-    values.push(if has_demand { 1.0 / (1.0 + (-log_odds).exp()) } else { f64::NAN });
-    values.extend([log_peak_mpa.exp(), clearance_um, density, if laser_s > 0.0 { laser_s } else { f64::NAN }]);
-    Some(values)
-}
 
 /// Contents of files by name.
 pub fn contents(py: Python<'_>, outputs: &Outputs) -> PyResult<Vec<(String, Vec<u8>)>> {
@@ -290,14 +265,21 @@ impl Design {
         let bounds = self.explored(py, progress)?;
         let (found, rows) = (&bounds.found, rows.as_array());
         let points = found.task.target.points();
-        let has_demand = points.iter().any(|point| point.wanted.band().iter().any(Option::is_some));
         let columns = 3 * points.len() + BESIDE;
         let mut values = vec![f64::NAN; rows.nrows() * columns];
         let predicted = watched(py, None, |watch| {
             values.par_chunks_mut(columns).enumerate().try_for_each(|(row, value)| {
                 watch.heed()?;
-                let own = predicted(&found.explorer, [0, 1, 2].map(|axis| rows[[row, axis]]), points.len(), has_demand);
-                own.iter().for_each(|own| value.copy_from_slice(own));
+                let Some(own) = found.predict([0, 1, 2].map(|axis| rows[[row, axis]])) else { return Ok(()) };
+                let beside = [
+                    own.chance.unwrap_or(f64::NAN),
+                    own.peak_pressure_mpa,
+                    own.clearance_um,
+                    own.areal_density,
+                    own.laser_s.unwrap_or(f64::NAN),
+                ];
+                let parts = [&own.expected[..], &own.lower_95, &own.upper_95, &beside];
+                value.copy_from_slice(&parts.concat());
                 Ok::<_, Cancelled>(())
             })
         })?;
