@@ -5,8 +5,8 @@
 //! where the clock restarts. Steps are numbered by a column or by lines such as `Step No. 2`; [`ExportOptions::step`]
 //! selects one of them.
 
-use crate::cells::{DecimalSigns, cut, number_in};
-use crate::columns::{Channel, Column, Titles};
+use crate::cells::{DecimalSigns, cut, number_in, separator, unquoted};
+use crate::columns::{Channel, Column, Titles, columns};
 pub use crate::export_error::ExportError;
 use crate::layout::{Layout, Line, header, is_missing, no_header};
 use crate::markers::{Marker, marker};
@@ -82,6 +82,30 @@ pub fn parse(text: &str, options: &ExportOptions<'_>) -> Result<TraceFile, Expor
         return Err(no_header(lines.into_iter(), titles));
     }
     reader.finish()
+}
+
+/// Titles of the first table in the text of an export, each with the quantity that it is taken for; of a text without known titles,
+/// the cells above the first row of numbers. Empty if there is no table.
+#[must_use]
+pub fn titles_in(text: &str, titles: &Titles) -> Vec<(String, Option<Channel>)> {
+    let lines = text.trim_start_matches('\u{feff}').lines();
+    let is_comment = |line: &str| COMMENTS.iter().any(|mark| line.trim_start().starts_with(mark));
+    let mut above = None;
+    for line in lines.filter(|line| !line.trim().is_empty() && !is_comment(line)) {
+        let known = header(line, titles).map(|(_, cells)| cells);
+        let is_row = |separator| cut(line, separator).iter().all(|cell| number_in(cell, separator).is_some());
+        let ends = known.is_some() || separator(line).is_some_and(is_row);
+        if !ends {
+            above = separator(line).map(|separator| cut(line, separator));
+            continue;
+        }
+        let cells = known.or(above).unwrap_or_default();
+        // A title with an unknown unit has no quantity here; the reader refuses it with its reason.
+        let columns = columns(&cells, titles).unwrap_or_else(|_| vec![None; cells.len()]);
+        let channels = columns.into_iter().map(|column| column.map(|column| column.channel));
+        return cells.iter().map(|cell| unquoted(cell).to_owned()).zip(channels).collect();
+    }
+    Vec::new()
 }
 
 /// State of the trace that is being read.
