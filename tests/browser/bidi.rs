@@ -8,7 +8,7 @@ use std::process::{Child, Command, Stdio};
 use serde_json::{Value, json};
 use tungstenite::{Message, WebSocket};
 
-use super::Page;
+use super::{Page, is_allowed};
 
 const PROGRAMS: [&str; 2] = ["firefox-esr", "firefox"];
 
@@ -19,12 +19,20 @@ pub struct Firefox {
     socket: WebSocket<TcpStream>,
     context: String,
     asked: u64,
+    /// Beginning of the addresses that the page may ask for.
+    own: String,
     complaints: Vec<String>,
 }
 
 impl Firefox {
     /// Opens the file at `path`; `None` if there is no browser.
     pub fn open(path: &Path) -> Option<Self> {
+        let url = format!("file://{}", path.display());
+        Self::open_at(&url, "file://")
+    }
+
+    /// Opens `url`; the page may ask for addresses that begin with `own`. `None` if there is no browser.
+    pub fn open_at(url: &str, own: &str) -> Option<Self> {
         let profile = tempfile::tempdir().unwrap();
         let mut browser = PROGRAMS.into_iter().find_map(|program| {
             Command::new(program)
@@ -43,7 +51,8 @@ impl Firefox {
         let stream = TcpStream::connect(&host).unwrap();
         let (socket, _) = tungstenite::client(format!("ws://{host}/session"), stream).unwrap();
         let (context, complaints) = (String::new(), Vec::new());
-        let mut page = Self { browser, _profile: profile, socket, context, asked: 0, complaints };
+        let own = own.to_owned();
+        let mut page = Self { browser, _profile: profile, socket, context, asked: 0, own, complaints };
         page.call("session.new", &json!({ "capabilities": {} }));
         let tree = page.call("browsingContext.getTree", &json!({}));
         page.context = tree["contexts"][0]["context"].as_str().unwrap().to_owned();
@@ -56,7 +65,6 @@ impl Firefox {
             "session.subscribe",
             &json!({ "events": ["log.entryAdded", "network.beforeRequestSent"], "contexts": [context] }),
         );
-        let url = format!("file://{}", path.display());
         page.call("browsingContext.navigate", &json!({ "context": context, "url": url, "wait": "complete" }));
         Some(page)
     }
@@ -82,8 +90,7 @@ impl Firefox {
             "log.entryAdded" => self.complaints.push(params["text"].to_string()),
             "network.beforeRequestSent" => {
                 let url = params["request"]["url"].as_str().unwrap_or_default();
-                let is_own = url.starts_with("data:") || (url.starts_with("file://") && url.ends_with(".html"));
-                if !is_own {
+                if !is_allowed(url, &self.own) {
                     self.complaints.push(format!("asked for {url}"));
                 }
             }

@@ -8,7 +8,7 @@ use std::process::{Child, Command, Stdio};
 use serde_json::{Value, json};
 use tungstenite::{Message, WebSocket};
 
-use super::Page;
+use super::{Page, is_allowed};
 
 const PROGRAMS: [&str; 4] = ["chromium", "chromium-browser", "google-chrome", "google-chrome-stable"];
 
@@ -19,6 +19,8 @@ pub struct Chromium {
     socket: WebSocket<TcpStream>,
     session: String,
     asked: u64,
+    /// Beginning of the addresses that the page may ask for.
+    own: String,
     /// Unexpected events of the page: network requests, exceptions, and console messages.
     complaints: Vec<String>,
 }
@@ -26,6 +28,12 @@ pub struct Chromium {
 impl Chromium {
     /// Opens the file at `path`; `None` if there is no browser.
     pub fn open(path: &Path) -> Option<Self> {
+        let url = format!("file://{}", path.display());
+        Self::open_at(&url, "file://")
+    }
+
+    /// Opens `url`; the page may ask for addresses that begin with `own`. `None` if there is no browser.
+    pub fn open_at(url: &str, own: &str) -> Option<Self> {
         let profile = tempfile::tempdir().unwrap();
         let mut browser = PROGRAMS.into_iter().find_map(|program| {
             Command::new(program)
@@ -51,14 +59,15 @@ impl Chromium {
         let host = address.strip_prefix("ws://").unwrap().split('/').next().unwrap();
         let (socket, _) = tungstenite::client(&address, TcpStream::connect(host).unwrap()).unwrap();
         let (session, complaints) = (String::new(), Vec::new());
-        let mut page = Self { browser, _profile: profile, socket, session, asked: 0, complaints };
+        let own = own.to_owned();
+        let mut page = Self { browser, _profile: profile, socket, session, asked: 0, own, complaints };
         let target = page.call("Target.createTarget", &json!({ "url": "about:blank" }));
         let attached = page.call("Target.attachToTarget", &json!({ "targetId": target["targetId"], "flatten": true }));
         page.session = attached["sessionId"].as_str().unwrap().to_owned();
         for domain in ["Page", "Runtime", "Log", "Network"] {
             page.call(&format!("{domain}.enable"), &json!({}));
         }
-        page.call("Page.navigate", &json!({ "url": format!("file://{}", path.display()) }));
+        page.call("Page.navigate", &json!({ "url": url }));
         while page.ask("document.readyState") != "complete" {}
         Some(page)
     }
@@ -89,8 +98,7 @@ impl Chromium {
             "Log.entryAdded" => self.complaints.push(params["entry"]["text"].to_string()),
             "Network.requestWillBeSent" => {
                 let url = params["request"]["url"].as_str().unwrap_or_default();
-                let is_own = url.starts_with("data:") || (url.starts_with("file://") && url.ends_with(".html"));
-                if !is_own {
+                if !is_allowed(url, &self.own) {
                     self.complaints.push(format!("asked for {url}"));
                 }
             }

@@ -11,6 +11,7 @@
 mod bidi;
 mod devtools;
 mod pages;
+mod studio;
 
 use std::fs;
 use std::path::Path;
@@ -29,6 +30,12 @@ trait Page {
     fn click(&mut self, x: f64, y: f64);
     /// Unexpected events of the page: exceptions, console messages, and network requests.
     fn complaints(&self) -> Vec<String>;
+}
+
+/// Whether a page whose own addresses begin with `own` may ask for `url`. A file asks for itself alone.
+fn is_allowed(url: &str, own: &str) -> bool {
+    let is_own = url.starts_with(own) && (!url.starts_with("file://") || url.ends_with(".html"));
+    is_own || url.starts_with("data:") || url.starts_with("blob:")
 }
 
 /// Design that is found in seconds, with a name that is a script unless it is escaped.

@@ -4,7 +4,7 @@ use crate::rooms::{code, root, sources};
 
 /// Upper limits of the lines of code of each crate. A crate that grows beyond its limit raises the limit in the same
 /// change, with the reason; a crate that shrinks lowers it.
-const LIMITS: [(&str, usize); 14] = [
+const LIMITS: [(&str, usize); 15] = [
     ("base", 1_700),
     ("model", 16_400),
     ("surface", 10_800),
@@ -16,6 +16,7 @@ const LIMITS: [(&str, usize); 14] = [
     ("report", 7_700),
     ("validate", 3_400),
     ("slipgrid", 100),
+    ("studio", 1_400),
     ("cli", 2_700),
     ("book", 400),
     ("python", 1_750),

@@ -7,7 +7,7 @@ use slipgrid_book::links::{anchors, targets};
 use crate::{book, files, root, text};
 
 /// Maximum number of lines of the README, and of characters per line.
-const README: [usize; 2] = [120, 125];
+const README: [usize; 2] = [100, 125];
 
 /// Chapters and other pages whose links are checked.
 fn pages() -> Vec<PathBuf> {

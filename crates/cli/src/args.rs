@@ -87,6 +87,8 @@ pub enum Command {
     Campaign(CampaignArgs),
     /// Write a commented file to start from
     New(NewArgs),
+    /// Do all of this on a page in the browser, without a terminal
+    Studio(StudioArgs),
     /// Print completions for a shell
     Completions(CompletionsArgs),
     /// Print the manual page
@@ -308,6 +310,24 @@ pub struct AreaLawArgs {
     /// Folder for result.json, the table and a picture
     #[arg(long, short, value_name = "DIR")]
     pub output: Option<PathBuf>,
+}
+
+/// Arguments of `studio`
+#[derive(Args, Debug)]
+#[command(after_help = "Examples:\n  \
+    slipgrid studio my-material\n  \
+    slipgrid studio --example\n\n\
+    Serves the page on this computer alone, at an address with a token, and opens it in the browser. Forms are views of the files in \
+    the folder; the page runs the commands of this program, and writes the same bytes. Ctrl-C ends it.")]
+pub struct StudioArgs {
+    /// Folder with calibrations and designs, which may be empty; the current one by default
+    pub folder: Option<PathBuf>,
+    /// Begin with the published polyethylene, in a new folder: slipgrid-example by default
+    #[arg(long)]
+    pub example: bool,
+    /// Print the address, and open no browser
+    #[arg(long)]
+    pub no_browser: bool,
 }
 
 /// Arguments of `new`

@@ -61,6 +61,15 @@ impl From<PlaceError> for CliError {
     }
 }
 
+impl From<slipgrid_studio::StudioError> for CliError {
+    fn from(error: slipgrid_studio::StudioError) -> Self {
+        match error {
+            slipgrid_studio::StudioError::Folder(error) => error.into(),
+            other => Self::Other(other.to_string()),
+        }
+    }
+}
+
 impl From<Cancelled> for CliError {
     fn from(_: Cancelled) -> Self {
         Self::Interrupted

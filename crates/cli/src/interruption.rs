@@ -21,8 +21,7 @@ pub const ANSWERS: &str = "answers of the search's model";
 pub const RESULTS: &str = "finished results";
 
 static ASKED: AtomicBool = AtomicBool::new(false);
-static ACCOUNT: Mutex<Account> =
-    Mutex::new(Account { stage: String::new(), written: Vec::new(), kept: None, goes_on: None });
+static ACCOUNT: Mutex<Account> = Mutex::new(Account::NONE);
 
 /// Data for the message of an interrupted run.
 struct Account {
@@ -33,6 +32,10 @@ struct Account {
     kept: Option<(PathBuf, usize, &'static str)>,
     /// Command that resumes from the kept results.
     goes_on: Option<String>,
+}
+
+impl Account {
+    const NONE: Self = Self { stage: String::new(), written: Vec::new(), kept: None, goes_on: None };
 }
 
 /// Locks a mutex even if it is poisoned: the data of the message are valid after a panic.
@@ -64,6 +67,11 @@ pub fn install() -> Result<(), ctrlc::Error> {
 fn end() -> ! {
     slipgrid_io::disk::lock::remove_all();
     std::process::exit(exit_code::INTERRUPTED.into())
+}
+
+/// Forgets the stages and files of an earlier command of this process.
+pub fn begin() {
+    *locked(&ACCOUNT) = Account::NONE;
 }
 
 /// Whether Ctrl-C was pressed.

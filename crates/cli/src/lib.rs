@@ -34,6 +34,7 @@ use std::path::Path;
 use clap::{CommandFactory, FromArgMatches};
 
 pub use error::CliError;
+use slipgrid_base::monitor::Monitor;
 use slipgrid_base::units::counted;
 use slipgrid_io::disk::{KeptResults, ResultFolder};
 use slipgrid_io::formats::diagnostic::printable_lines;
@@ -72,6 +73,8 @@ pub struct Console<'a> {
     pub kept: Option<KeptResults>,
     /// `--no-cache` disabled the cache.
     pub no_cache: bool,
+    /// Follows progress and may cancel, beside the keyboard: the page behind which the command runs.
+    pub watcher: Option<&'a dyn Monitor>,
 }
 
 impl Console<'_> {
@@ -165,6 +168,22 @@ where
     I: IntoIterator<Item = T>,
     T: Into<OsString> + Clone,
 {
+    run_watched(args, out, err, kept, None)
+}
+
+/// Same as [`run_with`]; `watcher` follows progress and may cancel. One command runs at a time in a process.
+pub fn run_watched<I, T>(
+    args: I,
+    out: &mut (dyn Write + Send),
+    err: &mut (dyn Write + Send),
+    kept: Option<KeptResults>,
+    watcher: Option<&dyn Monitor>,
+) -> u8
+where
+    I: IntoIterator<Item = T>,
+    T: Into<OsString> + Clone,
+{
+    interruption::begin();
     let mut command = with_negative_numbers(args::Arguments::command());
     let parsed = command.try_get_matches_from_mut(args);
     let parsed = parsed.and_then(|found| args::Arguments::from_arg_matches(&found));
@@ -194,7 +213,7 @@ where
     let kept = kept.filter(|_| !no_cache);
     let threads = pool.current_num_threads();
     let (ended, told) = pool.install(|| {
-        let mut console = Console { out: &mut *out, err: &mut *err, quiet, threads, kept, no_cache };
+        let mut console = Console { out: &mut *out, err: &mut *err, quiet, threads, kept, no_cache, watcher };
         let ended = commands::run(&arguments.command, &mut console);
         let told = console.out.flush();
         (ended, told)
@@ -205,7 +224,8 @@ where
         Err(CliError::Stdout(error)) if error.kind() == ErrorKind::BrokenPipe => exit_code::DONE,
         Err(error) => {
             // The error of an interrupted stage is not reported.
-            let error = if interruption::asked() { CliError::Interrupted } else { error };
+            let is_cancelled = interruption::asked() || watcher.is_some_and(Monitor::cancelled);
+            let error = if is_cancelled { CliError::Interrupted } else { error };
             let _ = writeln!(err, "error: {}", printable_lines(&error.to_string()));
             error.exit_code()
         }

@@ -24,12 +24,13 @@ pub struct Job<'a> {
     done: AtomicU64,
     notes: Option<Mutex<&'a mut (dyn Write + Send)>>,
     kept: Option<&'a KeptResults>,
+    watcher: Option<&'a dyn Monitor>,
 }
 
 impl<'a> Job<'a> {
     /// Starts the clock of a job that reports to `console`.
     pub fn new(console: &'a mut Console<'_>) -> Self {
-        let hidden = console.quiet || !std::io::stderr().is_terminal();
+        let hidden = console.quiet || console.watcher.is_some() || !std::io::stderr().is_terminal();
         let target = if hidden { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
         let bar = ProgressBar::with_draw_target(Some(PARTS as u64), target);
         if let Ok(style) = ProgressStyle::with_template("{msg:14} [{bar:40}] {percent:>3} % {elapsed} (left {eta})") {
@@ -37,8 +38,16 @@ impl<'a> Job<'a> {
         }
         let err: &'a mut (dyn Write + Send) = console.err;
         let notes = (!console.quiet).then(|| Mutex::new(err));
-        let kept = console.kept.as_ref();
-        Self { bar, start: Instant::now(), done: AtomicU64::new(0.0_f64.to_bits()), notes, kept }
+        let (kept, watcher) = (console.kept.as_ref(), console.watcher);
+        Self { bar, start: Instant::now(), done: AtomicU64::new(0.0_f64.to_bits()), notes, kept, watcher }
+    }
+}
+
+impl Job<'_> {
+    fn tell(&self, event: impl FnOnce(&dyn Monitor)) {
+        if let Some(watcher) = self.watcher {
+            event(watcher);
+        }
     }
 }
 
@@ -48,10 +57,12 @@ impl Monitor for Job<'_> {
         self.done.store(0.0_f64.to_bits(), Ordering::Relaxed);
         self.bar.reset();
         self.bar.set_message(name.to_owned());
+        self.tell(|watcher| watcher.stage(name));
     }
 
     fn detail(&self, text: &str) {
         self.bar.set_message(text.to_owned());
+        self.tell(|watcher| watcher.detail(text));
     }
 
     fn stage_ended(&self) {
@@ -63,10 +74,11 @@ impl Monitor for Job<'_> {
         let before = self.done.fetch_update(Ordering::Relaxed, Ordering::Relaxed, add);
         let (Ok(bits) | Err(bits)) = before;
         self.bar.set_position(((f64::from_bits(bits) + share).clamp(0.0, 1.0) * PARTS) as u64);
+        self.tell(|watcher| watcher.advance(share));
     }
 
     fn cancelled(&self) -> bool {
-        interruption::asked()
+        interruption::asked() || self.watcher.is_some_and(Monitor::cancelled)
     }
 
     fn kept(&self, place: &Path, results: usize) {
@@ -97,8 +109,15 @@ mod tests {
     #[test]
     fn shares_from_many_threads_add_up() {
         let (mut out, mut err) = (Vec::new(), Vec::new());
-        let mut console =
-            Console { out: &mut out, err: &mut err, quiet: true, threads: 1, kept: None, no_cache: false };
+        let mut console = Console {
+            out: &mut out,
+            err: &mut err,
+            quiet: true,
+            threads: 1,
+            kept: None,
+            no_cache: false,
+            watcher: None,
+        };
         let job = Job::new(&mut console);
         std::thread::scope(|scope| {
             for _ in 0..4 {

@@ -11,6 +11,7 @@ mod next;
 mod optimize;
 mod shell;
 mod simulate;
+mod studio;
 mod surface;
 mod synthesize;
 mod traces;
@@ -47,6 +48,7 @@ pub fn run(command: &Command, console: &mut Console<'_>) -> Result<u8, CliError>
         Command::Accuracy(args) => accuracy::run(args, console),
         Command::Campaign(args) => campaign::run(args, console),
         Command::New(args) => new::run(args, console),
+        Command::Studio(args) => studio::run(args, console),
         Command::Completions(args) => shell::completions(args, console),
         Command::Man(args) => shell::man(args, console),
     }

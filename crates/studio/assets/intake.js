@@ -1,0 +1,167 @@
+// New exports: force, speed, humidity and sample of each file, guessed from its name until they are confirmed.
+
+import { edit, has, say, state } from "./api.js";
+import { parseNumbers } from "./form.js";
+import { readTrace } from "./traceview.js";
+import { alert, button, h, parent, relative, table } from "./ui.js";
+
+const NUMBERS = { force_n: "Force in N", speed_mm_s: "Speed in mm/s", humidity_pct: "Humidity in %" };
+const PATTERNS = {
+  force_n: [/(\d+(?:[.,]\d+)?)[ _]?N(?![a-z])/i],
+  speed_mm_s: [/(\d+(?:[.,]\d+)?)[ _]?mm(?:[ _-]?(?:per|p))?[ _-]?s/i],
+  humidity_pct: [/(\d+(?:[.,]\d+)?)[ _]?(?:pct|percent|%|rh)/i, /rh[ _-]?(\d+(?:[.,]\d+)?)/i],
+};
+const DEFAULT_WINDOW_S = [10, 40];
+/// Table that every new calibration begins with.
+const TEMPLATE_TABLE = "flat.csv";
+
+/// Rows that were begun, by the path of the file.
+const rows = new Map();
+
+function guess(file, last) {
+  const name = file.split("/").pop();
+  const row = { guessed: new Set(Object.keys(NUMBERS)), isChosen: /(^|\/)traces\//.test(file) };
+  for (const [key, patterns] of Object.entries(PATTERNS)) {
+    const found = patterns.map((pattern) => name.match(pattern)).find(Boolean);
+    row[key] = found ? Number(found[1].replace(",", ".")) : (last?.[key] ?? null);
+  }
+  return row;
+}
+
+/// Whether one of `patterns`, in which * stands for any letters, means `path`, relative to the calibration's folder.
+const isMeant = (path, patterns) => patterns.some((pattern) => {
+  const literal = pattern.split("*").map((part) => part.replace(/[.+?^${}()|[\]\\]/g, "\\$&"));
+  return new RegExp(`^${literal.join("[^/]*")}$`).test(path) || path.endsWith(`/${pattern}`);
+});
+
+/// Tables in the calibration's folder that it does not name yet.
+export function newTables({ path, values }) {
+  const folder = parent(path);
+  const trials = values?.trial ?? [];
+  const conditions = [...(values?.traces?.condition ?? []), ...trials.flatMap((trial) => trial.traces ?? [])];
+  const named = [...conditions.flatMap((one) => [...(one.files ?? []), ...(one.exclude ?? [])]),
+    TEMPLATE_TABLE, values?.measurements?.flat, values?.measurements?.patterned, values?.surface?.map,
+      values?.surface?.map_after,
+    ...trials.map((trial) => trial.measurements)].filter(Boolean);
+  const isInside = (file) => (folder ? file.path.startsWith(`${folder}/`) : !file.path.startsWith("out/"));
+  return state.files.filter((file) => file.kind === "table" && isInside(file) && !file.path.endsWith(".asc"))
+    .map((file) => file.path).filter((file) => !isMeant(relative(folder, file), named))
+    .sort((a, b) => a.localeCompare(b, "en", { numeric: true }));
+}
+
+/// Window that fits a short trace; null where the present one lies within it.
+async function shorterWindow(file, doc) {
+  const [, end] = doc.values?.traces?.window_s ?? DEFAULT_WINDOW_S;
+  const { repeats } = await readTrace(file, doc.path);
+  const duration = Math.min(...repeats.map((repeat) => repeat.time_s.at(-1)));
+  if (!(duration < end)) return null;
+  return [0.3, 0.95].map((share) => Number((share * duration).toPrecision(2)));
+}
+
+/// Edits that add rows to their lists of conditions; files of an equal condition are its repeats.
+async function additions(doc, chosen) {
+  const edits = [];
+  const lists = new Map();
+  for (const { file, row, target } of chosen) {
+    const place = target.at.join(".");
+    const list = lists.get(place) ?? structuredClone(target.at.reduce((value, key) => value?.[key], doc.values) ?? []);
+    lists.set(place, list);
+    const wanted = { ...target.extra, ...Object.fromEntries(Object.keys(NUMBERS).map((key) => [key, row[key]])) };
+    const isEqual = (one) => Object.keys(NUMBERS).every((key) => one[key] === wanted[key])
+      && (one.surface ?? "flat") === (wanted.surface ?? "flat");
+    const name = relative(parent(doc.path), file);
+    const found = list.find(isEqual);
+    if (found) found.files = [...found.files, name];
+    else {
+      const window_s = await shorterWindow(file, doc);
+      list.push({ ...wanted, files: [name], ...(window_s ? { window_s } : {}) });
+    }
+    const index = list.indexOf(found ?? list.at(-1));
+    const isNew = index >= (target.at.reduce((value, key) => value?.[key], doc.values)?.length ?? 0);
+    const at = isNew ? [...target.at, index] : [...target.at, index, "files"];
+    const value = isNew ? list[index] : list[index].files;
+    const known = edits.find((one) => one.at.join() === at.join());
+    if (known) known.value = value;
+    else edits.push({ at, value });
+  }
+  const windows = edits.map(({ value }) => JSON.stringify(value.window_s));
+  if (doc.values?.traces?.window_s || !windows[0] || new Set(windows).size > 1) return edits;
+  // One window for all conditions stands at [traces].
+  const { window_s } = edits[0].value;
+  edits.forEach(({ value }) => delete value.window_s);
+  return [{ at: ["traces", "window_s"], value: window_s }, ...edits];
+}
+
+/// Table of `files`, each for one of `targets`: `{label, at, extra, holds}`. `before(doc, picked)` gives edits that
+/// come first; it throws to stop. `onShow` draws a file.
+export function drawIntake(root, doc, files, targets, options) {
+  const { before, onShow, onAdded, what } = options;
+  const failed = h("div", {});
+  const conditions = doc.values?.traces?.condition ?? [];
+  for (const file of files) {
+    if (!rows.has(file)) rows.set(file, guess(file, conditions.at(-1)));
+    const row = rows.get(file);
+    if (row.target === undefined || !targets[row.target]) {
+      const named = targets.findLastIndex(({ holds }) => holds?.(file));
+      row.target = Math.max(named, 0);
+    }
+  }
+  const redraw = () => drawIntake(root, doc, files.filter(has), targets, options);
+
+  const number = (file, key) => {
+    const row = rows.get(file);
+    const input = h("input", { type: "text", inputmode: "decimal", value: row[key] ?? "",
+      class: row.guessed.has(key) ? "guess" : null,
+      "aria-label": `${NUMBERS[key]} of ${file}` });
+    input.addEventListener("change", () => {
+      try { row[key] = parseNumbers(input.value, true, false); } catch { row[key] = null; input.value = ""; }
+      row.guessed.delete(key);
+      input.classList.remove("guess");
+      const empty = files.filter((other) => rows.get(other)[key] === null);
+      if (row[key] === null || empty.length === 0) return;
+      empty.forEach((other) => { rows.get(other)[key] = row[key]; });
+      redraw();
+    });
+    return input;
+  };
+  const sample = (file) => {
+    const row = rows.get(file);
+    const options = targets.map(({ label }, i) => h("option", { value: i }, label));
+    const select = h("select", { "aria-label": `Sample of ${file}`,
+      onchange: () => { row.target = Number(select.value); } }, options);
+    select.value = row.target;
+    return select;
+  };
+  const choice = (file) => {
+    const row = rows.get(file);
+    const box = h("input", { type: "checkbox", checked: row.isChosen, "aria-label": `Add ${file}` });
+    box.addEventListener("change", () => { row.isChosen = box.checked; label(); });
+    return box;
+  };
+  const chosen = () => files.filter((file) => rows.get(file).isChosen);
+  const add = button("", async () => {
+    const picked = chosen().map((file) => ({ file, row: rows.get(file), target: targets[rows.get(file).target] }));
+    const lacking = picked.find(({ row }) => Object.keys(NUMBERS).some((key) => row[key] === null));
+    if (lacking) return failed.replaceChildren(alert(`Enter force, speed and humidity of ${lacking.file}.`));
+    try {
+      const first = await before?.(doc, picked) ?? [];
+      await edit(doc.path, [...first, ...(await additions(doc, picked))]);
+      say(`${picked.length} files were added.`);
+      picked.forEach(({ file }) => rows.delete(file));
+      onAdded();
+    } catch (error) { failed.replaceChildren(alert(error)); }
+  }, { class: "main" });
+  const label = () => {
+    const count = chosen().length;
+    add.textContent = `Add ${count} ${count === 1 ? "file" : "files"} to ${what}`;
+    add.disabled = count === 0;
+  };
+  label();
+  const titles = ["Add", "File", ...Object.values(NUMBERS), "Sample", ""];
+  const lines = files.map((file) => [choice(file), h("span", { class: "path" }, relative(parent(doc.path), file)),
+    ...Object.keys(NUMBERS).map((key) => number(file, key)), sample(file), button("Show", () => onShow(file))]);
+  root.replaceChildren(h("div", { class: "intake" }, table("Exports that are not used yet", titles, lines)),
+    h("p", { class: "quiet" },
+      "Numbers in italics are guesses from file names. Check them. Files with equal numbers are repeats."),
+    add, failed);
+}

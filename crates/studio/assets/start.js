@@ -1,0 +1,52 @@
+// Beginning a material or a design: forms that ask for a name and write the template.
+
+import { edit, get, hashOf, load, loadFolder, measuredTable, run, state } from "./api.js";
+import { firstError } from "./jobs.js";
+import { alert, h, nameForm, parent, relative } from "./ui.js";
+
+function begin(root, label, action, value, onName) {
+  const failed = h("div", {});
+  const start = (name) => onName(name).catch((error) => failed.replaceChildren(alert(error)));
+  root.append(nameForm(label, action, value, start), failed);
+}
+
+async function make(command) {
+  const job = await run(command);
+  if (job.state !== "done") throw new Error(firstError(job));
+}
+
+async function choose(paths, page) {
+  await loadFolder();
+  location.hash = hashOf(page, paths);
+}
+
+/// Form that writes the folder of a new material and chooses it.
+export function startMaterial(root) {
+  begin(root, "Name of a new material", "Start a material", "my-material", async (name) => {
+    await make(["new", "calibration", name]);
+    await choose({ calibration: `${name}/calibration.toml` }, "material");
+  });
+}
+
+/// First speed and humidity that the calibration measured, for a new design.
+async function firstCondition(calibration) {
+  const { conditions } = await get("/api/traces", { calibration }).catch(() => ({ conditions: [] }));
+  if (conditions[0]) return { speed_mm_s: conditions[0].speed_mm_s, humidity_pct: conditions[0].humidity_pct };
+  const measured = await measuredTable(await load(calibration));
+  const cell = (key) => Number(measured.rows[0][measured.titles.indexOf(key)]);
+  return { speed_mm_s: cell("speed_mm_s"), humidity_pct: cell("humidity_pct") };
+}
+
+/// Form that writes a new design for the chosen calibration and chooses it.
+export function startDesign(root) {
+  begin(root, "Name of a new design", "Start a design", "my-design", async (name) => {
+    const path = name.endsWith(".toml") ? name : `${name}.toml`;
+    await make(["new", "design", path]);
+    if (state.calibration) {
+      const condition = await firstCondition(state.calibration).catch(() => null);
+      const material = { at: ["material"], value: relative(parent(path), state.calibration) };
+      await edit(path, [material, ...(condition ? [{ at: ["condition"], value: condition }] : [])]);
+    }
+    await choose({ design: path }, "target");
+  });
+}

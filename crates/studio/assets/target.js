@@ -1,0 +1,157 @@
+// Target: values or bands over pressure, the design's form, and the explorer beside it.
+
+import { edit, load, materialName, ofKind, on, schema, state } from "./api.js";
+import { drawExplorer } from "./explorer.js";
+import { drawForm, drawSummary, parseNumbers } from "./form.js";
+import { startDesign } from "./start.js";
+import { band, targetPlot } from "./targetplot.js";
+import { button, h, heading, newId, parent, relative, short } from "./ui.js";
+
+const MODES = {
+  value: { label: "value and tolerance", keys: ["value", "tolerance"] },
+  band: { label: "band", keys: ["lowest", "highest"] },
+  highest: { label: "at most", keys: ["highest"] },
+  lowest: { label: "at least", keys: ["lowest"] },
+  goal: { label: "as low, high or even as possible", keys: [] },
+};
+const KEYS = ["value", "tolerance", "lowest", "highest"];
+const COLUMNS = { value: "Value", tolerance: "Tolerance", lowest: "Lowest", highest: "Highest" };
+const GROUPS = [
+  { at: ["condition"], title: "Speed and humidity", open: true },
+  { at: ["bounds"], title: "Bounds of the texture", open: true },
+  { at: ["pattern"], title: "Pattern" }, { at: ["limits"], title: "Limits" }, { at: ["laser"], title: "Laser" },
+  { at: ["specimen"], title: "Specimen" }, { at: ["tolerances"], title: "Tolerances of samples" },
+  { at: ["also_at"], title: "Further conditions" }, { at: ["sample"], title: "Sample model" },
+  { at: ["search"], title: "Search" }, { at: ["trade_offs"], title: "Trade-offs" },
+];
+
+/// Target with one number per pressure; `single` names the keys that are one number in the file.
+function readTarget(values) {
+  const table = values?.target ?? {};
+  const pressures = [table.pressure_mpa ?? 1].flat();
+  const target = { quantity: table.quantity, goal: table.goal, pressures, single: new Set() };
+  for (const key of KEYS) {
+    if (table[key] === undefined) continue;
+    target[key] = Array.isArray(table[key]) ? [...table[key]] : pressures.map(() => table[key]);
+    if (!Array.isArray(table[key])) target.single.add(key);
+  }
+  const { value, lowest, highest } = target;
+  target.mode = value ? "value" : lowest && highest ? "band" : highest ? "highest" : lowest ? "lowest" : "goal";
+  return target;
+}
+
+const asWritten = (target, key) => (target.single.has(key) ? target[key][0] : target[key]);
+
+/// Table of pressures with their numbers, and the kind of the target.
+function targetTable(path, getTarget, onEdit) {
+  const root = h("div", {});
+  const write = (edits) => onEdit(edits.map(([key, value]) => ({ at: ["target", key], value })));
+  const input = (label, value, focusKey, change) => h("input",
+    { type: "text", inputmode: "decimal", "aria-label": label,
+    value: short(value, 6), "data-focus": focusKey, onchange: (event) => {
+      try { change(parseNumbers(event.target.value, true, false)); event.target.removeAttribute("aria-invalid"); }
+      catch (error) { event.target.setAttribute("aria-invalid", "true"); event.target.title = error.message; }
+    } });
+  const number = (target, key, i) => input(`${COLUMNS[key]} at ${short(target.pressures[i])} MPa`, target[key]?.[i],
+    `${key}${i}`,
+    (value) => { target[key] = target[key].with(i, value); target.single.delete(key); write([[key, target[key]]]); });
+  const remove = (target, i) => write([["pressure_mpa", target.pressures.toSpliced(i, 1)],
+    ...KEYS.filter((key) => target[key] && !target.single.has(key)).map((key) => [key, target[key].toSpliced(i, 1)])]);
+  const add = (target) => {
+    const last = target.pressures.at(-1);
+    const next = Number((last + (target.pressures.length > 1 ? last - target.pressures.at(-2) : last)).toPrecision(3));
+    const longer = KEYS.filter((key) => target[key] && !target.single.has(key))
+      .map((key) => [key, [...target[key], target[key].at(-1)]]);
+    write([["pressure_mpa", [...target.pressures, next]], ...longer]);
+  };
+  const setMode = (target, mode) => {
+    const ends = target.pressures.map((_, i) => band(target, i).map((end, side) => end ?? (side ? 0.9 : 0.8)));
+    const round = (one) => Number(one.toFixed(4));
+    const filled = { value: ends.map(([low, high]) => round((low + high) / 2)), lowest: ends.map(([low]) => round(low)),
+      highest: ends.map(([, high]) => round(high)), tolerance: ends.map(([low, high]) => round((high - low) / 2)) };
+    const { keys } = MODES[mode];
+    const goal = mode === "goal" && !target.goal ? [["goal", "lowest"]] : [];
+    write([...KEYS.map((key) => [key, keys.includes(key) ? filled[key] : null]), ...goal]
+      .filter(([key, value]) => value !== null || target[key] !== undefined));
+  };
+  const draw = () => {
+    const target = getTarget();
+    const focus = root.contains(document.activeElement) ? document.activeElement.dataset.focus : null;
+    const id = newId();
+    const modes = Object.entries(MODES).map(([value, { label }]) => h("option", { value }, label));
+    const mode = h("select", { id, "data-focus": "mode", onchange: (event) => setMode(target, event.target.value) },
+      modes);
+    mode.value = target.mode;
+    const { keys } = MODES[target.mode];
+    const head = ["Pressure in MPa", ...keys.map((key) => COLUMNS[key])].map((title) =>
+      h("th", { scope: "col" }, title));
+    const rows = target.pressures.map((p, i) => h("tr", {},
+      h("td", {}, input(`Pressure ${i + 1} in MPa`, p, `p${i}`,
+        (v) => write([["pressure_mpa", target.pressures.with(i, v)]]))),
+      keys.map((key) => h("td", {}, number(target, key, i))),
+      h("td", {}, target.pressures.length > 1
+        && button("Remove", () => remove(target, i), { "aria-label": `Remove ${short(p)} MPa`, class: "quiet" }))));
+    root.replaceChildren(h("p", { class: "line" }, h("label", { for: id }, "The target is"), mode),
+      h("table", {}, h("thead", {}, h("tr", {}, head, h("td", {}))), h("tbody", {}, rows)),
+      h("p", {}, button("Add a pressure", () => add(target))));
+    if (focus) root.querySelector(`[data-focus="${focus}"]`)?.focus();
+  };
+  return { root, draw };
+}
+
+/// Choice of the calibration or material file that the design reads.
+function materialChoice(doc) {
+  const id = newId();
+  const folder = parent(doc.path);
+  const files = ofKind("calibration", "material").map(({ path }) => [relative(folder, path), path]);
+  const present = typeof doc.values?.material === "string" ? doc.values.material : "";
+  const options = files.map(([value, path]) => h("option", { value }, `${materialName(path)} (${path})`));
+  if (!files.some(([value]) => value === present)) {
+    options.unshift(h("option", { value: present }, present || "numbers in the design file"));
+  }
+  const change = (event) => edit(doc.path, [{ at: ["material"], value: event.target.value }]).catch(() => {});
+  const select = h("select", { id, onchange: change }, options);
+  select.value = present;
+  return h("p", { class: "line" }, h("label", { for: id }, "Material"), select);
+}
+
+export async function show(root, signal) {
+  root.append(h("h1", { class: "hidden" }, "Target"));
+  if (!state.design) {
+    root.append(heading("Start a design"),
+      h("p", {}, "A design says which friction you want, and what the laser can cut."));
+    return startDesign(root);
+  }
+  const path = state.design;
+  const [doc, keys] = await Promise.all([load(path), schema("design")]);
+  if (signal.aborted) return;
+  let target = readTarget(doc.values);
+  const write = (edits) => edit(path, edits).catch(() => {});
+  const plot = targetPlot((key, i, value) => {
+    if (target.single.has(key)) target[key].fill(value);
+    else target[key][i] = value;
+    plot.setTarget(target);
+  }, (key) => write([{ at: ["target", key], value: asWritten(target, key) }]));
+  const table = targetTable(path, () => target, write);
+  const [problems, top, form, explorer, choice, another] = Array.from({ length: 6 }, () => h("div", {}));
+  root.append(problems, h("div", { class: "two" },
+    h("div", {}, heading(doc.values?.name ?? path), choice, plot.el, table.root, top),
+    explorer), heading("Conditions and limits"), form,
+  h("details", { class: "group" }, h("summary", {}, "Another design"), another));
+  startDesign(another);
+  drawSummary(problems, doc, signal);
+  drawForm(top, doc, keys, [{ at: ["target"], only: ["quantity", "goal", "weights"] }], signal);
+  const own = typeof doc.values?.material === "object" ? [{ at: ["material"], title: "Material" }] : [];
+  drawForm(form, doc, keys, [...GROUPS, ...own], signal);
+  const update = (next) => {
+    if (next.path !== path || !next.values) return;
+    target = readTarget(next.values);
+    plot.setTarget(target);
+    table.draw();
+    choice.replaceChildren(materialChoice(next));
+  };
+  on("doc", update, signal);
+  update(doc);
+  const live = drawExplorer(explorer, path, signal, plot.setPrediction);
+  if (doc.check.errors.length === 0) live.start();
+}

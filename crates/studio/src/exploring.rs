@@ -1,0 +1,142 @@
+//! Predictions for any texture of a design: computed once for its content, then read in microseconds.
+
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::SystemTime;
+
+use axum::Json;
+use axum::extract::{Query, State};
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+use slipgrid_base::monitor::Monitor;
+use slipgrid_base::units::{LENGTH_UM, PRESSURE_MPA, tidy};
+use slipgrid_design::{DesignError, Explored, explore_bounds};
+use slipgrid_io::disk::disk;
+use slipgrid_io::formats::calibrated::complete;
+use slipgrid_io::formats::design::Design;
+
+use crate::Shared;
+use crate::error::{Answer, Refused, aside};
+use crate::jobs::start_exploring;
+use crate::places::inside;
+
+/// Files of a computation, with size and time of change.
+type Stamps = Vec<(PathBuf, Option<(u64, SystemTime)>)>;
+
+/// Predictions for designs by their paths, with the files that they were computed from.
+#[derive(Default)]
+pub struct Known(Mutex<HashMap<PathBuf, (Stamps, Arc<Explored>)>>);
+
+impl Known {
+    fn find(&self, path: &Path) -> Option<(Stamps, Arc<Explored>)> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).get(path).cloned()
+    }
+
+    fn keep(&self, path: PathBuf, stamps: Stamps, found: Explored) {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).insert(path, (stamps, Arc::new(found)));
+    }
+}
+
+fn stamps(paths: impl IntoIterator<Item = PathBuf>) -> Stamps {
+    let stamp = |path: &Path| {
+        let metadata = std::fs::metadata(path).ok()?;
+        Some((metadata.len(), metadata.modified().ok()?))
+    };
+    paths
+        .into_iter()
+        .map(|path| {
+            let stamp = stamp(&path);
+            (path, stamp)
+        })
+        .collect()
+}
+
+/// Computes the predictions for the design at `path`.
+///
+/// # Errors
+/// Reason why there are none, as the command line says it.
+pub fn explore(path: &str, shared: &Shared, monitor: &dyn Monitor) -> Result<(), String> {
+    let path = inside(path).map_err(|refused| refused.1)?;
+    let mut design = Design::read(&disk(), &path).map_err(|refused| refused.to_string())?;
+    let before = stamps(design.inputs.clone());
+    let calibration = complete(&mut design, &disk(), monitor).map_err(|error| error.to_string())?;
+    let of_calibration = stamps(calibration.into_iter().flat_map(|read| read.inputs));
+    let found = explore_bounds(&design.task, monitor).map_err(|error| match error {
+        DesignError::Refused(refused) => design.refuse(&refused).to_string(),
+        other => other.to_string(),
+    })?;
+    shared.explored.keep(path, [before, of_calibration].concat(), found);
+    Ok(())
+}
+
+/// Path of a design in the body of a request.
+#[derive(Deserialize)]
+pub struct OfDesign {
+    path: String,
+}
+
+/// Starts the computation of predictions.
+pub async fn start(State(shared): State<Arc<Shared>>, Json(of): Json<OfDesign>) -> Answer<Value> {
+    start_exploring(&shared, &of.path)
+}
+
+/// A texture of a design.
+#[derive(Deserialize)]
+pub struct Texture {
+    path: String,
+    width_um: f64,
+    spacing_um: f64,
+    depth_um: f64,
+}
+
+/// What is expected of a sample of a texture.
+#[derive(Serialize)]
+pub struct Predicted {
+    pressure_mpa: Vec<f64>,
+    quantity: &'static str,
+    lowest: Vec<Option<f64>>,
+    highest: Vec<Option<f64>>,
+    expected: Option<Vec<f64>>,
+    lower_95: Option<Vec<f64>>,
+    upper_95: Option<Vec<f64>>,
+    chance: Option<f64>,
+    peak_pressure_mpa: Option<f64>,
+    clearance_um: Option<f64>,
+    areal_density: Option<f64>,
+    laser_s: Option<f64>,
+    bounds_um: [[f64; 2]; 3],
+    best_um: [f64; 3],
+}
+
+/// Reads the predictions for one texture.
+pub async fn predict(State(shared): State<Arc<Shared>>, Query(texture): Query<Texture>) -> Answer<Predicted> {
+    aside(move || {
+        let path = inside(&texture.path)?;
+        let known = shared.explored.find(&path);
+        let current = known.filter(|(known, _)| stamps(known.iter().map(|(path, _)| path.clone())) == *known);
+        let (_, found) =
+            current.ok_or_else(|| Refused::conflict("no predictions were computed for what the files say now"))?;
+        let lengths_um = [texture.width_um, texture.spacing_um, texture.depth_um];
+        let points = found.task.target.points();
+        let read = found.predict(lengths_um);
+        let band = |end: usize| points.iter().map(|point| point.wanted.band()[end]).collect();
+        Ok(Predicted {
+            pressure_mpa: points.iter().map(|point| tidy(PRESSURE_MPA.from_si(point.pressure_pa))).collect(),
+            quantity: found.task.target.quantity().name(),
+            lowest: band(0),
+            highest: band(1),
+            chance: read.as_ref().and_then(|read| read.chance),
+            peak_pressure_mpa: read.as_ref().map(|read| read.peak_pressure_mpa),
+            clearance_um: read.as_ref().map(|read| read.clearance_um),
+            areal_density: read.as_ref().map(|read| read.areal_density),
+            laser_s: read.as_ref().and_then(|read| read.laser_s),
+            bounds_um: found.task.space.lengths_m().map(|ends| ends.map(|m| tidy(LENGTH_UM.from_si(m)))),
+            best_um: found.pattern.lengths_m().map(|m| tidy(LENGTH_UM.from_si(m))),
+            expected: read.as_ref().map(|read| read.expected.clone()),
+            lower_95: read.as_ref().map(|read| read.lower_95.clone()),
+            upper_95: read.map(|read| read.upper_95),
+        })
+    })
+    .await
+}

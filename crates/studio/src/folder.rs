@@ -1,0 +1,242 @@
+//! Files of the folder.
+
+use std::fs;
+use std::io::{Cursor, Write};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::{Duration, SystemTime, UNIX_EPOCH};
+
+use axum::body::Bytes;
+use axum::extract::{Query, State};
+use axum::http::header::{CONTENT_DISPOSITION, CONTENT_TYPE};
+use axum::http::{HeaderValue, StatusCode};
+use axum::response::{IntoResponse, Response};
+use serde::{Deserialize, Serialize};
+use slipgrid_design::results::VERSION;
+use slipgrid_io::disk::put;
+use slipgrid_io::formats::file_kind::FileKind;
+
+use crate::Shared;
+use crate::error::{Answer, Refused, aside};
+use crate::jobs::Event;
+use crate::places::{inside, with_slashes};
+
+/// Maximum number of bytes of an uploaded file: a map of 4096 x 4096 points as text has 200 MB.
+pub const MAX_UPLOAD: usize = 512 << 20;
+/// Maximum number of files that are listed, and of folders above one another.
+const MAX_FILES: usize = 5000;
+const MAX_DEPTH: usize = 6;
+/// Maximum number of bytes of a text whose kind is looked at.
+const MAX_TEXT: u64 = 2 << 20;
+/// Time between two looks at the folder.
+const WATCH_INTERVAL: Duration = Duration::from_secs(1);
+/// Folders that hold builds and packages, not data.
+const SKIPPED: [&str; 3] = ["target", "node_modules", "__pycache__"];
+
+/// Path in the query of a request.
+#[derive(Deserialize)]
+pub struct At {
+    pub path: String,
+}
+
+/// A file of the folder.
+#[derive(Debug, PartialEq, Serialize)]
+pub struct Listed {
+    path: String,
+    bytes: u64,
+    modified_ms: u64,
+    kind: &'static str,
+}
+
+/// Files of the folder, and what the page needs to show them.
+#[derive(Serialize)]
+pub struct Folder {
+    root: String,
+    version: &'static str,
+    files_at: String,
+    files: Vec<Listed>,
+}
+
+/// Lists the files of the folder.
+pub async fn list(State(shared): State<Arc<Shared>>) -> Answer<Folder> {
+    aside(move || {
+        let root = Path::new(".").canonicalize().map_err(|error| Refused::system(Path::new("."), &error))?;
+        let root = root.display().to_string();
+        Ok(Folder { root, version: VERSION, files_at: shared.files_at.clone(), files: files_below(Path::new("")) })
+    })
+    .await
+}
+
+/// Files below a folder, by name; hidden ones and links are left out.
+fn files_below(folder: &Path) -> Vec<Listed> {
+    let mut files = Vec::new();
+    add_files(folder, 0, &mut files);
+    files.sort_by(|a: &Listed, b| a.path.cmp(&b.path));
+    files
+}
+
+fn add_files(folder: &Path, depth: usize, files: &mut Vec<Listed>) {
+    let opened = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    for entry in fs::read_dir(opened).into_iter().flatten().flatten() {
+        let name = entry.file_name().to_string_lossy().into_owned();
+        let Ok(kind) = entry.file_type() else { continue };
+        if name.starts_with('.') || files.len() >= MAX_FILES {
+            continue;
+        }
+        let path = folder.join(&name);
+        if kind.is_dir() && depth < MAX_DEPTH && !SKIPPED.contains(&&name[..]) {
+            add_files(&path, depth + 1, files);
+        } else if let Some(metadata) = entry.metadata().ok().filter(|_| kind.is_file()) {
+            let kind = kind_of(&path, metadata.len());
+            let modified_ms = metadata.modified().map_or(0, milliseconds);
+            files.push(Listed { path: with_slashes(&path), bytes: metadata.len(), modified_ms, kind });
+        }
+    }
+}
+
+fn milliseconds(time: SystemTime) -> u64 {
+    time.duration_since(UNIX_EPOCH).map_or(0, |since| u64::try_from(since.as_millis()).unwrap_or(u64::MAX))
+}
+
+/// Kind of a file by its name and, for settings and results, by its content.
+fn kind_of(path: &Path, bytes: u64) -> &'static str {
+    let extension = path.extension().map(|extension| extension.to_string_lossy().to_lowercase()).unwrap_or_default();
+    match &extension[..] {
+        "toml" | "json" if bytes <= MAX_TEXT => fs::read_to_string(path).map_or("other", |text| kind_of_text(&text)),
+        "csv" | "txt" | "dat" | "tsv" | "asc" => "table",
+        "sur" | "sdf" | "x3p" | "gsf" | "npy" | "xyz" => "map",
+        "html" => "page",
+        "dxf" | "svg" => "drawing",
+        _ => "other",
+    }
+}
+
+/// Kind of a settings file or result by its content.
+pub fn kind_of_text(text: &str) -> &'static str {
+    match FileKind::of(text) {
+        Some(FileKind::Calibration) => "calibration",
+        Some(FileKind::Design) => "design",
+        Some(FileKind::Material) => "material",
+        Some(FileKind::Scene) => "scene",
+        Some(FileKind::Campaign) => "campaign",
+        Some(FileKind::Result) => "result",
+        None => "other",
+    }
+}
+
+/// Name and kind of a file that was written.
+#[derive(Serialize)]
+pub struct Uploaded {
+    path: String,
+    kind: &'static str,
+}
+
+/// Writes a new file. A file that exists with other content is kept, and refused.
+pub async fn upload(Query(at): Query<At>, bytes: Bytes) -> Answer<Uploaded> {
+    aside(move || {
+        let path = inside(&at.path)?;
+        match fs::read(&path) {
+            Ok(known) if known == bytes[..] => {}
+            Ok(_) => {
+                return Err(Refused::conflict(format!("{} exists with other content: rename one of the two", at.path)));
+            }
+            Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
+                put(&path, &bytes).map_err(|error| Refused::system(&path, &error))?;
+            }
+            Err(error) => return Err(Refused::system(&path, &error)),
+        }
+        Ok(Uploaded { path: with_slashes(&path), kind: kind_of(&path, bytes.len() as u64) })
+    })
+    .await
+}
+
+/// Options of a file's address.
+#[derive(Deserialize)]
+pub struct FileOptions {
+    download: Option<String>,
+}
+
+/// Content of a file.
+pub async fn file(
+    axum::extract::Path((_, text)): axum::extract::Path<(String, String)>,
+    Query(options): Query<FileOptions>,
+) -> Result<Response, Refused> {
+    let path = inside(&text)?;
+    let read = tokio::task::spawn_blocking(move || {
+        let bytes = fs::read(&path).map_err(|error| Refused::system(&path, &error))?;
+        Ok::<_, Refused>((path, bytes))
+    });
+    let (path, bytes) = read.await??;
+    let extension = path.extension().map(|extension| extension.to_string_lossy().to_lowercase()).unwrap_or_default();
+    let content_type = match &extension[..] {
+        "html" => "text/html; charset=utf-8",
+        "svg" => "image/svg+xml",
+        "png" => "image/png",
+        "json" => "application/json",
+        "csv" | "toml" | "txt" | "md" => "text/plain; charset=utf-8",
+        _ => "application/octet-stream",
+    };
+    let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+    Ok(with_type(bytes, content_type, options.download.is_some().then_some(&name[..])))
+}
+
+/// Answer with `bytes` of a type, to be saved as `name` if given.
+fn with_type(bytes: Vec<u8>, content_type: &'static str, name: Option<&str>) -> Response {
+    let mut response = ([(CONTENT_TYPE, content_type)], bytes).into_response();
+    if let Some(name) = name {
+        // Letters beyond ASCII, quotes and control characters are not allowed in the plain form of the header.
+        let plain: String =
+            name.chars().map(|c| if c.is_ascii_alphanumeric() || "._-".contains(c) { c } else { '_' }).collect();
+        if let Ok(value) = HeaderValue::from_str(&format!("attachment; filename=\"{plain}\"")) {
+            response.headers_mut().insert(CONTENT_DISPOSITION, value);
+        }
+    }
+    response
+}
+
+/// Folder in the query of a request.
+#[derive(Deserialize)]
+pub struct InFolder {
+    folder: String,
+}
+
+/// All files of a folder as one archive.
+pub async fn zipped(Query(at): Query<InFolder>) -> Result<Response, Refused> {
+    let folder = inside(&at.folder)?;
+    let name = folder.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+    let archive = tokio::task::spawn_blocking(move || archive(&folder)).await??;
+    Ok(with_type(archive, "application/zip", Some(&format!("{name}.zip"))))
+}
+
+fn archive(folder: &Path) -> Result<Vec<u8>, Refused> {
+    let files = files_below(folder);
+    if files.is_empty() {
+        return Err(Refused(StatusCode::NOT_FOUND, format!("{} has no files", folder.display())));
+    }
+    let failed = |reason: String| Refused(StatusCode::INTERNAL_SERVER_ERROR, reason);
+    let mut zip = zip::ZipWriter::new(Cursor::new(Vec::new()));
+    for file in files {
+        let path = PathBuf::from(&file.path);
+        let name = with_slashes(path.strip_prefix(folder).unwrap_or(&path));
+        let bytes = fs::read(&path).map_err(|error| Refused::system(&path, &error))?;
+        zip.start_file(name, zip::write::SimpleFileOptions::default()).map_err(|error| failed(error.to_string()))?;
+        zip.write_all(&bytes).map_err(|error| failed(error.to_string()))?;
+    }
+    Ok(zip.finish().map_err(|error| failed(error.to_string()))?.into_inner())
+}
+
+/// Tells the page when files of the folder change.
+pub async fn watch(shared: Arc<Shared>) {
+    let mut known = None;
+    loop {
+        tokio::time::sleep(WATCH_INTERVAL).await;
+        // A folder that nobody looks at is not read.
+        if !shared.jobs.is_watched() {
+            continue;
+        }
+        let Ok(now) = tokio::task::spawn_blocking(|| files_below(Path::new(""))).await else { continue };
+        if known.replace(now) != known && known.is_some() {
+            shared.jobs.tell(Event::Folder);
+        }
+    }
+}

@@ -1,0 +1,420 @@
+//! Jobs: commands that run one after another, with progress and cancelling.
+
+use std::io::Write;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::mpsc::{Receiver, Sender, channel};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Instant;
+
+use axum::Json;
+use axum::extract::{Path, State};
+use axum::http::StatusCode;
+use axum::response::sse::{self, KeepAlive, Sse};
+use futures_util::stream::{self, Stream, StreamExt};
+use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
+use slipgrid_base::monitor::{Memory, Monitor};
+use slipgrid_io::disk::KeptResults;
+use tokio::sync::broadcast;
+
+use crate::error::{Answer, Refused};
+use crate::places::inside;
+use crate::{Program, Shared, exploring};
+
+/// Commands that a page may run.
+const ALLOWED: [&str; 10] =
+    ["new", "calibrate", "traces", "trials", "next", "optimize", "export", "surface", "simulate", "synthesize"];
+/// Maximum number of words of a command.
+const MAX_WORDS: usize = 60;
+/// Maximum number of jobs that are remembered.
+const MAX_JOBS: usize = 100;
+/// Shortest time between two messages about the progress of a job, in milliseconds.
+const PROGRESS_INTERVAL_MS: u64 = 80;
+/// Messages that a page may be behind before it must load everything again.
+const MAX_BEHIND: usize = 256;
+
+/// Something that a page is told.
+#[derive(Clone)]
+pub enum Event {
+    /// A job began, went on or ended.
+    Job(Arc<Job>),
+    /// Files of the folder changed.
+    Folder,
+}
+
+/// What a job does.
+enum Work {
+    /// A command line.
+    Command,
+    /// Predictions for every texture of a design.
+    Explore,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+enum JobState {
+    Queued,
+    Running,
+    Done,
+    Failed,
+    Cancelled,
+}
+
+/// Progress and result of a job.
+struct Progress {
+    state: JobState,
+    stage: String,
+    exit_code: Option<u8>,
+    out: String,
+    err: String,
+    started: Option<Instant>,
+    seconds: f64,
+}
+
+/// A job with its progress; its own monitor.
+pub struct Job {
+    id: u64,
+    work: Work,
+    words: Vec<String>,
+    progress: Mutex<Progress>,
+    /// Completed share of the stage, as the bits of an f64.
+    share: AtomicU64,
+    is_cancelled: AtomicBool,
+    told_ms: AtomicU64,
+    born: Instant,
+    events: broadcast::Sender<Event>,
+    /// The job itself, for events.
+    own: std::sync::Weak<Job>,
+}
+
+/// All jobs, newest last.
+pub struct Jobs {
+    all: Mutex<Vec<Arc<Job>>>,
+    queue: Sender<Arc<Job>>,
+    waiting: Mutex<Option<Receiver<Arc<Job>>>>,
+    events: broadcast::Sender<Event>,
+}
+
+fn locked<T>(of: &Mutex<T>) -> MutexGuard<'_, T> {
+    // Every change is complete when the lock is given back.
+    of.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+impl Jobs {
+    pub fn new() -> Self {
+        let (queue, waiting) = channel();
+        Self {
+            all: Mutex::default(),
+            queue,
+            waiting: Mutex::new(Some(waiting)),
+            events: broadcast::channel(MAX_BEHIND).0,
+        }
+    }
+
+    /// Whether a page listens to events.
+    pub fn is_watched(&self) -> bool {
+        self.events.receiver_count() > 0
+    }
+
+    /// Tells every page.
+    pub fn tell(&self, event: Event) {
+        // Without a page nobody needs to know.
+        let _ = self.events.send(event);
+    }
+
+    fn add(&self, work: Work, words: Vec<String>) -> Result<Arc<Job>, Refused> {
+        let mut all = locked(&self.all);
+        let id = all.last().map_or(1, |last| last.id + 1);
+        let progress = Progress {
+            state: JobState::Queued,
+            stage: String::new(),
+            exit_code: None,
+            out: String::new(),
+            err: String::new(),
+            started: None,
+            seconds: 0.0,
+        };
+        let job = Arc::new_cyclic(|own| Job {
+            id,
+            work,
+            words,
+            progress: Mutex::new(progress),
+            share: AtomicU64::new(0.0_f64.to_bits()),
+            is_cancelled: AtomicBool::new(false),
+            told_ms: AtomicU64::new(0),
+            born: Instant::now(),
+            events: self.events.clone(),
+            own: own.clone(),
+        });
+        if all.len() >= MAX_JOBS {
+            all.remove(0);
+        }
+        all.push(Arc::clone(&job));
+        let ended = || Refused(StatusCode::SERVICE_UNAVAILABLE, "no jobs are run any more".to_owned());
+        self.queue.send(Arc::clone(&job)).map_err(|_| ended())?;
+        Ok(job)
+    }
+
+    /// Runs jobs in their order until the process ends.
+    pub fn work(&self, program: &Program, shared: &Shared, computing: &rayon::ThreadPool) {
+        let Some(waiting) = locked(&self.waiting).take() else { return };
+        for job in waiting {
+            if job.cancelled() {
+                continue;
+            }
+            job.begin();
+            let (mut out, mut err) = (Vec::new(), Vec::new());
+            let watched = Watched { job: &job, kept: program.kept.as_ref() };
+            // A defect in one job must not take the page with it.
+            let run = std::panic::AssertUnwindSafe(|| match job.work {
+                Work::Command => (program.run)(&job.words, &mut out, &mut err, &watched),
+                Work::Explore => match computing.install(|| exploring::explore(&job.words[1], shared, &watched)) {
+                    Ok(()) => 0,
+                    Err(reason) => {
+                        let _ = write!(err, "error: {reason}");
+                        1
+                    }
+                },
+            });
+            let exit_code = std::panic::catch_unwind(run).unwrap_or(1);
+            job.end(exit_code, out, err);
+        }
+    }
+}
+
+impl Job {
+    fn begin(&self) {
+        let mut progress = locked(&self.progress);
+        (progress.state, progress.started) = (JobState::Running, Some(Instant::now()));
+        drop(progress);
+        self.tell();
+    }
+
+    fn end(&self, exit_code: u8, out: Vec<u8>, err: Vec<u8>) {
+        let mut progress = locked(&self.progress);
+        progress.state = match exit_code {
+            _ if self.cancelled() && exit_code != 0 => JobState::Cancelled,
+            // `optimize` ends with 3 where no texture meets the target and with 4 where time ran out: both are results.
+            0 | 3 | 4 => JobState::Done,
+            _ => JobState::Failed,
+        };
+        progress.exit_code = Some(exit_code);
+        progress.seconds = progress.started.map_or(0.0, |started| started.elapsed().as_secs_f64());
+        (progress.out, progress.err) = (to_text(out), to_text(err));
+        drop(progress);
+        self.tell();
+    }
+
+    fn tell(&self) {
+        if let Some(own) = self.own.upgrade() {
+            let _ = self.events.send(Event::Job(own));
+        }
+    }
+
+    /// Tells pages about progress, not more often than they can show it.
+    fn tell_progress(&self) {
+        let now_ms = u64::try_from(self.born.elapsed().as_millis()).unwrap_or(u64::MAX);
+        let before_ms = self.told_ms.load(Ordering::Relaxed);
+        let is_due = now_ms >= before_ms + PROGRESS_INTERVAL_MS;
+        if is_due && self.told_ms.compare_exchange(before_ms, now_ms, Ordering::Relaxed, Ordering::Relaxed).is_ok() {
+            self.tell();
+        }
+    }
+
+    fn to_json(&self) -> Value {
+        let progress = locked(&self.progress);
+        let is_running = progress.state == JobState::Running;
+        let running_s = || progress.started.map_or(0.0, |started| started.elapsed().as_secs_f64());
+        json!({
+            "id": self.id,
+            "command": self.words,
+            "line": format!("slipgrid {}", self.words.iter().map(|word| quoted(word)).collect::<Vec<_>>().join(" ")),
+            "state": progress.state,
+            "stage": progress.stage,
+            "share": f64::from_bits(self.share.load(Ordering::Relaxed)).clamp(0.0, 1.0),
+            "exit_code": progress.exit_code,
+            "out": progress.out,
+            "err": progress.err,
+            "seconds": if is_running { running_s() } else { progress.seconds },
+        })
+    }
+}
+
+fn to_text(bytes: Vec<u8>) -> String {
+    String::from_utf8_lossy(&bytes).into_owned()
+}
+
+/// Word of a command line as a shell takes it.
+fn quoted(word: &str) -> String {
+    let is_plain = word.chars().all(|letter| letter.is_alphanumeric() || "./_-+,:@%".contains(letter));
+    if is_plain { word.to_owned() } else { format!("'{}'", word.replace('\'', r"'\''")) }
+}
+
+/// Monitor of a running job.
+struct Watched<'a> {
+    job: &'a Job,
+    kept: Option<&'a KeptResults>,
+}
+
+impl Monitor for Watched<'_> {
+    fn stage(&self, name: &str) {
+        name.clone_into(&mut locked(&self.job.progress).stage);
+        self.job.share.store(0.0_f64.to_bits(), Ordering::Relaxed);
+        self.job.tell_progress();
+    }
+
+    fn detail(&self, text: &str) {
+        text.clone_into(&mut locked(&self.job.progress).stage);
+        self.job.tell_progress();
+    }
+
+    fn advance(&self, share: f64) {
+        let add = |bits| Some((f64::from_bits(bits) + share).to_bits());
+        let _ = self.job.share.fetch_update(Ordering::Relaxed, Ordering::Relaxed, add);
+        self.job.tell_progress();
+    }
+
+    fn cancelled(&self) -> bool {
+        self.job.cancelled()
+    }
+
+    fn seconds(&self) -> f64 {
+        self.job.born.elapsed().as_secs_f64()
+    }
+
+    fn memory(&self) -> Option<&dyn Memory> {
+        self.kept.map(|kept| kept as &dyn Memory)
+    }
+}
+
+impl Job {
+    fn cancelled(&self) -> bool {
+        self.is_cancelled.load(Ordering::Relaxed)
+    }
+}
+
+/// Words of a command line, without the program's name.
+#[derive(Deserialize)]
+pub struct Asked {
+    command: Vec<String>,
+}
+
+/// Refuses commands that a page may not run, and words that name files outside the folder.
+fn check(words: &[String]) -> Result<(), Refused> {
+    let Some((command, rest)) = words.split_first() else { return Err(Refused::bad("a job without a command")) };
+    if !ALLOWED.contains(&&command[..]) {
+        return Err(Refused::bad(format!("{command:?} is no command of this page: expected {}", ALLOWED.join(", "))));
+    }
+    if words.len() > MAX_WORDS {
+        return Err(Refused::bad(format!("a command of more than {MAX_WORDS} words")));
+    }
+    for word in rest {
+        let is_flag = word.starts_with('-') && !word.chars().all(|letter| letter == '-' || letter == '.');
+        let is_plain = word.chars().all(|letter| letter.is_ascii_alphanumeric() || "-.,".contains(letter));
+        // A value joined to a flag could name a file.
+        if is_flag && !is_plain {
+            return Err(Refused::bad(format!("{word:?}: give a flag and its value as two words")));
+        }
+        if !is_flag {
+            inside(word)?;
+        }
+    }
+    Ok(())
+}
+
+/// Starts a job.
+pub async fn start(State(shared): State<Arc<Shared>>, Json(asked): Json<Asked>) -> Answer<Value> {
+    check(&asked.command)?;
+    Ok(Json(json!({ "id": shared.jobs.add(Work::Command, asked.command)?.id })))
+}
+
+/// Starts the computation of predictions for the design at a path.
+pub fn start_exploring(shared: &Shared, path: &str) -> Result<Json<Value>, Refused> {
+    inside(path)?;
+    // Earlier ones of the same page are out of date.
+    for job in locked(&shared.jobs.all).iter() {
+        if matches!(job.work, Work::Explore) && locked(&job.progress).exit_code.is_none() {
+            cancel_job(job);
+        }
+    }
+    let words = vec!["explore".to_owned(), path.to_owned()];
+    Ok(Json(json!({ "id": shared.jobs.add(Work::Explore, words)?.id })))
+}
+
+/// Lists jobs, newest first.
+pub async fn list(State(shared): State<Arc<Shared>>) -> Json<Value> {
+    let jobs: Vec<Value> = locked(&shared.jobs.all).iter().rev().map(|job| job.to_json()).collect();
+    Json(json!({ "jobs": jobs }))
+}
+
+fn cancel_job(job: &Job) {
+    job.is_cancelled.store(true, Ordering::Relaxed);
+    let mut progress = locked(&job.progress);
+    if progress.state == JobState::Queued {
+        (progress.state, progress.exit_code) = (JobState::Cancelled, Some(1));
+    }
+    drop(progress);
+    job.tell();
+}
+
+/// Cancels a job.
+pub async fn cancel(State(shared): State<Arc<Shared>>, Path(id): Path<u64>) -> Answer<Value> {
+    let found = locked(&shared.jobs.all).iter().find(|job| job.id == id).cloned();
+    let job = found.ok_or_else(|| Refused(StatusCode::NOT_FOUND, format!("there is no job {id}")))?;
+    cancel_job(&job);
+    Ok(Json(json!({})))
+}
+
+/// Stream of events of a page.
+pub async fn events(
+    State(shared): State<Arc<Shared>>,
+) -> Sse<impl Stream<Item = Result<sse::Event, std::convert::Infallible>>> {
+    let receiver = shared.jobs.events.subscribe();
+    let event = |name: &str, data: Value| Ok(sse::Event::default().event(name).data(data.to_string()));
+    let told = stream::unfold(receiver, move |mut receiver| async move {
+        let next = match receiver.recv().await {
+            Ok(Event::Job(job)) => event("job", job.to_json()),
+            Ok(Event::Folder) => event("folder", json!({})),
+            // The page was too slow: it loads everything again.
+            Err(broadcast::error::RecvError::Lagged(_)) => event("hello", json!({})),
+            Err(broadcast::error::RecvError::Closed) => return None,
+        };
+        Some((next, receiver))
+    });
+    let hello = stream::once(async move { event("hello", json!({})) });
+    Sse::new(hello.chain(told)).keep_alive(KeepAlive::default())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn commands_stay_in_the_folder() {
+        let words = |line: &str| line.split(' ').map(str::to_owned).collect::<Vec<_>>();
+        for line in
+            ["optimize a.toml", "next a.toml --count 3 -o out/next --json", "surface m.asc --crop 0,0,9,9 -o out/m"]
+        {
+            assert!(check(&words(line)).is_ok(), "{line}");
+        }
+        for line in [
+            "studio .",
+            "campaign work x",
+            "optimize ../a.toml",
+            "optimize /etc/passwd",
+            "optimize a.toml -o ..",
+            "optimize a.toml -o/tmp/x",
+            "optimize a.toml --output=/tmp/x",
+            "optimize a.toml --output=../x",
+            "optimize a.toml -o .hidden",
+        ] {
+            assert!(check(&words(line)).is_err(), "{line}");
+        }
+        assert!(check(&[]).is_err());
+    }
+
+    #[test]
+    fn a_command_line_is_one_for_a_shell() {
+        assert_eq!(["out/a-1", "it's"].map(quoted), ["out/a-1", r"'it'\''s'"]);
+    }
+}

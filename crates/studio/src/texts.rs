@@ -1,0 +1,243 @@
+//! Text files: read, checked, written and edited. The files are the truth: every form of the page is a view of one.
+
+use std::path::Path;
+
+use axum::Json;
+use axum::extract::Query;
+use axum::http::StatusCode;
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+use sha2::{Digest, Sha256};
+use slipgrid_io::disk::{disk, put};
+use slipgrid_io::formats::Document;
+use slipgrid_io::formats::calibration::Calibration;
+use slipgrid_io::formats::design::Design;
+use slipgrid_io::formats::diagnostic::Diagnostic;
+use slipgrid_io::formats::file_kind::FileKind;
+use slipgrid_io::formats::run::Overrides;
+use slipgrid_io::formats::scene::{SceneFile, SceneInput};
+use toml_edit::DocumentMut;
+
+use crate::error::{Answer, Refused, aside};
+use crate::folder::{At, kind_of_text};
+use crate::places::inside;
+
+mod edits;
+
+pub use edits::Edit;
+
+/// Maximum number of bytes of a text.
+const MAX_BYTES: u64 = 2 << 20;
+
+/// A message about a text, as on the command line.
+#[derive(Debug, Serialize)]
+pub struct Message {
+    file: Option<String>,
+    line: Option<u32>,
+    key: Option<String>,
+    message: String,
+    expected: Option<String>,
+    suggestion: Option<String>,
+}
+
+impl From<&Diagnostic> for Message {
+    fn from(diagnostic: &Diagnostic) -> Self {
+        let text = |part: &Option<Box<str>>| part.as_deref().map(str::to_owned);
+        Self {
+            file: diagnostic.file.as_deref().map(|path| path.display().to_string()),
+            line: diagnostic.line,
+            key: text(&diagnostic.key),
+            message: diagnostic.to_string(),
+            expected: text(&diagnostic.expected),
+            suggestion: text(&diagnostic.suggestion),
+        }
+    }
+}
+
+impl From<String> for Message {
+    fn from(message: String) -> Self {
+        Self { file: None, line: None, key: None, message, expected: None, suggestion: None }
+    }
+}
+
+/// What a reader says of a text.
+#[derive(Debug, Default, Serialize)]
+pub struct Check {
+    errors: Vec<Message>,
+    warnings: Vec<Message>,
+}
+
+/// A text with what the page needs to show and to edit it.
+#[derive(Serialize)]
+pub struct Text {
+    path: String,
+    kind: &'static str,
+    text: String,
+    digest: String,
+    values: Option<Value>,
+    check: Check,
+}
+
+/// Values of a TOML text; `None` if it does not parse.
+fn values(text: &str) -> Option<Value> {
+    serde_json::to_value(toml::from_str::<toml::Table>(text).ok()?).ok()
+}
+
+fn digest(text: &str) -> String {
+    Sha256::digest(text).iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+/// Reads a text as its command does.
+fn checked(path: &Path, text: &str) -> Check {
+    let is_toml = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml"));
+    if !is_toml {
+        return Check::default();
+    }
+    // A text that does not parse has the kind of the file before.
+    let kind = FileKind::of(text).or_else(|| FileKind::of(&std::fs::read_to_string(path).ok()?));
+    let document = || Document::within(&disk(), path, text.to_owned());
+    let read: Result<Vec<Message>, Diagnostic> = match kind {
+        Some(FileKind::Design) => {
+            Design::from_document(document()).map(|read| read.told.iter().map(Message::from).collect())
+        }
+        Some(FileKind::Calibration) => Calibration::from_document(&document())
+            .map(|read| read.told.into_iter().chain(read.doubts).map(Message::from).collect()),
+        Some(FileKind::Scene) => document()
+            .parse::<SceneFile>()
+            .and_then(|file| SceneInput::from_file(document(), &file, Overrides::default()).map(|_| Vec::new())),
+        _ => match toml::from_str::<toml::Table>(text) {
+            Ok(_) => Ok(Vec::new()),
+            Err(error) => {
+                let before = &text[..error.span().map_or(0, |span| span.start.min(text.len()))];
+                let line = u32::try_from(before.matches('\n').count() + 1).ok();
+                Err(Diagnostic { line, ..Diagnostic::file(path, error.message().to_owned()) })
+            }
+        },
+    };
+    match read {
+        Ok(warnings) => Check { errors: Vec::new(), warnings },
+        Err(error) => Check { errors: vec![Message::from(&error)], warnings: Vec::new() },
+    }
+}
+
+fn told(at: &str, path: &Path, text: String) -> Text {
+    let (kind, digest, values) = (kind_of_text(&text), digest(&text), values(&text));
+    Text { path: at.to_owned(), kind, digest, values, check: checked(path, &text), text }
+}
+
+fn loaded(path: &Path) -> Result<String, Refused> {
+    let metadata = std::fs::metadata(path).map_err(|error| Refused::system(path, &error))?;
+    if !metadata.is_file() || metadata.len() > MAX_BYTES {
+        return Err(Refused::bad(format!("{} is no text of at most {} MiB", path.display(), MAX_BYTES >> 20)));
+    }
+    let bytes = std::fs::read(path).map_err(|error| Refused::system(path, &error))?;
+    String::from_utf8(bytes).map_err(|_| Refused::bad(format!("{} is no UTF-8 text", path.display())))
+}
+
+/// Reads and checks a text.
+pub async fn read(Query(at): Query<At>) -> Answer<Text> {
+    aside(move || {
+        let path = inside(&at.path)?;
+        Ok(told(&at.path, &path, loaded(&path)?))
+    })
+    .await
+}
+
+/// A text that replaces the one with a digest, or a new one.
+#[derive(Deserialize)]
+pub struct Written {
+    text: String,
+    digest: Option<String>,
+}
+
+/// Requires that the file is as it was when the page read it.
+fn require_unchanged(path: &Path, known: Option<&str>) -> Result<Option<String>, Refused> {
+    let text = match loaded(path) {
+        Ok(text) => Some(text),
+        Err(Refused(StatusCode::NOT_FOUND, _)) => None,
+        Err(refused) => return Err(refused),
+    };
+    let changed = |what: &str| Err(Refused::conflict(format!("{} {what}", path.display())));
+    match (&text, known) {
+        (Some(_), None) => changed("exists already"),
+        (None, Some(_)) => changed("was removed by another program"),
+        (Some(now), Some(known)) if digest(now) != known => changed("was changed by another program: load it again"),
+        _ => Ok(text),
+    }
+}
+
+fn save(at: &str, path: &Path, text: String) -> Result<Text, Refused> {
+    if text.len() as u64 > MAX_BYTES {
+        return Err(Refused::bad(format!("the text has more than {} MiB", MAX_BYTES >> 20)));
+    }
+    put(path, text.as_bytes()).map_err(|error| Refused::system(path, &error))?;
+    Ok(told(at, path, text))
+}
+
+/// Replaces a text that has not changed since it was read.
+pub async fn write(Query(at): Query<At>, Json(written): Json<Written>) -> Answer<Text> {
+    aside(move || {
+        let path = inside(&at.path)?;
+        require_unchanged(&path, written.digest.as_deref())?;
+        save(&at.path, &path, written.text)
+    })
+    .await
+}
+
+/// Edits of a text with a digest.
+#[derive(Deserialize)]
+pub struct Edits {
+    digest: String,
+    edits: Vec<Edit>,
+}
+
+/// Sets values of a TOML text, and keeps its comments.
+pub async fn edit(Query(at): Query<At>, Json(edits): Json<Edits>) -> Answer<Text> {
+    aside(move || {
+        let path = inside(&at.path)?;
+        let text = require_unchanged(&path, Some(&edits.digest))?.unwrap_or_default();
+        let mut document: DocumentMut = text
+            .parse()
+            .map_err(|error| Refused::bad(format!("{} cannot be edited by a form: {error}", path.display())))?;
+        for edit in &edits.edits {
+            edit.apply(&mut document)?;
+        }
+        save(&at.path, &path, document.to_string())
+    })
+    .await
+}
+
+/// A text that is not written.
+#[derive(Deserialize)]
+pub struct Draft {
+    text: String,
+}
+
+/// What a reader says of a draft.
+#[derive(Serialize)]
+pub struct Checked {
+    check: Check,
+    values: Option<Value>,
+}
+
+/// Checks a text without writing it.
+pub async fn check(Query(at): Query<At>, Json(draft): Json<Draft>) -> Answer<Checked> {
+    aside(move || {
+        let path = inside(&at.path)?;
+        Ok(Checked { check: checked(&path, &draft.text), values: values(&draft.text) })
+    })
+    .await
+}
+
+/// Kind of file in the query of a request.
+#[derive(Deserialize)]
+pub struct OfKind {
+    kind: String,
+}
+
+/// JSON schema of a kind of file.
+pub async fn schema(Query(of): Query<OfKind>) -> Answer<Value> {
+    let found = slipgrid_io::schemas().into_iter().find(|(kind, _)| *kind == of.kind);
+    let kinds = "calibration, design, material, scene or campaign";
+    found.map(|(_, schema)| Json(schema)).ok_or_else(|| Refused::bad(format!("{:?}: expected {kinds}", of.kind)))
+}

@@ -1,0 +1,236 @@
+//! Edits of single values in a TOML text. Comments, order and all other values stay as they are.
+
+use serde::Deserialize;
+use serde_json::Value as Json;
+use toml_edit::{Array, ArrayOfTables, DocumentMut, InlineTable, Item, Table, TableLike, Value};
+
+use crate::error::Refused;
+
+/// A step from a table to a value: a key, or a position in a list.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(untagged)]
+pub enum Step {
+    Index(usize),
+    Key(String),
+}
+
+/// New value at a place; null removes what is there.
+#[derive(Debug, Deserialize)]
+pub struct Edit {
+    at: Vec<Step>,
+    value: Json,
+}
+
+impl Edit {
+    /// Changes `document`; tables on the way are made.
+    ///
+    /// # Errors
+    /// [`Refused`] for a place that cannot be, and for a value that TOML cannot hold.
+    pub fn apply(&self, document: &mut DocumentMut) -> Result<(), Refused> {
+        let Some((last, way)) = self.at.split_last() else { return Err(Refused::bad("an edit without a place")) };
+        if self.value.is_null() && !leads_somewhere(document.as_item(), way) {
+            return Ok(());
+        }
+        let mut item = document.as_item_mut();
+        for (number, step) in way.iter().enumerate() {
+            let is_list = matches!(self.at.get(number + 1), Some(Step::Index(_)));
+            item = enter(item, step, is_list).ok_or_else(|| self.refused())?;
+        }
+        set(item, last, &self.value).ok_or_else(|| self.refused())
+    }
+
+    fn refused(&self) -> Refused {
+        let steps = self.at.iter().map(|step| match step {
+            Step::Index(index) => index.to_string(),
+            Step::Key(key) => key.clone(),
+        });
+        Refused::bad(format!("{}: no place for {}", steps.collect::<Vec<_>>().join("."), self.value))
+    }
+}
+
+/// Whether all steps of `way` exist.
+fn leads_somewhere(mut item: &Item, way: &[Step]) -> bool {
+    for step in way {
+        let below = match step {
+            Step::Index(index) => item.get(*index),
+            Step::Key(key) => item.get(&key[..]),
+        };
+        let Some(below) = below else {
+            // A table inside a list of values is reached by `enter` alone.
+            return item.is_value();
+        };
+        item = below;
+    }
+    true
+}
+
+/// Enters the table or list at `step`, which is made if it is missing.
+fn enter<'a>(item: &'a mut Item, step: &Step, is_list: bool) -> Option<&'a mut Item> {
+    match step {
+        Step::Key(key) => {
+            let table = item.as_table_like_mut()?;
+            if table.get(key).is_none_or(Item::is_none) {
+                let new = if is_list { Item::ArrayOfTables(ArrayOfTables::new()) } else { Item::Table(Table::new()) };
+                table.insert(key, new);
+            }
+            table.get_mut(key)
+        }
+        Step::Index(index) => {
+            if let Item::ArrayOfTables(tables) = item
+                && tables.len() == *index
+            {
+                tables.push(Table::new());
+            }
+            item.get_mut(*index)
+        }
+    }
+}
+
+/// Sets or removes the value at `last` of a table or list.
+fn set(item: &mut Item, last: &Step, value: &Json) -> Option<()> {
+    match last {
+        Step::Key(key) => set_key(item.as_table_like_mut()?, key, value),
+        Step::Index(index) => match item {
+            Item::ArrayOfTables(tables) => {
+                if value.is_null() {
+                    (*index < tables.len()).then(|| tables.remove(*index)).map(drop)
+                } else {
+                    let table = to_table(value)?;
+                    match tables.get_mut(*index) {
+                        Some(known) => *known = table,
+                        None => tables.push(table),
+                    }
+                    Some(())
+                }
+            }
+            Item::Value(Value::Array(array)) => {
+                if value.is_null() {
+                    (*index < array.len()).then(|| array.remove(*index)).map(drop)
+                } else if *index < array.len() {
+                    array.replace(*index, to_value(value)?);
+                    Some(())
+                } else {
+                    array.push(to_value(value)?);
+                    Some(())
+                }
+            }
+            _ => None,
+        },
+    }
+}
+
+fn set_key(table: &mut dyn TableLike, key: &str, value: &Json) -> Option<()> {
+    if value.is_null() {
+        table.remove(key);
+        return Some(());
+    }
+    match table.get_mut(key) {
+        Some(Item::Value(known)) => {
+            let mut new = to_value(value)?;
+            // A comment behind the value stays there.
+            *new.decor_mut() = known.decor().clone();
+            *known = new;
+        }
+        _ => {
+            let new = match value {
+                Json::Object(_) => Item::Table(to_table(value)?),
+                Json::Array(all) if !all.is_empty() && all.iter().all(Json::is_object) => {
+                    Item::ArrayOfTables(all.iter().map(to_table).collect::<Option<_>>()?)
+                }
+                _ => Item::Value(to_value(value)?),
+            };
+            table.insert(key, new);
+        }
+    }
+    Some(())
+}
+
+fn to_table(value: &Json) -> Option<Table> {
+    let mut table = Table::new();
+    for (key, value) in value.as_object()? {
+        set_key(&mut table, key, value)?;
+    }
+    Some(table)
+}
+
+fn to_value(value: &Json) -> Option<Value> {
+    Some(match value {
+        Json::Null => return None,
+        Json::Bool(flag) => (*flag).into(),
+        Json::String(text) => text.as_str().into(),
+        Json::Number(number) => match number.as_i64() {
+            Some(whole) => whole.into(),
+            None => number.as_f64().filter(|number| number.is_finite())?.into(),
+        },
+        Json::Array(all) => Value::Array(all.iter().map(to_value).collect::<Option<Array>>()?),
+        Json::Object(all) => {
+            let pairs = all.iter().map(|(key, value)| Some((key.as_str(), to_value(value)?)));
+            Value::InlineTable(pairs.collect::<Option<InlineTable>>()?)
+        }
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    const TEXT: &str = "# head\nname = \"a\"  # kept\nat = { speed = 2.0, humidity = 15.0 }\nalso = [{ speed = 1.0 }]\n\n\
+                        [target]\n# above\nvalue = 0.88  # behind\n\n[[trial]]\nname = \"one\"\n";
+
+    fn edited(edits: &Json) -> Result<String, Refused> {
+        let edits: Vec<Edit> = serde_json::from_value(edits.clone()).unwrap();
+        let mut document: DocumentMut = TEXT.parse().unwrap();
+        edits.iter().try_for_each(|edit| edit.apply(&mut document))?;
+        Ok(document.to_string())
+    }
+
+    #[test]
+    fn a_value_changes_and_all_else_stays() {
+        let text = edited(&json!([
+            {"at": ["target", "value"], "value": [0.9, 0.8]},
+            {"at": ["name"], "value": "b"},
+            {"at": ["at", "speed"], "value": 4},
+            {"at": ["also", 0, "speed"], "value": 0.4},
+        ]));
+        let expected = TEXT
+            .replace("value = 0.88", "value = [0.9, 0.8]")
+            .replace("\"a\"", "\"b\"")
+            .replace("speed = 2.0", "speed = 4")
+            .replace("speed = 1.0", "speed = 0.4");
+        assert_eq!(text.unwrap(), expected);
+        assert_eq!(edited(&json!([])).unwrap(), TEXT);
+    }
+
+    #[test]
+    fn tables_are_made_and_removed() {
+        let text = edited(&json!([
+            {"at": ["trial", 1], "value": {"name": "two", "pattern": {"width_um": 40.0}}},
+            {"at": ["traces", "condition", 0, "force_n"], "value": 50},
+            {"at": ["limits", "min_land_um"], "value": 40.5},
+            {"at": ["target", "value"], "value": null},
+            {"at": ["nothing", "there"], "value": null},
+        ]))
+        .unwrap();
+        let read: Json = serde_json::to_value(toml::from_str::<toml::Table>(&text).unwrap()).unwrap();
+        assert_eq!(read["trial"][1], json!({"name": "two", "pattern": {"width_um": 40.0}}));
+        assert_eq!(read["traces"]["condition"], json!([{"force_n": 50}]));
+        assert_eq!(read["limits"], json!({"min_land_um": 40.5}));
+        assert!(read["target"].get("value").is_none() && read.get("nothing").is_none());
+        let text = edited(&json!([{"at": ["trial", 0], "value": null}])).unwrap();
+        assert!(!text.contains("one"), "{text}");
+    }
+
+    #[test]
+    fn places_that_cannot_be_are_refused() {
+        for edit in [
+            json!({"at": [], "value": 1}),
+            json!({"at": ["name", "below"], "value": 1}),
+            json!({"at": ["trial", 5, "name"], "value": 1}),
+            json!({"at": ["target", 0], "value": 1}),
+            json!({"at": ["trial", 0], "value": 1}),
+        ] {
+            assert!(edited(&json!([edit])).is_err(), "{edit}");
+        }
+    }
+}

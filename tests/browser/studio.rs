@@ -1,0 +1,257 @@
+//! The studio as a laboratory uses it, in each browser that is found: from raw files to a laser file, a trial, and the next one.
+
+use std::fs;
+use std::io::{BufRead, BufReader};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+use serde_json::json;
+
+use super::bidi::Firefox;
+use super::devtools::Chromium;
+use super::{Page, pages};
+
+/// Longest wait for anything on the page.
+const PATIENCE: Duration = Duration::from_secs(120);
+/// Raw traces, one of each load, of a laboratory that does not exist.
+const TRACES: [&str; 5] = ["flat-30N-1.csv", "flat-80N-1.csv", "flat-160N-1.csv", "flat-300N-1.csv", "flat-300N-2.csv"];
+/// What a hand does on the page: find an element by its name, click, type, drop files.
+const HAND: &str = r"(() => {
+window.named = (selector, name) => [...document.querySelectorAll(selector)].find(own => own.getClientRects().length > 0
+  && (own.getAttribute('aria-label') ?? (own.labels?.length ? own.labels[0].textContent : own.textContent)).trim().startsWith(name));
+window.press = (name, selector = 'button, a, summary') => { const own = named(selector, name); own?.click(); return Boolean(own); };
+window.enter = (name, text) => { const own = named('input, select', name); if (!own) return false; own.value = text;
+  own.dispatchEvent(new Event('input', { bubbles: true })); own.dispatchEvent(new Event('change', { bubbles: true })); return true; };
+window.drop = (selector, files) => { const zone = document.querySelector(selector); if (!zone) return false; const data = new DataTransfer();
+  files.forEach(([name, text]) => data.items.add(new File([text], name)));
+  zone.dispatchEvent(new DragEvent('drop', { dataTransfer: data, bubbles: true, cancelable: true })); return true; };
+window.says = (text) => document.body.textContent.includes(text);
+return true; })()";
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap().to_owned()
+}
+
+/// The program beside the tests.
+fn program() -> Command {
+    let release = Path::new(env!("CARGO_TARGET_TMPDIR")).parent().unwrap().join("release");
+    Command::new(release.join(format!("slipgrid{}", std::env::consts::EXE_SUFFIX)))
+}
+
+/// A studio that works in a folder.
+struct Studio {
+    child: Child,
+    address: String,
+}
+
+impl Studio {
+    fn start(folder: &Path) -> Self {
+        let mut studio = program();
+        studio.args(["studio", "--no-browser"]).arg(folder).stdout(Stdio::piped());
+        let mut child = studio.spawn().expect("the program: cargo build --release");
+        let mut line = String::new();
+        BufReader::new(child.stdout.take().unwrap()).read_line(&mut line).unwrap();
+        let address = line.trim().rsplit_once(' ').unwrap().1.to_owned();
+        Self { child, address }
+    }
+
+    fn own(&self) -> &str {
+        self.address.split("?token").next().unwrap()
+    }
+}
+
+impl Drop for Studio {
+    fn drop(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+/// Waits until `expression` is true.
+fn wait(page: &mut dyn Page, expression: &str) {
+    let until = Instant::now() + PATIENCE;
+    while page.ask(expression) != json!(true) {
+        if Instant::now() > until {
+            panic!("{expression}: {}", page_text(page));
+        }
+        std::thread::sleep(Duration::from_millis(50));
+    }
+}
+
+fn page_text(page: &mut dyn Page) -> String {
+    page.ask("document.body.innerText").to_string()
+}
+
+fn press(page: &mut dyn Page, name: &str) {
+    wait(page, &format!("press({})", json!(name)));
+}
+
+fn enter(page: &mut dyn Page, name: &str, text: &str) {
+    wait(page, &format!("enter({}, {})", json!(name), json!(text)));
+}
+
+fn says(page: &mut dyn Page, text: &str) {
+    wait(page, &format!("says({})", json!(text)));
+}
+
+fn drop_files(page: &mut dyn Page, zone: &str, files: &[(String, String)]) {
+    wait(page, &format!("drop({}, {})", json!(zone), json!(files)));
+}
+
+#[test]
+#[ignore = "needs Chromium or Firefox, and the program; two minutes"]
+fn a_laboratory_works_without_a_terminal() {
+    let mut tried = 0;
+    for browser in ["Chromium", "Firefox"] {
+        let folder = tempfile::tempdir().unwrap();
+        let studio = Studio::start(folder.path());
+        let started = Instant::now();
+        let page: Option<Box<dyn Page>> = match browser {
+            "Chromium" => Chromium::open_at(&studio.address, studio.own()).map(|page| Box::new(page) as Box<dyn Page>),
+            _ => Firefox::open_at(&studio.address, studio.own()).map(|page| Box::new(page) as Box<dyn Page>),
+        };
+        let Some(mut page) = page else {
+            println!("skipped: no {browser}");
+            continue;
+        };
+        tried += 1;
+        let paint = page.ask("performance.getEntriesByName('first-contentful-paint')[0]?.startTime ?? null");
+        println!("{browser}: first paint after {paint} ms");
+        works(&mut *page, folder.path());
+        // Chromium names refusals on the console: that predictions are not computed yet, and that a file changed elsewhere.
+        let complaints = page.complaints().into_iter().filter(|words| !words.contains("409 (Conflict)"));
+        assert_eq!(complaints.collect::<Vec<_>>(), Vec::<String>::new(), "{browser}");
+        println!("{browser}: {:.0} s", started.elapsed().as_secs_f64());
+    }
+    println!("{tried} browsers");
+}
+
+/// The whole loop in an empty folder.
+fn works(page: &mut dyn Page, folder: &Path) {
+    let raw = root().join("calibration/synthetic-polymer/traces");
+    let text = |name: &str| fs::read_to_string(raw.join(name)).unwrap();
+    let file = |path: &str| fs::read_to_string(folder.join(path)).unwrap();
+    page.ask(HAND);
+    // A new material: its raw traces, and a map.
+    enter(page, "Name of a new material", "pom");
+    press(page, "Start a material");
+    says(page, "Drop traces of the tribometer");
+    let map = folder.join("made.asc");
+    let made = program()
+        .args(["--quiet", "synthesize", "--pixels", "64", "--waves", "4:30", "-o"])
+        .arg(&map)
+        .status()
+        .unwrap();
+    assert!(made.success());
+    let mut dropped: Vec<(String, String)> = TRACES.map(|name| (name.to_owned(), text(name))).into();
+    dropped.push(("flat-map.asc".to_owned(), fs::read_to_string(&map).unwrap()));
+    fs::remove_file(map).unwrap();
+    drop_files(page, ".page > .drop", &dropped);
+    says(page, "Exports that are not used yet");
+    enter(page, "Speed in mm/s of pom/traces/flat-160N-1.csv", "5");
+    enter(page, "Humidity in % of pom/traces/flat-160N-1.csv", "50");
+    press(page, "Add 5 files to the material");
+    // The traces hold a torque: the page says what is missing.
+    says(page, "`effective_radius_mm` in [traces]");
+    let calibration = file("pom/calibration.toml");
+    assert!(
+        calibration.contains("force_n = 300") && calibration.contains("\"traces/flat-300N-2.csv\""),
+        "{calibration}"
+    );
+    press(page, "How traces are read");
+    press(page, "More settings");
+    enter(page, "Effective radius", "25");
+    enter(page, "Specimens", "3");
+    says(page, "Dynamic friction by condition");
+    press(page, "Use for the area law");
+    wait(page, "says('In use for the area law')");
+    press(page, "Fit the material");
+    wait(page, "document.querySelector('.report iframe') !== null");
+    assert!(folder.join("pom-material.toml").is_file());
+
+    // A target, by keyboard, and the sliders beside it.
+    press(page, "Target");
+    enter(page, "Name of a new design", "seal");
+    press(page, "Start a design");
+    wait(page, "document.querySelectorAll('[role=slider]').length > 1");
+    let before = file("seal.toml");
+    page.ask("document.querySelector('[role=slider]').focus()");
+    page.ask("document.querySelector('[role=slider]').dispatchEvent(new KeyboardEvent('keydown', { key: 'ArrowDown', bubbles: true }))");
+    let until = Instant::now() + PATIENCE;
+    while file("seal.toml") == before {
+        assert!(Instant::now() < until, "the target does not move");
+        std::thread::sleep(Duration::from_millis(50));
+    }
+    assert!(file("seal.toml").contains("# one number, or one per pressure"), "comments are lost");
+    wait(page, "/%|No answer/.test(document.querySelector('.chance')?.textContent ?? '')");
+    let took = page.ask(
+        "(async () => { const slider = document.querySelector('input[type=range]'), took = []; for (let k = 0; k < 40; k++) { \
+         slider.value = Number(slider.min) + (k + 1) * (slider.max - slider.min) / 50; const start = performance.now(); \
+         slider.dispatchEvent(new Event('input', { bubbles: true })); took.push(performance.now() - start); \
+         await new Promise(requestAnimationFrame); } window.took = took.sort((a, b) => a - b); })() && null",
+    );
+    assert!(took.is_null());
+    wait(page, "Array.isArray(window.took)");
+    println!("a step of a slider takes {} ms (median) of the page", page.ask("window.took[20]"));
+
+    // The texture, with the bytes of the command line.
+    press(page, "Design");
+    press(page, "Find the texture");
+    wait(page, "document.querySelector('.decision') !== null");
+    let copy = tempfile::tempdir().unwrap();
+    copy_folder(folder, copy.path());
+    fs::remove_dir_all(copy.path().join("out/seal")).unwrap();
+    let done = program().args(["--quiet", "optimize", "seal.toml"]).current_dir(copy.path()).output().unwrap();
+    assert!(done.status.code().is_some_and(|code| [0, 3].contains(&code)), "{}", String::from_utf8_lossy(&done.stderr));
+    for name in ["result.json", "pattern.dxf", "process.toml", "scene.toml"] {
+        let read = |folder: &Path| fs::read(folder.join("out/seal").join(name)).unwrap();
+        assert!(read(folder) == read(copy.path()), "{name}");
+    }
+
+    // A sample of it is cut and measured.
+    press(page, "I will cut this");
+    says(page, "Added as");
+    press(page, "Trials");
+    press(page, "It is cut");
+    let measured =
+        [80, 300].map(|force| (format!("cut-1-{force}N-5mm_s-50pct.csv"), text(&format!("patterned-{force}N-1.csv"))));
+    wait(page, "says('No sample is chosen.')");
+    drop_files(page, "article .drop", &measured);
+    press(page, "Add 2 files to the trials");
+    says(page, "Traces: 2; conditions: 2");
+    press(page, "What was learned");
+    says(page, "Ratio to the flat sample, predicted from earlier trials and measured");
+    press(page, "What to cut next");
+    says(page, "Chance that one of these");
+    assert!(folder.join("out/next/next-1/pattern.dxf").is_file());
+
+    // A file that another program changes shows up; one that is wrong is named with its line.
+    press(page, "Files");
+    fs::write(folder.join("seal.toml"), format!("# by another hand\n{}", file("seal.toml"))).unwrap();
+    press(page, "seal.toml");
+    says(page, "# by another hand");
+    fs::write(folder.join("seal.toml"), file("seal.toml").replace("[bounds]", "[bonds]")).unwrap();
+    says(page, "bonds");
+    for page_name in ["Material", "Target", "Design", "Trials", "Files"] {
+        press(page, page_name);
+        std::thread::sleep(Duration::from_millis(500));
+        let cut_off = page.ask(pages::CUT_OFF);
+        // The link that skips the tabs is off the window until it has the focus.
+        let cut_off = cut_off.as_array().unwrap().iter().filter(|own| !own.to_string().contains("Skip to the page"));
+        assert_eq!(cut_off.count(), 0, "{page_name}: {}", page.ask(pages::CUT_OFF));
+        assert_eq!(page.ask(pages::CONTRAST), json!([]), "{page_name}");
+    }
+}
+
+fn copy_folder(from: &Path, to: &Path) {
+    for entry in fs::read_dir(from).unwrap().map(Result::unwrap) {
+        let target = to.join(entry.file_name());
+        if entry.file_type().unwrap().is_dir() {
+            fs::create_dir_all(&target).unwrap();
+            copy_folder(&entry.path(), &target);
+        } else {
+            fs::copy(entry.path(), target).unwrap();
+        }
+    }
+}
