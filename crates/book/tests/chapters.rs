@@ -1,7 +1,8 @@
-//! Checks that every chapter is in the summary, and that every link has a target.
+//! Checks that every chapter is in the summary, that every link has a target, and that every equation can be drawn.
 
 use std::path::{Path, PathBuf};
 
+use slipgrid_book::equations::convert;
 use slipgrid_book::links::{anchors, targets};
 
 use crate::{book, files, root, text};
@@ -57,6 +58,21 @@ fn every_link_leads_to_a_file_and_every_anchor_to_a_heading() {
     }
     assert!(broken.is_empty(), "{}", broken.join("\n"));
     assert!(checked > 60, "{checked}");
+}
+
+#[test]
+fn every_equation_becomes_mathml_and_numbers_of_equations_are_unique() {
+    let (mut found, mut numbers) = (0, Vec::new());
+    for page in files(&book(), ".md") {
+        let own = text(&page);
+        let converted = convert(&own).unwrap_or_else(|fault| panic!("{}: {fault}", page.display()));
+        assert!(!converted.contains("<merror"), "{}", page.display());
+        found += converted.matches("<math ").count();
+        numbers.extend(own.split("\\tag{").skip(1).map(|rest| rest.split('}').next().unwrap().to_owned()));
+    }
+    assert!(found > 250, "{found}");
+    numbers.sort();
+    assert_eq!(numbers, ["1", "2", "3", "4", "5", "6"]);
 }
 
 #[test]
