@@ -77,6 +77,8 @@ fn mathml(latex: &str, display_mode: DisplayMode) -> Result<String, String> {
     push_mathml(&mut element, events.into_iter().map(Ok::<_, std::fmt::Error>), config)
         .map_err(|error| fault(&error))?;
     let safe = element.replace("<mo><</mo>", "<mo>&lt;</mo>").replace("<mo>></mo>", "<mo>&gt;</mo>");
+    // The converter writes the sign of micro for the Greek letter, which browsers do not slant.
+    let safe = safe.replace('\u{b5}', "\u{3bc}");
     Ok([('\n', " "), ('*', "&#42;"), ('|', "&#124;"), ('_', "&#95;")]
         .iter()
         .fold(safe, |safe, (sign, code)| safe.replace(*sign, code)))
