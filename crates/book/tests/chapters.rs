@@ -130,10 +130,12 @@ fn the_glossary_is_in_order() {
 }
 
 #[test]
-fn the_citation_names_the_version_and_the_licence() {
+fn citation_and_introduction_name_the_version() {
     let citation = text(&root().join("crates/book/CITATION.cff"));
     assert!(citation.contains(&format!("\nversion: {}\n", env!("CARGO_PKG_VERSION"))), "{citation}");
     assert!(citation.contains("\nlicense: MIT\n"));
+    let introduction = text(&book().join("introduction.md"));
+    assert!(introduction.contains(&format!("This book describes slipgrid {};", env!("CARGO_PKG_VERSION"))));
     let changes = text(Path::new(env!("CARGO_MANIFEST_DIR")).join("CHANGELOG.md").as_path());
     assert!(changes.contains(env!("CARGO_PKG_VERSION")));
 }
