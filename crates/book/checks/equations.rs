@@ -4,6 +4,9 @@ use pulldown_latex::config::{DisplayMode, RenderConfig};
 use pulldown_latex::event::Event;
 use pulldown_latex::{Parser, Storage, push_mathml};
 
+/// Signs before which no line ends, although browsers end lines after every equation.
+const SIGNS: [char; 5] = [',', '.', ';', ':', ')'];
+
 /// Replaces the equations of a chapter in Markdown by MathML: LaTeX between two lines `$$`, and LaTeX between single
 /// dollar signs of one line. Code is left as it is. `\tag{3}` numbers a block.
 ///
@@ -41,9 +44,20 @@ fn convert_prose(prose: &str) -> Result<String, String> {
             continue;
         }
         let mut converted = String::new();
-        for (place, part) in text.split('$').enumerate() {
+        let parts: Vec<&str> = text.split('$').collect();
+        for (place, part) in parts.iter().enumerate() {
+            let sign = |part: &str| part.chars().next().filter(|sign| SIGNS.contains(sign));
             let is_equation = place % 2 == 1;
-            converted += &if is_equation { mathml(part, DisplayMode::Inline)? } else { part.to_owned() };
+            if !is_equation {
+                let is_written = place > 0 && sign(part).is_some();
+                converted += &part[usize::from(is_written)..];
+                continue;
+            }
+            let element = mathml(part, DisplayMode::Inline)?;
+            converted += &match parts.get(place + 1).and_then(|next| sign(next)) {
+                Some(sign) => format!("<span class=\"unbroken\">{element}{sign}</span>"),
+                None => element,
+            };
         }
         if text.matches('$').count() % 2 == 1 {
             return Err(format!("a dollar sign has no other: {}", text.trim()));
@@ -91,11 +105,12 @@ mod tests {
     #[test]
     fn blocks_and_lines_are_converted_and_code_is_not() {
         let page =
-            convert("A $p < 1$ and `$x`.\n\n$$\nx^2 \\tag{3}\n$$\n\n```console\n$ slipgrid\n```\nEnd.\n").unwrap();
+            convert("A $p < 1$ and `$x`, $y$.\n\n$$\nx^2 \\tag{3}\n$$\n\n```console\n$ slipgrid\n```\nEnd.\n").unwrap();
         assert!(
-            page.starts_with("A <math display=\"inline\"><mi>p</mi><mo>&lt;</mo><mn>1</mn></math> and `$x`.\n"),
+            page.starts_with("A <math display=\"inline\"><mi>p</mi><mo>&lt;</mo><mn>1</mn></math> and `$x`, <span class=\"unbroken\"><math "),
             "{page}"
         );
+        assert!(page.contains("<mi>y</mi></math>.</span>\n"), "{page}");
         assert!(page.contains("<div class=\"equation\"><math display=\"block\"><msup>"), "{page}");
         assert!(page.ends_with("</math><span>(3)</span></div>\n\n```console\n$ slipgrid\n```\nEnd.\n"), "{page}");
     }

@@ -323,9 +323,12 @@ fn chance() -> String {
     drawing.end()
 }
 
+/// Picture of a chapter: name of the chapter, name of the picture, and function that draws it.
+type Picture = (&'static str, &'static str, fn() -> String);
+
 #[test]
 fn pictures_of_the_theory_are_drawn_by_the_program() {
-    let pictures: [(&str, &str, fn() -> String); 6] = [
+    let pictures: [Picture; 6] = [
         ("lattice", "lattice", lattice),
         ("steady", "edge-pressure", edge_pressure),
         ("friction", "area-law", area_law),
