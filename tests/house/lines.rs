@@ -18,7 +18,7 @@ const LIMITS: [(&str, usize); 15] = [
     ("slipgrid", 100),
     ("studio", 1_400),
     ("cli", 2_700),
-    ("book", 400),
+    ("book", 570),
     ("python", 1_750),
 ];
 

@@ -1,10 +1,15 @@
-//! Fenced blocks of a chapter, and the comparison of a command's output with the chapter.
+//! Fenced blocks of a chapter, and the comparison of a command's output with blocks and numbers of the chapter.
 
 /// Line of a chapter that stands for omitted output.
 pub const LEFT_OUT: &str = "[...]";
 /// Relative difference that numbers may have in addition to 1.5 units of the last digit shown, because other processors
 /// round differently.
 const TOLERANCE: f64 = 2e-3;
+
+/// Start of the comment after a number of the prose that a command of the chapter prints. The comment ends with a part of
+/// the printed line that has `#` in place of the number.
+const PRINTED: &str = "<!-- printed: ";
+const PRINTED_END: &str = " -->";
 
 /// Fenced block of a chapter.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -88,6 +93,54 @@ pub fn compare(command: &str, shown: &[String], printed: &str, differ: &mut Vec<
     now
 }
 
+/// Returns a number in `printed` whose surroundings are those of `#` in `pattern`, from the last such line; spaces count
+/// as one.
+fn printed_number(printed: &str, pattern: &str) -> Option<String> {
+    let single_spaced = |text: &str| text.split_whitespace().collect::<Vec<_>>().join(" ");
+    let pattern = single_spaced(pattern);
+    let (before, after) = pattern.split_once('#')?;
+    let is_digit = |c: char| c.is_ascii_digit() || c == '.';
+    printed.lines().rev().find_map(|line| {
+        let line = single_spaced(line);
+        let starts = line.match_indices(is_digit).map(|(start, _)| start);
+        let found =
+            starts.map(|start| (start, line[start..].find(|c| !is_digit(c)).map_or(line.len(), |end| start + end)));
+        let mut fitting = found.filter(|(start, end)| {
+            line[..*start].ends_with(before) && line[*end..].starts_with(after) && !line[..*start].ends_with(is_digit)
+        });
+        fitting.next().map(|(start, end)| line[start..end].trim_end_matches('.').to_owned())
+    })
+}
+
+/// Compares the numbers of a chapter's prose that are marked as printed with the output `printed` of commands.
+/// Returns the chapter with the printed numbers, and appends the differences to `differ`.
+pub fn compare_prose(chapter: &str, printed: &str, differ: &mut Vec<String>) -> String {
+    let mut now = String::new();
+    let mut rest = chapter;
+    while let Some((before, (pattern, after))) =
+        rest.split_once(PRINTED).and_then(|(before, rest)| Some((before, rest.split_once(PRINTED_END)?)))
+    {
+        // The last number before the comment; its unit may stand between them.
+        let end = before.rfind(|c: char| c.is_ascii_digit()).map_or(0, |last| last + 1);
+        let digits = before[..end].bytes().rev().take_while(|byte| byte.is_ascii_digit() || *byte == b'.').count();
+        let (start, shown) = (end - digits, &before[end - digits..end]);
+        let found = printed_number(printed, pattern);
+        match found.as_deref().filter(|found| !agree(shown, found)) {
+            Some(found) => now.extend([&before[..start], found, &before[end..]]),
+            None => now.push_str(before),
+        }
+        if !found.as_deref().is_some_and(|found| agree(shown, found)) {
+            differ.push(format!(
+                "{pattern}\n  shown:   {shown}\n  printed: {}",
+                found.as_deref().unwrap_or("no such line")
+            ));
+        }
+        now.extend([PRINTED, pattern, PRINTED_END]);
+        rest = after;
+    }
+    now + rest
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -112,5 +165,20 @@ mod tests {
         compare("c", &lines("head\n[...]\nratio 0.81 of it"), printed, &mut differ);
         compare("c", &lines("[...]\nnothing like it"), printed, &mut differ);
         assert_eq!(differ.len(), 2, "{differ:?}");
+    }
+
+    #[test]
+    fn numbers_of_the_prose_are_those_printed() {
+        let printed = "a: 56 % chance\n  P MPa  ratio\n   0.65  0.8214\n";
+        let page = |chance: &str, ratio: &str| {
+            format!("It has {chance} %<!-- printed: # % chance --> at {ratio}<!-- printed: 0.65 # -->.\n")
+        };
+        let mut differ = Vec::new();
+        assert_eq!(compare_prose(&page("56", "0.82"), printed, &mut differ), page("56", "0.82"));
+        assert!(differ.is_empty(), "{differ:?}");
+        assert_eq!(compare_prose(&page("50", "0.92"), printed, &mut differ), page("56", "0.8214"));
+        assert_eq!(differ.len(), 2);
+        compare_prose("1<!-- printed: nothing # -->", printed, &mut differ);
+        assert_eq!(differ.len(), 3);
     }
 }

@@ -1,8 +1,9 @@
-//! Tools of the book's tests, which check its chapters against the program.
+//! Tools of the book: those of its tests, which check the chapters against the program, and the conversion of equations.
 //!
 //! | module | content |
 //! |---|---|
 //! | [`console`] | fenced blocks of a chapter, and comparison of a command's output with the chapter |
+//! | [`equations`] | equations of a chapter, converted for its page |
 //! | [`links`] | links and anchors of a chapter |
 //! | [`keys`] | keys of a file, from the JSON schema of its table |
 //! | [`schema`] | JSON schemas of files, completed, and validation of files by them |
@@ -18,6 +19,7 @@
 //! ```
 
 pub mod console;
+pub mod equations;
 pub mod keys;
 pub mod links;
 pub mod schema;

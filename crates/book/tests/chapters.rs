@@ -1,7 +1,8 @@
-//! Checks that every chapter is in the summary, and that every link has a target.
+//! Checks that every chapter is in the summary, that every link has a target, and that every equation can be drawn.
 
 use std::path::{Path, PathBuf};
 
+use slipgrid_book::equations::convert;
 use slipgrid_book::links::{anchors, targets};
 
 use crate::{book, files, root, text};
@@ -60,6 +61,21 @@ fn every_link_leads_to_a_file_and_every_anchor_to_a_heading() {
 }
 
 #[test]
+fn every_equation_becomes_mathml_and_numbers_of_equations_are_unique() {
+    let (mut found, mut numbers) = (0, Vec::new());
+    for page in files(&book(), ".md") {
+        let own = text(&page);
+        let converted = convert(&own).unwrap_or_else(|fault| panic!("{}: {fault}", page.display()));
+        assert!(!converted.contains("<merror"), "{}", page.display());
+        found += converted.matches("<math ").count();
+        numbers.extend(own.split("\\tag{").skip(1).map(|rest| rest.split('}').next().unwrap().to_owned()));
+    }
+    assert!(found > 250, "{found}");
+    numbers.sort();
+    assert_eq!(numbers, ["1", "2", "3", "4", "5", "6"]);
+}
+
+#[test]
 fn what_a_chapter_includes_is_there_and_has_no_links_of_its_own() {
     let mut included = 0;
     for page in files(&book(), ".md") {
@@ -114,10 +130,12 @@ fn the_glossary_is_in_order() {
 }
 
 #[test]
-fn the_citation_names_the_version_and_the_licence() {
+fn citation_and_introduction_name_the_version() {
     let citation = text(&root().join("crates/book/CITATION.cff"));
     assert!(citation.contains(&format!("\nversion: {}\n", env!("CARGO_PKG_VERSION"))), "{citation}");
     assert!(citation.contains("\nlicense: MIT\n"));
+    let introduction = text(&book().join("introduction.md"));
+    assert!(introduction.contains(&format!("This book describes slipgrid {};", env!("CARGO_PKG_VERSION"))));
     let changes = text(Path::new(env!("CARGO_MANIFEST_DIR")).join("CHANGELOG.md").as_path());
     assert!(changes.contains(env!("CARGO_PKG_VERSION")));
 }

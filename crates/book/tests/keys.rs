@@ -6,6 +6,7 @@ use std::path::Path;
 
 use serde_json::Value as Json;
 use slipgrid_book::keys::{all_keys, keys, words};
+use slipgrid_book::links::anchors;
 use slipgrid_book::schema::{Accepted, default, file_schema, violations};
 use slipgrid_design::DesignReport;
 use slipgrid_design::results::SimulationReport;
@@ -68,18 +69,28 @@ fn schemas_have_absolute_ids_and_references_that_resolve() {
 }
 
 #[test]
-fn the_chapter_of_keys_is_generated_from_the_types_that_read() {
-    let mut chapter = "# Keys of all files\n\nThis chapter is generated from the types that read the files. A key that is **bold** is \
-                       required. The column \"accepted\" has what the program answers to a wrong value; where it is empty, every \
-                       value of the type is accepted. [Files with keys](files.md) says which file is for what, and how an editor \
-                       checks keys.\n"
+fn the_chapters_of_keys_are_generated_from_the_types_that_read() {
+    let mut list = "# Keys of all files\n\nThese chapters are generated from the types that read the files. A key that is **bold** is \
+                    required. The column \"accepted\" has what the program answers to a wrong value; where it is empty, every \
+                    value of the type is accepted. [Files with keys](files.md) says which file is for what, and how an editor \
+                    checks keys.\n\n| file | tables |\n|---|---|\n"
         .to_owned();
     let mut described = Vec::new();
     for kind in &KINDS {
-        let _ = write!(chapter, "\n## {}\n\n{}\n", capital(kind.name), kind.meaning);
+        let page = format!("keys/{}.md", kind.name);
+        let mut chapter = format!("# Keys of a {}\n\n{}\n", kind.name, kind.meaning);
         describe(kind, (kind.schema(), ""), &kind.accepted(), &mut described, &mut chapter);
+        keep(&book().join("reference").join(&page), &chapter);
+        let tables = chapter.lines().filter_map(|line| line.strip_prefix("## `")?.strip_suffix('`'));
+        let tables = tables.map(|table| format!("[`{table}`]({page}#{})", anchor(table))).collect::<Vec<_>>();
+        let _ = writeln!(list, "| [{}]({page}) | {} |", kind.name, tables.join(", "));
     }
-    keep(&book().join("reference/keys.md"), &chapter);
+    keep(&book().join("reference/keys.md"), &list);
+}
+
+/// Anchor of a heading.
+fn anchor(heading: &str) -> String {
+    anchors(&format!("# {heading}")).remove(0)
 }
 
 #[test]
@@ -104,28 +115,20 @@ fn the_chapter_of_columns_is_generated_from_what_reads_them() {
     keep(&book().join("reference/trace-columns.md"), &chapter);
 }
 
-/// Records of `optimize` and `simulate`: name, schema version, schema, and title.
-type Record = (&'static str, u32, fn() -> Json, &'static str);
+/// Records of `optimize` and `simulate`: name, schema version, schema, commands that write it, and chapter.
+type Record = (&'static str, u32, fn() -> Json, &'static str, &'static str);
 const RECORDS: [Record; 2] = [
-    ("result", 2, record_schema::<DesignReport>, "result.json of `optimize`"),
-    (
-        "simulation",
-        VERSION,
-        record_schema::<SimulationReport>,
-        "result.json of `simulate`, and what `simulate --json` prints",
-    ),
+    ("result", 2, record_schema::<DesignReport>, "`optimize` and `next`", "result-json.md"),
+    ("simulation", VERSION, record_schema::<SimulationReport>, "`simulate`", "simulation-json.md"),
 ];
 
 #[test]
-fn the_chapter_of_results_is_generated_from_the_types_that_are_written() {
-    let mut chapter = "# Keys of result.json\n\nThis chapter is generated from the types that are written. A key that is **bold** is always \
-                       there; others are left out, or null, where they do not apply. Numbers that are not known are null.\n"
-        .to_owned();
-    for (name, version, schema, title) in RECORDS {
-        let _ = write!(
-            chapter,
-            "\n## {}\n\nSchema: [{name}-{version}.json](../schemas/{name}-{version}.json).\n",
-            capital(title)
+fn the_chapters_of_results_are_generated_from_the_types_that_are_written() {
+    for (name, version, schema, commands, page) in RECORDS {
+        let mut chapter = format!(
+            "# Keys of result.json of {commands}\n\nThis chapter is generated from the types that are written. A key that is **bold** \
+             is always there; others are left out, or null, where they do not apply. Numbers that are not known are null. \
+             Schema: [{name}-{version}.json](../schemas/{name}-{version}.json).\n"
         );
         record((&schema(), ""), &mut Vec::new(), &mut chapter);
         let now = file_schema(&schema(), (name, version), &Accepted::new());
@@ -133,36 +136,42 @@ fn the_chapter_of_results_is_generated_from_the_types_that_are_written() {
             &book().join(format!("schemas/{name}-{version}.json")),
             &(serde_json::to_string_pretty(&now).unwrap() + "\n"),
         );
+        keep(&book().join("reference").join(page), &chapter);
     }
-    keep(&book().join("reference/result-json.md"), &chapter);
 }
 
-/// Process sheets: name, schema, and title.
-type Sheet = (&'static str, fn() -> Json, &'static str);
+/// Process sheets: title, schema, commands that write it, and chapter.
+type Sheet = (&'static str, fn() -> Json, &'static str, &'static str);
 const SHEETS: [Sheet; 2] = [
-    ("process sheet", sheet_schema::<ProcessSheet>, "`process.toml` of `optimize`, `next` and `export`"),
     (
-        "process sheet of sectors",
+        "process.toml",
+        sheet_schema::<ProcessSheet>,
+        "`optimize`, `next` and `export` write this sheet",
+        "process-toml.md",
+    ),
+    (
+        "process.toml with sectors",
         sheet_schema::<SectorsSheet>,
-        "`process.toml` of `next --one-disc`, whose specimen holds several samples",
+        "`next --one-disc` writes this sheet for a specimen that holds several samples",
+        "process-toml-sectors.md",
     ),
 ];
 
 #[test]
-fn the_chapter_of_process_sheets_is_generated_from_the_types_that_are_written() {
-    let mut chapter = "# Keys of process.toml\n\nThis chapter is generated from the types that are written. A key that is **bold** is always \
-                       there; others are left out where they do not apply. Units stand in the keys. [From result to \
-                       laser](../tutorials/to-the-laser.md) says how the numbers follow from the lines.\n"
-        .to_owned();
-    for (name, schema, title) in SHEETS {
-        let _ = write!(chapter, "\n## {}\n\n{}.\n", capital(name), title);
+fn the_chapters_of_process_sheets_are_generated_from_the_types_that_are_written() {
+    for (name, schema, commands, page) in SHEETS {
+        let mut chapter = format!(
+            "# Keys of {name}\n\n{commands}. This chapter is generated from the types that are written. A key that is **bold** is \
+             always there; others are left out where they do not apply. Units stand in the keys. [From result to \
+             laser](../tutorials/to-the-laser.md) says how the numbers follow from the lines.\n"
+        );
         let schema = schema();
         record((&schema, ""), &mut Vec::new(), &mut chapter);
         for (path, key) in all_keys(&schema) {
             assert!(key.meaning().ends_with('.'), "{name}: {path}: {}", key.meaning());
         }
+        keep(&book().join("reference").join(page), &chapter);
     }
-    keep(&book().join("reference/process-toml.md"), &chapter);
 }
 
 /// Writes the keys of the record at `path` and of its inner records into the chapter, equal tables once.
@@ -172,7 +181,7 @@ fn record((table, path): (&Json, &str), described: &mut Vec<Json>, chapter: &mut
     }
     described.push(table["properties"].clone());
     if !path.is_empty() {
-        let _ = write!(chapter, "\n### `{path}`\n");
+        let _ = write!(chapter, "\n## `{path}`\n");
     }
     chapter.push_str("\n| key | type | unit | meaning |\n|---|---|---|---|\n");
     for key in keys(table) {
@@ -242,31 +251,21 @@ fn results_obey_their_schemas() {
     }
 }
 
-fn capital(name: &str) -> String {
-    name[..1].to_uppercase() + &name[1..]
-}
-
 /// Writes the table at `path` and its inner tables into the chapter; a table described before is referred to.
 fn describe(
     kind: &Kind,
     (table, path): (&Json, &str),
     accepted: &Accepted,
-    described: &mut Vec<(Json, String)>,
+    described: &mut Vec<(Json, &'static str, String)>,
     chapter: &mut String,
 ) {
-    let title = if path.is_empty() {
-        format!("Outermost keys of a {}", kind.name)
-    } else {
-        format!("`[{path}]` of a {}", kind.name)
-    };
-    let _ = write!(chapter, "\n### {title}\n\n");
-    if let Some((_, before)) = described.iter().find(|(keys, _)| *keys == table["properties"]) {
-        let anchor: String =
-            before.to_lowercase().chars().filter(|c| c.is_alphanumeric() || " _-".contains(*c)).collect();
-        let _ = writeln!(chapter, "The same keys as [{before}](#{}).", anchor.replace(' ', "-"));
+    let title = if path.is_empty() { "Outermost keys".to_owned() } else { format!("`[{path}]`") };
+    let _ = write!(chapter, "\n## {title}\n\n");
+    if let Some((_, before, title)) = described.iter().find(|(keys, ..)| *keys == table["properties"]) {
+        let _ = writeln!(chapter, "The same keys as [{title} of a {before}]({before}.md#{}).", anchor(title));
         return;
     }
-    described.push((table["properties"].clone(), title));
+    described.push((table["properties"].clone(), kind.name, title));
     chapter.push_str("| key | type | unit | when absent | accepted | meaning |\n|---|---|---|---|---|---|\n");
     for key in keys(table) {
         let path = key.path(path);

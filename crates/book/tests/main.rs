@@ -15,6 +15,7 @@ mod numbers;
 mod pictures;
 mod probes;
 mod tables;
+mod theory;
 mod walks;
 
 use std::fs;

@@ -6,9 +6,10 @@ use std::path::Path;
 use crate::{book, files, keep, root, text};
 
 /// Pictures of the book: chapter, file that the chapter's commands write, and name of the picture.
-const SHOWN: [(&str, &str, &str); 4] = [
+const SHOWN: [(&str, &str, &str); 5] = [
     ("tutorials/first-design.md", "out/first/target.svg", "target.svg"),
     ("tutorials/first-design.md", "out/first/pattern.svg", "pattern.svg"),
+    ("tutorials/three-trials.md", "out/trials/trials.svg", "trials.svg"),
     ("how-to/measured-textures.md", "out/textured/map.svg", "surface-map.svg"),
     ("how-to/measured-textures.md", "out/textured/histogram.svg", "surface-histogram.svg"),
 ];

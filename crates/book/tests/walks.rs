@@ -4,14 +4,18 @@
 //! replaces its last four lines. A block `console` contains commands with their output, `console whole` one command
 //! with its complete output. Blocks `python = PATH` and `rust = PATH` contain lines of that file of the repository.
 //! Blocks `text`, and blocks indented by four spaces, are ignored.
+//!
+//! A number of the prose that a command above it prints has a comment after it, for example
+//! `56 %<!-- printed: # % chance -->`: a part of the printed line, with `#` in place of the number.
 
 use std::collections::BTreeSet;
 use std::fs;
+use std::ops::Range;
 use std::path::Path;
 use std::sync::Mutex;
 use std::time::Instant;
 
-use slipgrid_book::console::{LEFT_OUT, blocks, compare};
+use slipgrid_book::console::{LEFT_OUT, blocks, compare, compare_prose};
 use tempfile::TempDir;
 
 use crate::{book, files, pictures, program, root, tables, text, updates};
@@ -70,6 +74,15 @@ fn print(folder: &Path, command: &str) -> String {
     }
 }
 
+/// Part of a chapter as it would be now: its first line, the number of lines that it replaces, and the new lines.
+type Part = (usize, usize, Vec<String>);
+
+/// Compares the numbers in the `range` of lines between two blocks with the output `printed` of the commands above.
+fn prose(lines: &[String], range: Range<usize>, printed: &str, differ: &mut Vec<String>) -> Part {
+    let now = compare_prose(&lines[range.clone()].join("\n"), printed, differ);
+    (range.start, range.len(), now.split('\n').map(str::to_owned).take(range.len()).collect())
+}
+
 /// Runs the commands of the chapter at `path`; returns their folder, their number, and the differences.
 fn walk(path: &Path) -> (TempDir, usize, Vec<String>) {
     let chapter = text(path);
@@ -77,15 +90,17 @@ fn walk(path: &Path) -> (TempDir, usize, Vec<String>) {
     let (found, is_closed) = blocks(&lines);
     assert!(is_closed, "{}: a block is not closed", path.display());
     let place = tempfile::tempdir().unwrap();
-    let (mut differ, mut commands) = (Vec::new(), 0);
-    // Blocks as they would be now, by their place in the chapter.
-    let mut updated: Vec<(usize, usize, Vec<String>)> = Vec::new();
+    let (mut differ, mut commands, mut all) = (Vec::new(), 0, String::new());
+    let mut updated: Vec<Part> = Vec::new();
     if found.iter().any(|block| block.info.starts_with("console")) {
         for folder in ["designs", "calibration"] {
             copy_folder(&root().join(folder), &place.path().join(folder));
         }
     }
+    let mut from = 0;
     for block in found {
+        updated.push(prose(&lines, from..block.start, &all, &mut differ));
+        from = block.start + block.lines.len();
         let own = block.lines.join("\n") + "\n";
         match block.info.split_whitespace().collect::<Vec<_>>()[..] {
             [] | ["text"] => {}
@@ -111,6 +126,7 @@ fn walk(path: &Path) -> (TempDir, usize, Vec<String>) {
             ["console", "whole"] => {
                 let command = block.lines[0].strip_prefix("$ ").unwrap();
                 let printed = print(place.path(), command);
+                all += &printed;
                 let now = std::iter::once(block.lines[0].as_str()).chain(printed.lines().map(str::trim_end));
                 let now: Vec<String> = now.map(str::to_owned).collect();
                 if now != block.lines {
@@ -125,6 +141,7 @@ fn walk(path: &Path) -> (TempDir, usize, Vec<String>) {
                     let command = shown[0].strip_prefix("$ ").unwrap();
                     now.push(shown[0].clone());
                     let printed = print(place.path(), command);
+                    all += &printed;
                     let ended = printed.lines().last().filter(|line| line.starts_with(EXIT_CODE));
                     let told = shown.last().filter(|line| line.starts_with(EXIT_CODE)).map(String::as_str);
                     if ended != told {
@@ -138,6 +155,7 @@ fn walk(path: &Path) -> (TempDir, usize, Vec<String>) {
             _ => panic!("{}: a block of unknown kind: {}", path.display(), block.info),
         }
     }
+    updated.push(prose(&lines, from..lines.len(), &all, &mut differ));
     if updates() {
         let mut lines = lines;
         for (start, count, now) in updated.into_iter().rev() {
