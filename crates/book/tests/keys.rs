@@ -25,8 +25,11 @@ const VERSION: u32 = 1;
 fn schemas_are_generated_from_the_types_that_read() {
     for kind in KINDS {
         let now = file_schema(kind.schema(), (kind.name, VERSION), &kind.accepted());
-        let path = book().join(format!("schemas/{}-{VERSION}.json", kind.name));
-        keep(&path, &(serde_json::to_string_pretty(&now).unwrap() + "\n"));
+        let text = serde_json::to_string_pretty(&now).unwrap() + "\n";
+        let name = format!("{}-{VERSION}.json", kind.name);
+        keep(&book().join("schemas").join(&name), &text);
+        // Its forms are drawn from them.
+        keep(&root().join("crates/studio/schemas").join(&name), &text);
     }
 }
 

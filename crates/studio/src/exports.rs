@@ -173,12 +173,17 @@ pub async fn one(Query(at): Query<AtWith>) -> Answer<ExportFound> {
 }
 
 fn columns_found(text: &str, titles: &Titles) -> Vec<ColumnFound> {
-    let of_title = |(title, channel): (String, Option<Channel>)| {
-        let unit =
-            title.find(['[', '(', '{']).map(|at| title[at..].trim_matches(['[', '(', '{', ']', ')', '}']).to_owned());
+    let found = titles_in(text, titles);
+    let count = |title: &str, upto: usize| found[..upto].iter().filter(|(other, _)| other == title).count();
+    let of_title = |(place, (title, channel)): (usize, &(String, Option<Channel>))| {
+        let unit = title.find(['[', '(', '{']);
+        let unit = unit.map(|at| title[at..].trim_matches(['[', '(', '{', ']', ')', '}']).to_owned());
+        // Of equal titles a number says which is meant, as in `columns` of a calibration.
+        let is_one = count(title, found.len()) == 1;
+        let title = if is_one { title.clone() } else { format!("{title} #{}", count(title, place) + 1) };
         ColumnFound { title, unit, role: channel.map(Channel::key) }
     };
-    titles_in(text, titles).into_iter().map(of_title).collect()
+    found.iter().enumerate().map(of_title).collect()
 }
 
 /// Path of a calibration in the query of a request.
@@ -294,6 +299,8 @@ mod tests {
             roles("clock,F_tan,F_norm\n0,1,2\n"),
             [role("clock", None), role("F_tan", None), role("F_norm", None)]
         );
+        let twice: Vec<String> = roles("Time;Fx;Fx;Fz\n0;1;1;2\n").into_iter().map(|(title, _)| title).collect();
+        assert_eq!(twice, ["Time", "Fx #1", "Fx #2", "Fz"]);
         assert_eq!(roles("no table\n"), []);
     }
 }

@@ -5,6 +5,8 @@ use std::path::Path;
 use axum::Json;
 use axum::extract::Query;
 use axum::http::StatusCode;
+use axum::http::header::CONTENT_TYPE;
+use axum::response::{IntoResponse, Response};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use sha2::{Digest, Sha256};
@@ -235,9 +237,18 @@ pub struct OfKind {
     kind: String,
 }
 
+/// Schemas of the files that have forms, completed by the names and ranges that the readers accept.
+const SCHEMAS: [(&str, &str); 5] = [
+    ("calibration", include_str!("../schemas/calibration-1.json")),
+    ("campaign", include_str!("../schemas/campaign-1.json")),
+    ("design", include_str!("../schemas/design-1.json")),
+    ("material", include_str!("../schemas/material-1.json")),
+    ("scene", include_str!("../schemas/scene-1.json")),
+];
+
 /// JSON schema of a kind of file.
-pub async fn schema(Query(of): Query<OfKind>) -> Answer<Value> {
-    let found = slipgrid_io::schemas().into_iter().find(|(kind, _)| *kind == of.kind);
-    let kinds = "calibration, design, material, scene or campaign";
-    found.map(|(_, schema)| Json(schema)).ok_or_else(|| Refused::bad(format!("{:?}: expected {kinds}", of.kind)))
+pub async fn schema(Query(of): Query<OfKind>) -> Result<Response, Refused> {
+    let found = SCHEMAS.into_iter().find(|(kind, _)| *kind == of.kind);
+    let expected = || Refused::bad(format!("{:?}: expected {}", of.kind, SCHEMAS.map(|(kind, _)| kind).join(", ")));
+    found.map(|(_, schema)| ([(CONTENT_TYPE, "application/json")], schema).into_response()).ok_or_else(expected)
 }
