@@ -16,7 +16,7 @@ const LIMITS: [(&str, usize); 15] = [
     ("report", 7_700),
     ("validate", 3_400),
     ("slipgrid", 100),
-    ("studio", 1_400),
+    ("studio", 1_600),
     ("cli", 2_700),
     ("book", 570),
     ("python", 1_750),

@@ -1,9 +1,8 @@
 //! A page on the user's own computer for the whole loop: raw traces and maps to a material, a target to laser files, a measured
-//! sample to the next one.
+//! sample to the next one. [`serve`] answers its addresses.
 //!
 //! | module | content |
 //! |---|---|
-//! | [`serve`] | the server: addresses, guards and answers |
 //! | `guard` | who may ask: token, `Host`, `Origin`; headers of answers |
 //! | `places` | paths that stay inside the folder |
 //! | `folder` | files of the folder and their kinds; what changed |
