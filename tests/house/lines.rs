@@ -17,7 +17,7 @@ const LIMITS: [(&str, usize); 15] = [
     ("validate", 3_400),
     ("slipgrid", 100),
     ("studio", 1_600),
-    ("cli", 2_700),
+    ("cli", 2_800),
     ("book", 570),
     ("python", 1_750),
 ];
