@@ -6,7 +6,9 @@ use axum::extract::Query;
 use serde::{Deserialize, Serialize};
 use slipgrid_base::units::{HUMIDITY_PCT, LENGTH_MM, SPEED_MM_S, tidy};
 use slipgrid_io::disk::disk;
-use slipgrid_io::formats::calibration::Calibration;
+use slipgrid_io::formats::Document;
+use slipgrid_io::formats::file_kind::FileKind;
+use slipgrid_io::formats::readable_traces::ReadableTraces;
 use slipgrid_io::formats::source::read_letters;
 use slipgrid_io::formats::traces::{ConditionTraces, Export, TraceSetup, parse_export};
 use slipgrid_traces::columns::{Channel, Titles};
@@ -254,12 +256,16 @@ impl From<&ConditionTraces> for AveragedCondition {
     }
 }
 
-/// Reads the traces of a calibration and averages them.
+/// Reads the traces of a calibration and averages them, as far as they can be read.
 pub async fn averaged(Query(of): Query<OfCalibration>) -> Answer<Averaged> {
     aside(move || {
         let path = inside(&of.calibration)?;
-        Ok(match Calibration::read(&disk(), &path) {
-            Ok(read) => Averaged { conditions: read.traces.iter().map(AveragedCondition::from).collect(), error: None },
+        let document = Document::read(&disk(), &path, FileKind::Calibration);
+        Ok(match document.and_then(|document| ReadableTraces::read(&document)) {
+            Ok(read) => Averaged {
+                conditions: read.found.iter().map(AveragedCondition::from).collect(),
+                error: read.refused.first().map(Message::from),
+            },
             Err(error) => Averaged { conditions: Vec::new(), error: Some(Message::from(&error)) },
         })
     })

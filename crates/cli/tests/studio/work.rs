@@ -155,6 +155,14 @@ fn traces_are_understood_and_averaged_as_on_the_command_line() {
         assert!((condition["mu_dynamic"].as_f64().unwrap() - row[3]).abs() < 1e-4, "{condition} {row:?}");
         assert_eq!(condition["repeats"].as_array().unwrap().len(), 3);
     }
+    // A calibration that lacks its map, and a spoilt trace: the other conditions are there, and the reason for the one that is not.
+    let path = folder.path().join("calibration.toml");
+    let text = fs::read_to_string(&path).unwrap().replace("[fit]", "[surface]\nmap = \"none.asc\"\n[fit]");
+    fs::write(&path, text).unwrap();
+    fs::write(folder.path().join("traces/flat-30N-1.csv"), "spoilt").unwrap();
+    let partly = server.get("/api/traces?calibration=calibration.toml");
+    assert_eq!(partly["conditions"].as_array().unwrap().len(), averaged["conditions"].as_array().unwrap().len() - 1);
+    assert!(partly["error"]["message"].as_str().unwrap().contains("flat-30N-1.csv"), "{partly}");
     // A file that is no trace is named with the reason, and its columns are shown.
     fs::write(folder.path().join("wrong.csv"), "clock,F_tan\n0,1\n").unwrap();
     let wrong = server.get("/api/trace?path=wrong.csv");

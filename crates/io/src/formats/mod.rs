@@ -57,6 +57,7 @@ pub mod measurements;
 pub mod outline;
 pub mod pattern;
 pub mod plausible;
+pub mod readable_traces;
 pub mod refused_calibration;
 pub mod relief;
 pub mod run;

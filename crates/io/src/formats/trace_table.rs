@@ -137,6 +137,15 @@ pub struct TraceConditionFile {
     zero_s: Option<NumberList>,
 }
 
+/// Shrinks the scatter of each condition towards that of the other conditions of its surface.
+fn moderated(mut found: Vec<ConditionTraces>) -> Vec<ConditionTraces> {
+    for kind in SurfaceKind::ALL {
+        let alike = found.iter_mut().filter(|traces| traces.condition.surface == kind);
+        moderate(&mut alike.map(|traces| &mut traces.mean).collect::<Vec<_>>());
+    }
+    found
+}
+
 /// Conditions, each with its file position.
 pub(crate) type PlacedConditions = Vec<(Range<usize>, TraceCondition)>;
 
@@ -257,12 +266,23 @@ impl<'d> TraceReader<'d> {
         let source = self.document.source();
         let analysed =
             conditions.iter().map(|(_, condition)| analyse_among(source, &self.setup, condition, &mut self.seen));
-        let mut found = analysed.collect::<Result<Vec<ConditionTraces>, Diagnostic>>()?;
-        for kind in SurfaceKind::ALL {
-            let alike = found.iter_mut().filter(|traces| traces.condition.surface == kind);
-            moderate(&mut alike.map(|traces| &mut traces.mean).collect::<Vec<_>>());
+        Ok(moderated(analysed.collect::<Result<_, Diagnostic>>()?))
+    }
+
+    /// Like [`Self::analyse`], but goes on behind refused conditions; returns the reasons for these beside the others.
+    pub(crate) fn analyse_readable(
+        &mut self,
+        conditions: &[(Range<usize>, TraceCondition)],
+    ) -> (Vec<ConditionTraces>, Vec<Diagnostic>) {
+        let source = self.document.source();
+        let (mut found, mut refused) = (Vec::new(), Vec::new());
+        for (_, condition) in conditions {
+            match analyse_among(source, &self.setup, condition, &mut self.seen) {
+                Ok(traces) => found.push(traces),
+                Err(reason) => refused.push(reason),
+            }
         }
-        Ok(found)
+        (moderated(found), refused)
     }
 
     fn condition(&mut self, file: &TraceConditionFile, trial: Option<&OfTrial>) -> Result<TraceCondition, Diagnostic> {

@@ -68,6 +68,11 @@ impl TrialFile {
         self.measurements.as_ref().map(|name| name.get_ref().as_str())
     }
 
+    /// Name of the trial, and the list of its own traces, if any.
+    pub(crate) fn named_traces(&self) -> Option<(&str, &Spanned<Vec<TraceConditionFile>>)> {
+        Some((self.name.get_ref(), self.traces.as_ref()?))
+    }
+
     /// Conditions of the trial's own traces, if any.
     #[must_use]
     pub fn traces(&self) -> Option<&[TraceConditionFile]> {
