@@ -7,10 +7,12 @@ use std::path::Path;
 use serde_json::Value as Json;
 use slipgrid_book::keys::{all_keys, keys, words};
 use slipgrid_book::schema::{Accepted, default, file_schema, violations};
-use slipgrid_design::DesignReport;
 use slipgrid_design::results::SimulationReport;
+use slipgrid_design::{DesignReport, NextReport};
 use slipgrid_io::{record_schema, sheet_schema};
 use slipgrid_laser::export::{ProcessSheet, SectorsSheet};
+use slipgrid_report::calibration::FitReport;
+use slipgrid_report::trials::TrialsReport;
 use slipgrid_traces::columns::Channel;
 use toml::Value;
 
@@ -104,10 +106,13 @@ fn the_chapter_of_columns_is_generated_from_what_reads_them() {
     keep(&book().join("reference/trace-columns.md"), &chapter);
 }
 
-/// Records of `optimize` and `simulate`: name, schema version, schema, and title.
+/// Records of the commands: name, schema version, schema, and title.
 type Record = (&'static str, u32, fn() -> Json, &'static str);
-const RECORDS: [Record; 2] = [
+const RECORDS: [Record; 5] = [
     ("result", 2, record_schema::<DesignReport>, "result.json of `optimize`"),
+    ("next", 2, record_schema::<NextReport>, "result.json of `next`, and what `next --json` prints"),
+    ("trials", VERSION, record_schema::<TrialsReport>, "result.json of `trials`, and what `trials --json` prints"),
+    ("fit", VERSION, record_schema::<FitReport>, "fit.json of `calibrate --report`"),
     (
         "simulation",
         VERSION,
@@ -226,6 +231,9 @@ fn results_obey_their_schemas() {
     obeys(folder.path(), "simulation", &["simulate", "out/scene.toml", "--fidelity", "steady"], "out/scene");
     obeys(folder.path(), "result", &["optimize", "goal.toml", "--no-explorer"], "goal");
     obeys(folder.path(), "result", &["optimize", "band.toml", "--no-explorer"], "band");
+    obeys(folder.path(), "next", &["next", "d.toml", "--count", "2"], "next");
+    let calibration = root().join("calibration/synthetic-polymer/calibration.toml");
+    obeys(folder.path(), "trials", &["trials", calibration.to_str().unwrap()], "trials");
     // Every key of the process sheet is described in its chapter.
     let sheet: toml::Table = text(&folder.path().join("out/process.toml")).parse().unwrap();
     assert_eq!(violations(&SHEETS[0].1(), &serde_json::to_value(&sheet).unwrap()), [""; 0]);
