@@ -13,7 +13,7 @@ const LIMITS: [(&str, usize); 14] = [
     ("infer", 5_800),
     ("design", 6_800),
     ("io", 10_500),
-    ("report", 7_700),
+    ("report", 8_400),
     ("validate", 3_400),
     ("slipgrid", 100),
     ("cli", 2_700),

@@ -534,6 +534,27 @@ class FitTable(TypedDict, total=False):
     relative_std: float
 
 
+class ReportingTable(TypedDict, total=False):
+    """Statements for a report, which no computation uses."""
+
+    standard: str
+    laboratory: str
+    apparatus: str
+    motion: str
+    specimen_material: str
+    specimen_preparation: str
+    specimen_roughness: str
+    counterface_material: str
+    counterface_preparation: str
+    counterface_roughness: str
+    cleaning: str
+    running_in: str
+    lubricant: str
+    atmosphere: str
+    temperature: str
+    observations: str
+
+
 class CalibrationTables(TypedDict, total=False):
     """Calibration in the form of its file."""
 
@@ -548,6 +569,7 @@ class CalibrationTables(TypedDict, total=False):
     trial: Sequence[CalibrationTrialTable]
     trial_prior: PriorTable
     fit: FitTable
+    reporting: ReportingTable
 
 
 class Pattern(Record):
