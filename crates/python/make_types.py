@@ -11,10 +11,13 @@ SCHEMAS = HERE.parent / "book" / "src" / "schemas"
 TARGET = HERE / "python" / "slipgrid" / "types.py"
 #: Keys whose text names a file, for which an object may stand.
 FILES = {"map", "map_after", "relief", "outline", "flat", "patterned", "measurements", "files"}
-#: Names of nested classes where the key does not say what one item is.
+#: Names of nested classes where the key, or the record and the key, does not say what one item is.
 NAMES = {"others": "Sample", "confirmed": "LoadResult", "results": "LoadResult",
          "design": "Pattern", "blocked_by": "Blocked", "slopes": "Slope", "errors": "Errors", "best": "ListedDesign",
-         "listed": "ListedDesign", "material": "MaterialSource", "table": "TableErrors"}
+         "listed": "ListedDesign", "material": "MaterialSource", "table": "TableErrors",
+         "parameters": "Parameter", "trials": "Trial", "measured": "MeasuredRatio", "before": "PastPrediction",
+         "Trials.predicted": "PendingTrial", "predicted": "PredictedRatio", "forms": "Form", "effects": "Effect",
+         "load_lines": "LoadLine", "sectors": "Sector", "static_friction": "StaticFriction"}
 #: Where what the schema leaves open has a known type.
 OPEN = {"exposure": "str", "tolerance": "Union[float, list[float]]"}
 #: Keys of records that stand in timings.json, and keys of files that are ignored.
@@ -113,7 +116,8 @@ class Types:
             case "string":
                 return "FileLike" if not self.is_record and (key in FILES or key == "material") else "str"
             case "object":
-                return self.table(schema, (NAMES.get(key, camel(key)) if self.is_record else f"{camel(key)}Table"), owner)
+                name = NAMES.get(f"{owner}.{key}", NAMES.get(key, camel(key))) if self.is_record else f"{camel(key)}Table"
+                return self.table(schema, name, owner)
             case "array":
                 own = self.kind(schema["items"], key, owner)
                 if self.is_record:
@@ -131,8 +135,8 @@ def generated() -> str:
 
     for name in ("scene", "design", "calibration"):
         tables.table(read(f"{name}-1"), f"{camel(name)}Tables", camel(name), "TypedDict, total=False")
-    for name, owner in (("result-2", "DesignRecord"), ("simulation-1", "SimulationRecord")):
-        records.table(read(name), owner, "Simulation" if name == "simulation-1" else "", "Record")
+    for name, owner in (("result-2", ""), ("simulation-1", "Simulation"), ("next-2", "Next"), ("trials-1", "Trials"), ("fit-1", "Fit")):
+        records.table(read(name), f"{owner or 'Design'}Record", owner, "Record")
     return "\n\n\n".join([HEAD.rstrip(), *tables.text, *records.text]) + "\n"
 
 

@@ -8,10 +8,12 @@ use serde_json::Value as Json;
 use slipgrid_book::keys::{all_keys, keys, words};
 use slipgrid_book::links::anchors;
 use slipgrid_book::schema::{Accepted, default, file_schema, violations};
-use slipgrid_design::DesignReport;
 use slipgrid_design::results::SimulationReport;
+use slipgrid_design::{DesignReport, NextReport};
 use slipgrid_io::{record_schema, sheet_schema};
 use slipgrid_laser::export::{ProcessSheet, SectorsSheet};
+use slipgrid_report::calibration::FitReport;
+use slipgrid_report::trials::TrialsReport;
 use slipgrid_traces::columns::Channel;
 use toml::Value;
 
@@ -118,18 +120,21 @@ fn the_chapter_of_columns_is_generated_from_what_reads_them() {
     keep(&book().join("reference/trace-columns.md"), &chapter);
 }
 
-/// Records of `optimize` and `simulate`: name, schema version, schema, commands that write it, and chapter.
+/// Records of the commands: name, schema version, schema, file and commands that write it, and chapter.
 type Record = (&'static str, u32, fn() -> Json, &'static str, &'static str);
-const RECORDS: [Record; 2] = [
-    ("result", 2, record_schema::<DesignReport>, "`optimize` and `next`", "result-json.md"),
-    ("simulation", VERSION, record_schema::<SimulationReport>, "`simulate`", "simulation-json.md"),
+const RECORDS: [Record; 5] = [
+    ("result", 2, record_schema::<DesignReport>, "result.json of `optimize`", "result-json.md"),
+    ("next", 2, record_schema::<NextReport>, "result.json of `next`", "next-json.md"),
+    ("trials", VERSION, record_schema::<TrialsReport>, "result.json of `trials`", "trials-json.md"),
+    ("fit", VERSION, record_schema::<FitReport>, "fit.json of `calibrate --report`", "fit-json.md"),
+    ("simulation", VERSION, record_schema::<SimulationReport>, "result.json of `simulate`", "simulation-json.md"),
 ];
 
 #[test]
 fn the_chapters_of_results_are_generated_from_the_types_that_are_written() {
     for (name, version, schema, commands, page) in RECORDS {
         let mut chapter = format!(
-            "# Keys of result.json of {commands}\n\nThis chapter is generated from the types that are written. A key that is **bold** \
+            "# Keys of {commands}\n\nThis chapter is generated from the types that are written. A key that is **bold** \
              is always there; others are left out, or null, where they do not apply. Numbers that are not known are null. \
              Schema: [{name}-{version}.json](../schemas/{name}-{version}.json).\n"
         );
@@ -238,6 +243,9 @@ fn results_obey_their_schemas() {
     obeys(folder.path(), "simulation", &["simulate", "out/scene.toml", "--fidelity", "steady"], "out/scene");
     obeys(folder.path(), "result", &["optimize", "goal.toml", "--no-explorer"], "goal");
     obeys(folder.path(), "result", &["optimize", "band.toml", "--no-explorer"], "band");
+    obeys(folder.path(), "next", &["next", "d.toml", "--count", "2"], "next");
+    let calibration = root().join("calibration/synthetic-polymer/calibration.toml");
+    obeys(folder.path(), "trials", &["trials", calibration.to_str().unwrap()], "trials");
     // Every key of the process sheet is described in its chapter.
     let sheet: toml::Table = text(&folder.path().join("out/process.toml")).parse().unwrap();
     assert_eq!(violations(&SHEETS[0].1(), &serde_json::to_value(&sheet).unwrap()), [""; 0]);

@@ -5,7 +5,10 @@ use slipgrid_design::results::{SimulationReport, VERSION};
 use slipgrid_io::formats::confirmed_scene::DesignScene;
 use slipgrid_model::springblock::{Scene, Simulation};
 
-use crate::{DrawingInput, LaserFile, Outputs, ReportError, csv, draw, html, lattice, pictures, target, trade_offs};
+use crate::uncertainty_budget::{self, UncertaintyBudget};
+use crate::{
+    DrawingInput, LaserFile, Outputs, ReportError, csv, draw, html, lattice, linked_data, pictures, target, trade_offs,
+};
 
 /// Makes the files of a design except its record and its page: scene of the confirming run, laser drawings,
 /// tables and pictures.
@@ -47,12 +50,14 @@ pub fn of_design(found: &DesignOutcome) -> Result<Outputs, ReportError> {
     Ok(outputs)
 }
 
-/// Adds the record and the page of `found` to its other files; the page embeds their pictures.
+/// Adds the record, its uncertainty budget, its description for catalogues and the page of `found` to its other files; the page embeds their pictures.
 ///
 /// # Errors
 /// [`ReportError`] if a value has no JSON form.
 pub fn add_report(found: &DesignOutcome, outputs: &mut Outputs) -> Result<(), ReportError> {
     outputs.add_record(&found.report)?;
+    outputs.add(uncertainty_budget::FILE, UncertaintyBudget::csv(&UncertaintyBudget::of_design(&found.report)));
+    outputs.add(linked_data::FILE, linked_data::of_design(&found.report, outputs)?);
     let law = found.material.material.area_law.as_ref();
     let page = html::design(&found.report, law, &found.loads, outputs, Some(found));
     outputs.add("report.html", page);
@@ -85,6 +90,7 @@ pub fn of_scene(scene: &Scene, simulation: &Simulation, report: &SimulationRepor
     if let Some(trace) = csv::friction_trace(simulation) {
         outputs.add("friction.csv", trace);
     }
+    outputs.add(uncertainty_budget::FILE, UncertaintyBudget::csv(&UncertaintyBudget::of_scene(report)));
     pictures::simulation(scene, simulation, &report.errors.by_pressure, &mut outputs)?;
     Ok(outputs)
 }

@@ -7,6 +7,8 @@
 //! | [`html`] | self-contained pages: report.html |
 //! | [`pictures`], [`target`], [`trade_offs`], [`lattice`], [`csv`] | pictures and tables of one result |
 //! | [`calibration`], [`area_law`], [`surface`], [`traces`] | reports on calibrations, contact, maps and tribometer traces |
+//! | [`friction_sheet`], [`uncertainty_budget`] | what a publication states of measurements, and of uncertainty |
+//! | [`linked_data`] | records for catalogues of data |
 //! | [`laser_files`] | files for the laser, by format |
 //!
 //! The crate opens no files, reads no clock, prints nothing, and does not access the environment.
@@ -17,9 +19,11 @@ pub mod charts;
 pub mod csv;
 mod error;
 pub mod files;
+pub mod friction_sheet;
 pub mod html;
 pub mod laser_files;
 pub mod lattice;
+pub mod linked_data;
 mod literature;
 pub mod pictures;
 pub mod surface;
@@ -27,6 +31,7 @@ pub mod target;
 pub mod traces;
 pub mod trade_offs;
 pub mod trials;
+pub mod uncertainty_budget;
 
 pub use charts::ChartError;
 pub use error::ReportError;

@@ -1,6 +1,7 @@
 //! Ledger of a calibration's trials: predictions before the measurements, measurements, and predictions for the next
 //! samples.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use slipgrid_base::monitor::{Cancelled, Monitor};
 use slipgrid_base::units::{HUMIDITY_PCT, LENGTH_UM, PRESSURE_MPA, SPEED_MM_S, counted, tidy};
@@ -31,7 +32,7 @@ pub use scatter::ScatterReport;
 const PER_MM: f64 = 1e-3;
 
 /// Ledger of a calibration's trials.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct TrialsReport {
     /// Program name.
     pub program: String,
@@ -71,7 +72,7 @@ pub struct TrialsReport {
 }
 
 /// Trial with its measurements.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct TrialReport {
     /// Name of the trial.
     pub name: String,
@@ -97,7 +98,7 @@ pub struct TrialReport {
 }
 
 /// Measured ratio with its predictions.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct MeasuredReport {
     /// Nominal pressure.
     pub pressure_mpa: f64,
@@ -118,7 +119,7 @@ pub struct MeasuredReport {
 }
 
 /// Prediction of a measured ratio, including measurement errors.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct PredictedReport {
     /// Median.
     pub ratio: f64,
@@ -134,7 +135,7 @@ pub struct PredictedReport {
 }
 
 /// Weights of a form.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct FormReport {
     /// Name of the form.
     pub form: String,
@@ -145,7 +146,7 @@ pub struct FormReport {
 }
 
 /// Number of measured ratios within their predicted intervals.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct CoverageReport {
     /// Data that the predictions are based on.
     pub by: String,

@@ -12,11 +12,18 @@ use slipgrid_design::{run_line, simulate_on};
 use slipgrid_io::disk::disk;
 use slipgrid_io::formats::run::Overrides;
 use slipgrid_io::formats::scene::SceneInput;
-use slipgrid_report::files;
+use slipgrid_report::{files, uncertainty_budget};
 
 /// Names of the files that are written.
-const FILES: [&str; 6] =
-    ["result.json", "timings.json", "interface.csv", "friction.csv", "friction-*mpa.svg", "interface-*mpa.svg"];
+const FILES: [&str; 7] = [
+    "result.json",
+    "timings.json",
+    uncertainty_budget::FILE,
+    "interface.csv",
+    "friction.csv",
+    "friction-*mpa.svg",
+    "interface-*mpa.svg",
+];
 
 /// Solves a scene and reports.
 pub fn run(args: &SimulateArgs, console: &mut Console<'_>) -> Result<u8, CliError> {

@@ -3,6 +3,8 @@
 use slipgrid_io::formats::calibrated::learn;
 use slipgrid_io::formats::calibration::Calibration;
 use slipgrid_io::formats::scene::DEFAULT_SPECIMEN;
+use slipgrid_report::friction_sheet::{self, FrictionSheet};
+use slipgrid_report::linked_data;
 use slipgrid_report::trials::TrialsReport;
 
 use super::calibrate::DEFAULT_SEED;
@@ -16,7 +18,7 @@ use slipgrid_io::disk::disk;
 pub fn run(args: &TrialsArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
     let calibration = Calibration::read(&disk(), &args.calibration)?;
     console.warn(&calibration.told);
-    let names = ["trials.*", "report.html", "result.json", "timings.json"];
+    let names = ["trials.*", "report.html", "result.json", "timings.json", friction_sheet::FILE, linked_data::FILE];
     let folder = open(args.output.as_ref(), &names, &calibration.inputs)?;
     let sample = (DEFAULT_SPECIMEN, DEFAULT_SEED);
     let job = Job::new(console);
@@ -25,7 +27,7 @@ pub fn run(args: &TrialsArgs, console: &mut Console<'_>) -> Result<u8, CliError>
         .with_pending(&learned)
         .with_warnings(calibration.doubts.clone());
     if let Some(folder) = &folder {
-        console.keep(&report.files()?, folder)?;
+        console.keep(&report.files(&FrictionSheet::new(&calibration))?, folder)?;
     }
     console.report(args.json, &report, || if args.details { report.text() } else { report.brief() })?;
     Ok(exit_code::DONE)

@@ -23,6 +23,7 @@ use super::measured::{self, Placed, Remarks, Specimens};
 use super::measurements;
 use super::pattern::{PatternFile, check_depth, read_pattern};
 use super::relief::read_relief;
+use super::reporting::Reporting;
 use super::scene::DEFAULT_LAYER;
 use super::stated_specimen::{StatedSpecimen, area_m2, extent_m, outline_told};
 use super::surface::{Surface, SurfaceFile};
@@ -94,6 +95,8 @@ pub struct Calibration {
     pub tables: Vec<PathBuf>,
     /// Files from which the calibration was read.
     pub inputs: Vec<PathBuf>,
+    /// Statements for a report, which no computation uses.
+    pub reporting: Reporting,
 }
 
 impl Calibration {
@@ -208,6 +211,7 @@ impl Calibration {
         Ok(Self {
             tables: tables(document, &file),
             inputs: inputs(document, &file, &surface, &traces),
+            reporting: file.reporting.clone().unwrap_or_default(),
             name: file.name,
             source: file.source,
             elastic,

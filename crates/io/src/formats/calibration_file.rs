@@ -5,6 +5,7 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 
 use super::pattern::PatternFile;
+use super::reporting::Reporting;
 use super::surface::SurfaceFile;
 use super::trace_table::TracesFile;
 use super::trials::{PriorFile, TrialFile};
@@ -37,6 +38,8 @@ pub(crate) struct CalibrationFile {
     pub trial_prior: Option<Spanned<PriorFile>>,
     /// Options of the fit.
     pub fit: Option<FitFile>,
+    /// Statements for a report, which no computation uses.
+    pub reporting: Option<Reporting>,
 }
 
 /// The bulk of the modelled body.

@@ -8,7 +8,7 @@
 //! |---|---|
 //! | [`scene`], [`run`] | scenes to simulate |
 //! | [`design`], [`target`], [`limits`], [`tolerances`], [`trade_offs`], [`condition_ranges`] | a design task |
-//! | [`calibration`], [`measurements`], [`measured`], [`surface`] | measurements |
+//! | [`calibration`], [`measurements`], [`measured`], [`surface`], [`reporting`] | measurements |
 //! | [`altitude_map`] | an altitude map, ready for computation |
 //! | [`traces`] | tribometer exports |
 //! | [`material`], [`material_uncertainty`] | a material and its uncertainty |
@@ -60,6 +60,7 @@ pub mod plausible;
 pub mod readable_traces;
 pub mod refused_calibration;
 pub mod relief;
+pub mod reporting;
 pub mod run;
 pub mod scene;
 pub mod source;

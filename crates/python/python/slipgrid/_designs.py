@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _plots, _slipgrid
 from ._records import Kept, Progress, Record, document, frame, rows, table, triples, write
-from .types import DesignRecord, Sample
+from .types import DesignRecord, NextRecord
 
 if TYPE_CHECKING:
     import pandas as _pandas
@@ -323,12 +323,8 @@ class DesignResult(DesignRecord):
         return table(self._rows(), names, f"{self.headline}; {lengths}")
 
 
-class NextSamples(Record):
+class NextSamples(NextRecord):
     """The samples to cut next; fields as in ``slipgrid next --json``."""
-
-    samples: list[Sample]
-    own: list[Sample]
-    others: list[Sample]
 
     def __init__(self, samples: Union[_slipgrid.NextSamples, Mapping[str, Any]]) -> None:
         given = samples if isinstance(samples, Mapping) else {
@@ -343,7 +339,7 @@ class NextSamples(Record):
         return NextSamples, (self._given,)
 
     @property
-    def warnings(self) -> list[str]:
+    def warnings(self) -> list[str]:  # type: ignore[override]
         """Warnings about the task, its material and the samples, one sentence each."""
         return list(self._given["warnings"])
 

@@ -56,6 +56,19 @@ class SpectrumPoint(Record):
     waves: float
 
 
+class SurfaceFilters(Record):
+    """Operation and filters of ISO 25178-2 before the parameters, and the waves that the map holds."""
+
+    #: Form that the F-operation removed: "mean", "plane" or "second-order".
+    f_operation: str
+    #: Nesting indices of the S-filter and the L-filter; ``None``, because neither is applied.
+    s_filter_um: Optional[float]
+    l_filter_um: Optional[float]
+    #: Two pixels, and the longer side of the map.
+    shortest_wave_um: float
+    longest_wave_um: float
+
+
 class Surface(Record):
     """What a map says; fields as in ``slipgrid surface --json``."""
 
@@ -67,6 +80,7 @@ class Surface(Record):
     missing_points: int
     model: list[str]
     parameters: SurfaceParameters
+    filters: SurfaceFilters
     spectrum: list[SpectrumPoint]
     #: Warnings about the map, one sentence each.
     warnings: list[str]

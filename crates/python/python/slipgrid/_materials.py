@@ -6,15 +6,16 @@ import html
 import json
 from os import PathLike, fspath
 from pathlib import Path
-from typing import TYPE_CHECKING, Optional, TypedDict, cast
+from typing import TYPE_CHECKING, TypedDict, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _plots, _slipgrid
 from ._designs import Design, Prediction
-from ._records import Kept, Progress, Record, document, frame, real, rows, table, write
+from ._records import Kept, Progress, document, frame, real, rows, table, write
 from ._scenes import Scene
+from .types import FitRecord, TrialsRecord
 
 if TYPE_CHECKING:
     import pandas as _pandas
@@ -308,29 +309,6 @@ def _arguments(width_um: ArrayLike, spacing_um: ArrayLike, depth_um: ArrayLike, 
     return {"width_um": width_um, "spacing_um": spacing_um, "depth_um": depth_um, "pressure_mpa": pressure_mpa}
 
 
-class Parameter(Record):
-    """A fitted parameter."""
-
-    name: str
-    value: float
-    std_error: Optional[float]
-    bounds: list[float]
-    at_bound: bool
-    interval_95: list[float]
-    profile: list[list[float]]
-
-
-class FitRecord(Record):
-    """Coefficients, covariance and residuals, as in fit.json of ``slipgrid calibrate --report``."""
-
-    parameters: list[Parameter]
-    covariance: list[list[float]]
-    chi_square: float
-    degrees_of_freedom: int
-    settled: bool
-    warnings: list[str]
-
-
 class FittedMaterial(Material):
     """A material that was fitted to measurements."""
 
@@ -365,49 +343,8 @@ class FittedMaterial(Material):
         return self._fitted.text()
 
 
-class PastPrediction(Record):
-    """What is predicted of a measured ratio without some of what is known."""
-
-    ratio: float
-    interval_68: list[float]
-    interval_95: list[float]
-    surprise: float
-    known: int
-
-
-class MeasuredRatio(Record):
-    """A measured ratio of a trial, with what was predicted of it."""
-
-    pressure_mpa: float
-    speed_mm_s: float
-    humidity_pct: float
-    measured: float
-    modelled: float
-    before: PastPrediction
-    without_trial: PastPrediction
-    without_condition: PastPrediction
-
-
-class Trial(Record):
-    """A sample that was cut and measured."""
-
-    name: str
-    date: str
-    notes: str
-    areal_density: float
-    edge_per_mm: float
-    width_um: float
-    spacing_um: float
-    depth_um: float
-    measured: list[MeasuredRatio]
-
-
-class Trials(Record):
+class Trials(TrialsRecord):
     """The ledger of trials; fields as in ``slipgrid trials --json``."""
-
-    name: str
-    trials: list[Trial]
-    warnings: list[str]
 
     def __init__(self, fields: dict[str, object], text: str) -> None:
         super().__init__(fields)

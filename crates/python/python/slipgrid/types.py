@@ -534,6 +534,27 @@ class FitTable(TypedDict, total=False):
     relative_std: float
 
 
+class ReportingTable(TypedDict, total=False):
+    """Statements for a report, which no computation uses."""
+
+    standard: str
+    laboratory: str
+    apparatus: str
+    motion: str
+    specimen_material: str
+    specimen_preparation: str
+    specimen_roughness: str
+    counterface_material: str
+    counterface_preparation: str
+    counterface_roughness: str
+    cleaning: str
+    running_in: str
+    lubricant: str
+    atmosphere: str
+    temperature: str
+    observations: str
+
+
 class CalibrationTables(TypedDict, total=False):
     """Calibration in the form of its file."""
 
@@ -548,6 +569,7 @@ class CalibrationTables(TypedDict, total=False):
     trial: Sequence[CalibrationTrialTable]
     trial_prior: PriorTable
     fit: FitTable
+    reporting: ReportingTable
 
 
 class Pattern(Record):
@@ -921,3 +943,215 @@ class SimulationRecord(Record):
     results: list[LoadResult]
     errors: Errors
     discrepancy: Optional[Discrepancy]
+
+
+class Sector(Record):
+    """Sample as a sector."""
+
+    middle_deg: float
+    turn_deg: float
+    areal_density: float
+
+
+class OneDisc(Record):
+    """Specimen on which the samples are sectors; absent where one disc was not requested."""
+
+    name: str
+    land_mm: float
+    area_mm2: float
+    circle_mm: float
+    measuring: str
+    sectors: list[Sector]
+
+
+class NextRecord(Record):
+    """Samples to cut next."""
+
+    program: str
+    version: str
+    schema: int
+    name: str
+    trials: int
+    pending: int
+    compared: int
+    advice: str
+    words: str
+    samples: list[Sample]
+    one_on_target: float
+    one_disc: Optional[OneDisc]
+    others: list[Sample]
+    own: list[Sample]
+    warnings: list[str]
+    beyond_measured: Optional[str]
+    material: MaterialSource
+    specimen: Specimen
+    laser: Laser
+    tolerances: Optional[Tolerances]
+    seed: int
+
+
+class PastPrediction(Record):
+    """Prediction from all earlier trials."""
+
+    ratio: float
+    interval_68: list[float]
+    interval_95: list[float]
+    surprise: float
+    known: int
+
+
+class MeasuredRatio(Record):
+    """Measured ratio with its predictions."""
+
+    pressure_mpa: float
+    speed_mm_s: float
+    humidity_pct: float
+    measured: float
+    modelled: float
+    before: PastPrediction
+    without_trial: PastPrediction
+    without_condition: PastPrediction
+
+
+class Trial(Record):
+    """Trial with its measurements."""
+
+    name: str
+    date: str
+    notes: str
+    disc: Optional[str]
+    areal_density: float
+    edge_per_mm: float
+    width_um: float
+    spacing_um: float
+    depth_um: float
+    measured: list[MeasuredRatio]
+
+
+class PredictedRatio(Record):
+    """Prediction of a sample's ratio at one load by the model and the trials."""
+
+    pressure_mpa: float
+    speed_mm_s: float
+    humidity_pct: float
+    modelled: float
+    ratio: float
+    interval_95: list[float]
+
+
+class PendingTrial(Record):
+    """Pending sample with its predictions."""
+
+    name: str
+    areal_density: float
+    edge_per_mm: float
+    depth_um: float
+    predicted: list[PredictedRatio]
+
+
+class Form(Record):
+    """Weights of a form."""
+
+    form: str
+    prior: float
+    weight: float
+
+
+class Scatter(Record):
+    """Scatter of samples of one texture; null if the trials carry no information about it."""
+
+    stated: float
+    weight: float
+    found: float
+
+
+class Effect(Record):
+    """Discrepancy of the logarithm of the ratio, or its dependence on a quantity."""
+
+    of: str
+    value: float
+    std: float
+    prior_std: float
+
+
+class LoadLine(Record):
+    """Line F = s (N - N0) of friction force against normal force at one speed and humidity, by least squares. Adhesion would pull, N0 < 0. A film that bears load without friction pushes, N0 > 0; s is then free of it."""
+
+    sample: str
+    speed_mm_s: float
+    humidity_pct: float
+    forces: int
+    slope: float
+    slope_std: float
+    zero_n: float
+    zero_n_std: float
+
+
+class Coverage(Record):
+    """Number of measured ratios within their predicted intervals."""
+
+    by: str
+    ratios: int
+    without_any: int
+    within_68: int
+    within_95: int
+
+
+class TrialsRecord(Record):
+    """Ledger of a calibration's trials."""
+
+    program: str
+    version: str
+    schema: int
+    name: str
+    warnings: list[str]
+    trials: list[Trial]
+    pending: list[str]
+    predicted: list[PendingTrial]
+    forms: list[Form]
+    identified: Optional[str]
+    one_texture: bool
+    scatter: Optional[Scatter]
+    effects: list[Effect]
+    load_lines: list[LoadLine]
+    coverage: list[Coverage]
+
+
+class Parameter(Record):
+    """A fitted parameter."""
+
+    name: str
+    value: float
+    std_error: Optional[float]
+    bounds: list[float]
+    at_bound: bool
+    interval_95: list[float]
+    profile: list[list[float]]
+
+
+class StaticFriction(Record):
+    """Measured static peak with its modelled value."""
+
+    force_n: float
+    pressure_mpa: float
+    speed_mm_s: float
+    humidity_pct: float
+    measured: float
+    measured_std: float
+    modelled: Optional[float]
+    residual: Optional[float]
+
+
+class FitRecord(Record):
+    """Record of a fit, as in fit.json."""
+
+    program: str
+    version: str
+    schema: int
+    parameters: list[Parameter]
+    covariance: list[list[float]]
+    chi_square: float
+    degrees_of_freedom: int
+    settled: bool
+    warnings: list[str]
+    static_friction: list[StaticFriction]

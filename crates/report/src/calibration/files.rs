@@ -4,15 +4,24 @@ use slipgrid_infer::calibrate::{CalibrationOutcome, CalibrationTask};
 use slipgrid_io::formats::calibration::Calibration;
 
 use super::{fit_details, fit_json, pictures};
+use crate::friction_sheet::{self, FrictionSheet};
 use crate::trials::TrialsReport;
 use crate::{Outputs, ReportError, html};
 
 /// Names of a calibration's files other than traces, with `*` as a wildcard.
-pub const FILES: [&str; 7] =
-    ["report.html", "fit.json", "profiles.csv", "residuals.svg", "flat-friction.svg", "area-law.svg", "trials.*"];
+pub const FILES: [&str; 8] = [
+    "report.html",
+    "fit.json",
+    "profiles.csv",
+    "residuals.svg",
+    "flat-friction.svg",
+    "area-law.svg",
+    "trials.*",
+    friction_sheet::FILE,
+];
 
-/// Makes the files of a calibration: page, fit, profiles, residuals, flat friction, area law, the ledger of trials,
-/// and traces if there are any.
+/// Makes the files of a calibration: page, fit, profiles, residuals, flat friction, area law, the ledger of trials, the
+/// sheet of the measurements, and traces if there are any.
 ///
 /// # Errors
 /// [`ReportError`] if a picture cannot be drawn or a record has no JSON form.
@@ -35,7 +44,9 @@ pub fn files(
         outputs.add("trials.csv", ledger.csv());
         outputs.add("trials.svg", ledger.picture()?);
     }
-    let page = html::calibration(html::Fitted { calibration, task, outcome, ledger }, &outputs);
+    let sheet = FrictionSheet::new(calibration);
+    outputs.add(friction_sheet::FILE, sheet.markdown());
+    let page = html::calibration(html::Fitted { calibration, task, outcome, ledger, sheet: &sheet }, &outputs);
     outputs.add("report.html", page);
     Ok(outputs)
 }

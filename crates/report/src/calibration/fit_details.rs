@@ -1,5 +1,6 @@
 //! Full record of a fit: parameters, covariance, profiles and residuals.
 
+use schemars::JsonSchema;
 use serde::Serialize;
 use slipgrid_infer::calibrate::{CalibrationOutcome, CalibrationTask, Fit, Parameter, split_parameter_name};
 
@@ -9,9 +10,9 @@ use crate::charts::{Estimate, ResidualsChart, residuals as draw};
 use slipgrid_base::units::{HUMIDITY_PCT, SPEED_MM_S, tidy};
 use slipgrid_design::results::{SCHEMA, Table, VERSION, fixed};
 
-/// Record of a fit, as JSON.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
-struct FitDetails {
+/// Record of a fit, as in fit.json.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
+pub struct FitReport {
     /// Program name: `slipgrid`.
     pub program: &'static str,
     /// Program version.
@@ -35,9 +36,11 @@ struct FitDetails {
 }
 
 /// A fitted parameter.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-struct ParameterReport {
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+pub struct ParameterReport {
+    /// Name, with the number of the measurement where each has a parameter of its own.
     pub name: String,
+    /// Value of the best fit.
     pub value: f64,
     /// Standard error from the curvature of chi-square; null if infinite.
     pub std_error: Option<f64>,
@@ -72,7 +75,7 @@ fn finite(value: f64) -> Option<f64> {
 /// Serializes the fit as JSON.
 pub fn json(task: &CalibrationTask, outcome: &CalibrationOutcome) -> Result<String, ReportError> {
     let fit = &outcome.fit;
-    let details = FitDetails {
+    let details = FitReport {
         program: "slipgrid",
         version: VERSION,
         schema: SCHEMA,

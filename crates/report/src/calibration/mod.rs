@@ -6,9 +6,11 @@ mod pictures;
 mod static_friction;
 
 pub use files::{FILES, files};
+pub use fit_details::{FitReport, ParameterReport};
 pub(crate) use fit_details::{in_words, which_errors};
 pub(crate) use pictures::flat_friction_narrow;
-pub(crate) use static_friction::{StaticRow, rows as static_rows, words as static_words};
+pub use static_friction::StaticRow;
+pub(crate) use static_friction::{rows as static_rows, words as static_words};
 
 use slipgrid_base::monitor::{Cancelled, Monitor};
 use slipgrid_base::units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, counted};

@@ -1,12 +1,13 @@
 //! Measured and modelled static friction.
 
+use schemars::JsonSchema;
 use serde::Serialize;
 use slipgrid_base::units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, tidy};
 use slipgrid_design::results::{Table, fixed};
 use slipgrid_infer::calibrate::{CalibrationOutcome, CalibrationTask};
 
 /// Measured static peak with its modelled value.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct StaticRow {
     /// Normal force on one specimen.
     pub force_n: f64,

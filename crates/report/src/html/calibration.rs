@@ -9,9 +9,10 @@ use slipgrid_infer::calibrate::{
 use slipgrid_io::formats::calibration::Calibration;
 
 use super::page::{Page, number, percent, plain, sentence, with_error};
-use super::{background, trials};
+use super::{background, friction_sheet, trials};
 use crate::Outputs;
 use crate::calibration::{StaticRow, flat_friction_narrow, in_words, static_rows, static_words, which_errors};
+use crate::friction_sheet::FrictionSheet;
 use crate::traces::LOOPS;
 use crate::trials::TrialsReport;
 
@@ -51,12 +52,14 @@ pub struct Fitted<'a> {
     pub outcome: &'a CalibrationOutcome,
     /// Ledger of trials, if any was measured.
     pub ledger: Option<&'a TrialsReport>,
+    /// Sheet of the measurements.
+    pub sheet: &'a FrictionSheet,
 }
 
 /// Makes the page of a calibration, with the pictures in `outputs`.
 #[must_use]
 pub fn calibration(fitted: Fitted<'_>, outputs: &Outputs) -> String {
-    let Fitted { calibration, task, outcome, ledger } = fitted;
+    let Fitted { calibration, task, outcome, ledger, sheet } = fitted;
     let mut page = Page::default();
     let title = format!("{}: calibration", calibration.name);
     page.title(&title);
@@ -91,6 +94,7 @@ pub fn calibration(fitted: Fitted<'_>, outputs: &Outputs) -> String {
         None => page.paragraph("No patterned sample was measured: it is not known how far the model is off for one."),
     });
     page.part("What was measured", |page| traces(page, outputs));
+    friction_sheet::part(&mut page, sheet);
     page.part("How every value was obtained", |page| {
         page.paragraph(&format!("Source: {}.", calibration.source));
         page.fold("Notes", |page| {

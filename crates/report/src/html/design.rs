@@ -13,6 +13,7 @@ use super::first_screen::first_screen;
 use super::page::{Column, Page, micrometres, number, percent, plain, sentence, with_error};
 use crate::Outputs;
 use crate::target::model_alone;
+use crate::uncertainty_budget::{self, UncertaintyBudget};
 
 /// Makes the page of a design from its `report`, the coefficients in `loads` and `area_law`, and the pictures and files in
 /// `outputs`; includes an explorer if `found`, the design of `report`, has one.
@@ -96,7 +97,22 @@ fn expected(page: &mut Page, report: &DesignReport) {
         goal(page, found);
     }
     limited_by(page, report);
+    budgets(page, report);
     slopes(page, report);
+}
+
+/// Adds the folded uncertainty budget of every load.
+fn budgets(page: &mut Page, report: &DesignReport) {
+    let budgets = UncertaintyBudget::of_design(report);
+    page.fold("Uncertainty budget in the form of the GUM", |page| {
+        for budget in &budgets {
+            let rows: Vec<Vec<String>> = budget.cells().iter().map(|row| row.to_vec()).collect();
+            page.table(&sentence(&budget.result_in_words()), &uncertainty_budget::TITLES, &rows);
+        }
+        if !budgets.is_empty() {
+            page.paragraph(uncertainty_budget::WORDS);
+        }
+    });
 }
 
 /// Adds the achieved goal.

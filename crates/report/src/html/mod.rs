@@ -17,6 +17,7 @@ mod calibration;
 mod design;
 mod explorer;
 mod first_screen;
+mod friction_sheet;
 pub mod page;
 mod points;
 mod section;
@@ -31,6 +32,6 @@ pub use surface::surface;
 pub use trials::trials;
 
 #[cfg(test)]
-mod fixture;
+pub(crate) mod fixture;
 #[cfg(test)]
 mod tests;

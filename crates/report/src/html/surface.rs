@@ -1,6 +1,6 @@
 //! Page of an altitude map: parameters, their basis, and warnings.
 
-use super::page::{Page, number, percent, sentence};
+use super::page::{Page, micrometres, number, percent, sentence};
 use crate::Outputs;
 use crate::surface::SurfaceReport;
 use slipgrid_surface::topography::LIMITED_BY_PIXELS;
@@ -168,7 +168,10 @@ fn parameters(page: &mut Page, report: &SurfaceReport) {
     };
     let rows: Vec<Vec<String>> = report.values().into_iter().map(row).collect();
     page.table(
-        "Parameters of ISO 25178-2, and the rms slope by the spectrum.",
+        &format!(
+            "Parameters of ISO 25178-2, and the rms slope by the spectrum. {}",
+            micrometres(&sentence(&report.filters.in_words()))
+        ),
         &["parameter", "value", "unit", "what it is"],
         &rows,
     );

@@ -6,6 +6,7 @@ use slipgrid_design::results::{believed, believed_interval, believed_std};
 use super::page::{Column, Page, number, percent, plain, sentence, yes_or_no};
 use crate::Outputs;
 use crate::charts::{Estimate, Prediction, left_out};
+use crate::friction_sheet::FrictionSheet;
 use crate::literature;
 use crate::trials::{
     CoverageReport, EffectReport, MeasuredReport, PendingReport, PredictedReport, TrialReport, TrialsReport,
@@ -44,9 +45,9 @@ const TERMS: [(&str, &str); 7] = [
     ("form", "How the discrepancy grows with the texture: with its areal density, the length of its edges, its depth."),
 ];
 
-/// Makes the page of a ledger from its `report` and the pictures in `outputs`.
+/// Makes the page of a ledger from its `report`, the `sheet` of its measurements and the pictures in `outputs`.
 #[must_use]
-pub fn trials(report: &TrialsReport, outputs: &Outputs) -> String {
+pub fn trials(report: &TrialsReport, sheet: &FrictionSheet, outputs: &Outputs) -> String {
     let mut page = Page::default();
     let title = format!("{}: trials", report.name);
     page.title(&title);
@@ -61,6 +62,7 @@ pub fn trials(report: &TrialsReport, outputs: &Outputs) -> String {
     );
     details(&mut page, report);
     published(&mut page, report);
+    super::friction_sheet::part(&mut page, sheet);
     page.finish(&title, &report.version)
 }
 

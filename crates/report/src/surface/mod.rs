@@ -45,12 +45,55 @@ pub struct SurfaceReport {
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub(crate) warnings: Vec<String>,
     pub(crate) parameters: ParameterReport,
+    pub(crate) filters: FilterReport,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) cavities: Option<CavityReport>,
     /// Shortest waves of the map as one period, on which the area law's slope depends as well.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) short_waves: Option<ShortWavesReport>,
     pub(crate) spectrum: Vec<SpectrumReport>,
+}
+
+/// Operation and filters of ISO 25178-2 before the parameters, and the waves that the map holds.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub(crate) struct FilterReport {
+    /// Form that the F-operation removed: `mean`, `plane` or `second-order`.
+    f_operation: &'static str,
+    /// Nesting index of the S-filter; null, because no S-filter is applied.
+    s_filter_um: Option<f64>,
+    /// Nesting index of the L-filter; null, because no L-filter is applied.
+    l_filter_um: Option<f64>,
+    /// Shortest wave that the points resolve: two pixels of the longer side.
+    shortest_wave_um: f64,
+    /// Longest wave that the map holds: its longer side.
+    longest_wave_um: f64,
+}
+
+impl FilterReport {
+    fn new(surface: &PreparedMap) -> Self {
+        let map = &surface.map;
+        let [dx_m, dy_m] = [map.dx_m(), map.dy_m()];
+        Self {
+            f_operation: surface.form.name(),
+            s_filter_um: None,
+            l_filter_um: None,
+            shortest_wave_um: um(2.0 * dx_m.max(dy_m)),
+            longest_wave_um: um((map.rows() as f64 * dx_m).max(map.cols() as f64 * dy_m)),
+        }
+    }
+
+    /// States operation, filters and bandwidth in one sentence.
+    pub(crate) fn in_words(&self) -> String {
+        let form = match self.f_operation {
+            "plane" => "the least-squares plane",
+            "second-order" => "the least-squares surface of second order",
+            _ => "the mean alone",
+        };
+        format!(
+            "F-operation: {form} removed; no S-filter and no L-filter applied: the parameters hold waves from {} um, two pixels, to {} um,              the longer side",
+            self.shortest_wave_um, self.longest_wave_um
+        )
+    }
 }
 
 /// Contribution of the shortest waves to the squared slope.
@@ -160,6 +203,7 @@ impl SurfaceReport {
                 smr1_pct: tidy(100.0 * core.smr1),
                 smr2_pct: tidy(100.0 * core.smr2),
             },
+            filters: FilterReport::new(surface),
             cavities: cavities.map(CavityReport::from),
             short_waves: short_waves
                 .map(|short| ShortWavesReport { below_um: um(short.below_m), slope_share: tidy(short.slope_share) }),
@@ -229,6 +273,7 @@ impl SurfaceReport {
         }
         text += &format!("\n{table}");
         let mut explain = |words: &str| text += &(wrapped(&format!("  {words}"), SCREEN_WIDTH, "  ", 3) + "\n");
+        explain(&self.filters.in_words());
         explain(
             "Sdq is by differences of neighbouring points; the rms slope is by the spectrum, of all waves that the map \
              resolves, and is the one that the area law takes",

@@ -1,5 +1,6 @@
 //! Discrepancy at the texture measured last, and its dependence on the condition.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use slipgrid_base::units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, tidy};
 use slipgrid_design::results::fixed;
@@ -9,7 +10,7 @@ use slipgrid_infer::discrepancy::{Discrepancy, Load, Sensitivity};
 const LESS_KNOWN: f64 = 1.05;
 
 /// Discrepancy of the logarithm of the ratio, or its dependence on a quantity.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct EffectReport {
     /// Name of the effect.
     pub of: String,

@@ -1,5 +1,6 @@
 //! Friction force against normal force: dF/dN and the load at which the line has no friction.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use slipgrid_base::units::{HUMIDITY_PCT, SPEED_MM_S, tidy};
 use slipgrid_design::results::{Table, fixed};
@@ -11,7 +12,7 @@ const MIN_FORCES: usize = 3;
 /// Line F = s (N - N0) of friction force against normal force at one speed and humidity, by least squares.
 ///
 /// Adhesion would pull, N0 < 0. A film that bears load without friction pushes, N0 > 0; s is then free of it.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct LoadLineReport {
     /// `flat`, or the name of the trial.
     pub sample: String,

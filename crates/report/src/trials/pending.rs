@@ -1,5 +1,6 @@
 //! Predictions for samples that were cut and are not measured yet.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use slipgrid_base::units::{LENGTH_UM, tidy};
 use slipgrid_design::RatioPrediction;
@@ -10,7 +11,7 @@ use slipgrid_infer::discrepancy::{Discrepancy, Sensitivity};
 use super::{PER_MM, SAMPLE_AND_LOAD, TrialsReport, sample_and_load};
 
 /// Pending sample with its predictions.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct PendingReport {
     /// Name of the sample.
     pub name: String,

@@ -1,5 +1,6 @@
 //! Scatter of samples of one texture.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use slipgrid_base::units::tidy;
 use slipgrid_infer::discrepancy::Discrepancy;
@@ -8,7 +9,7 @@ use slipgrid_infer::discrepancy::Discrepancy;
 const BELIEVED: f64 = 0.5;
 
 /// Scatter of the logarithm of the ratio among samples of one texture, for samples without an individually stated scatter.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ScatterReport {
     /// Stated scatter, or the default if none was stated.
     pub stated: f64,

@@ -1,4 +1,5 @@
 use super::*;
+use crate::friction_sheet::FrictionSheet;
 use slipgrid_infer::discrepancy::{Conditions, Features, Hyperparameters, Load, Measured, Sensitivity, Trial};
 use slipgrid_model::pattern::{Pattern, Planform};
 
@@ -52,8 +53,19 @@ fn the_ledger_says_what_was_predicted_and_what_is_known() {
     assert!(lines[1].starts_with("\"A \"\"1\"\"\",\"\",0.2,"), "{}", lines[1]);
     let columns = |line: &String| line.matches(',').count();
     assert!(lines.iter().all(|line| columns(line) == columns(&lines[0])));
-    let outputs = found.files().unwrap();
-    assert_eq!(outputs.names(), ["trials.csv", "trials.svg", "result.json", "timings.json", "report.html"]);
+    let outputs = found.files(&FrictionSheet::default()).unwrap();
+    assert_eq!(
+        outputs.names(),
+        [
+            "trials.csv",
+            "trials.svg",
+            "result.json",
+            "timings.json",
+            "friction-sheet.md",
+            "result.jsonld",
+            "report.html"
+        ]
+    );
     let page = outputs.text("report.html").unwrap();
     for text in [
         "4 of 4 measured ratios",
@@ -86,7 +98,7 @@ fn one_texture_predicts_nothing_and_tells_no_form() {
     assert!(text.contains("predicted by the trials before it: 2 ratios are not counted, because no other measurement says anything of what the model lacks there\n"), "{text}");
     // The measured condition nearest to 1.5 MPa in logarithms.
     assert!(text.contains("the last trial, 2.00 MPa, 2 mm/s, 40 %"), "{text}");
-    let page = found.files().unwrap().text("report.html").unwrap();
+    let page = found.files(&FrictionSheet::default()).unwrap().text("report.html").unwrap();
     for text in [
         "Doubtful: measured ratio: odd.",
         "nothing was predicted by a trial yet",
@@ -113,7 +125,14 @@ fn samples_of_one_texture_that_contradict_each_other_are_named() {
         assert!(text.contains(words), "{words}: {text}");
     }
     assert!(!text.contains("less is known"), "{text}");
-    assert!(found.files().unwrap().text("report.html").unwrap().contains("Doubtful: contradicting samples: "));
+    assert!(
+        found
+            .files(&FrictionSheet::default())
+            .unwrap()
+            .text("report.html")
+            .unwrap()
+            .contains("Doubtful: contradicting samples: ")
+    );
     // Samples that agree cause no contradiction warning.
     let text = ledger(vec![trial("A", 200.0, -0.1), trial("B", 700.0, -0.04), trial("C", 200.0, -0.1)]).text();
     assert!(!text.contains("contradicting"), "{text}");
@@ -125,6 +144,9 @@ fn samples_of_one_texture_that_contradict_each_other_are_named() {
 fn before_any_trial_there_is_nothing_to_draw() {
     let found = ledger(Vec::new());
     assert!(found.text().contains("no trial was measured") && found.identified.is_none());
-    assert_eq!(found.files().unwrap().names(), ["trials.csv", "result.json", "timings.json", "report.html"]);
+    assert_eq!(
+        found.files(&FrictionSheet::default()).unwrap().names(),
+        ["trials.csv", "result.json", "timings.json", "friction-sheet.md", "result.jsonld", "report.html"]
+    );
     assert!((found.effects[0].std - found.effects[0].prior_std).abs() < 1e-12);
 }

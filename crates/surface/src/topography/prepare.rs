@@ -69,6 +69,8 @@ pub struct PreparedMap {
     pub is_component: bool,
     /// The file's format.
     pub format: MapFormat,
+    /// Form that was subtracted; the mean for a period, which a plane would open.
+    pub form: Form,
     /// Missing points of the file, row by row; empty if none are missing.
     pub filled: Vec<bool>,
     /// Arithmetic mean height Sa, in metres.
@@ -178,16 +180,17 @@ impl PreparedMap {
         let is_kept = !period && how.form != Form::SecondOrder;
         let curved = if is_kept { map.form_warning(monitor).map_err(MapError::from)? } else { None };
         // Subtracting a plane through one period would leave a step where the period closes.
-        match how.form {
-            Form::Plane if !period => {
+        let form = if period { Form::Mean } else { how.form };
+        match form {
+            Form::Plane => {
                 map.subtract_plane_watched(monitor)?;
                 notes.push("the least-squares plane has been subtracted".to_owned());
             }
-            Form::SecondOrder if !period => {
+            Form::SecondOrder => {
                 map.remove_form(Form::SecondOrder, monitor)?;
                 notes.push("the least-squares surface of second order has been subtracted".to_owned());
             }
-            _ => {
+            Form::Mean => {
                 map.subtract_mean();
                 notes.push("no plane has been subtracted".to_owned());
             }
@@ -225,7 +228,7 @@ impl PreparedMap {
         warnings.extend(map.height_warnings(rms_slope).into_iter().filter(is_new));
         heed()?;
         let (sa_m, format) = (map.sa_m(), read.format);
-        Ok(Self { sa_m, rms_slope, is_component, format, map, synthetic, period, filled, notes, warnings })
+        Ok(Self { sa_m, rms_slope, is_component, format, map, synthetic, period, form, filled, notes, warnings })
     }
 
     /// Pixel size along the sliding direction, in metres.

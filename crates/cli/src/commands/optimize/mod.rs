@@ -7,7 +7,7 @@ use std::time::Instant;
 use slipgrid_design::results::{SCREEN_WIDTH, wrapped};
 use slipgrid_design::{Advice, DesignError};
 use slipgrid_io::formats::design::Design;
-use slipgrid_report::{ReportError, files};
+use slipgrid_report::{ReportError, files, linked_data, uncertainty_budget};
 
 use super::complete;
 use crate::args::OptimizeArgs;
@@ -19,10 +19,12 @@ use crate::{CliError, Console, exit_code};
 use slipgrid_io::disk::disk;
 
 /// Names of the files that are written.
-const FILES: [&str; 15] = [
+const FILES: [&str; 17] = [
     "report.html",
     "result.json",
     "timings.json",
+    uncertainty_budget::FILE,
+    linked_data::FILE,
     "scene.toml",
     "process.toml",
     "pattern.*",

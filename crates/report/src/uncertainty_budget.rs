@@ -1,0 +1,249 @@
+//! Uncertainty budgets in the form of the GUM (JCGM 100:2008), from the records of results.
+//!
+//! A budget states numbers that a record has; it computes no uncertainty of its own. An input enters as its effect on the
+//! result, which is what records hold.
+
+use slipgrid_base::units::{significant, tidy};
+use slipgrid_design::DesignReport;
+use slipgrid_design::results::errors::{DRAWS, STATIC, TIME_AVERAGE};
+use slipgrid_design::results::{ErrorReport, SimulationReport, fixed};
+use slipgrid_infer::calibrate::uncertainty::Source;
+
+use crate::target::flat_of;
+
+/// Name of the file.
+pub const FILE: &str = "uncertainty.csv";
+/// Inputs that are evaluated by statistics of observations or of runs; all others are of type B.
+const TYPE_A: [&str; 6] =
+    [TIME_AVERAGE, DRAWS, STATIC, Source::FlatFriction.name(), Source::FittedScale.name(), Source::AreaLaw.name()];
+/// Input that closes a budget: the part of the combined uncertainty that no input has.
+const NOT_ATTRIBUTED: &str = "not attributed";
+/// Share of the combined variance from which [`NOT_ATTRIBUTED`] is listed; less is rounding.
+const MIN_NOT_ATTRIBUTED: f64 = 1e-6;
+/// Distance of the end of the 95 % interval of a normal distribution from its median, in standard deviations.
+const NORMAL_95: f64 = 1.959_964;
+/// Titles of the columns of [`UncertaintyBudget::cells`].
+pub(crate) const TITLES: [&str; 6] =
+    ["input", "type", "standard uncertainty", "degrees of freedom", "sensitivity", "contribution"];
+/// Explanation of the tables.
+pub(crate) const WORDS: &str = "Type A: by statistics of observations or of runs; type B: by other means. The standard uncertainty of an input is its effect \
+     on the ratio. The sensitivity is 1 for a ratio, and flat friction for a coefficient. Degrees of freedom: ∞ for type B (GUM, G.4.3); a dash \
+     where the result does not hold the number. Not attributed: scatter \
+     between samples, correlations and a distribution that is not normal, which close the budget.";
+
+/// Budget of one quantity at one load.
+#[derive(Clone, Debug, PartialEq)]
+pub struct UncertaintyBudget {
+    quantity: &'static str,
+    pressure_mpa: f64,
+    speed_mm_s: f64,
+    humidity_pct: Option<f64>,
+    value: f64,
+    inputs: Vec<Input>,
+    combined: f64,
+    interval_95: [f64; 2],
+}
+
+/// Input of a budget.
+#[derive(Clone, Debug, PartialEq)]
+struct Input {
+    name: String,
+    std: f64,
+    sensitivity: f64,
+}
+
+impl Input {
+    fn is_type_a(&self) -> bool {
+        TYPE_A.contains(&self.name.as_str())
+    }
+
+    fn contribution(&self) -> f64 {
+        self.sensitivity * self.std
+    }
+}
+
+impl UncertaintyBudget {
+    /// Budgets of the ratio and of the coefficients of a scene, at all its loads; none where no error is known.
+    #[must_use]
+    pub fn of_scene(report: &SimulationReport) -> Vec<Self> {
+        let mut all = Vec::new();
+        for at in &report.errors.by_pressure {
+            let quantities = [
+                ("ratio of dynamic friction", at.ratio.as_ref()),
+                ("dynamic friction", Some(&at.mu)),
+                ("dynamic friction of the flat surface", at.mu_flat.as_ref()),
+                ("static friction", at.mu_static.as_ref()),
+                ("static friction of the flat surface", at.mu_static_flat.as_ref()),
+            ];
+            let budget = |(quantity, errors): (&'static str, Option<&ErrorReport>)| {
+                let errors = errors?;
+                let input = |(name, std): (&String, f64)| Input { name: name.clone(), std, sensitivity: 1.0 };
+                Some(Self {
+                    quantity,
+                    pressure_mpa: at.pressure_mpa,
+                    speed_mm_s: report.speed_mm_s,
+                    humidity_pct: None,
+                    value: errors.value?,
+                    inputs: errors.parts.iter().map(|part| input((&part.input, part.std))).collect(),
+                    combined: errors.std?,
+                    interval_95: errors.interval_95?,
+                })
+            };
+            all.extend(quantities.into_iter().filter_map(budget).map(Self::closed));
+        }
+        all
+    }
+
+    /// Budgets of the value that is expected of a cut sample, at every load; none where the inputs were not analysed. The
+    /// combined uncertainty is that of the normal distribution with the record's interval.
+    #[must_use]
+    pub fn of_design(report: &DesignReport) -> Vec<Self> {
+        let (sample, is_ratio) = (&report.sample, report.is_ratio());
+        let budget = |(row, at): (usize, &slipgrid_design::Expected)| {
+            // A ratio times the friction of the flat surface is the coefficient.
+            let sensitivity = if is_ratio { 1.0 } else { flat_of(report, row)? };
+            let inputs: Option<Vec<Input>> = sample
+                .limited_by
+                .iter()
+                .map(|limit| Some(Input { name: limit.input.clone(), std: *limit.std.get(row)?, sensitivity }))
+                .collect();
+            Some(Self {
+                quantity: if is_ratio { "ratio of dynamic friction" } else { "dynamic friction" },
+                pressure_mpa: at.pressure_mpa,
+                speed_mm_s: at.speed_mm_s,
+                humidity_pct: Some(at.humidity_pct),
+                value: at.median,
+                inputs: inputs.filter(|inputs| !inputs.is_empty())?,
+                combined: tidy((at.high_95 - at.low_95) / (2.0 * NORMAL_95)),
+                interval_95: [at.low_95, at.high_95],
+            })
+        };
+        sample.expected.iter().enumerate().filter_map(budget).map(Self::closed).collect()
+    }
+
+    /// Adds the input that closes the budget, where the inputs are less than the combined uncertainty.
+    fn closed(mut self) -> Self {
+        let listed: f64 = self.inputs.iter().map(|input| input.contribution().powi(2)).sum();
+        let rest = self.combined.powi(2) - listed;
+        let sensitivity = self.inputs.first().map_or(1.0, |input| input.sensitivity);
+        if rest > MIN_NOT_ATTRIBUTED * self.combined.powi(2) && sensitivity > 0.0 {
+            let std = tidy(rest.sqrt() / sensitivity);
+            self.inputs.push(Input { name: NOT_ATTRIBUTED.to_owned(), std, sensitivity });
+        }
+        self
+    }
+
+    /// Half of the 95 % interval.
+    fn expanded(&self) -> f64 {
+        let [low, high] = self.interval_95;
+        0.5 * (high - low)
+    }
+
+    /// Expanded over combined uncertainty; `None` without any uncertainty.
+    fn coverage_factor(&self) -> Option<f64> {
+        (self.combined > 0.0).then(|| self.expanded() / self.combined)
+    }
+
+    /// Describes the result in one sentence.
+    pub(crate) fn result_in_words(&self) -> String {
+        let humidity = self.humidity_pct.map_or_else(String::new, |humidity| format!(", {humidity} %"));
+        format!(
+            "{} at {} MPa, {} mm/s{humidity}: {}; combined standard uncertainty {}, coverage factor {}, expanded uncertainty {} (95 %)",
+            self.quantity,
+            self.pressure_mpa,
+            self.speed_mm_s,
+            fixed(Some(self.value), 4),
+            fixed(Some(self.combined), 4),
+            fixed(self.coverage_factor(), 2),
+            fixed(Some(self.expanded()), 4)
+        )
+    }
+
+    /// Cells of the table, one row per input, the largest contribution first.
+    pub(crate) fn cells(&self) -> Vec<[String; 6]> {
+        let mut inputs: Vec<&Input> = self.inputs.iter().collect();
+        inputs.sort_by(|a, b| b.contribution().total_cmp(&a.contribution()));
+        let row = |input: &Input| {
+            let [kind, freedom] = if input.is_type_a() { ["A", "-"] } else { ["B", "∞"] };
+            [
+                input.name.clone(),
+                kind.to_owned(),
+                fixed(Some(input.std), 4),
+                freedom.to_owned(),
+                fixed(Some(input.sensitivity), 3),
+                fixed(Some(input.contribution()), 4),
+            ]
+        };
+        inputs.into_iter().map(row).collect()
+    }
+
+    /// Formats `budgets` as CSV, one row per input.
+    #[must_use]
+    pub fn csv(budgets: &[Self]) -> String {
+        let mut text = "quantity,pressure_mpa,speed_mm_s,humidity_pct,value,input,type,standard_uncertainty,degrees_of_freedom,sensitivity,\
+                        contribution,combined_uncertainty,coverage_factor,expanded_uncertainty,low_95,high_95\n"
+            .to_owned();
+        let number = |value: Option<f64>| value.map_or_else(String::new, |value| significant(value, 6).to_string());
+        for of in budgets {
+            for input in &of.inputs {
+                let [kind, freedom] = if input.is_type_a() { ["A", ""] } else { ["B", "inf"] };
+                let cells = [
+                    of.quantity.to_owned(),
+                    of.pressure_mpa.to_string(),
+                    of.speed_mm_s.to_string(),
+                    of.humidity_pct.map_or_else(String::new, |humidity| humidity.to_string()),
+                    number(Some(of.value)),
+                    input.name.clone(),
+                    kind.to_owned(),
+                    number(Some(input.std)),
+                    freedom.to_owned(),
+                    number(Some(input.sensitivity)),
+                    number(Some(input.contribution())),
+                    number(Some(of.combined)),
+                    number(of.coverage_factor()),
+                    number(Some(of.expanded())),
+                    number(Some(of.interval_95[0])),
+                    number(Some(of.interval_95[1])),
+                ];
+                text += &(cells.join(",") + "\n");
+            }
+        }
+        text
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use slipgrid_design::results::{ErrorsReport, PartsReport, PressureErrors};
+
+    #[test]
+    fn a_budget_of_independent_inputs_adds_up_with_a_factor_of_1_96() {
+        let part = |input: &str, std: f64| PartsReport { input: input.to_owned(), std };
+        let mu = ErrorReport::new(Some(0.4), vec![part(TIME_AVERAGE, 0.03), part("size of blocks", 0.04)], None);
+        let at =
+            PressureErrors { pressure_mpa: 2.6, ratio: None, mu, mu_flat: None, mu_static: None, mu_static_flat: None };
+        let report: SimulationReport = serde_json::from_value(serde_json::json!({
+            "program": "slipgrid", "version": "0", "fidelity": "steady", "extent": "cell", "dimensions": 2, "model": [],
+            "material": {"name": "", "source": "", "synthetic_surface": false, "notes": []}, "pattern": null,
+            "section_model": false, "areal_density": null, "section_density": null, "block_um": 5.0, "speed_mm_s": 2.0,
+            "seed": 1, "draws": 1, "results": [], "discrepancy": null,
+            "errors": ErrorsReport::new(vec![at], Vec::new(), false),
+        }))
+        .unwrap();
+        let found = UncertaintyBudget::of_scene(&report);
+        let [budget] = &found[..] else { panic!("{found:?}") };
+        assert!((budget.combined - 0.05).abs() < 1e-12 && (budget.coverage_factor().unwrap() - 1.96).abs() < 1e-3);
+        let rows = budget.cells();
+        assert_eq!(rows.len(), 2);
+        assert_eq!(rows[0][..4], ["size of blocks", "B", "0.0400", "∞"].map(str::to_owned));
+        assert_eq!(rows[1][..4], [TIME_AVERAGE, "A", "0.0300", "-"].map(str::to_owned));
+        let wider = UncertaintyBudget { combined: 0.13, ..budget.clone() }.closed();
+        assert_eq!(wider.cells()[0][..3], [NOT_ATTRIBUTED, "B", "0.1200"].map(str::to_owned));
+        let csv = UncertaintyBudget::csv(&found);
+        assert!(
+            csv.contains("\ndynamic friction,2.6,2,,0.4,time average,A,0.03,,1,0.03,0.05,1.95996,0.0979982,"),
+            "{csv}"
+        );
+    }
+}
