@@ -58,6 +58,12 @@ export function drawExplorer(root, path, signal, onPrediction) {
     onPrediction(answer);
   };
 
+  /// What is shown belongs to an earlier text of the design.
+  const forget = () => {
+    chance.textContent = "";
+    onPrediction(null);
+  };
+
   /// One request at a time; the newest position of the sliders is asked for last.
   const ask = async () => {
     wanted = true;
@@ -81,6 +87,7 @@ export function drawExplorer(root, path, signal, onPrediction) {
   const compute = async () => {
     if (isExploring || signal.aborted) return;
     isExploring = true;
+    forget();
     note.replaceChildren(h("p", { class: "quiet" }, "Computing the table of textures. This takes some seconds."));
     const job = await explore(path).catch((error) => ({ state: "failed", err: error.message }));
     isExploring = false;
@@ -88,11 +95,11 @@ export function drawExplorer(root, path, signal, onPrediction) {
     if (signal.aborted || job.state === "cancelled") return note.replaceChildren();
     if (job.state === "done") return ask();
     note.replaceChildren(alert(firstError(job)));
-    onPrediction(null);
   };
 
   const settle = debounce((doc) => {
-    if (signal.aborted || doc.check.errors.length > 0) return;
+    if (signal.aborted) return;
+    if (doc.check.errors.length > 0) return forget();
     if (!isExploring) return ask();
     isOutdated = true;
     cancel(newestJob("explore", path).id);

@@ -70,7 +70,9 @@ function targetTable(path, getTarget, onEdit) {
     const filled = { value: ends.map(([low, high]) => round((low + high) / 2)), lowest: ends.map(([low]) => round(low)),
       highest: ends.map(([, high]) => round(high)), tolerance: ends.map(([low, high]) => round((high - low) / 2)) };
     const { keys } = MODES[mode];
-    const goal = mode === "goal" && !target.goal ? [["goal", "lowest"]] : [];
+    // A goal without a band is the target itself, and goes with that kind of target.
+    const goal = mode === "goal" ? (target.goal ? [] : [["goal", "lowest"]])
+      : target.mode === "goal" ? [["goal", null]] : [];
     write([...KEYS.map((key) => [key, keys.includes(key) ? filled[key] : null]), ...goal]
       .filter(([key, value]) => value !== null || target[key] !== undefined));
   };

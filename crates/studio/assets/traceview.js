@@ -24,7 +24,6 @@ function roleEdits(column, role, columns = {}) {
 export async function drawTrace(root, path, calibration, { range, onRange, signal }) {
   const trace = await readTrace(path, calibration.path);
   if (signal.aborted) return;
-  if (trace.error) return root.replaceChildren(heading(path, 3), alert(trace.error));
   const change = (column, role) => edit(calibration.path, roleEdits(column, role, calibration.values?.traces?.columns))
     .then((doc) => drawTrace(root, path, doc, { range, onRange, signal }))
     .catch((error) => root.prepend(alert(error)));
@@ -44,10 +43,14 @@ export async function drawTrace(root, path, calibration, { range, onRange, signa
     const title = `${label[0].toUpperCase()}${label.slice(1)}${unit && ` in ${unit}`}`;
     return [{ label: label + name, unit: title, x: repeat.time_s, y: repeat.friction }, force].filter(Boolean);
   });
-  root.replaceChildren(...[heading(path, 3),
-    h("p", { class: "quiet" }, `${trace.samples} samples`, trace.notes.map((note) => `; ${note}`)),
+  const hasSteps = trace.error && trace.columns.some((column) => column.role === "step");
+  const way = hasSteps ? "Several steps: add the file, then enter its step under Settings, Conditions."
+    : "Choose the roles of the columns below.";
+  const head = trace.error ? alert(trace.error, trace.columns.length > 0 && h("p", {}, way))
+    : h("p", { class: "quiet" }, `${trace.samples} samples`, trace.notes.map((note) => `; ${note}`));
+  root.replaceChildren(...[heading(path, 3), head,
     series.length > 0 && timePlot(series, { title: `Friction and force of ${path} over time`, range, onRange, signal }),
-    table("Columns as they were understood", ["Column", "Unit", "Role"],
+    trace.columns.length > 0 && table("Columns as they were understood", ["Column", "Unit", "Role"],
       trace.columns.map((column) => [column.title, column.unit ?? "", choice(column)])),
   ].filter(Boolean));
 }

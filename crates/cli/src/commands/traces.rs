@@ -52,11 +52,6 @@ fn is_calibration(file: &Path) -> bool {
 
 /// Conditions of the calibration `file`.
 fn of_calibration(file: &Path, args: &TracesArgs) -> Result<Vec<ConditionTraces>, Diagnostic> {
-    let calibration = Calibration::read(&slipgrid_io::disk::disk(), file)?;
-    if calibration.traces.is_empty() {
-        return Err(Diagnostic::file(file, "has no table [traces]")
-            .expected("one, [[trial.traces]] of a trial, or exports instead"));
-    }
     let flags = [
         ("--effective-radius-mm", args.effective_radius_mm.is_some(), "effective_radius_mm in [traces]"),
         ("--force-n", args.force_n.is_some(), "force_n in [[traces.condition]]"),
@@ -70,14 +65,17 @@ fn of_calibration(file: &Path, args: &TracesArgs) -> Result<Vec<ConditionTraces>
         ("--no-static-peak", args.no_static_peak, "static_peak = false in [traces]"),
         ("--reciprocating", args.reciprocating, "reciprocating = true in [traces]"),
     ];
-    match flags.into_iter().find(|(_, is_given, _)| *is_given) {
-        Some((flag, _, key)) => {
-            let reason = format!("is a flag for exports: of a calibration [traces] says this, in {}", file.display());
-            let refused = Diagnostic { key: Some(flag.into()), reason, ..Diagnostic::default() };
-            Err(refused.expected(format!("{key}, or exports in place of the calibration")))
-        }
-        None => Ok(calibration.traces),
+    if let Some((flag, _, key)) = flags.into_iter().find(|(_, is_given, _)| *is_given) {
+        let reason = format!("is a flag for exports: of a calibration [traces] says this, in {}", file.display());
+        let refused = Diagnostic { key: Some(flag.into()), reason, ..Diagnostic::default() };
+        return Err(refused.expected(format!("{key}, or exports in place of the calibration")));
     }
+    let calibration = Calibration::read(&slipgrid_io::disk::disk(), file)?;
+    if calibration.traces.is_empty() {
+        return Err(Diagnostic::file(file, "has no table [traces]")
+            .expected("one, [[trial.traces]] of a trial, or exports instead"));
+    }
+    Ok(calibration.traces)
 }
 
 fn setup(args: &TracesArgs) -> Result<TraceSetup, Diagnostic> {
