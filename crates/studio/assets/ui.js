@@ -56,7 +56,8 @@ export function heading(text, level = 2) {
 }
 
 export function alert(error, ...more) {
-  return h("div", { class: "alert", role: "alert" }, h("p", {}, error.message ?? String(error)), ...more.filter(Boolean));
+  return h("div", { class: "alert", role: "alert" }, h("p", {}, error.message ?? String(error)),
+    ...more.filter(Boolean));
 }
 
 /// Table with a caption; `rows` hold texts or elements.
