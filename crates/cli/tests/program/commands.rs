@@ -125,7 +125,14 @@ fn results_go_to_a_folder() {
     let folder = place.path("out/scene");
     assert_eq!(
         names(&folder),
-        ["interface-0.65mpa.svg", "interface-2.6mpa.svg", "interface.csv", "result.json", "timings.json"]
+        [
+            "interface-0.65mpa.svg",
+            "interface-2.6mpa.svg",
+            "interface.csv",
+            "result.json",
+            "timings.json",
+            "uncertainty.csv"
+        ]
     );
     let kept = fs::read_to_string(folder.join("result.json")).unwrap();
     assert_eq!(json(&kept), timeless(json(&printed)), "all but times");

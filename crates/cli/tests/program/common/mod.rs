@@ -11,7 +11,7 @@ use serde_json::Value;
 use tempfile::TempDir;
 
 /// All commands.
-pub const COMMANDS: [&str; 17] = [
+pub const COMMANDS: [&str; 18] = [
     "simulate",
     "optimize",
     "explore",
@@ -19,6 +19,7 @@ pub const COMMANDS: [&str; 17] = [
     "next",
     "trials",
     "area-law",
+    "studio",
     "surface",
     "traces",
     "synthesize",
