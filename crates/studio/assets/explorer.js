@@ -71,7 +71,6 @@ export function drawExplorer(root, path, signal, onPrediction) {
     isBusy = true;
     try {
       while (wanted && !signal.aborted) {
-        await new Promise(requestAnimationFrame);
         wanted = false;
         showAnswer(await predict());
         note.replaceChildren();
