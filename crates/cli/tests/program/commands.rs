@@ -149,7 +149,8 @@ fn results_go_to_a_folder() {
     // Pictures of other loads go.
     fs::write(place.path("scene.toml"), SCENE.replace("[0.65, 2.6]", "1e-320")).unwrap();
     place.succeed(&["simulate", "scene.toml", "-o", "out/scene"]);
-    let left = ["interface-1e-320mpa.svg", "interface.csv", "notes.txt", "result.json", "timings.json"];
+    let left =
+        ["interface-1e-320mpa.svg", "interface.csv", "notes.txt", "result.json", "timings.json", "uncertainty.csv"];
     assert_eq!(names(&folder), left);
     assert_eq!(names(&place.path("out")), ["scene"]);
 }
