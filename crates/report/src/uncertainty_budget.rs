@@ -3,6 +3,7 @@
 //! A budget states numbers that a record has; it computes no uncertainty of its own. An input enters as its effect on the
 //! result, which is what records hold.
 
+use slipgrid_base::statistics::NORMAL_95;
 use slipgrid_base::units::{significant, tidy};
 use slipgrid_design::DesignReport;
 use slipgrid_design::results::errors::{DRAWS, STATIC, TIME_AVERAGE};
@@ -20,8 +21,6 @@ const TYPE_A: [&str; 6] =
 const NOT_ATTRIBUTED: &str = "not attributed";
 /// Share of the combined variance from which [`NOT_ATTRIBUTED`] is listed; less is rounding.
 const MIN_NOT_ATTRIBUTED: f64 = 1e-6;
-/// Distance of the end of the 95 % interval of a normal distribution from its median, in standard deviations.
-const NORMAL_95: f64 = 1.959_964;
 /// Titles of the columns of [`UncertaintyBudget::cells`].
 pub(crate) const TITLES: [&str; 6] =
     ["input", "type", "standard uncertainty", "degrees of freedom", "sensitivity", "contribution"];

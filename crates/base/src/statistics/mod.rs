@@ -24,5 +24,5 @@ pub use normal::Normals;
 pub use normal_distribution::{BoxRule, mixture_quantile, normal_probability, normal_quantile};
 pub use response_surface::{Axis, ResponseSurface};
 pub use sample::{mean_and_std, median, upper_median};
-pub use student::Confidence;
+pub use student::{Confidence, NORMAL_95};
 pub use synthetic_noise::Noise;

@@ -1,5 +1,8 @@
 //! Student's t.
 
+/// The 97.5 % quantile of the standard normal distribution.
+pub const NORMAL_95: f64 = 1.959_964;
+
 /// A two-sided confidence level.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Confidence {
@@ -11,7 +14,7 @@ pub struct Confidence {
 
 impl Confidence {
     /// 95 %: 1.96 standard errors of a normal deviate.
-    pub const PERCENT_95: Self = Self { normal: 1.959_964, few: &[12.706_205, 4.302_653, 3.182_446] };
+    pub const PERCENT_95: Self = Self { normal: NORMAL_95, few: &[12.706_205, 4.302_653, 3.182_446] };
     /// 95.45 %: two standard errors of a normal deviate.
     pub const TWO_SIGMA: Self = Self { normal: 2.0, few: &[13.968, 4.527, 3.307, 2.869] };
     /// 99.5 %: 2.81 standard errors of a normal deviate.

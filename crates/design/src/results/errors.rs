@@ -3,6 +3,7 @@
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use slipgrid_base::statistics::NORMAL_95;
 use slipgrid_base::units::tidy;
 use slipgrid_infer::calibrate::uncertainty::Deviation;
 
@@ -20,8 +21,6 @@ pub const BEHIND: &str = "specimen behind the layer";
 pub const TILT: &str = "tilt of the pressure";
 /// Source of an error of a static peak: the static coefficient. The relative error of the peak is at most its own.
 pub const STATIC: &str = "static coefficient";
-/// The 97.5 % quantile of the standard normal distribution.
-const NORMAL_95: f64 = 1.959_964;
 /// Entry of [`ErrorsReport::unknown`] for loads at which slopes could not be computed.
 pub const NO_SLOPES: &str =
     "errors of the material's values (with slightly changed values the scene could not be solved)";

@@ -1,12 +1,11 @@
 //! Sampling errors of an area law: windows of the map, and coarser pixels.
 
 use slipgrid_base::monitor::Monitor;
-use slipgrid_base::statistics::{Confidence, mean_and_std};
+use slipgrid_base::statistics::{Confidence, NORMAL_95, mean_and_std};
 use slipgrid_surface::contact::{ContactError, coarser, windows};
 use slipgrid_surface::topography::HeightMap;
 
 use crate::calibrate::area_law::{AreaLawRequest, area_curve, area_law};
-use crate::calibrate::uncertainty::NORMAL_95;
 use slipgrid_base::monitor::Part;
 
 /// Default number of windows along each side.

@@ -2,6 +2,7 @@
 //! is nonlinear in Young's modulus, which has errors of up to a fifth; therefore intervals are computed from solves at
 //! 1 and 1.96 standard deviations on both sides, and are asymmetric.
 
+use slipgrid_base::statistics::NORMAL_95;
 use slipgrid_model::material::{AreaLaw, LocalFriction, MaterialError};
 use slipgrid_model::pattern::Pattern;
 use slipgrid_model::springblock::{Expense, Extent, Fidelity, Load, RunOptions, Scene, SteadyCell, cell_expense};
@@ -34,8 +35,6 @@ pub struct Slopes {
 /// Deviations of the modulus, in standard deviations, at which intervals are solved: the ends of the 68 % and 95 %
 /// intervals.
 const BENT_DEVIATIONS: [f64; 4] = [-NORMAL_95, -1.0, 1.0, NORMAL_95];
-/// The 97.5 % quantile of the normal distribution.
-pub const NORMAL_95: f64 = 1.959_964;
 /// Relative error of Young's modulus below which the logarithm is extrapolated linearly, so that the modulus stays
 /// positive.
 const MIN_LOG_MODULUS_ERROR: f64 = -0.5;

@@ -17,7 +17,6 @@ mod material_uncertainty;
 mod sampling_scatter;
 
 pub use covariances::{Covariance, with_scale};
-pub(crate) use first_order_propagation::NORMAL_95;
 pub use first_order_propagation::{Deviation, Deviations, ScaleShift, Slopes, moved};
 pub(crate) use local_law::flat_friction;
 pub use local_law::{local_law, local_law_changes, with_local_law};
