@@ -257,16 +257,12 @@ impl FrictionSheet {
 fn friction(calibration: &Calibration) -> Vec<FrictionRow> {
     let row = |sample: &str, area_m2: f64, measured: &Measurement, traces: Option<&ConditionTraces>, placed_m| {
         let pressure_pa = calibration.pressure_pa(measured.force_n);
-        let slid = |traces: &ConditionTraces| {
-            let [from_s, to_s] = traces.condition.window_s;
-            0.5 * (from_s + to_s) * traces.condition.speed_m_s
-        };
         FrictionRow {
             sample: sample.to_owned(),
             measured: *measured,
             force_n: pressure_pa * area_m2,
             pressure_pa,
-            distance_m: traces.map_or(placed_m, |traces| Some(slid(traces))),
+            distance_m: traces.map(ConditionTraces::sliding_m).or(placed_m),
             repeats: traces.map(|traces| traces.mean.count),
         }
     };

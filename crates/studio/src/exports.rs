@@ -4,11 +4,11 @@ use std::path::Path;
 
 use axum::extract::Query;
 use serde::{Deserialize, Serialize};
-use slipgrid_base::units::{HUMIDITY_PCT, LENGTH_MM, SPEED_MM_S, tidy};
+use slipgrid_base::units::{HUMIDITY_PCT, SPEED_MM_S, tidy};
 use slipgrid_io::disk::disk;
 use slipgrid_io::formats::Document;
 use slipgrid_io::formats::file_kind::FileKind;
-use slipgrid_io::formats::readable_traces::ReadableTraces;
+use slipgrid_io::formats::readable_traces::{ReadableTraces, read_setup};
 use slipgrid_io::formats::source::read_letters;
 use slipgrid_io::formats::traces::{ConditionTraces, Export, TraceSetup, parse_export};
 use slipgrid_traces::columns::{Channel, Titles};
@@ -45,9 +45,6 @@ struct RepeatFound {
     friction: Vec<f64>,
     friction_is: &'static str,
     force_n: Option<Vec<f64>>,
-    position_mm: Option<Vec<f64>>,
-    speed_mm_s: Option<f64>,
-    humidity_pct: Option<f64>,
 }
 
 /// An export as it was understood.
@@ -85,43 +82,28 @@ fn picked(values: &[f64], indices: &[usize]) -> Option<Vec<f64>> {
     (!picked.is_empty() && picked.iter().all(|value| value.is_finite())).then_some(picked)
 }
 
-/// Options for exports by the `[traces]` of a calibration, even of one that is not complete yet.
+/// Options for exports by the `[traces]` of a calibration; the usual ones without a calibration that can be read.
 fn setup(calibration: Option<&Path>) -> TraceSetup {
-    let mut setup = TraceSetup::new(None, 1, true);
-    let text = calibration.and_then(|path| std::fs::read_to_string(path).ok());
-    let table: Option<toml::Table> = text.and_then(|text| toml::from_str(&text).ok());
-    let Some(traces) = table.as_ref().and_then(|table| table.get("traces")) else { return setup };
-    let radius_mm = traces.get("effective_radius_mm");
-    let radius_mm =
-        radius_mm.and_then(|value| value.as_float().or_else(|| value.as_integer().map(|whole| whole as f64)));
-    setup.effective_radius_m = radius_mm.map(|mm| LENGTH_MM.to_si(mm));
-    for channel in Channel::ALL {
-        let title = traces.get("columns").and_then(|columns| columns.get(channel.key())).and_then(toml::Value::as_str);
-        if let Some(title) = title {
-            // The check of the calibration names a title with an unknown unit.
-            let _ = setup.titles.name(channel, title);
-        }
-    }
-    setup
+    let document = calibration.map(|path| Document::read(&disk(), path, FileKind::Calibration));
+    let read = document.and_then(|document| read_setup(&document.ok()?).ok());
+    read.unwrap_or_else(|| TraceSetup::new(None, 1, true))
 }
 
-fn channels_found(label: String, channels: &TraceChannels) -> RepeatFound {
-    let (friction_is, friction) = match &channels.tangential {
-        Tangential::TorqueNm(values) => ("torque_n_m", values),
-        Tangential::ForceN(values) => ("force_n", values),
-        Tangential::Coefficient(values) => ("coefficient", values),
-    };
-    let indices = thinned(friction);
-    let time_s: Vec<f64> = channels.time_s.iter().map(|time_s| time_s - channels.start_s).collect();
-    RepeatFound {
-        label,
-        time_s: picked(&time_s, &indices).unwrap_or_default(),
-        friction: picked(friction, &indices).unwrap_or_default(),
-        friction_is,
-        force_n: picked(&channels.normal_force_n, &indices),
-        position_mm: None,
-        speed_mm_s: None,
-        humidity_pct: None,
+impl RepeatFound {
+    fn new(label: String, channels: &TraceChannels) -> Self {
+        let indices = thinned(channels.tangential.values());
+        let time_s: Vec<f64> = channels.time_s.iter().map(|time_s| time_s - channels.start_s).collect();
+        Self {
+            label,
+            time_s: picked(&time_s, &indices).unwrap_or_default(),
+            friction: picked(channels.tangential.values(), &indices).unwrap_or_default(),
+            friction_is: match channels.tangential {
+                Tangential::TorqueNm(_) => "torque_n_m",
+                Tangential::ForceN(_) => "force_n",
+                Tangential::Coefficient(_) => "coefficient",
+            },
+            force_n: picked(&channels.normal_force_n, &indices),
+        }
     }
 }
 
@@ -130,48 +112,34 @@ pub async fn one(Query(at): Query<AtWith>) -> Answer<ExportFound> {
     aside(move || {
         let path = inside(&at.path)?;
         let calibration = at.calibration.as_deref().map(inside).transpose()?;
-        let setup = setup(calibration.as_deref());
-        let mut found = ExportFound { path: at.path.clone(), ..ExportFound::default() };
-        let text = match read_letters(&disk(), &path, "a table of traces") {
-            Ok(text) => text,
-            Err(error) => return Ok(ExportFound { error: Some(error.to_string()), ..found }),
-        };
-        found.columns = columns_found(&text, &setup.titles);
-        let has_radius = setup.effective_radius_m.is_some();
-        // Without the radius a torque can be drawn, although it gives no friction.
-        let setup = if has_radius { setup } else { TraceSetup { effective_radius_m: Some(1.0), ..setup } };
-        match parse_export(&Export { path: path.clone(), step: None }, &text, &setup) {
-            Ok(file) => {
-                let torque = file.used.contains(&Channel::Torque);
-                if torque && !has_radius {
-                    found
-                        .notes
-                        .push("a torque needs effective_radius_mm: the distance from the axis to the specimen".into());
-                }
-                let unused = file.unused.iter().map(|title| format!("the column `{title}` is not used"));
-                found.notes.extend(unused);
-                let is_one = file.repeats.len() == 1;
-                for repeat in &file.repeats {
-                    found.samples += repeat.channels.time_s.len();
-                    let label = if is_one { at.path.clone() } else { format!("{} ({})", at.path, repeat.number) };
-                    let mut own = channels_found(label, &repeat.channels);
-                    let indices = thinned(match &repeat.channels.tangential {
-                        Tangential::TorqueNm(values) | Tangential::ForceN(values) | Tangential::Coefficient(values) => {
-                            values
-                        }
-                    });
-                    let position_mm: Vec<f64> = repeat.position_m.iter().map(|&m| LENGTH_MM.from_si(m)).collect();
-                    own.position_mm = picked(&position_mm, &indices);
-                    own.speed_mm_s = repeat.speed_m_s.map(|speed| tidy(SPEED_MM_S.from_si(speed)));
-                    own.humidity_pct = repeat.humidity.map(|humidity| tidy(HUMIDITY_PCT.from_si(humidity)));
-                    found.repeats.push(own);
-                }
-            }
-            Err(error) => found.error = Some(error.to_string()),
-        }
-        Ok(found)
+        Ok(export_found(&at.path, &path, setup(calibration.as_deref())))
     })
     .await
+}
+
+fn export_found(name: &str, path: &Path, mut setup: TraceSetup) -> ExportFound {
+    let mut found = ExportFound { path: name.to_owned(), ..ExportFound::default() };
+    let file = read_letters(&disk(), path, "a table of traces").and_then(|text| {
+        found.columns = columns_found(&text, &setup.titles);
+        // Without the radius a torque can be drawn, although it gives no friction.
+        let has_radius = setup.effective_radius_m.is_some();
+        setup.effective_radius_m.get_or_insert(1.0);
+        Ok((has_radius, parse_export(&Export { path: path.to_owned(), step: None }, &text, &setup)?))
+    });
+    let (has_radius, file) = match file {
+        Ok(file) => file,
+        Err(error) => return ExportFound { error: Some(error.to_string()), ..found },
+    };
+    if !has_radius && file.used.contains(&Channel::Torque) {
+        found.notes.push("a torque needs effective_radius_mm: the distance from the axis to the specimen".to_owned());
+    }
+    found.notes.extend(file.unused.iter().map(|title| format!("the column `{title}` is not used")));
+    for repeat in &file.repeats {
+        let label = if file.repeats.len() == 1 { name.to_owned() } else { format!("{name} ({})", repeat.number) };
+        found.samples += repeat.channels.time_s.len();
+        found.repeats.push(RepeatFound::new(label, &repeat.channels));
+    }
+    found
 }
 
 fn columns_found(text: &str, titles: &Titles) -> Vec<ColumnFound> {

@@ -60,12 +60,7 @@ pub fn parse(text: &str, options: &ExportOptions<'_>) -> Result<TraceFile, Expor
     let text = text.trim_start_matches('\u{feff}');
     // Lines are not trimmed at their end, because a tab there separates an empty cell.
     let lines = text.lines().zip(1..).map(|(line, number)| (number, line));
-    let lines: Vec<Line<'_>> = lines
-        .filter(|(_, line)| {
-            let start = line.trim_start();
-            !start.is_empty() && !COMMENTS.iter().any(|mark| start.starts_with(mark))
-        })
-        .collect();
+    let lines: Vec<Line<'_>> = lines.filter(|(_, line)| has_content(line)).collect();
     let mut reader = Reader::new(options);
     let mut at = 0;
     while let Some(&(number, line)) = lines.get(at) {
@@ -84,14 +79,19 @@ pub fn parse(text: &str, options: &ExportOptions<'_>) -> Result<TraceFile, Expor
     reader.finish()
 }
 
+/// Whether a line is neither empty nor a comment.
+fn has_content(line: &str) -> bool {
+    let start = line.trim_start();
+    !start.is_empty() && !COMMENTS.iter().any(|mark| start.starts_with(mark))
+}
+
 /// Titles of the first table in the text of an export, each with the quantity that it is taken for; of a text without known titles,
 /// the cells above the first row of numbers. Empty if there is no table.
 #[must_use]
 pub fn titles_in(text: &str, titles: &Titles) -> Vec<(String, Option<Channel>)> {
     let lines = text.trim_start_matches('\u{feff}').lines();
-    let is_comment = |line: &str| COMMENTS.iter().any(|mark| line.trim_start().starts_with(mark));
     let mut above = None;
-    for line in lines.filter(|line| !line.trim().is_empty() && !is_comment(line)) {
+    for line in lines.filter(|line| has_content(line)) {
         let known = header(line, titles).map(|(_, cells)| cells);
         let is_row = |separator| cut(line, separator).iter().all(|cell| number_in(cell, separator).is_some());
         let ends = known.is_some() || separator(line).is_some_and(is_row);

@@ -131,7 +131,9 @@ pub enum Tangential {
 }
 
 impl Tangential {
-    fn values(&self) -> &[f64] {
+    /// Values of the signal, whatever its quantity.
+    #[must_use]
+    pub fn values(&self) -> &[f64] {
         match self {
             Self::TorqueNm(values) | Self::ForceN(values) | Self::Coefficient(values) => values,
         }

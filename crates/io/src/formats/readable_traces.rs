@@ -5,7 +5,7 @@ use crate::formats::spanned::Spanned;
 use super::calibration_file::CalibrationFile;
 use super::document::Document;
 use super::trace_table::TraceReader;
-use super::traces::{ConditionTraces, OfTrial};
+use super::traces::{ConditionTraces, OfTrial, TraceSetup};
 use crate::formats::diagnostic::Diagnostic;
 
 /// Traces of a calibration as far as they can be read.
@@ -24,10 +24,8 @@ impl ReadableTraces {
     /// [`Diagnostic`] if its tables of traces cannot be read.
     pub fn read(document: &Document) -> Result<Self, Diagnostic> {
         let file: CalibrationFile = document.parse()?;
-        let of_trials = file.trial.iter().filter_map(|trial| trial.get_ref().traces()).flatten();
-        let table = file.traces.as_ref();
-        let mut reader = TraceReader::new(document, table.map(Spanned::get_ref), of_trials)?;
-        let mut lists = vec![table.map_or(Ok(Vec::new()), |table| reader.table(table, false))?];
+        let mut reader = reader(document, &file)?;
+        let mut lists = vec![file.traces.as_ref().map_or(Ok(Vec::new()), |table| reader.table(table, false))?];
         for (number, trial) in (1..).zip(&file.trial) {
             if let Some((name, list)) = trial.get_ref().named_traces() {
                 lists.push(reader.conditions(list, Some(&OfTrial { number, name: name.to_owned() }))?);
@@ -41,4 +39,17 @@ impl ReadableTraces {
         }
         Ok(all)
     }
+}
+
+/// Reads how the exports of the calibration in `document` are to be read, whatever else it lacks.
+///
+/// # Errors
+/// [`Diagnostic`] if its table of traces cannot be read.
+pub fn read_setup(document: &Document) -> Result<TraceSetup, Diagnostic> {
+    Ok(reader(document, &document.parse()?)?.into_setup())
+}
+
+fn reader<'d>(document: &'d Document, file: &CalibrationFile) -> Result<TraceReader<'d>, Diagnostic> {
+    let of_trials = file.trial.iter().filter_map(|trial| trial.get_ref().traces()).flatten();
+    TraceReader::new(document, file.traces.as_ref().map(Spanned::get_ref), of_trials)
 }

@@ -137,15 +137,6 @@ pub struct TraceConditionFile {
     zero_s: Option<NumberList>,
 }
 
-/// Shrinks the scatter of each condition towards that of the other conditions of its surface.
-fn moderated(mut found: Vec<ConditionTraces>) -> Vec<ConditionTraces> {
-    for kind in SurfaceKind::ALL {
-        let alike = found.iter_mut().filter(|traces| traces.condition.surface == kind);
-        moderate(&mut alike.map(|traces| &mut traces.mean).collect::<Vec<_>>());
-    }
-    found
-}
-
 /// Conditions, each with its file position.
 pub(crate) type PlacedConditions = Vec<(Range<usize>, TraceCondition)>;
 
@@ -210,6 +201,11 @@ impl<'d> TraceReader<'d> {
         })
     }
 
+    /// Options for reading the exports.
+    pub(crate) fn into_setup(self) -> TraceSetup {
+        self.setup
+    }
+
     /// Reads the conditions of the table; they are `needed` if no trial has its own traces. Checks that files exist.
     ///
     /// # Errors
@@ -263,10 +259,8 @@ impl<'d> TraceReader<'d> {
         &mut self,
         conditions: &[(Range<usize>, TraceCondition)],
     ) -> Result<Vec<ConditionTraces>, Diagnostic> {
-        let source = self.document.source();
-        let analysed =
-            conditions.iter().map(|(_, condition)| analyse_among(source, &self.setup, condition, &mut self.seen));
-        Ok(moderated(analysed.collect::<Result<_, Diagnostic>>()?))
+        let (found, refused) = self.analyse_readable(conditions);
+        refused.into_iter().next().map_or(Ok(found), Err)
     }
 
     /// Like [`Self::analyse`], but goes on behind refused conditions; returns the reasons for these beside the others.
@@ -282,7 +276,11 @@ impl<'d> TraceReader<'d> {
                 Err(reason) => refused.push(reason),
             }
         }
-        (moderated(found), refused)
+        for kind in SurfaceKind::ALL {
+            let alike = found.iter_mut().filter(|traces| traces.condition.surface == kind);
+            moderate(&mut alike.map(|traces| &mut traces.mean).collect::<Vec<_>>());
+        }
+        (found, refused)
     }
 
     fn condition(&mut self, file: &TraceConditionFile, trial: Option<&OfTrial>) -> Result<TraceCondition, Diagnostic> {

@@ -85,16 +85,22 @@ impl ConditionTraces {
         }
     }
 
+    /// Distance slid up to the middle of the averaging window, in metres.
+    #[must_use]
+    pub fn sliding_m(&self) -> f64 {
+        let [from_s, to_s] = self.condition.window_s;
+        0.5 * (from_s + to_s) * self.condition.speed_m_s
+    }
+
     /// Measurement with its file position: the condition at `span` of `document`.
     pub(crate) fn placed(&self, document: &Document, span: &Range<usize>) -> Placed {
         let line = document.refuse(span.clone(), "").line.unwrap_or(1);
-        let TraceCondition { window_s: [from_s, to_s], speed_m_s, order, .. } = self.condition;
         Placed {
             measurement: self.measurement(),
             path: document.path().to_owned(),
             line,
-            sliding_m: Some(0.5 * (from_s + to_s) * speed_m_s),
-            order,
+            sliding_m: Some(self.sliding_m()),
+            order: self.condition.order,
         }
     }
 }
