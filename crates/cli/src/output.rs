@@ -5,6 +5,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use crate::{CliError, interruption};
+use slipgrid_io::disk::quoted_word;
 pub use slipgrid_io::disk::{Place, ResultFolder, WriteError, check_file, check_folder};
 use slipgrid_io::disk::{PlaceError, put, refuse_foreign};
 use slipgrid_io::formats::Diagnostic;
@@ -79,30 +80,5 @@ pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
 
 /// Quotes `path` for a shell if it contains special characters.
 pub fn quoted(path: &Path) -> String {
-    let plain = |letter: char| letter.is_alphanumeric() || "/._-+,:@%".contains(letter);
-    let path = path.display().to_string();
-    if cfg!(windows) {
-        // Windows paths contain no double quotes.
-        return if path.contains(' ') { format!("\"{path}\"") } else { path };
-    }
-    if path.chars().all(plain) { path } else { format!("'{}'", path.replace('\'', r"'\''")) }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    #[cfg(not(windows))]
-    fn paths_are_one_word_of_a_shell() {
-        for (path, word) in [
-            ("my-material/calibration.toml", "my-material/calibration.toml"),
-            ("polym\u{e8}re.toml", "polym\u{e8}re.toml"),
-            ("my material.toml", "'my material.toml'"),
-            ("Anna's (2).toml", r"'Anna'\''s (2).toml'"),
-            ("a$b.toml", "'a$b.toml'"),
-        ] {
-            assert_eq!(quoted(Path::new(path)), word);
-        }
-    }
+    quoted_word(&path.display().to_string())
 }

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex};
 use std::time::SystemTime;
 
 use axum::Json;
@@ -18,7 +18,7 @@ use slipgrid_io::formats::design::Design;
 
 use crate::Shared;
 use crate::error::{Answer, Refused, aside};
-use crate::jobs::start_exploring;
+use crate::jobs::{locked, start_exploring};
 use crate::places::inside;
 
 /// Files of a computation, with size and time of change.
@@ -30,11 +30,11 @@ pub struct Known(Mutex<HashMap<PathBuf, (Stamps, Arc<Explored>)>>);
 
 impl Known {
     fn find(&self, path: &Path) -> Option<(Stamps, Arc<Explored>)> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).get(path).cloned()
+        locked(&self.0).get(path).cloned()
     }
 
     fn keep(&self, path: PathBuf, stamps: Stamps, found: Explored) {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).insert(path, (stamps, Arc::new(found)));
+        locked(&self.0).insert(path, (stamps, Arc::new(found)));
     }
 }
 

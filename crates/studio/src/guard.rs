@@ -14,6 +14,8 @@ use axum::http::{HeaderMap, HeaderName, HeaderValue, StatusCode};
 use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
 
+use slipgrid_io::disk::hexadecimal;
+
 use crate::error::Refused;
 
 /// What the page may load: its own scripts, styles, pictures and frames.
@@ -93,7 +95,7 @@ fn text(headers: &HeaderMap, name: HeaderName) -> Option<&str> {
 fn drawn() -> std::io::Result<String> {
     let mut bytes = [0; TOKEN_BYTES];
     getrandom::fill(&mut bytes).map_err(std::io::Error::other)?;
-    Ok(bytes.iter().map(|byte| format!("{byte:02x}")).collect())
+    Ok(hexadecimal(&bytes))
 }
 
 /// Compares two texts in a time that does not depend on where they differ.

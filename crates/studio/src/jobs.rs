@@ -14,7 +14,7 @@ use futures_util::stream::{self, Stream, StreamExt};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use slipgrid_base::monitor::{Memory, Monitor};
-use slipgrid_io::disk::KeptResults;
+use slipgrid_io::disk::{KeptResults, quoted_word};
 use tokio::sync::broadcast;
 
 use crate::error::{Answer, Refused};
@@ -95,7 +95,8 @@ pub struct Jobs {
     events: broadcast::Sender<Event>,
 }
 
-fn locked<T>(of: &Mutex<T>) -> MutexGuard<'_, T> {
+/// Locks a mutex even if it is poisoned.
+pub fn locked<T>(of: &Mutex<T>) -> MutexGuard<'_, T> {
     // Every change is complete when the lock is given back.
     of.lock().unwrap_or_else(PoisonError::into_inner)
 }
@@ -183,6 +184,10 @@ impl Jobs {
 }
 
 impl Job {
+    fn cancelled(&self) -> bool {
+        self.is_cancelled.load(Ordering::Relaxed)
+    }
+
     fn begin(&self) {
         let mut progress = locked(&self.progress);
         (progress.state, progress.started) = (JobState::Running, Some(Instant::now()));
@@ -228,7 +233,7 @@ impl Job {
         json!({
             "id": self.id,
             "command": self.words,
-            "line": format!("slipgrid {}", self.words.iter().map(|word| quoted(word)).collect::<Vec<_>>().join(" ")),
+            "line": format!("slipgrid {}", self.words.iter().map(|word| quoted_word(word)).collect::<Vec<_>>().join(" ")),
             "state": progress.state,
             "stage": progress.stage,
             "share": f64::from_bits(self.share.load(Ordering::Relaxed)).clamp(0.0, 1.0),
@@ -242,12 +247,6 @@ impl Job {
 
 fn to_text(bytes: Vec<u8>) -> String {
     String::from_utf8_lossy(&bytes).into_owned()
-}
-
-/// Word of a command line as a shell takes it.
-fn quoted(word: &str) -> String {
-    let is_plain = word.chars().all(|letter| letter.is_alphanumeric() || "./_-+,:@%".contains(letter));
-    if is_plain { word.to_owned() } else { format!("'{}'", word.replace('\'', r"'\''")) }
 }
 
 /// Monitor of a running job.
@@ -284,12 +283,6 @@ impl Monitor for Watched<'_> {
 
     fn memory(&self) -> Option<&dyn Memory> {
         self.kept.map(|kept| kept as &dyn Memory)
-    }
-}
-
-impl Job {
-    fn cancelled(&self) -> bool {
-        self.is_cancelled.load(Ordering::Relaxed)
     }
 }
 
@@ -411,10 +404,5 @@ mod tests {
             assert!(check(&words(line)).is_err(), "{line}");
         }
         assert!(check(&[]).is_err());
-    }
-
-    #[test]
-    fn a_command_line_is_one_for_a_shell() {
-        assert_eq!(["out/a-1", "it's"].map(quoted), ["out/a-1", r"'it'\''s'"]);
     }
 }

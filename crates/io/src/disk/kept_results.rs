@@ -9,7 +9,7 @@ use std::time::SystemTime;
 use sha2::{Digest, Sha256};
 use slipgrid_base::monitor::{Key, Memory};
 
-use crate::disk::put;
+use crate::disk::{hexadecimal, put};
 
 /// Version of the file format, which is part of the hash.
 const FORMAT: &[u8] = b"slipgrid kept 2";
@@ -38,7 +38,7 @@ impl KeptResults {
     /// created with the first result.
     #[must_use]
     pub fn new(folder: PathBuf, build: &str, max_bytes: u64) -> Self {
-        let build: String = Sha256::digest(build.as_bytes()).iter().take(4).map(|byte| format!("{byte:02x}")).collect();
+        let build = hexadecimal(&Sha256::digest(build.as_bytes())[..4]);
         Self { folder, build, max_bytes, is_cleared: AtomicBool::new(false) }
     }
 

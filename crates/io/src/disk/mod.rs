@@ -24,6 +24,7 @@ mod kept_results;
 pub mod lock;
 mod places;
 mod result_folder;
+mod words;
 mod written;
 mod written_list;
 
@@ -31,6 +32,8 @@ pub use files::{Disk, disk};
 pub use kept_results::KeptResults;
 pub use places::{Place, PlaceError, WriteError, check_file, check_folder, refuse_foreign, write_file};
 pub use result_folder::{ResultFolder, hold_renaming, write_folder};
+pub use words::quoted_word;
+pub use written_list::hexadecimal;
 
 use std::fs;
 use std::io;
