@@ -50,7 +50,8 @@ pub fn of_design(found: &DesignOutcome) -> Result<Outputs, ReportError> {
     Ok(outputs)
 }
 
-/// Adds the record, its uncertainty budget, its description for catalogues and the page of `found` to its other files; the page embeds their pictures.
+/// Adds the record, its uncertainty budget, its description for catalogues and the page of `found` to its other files; the page
+/// embeds their pictures.
 ///
 /// # Errors
 /// [`ReportError`] if a value has no JSON form.

@@ -140,7 +140,7 @@ export function newestJob(command, path) {
 export async function loadFolder() {
   const folder = await get("/api/folder");
   Object.assign(state, { root: folder.root, version: folder.version, files: folder.files });
-  setFilesAt(folder.files_at ?? "/files/");
+  setFilesAt(folder.files_at);
   emit("folder", state);
 }
 

@@ -90,7 +90,8 @@ impl FilterReport {
             _ => "the mean alone",
         };
         format!(
-            "F-operation: {form} removed; no S-filter and no L-filter applied: the parameters hold waves from {} um, two pixels, to {} um,              the longer side",
+            "F-operation: {form} removed; no S-filter and no L-filter applied: the parameters hold waves from {} um, two pixels, \
+             to {} um, the longer side",
             self.shortest_wave_um, self.longest_wave_um
         )
     }
