@@ -105,7 +105,7 @@ fn chance(prediction: &Prediction, [lower, upper]: &[Vec<f64>; 2], points: usize
             return 0.0;
         }
         // At most `points`, so the cast is exact.
-        let last = first + (points as f64 * most / sum).ceil() as usize;
+        let last = first + ((points as f64 * most / sum).ceil() as usize).next_multiple_of(BoxRule::LANES);
         let factor = covariance_factor(&of.covariance, n);
         let within = rule.probability(&of.mean, &factor, [lower, upper], first..last);
         first = last;
