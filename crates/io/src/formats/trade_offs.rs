@@ -13,7 +13,7 @@ use super::limits::missing_for_time;
 use crate::formats::diagnostic::Diagnostic;
 
 /// Default number of designs that are compared first.
-const DEFAULT_DESIGNS: usize = 2000;
+const DEFAULT_DESIGNS: usize = 1000;
 /// Default number of designs that are compared first, if each needs its neighbours as well.
 const DEFAULT_DESIGNS_WITH_SPREAD: usize = 400;
 
@@ -23,7 +23,7 @@ const DEFAULT_DESIGNS_WITH_SPREAD: usize = 400;
 pub struct TradeOffsFile {
     /// Two or three of `chance`, `misfit`, `laser_time`, `volume`, `peak_pressure` and `spread` (with `[tolerances]`).
     goals: Spanned<Vec<Spanned<String>>>,
-    /// Designs compared at first; 2000 when absent, 400 with `spread`.
+    /// Designs compared at first; 1000 when absent, 400 with `spread`.
     designs: Option<Spanned<u64>>,
 }
 
