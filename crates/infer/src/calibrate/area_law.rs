@@ -95,7 +95,8 @@ impl std::fmt::Display for SurfaceWarning {
             Self::FactorAboveOne { pressure_pa, factor } => write!(
                 f,
                 "factor above 1: f reaches {factor:.3} at {} MPa, where real contact area grows no faster than pressure: too few \
-                 points are in contact for their number to say more, or a few high ones carry the load of the rest",
+                 points are in contact for their number to say more, or a few high ones carry the load of the rest; map a larger \
+                 area, and look for spikes",
                 PRESSURE_MPA.from_si(*pressure_pa)
             ),
             Self::NoError { sides_m: [x_m, y_m], points: [along_x, along_y] } => write!(

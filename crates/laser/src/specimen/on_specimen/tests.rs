@@ -52,8 +52,9 @@ fn what_time_adds_hangs_on_no_speed() {
     let (_, found, slow) = on_disc(0.09);
     for (load, found) in slow.loads.iter().zip(found) {
         let (slow, found) = (load.ratio_time_change.unwrap(), found.unwrap());
-        // The standard error of either is up to 0.001.
-        assert!((slow - found).abs() < 1e-3 && slow > 2e-3, "{slow} {found} {:?}", load.ratio_stderr);
+        // Either has a standard error of 0.001.
+        let stderr = load.ratio_stderr.unwrap();
+        assert!((slow - found).abs() < 2.0 * stderr && stderr < 1.2e-3 && slow > 2e-3, "{slow} {found} {stderr}");
     }
 }
 

@@ -37,8 +37,8 @@ const MIN_PERIODS: f64 = 10.0;
 ///
 /// With the usual layer the mean is then known to 0.1 %, and the ratio of two surfaces with the same coefficients is
 /// off by 0.03 % (`the_confirming_run_is_as_long_as_its_error_asks_for`).
-const WARM_PERIODS: f64 = 25.0;
-const WARM_SLIPS: f64 = 25.0;
+const WARM_PERIODS: f64 = 12.5;
+const WARM_SLIPS: f64 = 12.5;
 
 /// Shear modulus of the plane lattice, G = 3 E / 8, in pascals.
 #[must_use]
@@ -103,7 +103,7 @@ pub fn even_speed_m_s(elastic: &Elastic, pressure_pa: f64) -> f64 {
 /// Travel of the bulk that a run from the sheared layer needs for its mean, in metres, rounded up to nanometres:
 ///
 /// ```text
-/// u = max(25 T v, 25 d),     d = 2 (mu_s - mu_d) f(P) P l / E
+/// u = max(12.5 T v, 12.5 d),     d = 2 (mu_s - mu_d) f(P) P l / E
 /// ```
 ///
 /// T is the period of the layer's first shear mode ([`shear_period_s`]) and d the slip of a block of size l, the
