@@ -17,7 +17,8 @@ NAMES = {"others": "Sample", "confirmed": "LoadResult", "results": "LoadResult",
          "listed": "ListedDesign", "material": "MaterialSource", "table": "TableErrors",
          "parameters": "Parameter", "trials": "Trial", "measured": "MeasuredRatio", "before": "PastPrediction",
          "Trials.predicted": "PendingTrial", "predicted": "PredictedRatio", "forms": "Form", "effects": "Effect",
-         "load_lines": "LoadLine", "sectors": "Sector", "static_friction": "StaticFriction"}
+         "load_lines": "LoadLine", "sectors": "Sector", "ratios": "PredictedRatio", "quotient": "PredictedRatio",
+         "loads": "SectorRatios", "mechanisms": "Mechanism", "lands": "Land", "static_friction": "StaticFriction"}
 #: Where what the schema leaves open has a known type.
 OPEN = {"exposure": "str", "tolerance": "Union[float, list[float]]"}
 #: Keys of records that stand in timings.json, and keys of files that are ignored.

@@ -159,6 +159,7 @@ fn calibrations() -> Vec<String> {
     let ring = "outer_diameter_mm = 30.0\ninner_diameter_mm = 20.0";
     vec![
         calibration.clone(),
+        format!("{mapped}{trial}"),
         mapped,
         format!("{calibration}{patterned}{rims}"),
         format!("{calibration}{trial}"),

@@ -17,6 +17,7 @@
 //! | `steps`, `search`, `between_designs` | the search for the maximum chance |
 //! | `session`, `job`, `confirmation`, `advice` | `optimize`: the search, the confirming run, the advice |
 //! | `next_trial`, `next_report` | `next`: several samples at once |
+//! | `learning_disc` | `next --learn`: two sectors that teach most about the model error |
 //! | `slopes`, `blocked`, `trade_offs`, `lattice_table`, `explorer` | further results from the table |
 //! | `design_report`, `target_report`, `stored_result` | the records of result.json |
 //! | `constraint_quantities`, `operating_conditions` | limits, and further speeds, humidities and sliding directions |
@@ -73,6 +74,7 @@ mod inputs;
 mod job;
 mod kept_nodes;
 mod lattice_table;
+mod learning_disc;
 mod next_report;
 mod next_trial;
 mod operating_conditions;
@@ -114,6 +116,7 @@ pub use evaluation_cache::{Answer, Answered, Evaluation, EvaluationCache, Evalua
 pub use explorer::{Explored, Explorer, explore_bounds};
 pub use job::{DesignOutcome, run};
 pub use lattice_table::{Lattice, LatticeSample};
+pub use learning_disc::{LearningReport, MechanismReport, SectorRatios};
 pub use next_report::{NextReport, OneDiscReport, RatioPrediction, SectorReport};
 pub use next_trial::{NextOptions, NextTrials, next_trials};
 pub use prediction::{Expected, LimitedBy, ModelledRatio, SampleReport, percent};

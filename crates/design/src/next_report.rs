@@ -10,6 +10,7 @@ use slipgrid_infer::discrepancy::{Load, Prediction};
 use slipgrid_laser::export::{Laser, MEASURE_EACH_ALONE, Outline, Sector, SpecimenRecord, Tolerances};
 
 use crate::design_report::samples_table;
+use crate::learning_disc::LearningReport;
 use crate::prediction::{SampleReport, percent};
 use crate::search::ALIKE;
 
@@ -30,17 +31,22 @@ pub struct NextReport {
     pub pending: usize,
     /// Number of designs that were compared.
     pub compared: usize,
-    /// Recommended action: `series`, `trial`, `trial_meets_it`, `cannot_be_met` or `do_not_texture`.
+    /// Recommended action: `series`, `trial`, `trial_meets_it`, `cannot_be_met` or `do_not_texture`; `learn` where a disc to
+    /// learn from was requested.
     pub advice: String,
     /// Recommended action in one sentence.
     pub words: String,
     /// Samples to cut.
     pub samples: Vec<SampleReport>,
-    /// Chance that at least one of these samples, or of the pending ones, is on target.
+    /// Chance that at least one of these samples, or of the pending ones, is on target; 0 with `learning`, which does not
+    /// count it.
     pub one_on_target: f64,
     /// Specimen on which the samples are sectors; absent where one disc was not requested.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub one_disc: Option<OneDiscReport>,
+    /// Information of the sectors about the mechanism of the model error; absent where it was not requested.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub learning: Option<LearningReport>,
     /// Other samples, sorted by decreasing chance.
     pub others: Vec<SampleReport>,
     /// Samples that the user asked for.
@@ -210,6 +216,9 @@ impl NextReport {
         let (trials, designs) = (counted(self.trials, "trial"), counted(self.compared, "design"));
         text += &format!("\n  {trials} measured, {} pending; {designs} compared\n", self.pending);
         self.material_doubts().for_each(|doubt| text += &doubt_in_brief(&doubt));
+        if let Some(learning) = &self.learning {
+            return text + &learning.text() + &self.ending();
+        }
         if let Some(own) = self.likelier_own() {
             let chance = percent(own.chance.unwrap_or(0.0));
             text += &format!("yours, {} um, is likelier: {chance}\n", own.design.lengths_in_words());
@@ -219,7 +228,12 @@ impl NextReport {
         }
         text += &samples_table(self.rows().into_iter()).to_string();
         text += "learns: how much a measured sample would teach of how the model's error depends on the texture\n";
-        self.laser_doubts().for_each(|doubt| text += &doubt_in_brief(&doubt));
-        text + &self.one_disc.as_ref().map_or_else(String::new, OneDiscReport::text)
+        text + &self.ending()
+    }
+
+    /// Formats the doubts about the laser, and the specimen with sectors.
+    fn ending(&self) -> String {
+        let doubts: String = self.laser_doubts().map(|doubt| doubt_in_brief(&doubt)).collect();
+        doubts + &self.one_disc.as_ref().map_or_else(String::new, OneDiscReport::text)
     }
 }

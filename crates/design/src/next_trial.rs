@@ -14,6 +14,7 @@ use crate::DesignError;
 use crate::advice::Advice;
 use crate::band::Asked;
 use crate::design_report::SCHEMA;
+use crate::learning_disc;
 use crate::next_report::{NextReport, OneDiscReport};
 use crate::prediction::{Prediction, SampleReport};
 use crate::prepared_task::PreparedTask;
@@ -41,6 +42,9 @@ pub struct NextOptions {
     pub own: Vec<Pattern>,
     /// Whether the samples are sectors of one specimen.
     pub one_disc: bool,
+    /// Whether to choose two sectors of one specimen that teach most about the mechanism of the model error, in place of
+    /// `count` samples likely to be on target.
+    pub learn: bool,
     /// Names of specimens already cut into sectors; those of measured trials are known and need not be given.
     pub discs: Vec<String>,
 }
@@ -65,18 +69,23 @@ pub struct NextTrials {
 pub fn next_trials(task: &DesignTask, options: &NextOptions, monitor: &dyn Monitor) -> Result<NextTrials, DesignError> {
     let prepared = &PreparedTask::new(task)?;
     let task = &prepared.task;
-    if !task.target.has_demands() && options.count > 1 {
+    if !task.target.has_demands() && options.count > 1 && !options.learn {
         let reason = "demands nothing that one of several samples could meet: expected one sample at a time";
         return Err(DesignError::refused(reason));
     }
-    let division = options.one_disc.then(|| Division::new(task.specimen, options.count)).transpose();
+    let count = if options.learn { learning_disc::SECTORS } else { options.count };
+    let division = (options.one_disc || options.learn).then(|| Division::new(task.specimen, count)).transpose();
     let division = division.map_err(|error| DesignError::refused(error.to_string()))?;
-    let budget = TimeBudget::new(monitor, None);
-    let timings = &mut Timings::default();
-    let (mut report, patterns) =
-        with_table(prepared, division.as_ref(), None, (budget, monitor), timings, |search, _| {
-            choose(prepared, search, options, division.as_ref())
-        })?;
+    let (mut report, patterns) = match &division {
+        Some(division) if options.learn => learning_disc::choose(task, options, division, monitor)?,
+        division => {
+            let budget = (TimeBudget::new(monitor, None), monitor);
+            let division = division.as_ref();
+            with_table(prepared, division, None, budget, &mut Timings::default(), |search, _| {
+                choose(prepared, search, options, division)
+            })?
+        }
+    };
     let sectors = match &division {
         Some(division) => division.lay(&patterns).map_err(|error| DesignError::refused(error.to_string()))?,
         None => Vec::new(),
@@ -160,20 +169,37 @@ fn choose(
     let first = report(best);
     let is_chosen = |of: &&Prediction| !chosen.iter().any(|own| own.texture.pattern == of.texture.pattern);
     let next = NextReport {
+        compared: found.compared,
+        advice: advice.name().to_owned(),
+        words: advice.words(best.chance(), asked.has_demands(), found.is_within_reach),
+        samples: chosen.iter().map(with_limits).collect(),
+        one_on_target: tidy(together),
+        others: listed.iter().filter(is_chosen).map(|of| report(of).beside(&first)).collect(),
+        own: own.iter().map(report).collect(),
+        ..new_report(prepared, asked, options)
+    };
+    Ok((next, chosen.iter().map(|of| of.texture.pattern).collect()))
+}
+
+/// Report of `prepared` without samples.
+pub fn new_report(prepared: &PreparedTask, asked: &Asked, options: &NextOptions) -> NextReport {
+    let task = &prepared.task;
+    NextReport {
         program: "slipgrid".to_owned(),
         version: VERSION.to_owned(),
         schema: SCHEMA,
         name: task.name.clone(),
         trials: asked.learned.trials().len(),
         pending: options.pending.len(),
-        compared: found.compared,
-        advice: advice.name().to_owned(),
-        words: advice.words(best.chance(), asked.has_demands(), found.is_within_reach),
-        samples: chosen.iter().map(with_limits).collect(),
-        one_on_target: tidy(together),
+        compared: 0,
+        advice: String::new(),
+        words: String::new(),
+        samples: Vec::new(),
+        one_on_target: 0.0,
         one_disc: None,
-        others: listed.iter().filter(is_chosen).map(|of| report(of).beside(&first)).collect(),
-        own: own.iter().map(report).collect(),
+        learning: None,
+        others: Vec::new(),
+        own: Vec::new(),
         warnings: Vec::new(),
         beyond_measured: task.beyond_measured(&prepared.material, &prepared.outside),
         material: MaterialReport::from(&prepared.material.provenance),
@@ -181,8 +207,7 @@ fn choose(
         laser: task.laser,
         tolerances: task.assumed_tolerances(),
         seed: task.seed,
-    };
-    Ok((next, chosen.iter().map(|of| of.texture.pattern).collect()))
+    }
 }
 
 /// Scenarios in which several samples are judged together.
@@ -258,7 +283,7 @@ pub fn laser_warnings<'a>(task: &DesignTask, patterns: impl Iterator<Item = &'a 
 }
 
 /// Reason why no design fits on a sector.
-fn coarse(division: &Division) -> String {
+pub fn coarse(division: &Division) -> String {
     format!(
         "no design within the bounds can be computed whose period fits {MIN_PERIODS} times on the {:.2} mm wide circle of a sector: \
          expected fewer sectors, or finer textures within the bounds",

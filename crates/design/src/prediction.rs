@@ -11,7 +11,7 @@ use crate::band::Asked;
 use crate::inputs::{Effect, FLAT_FRICTION, LOCAL_LAW, MODULUS, Part};
 
 /// Relative error of a measurement, for the information of a trial.
-const MEASURED_STD: f64 = 0.01;
+pub const MEASURED_STD: f64 = 0.01;
 /// Chance from which demands besides a goal count as met: a sample meets the demands more likely than not.
 const KEPT: f64 = 0.5;
 
@@ -88,7 +88,7 @@ impl Prediction {
 
     /// Information that a measurement of a sample gives about the form of the discrepancy, in bits.
     pub fn information_bits(&self) -> f64 {
-        information(&self.distribution, MEASURED_STD) / std::f64::consts::LN_2
+        information(&self.distribution, MEASURED_STD, |form| *form) / std::f64::consts::LN_2
     }
 
     /// Expected values of a sample in the quantity of the target, one per load.

@@ -16,6 +16,7 @@ use slipgrid_model::springblock::{Extent, Layer, LoadOutcome, RunOptions, Scene,
 use std::sync::{LazyLock, Mutex};
 
 mod brute_force;
+mod learning;
 mod several_samples;
 
 use crate::explorer::Explorer;

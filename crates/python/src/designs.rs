@@ -316,7 +316,7 @@ impl Design {
             let mut warnings = self.told(&read, calibration.as_ref());
             let samples = calibration.map_or_else(Vec::new, |calibration| calibration.trials.samples);
             let pending = samples.iter().filter(|cut| cut.measured.is_empty()).map(|cut| cut.pattern).collect();
-            let options = NextOptions { count, pending, own, one_disc: false, discs: Vec::new() };
+            let options = NextOptions { count, pending, own, ..NextOptions::default() };
             let found = next_trials(&read.task, &options, watch).map_err(Undone::Design)?;
             warnings.extend(found.report.doubts());
             Ok(NextSamples { found, warnings })

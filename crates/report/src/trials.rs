@@ -18,11 +18,13 @@ use effects::{effects, less_known};
 
 mod effects;
 mod files;
+mod lands;
 mod load_lines;
 mod pending;
 mod scatter;
 mod screen;
 
+pub use lands::LandReport;
 pub use load_lines::LoadLineReport;
 use load_lines::load_lines;
 pub use pending::PendingReport;
@@ -64,6 +66,9 @@ pub struct TrialsReport {
     pub scatter: Option<ScatterReport>,
     /// Discrepancy at the texture measured last, and its dependence on the condition.
     pub effects: Vec<EffectReport>,
+    /// Lands of trials that name a map of the cut sample.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub lands: Vec<LandReport>,
     /// Lines of friction force against normal force.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub load_lines: Vec<LoadLineReport>,
@@ -244,6 +249,7 @@ impl TrialsReport {
             forms,
             scatter: ScatterReport::of(learned),
             effects: effects(learned),
+            lands: Vec::new(),
             load_lines: load_lines(flat, samples),
             coverage: coverage.collect(),
         })
@@ -300,6 +306,7 @@ impl TrialsReport {
                 text += &of.text();
             }
         }
+        text += &self.lands_text();
         text += &self.pending_text();
         text += "\nhow the discrepancy grows with the texture: weight now, and before any trial\n";
         let mut table = Table::new(["form", "weight", "before"]);

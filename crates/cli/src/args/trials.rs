@@ -11,13 +11,18 @@ use clap::Args;
     slipgrid next designs/ldpe-lower-friction.toml --count 3 -o out/next\n  \
     slipgrid next designs/ldpe-lower-friction.toml --count 3 --one-disc -o out/disc\n  \
     slipgrid next designs/ldpe-lower-friction.toml --candidate 100,300,10\n  \
+    slipgrid next designs/ldpe-lower-friction.toml --learn -o out/learn\n  \
     slipgrid export out/next --sample 2 --format plt -o out/next/next-2\n\n\
     Compares about 3,000 designs within the bounds by the chance that a cut sample is on target, by the table of the model and what \
     the trials of the calibration say that it lacks, and goes on from the best of them by the model itself, for grooves in time. Several samples are chosen to complement each other \
     and those that are pending. A [[trial]] without measurements is pending.\n\n\
     --one-disc serves where each sector is measured alone: with a pin or a counter-body that fits on it, or by friction \
     resolved by the angle of a turning disc. A tribometer that presses the whole disc measures a mean of all sectors, which \
-    is of no use here.")]
+    is of no use here.\n\n\
+    --learn proposes a first disc for a new material. A sector of grooves may lie across or along the sliding direction; other \
+    planforms keep their directions. It shows the ratio of both sectors if the model error grows with areal density, edge \
+    length, ..., and chooses the pair whose measured ratios tell these mechanisms apart best. The chance to be on target \
+    plays no part.")]
 pub struct NextArgs {
     /// Design file
     pub design: PathBuf,
@@ -27,6 +32,9 @@ pub struct NextArgs {
     /// Cut the samples as sectors of one disc: write their files into DIR, and trials.toml to fill in
     #[arg(long)]
     pub one_disc: bool,
+    /// Cut the one disc of two sectors that teaches most about which mechanism the model lacks
+    #[arg(long, conflicts_with_all = ["count", "one_disc", "candidate"])]
+    pub learn: bool,
     /// Candidate of your own, as width, spacing and depth in um; may be given several times
     #[arg(long, value_name = "W,S,D")]
     pub candidate: Vec<String>,

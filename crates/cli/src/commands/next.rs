@@ -4,7 +4,7 @@ use slipgrid_design::export::MAX_SECTORS;
 use slipgrid_design::{NextOptions, next_trials};
 use slipgrid_io::formats::Diagnostic;
 use slipgrid_io::formats::design::Design;
-use slipgrid_report::{Outputs, draw_next};
+use slipgrid_report::{Outputs, draw_next, mechanisms};
 
 use super::complete;
 use super::optimize::refused;
@@ -16,7 +16,8 @@ use slipgrid_io::disk::disk;
 
 /// Names of the files written for several samples, and for samples on one disc.
 const FILES: [&str; 5] = ["result.json", "timings.json", "trials.toml", "next-*/pattern.*", "next-*/process.toml"];
-const FILES_OF_DISC: [&str; 5] = ["result.json", "timings.json", "trials.toml", "pattern.*", "process.toml"];
+const FILES_OF_DISC: [&str; 6] =
+    ["result.json", "timings.json", "trials.toml", "pattern.*", "process.toml", mechanisms::FILE];
 
 /// Chooses samples, writes files and reports.
 pub fn run(args: &NextArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
@@ -27,22 +28,27 @@ pub fn run(args: &NextArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
     }
     let mut design = Design::read(&disk(), &args.design)?;
     console.warn(&design.told);
-    let folder = open(args.output.as_ref(), if args.one_disc { &FILES_OF_DISC } else { &FILES }, &design.inputs)?;
+    let is_disc = args.one_disc || args.learn;
+    let folder = open(args.output.as_ref(), if is_disc { &FILES_OF_DISC } else { &FILES }, &design.inputs)?;
     let own = args.candidate.iter().map(|text| design.candidate(text)).collect::<Result<_, _>>()?;
     let calibration = complete(&mut design, console)?;
     let samples = calibration.map_or_else(Vec::new, |calibration| calibration.trials.samples);
     let discs = samples.iter().filter_map(|cut| cut.disc.clone()).collect();
     let pending = samples.iter().filter(|cut| cut.measured.is_empty()).map(|cut| cut.pattern).collect();
-    let options = NextOptions { count: args.count.into(), pending, own, one_disc: args.one_disc, discs };
+    let (count, one_disc, learn) = (args.count.into(), args.one_disc, args.learn);
+    let options = NextOptions { count, pending, own, one_disc, learn, discs };
     let found =
         next_trials(&design.task, &options, &Job::new(console)).map_err(|error| refused(error, &design, None))?;
     let report = &found.report;
     if let Some(folder) = &folder {
         let mut outputs = Outputs::default();
         outputs.add_record(report)?;
+        if let Some(learning) = &report.learning {
+            outputs.add(mechanisms::FILE, mechanisms::picture(&report.name, learning)?);
+        }
         let drawn = draw_next(&found, &design.task);
         for (place, own) in drawn.iter().flatten().enumerate() {
-            let below = if args.one_disc { String::new() } else { format!("next-{}/", place + 1) };
+            let below = if is_disc { String::new() } else { format!("next-{}/", place + 1) };
             outputs.add_below(&below, own);
         }
         // The record is written even if nothing can be drawn.

@@ -25,6 +25,7 @@ pub fn run(args: &TrialsArgs, console: &mut Console<'_>) -> Result<u8, CliError>
     let (task, learned) = learn(&calibration, &args.calibration, &disk(), sample, &job)?;
     let report = TrialsReport::new(&calibration.name, &task.flat, &task.trials.samples, &learned.discrepancy, &job)?
         .with_pending(&learned)
+        .with_lands(&learned.lands)
         .with_warnings(calibration.doubts.clone());
     if let Some(folder) = &folder {
         console.keep(&report.files(&FrictionSheet::new(&calibration))?, folder)?;

@@ -17,6 +17,8 @@ mod doubtful_maps;
 mod durations;
 mod guards;
 mod interruptions;
+mod land;
+mod learning;
 mod local_law;
 mod mutations;
 mod optimize;

@@ -5,9 +5,9 @@ use slipgrid_base::monitor::{Monitor, Part, Stage};
 use crate::calibrate::fit::{check_speeds, seconds};
 use crate::calibrate::fitted_material::CalibrationOutcome;
 use crate::calibrate::surface_area_law_source::surface_findings;
-use crate::calibrate::trial_discrepancy::{learn, sample_bytes, trial};
+use crate::calibrate::trial_discrepancy::{Learned, learn, sample_bytes, trial};
 use crate::calibrate::{
-    CalibrationError, CalibrationTask, CutSample, FitError, Measurement, PendingSample, Problem, Surface,
+    CalibrationError, CalibrationTask, CutSample, FitError, LandEffect, Measurement, PendingSample, Problem, Surface,
     fit_coefficients, fitted_material, planned_steps,
 };
 use crate::discrepancy::Discrepancy;
@@ -19,6 +19,8 @@ pub struct LearnedSamples {
     pub discrepancy: Discrepancy,
     /// Modelled ratios of the pending samples.
     pub pending: Vec<PendingSample>,
+    /// Effects of the lands of measured samples that were compared with the flat sample.
+    pub lands: Vec<LandEffect>,
 }
 
 /// Runs a calibration: selects the required measurements, computes the area law, fits local coefficients and learns
@@ -126,17 +128,22 @@ pub fn learn_alone(task: &CalibrationTask, monitor: &dyn Monitor) -> Result<Lear
     };
     let law = surface.law_and_curve();
     let stage = Stage::new(monitor, "trials", None);
-    let learned = learned.map_or_else(|| learn(task, law, &stage).map(|learned| learned.discrepancy), Ok);
+    // An area law that is fitted has no map with which a land could be compared.
+    let learned = learned.map_or_else(
+        || learn(task, law, &stage),
+        |discrepancy| Ok(Learned { discrepancy, warnings: Vec::new(), lands: Vec::new() }),
+    );
     let pending = task.trials.samples.iter().filter(|sample| sample.measured.is_empty());
     let pending = pending.map(|sample| {
         // Flat measurements stand in for patterned ones; only the modelled values are used.
         let sample = CutSample { measured: task.flat.clone(), ..sample.clone() };
-        trial(task, &sample, law, &Part::new(&stage, 0.0)).map(|(trial, _)| PendingSample::from(trial))
+        trial(task, &sample, law, &Part::new(&stage, 0.0)).map(|found| PendingSample::from(found.trial))
     });
     let pending = pending.collect::<Result<Vec<_>, CalibrationError>>();
     stage.finish();
     if monitor.cancelled() {
         return Err(CalibrationError::Cancelled);
     }
-    Ok(LearnedSamples { discrepancy: learned?, pending: pending? })
+    let Learned { discrepancy, lands, .. } = learned?;
+    Ok(LearnedSamples { discrepancy, pending: pending?, lands })
 }

@@ -1,12 +1,13 @@
 //! Samples that were cut, and what is known of them.
 
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use slipgrid_laser::export::Specimen;
 use slipgrid_model::pattern::{Pattern, ReliefMap};
 use slipgrid_model::springblock::Holder;
 
-use crate::calibrate::Measurement;
+use crate::calibrate::{LandSlope, Measurement};
 use crate::discrepancy::Hyperparameters;
 
 /// A sample that was cut; it is pending if it has no measurements.
@@ -22,6 +23,10 @@ pub struct CutSample {
     pub pattern: Pattern,
     /// Measured heights of the face over one period, instead of rims.
     pub relief: Option<Arc<ReliefMap>>,
+    /// Altitude map of the sample as cut.
+    pub map: Option<PathBuf>,
+    /// Slope of the land, if it was compared with that of the flat sample.
+    pub land: Option<LandSlope>,
     /// Standard errors of width, spacing and depth, in metres; 0 for exact dimensions.
     pub dimensions_std_m: [f64; 3],
     /// Standard deviation of the logarithm of the ratio between samples of one texture, if known.

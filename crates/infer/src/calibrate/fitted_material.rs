@@ -55,7 +55,7 @@ pub(crate) fn outcome(
     measurements: Vec<Measurement>,
     fit: Fit,
     surface: SurfaceFindings,
-    Learned { discrepancy: learned, warnings: trial_warnings }: Learned,
+    Learned { discrepancy: learned, warnings: trial_warnings, lands }: Learned,
 ) -> Result<CalibrationOutcome, CalibrationError> {
     let by_condition = match task.coefficients {
         Coefficients::Single => Vec::new(),
@@ -83,6 +83,7 @@ pub(crate) fn outcome(
     let mut notes = fit.notes.clone();
     notes.extend(surface.notes.iter().chain(&task.notes).cloned());
     notes.extend(note(&learned));
+    notes.extend(lands.iter().map(ToString::to_string));
     let contradicting = contradicting_samples(&learned);
     uncertainty.learned = Some(learned);
     if surface.synthetic {

@@ -81,6 +81,7 @@ mod fitted_material;
 mod flat_friction_law;
 mod flat_sample;
 mod flat_sample_emulator;
+mod land_slope;
 mod law_pressures;
 mod least_squares;
 mod load_dependence;
@@ -103,6 +104,7 @@ pub use fit::{
 pub use fit_problem::{Coefficients, FitError, Measurement, Problem, StaticPeak, split_parameter_name};
 pub use fitted_material::CalibrationOutcome;
 pub use flat_friction_law::flat_friction_law;
+pub use land_slope::{LandEffect, LandSlope};
 pub use law_pressures::{LawPressures, light_pressure_pa};
 pub use marginal_uncertainty::{FlatLoad, marginal_relative_std};
 pub use pending_sample::{ModelledRatio, PendingSample};

@@ -8,7 +8,7 @@ use slipgrid_model::springblock::Dimension;
 use slipgrid_surface::contact::AreaPoint;
 
 use crate::calibrate::patterned_samples::{Model, Pair, pair_measurements};
-use crate::calibrate::{CalibrationError, CalibrationTask, CutSample};
+use crate::calibrate::{CalibrationError, CalibrationTask, CutSample, LandEffect};
 use crate::discrepancy::{Conditions, DimensionShift, Discrepancy, Features, Load, Measured, Sensitivity, Trial};
 
 /// Result of learning from trials.
@@ -18,6 +18,17 @@ pub struct Learned {
     pub discrepancy: Discrepancy,
     /// Warnings about samples that are not modelled like designs, one sentence each.
     pub warnings: Vec<String>,
+    /// Effects of the lands of samples that were compared with the flat sample.
+    pub lands: Vec<LandEffect>,
+}
+
+/// Modelled sample.
+pub(super) struct ModelledTrial {
+    pub trial: Trial,
+    /// Warning if it is not modelled like designs.
+    pub warning: Option<String>,
+    /// Effect of its land, if known.
+    pub land: Option<LandEffect>,
 }
 
 /// Learns the discrepancy from the samples of `task`, with the area law from the contact area `curve`, or `law` itself
@@ -32,17 +43,18 @@ pub fn learn(
 ) -> Result<Learned, CalibrationError> {
     let measured: Vec<&CutSample> = task.trials.samples.iter().filter(|sample| !sample.measured.is_empty()).collect();
     let monitor = Part::new(monitor, 1.0 / measured.len().max(1) as f64);
-    let trials = measured.into_iter().map(|sample| trial(task, sample, law, &monitor));
-    let (trials, warnings): (Vec<Trial>, Vec<Option<String>>) =
-        trials.collect::<Result<Vec<_>, CalibrationError>>()?.into_iter().unzip();
+    let (mut trials, mut warnings, mut lands) = (Vec::new(), Vec::new(), Vec::new());
+    for sample in measured {
+        let found = trial(task, sample, law, &monitor)?;
+        trials.push(found.trial);
+        warnings.extend(found.warning);
+        lands.extend(found.land);
+    }
     // As for designs: ratios depend on the modulus through the area law only.
     let (_, curve) = law;
     let modulus = if curve.is_empty() { 0.0 } else { tidy(task.modulus_relative_std().unwrap_or(0.0)) };
     let discrepancy = Discrepancy::new(task.trials.prior.clone(), conditions(task), modulus, trials);
-    Ok(Learned {
-        discrepancy: discrepancy.map_err(CalibrationError::Trials)?,
-        warnings: warnings.into_iter().flatten().collect(),
-    })
+    Ok(Learned { discrepancy: discrepancy.map_err(CalibrationError::Trials)?, warnings, lands })
 }
 
 /// Memory, in bytes, for the strips of the largest measured sample of `task`; samples are modelled one after the other.
@@ -75,8 +87,7 @@ fn conditions(task: &CalibrationTask) -> Conditions {
     }
 }
 
-/// Models a measured sample. Returns its measured and modelled ratios, rounded as in a material file, and a warning if
-/// it is not modelled like designs.
+/// Models a measured sample: its measured and modelled ratios, rounded as in a material file.
 ///
 /// A modelled ratio depends on local friction by a thousandth at most. In three dimensions, where one load takes a
 /// tenth of a second, it is solved for the lowest and highest friction at each force and interpolated, with an error of
@@ -89,7 +100,7 @@ pub(super) fn trial(
     cut: &CutSample,
     law: (Option<&AreaLaw>, &[AreaPoint]),
     monitor: &dyn Monitor,
-) -> Result<(Trial, Option<String>), CalibrationError> {
+) -> Result<ModelledTrial, CalibrationError> {
     let axes: Vec<usize> = (0..3).filter(|axis| cut.dimensions_std_m[*axis] > 0.0).collect();
     let monitor = Part::new(monitor, 1.0 / (2 + axes.len()) as f64);
     let model = |pattern: Pattern| Model { task, law, pattern, relief: cut.relief.clone(), specimen: cut.specimen };
@@ -143,17 +154,24 @@ pub(super) fn trial(
             local_law: tidy(sensitivity.local_law * steady / (steady + added)),
         },
     });
+    let (mut measured, features) = (measured.collect::<Vec<Measured>>(), tidy_features(&cut.pattern));
+    // A measured law holds for the flat sample's land alone.
+    let law = law.0.filter(|_| !law.1.is_empty());
+    let land = cut
+        .land
+        .zip(law)
+        .map(|(land, law)| land.apply(&cut.name, law, &mut measured, (&mut dimension_shifts, features)));
     let warning = added.unknown.map(|unknown| format!("trial \"{}\": {unknown}", cut.name));
     let trial = Trial {
         name: cut.name.clone(),
-        features: tidy_features(&cut.pattern),
+        features,
         sample_std: cut.sample_std,
         disc: cut.disc.clone(),
-        measured: measured.collect(),
+        measured,
         dimensions_std_m: cut.dimensions_std_m.map(tidy),
         dimension_shifts,
     };
-    Ok((trial, warning))
+    Ok(ModelledTrial { trial, warning, land })
 }
 
 /// Features of `pattern`, rounded as in a material file.

@@ -133,11 +133,11 @@ fn closeness(prediction: &Prediction, [lower, upper]: &[Vec<f64>; 2]) -> f64 {
     prediction.components.iter().filter(|of| of.weight > MIN_WEIGHT).map(close).sum()
 }
 
-/// Information about the form from measuring a sample, in nats: the expected decrease of the entropy of the forms'
-/// weights if each load is measured with the relative standard error `measured_std`. Seeded draws, with an error of a
-/// tenth of the result.
+/// Information about the kind of form, which `kind` names, from measuring a sample, in nats: the expected decrease of the
+/// entropy of the kinds' weights if each load is measured with the relative standard error `measured_std`. Seeded draws,
+/// with an error of a tenth of the result.
 #[must_use]
-pub fn information(prediction: &Prediction, measured_std: f64) -> f64 {
+pub fn information<K: PartialEq>(prediction: &Prediction, measured_std: f64, kind: impl Fn(&Form) -> K) -> f64 {
     let n = prediction.loads();
     let members: Vec<_> = prediction
         .components
@@ -154,7 +154,8 @@ pub fn information(prediction: &Prediction, measured_std: f64) -> f64 {
     let mut normals = Normals::new(1);
     let mut gain = 0.0;
     for (own, factor, _) in &members {
-        let of_form: f64 = members.iter().filter(|(of, ..)| of.form == own.form).map(|(of, ..)| of.weight).sum();
+        let is_own = |form: &Form| kind(form) == kind(&own.form);
+        let of_kind: f64 = members.iter().filter(|(of, ..)| is_own(&of.form)).map(|(of, ..)| of.weight).sum();
         // At most some thousands, so the cast is exact.
         let draws = (DRAWS * own.weight).ceil() as usize;
         for _ in 0..draws {
@@ -173,8 +174,8 @@ pub fn information(prediction: &Prediction, measured_std: f64) -> f64 {
                 let within = members.iter().zip(&logs).filter(|((of, ..), _)| is_in(&of.form));
                 within.map(|((of, ..), log)| of.weight * libm::exp(log - most)).sum()
             };
-            // E ln p(y | form) / p(y): members of different scatter belong to one form.
-            let ratio = sum(&|form| *form == own.form) / of_form / sum(&|_| true);
+            // E ln p(y | kind) / p(y): members of different scatter belong to one kind.
+            let ratio = sum(&is_own) / of_kind / sum(&|_| true);
             gain += own.weight * libm::log(ratio) / draws as f64;
         }
     }

@@ -11,7 +11,7 @@ use crate::discrepancy::{Candidate, DimensionShift, Features, Form, Sensitivity}
 use slipgrid_base::statistics::cholesky::{covariance_factor, dot};
 
 /// Members of smaller weight do not change reported digits.
-const MIN_WEIGHT: f64 = 1e-7;
+pub(crate) const MIN_WEIGHT: f64 = 1e-7;
 
 /// Pressure, speed and humidity of a prediction.
 #[derive(Clone, Copy, Debug, PartialEq)]

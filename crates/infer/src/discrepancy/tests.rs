@@ -6,6 +6,7 @@ use super::*;
 
 mod chances;
 mod come_true;
+mod joint;
 
 fn groove(width_um: f64, spacing_um: f64, depth_um: f64) -> Features {
     let [width_m, spacing_m, depth_m] = [width_um, spacing_um, depth_um].map(|length| length * 1e-6);
@@ -310,7 +311,7 @@ fn a_trial_teaches_of_the_form_where_forms_differ() {
     let here = groove(100.0, 300.0, 10.0);
     let known = discrepancy(vec![trial("", here, &loads(), 0.005, &mut |_| -0.2)]);
     let predictor = known.at(&loads());
-    let of = |texture: &Features| information(&predictor.predict(texture, &moduli([0.1; 4])), 0.01);
+    let of = |texture: &Features| information(&predictor.predict(texture, &moduli([0.1; 4])), 0.01, |form| *form);
     let (again, far) = (of(&here), of(&groove(20.0, 30.0, 25.0)));
     assert!(far > 0.3 && again < 0.1 * far, "{again} {far}");
 }

@@ -5,18 +5,19 @@ use std::path::Path;
 
 use slipgrid_base::key_error::Refusal;
 use slipgrid_base::monitor::{CancellableReader, Monitor};
+use slipgrid_infer::calibrate::LandSlope;
 use slipgrid_infer::calibrate::area_law::{AreaLawError, SurfaceWarning};
 use slipgrid_model::material::MAX_FACTOR;
 use slipgrid_surface::topography::{
-    MapOption, MapWarning, Preparation, PreparationError, PreparedMap, ReadError, ReadMap, ReadOptions, limits,
-    read_map,
+    HeightMap, MapError, MapOption, MapWarning, Preparation, PreparationError, PreparedMap, ReadError, ReadMap,
+    ReadOptions, limits, read_map,
 };
 
 use crate::formats::Diagnostic;
 use crate::formats::file_kind::FileKind;
 use crate::formats::source::{Source, read_text, stream};
 use crate::formats::surface::MapOptions;
-use slipgrid_base::units::{LENGTH_UM, significant};
+use slipgrid_base::units::{LENGTH_UM, significant, tidy};
 
 /// Description of the expected file in messages.
 const EXPECTED: &str = "the file of an altitude map";
@@ -33,6 +34,41 @@ pub fn read_period(
 ) -> Result<PreparedMap, Diagnostic> {
     let (read, how) = read_for(source, path, options, monitor)?;
     PreparedMap::one_period(read, how, monitor).map_err(|error| refuse(path, &error))
+}
+
+/// Largest relative difference of pixels with which slopes of two maps are compared: a slope changes by less than half of
+/// it.
+const SAME_PIXEL: f64 = 0.02;
+
+/// Slope of the land on the map at `path` of a cut sample, over that of the `flat` sample, whose `options` but the crop
+/// hold for both.
+///
+/// # Errors
+/// Errors of [`open`]; [`Diagnostic`] if the map shows no cavities or no land, or if its pixels differ from those of `flat`.
+pub fn read_land(
+    source: &Source,
+    path: &Path,
+    options: &MapOptions,
+    flat: &PreparedMap,
+    monitor: &dyn Monitor,
+) -> Result<LandSlope, Diagnostic> {
+    let whole = MapOptions { read: ReadOptions { crop: None, ..options.read }, ..options.clone() };
+    let (read, how) = read_for(source, path, &whole, monitor)?;
+    let refuse = |error: MapError| Diagnostic::file(path, error.to_string());
+    let read = if how.despike { read.despiked(monitor).map_err(refuse)? } else { read };
+    let sides_um = |map: &HeightMap| [map.dx_m(), map.dy_m()].map(|side_m| LENGTH_UM.from_si(side_m));
+    let (own, other) = (sides_um(&read.map), sides_um(&flat.map));
+    if own.iter().zip(other).any(|(own, other)| (own / other - 1.0).abs() > SAME_PIXEL) {
+        let [own, other] = [own, other].map(|[x, y]| format!("{} x {} um", tidy(x), tidy(y)));
+        let reason = format!("has pixels of {own}, and the slope of its land is compared with that of the flat sample");
+        return Err(
+            Diagnostic::file(path, reason).expected(format!("pixels of {other}, as on the map of the flat sample"))
+        );
+    }
+    let land = read.map.land(how.form, monitor).map_err(refuse)?;
+    LandSlope::of_maps(&land, &flat.map).ok_or_else(|| {
+        Diagnostic::file(path, "shows too little land between its cavities for a slope").expected("a larger map")
+    })
 }
 
 /// Reads the map at `path` and returns the preparation that remains to be done. Spikes are removed before points are

@@ -31,7 +31,7 @@ use super::trace_notes::unrepeated;
 use super::trace_table::TraceReader;
 use super::traces::{self, ConditionTraces, SurfaceKind};
 use super::trials::{self, FlatSamples};
-use crate::formats::altitude_map::read_period;
+use crate::formats::altitude_map::{read_land, read_period};
 use crate::formats::diagnostic::Diagnostic;
 use crate::formats::dimension_error;
 use crate::formats::plausible::{DENSITY, MODULUS, stiff_for_its_density};
@@ -195,7 +195,8 @@ impl Calibration {
             dimensions_std_m,
             ..trials::of_tables(pattern, relief, stated.cut(), &patterned)
         });
-        let flat = FlatSamples { stated, specimens: &specimens, measured: &placed, samples };
+        let has_map = matches!(surface, Surface::Map { .. });
+        let flat = FlatSamples { stated, specimens: &specimens, measured: &placed, samples, has_map };
         let prior = file.trial_prior.as_ref();
         let (trials, of_trials) =
             trials::read_trials(document, &file.trial, prior, &flat, first, &mut reader, &mut remarks)?;
@@ -210,7 +211,9 @@ impl Calibration {
         };
         Ok(Self {
             tables: tables(document, &file),
-            inputs: inputs(document, &file, &surface, &traces),
+            inputs: inputs(document, &file, &surface, &traces)
+                .chain(trials.samples.iter().filter_map(|cut| cut.map.clone()))
+                .collect(),
             reporting: file.reporting.clone().unwrap_or_default(),
             name: file.name,
             source: file.source,
@@ -251,6 +254,13 @@ impl Calibration {
         monitor: &dyn Monitor,
     ) -> Result<CalibrationTask, Diagnostic> {
         let surface = self.read_surface(files, monitor)?;
+        let mut trials = self.trials.clone();
+        if let (Surface::Map { options, .. }, LawSource::Map(flat)) = (&self.surface, &surface) {
+            for cut in &mut trials.samples {
+                cut.land =
+                    cut.map.as_ref().map(|map| read_land(files, map, options, &flat.map, monitor)).transpose()?;
+            }
+        }
         let mut notes = self.told.clone();
         notes.extend(traces::notes(&self.traces));
         Ok(CalibrationTask {
@@ -263,7 +273,7 @@ impl Calibration {
             threshold_pa: self.threshold_pa,
             specimen_area_m2: self.specimen_area_m2,
             flat: self.flat.clone(),
-            trials: self.trials.clone(),
+            trials,
             coefficients: self.coefficients,
             relative_std: self.relative_std,
             static_over_dynamic: DEFAULT_STATIC_OVER_DYNAMIC,
@@ -367,13 +377,18 @@ pub(crate) fn read_fitting_pattern(
 }
 
 /// Paths of the calibration's file, tables, map and traces.
-fn inputs(document: &Document, file: &CalibrationFile, surface: &Surface, traces: &[ConditionTraces]) -> Vec<PathBuf> {
+fn inputs(
+    document: &Document,
+    file: &CalibrationFile,
+    surface: &Surface,
+    traces: &[ConditionTraces],
+) -> impl Iterator<Item = PathBuf> {
     let maps: Vec<PathBuf> = match surface {
         Surface::Map { path, after, .. } => std::iter::once(path.clone()).chain(after.clone()).collect(),
         _ => Vec::new(),
     };
     let traces = traces.iter().flat_map(|traces| traces.condition.files.iter().map(|export| export.path.clone()));
-    std::iter::once(document.path().to_owned()).chain(tables(document, file)).chain(maps).chain(traces).collect()
+    std::iter::once(document.path().to_owned()).chain(tables(document, file)).chain(maps).chain(traces)
 }
 
 /// Paths of the tables that the calibration names.

@@ -1,5 +1,7 @@
 //! Trials of a calibration: `[[trial]]` and `[trial_prior]`.
 
+use std::path::PathBuf;
+
 use crate::formats::spanned::Spanned;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -44,6 +46,9 @@ pub struct TrialFile {
     measurements: Option<Spanned<String>>,
     /// Raw exports of a tribometer in place of the table, one table per condition; `[traces]` has the reading options.
     traces: Option<Spanned<Vec<TraceConditionFile>>>,
+    /// Altitude map of the sample as cut, with its cavities: the slope of the land over that of the flat sample corrects
+    /// the modelled ratio. Needs `map` in `[surface]`, and is read with its options except `crop`.
+    map: Option<Spanned<String>>,
     /// Face of this sample, to which `force_n` of its table refers; the calibration's specimen when absent.
     specimen: Option<Spanned<FaceFile>>,
     /// Standard error of the measured mean width, at most a third of the width; may stand in `[trial.pattern]` instead;
@@ -149,6 +154,8 @@ pub(crate) struct FlatSamples<'a> {
     pub(crate) measured: &'a [Placed],
     /// Number of specimens that a force in a table presses.
     pub(crate) samples: u32,
+    /// Whether a map of a flat sample is named.
+    pub(crate) has_map: bool,
 }
 
 /// Reads the `trials` of a calibration with these `flat` samples, and the prior. The sample `first` from the
@@ -165,7 +172,7 @@ pub(crate) fn read_trials(
     reader: &mut TraceReader<'_>,
     remarks: &mut Remarks,
 ) -> Result<(TrialsTask, Vec<ConditionTraces>), Diagnostic> {
-    let FlatSamples { stated, specimens, measured: flat, samples: pressed } = *flat;
+    let FlatSamples { stated, specimens, measured: flat, samples: pressed, has_map: has_flat_map } = *flat;
     let mut read = Vec::new();
     let mut samples: Vec<CutSample> = first.into_iter().collect();
     let mut before = flat.to_vec();
@@ -222,6 +229,8 @@ pub(crate) fn read_trials(
             date: file.date.clone(),
             notes: file.notes.clone(),
             relief: read_relief(document, &file.pattern, &pattern)?,
+            map: file.map.as_ref().map(|map| read_map(document, map, has_flat_map)).transpose()?,
+            land: None,
             dimensions_std_m: dimension_error::read(document, stds, &pattern)?,
             pattern,
             sample_std: document.optional(file.sample_std.as_ref(), RELATIVE_STD)?,
@@ -281,6 +290,16 @@ pub fn sector_trials(disc: &str, patterns: &[Pattern], densities: &[f64]) -> Str
     text
 }
 
+/// Path of the map of a cut sample.
+fn read_map(document: &Document, map: &Spanned<String>, has_flat_map: bool) -> Result<PathBuf, Diagnostic> {
+    if !has_flat_map {
+        return Err(document
+            .refuse(map.span(), "has no map of a flat sample to compare its land with")
+            .expected("`map` in [surface], or no map of the trial"));
+    }
+    existing(document, map, map.get_ref())
+}
+
 /// Reads the name of the disc that a sample shares with others.
 fn read_disc(document: &Document, disc: Option<&Spanned<String>>) -> Result<Option<String>, Diagnostic> {
     match disc {
@@ -305,6 +324,8 @@ pub fn of_tables(
         notes: "read from [pattern] and the patterned measurements".to_owned(),
         pattern,
         relief,
+        map: None,
+        land: None,
         dimensions_std_m: [0.0; 3],
         sample_std: None,
         disc: None,

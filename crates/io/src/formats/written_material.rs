@@ -177,6 +177,8 @@ mod tests {
             notes: String::new(),
             pattern: Pattern::new(Planform::Square, 130e-6, 370e-6, 5.2e-6).unwrap(),
             relief: None,
+            map: None,
+            land: None,
             dimensions_std_m: [1e-6, 0.0, 0.2e-6],
             sample_std: None,
             disc: Some("disc \"1\"".into()),

@@ -518,6 +518,7 @@ class CalibrationTrialTable(TypedDict, total=False):
     pattern: Required[PatternTable]
     measurements: FileLike
     traces: Sequence[TracesConditionTable]
+    map: FileLike
     specimen: CalibrationTrialSpecimenTable
     width_std_um: float
     spacing_std_um: float
@@ -964,6 +965,45 @@ class OneDisc(Record):
     sectors: list[Sector]
 
 
+class PredictedRatio(Record):
+    """Prediction of a sample's ratio at one load by the model and the trials."""
+
+    pressure_mpa: float
+    speed_mm_s: float
+    humidity_pct: float
+    modelled: float
+    ratio: float
+    interval_95: list[float]
+
+
+class SectorRatios(Record):
+    """Ratios of both sectors at one load."""
+
+    ratios: list[PredictedRatio]
+    quotient: PredictedRatio
+
+
+class Mechanism(Record):
+    """Ratios of both sectors if one mechanism holds."""
+
+    mechanism: str
+    weight: float
+    error_quotient: list[float]
+    loads: list[SectorRatios]
+
+
+class Learning(Record):
+    """Information of the sectors about the mechanism of the model error; absent where it was not requested."""
+
+    bits: float
+    open_bits: float
+    why: str
+    second_disc: str
+    textures: list[str]
+    load: int
+    mechanisms: list[Mechanism]
+
+
 class NextRecord(Record):
     """Samples to cut next."""
 
@@ -979,6 +1019,7 @@ class NextRecord(Record):
     samples: list[Sample]
     one_on_target: float
     one_disc: Optional[OneDisc]
+    learning: Optional[Learning]
     others: list[Sample]
     own: list[Sample]
     warnings: list[str]
@@ -1028,17 +1069,6 @@ class Trial(Record):
     measured: list[MeasuredRatio]
 
 
-class PredictedRatio(Record):
-    """Prediction of a sample's ratio at one load by the model and the trials."""
-
-    pressure_mpa: float
-    speed_mm_s: float
-    humidity_pct: float
-    modelled: float
-    ratio: float
-    interval_95: list[float]
-
-
 class PendingTrial(Record):
     """Pending sample with its predictions."""
 
@@ -1072,6 +1102,18 @@ class Effect(Record):
     value: float
     std: float
     prior_std: float
+
+
+class Land(Record):
+    """Land of a trial, and its effect on the modelled ratios."""
+
+    trial: str
+    rms_slope: float
+    over_flat: float
+    log_std: float
+    pressure_mpa: list[float]
+    factor: list[float]
+    words: str
 
 
 class LoadLine(Record):
@@ -1113,6 +1155,7 @@ class TrialsRecord(Record):
     one_texture: bool
     scatter: Optional[Scatter]
     effects: list[Effect]
+    lands: list[Land]
     load_lines: list[LoadLine]
     coverage: list[Coverage]
 

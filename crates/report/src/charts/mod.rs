@@ -13,6 +13,7 @@
 //! | [`trials`] | measured and predicted ratios of trials, and ratios against texture features |
 //! | [`left_out`] | measured ratios against those predicted by all other trials |
 //! | [`literature`] | published ratios beside those of trials |
+//! | [`mechanisms`] | values of several quantities by mechanism, with intervals |
 //! | [`friction_loops`] | friction against position in reciprocating sliding |
 //! | [`tribometer`] | repeats of a test against time, with the values read from them |
 //! | [`surface_map`] | a surface seen from above, with heights as colours |
@@ -35,6 +36,7 @@ mod height_histogram;
 mod interface_pressure;
 mod left_out;
 mod literature;
+mod mechanisms;
 mod plot;
 mod raster;
 mod ratios;
@@ -55,6 +57,7 @@ pub use height_histogram::{HeightHistogramChart, height_histogram};
 pub use interface_pressure::{InterfacePressureChart, interface_pressure};
 pub use left_out::left_out;
 pub use literature::{LiteratureChart, LiteratureMark, literature};
+pub use mechanisms::{MechanismRow, mechanisms};
 pub use ratios::{RatioSeries, RatiosChart, ratios};
 pub use residuals::{ResidualsChart, residuals};
 pub use section::{SectionChart, SpectrumChart, section, spectrum};

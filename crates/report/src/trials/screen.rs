@@ -36,6 +36,7 @@ impl TrialsReport {
             let counted = self.coverage.iter().filter(|of| of.ratios > 0);
             counted.for_each(|of| text += &line(&format!("  {}", of.text().trim_end()), "    "));
         }
+        self.lands_text().lines().for_each(|land| text += &line(&format!("  {land}"), "    "));
         text += &line(&format!("  {}", self.form_in_words()), "    ");
         text + "forms and sizes of the discrepancy, scatter of samples, pending samples: with --details\n"
     }

@@ -20,6 +20,8 @@ fn task(flat: Vec<Measurement>, planform: Planform) -> CalibrationTask {
         notes: String::new(),
         pattern: Pattern::new(planform, 130e-6, 170e-6, 12e-6).unwrap(),
         relief: None,
+        map: None,
+        land: None,
         dimensions_std_m: [5e-6, 0.0, 0.0],
         sample_std: None,
         disc: None,

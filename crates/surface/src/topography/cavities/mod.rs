@@ -28,6 +28,7 @@ mod grid;
 mod heights;
 mod kriging;
 mod land;
+mod land_map;
 mod period;
 mod pitch;
 mod rims;

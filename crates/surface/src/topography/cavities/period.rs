@@ -2,13 +2,12 @@
 
 use std::fmt;
 
-use slipgrid_base::monitor::{Cancelled, Monitor};
+use slipgrid_base::monitor::Monitor;
 use slipgrid_base::statistics::median;
 
-use super::edge::Edges;
+use super::Crossing;
 use super::found::Found;
 use super::pitch::pitches_m;
-use super::{Crossing, Sought};
 use crate::topography::form::Form;
 use crate::topography::{HeightMap, MapError};
 
@@ -95,9 +94,7 @@ impl HeightMap {
     /// [`MapError`] as for [`Self::measure_cavities`], and [`MapError::NoPeriod`] for fewer than two whole cavities and
     /// for arrangements other than [`Arrangement`].
     pub fn mean_cavity_period(&self, form: Form, monitor: &dyn Monitor) -> Result<MeanPeriod, MapError> {
-        let (found, Sought { edges, rim, .. }) = Sought::with_rims(Found::find(self, form, monitor)?, monitor)?;
-        let rim_end_m = rim.width_m.map_or(0.0, |width| rim.start_m + width.value);
-        let is_land = far_land(&found, &edges, rim_end_m, monitor)?;
+        let (found, is_land) = self.found_land(form, monitor)?;
         let regions = || 1..=found.regions.count();
         let along: [Vec<usize>; 2] =
             [0, 1].map(|axis| regions().filter(|&region| found.counts(axis, region)).collect());
@@ -119,17 +116,6 @@ impl HeightMap {
         let axis = usize::from(grooves[1] > grooves[0]);
         of_grooves(&found, &is_land, axis, &along[axis], monitor)
     }
-}
-
-/// Land away from cavities and beyond their rims.
-fn far_land(found: &Found, edges: &Edges, rim_end_m: f64, monitor: &dyn Monitor) -> Result<Vec<bool>, Cancelled> {
-    let beyond = |n: usize| edges.distance_m(n).is_none_or(|(_, distance_m)| distance_m > rim_end_m);
-    let mut far = Vec::with_capacity(found.land.is_land.len());
-    for (i, row) in found.land.is_land.chunks_exact(found.cols()).enumerate() {
-        monitor.heed()?;
-        far.extend((i * found.cols()..).zip(row).map(|(n, &is_land)| is_land && beyond(n)));
-    }
-    Ok(far)
 }
 
 /// Lines of a region's chords along an axis, and the middles of the chords, in metres from the first pixel's centre.

@@ -1,0 +1,48 @@
+//! `next --learn`: a disc of two sectors that tells mechanisms apart.
+
+use std::fs;
+
+use crate::common::{DESIGN, Place, json, names, number, result};
+
+#[test]
+fn the_disc_that_teaches_most_is_drawn_with_what_every_mechanism_predicts() {
+    let design = DESIGN
+        .replace("[40.0, 400.0]", "120.0")
+        .replace("[40.0, 1000.0]", "320.0")
+        .replace("[2.0, 50.0]", "10.4")
+        .replace("layer_um = 200.0\nblock_um = 10.0", "layer_um = 100.0\nblock_um = 20.0");
+    let place = Place::with(&[("design.toml", &design)]);
+    let said = place.succeed(&["next", "design.toml", "--learn", "-o", "out", "-q"]);
+    assert!(said.contains("sector 1: grooves across the sliding direction"), "{said}");
+    assert!(said.contains("sector 2: grooves along the sliding direction"), "{said}");
+    let files =
+        ["mechanisms.svg", "pattern.dxf", "pattern.svg", "process.toml", "result.json", "timings.json", "trials.toml"];
+    assert_eq!(names(&place.path("out")), files);
+    let found = result(&place, "out");
+    let learning = &found["learning"];
+    assert!((0.0..number(&learning["open_bits"])).contains(&number(&learning["bits"])), "{learning}");
+    let mechanisms = learning["mechanisms"].as_array().unwrap();
+    let picture = fs::read_to_string(place.path("out/mechanisms.svg")).unwrap();
+    for of in mechanisms {
+        let name = of["mechanism"].as_str().unwrap();
+        assert!(said.contains(name) && picture.contains(name), "{name}");
+        assert_eq!(of["loads"].as_array().unwrap().len(), 2, "one prediction per pressure");
+    }
+    // The files cut the sectors that the record names, one of them turned by a right angle.
+    let read = |name: &str| -> toml::Table { fs::read_to_string(place.path(name)).unwrap().parse().unwrap() };
+    let trials = read("out/trials.toml");
+    let turned = |trial: &toml::Value| trial["pattern"].get("angle_deg").map_or(0.0, |angle| angle.as_float().unwrap());
+    let angles: Vec<f64> = trials["trial"].as_array().unwrap().iter().map(turned).collect();
+    assert_eq!(angles, [0.0, 90.0]);
+    for (sector, sample) in
+        read("out/process.toml")["sector"].as_array().unwrap().iter().zip(found["samples"].as_array().unwrap())
+    {
+        for key in ["width_um", "spacing_um", "depth_um"] {
+            assert_eq!(sector["pattern"][key].as_float().unwrap(), number(&sample["design"][key]), "{key}");
+        }
+    }
+    // The same command prints the same record, and takes no number of samples.
+    assert_eq!(json(&place.succeed(&["next", "design.toml", "--learn", "--json", "-q"])), found);
+    let refused = place.run(&["next", "design.toml", "--learn", "--count", "2"]);
+    assert_eq!(refused.status.code(), Some(2), "{refused:?}");
+}

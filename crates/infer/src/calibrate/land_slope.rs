@@ -1,0 +1,181 @@
+//! Land of a cut sample that is steeper or less steep than the flat sample.
+//!
+//! Contact area follows pressure over slope, A(P / (E* h'rms)). A land with q times the rms slope of the flat sample has
+//! the area A(P / q). Friction is the local coefficient times f(p) = A(p) / (p lim A / P), so that the land slides with
+//! f(p / q) / q in place of f(p), as it would with q times the modulus, but for the constant q:
+//!
+//! ```text
+//! ln R_land(P) = ln R(P; q E) + ln [A(P / q) / A(P)]
+//! A(P / q) / A(P) = f(P / q) / [q f(P)],     ln R(P; q E) = ln R(P) + g ln q
+//! ```
+//!
+//! with g = d ln R / d ln E. The factor is 1 / q where area is in proportion to load, and 1 in full contact.
+
+use std::fmt;
+
+use slipgrid_base::units::{PRESSURE_MPA, tidy};
+use slipgrid_model::material::AreaLaw;
+use slipgrid_surface::topography::HeightMap;
+
+use crate::discrepancy::{DimensionShift, Features, Measured};
+
+/// Windows along each side of a map, whose scatter gives the error of a slope: 16 windows know it to a fifth.
+const WINDOWS: usize = 4;
+/// Step of a logarithm for derivatives of the area law, which is tabulated.
+const LOG_STEP: f64 = 0.02;
+
+/// Rms slope of the land of a cut sample.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LandSlope {
+    /// Rms slope of the land, by differences of neighbouring heights.
+    pub rms_slope: f64,
+    /// q: rms slope over that of the flat sample.
+    pub over_flat: f64,
+    /// Standard error of ln q, from windows of both maps.
+    pub log_std: f64,
+}
+
+/// Effect of the land of a cut sample on its modelled ratios.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LandEffect {
+    /// Name of the trial.
+    pub trial: String,
+    /// Slope of the land.
+    pub slope: LandSlope,
+    /// Pressure in pascals, and factor on the modelled ratio, one per measured ratio.
+    pub factors: Vec<[f64; 2]>,
+}
+
+impl LandSlope {
+    /// Compares `land`, a map of which only the land is present, with the map `flat`; `None` if the land has no neighbouring
+    /// points, or too few windows for an error.
+    #[must_use]
+    pub fn of_maps(land: &HeightMap, flat: &HeightMap) -> Option<Self> {
+        let [(rms_slope, std), (of_flat, std_of_flat)] = [land, flat].map(|map| map.windowed_slope(WINDOWS));
+        let (over_flat, log_std) = (rms_slope / of_flat, std?.hypot(std_of_flat?));
+        (over_flat.is_finite() && over_flat > 0.0).then(|| Self {
+            rms_slope: tidy(rms_slope),
+            over_flat: tidy(over_flat),
+            log_std: tidy(log_std),
+        })
+    }
+
+    /// Applies the land of `trial` to the modelled ratios of `measured` and adds its error to the `shifts` of the sample with these
+    /// `features`.
+    pub(crate) fn apply(
+        &self,
+        trial: &str,
+        law: &AreaLaw,
+        measured: &mut [Measured],
+        (shifts, features): (&mut Vec<DimensionShift>, Features),
+    ) -> LandEffect {
+        let log_q = libm::log(self.over_flat);
+        let log_ratio = measured.iter().map(|at| {
+            let by = |log_q: f64| log_factor(law, at, log_q);
+            tidy(by(log_q + self.log_std) - by(log_q))
+        });
+        shifts.push(DimensionShift { log_ratio: log_ratio.collect(), above: features, below: None });
+        let apply = |at: &mut Measured| {
+            let pressure_pa = at.load.pressure_pa;
+            let factor = libm::exp(log_factor(law, at, log_q));
+            at.modelled = tidy(at.modelled * factor);
+            // A(P / q) / A(P) depends on P / E alone: d ln / d ln E = a(P) - a(P / q), a = d ln A / d ln P.
+            let slope = |pressure_pa: f64| log_slope(law, pressure_pa);
+            at.sensitivity.modulus =
+                tidy(at.sensitivity.modulus + slope(pressure_pa) - slope(pressure_pa / self.over_flat));
+            [pressure_pa, tidy(factor)]
+        };
+        LandEffect { trial: trial.to_owned(), slope: *self, factors: measured.iter_mut().map(apply).collect() }
+    }
+}
+
+/// ln (R_land / R) for a land exp(`log_q`) times as steep, at the load of `at`.
+fn log_factor(law: &AreaLaw, at: &Measured, log_q: f64) -> f64 {
+    let f = |pressure_pa: f64| libm::log(law.factor(pressure_pa));
+    let pressure_pa = at.load.pressure_pa;
+    at.sensitivity.modulus * log_q + f(pressure_pa * libm::exp(-log_q)) - log_q - f(pressure_pa)
+}
+
+/// d ln f / d ln P
+fn log_slope(law: &AreaLaw, pressure_pa: f64) -> f64 {
+    let f = |log: f64| libm::log(law.factor(pressure_pa * libm::exp(log)));
+    (f(LOG_STEP) - f(-LOG_STEP)) / (2.0 * LOG_STEP)
+}
+
+impl fmt::Display for LandEffect {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let LandSlope { rms_slope, over_flat, log_std } = self.slope;
+        write!(
+            f,
+            "land of {}: rms slope {rms_slope:.3}, {over_flat:.2} +- {:.2} times the flat sample's",
+            self.trial,
+            over_flat * log_std
+        )?;
+        let by_pressure = |a: &&[f64; 2], b: &&[f64; 2]| a[0].total_cmp(&b[0]);
+        let ends = (self.factors.iter().min_by(by_pressure), self.factors.iter().max_by(by_pressure));
+        let (Some(first), Some(last)) = ends else { return Ok(()) };
+        let at =
+            |[pressure_pa, factor]: &[f64; 2]| format!("{factor:.3} at {:.2} MPa", PRESSURE_MPA.from_si(*pressure_pa));
+        write!(f, "; this multiplies its modelled ratio by {}", at(first))?;
+        if last[0] > first[0] { write!(f, " and {}", at(last)) } else { Ok(()) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::discrepancy::{Load, Sensitivity};
+    use slipgrid_model::pattern::{Pattern, Planform};
+
+    fn applied(over_flat: f64, law: &AreaLaw, pressure_pa: f64, modulus: f64) -> (Measured, DimensionShift) {
+        let load = Load { pressure_pa, speed_m_s: 2e-3, humidity: 0.4 };
+        let sensitivity = Sensitivity::of_modulus(modulus);
+        let at = Measured { load, measured: 0.8, modelled: 0.9, patterned_std: 0.01, flat_std: 0.01, sensitivity };
+        let features = Features::from(&Pattern::new(Planform::Groove, 1e-4, 3e-4, 1e-5).unwrap());
+        let (mut measured, mut shifts) = ([at], Vec::new());
+        let slope = LandSlope { rms_slope: 0.02, over_flat, log_std: 0.05 };
+        let effect = slope.apply("cut", law, &mut measured, (&mut shifts, features));
+        assert!((effect.factors[0][1] - measured[0].modelled / 0.9).abs() < 1e-5);
+        // The error of the slope is no error of the texture.
+        assert_eq!(shifts[0].above, features);
+        (measured[0], shifts.remove(0))
+    }
+
+    #[test]
+    fn area_in_proportion_to_load_divides_by_the_slope_and_full_contact_changes_nothing() {
+        // Area in proportion to load up to 1 MPa, and constant above 10 MPa.
+        let law = AreaLaw::new(vec![1e6, 10e6], vec![1.0, 0.5]).unwrap();
+        let (same, _) = applied(1.0, &law, 3e6, 0.1);
+        assert_eq!((same.modelled, same.sensitivity.modulus), (0.9, 0.1));
+        let (light, shift) = applied(1.2, &law, 0.5e6, 0.0);
+        assert!((light.modelled - 0.9 / 1.2).abs() < 1e-6 && (shift.log_ratio[0] + 0.05).abs() < 1e-6, "{light:?}");
+        let (full, shift) = applied(1.2, &law, 40e6, 0.0);
+        assert!((full.modelled - 0.9).abs() < 1e-6 && shift.log_ratio[0].abs() < 1e-6, "{full:?}");
+    }
+
+    /// Persson's area, erf(sqrt 2 P / s): the factor is that of the areas, times q^g.
+    #[test]
+    fn the_factor_is_that_of_the_areas_and_of_the_stiffer_pattern() {
+        let area = |pressure_pa: f64| libm::erf(2.0_f64.sqrt() * pressure_pa / 4e6);
+        let light_pa = 1e4;
+        let pressures_pa: Vec<f64> = (0..200).map(|n| light_pa * 1.05_f64.powi(n)).collect();
+        let unit = area(light_pa) / light_pa;
+        let law =
+            AreaLaw::new(pressures_pa.clone(), pressures_pa.iter().map(|p| area(*p) / p / unit).collect()).unwrap();
+        for (q, g) in [(1.2_f64, 0.0), (0.8, 0.0), (1.25, 0.3)] {
+            for pressure_pa in [0.3e6, 1e6, 3e6] {
+                let (at, shift) = applied(q, &law, pressure_pa, g);
+                let expected = area(pressure_pa / q) / area(pressure_pa) * q.powf(g);
+                assert!((at.modelled / 0.9 - expected).abs() < 2e-4, "{q} {pressure_pa}: {at:?} {expected}");
+                let above = q * 0.05_f64.exp();
+                let moved = area(pressure_pa / above) / area(pressure_pa) * above.powf(g);
+                assert!((shift.log_ratio[0] - (moved / expected).ln()).abs() < 5e-4, "{shift:?}");
+                // The same on a body 10 % stiffer.
+                let stiff = |p: f64| area(p / 1.1);
+                let slope =
+                    ((stiff(pressure_pa / q) / stiff(pressure_pa)).ln() - (expected / q.powf(g)).ln()) / 1.1_f64.ln();
+                assert!((at.sensitivity.modulus - g - slope).abs() < 0.02, "{at:?} {slope}");
+            }
+        }
+    }
+}
