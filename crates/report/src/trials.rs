@@ -9,7 +9,7 @@ use slipgrid_design::results::{
     SCHEMA, Table, VERSION, believed, believed_interval, believed_std, fixed, guard_formula,
 };
 use slipgrid_infer::calibrate::{CutSample, Measurement, contradicting_samples};
-use slipgrid_infer::discrepancy::{Discrepancy, LeftOut, Surprise, leave_out};
+use slipgrid_infer::discrepancy::{Discrepancy, Form, LeftOut, Surprise, leave_out};
 
 use crate::ReportError;
 use crate::charts::{Estimate, Prediction, TrialsChart, trials};
@@ -281,6 +281,7 @@ impl TrialsReport {
     /// Describes the form of the discrepancy that the trials identify, in one sentence.
     pub(crate) fn form_in_words(&self) -> String {
         match &self.identified {
+            Some(family) if family == Form::None.family() => "the trials show no effect beyond the model's".to_owned(),
             Some(family) => format!("the trials say that the discrepancy grows with {family}"),
             None if self.one_texture => {
                 "one texture does not tell whether the error grows with area, edges or depth; a second, different one would"

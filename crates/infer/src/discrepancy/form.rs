@@ -5,6 +5,8 @@ use crate::discrepancy::Features;
 /// Growth of the discrepancy with the texture: 0 without cavities.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Form {
+    /// 0: no effect of the texture beyond the model; samples scatter.
+    None,
     /// Proportional to the areal density a, for effects over the cavities.
     Density,
     /// Proportional to the edge length per area e, for effects at edges, as of rims and menisci.
@@ -27,8 +29,9 @@ pub enum Form {
 }
 
 impl Form {
-    /// Returns the forms with their prior weights, which sum to 1. The families have equal weight, except that the last
-    /// one shares the weight of the edges with the second.
+    /// Returns the forms with their prior weights, which sum to 1. No effect has as little as leaves the scatter
+    /// of samples as stated after one trial. The other families have equal weight, except that the last one shares the
+    /// weight of the edges with the second.
     #[must_use]
     pub fn usual() -> Vec<(Self, f64)> {
         let family = |share: f64, members: Vec<Self>| {
@@ -36,11 +39,12 @@ impl Form {
             members.into_iter().map(move |form| (form, each)).collect::<Vec<_>>()
         };
         [
-            family(0.22, vec![Self::Density]),
-            family(0.22, vec![Self::Edge]),
-            family(0.22, [0.02, 0.04, 0.08, 0.16].map(|scale| Self::Saturating { scale }).to_vec()),
-            family(0.22, [2e-6, 5e-6, 10e-6, 20e-6].map(|scale_m| Self::DepthDensity { scale_m }).to_vec()),
-            family(0.12, [3e-6, 10e-6].map(|scale_m| Self::DepthEdge { scale_m }).to_vec()),
+            family(0.209, vec![Self::Density]),
+            family(0.209, vec![Self::Edge]),
+            family(0.209, [0.02, 0.04, 0.08, 0.16].map(|scale| Self::Saturating { scale }).to_vec()),
+            family(0.209, [2e-6, 5e-6, 10e-6, 20e-6].map(|scale_m| Self::DepthDensity { scale_m }).to_vec()),
+            family(0.114, [3e-6, 10e-6].map(|scale_m| Self::DepthEdge { scale_m }).to_vec()),
+            family(0.05, vec![Self::None]),
         ]
         .concat()
     }
@@ -51,6 +55,7 @@ impl Form {
         // 1 - exp(-x / x0)
         let reached = |x: f64, scale: f64| -libm::expm1(-x / scale);
         match self {
+            Self::None => 0.0,
             Self::Density => of.areal_density,
             Self::Edge => of.edge_1_m,
             Self::Saturating { scale } => reached(of.areal_density, *scale),
@@ -63,6 +68,7 @@ impl Form {
     #[must_use]
     pub const fn family(&self) -> &'static str {
         match self {
+            Self::None => "no effect of the texture",
             Self::Density => "areal density",
             Self::Edge => "edge length",
             Self::Saturating { .. } => "saturating areal density",
@@ -76,7 +82,7 @@ impl Form {
     pub fn name(&self) -> String {
         let um = |length_m: f64| (length_m * 1e9).round() / 1e3;
         match self {
-            Self::Density | Self::Edge => self.family().to_owned(),
+            Self::None | Self::Density | Self::Edge => self.family().to_owned(),
             Self::Saturating { scale } => format!("areal density, saturating at {scale}"),
             Self::DepthDensity { scale_m } => format!("areal density of cavities deeper than {} um", um(*scale_m)),
             Self::DepthEdge { scale_m } => format!("edges of cavities deeper than {} um", um(*scale_m)),

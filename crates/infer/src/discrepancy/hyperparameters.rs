@@ -12,14 +12,15 @@ pub struct Hyperparameters {
     pub amplitude_std: f64,
     /// Standard deviation of beta, along (P - P0) / P0. The published samples show no such trend from 0.6 to 2.5 MPa.
     pub pressure_std: f64,
-    /// Standard deviation of gamma, along P1 / P - 1/2. Adhesion or a meniscus adds a force, whose effect decreases with
-    /// load.
+    /// Standard deviation of gamma at any humidity, along P1 / P. A film of water, adhesion or a meniscus adds a force,
+    /// whose effect decreases with load.
     pub inverse_pressure_std: f64,
     /// Standard deviation of kappa, along ln(v / v0). The published samples show 0.036 +- 0.009.
     pub speed_std: f64,
-    /// Standard deviation of eta at any humidity. The published samples differ by 0.13 between 40 and 80 %.
+    /// Standard deviation of eta at any humidity, with gamma at the lowest pressure together 0.1. The published samples
+    /// differ by 0.13 between 40 and 80 %.
     pub humidity_std: f64,
-    /// Correlation length of eta in humidity, from 0 to 1: the correlation is exp(-|dH| / length).
+    /// Correlation length of eta and gamma in humidity, from 0 to 1: the correlation is exp(-|dH| / length).
     pub humidity_length: f64,
     /// Factors on all of these standard deviations, with weights that sum to 1: many mechanisms have a small effect.
     pub scales: Vec<(f64, f64)>,
@@ -59,7 +60,7 @@ impl Default for Hyperparameters {
             pressure_std: 0.06,
             inverse_pressure_std: 0.08,
             speed_std: 0.05,
-            humidity_std: 0.1,
+            humidity_std: 0.06,
             humidity_length: 0.3,
             scales: vec![(0.3, 0.4), (1.0, 0.6)],
             residuals: vec![(0.1, 0.5), (0.4, 0.5)],

@@ -18,6 +18,8 @@ impl Discrepancy {
     /// ```text
     /// |ln(h_k(x1) / h_k(x2)) - ln(h_j(x1) / h_j(x2))| > 0.1
     /// ```
+    ///
+    /// No effect differs from every form at a single texture.
     #[must_use]
     pub fn identified(&self) -> Option<&'static str> {
         let forms = self.forms();
@@ -39,7 +41,7 @@ impl Discrepancy {
 
     /// Whether the growth of two forms differs between some pair of trials.
     fn tell_apart(&self, one: &Form, other: &Form) -> bool {
-        self.range(&|of| libm::log(one.value(of) / other.value(of))) > APART
+        [one, other].contains(&&Form::None) || self.range(&|of| libm::log(one.value(of) / other.value(of))) > APART
     }
 
     /// Maximum minus minimum of the finite logarithms over the trials.

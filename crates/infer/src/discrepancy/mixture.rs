@@ -42,7 +42,7 @@ pub(crate) struct Member {
     pub scatter: f64,
     pub prior: f64,
     pub weight: f64,
-    /// Value of the form at the reference texture.
+    /// Value of the form at the reference texture; 1 without an effect.
     pub at_reference: f64,
     pub mean: Vec<f64>,
     /// L^-1 of the precision L L^T, rows of a lower triangle.
@@ -343,12 +343,18 @@ struct Whitened {
     log_density: f64,
 }
 
-/// Members to be fitted: every form at every scale with every residual, for samples with the scatter `scatter`.
+/// Members to be fitted: every form at every scale with every residual, for samples with the scatter `scatter`. Without an
+/// effect, one member stands for all scales and residuals.
 fn members(hyper: &Hyperparameters, (scatter, of_scatter): (f64, f64)) -> Vec<Member> {
     let mut all = Vec::new();
+    let once = vec![(1.0, 1.0)];
     for (form, of_form) in &hyper.forms {
-        for (scale, of_scale) in &hyper.scales {
-            for (residual, of_residual) in &hyper.residuals {
+        let (scales, residuals, at_reference) = match form {
+            Form::None => (&once, &once, 1.0),
+            _ => (&hyper.scales, &hyper.residuals, form.value(&hyper.reference)),
+        };
+        for (scale, of_scale) in scales {
+            for (residual, of_residual) in residuals {
                 let prior = of_form * of_scale * of_residual * of_scatter;
                 all.push(Member {
                     form: *form,
@@ -357,7 +363,7 @@ fn members(hyper: &Hyperparameters, (scatter, of_scatter): (f64, f64)) -> Vec<Me
                     scatter,
                     prior,
                     weight: prior,
-                    at_reference: form.value(&hyper.reference),
+                    at_reference,
                     mean: Vec::new(),
                     inverse: Vec::new(),
                     at_trials: Vec::new(),

@@ -4,8 +4,9 @@
 //! modelled ratio of patterned to flat friction. For a texture x, pressure P, speed v and humidity H the discrepancy is
 //!
 //! ```text
-//! ln r - ln R(x, P) = h(x) [alpha + beta u + gamma q + kappa s + eta(H) + c(x, P)] + eps g(x, P) + lambda d(x, P) + t + f + e
-//! u = (P - P0) / P0,     q = P1 / P - 1/2,     s = ln(v / v0)
+//! ln r - ln R(x, P) = h(x) [alpha + beta u + kappa s + eta(H) + gamma(H) q + c(x, P)]
+//!                   + eps g(x, P) + lambda d(x, P) + t + f + e
+//! u = (P - P0) / P0,     q = P1 / P,     s = ln(v / v0)
 //! ```
 //!
 //! h is the *form*: the growth of the discrepancy with the texture. It is 1 at the reference texture and 0 without

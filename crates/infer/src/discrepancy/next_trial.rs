@@ -15,9 +15,9 @@ const MIN_WEIGHT: f64 = 1e-4;
 /// A form is skipped if it can add at most this to a chance.
 const MIN_CHANCE: f64 = 1e-6;
 /// Points over all components for a reported chance, and for a chance used in rankings: root mean square errors of at
-/// most 0.001 and 0.008 (`points_shared_by_all_components_leave_little_of_a_chance_open`), in 1.5 and 0.2 ms for 192
+/// most 0.0015 and 0.01 (`points_shared_by_all_components_leave_little_of_a_chance_open`), in 2.2 and 0.2 ms for 196
 /// components.
-const POINTS: usize = 8192;
+const POINTS: usize = 12_288;
 const ROUGH_POINTS: usize = 512;
 
 /// Target band of a cut sample: bounds of its ratio at each load.

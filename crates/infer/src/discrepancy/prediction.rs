@@ -29,7 +29,7 @@ pub struct Load {
 pub struct Predictor {
     basis: Basis,
     loads: Vec<Load>,
-    /// Conditional covariance of eta given the measured humidities, loads x loads.
+    /// Conditional covariance of eta + gamma q given the measured humidities, loads x loads.
     humidity_left: Vec<f64>,
     /// Distinct forms of the members.
     forms: Vec<Form>,

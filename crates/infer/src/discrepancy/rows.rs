@@ -5,8 +5,10 @@ use crate::discrepancy::residual::{Place, ResidualBasis};
 use crate::discrepancy::{Conditions, Features, Hyperparameters, Load, Sensitivity, Trial};
 use slipgrid_base::statistics::cholesky::{cholesky, dot, solve_lower};
 
-/// Number of coefficients before those of the humidities: alpha, beta, gamma and kappa.
-const OF_LOAD: usize = 4;
+/// Number of coefficients before those of the humidities: alpha, beta and kappa.
+const OF_LOAD: usize = 3;
+/// Number of coefficients of each humidity: eta and gamma.
+const OF_HUMIDITY: usize = 2;
 /// Humidities that differ by less are equal.
 const SAME_HUMIDITY: f64 = 1e-6;
 /// Number of unknowns shared by all textures: eps and lambda.
@@ -28,15 +30,15 @@ impl Sensitivity {
     }
 }
 
-/// Basis functions: first those of the load, then eta at every measured humidity, eps, lambda, and the residual at the
-/// trials.
+/// Basis functions: first those of the load, then eta and gamma at every measured humidity, eps, lambda, and the residual
+/// at the trials.
 #[derive(Clone, Debug)]
 pub struct Basis {
     hyper: Hyperparameters,
     conditions: Conditions,
     modulus_std: f64,
     humidities: Vec<f64>,
-    /// Lower factor of the correlation of eta at the measured humidities.
+    /// Lower factor of the correlation of eta, and of gamma, at the measured humidities.
     humidity_factor: Vec<f64>,
     residual: ResidualBasis,
 }
@@ -68,7 +70,7 @@ impl Basis {
 
     /// Number of coefficients that a form multiplies.
     pub fn of_form(&self) -> usize {
-        OF_LOAD + self.humidities.len()
+        OF_LOAD + OF_HUMIDITY * self.humidities.len()
     }
 
     /// Number of all coefficients: those of a form, eps and lambda, and those of the residual.
@@ -105,15 +107,20 @@ impl Basis {
     pub fn at_load(&self, load: &Load) -> Vec<f64> {
         let (hyper, at) = (&self.hyper, &self.conditions);
         let u = (load.pressure_pa - at.reference_pressure_pa) / at.reference_pressure_pa;
-        let q = at.lowest_pressure_pa / load.pressure_pa - 0.5;
         let s = libm::log(load.speed_m_s / at.reference_speed_m_s);
-        let mut row =
-            vec![hyper.amplitude_std, hyper.pressure_std * u, hyper.inverse_pressure_std * q, hyper.speed_std * s];
-        row.extend(self.humidity(load.humidity).iter().map(|part| hyper.humidity_std * part));
+        let mut row = vec![hyper.amplitude_std, hyper.pressure_std * u, hyper.speed_std * s];
+        let humidity = self.humidity(load.humidity);
+        row.extend(self.of_humidity(load).iter().flat_map(|std| humidity.iter().map(move |part| std * part)));
         row
     }
 
-    /// Whitened values of eta at a humidity relative to the measured ones: L^-1 k.
+    /// Standard deviations of eta and of gamma times q = P1 / P at `load`.
+    fn of_humidity(&self, load: &Load) -> [f64; OF_HUMIDITY] {
+        let q = self.conditions.lowest_pressure_pa / load.pressure_pa;
+        [self.hyper.humidity_std, self.hyper.inverse_pressure_std * q]
+    }
+
+    /// Whitened values of eta or gamma at a humidity relative to the measured ones: L^-1 k.
     fn humidity(&self, humidity: f64) -> Vec<f64> {
         let mut row: Vec<f64> =
             self.humidities.iter().map(|level| correlation(&self.hyper, *level, humidity)).collect();
@@ -121,12 +128,12 @@ impl Basis {
         row
     }
 
-    /// Conditional covariance of eta at two humidities given the measured ones.
+    /// Conditional covariance of eta + gamma q at two loads given the measured humidities.
     pub fn humidity_left(&self, a: &Load, b: &Load) -> f64 {
         let explained = dot(&self.humidity(a.humidity), &self.humidity(b.humidity));
         let left = correlation(&self.hyper, a.humidity, b.humidity) - explained;
         // At a measured humidity only rounding errors remain.
-        if left.abs() < 1e-12 { 0.0 } else { self.hyper.humidity_std.powi(2) * left }
+        if left.abs() < 1e-12 { 0.0 } else { dot(&self.of_humidity(a), &self.of_humidity(b)) * left }
     }
 
     /// Place of a texture and a load in the residual's coordinates.

@@ -57,6 +57,15 @@ fn discrepancy(trials: Vec<Trial>) -> Discrepancy {
     Discrepancy::new(Hyperparameters::default(), Conditions::default(), 0.2, trials).unwrap()
 }
 
+/// Prior in which the texture has an effect for certain.
+fn of_an_effect() -> Hyperparameters {
+    let mut hyper = Hyperparameters::default();
+    hyper.forms.retain(|(form, _)| *form != Form::None);
+    let sum: f64 = hyper.forms.iter().map(|(_, weight)| weight).sum();
+    hyper.forms.iter_mut().for_each(|(_, weight)| *weight /= sum);
+    hyper
+}
+
 fn prior() -> Discrepancy {
     discrepancy(Vec::new())
 }
@@ -64,7 +73,8 @@ fn prior() -> Discrepancy {
 #[test]
 fn without_cavities_there_is_no_discrepancy() {
     let trials = vec![trial("A", groove(100.0, 300.0, 10.0), &loads(), 0.01, &mut |_| -0.2)];
-    for known in [prior(), discrepancy(trials)] {
+    let learned = |trials| Discrepancy::new(of_an_effect(), Conditions::default(), 0.2, trials).unwrap();
+    for known in [learned(Vec::new()), learned(trials)] {
         let own = known.sample_std();
         let nothing = Features { areal_density: 0.0, edge_1_m: 0.0, ..groove(100.0, 300.0, 10.0) };
         let mut last = f64::INFINITY;
@@ -85,12 +95,13 @@ fn before_any_trial_the_prior_is_what_is_believed() {
     let at = load(1.5, 2.0, 40.0);
     let found = prior().at(&[at]).predict(&hyper.reference, &moduli([0.3]));
     let (mean, std) = found.moments(0);
-    // q = 0.65 / 1.5 - 1/2; every form is 1 at the reference, and the residual has the variance of alpha times its size.
-    let q: f64 = 0.65 / 1.5 - 0.5;
+    // q = 0.65 / 1.5; every form is 1 at the reference, and the residual has the variance of alpha times its size.
+    let q: f64 = 0.65 / 1.5;
     let mean_square = |all: &[(f64, f64)]| all.iter().map(|(size, weight)| weight * size * size).sum::<f64>();
-    let of_form = 0.2_f64.powi(2) * (1.0 + mean_square(&hyper.residuals)) + (0.08 * q).powi(2) + 0.1_f64.powi(2);
+    let of_form = 0.2_f64.powi(2) * (1.0 + mean_square(&hyper.residuals)) + (0.08 * q).powi(2) + 0.06_f64.powi(2);
     let scatter = (0.7 + 0.2 * 0.0625 + 0.07 * 9.0 + 0.03 * 100.0) * 0.02_f64.powi(2);
-    let variance = mean_square(&hyper.scales) * of_form + (0.2 * 0.3_f64).powi(2) + scatter;
+    // No effect has the weight 0.05.
+    let variance = 0.95 * mean_square(&hyper.scales) * of_form + (0.2 * 0.3_f64).powi(2) + scatter;
     assert!(mean.abs() < 1e-15 && (std * std / variance - 1.0).abs() < 1e-12, "{mean} {std}");
     // A mixture of scales has more weight in the middle and in the tails than one normal distribution.
     assert!(found.quantile(0, 0.995) > 2.6 * std && found.quantile(0, 0.75) < 0.67 * std);
@@ -293,6 +304,76 @@ fn two_trials_of_one_disc_tell_less_of_the_mean_and_more_of_their_difference() {
     }
 }
 
+/// Without an effect of the texture, no trial moves a prediction: samples scatter.
+#[test]
+fn without_an_effect_samples_scatter_alone() {
+    let hyper = Hyperparameters { forms: vec![(Form::None, 1.0)], ..Hyperparameters::default() };
+    let far = groove(20.0, 10.0, 30.0);
+    let wider = DimensionShift { log_ratio: vec![0.03; 4], above: groove(21.0, 9.0, 30.0), below: None };
+    let trials = [-0.2, 0.1].map(|log| trial("", groove(100.0, 300.0, 10.0), &loads(), 0.01, &mut |_| log));
+    for trials in [Vec::new(), trials.to_vec()] {
+        let known = Discrepancy::new(hyper.clone(), Conditions::default(), 0.0, trials).unwrap();
+        assert_eq!(known.members().len(), hyper.scatters.len());
+        let own = known.sample_std().powi(2);
+        let found = known.at(&loads()).predict_made(&far, &moduli([0.0; 4]), std::slice::from_ref(&wider));
+        let (mean, std) = found.moments(1);
+        assert!(mean == 0.0 && (std * std - own - 0.03_f64.powi(2)).abs() < 1e-15, "{mean} {std} {own}");
+        let scenarios = Scenarios::new(&known, 2000, 1);
+        let candidate = Candidate {
+            features: far,
+            modelled: &[0.9; 4],
+            sensitivity: &moduli([0.0; 4]),
+            covariance: &[],
+            dimension_shifts: &[],
+        };
+        let square =
+            scenarios.log_excesses(&candidate, &loads(), 0).iter().map(|of| of[2] * of[2]).sum::<f64>() / 2000.0;
+        assert!((square / own - 1.0).abs() < 0.2, "{square} {own}");
+    }
+}
+
+/// Compares with N(y; 0, K) conditioned on the measurements:
+/// K = A^2 + B^2 u u' + S^2 s s' + (N^2 + G^2 q q') exp(-|H - H'| / 0.3).
+#[test]
+fn effects_of_low_loads_belong_to_a_humidity() {
+    let one = vec![(1.0, 1.0)];
+    let hyper = Hyperparameters {
+        scales: one.clone(),
+        residuals: vec![(0.0, 1.0)],
+        scatters: one,
+        forms: vec![(Form::Density, 1.0)],
+        ..Hyperparameters::default()
+    };
+    let at = [load(0.65, 2.0, 15.0), load(2.6, 2.0, 15.0), load(0.65, 4.0, 80.0), load(1.3, 2.0, 80.0)];
+    let (log, noise, t) = ([-0.1, -0.2, -0.27, -0.22], 0.01_f64, hyper.sample_std);
+    let measured = trial("", hyper.reference, &at, noise, &mut |row| log[row]);
+    let known = Discrepancy::new(hyper, Conditions::default(), 0.0, vec![measured]).unwrap();
+    let covariance = |a: &Load, b: &Load| {
+        let both = |of: fn(&Load) -> f64| of(a) * of(b);
+        let humidity = (-(a.humidity - b.humidity).abs() / 0.3).exp();
+        0.2_f64.powi(2)
+            + 0.06_f64.powi(2) * both(|at| (at.pressure_pa - 1.5e6) / 1.5e6)
+            + 0.05_f64.powi(2) * both(|at| (at.speed_m_s / 2e-3).ln())
+            + (0.06_f64.powi(2) + 0.08_f64.powi(2) * both(|at| 0.65e6 / at.pressure_pa)) * humidity
+    };
+    let n = at.len();
+    let noise = |e: usize| if e % (n + 1) == 0 { t * t + 2.0 * noise * noise } else { t * t };
+    let all: Vec<f64> = (0..n * n).map(|e| covariance(&at[e / n], &at[e % n]) + noise(e)).collect();
+    let factor = slipgrid_base::statistics::cholesky::cholesky(&all, n).unwrap();
+    let solved = |mut of: Vec<f64>| {
+        slipgrid_base::statistics::cholesky::solve_lower(&factor, n, &mut of);
+        of
+    };
+    let dot = slipgrid_base::statistics::cholesky::dot;
+    let y = solved(log.to_vec());
+    for to in [at[0], load(0.65, 2.0, 40.0), load(5.0, 1.0, 100.0)] {
+        let k = solved(at.iter().map(|own| covariance(own, &to)).collect());
+        let (mean, std) = known.at(&[to]).predict(&known.hyperparameters().reference, &moduli([0.0])).moments(0);
+        let expected = (covariance(&to, &to) - dot(&k, &k) + t * t).sqrt();
+        assert!((mean - dot(&k, &y)).abs() < 1e-10 && (std - expected).abs() < 1e-10, "{mean} {std} {expected}");
+    }
+}
+
 #[test]
 fn an_unmeasured_humidity_lies_between_what_is_known_and_the_prior() {
     let hyper = Hyperparameters { sample_std: 0.005, scatters: vec![(1.0, 1.0)], ..Hyperparameters::default() };
@@ -307,9 +388,10 @@ fn an_unmeasured_humidity_lies_between_what_is_known_and_the_prior() {
 
 #[test]
 fn a_trial_teaches_of_the_form_where_forms_differ() {
-    // After one trial at a texture, all forms agree there, but differ at other textures.
+    // After one trial at a texture, all forms of an effect agree there, but differ at other textures.
     let here = groove(100.0, 300.0, 10.0);
-    let known = discrepancy(vec![trial("", here, &loads(), 0.005, &mut |_| -0.2)]);
+    let trials = vec![trial("", here, &loads(), 0.005, &mut |_| -0.2)];
+    let known = Discrepancy::new(of_an_effect(), Conditions::default(), 0.2, trials).unwrap();
     let predictor = known.at(&loads());
     let of = |texture: &Features| information(&predictor.predict(texture, &moduli([0.1; 4])), 0.01, |form| *form);
     let (again, far) = (of(&here), of(&groove(20.0, 30.0, 25.0)));

@@ -93,11 +93,11 @@ pub struct PriorFile {
     amplitude_std: Option<f64>,
     /// Slope along (P - P0) / P0, with P0 the mean measured pressure; 0.06 when absent.
     pressure_std: Option<f64>,
-    /// Slope along P1 / P, with P1 the lowest pressure, which adhesion would cause; 0.08 when absent.
+    /// Slope along P1 / P at each humidity, with P1 the lowest pressure, as of a film that bears a force; 0.08 when absent.
     inverse_pressure_std: Option<f64>,
     /// Change for a speed e times as high; 0.05 when absent.
     speed_std: Option<f64>,
-    /// Change from one humidity to another; 0.1 when absent.
+    /// Change from one humidity to another at high pressures; 0.06 when absent.
     humidity_std: Option<f64>,
     /// Scatter between samples of one texture, until trials show otherwise; 0.02 when absent.
     sample_std: Option<f64>,
