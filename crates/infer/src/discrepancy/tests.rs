@@ -357,7 +357,7 @@ fn effects_of_low_loads_belong_to_a_humidity() {
             + (0.06_f64.powi(2) + 0.08_f64.powi(2) * both(|at| 0.65e6 / at.pressure_pa)) * humidity
     };
     let n = at.len();
-    let noise = |e: usize| if e % (n + 1) == 0 { t * t + 2.0 * noise * noise } else { t * t };
+    let noise = |e: usize| if e.is_multiple_of(n + 1) { t * t + 2.0 * noise * noise } else { t * t };
     let all: Vec<f64> = (0..n * n).map(|e| covariance(&at[e / n], &at[e % n]) + noise(e)).collect();
     let factor = slipgrid_base::statistics::cholesky::cholesky(&all, n).unwrap();
     let solved = |mut of: Vec<f64>| {
