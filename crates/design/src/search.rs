@@ -34,7 +34,7 @@ use crate::task::{ConstraintQuantity, DesignTask};
 /// Weight of the members that choose which textures the whole mixture ranks: a sixth of the members after one trial.
 pub const SHARE_OF_RANKING: f64 = 0.8;
 /// Weight of the members that predict lattices of a thousand textures, for pages and trade-offs: half of the members after
-/// one trial, and chances to 0.005 (`likeliest_members_give_the_chances_of_all`).
+/// one trial, and chances to 0.004 (`likeliest_members_give_the_chances_of_all`).
 pub const SHARE_OF_LATTICES: f64 = 0.995;
 /// Number of starts of climbs, in different regions.
 const STARTS: usize = 6;
