@@ -302,8 +302,7 @@ fn pair(
         .enumerate()
         .flat_map(|(side, of)| of.textures.iter().map(move |texture| (side, texture)))
         .collect();
-    let joint =
-        |pair: [&CutTexture; SECTORS]| asked.learned.on_one_disc(&pair.map(CutTexture::candidate), &asked.loads);
+    let joint = |pair: [&CutTexture; SECTORS]| search.predictor.on_one_disc(&pair.map(CutTexture::candidate));
     let bits = |[a, b]: [usize; SECTORS]| joint([all[a].1, all[b].1]).family_bits(MEASURED_STD);
     let is_equal = |a: usize, b: usize| all[a].1.pattern.lengths_m() == all[b].1.pattern.lengths_m();
     let pairs = |first: usize| (0..all.len()).map(move |second| [first, second]);
@@ -376,7 +375,8 @@ mod tests {
             covariance: &[],
             dimension_shifts: &[],
         };
-        let bits = |pair: [usize; 2]| prior.on_one_disc(&pair.map(candidate), &loads).family_bits(MEASURED_STD);
+        let predictor = prior.at(&loads);
+        let bits = |pair: [usize; 2]| predictor.on_one_disc(&pair.map(candidate)).family_bits(MEASURED_STD);
         let pairs = |first: usize| (0..all.len()).filter(move |other| *other != first).map(move |other| [first, other]);
         let starts: Vec<[usize; 2]> = [0, all.len() - 1].into_iter().flat_map(pairs).collect();
         let [start, found] = greatest(&starts, all.len(), &bits).unwrap();

@@ -33,7 +33,7 @@
 //! | [`Contradiction`] | two samples of one texture that differ by more than the stated scatter |
 //! | [`leave_out`] | cross-validation: every trial and every condition predicted from all others |
 //! | [`Wanted`], [`Score`] | chance that a sample is on target, and ranking of textures |
-//! | [`Discrepancy::on_one_disc`] | joint prediction of samples of one disc |
+//! | [`Predictor::on_one_disc`] | joint prediction of samples of one disc |
 //! | [`Scenarios`] | truths drawn from the mixture, in which several samples are evaluated jointly |
 //!
 //! This module solves no contact and opens no files.

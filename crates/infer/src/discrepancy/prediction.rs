@@ -11,7 +11,7 @@ use crate::discrepancy::{Candidate, DimensionShift, Features, Form, Sensitivity}
 use slipgrid_base::statistics::cholesky::{covariance_factor, dot};
 
 /// Members of smaller weight do not change reported digits.
-pub(crate) const MIN_WEIGHT: f64 = 1e-7;
+const MIN_WEIGHT: f64 = 1e-7;
 
 /// Pressure, speed and humidity of a prediction.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -176,100 +176,105 @@ impl Predictor {
     /// dimensions, which change its modelled ratio and the discrepancy. First order in the shifts, per form.
     #[must_use]
     pub fn predict_made(&self, of: &Features, sensitivity: &[Sensitivity], shifts: &[DimensionShift]) -> Prediction {
-        self.predicted(of, sensitivity, shifts, false)
+        let (modelled, covariance) = (&[][..], &[][..]);
+        let of = Candidate { features: *of, modelled, sensitivity, covariance, dimension_shifts: shifts };
+        self.predicted(&[of], false)
     }
 
-    /// Implements [`Predictor::predict_made`]; with `has_known_form` without the uncertainty of the discrepancy, so that
-    /// the covariances contain modulus, local law, dimensions and the scatter of the sample.
-    fn predicted(
-        &self,
-        of: &Features,
-        sensitivity: &[Sensitivity],
-        shifts: &[DimensionShift],
-        has_known_form: bool,
-    ) -> Prediction {
-        let g: Vec<[f64; GLOBALS]> = sensitivity.iter().map(Sensitivity::globals).collect();
+    /// Predicts samples that have everything in common but the errors of their dimensions: first at all loads of the first of
+    /// `samples`, then of the next. With `has_known_form` without the uncertainty of the discrepancy, so that the covariances
+    /// contain modulus, local law, dimensions and the scatter of the samples. The covariances of `samples` are not added.
+    fn predicted(&self, samples: &[Candidate<'_>], has_known_form: bool) -> Prediction {
+        let n = self.loads.len();
+        let rows: Vec<(usize, usize)> = (0..samples.len()).flat_map(|of| (0..n).map(move |load| (of, load))).collect();
+        let all = rows.len();
+        let g: Vec<[f64; GLOBALS]> = rows.iter().map(|(of, load)| samples[*of].sensitivity[*load].globals()).collect();
         // Skips lambda if flat friction follows the area law.
         let globals = if g.iter().all(|[_, local_law]| *local_law == 0.0) { 1 } else { GLOBALS };
-        let places: Vec<Place> = self.loads.iter().map(|load| self.basis.place(of, load)).collect();
+        let place = |(of, load): &(usize, usize)| self.basis.place(&samples[*of].features, &self.loads[*load]);
+        let places: Vec<Place> = rows.iter().map(place).collect();
         let features: Vec<Vec<f64>> = places.iter().map(|place| self.basis.residual(place)).collect();
-        let n = self.loads.len();
-        let residual_left: Vec<f64> = (0..n * n)
+        let residual_left: Vec<f64> = (0..all * all)
             .map(|e| {
-                let (l, m) = (e / n, e % n);
-                self.basis.residual_left([&places[l], &places[m]], [&features[l], &features[m]])
+                let (a, b) = (e / all, e % all);
+                self.basis.residual_left([&places[a], &places[b]], [&features[a], &features[b]])
             })
             .collect();
-        let form_at = |form: &Form| FormAt {
-            value: form.value(of),
-            log_shifts: shifts.iter().map(|shift| shift.log_form(form, of)).collect(),
-            mean: shifts.iter().map(|shift| shift.mean_form(form, of)).product(),
+        let form_at = |form: &Form, of: &Candidate<'_>| FormAt {
+            value: form.value(&of.features),
+            log_shifts: of.dimension_shifts.iter().map(|shift| shift.log_form(form, &of.features)).collect(),
+            mean: of.dimension_shifts.iter().map(|shift| shift.mean_form(form, &of.features)).product(),
         };
-        let forms: Vec<FormAt> = self.forms.iter().map(form_at).collect();
-        // Buffers of one member: R_l, R_l E, D_l, and the effects of errors of dimensions.
+        let forms: Vec<Vec<FormAt>> =
+            self.forms.iter().map(|form| samples.iter().map(|of| form_at(form, of)).collect()).collect();
+        // Buffers of one member: R_a, R_a E, D_a, and the effects of errors of dimensions.
         let count = self.members.first().map_or(0, |member| member.residual.len());
-        let (mut r, mut re, mut of_form) = (vec![0.0; n * count], vec![[0.0; GLOBALS]; n], vec![0.0; n]);
-        let mut moved = vec![0.0; shifts.len() * n];
+        let (mut r, mut re, mut of_form) = (vec![0.0; all * count], vec![[0.0; GLOBALS]; all], vec![0.0; all]);
+        let mut moved: Vec<Vec<f64>> = vec![Vec::new(); all];
         let component = |member: &Prepared| {
-            let form = &forms[member.form];
-            let h = member.member.scale * form.value / member.member.at_reference;
+            let forms = &forms[member.form];
             let own = member.member.scatter.powi(2);
-            // Row of the residual's coefficients at load l, and R_l = L^-1 of the row, below form and modulus.
-            let size = h * member.member.residual;
+            let h = |of: usize| member.member.scale * forms[of].value / member.member.at_reference;
             let first = member.e[0].len() - count;
             r.fill(0.0);
-            for (l, features) in features.iter().enumerate() {
-                let r = &mut r[l * count..][..count];
-                for (place, (column, feature)) in member.residual.iter().zip(features).enumerate() {
+            for (a, (of, load)) in rows.iter().enumerate() {
+                // Row of the residual's coefficients, and R_a = L^-1 of the row, below form and modulus.
+                let (form, h) = (&forms[*of], h(*of));
+                let size = h * member.member.residual;
+                let r = &mut r[a * count..][..count];
+                for (place, (column, feature)) in member.residual.iter().zip(&features[a]).enumerate() {
                     for (sum, entry) in r[place..].iter_mut().zip(&column[first + place..]) {
                         *sum += size * feature * entry;
                     }
                 }
-                re[l] = member.e.each_ref().map(|e| dot(r, &e[first..]));
-                of_form[l] = form.mean * (h * member.mean_of_form[l] + size * dot(features, &member.mean_of_residual));
+                re[a] = member.e.each_ref().map(|e| dot(r, &e[first..]));
+                of_form[a] =
+                    form.mean * (h * member.mean_of_form[*load] + size * dot(&features[a], &member.mean_of_residual));
+                // d ln R + D d ln h by one standard deviation of each shift, D the mean discrepancy
+                let shifts = samples[*of].dimension_shifts.iter().zip(&form.log_shifts);
+                moved[a].clear();
+                moved[a].extend(shifts.map(|(shift, log_form)| shift.log_ratio[*load] + of_form[a] * log_form));
             }
-            // d ln R + D d ln h by one standard deviation of each shift, D the mean discrepancy
-            for (shift, (moved, log_form)) in shifts.iter().zip(moved.chunks_exact_mut(n.max(1)).zip(&form.log_shifts))
-            {
-                for (l, moved) in moved.iter_mut().enumerate() {
-                    *moved = shift.log_ratio[l] + of_form[l] * log_form;
-                }
-            }
-            // E (1 + d ln h)^2 of the uncertain part
-            let times = 1.0 + form.log_shifts.iter().map(|log_form| log_form * log_form).sum::<f64>();
-            // v_l = h B_l + sum_k g_lk E_k + R_l, covariance v_l v_m
-            let mut covariance = vec![0.0; n * n];
-            for l in 0..n {
-                for m in 0..=l {
-                    let of_dimensions: f64 = moved.chunks_exact(n).map(|moved| moved[l] * moved[m]).sum();
+            // v_a = h B_l + sum_k g_ak E_k + R_a, covariance v_a v_b
+            let mut covariance = vec![0.0; all * all];
+            for a in 0..all {
+                for b in 0..=a {
+                    let ((of, l), (other, m)) = (rows[a], rows[b]);
+                    let (h_a, h_b) = (h(of), h(other));
                     let of_globals: f64 = (0..globals)
-                        .map(|k| (0..globals).map(|j| g[l][k] * g[m][j] * member.ee[k][j]).sum::<f64>())
+                        .map(|k| (0..globals).map(|j| g[a][k] * g[b][j] * member.ee[k][j]).sum::<f64>())
                         .sum();
-                    let mut entry = of_globals + of_dimensions + own;
-                    if !has_known_form {
-                        let [r_l, r_m] = [l, m].map(|load| &r[load * count..][..count]);
-                        let [rb, br] = [dot(r_l, &member.b[m][first..]), dot(r_m, &member.b[l][first..])];
-                        let left = self.humidity_left[l * n + m];
-                        let unknown_form = h * h * (member.bb[l * n + m] + left)
-                            + h * (rb + br)
-                            + dot(r_l, r_m)
-                            + size * size * residual_left[l * n + m];
-                        let mut unknown = times * unknown_form;
-                        for k in 0..globals {
-                            let (g_l, g_m) = (g[l][k], g[m][k]);
-                            let with_form = h * (g_m * member.be[l][k] + g_l * member.be[m][k]);
-                            unknown = unknown + with_form + g_m * re[l][k] + g_l * re[m][k];
-                        }
-                        entry += unknown;
+                    let mut entry = of_globals + own;
+                    // E (1 + d ln h)^2 of the uncertain part; errors of dimensions are a sample's own.
+                    let mut times = 1.0;
+                    if of == other {
+                        entry += dot(&moved[a], &moved[b]);
+                        times += dot(&forms[of].log_shifts, &forms[of].log_shifts);
                     }
-                    covariance[l * n + m] = entry;
-                    covariance[m * n + l] = entry;
+                    if !has_known_form {
+                        let [r_a, r_b] = [a, b].map(|row| &r[row * count..][..count]);
+                        let [rb, br] = [dot(r_a, &member.b[m][first..]), dot(r_b, &member.b[l][first..])];
+                        let left = self.humidity_left[l * n + m];
+                        let unknown_form = h_a * h_b * (member.bb[l * n + m] + left)
+                            + h_b * rb
+                            + h_a * br
+                            + dot(r_a, r_b)
+                            + h_a * h_b * member.member.residual.powi(2) * residual_left[a * all + b];
+                        entry += times * unknown_form;
+                        for k in 0..globals {
+                            let (g_a, g_b) = (g[a][k], g[b][k]);
+                            entry += h_a * g_b * member.be[l][k] + h_b * g_a * member.be[m][k];
+                            entry += g_b * re[a][k] + g_a * re[b][k];
+                        }
+                    }
+                    covariance[a * all + b] = entry;
+                    covariance[b * all + a] = entry;
                 }
             }
             Component {
                 form: member.member.form,
                 weight: member.member.weight,
-                mean: (0..n).map(|l| of_form[l] + dot(&g[l], &member.mean_of_globals)).collect(),
+                mean: (0..all).map(|a| of_form[a] + dot(&g[a], &member.mean_of_globals)).collect(),
                 covariance,
             }
         };
@@ -292,8 +297,21 @@ impl Predictor {
     }
 
     fn of_candidate(&self, candidate: &Candidate<'_>, has_known_form: bool) -> Prediction {
-        let Candidate { features, sensitivity, covariance, dimension_shifts, .. } = candidate;
-        self.predicted(features, sensitivity, dimension_shifts, has_known_form).with(covariance)
+        self.predicted(&[*candidate], has_known_form).with(candidate.covariance)
+    }
+
+    /// Predicts `samples` of one disc, which share its scatter and the errors of the material: first at all loads of the first
+    /// one, then of the next. Marginals equal those of [`Self::of`].
+    #[must_use]
+    pub fn on_one_disc(&self, samples: &[Candidate<'_>]) -> Prediction {
+        let (n, all) = (self.loads.len(), samples.len() * self.loads.len());
+        let factor = |of: &Candidate<'_>| {
+            if of.covariance.is_empty() { vec![0.0; n * n] } else { covariance_factor(of.covariance, n) }
+        };
+        let factors: Vec<f64> = samples.iter().flat_map(factor).collect();
+        let row = |row: usize| &factors[row * n..][..n];
+        let shared: Vec<f64> = (0..all * all).map(|entry| dot(row(entry / all), row(entry % all))).collect();
+        self.predicted(samples, false).with(&shared)
     }
 }
 

@@ -13,13 +13,10 @@ use crate::contact::{ContactError, Monitor};
 /// # Errors
 /// [`ContactError`] if points are missing, a window would have fewer than 16 points per side, or `monitor` cancels.
 pub fn windows(map: &HeightMap, per_side: usize, monitor: &dyn Monitor) -> Result<Vec<HeightMap>, ContactError> {
-    let [rows, cols] = window_pixels(map, per_side)?;
-    let places = (0..per_side).flat_map(|i| (0..per_side).map(move |j| (i * rows, j * cols)));
-    places
-        .map(|(first_row, first_col)| {
-            let lines = map.heights_m().chunks_exact(map.cols()).skip(first_row).take(rows);
-            let height = lines.flat_map(|line| &line[first_col..first_col + cols]).copied().collect();
-            let mut window = HeightMap::new(rows, cols, map.dx_m(), map.dy_m(), height)?;
+    window_pixels(map, per_side)?;
+    map.in_windows(per_side)
+        .map(|window| {
+            let mut window = window?;
             window.subtract_plane_watched(monitor)?;
             Ok(periodic_component(&window, monitor)?)
         })

@@ -82,6 +82,18 @@ impl HeightMap {
         Ok(Self { rows, cols, dx_m, dy_m, height_m })
     }
 
+    /// The `side` x `side` windows of equal size, in row order; an error for a window without heights or of a single line. Rows
+    /// and columns that do not fill a window are dropped.
+    pub(crate) fn in_windows(&self, side: usize) -> impl Iterator<Item = Result<Self, MapError>> + '_ {
+        let (rows, cols) = (self.rows / side, self.cols / side);
+        (0..side * side).map(move |window| {
+            let (first_row, first_col) = (window / side * rows, window % side * cols);
+            let lines = self.height_m.chunks_exact(self.cols).skip(first_row).take(rows);
+            let heights = lines.flat_map(|line| &line[first_col..first_col + cols]).copied().collect();
+            Self::new(rows, cols, self.dx_m, self.dy_m, heights)
+        })
+    }
+
     /// Points along x.
     #[must_use]
     pub const fn rows(&self) -> usize {

@@ -54,8 +54,8 @@ fn samples_of_one_disc_agree_with_single_predictions_and_with_drawn_truths() {
             dimension_shifts: &shifts[sample],
         })
         .collect();
-    let joint = known.on_one_disc(&samples, loads);
     let predictor = known.at(loads);
+    let joint = predictor.on_one_disc(&samples);
     for (sample, of) in samples.iter().enumerate() {
         let alone = predictor.of(of);
         assert_eq!(alone.components.len(), joint.components.len());

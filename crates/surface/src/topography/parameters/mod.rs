@@ -98,16 +98,8 @@ impl HeightMap {
     /// slopes of `side` x `side` windows; `None` if fewer than two windows have a slope.
     #[must_use]
     pub fn windowed_slope(&self, side: usize) -> (f64, Option<f64>) {
-        let (rows, cols) = (self.rows() / side, self.cols() / side);
-        let log_slope = |window: usize| {
-            let (first_row, first_col) = (window / side * rows, window % side * cols);
-            let lines = self.heights_m().chunks_exact(self.cols()).skip(first_row).take(rows);
-            let heights = lines.flat_map(|line| line[first_col..first_col + cols].iter().copied()).collect();
-            // A window without heights is no map.
-            let part = Self::new(rows, cols, self.dx_m(), self.dy_m(), heights).ok()?;
-            Some(part.rms_slope_finite_difference()).filter(|slope| *slope > 0.0).map(libm::log)
-        };
-        let logs: Vec<f64> = (0..side * side).filter_map(log_slope).collect();
+        let slopes = self.in_windows(side).flatten().map(|window| window.rms_slope_finite_difference());
+        let logs: Vec<f64> = slopes.filter(|slope| *slope > 0.0).map(libm::log).collect();
         let std = slipgrid_base::statistics::mean_and_std(logs.iter().copied()).and_then(|(_, std)| std);
         (self.rms_slope_finite_difference(), std.map(|std| std / (logs.len() as f64).sqrt()))
     }
