@@ -16,8 +16,13 @@ use super::{Page, pages};
 const PATIENCE: Duration = Duration::from_secs(120);
 /// Raw traces, one of each load, of a laboratory that does not exist.
 const TRACES: [&str; 5] = ["flat-30N-1.csv", "flat-80N-1.csv", "flat-160N-1.csv", "flat-300N-1.csv", "flat-300N-2.csv"];
-/// What a hand does on the page: find an element by its name, click, type, drop files.
+/// What a hand does on the page: find an element by its name, click, type, drop files. Requests and answers are late by up to
+/// 400 ms and overtake one another, as on a busy computer.
 const HAND: &str = r"(() => {
+const ask = window.fetch.bind(window);
+let state = 1;
+const late = () => { state = 48271 * state % 2147483647; return new Promise(go => setTimeout(go, 400 * (state / 2147483647) ** 3)); };
+window.fetch = async (...asked) => { await late(); const answer = await ask(...asked); await late(); return answer; };
 window.named = (selector, name) => [...document.querySelectorAll(selector)].find(own => own.getClientRects().length > 0
   && (own.getAttribute('aria-label') ?? (own.labels?.length ? own.labels[0].textContent : own.textContent)).trim().startsWith(name));
 window.press = (name, selector = 'button, a, summary') => { const own = named(selector, name); own?.click(); return Boolean(own); };
@@ -233,6 +238,12 @@ fn works(page: &mut dyn Page, folder: &Path) {
     says(page, "# by another hand");
     fs::write(folder.join("seal.toml"), file("seal.toml").replace("[bounds]", "[bonds]")).unwrap();
     says(page, "bonds");
+    // A design with the material's numbers in its own file.
+    let own = program().args(["--quiet", "new", "design", "own.toml"]).current_dir(folder).status().unwrap();
+    assert!(own.success());
+    wait(page, "document.querySelector('#choices option[value=\"own.toml\"]') !== null");
+    page.ask("location.hash = '#target?design=own.toml'");
+    says(page, "Young's modulus");
     for page_name in ["Material", "Target", "Design", "Trials", "Files"] {
         press(page, page_name);
         std::thread::sleep(Duration::from_millis(500));

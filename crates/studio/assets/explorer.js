@@ -101,7 +101,8 @@ export function drawExplorer(root, path, signal, onPrediction) {
     if (doc.check.errors.length > 0) return forget();
     if (!isExploring) return ask();
     isOutdated = true;
-    cancel(newestJob("explore", path).id);
+    const running = newestJob("explore", path);
+    if (running) cancel(running.id);
   }, 800);
   on("doc", (doc) => doc.path === path && settle(doc), signal);
   return { start: ask };

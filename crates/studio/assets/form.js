@@ -108,7 +108,8 @@ function control(key, schema, id, at, path) {
 const normal = (key) => (key ?? "").replace(/\[(\d+)\]/g, ".$1");
 
 /// Draws fields of the document `path` into `root`. `groups` are `{at, title, omit, only, open}`; a group without
-/// `title` has no frame. The form follows the document until `signal` is aborted.
+/// `title` has no frame, one that is no table at present is left out. The form follows the document until `signal` is
+/// aborted.
 export function drawForm(root, doc, schema, groups, signal) {
   const path = doc.path;
   let fields = [];
@@ -185,6 +186,8 @@ export function drawForm(root, doc, schema, groups, signal) {
     const part = options.schema ?? schemaAt(schema, options.at, values);
     const set = valueAt(values, options.at);
     if (isTableList(part)) return tables(options.at, part, options.title);
+    // A material can be the name of a file: then it has no fields.
+    if (!part.properties) return null;
     const content = body(options.at, part, options);
     if (!options.title) return h("div", {}, content);
     const isOpen = options.open ?? false;
@@ -204,7 +207,7 @@ export function drawForm(root, doc, schema, groups, signal) {
     const focused = fields.find((one) => one.input === document.activeElement)?.at.join(".");
     const isFirst = outline === null;
     fields = [];
-    root.replaceChildren(...groups.map(group));
+    root.replaceChildren(...groups.map(group).filter(Boolean));
     if (!isFirst) root.querySelectorAll("details[data-title]")
       .forEach((el) => { el.open = open.has(el.dataset.title); });
     fields.find((one) => one.at.join(".") === focused)?.input.focus();

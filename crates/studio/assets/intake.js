@@ -1,6 +1,6 @@
 // New exports: force, speed, humidity and sample of each file, guessed from its name until they are confirmed.
 
-import { edit, has, say, state } from "./api.js";
+import { edit, say, state } from "./api.js";
 import { parseNumbers } from "./form.js";
 import { readTrace } from "./traceview.js";
 import { alert, button, h, parent, relative, table } from "./ui.js";
@@ -15,17 +15,33 @@ const DEFAULT_WINDOW_S = [10, 40];
 /// Table that every new calibration begins with.
 const TEMPLATE_TABLE = "flat.csv";
 
-/// Rows that were begun, by the path of the file.
+/// Rows that were begun, by the path of the file, and the numbers that were entered last, for files that come later.
 const rows = new Map();
+const entered = {};
 
-function guess(file, last) {
+/// Row of a file: its numbers from its name, or else from `last`, and the fields that show them.
+function newRow(file, last) {
   const name = file.split("/").pop();
-  const row = { guessed: new Set(Object.keys(NUMBERS)), isChosen: /(^|\/)traces\//.test(file) };
+  const row = { isChosen: /(^|\/)traces\//.test(file), fields: {} };
   for (const [key, patterns] of Object.entries(PATTERNS)) {
     const found = patterns.map((pattern) => name.match(pattern)).find(Boolean);
-    row[key] = found ? Number(found[1].replace(",", ".")) : (last?.[key] ?? null);
+    row[key] = found ? Number(found[1].replace(",", ".")) : (last[key] ?? null);
+    row.fields[key] = h("input", { type: "text", inputmode: "decimal", value: row[key] ?? "", class: "guess",
+      "aria-label": `${NUMBERS[key]} of ${file}`, onchange: () => take(row, key) });
   }
   return row;
+}
+
+/// Takes the number that was typed, also for every file that lacks it.
+function take(row, key) {
+  const field = row.fields[key];
+  try { row[key] = parseNumbers(field.value, true, false); } catch { row[key] = null; field.value = ""; }
+  field.classList.remove("guess");
+  if (row[key] === null) return;
+  entered[key] = row[key];
+  for (const other of [...rows.values()].filter((one) => one[key] === null)) {
+    other[key] = other.fields[key].value = row[key];
+  }
 }
 
 /// Whether one of `patterns`, in which * stands for any letters, means `path`, relative to the calibration's folder.
@@ -99,31 +115,13 @@ export function drawIntake(root, doc, files, targets, options) {
   const failed = h("div", {});
   const conditions = doc.values?.traces?.condition ?? [];
   for (const file of files) {
-    if (!rows.has(file)) rows.set(file, guess(file, conditions.at(-1)));
+    if (!rows.has(file)) rows.set(file, newRow(file, { ...conditions.at(-1), ...entered }));
     const row = rows.get(file);
     if (row.target === undefined || !targets[row.target]) {
       const named = targets.findLastIndex(({ holds }) => holds?.(file));
       row.target = Math.max(named, 0);
     }
   }
-  const redraw = () => drawIntake(root, doc, files.filter(has), targets, options);
-
-  const number = (file, key) => {
-    const row = rows.get(file);
-    const input = h("input", { type: "text", inputmode: "decimal", value: row[key] ?? "",
-      class: row.guessed.has(key) ? "guess" : null,
-      "aria-label": `${NUMBERS[key]} of ${file}` });
-    input.addEventListener("change", () => {
-      try { row[key] = parseNumbers(input.value, true, false); } catch { row[key] = null; input.value = ""; }
-      row.guessed.delete(key);
-      input.classList.remove("guess");
-      const empty = files.filter((other) => rows.get(other)[key] === null);
-      if (row[key] === null || empty.length === 0) return;
-      empty.forEach((other) => { rows.get(other)[key] = row[key]; });
-      redraw();
-    });
-    return input;
-  };
   const sample = (file) => {
     const row = rows.get(file);
     const options = targets.map(({ label }, i) => h("option", { value: i }, label));
@@ -141,8 +139,11 @@ export function drawIntake(root, doc, files, targets, options) {
   const chosen = () => files.filter((file) => rows.get(file).isChosen);
   const add = button("", async () => {
     const picked = chosen().map((file) => ({ file, row: rows.get(file), target: targets[rows.get(file).target] }));
-    const lacking = picked.find(({ row }) => Object.keys(NUMBERS).some((key) => row[key] === null));
-    if (lacking) return failed.replaceChildren(alert(`Enter force, speed and humidity of ${lacking.file}.`));
+    const lacking = picked.filter(({ row }) => Object.keys(NUMBERS).some((key) => row[key] === null));
+    if (lacking.length > 0) {
+      const names = lacking.map(({ file }) => file).join(", ");
+      return failed.replaceChildren(alert(`Enter force, speed and humidity of ${names}.`));
+    }
     try {
       const first = await before?.(doc, picked) ?? [];
       await edit(doc.path, [...first, ...(await additions(doc, picked))]);
@@ -159,9 +160,12 @@ export function drawIntake(root, doc, files, targets, options) {
   label();
   const titles = ["Add", "File", ...Object.values(NUMBERS), "Sample", ""];
   const lines = files.map((file) => [choice(file), h("span", { class: "path" }, relative(parent(doc.path), file)),
-    ...Object.keys(NUMBERS).map((key) => number(file, key)), sample(file), button("Show", () => onShow(file))]);
+    ...Object.values(rows.get(file).fields), sample(file), button("Show", () => onShow(file))]);
+  // Fields stay as they are, with what is being typed.
+  const focused = root.contains(document.activeElement) ? document.activeElement : null;
   root.replaceChildren(h("div", { class: "intake" }, table("Exports that are not used yet", titles, lines)),
     h("p", { class: "quiet" },
       "Numbers in italics are guesses from file names. Check them. Files with equal numbers are repeats."),
     add, failed);
+  if (focused?.isConnected) focused.focus();
 }

@@ -23,6 +23,7 @@ const GROUPS = [
   { at: ["specimen"], title: "Specimen" }, { at: ["tolerances"], title: "Tolerances of samples" },
   { at: ["also_at"], title: "Further conditions" }, { at: ["sample"], title: "Sample model" },
   { at: ["search"], title: "Search" }, { at: ["trade_offs"], title: "Trade-offs" },
+  { at: ["material"], title: "Material" },
 ];
 
 /// Target with one number per pressure; `single` names the keys that are one number in the file.
@@ -46,15 +47,31 @@ const asWritten = (target, key) => (target.single.has(key) ? target[key][0] : ta
 function targetTable(path, getTarget, onEdit) {
   const root = h("div", {});
   const write = (edits) => onEdit(edits.map(([key, value]) => ({ at: ["target", key], value })));
-  const input = (label, value, focusKey, change) => h("input",
-    { type: "text", inputmode: "decimal", "aria-label": label,
-    value: short(value, 6), "data-focus": focusKey, onchange: (event) => {
-      try { change(parseNumbers(event.target.value, true, false)); event.target.removeAttribute("aria-invalid"); }
-      catch (error) { event.target.setAttribute("aria-invalid", "true"); event.target.title = error.message; }
+  let drawn = null;
+  let fields = [];
+  /// Field of a number; `labelOf(target)` and `valueOf(target)` give what it shows.
+  const input = (labelOf, valueOf, focusKey, change) => {
+    const field = h("input", { type: "text", inputmode: "decimal", "data-focus": focusKey, onchange: () => {
+      try { change(parseNumbers(field.value, true, false)); field.removeAttribute("aria-invalid"); }
+      catch (error) { field.setAttribute("aria-invalid", "true"); field.title = error.message; }
     } });
-  const number = (target, key, i) => input(`${COLUMNS[key]} at ${short(target.pressures[i])} MPa`, target[key]?.[i],
-    `${key}${i}`,
-    (value) => { target[key] = target[key].with(i, value); target.single.delete(key); write([[key, target[key]]]); });
+    const show = (target) => {
+      field.setAttribute("aria-label", labelOf(target));
+      // What is being typed stays.
+      if (field !== document.activeElement) field.value = short(valueOf(target), 6);
+    };
+    fields.push(show);
+    return field;
+  };
+  const number = (key, i) => input((target) => `${COLUMNS[key]} at ${short(target.pressures[i])} MPa`,
+    (target) => target[key]?.[i], `${key}${i}`, (value) => {
+      const target = getTarget();
+      target[key] = target[key].with(i, value);
+      target.single.delete(key);
+      write([[key, target[key]]]);
+    });
+  const pressure = (i) => input(() => `Pressure ${i + 1} in MPa`, (target) => target.pressures[i], `p${i}`,
+    (value) => write([["pressure_mpa", getTarget().pressures.with(i, value)]]));
   const remove = (target, i) => write([["pressure_mpa", target.pressures.toSpliced(i, 1)],
     ...KEYS.filter((key) => target[key] && !target.single.has(key)).map((key) => [key, target[key].toSpliced(i, 1)])]);
   const add = (target) => {
@@ -78,24 +95,26 @@ function targetTable(path, getTarget, onEdit) {
   };
   const draw = () => {
     const target = getTarget();
+    const shape = JSON.stringify([target.mode, target.pressures.length]);
+    if (shape === drawn) return fields.forEach((show) => show(target));
+    drawn = shape;
+    fields = [];
     const focus = root.contains(document.activeElement) ? document.activeElement.dataset.focus : null;
     const id = newId();
     const modes = Object.entries(MODES).map(([value, { label }]) => h("option", { value }, label));
-    const mode = h("select", { id, "data-focus": "mode", onchange: (event) => setMode(target, event.target.value) },
-      modes);
+    const mode = h("select", { id, "data-focus": "mode", onchange: () => setMode(getTarget(), mode.value) }, modes);
     mode.value = target.mode;
     const { keys } = MODES[target.mode];
     const head = ["Pressure in MPa", ...keys.map((key) => COLUMNS[key])].map((title) =>
       h("th", { scope: "col" }, title));
-    const rows = target.pressures.map((p, i) => h("tr", {},
-      h("td", {}, input(`Pressure ${i + 1} in MPa`, p, `p${i}`,
-        (v) => write([["pressure_mpa", target.pressures.with(i, v)]]))),
-      keys.map((key) => h("td", {}, number(target, key, i))),
+    const rows = target.pressures.map((_, i) => h("tr", {}, h("td", {}, pressure(i)),
+      keys.map((key) => h("td", {}, number(key, i))),
       h("td", {}, target.pressures.length > 1
-        && button("Remove", () => remove(target, i), { "aria-label": `Remove ${short(p)} MPa`, class: "quiet" }))));
+        && button("Remove", () => remove(getTarget(), i), { "aria-label": `Remove pressure ${i + 1}`, class: "quiet" }))));
     root.replaceChildren(h("p", { class: "line" }, h("label", { for: id }, "The target is"), mode),
       h("table", {}, h("thead", {}, h("tr", {}, head, h("td", {}))), h("tbody", {}, rows)),
-      h("p", {}, button("Add a pressure", () => add(target))));
+      h("p", {}, button("Add a pressure", () => add(getTarget()))));
+    fields.forEach((show) => show(target));
     if (focus) root.querySelector(`[data-focus="${focus}"]`)?.focus();
   };
   return { root, draw };
@@ -143,8 +162,7 @@ export async function show(root, signal) {
   startDesign(another);
   drawSummary(problems, doc, signal);
   drawForm(top, doc, keys, [{ at: ["target"], only: ["quantity", "goal", "weights"] }], signal);
-  const own = typeof doc.values?.material === "object" ? [{ at: ["material"], title: "Material" }] : [];
-  drawForm(form, doc, keys, [...GROUPS, ...own], signal);
+  drawForm(form, doc, keys, GROUPS, signal);
   const update = (next) => {
     if (next.path !== path || !next.values) return;
     target = readTarget(next.values);

@@ -59,6 +59,20 @@ export async function show(root, signal) {
     drawIntake(fresh, doc, files, targets, { onShow, onAdded: () => single.replaceChildren(), what: "the trials" });
   };
 
+  /// Form of a trial; it stays as it is, with what is being typed, when the cards are drawn anew.
+  const detailsOf = (name, i) => {
+    const key = `${i} ${name}`;
+    if (forms.has(key)) return forms.get(key);
+    const details = h("details", {}, h("summary", {}, "Dimensions and notes"));
+    details.addEventListener("toggle", () => {
+      const place = h("div", {});
+      details.append(place);
+      drawForm(place, doc, keys, [{ at: ["trial", i], omit: ["traces"] }], signal);
+    }, { once: true });
+    forms.set(key, details);
+    return details;
+  };
+
   const card = (trial, i) => {
     const where = columnOf(trial);
     const set = (key, value) => edit(path, [{ at: ["trial", i, key], value }]).catch(() => {});
@@ -66,12 +80,7 @@ export async function show(root, signal) {
       for (const file of await take(files)) dropped.set(file, trial.name);
       drawNew();
     });
-    const details = h("details", {}, h("summary", {}, "Dimensions and notes"));
-    details.addEventListener("toggle", () => {
-      const place = h("div", {});
-      details.append(place);
-      drawForm(place, doc, keys, [{ at: ["trial", i], omit: ["traces"] }], signal);
-    }, { once: true });
+    const details = detailsOf(trial.name, i);
     const today = new Date().toISOString().slice(0, 10);
     const count = trial.traces?.reduce((sum, one) => sum + (one.files?.length ?? 0), 0);
     return h("article", { class: "card" }, heading(trial.name ?? `Trial ${i + 1}`, 3),
@@ -92,12 +101,14 @@ export async function show(root, signal) {
       h("p", { class: "quiet" }, "The first trial, from the page Material"));
   };
   const draw = () => {
+    const focused = board.contains(document.activeElement) ? document.activeElement : null;
     const trials = (doc.values?.trial ?? []).map((trial, i) => [columnOf(trial), card(trial, i)]);
     board.replaceChildren(...COLUMNS.map(([key, title, none]) => {
       const cards = trials.filter(([where]) => where === key).map(([, el]) => el);
       if (key === "measured" && first()) cards.unshift(first());
       return h("section", {}, heading(title), cards.length ? cards : h("p", { class: "quiet" }, none));
     }));
+    if (focused?.isConnected) focused.focus();
     drawNew();
   };
 
