@@ -5,39 +5,16 @@
 
 #![allow(clippy::print_stdout)]
 
+mod rates;
+
 use std::time::Instant;
 
 use rayon::prelude::*;
 use slipgrid_model::pattern::{Pattern, Planform, Rim, RimProfile};
-use slipgrid_model::springblock::{Extent, Fidelity, Scene, SteadyCell, Unwatched, simulate};
+use slipgrid_model::springblock::{Extent, Fidelity, Scene, SteadyCell};
 use slipgrid_tests::{polymer_scene, published, published_groove};
 
-/// Number of repetitions for the median.
-const REPETITIONS: usize = 5;
-
-/// Seconds and site updates of one run over `travel_m`.
-fn run(scene: &Scene, travel_m: f64) -> (f64, f64) {
-    let mut scene = scene.clone();
-    scene.run.sliding_m = travel_m;
-    let start = Instant::now();
-    let simulation = simulate(&scene, &Unwatched).expect("a valid scene");
-    let seconds = start.elapsed().as_secs_f64();
-    let surfaces = simulation.loads.iter().flat_map(|load| [Some(&load.surface), load.flat.as_ref()]).flatten();
-    let updates: u64 = surfaces.filter_map(|surface| surface.cost.map(|cost| cost.site_updates)).sum();
-    (seconds, updates as f64)
-}
-
-/// Median of the site updates per second between a travel and three times that travel.
-fn throughput(scene: &Scene, travel_m: f64) -> f64 {
-    let mut found: Vec<f64> = (0..REPETITIONS)
-        .map(|_| {
-            let ((short_s, few), (long_s, many)) = (run(scene, travel_m), run(scene, 3.0 * travel_m));
-            (many - few) / (long_s - short_s)
-        })
-        .collect();
-    found.sort_by(f64::total_cmp);
-    found[REPETITIONS / 2]
-}
+use rates::{median, site_updates_per_second};
 
 /// `count` distinct grooves of no whole blocks on cells of 50 columns: 60 to 310 um wide, 2 to 30 um deep, on pitches of
 /// 496 to 504 um, spread evenly by multiples of irrational numbers.
@@ -55,15 +32,11 @@ fn designs(count: usize) -> Vec<Pattern> {
 
 /// Median of the designs solved per second.
 fn designs_per_second(patterns: &[Pattern], solve: impl Fn(&[Pattern])) -> f64 {
-    let mut found: Vec<f64> = (0..REPETITIONS)
-        .map(|_| {
-            let start = Instant::now();
-            solve(patterns);
-            patterns.len() as f64 / start.elapsed().as_secs_f64()
-        })
-        .collect();
-    found.sort_by(f64::total_cmp);
-    found[REPETITIONS / 2]
+    median(|| {
+        let start = Instant::now();
+        solve(patterns);
+        patterns.len() as f64 / start.elapsed().as_secs_f64()
+    })
 }
 
 /// Designs per second of the steady cell with four loads, and the time of a table.
@@ -154,7 +127,7 @@ fn main() {
         if !wanted(what) {
             return;
         }
-        let found = threads(count).install(|| throughput(scene, travel_m));
+        let found = threads(count).install(|| site_updates_per_second(scene, travel_m));
         println!("| {what} | {count} | {found:.2e} |");
     };
     row("flat sample, 996 x 20", 1, &scene(false, Extent::Sample, true), 0.05e-6);

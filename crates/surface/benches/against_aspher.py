@@ -31,6 +31,13 @@ SETTINGS = {
 }
 
 
+def coarsest(pixels):
+    """Side of the coarsest of the nested grids, each half the one before, not below 64 pixels; the side itself if it is odd."""
+    while pixels % 2 == 0 and pixels >= 128:
+        pixels //= 2
+    return pixels
+
+
 def by_aspher(heights, given, nested, precision="double"):
     """Area, corrected area, iterations on the finest grid and processor seconds of each pressure, from a uniform start."""
     pixels = heights.shape[0]
@@ -41,7 +48,7 @@ def by_aspher(heights, given, nested, precision="double"):
         start = time.process_time()
         found = aspher.solve_nested(
             pixels, gap, float(pressure_mpa) * 1e6, domain_size=peers.SIDE_M, E_star=contact_modulus_pa,
-            coarsest=64 if nested else pixels, backend="periodic", precision=precision,
+            coarsest=coarsest(pixels) if nested else pixels, backend="periodic", precision=precision,
             tol=given.tolerance, max_iter=given.max_iterations,
         )
         seconds = time.process_time() - start

@@ -26,6 +26,23 @@ impl<T: Number, S: Simd> Clone for Wide<T, S> {
 impl<T: Number, S: Simd> Copy for Wide<T, S> {}
 
 impl<T: Number, S: Simd> Wide<T, S> {
+    /// Complex numbers whose real parts are at `re` and imaginary parts at `im`.
+    #[inline(always)]
+    pub(crate) fn load(from: &[T::V<S>], [re, im]: [usize; 2]) -> Self {
+        Self { re: from[re], im: from[im] }
+    }
+
+    #[inline(always)]
+    pub(crate) fn store(self, to: &mut [T::V<S>], [re, im]: [usize; 2]) {
+        (to[re], to[im]) = (self.re, self.im);
+    }
+
+    /// a + c b with real c
+    #[inline(always)]
+    pub(crate) fn plus_scaled(self, s: S, c: T::V<S>, b: Self) -> Self {
+        Self { re: T::sum(s, self.re, T::product(s, c, b.re)), im: T::sum(s, self.im, T::product(s, c, b.im)) }
+    }
+
     /// Vector with the same number in every lane.
     #[inline(always)]
     pub(crate) fn splat(s: S, [re, im]: [T; 2]) -> Self {
@@ -34,7 +51,7 @@ impl<T: Number, S: Simd> Wide<T, S> {
 
     /// a c
     #[inline(always)]
-    fn times(self, s: S, c: Self) -> Self {
+    pub(crate) fn times(self, s: S, c: Self) -> Self {
         Self {
             re: T::difference(s, T::product(s, self.re, c.re), T::product(s, self.im, c.im)),
             im: T::sum(s, T::product(s, self.re, c.im), T::product(s, self.im, c.re)),
@@ -43,7 +60,7 @@ impl<T: Number, S: Simd> Wide<T, S> {
 
     /// a c*, c* the conjugate
     #[inline(always)]
-    fn times_conjugate(self, s: S, c: Self) -> Self {
+    pub(crate) fn times_conjugate(self, s: S, c: Self) -> Self {
         Self {
             re: T::sum(s, T::product(s, self.re, c.re), T::product(s, self.im, c.im)),
             im: T::difference(s, T::product(s, self.im, c.re), T::product(s, self.re, c.im)),
@@ -58,25 +75,25 @@ impl<T: Number, S: Simd> Wide<T, S> {
 
     /// a + b
     #[inline(always)]
-    fn plus(self, s: S, b: Self) -> Self {
+    pub(crate) fn plus(self, s: S, b: Self) -> Self {
         Self { re: T::sum(s, self.re, b.re), im: T::sum(s, self.im, b.im) }
     }
 
     /// a - b
     #[inline(always)]
-    fn minus(self, s: S, b: Self) -> Self {
+    pub(crate) fn minus(self, s: S, b: Self) -> Self {
         Self { re: T::difference(s, self.re, b.re), im: T::difference(s, self.im, b.im) }
     }
 
     /// a + i b
     #[inline(always)]
-    fn plus_i_times(self, s: S, b: Self) -> Self {
+    pub(crate) fn plus_i_times(self, s: S, b: Self) -> Self {
         Self { re: T::difference(s, self.re, b.im), im: T::sum(s, self.im, b.re) }
     }
 
     /// a - i b
     #[inline(always)]
-    fn minus_i_times(self, s: S, b: Self) -> Self {
+    pub(crate) fn minus_i_times(self, s: S, b: Self) -> Self {
         Self { re: T::sum(s, self.re, b.im), im: T::difference(s, self.im, b.re) }
     }
 
