@@ -258,8 +258,8 @@ impl<T: Number> AnySize<T> {
                 }
                 let mut put = |place: usize, [z_re, z_im]: [&[T; LANES]; 2]| {
                     let row = &mut map[place * self.cols..][..self.cols];
-                    row[re.clone()].copy_from_slice(&z_re[..re.len()]);
-                    row[im.clone()].copy_from_slice(&z_im[..im.len()]);
+                    copy_first(z_re, &mut row[re.clone()]);
+                    copy_first(z_im, &mut row[im.clone()]);
                 };
                 put(place, [&z[0], &z[1]]);
                 if place != mirror {
@@ -267,6 +267,15 @@ impl<T: Number> AnySize<T> {
                 }
             }
         }
+    }
+}
+
+/// Copies as many of `values` as `to` takes; all of them without a call.
+#[inline(always)]
+fn copy_first<T: Number>(values: &[T; LANES], to: &mut [T]) {
+    match <&mut [T; LANES]>::try_from(&mut *to) {
+        Ok(all) => *all = *values,
+        Err(_) => to.copy_from_slice(&values[..to.len()]),
     }
 }
 
