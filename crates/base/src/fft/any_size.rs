@@ -98,9 +98,6 @@ impl<T: Number> WithSimd for Filter<'_, T, AnySize<T>> {
                 return;
             }
             copy_in(columns, input, cols, &block);
-            if let Some(lane) = single(&block) {
-                columns.iter_mut().skip(LANES + lane).step_by(ROW).for_each(|value| *value = T::zero());
-            }
             plan.along_x.forward(simd, columns);
             copy_out(columns, output, cols, &block);
             if let Some(lane) = single(&block) {
@@ -161,6 +158,8 @@ fn copy_in<T: Number>(rows: &mut [T], map: &[T], cols: usize, [re, im]: &[Range<
         if re.len() == LANES && im.len() == LANES {
             row.copy_from_slice(&map[re.start..im.end]);
         } else {
+            // Lanes without a column would grow from call to call.
+            row.fill(T::zero());
             row[..re.len()].copy_from_slice(&map[re.clone()]);
             row[LANES..][..im.len()].copy_from_slice(&map[im.clone()]);
         }

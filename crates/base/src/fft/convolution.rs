@@ -40,7 +40,7 @@ enum Widths {
 }
 
 impl<T: Number> Convolution<T> {
-    /// Plans filters of maps of `rows` x `cols` points; `None` if a side has a prime factor above 127.
+    /// Plans filters of maps of `rows` x `cols` points, both at least 1; `None` if a side has a prime factor above 127.
     #[must_use]
     pub fn new(rows: usize, cols: usize) -> Option<Self> {
         let method = match PowersOfTwo::new(rows, cols) {
@@ -123,7 +123,7 @@ pub(crate) struct Filter<'a, T, P> {
     pub(crate) factors: &'a [T],
     pub(crate) output: &'a mut [T],
     pub(crate) scratch: &'a mut [T],
-    /// Called between parts of some ten thousand numbers; the filter stops if it returns false.
+    /// Called between parts of the map; the filter stops if it returns false.
     pub(crate) should_continue: &'a dyn Fn() -> bool,
 }
 
@@ -198,7 +198,7 @@ mod tests {
                 assert_eq!(by(widths), scalar, "{rows} x {cols}, {widths:?}");
             }
         }
-        for (rows, cols) in [(16, 512), (18, 511), (26, 37)] {
+        for (rows, cols) in [(16, 512), (18, 511), (20, 511), (26, 37)] {
             let input = uneven(rows * cols);
             same(rows, cols, &input, f64::to_bits);
             let rounded: Vec<f32> = input.iter().map(|&value| value as f32).collect();

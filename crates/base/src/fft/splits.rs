@@ -1,4 +1,4 @@
-//! Splits of polynomial remainders, their inverses, and tiles; see `convolution`.
+//! Splits of polynomial remainders, their inverses, and tiles; see `powers_of_two`.
 
 use pulp::Simd;
 
