@@ -5,7 +5,7 @@ use crate::rooms::{code, root, sources};
 /// Upper limits of the lines of code of each crate. A crate that grows beyond its limit raises the limit in the same
 /// change, with the reason; a crate that shrinks lowers it.
 const LIMITS: [(&str, usize); 15] = [
-    ("base", 2_200),
+    ("base", 1_700),
     ("model", 16_400),
     ("surface", 10_850),
     ("traces", 3_200),

@@ -1,4 +1,5 @@
-//! Plans of discrete Fourier transforms in single and double precision, and filters of maps.
+//! Plans of discrete Fourier transforms in single and double precision, and filters of maps whose sides are powers of
+//! two.
 //!
 //! The transforms of rustfft are generic over the number type. A crate that plans one compiles all of them, for every
 //! vector width, which took half of the build time of `slipgrid-surface`. This module compiles them once per
@@ -13,11 +14,8 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-mod any_size;
 mod convolution;
-mod lanes;
 mod number;
-mod powers_of_two;
 mod splits;
 
 use std::sync::Arc;
@@ -27,6 +25,7 @@ pub use realfft::{ComplexToReal, FftNum, RealToComplex};
 pub use rustfft::Fft;
 pub use rustfft::num_complex::Complex;
 
+use convolution::Filter;
 use number::Number;
 pub use number::vectorized;
 use realfft::RealFftPlanner;
@@ -88,12 +87,12 @@ macro_rules! impl_precision {
 
             fn filter(
                 plan: &Convolution<Self>,
-                input_and_factors: [&[Self]; 2],
+                [input, factors]: [&[Self]; 2],
                 output: &mut [Self],
                 scratch: &mut [Self],
                 should_continue: &dyn Fn() -> bool,
             ) {
-                plan.filter(input_and_factors, output, scratch, should_continue);
+                Filter { plan, input, factors, output, scratch, should_continue }.run();
             }
         }
     };

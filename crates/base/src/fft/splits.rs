@@ -1,4 +1,4 @@
-//! Splits of polynomial remainders, their inverses, and tiles; see `powers_of_two`.
+//! Splits of polynomial remainders, their inverses, and tiles; see `convolution`.
 
 use pulp::Simd;
 
@@ -26,23 +26,6 @@ impl<T: Number, S: Simd> Clone for Wide<T, S> {
 impl<T: Number, S: Simd> Copy for Wide<T, S> {}
 
 impl<T: Number, S: Simd> Wide<T, S> {
-    /// Complex numbers whose real parts are at `re` and imaginary parts at `im`.
-    #[inline(always)]
-    pub(crate) fn load(from: &[T::V<S>], [re, im]: [usize; 2]) -> Self {
-        Self { re: from[re], im: from[im] }
-    }
-
-    #[inline(always)]
-    pub(crate) fn store(self, to: &mut [T::V<S>], [re, im]: [usize; 2]) {
-        (to[re], to[im]) = (self.re, self.im);
-    }
-
-    /// a + c b with real c
-    #[inline(always)]
-    pub(crate) fn plus_scaled(self, s: S, c: T::V<S>, b: Self) -> Self {
-        Self { re: T::sum(s, self.re, T::product(s, c, b.re)), im: T::sum(s, self.im, T::product(s, c, b.im)) }
-    }
-
     /// Vector with the same number in every lane.
     #[inline(always)]
     pub(crate) fn splat(s: S, [re, im]: [T; 2]) -> Self {
@@ -51,7 +34,7 @@ impl<T: Number, S: Simd> Wide<T, S> {
 
     /// a c
     #[inline(always)]
-    pub(crate) fn times(self, s: S, c: Self) -> Self {
+    fn times(self, s: S, c: Self) -> Self {
         Self {
             re: T::difference(s, T::product(s, self.re, c.re), T::product(s, self.im, c.im)),
             im: T::sum(s, T::product(s, self.re, c.im), T::product(s, self.im, c.re)),
@@ -60,7 +43,7 @@ impl<T: Number, S: Simd> Wide<T, S> {
 
     /// a c*, c* the conjugate
     #[inline(always)]
-    pub(crate) fn times_conjugate(self, s: S, c: Self) -> Self {
+    fn times_conjugate(self, s: S, c: Self) -> Self {
         Self {
             re: T::sum(s, T::product(s, self.re, c.re), T::product(s, self.im, c.im)),
             im: T::difference(s, T::product(s, self.im, c.re), T::product(s, self.re, c.im)),
@@ -75,25 +58,25 @@ impl<T: Number, S: Simd> Wide<T, S> {
 
     /// a + b
     #[inline(always)]
-    pub(crate) fn plus(self, s: S, b: Self) -> Self {
+    fn plus(self, s: S, b: Self) -> Self {
         Self { re: T::sum(s, self.re, b.re), im: T::sum(s, self.im, b.im) }
     }
 
     /// a - b
     #[inline(always)]
-    pub(crate) fn minus(self, s: S, b: Self) -> Self {
+    fn minus(self, s: S, b: Self) -> Self {
         Self { re: T::difference(s, self.re, b.re), im: T::difference(s, self.im, b.im) }
     }
 
     /// a + i b
     #[inline(always)]
-    pub(crate) fn plus_i_times(self, s: S, b: Self) -> Self {
+    fn plus_i_times(self, s: S, b: Self) -> Self {
         Self { re: T::difference(s, self.re, b.im), im: T::sum(s, self.im, b.re) }
     }
 
     /// a - i b
     #[inline(always)]
-    pub(crate) fn minus_i_times(self, s: S, b: Self) -> Self {
+    fn minus_i_times(self, s: S, b: Self) -> Self {
         Self { re: T::sum(s, self.re, b.im), im: T::difference(s, self.im, b.re) }
     }
 
