@@ -15,14 +15,17 @@ const DEFAULT_WINDOW_S = [10, 40];
 /// Table that every new calibration begins with.
 const TEMPLATE_TABLE = "flat.csv";
 
-/// Rows that were begun, by the path of the file, and the numbers that were entered last, for files that come later.
+/// Rows that were begun, by the path of the file, and the numbers that were entered last for a calibration, for files
+/// that come later.
 const rows = new Map();
-const entered = {};
+const entered = new Map();
 
-/// Row of a file: its numbers from its name, or else from `last`, and the fields that show them.
-function newRow(file, last) {
+/// Row of a file for the calibration `doc`: its numbers from its name, or else those entered last or of the last
+/// condition, and the fields that show them.
+function newRow(file, doc) {
   const name = file.split("/").pop();
-  const row = { isChosen: /(^|\/)traces\//.test(file), fields: {} };
+  const last = { ...doc.values?.traces?.condition?.at(-1), ...entered.get(doc.path) };
+  const row = { home: doc.path, isChosen: /(^|\/)traces\//.test(file), fields: {} };
   for (const [key, patterns] of Object.entries(PATTERNS)) {
     const found = patterns.map((pattern) => name.match(pattern)).find(Boolean);
     row[key] = found ? Number(found[1].replace(",", ".")) : (last[key] ?? null);
@@ -32,14 +35,14 @@ function newRow(file, last) {
   return row;
 }
 
-/// Takes the number that was typed, also for every file that lacks it.
+/// Takes the number that was typed, also for every file of the calibration that lacks it.
 function take(row, key) {
   const field = row.fields[key];
   try { row[key] = parseNumbers(field.value, true, false); } catch { row[key] = null; field.value = ""; }
   field.classList.remove("guess");
   if (row[key] === null) return;
-  entered[key] = row[key];
-  for (const other of [...rows.values()].filter((one) => one[key] === null)) {
+  entered.set(row.home, { ...entered.get(row.home), [key]: row[key] });
+  for (const other of [...rows.values()].filter((one) => one.home === row.home && one[key] === null)) {
     other[key] = other.fields[key].value = row[key];
   }
 }
@@ -113,9 +116,8 @@ async function additions(doc, chosen) {
 export function drawIntake(root, doc, files, targets, options) {
   const { before, onShow, onAdded, what } = options;
   const failed = h("div", {});
-  const conditions = doc.values?.traces?.condition ?? [];
   for (const file of files) {
-    if (!rows.has(file)) rows.set(file, newRow(file, { ...conditions.at(-1), ...entered }));
+    if (!rows.has(file)) rows.set(file, newRow(file, doc));
     const row = rows.get(file);
     if (row.target === undefined || !targets[row.target]) {
       const named = targets.findLastIndex(({ holds }) => holds?.(file));
