@@ -128,7 +128,7 @@ fn wrong(solved: &[(Scene, LoadOutcome)]) -> (Vec<String>, Vec<String>, String) 
         rows.push(format!("| {name} | {} | {each} | {:.1} % |", own.len(), 100.0 * most));
     }
     let is_beyond = |load: &LoadOutcome, errors: f64| {
-        let (ratio, stderr) = (load.ratio.unwrap_or(f64::NAN), load.ratio_stderr.unwrap_or(f64::NAN));
+        let (ratio, stderr) = (load.ratio().unwrap_or(f64::NAN), load.ratio_stderr.unwrap_or(f64::NAN));
         (ratio - 1.0).abs().partial_cmp(&(errors * stderr + RESOLVED)) != Some(std::cmp::Ordering::Less)
     };
     let converged: Vec<&(Scene, LoadOutcome)> =
@@ -138,7 +138,11 @@ fn wrong(solved: &[(Scene, LoadOutcome)]) -> (Vec<String>, Vec<String>, String) 
     let text = format!("of {} such runs {are} more than three standard errors from it", converged.len());
     assert!(rare as f64 <= 0.01 * converged.len() as f64);
     let wrong = converged.iter().filter(|(_, load)| is_beyond(load, WRONG));
-    (wrong.map(|(scene, load)| format!("{:?} +- {:?}: {scene:?}", load.ratio, load.ratio_stderr)).collect(), rows, text)
+    (
+        wrong.map(|(scene, load)| format!("{:?} +- {:?}: {scene:?}", load.ratio(), load.ratio_stderr)).collect(),
+        rows,
+        text,
+    )
 }
 
 #[test]

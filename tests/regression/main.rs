@@ -32,6 +32,6 @@ fn the_published_pattern_keeps_its_steady_ratio() {
             .unwrap();
     let recorded = [0.979926, 0.927539, 0.873411, 0.826327];
     for (load, recorded) in simulate(&scene, &Unwatched).unwrap().loads.iter().zip(recorded) {
-        assert!((load.ratio.unwrap() - recorded).abs() < 1e-6, "{:?}", load.ratio);
+        assert!((load.ratio().unwrap() - recorded).abs() < 1e-6, "{:?}", load.ratio());
     }
 }

@@ -1,7 +1,7 @@
 //! Error of the ratios of steady cells due to the size of blocks, compared with the stated error.
 
 use slipgrid_model::pattern::{Pattern, Planform, Rim, RimProfile, Texture};
-use slipgrid_model::springblock::{Extent, Fidelity, SteadyCell, Unwatched, simulate};
+use slipgrid_model::springblock::{Effect, Extent, Fidelity, SteadyCell, Unwatched, simulate};
 use slipgrid_tests::{Quoted, polymer_scene};
 
 /// Reproducible grooves with random widths, gaps and depths, in micrometres, uniform in their logarithms.
@@ -45,7 +45,7 @@ fn covered(count: usize, is_refined: bool, has_rims: bool) -> [usize; 2] {
         });
         let mut before = None;
         for (number, load) in loads.iter().enumerate() {
-            let (ratio, stated) = (load.ratio.unwrap(), load.ratio_discretization_error.unwrap());
+            let (ratio, stated) = (load.ratio().unwrap(), 2.0 * load.correction(Effect::Blocks).unwrap().std);
             let off = ratio - limit(levels.each_ref().map(|level| level[number].unwrap()));
             let error = off.abs();
             alike += usize::from(before.is_some_and(|before: f64| before * off > 0.0));

@@ -103,7 +103,7 @@ fn intervals_of_patterned_ratios_hold_the_truth_as_often_as_they_say() {
         Scene { area_law: Some(law), ..scene }
     };
     let ratios = |scene: &Scene| -> Vec<f64> {
-        simulate(scene, &Unwatched).unwrap().loads.iter().map(|load| load.ratio.unwrap()).collect()
+        simulate(scene, &Unwatched).unwrap().loads.iter().map(|load| load.ratio().unwrap()).collect()
     };
     let truth = ratios(&scene(law(1.0), &friction));
     let mut noise = Noise::new(7);

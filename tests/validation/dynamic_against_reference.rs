@@ -7,7 +7,7 @@ use slipgrid_tests::{Quoted, polymer_scene};
 fn values(load: &LoadOutcome) -> Vec<(f64, f64)> {
     let surface = &load.surface;
     let friction = (surface.mu_dynamic.unwrap(), surface.mu_dynamic_stderr.unwrap());
-    std::iter::once(friction).chain(load.ratio.map(|ratio| (ratio, load.ratio_stderr.unwrap()))).collect()
+    std::iter::once(friction).chain(load.ratio().map(|ratio| (ratio, load.ratio_stderr.unwrap()))).collect()
 }
 
 /// Compares both fidelities on `scene`; returns their values and their site updates.

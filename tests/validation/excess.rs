@@ -19,10 +19,10 @@ fn excess_and_ratio(change: impl Fn(&mut Scene)) -> [Measured; 2] {
     scene.run.warm_start = true;
     scene.run.sliding_m = 1e-6;
     let dynamic = simulate(&scene, &Unwatched).unwrap().loads.remove(0);
-    let flat = dynamic.flat.unwrap();
+    let flat = dynamic.flat.clone().unwrap();
     [
         (flat.mu_dynamic.unwrap() / steady - 1.0, flat.mu_dynamic_stderr.unwrap() / steady),
-        (dynamic.ratio.unwrap(), dynamic.ratio_stderr.unwrap()),
+        (dynamic.ratio().unwrap(), dynamic.ratio_stderr.unwrap()),
     ]
 }
 

@@ -25,7 +25,7 @@ fn ratios_with_rims_in_time_are_those_of_steady_sliding() {
         let steady = run(&Scene { run: RunOptions { fidelity: Fidelity::Steady, ..scene.run }, ..scene.clone() });
         let dynamic = run(&Scene { run: RunOptions { warm_start, draws: 4, ..scene.run }, ..scene.clone() });
         for (steady, dynamic) in steady.loads.iter().zip(&dynamic.loads) {
-            let (a, b) = (steady.ratio.unwrap(), dynamic.ratio.unwrap());
+            let (a, b) = (steady.ratio().unwrap(), dynamic.ratio().unwrap());
             let error = dynamic.ratio_stderr.unwrap();
             println!("{height_um} um, {:.2e} Pa: steady {a:.4} dynamic {b:.4} +- {error:.4}", steady.pressure_pa);
             assert_eq!(dynamic.surface.status, Status::Converged);
@@ -42,7 +42,7 @@ fn a_short_sample_with_rims_slides_in_time_as_steadily() {
     scene.layer.length_m = 2000e-6;
     let steady = run(&Scene { run: RunOptions { fidelity: Fidelity::Steady, ..scene.run }, ..scene.clone() });
     let dynamic = run(&scene);
-    let (a, b) = (steady.loads[0].ratio.unwrap(), dynamic.loads[0].ratio.unwrap());
+    let (a, b) = (steady.loads[0].ratio().unwrap(), dynamic.loads[0].ratio().unwrap());
     println!("steady {a:.4} dynamic {b:.4} +- {:.4}", dynamic.loads[0].ratio_stderr.unwrap());
     assert!((a - b).abs() < 0.01, "{a} {b}");
     let off = steady.loads[0].surface.interface.iter().filter(|point| point.pressure_pa == 0.0).count();
@@ -57,7 +57,7 @@ fn squares_with_rims_in_time_are_those_of_steady_sliding() {
     let scene = Scene { layer: Layer { thickness_m: None, height_m: 100e-6, ..scene.layer }, ..scene };
     let steady = run(&Scene { run: RunOptions { fidelity: Fidelity::Steady, ..scene.run }, ..scene.clone() });
     let dynamic = run(&Scene { run: RunOptions { warm_start: true, sliding_m: 1e-6, ..scene.run }, ..scene.clone() });
-    let (a, b) = (steady.loads[0].ratio.unwrap(), dynamic.loads[0].ratio.unwrap());
+    let (a, b) = (steady.loads[0].ratio().unwrap(), dynamic.loads[0].ratio().unwrap());
     let error = dynamic.loads[0].ratio_stderr.unwrap();
     println!("steady {a:.4} dynamic {b:.4} +- {error:.4}");
     assert_eq!(dynamic.loads[0].surface.status, Status::Converged);

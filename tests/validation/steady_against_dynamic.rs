@@ -16,7 +16,7 @@ fn compare(scene: Scene) -> [Vec<f64>; 2] {
     let [steady, dynamic] = both(scene);
     let [mut departures, mut excess] = [Vec::new(), Vec::new()];
     for (steady, dynamic) in steady.loads.iter().zip(&dynamic.loads) {
-        let (a, b) = (steady.ratio.unwrap(), dynamic.ratio.unwrap());
+        let (a, b) = (steady.ratio().unwrap(), dynamic.ratio().unwrap());
         departures.push((b - a).abs() / a);
         let flat =
             dynamic.flat.as_ref().unwrap().mu_dynamic.unwrap() / steady.flat.as_ref().unwrap().mu_dynamic.unwrap();
@@ -96,7 +96,7 @@ fn what_time_adds_to_ratios() {
         scene.run.sliding_m = 1e-6;
         let [steady, dynamic] = both(scene);
         let added = |(steady, dynamic): (&LoadOutcome, &LoadOutcome)| {
-            let (before, after) = (steady.ratio.unwrap(), dynamic.ratio.unwrap());
+            let (before, after) = (steady.ratio().unwrap(), dynamic.ratio().unwrap());
             most = most.max((after / before - 1.0).abs());
             format!("{:+.2} +- {:.2} %", 100.0 * (after / before - 1.0), 100.0 * dynamic.ratio_stderr.unwrap() / before)
         };

@@ -30,7 +30,7 @@ fn run(travel: f64, seed: u64) -> Vec<LoadOutcome> {
 }
 
 fn ratios(loads: &[LoadOutcome]) -> Vec<f64> {
-    loads.iter().map(|load| load.ratio.unwrap()).collect()
+    loads.iter().map(|load| load.ratio().unwrap()).collect()
 }
 
 fn root_mean_square(values: impl Iterator<Item = f64>) -> f64 {
@@ -53,7 +53,7 @@ fn the_confirming_run_is_as_long_as_its_error_asks_for() {
     for travel in [0.5, 1.0, 2.0, 4.0] {
         let runs: Vec<Vec<LoadOutcome>> = seeds().map(|seed| run(travel, seed)).collect();
         let each = || runs.iter().zip(&long).flat_map(|(loads, long)| loads.iter().zip(long));
-        let error = root_mean_square(each().map(|(load, long)| load.ratio.unwrap() - long));
+        let error = root_mean_square(each().map(|(load, long)| load.ratio().unwrap() - long));
         let stated = root_mean_square(each().map(|(load, _)| load.ratio_stderr.unwrap()));
         let surfaces = each().flat_map(|(load, _)| std::iter::once(&load.surface).chain(&load.flat));
         let updates: u64 = surfaces.map(|surface| surface.cost.unwrap().site_updates).sum();

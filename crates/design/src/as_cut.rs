@@ -10,7 +10,7 @@ use slipgrid_laser::specimen::{SteadyOnFace, nearest_known, time_changes_on};
 use slipgrid_model::pattern::Pattern;
 use slipgrid_model::springblock::{RunOptions, Scene, Simulation};
 
-use crate::inputs::{Effect, Part};
+use crate::inputs::{InputEffect, Part};
 use crate::sensitivities::Modelled;
 use crate::steady_model::SteadyModel;
 
@@ -98,9 +98,9 @@ pub fn sums(parts: &[Part], without: Option<usize>) -> (Vec<f64>, Vec<DimensionS
     let (mut covariance, mut shifts) = (Vec::new(), Vec::new());
     for (_, part) in parts.iter().enumerate().filter(|(place, _)| Some(*place) != without) {
         match &part.effect {
-            Effect::Shared(own) if covariance.is_empty() => covariance.clone_from(own),
-            Effect::Shared(own) => covariance.iter_mut().zip(own).for_each(|(sum, own)| *sum += own),
-            Effect::OfSample(shift) => shifts.push(shift.clone()),
+            InputEffect::Shared(own) if covariance.is_empty() => covariance.clone_from(own),
+            InputEffect::Shared(own) => covariance.iter_mut().zip(own).for_each(|(sum, own)| *sum += own),
+            InputEffect::OfSample(shift) => shifts.push(shift.clone()),
         }
     }
     (covariance, shifts)
@@ -129,7 +129,7 @@ impl BeyondCells<'_> {
     /// ratio.
     pub fn by_run(&self, ratios: &[f64], run: &Simulation) -> Option<Vec<f64>> {
         let of_run: Vec<f64> =
-            run.loads.iter().map(|load| load.ratio.filter(|_| load.is_trusted())).collect::<Option<_>>()?;
+            run.loads.iter().map(|load| load.ratio().filter(|_| load.is_trusted())).collect::<Option<_>>()?;
         (of_run.len() == self.count).then(|| self.log_shifts(ratios, &|load| of_run[load] - ratios[load]))
     }
 

@@ -109,7 +109,7 @@ mod tests {
             assert!((flat / calibrated - 1.0).abs() < 1e-9, "{planform} {flat} {calibrated}");
             let times = after.surface.mu_dynamic.unwrap() / before.surface.mu_dynamic.unwrap();
             let of_flat = flat / before.flat.as_ref().unwrap().mu_dynamic.unwrap();
-            assert!((times / of_flat - 1.0).abs() < 1e-12 && after.ratio == before.ratio);
+            assert!((times / of_flat - 1.0).abs() < 1e-12 && after.ratio() == before.ratio());
             assert_eq!(found.statements.model.len(), plain.statements.model.len() + 1);
             let of_time = "times 1.0150, by which the calibration's flat sample has more friction in time than in steady sliding; ";
             assert_eq!(
@@ -149,7 +149,7 @@ mod tests {
             correct(&mut found, &scene, Some(&[times * own / steady]));
             let (before, after) = (&plain.loads[0], &found.loads[0]);
             assert!((after.surface.mu_dynamic.unwrap() / before.surface.mu_dynamic.unwrap() - times).abs() < 1e-12);
-            assert_eq!(after.ratio, before.ratio);
+            assert_eq!(after.ratio(), before.ratio());
             let said = found.statements.model.last().unwrap();
             assert_eq!(said.contains("so that the flat sample has the calibrated friction"), is_told, "{said}");
         }

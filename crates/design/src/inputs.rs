@@ -50,12 +50,12 @@ pub struct Part {
     /// Accuracy of the input, in words after the name.
     pub known_to: String,
     /// Effect on ln R.
-    pub effect: Effect,
+    pub effect: InputEffect,
 }
 
 /// Effect of an input.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Effect {
+pub enum InputEffect {
     /// A covariance of ln R that all samples share, loads x loads.
     Shared(Vec<f64>),
     /// Error that is independent between samples.
@@ -260,7 +260,7 @@ impl<'a> Inputs<'a> {
             };
             let covariance = log(&|l, m| of_input[l][m] + bent(l, m));
             let (name, known_to) = (input.name, input.known_to.clone());
-            parts.push(Part { name, known_to, effect: Effect::Shared(covariance) });
+            parts.push(Part { name, known_to, effect: InputEffect::Shared(covariance) });
         }
         let of_blocks = match of_blocks {
             Some(std) => std,
@@ -271,7 +271,7 @@ impl<'a> Inputs<'a> {
         let numerical = log(&|l, m| of_blocks[l] * of_blocks[m] + if l == m { run_std * run_std } else { 0.0 });
         let most = of_blocks.iter().map(|std| std.hypot(run_std)).fold(0.0, f64::max);
         let known_to = format!("up to {most:.4}");
-        parts.push(Part { name: "numerical error", known_to, effect: Effect::Shared(numerical) });
+        parts.push(Part { name: "numerical error", known_to, effect: InputEffect::Shared(numerical) });
         Ok(parts)
     }
 
@@ -289,7 +289,7 @@ impl<'a> Inputs<'a> {
         let part = |name: &'static str, known_to: String, by_m: [f64; DIMENSIONS], log_ratio: Vec<f64>| Part {
             name,
             known_to,
-            effect: Effect::OfSample(shift(design, &by_m, log_ratio)),
+            effect: InputEffect::OfSample(shift(design, &by_m, log_ratio)),
         };
         let made_to = |std_m: f64| format!("made to {} um", tidy(LENGTH_UM.from_si(std_m)));
         for (name, by_m) in of_dimensions(&self.tolerances) {

@@ -8,7 +8,7 @@ use slipgrid_infer::discrepancy::{Prediction as Distribution, Predictor, Score, 
 
 use crate::as_cut::{CutTexture, Known, sums};
 use crate::band::Asked;
-use crate::inputs::{Effect, FLAT_FRICTION, LOCAL_LAW, MODULUS, Part};
+use crate::inputs::{FLAT_FRICTION, InputEffect, LOCAL_LAW, MODULUS, Part};
 
 /// Relative error of a measurement, for the information of a trial.
 pub const MEASURED_STD: f64 = 0.01;
@@ -118,7 +118,9 @@ impl Prediction {
             let diagonal = |of: &[f64]| of.get(load * n + load).copied().unwrap_or(0.0);
             // Friction as a target is uncertain with flat friction, the ratio is not.
             let of_flat = |part: &Part| match &part.effect {
-                Effect::Shared(own) if part.name == FLAT_FRICTION && asked.bands[load].flat != 1.0 => diagonal(own),
+                InputEffect::Shared(own) if part.name == FLAT_FRICTION && asked.bands[load].flat != 1.0 => {
+                    diagonal(own)
+                }
                 _ => 0.0,
             };
             let own = diagonal(&self.texture.covariance) - self.texture.parts.iter().map(of_flat).sum::<f64>();
@@ -165,7 +167,7 @@ impl Prediction {
             let still = CutTexture { sensitivity, covariance, dimension_shifts, ..self.texture.clone() };
             let of_modulus = |load: usize| {
                 let curved = match second.map(|place| &self.texture.parts[place].effect) {
-                    Some(Effect::Shared(own)) => own[load * n + load].max(0.0).sqrt(),
+                    Some(InputEffect::Shared(own)) => own[load * n + load].max(0.0).sqrt(),
                     _ => 0.0,
                 };
                 (self.texture.sensitivity[load].modulus * modulus_std).hypot(curved)

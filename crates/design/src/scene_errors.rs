@@ -1,8 +1,6 @@
 //! Error of every number of a solved scene.
 
-use crate::results::errors::{
-    BEHIND, BLOCKS, DRAWS, ErrorReport, LAYOUT, NO_SLOPES, PartsReport, PressureErrors, STATIC, TILT, TIME_AVERAGE,
-};
+use crate::results::errors::{DRAWS, ErrorReport, NO_SLOPES, PartsReport, PressureErrors, STATIC, TIME_AVERAGE};
 use crate::results::{CorrectedAt, CorrectedReport, ErrorsReport};
 use slipgrid_base::units::{PRESSURE_MPA, tidy};
 use slipgrid_infer::calibrate::uncertainty::{
@@ -11,7 +9,7 @@ use slipgrid_infer::calibrate::uncertainty::{
 };
 use slipgrid_infer::discrepancy::{Features, Sensitivity};
 use slipgrid_model::material::{Condition, MaterialError};
-use slipgrid_model::springblock::{Fidelity, Load, LoadOutcome, Scene, Simulation, SurfaceOutcome};
+use slipgrid_model::springblock::{Correction, Effect, Fidelity, Load, LoadOutcome, Scene, Simulation, SurfaceOutcome};
 
 use crate::inputs::FLAT_FRICTION;
 use crate::sensitivities::usual_humidity;
@@ -42,7 +40,7 @@ impl Solved<'_> {
     pub fn deviations(&self, place: usize) -> Option<Deviations> {
         let load = &self.simulation.loads[place];
         let (ratio, mu_flat) = match &load.flat {
-            Some(flat) => (load.ratio?, flat.mu_dynamic?),
+            Some(flat) => (load.ratio()?, flat.mu_dynamic?),
             None => (1.0, load.surface.mu_dynamic?),
         };
         self.slopes.deviations(place, ratio, mu_flat, self.knowledge)
@@ -59,15 +57,11 @@ impl Solved<'_> {
         let flat_mu = load.flat.as_ref().and_then(|flat| flat.mu_dynamic);
         // Error of the ratio; for friction, times the friction of the flat surface.
         let of_specimen = |times: Option<f64>| {
-            // The discretization error is an upper bound, taken as two standard deviations.
-            let blocks = load.ratio_discretization_error.map(|error| 0.5 * error);
-            let tilt = load.ratio_tilt_error.map(f64::abs);
-            let each =
-                [(LAYOUT, load.ratio_layout_error), (BEHIND, load.ratio_layer_error), (TILT, tilt), (BLOCKS, blocks)];
-            let part = move |(input, std): (&str, Option<f64>)| {
-                Some(PartsReport { input: input.to_owned(), std: std? * factor * times? })
+            let known = load.corrections().iter().filter(|correction| correction.std > 0.0);
+            let part = move |correction: &Correction| {
+                Some(PartsReport { input: correction.effect.name().to_owned(), std: correction.std * factor * times? })
             };
-            each.into_iter().filter_map(part)
+            known.filter_map(part)
         };
         let mut own_mu = self.of_run(mu, surface.mu_dynamic_stderr.map(|stderr| stderr * factor), drawn.mu);
         own_mu.extend(of_specimen(flat_mu));
@@ -76,9 +70,9 @@ impl Solved<'_> {
         PressureErrors {
             pressure_mpa: PRESSURE_MPA.from_si(load.pressure_pa),
             ratio: flat.map(|_| {
-                let ratio = load.ratio.map(|ratio| ratio * factor);
+                let ratio = load.ratio().map(|ratio| ratio * factor);
                 // A ratio corrected by steady sliding with equal draws has no error from the draws.
-                let of_draws = drawn.ratio.filter(|_| load.ratio_time_change.is_none());
+                let of_draws = drawn.ratio.filter(|_| load.correction(Effect::Time).is_none());
                 let mut own = self.of_run(ratio, load.ratio_stderr.map(|stderr| stderr * factor), of_draws);
                 own.extend(of_specimen(Some(1.0)));
                 ErrorReport::new(ratio, own, material.as_ref().map(|material| &material.ratio))
@@ -173,7 +167,7 @@ pub fn of_scene(
         humidity,
     };
     let places: Vec<slipgrid_infer::discrepancy::Load> = scene.loads.iter().map(at).collect();
-    let ratios: Vec<f64> = simulation.loads.iter().map(|load| load.ratio.unwrap_or(1.0)).collect();
+    let ratios: Vec<f64> = simulation.loads.iter().map(|load| load.ratio().unwrap_or(1.0)).collect();
     let of_modulus = slopes.modulus_sensitivity(&ratios, &knowledge);
     let law = uncertainty.local_law(scene.area_law.as_ref(), condition);
     let by_law = law.map_or_else(|| vec![0.0; ratios.len()], |law| local_law_changes(scene, pattern, &law));
@@ -243,7 +237,7 @@ mod tests {
                 let (errors, _) = of_scene(&scene, &MaterialUncertainty::default(), None, &simulation).unwrap();
                 let ratio = errors.at(0).unwrap().ratio.clone().unwrap();
                 assert_eq!(ratio.std_of(DRAWS).is_some(), has_rims);
-                [simulation.loads[0].ratio.unwrap(), ratio.std_of_all(&[TIME_AVERAGE, DRAWS])]
+                [simulation.loads[0].ratio().unwrap(), ratio.std_of_all(&[TIME_AVERAGE, DRAWS])]
             })
             .collect();
         let count = found.len() as f64;

@@ -16,7 +16,7 @@ use slipgrid_base::monitor::{Monitor, Part as Share};
 use slipgrid_infer::discrepancy::{DimensionShift, Features, Predictor};
 use slipgrid_laser::specimen::simulate_on;
 use slipgrid_model::pattern::Pattern;
-use slipgrid_model::springblock::{Simulation, TILT_RELATIVE_ERROR};
+use slipgrid_model::springblock::{Correction, Effect, LoadOutcome, Simulation, TILT_RELATIVE_ERROR};
 
 use crate::as_cut::{BeyondCells, CutTexture, Known};
 use crate::band::Asked;
@@ -24,7 +24,7 @@ use crate::between_designs::BetweenDesigns;
 use crate::confirmation::confirming_scene;
 use crate::constraint_quantities::Limited;
 use crate::evaluation_cache::Answer;
-use crate::inputs::{Effect, Inputs, Part, percent};
+use crate::inputs::{InputEffect, Inputs, Part, percent};
 use crate::prediction::Prediction;
 use crate::prepared_task::PreparedTask;
 use crate::steps::{Place, Steps, climb};
@@ -255,8 +255,10 @@ impl Search<'_> {
 
     /// Uncertainty of the tilt by friction in the specimen of `run`. Its share is equal at all loads and conditions.
     fn of_tilt(&self, run: &Simulation) -> Option<Part> {
-        let log: Vec<f64> =
-            run.loads.iter().map(|load| load.ratio_tilt_error.unwrap_or(0.0) / load.ratio.unwrap_or(1.0)).collect();
+        // If the tilt exceeds its mean, a ratio changes in the direction of its correction.
+        let std = |tilt: &Correction| tilt.std.copysign(tilt.change);
+        let of = |load: &LoadOutcome| load.correction(Effect::Tilt).map_or(0.0, std) / load.ratio().unwrap_or(1.0);
+        let log: Vec<f64> = run.loads.iter().map(of).collect();
         let (n, count) = (self.asked.loads.len(), log.len());
         let most = log.iter().fold(0.0, |most: f64, own| most.max(own.abs()));
         let covariance = (0..n * n).map(|e| log[e / n % count] * log[e % n % count]).collect();
@@ -266,7 +268,7 @@ impl Search<'_> {
                 None => "as nobody says how it is held".to_owned(),
                 Some(_) => percent(TILT_RELATIVE_ERROR),
             },
-            effect: Effect::Shared(covariance),
+            effect: InputEffect::Shared(covariance),
         })
     }
 

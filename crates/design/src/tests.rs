@@ -12,7 +12,7 @@ use slipgrid_infer::discrepancy::{
 use slipgrid_laser::specimen::simulate_on;
 use slipgrid_model::material::{AreaLaw, Elastic, Friction, LocalFriction, Material, Provenance};
 use slipgrid_model::pattern::{ManufacturingLimits, Pattern, Planform};
-use slipgrid_model::springblock::{Extent, Layer, LoadOutcome, RunOptions, Scene, even_speed_m_s};
+use slipgrid_model::springblock::{Effect, Extent, Layer, LoadOutcome, RunOptions, Scene, even_speed_m_s};
 use std::sync::{LazyLock, Mutex};
 
 mod brute_force;
@@ -388,9 +388,9 @@ fn ratios_that_are_predicted_are_those_of_the_specimen() {
         simulate_on(&scene, specimen, &Unwatched).unwrap().loads
     };
     let specimen = ratios(Extent::Sample, Some(&task.specimen));
-    let by_time: Vec<f64> = specimen.iter().map(|load| load.ratio_time_change.unwrap()).collect();
+    let by_time: Vec<f64> = specimen.iter().map(|load| load.correction(Effect::Time).unwrap().change).collect();
     assert!(by_time[0] > 2e-3, "{by_time:?}");
-    let ratio = |load: &LoadOutcome| load.ratio.unwrap();
+    let ratio = |load: &LoadOutcome| load.ratio().unwrap();
     let off: Vec<[f64; 2]> = found.report.samples[0]
         .modelled
         .iter()

@@ -4,7 +4,9 @@ use std::collections::BTreeMap;
 
 use rayon::prelude::*;
 use slipgrid_model::pattern::Texture;
-use slipgrid_model::springblock::{Extent, InterfacePoint, LoadOutcome, Scene, Simulation, SteadyCell, SurfaceOutcome};
+use slipgrid_model::springblock::{
+    Effect, Extent, InterfacePoint, LoadOutcome, Scene, Simulation, SteadyCell, SurfaceOutcome,
+};
 
 use crate::ChartError;
 use crate::Outputs;
@@ -24,9 +26,8 @@ const FLAT: &str = "flat";
 /// Labels of a patterned surface's curve in time, and of the means beside the curves. The ratio of a specimen includes
 /// other strips, smaller blocks and the body behind the layer; its curve is the run of a single strip without them.
 fn run_words(scene: &Scene, load: &LoadOutcome) -> [&'static str; 2] {
-    // Raised rims also have a layout error.
-    let is_whole = load.ratio_layout_error.is_some() && !scene.is_raised();
-    match load.ratio {
+    let is_whole = load.correction(Effect::Layout).is_some();
+    match load.ratio() {
         Some(_) if is_whole && scene.dimension().takes_strips() => [
             "patterned: one strip of the specimen",
             "mean: flat over the window, patterned of the whole specimen, as in the tables",

@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use crate::common::{CALIBRATION, Place, free, json, number, result, short, trusted};
+use crate::common::{CALIBRATION, Place, correction, free, json, number, result, short, trusted};
 use serde_json::Value;
 
 /// Design of a short sample at one pressure.
@@ -94,9 +94,10 @@ fn a_scene_without_errors_shows_those_of_its_run_alone_and_says_so() {
     let found = json(&place.succeed(&["simulate", "out/a/scene.toml", "--json"]));
     let (at, run) = (&found["errors"]["by_pressure"][0], &found["results"][0]);
     let own = number(&run["ratio_stderr"]);
-    let own = own.hypot(part(&at["ratio"], "layout on the specimen")).hypot(part(&at["ratio"], "size of blocks"));
-    let of_blocks = number(&run["ratio_discretization_error"]);
-    assert!((2.0 * part(&at["ratio"], "size of blocks") / of_blocks - 1.0).abs() < 1e-6);
+    let effects = ["layout on the specimen", "sliding in time", "size of blocks"];
+    let own = effects.iter().fold(own, |own, effect| own.hypot(part(&at["ratio"], effect)));
+    let of_blocks = number(&correction(run, "size of blocks").unwrap()["std"]);
+    assert!((part(&at["ratio"], "size of blocks") / of_blocks - 1.0).abs() < 1e-6);
     assert!((number(&at["ratio"]["std"]) / own - 1.0).abs() < 1e-6, "{at}");
     // 5 % over the blocks in contact and of about equal friction; it is taken out of the ratio.
     let mu = &at["mu"];

@@ -2,8 +2,12 @@
 
 use std::fs;
 
-use crate::common::{DESIGN, Place, SCENE, json};
+use crate::common::{DESIGN, Place, SCENE, correction, json};
 use serde_json::Value;
+
+/// Effects as results name them.
+const BEHIND: &str = "specimen behind the layer";
+const TILT: &str = "tilt of the pressure";
 
 /// Scene of wide grooves, whose ratio depends on the thickness; `sample` replaces the layer.
 fn wide(sample: &str) -> String {
@@ -15,8 +19,17 @@ fn ratios(result: &Value) -> Vec<f64> {
     result["results"].as_array().unwrap().iter().map(|load| load["ratio"].as_f64().unwrap()).collect()
 }
 
-fn column(result: &Value, key: &str) -> Vec<Option<f64>> {
-    result["results"].as_array().unwrap().iter().map(|load| load[key].as_f64()).collect()
+/// Change of the ratio by `effect` at every load.
+fn changes(result: &Value, effect: &str) -> Vec<Option<f64>> {
+    let change = |load| Some(correction(load, effect)?["change"].as_f64().unwrap());
+    result["results"].as_array().unwrap().iter().map(change).collect()
+}
+
+/// Number after `words` in the statements on the model of `result`.
+fn said(result: &Value, words: &str) -> f64 {
+    let model = result["model"].to_string();
+    let number = model.split_once(words).unwrap().1;
+    number.split_once(" at most").map_or(number, |(number, _)| number).parse().unwrap()
 }
 
 #[test]
@@ -37,11 +50,11 @@ fn a_scene_without_a_layer_is_the_specimen_as_thick_as_it_is() {
     for (own, high) in ratios(&none).iter().zip(ratios(&high)) {
         assert!((own - high).abs() < 1e-6, "{own} {high}");
     }
-    let differences = column(&thin, "ratio_layer_difference");
-    for ((own, thin), difference) in ratios(&none).iter().zip(ratios(&thin)).zip(differences) {
-        assert!(*own < thin - 0.002 && (own - thin - difference.unwrap()).abs() < 1e-6, "{own} {thin}");
-    }
-    assert_eq!(column(&none, "ratio_layer_error"), [None, None]);
+    let differences: Vec<f64> = ratios(&none).iter().zip(ratios(&thin)).map(|(own, thin)| own - thin).collect();
+    let widest = differences.iter().copied().fold(0.0, f64::min);
+    assert!(differences.iter().all(|difference| *difference < -0.002), "{differences:?}");
+    assert!((said(&thin, "would change the ratio by ") - widest).abs() < 6e-5, "{widest}");
+    assert_eq!(changes(&none, BEHIND), [None, None]);
     assert!(none["model"].to_string().contains("specimen 7 mm thick"));
     assert!(
         thin["model"].to_string().contains("a specimen much thicker than the pattern is wide would change the ratio")
@@ -57,8 +70,9 @@ fn what_is_added_to_strips_is_among_the_errors() {
     let place = Place::with(&[("thick.toml", &on_disc("")), ("thin.toml", &on_disc("layer_um = 200.0\n"))]);
     let [thick, thin] =
         ["thick", "thin"].map(|name| json(&place.succeed(&["simulate", &format!("{name}.toml"), "--json"])));
-    let added = column(&thick, "ratio_layer_difference");
-    let tilts: Vec<f64> = column(&thick, "ratio_tilt_change").into_iter().map(Option::unwrap).collect();
+    let added = changes(&thick, BEHIND);
+    // Half of what the tilt changes is in the ratio.
+    let tilts: Vec<f64> = changes(&thick, TILT).into_iter().map(|half| 2.0 * half.unwrap()).collect();
     for ((own, thin), (added, tilt)) in ratios(&thick).iter().zip(ratios(&thin)).zip(added.iter().zip(&tilts)) {
         let added = added.unwrap();
         assert!((own - thin - added - 0.5 * tilt).abs() < 1e-9 && added < -0.002, "{own} {thin}");
@@ -69,19 +83,16 @@ fn what_is_added_to_strips_is_among_the_errors() {
         own.map(|part| part["std"].as_f64().unwrap())
     };
     // The widest change that friction makes by tilting the pressure, to four decimals.
-    let model = thick["model"].to_string();
-    let said = model.split_once("this moves the ratio by ").unwrap().1;
-    let change: f64 = said.split_once(" at most").unwrap().0.parse().unwrap();
+    let change = said(&thick, "this moves the ratio by ");
     assert!(
         tilts.iter().any(|tilt| (tilt - change).abs() < 5e-5)
             && tilts.iter().all(|tilt| tilt.abs() < change.abs() + 5e-5)
     );
     // What ends leave open, and 15 % of what the specimen changes; a third of the tilt.
     let open = 0.001_f64.hypot(0.15 * added[1].unwrap());
-    let [behind, tilt] = ["specimen behind the layer", "tilt of the pressure"];
-    assert!((part(&thick, behind).unwrap() - open).abs() < 4e-5, "{open} {:?}", part(&thick, behind));
-    assert!((part(&thick, tilt).unwrap() - 0.34 * tilts[1].abs()).abs() < 1e-5, "{tilts:?} {:?}", part(&thick, tilt));
-    assert!(part(&thin, behind).is_none() && part(&thin, tilt).is_none());
+    assert!((part(&thick, BEHIND).unwrap() - open).abs() < 4e-5, "{open} {:?}", part(&thick, BEHIND));
+    assert!((part(&thick, TILT).unwrap() - 0.34 * tilts[1].abs()).abs() < 1e-5, "{tilts:?} {:?}", part(&thick, TILT));
+    assert!(part(&thin, BEHIND).is_none() && part(&thin, TILT).is_none());
 }
 
 #[test]
@@ -95,7 +106,7 @@ fn designs_are_searched_in_the_specimen_as_thick_as_it_is() {
     assert!(design.contains("layer_um = 200.0") && design.contains("thickness_mm = 7.0"), "{design}");
     let result: Value =
         serde_json::from_str(&fs::read_to_string(place.path("out").join("result.json")).unwrap()).unwrap();
-    assert!(result["confirmed"][0]["ratio_layer_difference"].as_f64().unwrap() < 0.0);
+    assert!(correction(&result["confirmed"][0], BEHIND).unwrap()["change"].as_f64().unwrap() < 0.0);
     // The written scene gives the confirmed ratio to the last bit.
     let again = json(&place.succeed(&["simulate", "out/scene.toml", "--json"]));
     for (place, load) in result["confirmed"].as_array().unwrap().iter().enumerate() {

@@ -4,7 +4,7 @@
 use std::fmt::Write as _;
 use std::fs;
 
-use crate::common::{CALIBRATION, DESIGN, Place, SCENE};
+use crate::common::{CALIBRATION, DESIGN, Place, SCENE, correction};
 use serde_json::Value;
 use slipgrid_base::units::LENGTH_STD_UM;
 use slipgrid_io::disk::disk;
@@ -333,7 +333,8 @@ fn a_sample_that_slides_as_it_was_confirmed_lacks_nothing() {
     fs::write(place.path("confirmed.toml"), scene).unwrap();
     let found: Value = serde_json::from_str(&place.succeed(&["simulate", "confirmed.toml", "--json"])).unwrap();
     let ratio = |key: &str| [0, 1, 2].map(|row| found["results"][row][key].as_f64().unwrap());
-    let (confirmed, by_time) = (ratio("ratio"), ratio("ratio_time_change"));
+    let time = |row: usize| correction(&found["results"][row], "sliding in time").unwrap()["change"].as_f64().unwrap();
+    let (confirmed, by_time) = (ratio("ratio"), [0, 1, 2].map(time));
     let more = trial("A", [100.0, 200.0, 10.4], "measurements = \"a.csv\"\n");
     fs::write(place.path("a.csv"), table(confirmed)).unwrap();
     fs::write(place.path("calibration.toml"), format!("{CALIBRATION}\n{more}")).unwrap();

@@ -6,19 +6,12 @@ use serde::{Deserialize, Serialize};
 use slipgrid_base::statistics::NORMAL_95;
 use slipgrid_base::units::tidy;
 use slipgrid_infer::calibrate::uncertainty::Deviation;
+use slipgrid_model::springblock::Effect;
 
 /// Source of an error of a run: its finite duration.
 pub const TIME_AVERAGE: &str = "time average";
 /// Source of an error of a run: the drawn local coefficients.
 pub const DRAWS: &str = "local coefficients drawn";
-/// Source of an error of a run: the part that replaces the specimen's layout.
-pub const LAYOUT: &str = "layout on the specimen";
-/// Source of an error of a ratio: the difference from vanishing blocks.
-pub const BLOCKS: &str = "size of blocks";
-/// Source of an error of a run: the specimen behind the layer, added by the steady cell.
-pub const BEHIND: &str = "specimen behind the layer";
-/// Source of an error of a run: the tilt of the pressure by friction.
-pub const TILT: &str = "tilt of the pressure";
 /// Source of an error of a static peak: the static coefficient. The relative error of the peak is at most its own.
 pub const STATIC: &str = "static coefficient";
 /// Entry of [`ErrorsReport::unknown`] for loads at which slopes could not be computed.
@@ -145,10 +138,11 @@ impl ErrorReport {
         self.parts.iter().find(|part| part.input == input).map(|part| part.std)
     }
 
-    /// Standard deviation from the run itself: duration, draws, layout, specimen behind the layer, and tilt.
+    /// Standard deviation from the run itself: duration, draws, and all corrections except the size of blocks.
     #[must_use]
     pub fn std_of_run(&self) -> f64 {
-        self.std_of_all(&[TIME_AVERAGE, DRAWS, LAYOUT, BEHIND, TILT])
+        let corrections = [Effect::Rims, Effect::Layout, Effect::Time, Effect::Behind, Effect::Tilt].map(Effect::name);
+        self.std_of_all(&[&[TIME_AVERAGE, DRAWS][..], &corrections].concat())
     }
 
     /// Standard deviation from the parts `inputs` together.

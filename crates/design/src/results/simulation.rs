@@ -6,7 +6,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use slipgrid_model::material::Provenance;
 use slipgrid_model::pattern::Pattern;
-use slipgrid_model::springblock::{LoadOutcome, Scene, Simulation, Status};
+use slipgrid_model::springblock::{Correction, Effect, LoadOutcome, Scene, Simulation, Status};
 
 use super::corrected::CorrectedReport;
 use super::errors::ErrorsReport;
@@ -134,22 +134,8 @@ pub struct LoadReport {
     pub ratio: Option<f64>,
     /// Standard error of `ratio` from the run; null for steady runs.
     pub ratio_stderr: Option<f64>,
-    /// Estimated change of the ratio from this block size to vanishing blocks.
-    pub ratio_discretization_error: Option<f64>,
-    /// Ratio of the steady cell over the specimen's thickness minus the ratio of the layer alone. If the scene gives
-    /// the thickness, `ratio` includes it; otherwise it is the effect of a thick specimen.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub ratio_layer_difference: Option<f64>,
-    /// Standard error of `ratio` from adding `ratio_layer_difference` to a strip or a run in time.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub ratio_layer_error: Option<f64>,
-    /// Change of the ratio by friction that tilts the pressure of a specimen that its holder keeps from turning. With `holder = "rigid"` the
-    /// ratio includes all of it, with a standard error of 0.3 of it; without `holder` half of it, with a standard error of 0.34 of it.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub ratio_tilt_change: Option<f64>,
-    /// Change of the ratio from steady sliding to sliding in time; included in `ratio` for a specimen run in time.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub ratio_time_change: Option<f64>,
+    /// Changes of the ratio by all that the solved blocks leave out. `ratio` includes them.
+    pub corrections: Vec<Correction>,
     /// Ratio of the surface in a section model, with the strips between rows of cavities counted as flat.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ratio_strip_estimate: Option<f64>,
@@ -187,11 +173,19 @@ pub struct LoadReport {
 }
 
 impl LoadReport {
+    /// Estimated difference of the ratio from that of vanishing blocks, which the true one hardly exceeds; `None` if it
+    /// is not known.
+    #[must_use]
+    pub fn blocks_error(&self) -> Option<f64> {
+        let blocks = self.corrections.iter().find(|correction| correction.effect == Effect::Blocks);
+        blocks.map(|blocks| 2.0 * blocks.std)
+    }
+
     /// Creates the record of `load`. `pattern` is given if the vertical plane is a section of it.
     #[must_use]
     pub fn new(load: &LoadOutcome, pattern: Option<&Pattern>, friction_extrapolated: bool) -> Self {
         let surface = &load.surface;
-        let strip = pattern.zip(load.ratio);
+        let strip = pattern.zip(load.ratio());
         let cost = surface.cost;
         Self {
             pressure_mpa: PRESSURE_MPA.from_si(load.pressure_pa),
@@ -202,13 +196,9 @@ impl LoadReport {
             mu_flat: load.flat.as_ref().and_then(|flat| flat.mu_dynamic),
             mu_flat_stderr: load.flat.as_ref().and_then(|flat| flat.mu_dynamic_stderr),
             mu_flat_static: load.flat.as_ref().and_then(|flat| flat.mu_static),
-            ratio: load.ratio,
+            ratio: load.ratio(),
             ratio_stderr: load.ratio_stderr,
-            ratio_discretization_error: load.ratio_discretization_error,
-            ratio_layer_difference: load.ratio_layer_difference,
-            ratio_layer_error: load.ratio_layer_error,
-            ratio_tilt_change: load.ratio_tilt_change,
-            ratio_time_change: load.ratio_time_change,
+            corrections: load.corrections().to_vec(),
             ratio_strip_estimate: strip.map(|(pattern, ratio)| pattern.strip_estimate(ratio)),
             peak_pressure_mpa: PRESSURE_MPA.from_si(surface.peak_pressure_pa),
             tension_blocks: surface.tension_blocks,
@@ -379,7 +369,7 @@ const UNRESOLVED: f64 = 0.1;
 /// loads.
 #[must_use]
 pub fn unresolved(results: &[LoadReport], block_um: f64) -> Option<String> {
-    let error = |load: &LoadReport| load.ratio_discretization_error.map(f64::abs).filter(|error| *error > UNRESOLVED);
+    let error = |load: &LoadReport| load.blocks_error().filter(|error| *error > UNRESOLVED);
     let named: Vec<String> =
         results.iter().filter(|load| error(load).is_some()).map(|load| load.pressure_mpa.to_string()).collect();
     let largest = results.iter().filter_map(error).reduce(f64::max)?;

@@ -72,7 +72,7 @@ impl SimulationReport {
 
     /// Describes the largest discretization error of the ratio; `None` if no load has one.
     fn blocks_words(&self) -> Option<String> {
-        let each = self.results.iter().filter_map(|load| load.ratio_discretization_error);
+        let each = self.results.iter().filter_map(LoadReport::blocks_error);
         let largest = each.reduce(f64::max)?;
         Some(format!(
             "blocks: with vanishing ones the ratio would change by {largest:.4} at most, as blocks of other sizes say"

@@ -47,7 +47,7 @@ fn the_search_sees_what_simulate_reports() {
         let [ratio, pressure] = if expected == 3 { [LOOSE, LOOSE_PRESSURE] } else { [1e-9; 2] };
         let answer = model.steady(&design).unwrap();
         for (found, outcome) in answer.ratio.iter().zip(&simulation.loads) {
-            assert!((found - outcome.ratio.unwrap()).abs() < ratio);
+            assert!((found - outcome.ratio().unwrap()).abs() < ratio);
         }
         let peak = simulation.peak_pressure_pa();
         assert!((answer.peak_pressure_pa() / peak - 1.0).abs() < pressure);

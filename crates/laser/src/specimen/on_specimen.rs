@@ -135,15 +135,8 @@ fn face_from_strips(layout: &Layout, strips: Vec<LaidStrip>, block_m: f64) -> Re
 
 /// Converts the results of one cell, or strip, to those of a specimen whose cavities take `share` of its areal density.
 fn scale_to_specimen(simulation: &mut Simulation, share: f64, layout_error: &[Option<f64>]) {
-    for (place, load) in simulation.loads.iter_mut().enumerate() {
-        load.set_ratio(load.ratio.map(|ratio| on_face(ratio, share)));
-        let scaled = |error: Option<f64>| error.map(|error| error * share);
-        load.ratio_stderr = scaled(load.ratio_stderr);
-        load.ratio_time_change = scaled(load.ratio_time_change);
-        load.ratio_discretization_error = scaled(load.ratio_discretization_error);
-        load.ratio_layer_difference = scaled(load.ratio_layer_difference);
-        load.ratio_layer_error = scaled(load.ratio_layer_error);
-        load.ratio_layout_error = layout_error.get(place).copied().flatten();
+    for (load, error) in simulation.loads.iter_mut().zip(layout_error) {
+        load.scale_to_layout(share, *error);
     }
 }
 

@@ -82,7 +82,8 @@ pub use dynamics::{
 pub use error::SceneError;
 pub use face::{Face, Strip};
 pub use outcome::{
-    DynamicCost, InterfacePoint, LoadOutcome, Simulation, Statements, Status, SurfaceOutcome, TracePoint,
+    Correction, DynamicCost, Effect, InterfacePoint, LoadOutcome, Simulation, Statements, Status, SurfaceOutcome,
+    TracePoint,
 };
 pub use scene::{Extent, Fidelity, Holder, Layer, Load, MAX_BLOCKS, MAX_DRAWS, MAX_ROWS, RunOptions, Scene, Springs};
 pub use simulate::{

@@ -2,6 +2,9 @@
 
 mod bytes;
 
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
 use crate::material::AreaLaw;
 
 /// State in which a run ended.
@@ -223,47 +226,99 @@ pub(crate) fn peak_over_whole_blocks<I: IntoIterator<Item = usize>>(
 /// Share from which a block counts as whole, except for rounding.
 const WHOLE_SHARE: f64 = 1.0 - 1e-9;
 
+/// Effect that the solved blocks leave out, and that a [`Correction`] adds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub enum Effect {
+    /// Dimensions that are no whole blocks, in a dynamic run: the difference of the steady cells.
+    #[serde(rename = "whole blocks")]
+    WholeBlocks,
+    /// Rims of a strip, or their yielding: the difference of the steady cells with and without.
+    #[serde(rename = "rims")]
+    Rims,
+    /// Layout of the specimen, replaced by strips that sample its face, by one strip or by a cell.
+    #[serde(rename = "layout on the specimen")]
+    Layout,
+    /// Sliding in time instead of steady sliding.
+    #[serde(rename = "sliding in time")]
+    Time,
+    /// Specimen behind the layer that was solved: the difference of the steady cells.
+    #[serde(rename = "specimen behind the layer")]
+    Behind,
+    /// Tilt of the pressure by friction, on a specimen whose holder prevents rotation. Of this effect all is included
+    /// with a rigid holder, and half with an unknown one. Its error is fully correlated between the loads of a specimen:
+    /// if the tilt exceeds its mean, all ratios change in the direction of the correction.
+    #[serde(rename = "tilt of the pressure")]
+    Tilt,
+    /// Size of the blocks. The change is that to smaller blocks, 0 without refinement; the error is half of the estimated
+    /// difference from vanishing blocks, which the true one hardly exceeds, at the load where it is largest.
+    #[serde(rename = "size of blocks")]
+    Blocks,
+}
+
+impl Effect {
+    /// Name used in files.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::WholeBlocks => "whole blocks",
+            Self::Rims => "rims",
+            Self::Layout => "layout on the specimen",
+            Self::Time => "sliding in time",
+            Self::Behind => "specimen behind the layer",
+            Self::Tilt => "tilt of the pressure",
+            Self::Blocks => "size of blocks",
+        }
+    }
+}
+
+/// Change of a ratio by an effect that the solved blocks leave out, included in the ratio.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Correction {
+    /// The effect.
+    pub effect: Effect,
+    /// Change of the ratio; 0 where only the error is known.
+    pub change: f64,
+    /// Standard error of the change; 0 where it is not known.
+    pub std: f64,
+}
+
 /// Result of a scene under one load.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LoadOutcome {
     /// Nominal pressure, in pascals.
     pub pressure_pa: f64,
-    /// Surface with the scene's pattern.
+    /// Surface with the scene's pattern. Its dynamic friction is the ratio times that of the flat surface.
     pub surface: SurfaceOutcome,
     /// Flat surface with the same settings; `None` for a flat scene.
     pub flat: Option<SurfaceOutcome>,
-    /// Dynamic friction coefficient, patterned over flat; `None` for a flat scene or if one of the two is absent.
-    pub ratio: Option<f64>,
-    /// Standard error of `ratio`; `None` for steady runs.
+    /// Standard error of the solved ratio; `None` for steady runs.
     pub ratio_stderr: Option<f64>,
-    /// Estimated difference of `ratio` from the limit of vanishing blocks, which the true error hardly exceeds: the
-    /// largest over all loads. `None` for a flat scene, and if the scene cannot be solved with blocks of another size.
-    pub ratio_discretization_error: Option<f64>,
-    /// Standard error of `ratio` from replacing the specimen's layout: by strips that sample its face, by one strip in
-    /// a dynamic run, or by a cell. `None` if nothing is replaced.
-    pub ratio_layout_error: Option<f64>,
-    /// Ratio of the steady cell over the specimen's thickness minus the ratio of the layer alone. It is included in
-    /// `ratio` if the scene gives the thickness; otherwise it is the effect of a thick specimen. `None` for a flat
-    /// scene, and if a cell has no ratio.
-    pub ratio_layer_difference: Option<f64>,
-    /// Standard error of `ratio` from adding `ratio_layer_difference` to a strip or a dynamic run; `None` if it was not
-    /// added.
-    pub ratio_layer_error: Option<f64>,
-    /// Change of the ratio by the tilted pressure that friction causes on a specimen whose holder prevents rotation.
-    ///
-    /// `ratio` includes the whole change if the holder is rigid, and half of it if the holder is unknown. `None` if the
-    /// specimen aligns itself, or if the scene has no ends or does not give the specimen's thickness.
-    pub ratio_tilt_change: Option<f64>,
-    /// Standard error of `ratio` due to the tilt of the pressure, signed: positive values are the change if the tilt
-    /// exceeds its mean. The error is fully correlated between all loads of a specimen. `None` without
-    /// `ratio_tilt_change`.
-    pub ratio_tilt_error: Option<f64>,
-    /// Change of the ratio from steady sliding to dynamic sliding, included in `ratio`; `None` if it is unknown. Only
-    /// strips of a specimen have it.
-    pub ratio_time_change: Option<f64>,
+    /// Ratio of the blocks that were solved.
+    pub(crate) solved: Option<f64>,
+    /// At most one for each effect, in the order in which they were added.
+    pub(crate) corrections: Vec<Correction>,
 }
 
 impl LoadOutcome {
+    /// Dynamic friction coefficient, patterned over flat: that of the solved blocks plus all corrections. `None` for a
+    /// flat scene, or if one of the two is absent.
+    #[must_use]
+    pub fn ratio(&self) -> Option<f64> {
+        Some(self.solved? + self.corrections.iter().map(|correction| correction.change).sum::<f64>())
+    }
+
+    /// Changes of the ratio by all that the solved blocks leave out.
+    #[must_use]
+    pub fn corrections(&self) -> &[Correction] {
+        &self.corrections
+    }
+
+    /// Change of the ratio by `effect`, if it was added.
+    #[must_use]
+    pub fn correction(&self, effect: Effect) -> Option<&Correction> {
+        self.corrections.iter().find(|correction| correction.effect == effect)
+    }
+
     /// Whether both surfaces have a meaningful mean friction.
     #[must_use]
     pub fn is_trusted(&self) -> bool {
@@ -271,18 +326,43 @@ impl LoadOutcome {
         std::iter::once(&self.surface).chain(&self.flat).all(|surface| means.contains(&surface.status))
     }
 
-    /// Sets the ratio, and the patterned surface's dynamic friction to the ratio times that of the flat surface.
-    pub fn set_ratio(&mut self, ratio: Option<f64>) {
-        let flat_mu = self.flat.as_ref().and_then(|flat| flat.mu_dynamic);
-        self.ratio = ratio;
-        self.surface.mu_dynamic = ratio.zip(flat_mu).map(|(ratio, mu)| ratio * mu);
+    /// Adds the `change` by `effect`, known to the standard error `std`, in place of an earlier one by the same effect.
+    /// Does nothing without a ratio.
+    pub(crate) fn correct(&mut self, effect: Effect, change: f64, std: f64) {
+        if self.solved.is_some() {
+            self.corrections.retain(|correction| correction.effect != effect);
+            self.corrections.push(Correction { effect, change, std });
+            self.follow_ratio();
+        }
     }
 
-    /// Adds `by` to the ratio, if there is one, and changes friction in proportion.
-    pub(crate) fn shift_ratio(&mut self, by: f64) {
-        if let Some(ratio) = self.ratio {
-            self.set_ratio(Some(ratio + by));
+    /// Scales the friction reduction, all changes and errors to a face with the cavity fraction `share` of that of the
+    /// solved one, with the standard error `std` of doing so.
+    ///
+    /// ```text
+    /// 1 - r = share (1 - r_solved),     r - r_solved = (share - 1) (r_solved - 1)
+    /// ```
+    pub fn scale_to_layout(&mut self, share: f64, std: Option<f64>) {
+        for correction in &mut self.corrections {
+            correction.change *= share;
+            correction.std *= share;
         }
+        self.ratio_stderr = self.ratio_stderr.map(|stderr| stderr * share);
+        if let Some(solved) = self.solved {
+            self.correct(Effect::Layout, (share - 1.0) * (solved - 1.0), std.unwrap_or(0.0));
+        }
+    }
+
+    /// Removes the ratio: without one of its corrections it would mean something else.
+    pub(crate) fn remove_ratio(&mut self) {
+        self.solved = None;
+        self.corrections.clear();
+        self.follow_ratio();
+    }
+
+    fn follow_ratio(&mut self) {
+        let flat_mu = self.flat.as_ref().and_then(|flat| flat.mu_dynamic);
+        self.surface.mu_dynamic = self.ratio().zip(flat_mu).map(|(ratio, mu)| ratio * mu);
     }
 }
 

@@ -139,14 +139,14 @@ pub fn steady_ratios(scene: &Scene, monitor: &dyn Monitor) -> Result<Vec<Option<
         steady(solved, monitor)?.loads
     };
     rim_difference::add_yielding(scene, pattern, &mut loads, &mut Statements::default());
-    let own: Vec<Option<f64>> = loads.iter().map(|load| load.ratio).collect();
+    let own: Vec<Option<f64>> = loads.iter().map(|load| load.ratio()).collect();
     let refined = if scene.run.refine {
         blocks::refinement(scene, pattern, &own, blocks::MAX_PRODUCTS, monitor).ok()
     } else {
         None
     };
     let shifts = refined.map_or_else(|| vec![0.0; loads.len()], |refined| refined.shifts);
-    let converged = |load: LoadOutcome| load.ratio.filter(|_| load.surface.status == Status::Converged);
+    let converged = |load: LoadOutcome| load.ratio().filter(|_| load.surface.status == Status::Converged);
     Ok(loads.into_iter().zip(shifts).map(|(load, shift)| Some(converged(load)? + shift)).collect())
 }
 
@@ -171,7 +171,7 @@ fn over_layer(scene: &Scene, strip: Option<&Strip>, monitor: &dyn Monitor) -> Re
         .filter(|pattern| affordable(scene, columns::cell(pattern, scene.layer.block_m).len(), true).is_ok());
     if let Some(pattern) = estimated {
         let own: Vec<Option<f64>> = match (scene.run.fidelity, scene.run.extent) {
-            (Fidelity::Steady, Extent::Cell) => simulation.loads.iter().map(|load| load.ratio).collect(),
+            (Fidelity::Steady, Extent::Cell) => simulation.loads.iter().map(|load| load.ratio()).collect(),
             _ => SteadyCell::with_dimension(scene, Dimension::Plane).ratios(pattern),
         };
         blocks::set_errors(&mut simulation.loads, discretization_error(scene, pattern, &own).as_deref(), 1.0);
@@ -416,20 +416,7 @@ fn compare(load: &Load, surface: SurfaceOutcome, flat: Option<SurfaceOutcome>) -
         let (own, of_flat) = (surface.mu_dynamic_stderr?, flat.mu_dynamic_stderr?);
         Some(own.hypot(ratio * of_flat) / flat.mu_dynamic?.abs())
     });
-    LoadOutcome {
-        pressure_pa: load.pressure_pa,
-        surface,
-        flat,
-        ratio,
-        ratio_stderr,
-        ratio_discretization_error: None,
-        ratio_layout_error: None,
-        ratio_layer_difference: None,
-        ratio_layer_error: None,
-        ratio_tilt_change: None,
-        ratio_tilt_error: None,
-        ratio_time_change: None,
-    }
+    LoadOutcome { pressure_pa: load.pressure_pa, surface, flat, ratio_stderr, solved: ratio, corrections: Vec::new() }
 }
 
 #[cfg(test)]

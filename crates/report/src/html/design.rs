@@ -254,7 +254,7 @@ fn confirmed(page: &mut Page, report: &DesignReport) {
     let columns: [Column<LoadReport>; 9] = [
         ("P in MPa", |load| plain(load.pressure_mpa)),
         ("ratio", |load| with_error(load.ratio, load.ratio_stderr, 4)),
-        ("change for vanishing blocks", |load| number(load.ratio_discretization_error, 4)),
+        ("change for vanishing blocks", |load| number(load.blocks_error(), 4)),
         ("mu", |load| with_error(load.mu_dynamic, load.mu_dynamic_stderr, 4)),
         ("mu flat", |load| with_error(load.mu_flat, load.mu_flat_stderr, 4)),
         ("mu static", |load| number(load.mu_static, 4)),

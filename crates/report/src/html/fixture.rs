@@ -7,6 +7,7 @@ use slipgrid_design::results::{LoadReport, MaterialReport, PatternReport};
 use slipgrid_design::{DesignReport, Expected, LimitedBy, ModelledRatio, SampleReport};
 use slipgrid_laser::export::{Ablation, Exposure, Laser, Removal};
 use slipgrid_model::pattern::TextureRecord;
+use slipgrid_model::springblock::{Correction, Effect};
 
 /// Report that contains every part that a page can show.
 pub fn report() -> DesignReport {
@@ -69,7 +70,7 @@ pub fn report() -> DesignReport {
                 pressure_mpa: 0.65,
                 ratio: Some(0.9637),
                 ratio_stderr: Some(0.0002),
-                ratio_discretization_error: Some(-0.0012),
+                corrections: vec![Correction { effect: Effect::Blocks, change: 0.0, std: 0.0006 }],
                 mu_flat: Some(0.25),
                 status: "converged".into(),
                 ..LoadReport::default()

@@ -73,7 +73,7 @@ fn record(scene: &Scene, simulation: &Simulation) -> Run {
         values: [
             with(load.surface.mu_dynamic, load.surface.mu_dynamic_stderr),
             with(load.surface.mu_static, None),
-            with(load.ratio, load.ratio_stderr),
+            with(load.ratio(), load.ratio_stderr),
         ],
     }
 }

@@ -266,7 +266,7 @@ impl Figures<'_> {
             mu_patterned_std: at.mu.std,
             mu_static_patterned: load.surface.mu_static,
             mu_static_patterned_std: at.mu_static.as_ref().and_then(|of| of.std),
-            ratio: load.ratio,
+            ratio: load.ratio(),
             ratio_stderr: load.ratio_stderr,
             ratio_std: at.ratio.as_ref().and_then(|of| of.std),
             status_flat: flat.status.name().into(),

@@ -211,6 +211,11 @@ pub fn number(value: &Value) -> f64 {
     value.as_f64().unwrap_or_else(|| panic!("{value} is no number"))
 }
 
+/// Correction of the ratio of `load` for `effect`, if there is one.
+pub fn correction<'a>(load: &'a Value, effect: &str) -> Option<&'a Value> {
+    load["corrections"].as_array().unwrap().iter().find(|correction| correction["effect"] == effect)
+}
+
 impl Place {
     /// Creates a folder with `files`, given by name and content.
     pub fn with(files: &[(&str, &str)]) -> Self {

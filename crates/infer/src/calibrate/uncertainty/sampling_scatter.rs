@@ -77,7 +77,7 @@ mod tests {
         let column = |value: fn(&LoadOutcome) -> f64| spread(&found.iter().map(value).collect::<Vec<_>>());
         let expected = sampling_scatter(&found[0], 0.05);
         let cases = [
-            (expected.ratio, column(|load| load.ratio.unwrap())),
+            (expected.ratio, column(|load| load.ratio().unwrap())),
             (expected.mu, column(|load| load.surface.mu_dynamic.unwrap())),
             (expected.flat, column(|load| load.flat.as_ref().unwrap().mu_dynamic.unwrap())),
         ];

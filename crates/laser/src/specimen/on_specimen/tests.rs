@@ -2,7 +2,7 @@ use super::*;
 use crate::export::Outline;
 use slipgrid_model::material::{AreaLaw, Elastic, LocalFriction};
 use slipgrid_model::pattern::{Planform, Rim, RimProfile, Texture};
-use slipgrid_model::springblock::{Dimension, Holder, Layer, Load, LoadOutcome, Unwatched, steady_ratios};
+use slipgrid_model::springblock::{Dimension, Effect, Holder, Layer, Load, LoadOutcome, Unwatched, steady_ratios};
 
 const DISC: Specimen = Specimen { outline: Outline::Disc { diameter_m: 10e-3 }, is_clipped: false };
 
@@ -18,6 +18,16 @@ fn scene(pattern: Pattern) -> Scene {
         speed_m_s: 2e-3,
         run: RunOptions { extent: Extent::Sample, ..RunOptions::default() },
     }
+}
+
+/// Change of the ratio of `load` by `effect`.
+fn change(load: &LoadOutcome, effect: Effect) -> Option<f64> {
+    load.correction(effect).map(|correction| correction.change)
+}
+
+/// Standard error of the ratio of `load` from the layout on the specimen.
+fn layout_std(load: &LoadOutcome) -> f64 {
+    load.correction(Effect::Layout).unwrap().std
 }
 
 /// Grooves on a disc, and the whole specimen in time at the fraction `of_even` of the speed limit of even sliding, over
@@ -36,7 +46,7 @@ fn on_disc(of_even: f64, travels: f64) -> (Scene, Simulation) {
 fn what_time_adds_alone_is_what_the_whole_specimen_in_time_has() {
     let (scene, whole) = on_disc(1.0, 1.0);
     let found = time_changes_on(&scene, Some(&DISC), &Unwatched).unwrap();
-    assert_eq!(found, whole.loads.iter().map(|load| load.ratio_time_change).collect::<Vec<_>>());
+    assert_eq!(found, whole.loads.iter().map(|load| change(load, Effect::Time)).collect::<Vec<_>>());
     // An infinite pattern has an equal change, up to its density, within the error of a run.
     let endless = time_changes_on(&scene, None, &Unwatched).unwrap();
     for (own, endless) in found.iter().zip(&endless) {
@@ -52,7 +62,7 @@ fn what_time_adds_alone_is_what_the_whole_specimen_in_time_has() {
 fn what_time_adds_hangs_on_no_speed() {
     let [(_, even), (_, slow)] = [1.0, 0.09].map(|of_even| on_disc(of_even, 2.0));
     for (load, even) in slow.loads.iter().zip(&even.loads) {
-        let [slow, found] = [load, even].map(|load| load.ratio_time_change.unwrap());
+        let [slow, found] = [load, even].map(|load| change(load, Effect::Time).unwrap());
         // The standard error of either is up to 0.001.
         assert!((slow - found).abs() < 1e-3 && slow > 2e-3, "{slow} {found} {:?}", load.ratio_stderr);
     }
@@ -77,7 +87,7 @@ fn a_strip_in_space_says_of_grooves_what_the_plane_says_of_their_strips() {
     let in_plane = simulate_on(&Scene { run: plane, ..scene.clone() }, Some(&specimen), &Unwatched).unwrap();
     let in_space = simulate_on(&scene, Some(&specimen), &Unwatched).unwrap();
     for (space, plane) in in_space.loads.iter().zip(&in_plane.loads) {
-        let (own, expected) = (space.ratio.unwrap(), plane.ratio.unwrap());
+        let (own, expected) = (space.ratio().unwrap(), plane.ratio().unwrap());
         assert!((own - expected).abs() < 2e-4 && expected < 0.99, "{own} {expected}");
         // At the ends.
         let peaks = [space, plane].map(|load| load.surface.peak_pressure_pa);
@@ -93,8 +103,8 @@ fn a_strip_in_space_departs_from_the_rule_by_its_ends_alone_and_shows_what_they_
     let run = RunOptions { extent: Extent::Cell, ..scene.run };
     let cell = simulate_on(&Scene { run, ..scene.clone() }, Some(&specimen), &Unwatched).unwrap();
     for (strip, cell) in strip.loads.iter().zip(&cell.loads) {
-        let departs = (strip.ratio.unwrap() - cell.ratio.unwrap()).abs();
-        let [own, without] = [strip, cell].map(|load| load.ratio_layout_error.unwrap());
+        let departs = (strip.ratio().unwrap() - cell.ratio().unwrap()).abs();
+        let [own, without] = [strip, cell].map(layout_std);
         assert!(departs < 5e-4 && departs > 1e-5, "{departs} {without}");
         assert!((own - OTHER_ROWS_ERROR * without).abs() < 1e-12);
         let peaks = [strip, cell].map(|load| load.surface.peak_pressure_pa);
@@ -125,7 +135,7 @@ fn rows_in_space_depart_from_the_rule_as_far_as_is_stated() {
         for strip in all.strips().iter().filter(|strip| !strip.cavities_m.is_empty()) {
             let (found, _) = simulate_strip(&scene, strip, &Unwatched).unwrap();
             for (lowered, load) in lowered.iter_mut().zip(&found.loads) {
-                *lowered += (1.0 - load.ratio.unwrap()) * strip.area_m2() / area_m2;
+                *lowered += (1.0 - load.ratio().unwrap()) * strip.area_m2() / area_m2;
             }
         }
         // The strips sample the face.
@@ -136,10 +146,10 @@ fn rows_in_space_depart_from_the_rule_as_far_as_is_stated() {
         let rule = simulate_on(&Scene { run, ..scene.clone() }, Some(&specimen), &Unwatched).unwrap();
         for (lowered, (middle, rule)) in lowered.into_iter().zip(middle.loads.iter().zip(&rule.loads)) {
             let by_rows = 1.0 - sampled * lowered;
-            let departs = |load: &LoadOutcome| (by_rows - load.ratio.unwrap()) / load.ratio_layout_error.unwrap();
+            let departs = |load: &LoadOutcome| (by_rows - load.ratio().unwrap()) / layout_std(load);
             of_rule.push(departs(rule));
             of_middle.push(departs(middle));
-            assert!((by_rows - middle.ratio.unwrap()).abs() < 1e-3, "{width_um}: {by_rows} {:?}", middle.ratio);
+            assert!((by_rows - middle.ratio().unwrap()).abs() < 1e-3, "{width_um}: {by_rows} {:?}", middle.ratio());
         }
     }
     let rms = |all: &[f64]| (all.iter().map(|own| own * own).sum::<f64>() / all.len() as f64).sqrt();
@@ -165,7 +175,7 @@ fn turned_with_its_face_and_its_sliding_direction_a_pattern_has_the_same_ratios(
             (scene.layer.block_m, scene.layer.thickness_m) = (20e-6, Some(7e-3));
             let specimen = Specimen { outline, is_clipped: false };
             let loads = simulate_on(&scene, Some(&specimen), &Unwatched).unwrap().loads;
-            loads.iter().map(|load| [load.ratio, load.ratio_tilt_change]).collect::<Vec<_>>()
+            loads.iter().map(|load| [load.ratio(), change(load, Effect::Tilt)]).collect::<Vec<_>>()
         };
         let (own, turned) = (ratios(0.0, face), ratios(by_deg, turned_face));
         for (own, turned) in own.iter().flatten().zip(turned.iter().flatten()) {
@@ -185,8 +195,8 @@ fn bands_sample_a_disc() {
             simulate_specimen(&scene, &face, &Unwatched).unwrap().loads
         };
         for (coarse, fine) in solved(BANDS).iter().zip(&solved(4 * BANDS)) {
-            let distance = (coarse.ratio.unwrap() - fine.ratio.unwrap()).abs();
-            let stated = coarse.ratio_layout_error.unwrap();
+            let distance = (coarse.ratio().unwrap() - fine.ratio().unwrap()).abs();
+            let stated = layout_std(coarse);
             assert!(distance < stated.max(1e-4) && stated < 2.5e-3, "{pattern:?}: {distance} {stated}");
         }
     }
@@ -202,7 +212,7 @@ fn the_share_of_cavities_says_what_strips_say_but_for_the_ends() {
     let strips = simulate_on(&scene, Some(&DISC), &Unwatched).unwrap();
     let cells = SteadyCell::new(&scene).ratios(&pattern);
     for (load, cell) in strips.loads.iter().zip(cells) {
-        let (found, cell) = (load.ratio.unwrap(), cell.unwrap());
+        let (found, cell) = (load.ratio().unwrap(), cell.unwrap());
         assert!((found - on_face(cell, share)).abs() < 0.006, "{found} {cell}");
         assert!(found > cell, "fewer cavities lower friction less");
     }
@@ -219,9 +229,9 @@ fn squares_are_a_cell_in_proportion_to_their_share_of_the_face() {
     let on = simulate_on(&scene, Some(&DISC), &Unwatched).unwrap();
     let share = density_share(&DISC.layout(pattern).unwrap(), Dimension::Space);
     for (cell, on) in cell.loads.iter().zip(&on.loads) {
-        let (cell, found) = (cell.ratio.unwrap(), on.ratio.unwrap());
+        let (cell, found) = (cell.ratio().unwrap(), on.ratio().unwrap());
         assert!(((1.0 - found) / (1.0 - cell) - share).abs() < 1e-9 && share < 1.0);
-        assert!(on.ratio_layout_error.is_some_and(|error| error < 0.003), "{:?}", on.ratio_layout_error);
+        assert!(layout_std(on) < 0.003, "{on:?}");
     }
     // In two dimensions the row of cavities through the centre is used.
     let section = density_share(&DISC.layout(pattern).unwrap(), Dimension::Plane);
@@ -253,10 +263,10 @@ fn steady_ratios_on_a_face_are_those_of_the_specimen() {
         let (mut farthest, mut tilted) = (0.0, 0.0);
         for (place, (load, cell)) in solved.loads.iter().zip(cells).enumerate() {
             let cell = cell.unwrap();
-            let (found, asked) = (on_face.ratio(cell, &pattern, place).unwrap(), load.ratio.unwrap());
+            let (found, asked) = (on_face.ratio(cell, &pattern, place).unwrap(), load.ratio().unwrap());
             assert!((found - asked).abs() < 1e-9, "{pattern:?} {place}: {found} {asked}");
             farthest = f64::max(farthest, (found - cell).abs());
-            tilted = f64::max(tilted, load.ratio_tilt_change.unwrap_or(0.0).abs());
+            tilted = f64::max(tilted, change(load, Effect::Tilt).unwrap_or(0.0).abs());
         }
         assert!(farthest > 5e-4 && (tilted > 1e-3) == (holder != Some(Holder::SelfAligning)), "{farthest} {tilted}");
     }

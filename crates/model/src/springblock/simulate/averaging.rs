@@ -1,6 +1,8 @@
 //! Mean of outcomes that differ in their draws of local coefficients only.
 
-use crate::springblock::outcome::{DynamicCost, InterfacePoint, LoadOutcome, Status, SurfaceOutcome, TracePoint};
+use crate::springblock::outcome::{
+    Correction, DynamicCost, InterfacePoint, LoadOutcome, Status, SurfaceOutcome, TracePoint,
+};
 
 /// Statuses from most to least severe.
 const SEVERITY: [Status; 11] = [
@@ -26,22 +28,22 @@ pub fn mean(mut draws: Vec<LoadOutcome>) -> Option<LoadOutcome> {
     let surfaces: Vec<&SurfaceOutcome> = draws.iter().map(|draw| &draw.surface).collect();
     let flats: Option<Vec<&SurfaceOutcome>> = draws.iter().map(|draw| draw.flat.as_ref()).collect();
     // The surfaces of a draw share their coefficients, so the ratio scatters less than either mu.
-    let ratio = all(draws.iter().map(|draw| draw.ratio));
+    let ratio = all(draws.iter().map(LoadOutcome::ratio));
     let ratio_stderr = all(draws.iter().map(|draw| draw.ratio_stderr));
     Some(LoadOutcome {
         pressure_pa: first.pressure_pa,
         surface: surface(&surfaces),
         flat: flats.map(|flats| surface(&flats)),
-        ratio: ratio.as_deref().map(average),
         ratio_stderr: standard_error(ratio.as_deref(), ratio_stderr.as_deref()),
-        ratio_discretization_error: first.ratio_discretization_error,
-        ratio_layout_error: first.ratio_layout_error,
-        ratio_layer_difference: first.ratio_layer_difference,
-        ratio_layer_error: first.ratio_layer_error,
-        ratio_tilt_change: first.ratio_tilt_change,
-        ratio_tilt_error: first.ratio_tilt_error,
-        ratio_time_change: all(draws.iter().map(|draw| draw.ratio_time_change)).as_deref().map(average),
+        solved: all(draws.iter().map(|draw| draw.solved)).as_deref().map(average),
+        corrections: first.corrections.iter().map(|&correction| mean_correction(correction, &draws)).collect(),
     })
+}
+
+/// `correction` with the mean change of those `draws` that have it.
+fn mean_correction(correction: Correction, draws: &[LoadOutcome]) -> Correction {
+    let changes = draws.iter().filter_map(|draw| draw.correction(correction.effect)).map(|same| same.change);
+    Correction { change: average(&changes.collect::<Vec<f64>>()), ..correction }
 }
 
 /// Returns all values, or `None` if one is missing.
@@ -143,15 +145,9 @@ mod tests {
             pressure_pa: 1e6,
             flat: Some(SurfaceOutcome { mu_dynamic: Some(mu / ratio), ..surface.clone() }),
             surface,
-            ratio: Some(ratio),
             ratio_stderr: Some(1e-4),
-            ratio_discretization_error: None,
-            ratio_layout_error: None,
-            ratio_layer_difference: None,
-            ratio_layer_error: None,
-            ratio_tilt_change: None,
-            ratio_tilt_error: None,
-            ratio_time_change: None,
+            solved: Some(ratio),
+            corrections: Vec::new(),
         }
     }
 
@@ -162,7 +158,7 @@ mod tests {
         assert!((mean.surface.mu_dynamic.unwrap() - 0.25).abs() < 1e-15);
         // Scatter 0.01, of three.
         assert!((mean.surface.mu_dynamic_stderr.unwrap() - 0.01 / 3.0_f64.sqrt()).abs() < 1e-15);
-        assert!((mean.ratio.unwrap() - 0.91).abs() < 1e-15);
+        assert!((mean.ratio().unwrap() - 0.91).abs() < 1e-15);
         assert!((mean.ratio_stderr.unwrap() - 0.01 / 3.0_f64.sqrt()).abs() < 1e-15);
         assert_eq!(mean.surface.cost.unwrap().site_updates, 300);
         assert!((mean.surface.interface[0].pressure_pa - 2.5).abs() < 1e-15);
@@ -178,10 +174,9 @@ mod tests {
     fn the_worst_status_stands_and_what_one_lacks_all_lack() {
         let mut lacking = draw(0.25, 1e-3, 0.9);
         lacking.surface.status = Status::NoOnset;
-        lacking.surface.mu_dynamic = None;
-        lacking.ratio = None;
+        lacking.remove_ratio();
         let mean = mean(vec![draw(0.25, 1e-3, 0.9), lacking]).unwrap();
-        assert_eq!((mean.surface.status, mean.surface.mu_dynamic, mean.ratio), (Status::NoOnset, None, None));
+        assert_eq!((mean.surface.status, mean.surface.mu_dynamic, mean.ratio()), (Status::NoOnset, None, None));
         assert_eq!(mean.flat.unwrap().status, Status::Converged);
     }
 }

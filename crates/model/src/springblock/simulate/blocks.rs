@@ -29,7 +29,7 @@ use super::cavities_in_space::{has_flat_face, refined_by_grooves};
 use super::widest;
 use crate::springblock::cell::SteadyCell;
 use crate::springblock::dimension::Dimension;
-use crate::springblock::outcome::{LoadOutcome, Simulation};
+use crate::springblock::outcome::{Effect, LoadOutcome, Simulation};
 use crate::springblock::scene::Scene;
 use crate::springblock::{Monitor, Unwatched};
 
@@ -192,11 +192,18 @@ fn edge_groove(pattern: &Pattern) -> Option<Pattern> {
     Pattern::new(Texture::new(Planform::Groove).with_rim(*rim), pattern.width_m(), spacing_m, pattern.depth_m()).ok()
 }
 
-/// Sets the discretization errors of `loads`, whose cavity fraction is `share` times that of a period, from those of a
+/// Adds the discretization errors to `loads`, whose cavity fraction is `share` times that of a period, from those of a
 /// steady cell.
 pub fn set_errors(loads: &mut [LoadOutcome], errors: Option<&[f64]>, share: f64) {
-    for (place, load) in loads.iter_mut().enumerate() {
-        load.ratio_discretization_error = errors.filter(|_| load.ratio.is_some()).map(|errors| errors[place] * share);
+    let none = vec![0.0; loads.len()];
+    errors.into_iter().for_each(|errors| set_changes(loads, &none, errors, share));
+}
+
+/// Adds the changes `shifts` to smaller blocks with the `errors` that remain; both are of a steady cell.
+fn set_changes(loads: &mut [LoadOutcome], shifts: &[f64], errors: &[f64], share: f64) {
+    for ((load, shift), error) in loads.iter_mut().zip(shifts).zip(errors) {
+        // The true difference hardly exceeds the estimate, which is taken as two standard errors.
+        load.correct(Effect::Blocks, shift * share, 0.5 * error * share);
     }
 }
 
@@ -248,7 +255,7 @@ pub fn refine(scene: &Scene, pattern: &Pattern, share: f64, simulation: &mut Sim
     if !scene.run.refine {
         return;
     }
-    let own: Vec<Option<f64>> = simulation.loads.iter().map(|load| load.ratio).collect();
+    let own: Vec<Option<f64>> = simulation.loads.iter().map(|load| load.ratio()).collect();
     let found = refinement(scene, pattern, &own, MAX_REFINEMENT_PRODUCTS, monitor);
     if monitor.cancelled() {
         *simulation = super::cancelled(scene);
@@ -268,8 +275,7 @@ pub fn apply_refinement(
     let block_m = scene.layer.block_m;
     match found.and_then(|found| require_improvement(loads, found, share, block_m)) {
         Ok(BlockRefinement { factor, shifts, errors }) => {
-            loads.iter_mut().zip(&shifts).for_each(|(load, shift)| load.shift_ratio(shift * share));
-            set_errors(loads, Some(&errors), share);
+            set_changes(loads, &shifts, &errors, share);
             let cell = match scene.dimension() {
                 Dimension::Plane => "the steady cell",
                 Dimension::Space => {
@@ -296,7 +302,7 @@ fn require_improvement(
     share: f64,
     block_m: f64,
 ) -> Result<BlockRefinement, Unrefined> {
-    let stated = loads.iter().filter_map(|load| load.ratio_discretization_error).reduce(f64::max);
+    let stated = loads.iter().filter_map(|load| Some(2.0 * load.correction(Effect::Blocks)?.std)).reduce(f64::max);
     let stated = stated.ok_or(Unrefined::Unknown)?;
     let most = share * found.errors.iter().copied().fold(0.0, f64::max);
     if most < stated { Ok(found) } else { Err(Unrefined::NotBetter(stated, most, block_m * found.factor)) }
@@ -451,7 +457,7 @@ mod tests {
         let found = BlockRefinement { factor: 0.125, shifts: vec![0.0], errors: vec![0.002] };
         assert_eq!(require_improvement(&[], found.clone(), 1.0, 10e-6), Err(Unrefined::Unknown));
         let simulation = simulate(&scene, &Unwatched).unwrap();
-        let own = simulation.loads[0].ratio_discretization_error.unwrap();
+        let own = simulation.loads[0].correction(Effect::Blocks).unwrap().std * 2.0;
         let not_better = BlockRefinement { errors: vec![2.0 * own], ..found.clone() };
         let refused = require_improvement(&simulation.loads, not_better, 1.0, 10e-6).unwrap_err();
         assert!(refused.statement(10e-6).contains("blocks of 1.25 um would leave them open by"), "{refused:?}");

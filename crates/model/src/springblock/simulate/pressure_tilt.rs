@@ -33,7 +33,7 @@ use crate::springblock::Monitor;
 use crate::springblock::cell::SteadyCell;
 use crate::springblock::dimension::Dimension;
 use crate::springblock::face::Face;
-use crate::springblock::outcome::{LoadOutcome, Simulation, Statements};
+use crate::springblock::outcome::{Effect, LoadOutcome, Simulation, Statements};
 use crate::springblock::scene::{Extent, Holder, Scene};
 
 /// Relative standard error of the computed change of the ratio, for specimens some tens of periods long
@@ -160,10 +160,8 @@ impl PressureTilt {
     /// Adds the shifts to the ratios of `loads`, and a statement to `statements`.
     pub fn add(&self, loads: &mut [LoadOutcome], statements: &mut Statements) {
         for (load, change) in loads.iter_mut().zip(&self.changes) {
-            let Some(change) = change.filter(|_| load.ratio.is_some()) else { continue };
-            load.ratio_tilt_change = Some(change);
-            load.ratio_tilt_error = Some(self.included.std * change);
-            load.shift_ratio(self.included.mean * change);
+            let Some(change) = change else { continue };
+            load.correct(Effect::Tilt, self.included.mean * change, self.included.std * change.abs());
         }
         statements.model.extend(self.statement());
     }
@@ -420,13 +418,10 @@ mod tests {
         let pattern = scene.pattern.unwrap();
         let plain = crate::springblock::simulate(&scene, &Unwatched).unwrap();
         let tilt = PressureTilt::for_sample(&scene, &pattern, &Unwatched);
-        let mut twice = plain.clone();
-        tilt.add(&mut twice.loads, &mut twice.statements);
-        for ((before, after), change) in plain.loads.iter().zip(&twice.loads).zip(&tilt.changes) {
+        let correction = |load: &LoadOutcome| load.correction(Effect::Tilt).map(|tilt| (tilt.change, tilt.std));
+        for (load, change) in plain.loads.iter().zip(&tilt.changes) {
             let change = change.unwrap();
-            assert_eq!(before.ratio_tilt_change, Some(change));
-            assert!((after.ratio.unwrap() - before.ratio.unwrap() - mean * change).abs() < 1e-12);
-            assert_eq!(before.ratio_tilt_error, Some(std * change));
+            assert_eq!(correction(load), Some((mean * change, std * change.abs())));
         }
         assert!(
             plain.statements.model.iter().any(|statements| statements.contains("half of the change is in the ratio"))
@@ -437,11 +432,10 @@ mod tests {
         };
         let [rigid, aligned] = Holder::ALL.map(held);
         for ((plain, rigid), aligned) in plain.loads.iter().zip(&rigid.loads).zip(&aligned.loads) {
-            let change = plain.ratio_tilt_change.unwrap();
-            let [half, all, none] = [plain, rigid, aligned].map(|load| load.ratio.unwrap());
+            let change = 2.0 * correction(plain).unwrap().0;
+            let [half, all, none] = [plain, rigid, aligned].map(|load| load.ratio().unwrap());
             assert!((half - none - 0.5 * change).abs() < 1e-12 && (all - none - change).abs() < 1e-12 && change != 0.0);
-            assert_eq!((rigid.ratio_tilt_change, rigid.ratio_tilt_error), (Some(change), Some(0.3 * change)));
-            assert_eq!((aligned.ratio_tilt_change, aligned.ratio_tilt_error), (None, None));
+            assert_eq!((correction(rigid), correction(aligned)), (Some((change, 0.3 * change.abs())), None));
         }
         let is_told =
             |simulation: &Simulation, words: &str| simulation.statements.model.iter().any(|of| of.contains(words));

@@ -31,7 +31,7 @@ fn a_measured_relief_of_rims_gives_the_ratios_of_the_rims() {
         let ratios = both(planform).map(|mut scene| {
             scene.run.extent = extent;
             scene.layer.length_m = 1500e-6;
-            simulate(&scene, &Unwatched).unwrap().loads.iter().map(|load| load.ratio.unwrap()).collect::<Vec<_>>()
+            simulate(&scene, &Unwatched).unwrap().loads.iter().map(|load| load.ratio().unwrap()).collect::<Vec<_>>()
         });
         for (a, b) in ratios[0].iter().zip(&ratios[1]) {
             assert!((a - b).abs() < 1e-5 && *a < 0.9, "{planform} {a} {b}");
@@ -49,7 +49,7 @@ fn a_specimen_takes_a_measured_relief_as_it_takes_rims() {
             .unwrap()
             .loads
             .iter()
-            .map(|load| load.ratio.unwrap())
+            .map(|load| load.ratio().unwrap())
             .collect::<Vec<_>>()
     });
     for (a, b) in ratios[0].iter().zip(&ratios[1]) {

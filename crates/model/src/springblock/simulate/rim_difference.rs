@@ -11,7 +11,7 @@ use crate::pattern::Pattern;
 
 use crate::springblock::cell::{CellOutcome, SteadyCell};
 use crate::springblock::dimension::Dimension;
-use crate::springblock::outcome::{LoadOutcome, Statements};
+use crate::springblock::outcome::{Effect, LoadOutcome, Statements};
 use crate::springblock::scene::{Extent, Fidelity, Scene};
 
 /// Relative standard error of the effect of rims: ends carry more load than the cell, and with few cavities rims have a
@@ -53,12 +53,11 @@ impl RimDifference {
     pub fn add(&self, share: f64, loads: &mut [LoadOutcome]) {
         for (load, difference) in loads.iter_mut().zip(&self.each) {
             let Some(difference) = difference else {
-                load.set_ratio(None);
+                load.remove_ratio();
                 continue;
             };
-            load.shift_ratio(difference.ratio * share);
-            let open = RELATIVE_ERROR * (difference.ratio * share).abs();
-            load.ratio_layout_error = load.ratio.map(|_| load.ratio_layout_error.unwrap_or(0.0).hypot(open));
+            let change = difference.ratio * share;
+            load.correct(Effect::Rims, change, RELATIVE_ERROR * change.abs());
             let surface = &mut load.surface;
             surface.peak_pressure_pa *= difference.peak;
             surface.clearance_m = surface.clearance_m.map(|clearance_m| clearance_m + difference.clearance_m);

@@ -9,7 +9,7 @@ use crate::springblock::Monitor;
 use crate::springblock::dynamics::{DynamicRun, Scheme, cache_key_settings, cached_run};
 use crate::springblock::error::SceneError;
 use crate::springblock::lattice::Lattice;
-use crate::springblock::outcome::{LoadOutcome, SurfaceOutcome};
+use crate::springblock::outcome::{Effect, LoadOutcome, SurfaceOutcome};
 use crate::springblock::scene::Scene;
 use crate::springblock::steady::SteadyModel;
 
@@ -49,7 +49,10 @@ pub fn run_all(
             cached_run(monitor, &content, share, || run.run(monitor))
         })
         .collect();
-    let corrected = |load: usize, _: usize, outcome: &mut LoadOutcome| outcome.shift_ratio(corrections[load]);
+    let corrected = |load: usize, _: usize, outcome: &mut LoadOutcome| match corrections[load] {
+        0.0 => {}
+        change => outcome.correct(Effect::WholeBlocks, change, 0.0),
+    };
     Ok(RunResults { loads: collect(scene, surfaces, outcomes, corrected), scheme: schemes[0] })
 }
 

@@ -17,7 +17,7 @@ use crate::springblock::dimension::Dimension;
 use crate::springblock::dynamics::{SpaceRun, SpaceScheme, cache_key_settings, cached_run};
 use crate::springblock::error::SceneError;
 use crate::springblock::face::Strip;
-use crate::springblock::outcome::{LoadOutcome, Simulation, Statements, Status, SurfaceOutcome};
+use crate::springblock::outcome::{Effect, LoadOutcome, Simulation, Statements, Status, SurfaceOutcome};
 use crate::springblock::scene::{Extent, Scene};
 use crate::springblock::space::SpaceLattice;
 
@@ -66,7 +66,7 @@ pub fn steady(scene: &Scene, layout: StripLayout, monitor: &dyn Monitor) -> Resu
         Some(strip) => space_strip::steady_loads(scene, strip, monitor)?,
     };
     let ratios: Vec<Option<f64>> = match &strip {
-        None => loads.iter().map(|load| load.ratio).collect(),
+        None => loads.iter().map(|load| load.ratio()).collect(),
         Some(_) => model.ratios_heeding(pattern, monitor),
     };
     let error = discretization_error(scene, pattern, &ratios, monitor);
@@ -227,10 +227,13 @@ pub fn dynamic(scene: &Scene, layout: StripLayout, monitor: &dyn Monitor) -> Res
     let mut loads = collect(scene, surfaces, outcomes, |load, draw, outcome| {
         // r = r_steady + (r_dynamic - r_steady of the same draw)
         if let Some((steady, drawn)) = drawn_ratios.as_ref().and_then(|known| known.get(load, draw)) {
-            outcome.ratio_time_change = outcome.ratio.map(|ratio| ratio - drawn);
-            outcome.shift_ratio(steady - drawn);
+            let added = outcome.solved.map(|ratio| ratio - drawn);
+            outcome.solved = added.map(|_| steady);
+            added.into_iter().for_each(|change| outcome.correct(Effect::Time, change, 0.0));
         }
-        outcome.shift_ratio(share * corrections[load]);
+        if corrections[load] != 0.0 {
+            outcome.correct(Effect::WholeBlocks, share * corrections[load], 0.0);
+        }
     });
     blocks::set_errors(&mut loads, error.as_deref(), share);
     let statements = statements(scene, pattern, &own, strip.as_ref(), scheme, (!is_whole).then_some(&whole));
@@ -336,9 +339,9 @@ mod tests {
         assert!(load.surface.tension_blocks == 0 && !load.surface.cavity_closed);
         scene.run.fidelity = Fidelity::Steady;
         let steady = simulate(&scene, &Unwatched).unwrap().loads[0].clone();
-        let (ratio, expected) = (load.ratio.unwrap(), steady.ratio.unwrap());
+        let (ratio, expected) = (load.ratio().unwrap(), steady.ratio().unwrap());
         assert!((ratio - expected).abs() < 0.006, "{ratio} {expected}");
-        assert_eq!(load.ratio_discretization_error, steady.ratio_discretization_error);
+        assert_eq!(load.correction(Effect::Blocks), steady.correction(Effect::Blocks));
         // Micro-stick-slip raises friction above steady sliding.
         let excess = flat.mu_dynamic.unwrap() / steady.flat.unwrap().mu_dynamic.unwrap() - 1.0;
         assert!(excess > 0.0 && excess < 0.05, "{excess}");
@@ -355,7 +358,7 @@ mod tests {
             scene.pattern = Some(Pattern::new(texture, 60e-6, 60e-6, 20e-6).unwrap());
             let load = simulate(&scene, &Unwatched).unwrap().loads[0].clone();
             assert_eq!(load.surface.status, Status::Converged);
-            assert!((load.ratio.unwrap() - 1.0).abs() < 2e-3, "{:?}", load.ratio);
+            assert!((load.ratio().unwrap() - 1.0).abs() < 2e-3, "{:?}", load.ratio());
             assert!((load.surface.mu_dynamic.unwrap() - 0.27).abs() < 5e-4);
         }
     }
@@ -377,11 +380,11 @@ mod tests {
             .into_iter()
             .map(|seed| {
                 scene.run.seed = seed;
-                simulate(&scene, &Unwatched).unwrap().loads[0].ratio.unwrap()
+                simulate(&scene, &Unwatched).unwrap().loads[0].ratio().unwrap()
             })
             .collect();
         let load = &both.loads[0];
-        assert!((load.ratio.unwrap() - (ratios[0] + ratios[1]) / 2.0).abs() < 1e-15);
+        assert!((load.ratio().unwrap() - (ratios[0] + ratios[1]) / 2.0).abs() < 1e-15);
         // The standard error of two runs is at least half their difference.
         assert!(load.ratio_stderr.unwrap() >= (ratios[0] - ratios[1]).abs() / 2.0 - 1e-15);
     }
@@ -390,14 +393,14 @@ mod tests {
     fn dimensions_that_are_no_whole_blocks_are_corrected_by_the_steady_difference() {
         let mut scene = scene(60.0, samples::friction());
         scene.run.sliding_m = 0.1e-6;
-        let whole = simulate(&scene, &Unwatched).unwrap().loads[0].ratio.unwrap();
+        let whole = simulate(&scene, &Unwatched).unwrap().loads[0].ratio().unwrap();
         let steady = |pattern: &Pattern| SteadyCell::new(&scene).ratios(pattern)[0].unwrap();
         let nearest = scene.pattern.unwrap();
         let pattern = samples::pattern(Planform::Square, 62.0, 58.0, 18.0);
         let difference = steady(&pattern) - steady(&nearest);
         scene.pattern = Some(pattern);
         let found = simulate(&scene, &Unwatched).unwrap();
-        assert!(difference.abs() > 1e-3 && (found.loads[0].ratio.unwrap() - whole - difference).abs() < 1e-12);
+        assert!(difference.abs() > 1e-3 && (found.loads[0].ratio().unwrap() - whole - difference).abs() < 1e-12);
         assert!(
             found
                 .statements

@@ -225,7 +225,7 @@ mod tests {
 
     use super::*;
     use crate::springblock::Unwatched;
-    use crate::springblock::outcome::{InterfacePoint, Status};
+    use crate::springblock::outcome::{Effect, InterfacePoint, Status};
     use crate::springblock::samples;
     use crate::springblock::scene::{Extent, Fidelity, Layer, RunOptions};
     use crate::springblock::simulate::simulate;
@@ -249,7 +249,12 @@ mod tests {
             [3, 2].map(|dimensions| simulate(&scene(pattern, dimensions, Fidelity::Steady), &Unwatched).unwrap());
         for (space, plane) in space.loads.iter().zip(&plane.loads) {
             assert_eq!(space.surface.status, Status::Converged);
-            assert!((space.ratio.unwrap() - plane.ratio.unwrap()).abs() < 1e-8, "{:?} {:?}", space.ratio, plane.ratio);
+            assert!(
+                (space.ratio().unwrap() - plane.ratio().unwrap()).abs() < 1e-8,
+                "{:?} {:?}",
+                space.ratio(),
+                plane.ratio()
+            );
             for (own, plane) in surfaces(space).zip(surfaces(plane)) {
                 assert!((own.mu_dynamic.unwrap() - plane.mu_dynamic.unwrap()).abs() < 1e-9);
                 assert!((own.peak_pressure_pa / plane.peak_pressure_pa - 1.0).abs() < 1e-6);
@@ -327,7 +332,7 @@ mod tests {
             });
             for (along, across) in loads[0].iter().zip(&loads[1]) {
                 assert_eq!(along.surface.status, Status::Converged);
-                assert_eq!(along.ratio, across.ratio);
+                assert_eq!(along.ratio(), across.ratio());
                 assert_eq!(along.surface.mu_across, across.surface.mu_across.map(|mu| -mu));
                 let length = along.surface.interface.iter().map(|point| point.x_m).fold(0.0, f64::max);
                 assert!((length - 475e-6).abs() < 1e-9);
@@ -357,11 +362,11 @@ mod tests {
         let cells = [1, 11, 21, 31].map(cell);
         let steady = crate::springblock::cell::SteadyCell::new(&scene).ratios(&scene.pattern.unwrap());
         for (place, strip) in strip.iter().enumerate() {
-            let added = strip.ratio_time_change.unwrap();
+            let added = strip.correction(Effect::Time).unwrap().change;
             for cell in cells.iter().map(|loads| &loads[place]) {
                 // The change by time is relative to the steady ratio of mean coefficients, for any draw.
-                let own = cell.ratio_time_change.unwrap();
-                assert!((cell.ratio.unwrap() - steady[place].unwrap() - own).abs() < 1e-9, "{cell:?}");
+                let own = cell.correction(Effect::Time).unwrap().change;
+                assert!((cell.ratio().unwrap() - steady[place].unwrap() - own).abs() < 1e-9, "{cell:?}");
                 let open = cell.ratio_stderr.unwrap().hypot(strip.ratio_stderr.unwrap());
                 assert!((own - added).abs() < 3.0 * open && open < 3e-3, "{own} {added} {open}");
             }

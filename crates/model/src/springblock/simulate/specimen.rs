@@ -234,7 +234,7 @@ pub fn steady_face_ratios(
             &mut Statements::default(),
         );
     }
-    Ok(loads.iter().map(|load| load.ratio).collect())
+    Ok(loads.iter().map(|load| load.ratio()).collect())
 }
 
 /// Change of the ratio of `face` from steady to dynamic sliding at each load of `scene`, which defines the run of the

@@ -19,7 +19,7 @@ use crate::springblock::Monitor;
 use crate::springblock::cell::{CellOutcome, SteadyCell};
 use crate::springblock::dimension::Dimension;
 use crate::springblock::face::Face;
-use crate::springblock::outcome::{LoadOutcome, Statements, Status};
+use crate::springblock::outcome::{Effect, LoadOutcome, Statements, Status};
 use crate::springblock::scene::{Extent, Fidelity, Layer, Scene};
 
 /// Standard error of the ratio of a dynamic run from adding the difference of steady cells.
@@ -138,14 +138,11 @@ impl ThickLayerCorrection {
     pub fn apply(&self, is_in_time: bool, tilt: &PressureTilt, loads: &mut [LoadOutcome], statements: &mut Statements) {
         let is_added = self.layer.is_backed() && !self.is_solved;
         let open = (if is_in_time { DYNAMIC_ERROR } else { 0.0 }).hypot(self.end_error);
-        for (load, difference) in loads.iter_mut().zip(&self.each) {
+        for (load, difference) in loads.iter_mut().zip(&self.each).filter(|_| is_added) {
             let Some(difference) = difference else { continue };
-            load.ratio_layer_difference = Some(difference.ratio);
-            if is_added {
-                add(difference, open.hypot(self.relative_error * difference.ratio), load);
-            }
+            add(difference, open.hypot(self.relative_error * difference.ratio), load);
         }
-        if !self.each.is_empty() && loads.iter().any(|load| load.ratio.is_some()) {
+        if !self.each.is_empty() && loads.iter().any(|load| load.ratio().is_some()) {
             self.describe(is_added, loads, statements);
             if is_added {
                 tilt.add(loads, statements);
@@ -156,9 +153,9 @@ impl ThickLayerCorrection {
     fn describe(&self, is_added: bool, loads: &[LoadOutcome], statements: &mut Statements) {
         let Layer { height_m, thickness_m, .. } = self.layer;
         let (layer_um, thick_mm) = (height_m * 1e6, (thickness_m.unwrap_or(height_m) * 1e6).round() / 1e3);
-        let known = || loads.iter().filter_map(|load| load.ratio_layer_difference);
+        let known = || self.each.iter().flatten().map(|difference| difference.ratio);
         let widest = widest(known());
-        if known().count() < loads.iter().filter(|load| load.ratio.is_some()).count() {
+        if known().count() < loads.iter().filter(|load| load.ratio().is_some()).count() {
             return statements.model(format!(
                 "layer of {layer_um:.0} um under a rigid bulk: what a thicker specimen changes could not be computed, as its \
                  steady cell has no equilibrium"
@@ -172,7 +169,8 @@ impl ThickLayerCorrection {
             ));
         }
         if is_added {
-            let open = loads.iter().filter_map(|load| load.ratio_layer_error).fold(0.0, f64::max);
+            let behind = loads.iter().filter_map(|load| load.correction(Effect::Behind));
+            let open = behind.map(|behind| behind.std).fold(0.0, f64::max);
             let cells = if self.relative_error == 0.0 { "the steady cell" } else { "steady cells that share the load" };
             return statements.method(format!(
                 "blocks of the lowest {layer_um:.0} um of the specimen; the rest of its {thick_mm} mm changes the ratio by \
@@ -205,8 +203,10 @@ fn difference(thick: &CellOutcome, alone: &CellOutcome) -> Option<Difference> {
 
 /// Adds `difference` with the standard error `open` to `load`.
 fn add(difference: &Difference, open: f64, load: &mut LoadOutcome) {
-    load.shift_ratio(difference.ratio);
-    load.ratio_layer_error = load.ratio.map(|ratio| open.min(RELATIVE_ERROR * (1.0 - ratio).abs()));
+    if let Some(ratio) = load.ratio() {
+        let std = open.min(RELATIVE_ERROR * (1.0 - ratio - difference.ratio).abs());
+        load.correct(Effect::Behind, difference.ratio, std);
+    }
     let surface = &mut load.surface;
     surface.peak_pressure_pa *= difference.peak;
     surface.clearance_m = surface.clearance_m.map(|clearance_m| clearance_m + difference.clearance_m);

@@ -139,7 +139,7 @@ fn both_are_solved_in_space_steady_and_in_time() {
         let mut asked = scene(pattern, &[2.6], RunOptions::default());
         (asked.layer.block_m, asked.layer.height_m) = (20e-6, 100e-6);
         let steady = simulate(&asked, &Unwatched).unwrap();
-        let ratio = steady.loads[0].ratio.unwrap();
+        let ratio = steady.loads[0].ratio().unwrap();
         assert!(
             ratio < 0.99 && steady.statements.method.iter().any(|line| line.contains("three dimensions")),
             "{ratio}"
@@ -148,6 +148,6 @@ fn both_are_solved_in_space_steady_and_in_time() {
         let run =
             RunOptions { fidelity: Fidelity::Dynamic, sliding_m: 2e-6, warm_start: true, ..RunOptions::default() };
         let in_time = simulate(&crate::springblock::Scene { run, ..asked }, &Unwatched).unwrap();
-        assert!(in_time.loads[0].ratio.is_some(), "{:?}", in_time.loads[0]);
+        assert!(in_time.loads[0].ratio().is_some(), "{:?}", in_time.loads[0]);
     }
 }

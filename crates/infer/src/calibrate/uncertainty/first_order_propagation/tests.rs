@@ -29,7 +29,7 @@ fn scene(planform: Planform, area_law: Option<AreaLaw>) -> Scene {
 /// Ratio and flat friction at each load, from the steady cell itself.
 fn solved(scene: &Scene) -> Vec<[f64; 2]> {
     let found = simulate(scene, &Unwatched).unwrap();
-    found.loads.iter().map(|load| [load.ratio.unwrap(), load.flat.as_ref().unwrap().mu_dynamic.unwrap()]).collect()
+    found.loads.iter().map(|load| [load.ratio().unwrap(), load.flat.as_ref().unwrap().mu_dynamic.unwrap()]).collect()
 }
 
 fn modulus(std: f64) -> Option<ScaleError> {

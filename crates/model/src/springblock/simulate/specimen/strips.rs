@@ -10,7 +10,7 @@ use crate::springblock::columns;
 use crate::springblock::error::SceneError;
 use crate::springblock::face::{Face, Strip};
 use crate::springblock::lattice::Lattice;
-use crate::springblock::outcome::{LoadOutcome, Status, SurfaceOutcome};
+use crate::springblock::outcome::{Effect, LoadOutcome, Status, SurfaceOutcome};
 use crate::springblock::scene::{Layer, Load, Scene};
 use crate::springblock::steady::{SteadyLoad, SteadyModel, factor_bytes};
 
@@ -271,7 +271,9 @@ fn face_load(
         mu_dynamic: ratio.zip(flat.mu_dynamic).map(|(ratio, mu)| ratio * mu),
         ..longest.map_or_else(|| flat.clone(), |(surface, _)| surface.clone())
     };
-    LoadOutcome { ratio_layout_error: sampling_error, ..compare(load, surface, Some(flat)) }
+    let mut outcome = compare(load, surface, Some(flat));
+    outcome.correct(Effect::Layout, 0.0, sampling_error.unwrap_or(0.0));
+    outcome
 }
 
 /// Ratio of the face to the flat face of `flat_mu`, and the standard error of sampling it by strips, from the

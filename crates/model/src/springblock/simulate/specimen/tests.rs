@@ -7,7 +7,7 @@ use crate::material::{AreaLaw, LocalFriction};
 use crate::springblock::lattice::Lattice;
 use crate::springblock::simulate::run_all;
 use crate::springblock::steady::SteadyModel;
-use crate::springblock::{Layer, Strip, columns, samples, simulate};
+use crate::springblock::{Effect, Layer, Strip, columns, samples, simulate};
 
 fn scene(run: RunOptions) -> Scene {
     let run = RunOptions { extent: Extent::Sample, ..run };
@@ -30,7 +30,7 @@ fn face(strips: Vec<Strip>) -> Face {
 }
 
 fn ratios(scene: &Scene, face: &Face) -> Vec<f64> {
-    simulate_specimen(scene, face, &Unwatched).unwrap().loads.iter().map(|load| load.ratio.unwrap()).collect()
+    simulate_specimen(scene, face, &Unwatched).unwrap().loads.iter().map(|load| load.ratio().unwrap()).collect()
 }
 
 fn largest_distance(a: &[f64], b: &[f64]) -> f64 {
@@ -44,7 +44,8 @@ fn one_strip_laid_like_a_sample_is_the_sample() {
     for load in &mut scene.loads {
         load.friction = LocalFriction::new(0.30, 0.27, 0.0).unwrap();
     }
-    let sample: Vec<f64> = simulate(&scene, &Unwatched).unwrap().loads.iter().map(|load| load.ratio.unwrap()).collect();
+    let sample: Vec<f64> =
+        simulate(&scene, &Unwatched).unwrap().loads.iter().map(|load| load.ratio().unwrap()).collect();
     let own = ratios(&scene, &face(vec![strip(0, 2e-3, 180e-6)]));
     assert!(largest_distance(&own, &sample) < 1e-9, "{own:?} {sample:?}");
 }
@@ -80,7 +81,7 @@ fn strips_carry_the_load_as_one_rigid_bulk_presses_them() {
         let mu = (at(&cell_lines, k_t) + at(&flat, k_f)) / (2.0 * load.pressure_pa);
         assert!((found.surface.mu_dynamic.unwrap() / mu - 1.0).abs() < 1e-9);
     }
-    assert!(found.loads[1].ratio.unwrap() > ratios(&scene, &face(vec![strip(0, 2e-3, 180e-6)]))[1]);
+    assert!(found.loads[1].ratio().unwrap() > ratios(&scene, &face(vec![strip(0, 2e-3, 180e-6)]))[1]);
     assert!(
         found.statements.model.iter().any(|statements| statements.contains("13.00 % of its face")),
         "{:?} {pattern:?}",
@@ -203,9 +204,8 @@ fn strips_that_sample_a_face_are_corrected_to_its_share_of_cavities() {
         assert!(((1.0 - found) / (1.0 - own) - 1.1).abs() < 1e-9);
     }
     let statements = simulate_specimen(&scene, &sampled, &Unwatched).unwrap();
-    assert!(
-        statements.loads.iter().all(|load| load.ratio_layout_error.is_some_and(|error| error > 0.0 && error < 0.01))
-    );
+    let sampling = |load: &LoadOutcome| load.correction(Effect::Layout).unwrap().std;
+    assert!(statements.loads.iter().all(|load| sampling(load) > 0.0 && sampling(load) < 0.01));
 }
 
 #[test]
@@ -250,7 +250,7 @@ fn strips_follow_the_longest_in_time() {
         let models = [OnceLock::new(), OnceLock::new()];
         let loads = run_all(&scene, &lattices, &models, &[0.0], &Unwatched).unwrap().loads;
         let steady = drawn_ratios(&scene, &lattices, &models, &Unwatched);
-        loads[0].ratio.unwrap() - steady[0].unwrap()
+        loads[0].ratio().unwrap() - steady[0].unwrap()
     };
     let added: Vec<f64> = strips.iter().map(alone).collect();
     let over_share: Vec<f64> =
@@ -260,8 +260,10 @@ fn strips_follow_the_longest_in_time() {
     let all = added.iter().zip(&strips).map(|(added, strip)| added * strip.area_m2()).sum::<f64>() / area_m2;
     let steady =
         ratios(&Scene { run: RunOptions { fidelity: Fidelity::Steady, ..scene.run }, ..scene.clone() }, &whole);
-    let distance = (found.ratio.unwrap() - (steady[0] + all)).abs();
-    assert!(distance <= found.ratio_layout_error.unwrap(), "{distance} {:?}", found.ratio_layout_error);
+    let distance = (found.ratio().unwrap() - (steady[0] + all)).abs();
+    let std = |effect| found.correction(effect).unwrap().std;
+    let stated = std(Effect::Layout).hypot(std(Effect::Time));
+    assert!(distance <= stated, "{distance} {stated}");
 }
 
 #[test]
@@ -290,9 +292,10 @@ fn a_run_in_time_is_the_steady_specimen_and_what_it_says_that_time_adds() {
     let alone = Scene { run: RunOptions { fidelity: Fidelity::Steady, ..scene.run }, ..scene.clone() };
     assert_eq!(simulate_specimen(&alone, &whole, &Unwatched).unwrap(), steady);
     for (in_time, steady) in in_time.loads.iter().zip(&steady.loads) {
-        let added = in_time.ratio_time_change.unwrap();
-        assert!((in_time.ratio.unwrap() - steady.ratio.unwrap() - added).abs() < 1e-12 && added != 0.0);
-        assert_eq!((steady.ratio_time_change, steady.ratio_tilt_change), (None, in_time.ratio_tilt_change));
+        let added = in_time.correction(Effect::Time).unwrap().change;
+        assert!((in_time.ratio().unwrap() - steady.ratio().unwrap() - added).abs() < 1e-12 && added != 0.0);
+        assert_eq!(steady.correction(Effect::Time), None);
+        assert_eq!(steady.correction(Effect::Tilt), in_time.correction(Effect::Tilt));
     }
 }
 

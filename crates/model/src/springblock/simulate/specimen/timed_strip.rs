@@ -14,7 +14,7 @@ use crate::springblock::dynamics::cache_key_settings;
 use crate::springblock::error::SceneError;
 use crate::springblock::face::{Face, Strip};
 use crate::springblock::lattice::Lattice;
-use crate::springblock::outcome::{LoadOutcome, Statements, Status, SurfaceOutcome};
+use crate::springblock::outcome::{Effect, LoadOutcome, Statements, Status, SurfaceOutcome};
 use crate::springblock::scene::{Load, Scene};
 use crate::springblock::steady::SteadyModel;
 
@@ -67,7 +67,7 @@ impl TimedStrip {
         describe_start(scene, "layer", &mut statements);
         let columns = lattices[0].columns();
         let share = columns.iter().filter(|column| !column.is_land()).count() as f64 / columns.len() as f64;
-        let added = loads.iter().zip(steady).map(|(load, steady)| Some(load.ratio? - steady?)).collect();
+        let added = loads.iter().zip(steady).map(|(load, steady)| Some(load.ratio()? - steady?)).collect();
         Ok(Self { loads, added, share, statements })
     }
 
@@ -89,14 +89,18 @@ impl TimedStrip {
         // With a single strip there is no other strip to apply the change to.
         let followed = if face.strips().len() > 1 { TIME_CHANGE_ERROR } else { 0.0 };
         let of_load = |((strip, added), steady): ((&LoadOutcome, &Option<f64>), &LoadOutcome)| {
-            let mut load = strip.clone();
-            load.ratio_time_change = steady.ratio.and(*added).map(|added| added * share);
-            load.set_ratio(steady.ratio.zip(load.ratio_time_change).map(|(ratio, added)| ratio + added));
-            load.ratio_stderr = strip.ratio_stderr.map(|stderr| stderr * share);
+            let mut load = LoadOutcome {
+                surface: strip.surface.clone(),
+                flat: strip.flat.clone(),
+                ratio_stderr: strip.ratio_stderr.map(|stderr| stderr * share),
+                ..steady.clone()
+            };
+            match added.map(|added| added * share) {
+                Some(change) => load.correct(Effect::Time, change, followed * change.abs()),
+                None => load.remove_ratio(),
+            }
             load.surface.cavity_closed |= steady.surface.cavity_closed;
             load.surface.area_law_extrapolated |= steady.surface.area_law_extrapolated;
-            let sampled = steady.ratio_layout_error.zip(load.ratio_time_change);
-            load.ratio_layout_error = sampled.map(|(sampled, added)| sampled.hypot(followed * added));
             load
         };
         let loads = self.loads.iter().zip(&self.added).zip(steady).map(of_load).collect();

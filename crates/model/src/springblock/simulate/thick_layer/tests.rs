@@ -4,10 +4,10 @@ use crate::material::LocalFriction;
 use crate::pattern::Planform;
 
 use super::*;
-use crate::springblock::Unwatched;
 use crate::springblock::samples::{self, groove};
 use crate::springblock::scene::RunOptions;
 use crate::springblock::simulate::simulate;
+use crate::springblock::{Correction, Unwatched};
 
 fn scene(pattern: Pattern, run: RunOptions) -> Scene {
     let scene = samples::scene(pattern, &[0.65, 2.6], run);
@@ -59,8 +59,8 @@ fn off(run: RunOptions, length_m: f64, relative_std: f64) -> Vec<f64> {
         }
         let (thin, thick) = (ratios(&scene, 200e-6, Some(THICK_M)), ratios(&scene, THICK_M, None));
         for (thin, thick) in thin.iter().zip(&thick) {
-            let (found, expected) = (thin.ratio.unwrap(), thick.ratio.unwrap());
-            let (added, stated) = (thin.ratio_layer_difference.unwrap(), thin.ratio_layer_error.unwrap());
+            let (found, expected) = (thin.ratio().unwrap(), thick.ratio().unwrap());
+            let Correction { change: added, std: stated, .. } = *thin.correction(Effect::Behind).unwrap();
             println!(
                 "{width}/{spacing}/{depth} {:.2} MPa: {found:.4} {expected:.4} off {:+.4} added {added:+.4} +- {stated:.4} stderr {:.4} {:.4} peak {:.2} {:.2}",
                 thin.pressure_pa / 1e6,
@@ -100,15 +100,19 @@ fn ends_hardly_change_what_is_behind_the_layer() {
 fn steady_cells_are_solved_over_the_whole_thickness_and_say_what_that_changes() {
     for pattern in [groove(400.0, 824.5, 49.4), squares()] {
         let scene = scene(pattern, RunOptions::default());
-        let (thin, thick) = (ratios(&scene, 200e-6, None), ratios(&scene, 200e-6, Some(7e-3)));
-        for (thin, thick) in thin.iter().zip(&thick) {
-            let change = thick.ratio.unwrap() - thin.ratio.unwrap();
+        let at = |thickness_m: Option<f64>| {
+            let layer = Layer { height_m: 200e-6, thickness_m, ..scene.layer };
+            let stated = ThickLayerCorrection::new(&Scene { layer, ..scene.clone() }, &pattern, &Unwatched).each;
+            ratios(&scene, 200e-6, thickness_m).into_iter().zip(stated).collect::<Vec<_>>()
+        };
+        for ((thin, of_thin), (thick, of_thick)) in at(None).into_iter().zip(at(Some(7e-3))) {
+            let change = thick.ratio().unwrap() - thin.ratio().unwrap();
             // Cells in space are compared in blocks of twice the size; 7 mm is equivalent to a half-space for both.
             let close = |a: f64, tolerance: f64| assert!((a - change).abs() < tolerance, "{a} {change}");
             let tolerance = if !pattern.texture().is_one_section() { 0.2 * change.abs() } else { 1e-9 };
-            close(thick.ratio_layer_difference.unwrap(), tolerance);
-            close(thin.ratio_layer_difference.unwrap(), tolerance.max(1e-6));
-            assert_eq!((thin.ratio_layer_error, thick.ratio_layer_error), (None, None));
+            close(of_thick.unwrap().ratio, tolerance);
+            close(of_thin.unwrap().ratio, tolerance.max(1e-6));
+            assert_eq!((thin.correction(Effect::Behind), thick.correction(Effect::Behind)), (None, None));
         }
         let statements = |thickness_m: Option<f64>| {
             let layer = Layer { thickness_m, ..scene.layer };
@@ -143,14 +147,15 @@ fn time_and_ends_get_the_steady_difference_added() {
         let (thin, thick) = (&ratios(&scene, height_m, None)[0], &ratios(&scene, height_m, Some(7e-3))[0]);
         let cell = Scene { run: RunOptions::default(), ..scene.clone() };
         let [alone, all] = [None, Some(7e-3)].map(|of| ratios(&cell, height_m, of)[0].clone());
-        let change = all.ratio.unwrap() - alone.ratio.unwrap();
+        let change = all.ratio().unwrap() - alone.ratio().unwrap();
         // Strips with ends have a tilt correction.
-        let tilt = 0.5 * thick.ratio_tilt_change.unwrap_or(0.0);
-        assert_eq!(thick.ratio_tilt_change.is_some(), scene.run.extent == Extent::Sample);
-        assert!(change.abs() > 1e-4 && (thick.ratio.unwrap() - thin.ratio.unwrap() - change - tilt).abs() < 1e-9);
-        assert!((thick.ratio_layer_difference.unwrap() - change).abs() < 1e-9);
-        assert!((thick.ratio_layer_error.unwrap() - open).abs() < 1e-12, "{:?}", thick.ratio_layer_error);
-        let mu = thick.flat.as_ref().unwrap().mu_dynamic.unwrap() * thick.ratio.unwrap();
+        let tilt = thick.correction(Effect::Tilt);
+        assert_eq!(tilt.is_some(), scene.run.extent == Extent::Sample);
+        let tilt = tilt.map_or(0.0, |tilt| tilt.change);
+        assert!(change.abs() > 1e-4 && (thick.ratio().unwrap() - thin.ratio().unwrap() - change - tilt).abs() < 1e-9);
+        let behind = thick.correction(Effect::Behind).unwrap();
+        assert!((behind.change - change).abs() < 1e-9 && (behind.std - open).abs() < 1e-12, "{behind:?}");
+        let mu = thick.flat.as_ref().unwrap().mu_dynamic.unwrap() * thick.ratio().unwrap();
         assert!((thick.surface.mu_dynamic.unwrap() - mu).abs() < 1e-12);
         let peak = all.surface.peak_pressure_pa / alone.surface.peak_pressure_pa;
         assert!((thick.surface.peak_pressure_pa / thin.surface.peak_pressure_pa - peak).abs() < 1e-9);
@@ -164,7 +169,7 @@ fn a_flat_surface_does_not_know_how_thick_it_is() {
     let thin = simulate(&scene, &Unwatched).unwrap();
     scene.layer.thickness_m = Some(7e-3);
     assert_eq!(simulate(&scene, &Unwatched).unwrap(), thin);
-    assert_eq!(thin.loads[0].ratio_layer_difference, None);
+    assert!(thin.loads[0].corrections().is_empty());
 }
 
 #[test]
