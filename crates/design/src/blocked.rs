@@ -67,7 +67,7 @@ pub fn blocked_by(search: &Search<'_>, best: &Prediction) -> Vec<LiftedReport> {
     let mut add = |what: String, lifted: &DesignTask, table: &Table| {
         let limited = Limited::of(lifted);
         let relaxed = Search { task: lifted, table, limited: &limited, ..search.clone() };
-        let (found, is_within_reach) = relaxed.greatest();
+        let (found, is_within_reach) = relaxed.greatest(&|_| true);
         let Some(found) = found.filter(|found| found.value() > best.value() + ALIKE || is_within_reach) else { return };
         all.push(LiftedReport {
             what,

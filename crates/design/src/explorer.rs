@@ -61,7 +61,7 @@ pub struct Explored {
     pub task: DesignTask,
     /// Material of the task.
     pub material: KnownMaterial,
-    /// Initial texture of a page: the texture with the maximum chance by the table.
+    /// Initial texture of a page: the texture with the maximum chance by the table, among those with an answer.
     pub pattern: Pattern,
     /// Loads of the predictions.
     pub loads: Vec<Load>,
@@ -145,17 +145,27 @@ pub fn explore_bounds(task: &DesignTask, monitor: &dyn Monitor) -> Result<Explor
     let prepared = &PreparedTask::new(task)?;
     let budget = TimeBudget::new(monitor, None);
     let found = with_table(prepared, None, None, (budget, monitor), &mut Timings::default(), |search, _| {
-        let (best, _) = search.greatest();
-        monitor.heed()?;
-        let best = best.ok_or_else(DesignError::nothing_computed)?;
-        let pattern = best.texture.pattern;
-        // Same accuracy as in `optimize`: with ends, tilt and time of this texture.
-        let about = search.solved(&pattern).map_or(best, |solved| search.as_cut(&solved));
-        let explorer = Explorer::new(search, &about, about.texture.run.as_deref());
-        monitor.heed()?;
-        Ok((pattern, explorer.ok_or_else(DesignError::nothing_computed)?, search.asked.learned.trials().len()))
+        let about_best = |open: &(dyn Fn(&Pattern) -> bool + Sync)| -> Result<(Pattern, Explorer), DesignError> {
+            let (best, _) = search.greatest(open);
+            monitor.heed()?;
+            let best = best.ok_or_else(DesignError::nothing_computed)?;
+            let pattern = best.texture.pattern;
+            // Same accuracy as in `optimize`: with ends, tilt and time of this texture.
+            let about = search.solved(&pattern).map_or(best, |solved| search.as_cut(&solved));
+            let explorer = Explorer::new(search, &about, about.texture.run.as_deref());
+            monitor.heed()?;
+            Ok((pattern, explorer.ok_or_else(DesignError::nothing_computed)?))
+        };
+        let (pattern, explorer) = about_best(&|_| true)?;
+        // A page begins at a texture that it has an answer for.
+        let found = if explorer.has_answer(&pattern) {
+            (pattern, explorer)
+        } else {
+            about_best(&|other| explorer.has_answer(other)).unwrap_or((pattern, explorer))
+        };
+        Ok((found, search.asked.learned.trials().len()))
     });
-    let (pattern, explorer, trials) = found?;
+    let ((pattern, explorer), trials) = found?;
     let PreparedTask { task, material, uncertainty, loads, outside, .. } = prepared.clone();
     let beyond_measured = task.beyond_measured(&material, &outside);
     let excess = uncertainty.excess(&task.pressures_pa(), task.condition.as_ref());
@@ -167,6 +177,11 @@ pub fn explore_bounds(task: &DesignTask, monitor: &dyn Monitor) -> Result<Explor
 }
 
 impl Explorer {
+    /// Whether the surfaces hold at `pattern`: a texture beside one without an answer has none.
+    fn has_answer(&self, pattern: &Pattern) -> bool {
+        !self.expected.is_beside(&self.holes, &pattern.lengths_m().map(|m| LENGTH_UM.from_si(m)))
+    }
+
     /// Builds the lattice from the table of `search`, with the table's error at `about` and the errors that samples of
     /// `about` share. Around `about` it has the maximum pressure of `run`, the run of this texture on its specimen: outer
     /// lands carry more than those of a period. `None` if no design can be computed or if the search's monitor has cancelled.

@@ -333,11 +333,11 @@ impl Search<'_> {
         self.asked.goal.is_none() && as_cut.any(|of| of.value() >= (1.0 - EQUAL) * first.value())
     }
 
-    /// Finds the maximum value by the table after a climb, and whether some median is accepted.
-    pub fn greatest(&self) -> (Option<Prediction>, bool) {
+    /// Finds the maximum value among `open` textures by the table after a climb, and whether some median is accepted.
+    pub fn greatest(&self, open: &(dyn Fn(&Pattern) -> bool + Sync)) -> (Option<Prediction>, bool) {
         let steps = Steps::new(self.task);
-        let (ranked, _, is_within_reach) = self.ranked(&steps, STARTS, &|_| true);
-        let ends = self.climbed(&steps, self.first_of_regions(&ranked), (&Progress::default(), &[]), &|_| true);
+        let (ranked, _, is_within_reach) = self.ranked(&steps, STARTS, open);
+        let ends = self.climbed(&steps, self.first_of_regions(&ranked), (&Progress::default(), &[]), open);
         let all = ends.iter().filter_map(|end| self.roughly(end)).collect();
         (sorted(all).into_iter().next(), is_within_reach)
     }

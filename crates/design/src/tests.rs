@@ -19,7 +19,7 @@ mod brute_force;
 mod learning;
 mod several_samples;
 
-use crate::explorer::Explorer;
+use crate::explorer::{Explorer, explore_bounds};
 use crate::next_trial::laser_warnings;
 use crate::prepared_task::PreparedTask;
 use crate::search::{Search, is_same};
@@ -195,6 +195,23 @@ fn no_random_texture_has_a_clearly_greater_chance() {
             assert!(greatest < best.chance() + 0.01, "{greatest} {}", best.chance());
         });
     }
+}
+
+#[test]
+fn a_page_begins_at_a_texture_with_an_answer() {
+    let mut task = task(Planform::Groove);
+    let known = &mut task.material.as_mut().unwrap().material;
+    known.area_law = Some(AreaLaw::new(vec![0.7e6, 1.3e6, 2.6e6, 10e6], vec![1.0, 0.9, 0.7, 0.3]).unwrap());
+    let points = [(0.65e6, 0.95), (2.6e6, 0.88)].map(|(pressure_pa, value)| TargetPoint { pressure_pa, value });
+    task.target = Target::new(Quantity::Ratio, points.to_vec(), 0.02).unwrap();
+    // Wide cavities of a soft, thick specimen close where they are shallow.
+    task.space = DesignSpace::new(Planform::Groove, [380e-6; 2], [300e-6, 1000e-6], [2e-6, 10e-6]).unwrap();
+    task.constraints.limits.depth_per_burst_m = Some(2.6e-6);
+    task.layer = Layer { height_m: 200e-6, block_m: 10e-6, thickness_m: Some(7e-3), ..task.layer };
+    let best = searched(&task, |search| search.greatest(&|_| true).0.unwrap().texture.pattern);
+    let found = explore_bounds(&task, &*KNOWN).unwrap();
+    let at = |pattern: &Pattern| found.predict(pattern.lengths_m().map(|m| 1e6 * m));
+    assert!(at(&best).is_none() && at(&found.pattern).is_some(), "{best:?} {:?}", found.pattern);
 }
 
 #[test]
