@@ -190,31 +190,22 @@ fn edge_pressure() -> String {
         .zip(&solved)
         .map(|(label, points)| charts::Series { label, points })
         .collect();
-    charts::interface_pressure(&charts::InterfacePressureChart {
-        title: "Pressure beside a groove of 130 µm at 2.6 MPa",
-        surfaces: &series,
-        cavities_um: &[[0.0, 130.0]],
-        nominal_mpa: Some(PRESSURE_PA * 1e-6),
-    })
-    .unwrap()
+    let title = "Pressure beside a groove of 130 µm at 2.6 MPa";
+    charts::interface_pressure(title, &series, &[[0.0, 130.0]], PRESSURE_PA * 1e-6).unwrap()
 }
 
 /// Real contact area and f by Persson's theory.
 fn area_law() -> String {
-    let pressure_mpa: Vec<f64> = (0..=48).map(|step| 0.04 * 10_f64.powf(0.05 * f64::from(step))).collect();
-    let area = |mpa: &f64| persson_area_fraction(mpa * 1e6, SCALE_PA, 1.0).unwrap();
+    let area = |mpa: f64| persson_area_fraction(mpa * 1e6, SCALE_PA, 1.0).unwrap();
+    let point = |step: u32| {
+        let pressure_mpa = 0.04 * 10_f64.powf(0.05 * f64::from(step));
+        let factor = law().factor(pressure_mpa * 1e6);
+        charts::AreaPoint { pressure_mpa, area_fraction: area(pressure_mpa), factor, ..Default::default() }
+    };
     let threshold_mpa = THRESHOLD_PA * 1e-6;
-    charts::area_law(&charts::AreaLawChart {
-        title: "Area law by Persson's theory, E* h'rms = 4 MPa",
-        pressure_mpa: &pressure_mpa,
-        area_fraction: &pressure_mpa.iter().map(area).collect::<Vec<_>>(),
-        factor: &pressure_mpa.iter().map(|mpa| law().factor(mpa * 1e6)).collect::<Vec<_>>(),
-        factor_std: &[],
-        windows: &[],
-        threshold: Some([threshold_mpa, area(&threshold_mpa)]),
-        others: &[],
-    })
-    .unwrap()
+    let title = "Area law by Persson's theory, E* h'rms = 4 MPa";
+    let points: Vec<charts::AreaPoint> = (0..=48).map(point).collect();
+    charts::area_law(title, &points, Some([threshold_mpa, area(threshold_mpa)]), &[]).unwrap()
 }
 
 /// Friction of one cell from rest.
@@ -236,7 +227,7 @@ fn stick_slip() -> String {
         })
         .collect();
     let title = "Friction of one cell from rest at 2.6 MPa";
-    charts::friction_trace(&charts::FrictionTraceChart { title, traces: &traces, means: "dynamic friction" }).unwrap()
+    charts::friction_trace(title, &traces, "dynamic friction").unwrap()
 }
 
 /// Load of the pictures of the discrepancy.

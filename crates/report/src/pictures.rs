@@ -8,10 +8,7 @@ use slipgrid_model::springblock::{Extent, InterfacePoint, LoadOutcome, Scene, Si
 
 use crate::ChartError;
 use crate::Outputs;
-use crate::charts::{
-    self, Estimate, FrictionTraceChart, InterfacePressureChart, Series, SlidingMark, SurfaceMapChart, Trace,
-    friction_trace, interface_pressure,
-};
+use crate::charts::{Estimate, Series, SurfaceValues, Trace, friction_trace, interface_pressure, surface_map};
 use slipgrid_base::units::{LENGTH_UM, PRESSURE_MPA, tidy};
 use slipgrid_design::results::PressureErrors;
 
@@ -101,8 +98,8 @@ fn of_load(
             })
             .collect();
         let title = format!("Friction coefficient at {load_mpa} MPa");
-        let chart = FrictionTraceChart { title: &title, traces: &traces, means };
-        pictures.push((format!("friction-{}mpa.svg", name_part(load_mpa)), friction_trace(&chart)?));
+        let picture = friction_trace(&title, &traces, means)?;
+        pictures.push((format!("friction-{}mpa.svg", name_part(load_mpa)), picture));
     }
     let sees_face = scene.dimension().sees_face();
     let is_strip = sees_face && scene.run.extent == Extent::Strip;
@@ -131,13 +128,8 @@ fn of_load(
         let where_from = if is_strip { "through cavities" } else { "along the interface" };
         let title = format!("Pressure {where_from} at {load_mpa} MPa");
         let cavities = lines.last().map_or_else(Vec::new, |line| cavities_um(scene, line));
-        let chart = InterfacePressureChart {
-            title: &title,
-            surfaces: &series,
-            cavities_um: &cavities,
-            nominal_mpa: Some(load_mpa),
-        };
-        pictures.push((format!("interface-{}mpa.svg", name_part(load_mpa)), interface_pressure(&chart)?));
+        let picture = interface_pressure(&title, &series, &cavities, load_mpa)?;
+        pictures.push((format!("interface-{}mpa.svg", name_part(load_mpa)), picture));
     }
     Ok(pictures)
 }
@@ -164,20 +156,10 @@ pub fn interface_map(scene: &Scene, load: &LoadOutcome, load_mpa: f64) -> Result
     let label = sliding_words(texture.as_ref());
     let grey = if texture.is_some() { "; cavities grey" } else { "" };
     let title = format!("Contact pressure at {load_mpa} MPa{grey}");
-    let map = charts::surface_map(&SurfaceMapChart {
-        title: &title,
-        values: &values,
-        unit: "MPa",
-        columns: y.count,
-        side_um: [x, y].map(|columns| LENGTH_UM.from_si(columns.count as f64 * columns.spacing_m)),
-        scale,
-        section_y_um: None,
-        sliding: Some(SlidingMark {
-            direction: texture.map_or([1.0, 0.0], |texture| texture.sliding_direction()),
-            label: &label,
-        }),
-    })?;
-    Ok(Some(map))
+    let side_um = [x, y].map(|columns| LENGTH_UM.from_si(columns.count as f64 * columns.spacing_m));
+    let pressures = SurfaceValues { values: &values, columns: y.count, unit: "MPa", scale, side_um };
+    let direction = texture.map_or([1.0, 0.0], |texture| texture.sliding_direction());
+    surface_map(&title, &pressures, None, Some((direction, &label))).map(Some)
 }
 
 /// Describes the sliding direction of a face seen from above, in the axes of the drawing, which are the texture's axes.

@@ -7,7 +7,7 @@ use slipgrid_io::formats::measurements;
 use slipgrid_io::formats::traces::{ConditionTraces, OfTrial, SurfaceKind, TraceCondition, notes};
 use slipgrid_traces::DEFAULT_WINDOW_S;
 
-use crate::charts::{RepeatTrace, Series, TribometerChart, friction_loops, tribometer};
+use crate::charts::{RepeatTrace, Series, friction_loops, tribometer};
 use crate::pictures::name_part;
 use crate::{ChartError, Outputs};
 
@@ -130,7 +130,7 @@ fn picture(traces: &ConditionTraces) -> Result<String, ChartError> {
         .collect();
     let window_s = traces.traces.first().map_or(DEFAULT_WINDOW_S, |trace| trace.findings.window_s);
     let title = format!("Friction in time: {}", title(&traces.condition));
-    tribometer(&TribometerChart { title: &title, window_s, repeats: &repeats })
+    tribometer(&title, window_s, &repeats)
 }
 
 /// Draws friction against position; `None` for sliding in one direction, and where no position was recorded.

@@ -12,7 +12,7 @@ use slipgrid_infer::calibrate::{CutSample, Measurement, contradicting_samples};
 use slipgrid_infer::discrepancy::{Discrepancy, Form, LeftOut, Surprise, leave_out};
 
 use crate::ReportError;
-use crate::charts::{Estimate, Prediction, TrialsChart, trials};
+use crate::charts::{Prediction, trials};
 pub use effects::EffectReport;
 use effects::{effects, less_known};
 
@@ -394,7 +394,7 @@ impl TrialsReport {
             .map(|(trial, at)| Prediction {
                 trial,
                 measured: at.measured,
-                predicted: Estimate { value: at.before.ratio, error: None },
+                predicted: at.before.ratio,
                 interval: at.before.interval_95,
             })
             .collect();
@@ -408,7 +408,7 @@ impl TrialsReport {
             ("pressure (MPa)", of(&|_, at| at.pressure_mpa)),
         ];
         let title = format!("{}: measured and predicted ratios", self.name);
-        Ok(trials(&TrialsChart { title: &title, names: &names, predictions: &predictions, panels: &panels })?)
+        Ok(trials(&title, &names, &predictions, &panels)?)
     }
 }
 

@@ -1,17 +1,9 @@
-use super::canvas::{GREY, INK, LEFT, Mark, PALETTE, RIGHT, Swatch, WIDTH, picture};
-use super::plot::{Axis, Plot};
-use super::{ChartError, Series, check};
+//! Charts of tribometer traces.
 
-/// Repeats of a tribometer test.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TribometerChart<'a> {
-    /// Title.
-    pub title: &'a str,
-    /// Averaging window, in seconds.
-    pub window_s: [f64; 2],
-    /// One trace per repeat.
-    pub repeats: &'a [RepeatTrace<'a>],
-}
+use super::axis::Axis;
+use super::canvas::{GREY, INK, Mark, PALETTE, Swatch};
+use super::chart::{Chart, Layer};
+use super::{ChartError, Series};
 
 /// Trace of one repeat.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,47 +20,27 @@ pub struct RepeatTrace<'a> {
 const HEIGHT: f64 = 500.0;
 const SHADE: f64 = 0.12;
 
-/// Draws the traces of repeats with their means and static peaks.
+/// Draws the traces of repeats with their means over the averaging window `window_s` and their static peaks.
 ///
 /// # Errors
 /// [`ChartError`] if there is nothing to draw or a value is not finite.
-pub fn tribometer(chart: &TribometerChart<'_>) -> Result<String, ChartError> {
-    let points = || chart.repeats.iter().flat_map(|repeat| repeat.series.points);
-    check(chart.title, points().flatten())?;
-    let marks = chart.repeats.iter().flat_map(|repeat| {
-        [repeat.mu_dynamic].into_iter().chain(repeat.static_peak.into_iter().flatten()).chain(chart.window_s)
-    });
-    if let Some(value) = marks.clone().find(|value| !value.is_finite()) {
-        return Err(ChartError::NotFinite { title: chart.title.to_owned(), value });
-    }
-    let coloured = || chart.repeats.iter().zip(PALETTE.into_iter().cycle());
-    let mut legend: Vec<(Swatch, &str)> =
-        coloured().map(|(repeat, color)| (Swatch::Line(color), repeat.series.label)).collect();
+pub fn tribometer(title: &str, window_s: [f64; 2], repeats: &[RepeatTrace<'_>]) -> Result<String, ChartError> {
+    let points = || repeats.iter().flat_map(|repeat| repeat.series.points);
+    let (mut legend, lines) = coloured(repeats.iter().map(|repeat| repeat.series));
     legend.push((Swatch::Band(GREY, SHADE), "averaging window"));
     legend.push((Swatch::Dashed(INK), "mean over the window"));
-    if chart.repeats.iter().any(|repeat| repeat.static_peak.is_some()) {
+    if repeats.iter().any(|repeat| repeat.static_peak.is_some()) {
         legend.push((Swatch::Mark(Mark::Ring, INK), "static peak"));
     }
-    let end = points().map(|point| point[0]).fold(chart.window_s[1], f64::max);
-    let mu = points().map(|point| point[1]).chain(chart.repeats.iter().map(|repeat| repeat.mu_dynamic));
+    let end = points().map(|point| point[0]).fold(window_s[1], f64::max);
+    let mu = points().map(|point| point[1]).chain(repeats.iter().map(|repeat| repeat.mu_dynamic));
     let y_axis = Axis::as_needed("friction coefficient", mu);
-    picture(HEIGHT, |canvas| {
-        let top = canvas.heading(chart.title, &legend)?;
-        let frame = [LEFT, top, WIDTH - RIGHT, HEIGHT - 62.0];
-        let plot = Plot::new(canvas, frame, Axis::over("time (s)", [0.0, end]), y_axis)?;
-        plot.span(chart.window_s, GREY, SHADE)?;
-        for (repeat, color) in coloured() {
-            plot.line(repeat.series.points, color, 1.2)?;
-        }
-        let [from, to] = chart.window_s;
-        for (repeat, color) in coloured() {
-            plot.dashed([[from, repeat.mu_dynamic], [to, repeat.mu_dynamic]], INK)?;
-            if let Some(peak) = repeat.static_peak {
-                plot.mark(Mark::Ring, peak, None, 0.0, color)?;
-            }
-        }
-        Ok(())
-    })
+    let means = repeats.iter().zip(PALETTE.into_iter().cycle()).flat_map(|(repeat, color)| {
+        let mean = window_s.map(|time_s| [time_s, repeat.mu_dynamic]);
+        [Layer::Dashed(mean, INK), Layer::marks(Mark::Ring, repeat.static_peak, color)]
+    });
+    let layers = [Layer::Span(window_s, SHADE)].into_iter().chain(lines).chain(means);
+    Chart::new(title, HEIGHT, legend).plot(Axis::over("time (s)", [0.0, end]), y_axis, layers).svg()
 }
 
 /// Draws friction against position, in mm, of reciprocating traces: half the height of a loop is dynamic friction.
@@ -77,19 +49,18 @@ pub fn tribometer(chart: &TribometerChart<'_>) -> Result<String, ChartError> {
 /// [`ChartError`] if there is nothing to draw or a value is not finite.
 pub fn friction_loops(title: &str, repeats: &[Series<'_>]) -> Result<String, ChartError> {
     let points = || repeats.iter().flat_map(|repeat| repeat.points);
-    check(title, points().flatten())?;
-    let coloured = || repeats.iter().zip(PALETTE.into_iter().cycle());
-    let legend: Vec<(Swatch, &str)> = coloured().map(|(repeat, color)| (Swatch::Line(color), repeat.label)).collect();
+    let (legend, lines) = coloured(repeats.iter().copied());
     let x_axis = Axis::around("position (mm)", points().map(|point| point[0]));
     let y_axis = Axis::around("friction coefficient, with its sign", points().map(|point| point[1]));
-    picture(HEIGHT, |canvas| {
-        let top = canvas.heading(title, &legend)?;
-        let plot = Plot::new(canvas, [LEFT, top, WIDTH - RIGHT, HEIGHT - 62.0], x_axis, y_axis)?;
-        for (repeat, color) in coloured() {
-            plot.line(repeat.points, color, 1.2)?;
-        }
-        Ok(())
-    })
+    Chart::new(title, HEIGHT, legend).plot(x_axis, y_axis, lines).svg()
+}
+
+/// Legend and thin lines of repeats, each with a colour.
+fn coloured<'a>(repeats: impl Iterator<Item = Series<'a>>) -> (Vec<(Swatch, &'a str)>, Vec<Layer<'a>>) {
+    let of = |(repeat, color): (Series<'a>, _)| {
+        ((Swatch::Line(color), repeat.label), Layer::Line(repeat.points.to_vec(), color, 1.2))
+    };
+    repeats.zip(PALETTE.into_iter().cycle()).map(of).unzip()
 }
 
 #[cfg(test)]
@@ -114,8 +85,7 @@ mod tests {
             mu_dynamic: 0.25,
             static_peak,
         };
-        let chart =
-            |repeats: &[RepeatTrace<'_>]| tribometer(&TribometerChart { title: "t", window_s: [10.0, 40.0], repeats });
+        let chart = |repeats: &[RepeatTrace<'_>]| tribometer("t", [10.0, 40.0], repeats);
         let with = chart(&[repeat(Some([0.5, 0.31]))]).unwrap();
         assert_eq!(with.matches("<circle").count(), 2);
         assert!(with.contains("\none &lt;1&gt;\n") && with.contains("\naveraging window\n"));

@@ -5,7 +5,7 @@ use slipgrid_design::results::{believed, believed_interval, believed_std};
 
 use super::page::{Column, Page, number, percent, plain, sentence, yes_or_no};
 use crate::Outputs;
-use crate::charts::{Estimate, Prediction, left_out};
+use crate::charts::{Prediction, left_out};
 use crate::friction_sheet::FrictionSheet;
 use crate::literature;
 use crate::trials::{
@@ -184,7 +184,7 @@ fn left_out_picture(report: &TrialsReport) -> Option<String> {
         .map(|(trial, at)| Prediction {
             trial,
             measured: at.measured,
-            predicted: Estimate { value: at.without_trial.ratio, error: None },
+            predicted: at.without_trial.ratio,
             interval: at.without_trial.interval_95,
         })
         .collect();

@@ -21,10 +21,7 @@ use slipgrid_design::results::{ErrorReport, PressureErrors};
 use slipgrid_io::formats::Diagnostic;
 use slipgrid_io::formats::calibration::Calibration;
 use slipgrid_report::Outputs;
-use slipgrid_report::charts::{
-    AreaLawChart, Estimate, FrictionTraceChart, InterfacePressureChart, OtherSurface, Series, Trace, area_law,
-    friction_trace, interface_pressure,
-};
+use slipgrid_report::charts::{AreaPoint, Estimate, Series, Trace, area_law, friction_trace, interface_pressure};
 use slipgrid_report::csv;
 use slipgrid_report::pictures::{cavities_um, interface_map};
 
@@ -142,32 +139,23 @@ impl Figures<'_> {
             let row = given.pressure_mpa.iter().position(|&pressure| tidy(pressure) == threshold_mpa)?;
             Some([threshold_mpa, given.area_fraction[row]])
         });
-        let labels: Vec<String> =
-            tables.iter().map(|table| format!("{} times the slope", table.slope_factor)).collect();
-        let others: Vec<OtherSurface<'_>> = tables
+        let points = |table: &AreaTable| -> Vec<AreaPoint> {
+            let point = |row: usize| AreaPoint {
+                pressure_mpa: given.pressure_mpa[row],
+                area_fraction: table.area_fraction[row],
+                factor: table.factor[row],
+                ..AreaPoint::default()
+            };
+            (0..shown).map(point).collect()
+        };
+        let others: Vec<(String, Vec<AreaPoint>)> = tables
             .iter()
-            .zip(&labels)
-            .filter(|(table, _)| table.slope_factor != 1.0)
-            .map(|(table, label)| OtherSurface {
-                label,
-                area_fraction: &table.area_fraction[..shown],
-                factor: &table.factor[..shown],
-            })
+            .filter(|table| table.slope_factor != 1.0)
+            .map(|table| (format!("{} times the slope", table.slope_factor), points(table)))
             .collect();
-        Ok(Some(area_law(&AreaLawChart {
-            title: if self.synthetic {
-                "Real contact area and the factor f (synthetic surface)"
-            } else {
-                "Real contact area and the factor f"
-            },
-            pressure_mpa: &given.pressure_mpa[..shown],
-            area_fraction: &given.area_fraction[..shown],
-            factor: &given.factor[..shown],
-            factor_std: &[],
-            windows: &[],
-            threshold: at_threshold,
-            others: &others,
-        })?))
+        let synthetic = if self.synthetic { " (synthetic surface)" } else { "" };
+        let title = format!("Real contact area and the factor f{synthetic}");
+        Ok(Some(area_law(&title, &points(given), at_threshold, &others)?))
     }
 
     /// Adds the pressure under the whole sample, and a close-up under its first periods.
@@ -194,13 +182,7 @@ impl Figures<'_> {
             let (flat, own) = (upto(&flat), upto(&own));
             let shown: Vec<[f64; 2]> = cavities.iter().copied().filter(|[_, to_um]| *to_um <= end_um).collect();
             let surfaces = [Series { label: "flat", points: &flat }, Series { label: "patterned", points: &own }];
-            let chart = InterfacePressureChart {
-                title: &title,
-                surfaces: &surfaces,
-                cavities_um: &shown,
-                nominal_mpa: Some(load_mpa),
-            };
-            outputs.add(name, interface_pressure(&chart)?);
+            outputs.add(name, interface_pressure(&title, &surfaces, &shown, load_mpa)?);
         }
         outputs.add("interface.csv", csv::interface(simulation));
         Ok(())
@@ -234,8 +216,7 @@ impl Figures<'_> {
             self.load_mpa(),
             SPEED_MM_S.from_si(self.heaviest.speed_m_s)
         );
-        let chart = FrictionTraceChart { title: &title, traces: &drawn, means: "mean over the window" };
-        outputs.add("friction.svg", friction_trace(&chart)?);
+        outputs.add("friction.svg", friction_trace(&title, &drawn, "mean over the window")?);
         Ok(())
     }
 
