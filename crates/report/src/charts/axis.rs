@@ -57,12 +57,9 @@ impl Axis {
         const ROOM: f64 = 0.15;
         let [low, high] = extremes(values);
         let range = [low - ROOM, high + ROOM];
-        if !(high - low).is_finite() {
-            return Self::over(title, range);
-        }
         // At most two decades leave room for 2 and 5 between powers of ten.
         let factors: &[f64] = if range[1] - range[0] > 2.5 { &[1.0] } else { &[1.0, 2.0, 5.0] };
-        let powers = (range[0].floor() as i32)..=(range[1].ceil() as i32);
+        let powers = power(range[0].floor())..=power(range[1].ceil());
         let ticks = powers
             .flat_map(|power| factors.iter().map(move |factor| (f64::from(power) + factor.log10(), *factor, power)))
             .filter(|(log, ..)| (range[0]..=range[1]).contains(log))
@@ -81,10 +78,7 @@ impl Axis {
         const MAX_NUMBERS: i32 = 10;
         let [low, high] = extremes(values);
         let range = [low - ROOM, high + ROOM];
-        if !(high - low).is_finite() {
-            return Self::over(title, range);
-        }
-        let (first, last) = (range[0].ceil() as i32, range[1].floor() as i32);
+        let (first, last) = (power(range[0].ceil()), power(range[1].floor()));
         let step = ((last - first) / MAX_NUMBERS + 1).max(1);
         let ticks = (first..=last)
             .filter(|power| power.rem_euclid(step) == 0)
@@ -132,6 +126,11 @@ impl Axis {
 /// Minimum and maximum of `values`; infinity and its negative without values.
 pub(super) fn extremes(values: impl IntoIterator<Item = f64>) -> [f64; 2] {
     values.into_iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| [low.min(v), high.max(v)])
+}
+
+/// Whole decimal logarithm, limited to those of finite numbers, so that infinite ends of a range have few numbers.
+fn power(log: f64) -> i32 {
+    log.clamp(-330.0, 330.0) as i32
 }
 
 /// Step of 1, 2 or 5 times a power of ten that divides `span` into four to nine.

@@ -96,7 +96,8 @@ pub(super) fn picture(
     Ok(svg.replacen(&drawn, &format!("<svg width=\"{width}\" height=\"{height}\""), 1))
 }
 
-fn failed(error: impl std::fmt::Display) -> ChartError {
+/// Error of the drawing library.
+pub(super) fn failed(error: impl std::fmt::Display) -> ChartError {
     ChartError::Drawing { reason: error.to_string() }
 }
 

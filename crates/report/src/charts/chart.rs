@@ -4,8 +4,8 @@ use plotters::style::RGBColor;
 use plotters::style::text_anchor::{HPos, VPos};
 
 use super::axis::Axis;
-use super::canvas::{Canvas, GREY, GRID, INK, LEFT, Mark, NARROW, RIGHT, Swatch, WIDTH, arranged, picture};
-use super::{ChartError, Estimate, check};
+use super::canvas::{Canvas, GREY, GRID, INK, LEFT, Mark, NARROW, PALETTE, RIGHT, Swatch, WIDTH, arranged, picture};
+use super::{ChartError, Estimate, Series, check};
 
 /// Rectangle on the page: left, top, right, bottom.
 pub(super) type Frame = [f64; 4];
@@ -60,6 +60,15 @@ pub(super) enum Layer<'a> {
 /// Width of a chart with `title`, in picture units.
 pub(super) fn width(title: &str) -> f64 {
     if title.is_empty() { NARROW } else { WIDTH }
+}
+
+/// Legend and lines of a width of all `series`, each with a colour.
+pub(super) fn lines<'a>(
+    series: impl IntoIterator<Item = &'a Series<'a>>,
+    width: f64,
+) -> (Vec<(Swatch, &'a str)>, Vec<Layer<'a>>) {
+    let coloured = series.into_iter().zip(PALETTE.into_iter().cycle());
+    coloured.map(|(of, color)| ((Swatch::Line(color), of.label), Layer::Line(of.points.clone(), color, width))).unzip()
 }
 
 impl<'a> Chart<'a> {

@@ -4,11 +4,11 @@ use plotters::style::text_anchor::{HPos, VPos};
 
 use super::axis::{Axis, extremes};
 use super::canvas::{GREY, INK, PALETTE, RIGHT, Swatch, TEXT_SIZE};
-use super::chart::{Chart, Layer};
+use super::chart::{Chart, Layer, lines};
 use super::{ChartError, Estimate, Series};
 
 /// Trace of one surface.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Trace<'a> {
     /// Time in milliseconds and friction coefficient.
     pub series: Series<'a>,
@@ -30,12 +30,10 @@ const BESIDE: f64 = 12.0;
 /// # Errors
 /// [`ChartError`] if there is nothing to draw or a value is not finite.
 pub fn friction_trace(title: &str, traces: &[Trace<'_>], means: &str) -> Result<String, ChartError> {
-    let points = || traces.iter().flat_map(|trace| trace.series.points);
+    let points = || traces.iter().flat_map(|trace| &trace.series.points);
     let marked = || traces.iter().filter_map(|trace| trace.mu_dynamic);
     let windows: Vec<[f64; 2]> = traces.iter().filter_map(|trace| trace.window_ms).collect();
-    let coloured = || traces.iter().zip(PALETTE.into_iter().cycle());
-    let mut legend: Vec<(Swatch, &str)> =
-        coloured().map(|(trace, color)| (Swatch::Line(color), trace.series.label)).collect();
+    let (mut legend, lines) = lines(traces.iter().map(|trace| &trace.series), 1.6);
     if !windows.is_empty() {
         legend.push((Swatch::Band(GREY, SHADE), "averaging window"));
     }
@@ -48,11 +46,11 @@ pub fn friction_trace(title: &str, traces: &[Trace<'_>], means: &str) -> Result<
     let mu = points().map(|point| point[1]).chain(marked().flat_map(|mean| mean.ends()));
     let y_axis = Axis::as_needed("friction coefficient", mu);
     let mut layers: Vec<Layer<'_>> = united(windows).into_iter().map(|span_ms| Layer::Span(span_ms, SHADE)).collect();
-    layers.extend(coloured().map(|(trace, color)| Layer::Line(trace.series.points.to_vec(), color, 1.6)));
+    layers.extend(lines);
     let mut drawn: Vec<Estimate> = Vec::new();
     // Bars side by side at the end of the windows.
-    for (place, (trace, color)) in coloured().enumerate() {
-        let (Some(mean), [first, .., last]) = (trace.mu_dynamic, trace.series.points) else { continue };
+    for (place, (trace, color)) in traces.iter().zip(PALETTE.into_iter().cycle()).enumerate() {
+        let (Some(mean), [first, .., last]) = (trace.mu_dynamic, &trace.series.points[..]) else { continue };
         let [from, to] = trace.window_ms.unwrap_or([first[0], last[0]]);
         layers.push(Layer::Dashed([[from, mean.value], [to, mean.value]], INK));
         if mean.error.is_some() {
@@ -102,7 +100,7 @@ mod tests {
     fn labels_means_and_title_are_text_and_the_bytes_are_the_same() {
         let points = [[0.0, 0.0], [0.5, 0.3], [1.0, 0.27]];
         let trace = |label, value, error| Trace {
-            series: Series { label, points: &points },
+            series: Series { label, points: points.to_vec() },
             window_ms: Some([0.6, 1.0]),
             mu_dynamic: Some(Estimate { value, error }),
         };
@@ -132,13 +130,13 @@ mod tests {
     #[test]
     fn nothing_and_infinity_are_refused() {
         assert!(matches!(friction_trace("t", &[], "m"), Err(ChartError::Empty { .. })));
-        let points = [[0.0, f64::NAN]];
-        let traces = [Trace { series: Series { label: "a", points: &points }, window_ms: None, mu_dynamic: None }];
+        let series = Series { label: "a", points: vec![[0.0, f64::NAN]] };
+        let traces = [Trace { series, window_ms: None, mu_dynamic: None }];
         // A mean whose trace is missing is left out while other traces are drawn.
-        let there = [[0.0, 0.1], [1.0, 0.2]];
+        let there = vec![[0.0, 0.1], [1.0, 0.2]];
         let mean = Estimate { value: 0.1234, error: None };
         let trace = |points| Trace { series: Series { label: "a", points }, window_ms: None, mu_dynamic: Some(mean) };
-        let half = friction_trace("t", &[trace(&[]), trace(&there)], "m").unwrap();
+        let half = friction_trace("t", &[trace(Vec::new()), trace(there)], "m").unwrap();
         assert_eq!(half.matches("0.1234").count(), 1);
         assert!(matches!(friction_trace("t", &traces, "m"), Err(ChartError::NotFinite { .. })));
     }

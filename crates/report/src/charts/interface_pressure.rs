@@ -18,7 +18,7 @@ pub fn interface_pressure(
     cavities_um: &[[f64; 2]],
     nominal_mpa: f64,
 ) -> Result<String, ChartError> {
-    let points = || surfaces.iter().flat_map(|surface| surface.points);
+    let points = || surfaces.iter().flat_map(|surface| &surface.points);
     let coloured = || surfaces.iter().zip(PALETTE.into_iter().cycle());
     let mut legend: Vec<(Swatch, &str)> =
         coloured().map(|(surface, color)| (Swatch::Line(color), surface.label)).collect();
@@ -56,7 +56,7 @@ mod tests {
     #[test]
     fn lines_break_over_cavities() {
         let points = [[5.0, 1.0], [15.0, 2.0], [25.0, 3.0], [65.0, 3.0], [75.0, 2.0]];
-        let surfaces = [Series { label: "patterned", points: &points }];
+        let surfaces = [Series { label: "patterned", points: points.to_vec() }];
         let svg = interface_pressure("Pressure", &surfaces, &[[30.0, 60.0]], 2.0).unwrap();
         // Two lands and the legend's line in the colour of the series.
         let lines = svg.lines().filter(|line| line.contains("<polyline") && line.contains("#0072B2")).count();

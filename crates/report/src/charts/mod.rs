@@ -67,17 +67,17 @@ pub use section::{section, spectrum};
 pub use surface_map::{SurfaceValues, surface_map};
 pub use target::{SamplePoint, TargetPoint, target};
 pub use trade_offs::trade_offs;
-pub use trials::{Prediction, trials};
+pub use trials::trials;
 pub use tribometer::{RepeatTrace, friction_loops, tribometer};
 pub use work_precision::{WorkPoint, WorkPrecisionPanel, work_precision};
 
 /// A labelled line.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Series<'a> {
     /// Name in the legend.
     pub label: &'a str,
     /// `[x, y]`, x not decreasing, in the units of the chart's axes.
-    pub points: &'a [[f64; 2]],
+    pub points: Vec<[f64; 2]>,
 }
 
 /// Value with its standard error or standard deviation.

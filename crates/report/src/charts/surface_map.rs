@@ -87,8 +87,8 @@ pub fn surface_map(
     let span = if high > low { high - low } else { 1.0 };
     let map = Raster::new(rows, columns, |across, down| {
         color((of.values[across * columns + (columns - 1 - down)] - low) / span)
-    });
-    let scale = Raster::new(1, 256, |_, down| color(1.0 - down as f64 / 255.0));
+    })?;
+    let scale = Raster::new(1, 256, |_, down| color(1.0 - down as f64 / 255.0))?;
 
     let top = TOP + if sliding.is_some() { SLIDING_HEIGHT } else { 0.0 };
     let tall = MAX_HEIGHT - top - BOTTOM;

@@ -1,29 +1,12 @@
 //! Chart of trials: predicted against measured ratios, and all ratios against features of the texture.
 
+use plotters::style::RGBColor;
+
 use super::axis::{Axis, extremes};
 use super::canvas::{GREY, Mark, PALETTE, Swatch};
 use super::chart::{Chart, Layer};
 use super::{ChartError, check};
-
-/// Measured ratio with its prediction.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Prediction {
-    /// Index of the trial, from 0.
-    pub trial: usize,
-    /// Measured ratio.
-    pub measured: f64,
-    /// Predicted ratio.
-    pub predicted: f64,
-    /// Ends of the prediction's 95 % interval.
-    pub interval: [f64; 2],
-}
-
-impl Prediction {
-    /// All ratios.
-    pub(super) fn values(&self) -> [f64; 4] {
-        [self.interval[0], self.interval[1], self.predicted, self.measured]
-    }
-}
+use crate::trials::{MeasuredReport, TrialReport};
 
 /// Lower end of the first plot, and height of the picture.
 const FIRST: f64 = 380.0;
@@ -35,53 +18,55 @@ const BEYOND: f64 = 0.75;
 /// Maximum number of trials named in the legend.
 const NAMED: usize = 4;
 
-/// Draws `predictions` of all measured ratios, in order, of trials named `names`; below, one panel of ratios against each
-/// quantity, with its title and its points in the order of the ratios.
+/// Draws all measured ratios, in order, with their predictions from earlier trials; below, the ratios against areal density,
+/// edge length and pressure.
 ///
 /// # Errors
 /// [`ChartError`] if there is nothing to draw or a value is not finite.
-pub fn trials(
-    title: &str,
-    names: &[String],
-    predictions: &[Prediction],
-    panels: &[(&str, Vec<[f64; 2]>)],
-) -> Result<String, ChartError> {
-    check(title, predictions.iter().flat_map(Prediction::values))?;
+pub fn trials(title: &str, trials: &[TrialReport]) -> Result<String, ChartError> {
+    let coloured = trials.iter().zip(PALETTE.into_iter().cycle());
+    let each = coloured.clone().flat_map(|(trial, colour)| trial.measured.iter().map(move |at| (trial, at, colour)));
+    let rows: Vec<(&TrialReport, &MeasuredReport, RGBColor)> = each.collect();
+    let ends = || rows.iter().flat_map(|(_, at, _)| at.before.interval_95.into_iter().chain([at.measured]));
+    check(title, ends())?;
     // Before a first trial, an interval may be far wider than the range of measured values: bars end at the frame.
-    let [least, most] = extremes(predictions.iter().flat_map(|of| [of.predicted, of.measured]));
+    let [least, most] = extremes(rows.iter().flat_map(|(_, at, _)| [at.before.ratio, at.measured]));
     let room = (BEYOND * (most - least)).max(BEYOND * 0.02 * most);
     let [lowest, highest] = [least - room, most + room];
-    let ends = || predictions.iter().flat_map(|of| [of.interval[0], of.interval[1], of.measured]);
     let y_axis = if ends().all(|end| (lowest..=highest).contains(&end)) {
         Axis::around("ratio patterned / flat", ends())
     } else {
         Axis::over("ratio patterned / flat", [lowest, highest])
     };
-    let colour = |trial: usize| PALETTE[trial % PALETTE.len()];
     let mut legend = vec![(Swatch::Mark(Mark::Circle, GREY), "predicted before, with 95 %")];
-    let named = names.iter().enumerate().take(NAMED);
-    legend.extend(named.map(|(trial, name)| (Swatch::Mark(Mark::Square, colour(trial)), name.as_str())));
-    let layers = predictions.iter().enumerate().flat_map(|(place, of)| {
+    legend.extend(coloured.take(NAMED).map(|(of, colour)| (Swatch::Mark(Mark::Square, colour), of.name.as_str())));
+    let layers = rows.iter().enumerate().flat_map(|(place, (_, at, colour))| {
         let x = place as f64;
         [
-            Layer::Bar(x, of.interval.map(|end| end.clamp(lowest, highest)), GREY, -3.0),
-            Layer::Marks(Mark::Circle, vec![(x, of.predicted.into())], GREY, -3.0),
-            Layer::Marks(Mark::Square, vec![(x, of.measured.into())], colour(of.trial), 3.0),
+            Layer::Bar(x, at.before.interval_95.map(|end| end.clamp(lowest, highest)), GREY, -3.0),
+            Layer::Marks(Mark::Circle, vec![(x, at.before.ratio.into())], GREY, -3.0),
+            Layer::Marks(Mark::Square, vec![(x, at.measured.into())], *colour, 3.0),
         ]
     });
     let mut chart = Chart::new(title, HEIGHT, legend);
     let [left, top, right, _] = chart.frame();
-    let x_axis = Axis::of_names("number of the measured ratio", 1..=predictions.len());
+    let x_axis = Axis::of_names("number of the measured ratio", 1..=rows.len());
     chart.plot_in([left, top, right, FIRST], x_axis, y_axis, layers);
-    let width = (right - left - GAP * (panels.len() as f64 - 1.0)) / panels.len().max(1) as f64;
-    for (number, (name, points)) in panels.iter().enumerate() {
+    let panels: [(&str, &str, fn(&TrialReport, &MeasuredReport) -> f64); 3] = [
+        ("measured ratio", "areal density (%)", |trial, _| 100.0 * trial.areal_density),
+        ("", "edges per area (1/mm)", |trial, _| trial.edge_per_mm),
+        ("", "pressure (MPa)", |_, at| at.pressure_mpa),
+    ];
+    let width = (right - left - 2.0 * GAP) / 3.0;
+    for (number, (y_title, x_title, value)) in panels.into_iter().enumerate() {
         let left = left + number as f64 * (width + GAP);
-        let x_axis = Axis::from_zero(name, points.iter().map(|point| point[0]));
-        let title = if number == 0 { "measured ratio" } else { "" };
-        let y_axis = Axis::around(title, points.iter().map(|point| point[1]));
-        let marks = points.iter().zip(predictions);
-        let marks = marks.map(|(point, of)| Layer::marks(Mark::Square, [*point], colour(of.trial)));
-        chart.plot_in([left, FIRST + GAP + 20.0, left + width, HEIGHT - 60.0], x_axis, y_axis, marks);
+        let x_axis = Axis::from_zero(x_title, rows.iter().map(|(trial, at, _)| value(trial, at)));
+        let y_axis = Axis::around(y_title, rows.iter().map(|(_, at, _)| at.measured));
+        let marks = rows
+            .iter()
+            .map(|(trial, at, colour)| Layer::marks(Mark::Square, [[value(trial, at), at.measured]], *colour));
+        let frame = [left, FIRST + GAP + 20.0, left + width, HEIGHT - 60.0];
+        chart.plot_in(frame, x_axis, y_axis, marks);
     }
     chart.svg()
 }

@@ -2,11 +2,11 @@
 
 use super::axis::Axis;
 use super::canvas::{GREY, INK, Mark, PALETTE, Swatch};
-use super::chart::{Chart, Layer};
+use super::chart::{Chart, Layer, lines};
 use super::{ChartError, Series};
 
 /// Trace of one repeat.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct RepeatTrace<'a> {
     /// Time in seconds and friction coefficient.
     pub series: Series<'a>,
@@ -25,8 +25,8 @@ const SHADE: f64 = 0.12;
 /// # Errors
 /// [`ChartError`] if there is nothing to draw or a value is not finite.
 pub fn tribometer(title: &str, window_s: [f64; 2], repeats: &[RepeatTrace<'_>]) -> Result<String, ChartError> {
-    let points = || repeats.iter().flat_map(|repeat| repeat.series.points);
-    let (mut legend, lines) = coloured(repeats.iter().map(|repeat| repeat.series));
+    let points = || repeats.iter().flat_map(|repeat| &repeat.series.points);
+    let (mut legend, lines) = lines(repeats.iter().map(|repeat| &repeat.series), 1.2);
     legend.push((Swatch::Band(GREY, SHADE), "averaging window"));
     legend.push((Swatch::Dashed(INK), "mean over the window"));
     if repeats.iter().any(|repeat| repeat.static_peak.is_some()) {
@@ -48,19 +48,11 @@ pub fn tribometer(title: &str, window_s: [f64; 2], repeats: &[RepeatTrace<'_>]) 
 /// # Errors
 /// [`ChartError`] if there is nothing to draw or a value is not finite.
 pub fn friction_loops(title: &str, repeats: &[Series<'_>]) -> Result<String, ChartError> {
-    let points = || repeats.iter().flat_map(|repeat| repeat.points);
-    let (legend, lines) = coloured(repeats.iter().copied());
+    let points = || repeats.iter().flat_map(|repeat| &repeat.points);
+    let (legend, lines) = lines(repeats, 1.2);
     let x_axis = Axis::around("position (mm)", points().map(|point| point[0]));
     let y_axis = Axis::around("friction coefficient, with its sign", points().map(|point| point[1]));
     Chart::new(title, HEIGHT, legend).plot(x_axis, y_axis, lines).svg()
-}
-
-/// Legend and thin lines of repeats, each with a colour.
-fn coloured<'a>(repeats: impl Iterator<Item = Series<'a>>) -> (Vec<(Swatch, &'a str)>, Vec<Layer<'a>>) {
-    let of = |(repeat, color): (Series<'a>, _)| {
-        ((Swatch::Line(color), repeat.label), Layer::Line(repeat.points.to_vec(), color, 1.2))
-    };
-    repeats.zip(PALETTE.into_iter().cycle()).map(of).unzip()
 }
 
 #[cfg(test)]
@@ -71,7 +63,7 @@ mod tests {
     fn loops_are_lines_against_position() {
         let turn = |i: u32| 0.1 * f64::from(i);
         let points: Vec<[f64; 2]> = (0..200).map(|i| [turn(i).cos(), turn(i).sin().signum() * 0.3]).collect();
-        let svg = friction_loops("t", &[Series { label: "one", points: &points }]).unwrap();
+        let svg = friction_loops("t", &[Series { label: "one", points }]).unwrap();
         // A line in the plot and one in the legend, drawn in the first colour.
         assert!(svg.matches("#0072B2").count() == 2 && svg.contains("\nposition (mm)\n"));
         assert!(matches!(friction_loops("t", &[]), Err(ChartError::Empty { .. })));
@@ -81,7 +73,7 @@ mod tests {
     fn window_means_and_peaks_are_drawn() {
         let points: Vec<[f64; 2]> = (0..90).map(|i| [0.5 * f64::from(i), 0.25]).collect();
         let repeat = |static_peak| RepeatTrace {
-            series: Series { label: "one <1>", points: &points },
+            series: Series { label: "one <1>", points: points.clone() },
             mu_dynamic: 0.25,
             static_peak,
         };

@@ -162,25 +162,19 @@ fn draw(
     }
     for (point, &at) in points.iter().zip(places) {
         let page = plot.at(at);
-        let place = free_place(page, small_text_width(point.label), frame, &taken);
-        if let Some(far) = place.leader {
+        let (label, leader) = free_place(page, small_text_width(point.label), frame, &taken);
+        if let Some(far) = leader {
             canvas.line(&[page, far], style(point.family).1, 0.7)?;
         }
-        canvas.small_text(point.label, [place.frame[0], (place.frame[1] + place.frame[3]) / 2.0], INK)?;
-        taken.push(place.frame);
+        canvas.small_text(point.label, [label[0], (label[1] + label[3]) / 2.0], INK)?;
+        taken.push(label);
     }
     Ok(())
 }
 
-/// Position of a label.
-struct LabelPlace {
-    frame: Frame,
-    /// End of the line that connects a distant label to its mark.
-    leader: Option<[f64; 2]>,
-}
-
-/// Finds the position nearest to `mark` for a label of `width` that overlaps nothing in `taken`.
-fn free_place(mark: [f64; 2], width: f64, frame: Frame, taken: &[Frame]) -> LabelPlace {
+/// Finds the position nearest to `mark` for a label of `width` that overlaps nothing in `taken`, and the end of the line that
+/// connects a distant label to its mark.
+fn free_place(mark: [f64; 2], width: f64, frame: Frame, taken: &[Frame]) -> (Frame, Option<[f64; 2]>) {
     const DIRECTIONS: u32 = 24;
     const NEAR: f64 = 12.0;
     const STEP: f64 = 7.0;
@@ -215,8 +209,8 @@ fn free_place(mark: [f64; 2], width: f64, frame: Frame, taken: &[Frame]) -> Labe
             }
         }
     }
-    let (_, distance, (frame, end)) = least.unwrap_or((0.0, NEAR, at(NEAR, 0)));
-    LabelPlace { frame, leader: (distance > NEAR).then_some(end) }
+    let (_, distance, (label, end)) = least.unwrap_or((0.0, NEAR, at(NEAR, 0)));
+    (label, (distance > NEAR).then_some(end))
 }
 
 #[cfg(test)]
@@ -252,7 +246,7 @@ mod tests {
         let frame = [0.0, 0.0, 400.0, 300.0];
         let mut taken = Vec::new();
         for mark in [[200.0, 150.0], [203.0, 150.0], [200.0, 153.0], [398.0, 2.0]] {
-            let label = free_place(mark, 60.0, frame, &taken).frame;
+            let (label, _) = free_place(mark, 60.0, frame, &taken);
             for other in &taken {
                 let apart =
                     label[2] <= other[0] || other[2] <= label[0] || label[3] <= other[1] || other[3] <= label[1];
