@@ -10,6 +10,9 @@ use super::{ChartError, Estimate, Series, check};
 /// Rectangle on the page: left, top, right, bottom.
 pub(super) type Frame = [f64; 4];
 
+/// Function that draws on the page beside a plot.
+type Drawing<'a> = Box<dyn Fn(&Canvas<'_>, &Plot<'_>) -> Result<(), ChartError> + 'a>;
+
 /// Height below the frame of a single plot, for the numbers and the title of its axis.
 const BELOW: f64 = 62.0;
 
@@ -54,7 +57,7 @@ pub(super) enum Layer<'a> {
     /// Small text at a position on the page.
     Note(String, [f64; 2]),
     /// Drawing by a function, which checks its own values.
-    Own(Box<dyn Fn(&Canvas<'_>, &Plot<'_>) -> Result<(), ChartError> + 'a>),
+    Own(Drawing<'a>),
 }
 
 /// Width of a chart with `title`, in picture units.
@@ -77,14 +80,11 @@ impl<'a> Chart<'a> {
         Self { title, height, legend, plots: Vec::new() }
     }
 
-    fn width(&self) -> f64 {
-        width(self.title)
-    }
-
     /// Frame of a single plot below the legend.
     pub(super) fn frame(&self) -> Frame {
-        let (_, top) = arranged(self.title, &self.legend, self.width());
-        [LEFT, top, self.width() - RIGHT, self.height - BELOW]
+        let width = width(self.title);
+        let (_, top) = arranged(self.title, &self.legend, width);
+        [LEFT, top, width - RIGHT, self.height - BELOW]
     }
 
     /// Adds a plot within [`Self::frame`].
@@ -114,9 +114,10 @@ impl<'a> Chart<'a> {
             return Err(ChartError::Empty { title: self.title.to_owned() });
         }
         check(self.title, self.plots.iter().flat_map(Plot::values))?;
-        picture([self.width(), self.height], |canvas| {
+        let width = width(self.title);
+        picture([width, self.height], |canvas| {
             canvas.title(self.title)?;
-            let (places, _) = arranged(self.title, &self.legend, self.width());
+            let (places, _) = arranged(self.title, &self.legend, width);
             for ((swatch, label), place) in self.legend.iter().zip(places) {
                 canvas.entry(*swatch, label, place)?;
             }
@@ -263,6 +264,31 @@ fn thinned(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_chart_needs_values_in_every_plot_and_finite_ends_of_axes() {
+        let drawn = |ends: [f64; 2], points: &[[f64; 2]]| {
+            let layers = [Layer::Horizontal(0.5), Layer::Line(points.to_vec(), PALETTE[0], 1.0)];
+            Chart::new("t", 400.0, Vec::new()).plot(Axis::over("x", ends), Axis::over("y", [0.0, 1.0]), layers).svg()
+        };
+        let points = [[0.0, 0.0], [1.0, 1.0]];
+        assert!(drawn([0.0, 1.0], &points).is_ok());
+        assert!(matches!(drawn([0.0, 1.0], &[]), Err(ChartError::Empty { .. })));
+        assert!(matches!(drawn([0.0, f64::INFINITY], &points), Err(ChartError::NotFinite { .. })));
+        assert!(matches!(drawn([0.0, 1.0], &[[0.0, f64::NAN]]), Err(ChartError::NotFinite { .. })));
+        assert!(matches!(Chart::new("t", 400.0, Vec::new()).svg(), Err(ChartError::Empty { .. })));
+    }
+
+    #[test]
+    fn without_a_title_a_picture_is_narrow() {
+        let svg = |title| {
+            let line = Layer::Line(vec![[0.0, 0.0], [1.0, 1.0]], PALETTE[0], 1.0);
+            let axis = Axis::over("", [0.0, 1.0]);
+            Chart::new(title, 400.0, Vec::new()).plot(axis.clone(), axis, [line]).svg().unwrap()
+        };
+        assert!(svg("t").starts_with("<svg width=\"900\" height=\"400\""));
+        assert!(svg("").starts_with("<svg width=\"480\" height=\"400\""));
+    }
 
     #[test]
     fn thinning_keeps_extremes_and_short_lines_whole() {

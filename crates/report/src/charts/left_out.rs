@@ -20,8 +20,8 @@ const NAMED: usize = 4;
 /// [`ChartError`] if there is nothing to draw or a value is not finite.
 pub fn left_out(trials: &[TrialReport]) -> Result<String, ChartError> {
     let styles = PALETTE.into_iter().cycle().zip(Mark::FILLED.into_iter().cycle());
-    let styled = || trials.iter().zip(styles.clone());
-    let each = styled().flat_map(|(trial, style)| trial.measured.iter().map(move |at| (at, style)));
+    let styled = trials.iter().zip(styles.clone());
+    let each = styled.flat_map(|(trial, style)| trial.measured.iter().map(move |at| (at, style)));
     let rows: Vec<_> = each.filter(|(at, _)| at.without_trial.known > 0).collect();
     let middles = || rows.iter().flat_map(|(at, _)| [at.without_trial.ratio, at.measured]);
     let ends = rows.iter().flat_map(|(at, _)| at.without_trial.interval_95);
@@ -33,7 +33,7 @@ pub fn left_out(trials: &[TrialReport]) -> Result<String, ChartError> {
     let short = |of: &TrialReport| of.name.chars().take(MAX_LETTERS).collect::<String>();
     let names: Vec<String> = trials.iter().take(NAMED).map(short).collect();
     let mut legend = vec![(Swatch::Dashed(GREY), "as predicted")];
-    legend.extend(styles.clone().zip(&names).map(|((colour, mark), name)| (Swatch::Mark(mark, colour), name.as_str())));
+    legend.extend(styles.zip(&names).map(|((colour, mark), name)| (Swatch::Mark(mark, colour), name.as_str())));
     let mut layers = vec![Layer::Dashed([[range[0]; 2], [range[1]; 2]], GREY)];
     for (at, (colour, mark)) in rows {
         let ends = at.without_trial.interval_95.map(|end| [end.clamp(range[0], range[1]), at.measured]);

@@ -23,11 +23,10 @@
 //! | [`spectrum`] | power against wave number |
 //! | [`work_precision`] | wall time against error, with the front |
 //!
-//! Each function describes its picture as a chart: a title, a legend, and plots of layers, which one renderer checks and draws.
-//!
-//! Each picture is 900 units wide, or 480 units without a title, for a narrow column of a page that has one, text stays text, and the legend stands outside the axes. Colours
-//! are from the palette of Okabe and Ito, which is distinguishable with common colour vision deficiencies;
-//! marks also differ in shape. Identical values give identical bytes.
+//! Each function describes its picture as a chart: a title, a legend, and plots of layers, which one renderer checks and
+//! draws. A picture is 900 units wide, or 480 units without a title, for a narrow column of a page that has the title. Text
+//! stays text, and the legend stands outside the axes. Colours are from the palette of Okabe and Ito, which is
+//! distinguishable with common colour vision deficiencies; marks also differ in shape. Identical values give identical bytes.
 
 mod area_law;
 mod axis;

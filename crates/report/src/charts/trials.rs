@@ -18,6 +18,9 @@ const BEYOND: f64 = 0.75;
 /// Maximum number of trials named in the legend.
 const NAMED: usize = 4;
 
+/// Quantity of a measured ratio.
+type Quantity = fn(&TrialReport, &MeasuredReport) -> f64;
+
 /// Draws all measured ratios, in order, with their predictions from earlier trials; below, the ratios against areal density,
 /// edge length and pressure.
 ///
@@ -52,7 +55,7 @@ pub fn trials(title: &str, trials: &[TrialReport]) -> Result<String, ChartError>
     let [left, top, right, _] = chart.frame();
     let x_axis = Axis::of_names("number of the measured ratio", 1..=rows.len());
     chart.plot_in([left, top, right, FIRST], x_axis, y_axis, layers);
-    let panels: [(&str, &str, fn(&TrialReport, &MeasuredReport) -> f64); 3] = [
+    let panels: [(&str, &str, Quantity); 3] = [
         ("measured ratio", "areal density (%)", |trial, _| 100.0 * trial.areal_density),
         ("", "edges per area (1/mm)", |trial, _| trial.edge_per_mm),
         ("", "pressure (MPa)", |_, at| at.pressure_mpa),
