@@ -9,6 +9,7 @@ use slipgrid::discrepancy::{
 use slipgrid::material::{AreaLaw, Elastic, LocalFriction};
 use slipgrid::pattern::{Pattern, Planform};
 use slipgrid::report::charts;
+use slipgrid::report::pictures::trace;
 use slipgrid::springblock::{Fidelity, Layer, Load, RunOptions, Scene, SteadyCell, Unwatched, simulate};
 
 use crate::{book, keep, text};
@@ -181,62 +182,36 @@ fn lattice() -> String {
 /// Pressure beside a groove in blocks of three sizes.
 fn edge_pressure() -> String {
     let pattern = groove(130.0, 370.0, 20.0);
-    let solved = [10.0, 5.0, 2.5].map(|block_um| {
+    let series = [("blocks of 10 µm", 10.0), ("5 µm", 5.0), ("2.5 µm", 2.5)].map(|(label, block_um)| {
         let left_um = (185.0_f64 / block_um).floor() * block_um;
-        pressures(pattern, 200.0, block_um).into_iter().map(|[x_um, mpa]| [x_um - left_um, mpa]).collect::<Vec<_>>()
+        let points = pressures(pattern, 200.0, block_um).into_iter().map(|[x_um, mpa]| [x_um - left_um, mpa]).collect();
+        charts::Series { label, points }
     });
-    let series: Vec<_> = ["blocks of 10 µm", "5 µm", "2.5 µm"]
-        .iter()
-        .zip(&solved)
-        .map(|(label, points)| charts::Series { label, points })
-        .collect();
-    charts::interface_pressure(&charts::InterfacePressureChart {
-        title: "Pressure beside a groove of 130 µm at 2.6 MPa",
-        surfaces: &series,
-        cavities_um: &[[0.0, 130.0]],
-        nominal_mpa: Some(PRESSURE_PA * 1e-6),
-    })
-    .unwrap()
+    let title = "Pressure beside a groove of 130 µm at 2.6 MPa";
+    charts::interface_pressure(title, &series, &[[0.0, 130.0]], PRESSURE_PA * 1e-6).unwrap()
 }
 
 /// Real contact area and f by Persson's theory.
 fn area_law() -> String {
-    let pressure_mpa: Vec<f64> = (0..=48).map(|step| 0.04 * 10_f64.powf(0.05 * f64::from(step))).collect();
-    let area = |mpa: &f64| persson_area_fraction(mpa * 1e6, SCALE_PA, 1.0).unwrap();
+    let area = |mpa: f64| persson_area_fraction(mpa * 1e6, SCALE_PA, 1.0).unwrap();
+    let point = |step: u32| {
+        let pressure_mpa = 0.04 * 10_f64.powf(0.05 * f64::from(step));
+        let factor = law().factor(pressure_mpa * 1e6);
+        charts::AreaPoint { pressure_mpa, area_fraction: area(pressure_mpa), factor, ..Default::default() }
+    };
     let threshold_mpa = THRESHOLD_PA * 1e-6;
-    charts::area_law(&charts::AreaLawChart {
-        title: "Area law by Persson's theory, E* h'rms = 4 MPa",
-        pressure_mpa: &pressure_mpa,
-        area_fraction: &pressure_mpa.iter().map(area).collect::<Vec<_>>(),
-        factor: &pressure_mpa.iter().map(|mpa| law().factor(mpa * 1e6)).collect::<Vec<_>>(),
-        factor_std: &[],
-        windows: &[],
-        threshold: Some([threshold_mpa, area(&threshold_mpa)]),
-        others: &[],
-    })
-    .unwrap()
+    let title = "Area law by Persson's theory, E* h'rms = 4 MPa";
+    let points: Vec<charts::AreaPoint> = (0..=48).map(point).collect();
+    charts::area_law(title, &points, Some([threshold_mpa, area(threshold_mpa)]), &[]).unwrap()
 }
 
 /// Friction of one cell from rest.
 fn stick_slip() -> String {
     let run = RunOptions { fidelity: Fidelity::Dynamic, sliding_m: 1.2e-6, ..RunOptions::default() };
     let found = simulate(&scene(groove(130.0, 370.0, 20.0), 100.0, 10.0, run), &Unwatched).unwrap().loads.remove(0);
-    let of = |surface: &slipgrid::springblock::SurfaceOutcome| {
-        surface.trace.iter().map(|point| [point.time_s * 1e3, point.mu]).collect::<Vec<_>>()
-    };
-    let surfaces = [("flat", found.flat.unwrap()), ("grooves", found.surface)];
-    let points = [of(&surfaces[0].1), of(&surfaces[1].1)];
-    let traces: Vec<_> = surfaces
-        .iter()
-        .zip(&points)
-        .map(|((label, surface), points)| charts::Trace {
-            series: charts::Series { label, points },
-            window_ms: surface.averaged_from_s.map(|from_s| [from_s * 1e3, points[points.len() - 1][0]]),
-            mu_dynamic: surface.mu_dynamic.map(|value| charts::Estimate { value, error: None }),
-        })
-        .collect();
+    let traces = [trace("flat", &found.flat.unwrap(), None), trace("grooves", &found.surface, None)];
     let title = "Friction of one cell from rest at 2.6 MPa";
-    charts::friction_trace(&charts::FrictionTraceChart { title, traces: &traces, means: "dynamic friction" }).unwrap()
+    charts::friction_trace(title, &traces, "dynamic friction").unwrap()
 }
 
 /// Load of the pictures of the discrepancy.

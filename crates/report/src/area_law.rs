@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use serde::Serialize;
 
-use crate::charts::{self, AreaLawChart};
+use crate::charts::{self, AreaPoint, Estimate};
 use slipgrid_base::units::tidy;
 use slipgrid_design::results::{Table, fixed};
 
@@ -245,9 +245,6 @@ pub(crate) const fn picture_title(is_synthetic: bool) -> &'static str {
 /// # Errors
 /// [`charts::ChartError`] if there is nothing to draw.
 pub fn picture(report: &AreaLawReport) -> Result<String, charts::ChartError> {
-    let column = |value: fn(&AreaReport) -> f64| report.results.iter().map(value).collect::<Vec<f64>>();
-    let factor: Vec<f64> = report.results.iter().map(|point| point.factor.unwrap_or(1.0)).collect();
-    let factor_std: Option<Vec<f64>> = report.results.iter().map(|point| point.factor_std).collect();
     let threshold_mpa = tidy(report.threshold_mpa);
     let threshold_area = report
         .results
@@ -259,18 +256,14 @@ pub fn picture(report: &AreaLawReport) -> Result<String, charts::ChartError> {
         (is_synthetic, _) => picture_title(is_synthetic),
     };
     // Windows may have been solved at some of the pressures only.
-    let windows = report.windows.as_ref().map_or_else(Vec::new, |of| {
-        of.factor_mean.iter().zip(&of.factor_spread).map(|(mean, spread)| [*mean, *spread]).collect()
-    });
-    let windows = if windows.len() == report.results.len() { windows } else { Vec::new() };
-    charts::area_law(&AreaLawChart {
-        title,
-        pressure_mpa: &column(|point| point.pressure_mpa),
-        area_fraction: &column(|point| point.area_fraction_corrected),
-        factor: &factor,
-        factor_std: factor_std.as_deref().unwrap_or_default(),
-        windows: &windows,
-        threshold: threshold_area,
-        others: &[],
-    })
+    let windows = report.windows.as_ref().filter(|of| of.factor_mean.len() == report.results.len());
+    let point = |(row, of): (usize, &AreaReport)| AreaPoint {
+        pressure_mpa: of.pressure_mpa,
+        area_fraction: of.area_fraction_corrected,
+        factor: of.factor.unwrap_or(1.0),
+        factor_std: of.factor_std,
+        windows: windows.map(|of| Estimate { value: of.factor_mean[row], error: of.factor_spread.get(row).copied() }),
+    };
+    let points: Vec<AreaPoint> = report.results.iter().enumerate().map(point).collect();
+    charts::area_law(title, &points, threshold_area, &[])
 }

@@ -1,6 +1,6 @@
 //! Published ratios of textured over flat friction, beside a user's trials.
 
-use crate::charts::{ChartError, LiteratureChart, LiteratureMark, literature};
+use crate::charts::{self, ChartError};
 use crate::trials::TrialsReport;
 
 /// The table, with references.
@@ -75,14 +75,10 @@ pub fn sources() -> Vec<(String, String, Vec<f64>)> {
 /// [`ChartError`] if there is nothing to draw or a value is not finite.
 pub fn picture(report: &TrialsReport) -> Result<String, ChartError> {
     let sources = sources();
-    let own = report.trials.iter().flat_map(|trial| trial.measured.iter().map(|at| at.measured)).collect();
-    let mut marks = vec![LiteratureMark { number: "yours".to_owned(), ratios: own, is_own: true }];
-    marks.extend(sources.into_iter().zip(1_usize..).map(|((_, _, ratios), number)| LiteratureMark {
-        number: number.to_string(),
-        ratios,
-        is_own: false,
-    }));
-    literature(&LiteratureChart { title: "Dry polymers and rubbers: friction of textured over flat", marks: &marks })
+    let published: Vec<&[f64]> = sources.iter().map(|(.., ratios)| &ratios[..]).collect();
+    let own = report.trials.iter().flat_map(|trial| &trial.measured).map(|at| at.measured);
+    let title = "Dry polymers and rubbers: friction of textured over flat";
+    charts::literature(title, &own.collect::<Vec<f64>>(), &published)
 }
 
 #[cfg(test)]

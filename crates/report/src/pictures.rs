@@ -10,10 +10,7 @@ use slipgrid_model::springblock::{
 
 use crate::ChartError;
 use crate::Outputs;
-use crate::charts::{
-    self, Estimate, FrictionTraceChart, InterfacePressureChart, Series, SlidingMark, SurfaceMapChart, Trace,
-    friction_trace, interface_pressure,
-};
+use crate::charts::{Estimate, Series, SurfaceValues, Trace, friction_trace, interface_pressure, surface_map};
 use slipgrid_base::units::{LENGTH_UM, PRESSURE_MPA, tidy};
 use slipgrid_design::results::PressureErrors;
 
@@ -78,32 +75,17 @@ fn of_load(
     let mut pictures = Vec::new();
     let load_mpa = PRESSURE_MPA.from_si(load.pressure_pa);
     let surfaces = surfaces(load);
-    let finite = |points: Vec<[f64; 2]>| -> Vec<[f64; 2]> {
-        points.into_iter().filter(|point| point.iter().all(|value| value.is_finite())).collect()
+    let std = |label: &str| match (&at?.mu_flat, label) {
+        (Some(flat), FLAT) => flat.std,
+        _ => at?.mu.std,
     };
-    let traces: Vec<Vec<[f64; 2]>> = surfaces
-        .iter()
-        .map(|(_, surface)| finite(surface.trace.iter().map(|point| [point.time_s * 1e3, point.mu]).collect()))
-        .collect();
-    if traces.iter().any(|trace| !trace.is_empty()) {
-        let std = |label: &str| match (&at?.mu_flat, label) {
-            (Some(flat), FLAT) => flat.std,
-            _ => at?.mu.std,
-        };
-        let [patterned, means] = run_words(scene, load);
-        let traces: Vec<Trace<'_>> = surfaces
-            .iter()
-            .zip(&traces)
-            .map(|(&(label, surface), points)| Trace {
-                series: Series { label: if label == FLAT { FLAT } else { patterned }, points },
-                // The averaging window extends to the end of the trace.
-                window_ms: surface.averaged_from_s.zip(points.last()).map(|(from_s, end)| [from_s * 1e3, end[0]]),
-                mu_dynamic: surface.mu_dynamic.map(|value| Estimate { value, error: std(label) }),
-            })
-            .collect();
-        let title = format!("Friction coefficient at {load_mpa} MPa");
-        let chart = FrictionTraceChart { title: &title, traces: &traces, means };
-        pictures.push((format!("friction-{}mpa.svg", name_part(load_mpa)), friction_trace(&chart)?));
+    let [patterned, means] = run_words(scene, load);
+    let named = |label| if label == FLAT { FLAT } else { patterned };
+    let of_surface = |&(label, surface): &(_, &SurfaceOutcome)| trace(named(label), surface, std(label));
+    let traces: Vec<Trace<'_>> = surfaces.iter().map(of_surface).collect();
+    if traces.iter().any(|trace| !trace.series.points.is_empty()) {
+        let picture = friction_trace(&format!("Friction coefficient at {load_mpa} MPa"), &traces, means)?;
+        pictures.push((format!("friction-{}mpa.svg", name_part(load_mpa)), picture));
     }
     let sees_face = scene.dimension().sees_face();
     let is_strip = sees_face && scene.run.extent == Extent::Strip;
@@ -118,29 +100,38 @@ fn of_load(
     } else {
         surfaces.iter().map(|(_, surface)| surface.interface.clone()).collect()
     };
-    let pressures: Vec<Vec<[f64; 2]>> = lines
-        .iter()
-        .map(|line| {
-            let point =
-                |point: &InterfacePoint| [LENGTH_UM.from_si(point.x_m), PRESSURE_MPA.from_si(point.pressure_pa)];
-            finite(line.iter().map(point).collect())
-        })
-        .collect();
-    if pressures.iter().any(|pressure| !pressure.is_empty()) {
-        let series: Vec<Series<'_>> =
-            surfaces.iter().zip(&pressures).map(|(&(label, _), points)| Series { label, points }).collect();
+    let series: Vec<Series<'_>> =
+        surfaces.iter().zip(&lines).map(|((label, _), line)| pressures(label, line)).collect();
+    if series.iter().any(|of| !of.points.is_empty()) {
         let where_from = if is_strip { "through cavities" } else { "along the interface" };
         let title = format!("Pressure {where_from} at {load_mpa} MPa");
         let cavities = lines.last().map_or_else(Vec::new, |line| cavities_um(scene, line));
-        let chart = InterfacePressureChart {
-            title: &title,
-            surfaces: &series,
-            cavities_um: &cavities,
-            nominal_mpa: Some(load_mpa),
-        };
-        pictures.push((format!("interface-{}mpa.svg", name_part(load_mpa)), interface_pressure(&chart)?));
+        let picture = interface_pressure(&title, &series, &cavities, load_mpa)?;
+        pictures.push((format!("interface-{}mpa.svg", name_part(load_mpa)), picture));
     }
     Ok(pictures)
+}
+
+/// Friction of `surface` in time under the name `label`, with its mean and the standard deviation `std` of the mean.
+pub fn trace<'a>(label: &'a str, surface: &SurfaceOutcome, std: Option<f64>) -> Trace<'a> {
+    let points = finite(surface.trace.iter().map(|point| [point.time_s * 1e3, point.mu]));
+    Trace {
+        // The averaging window extends to the end of the trace.
+        window_ms: surface.averaged_from_s.zip(points.last()).map(|(from_s, end)| [from_s * 1e3, end[0]]),
+        mu_dynamic: surface.mu_dynamic.map(|value| Estimate { value, error: std }),
+        series: Series { label, points },
+    }
+}
+
+/// Pressure of contact blocks against x under the name `label`.
+pub fn pressures<'a>(label: &'a str, interface: &[InterfacePoint]) -> Series<'a> {
+    let point = |point: &InterfacePoint| [LENGTH_UM.from_si(point.x_m), PRESSURE_MPA.from_si(point.pressure_pa)];
+    Series { label, points: finite(interface.iter().map(point)) }
+}
+
+/// Points with finite numbers.
+fn finite(points: impl Iterator<Item = [f64; 2]>) -> Vec<[f64; 2]> {
+    points.filter(|point| point.iter().all(|value| value.is_finite())).collect()
 }
 
 /// Draws the pressure over the interface of a three-dimensional cell, seen from above; `None` for other cells.
@@ -165,20 +156,10 @@ pub fn interface_map(scene: &Scene, load: &LoadOutcome, load_mpa: f64) -> Result
     let label = sliding_words(texture.as_ref());
     let grey = if texture.is_some() { "; cavities grey" } else { "" };
     let title = format!("Contact pressure at {load_mpa} MPa{grey}");
-    let map = charts::surface_map(&SurfaceMapChart {
-        title: &title,
-        values: &values,
-        unit: "MPa",
-        columns: y.count,
-        side_um: [x, y].map(|columns| LENGTH_UM.from_si(columns.count as f64 * columns.spacing_m)),
-        scale,
-        section_y_um: None,
-        sliding: Some(SlidingMark {
-            direction: texture.map_or([1.0, 0.0], |texture| texture.sliding_direction()),
-            label: &label,
-        }),
-    })?;
-    Ok(Some(map))
+    let side_um = [x, y].map(|columns| LENGTH_UM.from_si(columns.count as f64 * columns.spacing_m));
+    let pressures = SurfaceValues { values: &values, columns: y.count, unit: "MPa", scale, side_um };
+    let direction = texture.map_or([1.0, 0.0], |texture| texture.sliding_direction());
+    surface_map(&title, &pressures, None, Some((direction, &label))).map(Some)
 }
 
 /// Describes the sliding direction of a face seen from above, in the axes of the drawing, which are the texture's axes.

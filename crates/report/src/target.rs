@@ -1,7 +1,7 @@
 //! Picture of a target and of the expected values of a cut sample.
 
 use crate::ChartError;
-use crate::charts::{self, SamplePoint, TargetChart, TargetPoint};
+use crate::charts::{self, SamplePoint, TargetPoint};
 use slipgrid_base::units::PRESSURE_MPA;
 use slipgrid_design::{DesignOutcome, DesignReport, DesignTask};
 use slipgrid_infer::discrepancy::Load;
@@ -16,7 +16,7 @@ const BEYOND: f64 = 1.1;
 /// # Errors
 /// [`ChartError`] if the picture cannot be drawn.
 pub fn target(report: &DesignReport, found: Option<&DesignOutcome>) -> Result<String, ChartError> {
-    drawn((report, found), &format!("{}: friction of a cut sample", report.name), charts::target)
+    drawn(report, found, &format!("{}: friction of a cut sample", report.name))
 }
 
 /// Draws [`target`] for a narrow column of a page, without the title, which the page has.
@@ -24,14 +24,10 @@ pub fn target(report: &DesignReport, found: Option<&DesignOutcome>) -> Result<St
 /// # Errors
 /// Same as [`target`].
 pub fn target_narrow(report: &DesignReport, found: Option<&DesignOutcome>) -> Result<String, ChartError> {
-    drawn((report, found), "", charts::target_narrow)
+    drawn(report, found, "")
 }
 
-fn drawn(
-    (report, found): (&DesignReport, Option<&DesignOutcome>),
-    title: &str,
-    draw: fn(&TargetChart<'_>) -> Result<String, ChartError>,
-) -> Result<String, ChartError> {
+fn drawn(report: &DesignReport, found: Option<&DesignOutcome>, title: &str) -> Result<String, ChartError> {
     let wanted = &report.target;
     let mut points: Vec<TargetPoint> = wanted
         .pressure_mpa
@@ -42,12 +38,10 @@ fn drawn(
             value: wanted.value.as_ref().map(|values| values[row]),
             lowest: wanted.lowest[row],
             highest: wanted.highest[row],
+            flat: flat_of(report, row),
         })
         .collect();
     points.sort_by(|a, b| a.pressure_mpa.total_cmp(&b.pressure_mpa));
-    let flat = wanted.pressure_mpa.iter().enumerate().filter_map(|(row, p)| Some([*p, flat_of(report, row)?]));
-    let mut flat: Vec<[f64; 2]> = flat.collect();
-    flat.sort_by(|a, b| a[0].total_cmp(&b[0]));
     let count = wanted.pressure_mpa.len().max(1);
     let sample = |(row, at): (usize, &slipgrid_design::Expected)| SamplePoint {
         pressure_mpa: at.pressure_mpa,
@@ -56,14 +50,9 @@ fn drawn(
         interval_95: [at.low_95, at.high_95],
         model: model_alone(report, row),
     };
-    draw(&TargetChart {
-        title,
-        quantity: if report.is_ratio() { "Dynamic friction over flat" } else { "Dynamic friction coefficient" },
-        target: &points,
-        samples: &report.sample.expected.iter().enumerate().map(sample).collect::<Vec<_>>(),
-        flat: &flat,
-        measured: &found.map_or_else(Vec::new, |found| measured(report, found)),
-    })
+    let samples: Vec<SamplePoint> = report.sample.expected.iter().enumerate().map(sample).collect();
+    let quantity = if report.is_ratio() { "Dynamic friction over flat" } else { "Dynamic friction coefficient" };
+    charts::target(title, quantity, &points, &samples, &found.map_or_else(Vec::new, |found| measured(report, found)))
 }
 
 /// Whether a trial's `load` is at the design condition of `task`, if there is one.

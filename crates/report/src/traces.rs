@@ -4,10 +4,10 @@ use slipgrid_base::units::{HUMIDITY_PCT, LENGTH_MM, SPEED_MM_S, tidy};
 use slipgrid_design::results::{SCHEMA, Table, VERSION, fixed, guard_formula};
 use slipgrid_infer::calibrate::Measurement;
 use slipgrid_io::formats::measurements;
-use slipgrid_io::formats::traces::{ConditionTraces, OfTrial, SurfaceKind, TraceCondition, notes};
+use slipgrid_io::formats::traces::{ConditionTraces, OfTrial, ReadTrace, SurfaceKind, TraceCondition, notes};
 use slipgrid_traces::DEFAULT_WINDOW_S;
 
-use crate::charts::{RepeatTrace, Series, TribometerChart, friction_loops, tribometer};
+use crate::charts::{RepeatTrace, Series, friction_loops, tribometer};
 use crate::pictures::name_part;
 use crate::{ChartError, Outputs};
 
@@ -112,34 +112,26 @@ fn title(condition: &TraceCondition) -> String {
     format!("{sample}, {force} N, {speed} mm/s, {humidity} % humidity")
 }
 
-fn picture(traces: &ConditionTraces) -> Result<String, ChartError> {
-    let points: Vec<Vec<[f64; 2]>> = traces
-        .traces
-        .iter()
-        .map(|trace| trace.findings.time_s.iter().zip(&trace.findings.mu).map(|(&t, &mu)| [t, mu]).collect())
-        .collect();
-    let repeats: Vec<RepeatTrace<'_>> = traces
-        .traces
-        .iter()
-        .zip(&points)
-        .map(|(trace, points)| RepeatTrace {
+fn picture<'a>(traces: &'a ConditionTraces) -> Result<String, ChartError> {
+    let repeat = |trace: &'a ReadTrace| {
+        let points = trace.findings.time_s.iter().zip(&trace.findings.mu).map(|(&t, &mu)| [t, mu]).collect();
+        RepeatTrace {
             series: Series { label: &trace.label, points },
             mu_dynamic: trace.findings.window.mu,
             static_peak: trace.findings.static_peak.map(|peak| [peak.time_s, peak.mu]),
-        })
-        .collect();
+        }
+    };
+    let repeats: Vec<RepeatTrace<'_>> = traces.traces.iter().map(repeat).collect();
     let window_s = traces.traces.first().map_or(DEFAULT_WINDOW_S, |trace| trace.findings.window_s);
     let title = format!("Friction in time: {}", title(&traces.condition));
-    tribometer(&TribometerChart { title: &title, window_s, repeats: &repeats })
+    tribometer(&title, window_s, &repeats)
 }
 
 /// Draws friction against position; `None` for sliding in one direction, and where no position was recorded.
 fn loops(traces: &ConditionTraces) -> Result<Option<String>, ChartError> {
-    let in_mm = |loops: &[[f64; 2]]| loops.iter().map(|[x_m, mu]| [LENGTH_MM.from_si(*x_m), *mu]).collect();
-    let recorded = || traces.traces.iter().filter(|trace| !trace.loops.is_empty());
-    let points: Vec<Vec<[f64; 2]>> = recorded().map(|trace| in_mm(&trace.loops)).collect();
-    let repeats: Vec<Series<'_>> =
-        recorded().zip(&points).map(|(trace, points)| Series { label: &trace.label, points }).collect();
+    let recorded = traces.traces.iter().filter(|trace| !trace.loops.is_empty());
+    let in_mm = |trace: &ReadTrace| trace.loops.iter().map(|[x_m, mu]| [LENGTH_MM.from_si(*x_m), *mu]).collect();
+    let repeats: Vec<Series<'_>> = recorded.map(|trace| Series { label: &trace.label, points: in_mm(trace) }).collect();
     if repeats.is_empty() {
         return Ok(None);
     }

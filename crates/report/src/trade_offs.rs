@@ -5,7 +5,7 @@ use slipgrid_design::results::PatternReport;
 use slipgrid_design::{Compared, TradeOff, TradeOffGoal};
 use slipgrid_model::pattern::Pattern;
 
-use crate::charts::{ChartError, TradeOffsChart, trade_offs as draw};
+use crate::charts::{self, ChartError};
 
 /// Formats the front as CSV, including the chosen design, which is marked.
 #[must_use]
@@ -45,14 +45,10 @@ pub fn picture(name: &str, compared: &Compared, chosen: &Pattern) -> Result<Stri
     let goals = &compared.wanted.goals;
     let own = compared.front.iter().chain(&compared.dominated).find(|known| known.design == *chosen);
     let titles: Vec<&str> = goals.iter().map(|goal| goal.words()).collect();
-    draw(&TradeOffsChart {
-        title: &format!("{name}: trade-offs"),
-        titles: &titles,
-        front: &points(&compared.front),
-        others: &points(&compared.dominated),
-        chosen: own.map(|known| &known.goals[..]),
-        limit: Some((1.0, "missed beyond")).filter(|_| goals[0] == TradeOffGoal::Misfit),
-    })
+    let (front, others) = (points(&compared.front), points(&compared.dominated));
+    let limit = Some((1.0, "missed beyond")).filter(|_| goals[0] == TradeOffGoal::Misfit);
+    let title = format!("{name}: trade-offs");
+    charts::trade_offs(&title, &titles, &front, &others, own.map(|known| &known.goals[..]), limit)
 }
 
 fn points(designs: &[TradeOff]) -> Vec<&[f64]> {

@@ -12,7 +12,7 @@ use slipgrid_infer::calibrate::{CutSample, Measurement, contradicting_samples};
 use slipgrid_infer::discrepancy::{Discrepancy, Form, LeftOut, Surprise, leave_out};
 
 use crate::ReportError;
-use crate::charts::{Estimate, Prediction, TrialsChart, trials};
+use crate::charts;
 pub use effects::EffectReport;
 use effects::{effects, less_known};
 
@@ -77,7 +77,7 @@ pub struct TrialsReport {
 }
 
 /// Trial with its measurements.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct TrialReport {
     /// Name of the trial.
     pub name: String,
@@ -103,7 +103,7 @@ pub struct TrialReport {
 }
 
 /// Measured ratio with its predictions.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct MeasuredReport {
     /// Nominal pressure.
     pub pressure_mpa: f64,
@@ -388,27 +388,7 @@ impl TrialsReport {
     /// # Errors
     /// [`ReportError`] if the picture cannot be drawn.
     pub fn picture(&self) -> Result<String, ReportError> {
-        let rows =
-            || self.trials.iter().enumerate().flat_map(|(place, of)| of.measured.iter().map(move |at| (place, at)));
-        let predictions: Vec<Prediction> = rows()
-            .map(|(trial, at)| Prediction {
-                trial,
-                measured: at.measured,
-                predicted: Estimate { value: at.before.ratio, error: None },
-                interval: at.before.interval_95,
-            })
-            .collect();
-        let names: Vec<String> = self.trials.iter().map(|of| of.name.clone()).collect();
-        let of = |value: &dyn Fn(usize, &MeasuredReport) -> f64| -> Vec<[f64; 2]> {
-            rows().map(|(trial, at)| [value(trial, at), at.measured]).collect()
-        };
-        let panels = [
-            ("areal density (%)", of(&|trial, _| 100.0 * self.trials[trial].areal_density)),
-            ("edges per area (1/mm)", of(&|trial, _| self.trials[trial].edge_per_mm)),
-            ("pressure (MPa)", of(&|_, at| at.pressure_mpa)),
-        ];
-        let title = format!("{}: measured and predicted ratios", self.name);
-        Ok(trials(&TrialsChart { title: &title, names: &names, predictions: &predictions, panels: &panels })?)
+        Ok(charts::trials(&format!("{}: measured and predicted ratios", self.name), &self.trials)?)
     }
 }
 

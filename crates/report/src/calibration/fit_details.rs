@@ -6,7 +6,7 @@ use slipgrid_infer::calibrate::{CalibrationOutcome, CalibrationTask, Fit, Parame
 
 use super::static_friction::{StaticRow, rows};
 use crate::ReportError;
-use crate::charts::{Estimate, ResidualsChart, residuals as draw};
+use crate::charts::{self, Estimate};
 use slipgrid_base::units::{HUMIDITY_PCT, SPEED_MM_S, tidy};
 use slipgrid_design::results::{SCHEMA, Table, VERSION, fixed};
 
@@ -143,19 +143,14 @@ pub fn profiles(fit: &Fit) -> String {
 
 /// Draws the residuals of all measurements in standard deviations.
 pub fn residuals(name: &str, outcome: &CalibrationOutcome) -> Result<String, ReportError> {
-    let labels: Vec<String> = outcome
-        .measurements
-        .iter()
-        .map(|m| {
-            format!("{} N {} mm/s {} %", m.force_n, SPEED_MM_S.from_si(m.speed_m_s), HUMIDITY_PCT.from_si(m.humidity))
+    let of = outcome.measurements.iter().zip(&outcome.fit.predictions);
+    let residuals: Vec<(String, Estimate)> = of
+        .map(|(m, predicted)| {
+            let (speed, humidity) = (SPEED_MM_S.from_si(m.speed_m_s), HUMIDITY_PCT.from_si(m.humidity));
+            let label = format!("{} N {speed} mm/s {humidity} %", m.force_n);
+            (label, Estimate { value: predicted.residual, error: Some(m.mu_dynamic_std) })
         })
         .collect();
-    let residuals: Vec<Estimate> = outcome
-        .measurements
-        .iter()
-        .zip(&outcome.fit.predictions)
-        .map(|(measured, predicted)| Estimate { value: predicted.residual, error: Some(measured.mu_dynamic_std) })
-        .collect();
-    let title = format!("{}: model minus measured dynamic friction of flat samples", name);
-    Ok(draw(&ResidualsChart { title: &title, labels: &labels, residuals: &residuals })?)
+    let title = format!("{name}: model minus measured dynamic friction of flat samples");
+    Ok(charts::residuals(&title, &residuals)?)
 }

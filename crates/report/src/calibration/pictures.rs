@@ -5,7 +5,7 @@ use slipgrid_infer::calibrate::{CalibrationOutcome, CalibrationTask, Measurement
 
 use crate::ChartError;
 use crate::area_law::picture_title;
-use crate::charts::{self, AreaLawChart, Estimate, FlatFrictionChart, FlatSeries};
+use crate::charts::{self, AreaPoint, Estimate, FlatSeries};
 
 /// Highest drawn pressure of the area law, relative to the highest measured nominal pressure.
 const DRAWN: f64 = 6.0;
@@ -16,7 +16,7 @@ const DRAWN: f64 = 6.0;
 /// [`ChartError`] if it cannot be drawn.
 pub fn flat_friction(name: &str, task: &CalibrationTask, outcome: &CalibrationOutcome) -> Result<String, ChartError> {
     let title = format!("{name}: friction of flat samples");
-    charts::flat_friction(&FlatFrictionChart { title: &title, series: &series(task, outcome) })
+    charts::flat_friction(&title, &series(task, outcome))
 }
 
 /// Draws [`flat_friction`] for a phone, without the title, which the page has.
@@ -24,7 +24,7 @@ pub fn flat_friction(name: &str, task: &CalibrationTask, outcome: &CalibrationOu
 /// # Errors
 /// Same as [`flat_friction`].
 pub fn flat_friction_narrow(task: &CalibrationTask, outcome: &CalibrationOutcome) -> Result<String, ChartError> {
-    charts::flat_friction_narrow(&FlatFrictionChart { title: "", series: &series(task, outcome) })
+    charts::flat_friction("", &series(task, outcome))
 }
 
 fn series(task: &CalibrationTask, outcome: &CalibrationOutcome) -> Vec<FlatSeries> {
@@ -55,7 +55,7 @@ fn series(task: &CalibrationTask, outcome: &CalibrationOutcome) -> Vec<FlatSerie
         let label = label(of);
         let Some(own) = series.iter_mut().find(|own| own.label == label) else { continue };
         own.measured.push((pressure_mpa, Estimate { value: of.mu_dynamic, error: Some(of.mu_dynamic_std) }));
-        own.modelled.extend(modelled.map(|mu| [pressure_mpa, mu]));
+        own.modelled.extend(modelled.map(|mu| (pressure_mpa, mu.into())));
     }
     series
 }
@@ -67,9 +67,6 @@ pub fn area_law(task: &CalibrationTask, outcome: &CalibrationOutcome) -> Result<
     let highest_pa = outcome.measurements.iter().map(|of| task.pressure_pa(of)).fold(0.0, f64::max);
     let drawn = surface.curve.iter().filter(|point| point.pressure_pa < DRAWN * highest_pa).count() + 1;
     let curve = &surface.curve[..drawn.clamp(surface.curve.len().min(2), surface.curve.len())];
-    let pressure_mpa: Vec<f64> = curve.iter().map(|point| PRESSURE_MPA.from_si(point.pressure_pa)).collect();
-    let area_fraction: Vec<f64> = curve.iter().map(|point| point.area_fraction_corrected).collect();
-    let factor: Vec<f64> = curve.iter().map(|point| law.factor(point.pressure_pa)).collect();
     // Standard errors of f from the windows of the map, linear between the pressures of the law; f is exact below them.
     let std_at = |pressure_pa: f64| {
         let (all, own) = (law.factor_std()?, law.pressures_pa());
@@ -80,17 +77,17 @@ pub fn area_law(task: &CalibrationTask, outcome: &CalibrationOutcome) -> Result<
         let share = ((pressure_pa - own[below]) / (own[above] - own[below])).clamp(0.0, 1.0);
         Some(all[below] + share * (all[above] - all[below]))
     };
-    let factor_std: Vec<f64> = curve.iter().filter_map(|point| std_at(point.pressure_pa)).collect();
-    let threshold = curve.iter().find(|point| (point.pressure_pa / law.pressures_pa()[0] - 1.0).abs() < 1e-9);
-    charts::area_law(&AreaLawChart {
-        title: picture_title(surface.synthetic),
-        pressure_mpa: &pressure_mpa,
-        area_fraction: &area_fraction,
-        factor: &factor,
-        factor_std: &factor_std,
-        windows: &[],
-        threshold: threshold.map(|point| [PRESSURE_MPA.from_si(point.pressure_pa), point.area_fraction_corrected]),
-        others: &[],
-    })
-    .map(Some)
+    let points: Vec<AreaPoint> = curve
+        .iter()
+        .map(|point| AreaPoint {
+            pressure_mpa: PRESSURE_MPA.from_si(point.pressure_pa),
+            area_fraction: point.area_fraction_corrected,
+            factor: law.factor(point.pressure_pa),
+            factor_std: std_at(point.pressure_pa),
+            windows: None,
+        })
+        .collect();
+    let at_threshold = curve.iter().position(|point| (point.pressure_pa / law.pressures_pa()[0] - 1.0).abs() < 1e-9);
+    let threshold = at_threshold.map(|row| [points[row].pressure_mpa, points[row].area_fraction]);
+    charts::area_law(picture_title(surface.synthetic), &points, threshold, &[]).map(Some)
 }

@@ -1,37 +1,23 @@
-use super::canvas::{GREY, INK, LEFT, Mark, PALETTE, RIGHT, Swatch, WIDTH, picture};
-use super::plot::{Axis, Plot};
-use super::{ChartError, check, check_length};
+//! Chart of contact area and of the factor f.
 
-/// Real contact area and the factor f against pressure.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct AreaLawChart<'a> {
-    /// Title.
-    pub title: &'a str,
-    /// Pressures, in MPa, increasing.
-    pub pressure_mpa: &'a [f64],
-    /// Real contact area over nominal area, one per pressure.
-    pub area_fraction: &'a [f64],
-    /// The factor f, one per pressure.
-    pub factor: &'a [f64],
-    /// Standard errors of f, one per pressure; may be empty.
-    pub factor_std: &'a [f64],
-    /// Mean of f over windows of the map and its standard deviation among them, one pair per pressure; may be empty.
-    pub windows: &'a [[f64; 2]],
-    /// Threshold pressure P0 in MPa, below which friction is proportional to load, and the area fraction at P0.
-    pub threshold: Option<[f64; 2]>,
-    /// Other surfaces at identical pressures, drawn as thinner lines; may be empty.
-    pub others: &'a [OtherSurface<'a>],
-}
+use super::axis::{Axis, extremes};
+use super::canvas::{GREY, INK, Mark, PALETTE, Swatch};
+use super::chart::{Chart, Layer};
+use super::{ChartError, Estimate};
 
-/// Surface for comparison.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct OtherSurface<'a> {
-    /// Name in the legend.
-    pub label: &'a str,
-    /// Real contact area over nominal area, one per pressure.
-    pub area_fraction: &'a [f64],
-    /// The factor f, one per pressure.
-    pub factor: &'a [f64],
+/// Contact at one pressure.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct AreaPoint {
+    /// Nominal pressure, in MPa.
+    pub pressure_mpa: f64,
+    /// Real contact area over nominal area.
+    pub area_fraction: f64,
+    /// The factor f.
+    pub factor: f64,
+    /// Standard error of f; drawn if all points have one.
+    pub factor_std: Option<f64>,
+    /// Mean of f over windows of the map, with its standard deviation among them.
+    pub windows: Option<Estimate>,
 }
 
 /// Height of the picture.
@@ -41,157 +27,123 @@ const GAP: f64 = 22.0;
 /// Opacity of the band of standard errors.
 const BAND: f64 = 0.25;
 
-/// Draws the area fraction above the factor on a shared pressure axis, with the line through the origin
-/// that proportional friction would follow.
+/// Draws the area fraction above the factor on a shared pressure axis. Pressures increase. At `threshold`, pressure P0 in MPa
+/// and area fraction, a line through the origin that proportional friction would follow begins. Surfaces `others` have names
+/// and thinner lines.
 ///
 /// # Errors
-/// [`ChartError`] if there is nothing to draw, lengths differ or a value is not finite.
-pub fn area_law(chart: &AreaLawChart<'_>) -> Result<String, ChartError> {
-    check_length(chart.title, chart.pressure_mpa.len(), chart.area_fraction.len())?;
-    check_length(chart.title, chart.pressure_mpa.len(), chart.factor.len())?;
-    if !chart.factor_std.is_empty() {
-        check_length(chart.title, chart.pressure_mpa.len(), chart.factor_std.len())?;
-    }
-    if !chart.windows.is_empty() {
-        check_length(chart.title, chart.pressure_mpa.len(), chart.windows.len())?;
-    }
-    for other in chart.others {
-        check_length(chart.title, chart.pressure_mpa.len(), other.area_fraction.len())?;
-        check_length(chart.title, chart.pressure_mpa.len(), other.factor.len())?;
-    }
-    let others = || chart.others.iter().flat_map(|other| other.area_fraction.iter().chain(other.factor));
-    let own = || chart.pressure_mpa.iter().chain(chart.area_fraction).chain(chart.factor).chain(chart.factor_std);
-    let own = || own().chain(chart.windows.as_flattened());
-    let values = || own().chain(others());
-    check(chart.title, chart.pressure_mpa)?;
-    check(chart.title, values().chain(chart.threshold.iter().flatten()))?;
-
+/// [`ChartError`] if there is nothing to draw or a value is not finite.
+pub fn area_law(
+    title: &str,
+    points: &[AreaPoint],
+    threshold: Option<[f64; 2]>,
+    others: &[(String, Vec<AreaPoint>)],
+) -> Result<String, ChartError> {
     let [blue, vermilion, coloured @ ..] = PALETTE;
-    let compared = || chart.others.iter().zip(coloured.into_iter().cycle());
+    let compared = || others.iter().zip(coloured.into_iter().cycle());
+    let area = |at: &AreaPoint| [at.pressure_mpa, at.area_fraction];
+    let factor = |at: &AreaPoint| [at.pressure_mpa, at.factor];
+    let windows: Vec<(f64, Estimate)> = points.iter().filter_map(|at| Some((at.pressure_mpa, at.windows?))).collect();
+    let has_std = points.iter().all(|at| at.factor_std.is_some());
+    let edge = |side: f64| {
+        let known = points.iter().filter(move |_| has_std);
+        known.filter_map(move |at| Some([at.pressure_mpa, at.factor + side * at.factor_std?]))
+    };
+    let band: Vec<[f64; 2]> = edge(-1.0).chain(edge(1.0).rev()).collect();
+
     let mut legend = vec![
         (Swatch::Mark(Mark::Circle, blue), "real contact area"),
         (Swatch::Mark(Mark::Square, vermilion), "factor f"),
     ];
-    if !chart.factor_std.is_empty() {
+    if has_std {
         legend.push((Swatch::Band(vermilion, BAND), "f ± standard error"));
     }
-    if !chart.windows.is_empty() {
+    if !windows.is_empty() {
         legend.push((Swatch::Mark(Mark::Ring, INK), "windows of the map, ± standard deviation"));
     }
-    if chart.threshold.is_some() {
+    if threshold.is_some() {
         legend.push((Swatch::Dashed(GREY), "proportional to load"));
     }
-    legend.extend(compared().map(|(other, color)| (Swatch::Line(color), other.label)));
-    let column = |column: &[f64]| -> Vec<[f64; 2]> {
-        chart.pressure_mpa.iter().zip(column).map(|(&pressure, &value)| [pressure, value]).collect()
-    };
-    let x_axis = Axis::from_zero("nominal pressure (MPa)", chart.pressure_mpa.iter().copied());
-    let areas = || chart.others.iter().flat_map(|other| other.area_fraction).chain(chart.area_fraction).copied();
-    let factors = || chart.others.iter().flat_map(|other| other.factor).chain(chart.factor).copied();
-    let area_axis = Axis::from_zero("area fraction", areas());
-    let edge = |side: f64| {
-        let rows = chart.pressure_mpa.iter().zip(chart.factor).zip(chart.factor_std);
-        rows.map(move |((&pressure, factor), std)| [pressure, factor + side * std])
-    };
-    let band: Vec<[f64; 2]> = edge(-1.0).chain(edge(1.0).rev()).collect();
-    let edges = band.iter().map(|point| point[1]);
-    let of_windows = chart.windows.iter().flat_map(|[mean, std]| [mean - std, mean + std]);
-    let factor_axis = Axis::around("factor f", factors().chain(edges).chain(of_windows).chain([1.0]));
-    let area_high = chart.area_fraction.iter().fold(0.0_f64, |high, &area| high.max(area));
-    let last = chart.pressure_mpa.iter().fold(0.0_f64, |high, &pressure| high.max(pressure));
-    picture(HEIGHT, |canvas| {
-        let top = canvas.heading(chart.title, &legend)?;
-        let (right, bottom) = (WIDTH - RIGHT, HEIGHT - 62.0);
-        let panel = (bottom - top - GAP) / 2.0;
+    legend.extend(compared().map(|((label, _), color)| (Swatch::Line(color), label.as_str())));
 
-        let upper = Plot::new(canvas, [LEFT, top, right, top + panel], x_axis.clone().unlabelled(), area_axis)?;
-        if let Some([threshold_mpa, area]) = chart.threshold {
-            upper.vertical(threshold_mpa, "P0")?;
-            if area > 0.0 && threshold_mpa > 0.0 {
-                // A = A(P0) P/P0, up to the border of the panel.
-                let end_mpa = last.min(area_high / area * threshold_mpa);
-                upper.dashed([[0.0, 0.0], [end_mpa, area * end_mpa / threshold_mpa]], GREY)?;
-            }
+    let pressures = || points.iter().map(|at| at.pressure_mpa);
+    let all = || others.iter().flat_map(|(_, points)| points).chain(points);
+    let (mut upper, mut lower) = (Vec::new(), Vec::new());
+    if let Some([threshold_mpa, threshold_area]) = threshold {
+        upper.push(Layer::Vertical(threshold_mpa, "P0"));
+        if threshold_area > 0.0 && threshold_mpa > 0.0 {
+            // A = A(P0) P/P0, up to the border of the panel.
+            let [last, highest] = [extremes(pressures())[1], extremes(points.iter().map(|at| at.area_fraction))[1]];
+            let end_mpa = last.min(highest / threshold_area * threshold_mpa);
+            upper.push(Layer::Dashed([[0.0, 0.0], [end_mpa, threshold_area * end_mpa / threshold_mpa]], GREY));
         }
-        for (other, color) in compared() {
-            upper.line(&column(other.area_fraction), color, 1.2)?;
-        }
-        let points = column(chart.area_fraction);
-        upper.line(&points, blue, 1.8)?;
-        for &point in &points {
-            upper.mark(Mark::Circle, point, None, 0.0, blue)?;
-        }
+        lower.extend([Layer::Vertical(threshold_mpa, ""), Layer::Horizontal(1.0)]);
+    }
+    let x_axis = Axis::from_zero("nominal pressure (MPa)", pressures());
+    let area_axis = Axis::from_zero("area fraction", all().map(|at| at.area_fraction));
+    let reached = band.iter().map(|point| point[1]).chain(windows.iter().flat_map(|(_, of)| of.ends()));
+    let factor_axis = Axis::around("factor f", all().map(|at| at.factor).chain(reached).chain([1.0]));
+    lower.push(Layer::Area(band, vermilion, BAND));
+    for ((_, points), color) in compared() {
+        upper.push(Layer::Line(points.iter().map(area).collect(), color, 1.2));
+        lower.push(Layer::Line(points.iter().map(factor).collect(), color, 1.2));
+    }
+    upper.push(Layer::Line(points.iter().map(area).collect(), blue, 1.8));
+    upper.push(Layer::marks(Mark::Circle, points.iter().map(area), blue));
+    lower.push(Layer::Line(points.iter().map(factor).collect(), vermilion, 1.8));
+    lower.push(Layer::marks(Mark::Square, points.iter().map(factor), vermilion));
+    lower.push(Layer::Marks(Mark::Ring, windows, INK, 0.0));
 
-        let lower = Plot::new(canvas, [LEFT, bottom - panel, right, bottom], x_axis, factor_axis)?;
-        if let Some([threshold_mpa, _]) = chart.threshold {
-            lower.vertical(threshold_mpa, "")?;
-            lower.horizontal(1.0, GREY)?;
-        }
-        if !band.is_empty() {
-            lower.polygon(&band, vermilion, BAND)?;
-        }
-        for (other, color) in compared() {
-            lower.line(&column(other.factor), color, 1.2)?;
-        }
-        let points = column(chart.factor);
-        lower.line(&points, vermilion, 1.8)?;
-        for &point in &points {
-            lower.mark(Mark::Square, point, None, 0.0, vermilion)?;
-        }
-        for (pressure, [mean, std]) in chart.pressure_mpa.iter().zip(chart.windows) {
-            lower.mark(Mark::Ring, [*pressure, *mean], Some(*std), 0.0, INK)?;
-        }
-        Ok(())
-    })
+    let mut chart = Chart::new(title, HEIGHT, legend);
+    let [left, top, right, bottom] = chart.frame();
+    let panel = (bottom - top - GAP) / 2.0;
+    chart.plot_in([left, top, right, top + panel], x_axis.clone().unlabelled(), area_axis, upper);
+    chart.plot_in([left, bottom - panel, right, bottom], x_axis, factor_axis, lower).svg()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    fn points(rows: [[f64; 3]; 4]) -> Vec<AreaPoint> {
+        let point = |[pressure_mpa, area_fraction, factor]: [f64; 3]| AreaPoint {
+            pressure_mpa,
+            area_fraction,
+            factor,
+            ..AreaPoint::default()
+        };
+        rows.map(point).to_vec()
+    }
+
     #[test]
     fn two_panels_share_the_pressure_axis() {
-        let chart = AreaLawChart {
-            title: "Area law",
-            pressure_mpa: &[0.35, 0.7, 1.4, 2.8],
-            area_fraction: &[0.1, 0.2, 0.35, 0.5],
-            factor: &[1.0, 1.0, 0.875, 0.625],
-            factor_std: &[0.0, 0.0, 0.01, 0.02],
-            windows: &[],
-            threshold: Some([0.7, 0.2]),
-            others: &[],
+        let mut own = points([[0.35, 0.1, 1.0], [0.7, 0.2, 1.0], [1.4, 0.35, 0.875], [2.8, 0.5, 0.625]]);
+        own.iter_mut().zip([0.0, 0.0, 0.01, 0.02]).for_each(|(at, std)| at.factor_std = Some(std));
+        let drawn = |points: &[AreaPoint], others: &[(String, Vec<AreaPoint>)]| {
+            area_law("Area law", points, Some([0.7, 0.2]), others)
         };
-        let svg = area_law(&chart).unwrap();
+        let svg = drawn(&own, &[]).unwrap();
         for text in ["area fraction", "factor f", "P0", "proportional to load", "f ± standard error"] {
             assert!(svg.contains(&format!("\n{text}\n")), "{text}");
         }
         assert_eq!(svg.matches("\nnominal pressure (MPa)\n").count(), 1);
         // Four marks in each panel and one in the legend.
         assert_eq!(svg.matches("<circle").count(), 5);
-        let other = OtherSurface { label: "rougher", area_fraction: &[0.05, 0.1, 0.2, 0.35], factor: &[1.0; 4] };
-        let compared = area_law(&AreaLawChart { others: &[other], ..chart }).unwrap();
+        let other = points([[0.35, 0.05, 1.0], [0.7, 0.1, 1.0], [1.4, 0.2, 1.0], [2.8, 0.35, 1.0]]);
+        let compared = drawn(&own, &[("rougher".to_owned(), other)]).unwrap();
         // One more line in each panel and one in the legend.
         assert_eq!(compared.matches("#009E73").count(), 3);
         // A ring on each pressure, one in the legend.
         let windows = [[1.0, 0.0], [1.0, 0.0], [0.88, 0.03], [0.6, 0.05]];
-        let spread = area_law(&AreaLawChart { windows: &windows, ..chart }).unwrap();
+        let windows = windows.map(|[value, std]| Some(Estimate { value, error: Some(std) }));
+        own.iter_mut().zip(windows).for_each(|(at, of)| at.windows = of);
+        let spread = drawn(&own, &[]).unwrap();
         assert_eq!(spread.matches("<circle").count(), 5 + 5);
-        let short = OtherSurface { factor: &[1.0], ..other };
-        assert!(area_law(&AreaLawChart { others: &[short], ..chart }).is_err());
-    }
-
-    #[test]
-    fn columns_of_unequal_length_are_refused() {
-        let chart = AreaLawChart {
-            title: "t",
-            pressure_mpa: &[1.0, 2.0],
-            area_fraction: &[0.1],
-            factor: &[1.0, 1.0],
-            factor_std: &[],
-            windows: &[],
-            threshold: None,
-            others: &[],
-        };
-        assert!(matches!(area_law(&chart), Err(ChartError::LengthMismatch { left: 2, right: 1, .. })));
+        // A band needs an error at every pressure.
+        own[0].factor_std = None;
+        assert!(!drawn(&own, &[]).unwrap().contains("f ± standard error"));
+        own[0].factor = f64::NAN;
+        assert!(matches!(drawn(&own, &[]), Err(ChartError::NotFinite { .. })));
+        assert!(matches!(drawn(&[], &[]), Err(ChartError::Empty { .. })));
     }
 }

@@ -1,4 +1,4 @@
-//! Canvas of a picture: text, title, legend and palette.
+//! Canvas of a picture: lines, marks, text, entries of a legend, and palette.
 
 use plotters::coord::Shift;
 use plotters::prelude::*;
@@ -75,19 +75,10 @@ impl Mark {
 /// Picture under construction, in picture units, with y pointing down.
 pub(super) struct Canvas<'a> {
     root: DrawingArea<SVGBackend<'a>, Shift>,
-    width: f64,
-}
-
-/// Draws a picture of the default width and the given height.
-pub(super) fn picture(
-    height: f64,
-    draw: impl FnOnce(&Canvas<'_>) -> Result<(), ChartError>,
-) -> Result<String, ChartError> {
-    picture_of_size([WIDTH, height], draw)
 }
 
 /// Draws a picture of the given width and height.
-pub(super) fn picture_of_size(
+pub(super) fn picture(
     [width, height]: [f64; 2],
     draw: impl FnOnce(&Canvas<'_>) -> Result<(), ChartError>,
 ) -> Result<String, ChartError> {
@@ -97,7 +88,7 @@ pub(super) fn picture_of_size(
     {
         let root = SVGBackend::with_string(&mut svg, size).into_drawing_area();
         root.fill(&WHITE).map_err(failed)?;
-        let canvas = Canvas { root, width };
+        let canvas = Canvas { root };
         draw(&canvas)?;
         canvas.root.present().map_err(failed)?;
     }
@@ -105,7 +96,8 @@ pub(super) fn picture_of_size(
     Ok(svg.replacen(&drawn, &format!("<svg width=\"{width}\" height=\"{height}\""), 1))
 }
 
-fn failed(error: impl std::fmt::Display) -> ChartError {
+/// Error of the drawing library.
+pub(super) fn failed(error: impl std::fmt::Display) -> ChartError {
     ChartError::Drawing { reason: error.to_string() }
 }
 
@@ -225,24 +217,16 @@ impl Canvas<'_> {
         self.root.draw(&Text::new(text, pixel(at), style)).map_err(failed)
     }
 
-    /// Draws title and legend at the top of the page; returns their height.
-    pub(super) fn heading(&self, title: &str, legend: &[(Swatch, &str)]) -> Result<f64, ChartError> {
+    /// Writes the title at the top of the page.
+    pub(super) fn title(&self, title: &str) -> Result<(), ChartError> {
         let anchor = (HPos::Left, VPos::Center);
-        self.styled_text(title, [LEFT, 24.0], anchor, INK, TITLE_SIZE, FontStyle::Bold, FontTransform::None)?;
-        // A narrow picture needs the whole width for its legend.
-        let left = if self.width < WIDTH { RIGHT } else { LEFT };
-        let mut at = [left, if title.is_empty() { 24.0 } else { 52.0 }];
-        for &(swatch, label) in legend {
-            let width = SWATCH + 8.0 + text_width(label) + 22.0;
-            // The gap after the last label may lie in the margin.
-            if at[0] > left && at[0] + width > self.width {
-                at = [left, at[1] + LEGEND_HEIGHT];
-            }
-            self.swatch(swatch, at)?;
-            self.text(label, [at[0] + SWATCH + 8.0, at[1]], anchor, INK)?;
-            at[0] += width;
-        }
-        Ok(if legend.is_empty() { 48.0 } else { at[1] + LEGEND_HEIGHT })
+        self.styled_text(title, [LEFT, 24.0], anchor, INK, TITLE_SIZE, FontStyle::Bold, FontTransform::None)
+    }
+
+    /// Draws an entry of the legend from `[x, y]` to the right.
+    pub(super) fn entry(&self, swatch: Swatch, label: &str, [x, y]: [f64; 2]) -> Result<(), ChartError> {
+        self.swatch(swatch, [x, y])?;
+        self.text(label, [x + SWATCH + 8.0, y], (HPos::Left, VPos::Center), INK)
     }
 
     fn swatch(&self, swatch: Swatch, [x, y]: [f64; 2]) -> Result<(), ChartError> {
@@ -260,6 +244,25 @@ impl Canvas<'_> {
             Swatch::Arrow(color) => self.arrow([x + SWATCH / 2.0, y - 8.0], [x + SWATCH / 2.0, y + 7.0], color),
         }
     }
+}
+
+/// Positions of the entries of a legend below `title` in a picture of `width`, and the height of title and legend.
+pub(super) fn arranged(title: &str, legend: &[(Swatch, &str)], width: f64) -> (Vec<[f64; 2]>, f64) {
+    // A narrow picture needs the whole width for its legend.
+    let left = if width < WIDTH { RIGHT } else { LEFT };
+    let mut next = [left, if title.is_empty() { 24.0 } else { 52.0 }];
+    let mut places = Vec::new();
+    for (_, label) in legend {
+        let own = SWATCH + 8.0 + text_width(label) + 22.0;
+        // The gap after the last label may lie in the margin.
+        if next[0] > left && next[0] + own > width {
+            next = [left, next[1] + LEGEND_HEIGHT];
+        }
+        places.push(next);
+        next[0] += own;
+    }
+    let height = if legend.is_empty() { 48.0 } else { next[1] + LEGEND_HEIGHT };
+    (places, height)
 }
 
 /// Estimated width of small text.

@@ -1,61 +1,46 @@
 //! Chart of height against distance from the edges of cavities.
 
-use super::canvas::{LEFT, Mark, PALETTE, RIGHT, Swatch, WIDTH, picture};
-use super::plot::{Axis, Plot};
+use super::axis::Axis;
+use super::canvas::{Mark, PALETTE, Swatch};
+use super::chart::{Chart, Layer};
 use super::{ChartError, check};
 
-/// Mean profile of the land before an edge, with its rim.
-#[derive(Clone, Copy, Debug)]
-pub struct EdgeProfileChart<'a> {
-    /// Title above the picture.
-    pub title: &'a str,
-    /// Distance from the edge at half depth, mean height above the land, and standard error of the height.
-    pub points_um: &'a [[f64; 3]],
-    /// Fitted rim as distance and height; may be empty.
-    pub rim_um: &'a [[f64; 2]],
-    /// Name of the fitted rim in the legend.
-    pub rim_label: &'a str,
-    /// Distance at which the wall ends and a rim begins.
-    pub start_um: f64,
-}
-
-const HEIGHT: f64 = 400.0;
 /// Opacity of the band of standard errors.
 const BAND: f64 = 0.18;
 
-/// Draws the profile; heights are exaggerated.
+/// Draws the mean profile of the land before an edge; heights are exaggerated. Each of `points_um` is a distance from the edge at
+/// half depth, a mean height above the land and its standard error; `rim_um` is the fitted rim, distances and heights, may be
+/// empty and has the name `rim_label`. At the distance `start_um` the wall ends and a rim begins.
 ///
 /// # Errors
 /// [`ChartError`] if there is nothing to draw or a value is not finite.
-pub fn edge_profile(chart: &EdgeProfileChart<'_>) -> Result<String, ChartError> {
-    check(chart.title, chart.points_um.iter().flatten().chain([&chart.start_um]))?;
-    if !chart.rim_um.is_empty() {
-        check(chart.title, chart.rim_um.iter().flatten())?;
-    }
-    if chart.points_um.is_empty() {
-        return Err(ChartError::Empty { title: chart.title.to_owned() });
-    }
+pub fn edge_profile(
+    title: &str,
+    points_um: &[[f64; 3]],
+    rim_um: &[[f64; 2]],
+    rim_label: &str,
+    start_um: f64,
+) -> Result<String, ChartError> {
+    check(title, points_um.as_flattened().iter().copied())?;
     let [blue, vermilion, ..] = PALETTE;
-    let side = |sign: f64| chart.points_um.iter().map(move |[x, height, error]| [*x, height + sign * error]);
+    let side = |sign: f64| points_um.iter().map(move |[x, height, error]| [*x, height + sign * error]);
     let band: Vec<[f64; 2]> = side(-1.0).chain(side(1.0).rev()).collect();
-    let means: Vec<[f64; 2]> = side(0.0).collect();
     let mut legend =
         vec![(Swatch::Mark(Mark::Circle, blue), "mean height"), (Swatch::Band(blue, BAND), "± standard error")];
-    if !chart.rim_um.is_empty() {
-        legend.push((Swatch::Line(vermilion), chart.rim_label));
+    if !rim_um.is_empty() {
+        legend.push((Swatch::Line(vermilion), rim_label));
     }
-    let x = Axis::from_zero("distance from the edge at half depth (µm)", means.iter().map(|point| point[0]));
-    let heights = band.iter().chain(chart.rim_um).map(|point| point[1]).chain([0.0]);
+    let x = Axis::from_zero("distance from the edge at half depth (µm)", points_um.iter().map(|point| point[0]));
+    let heights = band.iter().chain(rim_um).map(|point| point[1]).chain([0.0]);
     let y = Axis::around("height above the land (µm)", heights);
-    picture(HEIGHT, |canvas| {
-        let top = canvas.heading(chart.title, &legend)?;
-        let plot = Plot::new(canvas, [LEFT, top, WIDTH - RIGHT, HEIGHT - 62.0], x, y)?;
-        plot.vertical(chart.start_um, "end of the wall")?;
-        plot.polygon(&band, blue, BAND)?;
-        plot.line(&means, blue, 1.2)?;
-        plot.line(chart.rim_um, vermilion, 1.8)?;
-        means.iter().try_for_each(|&point| plot.mark(Mark::Circle, point, None, 0.0, blue))
-    })
+    let layers = [
+        Layer::Vertical(start_um, "end of the wall"),
+        Layer::Area(band, blue, BAND),
+        Layer::Line(side(0.0).collect(), blue, 1.2),
+        Layer::Line(rim_um.to_vec(), vermilion, 1.8),
+        Layer::marks(Mark::Circle, side(0.0), blue),
+    ];
+    Chart::new(title, 400.0, legend).plot(x, y, layers).svg()
 }
 
 #[cfg(test)]
@@ -66,17 +51,14 @@ mod tests {
     fn profile_rim_and_wall_are_drawn_and_named() {
         let points = [[6.0, 0.9, 0.1], [8.0, 0.5, 0.1], [10.0, 0.0, 0.05]];
         let rim = [[5.0, 1.0], [10.0, 0.0]];
-        let chart =
-            EdgeProfileChart { title: "t", points_um: &points, rim_um: &rim, rim_label: "ramp rim", start_um: 5.0 };
-        let svg = edge_profile(&chart).unwrap();
+        let svg = edge_profile("t", &points, &rim, "ramp rim", 5.0).unwrap();
         for text in ["mean height", "± standard error", "ramp rim", "end of the wall", "height above the land (µm)"] {
             assert!(svg.contains(&format!("\n{text}\n")), "{text}");
         }
         // Three marks and one in the legend.
         assert_eq!(svg.matches("<circle").count(), 4);
-        let bare = edge_profile(&EdgeProfileChart { rim_um: &[], ..chart }).unwrap();
-        assert!(!bare.contains("ramp rim"));
-        assert!(edge_profile(&EdgeProfileChart { points_um: &[], ..chart }).is_err());
-        assert!(edge_profile(&EdgeProfileChart { start_um: f64::NAN, ..chart }).is_err());
+        assert!(!edge_profile("t", &points, &[], "ramp rim", 5.0).unwrap().contains("ramp rim"));
+        assert!(edge_profile("t", &[], &rim, "ramp rim", 5.0).is_err());
+        assert!(edge_profile("t", &points, &rim, "ramp rim", f64::NAN).is_err());
     }
 }

@@ -1,54 +1,27 @@
 //! Chart of published ratios beside measured ones.
 
-use super::canvas::{GREY, LEFT, Mark, PALETTE, RIGHT, Swatch, WIDTH, picture};
-use super::plot::{Axis, Plot};
-use super::{ChartError, check};
+use super::ChartError;
+use super::axis::Axis;
+use super::canvas::{GREY, Mark, PALETTE, Swatch};
+use super::chart::{Chart, Layer};
 
-/// Ratios of one source.
-#[derive(Clone, Debug, PartialEq)]
-pub struct LiteratureMark {
-    /// Number of the source, or a name.
-    pub number: String,
-    /// Ratios of textured over flat friction.
-    pub ratios: Vec<f64>,
-    /// Whether the ratios are those of the user's trials.
-    pub is_own: bool,
-}
-
-/// Published ratios beside measured ones.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LiteratureChart<'a> {
-    /// Title.
-    pub title: &'a str,
-    /// One column of marks each.
-    pub marks: &'a [LiteratureMark],
-}
-
-/// Height of the picture.
-const HEIGHT: f64 = 380.0;
-
-/// Draws one column of marks for every source.
+/// Draws one column of marks for the user's `own` ratios of textured over flat friction, and one, by number from 1, for those
+/// of each `published` source.
 ///
 /// # Errors
 /// [`ChartError`] if there is nothing to draw or a value is not finite.
-pub fn literature(chart: &LiteratureChart<'_>) -> Result<String, ChartError> {
-    let all: Vec<f64> = chart.marks.iter().flat_map(|of| of.ratios.iter().copied()).collect();
-    check(chart.title, &all)?;
-    picture(HEIGHT, |canvas| {
-        let legend =
-            [(Swatch::Mark(Mark::Square, PALETTE[0]), "your trials"), (Swatch::Mark(Mark::Circle, GREY), "published")];
-        let top = canvas.heading(chart.title, &legend)?;
-        let names = chart.marks.iter().map(|of| of.number.clone()).collect();
-        let x_axis = Axis::of_names("source, by the number in the table", names);
-        let y_axis = Axis::from_zero("ratio textured / flat", all.iter().copied());
-        let plot = Plot::new(canvas, [LEFT, top, WIDTH - RIGHT, HEIGHT - 60.0], x_axis, y_axis)?;
-        plot.horizontal(1.0, GREY)?;
-        for (place, of) in chart.marks.iter().enumerate() {
-            let (mark, colour) = if of.is_own { (Mark::Square, PALETTE[0]) } else { (Mark::Circle, GREY) };
-            for ratio in &of.ratios {
-                plot.mark(mark, [place as f64, *ratio], None, 0.0, colour)?;
-            }
-        }
-        Ok(())
-    })
+pub fn literature(title: &str, own: &[f64], published: &[&[f64]]) -> Result<String, ChartError> {
+    let legend =
+        vec![(Swatch::Mark(Mark::Square, PALETTE[0]), "your trials"), (Swatch::Mark(Mark::Circle, GREY), "published")];
+    let names = ["yours".to_owned()].into_iter().chain((1..=published.len()).map(|number| number.to_string()));
+    let x_axis = Axis::of_names("source, by the number in the table", names);
+    let all = published.iter().copied().flatten().chain(own).copied();
+    let y_axis = Axis::from_zero("ratio textured / flat", all);
+    let column =
+        |place: usize, ratios: &[f64]| -> Vec<[f64; 2]> { ratios.iter().map(|ratio| [place as f64, *ratio]).collect() };
+    let mut layers = vec![Layer::Horizontal(1.0), Layer::marks(Mark::Square, column(0, own), PALETTE[0])];
+    layers.extend((1..).zip(published).map(|(place, of)| Layer::marks(Mark::Circle, column(place, of), GREY)));
+    let mut chart = Chart::new(title, 380.0, legend);
+    let [left, top, right, bottom] = chart.frame();
+    chart.plot_in([left, top, right, bottom + 2.0], x_axis, y_axis, layers).svg()
 }

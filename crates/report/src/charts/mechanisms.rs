@@ -1,7 +1,8 @@
 //! Chart of several quantities side by side, one row per mechanism, with intervals.
 
-use super::canvas::{GREY, Mark, PALETTE, RIGHT, WIDTH, picture};
-use super::plot::{Axis, Plot};
+use super::axis::Axis;
+use super::canvas::{GREY, Mark, PALETTE, RIGHT, WIDTH};
+use super::chart::{Chart, Layer};
 use super::{ChartError, check};
 
 /// Median and 95 % interval of each quantity by one mechanism.
@@ -17,6 +18,7 @@ pub struct MechanismRow {
 const NAMES: f64 = 300.0;
 const GAP: f64 = 40.0;
 const ROW: f64 = 34.0;
+const HEADING: f64 = 60.0;
 const BELOW: f64 = 62.0;
 /// Range of ratios that is drawn: intervals of what nobody believes end at the frame.
 const RANGE: [f64; 2] = [0.0, 2.0];
@@ -26,32 +28,29 @@ const RANGE: [f64; 2] = [0.0, 2.0];
 /// # Errors
 /// [`ChartError`] if there is nothing to draw or a value is not finite.
 pub fn mechanisms(title: &str, titles: &[&str], rows: &[MechanismRow]) -> Result<String, ChartError> {
-    let values = rows.iter().flat_map(|row| row.values.iter().flat_map(|(median, ends)| [median, &ends[0], &ends[1]]));
+    let values = rows.iter().flat_map(|row| row.values.iter().flat_map(|(median, [low, high])| [*median, *low, *high]));
     check(title, values)?;
     let count = titles.len().max(1) as f64;
     let width = (WIDTH - NAMES - RIGHT - GAP * (count - 1.0)) / count;
-    let names: Vec<String> = rows.iter().rev().map(|row| row.name.clone()).collect();
-    let height_of_rows = ROW * rows.len() as f64;
-    picture(60.0 + height_of_rows + BELOW, |canvas| {
-        let top = canvas.heading(title, &[])?;
-        for (place, quantity) in titles.iter().enumerate() {
-            let left = NAMES + place as f64 * (width + GAP);
-            let of_names = Axis::of_names("", names.clone());
-            let of_names = if place == 0 { of_names } else { of_names.unlabelled() };
-            let frame = [left, top, left + width, top + height_of_rows];
-            let plot = Plot::new(canvas, frame, Axis::over(quantity, RANGE), of_names)?;
-            plot.dashed([[1.0, -0.5], [1.0, rows.len() as f64 - 0.5]], GREY)?;
-            for (row, of) in rows.iter().rev().enumerate() {
-                let Some((median, ends)) = of.values.get(place) else { continue };
-                let [low, high] = ends.map(|end| end.clamp(RANGE[0], RANGE[1]));
-                plot.line(&[[low, row as f64], [high, row as f64]], PALETTE[place % PALETTE.len()], 3.0)?;
-                if (RANGE[0]..=RANGE[1]).contains(median) {
-                    plot.mark(Mark::Circle, [*median, row as f64], None, 0.0, PALETTE[place % PALETTE.len()])?;
-                }
-            }
+    let height = ROW * rows.len() as f64;
+    let mut chart = Chart::new(title, HEADING + height + BELOW, Vec::new());
+    let [_, top, ..] = chart.frame();
+    for (place, quantity) in titles.iter().enumerate() {
+        let left = NAMES + place as f64 * (width + GAP);
+        let of_names = Axis::of_names("", rows.iter().rev().map(|row| &row.name));
+        let of_names = if place == 0 { of_names } else { of_names.unlabelled() };
+        let colour = PALETTE[place % PALETTE.len()];
+        let mut layers = vec![Layer::Dashed([[1.0, -0.5], [1.0, rows.len() as f64 - 0.5]], GREY)];
+        for (row, of) in rows.iter().rev().enumerate() {
+            let Some((median, ends)) = of.values.get(place) else { continue };
+            let ends = ends.map(|end| [end.clamp(RANGE[0], RANGE[1]), row as f64]);
+            layers.push(Layer::Line(ends.to_vec(), colour, 3.0));
+            let shown = (RANGE[0]..=RANGE[1]).contains(median).then_some([*median, row as f64]);
+            layers.push(Layer::marks(Mark::Circle, shown, colour));
         }
-        Ok(())
-    })
+        chart.plot_in([left, top, left + width, top + height], Axis::over(quantity, RANGE), of_names, layers);
+    }
+    chart.svg()
 }
 
 #[cfg(test)]

@@ -23,12 +23,15 @@
 //! | [`spectrum`] | power against wave number |
 //! | [`work_precision`] | wall time against error, with the front |
 //!
-//! Each picture is 900 units wide, text stays text, and the legend stands outside the axes. Colours
-//! are from the palette of Okabe and Ito, which is distinguishable with common colour vision deficiencies;
-//! marks also differ in shape. Identical values give identical bytes.
+//! Each function describes its picture as a chart: a title, a legend, and plots of layers, which one renderer checks and
+//! draws. A picture is 900 units wide, or 480 units without a title, for a narrow column of a page that has the title. Text
+//! stays text, and the legend stands outside the axes. Colours are from the palette of Okabe and Ito, which is
+//! distinguishable with common colour vision deficiencies; marks also differ in shape. Identical values give identical bytes.
 
 mod area_law;
+mod axis;
 mod canvas;
+mod chart;
 mod edge_profile;
 mod flat_friction;
 mod friction_trace;
@@ -37,7 +40,6 @@ mod interface_pressure;
 mod left_out;
 mod literature;
 mod mechanisms;
-mod plot;
 mod raster;
 mod ratios;
 mod residuals;
@@ -49,32 +51,32 @@ mod trials;
 mod tribometer;
 mod work_precision;
 
-pub use area_law::{AreaLawChart, OtherSurface, area_law};
-pub use edge_profile::{EdgeProfileChart, edge_profile};
-pub use flat_friction::{FlatFrictionChart, FlatSeries, flat_friction, flat_friction_narrow};
-pub use friction_trace::{FrictionTraceChart, Trace, friction_trace};
-pub use height_histogram::{HeightHistogramChart, height_histogram};
-pub use interface_pressure::{InterfacePressureChart, interface_pressure};
+pub use area_law::{AreaPoint, area_law};
+pub use edge_profile::edge_profile;
+pub use flat_friction::{FlatSeries, flat_friction};
+pub use friction_trace::{Trace, friction_trace};
+pub use height_histogram::height_histogram;
+pub use interface_pressure::interface_pressure;
 pub use left_out::left_out;
-pub use literature::{LiteratureChart, LiteratureMark, literature};
+pub use literature::literature;
 pub use mechanisms::{MechanismRow, mechanisms};
-pub use ratios::{RatioSeries, RatiosChart, ratios};
-pub use residuals::{ResidualsChart, residuals};
-pub use section::{SectionChart, SpectrumChart, section, spectrum};
-pub use surface_map::{SlidingMark, SurfaceMapChart, surface_map};
-pub use target::{SamplePoint, TargetChart, TargetPoint, target, target_narrow};
-pub use trade_offs::{TradeOffsChart, trade_offs};
-pub use trials::{Prediction, TrialsChart, trials};
-pub use tribometer::{RepeatTrace, TribometerChart, friction_loops, tribometer};
-pub use work_precision::{WorkPoint, WorkPrecisionChart, WorkPrecisionPanel, work_precision};
+pub use ratios::ratios;
+pub use residuals::residuals;
+pub use section::{section, spectrum};
+pub use surface_map::{SurfaceValues, surface_map};
+pub use target::{SamplePoint, TargetPoint, target};
+pub use trade_offs::trade_offs;
+pub use trials::trials;
+pub use tribometer::{RepeatTrace, friction_loops, tribometer};
+pub use work_precision::{WorkPoint, WorkPrecisionPanel, work_precision};
 
 /// A labelled line.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Series<'a> {
     /// Name in the legend.
     pub label: &'a str,
     /// `[x, y]`, x not decreasing, in the units of the chart's axes.
-    pub points: &'a [[f64; 2]],
+    pub points: Vec<[f64; 2]>,
 }
 
 /// Value with its standard error or standard deviation.
@@ -84,6 +86,21 @@ pub struct Estimate {
     pub value: f64,
     /// Half the length of the error bar; `None` draws no bar.
     pub error: Option<f64>,
+}
+
+impl Estimate {
+    /// Ends of the error bar; both are the value without one.
+    fn ends(&self) -> [f64; 2] {
+        let error = self.error.unwrap_or(0.0);
+        [self.value - error, self.value + error]
+    }
+}
+
+impl From<f64> for Estimate {
+    /// Value without an error.
+    fn from(value: f64) -> Self {
+        Self { value, error: None }
+    }
 }
 
 /// Errors of drawing a chart.
@@ -122,13 +139,13 @@ pub enum ChartError {
 }
 
 /// Checks that there are values and that all are finite.
-fn check<'a>(title: &str, values: impl IntoIterator<Item = &'a f64>) -> Result<(), ChartError> {
+fn check(title: &str, values: impl IntoIterator<Item = f64>) -> Result<(), ChartError> {
     let mut values = values.into_iter().peekable();
     if values.peek().is_none() {
         return Err(ChartError::Empty { title: title.to_owned() });
     }
     match values.find(|value| !value.is_finite()) {
-        Some(&value) => Err(ChartError::NotFinite { title: title.to_owned(), value }),
+        Some(value) => Err(ChartError::NotFinite { title: title.to_owned(), value }),
         None => Ok(()),
     }
 }

@@ -1,41 +1,26 @@
 //! Chart of a quantity over a surface, seen from above.
 
-use plotters::style::RGBColor;
 use plotters::style::text_anchor::{HPos, VPos};
 
-use super::canvas::{INK, LEFT, Swatch, WIDTH, picture};
-use super::plot::{Axis, Plot};
+use super::axis::Axis;
+use super::canvas::{Canvas, INK, LEFT, Swatch, WIDTH};
+use super::chart::{Chart, Layer, Plot};
 use super::raster::Raster;
 use super::{ChartError, check};
 
-/// Values over a surface seen from above, as colours: heights or pressures.
-#[derive(Clone, Copy, Debug)]
-pub struct SurfaceMapChart<'a> {
-    /// Title above the picture.
-    pub title: &'a str,
+/// Values over a surface seen from above: heights or pressures.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SurfaceValues<'a> {
     /// Values, row by row along y; NaN where a value is missing.
     pub values: &'a [f64],
-    /// Unit of the values.
-    pub unit: &'a str,
     /// Number of values per row.
     pub columns: usize,
-    /// Side lengths of the map along x and y.
-    pub side_um: [f64; 2],
+    /// Unit of the values.
+    pub unit: &'a str,
     /// Values at the ends of the colour scale.
     pub scale: [f64; 2],
-    /// Position of a section along x; `None` without a section.
-    pub section_y_um: Option<f64>,
-    /// Sliding direction; `None` if unknown.
-    pub sliding: Option<SlidingMark<'a>>,
-}
-
-/// Arrow above a map that marks the sliding direction.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SlidingMark<'a> {
-    /// Unit vector in the axes of the map.
-    pub direction: [f64; 2],
-    /// Label beside the arrow.
-    pub label: &'a str,
+    /// Side lengths of the map along x and y.
+    pub side_um: [f64; 2],
 }
 
 /// Maximum page height, and minimum side of the drawn map.
@@ -80,53 +65,55 @@ fn color(share: f64) -> [u8; 3] {
     })
 }
 
-/// Draws the surface from above, x to the right, y upwards, to scale, with the colour scale at its side.
+/// Draws the surface from above, x to the right, y upwards, to scale, with the colour scale at its side; marks the position
+/// `section_y_um` of a section along x, and the direction of `sliding`, a unit vector in the axes of the map, with a label.
 ///
 /// # Errors
 /// [`ChartError`] if there is nothing to draw, rows are incomplete or a number is not finite.
-pub fn surface_map<'a>(chart: &SurfaceMapChart<'a>) -> Result<String, ChartError> {
-    check(chart.title, {
-        let direction = chart.sliding.iter().flat_map(|sliding| &sliding.direction);
-        chart.side_um.iter().chain(&chart.scale).chain(&chart.section_y_um).chain(direction)
-    })?;
-    let columns = chart.columns.max(1);
-    let rows = chart.values.len() / columns;
-    if rows == 0 || rows * columns != chart.values.len() {
-        return Err(ChartError::Empty { title: chart.title.to_owned() });
+pub fn surface_map(
+    title: &str,
+    of: &SurfaceValues<'_>,
+    section_y_um: Option<f64>,
+    sliding: Option<([f64; 2], &str)>,
+) -> Result<String, ChartError> {
+    let direction = sliding.map(|(direction, _)| direction);
+    check(title, of.side_um.into_iter().chain(of.scale).chain(section_y_um).chain(direction.into_iter().flatten()))?;
+    let columns = of.columns.max(1);
+    let rows = of.values.len() / columns;
+    if rows == 0 || rows * columns != of.values.len() {
+        return Err(ChartError::Empty { title: title.to_owned() });
     }
-    let [low, high] = chart.scale;
+    let [low, high] = of.scale;
     let span = if high > low { high - low } else { 1.0 };
     let map = Raster::new(rows, columns, |across, down| {
-        color((chart.values[across * columns + (columns - 1 - down)] - low) / span)
-    });
-    let scale = Raster::new(1, 256, |_, down| color(1.0 - down as f64 / 255.0));
+        color((of.values[across * columns + (columns - 1 - down)] - low) / span)
+    })?;
+    let scale = Raster::new(1, 256, |_, down| color(1.0 - down as f64 / 255.0))?;
 
-    let top = TOP + if chart.sliding.is_some() { SLIDING_HEIGHT } else { 0.0 };
-    let wide = WIDTH - LEFT - SCALE_SPACE;
+    let top = TOP + if sliding.is_some() { SLIDING_HEIGHT } else { 0.0 };
     let tall = MAX_HEIGHT - top - BOTTOM;
-    let per_um = (wide / chart.side_um[0]).min(tall / chart.side_um[1]);
-    let [width, height] = chart.side_um.map(|side| (side * per_um).max(MIN_SIDE));
+    let per_um = ((WIDTH - LEFT - SCALE_SPACE) / of.side_um[0]).min(tall / of.side_um[1]);
+    let [width, height] = of.side_um.map(|side| (side * per_um).max(MIN_SIDE));
     let frame = [LEFT, top, LEFT + width, top + height];
     let scale_frame = [frame[2] + 34.0, top, frame[2] + 34.0 + SCALE_WIDTH, top + height];
-    let svg = picture(height + top + BOTTOM, |canvas| {
-        let arrow = |sliding: SlidingMark<'a>| (Swatch::Toward(sliding.direction, INK), sliding.label);
-        canvas.heading(chart.title, &chart.sliding.map(arrow).into_iter().collect::<Vec<_>>())?;
-        let (x, y) = (Axis::over("x (µm)", [0.0, chart.side_um[0]]), Axis::over("y (µm)", [0.0, chart.side_um[1]]));
-        let plot = Plot::new(canvas, frame, x, y)?;
-        if let Some(section_y_um) = chart.section_y_um {
+    let beside = |canvas: &Canvas<'_>, plot: &Plot<'_>| {
+        if let Some(section_y_um) = section_y_um {
             // The mark stands outside, so that it does not hide the map.
-            let [right, level] = plot.at([chart.side_um[0], section_y_um]);
+            let [right, level] = plot.at([of.side_um[0], section_y_um]);
             let arrow = [[right + 3.0, level], [right + 12.0, level - 5.0], [right + 12.0, level + 5.0]];
             canvas.polygon(&arrow, INK, 1.0)?;
         }
-        for (value, text) in Axis::over("", [low, low + span]).numbers() {
-            let share = (value - low) / span;
-            let at = [scale_frame[2] + 7.0, scale_frame[3] - share * height];
+        for (value, text) in Axis::over("", [low, low + span]).ticks {
+            let at = [scale_frame[2] + 7.0, scale_frame[3] - (value - low) / span * height];
             canvas.line(&[[scale_frame[2], at[1]], [scale_frame[2] + 4.0, at[1]]], INK, 1.0)?;
-            canvas.text(text, at, (HPos::Left, VPos::Center), RGBColor(INK.0, INK.1, INK.2))?;
+            canvas.text(&text, at, (HPos::Left, VPos::Center), INK)?;
         }
-        canvas.text(chart.unit, [scale_frame[0], top - 12.0], (HPos::Left, VPos::Center), INK)
-    })?;
+        canvas.text(of.unit, [scale_frame[0], top - 12.0], (HPos::Left, VPos::Center), INK)
+    };
+    let legend = sliding.map(|(direction, label)| (Swatch::Toward(direction, INK), label)).into_iter().collect();
+    let [x, y] = [("x (µm)", of.side_um[0]), ("y (µm)", of.side_um[1])].map(|(name, end)| Axis::over(name, [0.0, end]));
+    let svg =
+        Chart::new(title, height + top + BOTTOM, legend).plot_in(frame, x, y, [Layer::Own(Box::new(beside))]).svg()?;
     map.onto(scale.onto(svg, scale_frame)?, frame)
 }
 
@@ -134,14 +121,19 @@ pub fn surface_map<'a>(chart: &SurfaceMapChart<'a>) -> Result<String, ChartError
 mod tests {
     use super::*;
 
-    fn chart<'a>(values: &'a [f64], columns: usize, side_um: [f64; 2]) -> SurfaceMapChart<'a> {
-        let (unit, scale) = ("um", [-1.0, 1.0]);
-        SurfaceMapChart { title: "t", values, unit, columns, side_um, scale, section_y_um: Some(1.0), sliding: None }
+    fn map(
+        values: &[f64],
+        columns: usize,
+        side_um: [f64; 2],
+        sliding: Option<([f64; 2], &str)>,
+    ) -> Result<String, ChartError> {
+        let of = SurfaceValues { values, columns, unit: "um", scale: [-1.0, 1.0], side_um };
+        surface_map("t", &of, Some(1.0), sliding)
     }
 
     #[test]
     fn a_map_and_its_scale_are_images_with_units() {
-        let svg = surface_map(&chart(&[0.0, 1.0, -1.0, f64::NAN, 0.5, 0.2], 3, [20.0, 30.0])).unwrap();
+        let svg = map(&[0.0, 1.0, -1.0, f64::NAN, 0.5, 0.2], 3, [20.0, 30.0], None).unwrap();
         assert_eq!(svg.matches("<image ").count(), 2);
         assert_eq!(svg.matches("data:image/png;base64,iVBORw0KGgo").count(), 2);
         for text in ["x (µm)", "y (µm)", "um", "-1.0", "0.5"] {
@@ -152,28 +144,24 @@ mod tests {
 
     #[test]
     fn an_arrow_says_which_way_a_surface_slides_where_that_is_known() {
-        let plain = chart(&[0.0; 400], 20, [1e3, 1e3]);
-        let drawn = |direction| {
-            let sliding = Some(SlidingMark { direction, label: "sliding direction" });
-            surface_map(&SurfaceMapChart { sliding, ..plain }).unwrap()
-        };
+        let square = |sliding| map(&[0.0; 400], 20, [1e3, 1e3], sliding);
+        let drawn = |direction| square(Some((direction, "sliding direction"))).unwrap();
         // Polylines of an arrow: shaft and barbs.
         let lines = |svg: &str| svg.matches("<polyline").count();
-        let (without, along) = (surface_map(&plain).unwrap(), drawn([1.0, 0.0]));
+        let (without, along) = (square(None).unwrap(), drawn([1.0, 0.0]));
         assert!(!without.contains("sliding") && along.contains("\nsliding direction\n"));
         assert_eq!(lines(&along), lines(&without) + 2);
         assert!(along != drawn([0.0, 1.0]) && drawn([0.0, 1.0]) != drawn([0.0, -1.0]));
         let height: f64 = along.split("height=\"").nth(1).unwrap().split('"').next().unwrap().parse().unwrap();
         assert!(height <= MAX_HEIGHT, "{height}");
-        let sliding = Some(SlidingMark { direction: [f64::NAN, 0.0], label: "l" });
-        assert!(surface_map(&SurfaceMapChart { sliding, ..plain }).is_err());
+        assert!(square(Some(([f64::NAN, 0.0], "l"))).is_err());
     }
 
     #[test]
     fn pages_stay_bounded_whatever_the_aspect() {
         let heights = vec![0.0; 400];
         for side_um in [[1e4, 1.0], [1.0, 1e4], [1e3, 1e3]] {
-            let svg = surface_map(&chart(&heights, 20, side_um)).unwrap();
+            let svg = map(&heights, 20, side_um, None).unwrap();
             let height: f64 = svg.split("height=\"").nth(1).unwrap().split('"').next().unwrap().parse().unwrap();
             assert!((200.0 - 1.0..=MAX_HEIGHT).contains(&height), "{height}");
         }
@@ -195,8 +183,8 @@ mod tests {
 
     #[test]
     fn maps_without_points_are_refused() {
-        assert!(surface_map(&chart(&[], 3, [1.0, 1.0])).is_err());
-        assert!(surface_map(&chart(&[0.0; 4], 3, [1.0, 1.0])).is_err());
-        assert!(surface_map(&chart(&[0.0; 6], 3, [f64::NAN, 1.0])).is_err());
+        assert!(map(&[], 3, [1.0, 1.0], None).is_err());
+        assert!(map(&[0.0; 4], 3, [1.0, 1.0], None).is_err());
+        assert!(map(&[0.0; 6], 3, [f64::NAN, 1.0], None).is_err());
     }
 }

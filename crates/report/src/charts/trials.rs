@@ -1,34 +1,12 @@
 //! Chart of trials: predicted against measured ratios, and all ratios against features of the texture.
 
-use super::canvas::{GREY, LEFT, Mark, PALETTE, RIGHT, Swatch, WIDTH, picture};
-use super::plot::{Axis, Plot};
-use super::{ChartError, Estimate, check};
+use plotters::style::RGBColor;
 
-/// Measured ratio with its prediction.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Prediction {
-    /// Index of the trial, from 0.
-    pub trial: usize,
-    /// Measured ratio.
-    pub measured: f64,
-    /// Prediction.
-    pub predicted: Estimate,
-    /// Ends of the prediction's 95 % interval.
-    pub interval: [f64; 2],
-}
-
-/// Ledger of trials.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TrialsChart<'a> {
-    /// Title.
-    pub title: &'a str,
-    /// Names of the trials.
-    pub names: &'a [String],
-    /// All measured ratios, in order.
-    pub predictions: &'a [Prediction],
-    /// Panels of ratios against a quantity: title and points, in the order of the ratios.
-    pub panels: &'a [(&'a str, Vec<[f64; 2]>)],
-}
+use super::axis::{Axis, extremes};
+use super::canvas::{GREY, Mark, PALETTE, Swatch};
+use super::chart::{Chart, Layer};
+use super::{ChartError, check};
+use crate::trials::{MeasuredReport, TrialReport};
 
 /// Lower end of the first plot, and height of the picture.
 const FIRST: f64 = 380.0;
@@ -40,55 +18,58 @@ const BEYOND: f64 = 0.75;
 /// Maximum number of trials named in the legend.
 const NAMED: usize = 4;
 
-/// Draws the ledger: predictions at the top, ratios against texture and load below.
+/// Quantity of a measured ratio.
+type Quantity = fn(&TrialReport, &MeasuredReport) -> f64;
+
+/// Draws all measured ratios, in order, with their predictions from earlier trials; below, the ratios against areal density,
+/// edge length and pressure.
 ///
 /// # Errors
 /// [`ChartError`] if there is nothing to draw or a value is not finite.
-pub fn trials(chart: &TrialsChart<'_>) -> Result<String, ChartError> {
-    let ends: Vec<f64> =
-        chart.predictions.iter().flat_map(|of| [of.interval[0], of.interval[1], of.measured]).collect();
-    check(chart.title, &ends)?;
-    let count = chart.predictions.len();
+pub fn trials(title: &str, trials: &[TrialReport]) -> Result<String, ChartError> {
+    let coloured = trials.iter().zip(PALETTE.into_iter().cycle());
+    let each = coloured.clone().flat_map(|(trial, colour)| trial.measured.iter().map(move |at| (trial, at, colour)));
+    let rows: Vec<(&TrialReport, &MeasuredReport, RGBColor)> = each.collect();
+    let ends = || rows.iter().flat_map(|(_, at, _)| at.before.interval_95.into_iter().chain([at.measured]));
+    check(title, ends())?;
     // Before a first trial, an interval may be far wider than the range of measured values: bars end at the frame.
-    let middles = || chart.predictions.iter().flat_map(|of| [of.predicted.value, of.measured]);
-    let (least, most) =
-        middles().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)));
+    let [least, most] = extremes(rows.iter().flat_map(|(_, at, _)| [at.before.ratio, at.measured]));
     let room = (BEYOND * (most - least)).max(BEYOND * 0.02 * most);
     let [lowest, highest] = [least - room, most + room];
-    let drawn = Axis::around("ratio patterned / flat", ends.iter().map(|end| end.clamp(lowest, highest)));
-    let y_axis = if ends.iter().all(|end| (lowest..=highest).contains(end)) {
-        drawn
+    let y_axis = if ends().all(|end| (lowest..=highest).contains(&end)) {
+        Axis::around("ratio patterned / flat", ends())
     } else {
         Axis::over("ratio patterned / flat", [lowest, highest])
     };
-    let colour = |trial: usize| PALETTE[trial % PALETTE.len()];
-    picture(HEIGHT, |canvas| {
-        let mut legend = vec![(Swatch::Mark(Mark::Circle, GREY), "predicted before, with 95 %")];
-        for (trial, name) in chart.names.iter().enumerate().take(NAMED) {
-            legend.push((Swatch::Mark(Mark::Square, colour(trial)), name));
-        }
-        let top = canvas.heading(chart.title, &legend)?;
-        let numbers = (1..=count).map(|number| number.to_string()).collect();
-        let x_axis = Axis::of_names("number of the measured ratio", numbers);
-        let plot = Plot::new(canvas, [LEFT, top, WIDTH - RIGHT, FIRST], x_axis, y_axis.clone())?;
-        for (place, of) in chart.predictions.iter().enumerate() {
-            let [low, high] = of.interval.map(|end| end.clamp(lowest, highest));
-            let (middle, half) = (f64::midpoint(low, high), 0.5 * (high - low));
-            plot.error_bar([place as f64, middle], half, -3.0, GREY)?;
-            plot.mark(Mark::Circle, [place as f64, of.predicted.value], None, -3.0, GREY)?;
-            plot.mark(Mark::Square, [place as f64, of.measured], None, 3.0, colour(of.trial))?;
-        }
-        let width = (WIDTH - LEFT - RIGHT - GAP * (chart.panels.len() as f64 - 1.0)) / chart.panels.len().max(1) as f64;
-        for (number, (name, points)) in chart.panels.iter().enumerate() {
-            let left = LEFT + number as f64 * (width + GAP);
-            let x_axis = Axis::from_zero(name, points.iter().map(|point| point[0]));
-            let y_axis =
-                Axis::around(if number == 0 { "measured ratio" } else { "" }, points.iter().map(|point| point[1]));
-            let plot = Plot::new(canvas, [left, FIRST + GAP + 20.0, left + width, HEIGHT - 60.0], x_axis, y_axis)?;
-            for (point, of) in points.iter().zip(chart.predictions) {
-                plot.mark(Mark::Square, *point, None, 0.0, colour(of.trial))?;
-            }
-        }
-        Ok(())
-    })
+    let mut legend = vec![(Swatch::Mark(Mark::Circle, GREY), "predicted before, with 95 %")];
+    legend.extend(coloured.take(NAMED).map(|(of, colour)| (Swatch::Mark(Mark::Square, colour), of.name.as_str())));
+    let layers = rows.iter().enumerate().flat_map(|(place, (_, at, colour))| {
+        let x = place as f64;
+        [
+            Layer::Bar(x, at.before.interval_95.map(|end| end.clamp(lowest, highest)), GREY, -3.0),
+            Layer::Marks(Mark::Circle, vec![(x, at.before.ratio.into())], GREY, -3.0),
+            Layer::Marks(Mark::Square, vec![(x, at.measured.into())], *colour, 3.0),
+        ]
+    });
+    let mut chart = Chart::new(title, HEIGHT, legend);
+    let [left, top, right, _] = chart.frame();
+    let x_axis = Axis::of_names("number of the measured ratio", 1..=rows.len());
+    chart.plot_in([left, top, right, FIRST], x_axis, y_axis, layers);
+    let panels: [(&str, &str, Quantity); 3] = [
+        ("measured ratio", "areal density (%)", |trial, _| 100.0 * trial.areal_density),
+        ("", "edges per area (1/mm)", |trial, _| trial.edge_per_mm),
+        ("", "pressure (MPa)", |_, at| at.pressure_mpa),
+    ];
+    let width = (right - left - 2.0 * GAP) / 3.0;
+    for (number, (y_title, x_title, value)) in panels.into_iter().enumerate() {
+        let left = left + number as f64 * (width + GAP);
+        let x_axis = Axis::from_zero(x_title, rows.iter().map(|(trial, at, _)| value(trial, at)));
+        let y_axis = Axis::around(y_title, rows.iter().map(|(_, at, _)| at.measured));
+        let marks = rows
+            .iter()
+            .map(|(trial, at, colour)| Layer::marks(Mark::Square, [[value(trial, at), at.measured]], *colour));
+        let frame = [left, FIRST + GAP + 20.0, left + width, HEIGHT - 60.0];
+        chart.plot_in(frame, x_axis, y_axis, marks);
+    }
+    chart.svg()
 }

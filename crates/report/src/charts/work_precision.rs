@@ -1,32 +1,20 @@
+//! Chart of wall time against error.
+
 use plotters::style::RGBColor;
 use plotters::style::text_anchor::{HPos, VPos};
 
-use super::canvas::{
-    Canvas, GREY, INK, LEFT, Mark, PALETTE, RIGHT, SMALL_SIZE, Swatch, WIDTH, picture, small_text_width,
-};
-use super::plot::{Axis, Plot};
+use super::axis::Axis;
+use super::canvas::{Canvas, GREY, INK, Mark, PALETTE, SMALL_SIZE, Swatch, small_text_width};
+use super::chart::{Chart, Frame, Layer, Plot};
 use super::{ChartError, check};
 
-/// Wall time against error, one panel per quantity.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct WorkPrecisionChart<'a> {
-    /// Title.
-    pub title: &'a str,
-    /// Names of the method families, at most as many as there are colours.
-    pub families: &'a [&'a str],
-    /// Panels from top to bottom.
-    pub panels: &'a [WorkPrecisionPanel<'a>],
-    /// Wall time of the reference, in seconds.
-    pub reference_s: f64,
-}
-
 /// Errors in one quantity.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct WorkPrecisionPanel<'a> {
     /// Title of the error axis.
-    pub error_title: &'a str,
+    pub error_title: String,
     /// One point per method.
-    pub points: &'a [WorkPoint<'a>],
+    pub points: Vec<WorkPoint<'a>>,
     /// Smallest distinguishable error, in per cent.
     pub resolution_pct: f64,
 }
@@ -67,71 +55,80 @@ const LINE_ROOM: f64 = 2.0;
 /// Length of the arrow at an upper bound.
 const ARROW: f64 = 15.0;
 
-/// Rectangle on the page: left, top, right, bottom.
-type Frame = [f64; 4];
-
-/// Draws wall time against error on logarithmic axes, with the front of each panel.
+/// Draws wall time against error on logarithmic axes, with the front of each of `panels` from top to bottom. `families` are the
+/// names of the method families, at most as many as there are colours; `reference_s` is the wall time of the reference.
 ///
 /// # Errors
 /// [`ChartError`] if a panel is empty or a value is not finite.
-pub fn work_precision(chart: &WorkPrecisionChart<'_>) -> Result<String, ChartError> {
-    for panel in chart.panels {
-        check(chart.title, panel.points.iter().flat_map(|point| [&point.wall_s, &point.error_pct]))?;
-        check(chart.title, [&panel.resolution_pct])?;
+pub fn work_precision(
+    title: &str,
+    families: &[&str],
+    panels: &[WorkPrecisionPanel<'_>],
+    reference_s: f64,
+) -> Result<String, ChartError> {
+    for panel in panels {
+        check(title, panel.points.iter().flat_map(|point| [point.wall_s, point.error_pct]))?;
+        check(title, [panel.resolution_pct, reference_s])?;
     }
-    check(chart.title, [&chart.reference_s])?;
-    let mut legend: Vec<(Swatch, &str)> = chart
-        .families
-        .iter()
-        .enumerate()
-        .map(|(family, &name)| {
-            let (mark, color) = style(family);
-            (Swatch::Mark(mark, color), name)
-        })
-        .collect();
-    legend.push((Swatch::Mark(Mark::Ring, INK), "a default of the program"));
-    legend.push((Swatch::Line(GREY), "front"));
-    legend.push((Swatch::Dashed(GREY), "below it not told apart"));
-    legend.push((Swatch::Arrow(GREY), "not significant: at most"));
-    let height = HEADING + PANEL_HEIGHT * chart.panels.len() as f64;
-    picture(height, |canvas| {
-        let heading = canvas.heading(chart.title, &legend)?;
-        let panel_height = (height - heading) / chart.panels.len() as f64;
-        for (order, panel) in chart.panels.iter().enumerate() {
-            let top = heading + panel_height * order as f64;
-            draw(canvas, [LEFT, top, WIDTH - RIGHT, top + panel_height - 70.0], panel, chart.reference_s)?;
-        }
-        Ok(())
-    })
+    let marked = |(family, &name)| {
+        let (mark, color) = style(family);
+        (Swatch::Mark(mark, color), name)
+    };
+    let mut legend: Vec<(Swatch, &str)> = families.iter().enumerate().map(marked).collect();
+    legend.extend([
+        (Swatch::Mark(Mark::Ring, INK), "a default of the program"),
+        (Swatch::Line(GREY), "front"),
+        (Swatch::Dashed(GREY), "below it not told apart"),
+        (Swatch::Arrow(GREY), "not significant: at most"),
+    ]);
+    let height = HEADING + PANEL_HEIGHT * panels.len() as f64;
+    let mut chart = Chart::new(title, height, legend);
+    let [left, heading, right, _] = chart.frame();
+    let panel_height = (height - heading) / panels.len() as f64;
+    for (order, panel) in panels.iter().enumerate() {
+        let top = heading + panel_height * order as f64;
+        let places: Vec<[f64; 2]> = panel.points.iter().map(logarithms).collect();
+        let reference = reference_s.max(MIN_TIME_S).log10();
+        let resolution = panel.resolution_pct.max(MIN_ERROR_PCT).log10();
+        let times = places.iter().map(|at| at[0]).chain([reference]);
+        let x_axis = Axis::logarithmic("wall time of one run on one thread (s)", times);
+        let errors = places.iter().map(|at| at[1]).chain([resolution]);
+        let y_axis = Axis::logarithmic(&panel.error_title, errors);
+        let methods = Layer::Own(Box::new(move |canvas, plot| {
+            draw(canvas, plot, &panel.points, &places, [reference, resolution])
+        }));
+        let frame = [left, top, right, top + panel_height - 70.0];
+        chart.plot_in(frame, x_axis, y_axis, [Layer::Horizontal(resolution), methods]);
+    }
+    chart.svg()
 }
 
 fn style(family: usize) -> (Mark, RGBColor) {
     // Rings mark the defaults.
-    let marks = [Mark::Circle, Mark::Square, Mark::Triangle, Mark::Diamond];
-    (marks[family % marks.len()], PALETTE[family % PALETTE.len()])
+    (Mark::FILLED[family % Mark::FILLED.len()], PALETTE[family % PALETTE.len()])
 }
 
 fn logarithms(point: &WorkPoint<'_>) -> [f64; 2] {
     [point.wall_s.max(MIN_TIME_S).log10(), point.error_pct.max(MIN_ERROR_PCT).log10()]
 }
 
-fn draw(canvas: &Canvas<'_>, frame: Frame, panel: &WorkPrecisionPanel<'_>, reference_s: f64) -> Result<(), ChartError> {
-    let places: Vec<[f64; 2]> = panel.points.iter().map(logarithms).collect();
-    let reference = reference_s.max(MIN_TIME_S).log10();
-    let resolution = panel.resolution_pct.max(MIN_ERROR_PCT).log10();
-    let x_axis =
-        Axis::logarithmic("wall time of one run on one thread (s)", places.iter().map(|at| at[0]).chain([reference]));
-    let y_axis = Axis::logarithmic(panel.error_title, places.iter().map(|at| at[1]).chain([resolution]));
-    let plot = Plot::new(canvas, frame, x_axis, y_axis)?;
-    plot.horizontal(resolution, GREY)?;
-    let foot = [plot.at([reference, resolution])[0], frame[3]];
-    canvas.dashed([foot, [foot[0], frame[1]]], INK, 1.2)?;
-    canvas.text("reference", [foot[0] - 6.0, frame[1] + 10.0], (HPos::Right, VPos::Center), INK)?;
-    let mut taken = vec![[foot[0] - 76.0, frame[1], foot[0] + 2.0, frame[1] + 20.0]];
+/// Draws the line of the reference, the front, the marks of methods at `places`, and their labels.
+fn draw(
+    canvas: &Canvas<'_>,
+    plot: &Plot<'_>,
+    points: &[WorkPoint<'_>],
+    places: &[[f64; 2]],
+    limits: [f64; 2],
+) -> Result<(), ChartError> {
+    let frame = plot.frame;
+    let [foot, floor] = plot.at(limits);
+    canvas.dashed([[foot, frame[3]], [foot, frame[1]]], INK, 1.2)?;
+    canvas.text("reference", [foot - 6.0, frame[1] + 10.0], (HPos::Right, VPos::Center), INK)?;
+    let mut taken = vec![[foot - 76.0, frame[1], foot + 2.0, frame[1] + 20.0]];
 
     // The front as stairs: between two methods, the faster method's error applies.
     let mut best: Vec<[f64; 2]> =
-        panel.points.iter().zip(&places).filter(|(point, _)| point.on_front).map(|(_, at)| *at).collect();
+        points.iter().zip(places).filter(|(point, _)| point.on_front).map(|(_, at)| *at).collect();
     best.sort_by(|a, b| a[0].total_cmp(&b[0]));
     let stairs: Vec<[f64; 2]> = best
         .iter()
@@ -142,7 +139,6 @@ fn draw(canvas: &Canvas<'_>, frame: Frame, panel: &WorkPrecisionPanel<'_>, refer
         .collect();
     canvas.line(&stairs, GREY, 1.8)?;
     // Labels do not cover the lines.
-    let floor = plot.at([reference, resolution])[1];
     taken.push([frame[0], floor - LINE_ROOM, frame[2], floor + LINE_ROOM]);
     taken.extend(stairs.windows(2).map(|ends| {
         let low = |axis: usize| ends[0][axis].min(ends[1][axis]) - LINE_ROOM;
@@ -150,7 +146,7 @@ fn draw(canvas: &Canvas<'_>, frame: Frame, panel: &WorkPrecisionPanel<'_>, refer
         [low(0), low(1), high(0), high(1)]
     }));
 
-    for (point, &at) in panel.points.iter().zip(&places) {
+    for (point, &at) in points.iter().zip(places) {
         let (mark, color) = style(point.family);
         let page = plot.at(at);
         if point.at_most {
@@ -164,27 +160,21 @@ fn draw(canvas: &Canvas<'_>, frame: Frame, panel: &WorkPrecisionPanel<'_>, refer
             (if point.is_default { RING_ROOM } else { MARK_ROOM }, if point.at_most { ARROW } else { 0.0 });
         taken.push([page[0] - room, page[1] - room, page[0] + room, page[1] + room.max(below)]);
     }
-    for (point, &at) in panel.points.iter().zip(&places) {
+    for (point, &at) in points.iter().zip(places) {
         let page = plot.at(at);
-        let place = free_place(page, small_text_width(point.label), frame, &taken);
-        if let Some(far) = place.leader {
+        let (label, leader) = free_place(page, small_text_width(point.label), frame, &taken);
+        if let Some(far) = leader {
             canvas.line(&[page, far], style(point.family).1, 0.7)?;
         }
-        canvas.small_text(point.label, [place.frame[0], (place.frame[1] + place.frame[3]) / 2.0], INK)?;
-        taken.push(place.frame);
+        canvas.small_text(point.label, [label[0], (label[1] + label[3]) / 2.0], INK)?;
+        taken.push(label);
     }
     Ok(())
 }
 
-/// Position of a label.
-struct LabelPlace {
-    frame: Frame,
-    /// End of the line that connects a distant label to its mark.
-    leader: Option<[f64; 2]>,
-}
-
-/// Finds the position nearest to `mark` for a label of `width` that overlaps nothing in `taken`.
-fn free_place(mark: [f64; 2], width: f64, frame: Frame, taken: &[Frame]) -> LabelPlace {
+/// Finds the position nearest to `mark` for a label of `width` that overlaps nothing in `taken`, and the end of the line that
+/// connects a distant label to its mark.
+fn free_place(mark: [f64; 2], width: f64, frame: Frame, taken: &[Frame]) -> (Frame, Option<[f64; 2]>) {
     const DIRECTIONS: u32 = 24;
     const NEAR: f64 = 12.0;
     const STEP: f64 = 7.0;
@@ -219,8 +209,8 @@ fn free_place(mark: [f64; 2], width: f64, frame: Frame, taken: &[Frame]) -> Labe
             }
         }
     }
-    let (_, distance, (frame, end)) = least.unwrap_or((0.0, NEAR, at(NEAR, 0)));
-    LabelPlace { frame, leader: (distance > NEAR).then_some(end) }
+    let (_, distance, (label, end)) = least.unwrap_or((0.0, NEAR, at(NEAR, 0)));
+    (label, (distance > NEAR).then_some(end))
 }
 
 #[cfg(test)]
@@ -233,29 +223,22 @@ mod tests {
 
     #[test]
     fn every_method_has_a_mark_and_a_label() {
-        let points = [
+        let points = vec![
             WorkPoint { on_front: true, is_default: true, ..point("fast", 0, 1e-3, 1.0) },
             WorkPoint { on_front: true, at_most: true, ..point("good", 1, 1.0, 0.01) },
             point("neither", 0, 2.0, 0.0),
         ];
-        let panel = WorkPrecisionPanel { error_title: "error (%)", points: &points, resolution_pct: 0.02 };
-        let chart = WorkPrecisionChart {
-            title: "Speed against error",
-            families: &["circles", "squares"],
-            panels: &[panel],
-            reference_s: 30.0,
+        let drawn = |points| {
+            let panel = WorkPrecisionPanel { error_title: "error (%)".to_owned(), points, resolution_pct: 0.02 };
+            work_precision("Speed against error", &["circles", "squares"], &[panel], 30.0)
         };
-        let svg = work_precision(&chart).unwrap();
+        let svg = drawn(points).unwrap();
         // Two marks and a ring, and as many in the legend: one circle and a ring.
         assert_eq!(svg.matches("<circle").count(), 5);
         for text in ["fast", "good", "neither", "reference", "circles", "squares"] {
             assert!(svg.contains(&format!("\n{text}\n")), "{text}");
         }
-        let empty = WorkPrecisionPanel { points: &[], ..panel };
-        assert!(matches!(
-            work_precision(&WorkPrecisionChart { panels: &[empty], ..chart }),
-            Err(ChartError::Empty { .. })
-        ));
+        assert!(matches!(drawn(Vec::new()), Err(ChartError::Empty { .. })));
     }
 
     #[test]
@@ -263,7 +246,7 @@ mod tests {
         let frame = [0.0, 0.0, 400.0, 300.0];
         let mut taken = Vec::new();
         for mark in [[200.0, 150.0], [203.0, 150.0], [200.0, 153.0], [398.0, 2.0]] {
-            let label = free_place(mark, 60.0, frame, &taken).frame;
+            let (label, _) = free_place(mark, 60.0, frame, &taken);
             for other in &taken {
                 let apart =
                     label[2] <= other[0] || other[2] <= label[0] || label[3] <= other[1] || other[3] <= label[1];

@@ -5,7 +5,7 @@ use slipgrid_design::results::{believed, believed_interval, believed_std};
 
 use super::page::{Column, Page, number, percent, plain, sentence, yes_or_no};
 use crate::Outputs;
-use crate::charts::{Estimate, Prediction, left_out};
+use crate::charts::left_out;
 use crate::friction_sheet::FrictionSheet;
 use crate::literature;
 use crate::trials::{
@@ -175,22 +175,6 @@ fn next(report: &TrialsReport) -> Vec<String> {
     all
 }
 
-/// Draws each measured ratio against its prediction by all other trials; `None` for fewer than two trials.
-fn left_out_picture(report: &TrialsReport) -> Option<String> {
-    let names: Vec<String> = report.trials.iter().map(|trial| trial.name.clone()).collect();
-    let each = report.trials.iter().enumerate().flat_map(|(trial, of)| of.measured.iter().map(move |at| (trial, at)));
-    let predictions: Vec<Prediction> = each
-        .filter(|(_, at)| at.without_trial.known > 0)
-        .map(|(trial, at)| Prediction {
-            trial,
-            measured: at.measured,
-            predicted: Estimate { value: at.without_trial.ratio, error: None },
-            interval: at.without_trial.interval_95,
-        })
-        .collect();
-    left_out(&names, &predictions).ok()
-}
-
 /// Adds published ratios beside the measured ones.
 fn published(page: &mut Page, report: &TrialsReport) {
     let Ok(svg) = literature::picture(report) else { return };
@@ -263,7 +247,7 @@ fn details(page: &mut Page, report: &TrialsReport) {
                 ("within 95 %", |of| share(of, of.within_95)),
             ],
         );
-        if let Some(svg) = left_out_picture(report) {
+        if let Ok(svg) = left_out(&report.trials) {
             page.picture(
                 &svg,
                 "Measured ratios against those predicted by all other trials. Bars: 95 % of samples, cut off at the frame",

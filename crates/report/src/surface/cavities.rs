@@ -8,7 +8,7 @@ use slipgrid_design::results::{Table, fixed};
 use slipgrid_surface::topography::{CavityMetrology, Estimate, RimMetrology, Spread};
 
 use crate::ChartError;
-use crate::charts::{self, EdgeProfileChart};
+use crate::charts;
 use crate::html::page::sentence;
 
 pub(super) fn um(length_m: f64) -> f64 {
@@ -339,9 +339,7 @@ pub fn edge_profile_svg(rim: &RimMetrology, synthetic: bool) -> Result<Option<St
     };
     let title = if synthetic { "Land before the edges (synthetic surface)" } else { "Land before the edges" };
     let label = rim.profile.map_or_else(String::new, |profile| format!("{profile} rim"));
-    let chart =
-        EdgeProfileChart { title, points_um: &points, rim_um: &fitted, rim_label: &label, start_um: um(rim.start_m) };
-    charts::edge_profile(&chart).map(Some)
+    charts::edge_profile(title, &points, &fitted, &label, um(rim.start_m)).map(Some)
 }
 
 #[cfg(test)]

@@ -5,7 +5,7 @@ use slipgrid_surface::topography::{
     CavityMetrology, Decimation, DecimationMethod, HeightMap, MaterialRatioCurve, PreparedMap, SpectrumBin,
 };
 
-use crate::charts::{self, HeightHistogramChart, SectionChart, SpectrumChart, SurfaceMapChart};
+use crate::charts::{self, SurfaceValues};
 use crate::{Outputs, ReportError};
 
 /// Maximum number of pixels of the drawn map along a side.
@@ -42,20 +42,16 @@ pub(super) fn add(outputs: &mut Outputs, of: Measured<'_>, monitor: &dyn Monitor
     let um = |length_m: f64| length_m * 1e6;
 
     let drawn = drawn(surface, monitor)?;
-    outputs.add(
-        "map.svg",
-        charts::surface_map(&SurfaceMapChart {
-            title: &titled("Altitude"),
-            values: &drawn.heights_m().iter().map(|&height| um(height)).collect::<Vec<f64>>(),
-            unit: "µm",
-            columns: drawn.cols(),
-            side_um: [um(map.dx_m() * map.rows() as f64), um(map.dy_m() * map.cols() as f64)],
-            scale: [um(curve.height_m(1.0 - SPIKES)), um(curve.height_m(SPIKES))],
-            section_y_um: Some(um((column as f64 + 0.5) * map.dy_m())),
-            // A map does not contain the sliding direction of its sample.
-            sliding: None,
-        })?,
-    );
+    let heights = SurfaceValues {
+        values: &drawn.heights_m().iter().map(|&height| um(height)).collect::<Vec<f64>>(),
+        columns: drawn.cols(),
+        unit: "µm",
+        scale: [um(curve.height_m(1.0 - SPIKES)), um(curve.height_m(SPIKES))],
+        side_um: [um(map.dx_m() * map.rows() as f64), um(map.dy_m() * map.cols() as f64)],
+    };
+    let section_y_um = um((column as f64 + 0.5) * map.dy_m());
+    // A map does not contain the sliding direction of its sample.
+    outputs.add("map.svg", charts::surface_map(&titled("Altitude"), &heights, Some(section_y_um), None)?);
 
     monitor.heed()?;
     let core = curve.core();
@@ -74,26 +70,14 @@ pub(super) fn add(outputs: &mut Outputs, of: Measured<'_>, monitor: &dyn Monitor
         .map(|n| f64::from(n) / f64::from(CURVE_POINTS))
         .map(|ratio| [100.0 * ratio, um(curve.height_m(ratio))])
         .collect();
-    outputs.add(
-        "histogram.svg",
-        charts::height_histogram(&HeightHistogramChart {
-            title: &titled("Heights and bearing curve"),
-            class_um: um(highest - lowest) / CLASSES as f64,
-            shares: &shares,
-            bearing: &bearing,
-            core_um: [um(core.lower_m), um(core.upper_m)],
-        })?,
-    );
+    let (title, class_um) = (titled("Heights and bearing curve"), um(highest - lowest) / CLASSES as f64);
+    let core_um = [um(core.lower_m), um(core.upper_m)];
+    outputs.add("histogram.svg", charts::height_histogram(&title, class_um, &shares, &bearing, core_um)?);
 
     let section: Vec<[f64; 2]> =
         (0..map.rows()).map(|i| [um(i as f64 * map.dx_m()), um(map.heights_m()[i * map.cols() + column])]).collect();
-    outputs.add(
-        "section.svg",
-        charts::section(&SectionChart {
-            title: &titled(&format!("Section at y = {:.0} um", um((column as f64 + 0.5) * map.dy_m()))),
-            points_um: &section,
-        })?,
-    );
+    let title = titled(&format!("Section at y = {section_y_um:.0} um"));
+    outputs.add("section.svg", charts::section(&title, &section)?);
 
     let points: Vec<[f64; 2]> = spectrum
         .iter()
@@ -102,8 +86,7 @@ pub(super) fn add(outputs: &mut Outputs, of: Measured<'_>, monitor: &dyn Monitor
         .collect();
     // A flat map has no spectrum.
     if !points.is_empty() {
-        let title = titled("Power spectrum");
-        outputs.add("spectrum.svg", charts::spectrum(&SpectrumChart { title: &title, log_points: &points })?);
+        outputs.add("spectrum.svg", charts::spectrum(&titled("Power spectrum"), &points)?);
     }
     Ok(())
 }

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use slipgrid_design::results::fixed;
-use slipgrid_report::charts::{self, ChartError, WorkPoint, WorkPrecisionChart, WorkPrecisionPanel};
+use slipgrid_report::charts::{self, ChartError, WorkPoint, WorkPrecisionPanel};
 
 use super::Accuracy;
 use super::comparison::{Compared, OBSERVABLES, Value};
@@ -148,7 +148,7 @@ pub fn picture(of: &Accuracy) -> Result<Option<String>, ChartError> {
         let error_pct = value.error_pct().filter(|error| error.is_finite() && method.wall_s > 0.0)?;
         Some((error_pct, value.is_significant() != Some(true), value.is_on_front))
     };
-    let panels: Vec<(String, f64, Vec<WorkPoint<'_>>)> = WITH_FRONT
+    let panels: Vec<WorkPrecisionPanel<'_>> = WITH_FRONT
         .into_iter()
         .filter_map(|observable| {
             let points = of.methods.iter().filter_map(|method| {
@@ -156,22 +156,13 @@ pub fn picture(of: &Accuracy) -> Result<Option<String>, ChartError> {
                 let (label, family, is_default) = (method.label.as_str(), method.family, method.default_of.is_some());
                 Some(WorkPoint { label, family, wall_s: method.wall_s, error_pct, at_most, on_front, is_default })
             });
-            let title = format!("error in {} (%)", OBSERVABLES[observable]);
-            Some((title, of.resolution_pct[observable]?, points.collect::<Vec<_>>()))
+            let error_title = format!("error in {} (%)", OBSERVABLES[observable]);
+            let resolution_pct = of.resolution_pct[observable]?;
+            Some(WorkPrecisionPanel { error_title, points: points.collect(), resolution_pct })
         })
-        .filter(|(.., points)| !points.is_empty())
-        .collect();
-    let panels: Vec<WorkPrecisionPanel<'_>> = panels
-        .iter()
-        .map(|(error_title, resolution_pct, points)| WorkPrecisionPanel {
-            error_title,
-            points,
-            resolution_pct: *resolution_pct,
-        })
+        .filter(|panel| !panel.points.is_empty())
         .collect();
     let Some(reference) = of.methods.first().filter(|_| !panels.is_empty()) else { return Ok(None) };
     let title = format!("Speed against error ({})", of.size);
-    let chart =
-        WorkPrecisionChart { title: &title, families: &Family::NAMES, panels: &panels, reference_s: reference.wall_s };
-    charts::work_precision(&chart).map(Some)
+    charts::work_precision(&title, &Family::NAMES, &panels, reference.wall_s).map(Some)
 }

@@ -5,9 +5,7 @@ use std::path::Path;
 use slipgrid_infer::calibrate::uncertainty::Slopes;
 use slipgrid_model::material::{AreaLaw, LocalFriction};
 use slipgrid_model::pattern::Pattern;
-use slipgrid_model::springblock::{
-    Extent, Fidelity, InterfacePoint, Layer, Load, RunOptions, Scene, Simulation, SurfaceOutcome, simulate,
-};
+use slipgrid_model::springblock::{Extent, Fidelity, Layer, Load, RunOptions, Scene, Simulation, simulate};
 
 use super::laws::ScaledLaw;
 use super::model::{FlatPoint, knowledge, squares};
@@ -16,17 +14,14 @@ use crate::StudyError;
 use slipgrid_base::monitor::{Monitor, Stage, Unwatched};
 use slipgrid_base::units::{LENGTH_UM, PRESSURE_MPA, SPEED_MM_S, tidy};
 use slipgrid_design::Solved;
+use slipgrid_design::results::PressureErrors;
 use slipgrid_design::results::fixed;
-use slipgrid_design::results::{ErrorReport, PressureErrors};
 use slipgrid_io::formats::Diagnostic;
 use slipgrid_io::formats::calibration::Calibration;
 use slipgrid_report::Outputs;
-use slipgrid_report::charts::{
-    AreaLawChart, Estimate, FrictionTraceChart, InterfacePressureChart, OtherSurface, Series, Trace, area_law,
-    friction_trace, interface_pressure,
-};
+use slipgrid_report::charts::{AreaPoint, Series, Trace, area_law, friction_trace, interface_pressure};
 use slipgrid_report::csv;
-use slipgrid_report::pictures::{cavities_um, interface_map};
+use slipgrid_report::pictures::{cavities_um, interface_map, pressures, trace};
 
 /// Static over dynamic local coefficient if only dynamic friction was measured: the published pair, 0.30 and 0.27.
 const STATIC_OVER_DYNAMIC: f64 = 0.30 / 0.27;
@@ -142,44 +137,31 @@ impl Figures<'_> {
             let row = given.pressure_mpa.iter().position(|&pressure| tidy(pressure) == threshold_mpa)?;
             Some([threshold_mpa, given.area_fraction[row]])
         });
-        let labels: Vec<String> =
-            tables.iter().map(|table| format!("{} times the slope", table.slope_factor)).collect();
-        let others: Vec<OtherSurface<'_>> = tables
+        let points = |table: &AreaTable| -> Vec<AreaPoint> {
+            let point = |row: usize| AreaPoint {
+                pressure_mpa: given.pressure_mpa[row],
+                area_fraction: table.area_fraction[row],
+                factor: table.factor[row],
+                ..AreaPoint::default()
+            };
+            (0..shown).map(point).collect()
+        };
+        let others: Vec<(String, Vec<AreaPoint>)> = tables
             .iter()
-            .zip(&labels)
-            .filter(|(table, _)| table.slope_factor != 1.0)
-            .map(|(table, label)| OtherSurface {
-                label,
-                area_fraction: &table.area_fraction[..shown],
-                factor: &table.factor[..shown],
-            })
+            .filter(|table| table.slope_factor != 1.0)
+            .map(|table| (format!("{} times the slope", table.slope_factor), points(table)))
             .collect();
-        Ok(Some(area_law(&AreaLawChart {
-            title: if self.synthetic {
-                "Real contact area and the factor f (synthetic surface)"
-            } else {
-                "Real contact area and the factor f"
-            },
-            pressure_mpa: &given.pressure_mpa[..shown],
-            area_fraction: &given.area_fraction[..shown],
-            factor: &given.factor[..shown],
-            factor_std: &[],
-            windows: &[],
-            threshold: at_threshold,
-            others: &others,
-        })?))
+        let synthetic = if self.synthetic { " (synthetic surface)" } else { "" };
+        let title = format!("Real contact area and the factor f{synthetic}");
+        Ok(Some(area_law(&title, &points(given), at_threshold, &others)?))
     }
 
     /// Adds the pressure under the whole sample, and a close-up under its first periods.
     fn interface(&self, scene: &Scene, simulation: &Simulation, outputs: &mut Outputs) -> Result<(), StudyError> {
         let Some(load) = simulation.loads.first() else { return Ok(()) };
         let cavities = cavities_um(scene, &load.surface.interface);
-        let points = |surface: &SurfaceOutcome| -> Vec<[f64; 2]> {
-            let point =
-                |point: &InterfacePoint| [LENGTH_UM.from_si(point.x_m), PRESSURE_MPA.from_si(point.pressure_pa)];
-            surface.interface.iter().map(point).filter(|[_, pressure]| pressure.is_finite()).collect()
-        };
-        let (flat, own) = (load.flat.as_ref().map(points).unwrap_or_default(), points(&load.surface));
+        let flat = load.flat.as_ref().map_or_else(Vec::new, |flat| pressures("flat", &flat.interface).points);
+        let own = pressures("patterned", &load.surface.interface).points;
         if flat.is_empty() || own.is_empty() {
             return Ok(());
         }
@@ -191,16 +173,10 @@ impl Figures<'_> {
             let upto = |points: &[[f64; 2]]| -> Vec<[f64; 2]> {
                 points.iter().copied().filter(|[x_um, _]| *x_um <= end_um).collect()
             };
-            let (flat, own) = (upto(&flat), upto(&own));
             let shown: Vec<[f64; 2]> = cavities.iter().copied().filter(|[_, to_um]| *to_um <= end_um).collect();
-            let surfaces = [Series { label: "flat", points: &flat }, Series { label: "patterned", points: &own }];
-            let chart = InterfacePressureChart {
-                title: &title,
-                surfaces: &surfaces,
-                cavities_um: &shown,
-                nominal_mpa: Some(load_mpa),
-            };
-            outputs.add(name, interface_pressure(&chart)?);
+            let surfaces = [("flat", &flat), ("patterned", &own)];
+            let surfaces = surfaces.map(|(label, points)| Series { label, points: upto(points) });
+            outputs.add(name, interface_pressure(&title, &surfaces, &shown, load_mpa)?);
         }
         outputs.add("interface.csv", csv::interface(simulation));
         Ok(())
@@ -208,34 +184,18 @@ impl Figures<'_> {
 
     fn time(&self, simulation: &Simulation, at: &PressureErrors, outputs: &mut Outputs) -> Result<(), StudyError> {
         let Some(load) = simulation.loads.first() else { return Ok(()) };
-        let flat = load.flat.as_ref().zip(at.mu_flat.as_ref()).map(|(flat, error)| ("flat", flat, error));
-        let traces: Vec<(&str, &SurfaceOutcome, &ErrorReport, Vec<[f64; 2]>)> =
-            [flat, Some(("patterned", &load.surface, &at.mu))]
-                .into_iter()
-                .flatten()
-                .map(|(label, surface, error)| {
-                    let points = surface.trace.iter().map(|point| [point.time_s * 1e3, point.mu]);
-                    (label, surface, error, points.filter(|point| point[1].is_finite()).collect())
-                })
-                .collect();
-        if traces.iter().all(|(.., points)| points.is_empty()) {
+        let flat = load.flat.as_ref().zip(at.mu_flat.as_ref()).map(|(flat, error)| trace("flat", flat, error.std));
+        let own = trace("patterned", &load.surface, at.mu.std);
+        let traces: Vec<Trace<'_>> = flat.into_iter().chain([own]).collect();
+        if traces.iter().all(|trace| trace.series.points.is_empty()) {
             return Ok(());
         }
-        let drawn: Vec<Trace<'_>> = traces
-            .iter()
-            .map(|(label, surface, error, points)| Trace {
-                series: Series { label, points },
-                window_ms: surface.averaged_from_s.zip(points.last()).map(|(from_s, end)| [from_s * 1e3, end[0]]),
-                mu_dynamic: surface.mu_dynamic.map(|value| Estimate { value, error: error.std }),
-            })
-            .collect();
         let title = format!(
             "Friction in time, from rest: {} MPa, {} mm/s",
             self.load_mpa(),
             SPEED_MM_S.from_si(self.heaviest.speed_m_s)
         );
-        let chart = FrictionTraceChart { title: &title, traces: &drawn, means: "mean over the window" };
-        outputs.add("friction.svg", friction_trace(&chart)?);
+        outputs.add("friction.svg", friction_trace(&title, &traces, "mean over the window")?);
         Ok(())
     }
 

@@ -12,7 +12,7 @@ use slipgrid_model::material::AreaLaw;
 use slipgrid_model::pattern::{Pattern, Rim, RimProfile};
 use slipgrid_model::springblock::{Layer, Scene, SteadyCell};
 use slipgrid_report::Outputs;
-use slipgrid_report::charts::{self, ChartError, Estimate, RatioSeries, RatiosChart};
+use slipgrid_report::charts::{self, ChartError, Estimate};
 use slipgrid_report::html::page::{Page, number, plain, with_error};
 
 use super::model::{Body, FlatPoint, scene, squares};
@@ -274,10 +274,9 @@ pub fn picture(report: &RimsReport) -> Result<String, ChartError> {
         };
         columns.push((label, row.ratio.iter().map(|ratio| Some(Estimate { value: (*ratio)?, error: None })).collect()));
     }
-    let series: Vec<RatioSeries<'_>> = columns.iter().map(|(label, ratios)| RatioSeries { label, ratios }).collect();
     let title = format!("Patterned over flat: squares with flat rims {widest} µm wide, fitted to nothing");
     let pressure_mpa: Vec<f64> = report.pressure_mpa.iter().map(|pressure| (pressure * 1e3).round() / 1e3).collect();
-    charts::ratios(&RatiosChart { title: &title, pressure_mpa: &pressure_mpa, series: &series })
+    charts::ratios(&title, &pressure_mpa, &columns)
 }
 
 /// Adds the section about rims to the page.

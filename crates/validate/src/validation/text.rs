@@ -8,7 +8,7 @@ use slipgrid_base::units::{LENGTH_MM, LENGTH_UM};
 use slipgrid_design::results::Table;
 use slipgrid_design::results::fixed;
 use slipgrid_io::formats::scene::{DEFAULT_LAYER, DEFAULT_THICKNESS_M};
-use slipgrid_report::charts::{self, Estimate, RatioSeries, RatiosChart};
+use slipgrid_report::charts::{self, Estimate};
 
 /// Formats the report as text.
 pub fn table(report: &ValidationReport) -> String {
@@ -392,7 +392,6 @@ pub fn picture(report: &ValidationReport) -> Result<String, slipgrid_report::Cha
     if report.has_squares() {
         columns.push(("squares, in space".to_owned(), column(1.0, |at| (at.ratio_square, at.ratio_square_std))));
     }
-    let series: Vec<RatioSeries<'_>> = columns.iter().map(|(label, ratios)| RatioSeries { label, ratios }).collect();
     let title = format!(
         "Patterned over flat, {} mm/s, {} % humidity{}",
         first.measured.speed_mm_s,
@@ -400,5 +399,5 @@ pub fn picture(report: &ValidationReport) -> Result<String, slipgrid_report::Cha
         if report.synthetic_surface { " (synthetic surface)" } else { "" }
     );
     let pressure_mpa: Vec<f64> = rows.iter().map(|row| (row.measured.pressure_mpa * 1e3).round() / 1e3).collect();
-    charts::ratios(&RatiosChart { title: &title, pressure_mpa: &pressure_mpa, series: &series })
+    charts::ratios(&title, &pressure_mpa, &columns)
 }
