@@ -45,7 +45,7 @@ fn covered(count: usize, is_refined: bool, has_rims: bool) -> [usize; 2] {
         });
         let mut before = None;
         for (number, load) in loads.iter().enumerate() {
-            let (ratio, stated) = (load.ratio().unwrap(), 2.0 * load.correction(Effect::Blocks).unwrap().std);
+            let (ratio, stated) = (load.ratio().unwrap(), 2.0 * load.correction(Effect::Blocks).unwrap().std.unwrap());
             let off = ratio - limit(levels.each_ref().map(|level| level[number].unwrap()));
             let error = off.abs();
             alike += usize::from(before.is_some_and(|before: f64| before * off > 0.0));

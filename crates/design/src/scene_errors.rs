@@ -57,11 +57,10 @@ impl Solved<'_> {
         let flat_mu = load.flat.as_ref().and_then(|flat| flat.mu_dynamic);
         // Error of the ratio; for friction, times the friction of the flat surface.
         let of_specimen = |times: Option<f64>| {
-            let known = load.corrections().iter().filter(|correction| correction.std > 0.0);
             let part = move |correction: &Correction| {
-                Some(PartsReport { input: correction.effect.name().to_owned(), std: correction.std * factor * times? })
+                Some(PartsReport { input: correction.effect.name().to_owned(), std: correction.std? * factor * times? })
             };
-            known.filter_map(part)
+            load.corrections().iter().filter_map(part)
         };
         let mut own_mu = self.of_run(mu, surface.mu_dynamic_stderr.map(|stderr| stderr * factor), drawn.mu);
         own_mu.extend(of_specimen(flat_mu));

@@ -256,7 +256,7 @@ impl Search<'_> {
     /// Uncertainty of the tilt by friction in the specimen of `run`. Its share is equal at all loads and conditions.
     fn of_tilt(&self, run: &Simulation) -> Option<Part> {
         // If the tilt exceeds its mean, a ratio changes in the direction of its correction.
-        let std = |tilt: &Correction| tilt.std.copysign(tilt.change);
+        let std = |tilt: &Correction| tilt.std.unwrap_or(0.0).copysign(tilt.change);
         let of = |load: &LoadOutcome| load.correction(Effect::Tilt).map_or(0.0, std) / load.ratio().unwrap_or(1.0);
         let log: Vec<f64> = run.loads.iter().map(of).collect();
         let (n, count) = (self.asked.loads.len(), log.len());

@@ -178,7 +178,7 @@ impl LoadReport {
     #[must_use]
     pub fn blocks_error(&self) -> Option<f64> {
         let blocks = self.corrections.iter().find(|correction| correction.effect == Effect::Blocks);
-        blocks.map(|blocks| 2.0 * blocks.std)
+        blocks.and_then(|blocks| blocks.std).map(|std| 2.0 * std)
     }
 
     /// Creates the record of `load`. `pattern` is given if the vertical plane is a section of it.

@@ -278,8 +278,8 @@ pub struct Correction {
     pub effect: Effect,
     /// Change of the ratio; 0 where only the error is known.
     pub change: f64,
-    /// Standard error of the change; 0 where it is not known.
-    pub std: f64,
+    /// Standard error of the change; null if it is not known.
+    pub std: Option<f64>,
 }
 
 /// Result of a scene under one load.
@@ -326,18 +326,18 @@ impl LoadOutcome {
         std::iter::once(&self.surface).chain(&self.flat).all(|surface| means.contains(&surface.status))
     }
 
-    /// Adds the `change` by `effect`, known to the standard error `std`, in place of an earlier one by the same effect.
-    /// Does nothing without a ratio.
-    pub(crate) fn correct(&mut self, effect: Effect, change: f64, std: f64) {
+    /// Adds the `change` by `effect` with the standard error `std`, if known, in place of an earlier one by the same
+    /// effect. Does nothing without a ratio.
+    pub(crate) fn correct(&mut self, effect: Effect, change: f64, std: impl Into<Option<f64>>) {
         if self.solved.is_some() {
             self.corrections.retain(|correction| correction.effect != effect);
-            self.corrections.push(Correction { effect, change, std });
+            self.corrections.push(Correction { effect, change, std: std.into() });
             self.follow_ratio();
         }
     }
 
     /// Scales the friction reduction, all changes and errors to a face with the cavity fraction `share` of that of the
-    /// solved one, with the standard error `std` of doing so.
+    /// solved one, with the standard error `std` of doing so, if known.
     ///
     /// ```text
     /// 1 - r = share (1 - r_solved),     r - r_solved = (share - 1) (r_solved - 1)
@@ -345,11 +345,11 @@ impl LoadOutcome {
     pub fn scale_to_layout(&mut self, share: f64, std: Option<f64>) {
         for correction in &mut self.corrections {
             correction.change *= share;
-            correction.std *= share;
+            correction.std = correction.std.map(|std| std * share);
         }
         self.ratio_stderr = self.ratio_stderr.map(|stderr| stderr * share);
         if let Some(solved) = self.solved {
-            self.correct(Effect::Layout, (share - 1.0) * (solved - 1.0), std.unwrap_or(0.0));
+            self.correct(Effect::Layout, (share - 1.0) * (solved - 1.0), std);
         }
     }
 

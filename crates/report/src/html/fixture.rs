@@ -70,7 +70,7 @@ pub fn report() -> DesignReport {
                 pressure_mpa: 0.65,
                 ratio: Some(0.9637),
                 ratio_stderr: Some(0.0002),
-                corrections: vec![Correction { effect: Effect::Blocks, change: 0.0, std: 0.0006 }],
+                corrections: vec![Correction { effect: Effect::Blocks, change: 0.0, std: Some(0.0006) }],
                 mu_flat: Some(0.25),
                 status: "converged".into(),
                 ..LoadReport::default()

@@ -27,7 +27,7 @@ fn change(load: &LoadOutcome, effect: Effect) -> Option<f64> {
 
 /// Standard error of the ratio of `load` from the layout on the specimen.
 fn layout_std(load: &LoadOutcome) -> f64 {
-    load.correction(Effect::Layout).unwrap().std
+    load.correction(Effect::Layout).unwrap().std.unwrap()
 }
 
 /// Grooves on a disc, and the whole specimen in time at the fraction `of_even` of the speed limit of even sliding, over

@@ -302,7 +302,7 @@ fn require_improvement(
     share: f64,
     block_m: f64,
 ) -> Result<BlockRefinement, Unrefined> {
-    let stated = loads.iter().filter_map(|load| Some(2.0 * load.correction(Effect::Blocks)?.std)).reduce(f64::max);
+    let stated = loads.iter().filter_map(|load| Some(2.0 * load.correction(Effect::Blocks)?.std?)).reduce(f64::max);
     let stated = stated.ok_or(Unrefined::Unknown)?;
     let most = share * found.errors.iter().copied().fold(0.0, f64::max);
     if most < stated { Ok(found) } else { Err(Unrefined::NotBetter(stated, most, block_m * found.factor)) }
@@ -457,7 +457,7 @@ mod tests {
         let found = BlockRefinement { factor: 0.125, shifts: vec![0.0], errors: vec![0.002] };
         assert_eq!(require_improvement(&[], found.clone(), 1.0, 10e-6), Err(Unrefined::Unknown));
         let simulation = simulate(&scene, &Unwatched).unwrap();
-        let own = simulation.loads[0].correction(Effect::Blocks).unwrap().std * 2.0;
+        let own = simulation.loads[0].correction(Effect::Blocks).unwrap().std.unwrap() * 2.0;
         let not_better = BlockRefinement { errors: vec![2.0 * own], ..found.clone() };
         let refused = require_improvement(&simulation.loads, not_better, 1.0, 10e-6).unwrap_err();
         assert!(refused.statement(10e-6).contains("blocks of 1.25 um would leave them open by"), "{refused:?}");

@@ -421,7 +421,7 @@ mod tests {
         let correction = |load: &LoadOutcome| load.correction(Effect::Tilt).map(|tilt| (tilt.change, tilt.std));
         for (load, change) in plain.loads.iter().zip(&tilt.changes) {
             let change = change.unwrap();
-            assert_eq!(correction(load), Some((mean * change, std * change.abs())));
+            assert_eq!(correction(load), Some((mean * change, Some(std * change.abs()))));
         }
         assert!(
             plain.statements.model.iter().any(|statements| statements.contains("half of the change is in the ratio"))
@@ -435,7 +435,7 @@ mod tests {
             let change = 2.0 * correction(plain).unwrap().0;
             let [half, all, none] = [plain, rigid, aligned].map(|load| load.ratio().unwrap());
             assert!((half - none - 0.5 * change).abs() < 1e-12 && (all - none - change).abs() < 1e-12 && change != 0.0);
-            assert_eq!((correction(rigid), correction(aligned)), (Some((change, 0.3 * change.abs())), None));
+            assert_eq!((correction(rigid), correction(aligned)), (Some((change, Some(0.3 * change.abs()))), None));
         }
         let is_told =
             |simulation: &Simulation, words: &str| simulation.statements.model.iter().any(|of| of.contains(words));

@@ -51,7 +51,7 @@ pub fn run_all(
         .collect();
     let corrected = |load: usize, _: usize, outcome: &mut LoadOutcome| match corrections[load] {
         0.0 => {}
-        change => outcome.correct(Effect::WholeBlocks, change, 0.0),
+        change => outcome.correct(Effect::WholeBlocks, change, None),
     };
     Ok(RunResults { loads: collect(scene, surfaces, outcomes, corrected), scheme: schemes[0] })
 }

@@ -229,10 +229,10 @@ pub fn dynamic(scene: &Scene, layout: StripLayout, monitor: &dyn Monitor) -> Res
         if let Some((steady, drawn)) = drawn_ratios.as_ref().and_then(|known| known.get(load, draw)) {
             let added = outcome.solved.map(|ratio| ratio - drawn);
             outcome.solved = added.map(|_| steady);
-            added.into_iter().for_each(|change| outcome.correct(Effect::Time, change, 0.0));
+            added.into_iter().for_each(|change| outcome.correct(Effect::Time, change, None));
         }
         if corrections[load] != 0.0 {
-            outcome.correct(Effect::WholeBlocks, share * corrections[load], 0.0);
+            outcome.correct(Effect::WholeBlocks, share * corrections[load], None);
         }
     });
     blocks::set_errors(&mut loads, error.as_deref(), share);

@@ -170,7 +170,7 @@ impl ThickLayerCorrection {
         }
         if is_added {
             let behind = loads.iter().filter_map(|load| load.correction(Effect::Behind));
-            let open = behind.map(|behind| behind.std).fold(0.0, f64::max);
+            let open = behind.filter_map(|behind| behind.std).fold(0.0, f64::max);
             let cells = if self.relative_error == 0.0 { "the steady cell" } else { "steady cells that share the load" };
             return statements.method(format!(
                 "blocks of the lowest {layer_um:.0} um of the specimen; the rest of its {thick_mm} mm changes the ratio by \

@@ -272,7 +272,7 @@ fn face_load(
         ..longest.map_or_else(|| flat.clone(), |(surface, _)| surface.clone())
     };
     let mut outcome = compare(load, surface, Some(flat));
-    outcome.correct(Effect::Layout, 0.0, sampling_error.unwrap_or(0.0));
+    outcome.correct(Effect::Layout, 0.0, sampling_error);
     outcome
 }
 

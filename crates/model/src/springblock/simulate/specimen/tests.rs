@@ -204,7 +204,7 @@ fn strips_that_sample_a_face_are_corrected_to_its_share_of_cavities() {
         assert!(((1.0 - found) / (1.0 - own) - 1.1).abs() < 1e-9);
     }
     let statements = simulate_specimen(&scene, &sampled, &Unwatched).unwrap();
-    let sampling = |load: &LoadOutcome| load.correction(Effect::Layout).unwrap().std;
+    let sampling = |load: &LoadOutcome| load.correction(Effect::Layout).unwrap().std.unwrap();
     assert!(statements.loads.iter().all(|load| sampling(load) > 0.0 && sampling(load) < 0.01));
 }
 
@@ -261,7 +261,7 @@ fn strips_follow_the_longest_in_time() {
     let steady =
         ratios(&Scene { run: RunOptions { fidelity: Fidelity::Steady, ..scene.run }, ..scene.clone() }, &whole);
     let distance = (found.ratio().unwrap() - (steady[0] + all)).abs();
-    let std = |effect| found.correction(effect).unwrap().std;
+    let std = |effect| found.correction(effect).unwrap().std.unwrap();
     let stated = std(Effect::Layout).hypot(std(Effect::Time));
     assert!(distance <= stated, "{distance} {stated}");
 }
