@@ -14,7 +14,7 @@ const LIMITS: [(&str, usize); 15] = [
     ("design", 7_100),
     ("io", 10_600),
     ("report", 8_200),
-    ("validate", 3_300),
+    ("validate", 3_000),
     ("slipgrid", 100),
     ("studio", 1_600),
     ("cli", 2_800),

@@ -8,22 +8,26 @@ fn the_ratios_of_the_validation_are_what_the_program_prints() {
     let output = program().current_dir(root()).arg("validate").output().unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let printed = String::from_utf8(output.stdout).unwrap();
-    let numbers = |line: &str| line.split_whitespace().map(|word| word.parse().ok()).collect::<Option<Vec<f64>>>();
-    let rows: Vec<Vec<f64>> = printed.lines().filter_map(numbers).filter(|row| row.len() > 9).collect();
-    let of = |force_n: f64, length: usize| rows.iter().find(|row| row[0] == force_n && row.len() == length).unwrap();
+    let numbers = |line: &str| {
+        let words = line.split_whitespace().filter(|word| *word != "+-");
+        words.map(|word| word.parse().ok()).collect::<Option<Vec<f64>>>()
+    };
+    let rows: Vec<Vec<f64>> = printed.lines().filter_map(numbers).collect();
+    // Tables of grooves and of squares: force, pressure, measured, Amontons-Coulomb, three slopes and the measured depth, with
+    // the errors of all but Amontons-Coulomb.
+    let of = |force_n: f64| rows.iter().filter(move |row| row[..1] == [force_n] && row.len() == 13);
     let chapter = text(&book().join("evidence/validation.md"));
     let mut compared = 0;
     for line in chapter.lines().filter(|line| line.contains(" N | ")) {
         let cells: Vec<&str> = line.split('|').map(str::trim).filter(|cell| !cell.is_empty()).collect();
         let force_n: f64 = cells[0].strip_suffix(" N").unwrap().parse().unwrap();
-        // Force, pressure, speed, humidity, flat, patterned and ratio with their errors.
-        let measured = &of(force_n, 10)[8..];
-        // Force, speed, humidity, Amontons; groove and square with their errors at each slope.
-        let modelled = &of(force_n, 16)[4..];
+        let both: Vec<&Vec<f64>> = of(force_n).collect();
+        assert_eq!(both.len(), 2, "{force_n} N: {printed}");
+        let measured = &both[0][2..4];
         // The chapter has the grooves first.
-        let order = [0, 4, 8, 2, 6, 10].map(|place| &modelled[place..place + 2]);
+        let modelled = both.iter().flat_map(|row| row[5..11].chunks(2));
         for (cell, now) in
-            std::iter::once(cells[1]).chain(cells[3..].iter().copied()).zip([measured].into_iter().chain(order))
+            std::iter::once(cells[1]).chain(cells[3..].iter().copied()).zip([measured].into_iter().chain(modelled))
         {
             let kept: Vec<f64> = cell.split('±').map(|number| number.trim().parse().unwrap()).collect();
             let is_kept = kept.iter().zip(now).all(|(kept, now)| (kept - now).abs() < 1.5e-3);

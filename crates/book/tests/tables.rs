@@ -6,9 +6,8 @@ use std::path::Path;
 use crate::{book, files, root, text};
 
 /// Source files that write the tables of commands that no chapter runs.
-const WRITERS: [&str; 6] = [
+const WRITERS: [&str; 5] = [
     "crates/validate/src/accuracy/output.rs",
-    "crates/validate/src/validation/text.rs",
     "crates/validate/src/validation/rims.rs",
     "crates/validate/src/validation/figures.rs",
     "crates/laser/src/export/csv.rs",

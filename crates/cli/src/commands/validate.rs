@@ -67,23 +67,13 @@ pub fn run(args: &ValidateArgs, console: &mut Console<'_>) -> Result<u8, CliErro
         slope_factors,
         all: args.all,
         sliding_m,
-        rims: args.output.is_some(),
         figures: args.output.is_some(),
     };
-    let (report, mut outputs) = validate(&task, &disk(), &Job::new(console))?;
+    let (report, outputs) = validate(&task, &disk(), &Job::new(console))?;
     if let Some(folder) = &folder {
-        outputs.add_record(&report)?;
-        outputs.add("ratios.csv", validation::csv(&report));
-        outputs.add("ratios.svg", validation::picture(&report)?);
-        if let Some(rims) = &report.rims {
-            outputs.add("rims.csv", validation::rims_csv(rims));
-            outputs.add("rims.svg", validation::rims_picture(rims)?);
-        }
-        let page = validation::page(&report, &outputs);
-        outputs.add("report.html", page);
         console.keep(&outputs, folder)?;
     }
-    console.report(args.json, &report, || validation::table(&report))?;
+    console.report(args.json, &report, || validation::text(&report))?;
     Ok(exit_code::DONE)
 }
 

@@ -318,7 +318,8 @@ fn a_validation_goes_to_a_folder_and_says_what_it_rests_on() {
     place.succeed(&["synthesize", "--pixels", "32", "--waves", "2:8", "-o", "map.asc"]);
     // A run of ten nanometres ends before sliding sets in: a trace, and no mean.
     let printed = place.succeed(&["validate", "calibration.toml", "--sliding-um", "0.01", "-o", "out"]);
-    for said in ["synthetic", "Nothing was tuned", "20 um is modelled, 5.2 um was measured", "square 0.5x", "groove 2x"]
+    for said in
+        ["synthetic", "Nothing was tuned", "20 um is modelled, 5.2 um was measured", "with squares", "slope x 0.5"]
     {
         assert!(printed.contains(said), "{said}: {printed}");
     }

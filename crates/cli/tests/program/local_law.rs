@@ -57,7 +57,7 @@ fn by_the_measured_law_the_same_groove_raises_friction_that_the_area_law_lowers(
 
     // Both laws side by side, with what would decide.
     let told = place.succeed(&["validate", "area.toml"]);
-    assert!(told.contains("groove, constant") && told.contains("square, logarithmic"), "{told}");
+    assert!(told.contains("grooves, constant") && told.contains("squares, logarithmic"), "{told}");
     assert!(told.contains("Two laws fit the flat samples alike") && told.contains("would decide"), "{told}");
 
     // What does not take the law for known is more by what Young's modulus leaves open of f, at the heavier load.

@@ -44,7 +44,7 @@ pub use simulation::{
     LoadReport, MaterialReport, SimulationReport, beyond_measured, beyond_measured_range, load_reports, measured_range,
     model_notes, unresolved, warnings,
 };
-pub use table::{Table, fixed, with_error};
+pub use table::{Records, Table, fixed, with_error};
 pub use timings::{TIMES, json_and_timings};
 
 /// Version of the program, written into every file.

@@ -19,6 +19,24 @@ impl Table {
         Self { rows: vec![header.into_iter().map(str::to_owned).collect()] }
     }
 
+    /// Starts a table with one row per record; [`Records::column`] adds its columns.
+    #[must_use]
+    pub fn of<T>(records: &[T]) -> Records<'_, T> {
+        Records { records, table: Self { rows: vec![Vec::new(); records.len() + 1] } }
+    }
+
+    /// Names of the columns.
+    #[must_use]
+    pub fn header(&self) -> &[String] {
+        self.rows.first().map_or(&[], Vec::as_slice)
+    }
+
+    /// Cells below the header, row by row.
+    #[must_use]
+    pub fn body(&self) -> &[Vec<String>] {
+        self.rows.get(1..).unwrap_or_default()
+    }
+
     /// Appends a row.
     pub fn row(&mut self, cells: impl IntoIterator<Item = String>) {
         self.rows.push(cells.into_iter().collect());
@@ -30,6 +48,27 @@ impl Table {
         let more = (self.rows.len() - 1).saturating_sub(most);
         let first = Self { rows: self.rows[..self.rows.len() - more].to_vec() };
         if more == 0 { first.to_string() } else { format!("{first}  {}: {}\n", counted(more, "more row"), WHERE_ALL) }
+    }
+}
+
+/// Table with one row per record, built column by column.
+#[derive(Clone, Debug)]
+pub struct Records<'a, T> {
+    records: &'a [T],
+    table: Table,
+}
+
+impl<T> Records<'_, T> {
+    /// Adds a column: its name, and a function that formats the cell of a record.
+    pub fn column(&mut self, name: impl Into<String>, cell: impl Fn(&T) -> String) {
+        let cells = std::iter::once(name.into()).chain(self.records.iter().map(cell));
+        self.table.rows.iter_mut().zip(cells).for_each(|(row, cell)| row.push(cell));
+    }
+
+    /// The table with the columns added so far.
+    #[must_use]
+    pub fn table(self) -> Table {
+        self.table
     }
 }
 
@@ -63,11 +102,13 @@ pub fn fixed(value: Option<f64>, digits: usize) -> String {
     }
 }
 
-/// Formats a number, followed by `+-` and its error if that is known.
+/// Formats a number, followed by `+-` and its error if both are known, or a dash.
 #[must_use]
-pub fn with_error(value: f64, std: Option<f64>, digits: usize) -> String {
-    let error = std.map_or_else(String::new, |std| format!(" +- {}", fixed(Some(std), digits)));
-    fixed(Some(value), digits) + &error
+pub fn with_error(value: impl Into<Option<f64>>, std: impl Into<Option<f64>>, digits: usize) -> String {
+    let value = value.into().filter(|value| value.is_finite());
+    let std = std.into().filter(|std| value.is_some() && std.is_finite());
+    let error = std.map_or_else(String::new, |std| format!(" +- {}", fixed(Some(std.abs()), digits)));
+    fixed(value, digits) + &error
 }
 
 #[cfg(test)]
@@ -90,6 +131,17 @@ mod tests {
         (0..5).for_each(|row| table.row([row.to_string()]));
         assert_eq!(table.brief(5), table.to_string());
         assert_eq!(table.brief(3), "  P MPa\n      0\n      1\n      2\n  2 more rows: with --details\n");
+    }
+
+    #[test]
+    fn records_have_the_columns_of_their_table() {
+        let mut records = Table::of(&[0.65, 12.5]);
+        records.column("P MPa", f64::to_string);
+        records.column("mu", |pressure| with_error(0.1 * pressure, (*pressure < 1.0).then_some(0.01), 2));
+        let table = records.table();
+        assert_eq!(table.to_string(), "  P MPa            mu\n   0.65  0.07 +- 0.01\n   12.5          1.25\n");
+        assert_eq!((table.header(), table.body().len()), (&["P MPa".to_owned(), "mu".to_owned()][..], 2));
+        assert_eq!(with_error(None, 0.1, 2), "-");
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use maud::{DOCTYPE, Markup, PreEscaped, Render, html};
 use slipgrid_base::units::counted;
-use slipgrid_design::results::PatternReport;
+use slipgrid_design::results::{PatternReport, Table};
 use slipgrid_laser::export::{is_xml_letter, not_modelled};
 
 use super::section::section;
@@ -306,6 +306,15 @@ impl Page {
         let header: Vec<&str> = columns.iter().map(|(name, _)| *name).collect();
         let row = |record: &T| columns.iter().map(|(_, cell)| cell(record)).collect();
         self.table(caption, &header, &records.iter().map(row).collect::<Vec<_>>());
+    }
+
+    /// Adds a table of the screen with its caption, `+-` written as ±; adds nothing without rows.
+    pub fn same_table(&mut self, caption: &str, table: &Table) {
+        let own = |words: &String| words.replace("+-", "±");
+        let header: Vec<String> = table.header().iter().map(own).collect();
+        let rows: Vec<Vec<String>> = table.body().iter().map(|row| row.iter().map(own).collect()).collect();
+        let header: Vec<&str> = header.iter().map(String::as_str).collect();
+        self.table(&caption.replace("+-", "±"), &header, &rows);
     }
 
     /// Adds a picture on a card, with a caption.

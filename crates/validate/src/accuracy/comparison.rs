@@ -21,15 +21,9 @@ const SAME_COST: f64 = 0.9;
 /// Method with its cost and its errors.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Compared {
-    /// Full description of the method.
-    pub name: String,
-    /// Short label of the method.
-    pub label: String,
-    /// Index of the family.
-    #[serde(skip)]
-    pub family: usize,
-    /// Commands for which this method is the program's default.
-    pub default_of: Option<&'static str>,
+    /// The method.
+    #[serde(flatten)]
+    pub method: Method,
     /// Status of the first run that did not end as planned, or that of all.
     pub status: String,
     /// Time step.
@@ -118,7 +112,7 @@ fn rank(methods: &mut [Compared], observable: usize, floor_pct: f64) {
         .iter()
         .map(|one| {
             let better = better_than(one).find(|other| is_on_front(other)).or_else(|| better_than(one).next());
-            (one.0, better.map(|(place, ..)| methods[*place].name.clone()))
+            (one.0, better.map(|(place, ..)| methods[*place].method.name.clone()))
         })
         .collect();
     for (place, better) in found {
@@ -144,16 +138,13 @@ impl Compared {
                 let other = if method.changes.is_empty() { &[] } else { reference };
                 value(observable, runs, other)
             }),
-            family: method.family as usize,
-            name: method.name,
-            label: method.label,
-            default_of: method.default_of,
+            method,
         }
     }
 
     /// Whether the method solves the blocks of the reference.
     fn is_of_its_blocks(&self) -> bool {
-        self.family != Family::BlockSize as usize
+        self.method.family != Family::BlockSize
     }
 }
 
@@ -247,10 +238,13 @@ mod tests {
     /// Names of the methods on the front, given by cost, error and whether they give static friction.
     fn front(methods: &[(f64, f64, bool)], floor_pct: f64) -> Vec<usize> {
         let one = |(wall_s, error, gives_static): (f64, f64, bool)| Compared {
-            name: String::new(),
-            label: String::new(),
-            family: 0,
-            default_of: None,
+            method: Method {
+                name: String::new(),
+                label: String::new(),
+                family: Family::Steady,
+                changes: Vec::new(),
+                default_of: None,
+            },
             status: String::new(),
             step_ns: None,
             site_updates: None,

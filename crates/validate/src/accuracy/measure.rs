@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 use slipgrid_base::monitor::{Part, Stage};
 use slipgrid_model::springblock::{
-    Extent, Fidelity, Monitor, Scene, SceneError, Simulation, Springs, SurfaceOutcome, Unwatched, simulate,
+    Fidelity, Monitor, Scene, SceneError, Simulation, SurfaceOutcome, Unwatched, expense, simulate,
 };
 
 use super::plan::Method;
@@ -12,6 +12,8 @@ use super::plan::Method;
 const SHORT_S: f64 = 0.05;
 /// Maximum number of timings of a short run.
 const MAX_TIMINGS: usize = 5;
+/// Minimum estimated time of a run: setting it up takes time as well.
+const MIN_EXPECTED_S: f64 = 1e-3;
 
 /// Result of one run of a method.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -143,18 +145,5 @@ pub fn expected_wall_s(method: &Method, base: &Scene, seeds: u64) -> f64 {
 
 /// Estimated time of a run on one thread, in seconds; for the announced duration and the progress bar.
 fn expected_s(scene: &Scene) -> f64 {
-    if scene.run.fidelity == Fidelity::Steady || scene.speed_m_s <= 0.0 {
-        return 1e-3;
-    }
-    let columns = match (scene.run.extent, &scene.pattern) {
-        (Extent::Cell, Some(pattern)) => pattern.pitch_m() / scene.layer.block_m,
-        _ => scene.layer.columns() as f64,
-    };
-    // Default steps: 1 ns of the reference; 6 ns for blocks of 10 um, in proportion to their size.
-    let is_reference = scene.run.fidelity == Fidelity::Reference;
-    let step_s = if is_reference { 1e-9 } else { 6e-9 * scene.layer.block_m / 10e-6 };
-    let steps = scene.run.sliding_m / scene.speed_m_s / scene.run.step_s.unwrap_or(step_s);
-    let stages = if is_reference { 4.0 } else { 1.0 };
-    let s_per_site = if is_reference || scene.run.springs == Some(Springs::Exact) { 35e-9 } else { 1e-9 };
-    2.0 * columns * scene.layer.rows() as f64 * steps * stages * s_per_site
+    expense(scene).core_s.max(MIN_EXPECTED_S)
 }

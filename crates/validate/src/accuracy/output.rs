@@ -28,19 +28,23 @@ pub fn markdown(of: &Accuracy) -> String {
     text += "\n## Methods: error against the reference, per cent\n\n\
              | method | step ns | site updates | dynamic mu | static mu | ratio | status | wall s | updates/s |\n\
              |---|---:|---:|---:|---:|---:|---:|---:|---:|\n";
-    for method in &of.methods {
+    for compared in &of.methods {
         // A bar would end its cell.
-        let status = method.status.replace('|', "/");
-        let [dynamic, at_rest, ratio] = method.values.each_ref().map(|value| error(value.as_ref()));
+        let status = compared.status.replace('|', "/");
+        let [dynamic, at_rest, ratio] = compared.values.each_ref().map(|value| error(value.as_ref()));
         let updates = |number: Option<f64>| number.map_or_else(|| "-".to_owned(), |number| format!("{number:.2e}"));
         let _ = writeln!(
             text,
             "| {} | {} | {} | {dynamic} | {at_rest} | {ratio} | {status} | {} | {} |",
-            if method.default_of.is_some() { format!("**{}**", method.name) } else { method.name.clone() },
-            fixed(method.step_ns, 2),
-            updates(method.site_updates.map(|updates| updates as f64)),
-            three_digits(method.wall_s),
-            updates(method.site_updates_per_s),
+            if compared.method.default_of.is_some() {
+                format!("**{}**", compared.method.name)
+            } else {
+                compared.method.name.clone()
+            },
+            fixed(compared.step_ns, 2),
+            updates(compared.site_updates.map(|updates| updates as f64)),
+            three_digits(compared.wall_s),
+            updates(compared.site_updates_per_s),
         );
     }
     text += "\nWall time: one draw, both surfaces, on one thread. Bold: a default of the program.\n\n## Fastest at each error\n";
@@ -57,23 +61,24 @@ pub fn markdown(of: &Accuracy) -> String {
 /// Formats the front in `observable`, and the places of the program's defaults.
 fn front(of: &Accuracy, observable: usize) -> String {
     let Some(resolution_pct) = of.resolution_pct[observable] else { return String::new() };
-    let ranked = || of.methods.iter().filter_map(|method| Some((method, method.values[observable].as_ref()?)));
-    let mut best: Vec<&Compared> = ranked().filter(|(_, value)| value.is_on_front).map(|(method, _)| method).collect();
+    let ranked = || of.methods.iter().filter_map(|compared| Some((compared, compared.values[observable].as_ref()?)));
+    let mut best: Vec<&Compared> =
+        ranked().filter(|(_, value)| value.is_on_front).map(|(compared, _)| compared).collect();
     best.sort_by(|a, b| a.wall_s.total_cmp(&b.wall_s));
     let mut text = format!(
         "\nFront of wall time against error in {}, fastest first: {}. Errors below {} % and times within a tenth count as \
          equal.\n\n",
         OBSERVABLES[observable],
-        best.iter().map(|method| method.name.as_str()).collect::<Vec<_>>().join("; "),
+        best.iter().map(|compared| compared.method.name.as_str()).collect::<Vec<_>>().join("; "),
         fixed(Some(resolution_pct), 2),
     );
-    for (method, value) in ranked() {
-        let Some(default_of) = method.default_of else { continue };
+    for (compared, value) in ranked() {
+        let Some(default_of) = compared.method.default_of else { continue };
         text += &match &value.better {
-            None => format!("- on the front: {}, the default of {default_of}\n", method.name),
+            None => format!("- on the front: {}, the default of {default_of}\n", compared.method.name),
             Some(better) => format!(
                 "- not on the front: {}, the default of {default_of}; {better} is faster and no less accurate\n",
-                method.name
+                compared.method.name
             ),
         };
     }
@@ -113,17 +118,17 @@ pub fn csv(of: &Accuracy) -> String {
          wall_s,site_updates_per_s\n",
     );
     let number = |value: Option<f64>| value.map_or_else(String::new, |value| value.to_string());
-    for method in &of.methods {
+    for compared in &of.methods {
         let quoted = |text: &str| format!("\"{}\"", text.replace('"', "\"\""));
         let mut cells = vec![
-            Family::NAMES[method.family].to_owned(),
-            quoted(&method.name),
-            quoted(method.default_of.unwrap_or_default()),
-            quoted(&method.status),
-            number(method.step_ns),
-            method.site_updates.map_or_else(String::new, |updates| updates.to_string()),
+            Family::NAMES[compared.method.family as usize].to_owned(),
+            quoted(&compared.method.name),
+            quoted(compared.method.default_of.unwrap_or_default()),
+            quoted(&compared.status),
+            number(compared.step_ns),
+            compared.site_updates.map_or_else(String::new, |updates| updates.to_string()),
         ];
-        for value in &method.values {
+        for value in &compared.values {
             let of = |get: fn(&Value) -> Option<f64>| number(value.as_ref().and_then(get));
             cells.extend([
                 of(|value| Some(value.mean)),
@@ -132,7 +137,7 @@ pub fn csv(of: &Accuracy) -> String {
                 of(|value| value.difference_stderr_pct),
             ]);
         }
-        cells.extend([method.wall_s.to_string(), number(method.site_updates_per_s)]);
+        cells.extend([compared.wall_s.to_string(), number(compared.site_updates_per_s)]);
         let _ = writeln!(text, "{}", cells.join(","));
     }
     text
@@ -143,26 +148,28 @@ pub fn csv(of: &Accuracy) -> String {
 /// # Errors
 /// [`ChartError`] if the picture cannot be drawn.
 pub fn picture(of: &Accuracy) -> Result<Option<String>, ChartError> {
-    let point = |method: &'_ Compared, observable: usize| {
-        let value = method.values[observable].as_ref()?;
-        let error_pct = value.error_pct().filter(|error| error.is_finite() && method.wall_s > 0.0)?;
-        Some((error_pct, value.is_significant() != Some(true), value.is_on_front))
+    let panel = |observable: usize| {
+        let points = of.methods.iter().filter_map(|compared| work_point(compared, observable)).collect();
+        let error_title = format!("error in {} (%)", OBSERVABLES[observable]);
+        Some(WorkPrecisionPanel { error_title, points, resolution_pct: of.resolution_pct[observable]? })
     };
-    let panels: Vec<WorkPrecisionPanel<'_>> = WITH_FRONT
-        .into_iter()
-        .filter_map(|observable| {
-            let points = of.methods.iter().filter_map(|method| {
-                let (error_pct, at_most, on_front) = point(method, observable)?;
-                let (label, family, is_default) = (method.label.as_str(), method.family, method.default_of.is_some());
-                Some(WorkPoint { label, family, wall_s: method.wall_s, error_pct, at_most, on_front, is_default })
-            });
-            let error_title = format!("error in {} (%)", OBSERVABLES[observable]);
-            let resolution_pct = of.resolution_pct[observable]?;
-            Some(WorkPrecisionPanel { error_title, points: points.collect(), resolution_pct })
-        })
-        .filter(|panel| !panel.points.is_empty())
-        .collect();
+    let panels: Vec<WorkPrecisionPanel<'_>> =
+        WITH_FRONT.into_iter().filter_map(panel).filter(|panel| !panel.points.is_empty()).collect();
     let Some(reference) = of.methods.first().filter(|_| !panels.is_empty()) else { return Ok(None) };
     let title = format!("Speed against error ({})", of.size);
     charts::work_precision(&title, &Family::NAMES, &panels, reference.wall_s).map(Some)
+}
+
+/// Place of a method in the panel of `observable`; `None` without an error.
+fn work_point(compared: &Compared, observable: usize) -> Option<WorkPoint<'_>> {
+    let value = compared.values[observable].as_ref()?;
+    Some(WorkPoint {
+        label: &compared.method.label,
+        family: compared.method.family as usize,
+        wall_s: compared.wall_s,
+        error_pct: value.error_pct().filter(|error| error.is_finite() && compared.wall_s > 0.0)?,
+        at_most: value.is_significant() != Some(true),
+        on_front: value.is_on_front,
+        is_default: compared.method.default_of.is_some(),
+    })
 }

@@ -1,5 +1,7 @@
 //! Plan of a comparison: a list of named changes to one scene.
 
+use serde::Serialize;
+use slipgrid_base::units::tidy;
 use slipgrid_model::springblock::{Extent, Fidelity, Scene, Springs};
 
 /// Change to the base scene.
@@ -63,18 +65,26 @@ impl Family {
 }
 
 /// Method of the comparison.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Method {
     /// Full description of the change.
     pub name: String,
     /// Short label of the change, for the picture.
     pub label: String,
     /// Family of the method.
+    #[serde(skip)]
     pub family: Family,
     /// Changes to the base scene, in order; none for the reference.
+    #[serde(skip)]
     pub changes: Vec<Change>,
     /// Commands for which this method is the program's default.
     pub default_of: Option<&'static str>,
+}
+
+impl Method {
+    fn default_of(self, commands: &'static str) -> Self {
+        Self { default_of: Some(commands), ..self }
+    }
 }
 
 /// Size of the comparison.
@@ -103,121 +113,90 @@ const STOP_STDERR: f64 = 0.001;
 /// Share of the travel from which shortened runs may stop.
 const STOP_TRAVEL_SHARE: f64 = 0.2;
 
-/// All methods, the reference first; `scene` is the base scene.
-pub fn methods(size: Size, scene: &Scene) -> Vec<Method> {
-    let mut methods = vec![method("reference", "reference", Family::RungeKutta, vec![])];
-    methods.extend(steady());
-    methods.extend(runge_kutta(size));
-    methods.extend(leapfrog());
-    methods.extend(block_sizes(size, scene.layer.block_m * 1e6));
-    methods.extend(shortcuts());
-    methods
-}
-
-fn method(name: impl Into<String>, label: impl Into<String>, family: Family, changes: Vec<Change>) -> Method {
-    Method { name: name.into(), label: label.into(), family, changes, default_of: None }
-}
-
 const STEADY: Change = Change::Fidelity(Fidelity::Steady);
 const DYNAMIC: Change = Change::Fidelity(Fidelity::Dynamic);
 const CELL: Change = Change::Extent(Extent::Cell);
-const LINEAR: Change = Change::Springs(Springs::Linear);
-const EXACT: Change = Change::Springs(Springs::Exact);
+const WARM: Change = Change::WarmStart;
+const STOP: Change = Change::StopAt { mu_stderr: STOP_STDERR, travel_share: STOP_TRAVEL_SHARE };
 
-fn steady() -> Vec<Method> {
-    vec![
-        Method {
-            default_of: Some("simulate, and the search of optimize"),
-            ..method("steady, cell", "steady cell", Family::Steady, vec![STEADY, CELL])
-        },
-        method("steady, sample", "steady sample", Family::Steady, vec![STEADY]),
-    ]
+/// Springs and steps of the Runge-Kutta scheme, and whether the quick comparison has them.
+const RUNGE_KUTTA: [(Springs, Change, bool); 6] = [
+    (Springs::Exact, Change::StepNs(2.0), false),
+    (Springs::Exact, Change::StepNs(4.0), false),
+    (Springs::Exact, Change::StepNs(8.0), true),
+    (Springs::Exact, Change::StepOverLimit(NEAR_LIMIT), true),
+    (Springs::Linear, Change::StepNs(4.0), false),
+    (Springs::Linear, Change::StepNs(8.0), true),
+];
+/// Springs and steps of the leapfrog scheme; `None` for the step that the program chooses.
+const LEAPFROG: [(Springs, Option<Change>); 8] = [
+    (Springs::Linear, Some(Change::StepNs(1.0))),
+    (Springs::Linear, Some(Change::StepNs(2.0))),
+    (Springs::Linear, None),
+    (Springs::Linear, Some(Change::StepNs(4.0))),
+    (Springs::Linear, Some(Change::StepNs(8.0))),
+    (Springs::Linear, Some(Change::StepOverLimit(NEAR_LIMIT))),
+    (Springs::Exact, Some(Change::StepNs(4.0))),
+    (Springs::Exact, Some(Change::StepNs(8.0))),
+];
+/// Block sizes relative to the scene's; the last one of whole samples is left to the full comparison.
+const BLOCKS: [f64; 3] = [2.0, 0.5, 0.25];
+
+/// All methods, the reference first; `scene` is the base scene.
+pub fn methods(size: Size, scene: &Scene) -> Vec<Method> {
+    let is_full = size == Size::Full;
+    let mut methods = vec![
+        method(Family::RungeKutta, "reference", "reference", &[]),
+        method(Family::Steady, "steady, cell", "steady cell", &[STEADY, CELL])
+            .default_of("simulate, and the search of optimize"),
+        method(Family::Steady, "steady, sample", "steady sample", &[STEADY]),
+    ];
+    let runge_kutta = RUNGE_KUTTA.into_iter().filter(|(.., is_quick)| is_full || *is_quick);
+    methods.extend(runge_kutta.map(|(springs, step, _)| {
+        let words = step_words(springs, step);
+        let changes = [Change::Springs(springs), step];
+        method(Family::RungeKutta, format!("Runge-Kutta, {}", words[0]), format!("RK4 {}", words[1]), &changes)
+    }));
+    methods.extend(LEAPFROG.into_iter().map(|(springs, step)| {
+        let Some(step) = step else {
+            return method(Family::Leapfrog, "dynamic as it comes, sample", "dynamic sample", &[DYNAMIC])
+                .default_of("simulate --fidelity dynamic, and optimize with from_rest = true");
+        };
+        let words = step_words(springs, step);
+        let changes = [DYNAMIC, Change::Springs(springs), step];
+        method(Family::Leapfrog, format!("leapfrog, {}", words[0]), format!("LF {}", words[1]), &changes)
+    }));
+    let blocks = |name: &str, label: &str, changes: &[Change], times: f64| {
+        let um = tidy(scene.layer.block_m * 1e6 * times);
+        let changes = [changes, &[Change::BlockTimes(times)]].concat();
+        method(Family::BlockSize, format!("{name}, blocks of {um} um"), format!("{label} {um} um"), &changes)
+    };
+    methods.extend(BLOCKS.map(|times| blocks("steady, cell", "steady", &[STEADY, CELL], times)));
+    let of_samples = &BLOCKS[..if is_full { 3 } else { 2 }];
+    methods.extend(of_samples.iter().map(|&times| blocks("dynamic, sample", "dynamic", &[DYNAMIC], times)));
+    let stop = format!("warm start, stop at a standard error of {} %", tidy(100.0 * STOP_STDERR));
+    let shortcut = |name: String, label, changes: &[Change]| method(Family::Shortcut, name, label, changes);
+    methods.extend([
+        shortcut("dynamic, cell".to_owned(), "dynamic cell", &[DYNAMIC, CELL])
+            .default_of("simulate --fidelity dynamic with extent = cell"),
+        shortcut("dynamic, sample, warm start".to_owned(), "warm", &[DYNAMIC, WARM]),
+        shortcut(format!("dynamic, sample, {stop}"), "warm stop", &[DYNAMIC, WARM, STOP])
+            .default_of("the confirming runs of optimize"),
+        shortcut(format!("dynamic, cell, {stop}"), "cell warm stop", &[DYNAMIC, CELL, WARM, STOP]),
+    ]);
+    methods
 }
 
-fn runge_kutta(size: Size) -> Vec<Method> {
-    let step = |name: &str, springs: Change, step: Change| {
-        let law = if springs == EXACT { "exact" } else { "linear" };
-        method(
-            format!("Runge-Kutta, {law} springs, {name}"),
-            format!("RK4 {law} {name}"),
-            Family::RungeKutta,
-            vec![springs, step],
-        )
-    };
-    let mut rows = Vec::new();
-    if size == Size::Full {
-        rows.push(step("2 ns", EXACT, Change::StepNs(2.0)));
-        rows.push(step("4 ns", EXACT, Change::StepNs(4.0)));
-    }
-    rows.push(step("8 ns", EXACT, Change::StepNs(8.0)));
-    rows.push(step("near limit", EXACT, Change::StepOverLimit(NEAR_LIMIT)));
-    if size == Size::Full {
-        rows.push(step("4 ns", LINEAR, Change::StepNs(4.0)));
-    }
-    rows.push(step("8 ns", LINEAR, Change::StepNs(8.0)));
-    rows
+fn method(family: Family, name: impl Into<String>, label: impl Into<String>, changes: &[Change]) -> Method {
+    Method { name: name.into(), label: label.into(), family, changes: changes.to_vec(), default_of: None }
 }
 
-fn leapfrog() -> Vec<Method> {
-    let step = |name: &str, law: &str, changes: &[Change]| {
-        let changes = [DYNAMIC].into_iter().chain(changes.iter().copied()).collect();
-        method(format!("leapfrog, {law} springs, {name}"), format!("LF {law} {name}"), Family::Leapfrog, changes)
+/// Springs and step in words, and in brief.
+fn step_words(springs: Springs, step: Change) -> [String; 2] {
+    let step = match step {
+        Change::StepNs(step_ns) => format!("{step_ns} ns"),
+        _ => "near limit".to_owned(),
     };
-    vec![
-        step("1 ns", "linear", &[Change::StepNs(1.0)]),
-        step("2 ns", "linear", &[Change::StepNs(2.0)]),
-        Method {
-            name: "dynamic as it comes, sample".to_owned(),
-            label: "dynamic sample".to_owned(),
-            default_of: Some("simulate --fidelity dynamic, and optimize with from_rest = true"),
-            ..step("", "linear", &[])
-        },
-        step("4 ns", "linear", &[Change::StepNs(4.0)]),
-        step("8 ns", "linear", &[Change::StepNs(8.0)]),
-        step("near limit", "linear", &[Change::StepOverLimit(NEAR_LIMIT)]),
-        step("4 ns", "exact", &[EXACT, Change::StepNs(4.0)]),
-        step("8 ns", "exact", &[EXACT, Change::StepNs(8.0)]),
-    ]
-}
-
-fn block_sizes(size: Size, block_um: f64) -> Vec<Method> {
-    let named = |what: &str, short: &str, times: f64, changes: &[Change]| {
-        let um = slipgrid_base::units::tidy(block_um * times);
-        let changes = changes.iter().copied().chain([Change::BlockTimes(times)]).collect();
-        method(format!("{what}, blocks of {um} um"), format!("{short} {um} um"), Family::BlockSize, changes)
-    };
-    let mut rows: Vec<Method> =
-        [2.0, 0.5, 0.25].map(|times| named("steady, cell", "steady", times, &[STEADY, CELL])).into();
-    let dynamic: &[f64] = if size == Size::Full { &[2.0, 0.5, 0.25] } else { &[2.0, 0.5] };
-    rows.extend(dynamic.iter().map(|&times| named("dynamic, sample", "dynamic", times, &[DYNAMIC])));
-    rows
-}
-
-fn shortcuts() -> Vec<Method> {
-    let stop = Change::StopAt { mu_stderr: STOP_STDERR, travel_share: STOP_TRAVEL_SHARE };
-    let percent = slipgrid_base::units::tidy(100.0 * STOP_STDERR);
-    let shortcut = |name: String, label: &str, changes: &[Change]| {
-        let changes = [DYNAMIC].into_iter().chain(changes.iter().copied()).collect();
-        method(name, label, Family::Shortcut, changes)
-    };
-    vec![
-        Method {
-            default_of: Some("simulate --fidelity dynamic with extent = cell"),
-            ..shortcut("dynamic, cell".to_owned(), "dynamic cell", &[CELL])
-        },
-        shortcut("dynamic, sample, warm start".to_owned(), "warm", &[Change::WarmStart]),
-        Method {
-            default_of: Some("the confirming runs of optimize"),
-            ..shortcut(
-                format!("dynamic, sample, warm start, stop at a standard error of {percent} %"),
-                "warm stop",
-                &[Change::WarmStart, stop],
-            )
-        },
-        shortcut(
-            format!("dynamic, cell, warm start, stop at a standard error of {percent} %"),
-            "cell warm stop",
-            &[CELL, Change::WarmStart, stop],
-        ),
-    ]
+    let law = springs.name();
+    [format!("{law} springs, {step}"), format!("{law} {step}")]
 }

@@ -100,11 +100,11 @@ impl Monitor for Clock {
 fn a_tiny_comparison_from_end_to_end() {
     let of = compare(Size::Quick, &tiny(), "tiny", 2, ["any", "any"], &Clock(std::time::Instant::now())).unwrap();
     let reference = &of.methods[0];
-    assert_eq!((reference.name.as_str(), reference.status.as_str()), ("reference", "converged"));
+    assert_eq!((reference.method.name.as_str(), reference.status.as_str()), ("reference", "converged"));
     // 4 evaluations, 1 ns, 12 us of preparation and 20 us of travel, 10 x 2 blocks, both surfaces
     assert_eq!(reference.site_updates, Some(2 * 20 * 4 * 32_000));
     assert!(reference.values.iter().all(|value| value.as_ref().unwrap().difference_pct.is_none()));
-    let method = |name: &str| of.methods.iter().find(|method| method.name == name).unwrap();
+    let method = |name: &str| of.methods.iter().find(|of| of.method.name == name).unwrap();
     let dynamic = method("dynamic as it comes, sample");
     assert!(dynamic.values[0].as_ref().unwrap().difference_stderr_pct.unwrap() > 0.0);
     assert_eq!(method("leapfrog, linear springs, 4 ns").step_ns, Some(4.0));
@@ -114,7 +114,7 @@ fn a_tiny_comparison_from_end_to_end() {
     for observable in [0, 2] {
         let on_front = |method: &&Compared| method.values[observable].as_ref().is_some_and(|value| value.is_on_front);
         let best: Vec<&Compared> = of.methods.iter().filter(on_front).collect();
-        assert!(!best.is_empty() && best.iter().all(|method| method.family != Family::BlockSize as usize));
+        assert!(!best.is_empty() && best.iter().all(|of| of.method.family != Family::BlockSize));
     }
     assert!(picture(&of).unwrap().unwrap().starts_with("<svg"));
     assert_eq!(csv(&of).lines().count(), 1 + of.methods.len());

@@ -1,48 +1,37 @@
 //! Figures of the source, computed by this model: contact area, interface pressure and friction in time.
 
-use std::path::Path;
-
 use slipgrid_infer::calibrate::uncertainty::Slopes;
-use slipgrid_model::material::{AreaLaw, LocalFriction};
+use slipgrid_model::material::LocalFriction;
 use slipgrid_model::pattern::Pattern;
-use slipgrid_model::springblock::{Extent, Fidelity, Layer, Load, RunOptions, Scene, Simulation, simulate};
+use slipgrid_model::springblock::{Extent, Fidelity, RunOptions, Scene, Simulation, simulate};
 
-use super::laws::ScaledLaw;
-use super::model::{FlatPoint, knowledge, squares};
-use super::report::{AreaTable, TimeReport};
+use super::laws::ScaledLaws;
+use super::model::{FlatPoint, knowledge, scene, squares};
+use super::ratios::{ModelledRatio, RatioReport};
+use super::report::{AreaTable, TimeReport, ValidationReport};
+use super::tables::solutions;
+use super::{ValidationTask, page, rims};
 use crate::StudyError;
 use slipgrid_base::monitor::{Monitor, Stage, Unwatched};
 use slipgrid_base::units::{LENGTH_UM, PRESSURE_MPA, SPEED_MM_S, tidy};
 use slipgrid_design::Solved;
-use slipgrid_design::results::PressureErrors;
-use slipgrid_design::results::fixed;
-use slipgrid_io::formats::Diagnostic;
-use slipgrid_io::formats::calibration::Calibration;
-use slipgrid_report::Outputs;
-use slipgrid_report::charts::{AreaPoint, Series, Trace, area_law, friction_trace, interface_pressure};
-use slipgrid_report::csv;
+use slipgrid_design::results::{PressureErrors, fixed};
+use slipgrid_report::charts::{
+    self, AreaPoint, ChartError, Estimate, Series, Trace, area_law, friction_trace, interface_pressure,
+};
 use slipgrid_report::pictures::{cavities_um, interface_map, pressures, trace};
+use slipgrid_report::{Outputs, csv};
 
 /// Static over dynamic local coefficient if only dynamic friction was measured: the published pair, 0.30 and 0.27.
 const STATIC_OVER_DYNAMIC: f64 = 0.30 / 0.27;
 
 /// Input of the figures.
 pub struct Figures<'a> {
-    pub path: &'a Path,
-    pub calibration: &'a Calibration,
-    /// Modelled layer, and the specimen behind it.
-    pub layer: Layer,
-    /// Square cavities are shown.
-    pub squares: bool,
-    pub laws: &'a [ScaledLaw],
-    pub pattern: Pattern,
+    pub task: &'a ValidationTask<'a>,
+    pub surface: &'a ScaledLaws,
+    pub report: &'a ValidationReport,
     /// Highest compared load.
     pub heaviest: FlatPoint,
-    /// Maximum local pressure of the modelled grooves, in pascals, up to which the area law is drawn.
-    pub peak_pa: f64,
-    /// Travel of the transient run, in metres; `None` for no run.
-    pub sliding_m: Option<f64>,
-    pub synthetic: bool,
 }
 
 impl Figures<'_> {
@@ -53,14 +42,15 @@ impl Figures<'_> {
     pub fn draw(&self, outputs: &mut Outputs, monitor: &dyn Monitor) -> Result<Option<TimeReport>, StudyError> {
         if let Some(picture) = self.areas()? {
             outputs.add("area-law.svg", picture);
-            outputs.add("area-law.csv", areas_csv(&area_tables(self.laws)));
+            outputs.add("area-law.csv", areas_csv(&self.report.area_laws));
         }
-        let sample = self.scene(self.pattern, Fidelity::Steady, Extent::Sample)?;
+        let groove = self.task.patterns.modelled;
+        let sample = self.scene(groove, Fidelity::Steady, Extent::Sample)?;
         let steady = self.solve(&sample, &Unwatched)?;
         monitor.heed()?;
         self.interface(&sample, &steady, outputs)?;
-        if self.squares {
-            let cell = self.scene(squares(&self.pattern), Fidelity::Steady, Extent::Cell)?;
+        if self.report.has_squares() {
+            let cell = self.scene(squares(&groove), Fidelity::Steady, Extent::Cell)?;
             let solid = self.solve(&cell, &Unwatched)?;
             for load in &solid.loads {
                 if let Some(map) = interface_map(&cell, load, self.load_mpa())? {
@@ -68,15 +58,15 @@ impl Figures<'_> {
                 }
             }
         }
-        let Some(sliding_m) = self.sliding_m else { return Ok(None) };
-        let mut scene = self.scene(self.pattern, Fidelity::Dynamic, Extent::Sample)?;
+        let Some(sliding_m) = self.task.sliding_m else { return Ok(None) };
+        let mut scene = self.scene(groove, Fidelity::Dynamic, Extent::Sample)?;
         scene.run.sliding_m = sliding_m;
         let progress = Stage::new(monitor, "friction in time", None);
         let simulation = self.solve(&scene, &progress);
         let wall_s = progress.finish();
         monitor.heed()?;
         let simulation = simulation?;
-        let knowledge = knowledge(self.calibration.modulus_relative_std(), scene.area_law.as_ref(), &[self.heaviest]);
+        let knowledge = knowledge(self.task.body().modulus_relative_std, scene.area_law.as_ref(), &[self.heaviest]);
         let slopes = Slopes::new(&scene, &knowledge);
         let solved = Solved { scene: &scene, simulation: &simulation, knowledge: &knowledge, slopes: &slopes };
         let errors = solved.errors();
@@ -93,46 +83,34 @@ impl Figures<'_> {
         (PRESSURE_MPA.from_si(self.heaviest.pressure_pa) * 1e3).round() / 1e3
     }
 
-    fn law(&self) -> Option<&AreaLaw> {
-        self.laws.iter().find(|law| law.slope_factor == 1.0).and_then(|law| law.law.as_ref())
-    }
-
     /// Scene of the highest load on `pattern`, with the coefficients of the comparison: in steady sliding, the flat surface has the
     /// measured friction.
     fn scene(&self, pattern: Pattern, fidelity: Fidelity, extent: Extent) -> Result<Scene, StudyError> {
-        let law = self.law();
-        // mu_d = mu_flat / f(P)
-        let dynamic_mean = self.heaviest.mu_flat / law.map_or(1.0, |law| law.factor(self.heaviest.pressure_pa));
-        let refuse = |error: &dyn std::fmt::Display| Diagnostic::file(self.path, error.to_string());
-        let friction =
-            LocalFriction::new(STATIC_OVER_DYNAMIC * dynamic_mean, dynamic_mean, self.calibration.relative_std)
-                .map_err(|error| refuse(&error))?;
-        let scene = Scene {
-            elastic: self.calibration.elastic,
-            area_law: law.cloned(),
-            pattern: Some(pattern),
-            relief: None,
-            layer: self.layer,
-            loads: vec![Load { pressure_pa: self.heaviest.pressure_pa, friction }],
-            speed_m_s: self.heaviest.speed_m_s,
-            run: RunOptions { fidelity, extent, ..RunOptions::default() },
-        };
-        scene.validate().map_err(|error| refuse(&error))?;
+        let body = self.task.body();
+        let mut scene = scene(body, self.surface.given(), pattern, &[self.heaviest])?;
+        scene.run = RunOptions { fidelity, extent, ..RunOptions::default() };
+        for load in &mut scene.loads {
+            let (mean, relative_std) = (load.friction.dynamic_mean(), self.task.calibration.relative_std);
+            load.friction = LocalFriction::new(STATIC_OVER_DYNAMIC * mean, mean, relative_std)
+                .map_err(|error| body.refuse(&error))?;
+        }
         Ok(scene)
     }
 
     fn solve(&self, scene: &Scene, progress: &dyn Monitor) -> Result<Simulation, StudyError> {
-        simulate(scene, progress).map_err(|error| Diagnostic::file(self.path, error.to_string()).into())
+        simulate(scene, progress).map_err(|error| self.task.body().refuse(&error))
     }
 
     fn areas(&self) -> Result<Option<String>, StudyError> {
-        let tables = area_tables(self.laws);
+        let tables = &self.report.area_laws;
         let Some(given) = tables.iter().find(|table| table.slope_factor == 1.0) else { return Ok(None) };
-        let peak_mpa = PRESSURE_MPA.from_si(self.peak_pa);
+        let modelled = self.report.results.iter().flat_map(|row| &row.modelled);
+        let peak_mpa = modelled.map(|modelled| modelled.peak_pressure_mpa).fold(0.0, f64::max);
         // Up to the first tabulated pressure that no block exceeds.
         let shown = given.pressure_mpa.iter().take_while(|&&pressure| pressure < peak_mpa).count() + 1;
         let shown = shown.clamp(2.min(given.pressure_mpa.len()), given.pressure_mpa.len());
-        let stated_mpa = self.calibration.threshold_pa.map(|threshold_pa| tidy(PRESSURE_MPA.from_si(threshold_pa)));
+        let stated_mpa =
+            self.task.calibration.threshold_pa.map(|threshold_pa| tidy(PRESSURE_MPA.from_si(threshold_pa)));
         let at_threshold = stated_mpa.and_then(|threshold_mpa| {
             let row = given.pressure_mpa.iter().position(|&pressure| tidy(pressure) == threshold_mpa)?;
             Some([threshold_mpa, given.area_fraction[row]])
@@ -151,8 +129,7 @@ impl Figures<'_> {
             .filter(|table| table.slope_factor != 1.0)
             .map(|table| (format!("{} times the slope", table.slope_factor), points(table)))
             .collect();
-        let synthetic = if self.synthetic { " (synthetic surface)" } else { "" };
-        let title = format!("Real contact area and the factor f{synthetic}");
+        let title = format!("Real contact area and the factor f{}", self.report.synthetic_words());
         Ok(Some(area_law(&title, &points(given), at_threshold, &others)?))
     }
 
@@ -166,7 +143,7 @@ impl Figures<'_> {
             return Ok(());
         }
         let load_mpa = self.load_mpa();
-        let first_um = 3.0 * LENGTH_UM.from_si(self.pattern.pitch_m());
+        let first_um = 3.0 * LENGTH_UM.from_si(self.task.patterns.modelled.pitch_m());
         let whole = format!("Interface pressure at {load_mpa} MPa: whole sample");
         let near = format!("Interface pressure at {load_mpa} MPa: left end and first cavities");
         for (name, title, end_um) in [("interface.svg", whole, f64::INFINITY), ("interface-end.svg", near, first_um)] {
@@ -236,22 +213,100 @@ impl Figures<'_> {
     }
 }
 
-/// Area and factor of every surface at the tabulated pressures.
-pub fn area_tables(laws: &[ScaledLaw]) -> Vec<AreaTable> {
-    // A measured law has no contact area.
-    laws.iter()
-        .filter(|scaled| !scaled.areas.is_empty())
-        .filter_map(|scaled| {
-            let law = scaled.law.as_ref()?;
-            Some(AreaTable {
-                slope_factor: scaled.slope_factor,
-                rms_slope: scaled.rms_slope,
-                pressure_mpa: scaled.areas.iter().map(|point| tidy(PRESSURE_MPA.from_si(point.pressure_pa))).collect(),
-                area_fraction: scaled.areas.iter().map(|point| point.area_fraction_corrected).collect(),
-                factor: scaled.areas.iter().map(|point| law.factor(point.pressure_pa)).collect(),
-            })
-        })
-        .collect()
+/// Adds the record, tables and pictures of ratios, and the page, which embeds the pictures of `outputs`.
+///
+/// # Errors
+/// [`StudyError`] if a picture cannot be drawn or a number has no JSON form.
+pub fn add_report(report: &ValidationReport, outputs: &mut Outputs) -> Result<(), StudyError> {
+    outputs.add_record(report).map_err(|error| StudyError::Failed(error.to_string()))?;
+    outputs.add("ratios.csv", ratios_csv(report));
+    outputs.add("ratios.svg", ratios(report)?);
+    if let Some(rims) = &report.rims {
+        outputs.add("rims.csv", rims::csv(rims));
+        outputs.add("rims.svg", rims::picture(rims)?);
+    }
+    outputs.add("report.html", page::validation(report, outputs));
+    Ok(())
+}
+
+/// Columns of [`ratios_csv`]: keys of the results in the record, and the depth of the cavities.
+const RATIOS: &str = "force_n,pressure_mpa,speed_mm_s,humidity_pct,mu_flat,mu_flat_std,mu_patterned,mu_patterned_std,ratio,ratio_std,\
+                      ratio_amontons_coulomb,depth_um,slope_factor,rms_slope,area_law_factor,dynamic_mean,ratio_groove,ratio_groove_std,\
+                      ratio_square,ratio_square_std,ratio_square_estimate";
+
+/// Formats the results as CSV: one row per condition and slope factor, and one for the measured depth.
+fn ratios_csv(report: &ValidationReport) -> String {
+    let mut text = format!("{RATIOS}\n");
+    for (row, depth_um, modelled) in solutions(report) {
+        let records = [serde_json::to_value(row), serde_json::to_value(modelled)].map(Result::unwrap_or_default);
+        let cell = |key: &str| match key {
+            "depth_um" => depth_um.to_string(),
+            _ => or_empty(records.iter().find_map(|record| record.get(key)?.as_f64())),
+        };
+        text += &(RATIOS.split(',').map(cell).collect::<Vec<_>>().join(",") + "\n");
+    }
+    text
+}
+
+/// Formats a number with the fewest digits that represent it exactly, or nothing.
+pub fn or_empty(value: Option<f64>) -> String {
+    value.map_or_else(String::new, |value| value.to_string())
+}
+
+/// Draws measured and modelled ratios against pressure, at the condition of the first row.
+fn ratios(report: &ValidationReport) -> Result<String, ChartError> {
+    let rows = report.by_pressure();
+    let Some(first) = rows.first() else { return Ok(String::new()) };
+    let column = |factor: f64, of: fn(&ModelledRatio) -> (Option<f64>, Option<f64>)| -> Vec<Option<Estimate>> {
+        let estimate = |row: &&RatioReport| {
+            let (value, error) = of(row.at_slope(factor)?);
+            Some(Estimate { value: value?, error })
+        };
+        rows.iter().map(estimate).collect()
+    };
+    let mut columns = Vec::new();
+    // The surface as given and the two most different slope factors: more would be indistinguishable.
+    let mut factors: Vec<f64> = [report.slope_factors.first(), Some(&1.0), report.slope_factors.last()]
+        .into_iter()
+        .flatten()
+        .copied()
+        .collect();
+    factors.dedup();
+    for factor in factors {
+        let label = if factor == 1.0 { "grooves".to_owned() } else { format!("grooves, {factor} times the slope") };
+        columns.push((label, column(factor, |at| (at.ratio_groove, at.ratio_groove_std))));
+    }
+    if report.has_squares() {
+        columns.push(("squares, in space".to_owned(), column(1.0, |at| (at.ratio_square, at.ratio_square_std))));
+    }
+    let title = format!(
+        "Patterned over flat, {} mm/s, {} % humidity{}",
+        first.measured.speed_mm_s,
+        first.measured.humidity_pct,
+        report.synthetic_words()
+    );
+    beside_measured(
+        &title,
+        rows.iter().map(|row| [row.measured.pressure_mpa, row.measured.ratio, row.measured.ratio_std]),
+        columns,
+    )
+}
+
+/// Draws columns of modelled ratios, each with its label, beside `measured`: pressures in MPa, ratios and their standard deviations.
+///
+/// # Errors
+/// [`ChartError`] if the picture cannot be drawn.
+pub fn beside_measured(
+    title: &str,
+    measured: impl Iterator<Item = [f64; 3]>,
+    modelled: Vec<(String, Vec<Option<Estimate>>)>,
+) -> Result<String, ChartError> {
+    let (pressure_mpa, measured): (Vec<f64>, Vec<_>) = measured
+        .map(|[pressure, value, error]| ((pressure * 1e3).round() / 1e3, Some(Estimate { value, error: Some(error) })))
+        .unzip();
+    let measured = ("measured (bars: ± one standard deviation)".to_owned(), measured);
+    let series: Vec<_> = std::iter::once(measured).chain(modelled).collect();
+    charts::ratios(title, &pressure_mpa, &series)
 }
 
 fn areas_csv(tables: &[AreaTable]) -> String {
@@ -268,4 +323,19 @@ fn areas_csv(tables: &[AreaTable]) -> String {
         }
     }
     text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::test_report::report;
+    use super::*;
+
+    #[test]
+    fn the_columns_of_the_ratios_are_keys_of_the_record() {
+        let text = ratios_csv(&report());
+        let row = text.lines().nth(2).unwrap();
+        let cells = RATIOS.split(',').zip(row.split(','));
+        let empty: Vec<&str> = cells.filter(|(_, cell)| cell.is_empty()).map(|(name, _)| name).collect();
+        assert_eq!(empty, ["rms_slope", "ratio_groove_std", "ratio_square_std"]);
+    }
 }

@@ -8,6 +8,7 @@ use slipgrid_model::material::AreaLaw;
 use slipgrid_surface::contact::AreaPoint;
 
 use super::ValidationTask;
+use super::report::AreaTable;
 use crate::StudyError;
 use slipgrid_base::monitor::{Monitor, Stage};
 use slipgrid_base::units::{PRESSURE_MPA, tidy};
@@ -35,6 +36,13 @@ pub struct ScaledLaw {
     pub areas: Vec<AreaPoint>,
 }
 
+impl ScaledLaw {
+    /// Law without a surface, whatever the slope.
+    pub const fn without_surface(law: Option<AreaLaw>) -> Self {
+        Self { slope_factor: 1.0, rms_slope: None, law, areas: Vec::new() }
+    }
+}
+
 /// Laws of one surface.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ScaledLaws {
@@ -53,6 +61,22 @@ impl ScaledLaws {
     }
 }
 
+/// Area and factor of every surface at the tabulated pressures.
+pub fn area_tables(laws: &[ScaledLaw]) -> Vec<AreaTable> {
+    let table = |scaled: &ScaledLaw| {
+        let (law, areas) = (scaled.law.as_ref()?, &scaled.areas);
+        Some(AreaTable {
+            slope_factor: scaled.slope_factor,
+            rms_slope: scaled.rms_slope,
+            pressure_mpa: areas.iter().map(|point| tidy(PRESSURE_MPA.from_si(point.pressure_pa))).collect(),
+            area_fraction: areas.iter().map(|point| point.area_fraction_corrected).collect(),
+            factor: areas.iter().map(|point| law.factor(point.pressure_pa)).collect(),
+        })
+    };
+    // A measured law has no contact area.
+    laws.iter().filter(|scaled| !scaled.areas.is_empty()).filter_map(table).collect()
+}
+
 /// Area laws of the surface of `task`, one per slope factor.
 ///
 /// # Errors
@@ -69,29 +93,22 @@ pub fn scaled_laws(
         area_law(points, threshold_pa)
             .map_err(|error| Diagnostic::file(path, format!("the contact area gives no area law: {error}")))
     };
+    let without_surface = |law: Option<AreaLaw>, note: &str| ScaledLaws {
+        laws: vec![ScaledLaw::without_surface(law)],
+        synthetic: false,
+        notes: vec![note.to_owned()],
+    };
     let stated_pa = calibration.threshold_pa;
     match &calibration.surface {
         Surface::None if calibration.area_law_scale_pa.is_some() => fitted_laws(task, source, monitor),
-        Surface::None => Ok(ScaledLaws {
-            laws: vec![ScaledLaw { slope_factor: 1.0, rms_slope: None, law: None, areas: Vec::new() }],
-            synthetic: false,
-            notes: vec![
-                "the calibration has no surface: friction is proportional to load, whatever the slope".to_owned(),
-            ],
-        }),
-        Surface::Measured { .. } => Ok(ScaledLaws {
-            laws: vec![ScaledLaw {
-                slope_factor: 1.0,
-                rms_slope: None,
-                law: calibration.measured_law.clone(),
-                areas: Vec::new(),
-            }],
-            synthetic: false,
-            notes: vec![
-                "the calibration takes measured flat friction for the local law: no surface, whatever the slope"
-                    .to_owned(),
-            ],
-        }),
+        Surface::None => Ok(without_surface(
+            None,
+            "the calibration has no surface: friction is proportional to load, whatever the slope",
+        )),
+        Surface::Measured { .. } => Ok(without_surface(
+            calibration.measured_law.clone(),
+            "the calibration takes measured flat friction for the local law: no surface, whatever the slope",
+        )),
         Surface::Persson { rms_slope } => {
             let pressures_pa = DEFAULT_PRESSURES_MPA.map(|pressure_mpa| PRESSURE_MPA.to_si(pressure_mpa));
             let laws = factors

@@ -1,11 +1,8 @@
 //! Alternative interpretation of flat friction as a law of local pressure: mu(p) = mu_flat(P = p).
 
-use std::path::Path;
-
 use slipgrid_model::material::{AreaLaw, Extrapolation};
 use slipgrid_model::pattern::Pattern;
 
-use super::flat_point;
 use super::model::{Body, Case, FlatPoint, predict};
 use super::ratios::{MeasuredLawRatio, Pair, same_condition};
 use crate::StudyError;
@@ -17,11 +14,10 @@ use slipgrid_io::formats::calibration::Calibration;
 /// extrapolation; empty if the flat measurements have a single pressure.
 ///
 /// # Errors
-/// [`StudyError`] if the numbers make no valid scene; `path` is the file of the calibration.
+/// [`StudyError`] if the numbers make no valid scene.
 pub fn ratios(
-    path: &Path,
     calibration: &Calibration,
-    body: Body,
+    body: Body<'_>,
     pattern: Pattern,
     pairs: &[Pair],
     monitor: &dyn Monitor,
@@ -30,21 +26,15 @@ pub fn ratios(
     let body = Body { modulus_relative_std: None, ..body };
     let mut found: Vec<Vec<MeasuredLawRatio>> = vec![Vec::new(); pairs.len()];
     let progress = Stage::new(monitor, "measured law", None);
-    for (place, pair) in pairs.iter().enumerate() {
-        let is_first = !pairs[..place].iter().any(|earlier| same_condition(&earlier.flat, &pair.flat));
-        if !is_first {
-            continue;
-        }
-        let laws = laws(calibration, &pair.flat);
-        if laws.is_empty() {
-            continue;
-        }
-        let own: Vec<usize> =
-            (0..pairs.len()).filter(|&other| same_condition(&pairs[other].flat, &pair.flat)).collect();
-        let points: Vec<FlatPoint> = own.iter().map(|&other| flat_point(&pairs[other], calibration)).collect();
+    let mut rest: Vec<usize> = (0..pairs.len()).collect();
+    while let Some(&first) = rest.first() {
+        let flat = &pairs[first].flat;
+        let own: Vec<usize>;
+        (own, rest) = rest.into_iter().partition(|&other| same_condition(&pairs[other].flat, flat));
+        let laws = laws(calibration, flat);
+        let points: Vec<FlatPoint> = own.iter().map(|&row| pairs[row].point).collect();
         let cases: Vec<Case<'_>> = laws.iter().map(|(_, law)| Case { pattern, law: Some(law) }).collect();
-        let predicted = predict(path, body, &cases, &points, &progress)?;
-        for ((extrapolation, _), predicted) in laws.iter().zip(&predicted) {
+        for ((extrapolation, _), predicted) in laws.iter().zip(predict(body, &cases, &points, &progress)?) {
             for (&row, prediction) in own.iter().zip(predicted) {
                 found[row].push(MeasuredLawRatio {
                     extrapolation: extrapolation.name().into(),

@@ -1,8 +1,6 @@
 //! Comparison of measured ratios patterned/flat with the model.
 
 mod figures;
-#[cfg(test)]
-mod fixture;
 mod laws;
 mod measured_law;
 mod model;
@@ -11,13 +9,17 @@ mod published;
 mod ratios;
 mod report;
 mod rims;
+mod statements;
 mod summary;
+mod tables;
+#[cfg(test)]
+mod test_report;
 mod text;
 
 use std::path::Path;
 
 use slipgrid_base::monitor::{Monitor, Stage};
-use slipgrid_base::units::{HUMIDITY_PCT, LENGTH_MM, LENGTH_UM, PRESSURE_MPA, SPEED_MM_S};
+use slipgrid_base::units::{HUMIDITY_PCT, LENGTH_MM, LENGTH_UM, SPEED_MM_S, tidy};
 use slipgrid_design::results::{SCHEMA, VERSION};
 use slipgrid_infer::calibrate::CutSample;
 use slipgrid_io::formats::Diagnostic;
@@ -29,17 +31,15 @@ use slipgrid_model::springblock::Layer;
 use slipgrid_report::Outputs;
 
 use crate::StudyError;
-use figures::{Figures, area_tables};
-use laws::{ScaledLaws, scaled_laws};
+use figures::Figures;
+use laws::{ScaledLaw, ScaledLaws, area_tables, scaled_laws};
 use model::{Body, Case, FlatPoint, predict, squares};
-use ratios::{MeasuredReport, ModelledRatio, Pair, RatioReport, depth_um, pairs, same_condition};
+use ratios::{MeasuredLawRatio, MeasuredReport, ModelledRatio, Pair, RatioReport, pairs, same_condition};
 use summary::Summary;
 
-pub use page::validation as page;
 pub use published::is_published;
 pub use report::ValidationReport;
-pub use rims::{RimsReport, csv as rims_csv, picture as rims_picture};
-pub use text::{csv, picture, table};
+pub use text::text;
 
 /// Input of a validation.
 #[derive(Clone, Debug)]
@@ -58,9 +58,7 @@ pub struct ValidationTask<'a> {
     pub all: bool,
     /// Travel of the transient run for mu(t), in metres; `None` for no run.
     pub sliding_m: Option<f64>,
-    /// Compute ratios for rims of several heights.
-    pub rims: bool,
-    /// Draw pictures and compute their data.
+    /// Make the files of the comparison: ratios for rims of several heights, pictures with their data, and the page.
     pub figures: bool,
 }
 
@@ -90,6 +88,16 @@ impl ValidationTask<'_> {
             return DEFAULT_LAYER;
         }
         Layer { thickness_m: self.stated_thickness_m().or(DEFAULT_SPECIMEN.thickness_m), ..DEFAULT_SPECIMEN }
+    }
+
+    /// Model of the specimen.
+    fn body(&self) -> Body<'_> {
+        Body {
+            path: self.path,
+            elastic: self.calibration.elastic,
+            modulus_relative_std: self.calibration.modulus_relative_std(),
+            layer: self.layer(),
+        }
     }
 
     /// Stated thickness of the compared sample in the calibration, in metres.
@@ -128,18 +136,11 @@ pub struct Patterns {
     pub measured: Pattern,
 }
 
-impl Patterns {
-    fn differ(&self) -> bool {
-        self.modelled != self.measured
-    }
-}
-
-/// Models every measured condition of `task`; draws pictures and computes their data if requested. Maps come from
-/// `source`.
+/// Models every measured condition of `task`; makes its files if requested. Maps come from `source`.
 ///
 /// # Errors
-/// [`StudyError`] for a calibration without anything to compare, a surface that gives no area law, and numbers that make
-/// no valid scene.
+/// [`StudyError`] for a calibration without anything to compare, a surface that gives no area law, numbers that make
+/// no valid scene, and a picture that cannot be drawn.
 pub fn validate(
     task: &ValidationTask<'_>,
     source: &Source,
@@ -149,77 +150,26 @@ pub fn validate(
     let pairs = measured(task)?;
     let surface = scaled_laws(task, source, monitor)?;
     let mut report = compare(task, &pairs, &surface, monitor)?;
-    // The table of rims is about square cavities.
-    if task.rims && report.has_squares() {
-        report.rims = rims_of(task, &pairs, &surface, &report, monitor)?;
-    }
     let mut outputs = Outputs::default();
-    if task.figures
-        && let Some(figures) = figures(task, &pairs, &surface, &report)
-    {
-        report.in_time = figures.draw(&mut outputs, monitor)?;
+    if task.figures {
+        let alike = pairs.iter().filter(|pair| same_condition(&pair.flat, &pairs[0].flat));
+        let points: Vec<FlatPoint> = alike.map(|pair| pair.point).collect();
+        // The table of rims is about square cavities.
+        if let Some(law) = surface.given().filter(|_| report.has_squares()) {
+            let groove = &task.patterns.measured;
+            report.rims = Some(rims::rims(task.body(), law, groove, &points, &report.at_first_condition(), monitor)?);
+        }
+        let heaviest = points.into_iter().max_by(|a, b| a.pressure_pa.total_cmp(&b.pressure_pa));
+        if let Some(heaviest) = heaviest {
+            let figures = Figures { task, surface: &surface, report: &report, heaviest };
+            report.in_time = figures.draw(&mut outputs, monitor)?;
+        }
     }
     report.wall_s = monitor.seconds() - started_s;
-    Ok((report, outputs))
-}
-
-/// Computes rims at the condition of the first row, on cavities of the measured depth.
-fn rims_of(
-    task: &ValidationTask<'_>,
-    pairs: &[Pair],
-    surface: &ScaledLaws,
-    report: &ValidationReport,
-    monitor: &dyn Monitor,
-) -> Result<Option<RimsReport>, StudyError> {
-    let Some(first) = pairs.first() else { return Ok(None) };
-    let alike = |pair: &&Pair| same_condition(&pair.flat, &first.flat);
-    let points: Vec<FlatPoint> = pairs.iter().filter(alike).map(|pair| flat_point(pair, task.calibration)).collect();
-    let results: Vec<RatioReport> = report
-        .results
-        .iter()
-        .filter(|row| report.results.first().is_some_and(|first| row.measured.is_at_condition_of(&first.measured)))
-        .cloned()
-        .collect();
-    let Some(law) = surface.given() else { return Ok(None) };
-    let groove = &task.patterns.measured;
-    rims::rims(task.path, body(task), law, groove, &points, &results, monitor).map(Some)
-}
-
-/// Input of the pictures; `None` if nothing was compared.
-fn figures<'a>(
-    task: &'a ValidationTask<'a>,
-    pairs: &[Pair],
-    surface: &'a ScaledLaws,
-    report: &ValidationReport,
-) -> Option<Figures<'a>> {
-    let first = pairs.first()?;
-    let heaviest = pairs
-        .iter()
-        .filter(|pair| same_condition(&pair.flat, &first.flat))
-        .max_by(|a, b| a.flat.force_n.total_cmp(&b.flat.force_n))?;
-    let peaks = report.results.iter().flat_map(|row| &row.modelled).map(|modelled| modelled.peak_pressure_mpa);
-    Some(Figures {
-        path: task.path,
-        calibration: task.calibration,
-        layer: task.layer(),
-        squares: report.has_squares(),
-        laws: &surface.laws,
-        pattern: task.patterns.modelled,
-        heaviest: flat_point(heaviest, task.calibration),
-        peak_pa: PRESSURE_MPA.to_si(peaks.fold(0.0, f64::max)),
-        sliding_m: task.sliding_m,
-        synthetic: surface.synthetic,
-    })
-}
-
-/// Flat measurement of a pair, as input of the model.
-fn flat_point(pair: &Pair, calibration: &Calibration) -> FlatPoint {
-    FlatPoint {
-        pressure_pa: calibration.pressure_pa(pair.flat.force_n),
-        speed_m_s: pair.flat.speed_m_s,
-        mu_flat: pair.flat.mu_dynamic,
-        mu_flat_std: pair.flat.mu_dynamic_std,
+    if task.figures {
+        figures::add_report(&report, &mut outputs)?;
     }
+    Ok((report, outputs))
 }
 
 /// Measured pairs for the report.
@@ -248,42 +198,37 @@ fn compare(
     monitor: &dyn Monitor,
 ) -> Result<ValidationReport, StudyError> {
     let (calibration, patterns) = (task.calibration, &task.patterns);
-    let points: Vec<FlatPoint> = pairs.iter().map(|pair| flat_point(pair, calibration)).collect();
+    let points: Vec<FlatPoint> = pairs.iter().map(|pair| pair.point).collect();
     // Every slope, then Amontons-Coulomb, then the surface as given at the measured depth.
+    let proportional = ScaledLaw::without_surface(None);
     let given = surface.laws.iter().find(|law| law.slope_factor == 1.0);
-    let mut cases: Vec<Case<'_>> =
-        surface.laws.iter().map(|law| Case { pattern: patterns.modelled, law: law.law.as_ref() }).collect();
-    cases.push(Case { pattern: patterns.modelled, law: None });
-    let deep = given.filter(|_| patterns.differ());
-    cases.extend(deep.map(|law| Case { pattern: patterns.measured, law: law.law.as_ref() }));
+    let deep = given.filter(|_| patterns.modelled != patterns.measured);
+    let laws = surface.laws.iter().chain([&proportional]).map(|law| (patterns.modelled, law));
+    let laws: Vec<(Pattern, &ScaledLaw)> = laws.chain(deep.map(|law| (patterns.measured, law))).collect();
+    let cases: Vec<Case<'_>> = laws.iter().map(|&(pattern, law)| Case { pattern, law: law.law.as_ref() }).collect();
 
     let progress = Stage::new(monitor, "patterns", None);
-    let body = body(task);
-    let predicted = predict(task.path, body, &cases, &points, &progress);
+    let body = task.body();
+    let predicted = predict(body, &cases, &points, &progress);
     progress.finish();
     monitor.heed()?;
     let predicted = predicted?;
 
-    let by_measured_law = measured_law::ratios(task.path, calibration, body, patterns.modelled, pairs, monitor)?;
-    let slopes = surface.laws.len();
-    let results: Vec<RatioReport> = pairs
-        .iter()
-        .enumerate()
-        .map(|(row, pair)| RatioReport {
-            measured: MeasuredReport::new(pair, calibration),
-            ratio_amontons_coulomb: predicted[slopes][row].outcome.ratio,
-            modelled: surface
-                .laws
-                .iter()
-                .zip(&predicted)
-                .map(|(law, predicted)| ModelledRatio::new(law, &patterns.modelled, &predicted[row]))
-                .collect(),
-            measured_law: by_measured_law[row].clone(),
-            modelled_at_measured_depth: deep
-                .zip(predicted.get(slopes + 1))
-                .map(|(law, predicted)| ModelledRatio::new(law, &patterns.measured, &predicted[row])),
-        })
-        .collect();
+    let by_measured_law = measured_law::ratios(calibration, body, patterns.modelled, pairs, monitor)?;
+    let result = |(row, (pair, measured_law)): (usize, (&Pair, Vec<MeasuredLawRatio>))| {
+        let mut modelled = laws
+            .iter()
+            .zip(&predicted)
+            .map(|((pattern, law), predicted)| ModelledRatio::new(law, pattern, &predicted[row]));
+        RatioReport {
+            measured: MeasuredReport::new(pair),
+            modelled: modelled.by_ref().take(surface.laws.len()).collect(),
+            ratio_amontons_coulomb: modelled.next().and_then(|proportional| proportional.ratio_groove),
+            measured_law,
+            modelled_at_measured_depth: modelled.next(),
+        }
+    };
+    let results: Vec<RatioReport> = pairs.iter().zip(by_measured_law).enumerate().map(result).collect();
     let slope_factors: Vec<f64> = surface.laws.iter().map(|law| law.slope_factor).collect();
     let mut report = ValidationReport {
         program: "slipgrid".into(),
@@ -298,13 +243,13 @@ fn compare(
         model: model_notes(task, pairs, &surface.notes),
         errors: errors_note(calibration),
         pattern: (&patterns.modelled).into(),
-        areal_density_square: slipgrid_base::units::tidy(squares(&patterns.modelled).areal_density()),
-        measured_depth_um: depth_um(&patterns.measured),
+        areal_density_square: tidy(squares(&patterns.modelled).areal_density()),
+        measured_depth_um: LENGTH_UM.from_si(patterns.measured.depth_m()),
         summary: Summary::new(&results, &slope_factors),
         slope_factors,
         statements: Vec::new(),
         published: Vec::new(),
-        measured: self::pairs(calibration).iter().map(|pair| MeasuredReport::new(pair, calibration)).collect(),
+        measured: self::pairs(calibration).iter().map(MeasuredReport::new).collect(),
         area_laws: area_tables(&surface.laws),
         rims: None,
         in_time: None,
@@ -312,18 +257,9 @@ fn compare(
         threads: rayon::current_num_threads(),
         results,
     };
-    report.statements = text::statements(&report);
+    report.statements = statements::statements(&report);
     report.published = published::published(&report);
     Ok(report)
-}
-
-/// Layer of the model.
-fn body(task: &ValidationTask<'_>) -> Body {
-    Body {
-        elastic: task.calibration.elastic,
-        modulus_relative_std: task.calibration.modulus_relative_std(),
-        layer: task.layer(),
-    }
 }
 
 /// Explains which error sources the standard deviations of modelled values include.
@@ -343,23 +279,22 @@ fn model_notes(task: &ValidationTask<'_>, pairs: &[Pair], surface: &[String]) ->
     let um = |length_m: f64| LENGTH_UM.from_si(length_m);
     let patterns = &task.patterns;
     let pattern = &patterns.modelled;
-    let mut notes = Vec::new();
-    if let Some(first) = pairs.first().filter(|_| !task.all) {
-        notes.push(format!(
+    let condition = pairs.first().filter(|_| !task.all).map(|first| {
+        format!(
             "measured at {} mm/s and {} % humidity, the condition of the table's first row; --all compares every one",
             SPEED_MM_S.from_si(first.flat.speed_m_s),
             HUMIDITY_PCT.from_si(first.flat.humidity),
-        ));
-    }
-    notes.push(format!(
+        )
+    });
+    let lengths = format!(
         "grooves {} um wide, {} um apart and {} um deep; the measured cavities are {} um deep",
         um(pattern.width_m()),
         um(pattern.spacing_m()),
-        depth_um(pattern),
-        depth_um(&patterns.measured),
-    ));
+        um(pattern.depth_m()),
+        um(patterns.measured.depth_m()),
+    );
     let layer = task.layer();
-    notes.push(match layer.thickness_m {
+    let body = match layer.thickness_m {
         None => format!(
             "steady sliding of one period in the vertical plane, a layer of {} um in blocks of {} um, as the source simulated it",
             um(layer.height_m),
@@ -372,29 +307,28 @@ fn model_notes(task: &ValidationTask<'_>, pairs: &[Pair], surface: &[String]) ->
             um(layer.block_m),
             thickness_words(task.stated_thickness_m(), DEFAULT_SPECIMEN.thickness_m),
         ),
-    });
-    notes.push(
-        "at each measurement mu_d = mu_flat / f(P): a flat cell slides at mu_d f(P), so that the model's flat surface has \
-         the measured friction; the patterned measurements enter nowhere"
-            .to_owned(),
-    );
-    let squares = match task.cut_as() {
-        Some(Planform::Groove) => None,
-        Some(Planform::Square) | None => Some(String::new()),
-        Some(other) => Some(format!("the cavities were cut as {other}; here squares stand for them. ")),
     };
-    notes.extend(squares.map(|stand_in| format!(
-        "{stand_in}squares of the same lengths by the same in space, nu = 1/4; their strip estimate, 1 - (width/pitch)(1 - ratio of \
-         the groove), counts strips between rows of cavities as flat"
-    )));
-    notes.extend(surface.iter().cloned());
-    let rims =
-        if task.cut_as() == Some(Planform::Groove) { "" } else { " (what they would do stands in a table of its own)" };
-    notes.push(format!(
-        "not modelled in these ratios: recast rims{rims}, plasticity, viscoelasticity, heating, wear, menisci"
-    ));
-    notes
+    let coefficients = "at each measurement mu_d = mu_flat / f(P): a flat cell slides at mu_d f(P), so that the model's flat surface has \
+                        the measured friction; the patterned measurements enter nowhere";
+    let (squares, rims) = match task.cut_as() {
+        Some(Planform::Groove) => (None, ""),
+        Some(Planform::Square) | None => (Some(String::new()), RIMS_BESIDE),
+        Some(other) => (Some(format!("the cavities were cut as {other}; here squares stand for them. ")), RIMS_BESIDE),
+    };
+    let squares = squares.map(|stand_in| {
+        format!(
+            "{stand_in}squares of the same lengths by the same in space, nu = 1/4; their strip estimate, 1 - (width/pitch)(1 - ratio of \
+             the groove), counts strips between rows of cavities as flat"
+        )
+    });
+    let absent =
+        format!("not modelled in these ratios: recast rims{rims}, plasticity, viscoelasticity, heating, wear, menisci");
+    let before = [condition, Some(lengths), Some(body), Some(coefficients.to_owned()), squares];
+    before.into_iter().flatten().chain(surface.iter().cloned()).chain([absent]).collect()
 }
+
+/// Remark on the rims of squares.
+const RIMS_BESIDE: &str = " (what they would do stands in a table of its own)";
 
 #[cfg(test)]
 mod tests {

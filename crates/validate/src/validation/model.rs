@@ -25,15 +25,24 @@ pub struct FlatPoint {
     pub mu_flat_std: f64,
 }
 
-/// Layer, and the uncertainty of its modulus.
+/// Specimen of a calibration.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Body {
+pub struct Body<'a> {
+    /// File of the calibration, for errors.
+    pub path: &'a Path,
     /// Young's modulus and density.
     pub elastic: Elastic,
     /// Relative standard deviation of Young's modulus, if known.
     pub modulus_relative_std: Option<f64>,
     /// Modelled layer.
     pub layer: Layer,
+}
+
+impl Body<'_> {
+    /// Error that the numbers of the calibration make no valid scene.
+    pub fn refuse(&self, error: &impl ToString) -> StudyError {
+        Diagnostic::file(self.path, error.to_string()).into()
+    }
 }
 
 /// Uncertainty of the material at `points` under `law`.
@@ -75,10 +84,9 @@ pub struct Prediction {
 /// Solves every case at every point, in parallel; returns one list per case.
 ///
 /// # Errors
-/// [`StudyError`] if the numbers make no valid scene; `path` is the file of the calibration.
+/// [`StudyError`] if the numbers make no valid scene.
 pub fn predict(
-    path: &Path,
-    body: Body,
+    body: Body<'_>,
     cases: &[Case<'_>],
     points: &[FlatPoint],
     progress: &dyn Monitor,
@@ -88,8 +96,7 @@ pub fn predict(
         .par_iter()
         .map(|case| {
             progress.heed()?;
-            let predicted =
-                solve(body, case, points).map_err(|reason| StudyError::from(Diagnostic::file(path, reason)));
+            let predicted = solve(body, case, points);
             progress.advance(share);
             predicted
         })
@@ -99,17 +106,22 @@ pub fn predict(
 /// Steady scene of `pattern` under `law` at every point.
 ///
 /// # Errors
-/// The reason why the numbers make no valid scene.
-pub fn scene(body: Body, law: Option<&AreaLaw>, pattern: Pattern, points: &[FlatPoint]) -> Result<Scene, String> {
+/// [`StudyError`] if the numbers make no valid scene.
+pub fn scene(
+    body: Body<'_>,
+    law: Option<&AreaLaw>,
+    pattern: Pattern,
+    points: &[FlatPoint],
+) -> Result<Scene, StudyError> {
     let loads = points
         .iter()
         .map(|point| {
             let [_, dynamic_mean] = coefficients(law, point);
             // Steady sliding does not depend on the static coefficient, and a cell uses the mean.
-            let friction = LocalFriction::new(dynamic_mean, dynamic_mean, 0.0).map_err(|error| error.to_string())?;
+            let friction = LocalFriction::new(dynamic_mean, dynamic_mean, 0.0).map_err(|error| body.refuse(&error))?;
             Ok(Load { pressure_pa: point.pressure_pa, friction })
         })
-        .collect::<Result<Vec<_>, String>>()?;
+        .collect::<Result<Vec<_>, StudyError>>()?;
     let scene = Scene {
         elastic: body.elastic,
         area_law: law.cloned(),
@@ -121,7 +133,7 @@ pub fn scene(body: Body, law: Option<&AreaLaw>, pattern: Pattern, points: &[Flat
         speed_m_s: points.first().map_or(0.0, |point| point.speed_m_s),
         run: RunOptions::default(),
     };
-    scene.validate().map_err(|error| error.to_string())?;
+    scene.validate().map_err(|error| body.refuse(&error))?;
     Ok(scene)
 }
 
@@ -131,7 +143,7 @@ fn coefficients(law: Option<&AreaLaw>, point: &FlatPoint) -> [f64; 2] {
     [area_law_factor, point.mu_flat / area_law_factor]
 }
 
-fn solve(body: Body, case: &Case<'_>, points: &[FlatPoint]) -> Result<Vec<Prediction>, String> {
+fn solve(body: Body<'_>, case: &Case<'_>, points: &[FlatPoint]) -> Result<Vec<Prediction>, StudyError> {
     let coefficients: Vec<[f64; 2]> = points.iter().map(|point| coefficients(case.law, point)).collect();
     let scene = scene(body, case.law, case.pattern, points)?;
     let in_space = Scene { pattern: Some(squares(&case.pattern)), ..scene.clone() };
@@ -185,9 +197,9 @@ mod tests {
             mu_flat_std: 0.01 * mu_flat,
         });
         let elastic = Elastic::new(0.38e9, 900.0).unwrap();
-        let body = Body { elastic, modulus_relative_std: Some(0.2), layer: LAYER };
+        let body = Body { path: Path::new("c.toml"), elastic, modulus_relative_std: Some(0.2), layer: LAYER };
         let progress = slipgrid_base::monitor::Unwatched;
-        predict(Path::new("c.toml"), body, &[Case { pattern, law }], &points, &progress).unwrap().remove(0)
+        predict(body, &[Case { pattern, law }], &points, &progress).unwrap().remove(0)
     }
 
     #[test]

@@ -2,6 +2,8 @@
 
 use super::ratios::{MeasuredReport, RatioReport};
 use super::report::{PublishedReport, ValidationReport};
+use super::statements::percent;
+use slipgrid_base::statistics::mean_and_std;
 use slipgrid_design::results::fixed;
 
 /// Name of the statements' source in calibrations.
@@ -15,110 +17,64 @@ pub fn is_published(source: &str) -> bool {
 
 /// Statements about the source of `report`; none for any other source and none for a trial.
 pub fn published(report: &ValidationReport) -> Vec<PublishedReport> {
-    let Some(first) = report.results.first().filter(|_| report.trial.is_none() && is_published(&report.source)) else {
+    let rows = report.by_pressure();
+    let [Some(&light), Some(&heavy)] = [rows.first(), rows.last()] else { return Vec::new() };
+    if report.trial.is_some() || !is_published(&report.source) {
         return Vec::new();
-    };
-    let rows: Vec<&RatioReport> =
-        report.results.iter().filter(|row| row.measured.is_at_condition_of(&first.measured)).collect();
-    let light = rows
-        .iter()
-        .min_by(|a, b| a.measured.pressure_mpa.total_cmp(&b.measured.pressure_mpa))
-        .copied()
-        .unwrap_or(first);
-    let heavy = rows
-        .iter()
-        .max_by(|a, b| a.measured.pressure_mpa.total_cmp(&b.measured.pressure_mpa))
-        .copied()
-        .unwrap_or(first);
-    let mut said = Vec::new();
-    let mut say = |quantity: &str, paper: &str, here: String| {
-        said.push(PublishedReport { quantity: quantity.to_owned(), source: paper.to_owned(), here });
-    };
-    let percent = |share: f64| format!("{} %", fixed(Some(100.0 * share), 1));
-    let three = |value: Option<f64>| fixed(value, 3);
-    let groove = |row: &RatioReport| row.at_slope(1.0).and_then(|modelled| modelled.ratio_groove);
-    let square = |row: &RatioReport| row.at_slope(1.0).and_then(|modelled| modelled.ratio_square);
-    let ends =
-        |value: &dyn Fn(&RatioReport) -> Option<f64>| format!("{} to {}", three(value(light)), three(value(heavy)));
-
-    let dry: Vec<f64> = report
-        .measured
-        .iter()
-        .filter(|row| row.humidity_pct == first.measured.humidity_pct)
-        .map(|row| 1.0 - row.mu_patterned / row.mu_flat)
-        .collect();
-    let mean = dry.iter().sum::<f64>() / dry.len() as f64;
-    let std = (dry.iter().map(|share| (share - mean).powi(2)).sum::<f64>() / (dry.len() as f64 - 1.0)).sqrt();
-    say(
-        "reduction of friction by the pattern, 15 % humidity",
-        "(18 ± 3) %",
-        format!(
-            "({} ± {}) % over the {} tabulated conditions",
-            fixed(Some(100.0 * mean), 1),
-            fixed(Some(100.0 * std), 1),
-            dry.len()
-        ),
-    );
-    say(
-        "nominal pressure at 50 N and 200 N",
-        "0.65 and 2.6 MPa",
-        format!("{} MPa on a disc of 5 mm radius", ends(&|row| Some(row.measured.pressure_mpa))),
-    );
-    say(
-        "patterned over flat, friction proportional to load",
-        "no reduction, whatever the coefficients",
-        ends(&|row| row.ratio_amontons_coulomb),
-    );
-    say(
-        "patterned over flat, modified law (grooves)",
-        "below 1, decreasing with pressure; values only in its figure",
-        ends(&groove),
-    );
-    say("patterned over flat, measured", "below 1, decreasing with pressure", ends(&|row| Some(row.measured.ratio)));
-    if let (Some(grooves), Some(squares)) = (report.summary.explained_by_grooves, report.summary.explained_by_squares) {
-        say(
-            "size of the modelled reduction",
-            "smaller than measured",
-            format!("{} of the measured one as grooves, {} as squares", percent(grooves), percent(squares)),
-        );
     }
-    say(
-        "grooves against square cavities",
-        "not told apart in the plane; a few per cent apart in earlier work",
-        format!("squares in space: {}", ends(&square)),
-    );
-    let local = |row: &RatioReport| row.at_slope(1.0).map(|modelled| modelled.dynamic_mean);
-    say(
-        "local dynamic coefficient",
-        "0.27 for all loads (static 0.30, scatter 5 %)",
-        format!("{} (measured flat friction over f at each load)", ends(&local)),
-    );
-    say("friction of the patterned sample above 2 MPa", "constant", patterned_above_2_mpa(&rows));
-    if let Some([flat, patterned]) = rise_with_speed(&report.measured, first.measured.humidity_pct) {
-        say(
-            "rise of friction from 0.4 to 4 mm/s, 15 % humidity",
-            "10 % flat, 20 % patterned",
-            format!("{} and {} by its tables; the model has no speed dependence", percent(flat), percent(patterned)),
-        );
-    }
-    said
+    let humidity_pct = light.measured.humidity_pct;
+    let ends = |value: &dyn Fn(&RatioReport) -> Option<f64>| {
+        format!("{} to {}", fixed(value(light), 3), fixed(value(heavy), 3))
+    };
+    let dry = report.measured.iter().filter(|row| row.humidity_pct == humidity_pct);
+    let dry = dry.map(|row| 100.0 * (1.0 - row.mu_patterned / row.mu_flat));
+    let (mean, std) = mean_and_std(dry.clone()).unwrap_or_default();
+    let dry = format!("({} ± {}) % over the {} tabulated conditions", fixed(Some(mean), 1), fixed(std, 1), dry.count());
+    let pressures = format!("{} MPa on a disc of 5 mm radius", ends(&|row| Some(row.measured.pressure_mpa)));
+    let measured = ends(&|row| Some(row.measured.ratio));
+    let explained = report.summary.explained_by_grooves.zip(report.summary.explained_by_squares);
+    let explained = explained.map(|(grooves, squares)| {
+        format!("{} of the measured one as grooves, {} as squares", percent(grooves), percent(squares))
+    });
+    let squares = format!("squares in space: {}", ends(&|row| row.given()?.ratio_square));
+    let local = ends(&|row| Some(row.given()?.dynamic_mean));
+    let local = format!("{local} (measured flat friction over f at each load)");
+    let rise = rise_with_speed(&report.measured, humidity_pct).map(|[flat, patterned]| {
+        format!("{} and {} by its tables; the model has no speed dependence", percent(flat), percent(patterned))
+    });
+    let proportional = "patterned over flat, friction proportional to load";
+    let no_reduction = "no reduction, whatever the coefficients";
+    let in_figure = "below 1, decreasing with pressure; values only in its figure";
+    let by_planform = "not told apart in the plane; a few per cent apart in earlier work";
+    let said = [
+        ("reduction of friction by the pattern, 15 % humidity", "(18 ± 3) %", Some(dry)),
+        ("nominal pressure at 50 N and 200 N", "0.65 and 2.6 MPa", Some(pressures)),
+        (proportional, no_reduction, Some(ends(&|row| row.ratio_amontons_coulomb))),
+        ("patterned over flat, modified law (grooves)", in_figure, Some(ends(&RatioReport::groove))),
+        ("patterned over flat, measured", "below 1, decreasing with pressure", Some(measured)),
+        ("size of the modelled reduction", "smaller than measured", explained),
+        ("grooves against square cavities", by_planform, Some(squares)),
+        ("local dynamic coefficient", "0.27 for all loads (static 0.30, scatter 5 %)", Some(local)),
+        ("friction of the patterned sample above 2 MPa", "constant", Some(patterned_above_2_mpa(&rows))),
+        ("rise of friction from 0.4 to 4 mm/s, 15 % humidity", "10 % flat, 20 % patterned", rise),
+    ];
+    let row = |(quantity, paper, here): (&str, &str, Option<String>)| {
+        Some(PublishedReport { quantity: quantity.to_owned(), source: paper.to_owned(), here: here? })
+    };
+    said.into_iter().filter_map(row).collect()
 }
 
-/// Describes measured and modelled friction of the patterned sample at the two highest loads.
+/// Describes measured and modelled friction of the patterned sample at the two highest loads; `rows` by pressure.
 fn patterned_above_2_mpa(rows: &[&RatioReport]) -> String {
-    let mut heaviest = rows.to_vec();
-    heaviest.sort_by(|a, b| a.measured.pressure_mpa.total_cmp(&b.measured.pressure_mpa));
-    let [.., before, last] = heaviest[..] else { return "-".to_owned() };
-    let modelled =
-        |row: &RatioReport| row.at_slope(1.0).and_then(|m| m.ratio_groove).map(|ratio| ratio * row.measured.mu_flat);
+    let [.., before, last] = rows else { return "-".to_owned() };
+    let ends = |value: &dyn Fn(&RatioReport) -> Option<f64>, digits: usize| {
+        format!("{} to {}", fixed(value(before), digits), fixed(value(last), digits))
+    };
     format!(
-        "{} to {} MPa: measured {} to {}, grooves {} to {}",
-        fixed(Some(before.measured.pressure_mpa), 2),
-        fixed(Some(last.measured.pressure_mpa), 2),
-        fixed(Some(before.measured.mu_patterned), 3),
-        fixed(Some(last.measured.mu_patterned), 3),
-        fixed(modelled(before), 3),
-        fixed(modelled(last), 3),
+        "{} MPa: measured {}, grooves {}",
+        ends(&|row| Some(row.measured.pressure_mpa), 2),
+        ends(&|row| Some(row.measured.mu_patterned), 3),
+        ends(&|row| Some(row.groove()? * row.measured.mu_flat), 3),
     )
 }
 

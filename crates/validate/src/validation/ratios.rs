@@ -8,8 +8,8 @@ use slipgrid_model::pattern::Pattern;
 use slipgrid_model::springblock::Status;
 
 use super::laws::ScaledLaw;
-use super::model::{Prediction, squares};
-use slipgrid_base::units::{HUMIDITY_PCT, LENGTH_UM, PRESSURE_MPA, SPEED_MM_S, tidy};
+use super::model::{FlatPoint, Prediction, squares};
+use slipgrid_base::units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, tidy};
 use slipgrid_infer::calibrate::Measurement;
 use slipgrid_io::formats::calibration::Calibration;
 
@@ -114,6 +114,8 @@ pub struct ModelledRatio {
 /// Flat and patterned measurement at one condition.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pair {
+    /// The flat measurement as input of the model.
+    pub point: FlatPoint,
     /// Measurement on the flat sample.
     pub flat: Measurement,
     /// Measurement on the patterned sample.
@@ -127,7 +129,13 @@ pub fn pairs(calibration: &Calibration) -> Vec<Pair> {
             .patterned
             .iter()
             .find(|patterned| same(flat.force_n, patterned.force_n) && same_condition(flat, patterned))?;
-        Some(Pair { flat: *flat, patterned: *patterned })
+        let point = FlatPoint {
+            pressure_pa: calibration.pressure_pa(flat.force_n),
+            speed_m_s: flat.speed_m_s,
+            mu_flat: flat.mu_dynamic,
+            mu_flat_std: flat.mu_dynamic_std,
+        };
+        Some(Pair { point, flat: *flat, patterned: *patterned })
     };
     calibration.flat.iter().filter_map(pair).collect()
 }
@@ -143,14 +151,14 @@ fn same(a: f64, b: f64) -> bool {
 
 impl MeasuredReport {
     /// Makes the record of the measurements of `pair`.
-    pub fn new(pair: &Pair, calibration: &Calibration) -> Self {
-        let Pair { flat, patterned } = pair;
+    pub fn new(pair: &Pair) -> Self {
+        let Pair { point, flat, patterned } = pair;
         let ratio = patterned.mu_dynamic / flat.mu_dynamic;
         // (s_r / r)^2 = (s_p / mu_p)^2 + (s_f / mu_f)^2
         let relative = (patterned.mu_dynamic_std / patterned.mu_dynamic).hypot(flat.mu_dynamic_std / flat.mu_dynamic);
         Self {
             force_n: flat.force_n,
-            pressure_mpa: PRESSURE_MPA.from_si(calibration.pressure_pa(flat.force_n)),
+            pressure_mpa: PRESSURE_MPA.from_si(point.pressure_pa),
             speed_mm_s: SPEED_MM_S.from_si(flat.speed_m_s),
             humidity_pct: HUMIDITY_PCT.from_si(flat.humidity),
             mu_flat: flat.mu_dynamic,
@@ -173,6 +181,16 @@ impl RatioReport {
     pub fn at_slope(&self, slope_factor: f64) -> Option<&ModelledRatio> {
         self.modelled.iter().find(|modelled| modelled.slope_factor == slope_factor)
     }
+
+    /// Modelled ratio on the surface as given.
+    pub fn given(&self) -> Option<&ModelledRatio> {
+        self.at_slope(1.0)
+    }
+
+    /// Ratio of grooves on the surface as given.
+    pub fn groove(&self) -> Option<f64> {
+        self.given()?.ratio_groove
+    }
 }
 
 impl ModelledRatio {
@@ -193,7 +211,7 @@ impl ModelledRatio {
             ratio_square: prediction.squares.ratio,
             ratio_square_std: std(1, |of| &of.ratio),
             mu_square_std: std(1, |of| &of.mu),
-            ratio_square_estimate: prediction.outcome.ratio.map(|ratio| as_squares(pattern, ratio)),
+            ratio_square_estimate: prediction.outcome.ratio.map(|ratio| squares(pattern).strip_estimate(ratio)),
             ratio_groove_thick_difference: prediction.thick[0],
             ratio_square_thick_difference: prediction.thick[1],
             peak_pressure_mpa: PRESSURE_MPA.from_si(surface.peak_pressure_pa),
@@ -210,14 +228,4 @@ impl ModelledRatio {
     pub fn has_converged(&self) -> bool {
         [&self.status, &self.status_square].into_iter().all(|status| status == Status::Converged.name())
     }
-}
-
-/// Strip estimate for square cavities with the lengths of `pattern`, from the `ratio_groove` of the cross-section.
-fn as_squares(pattern: &Pattern, ratio_groove: f64) -> f64 {
-    squares(pattern).strip_estimate(ratio_groove)
-}
-
-/// Depth of the pattern in micrometres, the unit of the record.
-pub fn depth_um(pattern: &Pattern) -> f64 {
-    LENGTH_UM.from_si(pattern.depth_m())
 }

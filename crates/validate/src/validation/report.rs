@@ -77,6 +77,30 @@ impl ValidationReport {
     pub fn has_squares(&self) -> bool {
         self.cut_as.as_deref() != Some("groove")
     }
+
+    /// Remark of titles on a synthetic surface.
+    pub(super) const fn synthetic_words(&self) -> &'static str {
+        if self.synthetic_surface { " (synthetic surface)" } else { "" }
+    }
+
+    /// Results at the speed and humidity of the first one.
+    pub(super) fn at_first_condition(&self) -> Vec<&RatioReport> {
+        let first = self.results.first();
+        let alike = |row: &&RatioReport| first.is_some_and(|first| row.measured.is_at_condition_of(&first.measured));
+        self.results.iter().filter(alike).collect()
+    }
+
+    /// Results at the speed and humidity of the first one, pressures increasing.
+    pub(super) fn by_pressure(&self) -> Vec<&RatioReport> {
+        let mut rows = self.at_first_condition();
+        rows.sort_by(|a, b| a.measured.pressure_mpa.total_cmp(&b.measured.pressure_mpa));
+        rows
+    }
+
+    /// Whether all results have one speed and one humidity.
+    pub(super) fn has_one_condition(&self) -> bool {
+        self.at_first_condition().len() == self.results.len()
+    }
 }
 
 /// Statement of the source and its counterpart.

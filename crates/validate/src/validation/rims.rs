@@ -7,17 +7,17 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use slipgrid_base::monitor::Monitor;
 use slipgrid_base::units::{LENGTH_UM, PRESSURE_MPA};
-use slipgrid_design::results::{Table, fixed};
+use slipgrid_design::results::{Table, with_error};
 use slipgrid_model::material::AreaLaw;
 use slipgrid_model::pattern::{Pattern, Rim, RimProfile};
 use slipgrid_model::springblock::{Layer, Scene, SteadyCell};
-use slipgrid_report::Outputs;
-use slipgrid_report::charts::{self, ChartError, Estimate};
-use slipgrid_report::html::page::{Page, number, plain, with_error};
+use slipgrid_report::charts::{ChartError, Estimate};
+use slipgrid_report::html::page::{number, plain};
 
+use super::figures::{beside_measured, or_empty};
 use super::model::{Body, FlatPoint, scene, squares};
-use super::ratios::RatioReport;
-use super::report::ValidationReport;
+use super::ratios::{MeasuredReport, RatioReport};
+use super::tables::Captioned;
 use crate::StudyError;
 
 /// Heights and widths of the rims, in um.
@@ -69,30 +69,28 @@ pub struct RimsRow {
 /// # Errors
 /// [`StudyError`] if the numbers make no valid scene.
 pub fn rims(
-    path: &std::path::Path,
-    body: Body,
+    body: Body<'_>,
     law: &AreaLaw,
     groove: &Pattern,
     points: &[FlatPoint],
-    results: &[RatioReport],
+    results: &[&RatioReport],
     monitor: &dyn Monitor,
 ) -> Result<RimsReport, StudyError> {
-    let refuse = |reason: String| StudyError::from(slipgrid_io::formats::Diagnostic::file(path, reason));
     let body = Body { layer: Layer { block_m: BLOCK_M, ..body.layer }, ..body };
-    let scene = scene(body, Some(law), *groove, points).map_err(refuse)?;
+    let scene = scene(body, Some(law), *groove, points)?;
     let mut cases = Vec::new();
     for pattern in [*groove, squares(groove)] {
         cases.push((pattern, None));
-        for (width_um, height_um) in
-            WIDTHS_UM.into_iter().flat_map(|width| HEIGHTS_UM[1..].iter().map(move |h| (width, *h)))
+        for rim_um in WIDTHS_UM.into_iter().flat_map(|width| HEIGHTS_UM[1..].iter().map(move |height| [width, *height]))
         {
-            let [height_m, width_m] = [height_um, width_um].map(|um| LENGTH_UM.to_si(um));
-            let rim = Rim::new(height_m, width_m, RimProfile::Flat).map_err(|error| refuse(error.to_string()))?;
-            cases.push((pattern.with_rim(rim), Some([width_um, height_um])));
+            let [width_m, height_m] = rim_um.map(|um| LENGTH_UM.to_si(um));
+            let rim = Rim::new(height_m, width_m, RimProfile::Flat).map_err(|error| body.refuse(&error))?;
+            cases.push((pattern.with_rim(rim), Some(rim_um)));
         }
     }
-    let measured: Vec<f64> = results.iter().map(|row| row.measured.ratio).collect();
-    let measured_std: Vec<f64> = results.iter().map(|row| row.measured.ratio_std).collect();
+    let of = |value: fn(&MeasuredReport) -> f64| results.iter().map(|row| value(&row.measured)).collect::<Vec<f64>>();
+    let [pressure_mpa, measured, measured_std] =
+        [of(|row| row.pressure_mpa), of(|row| row.ratio), of(|row| row.ratio_std)];
     let solved = |pattern: &Pattern, block_m: f64| {
         let layer = Layer { block_m, ..scene.layer };
         let scene = Scene { pattern: Some(*pattern), layer, ..scene.clone() };
@@ -119,15 +117,12 @@ pub fn rims(
     let mut block_error: Option<f64> = None;
     for ((pattern, _), row) in cases.iter().zip(&rows).filter(|((pattern, _), _)| pattern.texture().is_one_section()) {
         monitor.heed()?;
-        let finer = solved(pattern, 0.5 * BLOCK_M);
-        for (own, finer) in row.ratio.iter().zip(finer) {
-            if let Some((own, finer)) = own.zip(finer.ratio) {
-                block_error = Some(block_error.unwrap_or(0.0).max((own - finer).abs()));
-            }
-        }
+        let both = row.ratio.iter().zip(solved(pattern, 0.5 * BLOCK_M));
+        let changes = both.filter_map(|(own, finer)| Some(((*own)? - finer.ratio?).abs()));
+        block_error = changes.chain(block_error).reduce(f64::max);
     }
     let mut report = RimsReport {
-        pressure_mpa: results.iter().map(|row| row.measured.pressure_mpa).collect(),
+        pressure_mpa,
         measured,
         measured_std,
         depth_um: LENGTH_UM.from_si(groove.depth_m()),
@@ -147,19 +142,12 @@ fn chi_square(ratio: &[Option<f64>], measured: &[f64], std: &[f64]) -> Option<f6
         .filter(|sum| sum.is_finite())
 }
 
-/// First and last of `values` by pressure.
+/// Values at the lowest and at the highest pressure; `None` if these are equal.
 fn ends(values: &[Option<f64>], pressure_mpa: &[f64]) -> Option<[f64; 2]> {
-    let place = |better: fn(&f64, &f64) -> bool| {
-        let mut found = 0;
-        for at in 1..pressure_mpa.len() {
-            if better(&pressure_mpa[at], &pressure_mpa[found]) {
-                found = at;
-            }
-        }
-        found
-    };
-    let [low, high] = [place(|a, b| a < b), place(|a, b| a > b)];
-    (low != high).then(|| Some([(*values.get(low)?)?, (*values.get(high)?)?]))?
+    let by_pressure = |a: &usize, b: &usize| pressure_mpa[*a].total_cmp(&pressure_mpa[*b]);
+    let places = || 0..pressure_mpa.len();
+    let (low, high) = (places().min_by(by_pressure)?, places().max_by(by_pressure)?);
+    (pressure_mpa[low] < pressure_mpa[high]).then_some([(*values.get(low)?)?, (*values.get(high)?)?])
 }
 
 fn statements(report: &RimsReport) -> Vec<String> {
@@ -205,22 +193,27 @@ fn statements(report: &RimsReport) -> Vec<String> {
     said
 }
 
-/// Formats the report as a table.
-pub fn table(report: &RimsReport) -> Table {
-    let mut header: Vec<String> = ["cavities", "rim um", "wide um"].map(Into::into).into();
-    header.extend(report.pressure_mpa.iter().map(|pressure| format!("{} MPa", fixed(Some(*pressure), 2))));
-    header.extend(["chi^2".into(), "peak MPa".into()]);
+/// Table of the rims, the measured ratios first.
+pub fn table(report: &RimsReport) -> Captioned {
+    let mut header: Vec<String> = ["cavities", "rim in um", "width in um"].map(Into::into).into();
+    header.extend(report.pressure_mpa.iter().map(|pressure| format!("{} MPa", number(*pressure, 2))));
+    header.extend(["chi^2".to_owned(), "peak in MPa".to_owned()]);
     let mut table = Table::new(header.iter().map(String::as_str));
-    let measured = report.measured.iter().map(|ratio| fixed(Some(*ratio), 3));
-    table.row(["measured", "", ""].map(String::from).into_iter().chain(measured).chain(["".into(), "".into()]));
+    let both = report.measured.iter().zip(&report.measured_std);
+    let measured = both.map(|(ratio, std)| with_error(*ratio, *std, 3));
+    let dashes = || ["-".to_owned(), "-".to_owned()];
+    table.row(["measured".to_owned()].into_iter().chain(dashes()).chain(measured).chain(dashes()));
     for row in &report.rows {
-        let first = [row.planform.clone(), row.rim_height_um.to_string(), fixed(row.rim_width_um, 0)];
-        let ratios = row.ratio.iter().map(|ratio| fixed(*ratio, 3));
-        table.row(
-            first.into_iter().chain(ratios).chain([fixed(row.chi_square, 0), fixed(Some(row.peak_pressure_mpa), 1)]),
-        );
+        let first = [row.planform.clone(), plain(row.rim_height_um), plain(row.rim_width_um)];
+        let ratios = row.ratio.iter().map(|ratio| number(*ratio, 3));
+        table.row(first.into_iter().chain(ratios).chain([number(row.chi_square, 0), number(row.peak_pressure_mpa, 1)]));
     }
-    table
+    let caption = format!(
+        "Ratios, dimensionless, of cavities {} um deep with flat-topped rims of unknown height on all of their edges, elastic, at the \
+         surface's slope. chi^2: sum over the loads of squared departures over the measured standard deviation.",
+        plain(report.depth_um)
+    );
+    (caption, table)
 }
 
 /// Formats the rows as CSV, one line per planform, width, height and pressure.
@@ -228,20 +221,13 @@ pub fn csv(report: &RimsReport) -> String {
     let mut text = String::from(
         "planform,rim_width_um,rim_height_um,pressure_mpa,ratio,measured,measured_std,peak_pressure_mpa\n",
     );
-    let or_empty = |value: Option<f64>| value.map_or_else(String::new, |value| value.to_string());
     for row in &report.rows {
         for (at, ratio) in row.ratio.iter().enumerate() {
-            text += &format!(
-                "{},{},{},{},{},{},{},{}\n",
-                row.planform,
-                or_empty(row.rim_width_um),
-                row.rim_height_um,
-                report.pressure_mpa[at],
-                or_empty(*ratio),
-                report.measured[at],
-                report.measured_std[at],
-                row.peak_pressure_mpa
-            );
+            let of = |values: &[f64]| values.get(at).copied();
+            let rim = [row.rim_width_um, Some(row.rim_height_um)];
+            let measured = [of(&report.measured), of(&report.measured_std), Some(row.peak_pressure_mpa)];
+            let cells = rim.into_iter().chain([of(&report.pressure_mpa), *ratio]).chain(measured);
+            text += &format!("{},{}\n", row.planform, cells.map(or_empty).collect::<Vec<_>>().join(","));
         }
     }
     text
@@ -252,67 +238,21 @@ pub fn csv(report: &RimsReport) -> String {
 /// # Errors
 /// [`ChartError`] if the picture cannot be drawn.
 pub fn picture(report: &RimsReport) -> Result<String, ChartError> {
-    let measured: Vec<Option<Estimate>> = report
-        .measured
-        .iter()
-        .zip(&report.measured_std)
-        .map(|(value, error)| Some(Estimate { value: *value, error: Some(*error) }))
-        .collect();
-    let mut columns = vec![("measured (bars: ± one standard deviation)".to_owned(), measured)];
     let widest = WIDTHS_UM[WIDTHS_UM.len() - 1];
+    let is_wide = |row: &&RimsRow| row.planform == "square" && row.rim_width_um.is_none_or(|width| width == widest);
     // More rows would share their marks.
-    for row in report
-        .rows
-        .iter()
-        .filter(|row| row.planform == "square" && row.rim_width_um.is_none_or(|w| w == widest))
-        .filter(|row| row.rim_height_um != HEIGHTS_UM[2])
-    {
-        let label = if row.rim_height_um > 0.0 {
-            format!("squares, rim {} µm", row.rim_height_um)
-        } else {
-            "squares, no rim".to_owned()
+    let drawn = report.rows.iter().filter(is_wide).filter(|row| row.rim_height_um != HEIGHTS_UM[2]);
+    let column = |row: &RimsRow| {
+        let label = match row.rim_height_um {
+            height_um if height_um > 0.0 => format!("squares, rim {height_um} µm"),
+            _ => "squares, no rim".to_owned(),
         };
-        columns.push((label, row.ratio.iter().map(|ratio| Some(Estimate { value: (*ratio)?, error: None })).collect()));
-    }
+        (label, row.ratio.iter().map(|ratio| Some(Estimate { value: (*ratio)?, error: None })).collect())
+    };
     let title = format!("Patterned over flat: squares with flat rims {widest} µm wide, fitted to nothing");
-    let pressure_mpa: Vec<f64> = report.pressure_mpa.iter().map(|pressure| (pressure * 1e3).round() / 1e3).collect();
-    charts::ratios(&title, &pressure_mpa, &columns)
-}
-
-/// Adds the section about rims to the page.
-pub fn section(page: &mut Page, report: &ValidationReport, outputs: &Outputs) {
-    let Some(rims) = &report.rims else { return };
-    page.heading("What rims of unknown height can and cannot explain");
-    page.list(&rims.statements);
-    page.picture_of(outputs, "rims.svg", "Measured ratios beside those of squares with rims of one height");
-    let mut header = vec!["cavities".to_owned(), "rim in µm".to_owned(), "width in µm".to_owned()];
-    header.extend(rims.pressure_mpa.iter().map(|pressure| format!("{} MPa", number(*pressure, 2))));
-    header.extend(["χ²".to_owned(), "peak in MPa".to_owned()]);
-    let both = rims.measured.iter().zip(&rims.measured_std);
-    let mut rows = vec![
-        ["measured".to_owned(), "-".to_owned(), "-".to_owned()]
-            .into_iter()
-            .chain(both.map(|(ratio, std)| with_error(*ratio, *std, 3)))
-            .chain(["-".to_owned(), "-".to_owned()])
-            .collect::<Vec<_>>(),
-    ];
-    rows.extend(rims.rows.iter().map(|row| {
-        [row.planform.clone(), plain(row.rim_height_um), plain(row.rim_width_um)]
-            .into_iter()
-            .chain(row.ratio.iter().map(|ratio| number(*ratio, 3)))
-            .chain([number(row.chi_square, 0), number(row.peak_pressure_mpa, 1)])
-            .collect()
-    }));
-    let header: Vec<&str> = header.iter().map(String::as_str).collect();
-    page.table(
-        &format!(
-            "Ratios, dimensionless, of cavities {} µm deep with flat-topped rims on all of their edges, elastic, at the surface's slope. χ²: sum \
-             over the loads of squared departures over the measured standard deviation.",
-            plain(rims.depth_um)
-        ),
-        &header,
-        &rows,
-    );
+    let both = report.measured.iter().zip(&report.measured_std);
+    let measured = report.pressure_mpa.iter().zip(both).map(|(pressure, (ratio, std))| [*pressure, *ratio, *std]);
+    beside_measured(&title, measured, drawn.map(column).collect())
 }
 
 #[cfg(test)]
@@ -356,7 +296,7 @@ mod tests {
     #[test]
     fn the_table_and_the_file_hold_every_row_and_the_picture_the_squares() {
         let report = report([0.84, 0.81], [0.73, 0.87]);
-        let (text, csv, svg) = (table(&report).to_string(), csv(&report), picture(&report).unwrap());
+        let (text, csv, svg) = (table(&report).1.to_string(), csv(&report), picture(&report).unwrap());
         assert!(text.contains("measured") && text.contains("0.730") && text.contains("groove"), "{text}");
         assert_eq!(csv.lines().count(), 1 + 3 * 2);
         assert!(svg.contains("squares, no rim") && svg.contains("rim 0.5") && !svg.contains("groove"));

@@ -1,6 +1,7 @@
 //! Averages of a validation over its conditions.
 
 use serde::{Deserialize, Serialize};
+use slipgrid_base::statistics::mean_and_std;
 
 use super::ratios::{ModelledRatio, RatioReport};
 
@@ -49,14 +50,15 @@ pub struct ModelledReduction {
 impl Summary {
     /// Averages over `rows`, which must not be empty.
     pub fn new(rows: &[RatioReport], slope_factors: &[f64]) -> Self {
-        let measured: Vec<f64> = rows.iter().map(|row| 1.0 - row.measured.ratio).collect();
-        let reduction_measured = mean(&measured);
+        let measured = rows.iter().map(|row| 1.0 - row.measured.ratio);
+        let (reduction_measured, reduction_measured_std) = mean_and_std(measured).unwrap_or((f64::NAN, None));
+        let mean = |all: Vec<f64>| all.iter().sum::<f64>() / all.len() as f64;
         let modelled: Vec<ModelledReduction> = slope_factors
             .iter()
             .map(|&slope_factor| {
                 let average = |value: fn(&ModelledRatio) -> Option<f64>| {
                     let all: Option<Vec<f64>> = rows.iter().map(|row| value(row.at_slope(slope_factor)?)).collect();
-                    all.map(|all| mean(&all))
+                    all.map(mean)
                 };
                 ModelledReduction {
                     slope_factor,
@@ -80,12 +82,12 @@ impl Summary {
         Self {
             conditions: rows.len(),
             reduction_measured,
-            reduction_measured_std: standard_deviation(&measured),
+            reduction_measured_std,
             explained_by_grooves: given.and_then(|given| explained(given.groove)),
             explained_by_squares: given.and_then(|given| explained(given.square)),
             explained_by_strip_estimate: given.and_then(|given| explained(given.square_estimate)),
-            square_ratio_change_at_measured_depth: changes_of(|modelled| modelled.ratio_square).as_deref().map(mean),
-            ratio_change_at_measured_depth: changes.as_deref().map(mean),
+            square_ratio_change_at_measured_depth: changes_of(|modelled| modelled.ratio_square).map(mean),
+            ratio_change_at_measured_depth: changes.clone().map(mean),
             largest_ratio_change_at_measured_depth: changes
                 .and_then(|changes| changes.into_iter().max_by(|a, b| a.abs().total_cmp(&b.abs()))),
             modelled,
@@ -93,20 +95,9 @@ impl Summary {
     }
 }
 
-fn mean(values: &[f64]) -> f64 {
-    values.iter().sum::<f64>() / values.len() as f64
-}
-
-/// Sample standard deviation; `None` for a single value.
-fn standard_deviation(values: &[f64]) -> Option<f64> {
-    let mean = mean(values);
-    let squares: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
-    (values.len() > 1).then(|| (squares / (values.len() - 1) as f64).sqrt())
-}
-
 #[cfg(test)]
 mod tests {
-    use super::super::fixture::row;
+    use super::super::test_report::row;
     use super::*;
 
     #[test]
