@@ -431,6 +431,6 @@ mod tests {
 
     #[test]
     fn the_command_line_is_consistent() {
-        Arguments::command().debug_assert();
+        crate::with_negative_numbers(Arguments::command()).debug_assert();
     }
 }

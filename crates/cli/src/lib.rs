@@ -152,7 +152,11 @@ fn with_negative_numbers(command: clap::Command) -> clap::Command {
         argument.get_value_names().is_some_and(|names| names.iter().any(|name| name.contains(',')))
     };
     let with_numbers = |argument: clap::Arg| {
-        if is_list(&argument) { argument.allow_hyphen_values(true) } else { argument.allow_negative_numbers(true) }
+        match argument.get_action().takes_values() {
+            false => argument,
+            true if is_list(&argument) => argument.allow_hyphen_values(true),
+            true => argument.allow_negative_numbers(true),
+        }
     };
     command.mut_args(with_numbers).mut_subcommands(with_negative_numbers)
 }
