@@ -12,7 +12,7 @@ const LIMITS: [(&str, usize); 15] = [
     ("laser", 4_900),
     ("infer", 5_850),
     ("design", 7_100),
-    ("io", 10_600),
+    ("io", 10_650),
     ("report", 8_200),
     ("validate", 3_000),
     ("slipgrid", 100),

@@ -15,7 +15,7 @@ fn the_ratios_of_the_validation_are_what_the_program_prints() {
     let rows: Vec<Vec<f64>> = printed.lines().filter_map(numbers).collect();
     // Tables of grooves and of squares: force, pressure, measured, Amontons-Coulomb, three slopes and the measured depth, with
     // the errors of all but Amontons-Coulomb.
-    let of = |force_n: f64| rows.iter().filter(move |row| row[..1] == [force_n] && row.len() == 13);
+    let of = |force_n: f64| rows.iter().filter(move |row| row.len() == 13 && row[0] == force_n);
     let chapter = text(&book().join("evidence/validation.md"));
     let mut compared = 0;
     for line in chapter.lines().filter(|line| line.contains(" N | ")) {

@@ -151,12 +151,10 @@ fn with_negative_numbers(command: clap::Command) -> clap::Command {
     let is_list = |argument: &clap::Arg| {
         argument.get_value_names().is_some_and(|names| names.iter().any(|name| name.contains(',')))
     };
-    let with_numbers = |argument: clap::Arg| {
-        match argument.get_action().takes_values() {
-            false => argument,
-            true if is_list(&argument) => argument.allow_hyphen_values(true),
-            true => argument.allow_negative_numbers(true),
-        }
+    let with_numbers = |argument: clap::Arg| match argument.get_action().takes_values() {
+        false => argument,
+        true if is_list(&argument) => argument.allow_hyphen_values(true),
+        true => argument.allow_negative_numbers(true),
     };
     command.mut_args(with_numbers).mut_subcommands(with_negative_numbers)
 }

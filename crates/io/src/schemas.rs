@@ -61,6 +61,14 @@ fn plain(schema: &mut Schema) {
     if schema.get("properties").is_some() {
         schema.insert("additionalProperties".to_owned(), Value::Bool(false));
     }
+    // An enumeration whose names are described one by one is the list of its names.
+    let names = schema.get("oneOf").and_then(Value::as_array);
+    let names: Option<Vec<Value>> = names.and_then(|all| all.iter().map(|one| one.get("const").cloned()).collect());
+    if let Some(names) = names {
+        schema.remove("oneOf");
+        schema.insert("type".to_owned(), "string".into());
+        schema.insert("enum".to_owned(), names.into());
+    }
 }
 
 /// Keeps the required keys that `is_needed`, by name and schema.

@@ -721,6 +721,14 @@ class Target(Record):
     weights: list[float]
 
 
+class Correction(Record):
+    """Change of a ratio by an effect that the solved blocks leave out, included in the ratio."""
+
+    effect: Literal["whole blocks", "rims", "layout on the specimen", "sliding in time", "specimen behind the layer", "tilt of the pressure", "size of blocks"]
+    change: float
+    std: Optional[float]
+
+
 class LoadResult(Record):
     """Results at one pressure."""
 
@@ -734,11 +742,7 @@ class LoadResult(Record):
     mu_flat_static: Optional[float]
     ratio: Optional[float]
     ratio_stderr: Optional[float]
-    ratio_discretization_error: Optional[float]
-    ratio_layer_difference: Optional[float]
-    ratio_layer_error: Optional[float]
-    ratio_tilt_change: Optional[float]
-    ratio_time_change: Optional[float]
+    corrections: list[Correction]
     ratio_strip_estimate: Optional[float]
     peak_pressure_mpa: float
     tension_blocks: int
@@ -803,7 +807,7 @@ class Laser(Record):
     speed_mm_s: Optional[float]
     hatch_um: Optional[float]
     wall_taper_deg: Optional[float]
-    exposure: Optional[str]
+    exposure: Optional[Literal["hatch", "mask"]]
     min_land_um: Optional[float]
     ablation: Optional[Ablation]
 

@@ -97,11 +97,15 @@ pub fn ratios(report: &ValidationReport, planform: &Planform) -> Captioned {
         let name = format!("{} um deep", report.measured_depth_um);
         table.column(name, |row| cell(row.modelled_at_measured_depth.as_ref()));
     }
-    let caption = format!(
-        "Ratios patterned over flat with {}, dimensionless. Measured: +- one standard deviation. Modelled: the steady cell {}, \
-         cavities {} um deep where nothing else is said, at the slopes of the surface times a factor. {}.",
-        planform.name, planform.cell, report.pattern.depth_um, report.errors
-    );
+    let caption = if planform.name == PLANFORMS[0].name {
+        format!(
+            "Ratios patterned over flat with {}, dimensionless. Measured: +- one standard deviation. Modelled: the steady cell {}, \
+             cavities {} um deep where nothing else is said, at the slopes of the surface times a factor. {}.",
+            planform.name, planform.cell, report.pattern.depth_um, report.errors
+        )
+    } else {
+        format!("The same with {}, modelled by the steady cell {}.", planform.name, planform.cell)
+    };
     (caption, table.table())
 }
 
