@@ -46,12 +46,12 @@
 //!     speed_m_s: 2e-3,
 //!     run: RunOptions::default(),
 //! };
-//! let saturated = simulate(&scene, &Unwatched)?.loads[0].ratio.unwrap();
+//! let saturated = simulate(&scene, &Unwatched)?.loads[0].ratio().unwrap();
 //! assert!((saturated - (1.0 - 130.0 / 500.0)).abs() < 1e-9);
 //!
 //! // Without an area law friction is proportional to load (Amontons and Coulomb), and no pattern changes it.
 //! scene.area_law = None;
-//! let proportional = simulate(&scene, &Unwatched)?.loads[0].ratio.unwrap();
+//! let proportional = simulate(&scene, &Unwatched)?.loads[0].ratio().unwrap();
 //! assert!((proportional - 1.0).abs() < 1e-9);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
