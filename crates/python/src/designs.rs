@@ -11,7 +11,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyType;
 use rayon::prelude::*;
 use slipgrid::design::{
-    DesignError, DesignOutcome, Explored, Explorer, NextOptions, NextTrials, NoCache, explore_bounds, next_trials, run,
+    DesignError, DesignOutcome, Explored, NextOptions, NextTrials, NoCache, explore_bounds, next_trials, run,
 };
 use slipgrid::formats::calibrated::{Uncalibrated, complete_by, read_calibration};
 use slipgrid::formats::calibration::Calibration;
