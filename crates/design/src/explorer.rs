@@ -163,6 +163,7 @@ pub fn explore_bounds(task: &DesignTask, monitor: &dyn Monitor) -> Result<Explor
         } else {
             about_best(&|other| explorer.has_answer(other)).unwrap_or((pattern, explorer))
         };
+        monitor.heed()?;
         Ok((found, search.asked.learned.trials().len()))
     });
     let ((pattern, explorer), trials) = found?;

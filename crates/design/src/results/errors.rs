@@ -201,6 +201,14 @@ mod tests {
     use super::*;
 
     #[test]
+    fn parts_and_corrections_name_an_effect_alike() {
+        use Effect::{Behind, Blocks, Layout, Rims, Tilt, Time, WholeBlocks};
+        for effect in [WholeBlocks, Rims, Layout, Time, Behind, Tilt, Blocks] {
+            assert_eq!(serde_json::to_value(effect).unwrap(), effect.name());
+        }
+    }
+
+    #[test]
     fn intervals_of_friction_and_of_ratios_end_at_nil() {
         let part = |std: f64| vec![PartsReport { input: "size of blocks".to_owned(), std }];
         let wide = ErrorReport::new(Some(0.4), part(0.3), None);
