@@ -5,16 +5,16 @@ use crate::rooms::{code, root, sources};
 /// Upper limits of the lines of code of each crate. A crate that grows beyond its limit raises the limit in the same
 /// change, with the reason; a crate that shrinks lowers it.
 const LIMITS: [(&str, usize); 15] = [
-    ("base", 1_700),
+    ("base", 1_730),
     ("model", 16_400),
-    ("surface", 10_850),
+    ("surface", 10_900),
     ("traces", 3_200),
     ("laser", 4_900),
     ("infer", 5_850),
     ("design", 7_100),
     ("io", 10_650),
     ("report", 8_200),
-    ("validate", 3_000),
+    ("validate", 2_900),
     ("slipgrid", 100),
     ("studio", 1_600),
     ("cli", 2_800),

@@ -48,6 +48,17 @@ pub struct Convolution<T> {
     roots: Vec<[[T; 2]; 3]>,
     /// `roots` rearranged for the splits in tiles, one block per lane: a block of 16 numbers, then four blocks of 4.
     tile_roots: Vec<T>,
+    /// Wave along y, up to cols/2, of each number of a row.
+    waves_along_y: Vec<u32>,
+}
+
+/// Factors of the waves of a filter.
+#[derive(Clone, Copy)]
+pub enum Factors<'a, T> {
+    /// All of them, from [`Convolution::factors`].
+    Stored(&'a [T]),
+    /// `factor(k, l)` as in [`Convolution::factors`], computed while the filter runs: slower, without memory.
+    Computed(&'a (dyn Fn(usize, usize) -> f64 + Sync)),
 }
 
 /// Wave of block q among the splits of y^n - 1, as a fraction of all waves: the bits of q mirrored at the binary point.
@@ -80,7 +91,18 @@ impl<T: Number> Convolution<T> {
             blocks(1, 0).chain((0..4).flat_map(move |part| blocks(4, part)))
         });
         let count = (cols / LANES).max(rows);
-        Some(Self { rows, cols, roots: (0..count).map(roots).collect(), tile_roots: tiles.collect() })
+        let waves_along_y = (0..cols).map(|n| {
+            let (tile, place) = (n / TILE, n % TILE);
+            let l = (wave_fraction((tile * LANES + place % LANES) * LANES + place / LANES) * cols as f64) as usize;
+            l.min(cols - l) as u32
+        });
+        Some(Self {
+            rows,
+            cols,
+            roots: (0..count).map(roots).collect(),
+            tile_roots: tiles.collect(),
+            waves_along_y: waves_along_y.collect(),
+        })
     }
 
     /// Number of columns that are transformed together.
@@ -91,7 +113,7 @@ impl<T: Number> Convolution<T> {
     /// Length of the scratch buffer that a filter needs.
     #[must_use]
     pub fn scratch_len(&self) -> usize {
-        (self.rows * self.width()).max(self.cols)
+        (self.rows * self.width()).max(3 * self.cols)
     }
 
     /// Arranges the factors in the order that [`Precision::filter`](crate::fft::Precision::filter) expects.
@@ -100,23 +122,38 @@ impl<T: Number> Convolution<T> {
     /// cols/2. It must include the normalization 1/(rows cols).
     #[must_use]
     pub fn factors(&self, factor: impl Fn(usize, usize) -> f64) -> Vec<T> {
-        let mut factors = Vec::with_capacity((self.rows / 2 + 1) * self.cols);
-        let mut row = vec![T::zero(); self.cols / 2 + 1];
-        let places: Vec<usize> = (0..self.cols)
-            .map(|n| {
-                let (tile, place) = (n / TILE, n % TILE);
-                let l =
-                    (wave_fraction((tile * LANES + place % LANES) * LANES + place / LANES) * self.cols as f64) as usize;
-                l.min(self.cols - l)
-            })
-            .collect();
-        for k in self.waves() {
-            // A complex remainder stands for two waves, so the inverse transform halves it.
-            let multiplicity = if k == 0 || 2 * k == self.rows { 1.0 } else { 2.0 };
-            row.iter_mut().enumerate().for_each(|(l, value)| *value = T::round_from(multiplicity * factor(k, l)));
-            factors.extend(places.iter().map(|&l| row[l]));
+        let mut factors = vec![T::zero(); (self.rows / 2 + 1) * self.cols];
+        let mut waves = vec![T::zero(); self.cols];
+        for (row, k) in factors.chunks_exact_mut(self.cols).zip(self.waves()) {
+            self.row_factors(k, &factor, &mut waves, row);
         }
         factors
+    }
+
+    /// Writes the factors of wave `k` along x to `row`; `waves` is scratch space of the same length.
+    fn row_factors(&self, k: usize, factor: impl Fn(usize, usize) -> f64, waves: &mut [T], row: &mut [T]) {
+        // A complex remainder stands for two waves, so the inverse transform halves it.
+        let multiplicity = if k == 0 || 2 * k == self.rows { 1.0 } else { 2.0 };
+        let waves = &mut waves[..self.cols / 2 + 1];
+        waves.iter_mut().enumerate().for_each(|(l, value)| *value = T::round_from(multiplicity * factor(k, l)));
+        row.iter_mut().zip(&self.waves_along_y).for_each(|(value, &l)| *value = waves[l as usize]);
+    }
+
+    /// Factors of row number `row`, which holds wave `k` along x, stored or in `computed`.
+    fn factors_at<'f>(
+        &self,
+        (row, k): (usize, usize),
+        factors: Factors<'f, T>,
+        waves: &mut [T],
+        computed: &'f mut [T],
+    ) -> &'f [T] {
+        match factors {
+            Factors::Stored(all) => &all[row * self.cols..][..self.cols],
+            Factors::Computed(factor) => {
+                self.row_factors(k, factor, waves, computed);
+                computed
+            }
+        }
     }
 
     /// Waves along x in the order in which the rows store them: two real rows, then complex rows.
@@ -143,7 +180,7 @@ impl<T: Number> Convolution<T> {
 pub(crate) struct Filter<'a, T> {
     pub(crate) plan: &'a Convolution<T>,
     pub(crate) input: &'a [T],
-    pub(crate) factors: &'a [T],
+    pub(crate) factors: Factors<'a, T>,
     pub(crate) output: &'a mut [T],
     pub(crate) scratch: &'a mut [T],
     /// Called between parts of some ten thousand numbers; the filter stops if it returns false.
@@ -186,23 +223,25 @@ impl<T: Number> WithSimd for Filter<'_, T> {
             }
         }
         let (reals, complex) = output.split_at_mut(2 * cols);
-        let mut factors = factors.chunks_exact(cols);
-        for (real, factor) in reals.chunks_exact_mut(cols).zip(&mut factors) {
-            let imaginary = &mut scratch[..cols];
+        let (imaginary, computed) = scratch.split_at_mut(cols);
+        let (waves, computed) = computed.split_at_mut(cols);
+        let computed = &mut computed[..cols];
+        let mut rows_of_waves = plan.waves().enumerate();
+        for (real, (row, k)) in reals.chunks_exact_mut(cols).zip(&mut rows_of_waves) {
             imaginary.fill(T::zero());
-            plan.row(simd, real, imaginary, factor);
+            plan.row(simd, real, imaginary, plan.factors_at((row, k), factors, waves, computed));
         }
         let mut rest = complex;
         let rows_together = (NUMBERS_PER_CHECK / cols).max(1);
         for half in plan.complex_row_counts() {
             let (block, below) = rest.split_at_mut(half * cols);
             let (re, im) = block.split_at_mut(half / 2 * cols);
-            let rows = re.chunks_exact_mut(cols).zip(im.chunks_exact_mut(cols)).zip(&mut factors);
-            for (row, ((re, im), factor)) in rows.enumerate() {
+            let rows = re.chunks_exact_mut(cols).zip(im.chunks_exact_mut(cols)).zip(&mut rows_of_waves);
+            for ((re, im), (row, k)) in rows {
                 if row % rows_together == 0 && !should_continue() {
                     return;
                 }
-                plan.row(simd, re, im, factor);
+                plan.row(simd, re, im, plan.factors_at((row, k), factors, waves, computed));
             }
             rest = below;
         }
@@ -327,7 +366,7 @@ mod tests {
         Filter {
             plan: &plan,
             input,
-            factors: &factors,
+            factors: Factors::Stored(&factors),
             output: &mut output,
             scratch: &mut scratch,
             should_continue: &|| true,
@@ -379,7 +418,7 @@ mod tests {
                 run(Filter {
                     plan: &plan,
                     input,
-                    factors: &factors,
+                    factors: Factors::Stored(&factors),
                     output: &mut output,
                     scratch: &mut scratch,
                     should_continue: &|| true,
@@ -401,6 +440,23 @@ mod tests {
         let input = uneven(16 * 512);
         same(&input, f64::to_bits);
         same(&input.iter().map(|&value| value as f32).collect::<Vec<_>>(), |value| u64::from(value.to_bits()));
+    }
+
+    #[test]
+    fn computed_factors_give_the_bytes_of_stored_ones() {
+        fn both<T: Number>(input: &[T]) {
+            let plan = Convolution::<T>::new(16, 512).unwrap();
+            let filtered = |factors| {
+                let (mut output, mut scratch) = (vec![T::zero(); input.len()], vec![T::zero(); plan.scratch_len()]);
+                let (output, scratch) = (&mut output, &mut scratch);
+                Filter { plan: &plan, input, factors, output, scratch, should_continue: &|| true }.run();
+                output.clone()
+            };
+            assert_eq!(filtered(Factors::Computed(&factor)), filtered(Factors::Stored(&plan.factors(factor))));
+        }
+        let input = uneven(16 * 512);
+        both(&input);
+        both(&input.iter().map(|&value| value as f32).collect::<Vec<_>>());
     }
 
     #[test]

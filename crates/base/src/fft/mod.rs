@@ -20,7 +20,7 @@ mod splits;
 
 use std::sync::Arc;
 
-pub use convolution::Convolution;
+pub use convolution::{Convolution, Factors};
 pub use realfft::{ComplexToReal, FftNum, RealToComplex};
 pub use rustfft::Fft;
 pub use rustfft::num_complex::Complex;
@@ -59,12 +59,12 @@ pub trait Precision: Number {
 
     /// Multiplies every wave of the input by its factor and writes the result to `output`.
     ///
-    /// `input_and_factors` has the input, row by row, and the factors from [`Convolution::factors`]; `scratch` has at
-    /// least [`Convolution::scratch_len`] numbers. If `should_continue` returns false, the filter stops and `output` is
-    /// incomplete.
+    /// `input` has the map, row by row; `scratch` has at least [`Convolution::scratch_len`] numbers. If
+    /// `should_continue` returns false, the filter stops and `output` is incomplete.
     fn filter(
         plan: &Convolution<Self>,
-        input_and_factors: [&[Self]; 2],
+        input: &[Self],
+        factors: Factors<'_, Self>,
         output: &mut [Self],
         scratch: &mut [Self],
         should_continue: &dyn Fn() -> bool,
@@ -87,7 +87,8 @@ macro_rules! impl_precision {
 
             fn filter(
                 plan: &Convolution<Self>,
-                [input, factors]: [&[Self]; 2],
+                input: &[Self],
+                factors: Factors<'_, Self>,
                 output: &mut [Self],
                 scratch: &mut [Self],
                 should_continue: &dyn Fn() -> bool,

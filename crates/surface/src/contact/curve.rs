@@ -70,7 +70,7 @@ pub fn area_curve(
 
 /// Computes one point of the curve in buffers from the pool.
 fn area_point(
-    contact: &RoughContact,
+    contact: &RoughContact<'_>,
     pressure_pa: f64,
     options: &SolveOptions,
     monitor: &dyn Monitor,

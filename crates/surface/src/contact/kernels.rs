@@ -5,6 +5,8 @@
 
 use multiversion::multiversion;
 
+use crate::contact::rough_contact::Heights;
+
 /// Number of partial sums.
 const LANES: usize = 8;
 type Lanes = [f64; LANES];
@@ -111,32 +113,38 @@ impl GapSums {
 
 /// Statistics of the gap u - h.
 #[multiversion(targets("x86_64+avx512f", "x86_64+avx2"))]
-pub(crate) fn measure_gap(pressure: &[f64], displacement: &[f64], height: &[f64]) -> GapStatistics {
+pub(crate) fn measure_gap(pressure: &[f64], displacement: &[f64], heights: Heights<'_>) -> GapStatistics {
     let mut sums = GapSums::new();
     let (pressures, p) = pressure.as_chunks::<LANES>();
     let (displacements, u) = displacement.as_chunks::<LANES>();
-    let (heights, h) = height.as_chunks::<LANES>();
-    for ((p, u), h) in pressures.iter().zip(displacements).zip(heights) {
-        measure_gap_lanes(p, u, h, &mut sums);
+    let (lanes_of_heights, h) = heights.in_metres().as_chunks::<LANES>();
+    for ((p, u), h) in pressures.iter().zip(displacements).zip(lanes_of_heights) {
+        measure_gap_lanes(p, u, h, heights, &mut sums);
     }
-    measure_gap_lanes(p, u, h, &mut sums);
+    measure_gap_lanes(p, u, h, heights, &mut sums);
     sums.total()
 }
 
 #[inline(always)]
-fn measure_gap_lanes(pressure: &[f64], displacement: &[f64], height: &[f64], sums: &mut GapSums) {
+fn measure_gap_lanes(
+    pressure: &[f64],
+    displacement: &[f64],
+    height_m: &[f64],
+    heights: Heights<'_>,
+    sums: &mut GapSums,
+) {
     let mut gap = [0.0; LANES];
-    for ((g, u), h) in gap.iter_mut().zip(displacement).zip(height) {
-        *g = u - h;
+    for ((g, u), &h) in gap.iter_mut().zip(displacement).zip(height_m) {
+        *g = u - heights.normalized(h);
     }
     sums.add(pressure, &gap[..pressure.len()]);
 }
 
 /// Computes g = u - h - shift.
 #[multiversion(targets("x86_64+avx512f", "x86_64+avx2"))]
-pub(crate) fn compute_gap(gap: &mut [f32], displacement: &[f64], height: &[f64], shift: f64) {
-    for ((g, &u), &h) in gap.iter_mut().zip(displacement).zip(height) {
-        *g = (u - h - shift) as f32;
+pub(crate) fn compute_gap(gap: &mut [f32], displacement: &[f64], heights: Heights<'_>, shift: f64) {
+    for ((g, &u), &h) in gap.iter_mut().zip(displacement).zip(heights.in_metres()) {
+        *g = (u - heights.normalized(h) - shift) as f32;
     }
 }
 

@@ -23,7 +23,7 @@ use crate::topography::fourier::FourierWork;
 use crate::contact::area::{ContactArea, contact_area};
 use crate::contact::kernels::{GapStatistics, measure_gap, sum_positive};
 use crate::contact::rough_contact::{Convergence, RoughContact, SolveOptions};
-use crate::contact::solver::{AREA_DECADE, Failure, Outcome, relative_error};
+use crate::contact::solver::{AREA_DECADE, Failure, Outcome, lower_to_mean, relative_error};
 use crate::contact::{Monitor, kernels};
 
 /// Number of recent energies among which the highest bounds the next one: 10 as in the paper of Birgin, Martínez and
@@ -40,7 +40,7 @@ const STEP_MEMORY: usize = 6;
 const MAX_LEVEL_STEPS: usize = 100;
 
 struct State<'a> {
-    contact: &'a RoughContact,
+    contact: &'a RoughContact<'a>,
     work: FourierWork<'a>,
     fourier_pairs: usize,
     load: f64,
@@ -62,15 +62,15 @@ struct State<'a> {
 impl State<'_> {
     /// Computes u = K p and the gap statistics.
     fn refresh(&mut self) {
-        self.contact.fourier.filter(&self.pressure, &self.contact.compliance, &mut self.displacement, &mut self.work);
+        self.contact.displace(&self.pressure, &mut self.displacement, &mut self.work);
         self.fourier_pairs += 1;
-        self.gap = measure_gap(&self.pressure, &self.displacement, &self.contact.height);
+        self.gap = measure_gap(&self.pressure, &self.displacement, self.contact.heights);
     }
 
     /// Computes d = project(p - t g) - p.
     fn find_direction(&mut self) {
         let Self { contact, load, pressure, displacement, direction, level, step_length, .. } = self;
-        for (((d, p), u), h) in direction.iter_mut().zip(&*pressure).zip(&*displacement).zip(&contact.height) {
+        for (((d, p), u), h) in direction.iter_mut().zip(&*pressure).zip(&*displacement).zip(contact.heights.iter()) {
             *d = p - *step_length * (u - h);
         }
         *level = project(direction, *load, *level);
@@ -81,13 +81,13 @@ impl State<'_> {
     fn advance(&mut self) -> bool {
         self.find_direction();
         let Self { contact, work, pressure, displacement, direction, image, .. } = self;
-        contact.fourier.filter(direction, &contact.compliance, image, work);
+        contact.displace(direction, image, work);
         self.fourier_pairs += 1;
         // Since d has the sum zero, a constant added to the gap changes nothing; this constant keeps the products
         // small.
         let shift = self.level / self.step_length;
         let mut sums = Sums::default();
-        for (((d, k), u), h) in direction.iter().zip(&*image).zip(&*displacement).zip(&contact.height) {
+        for (((d, k), u), h) in direction.iter().zip(&*image).zip(&*displacement).zip(contact.heights.iter()) {
             sums.add(*d, *k, u - h - shift);
         }
         if !(sums.slope < 0.0 && sums.d_kd > 0.0) {
@@ -102,7 +102,7 @@ impl State<'_> {
         let step = if is_accepted { 1.0 } else { (-sums.slope / sums.d_kd).min(1.0) };
         pressure.iter_mut().zip(&*direction).for_each(|(p, d)| *p = (*p + step * d).max(0.0));
         displacement.iter_mut().zip(&*image).for_each(|(u, k)| *u += step * k);
-        self.gap = measure_gap(pressure, displacement, &contact.height);
+        self.gap = measure_gap(pressure, displacement, contact.heights);
         push_recent(&mut self.recent_decreases, -step * (sums.slope + 0.5 * step * sums.d_kd), ENERGY_MEMORY);
         self.update_step_length(&sums);
         true
@@ -183,17 +183,19 @@ fn project(values: &mut [f64], load: f64, start: f64) -> f64 {
 /// Solves for the normalized mean pressure `nominal` > 0. The counts of iterations and of Fourier pairs continue from
 /// those that conjugate gradients spent.
 pub(crate) fn minimize(
-    contact: &RoughContact,
+    contact: &RoughContact<'_>,
     nominal: f64,
     options: &SolveOptions,
     monitor: &dyn Monitor,
     (mut iterations, fourier_pairs): (usize, usize),
-    [mut pressure, displacement, direction, image]: [Vec<f64>; 4],
+    [mut pressure, displacement, mut direction, mut image]: [Vec<f64>; 4],
 ) -> Result<Outcome, Failure> {
-    contact.press_flat(nominal, &mut pressure);
+    let mut work = contact.fourier.work_watched(monitor);
+    contact.flatten(&mut direction, &mut image, &mut work);
+    lower_to_mean(&image, nominal, &mut pressure);
     let mut state = State {
         contact,
-        work: contact.fourier.work_watched(monitor),
+        work,
         fourier_pairs,
         load: nominal * pressure.len() as f64,
         pressure,

@@ -1,4 +1,4 @@
-use crate::topography::fourier::{Fourier, Multiplier};
+use crate::topography::fourier::{Fourier, FourierWork, Multiplier};
 use crate::topography::{HeightMap, MapError};
 
 use crate::contact::area::{ContactArea, contact_area};
@@ -6,7 +6,7 @@ use crate::contact::error::require_within;
 use crate::contact::preconditioner::Preconditioner;
 use crate::contact::solver::{BufferPool, Failure, Outcome, minimize};
 use crate::contact::two_grids::{Near, TwoGrids};
-use crate::contact::{ContactError, Monitor, Unwatched, kernels};
+use crate::contact::{ContactError, Monitor, Unwatched};
 
 /// Tolerance and maximum number of iterations of the solver.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -63,134 +63,159 @@ pub struct ContactState {
 const MODULUS_RANGE_PA: std::ops::RangeInclusive<f64> = 1e-3..=1e15;
 const PRESSURE_RANGE_PA: std::ops::RangeInclusive<f64> = 0.0..=1e15;
 
-/// Maximum of Newton steps for the level of the initial pressures; a dozen are needed.
-const MAX_LEVEL_STEPS: usize = 50;
-/// The level is found first on every 16th group of points, which is cheaper.
-const SAMPLED_EVERY: usize = 16;
-/// Relative load error at which the search for the level ends; scaling removes the rest.
-const NEGLIGIBLE_LOAD_ERROR: f64 = 1e-3;
+/// Heights of a map in units of their rms, mean 0; computed where they are read, so that no second map is kept.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Heights<'m> {
+    heights_m: &'m [f64],
+    mean_m: f64,
+    /// Sq; infinite for a flat map, whose heights are all 0.
+    unit_m: f64,
+}
+
+impl<'m> Heights<'m> {
+    fn of(map: &'m HeightMap) -> Self {
+        let (heights_m, mean_m) = (map.heights_m(), map.mean_m());
+        let deviation = heights_m.iter().map(|h| h - mean_m);
+        // Dividing by the highest deviation first keeps the squares from underflowing.
+        let highest_m = deviation.clone().fold(0.0, |highest, h| f64::max(highest, h.abs()));
+        let square: f64 = deviation.map(|h| (h / highest_m).powi(2)).sum::<f64>() / heights_m.len() as f64;
+        let unit_m = if highest_m > 0.0 { highest_m * square.sqrt() } else { f64::INFINITY };
+        Self { heights_m, mean_m, unit_m }
+    }
+
+    pub(crate) const fn len(&self) -> usize {
+        self.heights_m.len()
+    }
+
+    pub(crate) fn iter(self) -> impl Iterator<Item = f64> + 'm {
+        self.heights_m.iter().map(move |&height_m| self.normalized(height_m))
+    }
+
+    /// Heights in metres, row by row.
+    pub(crate) const fn in_metres(&self) -> &'m [f64] {
+        self.heights_m
+    }
+
+    #[inline(always)]
+    pub(crate) fn normalized(self, height_m: f64) -> f64 {
+        (height_m - self.mean_m) / self.unit_m
+    }
+}
 
 /// Contact problem of a rough elastic half-space against a rigid plane, normalized.
 ///
 /// Heights are in units of Sq and pressures in units of E* Sq q1/2, where q1 is the smallest wave number of the map.
 /// Therefore A(P; s h) = A(P/s; h) holds to rounding: one curve of the normalized map serves every Sa and E*.
+///
+/// Beside the map it takes 2 bytes a pixel, and each running solve 29, or 41 where a side is not a power of two: few
+/// fields are kept that a transform can give back.
 #[derive(Clone, Debug)]
-pub struct RoughContact {
+pub struct RoughContact<'m> {
     pub(crate) cols: usize,
     pub(crate) fourier: Fourier,
     pub(crate) fourier_single: Fourier<f32>,
+    waves: Waves,
     /// Multiplier of u = K p: q1/q for each wave, 0 for the mean.
-    pub(crate) compliance: Multiplier,
     pub(crate) compliance_single: Multiplier<f32>,
-    /// Cheap approximation of `compliance` on two grids.
+    /// Cheap approximation of the compliance on two grids.
     pub(crate) compliance_two_grids: TwoGrids,
     /// Approximate inverse of K on free points, from q/q1 for each wave and 1/2 for the mean.
     pub(crate) preconditioner: Preconditioner,
-    /// Normalized heights, mean 0, rms 1; all 0 for a flat map.
-    pub(crate) height: Vec<f64>,
+    pub(crate) heights: Heights<'m>,
     height_unit_m: f64,
     pressure_unit_pa: f64,
     /// Normalized pressure of full contact p*.
     full_contact_pressure: f64,
-    /// Normalized pressure that flattens the surface, minus its mean.
-    full_contact_fluctuation: Vec<f64>,
 }
 
-impl RoughContact {
+/// Factors of waves with k periods along x and l along y.
+#[derive(Clone, Copy, Debug)]
+struct Waves {
+    /// First wave number along x and along y over q1.
+    first: [f64; 2],
+}
+
+impl Waves {
+    fn wave_number(self, k: usize, l: usize) -> f64 {
+        let [qx, qy] = [self.first[0] * k as f64, self.first[1] * l as f64];
+        (qx * qx + qy * qy).sqrt()
+    }
+
+    /// p_q = E* q/2 u_q. The mean displacement of a half-space is arbitrary; its stiffness is set to half that of the
+    /// first wave.
+    fn stiffness(self, k: usize, l: usize) -> f64 {
+        if k == 0 && l == 0 { 0.5 } else { self.wave_number(k, l) }
+    }
+
+    /// u_q = 2/(E* q) p_q, which in normalized units is q1/q.
+    fn compliance(self, k: usize, l: usize) -> f64 {
+        if k == 0 && l == 0 { 0.0 } else { 1.0 / self.wave_number(k, l) }
+    }
+}
+
+impl<'m> RoughContact<'m> {
     /// Prepares the contact problem of `map`, taken as one period, on a half-space of contact modulus E* = E/(1 -
     /// nu^2).
     ///
     /// # Errors
     /// [`ContactError`] if points of the map are missing or the modulus lies outside 1e-3 to 1e15 Pa.
-    pub fn new(map: &HeightMap, contact_modulus_pa: f64) -> Result<Self, ContactError> {
+    pub fn new(map: &'m HeightMap, contact_modulus_pa: f64) -> Result<Self, ContactError> {
         Self::with_monitor(map, contact_modulus_pa, &Unwatched)
     }
 
     /// Like [`Self::new`], but stops when `monitor` cancels.
     pub(crate) fn with_monitor(
-        map: &HeightMap,
+        map: &'m HeightMap,
         contact_modulus_pa: f64,
         monitor: &dyn Monitor,
     ) -> Result<Self, ContactError> {
         let check_cancelled = || monitor.heed().map_err(MapError::from);
         map.require_complete()?;
         require_within("contact modulus", contact_modulus_pa, MODULUS_RANGE_PA, "a modulus from 1e-3 to 1e15 Pa")?;
-        let mean_m = map.mean_m();
-        let deviation = map.heights_m().iter().map(|h| h - mean_m);
-        // Dividing by the highest deviation first keeps the squares from underflowing.
-        let highest_m = deviation.clone().fold(0.0, |highest, h| f64::max(highest, h.abs()));
-        let rms: f64 = deviation.clone().map(|h| (h / highest_m).powi(2)).sum::<f64>() / map.heights_m().len() as f64;
+        let heights = Heights::of(map);
         check_cancelled()?;
-        let height_unit_m = if highest_m > 0.0 { highest_m * rms.sqrt() } else { 0.0 };
-        let height: Vec<f64> = deviation.map(|h| if highest_m > 0.0 { h / height_unit_m } else { 0.0 }).collect();
-
+        let (rows, cols) = (map.rows(), map.cols());
+        let sides_m = [rows as f64 * map.dx_m(), cols as f64 * map.dy_m()];
+        let longest_m = sides_m[0].max(sides_m[1]);
+        let waves = Waves { first: sides_m.map(|side_m| longest_m / side_m) };
+        let fourier_single: Fourier<f32> = Fourier::new(rows, cols);
+        let compliance_single = fourier_single.wave_multiplier(|k, l| waves.compliance(k, l));
         check_cancelled()?;
-        let fourier = Fourier::new(map.rows(), map.cols());
-        let longest_m = (map.rows() as f64 * map.dx_m()).max(map.cols() as f64 * map.dy_m());
+        let compliance_two_grids = TwoGrids::new(rows, cols, Near::ShortWaves, |k, l| waves.compliance(k, l));
+        check_cancelled()?;
+        let preconditioner = Preconditioner::new(rows, cols, |k, l| waves.stiffness(k, l));
+        check_cancelled()?;
+        let height_unit_m = if heights.unit_m.is_finite() { heights.unit_m } else { 0.0 };
         let first = std::f64::consts::TAU / longest_m;
-        let (dx_m, dy_m) = (map.dx_m(), map.dy_m());
-        // u_q = 2/(E* q) p_q, which in normalized units is q1/q.
-        let compliance = |k, l| if k == 0 && l == 0 { 0.0 } else { first / fourier.wave_number(k, l, dx_m, dy_m) };
-        // p_q = E* q/2 u_q. The mean displacement of a half-space is arbitrary; its stiffness is set to half that of
-        // the first wave.
-        let stiffness = |k, l| if k == 0 && l == 0 { 0.5 } else { fourier.wave_number(k, l, dx_m, dy_m) / first };
-        let fourier_single: Fourier<f32> = Fourier::new(map.rows(), map.cols());
-        // Pressure that flattens the surface, minus its mean.
-        let mut fluctuation = vec![0.0; height.len()];
-        let flattening = fourier.wave_multiplier(stiffness);
-        check_cancelled()?;
-        fourier.filter(&height, &flattening, &mut fluctuation, &mut fourier.work_watched(monitor));
-        check_cancelled()?;
-        let lowest = fluctuation.iter().copied().fold(0.0, f64::min);
-        let compliance_double = fourier.wave_multiplier(compliance);
-        check_cancelled()?;
-        let compliance_single = fourier_single.wave_multiplier(compliance);
-        check_cancelled()?;
-        let compliance_two_grids = TwoGrids::new(map.rows(), map.cols(), Near::ShortWaves, compliance);
-        check_cancelled()?;
-        let preconditioner = Preconditioner::new(map.rows(), map.cols(), stiffness);
-        check_cancelled()?;
-        Ok(Self {
-            cols: map.cols(),
-            compliance: compliance_double,
-            fourier,
+        let mut contact = Self {
+            cols,
+            fourier: Fourier::new(rows, cols),
+            fourier_single,
+            waves,
             compliance_single,
             compliance_two_grids,
             preconditioner,
-            fourier_single,
-            height,
+            heights,
             height_unit_m,
             pressure_unit_pa: 0.5 * contact_modulus_pa * height_unit_m * first,
-            full_contact_pressure: -lowest,
-            full_contact_fluctuation: fluctuation,
-        })
+            full_contact_pressure: 0.0,
+        };
+        let (mut height, mut flattening) = (vec![0.0; heights.len()], vec![0.0; heights.len()]);
+        contact.flatten(&mut height, &mut flattening, &mut contact.fourier.work_watched(monitor));
+        check_cancelled()?;
+        contact.full_contact_pressure = -flattening.iter().copied().fold(0.0, f64::min);
+        Ok(contact)
     }
 
-    /// Writes the initial pressures: those that flatten the surface, lowered by a constant until the positive ones have
-    /// the normalized mean `nominal` > 0. They are close to the solution near full contact.
-    pub(crate) fn press_flat(&self, nominal: f64, pressure: &mut [f64]) {
-        let fluctuation = &self.full_contact_fluctuation;
-        let mut level = nominal;
-        // m(c) = mean max(c + f, 0) is convex: after at most one step from below, Newton's iterates descend to m(c) =
-        // P.
-        for every in [SAMPLED_EVERY, 1] {
-            for _ in 0..MAX_LEVEL_STEPS {
-                let sums = kernels::sum_positive(fluctuation, level, every);
-                // (m - P) / m'
-                let lowering = (sums.sum - nominal * sums.points) / sums.count;
-                if !lowering.is_finite() || lowering.abs() <= NEGLIGIBLE_LOAD_ERROR * nominal {
-                    break;
-                }
-                level -= lowering;
-            }
-        }
-        pressure.iter_mut().zip(fluctuation).for_each(|(p, f)| *p = (level + f).max(0.0));
-        let scale = nominal * pressure.len() as f64 / pressure.iter().sum::<f64>();
-        if !scale.is_finite() {
-            pressure.fill(nominal);
-            return;
-        }
-        pressure.iter_mut().for_each(|pressure| *pressure *= scale);
+    /// u = K p
+    pub(crate) fn displace(&self, pressure: &[f64], displacement: &mut [f64], work: &mut FourierWork<'_>) {
+        self.fourier.filter_unstored(pressure, |k, l| self.waves.compliance(k, l), displacement, work);
+    }
+
+    /// Computes the pressure that flattens the surface, minus its mean; `height` is overwritten.
+    pub(crate) fn flatten(&self, height: &mut [f64], flattening: &mut [f64], work: &mut FourierWork<'_>) {
+        height.iter_mut().zip(self.heights.iter()).for_each(|(height, h)| *height = h);
+        self.fourier.filter_unstored(height, |k, l| self.waves.stiffness(k, l), flattening, work);
     }
 
     /// p*, the pressure from which all of the map is in contact, in pascals.
@@ -215,13 +240,13 @@ impl RoughContact {
     ) -> Result<ContactState, ContactError> {
         check(pressure_pa, options)?;
         if let Some(area) = self.known_area(pressure_pa) {
-            return Ok(self.known_state(pressure_pa, area));
+            return self.known_state(pressure_pa, area, monitor);
         }
         let outcome = self.minimize(pressure_pa, options, monitor, &mut BufferPool::default())?;
         let (area, area_error) = self.area(&outcome);
         let Outcome { pressure: mut pressure_pa, displacement: mut gap_m, convergence, .. } = outcome;
         let mut lowest = f64::INFINITY;
-        for (g, h) in gap_m.iter_mut().zip(&self.height) {
+        for (g, h) in gap_m.iter_mut().zip(self.heights.iter()) {
             *g -= h;
             lowest = lowest.min(*g);
         }
@@ -239,16 +264,24 @@ impl RoughContact {
     }
 
     /// Returns the state at a pressure for which [`Self::known_area`] returned `area`.
-    fn known_state(&self, pressure_pa: f64, area: ContactArea) -> ContactState {
-        let points = self.height.len();
-        let (pressure_pa, gap_m) = if area == ContactArea::NONE {
-            let highest = self.height.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-            (vec![0.0; points], self.height.iter().map(|h| (highest - h) * self.height_unit_m).collect())
+    fn known_state(
+        &self,
+        pressure_pa: f64,
+        area: ContactArea,
+        monitor: &dyn Monitor,
+    ) -> Result<ContactState, ContactError> {
+        let points = self.heights.len();
+        let (mut gap_m, mut pressures_pa) = (vec![0.0; points], vec![0.0; points]);
+        if area == ContactArea::NONE {
+            let highest = self.heights.iter().fold(f64::NEG_INFINITY, f64::max);
+            gap_m.iter_mut().zip(self.heights.iter()).for_each(|(g, h)| *g = (highest - h) * self.height_unit_m);
         } else {
-            let fluctuation = self.full_contact_fluctuation.iter();
-            (fluctuation.map(|p| (pressure_pa + p * self.pressure_unit_pa).max(0.0)).collect(), vec![0.0; points])
-        };
-        ContactState { pressure_pa, gap_m, area, area_error: 0.0, convergence: Convergence::KNOWN }
+            self.flatten(&mut gap_m, &mut pressures_pa, &mut self.fourier.work_watched(monitor));
+            monitor.heed().map_err(MapError::from)?;
+            gap_m.fill(0.0);
+            pressures_pa.iter_mut().for_each(|p| *p = (pressure_pa + *p * self.pressure_unit_pa).max(0.0));
+        }
+        Ok(ContactState { pressure_pa: pressures_pa, gap_m, area, area_error: 0.0, convergence: Convergence::KNOWN })
     }
 
     /// Solves at a pressure between zero and full contact.
@@ -271,7 +304,7 @@ impl RoughContact {
     pub(crate) fn area(&self, outcome: &Outcome) -> (ContactArea, f64) {
         let area = contact_area(&outcome.pressure, self.cols);
         // Without an earlier state the whole area counts as uncertain.
-        let one_pixel = 1.0 / self.height.len() as f64;
+        let one_pixel = 1.0 / self.heights.len() as f64;
         let error = outcome.area_before.map_or(area.fraction, |before| area.distance(&before)).max(one_pixel);
         (area, error)
     }

@@ -87,6 +87,13 @@ const MIN_LOAD_SHARE: f64 = 1e-9;
 const NEGLIGIBLE_SHARE: f64 = 1e-2;
 /// A step is undone in part if less than this share of it would have been best.
 const OVERSHOOT_SHARE: f64 = 0.5;
+/// Maximum of Newton steps for the level of the initial pressures; a dozen are needed.
+const MAX_LEVEL_STEPS: usize = 50;
+/// The level is found first on every 16th group of points, which is cheaper.
+const SAMPLED_EVERY: usize = 16;
+/// Relative load error at which the search for the level ends; scaling removes the rest.
+const NEGLIGIBLE_LOAD_ERROR: f64 = 1e-3;
+
 /// Growth of the residual in one iteration that restarts the directions.
 const RESTART_GROWTH: f64 = 2.0;
 /// Residual at which the gap is first recomputed in double precision: single precision rounds it by a few 1e-7.
@@ -103,13 +110,37 @@ pub(crate) fn relative_error(gap: &GapStatistics, sum: f64, load: f64) -> f64 {
     ((gap.work - gap.lowest * sum) / load).abs() + (sum / load - 1.0).abs()
 }
 
+/// Writes pressures p = max(c + f, 0), where f is the `fluctuation` of the pressure that flattens the surface and c is
+/// such that mean p = `nominal` > 0. They are close to the solution near full contact.
+pub(crate) fn lower_to_mean(fluctuation: &[f64], nominal: f64, pressure: &mut [f64]) {
+    let mut level = nominal;
+    // m(c) = mean max(c + f, 0) is convex: after at most one step from below, Newton's iterates descend to m(c) = P.
+    for every in [SAMPLED_EVERY, 1] {
+        for _ in 0..MAX_LEVEL_STEPS {
+            let sums = kernels::sum_positive(fluctuation, level, every);
+            // (m - P) / m'
+            let lowering = (sums.sum - nominal * sums.points) / sums.count;
+            if !lowering.is_finite() || lowering.abs() <= NEGLIGIBLE_LOAD_ERROR * nominal {
+                break;
+            }
+            level -= lowering;
+        }
+    }
+    pressure.iter_mut().zip(fluctuation).for_each(|(p, f)| *p = (level + f).max(0.0));
+    let scale = nominal * pressure.len() as f64 / pressure.iter().sum::<f64>();
+    if !scale.is_finite() {
+        pressure.fill(nominal);
+        return;
+    }
+    pressure.iter_mut().for_each(|pressure| *pressure *= scale);
+}
+
 /// Iteration state; every field is as long as the map.
 struct State<'a> {
-    contact: &'a RoughContact,
+    contact: &'a RoughContact<'a>,
     work: FourierWork<'a>,
     work_single: FourierWork<'a, f32>,
-    preconditioner_work: TwoGridsWork,
-    compliance_work: TwoGridsWork,
+    two_grids_work: TwoGridsWork,
     fourier_pairs: usize,
     /// Required sum of p.
     load: f64,
@@ -119,8 +150,7 @@ struct State<'a> {
     sum: f64,
     sum_change: f64,
     positive_count: f64,
-    /// u = K p where the state is exact.
-    displacement: Vec<f64>,
+    shared: Shared,
     /// True if the gap was computed from K p in double precision.
     is_exact: bool,
     /// g, up to the constant `gap_statistics.shift`.
@@ -128,46 +158,55 @@ struct State<'a> {
     gap_statistics: GapStatistics,
     /// r: the gap on free points, 0 elsewhere. The residual of a free point is never 0.
     residual: Vec<f32>,
-    previous_residual: Vec<f32>,
-    /// z before masking; later c, the change of the pressures.
-    preconditioned: Vec<f32>,
     direction: Vec<f32>,
-    /// K c
-    image: Vec<f32>,
+}
+
+/// Memory of one number in double precision a point: u = K p in double precision where the state is exact; during an
+/// iteration, which does not need it, two fields in single precision.
+struct Shared(Vec<f64>);
+
+impl Shared {
+    /// `change` and `image`: z before masking and the new residual while directions are preconditioned; later c, the
+    /// change of the pressures, and K c.
+    fn change_and_image(&mut self) -> [&mut [f32]; 2] {
+        let points = self.0.len();
+        let (change, image) = bytemuck::cast_slice_mut(&mut self.0).split_at_mut(points);
+        [change, image]
+    }
 }
 
 impl<'a> State<'a> {
-    fn new(contact: &'a RoughContact, nominal: f64, monitor: &'a dyn Monitor, pool: &mut BufferPool) -> Self {
-        let points = contact.height.len();
+    fn new(contact: &'a RoughContact<'a>, nominal: f64, monitor: &'a dyn Monitor, pool: &mut BufferPool) -> Self {
+        let points = contact.heights.len();
         let mut single = || zeros(&mut pool.single, points);
-        let [mut gap, mut preconditioned] = [single(), single()];
-        let mut pressure = zeros(&mut pool.double, points);
-        contact.press_flat(nominal, &mut pressure);
-        gap.iter_mut().zip(&contact.height).for_each(|(g, &h)| *g = -h as f32);
+        let [mut gap, residual, direction] = [single(), single(), single()];
+        let [mut pressure, shared] = [zeros(&mut pool.double, points), zeros(&mut pool.double, points)];
+        let mut shared = Shared(shared);
+        let mut work = contact.fourier.work_watched(monitor);
+        contact.flatten(&mut pressure, &mut shared.0, &mut work);
+        lower_to_mean(&shared.0, nominal, &mut pressure);
         // The gap starts as that of zero pressure, so the initial pressures are the first change.
-        preconditioned.iter_mut().zip(&pressure).for_each(|(c, &p)| *c = p as f32);
+        gap.iter_mut().zip(contact.heights.iter()).for_each(|(g, h)| *g = -h as f32);
+        let [change, _] = shared.change_and_image();
+        change.iter_mut().zip(&pressure).for_each(|(c, &p)| *c = p as f32);
         let load = nominal * points as f64;
         let mut state = Self {
             contact,
-            work: contact.fourier.work_watched(monitor),
+            work,
             work_single: contact.fourier_single.work_watched(monitor),
-            preconditioner_work: contact.preconditioner.work(),
-            compliance_work: contact.compliance_two_grids.work(),
-            fourier_pairs: 0,
+            two_grids_work: contact.preconditioner.work(),
+            fourier_pairs: 1,
             load,
-            preconditioned,
             pressure,
             sum: load,
             sum_change: load,
             positive_count: points as f64,
-            displacement: zeros(&mut pool.double, points),
+            shared,
             is_exact: false,
             gap,
             gap_statistics: GapStatistics { shift: 0.0, lowest: 0.0, work: 0.0 },
-            residual: single(),
-            previous_residual: single(),
-            direction: single(),
-            image: single(),
+            residual,
+            direction,
         };
         state.apply_compliance();
         state
@@ -175,24 +214,26 @@ impl<'a> State<'a> {
 
     /// Computes g = g + K c after the pressures have changed by c.
     fn apply_compliance(&mut self) {
-        let Self { contact, preconditioned, image, work_single, .. } = self;
-        contact.fourier_single.filter(preconditioned, &contact.compliance_single, image, work_single);
+        let Self { contact, shared, work_single, .. } = self;
+        let [change, image] = shared.change_and_image();
+        contact.fourier_single.filter(change, &contact.compliance_single, image, work_single);
         self.fourier_pairs += 1;
         self.update_gap(1.0);
     }
 
     /// Computes g = g + `share` K c, minus the previous mean.
     fn update_gap(&mut self, share: f64) {
-        self.gap_statistics =
-            kernels::update_gap(&mut self.gap, &self.image, &self.pressure, self.gap_statistics.shift, share);
+        let Self { gap, shared, pressure, gap_statistics, .. } = self;
+        let [_, image] = shared.change_and_image();
+        *gap_statistics = kernels::update_gap(gap, image, pressure, gap_statistics.shift, share);
     }
 
     /// Computes u = K p and g = u - h minus its mean under pressure, in double precision until g is rounded.
     fn refresh(&mut self) {
-        let Self { contact, pressure, displacement, work, gap, .. } = self;
-        contact.fourier.filter(pressure, &contact.compliance, displacement, work);
-        self.gap_statistics = kernels::measure_gap(pressure, displacement, &contact.height);
-        kernels::compute_gap(gap, displacement, &contact.height, self.gap_statistics.shift);
+        let Self { contact, pressure, shared: Shared(displacement), work, gap, .. } = self;
+        contact.displace(pressure, displacement, work);
+        self.gap_statistics = kernels::measure_gap(pressure, displacement, contact.heights);
+        kernels::compute_gap(gap, displacement, contact.heights, self.gap_statistics.shift);
         self.gap_statistics.shift = 0.0;
         self.fourier_pairs += 1;
         self.is_exact = true;
@@ -204,36 +245,31 @@ impl<'a> State<'a> {
 
     /// Computes r on free points and z = K^-1 r, approximately.
     fn precondition(&mut self) -> ResidualProducts {
-        let Self {
-            contact,
-            pressure,
-            gap,
-            gap_statistics,
-            residual,
-            previous_residual,
-            preconditioned,
-            preconditioner_work,
-            ..
-        } = self;
-        std::mem::swap(residual, previous_residual);
+        let Self { contact, pressure, gap, gap_statistics, residual: before, shared, two_grids_work, .. } = self;
+        let [preconditioned, residual] = shared.change_and_image();
         let mut sums = ResidualSums::default();
         contact.preconditioner.apply(
             residual,
             preconditioned,
-            preconditioner_work,
+            two_grids_work,
             |points, residual| {
                 kernels::masked_gap(residual, &pressure[points.clone()], &gap[points], gap_statistics.shift)
             },
-            |points, z, residual| sums.add(z, residual, &previous_residual[points]),
+            |points, z, residual| {
+                let before = &mut before[points];
+                sums.add(z, residual, before);
+                before.copy_from_slice(residual);
+            },
         );
         sums.products()
     }
 
     /// Computes d = -z + beta d.
     fn update_direction(&mut self, mean: f64, beta: f64) -> Direction {
-        let Self { contact, preconditioned, residual, direction, compliance_work, .. } = self;
+        let Self { contact, shared, residual, direction, two_grids_work, .. } = self;
+        let [preconditioned, _] = shared.change_and_image();
         let mut slope = 0.0;
-        let curvature = contact.compliance_two_grids.energy(direction, compliance_work, |points, direction| {
+        let curvature = contact.compliance_two_grids.energy(direction, two_grids_work, |points, direction| {
             let (z, residual) = (&preconditioned[points.clone()], &residual[points]);
             slope += kernels::update_direction(direction, z, residual, mean as f32, beta as f32);
         });
@@ -244,15 +280,16 @@ impl<'a> State<'a> {
     /// load is not finite.
     fn advance(&mut self, step: f64) -> bool {
         let excess = (self.sum - self.load) / self.positive_count;
-        let Self { load, pressure, direction, preconditioned, .. } = self;
-        let step_sums = kernels::advance(pressure, direction, preconditioned, step, excess);
+        let Self { load, pressure, direction, shared, .. } = self;
+        let [change, _] = shared.change_and_image();
+        let step_sums = kernels::advance(pressure, direction, change, step, excess);
         let (mut sum, load) = (step_sums.sum, *load);
         if (sum - load).abs() > NEGLIGIBLE_SHARE * load {
             // Lowering computes differences of pressures, in which a load far below the sum is lost to rounding.
             if load > MIN_LOAD_SHARE * sum {
-                sum = kernels::lower(pressure, preconditioned, (sum - load) / step_sums.count);
+                sum = kernels::lower(pressure, change, (sum - load) / step_sums.count);
             } else {
-                kernels::scale(pressure, preconditioned, load / sum);
+                kernels::scale(pressure, change, load / sum);
                 sum = load;
             }
         }
@@ -269,14 +306,14 @@ impl<'a> State<'a> {
     /// Returns whether it did.
     fn line_search_back(&mut self) -> bool {
         // E(s) = E(1) - (1 - s) g.c + (1 - s)^2 c.Kc/2
-        let changed = &self.preconditioned;
-        let work = kernels::dot(changed, &self.gap) - self.gap_statistics.shift * self.sum_change;
-        let back = work / kernels::dot(changed, &self.image);
+        let [change, image] = self.shared.change_and_image();
+        let work = kernels::dot(change, &self.gap) - self.gap_statistics.shift * self.sum_change;
+        let back = work / kernels::dot(change, image);
         if !(back > 1.0 - OVERSHOOT_SHARE && back < 1.0) {
             return false;
         }
         self.is_exact = false;
-        self.sum = kernels::step_back(&mut self.pressure, &self.preconditioned, back);
+        self.sum = kernels::step_back(&mut self.pressure, change, back);
         self.update_gap(-back);
         true
     }
@@ -298,7 +335,7 @@ enum Ending {
 
 /// Solves for the normalized mean pressure `nominal` > 0.
 pub(crate) fn minimize(
-    contact: &RoughContact,
+    contact: &RoughContact<'_>,
     nominal: f64,
     options: &SolveOptions,
     monitor: &dyn Monitor,
@@ -307,9 +344,8 @@ pub(crate) fn minimize(
     let mut state = State::new(contact, nominal, monitor, pool);
     let mut iterations = 0;
     let ending = descend(&mut state, options, monitor, &mut iterations);
-    let State { pressure, displacement, fourier_pairs, .. } = state;
-    let State { gap, residual, previous_residual, preconditioned, direction, image, .. } = state;
-    pool.single.extend([gap, residual, previous_residual, preconditioned, direction, image]);
+    let State { pressure, shared: Shared(displacement), fourier_pairs, gap, residual, direction, .. } = state;
+    pool.single.extend([gap, residual, direction]);
     match ending {
         // A cancelled filter leaves arbitrary values.
         _ if monitor.cancelled() => Err(Failure::Cancelled),
@@ -319,7 +355,8 @@ pub(crate) fn minimize(
         }
         Ending::Failed(failure) => Err(failure),
         Ending::NoProgress => {
-            let mut double = || zeros(&mut pool.double, contact.height.len());
+            pool.single.clear();
+            let mut double = || zeros(&mut pool.double, contact.heights.len());
             let fields = [pressure, displacement, double(), double()];
             projected_gradient::minimize(contact, nominal, options, monitor, (iterations, fourier_pairs), fields)
         }
@@ -339,7 +376,8 @@ fn descend(state: &mut State, options: &SolveOptions, monitor: &dyn Monitor, ite
         let mut error = state.error();
         if error > error_before {
             restart |= error > RESTART_GROWTH * error_before;
-            if state.line_search_back() {
+            // A state in double precision has overwritten the change that led to it.
+            if !state.is_exact && state.line_search_back() {
                 restart = true;
                 error = state.error();
             }

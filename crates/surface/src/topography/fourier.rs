@@ -19,7 +19,7 @@ use std::f64::consts::TAU;
 use std::fmt;
 use std::sync::Arc;
 
-use slipgrid_base::fft::{Complex, ComplexToReal, Convolution, Fft, FftNum, Precision, RealToComplex};
+use slipgrid_base::fft::{Complex, ComplexToReal, Convolution, Factors, Fft, FftNum, Precision, RealToComplex};
 use slipgrid_base::monitor::{Cancelled, Monitor, Unwatched};
 
 /// Rows transformed before each transposition: their complex numbers in one column fill two cache lines.
@@ -70,6 +70,11 @@ pub struct Multiplier<T = f64> {
     factor: Vec<T>,
 }
 
+/// Rounds `value`, which never fails.
+fn rounded<T: FftNum>(value: f64) -> T {
+    T::from_f64(value).unwrap_or_else(T::zero)
+}
+
 impl<T: Precision> Fourier<T> {
     /// Transforms for maps of `rows` x `cols`, both at least 1.
     #[must_use]
@@ -95,6 +100,11 @@ impl<T: Precision> Fourier<T> {
     /// Distance between columns of the half spectrum in memory.
     fn stride(&self) -> usize {
         self.rows + COLUMN_PADDING
+    }
+
+    /// 1/(rows cols), which makes the forward and inverse transforms together the identity.
+    fn inverse_points(&self) -> f64 {
+        1.0 / (self.rows as f64 * self.cols as f64)
     }
 
     /// Buffers for one running filter.
@@ -136,7 +146,8 @@ impl<T: Precision> Fourier<T> {
         // q = 2 pi (k / (rows dx), l / (cols dy))
         let qx = TAU * k as f64 / (self.rows as f64 * dx_m);
         let qy = TAU * l as f64 / (self.cols as f64 * dy_m);
-        qx.hypot(qy)
+        // Unlike hypot, the root is rounded alike by every library; squares of lengths of maps do not overflow.
+        (qx * qx + qy * qy).sqrt()
     }
 
     /// The filter that multiplies each wave by `factor(|q|)`, q the angular wave number in rad/m on pixels
@@ -150,39 +161,62 @@ impl<T: Precision> Fourier<T> {
     /// l up to cols/2.
     #[must_use]
     pub fn wave_multiplier(&self, factor: impl Fn(usize, usize) -> f64) -> Multiplier<T> {
-        let inverse_points = 1.0 / (self.rows as f64 * self.cols as f64);
+        let inverse_points = self.inverse_points();
         if let Some(convolution) = &self.convolution {
             return Multiplier { factor: convolution.factors(|k, l| factor(k, l) * inverse_points) };
         }
         let waves = (0..self.columns()).flat_map(|l| (0..=self.rows / 2).map(move |k| (k, l)));
-        // Conversion from f64 never fails; it rounds.
-        let rounded = |value: f64| T::from_f64(value).unwrap_or_else(T::zero);
         Multiplier { factor: waves.map(|(k, l)| rounded(factor(k, l) * inverse_points)).collect() }
     }
 
     /// Writes to `output` the `input` with every wave multiplied; both are rows x cols, row by row.
     pub fn filter(&self, input: &[T], multiplier: &Multiplier<T>, output: &mut [T], work: &mut FourierWork<'_, T>) {
+        self.filter_by(input, Factors::Stored(&multiplier.factor), output, work);
+    }
+
+    /// Like [`Self::filter`], with the multiplier of [`Self::wave_multiplier`] computed while the filter runs.
+    pub fn filter_unstored(
+        &self,
+        input: &[T],
+        factor: impl Fn(usize, usize) -> f64 + Sync,
+        output: &mut [T],
+        work: &mut FourierWork<'_, T>,
+    ) {
+        let inverse_points = self.inverse_points();
+        self.filter_by(input, Factors::Computed(&|k, l| factor(k, l) * inverse_points), output, work);
+    }
+
+    fn filter_by(&self, input: &[T], factors: Factors<'_, T>, output: &mut [T], work: &mut FourierWork<'_, T>) {
         if let Some(convolution) = &self.convolution {
             let goes_on = || !work.monitor.cancelled();
-            return T::filter(convolution, [input, &multiplier.factor], output, &mut work.columns, &goes_on);
+            return T::filter(convolution, input, factors, output, &mut work.columns, &goes_on);
         }
         // A cancelled transform leaves the output undefined, as documented.
-        let _ = self.filter_columns(input, multiplier, output, work);
+        let _ = self.filter_columns(input, factors, output, work);
     }
 
     /// Filters a map of any size.
     fn filter_columns(
         &self,
         input: &[T],
-        multiplier: &Multiplier<T>,
+        factors: Factors<'_, T>,
         output: &mut [T],
         work: &mut FourierWork<'_, T>,
     ) -> Result<(), Cancelled> {
         self.rows_forward(input, work)?;
         let half = self.rows / 2 + 1;
         let FourierWork { spectrum, scratch, monitor, .. } = work;
-        for (column, factor) in spectrum.chunks_exact_mut(self.stride()).zip(multiplier.factor.chunks_exact(half)) {
+        let mut computed = Vec::new();
+        for (l, column) in spectrum.chunks_exact_mut(self.stride()).enumerate() {
             monitor.heed()?;
+            let factor = match factors {
+                Factors::Stored(all) => &all[l * half..][..half],
+                Factors::Computed(factor) => {
+                    computed.clear();
+                    computed.extend((0..half).map(|k| rounded::<T>(factor(k, l))));
+                    &computed[..]
+                }
+            };
             let column = &mut column[..self.rows];
             self.column_forward.process_with_scratch(column, scratch);
             let (low, high) = column.split_at_mut(half);

@@ -22,7 +22,8 @@ fn compare_with_table(wanted: impl Fn(usize) -> bool) {
         };
         let points = surface.rows * surface.cols;
         if wanted(points) {
-            let contact = RoughContact::new(&surface.map(), MODULUS_PA).unwrap();
+            let map = surface.map();
+            let contact = RoughContact::new(&map, MODULUS_PA).unwrap();
             let pressure_pa = row[5].parse::<f64>().unwrap() * 1e6;
             let state = contact.solve(pressure_pa, &SolveOptions::default(), &Unwatched).unwrap();
             let pixels = (state.area.fraction * points as f64).round() as usize;

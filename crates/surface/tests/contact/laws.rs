@@ -166,7 +166,8 @@ fn steps_that_overshoot_are_taken_back() {
     let noise = |n: usize| ((n * n * 7919 + 13 * n) % 10_007) as f64 / 10_007.0 - 0.5;
     for (rows, cols, dy_m) in [(128, 128, 1e-6), (96, 160, 1e-6), (128, 64, 4e-6)] {
         let heights = (0..rows * cols).map(|n| 3e-7 * noise(n)).collect();
-        let contact = RoughContact::new(&HeightMap::new(rows, cols, 1e-6, dy_m, heights).unwrap(), MODULUS_PA).unwrap();
+        let map = HeightMap::new(rows, cols, 1e-6, dy_m, heights).unwrap();
+        let contact = RoughContact::new(&map, MODULUS_PA).unwrap();
         for share in [0.01, 0.05, 0.1, 0.15, 0.2, 0.3, 0.5, 0.8] {
             let pressure_pa = share * contact.full_contact_pressure_pa();
             let convergence = contact.solve(pressure_pa, &SolveOptions::default(), &Unwatched).unwrap().convergence;
@@ -178,7 +179,8 @@ fn steps_that_overshoot_are_taken_back() {
 /// One pair per iteration, one for the start, and those that remove the rounding error.
 #[test]
 fn an_iteration_takes_one_pair_of_transforms() {
-    let contact = RoughContact::new(&self_affine(256), MODULUS_PA).unwrap();
+    let map = self_affine(256);
+    let contact = RoughContact::new(&map, MODULUS_PA).unwrap();
     for share in [0.01, 0.1, 0.3, 0.7] {
         let pressure_pa = share * contact.full_contact_pressure_pa();
         let found = contact.solve(pressure_pa, &SolveOptions::default(), &Unwatched).unwrap().convergence;
