@@ -176,7 +176,7 @@ fn steps_that_overshoot_are_taken_back() {
     }
 }
 
-/// One pair per iteration, one for the start, and those that remove the rounding error.
+/// One pair per iteration, two for the start, and those that remove the rounding error.
 #[test]
 fn an_iteration_takes_one_pair_of_transforms() {
     let map = self_affine(256);
