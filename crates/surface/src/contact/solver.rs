@@ -23,7 +23,8 @@
 //!    zero; if this changes the load by more than a hundredth, the others are lowered by a common pressure.
 //! 5. g + K c, where c is the change of the pressures.
 //! 6. If the residual grew and less than half of the step would have been better, go back to the least energy along c.
-//!    This keeps overlong steps and pressures set to zero from raising the energy again and again.
+//!    This keeps overlong steps and pressures set to zero from raising the energy again and again. A state in double
+//!    precision stays: c is no longer known there.
 //!
 //! Scaling the pressures instead of lowering them would take the excess load from the highest pressures. On maps where
 //! single high pixels carry most of the load the iteration would then never end.
@@ -161,8 +162,8 @@ struct State<'a> {
     direction: Vec<f32>,
 }
 
-/// Memory of one number in double precision a point: u = K p in double precision where the state is exact; during an
-/// iteration, which does not need it, two fields in single precision.
+/// Memory of one number in double precision a point: u = K p from `refresh` until the next iteration begins; then two
+/// fields in single precision. A solve that converges returns u before another iteration begins.
 struct Shared(Vec<f64>);
 
 impl Shared {
