@@ -14,6 +14,8 @@ use crate::{CliError, exit_code};
 
 /// Time for the current stage to notice a first Ctrl-C.
 const GRACE: Duration = Duration::from_millis(700);
+/// Time between looks whether a stage still writes: longer than a stage takes to end after it.
+const WRITING: Duration = Duration::from_millis(50);
 
 /// Description of a search's kept results.
 pub const ANSWERS: &str = "answers of the search's model";
@@ -53,9 +55,14 @@ pub fn install() -> Result<(), ctrlc::Error> {
             end();
         }
         std::thread::spawn(|| {
+            // Files of a result appear together, and unfinished ones are removed by the stage that writes them.
             std::thread::sleep(GRACE);
-            // Files of a result appear together: the process must not end between two of them.
-            let _renaming = slipgrid_io::disk::hold_renaming();
+            let _nothing_is_written = loop {
+                if let Some(held) = slipgrid_io::disk::hold_writing() {
+                    break held;
+                }
+                std::thread::sleep(WRITING);
+            };
             // A closed stderr is no reason to fail.
             let _ = writeln!(std::io::stderr(), "\nerror: {}", message());
             end();

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use crate::{CliError, interruption};
 use slipgrid_io::disk::quoted_word;
 pub use slipgrid_io::disk::{Place, ResultFolder, WriteError, check_file, check_folder};
-use slipgrid_io::disk::{PlaceError, put, refuse_foreign};
+use slipgrid_io::disk::{PlaceError, put_unless, refuse_foreign};
 use slipgrid_io::formats::Diagnostic;
 use slipgrid_report::Outputs;
 
@@ -73,7 +73,7 @@ pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
     // The target of a link is replaced, not the link.
     let path = &fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
     refuse_foreign(path)?;
-    put(path, bytes).map_err(&failed)?;
+    put_unless(path, bytes, &interruption::asked).map_err(&failed)?;
     interruption::wrote(path);
     Ok(())
 }

@@ -1,6 +1,7 @@
 //! `studio`: the whole loop on a page in the browser.
 
 use std::path::Path;
+use std::time::Duration;
 
 use slipgrid_io::disk::{KeptResults, put};
 use slipgrid_io::formats::Diagnostic;
@@ -42,7 +43,9 @@ pub fn run(args: &StudioArgs, console: &mut Console<'_>) -> Result<u8, CliError>
     serve(program, ready, asked)?;
     announced?;
     // Files of a result appear together: the process must not end between two of them.
-    std::mem::forget(slipgrid_io::disk::hold_renaming());
+    while slipgrid_io::disk::hold_writing().map(std::mem::forget).is_none() {
+        std::thread::sleep(Duration::from_millis(50));
+    }
     Ok(exit_code::DONE)
 }
 

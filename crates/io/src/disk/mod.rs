@@ -31,7 +31,7 @@ mod written_list;
 pub use files::{Disk, disk};
 pub use kept_results::KeptResults;
 pub use places::{Place, PlaceError, WriteError, check_file, check_folder, refuse_foreign, write_file};
-pub use result_folder::{ResultFolder, hold_renaming, write_folder};
+pub use result_folder::{ResultFolder, write_folder};
 pub use words::quoted_word;
 pub use written_list::hexadecimal;
 
@@ -39,6 +39,7 @@ use std::fs;
 use std::io;
 use std::io::Write;
 use std::path::Path;
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use crate::formats::Diagnostic;
 
@@ -64,17 +65,57 @@ pub fn default_threads() -> Result<usize, Diagnostic> {
 /// Prefix and suffix of the name of an unfinished file.
 pub const UNFINISHED: (&str, &str) = (".slipgrid-", ".part");
 
+/// Number of files and folders that are being written.
+static WRITING: Mutex<usize> = Mutex::new(0);
+
+/// Blocks further writing, before the program ends; `None` while a file is unfinished or a result partially renamed.
+#[must_use]
+pub fn hold_writing() -> Option<MutexGuard<'static, usize>> {
+    // A counter is complete even if a thread panicked.
+    let writing = WRITING.lock().unwrap_or_else(PoisonError::into_inner);
+    (*writing == 0).then_some(writing)
+}
+
+/// Counts a write until it is dropped, which must be after the removal of what is unfinished.
+pub(crate) struct Writing;
+
+impl Writing {
+    pub(crate) fn new() -> Self {
+        *WRITING.lock().unwrap_or_else(PoisonError::into_inner) += 1;
+        Self
+    }
+}
+
+impl Drop for Writing {
+    fn drop(&mut self) {
+        *WRITING.lock().unwrap_or_else(PoisonError::into_inner) -= 1;
+    }
+}
+
 /// Writes a file atomically and creates its folder if needed: the file is written under another name in the same folder
 /// and then renamed. An existing file is replaced without a check.
 ///
 /// # Errors
 /// Error of the operating system.
 pub fn put(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    put_unless(path, bytes, &|| false)
+}
+
+/// Writes a file as [`put`], unless `is_cancelled` before it is renamed.
+///
+/// # Errors
+/// Error of the operating system, or an error if it is cancelled; an existing file then keeps its content.
+pub fn put_unless(path: &Path, bytes: &[u8], is_cancelled: &dyn Fn() -> bool) -> io::Result<()> {
     let folder = parent(path);
     fs::create_dir_all(folder)?;
+    let _writing = Writing::new();
     let mut file = unfinished(0o666).tempfile_in(folder)?;
     file.write_all(bytes)?;
+    // Storing may take seconds.
     file.as_file().sync_data()?;
+    if is_cancelled() {
+        return Err(io::Error::other("interrupted"));
+    }
     file.persist(path).map(drop).map_err(|error| error.error)
 }
 

@@ -8,7 +8,7 @@ use crate::disk::written::{HEAD, has_mark};
 use crate::formats::Diagnostic;
 
 use crate::disk::written_list::Written;
-use crate::disk::{parent, put, unfinished};
+use crate::disk::{Writing, parent, put, unfinished};
 
 /// An output could not be written.
 #[derive(Debug, thiserror::Error)]
@@ -229,8 +229,13 @@ fn check_writable(path: &Path) -> Result<(), WriteError> {
     let folders = path.ancestors().skip(usize::from(!path.is_dir()));
     let named = folders.map(|above| if above.as_os_str().is_empty() { Path::new(".") } else { above });
     let Some(folder) = named.into_iter().find(|above| above.is_dir()) else { return Ok(()) };
-    // The temporary file is removed at once.
-    unfinished(0o666).tempfile_in(folder).map(drop).map_err(WriteError::at(path))
+    can_create_in(folder).map_err(WriteError::at(path))
+}
+
+/// Creates a file in `folder` and removes it at once.
+pub(crate) fn can_create_in(folder: &Path) -> io::Result<()> {
+    let _writing = Writing::new();
+    unfinished(0o666).tempfile_in(folder).map(drop)
 }
 
 #[cfg(test)]

@@ -10,7 +10,6 @@ use std::ffi::OsString;
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, SystemTime};
 
 use crate::{Content, Outputs};
@@ -18,9 +17,9 @@ use sha2::{Digest, Sha256};
 use tempfile::TempDir;
 
 use crate::disk::lock::Lock;
-use crate::disk::places::{Place, PlaceError, WriteError, check_folder, matching, refuse_foreign_in};
+use crate::disk::places::{Place, PlaceError, WriteError, can_create_in, check_folder, matching, refuse_foreign_in};
 use crate::disk::written_list::{LIST, Written, hexadecimal};
-use crate::disk::{UNFINISHED, parent, put, unfinished};
+use crate::disk::{UNFINISHED, Writing, parent, put, unfinished};
 
 /// Age from which on an unfinished file belongs to a killed run: writing takes milliseconds.
 const ABANDONED: Duration = Duration::from_secs(600);
@@ -28,14 +27,6 @@ const ABANDONED: Duration = Duration::from_secs(600);
 const RECORD: &str = "result.json";
 /// The file with values that differ between runs.
 const TIMINGS: &str = "timings.json";
-
-/// Locked while files are renamed.
-static RENAMING: Mutex<()> = Mutex::new(());
-
-/// Waits until no result is partially renamed and blocks further renames, before the program ends.
-pub fn hold_renaming() -> MutexGuard<'static, ()> {
-    RENAMING.lock().unwrap_or_else(PoisonError::into_inner)
-}
 
 /// A folder of results that only this run writes until it is dropped.
 #[derive(Debug)]
@@ -103,7 +94,6 @@ impl ResultFolder {
         remove_abandoned(parent(folder));
         if !folder.is_dir() {
             let staged = Staged::new(outputs, parent(folder), Written::default(), is_cancelled).map_err(&failed)?;
-            let _whole = hold_renaming();
             fs::rename(staged.folder.path(), folder).map_err(&failed)?;
             // The folder was renamed, so that nothing is left to remove.
             let _ = staged.folder.keep();
@@ -143,7 +133,6 @@ impl ResultFolder {
             known.insert(name.clone());
         }
         fs::set_permissions(staged.folder.path(), fs::metadata(folder)?.permissions())?;
-        let _whole = hold_renaming();
         if is_cancelled() || !exchange(staged.folder.path(), folder) {
             return Ok(false);
         }
@@ -158,11 +147,14 @@ impl ResultFolder {
 /// Files ready to be renamed, in a temporary folder.
 struct Staged {
     folder: TempDir,
+    // Dropped after the folder.
+    _writing: Writing,
 }
 
 impl Staged {
     /// Writes `outputs` to a temporary folder in `place`, with the list `written` extended by them.
     fn new(outputs: &Outputs, place: &Path, mut written: Written, is_cancelled: &dyn Fn() -> bool) -> io::Result<Self> {
+        let writing = Writing::new();
         let folder = unfinished(0o777).tempdir_in(place)?;
         for (name, content) in outputs.iter() {
             let path = folder.path().join(name);
@@ -174,13 +166,12 @@ impl Staged {
             }
         }
         put(&folder.path().join(LIST), written.to_text().as_bytes())?;
-        Ok(Self { folder })
+        Ok(Self { folder, _writing: writing })
     }
 }
 
 /// Renames the `staged` files into `folder` one by one, the record last, and removes `stale` files.
 fn rename_each(staged: &Staged, folder: &Path, names: &BTreeSet<&str>, stale: &[PathBuf]) -> io::Result<()> {
-    let _whole = hold_renaming();
     let is_record = names.contains(RECORD);
     // First list both the old and the new files as slipgrid's, because a killed run leaves files of both.
     let both = Written::read(folder).to_text() + &fs::read_to_string(staged.folder.path().join(LIST))?;
@@ -284,9 +275,7 @@ fn lock_path(folder: &Path) -> PathBuf {
     let mut name = folder.file_name().map_or_else(OsString::new, OsString::from);
     name.push(".lock");
     match folder.file_name() {
-        Some(_) if !folder.is_dir() || unfinished(0o600).tempfile_in(parent(&folder)).is_ok() => {
-            folder.with_file_name(name)
-        }
+        Some(_) if !folder.is_dir() || can_create_in(parent(&folder)).is_ok() => folder.with_file_name(name),
         _ => folder.join(".slipgrid.lock"),
     }
 }

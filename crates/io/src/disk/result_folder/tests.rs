@@ -1,4 +1,5 @@
 use super::*;
+use crate::disk::{hold_writing, put_unless};
 
 fn outputs(files: &[(&str, &str)]) -> Outputs {
     let mut outputs = Outputs::default();
@@ -113,4 +114,35 @@ fn what_a_killed_run_left_is_replaced_and_old_unfinished_files_go() {
     assert_eq!(content(&folder), of(&[("result.json", "3"), ("table.csv", "3")]));
     let left: Vec<OsString> = names_in(place.path()).unwrap().into_iter().collect();
     assert_eq!(left, [".slipgrid-new.part", "other.part", "out"]);
+}
+
+/// A program that ended now would leave an unfinished file or folder.
+#[test]
+fn the_end_of_the_program_waits_until_what_is_unfinished_is_renamed_or_removed() {
+    let place = tempfile::tempdir().unwrap();
+    let folder = ResultFolder::open(Place::output(&place.path().join("out")), &["result.json"], &[]).unwrap();
+    let outputs = outputs(&[("result.json", "1")]);
+    let file = place.path().join("map.asc");
+    let asked = std::cell::Cell::new(0);
+    let is_cancelled = |answer: bool| {
+        assert!(names_in(place.path()).unwrap().iter().any(|name| name.to_string_lossy().ends_with(UNFINISHED.1)));
+        assert!(hold_writing().is_none());
+        asked.set(asked.get() + 1);
+        answer
+    };
+    let writes: [&dyn Fn(bool) -> bool; 2] =
+        [&|cancel| folder.replace(&outputs, &|| is_cancelled(cancel)).is_ok(), &|cancel| {
+            put_unless(&file, b"1", &|| is_cancelled(cancel)).is_ok()
+        }];
+    for write in writes {
+        asked.set(0);
+        assert!(!write(true) && asked.get() > 0);
+        assert_eq!(
+            names_in(place.path()).unwrap().len(),
+            1 + usize::from(folder.path().exists()),
+            "the lock's, and a result"
+        );
+        assert!(write(false));
+    }
+    assert!(file.exists() && folder.path().join("result.json").exists());
 }
