@@ -5,12 +5,12 @@ use crate::rooms::{code, root, sources};
 /// Upper limits of the lines of code of each crate. A crate that grows beyond its limit raises the limit in the same
 /// change, with the reason; a crate that shrinks lowers it.
 const LIMITS: [(&str, usize); 15] = [
-    ("base", 1_730),
+    ("base", 1_750),
     ("model", 16_400),
     ("surface", 10_900),
     ("traces", 3_200),
     ("laser", 4_900),
-    ("infer", 5_850),
+    ("infer", 5_900),
     ("design", 7_100),
     ("io", 10_650),
     ("report", 8_200),

@@ -42,8 +42,8 @@ pub struct Arguments {
     /// Threads, at most 1024; all cores by default. Results do not depend on it
     #[arg(long, global = true, value_name = "N", value_parser = parse_threads)]
     pub threads: Option<NonZeroUsize>,
-    /// Recompute everything. Without this flag, fits and runs in time of earlier commands are reused from the folder
-    /// that SLIPGRID_CACHE names, ~/.cache/slipgrid by default. Results do not depend on it
+    /// Recompute everything. Without this flag, contact areas, fits and runs of earlier commands are reused from the
+    /// folder that SLIPGRID_CACHE names, ~/.cache/slipgrid by default. Results do not depend on it
     #[arg(long, global = true)]
     pub no_cache: bool,
     /// Show no progress bar and no notes; results still go to stdout

@@ -137,6 +137,25 @@ pub fn cached<T>(
     result
 }
 
+/// [`cached`] for a list of numbers, some of which may be absent. Errors are not stored, nor what may have been cut short
+/// because the monitor has cancelled.
+///
+/// # Errors
+/// Those of `compute`.
+pub fn cached_numbers<E>(
+    monitor: &dyn Monitor,
+    (kind, content): (&str, &dyn Debug),
+    compute: impl FnOnce() -> Result<Vec<Option<f64>>, E>,
+) -> Result<Vec<Option<f64>>, E> {
+    let number = |number: f64| Some(number).filter(|number| !number.is_nan());
+    let known = |bytes: &[u8]| Some(Ok(from_bytes(bytes).into_iter().map(number).collect()));
+    let kept = |found: &Result<Vec<Option<f64>>, E>| {
+        let numbers: Vec<f64> = found.as_ref().ok()?.iter().map(|number| number.unwrap_or(f64::NAN)).collect();
+        (!monitor.cancelled()).then(|| to_bytes(&numbers))
+    };
+    cached(monitor, (kind, content), (known, kept), compute)
+}
+
 /// Serializes `numbers` without loss.
 pub fn to_bytes<'a>(numbers: impl IntoIterator<Item = &'a f64>) -> Vec<u8> {
     numbers.into_iter().flat_map(|number| number.to_le_bytes()).collect()
@@ -169,6 +188,28 @@ mod tests {
         assert_eq!(memory.recall(&key), None);
         memory.keep(&key, &[1, 2]);
         assert_eq!(memory.recall(&key), Some(vec![1, 2]));
+    }
+
+    #[test]
+    fn lists_are_kept_with_their_gaps_and_neither_errors_nor_what_was_cut_short() {
+        struct Keeping(InMemory, bool);
+        impl Monitor for Keeping {
+            fn memory(&self) -> Option<&dyn Memory> {
+                Some(&self.0)
+            }
+            fn cancelled(&self) -> bool {
+                self.1
+            }
+        }
+        let cancelled = Keeping(InMemory::default(), true);
+        let first = vec![Some(1.0 / 3.0), None, Some(-0.0)];
+        assert_eq!(cached_numbers(&cancelled, ("list", &1), || Ok::<_, ()>(first.clone())), Ok(first.clone()));
+        let monitor = Keeping(cancelled.0, false);
+        assert_eq!(cached_numbers(&monitor, ("list", &1), || Err("refused")), Err("refused"));
+        for other in [first.clone(), vec![None]] {
+            let found = cached_numbers(&monitor, ("list", &1), || Ok::<_, ()>(other)).unwrap();
+            assert_eq!((found.clone(), found[2].map(f64::is_sign_negative)), (first.clone(), Some(true)));
+        }
     }
 
     #[test]

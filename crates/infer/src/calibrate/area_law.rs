@@ -1,5 +1,6 @@
 //! Real contact area of a surface as a function of nominal pressure, and the area law f that follows from it.
 
+use slipgrid_base::monitor::memory::{cached, from_bytes, to_bytes};
 use slipgrid_base::monitor::{Monitor, Stage};
 use slipgrid_base::units::{LENGTH_UM, PRESSURE_MPA, significant};
 use slipgrid_model::material::{AreaLaw, MAX_FACTOR, MaterialError};
@@ -226,7 +227,8 @@ fn with_errors(law: AreaLaw, curve: &[AreaPoint], factor_std: &[f64]) -> Result<
     }
 }
 
-/// Computes the contact area of `map` at every pressure with the given tolerance.
+/// Returns the contact area of `map` at every pressure with the given tolerance, from the monitor's cache or by solving
+/// it: when a trial is added, the map stays.
 ///
 /// # Errors
 /// [`ContactError`] if the contact solver refuses a number, or a pressure does not converge.
@@ -238,7 +240,41 @@ pub fn area_curve(
     monitor: &dyn Monitor,
 ) -> Result<AreaCurve, ContactError> {
     let options = SolveOptions { tolerance, ..SolveOptions::default() };
-    slipgrid_surface::contact::area_curve(map, contact_modulus_pa, pressures_pa, &options, monitor)
+    let known = |bytes: &[u8]| {
+        let curve = known_curve(pressures_pa, &from_bytes(bytes))?;
+        monitor.advance(1.0);
+        Some(Ok(curve))
+    };
+    let kept = |curve: &Result<AreaCurve, ContactError>| Some(to_bytes(&curve_numbers(curve.as_ref().ok()?)));
+    let content = (map, contact_modulus_pa, pressures_pa, tolerance);
+    cached(monitor, ("area", &content), (known, kept), || {
+        slipgrid_surface::contact::area_curve(map, contact_modulus_pa, pressures_pa, &options, monitor)
+    })
+}
+
+/// Pressure of full contact, then six numbers a point.
+fn curve_numbers(curve: &AreaCurve) -> Vec<f64> {
+    let point = |point: &AreaPoint| {
+        let Convergence { iterations, fourier_pairs, residual } = point.convergence;
+        let areas = [point.area_fraction, point.area_fraction_corrected, point.area_error];
+        areas.into_iter().chain([iterations as f64, fourier_pairs as f64, residual])
+    };
+    std::iter::once(curve.full_contact_pressure_pa).chain(curve.points.iter().flat_map(point)).collect()
+}
+
+/// The curve of [`curve_numbers`]; `None` if its number of points is not that of `pressures_pa`.
+fn known_curve(pressures_pa: &[f64], numbers: &[f64]) -> Option<AreaCurve> {
+    let (&full_contact_pressure_pa, points) = numbers.split_first()?;
+    let (points, []) = points.as_chunks() else { return None };
+    let point = |(&pressure_pa, numbers): (&f64, &[f64; 6])| {
+        let [area_fraction, area_fraction_corrected, area_error, iterations, fourier_pairs, residual] = *numbers;
+        let [iterations, fourier_pairs] = [iterations, fourier_pairs].map(|count| count as usize);
+        let convergence = Convergence { iterations, fourier_pairs, residual };
+        AreaPoint { pressure_pa, area_fraction, area_fraction_corrected, area_error, convergence }
+    };
+    let is_whole = points.len() == pressures_pa.len();
+    is_whole
+        .then(|| AreaCurve { points: pressures_pa.iter().zip(points).map(point).collect(), full_contact_pressure_pa })
 }
 
 /// Computes the area law from a contact area curve, with friction proportional to load up to `threshold_pa`.
@@ -294,8 +330,10 @@ pub fn table_warnings(law: &AreaLaw) -> Vec<String> {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Mutex;
+
     use super::*;
-    use slipgrid_base::monitor::Unwatched;
+    use slipgrid_base::monitor::{Key, Memory, Unwatched};
     use slipgrid_surface::topography::{Form, MapFormat, Preparation, ReadMap, SelfAffine};
 
     /// Area law of the first `side` x `side` points of a synthetic map.
@@ -314,6 +352,50 @@ mod tests {
             windows,
         };
         surface_area_law(&surface, &request, &Unwatched).unwrap()
+    }
+
+    /// A monitor that keeps everything.
+    #[derive(Default)]
+    struct Keeping(Mutex<Vec<(Key, Vec<u8>)>>);
+
+    impl Monitor for Keeping {
+        fn memory(&self) -> Option<&dyn Memory> {
+            Some(self)
+        }
+    }
+
+    impl Memory for Keeping {
+        fn recall(&self, key: &Key) -> Option<Vec<u8>> {
+            self.0.lock().unwrap().iter().find(|(own, _)| own == key).map(|(_, value)| value.clone())
+        }
+
+        fn keep(&self, key: &Key, value: &[u8]) {
+            self.0.lock().unwrap().push((key.clone(), value.to_vec()));
+        }
+    }
+
+    #[test]
+    fn a_curve_is_kept_to_the_last_bit_and_solved_again_for_another_map_or_pressure() {
+        let map = SelfAffine { pixels: 32, max_wave: 8, ..SelfAffine::STAND_IN }.map().unwrap();
+        let mut height_m = map.heights_m().to_vec();
+        height_m[7] += 1e-12;
+        let other = HeightMap::new(32, 32, map.dx_m(), map.dy_m(), height_m).unwrap();
+        let monitor = Keeping::default();
+        let solved = |map, pressures_pa: &[f64], monitor: &dyn Monitor| {
+            area_curve(map, 0.43e9, pressures_pa, 1e-6, monitor).unwrap()
+        };
+        let pressures_pa = [0.5e6, 2e6, 1e9];
+        for _ in 0..2 {
+            for (map, pressures_pa) in [(&map, &pressures_pa[..]), (&other, &pressures_pa), (&map, &pressures_pa[..2])]
+            {
+                assert_eq!(solved(map, pressures_pa, &monitor), solved(map, pressures_pa, &Unwatched));
+            }
+        }
+        assert_eq!(monitor.0.lock().unwrap().len(), 3);
+        let numbers = curve_numbers(&solved(&map, &pressures_pa, &monitor));
+        assert!(
+            known_curve(&pressures_pa[..2], &numbers).is_none() && known_curve(&pressures_pa, &numbers[1..]).is_none()
+        );
     }
 
     #[test]

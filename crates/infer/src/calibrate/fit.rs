@@ -192,7 +192,7 @@ fn attempt(problem: &Problem, monitor: &dyn Monitor) -> Result<Attempt, FitError
         }
         borrow_slopes(&mut found.peaks);
         let means: Vec<f64> = layout.dynamic.iter().map(|&number| parameters[number]).collect();
-        let about = Emulator::new(problem, &means)?;
+        let about = Emulator::new(problem, &means, &portion)?;
         let fitted =
             Model { problem, layout: &layout, corrections: &found, emulator: &about }.fit(&parameters, round == 0)?;
         emulator = Some(about);

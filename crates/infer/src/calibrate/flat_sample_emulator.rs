@@ -1,5 +1,7 @@
 //! Emulator of steady friction of the flat sample for any coefficient and scale of the area law, from a few solves.
 
+use slipgrid_base::monitor::Monitor;
+use slipgrid_base::monitor::memory::{cached, from_bytes, to_bytes};
 use slipgrid_model::material::{AreaLaw, LocalFriction};
 
 use crate::calibrate::{FitError, Problem, flat_sample};
@@ -27,13 +29,13 @@ pub struct Emulator<'a> {
     load_of: Vec<usize>,
     /// Logarithms of the scales; a single dummy value if the law is given.
     log_scales: Vec<f64>,
-    /// c by scale, load and node.
-    ends: Vec<Vec<Vec<f64>>>,
+    /// c at the nodes, by scale and load.
+    ends: Vec<Vec<[f64; 3]>>,
 }
 
 impl<'a> Emulator<'a> {
-    /// Solves the sample around the coefficients `dynamic_means`, one per measurement.
-    pub fn new(problem: &'a Problem, dynamic_means: &[f64]) -> Result<Self, FitError> {
+    /// Solves the sample around the coefficients `dynamic_means`, one per measurement, unless the monitor's cache knows it.
+    pub fn new(problem: &'a Problem, dynamic_means: &[f64], monitor: &dyn Monitor) -> Result<Self, FitError> {
         let log_scales: Vec<f64> = problem.area_law_scale.as_ref().map_or(vec![0.0], |unknown| {
             let [from, to] = unknown.bounds_pa.map(f64::ln);
             (0..SCALES).map(|i| from + (to - from) * i as f64 / (SCALES - 1) as f64).collect()
@@ -41,25 +43,18 @@ impl<'a> Emulator<'a> {
         let (loads, load_of) = loads(problem, dynamic_means);
         let measurements = loads.iter().map(|load| problem.measurements[load.first]).collect();
         let alone = Problem { measurements, ..problem.clone() };
-        let mut ends = Vec::new();
-        for log_scale in &log_scales {
-            let solved = Problem { area_law: problem.law_at(log_scale.exp())?, ..alone.clone() };
-            let law = solved.area_law.as_ref();
-            let mut rows = vec![Vec::with_capacity(3); loads.len()];
-            for node in 0..3 {
-                let pair = |load: &AtLoad| LocalFriction::new(load.nodes[node], load.nodes[node], problem.relative_std);
-                let pairs = loads.iter().map(pair).collect::<Result<_, _>>()?;
-                // A load is refused as the first measurement at it.
-                let found = flat_sample::steady(&solved, &pairs).map_err(|error| {
-                    let load = error.measurement().and_then(|number| loads.get(number - 1));
-                    load.map_or(error.clone(), |load| error.with_place(load.first))
-                })?;
-                for (place, (mu, load)) in found.iter().zip(&loads).enumerate() {
-                    rows[place].push(mu / (load.nodes[node] * factor_at(law, &solved, place)));
-                }
-            }
-            ends.push(rows);
-        }
+        let nodes: Vec<[f64; 3]> = loads.iter().map(|load| load.nodes).collect();
+        let known = |bytes: &[u8]| {
+            let numbers = from_bytes(bytes);
+            let rows = numbers.as_chunks().0.chunks(loads.len()).map(<[_]>::to_vec);
+            (numbers.len() == 3 * loads.len() * log_scales.len()).then(|| Ok(rows.collect()))
+        };
+        let kept = |ends: &Result<Vec<Vec<[f64; 3]>>, FitError>| {
+            Some(to_bytes(ends.as_ref().ok()?.iter().flatten().flatten()))
+        };
+        let content = (&alone, &nodes, &log_scales);
+        let solve = || log_scales.iter().map(|log_scale| solve_ends(&alone, &loads, *log_scale)).collect();
+        let ends = cached(monitor, ("ends", &content), (known, kept), solve)?;
         Ok(Self { problem, loads, load_of, log_scales, ends })
     }
 
@@ -89,6 +84,26 @@ impl<'a> Emulator<'a> {
         };
         dynamic_mean * factor_at(law, self.problem, i) * ends
     }
+}
+
+/// c at every load of `problem`, which has one measurement for each of `loads`, with this scale of the law.
+fn solve_ends(problem: &Problem, loads: &[AtLoad], log_scale: f64) -> Result<Vec<[f64; 3]>, FitError> {
+    let solved = Problem { area_law: problem.law_at(log_scale.exp())?, ..problem.clone() };
+    let law = solved.area_law.as_ref();
+    let mut rows = vec![[0.0; 3]; loads.len()];
+    for node in 0..3 {
+        let pair = |load: &AtLoad| LocalFriction::new(load.nodes[node], load.nodes[node], problem.relative_std);
+        let pairs = loads.iter().map(pair).collect::<Result<_, _>>()?;
+        // A load is refused as the first measurement at it.
+        let found = flat_sample::steady(&solved, &pairs).map_err(|error| {
+            let load = error.measurement().and_then(|number| loads.get(number - 1));
+            load.map_or(error.clone(), |load| error.with_place(load.first))
+        })?;
+        for (place, (mu, load)) in found.iter().zip(loads).enumerate() {
+            rows[place][node] = mu / (load.nodes[node] * factor_at(law, &solved, place));
+        }
+    }
+    Ok(rows)
 }
 
 /// Loads of `problem` with the nodes around the `dynamic_means` at each, and the load of each measurement.

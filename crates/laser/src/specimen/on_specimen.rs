@@ -1,6 +1,7 @@
 //! Ratios of patterns on specimens, from strips or from a cell.
 
 use crate::export::{ExportError, LaidStrip, Layout, Specimen};
+use slipgrid_base::monitor::memory::cached_numbers;
 use slipgrid_model::pattern::Pattern;
 use slipgrid_model::springblock::{
     Extent, Face, Load, Monitor, RunOptions, Scene, SceneError, Simulation, Status, SteadyCell, SteadySpecimen, Strip,
@@ -157,7 +158,8 @@ pub struct SteadyOnFace {
 }
 
 impl SteadyOnFace {
-    /// Computes the corrections for `pattern`, instead of that of `scene`, on `specimen`.
+    /// Computes the corrections for `pattern`, instead of that of `scene`, on `specimen`, or takes them from the monitor's
+    /// cache: a trial that is cut and measured stays as it is when others follow.
     ///
     /// # Errors
     /// [`SpecimenError`] if the scene is invalid or the pattern does not fit on the specimen.
@@ -191,31 +193,15 @@ impl SteadyOnFace {
         specimen: &Specimen,
         monitor: &dyn Monitor,
     ) -> Result<Self, SpecimenError> {
-        let mut scene = with_specimen_length(specimen, pattern, scene);
+        let scene = with_specimen_length(specimen, pattern, scene);
         scene.validate()?;
-        let dimension = scene.dimension();
         let layout = specimen.layout(*pattern)?;
-        let laid = Laid::from_layout(&layout, dimension);
+        let laid = Laid::from_layout(&layout, scene.dimension());
         let share = laid.share(pattern);
-        let takes_strips = dimension.takes_strips();
-        let block_m = scene.layer.block_m;
-        let face = if takes_strips {
-            face_from_bands(bands, &layout, block_m)?
-        } else {
-            face_from_strips(&layout, layout.strips(bands), block_m)?
-        };
-        let tilt = tilt_shifts(&scene, pattern, &face, share, monitor);
-        let ends = if takes_strips {
-            scene.run.extent = Extent::Sample;
-            let strips = steady_face_ratios(&scene, pattern, &face, monitor)?;
-            let cells = SteadyCell::new(&scene).ratios(pattern);
-            let end = |(strip, cell): (Option<f64>, Option<f64>)| Some(strip? - on_face(cell?, share));
-            strips.into_iter().zip(cells).map(end).collect()
-        } else {
-            vec![Some(0.0); scene.loads.len()]
-        };
-        let added = ends.into_iter().zip(tilt).map(|(end, tilt)| Some(end? + tilt.unwrap_or(0.0)));
-        Ok(Self { laid, added: added.collect() })
+        let content = (bands, &scene, pattern, specimen);
+        let solve = || ends_and_tilt(bands, &scene, pattern, (&layout, share), monitor);
+        let added = cached_numbers(monitor, ("face", &content), solve)?;
+        Ok(Self { laid, added })
     }
 
     /// Memory, in bytes, that [`Self::new`] needs for the equations of the face's strips; 0 if it solves none.
@@ -244,6 +230,34 @@ impl SteadyOnFace {
     pub fn ratio(&self, cell: f64, made: &Pattern, place: usize) -> Option<f64> {
         Some(on_face(cell, self.laid.share(made)) + self.added(place)?)
     }
+}
+
+/// Ends and tilt of `pattern` on the specimen of the `layout`, by load; `share` as in [`Laid::share`].
+fn ends_and_tilt(
+    bands: usize,
+    scene: &Scene,
+    pattern: &Pattern,
+    (layout, share): (&Layout, f64),
+    monitor: &dyn Monitor,
+) -> Result<Vec<Option<f64>>, SpecimenError> {
+    let takes_strips = scene.dimension().takes_strips();
+    let block_m = scene.layer.block_m;
+    let face = if takes_strips {
+        face_from_bands(bands, layout, block_m)?
+    } else {
+        face_from_strips(layout, layout.strips(bands), block_m)?
+    };
+    let tilt = tilt_shifts(scene, pattern, &face, share, monitor);
+    let ends = if takes_strips {
+        let scene = Scene { run: RunOptions { extent: Extent::Sample, ..scene.run }, ..scene.clone() };
+        let strips = steady_face_ratios(&scene, pattern, &face, monitor)?;
+        let cells = SteadyCell::new(&scene).ratios(pattern);
+        let end = |(strip, cell): (Option<f64>, Option<f64>)| Some(strip? - on_face(cell?, share));
+        strips.into_iter().zip(cells).map(end).collect()
+    } else {
+        vec![Some(0.0); scene.loads.len()]
+    };
+    Ok(ends.into_iter().zip(tilt).map(|(end, tilt)| Some(end? + tilt.unwrap_or(0.0))).collect())
 }
 
 /// Changes of the steady ratios by sliding in time, at each load, for the pattern of `scene` on `specimen`, or for an

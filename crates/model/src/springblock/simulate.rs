@@ -21,6 +21,7 @@ use std::sync::OnceLock;
 
 use crate::pattern::Pattern;
 use rayon::prelude::*;
+use slipgrid_base::monitor::memory::cached_numbers;
 
 use crate::springblock::Monitor;
 use crate::springblock::cell::{SteadyCell, cell_condensing_cost, raised_model};
@@ -122,32 +123,35 @@ fn cancelled(scene: &Scene) -> Simulation {
 
 /// Ratios of the steady cell of `scene` at every load as in [`simulate`], without error estimates, which take several
 /// more cells. With [`crate::springblock::RunOptions::refine`] they are extrapolated to vanishing blocks if this takes cells of at
-/// most half a second in the vertical plane. `None` for a load that did not converge.
+/// most half a second in the vertical plane. `None` for a load that did not converge. They are taken from the monitor's
+/// cache if it has them.
 ///
 /// # Errors
 /// [`SceneError`] if the scene is invalid.
 pub fn steady_ratios(scene: &Scene, monitor: &dyn Monitor) -> Result<Vec<Option<f64>>, SceneError> {
     scene.validate()?;
     bounded(scene)?;
-    let solved = &thick_layer::solver_scene(scene);
-    let Some(pattern) = &scene.pattern else { return Ok(vec![None; scene.loads.len()]) };
-    let mut loads = if scene.dimension() == Dimension::Space {
-        let loads = space::steady_loads(solved, pattern, monitor)?;
-        monitor.advance(1.0);
-        loads
-    } else {
-        steady(solved, monitor)?.loads
-    };
-    rim_difference::add_yielding(scene, pattern, &mut loads, &mut Statements::default());
-    let own: Vec<Option<f64>> = loads.iter().map(|load| load.ratio()).collect();
-    let refined = if scene.run.refine {
-        blocks::refinement(scene, pattern, &own, blocks::MAX_PRODUCTS, monitor).ok()
-    } else {
-        None
-    };
-    let shifts = refined.map_or_else(|| vec![0.0; loads.len()], |refined| refined.shifts);
-    let converged = |load: LoadOutcome| load.ratio().filter(|_| load.surface.status == Status::Converged);
-    Ok(loads.into_iter().zip(shifts).map(|(load, shift)| Some(converged(load)? + shift)).collect())
+    cached_numbers(monitor, ("ratios", scene), || {
+        let solved = &thick_layer::solver_scene(scene);
+        let Some(pattern) = &scene.pattern else { return Ok(vec![None; scene.loads.len()]) };
+        let mut loads = if scene.dimension() == Dimension::Space {
+            let loads = space::steady_loads(solved, pattern, monitor)?;
+            monitor.advance(1.0);
+            loads
+        } else {
+            steady(solved, monitor)?.loads
+        };
+        rim_difference::add_yielding(scene, pattern, &mut loads, &mut Statements::default());
+        let own: Vec<Option<f64>> = loads.iter().map(|load| load.ratio()).collect();
+        let refined = if scene.run.refine {
+            blocks::refinement(scene, pattern, &own, blocks::MAX_PRODUCTS, monitor).ok()
+        } else {
+            None
+        };
+        let shifts = refined.map_or_else(|| vec![0.0; loads.len()], |refined| refined.shifts);
+        let converged = |load: LoadOutcome| load.ratio().filter(|_| load.surface.status == Status::Converged);
+        Ok(loads.into_iter().zip(shifts).map(|(load, shift)| Some(converged(load)? + shift)).collect())
+    })
 }
 
 /// Like [`simulate`] for the layer only, without the thickness correction.

@@ -266,7 +266,7 @@ fn intervals_cover_the_truth_as_often_as_they_say() {
         flat_sample::steady(&exact, &pairs).unwrap().iter().map(|mu| 1.015 * mu).collect()
     };
     let settings = problem.clone();
-    let emulator = Emulator::new(&settings, &means).unwrap();
+    let emulator = Emulator::new(&settings, &means, &Unwatched).unwrap();
     let mut noise = Noise::new(20);
     let mut covered = [[0; 2]; 3];
     let mut chi_square = 0.0;
@@ -299,7 +299,7 @@ fn intervals_cover_the_truth_as_often_as_they_say() {
 #[test]
 fn the_emulator_is_the_steady_sample() {
     let problem = scaled_problem();
-    let emulator = Emulator::new(&problem, &[0.25; 6]).unwrap();
+    let emulator = Emulator::new(&problem, &[0.25; 6], &Unwatched).unwrap();
     for (mean, scale_pa) in [(0.25, 6e6), (0.22, 1.3e6), (0.3, 20e6)] {
         let law = problem.law_at(scale_pa).unwrap();
         let exact = Problem { area_law: law.clone(), ..problem.clone() };
