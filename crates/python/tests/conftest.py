@@ -9,9 +9,10 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-# Cache of the package, which is imported below, and of the program.
-CACHE = tempfile.TemporaryDirectory()
-os.environ["SLIPGRID_CACHE"] = CACHE.name
+# Cache of the package, which is imported below, and of the program: one for all worker processes, which are started with it.
+if "PYTEST_XDIST_WORKER" not in os.environ:
+    CACHE = tempfile.TemporaryDirectory()
+    os.environ["SLIPGRID_CACHE"] = CACHE.name
 
 import pytest
 
