@@ -58,7 +58,7 @@ pub enum Factors<'a, T> {
     /// All of them, from [`Convolution::factors`].
     Stored(&'a [T]),
     /// `factor(k, l)` as in [`Convolution::factors`], computed while the filter runs: slower, without memory.
-    Computed(&'a (dyn Fn(usize, usize) -> f64 + Sync)),
+    Computed(&'a dyn Fn(usize, usize) -> f64),
 }
 
 /// Wave of block q among the splits of y^n - 1, as a fraction of all waves: the bits of q mirrored at the binary point.

@@ -46,7 +46,7 @@ impl<'a> Emulator<'a> {
         let nodes: Vec<[f64; 3]> = loads.iter().map(|load| load.nodes).collect();
         let known = |bytes: &[u8]| {
             let numbers = from_bytes(bytes);
-            let rows = numbers.as_chunks().0.chunks(loads.len()).map(<[_]>::to_vec);
+            let rows = numbers.as_chunks().0.chunks(loads.len().max(1)).map(<[_]>::to_vec);
             (numbers.len() == 3 * loads.len() * log_scales.len()).then(|| Ok(rows.collect()))
         };
         let kept = |ends: &Result<Vec<Vec<[f64; 3]>>, FitError>| {

@@ -178,7 +178,7 @@ impl<T: Precision> Fourier<T> {
     pub fn filter_unstored(
         &self,
         input: &[T],
-        factor: impl Fn(usize, usize) -> f64 + Sync,
+        factor: impl Fn(usize, usize) -> f64,
         output: &mut [T],
         work: &mut FourierWork<'_, T>,
     ) {
