@@ -2,7 +2,7 @@
 //!
 //! The handler sets a flag, which long loops poll through their monitor (`Progress`) and through the models that searches
 //! call. A stage that does not notice it in time is ended by the handler. Writing in progress is finished or undone first,
-//! so that no file is half written.
+//! so that no file is half written. Only the second Ctrl-C may leave an unfinished file, which a later run removes.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -14,7 +14,7 @@ use crate::{CliError, exit_code};
 
 /// Time for the current stage to notice a first Ctrl-C.
 const GRACE: Duration = Duration::from_millis(700);
-/// Time between looks whether a stage still writes: longer than a stage takes to end after it.
+/// Interval at which the handler looks whether a stage still writes: longer than a stage takes to end once it has written.
 const WRITING: Duration = Duration::from_millis(50);
 
 /// Description of a search's kept results.

@@ -17,8 +17,7 @@ use crate::warnings::{Category, warn};
 /// Interval of checks for signals and of progress reports.
 const TICK: Duration = Duration::from_millis(50);
 
-/// Cache of fitted materials, runs of flat samples and nodes of tables within the process. A calibration and a design take about a
-/// megabyte.
+/// Cache within the process, of what the command line keeps in its folder. A calibration and a design take about a megabyte.
 static MEMORY: InMemory = InMemory::new(256 << 20);
 /// Cache that calls use from now on.
 static CACHE: Mutex<Option<Cache>> = Mutex::new(None);

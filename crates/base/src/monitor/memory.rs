@@ -137,18 +137,26 @@ pub fn cached<T>(
     result
 }
 
-/// [`cached`] for a list of numbers, some of which may be absent. Errors are not stored, nor what may have been cut short
-/// because the monitor has cancelled.
+/// [`cached`] for a list of `count` numbers, some of which may be absent or NaN, which is read back as absent. Errors are
+/// not stored, nor what may have been cut short because the monitor has cancelled. A list from the cache advances the
+/// monitor by `share`.
 ///
 /// # Errors
 /// Those of `compute`.
 pub fn cached_numbers<E>(
     monitor: &dyn Monitor,
     (kind, content): (&str, &dyn Debug),
+    (count, share): (usize, f64),
     compute: impl FnOnce() -> Result<Vec<Option<f64>>, E>,
 ) -> Result<Vec<Option<f64>>, E> {
     let number = |number: f64| Some(number).filter(|number| !number.is_nan());
-    let known = |bytes: &[u8]| Some(Ok(from_bytes(bytes).into_iter().map(number).collect()));
+    let known = |bytes: &[u8]| {
+        let numbers = from_bytes(bytes);
+        (numbers.len() == count).then(|| {
+            monitor.advance(share);
+            Ok(numbers.into_iter().map(number).collect())
+        })
+    };
     let kept = |found: &Result<Vec<Option<f64>>, E>| {
         let numbers: Vec<f64> = found.as_ref().ok()?.iter().map(|number| number.unwrap_or(f64::NAN)).collect();
         (!monitor.cancelled()).then(|| to_bytes(&numbers))
@@ -203,13 +211,18 @@ mod tests {
         }
         let cancelled = Keeping(InMemory::default(), true);
         let first = vec![Some(1.0 / 3.0), None, Some(-0.0)];
-        assert_eq!(cached_numbers(&cancelled, ("list", &1), || Ok::<_, ()>(first.clone())), Ok(first.clone()));
+        assert_eq!(
+            cached_numbers(&cancelled, ("list", &1), (3, 0.0), || Ok::<_, ()>(first.clone())),
+            Ok(first.clone())
+        );
         let monitor = Keeping(cancelled.0, false);
-        assert_eq!(cached_numbers(&monitor, ("list", &1), || Err("refused")), Err("refused"));
+        assert_eq!(cached_numbers(&monitor, ("list", &1), (3, 0.0), || Err("refused")), Err("refused"));
         for other in [first.clone(), vec![None]] {
-            let found = cached_numbers(&monitor, ("list", &1), || Ok::<_, ()>(other)).unwrap();
+            let found = cached_numbers(&monitor, ("list", &1), (3, 0.0), || Ok::<_, ()>(other)).unwrap();
             assert_eq!((found.clone(), found[2].map(f64::is_sign_negative)), (first.clone(), Some(true)));
         }
+        let shorter = cached_numbers(&monitor, ("list", &1), (1, 0.0), || Ok::<_, ()>(vec![None]));
+        assert_eq!(shorter, Ok(vec![None]), "a list of another length is computed");
     }
 
     #[test]

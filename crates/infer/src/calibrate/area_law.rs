@@ -227,8 +227,7 @@ fn with_errors(law: AreaLaw, curve: &[AreaPoint], factor_std: &[f64]) -> Result<
     }
 }
 
-/// Returns the contact area of `map` at every pressure with the given tolerance, from the monitor's cache or by solving
-/// it: when a trial is added, the map stays.
+/// Returns the contact area of `map` at every pressure with the given tolerance, from the monitor's cache if it is there.
 ///
 /// # Errors
 /// [`ContactError`] if the contact solver refuses a number, or a pressure does not converge.

@@ -90,8 +90,7 @@ impl<'a> Emulator<'a> {
 fn solve_ends(problem: &Problem, loads: &[AtLoad], log_scale: f64) -> Result<Vec<[f64; 3]>, FitError> {
     let solved = Problem { area_law: problem.law_at(log_scale.exp())?, ..problem.clone() };
     let law = solved.area_law.as_ref();
-    let mut rows = vec![[0.0; 3]; loads.len()];
-    for node in 0..3 {
+    let at_node = |node: usize| -> Result<Vec<f64>, FitError> {
         let pair = |load: &AtLoad| LocalFriction::new(load.nodes[node], load.nodes[node], problem.relative_std);
         let pairs = loads.iter().map(pair).collect::<Result<_, _>>()?;
         // A load is refused as the first measurement at it.
@@ -99,11 +98,12 @@ fn solve_ends(problem: &Problem, loads: &[AtLoad], log_scale: f64) -> Result<Vec
             let load = error.measurement().and_then(|number| loads.get(number - 1));
             load.map_or(error.clone(), |load| error.with_place(load.first))
         })?;
-        for (place, (mu, load)) in found.iter().zip(loads).enumerate() {
-            rows[place][node] = mu / (load.nodes[node] * factor_at(law, &solved, place));
-        }
-    }
-    Ok(rows)
+        let end =
+            |(place, (mu, load)): (usize, (&f64, &AtLoad))| mu / (load.nodes[node] * factor_at(law, &solved, place));
+        Ok(found.iter().zip(loads).enumerate().map(end).collect())
+    };
+    let ends = [at_node(0)?, at_node(1)?, at_node(2)?];
+    Ok((0..loads.len()).map(|place| [0, 1, 2].map(|node| ends[node][place])).collect())
 }
 
 /// Loads of `problem` with the nodes around the `dynamic_means` at each, and the load of each measurement.

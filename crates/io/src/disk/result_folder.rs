@@ -21,7 +21,7 @@ use crate::disk::places::{Place, PlaceError, WriteError, can_create_in, check_fo
 use crate::disk::written_list::{LIST, Written, hexadecimal};
 use crate::disk::{UNFINISHED, Writing, parent, put, unfinished};
 
-/// Age from which on an unfinished file belongs to a killed run: writing takes milliseconds.
+/// Age from which on an unfinished file belongs to a killed run: writing takes seconds at most.
 const ABANDONED: Duration = Duration::from_secs(600);
 /// The file without which a folder holds no result.
 const RECORD: &str = "result.json";
@@ -94,6 +94,9 @@ impl ResultFolder {
         remove_abandoned(parent(folder));
         if !folder.is_dir() {
             let staged = Staged::new(outputs, parent(folder), Written::default(), is_cancelled).map_err(&failed)?;
+            if is_cancelled() {
+                return Err(failed(io::Error::other("interrupted")));
+            }
             fs::rename(staged.folder.path(), folder).map_err(&failed)?;
             // The folder was renamed, so that nothing is left to remove.
             let _ = staged.folder.keep();

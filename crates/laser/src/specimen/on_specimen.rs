@@ -159,7 +159,7 @@ pub struct SteadyOnFace {
 
 impl SteadyOnFace {
     /// Computes the corrections for `pattern`, instead of that of `scene`, on `specimen`, or takes them from the monitor's
-    /// cache: a trial that is cut and measured stays as it is when others follow.
+    /// cache, for example those of an earlier trial.
     ///
     /// # Errors
     /// [`SpecimenError`] if the scene is invalid or the pattern does not fit on the specimen.
@@ -200,7 +200,7 @@ impl SteadyOnFace {
         let share = laid.share(pattern);
         let content = (bands, &scene, pattern, specimen);
         let solve = || ends_and_tilt(bands, &scene, pattern, (&layout, share), monitor);
-        let added = cached_numbers(monitor, ("face", &content), solve)?;
+        let added = cached_numbers(monitor, ("face", &content), (scene.loads.len(), 0.0), solve)?;
         Ok(Self { laid, added })
     }
 
