@@ -1,8 +1,6 @@
 //! Dynamic runs of a surface and its flat counterpart for every draw and load.
 
-use std::num::NonZeroUsize;
 use std::sync::OnceLock;
-use std::thread::available_parallelism;
 
 use rayon::prelude::*;
 
@@ -37,10 +35,8 @@ pub fn run_all(
     let draws = scene.run.draws as usize;
     let runs = surfaces * draws * scene.loads.len();
     let share = 1.0 / runs as f64;
-    // Threads without a run of their own help with another run, in lockstep: more of them than cores would wait for each
-    // other at every step.
-    let cores = available_parallelism().map_or(1, NonZeroUsize::get);
-    let threads = rayon::current_num_threads().min(cores) / runs;
+    // Threads without a run of their own help with another run.
+    let threads = rayon::current_num_threads() / runs;
     let outcomes: Vec<SurfaceOutcome> = (0..runs)
         .into_par_iter()
         .map(|task| {
