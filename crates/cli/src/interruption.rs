@@ -57,17 +57,22 @@ pub fn install() -> Result<(), ctrlc::Error> {
         std::thread::spawn(|| {
             // Files of a result appear together, and unfinished ones are removed by the stage that writes them.
             std::thread::sleep(GRACE);
-            let _nothing_is_written = loop {
-                if let Some(held) = slipgrid_io::disk::hold_writing() {
-                    break held;
-                }
-                std::thread::sleep(WRITING);
-            };
+            let _nothing_is_written = hold_writing();
             // A closed stderr is no reason to fail.
             let _ = writeln!(std::io::stderr(), "\nerror: {}", message());
             end();
         });
     })
+}
+
+/// Waits until nothing is being written, and blocks further writing, before the program ends.
+pub fn hold_writing() -> MutexGuard<'static, usize> {
+    loop {
+        if let Some(held) = slipgrid_io::disk::hold_writing() {
+            return held;
+        }
+        std::thread::sleep(WRITING);
+    }
 }
 
 /// Ends the process while it holds its locks.

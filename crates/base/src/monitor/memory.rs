@@ -177,7 +177,10 @@ pub fn from_bytes(bytes: &[u8]) -> Vec<f64> {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::atomic::{AtomicBool, Ordering};
+
     use super::*;
+    use crate::monitor::CachingMonitor;
 
     #[test]
     fn keys_tell_the_last_bit_and_memories_return_what_they_were_given() {
@@ -200,22 +203,19 @@ mod tests {
 
     #[test]
     fn lists_are_kept_with_their_gaps_and_neither_errors_nor_what_was_cut_short() {
-        struct Keeping(InMemory, bool);
-        impl Monitor for Keeping {
-            fn memory(&self) -> Option<&dyn Memory> {
-                Some(&self.0)
-            }
+        #[derive(Default)]
+        struct Cancelling(AtomicBool);
+        impl Monitor for Cancelling {
             fn cancelled(&self) -> bool {
-                self.1
+                self.0.load(Ordering::Relaxed)
             }
         }
-        let cancelled = Keeping(InMemory::default(), true);
+        let cancelling = Cancelling(AtomicBool::new(true));
+        let monitor = CachingMonitor::new(&cancelling);
         let first = vec![Some(1.0 / 3.0), None, Some(-0.0)];
-        assert_eq!(
-            cached_numbers(&cancelled, ("list", &1), (3, 0.0), || Ok::<_, ()>(first.clone())),
-            Ok(first.clone())
-        );
-        let monitor = Keeping(cancelled.0, false);
+        let found = cached_numbers(&monitor, ("list", &1), (3, 0.0), || Ok::<_, ()>(first.clone()));
+        assert_eq!(found, Ok(first.clone()));
+        cancelling.0.store(false, Ordering::Relaxed);
         assert_eq!(cached_numbers(&monitor, ("list", &1), (3, 0.0), || Err("refused")), Err("refused"));
         for other in [first.clone(), vec![None]] {
             let found = cached_numbers(&monitor, ("list", &1), (3, 0.0), || Ok::<_, ()>(other)).unwrap();

@@ -1,14 +1,13 @@
 //! `studio`: the whole loop on a page in the browser.
 
 use std::path::Path;
-use std::time::Duration;
 
 use slipgrid_io::disk::{KeptResults, put};
 use slipgrid_io::formats::Diagnostic;
 use slipgrid_studio::{Program, Runner, example, serve};
 
 use crate::args::StudioArgs;
-use crate::interruption::asked;
+use crate::interruption::{asked, hold_writing};
 use crate::{CliError, Console, exit_code, run_watched};
 
 /// Default folder of `--example`.
@@ -43,9 +42,7 @@ pub fn run(args: &StudioArgs, console: &mut Console<'_>) -> Result<u8, CliError>
     serve(program, ready, asked)?;
     announced?;
     // Files of a result appear together: the process must not end between two of them.
-    while slipgrid_io::disk::hold_writing().map(std::mem::forget).is_none() {
-        std::thread::sleep(Duration::from_millis(50));
-    }
+    std::mem::forget(hold_writing());
     Ok(exit_code::DONE)
 }
 

@@ -329,10 +329,10 @@ pub fn table_warnings(law: &AreaLaw) -> Vec<String> {
 
 #[cfg(test)]
 mod tests {
-    use std::sync::Mutex;
+    use std::sync::atomic::{AtomicBool, Ordering};
 
     use super::*;
-    use slipgrid_base::monitor::{Key, Memory, Unwatched};
+    use slipgrid_base::monitor::{CachingMonitor, Unwatched};
     use slipgrid_surface::topography::{Form, MapFormat, Preparation, ReadMap, SelfAffine};
 
     /// Area law of the first `side` x `side` points of a synthetic map.
@@ -353,23 +353,13 @@ mod tests {
         surface_area_law(&surface, &request, &Unwatched).unwrap()
     }
 
-    /// A monitor that keeps everything.
+    /// Cancels when it is told to.
     #[derive(Default)]
-    struct Keeping(Mutex<Vec<(Key, Vec<u8>)>>);
+    struct Cancelling(AtomicBool);
 
-    impl Monitor for Keeping {
-        fn memory(&self) -> Option<&dyn Memory> {
-            Some(self)
-        }
-    }
-
-    impl Memory for Keeping {
-        fn recall(&self, key: &Key) -> Option<Vec<u8>> {
-            self.0.lock().unwrap().iter().find(|(own, _)| own == key).map(|(_, value)| value.clone())
-        }
-
-        fn keep(&self, key: &Key, value: &[u8]) {
-            self.0.lock().unwrap().push((key.clone(), value.to_vec()));
+    impl Monitor for Cancelling {
+        fn cancelled(&self) -> bool {
+            self.0.load(Ordering::Relaxed)
         }
     }
 
@@ -379,19 +369,23 @@ mod tests {
         let mut height_m = map.heights_m().to_vec();
         height_m[7] += 1e-12;
         let other = HeightMap::new(32, 32, map.dx_m(), map.dy_m(), height_m).unwrap();
-        let monitor = Keeping::default();
-        let solved = |map, pressures_pa: &[f64], monitor: &dyn Monitor| {
-            area_curve(map, 0.43e9, pressures_pa, 1e-6, monitor).unwrap()
-        };
+        let cancelling = Cancelling::default();
+        let monitor = CachingMonitor::new(&cancelling);
         let pressures_pa = [0.5e6, 2e6, 1e9];
-        for _ in 0..2 {
-            for (map, pressures_pa) in [(&map, &pressures_pa[..]), (&other, &pressures_pa), (&map, &pressures_pa[..2])]
-            {
-                assert_eq!(solved(map, pressures_pa, &monitor), solved(map, pressures_pa, &Unwatched));
-            }
+        for (map, pressures_pa) in [(&map, &pressures_pa[..]), (&other, &pressures_pa), (&map, &pressures_pa[..2])] {
+            let curve = |monitor: &dyn Monitor| area_curve(map, 0.43e9, pressures_pa, 1e-6, monitor);
+            let is_kept_as = |expected: &AreaCurve| {
+                cancelling.0.store(true, Ordering::Relaxed);
+                let found = curve(&monitor);
+                cancelling.0.store(false, Ordering::Relaxed);
+                found.as_ref() == Ok(expected)
+            };
+            let solved = curve(&Unwatched).unwrap();
+            assert!(!is_kept_as(&solved), "another curve is no answer");
+            assert_eq!(curve(&monitor).as_ref(), Ok(&solved));
+            assert!(is_kept_as(&solved));
         }
-        assert_eq!(monitor.0.lock().unwrap().len(), 3);
-        let numbers = curve_numbers(&solved(&map, &pressures_pa, &monitor));
+        let numbers = curve_numbers(&area_curve(&map, 0.43e9, &pressures_pa, 1e-6, &monitor).unwrap());
         assert!(
             known_curve(&pressures_pa[..2], &numbers).is_none() && known_curve(&pressures_pa, &numbers[1..]).is_none()
         );

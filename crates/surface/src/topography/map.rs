@@ -2,7 +2,7 @@ use std::fmt;
 
 use crate::topography::MapError;
 
-/// Largest number of points of a map: 16384 x 16384, for which the contact solver takes 10.5 GB at one pressure, and 7.8
+/// Largest number of points of a map: 16384 x 16384, for which the contact solver takes 10.2 GB at one pressure, and 7.8
 /// GB more for each further pressure solved in parallel.
 pub const MAX_POINTS: usize = 1 << 28;
 /// Range of pixel sides, in metres: wide enough for any surface, narrow enough that squares of slopes stay finite.
