@@ -32,14 +32,30 @@ impl Command {
 /// Value of `done` of a thread that panicked: beyond every command, so that the leader does not wait for the thread.
 const PANICKED: u64 = u64::MAX;
 
-/// Number of polls of a word before the thread yields its core.
-const SPINS: u32 = 4000;
+/// Polls of a word before a thread yields its core.
+///
+/// A thread that had to yield polls half as often the next time: with more threads than cores the one that it waits for
+/// may need its core.
+#[derive(Debug)]
+struct Patience(u32);
 
-fn wait_until(condition: impl Fn() -> bool) {
-    let mut spins = 0;
-    while !condition() {
-        spins += 1;
-        if spins < SPINS { spin_loop() } else { yield_now() }
+impl Patience {
+    /// Polls while every thread has a core: more than any wait for a step takes then.
+    const MOST: u32 = 4000;
+    const LEAST: u32 = 1;
+
+    fn wait_until(&mut self, condition: impl Fn() -> bool) {
+        for _ in 0..self.0 {
+            if condition() {
+                self.0 = (2 * self.0).min(Self::MOST);
+                return;
+            }
+            spin_loop();
+        }
+        self.0 = (self.0 / 2).max(Self::LEAST);
+        while !condition() {
+            yield_now();
+        }
     }
 }
 
@@ -182,6 +198,7 @@ pub struct StripWorkers<'scope, 'a, R> {
     board: Arc<Board>,
     own: Vec<Strip<'a, R>>,
     others: Vec<ScopedJoinHandle<'scope, Vec<Strip<'a, R>>>>,
+    patience: Patience,
     command_number: u64,
     step: u64,
 }
@@ -208,7 +225,7 @@ impl<'scope, 'a: 'scope, R: Real> StripWorkers<'scope, 'a, R> {
             }
         }
         others.reverse();
-        Self { board, own: strips, others, command_number: 0, step: 0 }
+        Self { board, own: strips, others, patience: Patience(Patience::MOST), command_number: 0, step: 0 }
     }
 
     /// Issues a command, executes the leader's part, and waits for the other threads.
@@ -227,7 +244,7 @@ impl<'scope, 'a: 'scope, R: Real> StripWorkers<'scope, 'a, R> {
     /// With the panic of another thread, if one panicked.
     fn wait_for_workers(&mut self) {
         for done in &self.board.done {
-            wait_until(|| done.load(Ordering::Acquire) >= self.command_number);
+            self.patience.wait_until(|| done.load(Ordering::Acquire) >= self.command_number);
         }
         if self.board.done.iter().any(|done| done.load(Ordering::Relaxed) == PANICKED) {
             self.resume_worker_panic();
@@ -337,11 +354,11 @@ fn run_worker<'a, R: Real>(
     first: usize,
     mut strips: Vec<Strip<'a, R>>,
 ) -> Vec<Strip<'a, R>> {
-    let (mut command_number, mut step) = (0, 0);
+    let (mut command_number, mut step, mut patience) = (0, 0, Patience(Patience::MOST));
     let mut done = WorkerGuard { last: &board.done[thread], has_finished: false };
     loop {
         command_number += 1;
-        wait_until(|| board.command_number.load(Ordering::Acquire) >= command_number);
+        patience.wait_until(|| board.command_number.load(Ordering::Acquire) >= command_number);
         let command = Command::ALL[board.command.load(Ordering::Relaxed) as usize];
         board.work(command, first, &mut strips, &mut step);
         done.last.store(command_number, Ordering::Release);
@@ -372,7 +389,14 @@ mod tests {
                         scope.spawn(move || run_worker::<f64>(&board, thread, 0, Vec::new()))
                     });
                     let others = others.collect();
-                    let mut workers = StripWorkers { board, own: Vec::new(), others, command_number: 1, step: 0 };
+                    let mut workers = StripWorkers {
+                        board,
+                        own: Vec::new(),
+                        others,
+                        patience: Patience(1),
+                        command_number: 1,
+                        step: 0,
+                    };
                     // An invalid command: the threads panic when they look it up.
                     workers.board.command.store(Command::ALL.len() as u64, Ordering::Relaxed);
                     workers.board.command_number.store(1, Ordering::Release);
