@@ -12,7 +12,7 @@
 //! |---|---|
 //! | `task`, `prepared_task`, `band` | requirements, and data derived from them |
 //! | `steady_model`, `directional_cells`, `sensitivities`, `inputs` | the model, and its uncertain inputs |
-//! | `table`, `kept_nodes` | interpolation of the model over every texture within the bounds |
+//! | `table` | interpolation of the model over every texture within the bounds |
 //! | `as_cut`, `prediction` | a texture as cut, and the prediction of a sample |
 //! | `steps`, `search`, `between_designs` | the search for the maximum chance |
 //! | `session`, `job`, `confirmation`, `advice` | `optimize`: the search, the confirming run, the advice |
@@ -72,7 +72,6 @@ mod evaluation_cache;
 mod explorer;
 mod inputs;
 mod job;
-mod kept_nodes;
 mod lattice_table;
 mod learning_disc;
 mod next_report;

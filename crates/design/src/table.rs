@@ -11,7 +11,7 @@ use crate::optimize::{ModelFailure, Tolerances};
 use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use slipgrid_base::monitor::{Monitor, Part};
+use slipgrid_base::monitor::{Cancelled, Monitor, Part, cached};
 use slipgrid_base::statistics::{Axis, Normals, ResponseSurface, median, normal_probability};
 use slipgrid_base::units::tidy;
 use slipgrid_infer::calibrate::uncertainty::MaterialUncertainty;
@@ -24,7 +24,6 @@ use crate::DesignError;
 use crate::as_cut::BeyondCells;
 use crate::evaluation_cache::Answer;
 use crate::inputs::{made, of_dimensions, shift};
-use crate::kept_nodes::kept;
 use crate::sensitivities::{Modelled, Sensitivities, from_numbers};
 use crate::steady_model::SteadyModel;
 use crate::task::DesignTask;
@@ -347,7 +346,7 @@ fn solved(
         }
     };
     let content = (models.own.content(), &task.space, lengths, coarse, "ln R, ln peak, least, sag");
-    kept(stage, &content, lengths.len(), || lengths.par_iter().map(one).collect::<Result<Vec<_>, _>>().ok())
+    cached(stage, ("nodes", &content), 1.0, || lengths.par_iter().map(one).collect::<Result<_, _>>()).ok()
 }
 
 /// Fills nodes without an answer with the answer of the nearest node; `None` if there is no answer at all.
@@ -401,11 +400,11 @@ impl Nodes {
                 found
             };
             let nodes: Vec<Option<Vec<f64>>> = (0..count).into_par_iter().map(node).collect();
-            (!stage.cancelled()).then_some(nodes)
+            if stage.cancelled() { Err(Cancelled) } else { Ok(nodes) }
         };
         let loads_of_face = (name == "face").then(|| task.target.points().len());
         let content = (name, models.own.content(), models.sensitivities.content(), space, &axes, loads_of_face);
-        let nodes = kept(stage, &content, count, ask)?;
+        let nodes = cached(stage, ("nodes", &content), 1.0, ask).ok()?;
         Some(Self { axes, nodes })
     }
 

@@ -4,6 +4,8 @@ use std::collections::{BTreeMap, VecDeque};
 use std::fmt::{self, Debug, Write};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
+use serde::Serialize;
+use serde::de::DeserializeOwned;
 use sha2::{Digest, Sha256};
 
 use crate::monitor::Monitor;
@@ -19,7 +21,7 @@ pub trait Memory: Sync {
 
 /// Version of keys and of the bytes kept under them. Raise it where a kept value changes its form or its meaning while its content stays: results
 /// under other versions are then computed again.
-const SCHEMA: &[u8] = b"slipgrid key 1";
+const SCHEMA: &[u8] = b"slipgrid key 2";
 
 /// Key of a result: its kind, and a hash of everything from which it follows.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -117,62 +119,30 @@ impl Memory for InMemory {
 }
 
 /// Returns the result of `compute`, of the given `kind`, which follows from `content` only. The result is read from the
-/// monitor's cache with `from_bytes` if possible; otherwise it is computed, and stored with `to_bytes`, which returns
-/// `None` for results that must not be stored.
-pub fn cached<T>(
-    monitor: &dyn Monitor,
-    (kind, content): (&str, &dyn Debug),
-    (from_bytes, to_bytes): (impl FnOnce(&[u8]) -> Option<T>, impl FnOnce(&T) -> Option<Vec<u8>>),
-    compute: impl FnOnce() -> T,
-) -> T {
-    let Some(memory) = monitor.memory() else { return compute() };
-    let key = Key::of(kind, content);
-    if let Some(known) = memory.recall(&key).and_then(|bytes| from_bytes(&bytes)) {
-        return known;
-    }
-    let result = compute();
-    if let Some(bytes) = to_bytes(&result) {
-        memory.keep(&key, &bytes);
-    }
-    result
-}
-
-/// [`cached`] for a list of `count` numbers, some of which may be absent or NaN, which is read back as absent. Errors are
-/// not stored, nor what may have been cut short because the monitor has cancelled. A list from the cache advances the
-/// monitor by `share`.
+/// monitor's cache if it is there, and then advances the monitor by `share`; otherwise it is computed and stored. Errors are not
+/// stored, nor what may have been cut short because the monitor has cancelled.
 ///
 /// # Errors
 /// Those of `compute`.
-pub fn cached_numbers<E>(
+pub fn cached<T: Serialize + DeserializeOwned, E>(
     monitor: &dyn Monitor,
     (kind, content): (&str, &dyn Debug),
-    (count, share): (usize, f64),
-    compute: impl FnOnce() -> Result<Vec<Option<f64>>, E>,
-) -> Result<Vec<Option<f64>>, E> {
-    let number = |number: f64| Some(number).filter(|number| !number.is_nan());
-    let known = |bytes: &[u8]| {
-        let numbers = from_bytes(bytes);
-        (numbers.len() == count).then(|| {
-            monitor.advance(share);
-            Ok(numbers.into_iter().map(number).collect())
-        })
-    };
-    let kept = |found: &Result<Vec<Option<f64>>, E>| {
-        let numbers: Vec<f64> = found.as_ref().ok()?.iter().map(|number| number.unwrap_or(f64::NAN)).collect();
-        (!monitor.cancelled()).then(|| to_bytes(&numbers))
-    };
-    cached(monitor, (kind, content), (known, kept), compute)
-}
-
-/// Serializes `numbers` without loss.
-pub fn to_bytes<'a>(numbers: impl IntoIterator<Item = &'a f64>) -> Vec<u8> {
-    numbers.into_iter().flat_map(|number| number.to_le_bytes()).collect()
-}
-
-/// Deserializes the output of [`to_bytes`].
-#[must_use]
-pub fn from_bytes(bytes: &[u8]) -> Vec<f64> {
-    bytes.as_chunks::<8>().0.iter().map(|bytes| f64::from_le_bytes(*bytes)).collect()
+    share: f64,
+    compute: impl FnOnce() -> Result<T, E>,
+) -> Result<T, E> {
+    let Some(memory) = monitor.memory() else { return compute() };
+    let key = Key::of(kind, content);
+    if let Some(known) = memory.recall(&key).and_then(|bytes| postcard::from_bytes(&bytes).ok()) {
+        monitor.advance(share);
+        return Ok(known);
+    }
+    let result = compute()?;
+    if !monitor.cancelled()
+        && let Ok(bytes) = postcard::to_stdvec(&result)
+    {
+        memory.keep(&key, &bytes);
+    }
+    Ok(result)
 }
 
 #[cfg(test)]
@@ -202,7 +172,7 @@ mod tests {
     }
 
     #[test]
-    fn lists_are_kept_with_their_gaps_and_neither_errors_nor_what_was_cut_short() {
+    fn results_come_back_to_the_last_bit_and_neither_errors_nor_what_was_cut_short_is_kept() {
         #[derive(Default)]
         struct Cancelling(AtomicBool);
         impl Monitor for Cancelling {
@@ -212,17 +182,24 @@ mod tests {
         }
         let cancelling = Cancelling(AtomicBool::new(true));
         let monitor = CachingMonitor::new(&cancelling);
-        let first = vec![Some(1.0 / 3.0), None, Some(-0.0)];
-        let found = cached_numbers(&monitor, ("list", &1), (3, 0.0), || Ok::<_, ()>(first.clone()));
-        assert_eq!(found, Ok(first.clone()));
+        let first = vec![Some(1.0 / 3.0), None, Some(-0.0), Some(f64::NAN), Some(f64::INFINITY)];
+        let found = cached(&monitor, ("list", &1), 0.0, || Ok::<_, ()>(first.clone()));
+        assert_eq!(bits(&found.unwrap()), bits(&first));
         cancelling.0.store(false, Ordering::Relaxed);
-        assert_eq!(cached_numbers(&monitor, ("list", &1), (3, 0.0), || Err("refused")), Err("refused"));
+        let refused = cached(&monitor, ("list", &1), 0.0, || Err::<Vec<Option<f64>>, _>("refused"));
+        assert_eq!(refused, Err("refused"));
         for other in [first.clone(), vec![None]] {
-            let found = cached_numbers(&monitor, ("list", &1), (3, 0.0), || Ok::<_, ()>(other)).unwrap();
-            assert_eq!((found.clone(), found[2].map(f64::is_sign_negative)), (first.clone(), Some(true)));
+            let found = cached(&monitor, ("list", &1), 0.0, || Ok::<_, ()>(other)).unwrap();
+            assert_eq!(bits(&found), bits(&first));
         }
-        let shorter = cached_numbers(&monitor, ("list", &1), (1, 0.0), || Ok::<_, ()>(vec![None]));
-        assert_eq!(shorter, Ok(vec![None]), "a list of another length is computed");
+        // What cannot be decoded is computed.
+        let memory = monitor.memory().unwrap();
+        memory.keep(&Key::of("list", &2), &[5, 1, 0]);
+        assert_eq!(cached(&monitor, ("list", &2), 0.0, || Ok::<_, ()>(vec![Some(1.0)])), Ok(vec![Some(1.0)]));
+    }
+
+    fn bits(numbers: &[Option<f64>]) -> Vec<Option<u64>> {
+        numbers.iter().map(|number| number.map(f64::to_bits)).collect()
     }
 
     #[test]

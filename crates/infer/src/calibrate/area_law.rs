@@ -1,6 +1,6 @@
 //! Real contact area of a surface as a function of nominal pressure, and the area law f that follows from it.
 
-use slipgrid_base::monitor::memory::{cached, from_bytes, to_bytes};
+use slipgrid_base::monitor::cached;
 use slipgrid_base::monitor::{Monitor, Stage};
 use slipgrid_base::units::{LENGTH_UM, PRESSURE_MPA, significant};
 use slipgrid_model::material::{AreaLaw, MAX_FACTOR, MaterialError};
@@ -239,41 +239,10 @@ pub fn area_curve(
     monitor: &dyn Monitor,
 ) -> Result<AreaCurve, ContactError> {
     let options = SolveOptions { tolerance, ..SolveOptions::default() };
-    let known = |bytes: &[u8]| {
-        let curve = known_curve(pressures_pa, &from_bytes(bytes))?;
-        monitor.advance(1.0);
-        Some(Ok(curve))
-    };
-    let kept = |curve: &Result<AreaCurve, ContactError>| Some(to_bytes(&curve_numbers(curve.as_ref().ok()?)));
     let content = (map, contact_modulus_pa, pressures_pa, tolerance);
-    cached(monitor, ("area", &content), (known, kept), || {
+    cached(monitor, ("area", &content), 1.0, || {
         slipgrid_surface::contact::area_curve(map, contact_modulus_pa, pressures_pa, &options, monitor)
     })
-}
-
-/// Pressure of full contact, then six numbers a point.
-fn curve_numbers(curve: &AreaCurve) -> Vec<f64> {
-    let point = |point: &AreaPoint| {
-        let Convergence { iterations, fourier_pairs, residual } = point.convergence;
-        let areas = [point.area_fraction, point.area_fraction_corrected, point.area_error];
-        areas.into_iter().chain([iterations as f64, fourier_pairs as f64, residual])
-    };
-    std::iter::once(curve.full_contact_pressure_pa).chain(curve.points.iter().flat_map(point)).collect()
-}
-
-/// The curve of [`curve_numbers`]; `None` if its number of points is not that of `pressures_pa`.
-fn known_curve(pressures_pa: &[f64], numbers: &[f64]) -> Option<AreaCurve> {
-    let (&full_contact_pressure_pa, points) = numbers.split_first()?;
-    let (points, []) = points.as_chunks() else { return None };
-    let point = |(&pressure_pa, numbers): (&f64, &[f64; 6])| {
-        let [area_fraction, area_fraction_corrected, area_error, iterations, fourier_pairs, residual] = *numbers;
-        let [iterations, fourier_pairs] = [iterations, fourier_pairs].map(|count| count as usize);
-        let convergence = Convergence { iterations, fourier_pairs, residual };
-        AreaPoint { pressure_pa, area_fraction, area_fraction_corrected, area_error, convergence }
-    };
-    let is_whole = points.len() == pressures_pa.len();
-    is_whole
-        .then(|| AreaCurve { points: pressures_pa.iter().zip(points).map(point).collect(), full_contact_pressure_pa })
 }
 
 /// Computes the area law from a contact area curve, with friction proportional to load up to `threshold_pa`.

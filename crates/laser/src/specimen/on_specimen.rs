@@ -1,7 +1,7 @@
 //! Ratios of patterns on specimens, from strips or from a cell.
 
 use crate::export::{ExportError, LaidStrip, Layout, Specimen};
-use slipgrid_base::monitor::memory::cached_numbers;
+use slipgrid_base::monitor::cached;
 use slipgrid_model::pattern::Pattern;
 use slipgrid_model::springblock::{
     Extent, Face, Load, Monitor, RunOptions, Scene, SceneError, Simulation, Status, SteadyCell, SteadySpecimen, Strip,
@@ -200,7 +200,7 @@ impl SteadyOnFace {
         let share = laid.share(pattern);
         let content = (bands, &scene, pattern, specimen);
         let solve = || ends_and_tilt(bands, &scene, pattern, (&layout, share), monitor);
-        let added = cached_numbers(monitor, ("face", &content), (scene.loads.len(), 0.0), solve)?;
+        let added = cached(monitor, ("face", &content), 0.0, solve)?;
         Ok(Self { laid, added })
     }
 

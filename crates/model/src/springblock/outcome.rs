@@ -1,14 +1,12 @@
 //! Results of a simulation: one record per load, with observables and recorded history.
 
-mod bytes;
-
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::material::AreaLaw;
 
 /// State in which a run ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum Status {
     /// Steady: the residual is below the tolerance. Dynamic: sliding was reached and averaged.
     Converged,
@@ -54,10 +52,16 @@ impl Status {
             Self::Cancelled => "cancelled",
         }
     }
+
+    /// Whether a dynamic run reached its end, so that another would end in the same way.
+    pub(crate) const fn is_final(self) -> bool {
+        use Status::{Converged, NoFriction, NoOnset, ShortWindow, SlidingWaves, StderrNotReached};
+        matches!(self, Converged | NoOnset | NoFriction | ShortWindow | SlidingWaves | StderrNotReached)
+    }
 }
 
 /// State of one contact block on the interface.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct InterfacePoint {
     /// Position along the sliding direction from the left side, in metres; in space along the pattern's x axis from the
     /// corner of the cell.
@@ -72,7 +76,7 @@ pub struct InterfacePoint {
 }
 
 /// One sample of the recorded friction coefficient.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TracePoint {
     /// Time since the drive started, in seconds.
     pub time_s: f64,
@@ -81,7 +85,7 @@ pub struct TracePoint {
 }
 
 /// Cost of a dynamic run.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct DynamicCost {
     /// Number of time steps.
     pub steps: u64,
@@ -94,7 +98,7 @@ pub struct DynamicCost {
 }
 
 /// Result of one surface, flat or patterned, under one load.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SurfaceOutcome {
     /// How the run ended.
     pub status: Status,
@@ -283,7 +287,7 @@ pub struct Correction {
 }
 
 /// Result of a scene under one load.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LoadOutcome {
     /// Nominal pressure, in pascals.
     pub pressure_pa: f64,
@@ -367,7 +371,7 @@ impl LoadOutcome {
 }
 
 /// Statements about a simulation, one sentence each.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Statements {
     /// Statements on what was modelled and why, relevant to decisions.
     pub model: Vec<String>,
@@ -388,7 +392,7 @@ impl Statements {
 }
 
 /// Results of a scene.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Simulation {
     /// Statements on what was modelled and how it was computed.
     pub statements: Statements,

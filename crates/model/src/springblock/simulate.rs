@@ -21,7 +21,7 @@ use std::sync::OnceLock;
 
 use crate::pattern::Pattern;
 use rayon::prelude::*;
-use slipgrid_base::monitor::memory::cached_numbers;
+use slipgrid_base::monitor::cached;
 
 use crate::springblock::Monitor;
 use crate::springblock::cell::{SteadyCell, cell_condensing_cost, raised_model};
@@ -131,7 +131,7 @@ fn cancelled(scene: &Scene) -> Simulation {
 pub fn steady_ratios(scene: &Scene, monitor: &dyn Monitor) -> Result<Vec<Option<f64>>, SceneError> {
     scene.validate()?;
     bounded(scene)?;
-    cached_numbers(monitor, ("ratios", scene), (scene.loads.len(), 1.0), || {
+    cached(monitor, ("ratios", scene), 1.0, || {
         let solved = &thick_layer::solver_scene(scene);
         let Some(pattern) = &scene.pattern else { return Ok(vec![None; scene.loads.len()]) };
         let mut loads = if scene.dimension() == Dimension::Space {

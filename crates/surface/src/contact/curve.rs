@@ -2,13 +2,14 @@ use std::sync::{Mutex, PoisonError};
 
 use crate::topography::HeightMap;
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 
 use crate::contact::rough_contact::check;
 use crate::contact::solver::BufferPool;
 use crate::contact::{ContactError, Convergence, Monitor, RoughContact, SolveOptions};
 
 /// Real contact area at one nominal pressure.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct AreaPoint {
     /// Nominal pressure, in pascals.
     pub pressure_pa: f64,
@@ -23,7 +24,7 @@ pub struct AreaPoint {
 }
 
 /// Real contact area against nominal pressure.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct AreaCurve {
     /// One point per pressure, in the order of the requested pressures.
     pub points: Vec<AreaPoint>,

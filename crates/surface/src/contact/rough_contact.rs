@@ -1,3 +1,5 @@
+use serde::{Deserialize, Serialize};
+
 use crate::topography::fourier::{Fourier, FourierWork, Multiplier};
 use crate::topography::{HeightMap, MapError};
 
@@ -28,7 +30,7 @@ impl Default for SolveOptions {
 }
 
 /// Cost and final residual of a solve.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Convergence {
     /// Number of iterations.
     pub iterations: usize,

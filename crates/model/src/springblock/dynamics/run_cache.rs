@@ -16,12 +16,11 @@ pub fn cached_run(
     share: f64,
     run: impl FnOnce() -> SurfaceOutcome,
 ) -> SurfaceOutcome {
-    let known = |bytes: &[u8]| {
-        let outcome = SurfaceOutcome::from_bytes(bytes)?;
-        monitor.advance(share);
-        Some(outcome)
+    let run = || {
+        let outcome = run();
+        if outcome.status.is_final() { Ok(outcome) } else { Err(outcome) }
     };
-    cached(monitor, ("run", content), (known, SurfaceOutcome::to_bytes), run)
+    cached(monitor, ("run", content), share, run).unwrap_or_else(|unfinished| unfinished)
 }
 
 /// Settings of `scene` that a run depends on besides its load and its lattice, as part of a cache key.

@@ -2,7 +2,7 @@
 
 use crate::pattern::Pattern;
 use rayon::prelude::*;
-use slipgrid_base::monitor::{cached, memory};
+use slipgrid_base::monitor::cached;
 
 use super::drawn_ratios::SteadyRatios;
 use super::space_strip::{self, SpaceStrip};
@@ -147,12 +147,7 @@ fn discretization_error(
         })
     };
     let content = (SteadyCell::with_dimension(scene, Dimension::Space), pattern, own);
-    let known = |bytes: &[u8]| {
-        let errors = memory::from_bytes(bytes);
-        (errors.len() == own.len()).then_some(Some(errors))
-    };
-    let kept = |errors: &Option<Vec<f64>>| Some(memory::to_bytes(errors.as_ref().filter(|_| !monitor.cancelled())?));
-    cached(monitor, ("blocks", &content), (known, kept), estimate)
+    cached(monitor, ("blocks", &content), 0.0, || estimate().ok_or(())).ok()
 }
 
 /// Dynamic runs of the cell of the pattern, or of a strip of the sample, and of a flat surface.

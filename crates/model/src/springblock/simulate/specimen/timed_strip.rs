@@ -1,9 +1,10 @@
 //! Change from steady to dynamic sliding, from the longest strip of a face.
 
+use std::convert::Infallible;
 use std::sync::OnceLock;
 
 use crate::pattern::Pattern;
-use slipgrid_base::monitor::memory::{cached, from_bytes, to_bytes};
+use slipgrid_base::monitor::cached;
 
 use super::super::{RunResults, all_affordable, describe_protocol, describe_scheme, describe_start, run_all, seed_of};
 use super::strips::{solve_drawn, without_slivers};
@@ -163,10 +164,8 @@ pub fn drawn_ratios(
     let count = scene.loads.len();
     let of_flat = || {
         let content = (cache_key_settings(scene), &scene.loads, flat);
-        let known = |bytes: &[u8]| Some(from_bytes(bytes)).filter(|all| all.len() == count * scene.run.draws as usize);
-        // Missing friction is stored as NaN.
-        let kept = |friction: &Vec<f64>| Some(to_bytes(friction));
-        cached(monitor, ("flat", &content), (known, kept), || friction(flat, of_flat))
+        let Ok(friction) = cached(monitor, ("flat", &content), 0.0, || Ok::<_, Infallible>(friction(flat, of_flat)));
+        friction
     };
     let (own, flat) = rayon::join(|| friction(own, of_own), of_flat);
     let ratio = |load: usize| {
