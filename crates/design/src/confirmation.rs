@@ -1,7 +1,8 @@
 //! Confirming run: the specimen in time, at the condition of the design.
 
-use slipgrid_base::monitor::Monitor;
-use slipgrid_laser::specimen::simulate_on;
+use slipgrid_base::monitor::{Monitor, cached};
+use slipgrid_laser::export::Specimen;
+use slipgrid_laser::specimen::{SpecimenError, simulate_on};
 use slipgrid_model::pattern::Pattern;
 use slipgrid_model::springblock::{Extent, Fidelity, RunOptions, Scene, Simulation, can_refine};
 
@@ -46,6 +47,14 @@ pub fn confirming_scene(prepared: &PreparedTask, model: &SteadyModel<'_>, patter
     Scene { run, ..scene }.in_time()
 }
 
+/// Runs `scene` on `specimen`, or takes the result from the monitor's cache, as `next` does after `optimize`.
+///
+/// # Errors
+/// [`SpecimenError`] where the specimen does not take the pattern.
+pub fn run_in_time(scene: &Scene, specimen: &Specimen, monitor: &dyn Monitor) -> Result<Simulation, SpecimenError> {
+    cached(monitor, ("confirming run", &(scene, specimen)), 1.0, || simulate_on(scene, Some(specimen), monitor))
+}
+
 /// Runs the confirmation of `pattern`, or returns an existing run if it started from sliding and no other start is
 /// required.
 ///
@@ -61,7 +70,7 @@ pub fn confirm(
     let scene = confirming_scene(prepared, model, pattern, task.from_rest);
     let mut run = match known.filter(|_| !task.from_rest) {
         Some(run) => run.clone(),
-        None => simulate_on(&scene, Some(&task.specimen), monitor)?,
+        None => run_in_time(&scene, &task.specimen, monitor)?,
     };
     let excess = prepared.uncertainty.excess(&task.pressures_pa(), task.condition.as_ref());
     correct(&mut run, &scene, excess.as_deref());

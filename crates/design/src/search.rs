@@ -12,16 +12,15 @@ use std::sync::Arc;
 
 use crate::optimize::{ModelFailure, Tolerances, Violation};
 use rayon::prelude::*;
-use slipgrid_base::monitor::{Monitor, Part as Share};
+use slipgrid_base::monitor::{Monitor, Part as Share, cached};
 use slipgrid_infer::discrepancy::{DimensionShift, Features, Predictor};
-use slipgrid_laser::specimen::simulate_on;
 use slipgrid_model::pattern::Pattern;
 use slipgrid_model::springblock::{Correction, Effect, LoadOutcome, Simulation, TILT_RELATIVE_ERROR};
 
 use crate::as_cut::{BeyondCells, CutTexture, Known};
 use crate::band::Asked;
 use crate::between_designs::BetweenDesigns;
-use crate::confirmation::confirming_scene;
+use crate::confirmation::{confirming_scene, run_in_time};
 use crate::constraint_quantities::Limited;
 use crate::evaluation_cache::Answer;
 use crate::inputs::{InputEffect, Inputs, Part, percent};
@@ -215,7 +214,9 @@ impl Search<'_> {
     pub fn solved(&self, pattern: &Pattern) -> Result<Prediction, ModelFailure> {
         let modelled = self.models.at(pattern)?;
         let mut ratio: Vec<f64> = modelled.log_ratio.iter().map(|log| log.exp()).collect();
-        let refined = self.models.refined(pattern);
+        let content = (self.models.own.content(), pattern);
+        let refine = || self.models.refined(pattern).ok_or(());
+        let refined = cached(self.stage, ("smaller blocks", &content), 0.0, refine).ok();
         if let Some((shifts, _)) = &refined {
             ratio.iter_mut().zip(shifts).for_each(|(ratio, shift)| *ratio += shift);
         }
@@ -237,7 +238,7 @@ impl Search<'_> {
         let pattern = cell.pattern;
         if let (Some(face), true) = (&self.beyond.face, self.models.own.dimension().takes_strips()) {
             let scene = confirming_scene(self.prepared, self.models.own, &pattern, false);
-            let run = simulate_on(&scene, Some(face), &Share::new(self.stage, 0.0)).ok();
+            let run = run_in_time(&scene, face, &Share::new(self.stage, 0.0)).ok();
             if let Some((by_run, run)) = run.and_then(|run| Some((self.beyond.by_run(&cell.ratio, &run)?, run))) {
                 let excess = cell.excess.max(self.excess_of(&run));
                 let mut parts = cell.parts.clone();
