@@ -354,8 +354,8 @@ mod tests {
     use super::*;
     use crate::material::LocalFriction;
     use crate::pattern::{Rim, RimProfile};
-    use crate::springblock::samples;
     use crate::springblock::scene::RunOptions;
+    use crate::springblock::tests::samples;
 
     fn model() -> SteadyCell {
         let area_law = Some(AreaLaw::new(vec![0.7e6, 10e6], vec![1.0, 0.6]).unwrap());

@@ -338,7 +338,7 @@ pub fn nearest_whole(pattern: &Pattern, block_m: f64, rows: usize) -> Result<Pat
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::springblock::samples::groove;
+    use crate::springblock::tests::samples::groove;
 
     #[test]
     fn whole_blocks_give_the_plain_lattice() {

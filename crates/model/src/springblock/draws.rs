@@ -83,7 +83,7 @@ pub fn random_phase_mean_friction(friction: &LocalFriction, seed: u64, count: us
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::springblock::samples;
+    use crate::springblock::tests::samples;
 
     #[test]
     fn moments_are_those_asked_for() {

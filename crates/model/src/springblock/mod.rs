@@ -66,12 +66,16 @@ mod face;
 mod lattice;
 mod outcome;
 mod rims;
-#[cfg(test)]
-mod samples;
 mod scene;
 mod simulate;
 mod space;
 mod steady;
+
+/// Fixtures of tests.
+#[cfg(test)]
+mod tests {
+    pub mod samples;
+}
 
 pub use cell::{CellOutcome, SteadyCell};
 pub use dimension::Dimension;

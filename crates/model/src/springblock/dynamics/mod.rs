@@ -57,16 +57,6 @@ pub use run_cache::{cache_key_settings, cached_run};
 pub use space::{SpaceRun, SpaceScheme};
 
 #[cfg(test)]
-mod any_width;
-#[cfg(test)]
-mod front_speed;
-#[cfg(test)]
 mod precision_tests;
 #[cfg(test)]
-mod properties;
-#[cfg(test)]
 mod tests;
-#[cfg(test)]
-mod work_account;
-#[cfg(test)]
-mod work_balance;

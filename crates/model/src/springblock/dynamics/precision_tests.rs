@@ -12,9 +12,9 @@ use super::strip_leapfrog::StripLeapfrog;
 use crate::springblock::columns;
 use crate::springblock::draws::{self, Coefficients};
 use crate::springblock::lattice::Lattice;
-use crate::springblock::samples::{coefficients, friction, persson_law};
 use crate::springblock::space::{SpaceLattice, SpaceLoad, SpaceSteadyModel};
 use crate::springblock::steady::{SteadyLoad, SteadyModel};
+use crate::springblock::tests::samples::{coefficients, friction, persson_law};
 
 const BLOCK_M: f64 = 10e-6;
 const YOUNGS_MODULUS_PA: f64 = 0.38e9;

@@ -4,7 +4,7 @@
 //! all four stages; a block that would reverse ends at rest. Units: k = 1, l = 1, m = 1.
 
 #[cfg(test)]
-mod balance;
+mod tests;
 
 use pulp::{Simd, WithSimd};
 
@@ -74,7 +74,7 @@ pub struct RungeKutta<'a> {
     liftoff: bool,
     /// Work since the start.
     #[cfg(test)]
-    ledger: balance::Ledger,
+    ledger: tests::Ledger,
 }
 
 impl<'a> RungeKutta<'a> {
@@ -101,7 +101,7 @@ impl<'a> RungeKutta<'a> {
             steps: 0,
             liftoff,
             #[cfg(test)]
-            ledger: balance::Ledger::default(),
+            ledger: tests::Ledger::default(),
         }
     }
 

@@ -304,8 +304,8 @@ pub fn move_side_block<R: Real>(site: &Site, field: &Field<R>, [i, j]: [usize; 2
 mod tests {
     use std::marker::PhantomData;
 
-    use super::super::any_width::{assert_same_bits, fill};
     use super::super::rows::INSIDE;
+    use super::super::tests::any_width::{assert_same_bits, fill};
     use super::*;
 
     /// A field of `nx` columns with values of various magnitudes, and coefficients of a row.

@@ -1,3 +1,9 @@
+pub mod any_width;
+mod front_speed;
+mod properties;
+pub mod work_account;
+mod work_balance;
+
 use crate::pattern::{Pattern, Planform};
 
 use super::bonds::Bonds;
@@ -10,8 +16,8 @@ use super::strip_leapfrog::StripLeapfrog;
 use crate::springblock::columns;
 use crate::springblock::draws::Coefficients;
 use crate::springblock::lattice::Lattice;
-use crate::springblock::samples;
 use crate::springblock::scene::Springs;
+use crate::springblock::tests::samples;
 
 fn patterned(periodic: bool) -> Lattice {
     let pattern = Pattern::new(Planform::Groove, 30e-6, 50e-6, 20e-6).unwrap();

@@ -397,7 +397,7 @@ mod tests {
     fn the_groove_of_a_cavity_with_rims_has_as_much_edge() {
         let rim = crate::pattern::Rim::new(0.8e-6, 60e-6, crate::pattern::RimProfile::Flat).unwrap();
         for planform in [Planform::Groove, Planform::Square, Planform::Disc] {
-            let pattern = crate::springblock::samples::pattern(planform, 130.0, 370.0, 5.2);
+            let pattern = crate::springblock::tests::samples::pattern(planform, 130.0, 370.0, 5.2);
             assert_eq!(edge_groove(&pattern), None);
             let pattern = pattern.with_rim(rim);
             let groove = edge_groove(&pattern).unwrap();
@@ -405,7 +405,7 @@ mod tests {
             assert_eq!((groove.width_m(), groove.depth_m()), (pattern.width_m(), pattern.depth_m()));
             assert_eq!(groove.texture().rim(), pattern.texture().rim());
         }
-        let dense = crate::springblock::samples::pattern(Planform::Square, 100.0, 20.0, 5.2).with_rim(rim);
+        let dense = crate::springblock::tests::samples::pattern(Planform::Square, 100.0, 20.0, 5.2).with_rim(rim);
         assert_eq!(edge_groove(&dense), None);
     }
 
@@ -426,7 +426,7 @@ mod tests {
 
     #[test]
     fn ratios_that_are_not_taken_to_smaller_blocks_say_why() {
-        use crate::springblock::{RunOptions, samples, simulate};
+        use crate::springblock::{RunOptions, simulate, tests::samples};
         let statements = |pattern: Pattern, refine: bool| {
             let mut scene = samples::scene(pattern, &[2.6], RunOptions { refine, ..RunOptions::default() });
             scene.layer.height_m = 40e-6;

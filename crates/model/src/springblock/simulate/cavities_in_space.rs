@@ -141,7 +141,7 @@ mod tests {
     use crate::springblock::cell::SteadyCell;
     use crate::springblock::scene::RunOptions;
     use crate::springblock::simulate::block_refinement;
-    use crate::springblock::{Layer, samples};
+    use crate::springblock::{Layer, tests::samples};
 
     /// Crossing and turned grooves in blocks of 20 um, refined by cells in blocks of 5 um and by grooves, compared with
     /// refinement from blocks of 2.5 um.

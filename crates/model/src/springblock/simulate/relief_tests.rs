@@ -3,7 +3,7 @@ use std::sync::Arc;
 use crate::pattern::{Pattern, Planform, ReliefMap, Rim, RimProfile, Texture};
 
 use super::simulate;
-use crate::springblock::samples;
+use crate::springblock::tests::samples;
 use crate::springblock::{Extent, Face, RunOptions, Scene, SceneError, Strip, Unwatched, simulate_specimen};
 
 /// A scene of cavities with rims, and a scene without rims whose relief map in pixels of 1 um contains the rims.

@@ -115,9 +115,9 @@ mod tests {
     use crate::springblock::columns::{sample, with_relief};
     use crate::springblock::lattice::Lattice;
     use crate::springblock::outcome::Status;
-    use crate::springblock::samples;
     use crate::springblock::scene::RunOptions;
     use crate::springblock::steady::{SteadyLoad, SteadyModel};
+    use crate::springblock::tests::samples;
 
     #[test]
     fn rims_add_to_a_strip_what_they_add_to_the_cell() {

@@ -226,9 +226,9 @@ mod tests {
     use super::*;
     use crate::springblock::Unwatched;
     use crate::springblock::outcome::{Effect, InterfacePoint, Status};
-    use crate::springblock::samples;
     use crate::springblock::scene::{Extent, Fidelity, Layer, RunOptions};
     use crate::springblock::simulate::simulate;
+    use crate::springblock::tests::samples;
 
     fn scene(pattern: Pattern, dimensions: u8, fidelity: Fidelity) -> Scene {
         let run = RunOptions {

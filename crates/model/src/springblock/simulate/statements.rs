@@ -144,7 +144,7 @@ pub fn describe_law(scene: &Scene, statements: &mut Statements) {
 mod tests {
     use super::*;
     use crate::springblock::simulate::simulate;
-    use crate::springblock::{Layer, RunOptions, Unwatched, samples};
+    use crate::springblock::{Layer, RunOptions, Unwatched, tests::samples};
 
     #[test]
     fn a_specimen_of_few_periods_says_that_it_is_not_the_pattern() {

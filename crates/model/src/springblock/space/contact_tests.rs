@@ -9,8 +9,8 @@ use super::*;
 use crate::springblock::columns;
 use crate::springblock::lattice::Lattice;
 use crate::springblock::outcome::Status;
-use crate::springblock::samples::{E_PA, pattern, persson_law};
 use crate::springblock::steady::{SteadyLoad, SteadyModel};
+use crate::springblock::tests::samples::{E_PA, pattern, persson_law};
 
 /// Frictionless contact of a layer of cubes that touches where `touches` is true; pressures by column over the nominal
 /// pressure.

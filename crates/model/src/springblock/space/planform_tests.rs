@@ -4,8 +4,8 @@ use crate::pattern::{Arrangement, Pattern, Planform, Polygon, Texture};
 
 use super::tests::{largest_imbalance, load};
 use super::*;
-use crate::springblock::samples::{E_PA, pattern, persson_law, scene};
 use crate::springblock::scene::{Fidelity, RunOptions};
+use crate::springblock::tests::samples::{E_PA, pattern, persson_law, scene};
 use crate::springblock::{SteadyCell, Unwatched, simulate};
 
 fn regular(corners: u32, start_deg: f64) -> Vec<[f64; 2]> {

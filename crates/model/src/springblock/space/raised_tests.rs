@@ -10,8 +10,8 @@ use super::*;
 use crate::springblock::columns;
 use crate::springblock::lattice::Lattice;
 use crate::springblock::outcome::{Status, SurfaceOutcome};
-use crate::springblock::samples::{E_PA, persson_law};
 use crate::springblock::steady::{FaceHistory, RaisedModel, SteadyLoad};
+use crate::springblock::tests::samples::{E_PA, persson_law};
 
 fn elastic(youngs_modulus_pa: f64) -> Elastic {
     Elastic::new(youngs_modulus_pa, 900.0).unwrap()

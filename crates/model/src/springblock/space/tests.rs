@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::*;
 use crate::springblock::outcome::Status;
-use crate::springblock::samples::{E_PA, pattern, persson_law, roughness, sweep};
+use crate::springblock::tests::samples::{E_PA, pattern, persson_law, roughness, sweep};
 
 fn model(pattern: &Pattern, block_um: f64, layer_um: f64) -> SpaceSteadyModel {
     let rows = (layer_um / block_um).round() as usize;

@@ -2,8 +2,8 @@
 
 use super::*;
 use crate::springblock::dynamics::contact::ContactSums;
-use crate::springblock::samples;
 use crate::springblock::scene::RunOptions;
+use crate::springblock::tests::samples;
 use crate::springblock::{Fidelity, Unwatched, simulate};
 
 /// Test engine whose sums and forces encode the step number.

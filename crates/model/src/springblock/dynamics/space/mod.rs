@@ -24,5 +24,3 @@ pub use run::{SPACE_STEP, SpaceRun, SpaceScheme};
 
 #[cfg(test)]
 mod tests;
-#[cfg(test)]
-mod work_balance;

@@ -296,8 +296,8 @@ impl<R: Real> WithSimd for RowForces<'_, R> {
 mod tests {
     use std::marker::PhantomData;
 
-    use super::super::super::any_width::{assert_same_bits, fill};
     use super::super::super::sweep::MoveRow;
+    use super::super::super::tests::any_width::{assert_same_bits, fill};
     use super::super::stencil::{GeneralRow, Stencil};
     use super::*;
     use crate::pattern::{Pattern, Planform};

@@ -1,5 +1,7 @@
 //! The integrator of a cell compared with the sum over springs, closed forms, its symmetries, and the plane.
 
+mod work_balance;
+
 use crate::material::AreaLaw;
 use crate::pattern::{Pattern, Planform, Rim, RimProfile, Texture};
 
@@ -12,8 +14,8 @@ use super::leapfrog::{SpaceLeapfrog, SpaceSetup};
 use crate::springblock::columns;
 use crate::springblock::draws::Coefficients;
 use crate::springblock::lattice::Lattice;
-use crate::springblock::samples::coefficients;
 use crate::springblock::space::{SpaceLattice, SpaceLoad, SpaceSteadyModel};
+use crate::springblock::tests::samples::coefficients;
 
 /// A cell of `nx` columns along x and `ny` along y with one rectangular cavity; the cell has `rows` rows.
 fn cell(width: usize, length: usize, [nx, ny]: [usize; 2], depth: usize, rows: usize) -> SpaceLattice {

@@ -7,7 +7,7 @@ use crate::material::{AreaLaw, LocalFriction};
 use crate::springblock::lattice::Lattice;
 use crate::springblock::simulate::run_all;
 use crate::springblock::steady::SteadyModel;
-use crate::springblock::{Effect, Layer, Strip, columns, samples, simulate};
+use crate::springblock::{Effect, Layer, Strip, columns, simulate, tests::samples};
 
 fn scene(run: RunOptions) -> Scene {
     let run = RunOptions { extent: Extent::Sample, ..run };

@@ -4,9 +4,9 @@ use crate::material::LocalFriction;
 use crate::pattern::Planform;
 
 use super::*;
-use crate::springblock::samples::{self, groove};
 use crate::springblock::scene::RunOptions;
 use crate::springblock::simulate::simulate;
+use crate::springblock::tests::samples::{self, groove};
 use crate::springblock::{Correction, Unwatched};
 
 fn scene(pattern: Pattern, run: RunOptions) -> Scene {

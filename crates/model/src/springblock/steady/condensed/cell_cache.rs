@@ -86,7 +86,7 @@ mod tests {
     use super::super::Equations;
     use super::*;
     use crate::springblock::columns;
-    use crate::springblock::samples::groove;
+    use crate::springblock::tests::samples::groove;
 
     #[test]
     fn a_thread_has_its_last_cell_and_no_other() {

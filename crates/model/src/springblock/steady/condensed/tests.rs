@@ -4,7 +4,7 @@ use crate::pattern::{Pattern, Planform};
 use super::super::SteadyModel;
 use super::*;
 use crate::springblock::columns;
-use crate::springblock::samples::{E_PA, groove, persson_law};
+use crate::springblock::tests::samples::{E_PA, groove, persson_law};
 
 fn lattice(width_um: f64, spacing_um: f64, depth_um: f64, rows: usize) -> Lattice {
     Lattice::new(columns::cell(&groove(width_um, spacing_um, depth_um), 10e-6), rows, true)

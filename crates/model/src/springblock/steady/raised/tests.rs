@@ -6,7 +6,7 @@ use crate::pattern::{Pattern, Planform, Rim, RimProfile, Texture};
 use super::super::{CondensedModel, SteadyModel};
 use super::*;
 use crate::springblock::columns::{self, Column};
-use crate::springblock::samples::{E_PA, persson_law};
+use crate::springblock::tests::samples::{E_PA, persson_law};
 
 fn elastic(youngs_modulus_pa: f64) -> Elastic {
     Elastic::new(youngs_modulus_pa, 900.0).unwrap()

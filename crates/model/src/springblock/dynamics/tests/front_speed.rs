@@ -5,8 +5,8 @@
 //! speeds from an independent integration (Amundsen et al., J. Mech. Phys. Solids 2015, study this chain). A step
 //! detects a start half a step late on average, so that speeds have an error of first order in the step.
 
-use super::contact::{ContactRow, LocalLaw};
-use super::sweep::Kick;
+use super::super::contact::{ContactRow, LocalLaw};
+use super::super::sweep::Kick;
 use crate::springblock::draws::Coefficients;
 
 /// Speed of the front far from the left end, computed with the friction of the contact row and the leapfrog's kick.

@@ -2,16 +2,16 @@
 
 use crate::pattern::{Pattern, Planform};
 
-use super::bonds::Bonds;
-use super::contact::{ContactRow, LocalLaw};
-use super::engine::{Engine, Setup};
-use super::protocol::Protocol;
-use super::strip_leapfrog::StripLeapfrog;
+use super::super::bonds::Bonds;
+use super::super::contact::{ContactRow, LocalLaw};
+use super::super::engine::{Engine, Setup};
+use super::super::protocol::Protocol;
+use super::super::strip_leapfrog::StripLeapfrog;
 use super::work_account::{Account, Instant};
 use crate::springblock::columns;
 use crate::springblock::lattice::Lattice;
-use crate::springblock::samples;
 use crate::springblock::scene::Springs;
+use crate::springblock::tests::samples;
 
 fn state<'scope, 'a: 'scope>(engine: &StripLeapfrog<'scope, '_, 'a, f64>, lattice: &Lattice) -> [Vec<f64>; 2] {
     let (nx, ny) = (lattice.nx(), lattice.ny());

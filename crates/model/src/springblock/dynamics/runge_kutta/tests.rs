@@ -9,7 +9,7 @@ use crate::material::AreaLaw;
 use crate::pattern::{Pattern, Planform};
 use crate::springblock::columns;
 use crate::springblock::dynamics::contact::LocalLaw;
-use crate::springblock::samples;
+use crate::springblock::tests::samples;
 
 /// Work since the start, in k l^2.
 #[derive(Clone, Copy, Debug, Default)]

@@ -2,14 +2,14 @@
 
 use crate::pattern::{Pattern, Planform};
 
-use super::super::contact::LocalLaw;
-use super::super::engine::Engine;
-use super::super::protocol::Protocol;
-use super::super::work_account::{Account, Instant};
-use super::bonds::SpaceBonds;
-use super::leapfrog::{SpaceLeapfrog, SpaceSetup};
-use crate::springblock::samples;
+use super::super::super::contact::LocalLaw;
+use super::super::super::engine::Engine;
+use super::super::super::protocol::Protocol;
+use super::super::bonds::SpaceBonds;
+use super::super::leapfrog::{SpaceLeapfrog, SpaceSetup};
+use crate::springblock::dynamics::tests::work_account::{Account, Instant};
 use crate::springblock::space::SpaceLattice;
+use crate::springblock::tests::samples;
 
 /// Error of the balance over the work of the drive.
 fn relative_error(time_step: f64, direction: [f64; 2]) -> f64 {

@@ -2,8 +2,8 @@
 
 use pulp::{Simd, WithSimd};
 
-use super::real::Real;
-use super::rows::Plane;
+use super::super::real::Real;
+use super::super::rows::Plane;
 
 /// Fills the first `size` values of each plane with numbers of both signs, independent of the machine and the
 /// allocation.

@@ -3,16 +3,16 @@
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
 
-use super::contact::{ContactRow, ContactSums, LocalLaw};
-use super::engine::{Engine, Setup};
-use super::protocol::Protocol;
-use super::runge_kutta::RungeKutta;
-use super::strip_leapfrog::StripLeapfrog;
+use super::super::contact::{ContactRow, ContactSums, LocalLaw};
+use super::super::engine::{Engine, Setup};
+use super::super::protocol::Protocol;
+use super::super::runge_kutta::RungeKutta;
+use super::super::strip_leapfrog::StripLeapfrog;
 use crate::springblock::columns::Column;
 use crate::springblock::draws::Coefficients;
 use crate::springblock::lattice::Lattice;
-use crate::springblock::samples::coefficients;
 use crate::springblock::scene::Springs;
+use crate::springblock::tests::samples::coefficients;
 
 const ROWS: usize = 5;
 /// Stick-slip amplifies rounding errors; over this many steps they stay far below the forces.
