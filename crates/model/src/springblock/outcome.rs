@@ -6,11 +6,12 @@ use serde::{Deserialize, Serialize};
 use crate::material::AreaLaw;
 
 /// State in which a run ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum Status {
     /// Steady: the residual is below the tolerance. Dynamic: sliding was reached and averaged.
     Converged,
     /// The nonlinear solve reached its iteration limit; the best state is reported.
+    #[default]
     NotConverged,
     /// A dynamic run ended before every contact block had slipped.
     NoOnset,
@@ -98,7 +99,7 @@ pub struct DynamicCost {
 }
 
 /// Result of one surface, flat or patterned, under one load.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SurfaceOutcome {
     /// How the run ended.
     pub status: Status,
@@ -145,29 +146,10 @@ impl SurfaceOutcome {
     /// Outcome of a surface that was not solved, with the reason `status` and unloaded contact blocks at the positions
     /// `x_m`.
     pub(crate) fn unsolved(status: Status, x_m: impl Iterator<Item = f64>) -> Self {
-        Self {
-            status,
-            mu_dynamic: None,
-            mu_dynamic_stderr: None,
-            stick_slip_excess: None,
-            mu_across: None,
-            averaged_from_s: None,
-            mu_static: None,
-            peak_pressure_pa: 0.0,
-            tension_blocks: 0,
-            cavity_closed: false,
-            clearance_m: None,
-            area_law_extrapolated: false,
-            residual: None,
-            iterations: 0,
-            cost: None,
-            interface: x_m.map(|x_m| InterfacePoint { x_m, y_m: 0.0, pressure_pa: 0.0, friction_pa: 0.0 }).collect(),
-            trace: Vec::new(),
-        }
+        let at = |x_m| InterfacePoint { x_m, y_m: 0.0, pressure_pa: 0.0, friction_pa: 0.0 };
+        Self { status, interface: x_m.map(at).collect(), ..Self::default() }
     }
-}
 
-impl SurfaceOutcome {
     /// Outcome of steady sliding.
     ///
     /// `normal` and `friction` are forces on the contact blocks in any unit, `status` is that of the solve, `interface`
