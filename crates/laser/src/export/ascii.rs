@@ -8,96 +8,14 @@ const DIAERESIS: char = '\u{308}';
 /// Other combining accents, which follow their letters.
 const ACCENTS: std::ops::RangeInclusive<char> = '\u{300}'..='\u{36f}';
 
-/// Letters that differ from a plain letter by an accent.
-const ACCENTED: [(char, &str); 23] = [
-    ('a', "àáâãāăą"),
-    ('c', "çćĉċč"),
-    ('d', "ďđð"),
-    ('e', "èéêëēĕėęě"),
-    ('g', "ĝğġģ"),
-    ('h', "ĥħ"),
-    ('i', "ìíîïĩīĭįı"),
-    ('j', "ĵ"),
-    ('k', "ķ"),
-    ('l', "ĺļľŀł"),
-    ('n', "ñńņňŉ"),
-    ('o', "òóôõōŏő"),
-    ('r', "ŕŗř"),
-    ('s', "śŝşšș"),
-    ('t', "ţťŧț"),
-    ('u', "ùúûũūŭůűų"),
-    ('w', "ŵ"),
-    ('y', "ýÿŷ"),
-    ('z', "źżž"),
-    (' ', "\u{a0}\u{2009}\u{202f}"),
-    ('-', "\u{2010}\u{2011}–—\u{2212}"),
-    ('\'', "‘’‚′"),
-    ('"', "“”„″«»"),
-];
-/// Letters and signs with other replacements; capitals are replaced accordingly.
-const REPLACEMENTS: [(char, &str); 61] = [
-    ('ä', "ae"),
-    ('ö', "oe"),
-    ('ü', "ue"),
-    ('ß', "ss"),
-    ('å', "aa"),
-    ('æ', "ae"),
-    ('ø', "oe"),
-    ('œ', "oe"),
-    ('þ', "th"),
-    ('ĳ', "ij"),
-    ('ŋ', "ng"),
-    ('ĸ', "q"),
-    ('ſ', "s"),
-    ('İ', "I"),
-    ('µ', "u"),
-    ('α', "alpha"),
-    ('β', "beta"),
-    ('γ', "gamma"),
-    ('δ', "delta"),
-    ('ε', "epsilon"),
-    ('ζ', "zeta"),
-    ('η', "eta"),
-    ('θ', "theta"),
-    ('ι', "iota"),
-    ('κ', "kappa"),
-    ('λ', "lambda"),
-    ('μ', "u"),
-    ('ν', "nu"),
-    ('ξ', "xi"),
-    ('ο', "omicron"),
-    ('π', "pi"),
-    ('ρ', "rho"),
-    ('σ', "sigma"),
-    ('ς', "sigma"),
-    ('τ', "tau"),
-    ('υ', "upsilon"),
-    ('φ', "phi"),
-    ('χ', "chi"),
-    ('ψ', "psi"),
-    ('ω', "omega"),
-    ('°', " deg"),
-    ('±', "+-"),
-    ('×', "x"),
-    ('·', "."),
-    ('÷', "/"),
-    ('…', "..."),
-    ('≤', "<="),
-    ('≥', ">="),
-    ('≈', "~"),
-    ('¼', "1/4"),
-    ('½', "1/2"),
-    ('¾', "3/4"),
-    ('€', "EUR"),
-    ('©', "(c)"),
-    ('®', "(R)"),
-    ('™', "(TM)"),
-    ('Ω', "Ohm"),
-    ('⌀', "diameter "),
-    ('∅', "diameter "),
-    ('→', "->"),
-    ('†', "+"),
-];
+/// Plain letters and signs, each with those that differ from it by an accent or a stroke.
+const ACCENTED: &str = "aàáâãāăą cçćĉċč dďđð eèéêëēĕėęě gĝğġģ hĥħ iìíîïĩīĭįı jĵ kķ lĺļľŀł nñńņňŉ oòóôõōŏő rŕŗř sśŝşšș tţťŧț uùúûũūŭůűų \
+    wŵ yýÿŷ zźżž -\u{2010}\u{2011}–—\u{2212} '‘’‚′ \"“”„″«»";
+/// Letters and signs with other spellings, in which `_` is a blank; capitals are spelt accordingly.
+const SPELLINGS: &str = "ä=ae ö=oe ü=ue ß=ss å=aa æ=ae ø=oe œ=oe þ=th ĳ=ij ŋ=ng ĸ=q ſ=s İ=I µ=u α=alpha β=beta γ=gamma δ=delta ε=epsilon \
+    ζ=zeta η=eta θ=theta ι=iota κ=kappa λ=lambda μ=u ν=nu ξ=xi ο=omicron π=pi ρ=rho σ=sigma ς=sigma τ=tau υ=upsilon \
+    φ=phi χ=chi ψ=psi ω=omega °=_deg ±=+- ×=x ·=. ÷=/ …=... ≤=<= ≥=>= ≈=~ ¼=1/4 ½=1/2 ¾=3/4 €=EUR ©=(c) ®=(R) ™=(TM) \
+    Ω=Ohm ⌀=diameter_ ∅=diameter_ →=-> †=+";
 
 /// Transliterates one line of text to printable ASCII; letters without a replacement become question marks.
 pub(crate) fn ascii(text: &str) -> String {
@@ -110,6 +28,7 @@ pub(crate) fn ascii(text: &str) -> String {
                 _ => "",
             }),
             _ if ACCENTS.contains(&letter) => {}
+            '\u{a0}' | '\u{2009}' | '\u{202f}' => plain.push(' '),
             _ => push(letter, &mut plain),
         }
     }
@@ -126,10 +45,10 @@ fn push(letter: char, plain: &mut String) {
         '\u{2080}'..='\u{2089}' => char::from_digit(u32::from(letter) - 0x2080, 10),
         _ => None,
     };
-    let spelt = |wanted: char| REPLACEMENTS.iter().find(|(of, _)| *of == wanted).map(|(_, spelt)| (*spelt).to_owned());
     let of = |wanted: char| {
-        let accented = || ACCENTED.iter().find(|(_, all)| all.contains(wanted)).map(|(own, _)| own.to_string());
-        spelt(wanted).or_else(accented)
+        let spelt = SPELLINGS.split(' ').filter_map(|pair| pair.split_once('=')).find(|(of, _)| of.contains(wanted));
+        let plain = || ACCENTED.split(' ').find(|all| all.contains(wanted)).and_then(|all| all.chars().next());
+        spelt.map(|(_, spelt)| spelt.replace('_', " ")).or_else(|| plain().map(String::from))
     };
     let small = letter.to_lowercase().next().filter(|small| *small != letter);
     let capital = || {
