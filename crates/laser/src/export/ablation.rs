@@ -52,8 +52,7 @@ impl Ablation {
     /// line.
     ///
     /// # Errors
-    /// [`ExportError::NotPositive`] for numbers that are not positive, [`ExportError::TooFewFluences`] for fewer than
-    /// three different fluences, [`ExportError::NoAblation`] if depth does not increase with fluence or the fluence
+    /// [`ExportError::Refused`] for numbers that are not positive, for fewer than three different fluences, if depth does not increase with fluence or the fluence
     /// used is below the threshold.
     pub fn fit(points: &[AblationPoint], fluence_j_cm2: f64) -> Result<Self, ExportError> {
         positive("fluence_j_cm2", fluence_j_cm2)?;
@@ -66,7 +65,10 @@ impl Ablation {
         fluences.sort_by(f64::total_cmp);
         fluences.dedup();
         if fluences.len() < 3 {
-            return Err(ExportError::TooFewFluences { fluences: fluences.len() });
+            return Err(ExportError::Refused(format!(
+                "depth per burst is given at {} different fluences: expected at least three",
+                fluences.len()
+            )));
         }
         let deviations: Option<Vec<f64>> = points.iter().map(|point| point.depth_std_um).collect();
         let weights: Vec<f64> = deviations
@@ -83,11 +85,7 @@ impl Ablation {
         let delta = sum(&|point| (x(point) - mean_x) * (point.depth_um - mean_d)) / square;
         // NaN if a weight overflows; refused as well.
         if delta.is_nan() || delta <= 0.0 {
-            return Err(ExportError::NoAblation {
-                quantity: "delta_um",
-                value: delta,
-                expected: "a depth that grows with fluence",
-            });
+            return Err(ExportError::out_of_range("delta_um", delta, "a depth that grows with fluence"));
         }
         let residual = sum(&|point| {
             let left = point.depth_um - mean_d - delta * (x(point) - mean_x);
@@ -103,7 +101,7 @@ impl Ablation {
         let depth_um = mean_d + delta * from_mean;
         if depth_um.is_nan() || depth_um <= 0.0 {
             let expected = "a fluence above the fitted threshold";
-            return Err(ExportError::NoAblation { quantity: "fluence_j_cm2", value: fluence_j_cm2, expected });
+            return Err(ExportError::out_of_range("fluence_j_cm2", fluence_j_cm2, expected));
         }
         let tidy = |value: f64| round_digits(value, DIGITS);
         Ok(Self {

@@ -4,6 +4,8 @@
 //! the part outside by its edges and by clockwise arcs. Arcs are replaced by chords that deviate by at most
 //! [`ARC_SAGITTA_M`].
 
+use slipgrid_model::pattern::geometry::{contains, edges};
+
 use crate::export::Outline;
 
 /// Maximum deviation of a chord from its arc, in metres: a hundredth of the positioning accuracy of a laser.
@@ -94,11 +96,6 @@ fn chords(angle: f64, radius_m: f64) -> usize {
     (angle / one).ceil().clamp(1.0, 1e6) as usize
 }
 
-pub(crate) fn edges(polygon: &[[f64; 2]]) -> impl Iterator<Item = ([f64; 2], [f64; 2])> + '_ {
-    let next = polygon.iter().skip(1).chain(polygon.first());
-    polygon.iter().copied().zip(next.copied())
-}
-
 pub(crate) fn at([xa, ya]: [f64; 2], [xb, yb]: [f64; 2], t: f64) -> [f64; 2] {
     [xa + t * (xb - xa), ya + t * (yb - ya)]
 }
@@ -144,14 +141,6 @@ pub(crate) fn within_sides([a, b]: [[f64; 2]; 2], sides: &[([f64; 2], f64)]) -> 
         }
     }
     (from < to).then_some([from, to])
-}
-
-/// Whether a point lies inside a simple polygon; the result is arbitrary for points on an edge.
-pub(crate) fn surrounds(polygon: &[[f64; 2]], [x, y]: [f64; 2]) -> bool {
-    let crosses = |([xa, ya], [xb, yb]): &([f64; 2], [f64; 2])| {
-        (*ya <= y) != (*yb <= y) && xa + (y - ya) / (yb - ya) * (xb - xa) > x
-    };
-    edges(polygon).filter(crosses).count() % 2 == 1
 }
 
 /// Points of a circle closer than this fraction of its radius are equal: between them there is no arc, rather than a
@@ -253,7 +242,7 @@ pub(crate) fn outside_disc(polygon: &[[f64; 2]], radius_m: f64) -> Vec<Polygon> 
         }
     }
     if runs.is_empty() {
-        if starts_outside && (contains_origin(polygon) || surrounds(polygon, [0.0; 2])) {
+        if starts_outside && (contains_origin(polygon) || contains(polygon, [0.0; 2])) {
             // The disc lies inside the polygon: two halves have no hole.
             let half = |side: f64| outside_disc(&within_side(polygon, [side, 0.0], 0.0), radius_m);
             return [half(1.0), half(-1.0)].concat();

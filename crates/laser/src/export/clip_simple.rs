@@ -5,10 +5,10 @@
 
 use std::f64::consts::TAU;
 
+use slipgrid_model::pattern::geometry::{contains, edges};
+
 use crate::export::Outline;
-use crate::export::clip::{
-    at, chord_in_disc, circle, edges, join_runs, outside_disc, push_arc, surrounds, without_slivers,
-};
+use crate::export::clip::{at, chord_in_disc, circle, join_runs, outside_disc, push_arc, without_slivers};
 
 type Polygon = Vec<[f64; 2]>;
 
@@ -110,7 +110,7 @@ fn within(polygon: &[[f64; 2]], rim: Rim) -> Vec<Polygon> {
         if !current.is_empty() {
             return vec![current];
         }
-        return if surrounds(polygon, [0.0; 2]) { vec![rim.polygon()] } else { Vec::new() };
+        return if contains(polygon, [0.0; 2]) { vec![rim.polygon()] } else { Vec::new() };
     }
     if !current.is_empty() {
         if starts_within == Some(true) {

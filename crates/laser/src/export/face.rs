@@ -1,8 +1,7 @@
 //! Face of a cavity whose outline is a polygon.
 
 use slipgrid_model::pattern::Polygon;
-
-use crate::export::clip::{edges, surrounds};
+use slipgrid_model::pattern::geometry::{contains, edges, point_to_segment};
 
 /// An outline with size and position, restricted to points at a minimum distance from its walls.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -82,8 +81,8 @@ impl Face {
     /// Distance of a point to the nearest shifted wall, in metres; negative outside.
     pub(crate) fn wall_distance_m(&self, at_m: [f64; 2]) -> f64 {
         let corners = self.corners_m();
-        let nearest_m = edges(&corners).map(|(a, b)| distance_m(at_m, a, b)).fold(f64::INFINITY, f64::min);
-        (if surrounds(&corners, at_m) { nearest_m } else { -nearest_m }) - self.inset_m
+        let nearest_m = edges(&corners).map(|(a, b)| point_to_segment(at_m, a, b)).fold(f64::INFINITY, f64::min);
+        (if contains(&corners, at_m) { nearest_m } else { -nearest_m }) - self.inset_m
     }
 
     /// Intervals of a line inside the shifted walls, in metres along the line and ascending. The line runs along the
@@ -140,15 +139,6 @@ fn interval_near_m(a: [f64; 2], b: [f64; 2], reach: f64) -> Option<[f64; 2]> {
     ];
     edges(&corners).filter_map(|(a, b)| crossing_m(a, b)).for_each(reaches);
     (span[0] < span[1]).then_some(span)
-}
-
-/// Distance of a point from the segment between two others, which may coincide.
-pub(crate) fn distance_m(at: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
-    let (along, from) = ([b[0] - a[0], b[1] - a[1]], [at[0] - a[0], at[1] - a[1]]);
-    let square = along[0] * along[0] + along[1] * along[1];
-    let share = if square > 0.0 { (from[0] * along[0] + from[1] * along[1]) / square } else { 0.0 };
-    let share = share.clamp(0.0, 1.0);
-    (from[0] - share * along[0]).hypot(from[1] - share * along[1])
 }
 
 #[cfg(test)]

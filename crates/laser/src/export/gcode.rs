@@ -26,11 +26,11 @@ impl GcodePlan {
     /// Creates the settings for `laser`: all lines of a cavity are marked `passes` times before the next cavity.
     ///
     /// # Errors
-    /// [`ExportError::Needs`] without a speed; errors of [`Marking::of_lines`].
+    /// [`ExportError::Refused`] without a speed; errors of [`Marking::of_lines`].
     pub fn new(laser: &Laser, passes: u32) -> Result<Self, ExportError> {
         let marking = Marking::of_lines(laser, "G-code")?;
-        let needs = ExportError::Needs { what: "G-code", key: "laser.speed_mm_s" };
-        Ok(Self { marking, speed_mm_s: laser.speed_mm_s.ok_or(needs)?, passes: passes.max(1) })
+        let missing = || ExportError::Refused("G-code needs laser.speed_mm_s".to_owned());
+        Ok(Self { marking, speed_mm_s: laser.speed_mm_s.ok_or_else(missing)?, passes: passes.max(1) })
     }
 }
 

@@ -6,6 +6,7 @@
 use std::io::{self, Write};
 
 use crate::export::ascii::ascii;
+use crate::export::error::tidy;
 use crate::export::{Cavity, ExportError, Heading, Laser, Layout};
 
 /// Maximum number of pixels along a side.
@@ -30,7 +31,7 @@ impl HeightMap {
     /// cavity, and at least a 4096th of the extent of the specimen.
     ///
     /// # Errors
-    /// [`ExportError::NoHeightMap`] for fewer than 1 or more than [`MAX_PIXELS`] pixels along a side.
+    /// [`ExportError::Refused`] for fewer than 1 or more than [`MAX_PIXELS`] pixels along a side.
     pub fn new(layout: &Layout, laser: &Laser, pixel_um: Option<f64>) -> Result<Self, ExportError> {
         let extents_m = layout.outline().extents_m();
         let longer_m = extents_m[0].max(extents_m[1]);
@@ -38,7 +39,10 @@ impl HeightMap {
         let pixel_m = pixel_um.map_or(usual_m, |pixel_um| pixel_um * 1e-6);
         let pixels = (longer_m / pixel_m - 1e-6).ceil();
         if !(1.0..=f64::from(MAX_PIXELS)).contains(&pixels) {
-            return Err(ExportError::NoHeightMap { pixel_um: pixel_m * 1e6, pixels, most: MAX_PIXELS });
+            let pixel_um = tidy(pixel_m * 1e6);
+            return Err(ExportError::Refused(format!(
+                "pixels of {pixel_um} um make a height map {pixels:.0} wide: expected 1 to {MAX_PIXELS}"
+            )));
         }
         // At most MAX_PIXELS, so that the casts are exact.
         let size = extents_m.map(|extent_m| (extent_m / pixel_m - 1e-6).ceil().max(1.0) as u32);

@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use slipgrid_model::pattern::{ManufacturingLimits, Pattern};
 
-use crate::export::error::positive;
+use crate::export::error::{positive, tidy};
 use crate::export::{Ablation, ExportError};
 
 /// Exposure of a cavity.
@@ -71,8 +71,8 @@ impl Laser {
     /// Checks each parameter, and the distances of lines and pulses against the spot.
     ///
     /// # Errors
-    /// [`ExportError::NotPositive`]; [`ExportError::BeyondLaser`] if lines are farther apart than the spot is wide;
-    /// [`ExportError::PulsesApart`] if pulses are; [`ExportError::TaperOutOfRange`].
+    /// [`ExportError::BeyondLaser`] if lines are farther apart than the spot is wide;
+    /// [`ExportError::PulsesApart`] if pulses are; [`ExportError::Refused`] for other numbers out of range.
     pub fn validate(&self) -> Result<(), ExportError> {
         for (quantity, value) in [
             ("wavelength_nm", self.wavelength_nm),
@@ -90,7 +90,8 @@ impl Laser {
         if let Some(taper_deg) = self.wall_taper_deg
             && !(0.0..=MAX_TAPER_DEG).contains(&taper_deg)
         {
-            return Err(ExportError::TaperOutOfRange { taper_deg, most_deg: MAX_TAPER_DEG });
+            let expected = format!("0 to {MAX_TAPER_DEG} degrees from upright");
+            return Err(ExportError::out_of_range("wall_taper_deg", taper_deg, &expected));
         }
         let Some(spot_um) = self.spot_um else { return Ok(()) };
         let beyond = |what, value_um: f64| {
@@ -197,7 +198,7 @@ impl Laser {
     /// Refuses a depth that is not a multiple of passes or bursts.
     ///
     /// # Errors
-    /// [`ExportError::NoWholeSteps`].
+    /// [`ExportError::Refused`].
     pub fn check_depth(&self, depth_m: f64) -> Result<(), ExportError> {
         let Some(step_um) = self.depth_step_um() else { return Ok(()) };
         let (depth_um, steps) = (depth_m * 1e6, (depth_m * 1e6 / step_um).round().max(1.0));
@@ -205,7 +206,12 @@ impl Laser {
             return Ok(());
         }
         let of = if self.bursts_per_pass().is_some() { "passes" } else { "bursts" };
-        Err(ExportError::NoWholeSteps { depth_um, of, step_um, nearest_um: steps * step_um })
+        Err(ExportError::Refused(format!(
+            "the depth of {} um is no whole number of {of} of {} um: expected for instance {} um",
+            tidy(depth_um),
+            tidy(step_um),
+            tidy(steps * step_um)
+        )))
     }
 
     /// Number of bursts per spot for a depth of `depth_m`, at least one; `None` without a depth per burst, and if

@@ -56,7 +56,7 @@ impl Layout {
     /// Lays out complete cavities of `pattern` on `outline`. Time is proportional to the number of lattice points.
     ///
     /// # Errors
-    /// [`ExportError::NotPositive`] if the outline has no extent, [`ExportError::NoRing`] if its hole is too large,
+    /// [`ExportError::Refused`] if the outline has no extent or too large a hole,
     /// [`ExportError::NoCavityFits`] if it is smaller than a cavity, [`ExportError::TooManyCavities`] for more than
     /// [`MAX_CAVITIES`].
     pub fn new(pattern: Pattern, outline: Outline) -> Result<Self, ExportError> {

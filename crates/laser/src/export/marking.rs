@@ -9,6 +9,8 @@
 //! d = sqrt((s/2)^2 - (h / (2 sin a))^2)      s the spot, h the distance of lines, a the angle of the families
 //! ```
 
+use slipgrid_model::pattern::geometry::edges;
+
 use crate::export::crossing::Crossing;
 use crate::export::{Boundary, Cavity, ExportError, Exposure, Laser};
 
@@ -33,14 +35,14 @@ impl Marking {
     /// Creates the marking for `laser`.
     ///
     /// # Errors
-    /// [`ExportError::Needs`] if a hatch lacks the spot; errors of [`Laser::validate`].
+    /// [`ExportError::Refused`] if a hatch lacks the spot; errors of [`Laser::validate`].
     pub fn new(laser: &Laser) -> Result<Self, ExportError> {
         laser.validate()?;
         let exposure = laser.exposure.unwrap_or_default();
         let (inset_m, distance_m) = match (exposure, laser.spot_um.zip(laser.line_distance_um())) {
             (Exposure::Mask, _) => (0.0, 0.0),
             (Exposure::Hatch, Some((spot_um, distance_um))) => (spot_um * 0.5e-6, distance_um * 1e-6),
-            (Exposure::Hatch, None) => return Err(ExportError::Needs { what: "hatching", key: "laser.spot_um" }),
+            (Exposure::Hatch, None) => return Err(ExportError::Refused("hatching needs laser.spot_um".to_owned())),
         };
         Ok(Self { exposure, inset_m, distance_m })
     }
@@ -48,10 +50,16 @@ impl Marking {
     /// Creates the marking for `what`, a file of lines that a spot follows.
     ///
     /// # Errors
-    /// [`ExportError::NoLines`] for a mask, whose contours would be marked as lines; errors of [`Self::new`].
-    pub fn of_lines(laser: &Laser, what: &'static str) -> Result<Self, ExportError> {
+    /// [`ExportError::Refused`] for a mask, whose contours would be marked as lines; errors of [`Self::new`].
+    pub fn of_lines(laser: &Laser, what: &str) -> Result<Self, ExportError> {
         let marking = Self::new(laser)?;
-        if laser.is_mask() { Err(ExportError::NoLines { what }) } else { Ok(marking) }
+        if !laser.is_mask() {
+            return Ok(marking);
+        }
+        Err(ExportError::Refused(format!(
+            "{what} holds the lines of a spot, but a mask exposes whole cavities and follows none (laser.exposure = \"mask\"): \
+             expected --format dxf, plt or corners for the contours, or csv for the places of cavities"
+        )))
     }
 
     /// Distance of the spot's centre from a cavity's edge, in metres.
@@ -181,12 +189,11 @@ impl Marking {
         let rounding_m = range_m * 1e-9;
         // Half a distance if the polygon ends in a point or an arc.
         let short_of = |end_m: f64| {
-            let next = turned.iter().skip(1).chain(turned.first());
-            let is_edge = |([u0, v0], [u1, v1]): (&[f64; 2], &[f64; 2])| {
+            let is_edge = |([u0, v0], [u1, v1]): ([f64; 2], [f64; 2])| {
                 let is_at_end = (v0 - end_m).abs() <= rounding_m && (v1 - end_m).abs() <= rounding_m;
                 is_at_end && (u1 - u0).abs() >= MIN_SIDE_RATIO * (right_m - left_m)
             };
-            if turned.iter().zip(next).any(is_edge) { 0.0 } else { 0.5 }
+            if edges(&turned).any(is_edge) { 0.0 } else { 0.5 }
         };
         let (below, above) = (short_of(low_m), short_of(high_m));
         // n - 1 distances between n lines, plus the distances of the first and last line from the ends.
@@ -195,9 +202,7 @@ impl Marking {
         for line in 0..=between as u64 {
             let share = if distances > 0.0 { (line as f64 + below) / distances } else { 0.5 };
             let at_m = (low_m + range_m * share).clamp(low_m + rounding_m, high_m - rounding_m);
-            let mut ends_m: Vec<f64> = turned
-                .iter()
-                .zip(turned.iter().skip(1).chain(turned.first()))
+            let mut ends_m: Vec<f64> = edges(&turned)
                 .filter(|([_, from], [_, to])| (*from <= at_m) != (*to <= at_m))
                 .map(|([u0, v0], [u1, v1])| u0 + (at_m - v0) / (v1 - v0) * (u1 - u0))
                 .collect();
@@ -211,9 +216,7 @@ impl Marking {
 
 /// Edges of a boundary, in order.
 fn contour(boundary: &Boundary) -> Vec<Line> {
-    let corners = boundary.polygon_m();
-    let next = corners.iter().skip(1).chain(corners.first());
-    corners.iter().zip(next).map(|(from, to)| [*from, *to]).collect()
+    edges(&boundary.polygon_m()).map(|(from, to)| [from, to]).collect()
 }
 
 /// Length of a line, in metres.
@@ -224,9 +227,9 @@ pub(crate) fn length_m([[x0, y0], [x1, y1]]: &Line) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::export::face::distance_m;
     use crate::export::layout::every_kind;
     use crate::export::{Layout, Outline};
+    use slipgrid_model::pattern::geometry::point_to_segment;
     use slipgrid_model::pattern::{Pattern, Planform, Polygon, Texture};
 
     const LASER: Laser = Laser { spot_um: Some(23.0), hatch_um: Some(15.0), ..Laser::UNKNOWN };
@@ -358,7 +361,7 @@ mod tests {
                             groove.centre_x_m + across_m * cosine - along_m * sine,
                             groove.centre_y_m + across_m * sine + along_m * cosine,
                         ];
-                        let is_swept = |[from, to]: &Line| distance_m(point, *from, *to) < 11.5e-6 + 1e-10;
+                        let is_swept = |[from, to]: &Line| point_to_segment(point, *from, *to) < 11.5e-6 + 1e-10;
                         let is_of_first = || first.iter().any(|groove| groove.wall_distance_m(point) > -1e-10);
                         // Off the groove's corners, and off the ends of grooves at border and hole.
                         let is_between_ends = (0.9e-3..1.6e-3).contains(&point[0].hypot(point[1]));
@@ -393,7 +396,7 @@ mod tests {
         // Marked as lines, contours would be walls, so that no file of lines holds them.
         let mask = Laser { exposure: Some(Exposure::Mask), ..LASER };
         let refused = Marking::of_lines(&mask, "hatch.csv").unwrap_err();
-        assert_eq!(refused, ExportError::NoLines { what: "hatch.csv" });
+        assert!(refused.to_string().starts_with("hatch.csv holds the lines of a spot, but a mask"), "{refused}");
         assert!(Marking::of_lines(&LASER, "hatch.csv").is_ok());
     }
 

@@ -15,7 +15,6 @@
 //! | [`Specimen`] | the face, and treatment of cavities that cross its border |
 //! | [`Layout`], [`Cavity`], [`Boundary`] | cavities on the face, computed one by one in a fixed order |
 //! | [`Division`], [`Sector`] | several patterns on one specimen, one per sector |
-//! | [`LaidStrip`] | a strip of the layout along the sliding direction, for solvers |
 //! | [`Heading`] | name, version and notes of a drawing |
 //! | [`Laser`], [`Ablation`], [`Exposure`] | the laser, its depth per burst against fluence, hatch or mask |
 //! | [`Marking`], [`Line`] | lines that the spot follows |
@@ -75,7 +74,6 @@ mod specimen;
 mod specimen_record;
 mod stl;
 mod stream;
-mod strips;
 mod svg;
 mod unreached;
 mod words;
@@ -99,6 +97,7 @@ pub use layout::{Layout, MAX_CAVITIES};
 pub use marking::{Line, Marking};
 pub use number::COORDINATE_DECIMALS;
 pub use outline::Outline;
+pub(crate) use outline::left_of;
 pub use process::{MaterialNote, PatternSheet, ProcessInput, ProcessSheet, SpecimenSheet, Tolerances, not_modelled};
 pub use removal::{Removal, burst_warnings, laser_warnings};
 pub use sector_sheet::{DividedSheet, MEASURE_EACH_ALONE, SectorSheet, SectorsSheet};
@@ -106,7 +105,6 @@ pub use sectors::{Division, MAX_SECTORS, MIN_PERIODS, Sector};
 pub use specimen::{AT_THE_RIM, Specimen};
 pub use specimen_record::SpecimenRecord;
 pub use stl::{CHORDS, check as check_stl, stl};
-pub use strips::LaidStrip;
 pub use svg::{is_xml_letter, svg, svg_of_sectors};
 pub use work::{WorkSheet, laser_time_s};
 

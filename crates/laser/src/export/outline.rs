@@ -1,5 +1,5 @@
 use crate::export::ExportError;
-use crate::export::error::positive;
+use crate::export::error::{mm, positive};
 
 /// Sliding face of the specimen, centred on the origin of its axes x and y. x is the sliding direction unless the
 /// texture has a sliding angle.
@@ -41,7 +41,9 @@ impl Outline {
                 if inner_diameter_m < outer_diameter_m {
                     Ok(())
                 } else {
-                    Err(ExportError::NoRing { outer_diameter_m, inner_diameter_m })
+                    let [outer_mm, inner_mm] = [outer_diameter_m, inner_diameter_m].map(mm);
+                    let ring = format!("a ring of {outer_mm} mm has a hole of {inner_mm} mm");
+                    Err(ExportError::Refused(format!("{ring}: expected a smaller hole")))
                 }
             }
         }

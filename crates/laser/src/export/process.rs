@@ -213,7 +213,7 @@ impl ProcessSheet {
     /// Creates the sheet for `layout`.
     ///
     /// # Errors
-    /// [`ExportError::NotPositive`] if a given laser parameter or tolerance is not positive.
+    /// [`ExportError::Refused`] if a given laser parameter or tolerance is not positive.
     pub fn new(layout: &Layout, input: ProcessInput) -> Result<Self, ExportError> {
         let ProcessInput { name, version, schema, seed, laser, tolerances, material } = input;
         laser.validate()?;
@@ -262,15 +262,21 @@ impl ProcessSheet {
     /// Formats the sheet as TOML.
     ///
     /// # Errors
-    /// [`ExportError::Unwritable`] if TOML cannot hold a value.
+    /// [`ExportError::Refused`] if TOML cannot hold a value.
     pub fn to_toml(&self) -> Result<String, ExportError> {
-        let body = toml::to_string(self).map_err(|error| ExportError::Unwritable { reason: error.to_string() })?;
         let sliding = match self.pattern.sliding_angle_deg {
             None => "x is the sliding direction".to_owned(),
             Some(angle_deg) => format!("The sliding direction lies {angle_deg} degrees from x, anticlockwise"),
         };
-        Ok(format!("# Process sheet. {sliding}; units stand in the keys.\n{body}"))
+        sheet_toml(&sliding, self)
     }
+}
+
+/// Formats `sheet` as TOML below a remark on the sliding direction.
+pub(crate) fn sheet_toml(sliding: &str, sheet: &impl Serialize) -> Result<String, ExportError> {
+    let unwritable = |error| ExportError::Refused(format!("the process sheet cannot be written as TOML: {error}"));
+    let body = toml::to_string(sheet).map_err(unwritable)?;
+    Ok(format!("# Process sheet. {sliding}; units stand in the keys.\n{body}"))
 }
 
 impl Tolerances {

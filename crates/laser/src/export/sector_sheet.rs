@@ -5,7 +5,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::export::dxf::sector_layer;
 use crate::export::number::{DERIVED_DIGITS, millimetres, round_decimals, round_digits};
-use crate::export::sectors::Sector;
+use crate::export::process::sheet_toml;
+use crate::export::sectors::{MAX_SECTORS, Sector, wrong_count};
 use crate::export::words::ANGLE_DECIMALS;
 use crate::export::{
     Division, ExportError, Laser, MaterialNote, PatternSheet, ProcessInput, Removal, burst_warnings, laser_time_s,
@@ -106,7 +107,7 @@ impl SectorsSheet {
         let ProcessInput { name, version, schema, seed, laser, material, .. } = input;
         laser.validate()?;
         let Some(first) = sectors.first() else {
-            return Err(ExportError::Sectors { count: 0, most: crate::export::MAX_SECTORS });
+            return Err(wrong_count(0, MAX_SECTORS));
         };
         let division = first.division();
         let has_rim = sectors.iter().any(|of| of.pattern().texture().rim().is_some_and(|rim| rim.stands()));
@@ -128,16 +129,15 @@ impl SectorsSheet {
     /// Formats the sheet as TOML.
     ///
     /// # Errors
-    /// [`ExportError::Unwritable`] if TOML cannot hold a value.
+    /// [`ExportError::Refused`] if TOML cannot hold a value.
     pub fn to_toml(&self) -> Result<String, ExportError> {
-        let body = toml::to_string(self).map_err(|error| ExportError::Unwritable { reason: error.to_string() })?;
         let turned = self.sector.iter().any(|sector| sector.turn_deg != 0.0);
         let sliding = if turned {
             "x is the sliding direction of sector 1; turned back by the angle of a sector, the specimen slides along x on it"
         } else {
             "x is the sliding direction"
         };
-        Ok(format!("# Process sheet. One specimen in sectors. {sliding}; units stand in the keys.\n{body}"))
+        sheet_toml(&format!("One specimen in sectors. {sliding}"), self)
     }
 }
 

@@ -3,6 +3,7 @@
 use slipgrid_model::pattern::{Pattern, Planform};
 
 use crate::export::clip::{area_m2, clip, within_side, without_slivers};
+use crate::export::error::mm;
 use crate::export::{Boundary, Cavity, ExportError, Layout, Outline, Specimen};
 
 /// Maximum number of sectors of a specimen.
@@ -47,12 +48,11 @@ impl Division {
     /// Divides `specimen` into `count` sectors.
     ///
     /// # Errors
-    /// [`ExportError::Sectors`] for fewer than two or more than [`MAX_SECTORS`]; [`ExportError::NotPositive`] and
-    /// [`ExportError::NoRing`] for an invalid outline.
+    /// [`ExportError::Refused`] for fewer than two or more than [`MAX_SECTORS`], and for an invalid outline.
     pub fn new(specimen: Specimen, count: usize) -> Result<Self, ExportError> {
         specimen.outline.validate()?;
         if !(2..=MAX_SECTORS).contains(&count) {
-            return Err(ExportError::Sectors { count, most: MAX_SECTORS });
+            return Err(wrong_count(count, MAX_SECTORS));
         }
         let [extent_x_m, extent_y_m] = specimen.outline.extents_m();
         Ok(Self { specimen, count, land_m: LAND_SHARE * extent_x_m.min(extent_y_m) })
@@ -182,11 +182,10 @@ impl Division {
     /// Lays out `patterns` on the sectors, in order.
     ///
     /// # Errors
-    /// [`ExportError::Sectors`] if the number of patterns differs from that of sectors; [`ExportError::SectorTooSmall`]
-    /// for a pattern that is too coarse; [`ExportError`] if a pattern cannot be laid out on the specimen.
+    /// [`ExportError::Refused`] if the number of patterns differs from that of sectors, and for a pattern that is too coarse; [`ExportError`] if a pattern cannot be laid out on the specimen.
     pub fn lay(&self, patterns: &[Pattern]) -> Result<Vec<Sector>, ExportError> {
         if patterns.len() != self.count {
-            return Err(ExportError::Sectors { count: patterns.len(), most: self.count });
+            return Err(wrong_count(patterns.len(), self.count));
         }
         patterns.iter().enumerate().map(|(place, pattern)| Sector::new(*self, place + 1, *pattern)).collect()
     }
@@ -195,8 +194,10 @@ impl Division {
 impl Sector {
     fn new(division: Division, number: usize, pattern: Pattern) -> Result<Self, ExportError> {
         if !division.holds(&pattern) {
-            let circle_m = division.least_circle_m();
-            return Err(ExportError::SectorTooSmall { pitch_m: period_m(&pattern), circle_m, periods: MIN_PERIODS });
+            let [circle_mm, period_um] = [division.least_circle_m(), 1e3 * period_m(&pattern)].map(mm);
+            return Err(ExportError::Refused(format!(
+                "sectors hold circles of {circle_mm} mm, fewer than {MIN_PERIODS} periods of {period_um} um: expected fewer sectors or a finer pattern"
+            )));
         }
         let layout = division.specimen.layout(pattern)?;
         let mut sector = Self { division, number, layout, cavities: 0, cavity_area_m2: 0.0 };
@@ -278,6 +279,12 @@ impl Sector {
             }
         })
     }
+}
+
+/// Error for `count` patterns on at most `most` sectors.
+pub(crate) fn wrong_count(count: usize, most: usize) -> ExportError {
+    let expected = format!("expected 2 to {most}, one for each sector");
+    ExportError::Refused(format!("{count} textures on sectors of one specimen: {expected}"))
 }
 
 /// The longer period of `pattern`, in metres.

@@ -55,18 +55,23 @@ pub fn stl(layout: &Layout, laser: &Laser, heading: &Heading, to: &mut dyn Write
 /// Refuses sloping walls that the border cuts, and walls that meet above the floor.
 ///
 /// # Errors
-/// [`ExportError::TaperAndCut`]; [`ExportError::TaperToNothing`] for polygons and crossing grooves with a wall that
+/// [`ExportError::Refused`], also for polygons and crossing grooves with a wall that
 /// ends above the floor; errors of [`Laser::check`].
 pub fn check(layout: &Layout, laser: &Laser) -> Result<(), ExportError> {
     laser.check(layout.pattern())?;
     let inset_m = laser.floor_inset_m(layout.pattern().depth_m());
     if inset_m > 0.0 && layout.iter().any(|cavity| cavity.cut_by.is_some()) {
-        return Err(ExportError::TaperAndCut);
+        let refused = "STL holds no leaning walls that the rim cuts: expected whole cavities, or wall_taper_deg = 0";
+        return Err(ExportError::Refused(refused.to_owned()));
     }
     let has_floor =
         |cavity: Cavity| cavity.inset(inset_m, 0.0).is_some_and(|floor| matches(&faces(&cavity), &faces(&floor)));
     let is_plain = layout.iter().all(|cavity| cavity.face.is_none() && cavity.crossed_by.is_none());
-    if inset_m > 0.0 && !is_plain && !layout.iter().all(has_floor) { Err(ExportError::TaperToNothing) } else { Ok(()) }
+    if inset_m == 0.0 || is_plain || layout.iter().all(has_floor) {
+        return Ok(());
+    }
+    let refused = "STL holds no cavity of which a leaning wall ends above the floor: expected longer edges of the outline, or a smaller wall_taper_deg";
+    Err(ExportError::Refused(refused.to_owned()))
 }
 
 /// Whether each part has a floor with the same number of corners.

@@ -7,7 +7,8 @@
 //! swept share = area(points within s/2 of a line) / area(cavity)        s the spot
 //! ```
 
-use crate::export::face::distance_m;
+use slipgrid_model::pattern::geometry::point_to_segment;
+
 use crate::export::number::decimal;
 use crate::export::{Cavity, Layout, Line};
 
@@ -58,7 +59,8 @@ fn swept_share(cavity: &Cavity, lines: &[Line], half_spot_m: f64) -> f64 {
     };
     let all = (0..POINTS).flat_map(|i| (0..POINTS).map(move |j| (i, j))).map(at);
     let inside: Vec<[f64; 2]> = all.filter(|at_m| cavity.wall_distance_m(*at_m) >= 0.0).collect();
-    let is_swept = |at_m: &&[f64; 2]| lines.iter().any(|[from, to]| distance_m(**at_m, *from, *to) <= half_spot_m);
+    let is_swept =
+        |at_m: &&[f64; 2]| lines.iter().any(|[from, to]| point_to_segment(**at_m, *from, *to) <= half_spot_m);
     inside.iter().filter(is_swept).count() as f64 / inside.len().max(1) as f64
 }
 

@@ -1,8 +1,8 @@
 //! Fraction of a specimen's face that is cavity, for the actual layout.
 
-use crate::export::{ExportError, LaidStrip, Layout, Specimen};
+use crate::export::{ExportError, Layout, Specimen};
 use slipgrid_model::pattern::Pattern;
-use slipgrid_model::springblock::Dimension;
+use slipgrid_model::springblock::{Dimension, Strip};
 
 /// Areal density of the face of `layout` over that of the infinite pattern. For a two-dimensional model, both along the
 /// row of cavities through the specimen's centre.
@@ -54,10 +54,9 @@ fn period_size(pattern: &Pattern, dimension: Dimension) -> f64 {
 }
 
 /// Fraction of strips that is cavity.
-pub(crate) fn cavity_fraction(strips: &[LaidStrip]) -> f64 {
-    let cavity_m = |strip: &LaidStrip| strip.cavities_m.iter().map(|[from_m, to_m]| to_m - from_m).sum::<f64>();
-    let area_m2: f64 = strips.iter().map(|strip| strip.width_m * strip.length_m).sum();
-    strips.iter().map(|strip| strip.width_m * cavity_m(strip)).sum::<f64>() / area_m2
+pub(crate) fn cavity_fraction(strips: &[Strip]) -> f64 {
+    let area_m2: f64 = strips.iter().map(Strip::area_m2).sum();
+    strips.iter().map(|strip| strip.width_m * strip.cavity_length_m()).sum::<f64>() / area_m2
 }
 
 /// Converts the ratio of an infinite pattern to that on a specimen, whose cavities take `share` of the density of the

@@ -39,6 +39,7 @@
 
 mod laid;
 mod on_specimen;
+mod strips;
 
 pub use laid::{Laid, on_face};
 pub use on_specimen::{SpecimenError, SteadyOnFace, nearest_known, simulate_on, strips_on, time_changes_on};

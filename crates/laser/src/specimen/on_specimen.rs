@@ -1,6 +1,6 @@
 //! Ratios of patterns on specimens, from strips or from a cell.
 
-use crate::export::{ExportError, LaidStrip, Layout, Specimen};
+use crate::export::{ExportError, Layout, Specimen};
 use slipgrid_base::monitor::cached;
 use slipgrid_model::pattern::Pattern;
 use slipgrid_model::springblock::{
@@ -126,12 +126,11 @@ fn face_from_bands(bands: usize, layout: &Layout, block_m: f64) -> Result<Face, 
     face_from_strips(layout, strips, block_m)
 }
 
-fn face_from_strips(layout: &Layout, strips: Vec<LaidStrip>, block_m: f64) -> Result<Face, SceneError> {
+fn face_from_strips(layout: &Layout, strips: Vec<Strip>, block_m: f64) -> Result<Face, SceneError> {
     let is_groove = layout.pattern().texture().is_one_section();
     let share = if is_groove { layout.areal_density() } else { cavity_fraction(&strips) };
     let kept = strips.into_iter().filter(|strip| strip.length_m >= MIN_STRIP_BLOCKS * block_m);
-    let strip = |LaidStrip { band, width_m, length_m, cavities_m }| Strip { band, width_m, length_m, cavities_m };
-    Face::new(kept.map(strip).collect(), share)
+    Face::new(kept.collect(), share)
 }
 
 /// Converts the results of one cell, or strip, to those of a specimen whose cavities take `share` of its areal density.

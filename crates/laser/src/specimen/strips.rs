@@ -1,22 +1,9 @@
 //! A layout as strips along the sliding direction, for solvers.
 
 use slipgrid_model::pattern::Planform;
+use slipgrid_model::springblock::Strip;
 
-use crate::export::outline::left_of;
-use crate::export::{Cavity, Layout};
-
-/// A strip of the specimen's face along the sliding direction.
-#[derive(Clone, Debug, PartialEq)]
-pub struct LaidStrip {
-    /// Index of the band of which the strip is the middle, from the border inwards.
-    pub band: usize,
-    /// Width that the strip represents, in metres: area of its band over its length, summed over all equal bands.
-    pub width_m: f64,
-    /// Length along the sliding direction, in metres.
-    pub length_m: f64,
-    /// Beginning and end of cavities, from the strip's trailing end, in metres; ascending and disjoint.
-    pub cavities_m: Vec<[f64; 2]>,
-}
+use crate::export::{Cavity, Layout, left_of};
 
 /// Tolerance for equal strips, in metres: twice the rounding of lengths.
 const STRIP_TOLERANCE_M: f64 = 2e-12;
@@ -25,18 +12,17 @@ impl Layout {
     /// Divides the face into `bands` of equal height across the sliding direction, each represented by the strip in its
     /// middle (or two strips next to a hole). Equal bands are merged into one strip with their total width; the widths
     /// add up to the area of the face. Cavities are those of the layout, cut at the border if it cuts them.
-    #[must_use]
-    pub fn strips(&self, bands: usize) -> Vec<LaidStrip> {
+    pub(crate) fn strips(&self, bands: usize) -> Vec<Strip> {
         let sliding = self.sliding();
         let extent_m = self.outline().extent_along_m(left_of(sliding));
         let height_m = extent_m / bands as f64;
         let cavities: Vec<Cavity> = self.iter().collect();
-        let mut strips: Vec<LaidStrip> = Vec::new();
+        let mut strips: Vec<Strip> = Vec::new();
         for place in 0..bands {
             let at_m = (place as f64 + 0.5) * height_m - 0.5 * extent_m;
             let band = place.min(bands - 1 - place);
             for chord_m @ [from_m, to_m] in self.outline().chords_along_m(sliding, at_m) {
-                let strip = LaidStrip {
+                let strip = Strip {
                     band,
                     width_m: height_m,
                     length_m: rounded(to_m - from_m),
@@ -60,12 +46,11 @@ impl Layout {
 
     /// The strip through the middle of the cavities in the row through the specimen's centre, representing the whole
     /// face.
-    #[must_use]
-    pub fn central_strip(&self) -> Vec<LaidStrip> {
+    pub(crate) fn central_strip(&self) -> Vec<Strip> {
         let cavities: Vec<Cavity> = self.iter().collect();
         let chords = self.outline().chords_along_m(self.sliding(), 0.0);
         let length_m: f64 = chords.iter().map(|[from_m, to_m]| to_m - from_m).sum();
-        let strip = |chord_m @ &[from_m, to_m]: &[f64; 2]| LaidStrip {
+        let strip = |chord_m @ &[from_m, to_m]: &[f64; 2]| Strip {
             band: 0,
             width_m: self.outline().area_m2() / length_m,
             length_m: rounded(to_m - from_m),
@@ -108,7 +93,7 @@ impl Layout {
     }
 }
 
-fn alike(a: &LaidStrip, b: &LaidStrip) -> bool {
+fn alike(a: &Strip, b: &Strip) -> bool {
     let near = |a_m: f64, b_m: f64| (a_m - b_m).abs() <= STRIP_TOLERANCE_M;
     near(a.length_m, b.length_m)
         && a.cavities_m.len() == b.cavities_m.len()
@@ -157,8 +142,8 @@ mod tests {
     }
 
     /// Area of the face and fraction of cavities from the strips.
-    fn sums(strips: &[LaidStrip]) -> [f64; 2] {
-        let cavity_m = |strip: &LaidStrip| strip.cavities_m.iter().map(|[from, to]| to - from).sum::<f64>();
+    fn sums(strips: &[Strip]) -> [f64; 2] {
+        let cavity_m = |strip: &Strip| strip.cavities_m.iter().map(|[from, to]| to - from).sum::<f64>();
         let area_m2: f64 = strips.iter().map(|strip| strip.width_m * strip.length_m).sum();
         [area_m2, strips.iter().map(|strip| strip.width_m * cavity_m(strip)).sum::<f64>() / area_m2]
     }
@@ -189,7 +174,7 @@ mod tests {
             for layout in [Layout::new, Layout::clipped] {
                 let layout = layout(pattern, plate).unwrap();
                 let strips = layout.strips(850);
-                let apart = |strip: &LaidStrip| strip.cavities_m.windows(2).all(|pair| pair[0][1] < pair[1][0]);
+                let apart = |strip: &Strip| strip.cavities_m.windows(2).all(|pair| pair[0][1] < pair[1][0]);
                 assert!(strips.iter().all(apart));
                 let [_, share] = sums(&strips);
                 assert!(
@@ -261,7 +246,7 @@ mod tests {
                 let (strips, again) = (of(texture, face), of(turned(texture, by_deg), turned_face));
                 assert_eq!(strips.len(), again.len(), "{texture:?}");
                 for (own, turned) in strips.iter().zip(&again) {
-                    let ends = |strip: &LaidStrip| [&[[strip.width_m, strip.length_m]], &strip.cavities_m[..]].concat();
+                    let ends = |strip: &Strip| [&[[strip.width_m, strip.length_m]], &strip.cavities_m[..]].concat();
                     let (own, turned) = (ends(own), ends(turned));
                     assert_eq!(own.len(), turned.len(), "{texture:?}");
                     let apart = own.iter().flatten().zip(turned.iter().flatten()).map(|(a, b)| (a - b).abs());

@@ -25,14 +25,14 @@ impl ConditionRange {
     /// Creates a range of speeds, in m/s, and of humidities, from 0 to 1.
     ///
     /// # Errors
-    /// [`MaterialError::OutOfRange`] unless speeds are positive, humidities not negative, all are finite, and the
+    /// [`MaterialError`] unless speeds are positive, humidities not negative, all are finite, and the
     /// minimum comes first.
     pub fn new(speed_m_s: [f64; 2], humidity: [f64; 2]) -> Result<Self, MaterialError> {
         crate::material::error::positive("sliding speed", speed_m_s[0])?;
         crate::material::error::not_negative("relative humidity", humidity[0])?;
         for (quantity, [lowest, highest]) in [("sliding speed", speed_m_s), ("relative humidity", humidity)] {
             if !(highest.is_finite() && highest >= lowest) {
-                return Err(MaterialError::OutOfRange { quantity, value: highest, expected: "at least the lowest" });
+                return Err(MaterialError::out_of_range(quantity, highest, "at least the lowest"));
             }
         }
         Ok(Self { speed_m_s, humidity })
@@ -124,7 +124,7 @@ impl Friction {
     /// ([`ConditionRange::extremes`]); the corners if coefficients do not depend on the condition.
     ///
     /// # Errors
-    /// [`MaterialError::UnknownCondition`] with a condition of the range that is not between measured ones.
+    /// [`MaterialError`] with a condition of the range that is not between measured ones.
     pub fn extremes(&self, range: &ConditionRange) -> Result<Vec<Condition>, MaterialError> {
         let measured = self.measured();
         if measured.is_empty() {

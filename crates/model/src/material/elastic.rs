@@ -14,7 +14,7 @@ impl Elastic {
     /// Creates a solid with Young's modulus `youngs_modulus_pa` and density `density_kg_m3`.
     ///
     /// # Errors
-    /// [`MaterialError::OutOfRange`] unless both are positive and finite.
+    /// [`MaterialError`] unless both are positive and finite.
     pub fn new(youngs_modulus_pa: f64, density_kg_m3: f64) -> Result<Self, MaterialError> {
         Ok(Self {
             youngs_modulus_pa: positive("Young's modulus", youngs_modulus_pa)?,
@@ -49,7 +49,7 @@ impl Elastic {
     /// Sets the pressure at which rims are flattened permanently; `None` for elastic rims.
     ///
     /// # Errors
-    /// [`MaterialError::OutOfRange`] unless it is positive and finite.
+    /// [`MaterialError`] unless it is positive and finite.
     pub fn with_yield_pressure_pa(self, yield_pressure_pa: Option<f64>) -> Result<Self, MaterialError> {
         let checked = yield_pressure_pa.map(|value_pa| positive("yield pressure", value_pa)).transpose()?;
         Ok(Self { yield_pressure_pa: checked, ..self })

@@ -15,7 +15,7 @@ impl LocalFriction {
     /// Creates local coefficients with the given means and relative standard deviation.
     ///
     /// # Errors
-    /// [`MaterialError::OutOfRange`] unless the means are positive and the scatter is not negative.
+    /// [`MaterialError`] unless the means are positive and the scatter is not negative.
     pub fn new(static_mean: f64, dynamic_mean: f64, relative_std: f64) -> Result<Self, MaterialError> {
         Ok(Self {
             static_mean: positive("static friction coefficient", static_mean)?,
@@ -88,7 +88,7 @@ impl Friction {
     /// Coefficients at `pressure_pa` under `condition` (ignored by [`Friction::Single`]).
     ///
     /// # Errors
-    /// [`MaterialError::ConditionMissing`] or [`MaterialError::UnknownCondition`] if the coefficients depend on the
+    /// [`MaterialError`] if the coefficients depend on the
     /// condition and it is missing or outside the measured ones.
     pub fn at(&self, pressure_pa: f64, condition: Option<&Condition>) -> Result<FrictionAt, MaterialError> {
         let table = match self {
@@ -195,7 +195,9 @@ fn condition_missing(table: &[ConditionFriction]) -> MaterialError {
     let example = table.iter().find_map(|row| row.condition).map_or_else(String::new, |condition| {
         format!("speed_mm_s = {}, humidity_pct = {}", round(condition.speed_m_s * 1e3), round(condition.humidity * 1e2))
     });
-    MaterialError::ConditionMissing { example }
+    MaterialError(format!(
+        "the material has coefficients per condition: name one, for instance condition = {{ {example} }}"
+    ))
 }
 
 pub(crate) fn unknown_condition(table: &[ConditionFriction], wanted: Option<&Condition>) -> MaterialError {
@@ -205,11 +207,12 @@ pub(crate) fn unknown_condition(table: &[ConditionFriction], wanted: Option<&Con
             available.push(words);
         }
     }
-    MaterialError::UnknownCondition {
-        speed_mm_s: wanted.map_or(f64::NAN, |c| round(c.speed_m_s * 1e3)),
-        humidity_pct: wanted.map_or(f64::NAN, |c| round(c.humidity * 1e2)),
-        available: if available.is_empty() { "none".to_owned() } else { available.join(", ") },
-    }
+    let [speed_mm_s, humidity_pct] =
+        wanted.map_or([f64::NAN; 2], |wanted| [wanted.speed_m_s * 1e3, wanted.humidity * 1e2].map(round));
+    let available = if available.is_empty() { "none".to_owned() } else { available.join(", ") };
+    MaterialError(format!(
+        "no coefficients for {speed_mm_s} mm/s at {humidity_pct} % humidity, which is not between measured ones: the material has {available}"
+    ))
 }
 
 #[cfg(test)]

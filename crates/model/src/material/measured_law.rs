@@ -5,6 +5,7 @@
 //! measurements is that friction depends on local pressure as it does on nominal pressure. Under the edges of cavities
 //! friction is then higher instead of lower. Flat samples alone cannot distinguish the two interpretations.
 
+use crate::material::error::{positive, same_length};
 use crate::material::{AreaLaw, MaterialError};
 
 /// Extrapolation of a measured law above its last pressure; below the first pressure it is constant.
@@ -46,12 +47,9 @@ impl AreaLaw {
         mu_flat: &[f64],
         extrapolation: Extrapolation,
     ) -> Result<Self, MaterialError> {
-        if pressure_pa.len() != mu_flat.len() {
-            let (left, right) = (pressure_pa.len(), mu_flat.len());
-            return Err(MaterialError::LengthMismatch { quantity: "measured law", left, right });
-        }
+        same_length("measured law", pressure_pa.len(), mu_flat.len())?;
         for &mu in mu_flat {
-            crate::material::error::positive("measured flat friction", mu)?;
+            positive("measured flat friction", mu)?;
         }
         let (Some((&first_pa, &last_pa)), Some((&first, &last))) =
             (pressure_pa.first().zip(pressure_pa.last()), mu_flat.first().zip(mu_flat.last()))

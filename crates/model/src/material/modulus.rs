@@ -1,5 +1,6 @@
 //! Area laws for another Young's modulus, or with shifted factors.
 
+use crate::material::error::positive;
 use crate::material::{AreaLaw, MaterialError};
 
 /// A first interval narrower than this fraction of its pressure is a step, which does not show the curvature of the
@@ -53,12 +54,9 @@ impl AreaLaw {
     /// is too coarse. A law that begins with a step is scaled along P by c.
     ///
     /// # Errors
-    /// [`MaterialError::OutOfRange`] unless `factor` is positive and finite.
+    /// [`MaterialError`] unless `factor` is positive and finite.
     pub fn at_modulus(&self, factor: f64) -> Result<Self, MaterialError> {
-        if !(factor.is_finite() && factor > 0.0) {
-            let (quantity, expected) = ("factor on Young's modulus", "a positive number");
-            return Err(MaterialError::OutOfRange { quantity, value: factor, expected });
-        }
+        positive("factor on Young's modulus", factor)?;
         let (p, f) = (self.pressures_pa(), self.factors());
         let moved = |pressure_pa: &f64| pressure_pa * factor;
         let is_step = p.len() > 1 && p[1] < p[0] * (1.0 + MAX_STEP_WIDTH);
@@ -127,7 +125,7 @@ mod tests {
             }
         }
         assert_eq!(known.at_modulus(1.0).unwrap(), known);
-        assert!(matches!(known.at_modulus(0.0), Err(MaterialError::OutOfRange { .. })));
+        assert!(known.at_modulus(0.0).unwrap_err().to_string().contains("expected a positive number"));
     }
 
     #[test]

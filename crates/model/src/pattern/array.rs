@@ -1,5 +1,5 @@
 use crate::pattern::coverage::{Shape, Sublattice, covered_area};
-use crate::pattern::error::length;
+use crate::pattern::error::{length, um};
 use crate::pattern::{Arrangement, Grown, PatternError, Planform, Polygon, Rim, Texture};
 use libm::{cos, sin};
 
@@ -22,7 +22,7 @@ impl Pattern {
     /// default [`Texture`].
     ///
     /// # Errors
-    /// [`PatternError::NotALength`] if a length is not positive and finite; [`PatternError::RowsOverlap`] if hexagonal
+    /// [`PatternError::Refused`] if a length is not positive and finite, if hexagonal
     /// rows of squares or rectangles are closer than the length of these, or if polygons in hexagonal rows overlap or
     /// extend over two rows.
     pub fn new(texture: impl Into<Texture>, width_m: f64, spacing_m: f64, depth_m: f64) -> Result<Self, PatternError> {
@@ -36,14 +36,14 @@ impl Pattern {
             // Rows of polygons may interlock.
             let (length_m, pitch_across_m) = (outline.length() * width_m, HEXAGONAL_ROW_RATIO * pattern.pitch_m());
             let is_apart = length_m < 2.0 * pitch_across_m && pattern.least_land_m() > 0.0;
-            return is_apart.then_some(pattern).ok_or(PatternError::RowsOverlap { pitch_across_m, length_m });
+            return if is_apart { Ok(pattern) } else { Err(rows_overlap(pitch_across_m, length_m)) };
         }
         let across = pattern.length_m().zip(pattern.pitch_across_m());
         match (pattern.texture.arrangement(), pattern.planform(), across) {
             // Rows of discs may interlock.
             (_, Planform::Disc, _) | (Arrangement::Square | Arrangement::Staggered, ..) => Ok(pattern),
             (_, _, Some((length_m, pitch_across_m))) if pitch_across_m <= length_m => {
-                Err(PatternError::RowsOverlap { pitch_across_m, length_m })
+                Err(rows_overlap(pitch_across_m, length_m))
             }
             _ => Ok(pattern),
         }
@@ -165,7 +165,7 @@ impl Pattern {
     /// Sets the sliding direction, `angle_deg` from the specimen's X axis.
     ///
     /// # Errors
-    /// [`PatternError::AngleOutOfRange`] outside -180 to 180 degrees.
+    /// [`PatternError::Refused`] outside -180 to 180 degrees.
     pub fn with_sliding_angle_deg(mut self, angle_deg: f64) -> Result<Self, PatternError> {
         self.texture = self.texture.with_sliding_angle_deg(angle_deg)?;
         Ok(self)
@@ -405,6 +405,15 @@ impl Pattern {
         self.texture = Texture::new(Planform::Groove).with_rim(self.texture.rim().copied());
         self
     }
+}
+
+/// Error for hexagonal rows `pitch_across_m` apart, closer than their cavities of `length_m`.
+fn rows_overlap(pitch_across_m: f64, length_m: f64) -> PatternError {
+    PatternError::Refused(format!(
+        "hexagonal rows are {} um apart, cavities {} um long: they run into each other; expected a larger spacing",
+        um(pitch_across_m),
+        um(length_m)
+    ))
 }
 
 /// Area of a rectangle; `None` if it is empty or not finite.

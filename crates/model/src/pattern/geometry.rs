@@ -1,7 +1,7 @@
 //! Points, segments and polygons in the plane.
 
 /// Edges of a closed polygon, in order.
-pub(crate) fn edges(vertices: &[[f64; 2]]) -> impl Iterator<Item = ([f64; 2], [f64; 2])> + '_ {
+pub fn edges(vertices: &[[f64; 2]]) -> impl Iterator<Item = ([f64; 2], [f64; 2])> + '_ {
     let next = vertices.iter().skip(1).chain(vertices.first());
     vertices.iter().copied().zip(next.copied())
 }
@@ -33,8 +33,8 @@ pub(crate) fn meet([a, b]: [[f64; 2]; 2], [c, d]: [[f64; 2]; 2]) -> bool {
         || (sides[3] == 0.0 && within(b, [c, d]))
 }
 
-/// Distance of a point from the segment from `a` to `b`.
-pub(crate) fn point_to_segment(at: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
+/// Distance of a point from the segment from `a` to `b`, which may coincide.
+pub fn point_to_segment(at: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
     let along = [b[0] - a[0], b[1] - a[1]];
     let from = [at[0] - a[0], at[1] - a[1]];
     let square = along[0] * along[0] + along[1] * along[1];
@@ -43,7 +43,7 @@ pub(crate) fn point_to_segment(at: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
 }
 
 /// Whether a point lies inside a closed polygon; the result is arbitrary for points on an edge.
-pub(crate) fn contains(vertices: &[[f64; 2]], [x, y]: [f64; 2]) -> bool {
+pub fn contains(vertices: &[[f64; 2]], [x, y]: [f64; 2]) -> bool {
     edges(vertices)
         .filter(|([xa, ya], [xb, yb])| (*ya <= y) != (*yb <= y) && xa + (y - ya) / (yb - ya) * (xb - xa) > x)
         .count()

@@ -27,6 +27,7 @@
 //! | [`TextureRecord`] | a texture as keys of a file |
 //! | [`Pattern`] | a texture with width, spacing and depth in SI units: cell, coverage, densities |
 //! | [`ManufacturingLimits`] | limits of the laser, and the [`LimitViolation`]s of a pattern |
+//! | [`geometry`] | points, segments and polygons in the plane |
 //! | [`PatternError`] | reasons why a texture or a pattern is refused |
 //!
 //! This module does not depend on a solver and opens no files.
@@ -49,7 +50,7 @@
 mod array;
 mod coverage;
 mod error;
-mod geometry;
+pub mod geometry;
 mod grown;
 mod limits;
 mod planform;
@@ -65,7 +66,7 @@ pub use error::PatternError;
 pub use grown::Grown;
 pub use limits::{LimitViolation, ManufacturingLimits};
 pub use planform::{Arrangement, Planform};
-pub use polygon::{OutlineError, Polygon};
+pub use polygon::Polygon;
 pub use record::TextureRecord;
 pub use relief_map::{LandRelief, ReliefMap};
 pub use rim::{Rim, RimProfile};

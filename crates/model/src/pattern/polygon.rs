@@ -2,6 +2,7 @@
 
 use std::sync::{Mutex, PoisonError};
 
+use crate::pattern::PatternError;
 use crate::pattern::geometry::{contains, cross, doubled_area, edges, meet, point_to_segment};
 
 /// Outline of a cavity seen from above: a closed simple polygon without holes, convex or concave.
@@ -41,47 +42,6 @@ pub(crate) struct Symmetries {
     pub(crate) diagonals: [bool; 2],
 }
 
-/// Reason why points are not a valid outline.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum OutlineError {
-    /// There are fewer than three corners.
-    #[error("an outline of {count} corners encloses nothing: expected at least 3")]
-    TooFewVertices {
-        /// Number of distinct corners.
-        count: usize,
-    },
-    /// There are too many corners.
-    #[error("an outline of {count} corners: expected at most {most}")]
-    TooManyVertices {
-        /// Number of corners given.
-        count: usize,
-        /// Maximum number.
-        most: usize,
-    },
-    /// A coordinate is not finite.
-    #[error("corner {corner} of the outline is ({}, {}): expected finite numbers", at[0], at[1])]
-    NotFinite {
-        /// Index of the corner, from 1.
-        corner: usize,
-        /// The corner as given.
-        at: [f64; 2],
-    },
-    /// All corners lie on one line, or nearly so.
-    #[error("the outline encloses no area: expected corners that do not lie on one line")]
-    NoArea,
-    /// Two edges cross or touch.
-    #[error(
-        "the edges of the outline from corner {} ({}, {}) and from corner {} ({}, {}) meet: expected a closed outline that does not cross or touch itself",
-        corners[0], at[0][0], at[0][1], corners[1], at[1][0], at[1][1]
-    )]
-    MeetsItself {
-        /// Indices, from 1, of the corners at which the edges start.
-        corners: [usize; 2],
-        /// The corners as given.
-        at: [[f64; 2]; 2],
-    },
-}
-
 static INTERNED: Mutex<Vec<Polygon>> = Mutex::new(Vec::new());
 
 impl Polygon {
@@ -92,39 +52,44 @@ impl Polygon {
     /// the first. Consecutive vertices that are equal, to 2^-44 of the larger extent, are merged.
     ///
     /// # Errors
-    /// [`OutlineError`] for fewer than three vertices or more than [`Self::MAX_VERTICES`], non-finite numbers, vertices
+    /// [`PatternError::Refused`] for fewer than three vertices or more than [`Self::MAX_VERTICES`], non-finite numbers, vertices
     /// that enclose no area, and edges that meet.
-    pub fn new(vertices: &[[f64; 2]]) -> Result<Self, OutlineError> {
+    pub fn new(vertices: &[[f64; 2]]) -> Result<Self, PatternError> {
+        let refused = |reason: String| Err(PatternError::Refused(reason));
+        let too_few = |count: usize| format!("an outline of {count} corners encloses nothing: expected at least 3");
         if vertices.len() > Self::MAX_VERTICES {
-            return Err(OutlineError::TooManyVertices { count: vertices.len(), most: Self::MAX_VERTICES });
+            let (count, most) = (vertices.len(), Self::MAX_VERTICES);
+            return refused(format!("an outline of {count} corners: expected at most {most}"));
         }
         if let Some(corner) = vertices.iter().position(|at| !at.iter().all(|c| c.is_finite())) {
-            return Err(OutlineError::NotFinite { corner: corner + 1, at: vertices[corner] });
+            let ([x, y], corner) = (vertices[corner], corner + 1);
+            return refused(format!("corner {corner} of the outline is ({x}, {y}): expected finite numbers"));
         }
         if vertices.len() < 3 {
-            return Err(OutlineError::TooFewVertices { count: vertices.len() });
+            return refused(too_few(vertices.len()));
         }
-        let (mut normal, length) = normalized(vertices).ok_or(OutlineError::NoArea)?;
+        let Some((mut normal, length)) = normalized(vertices) else { return refused(NO_AREA.to_owned()) };
         // Keep the original index of each vertex for messages.
         let mut corners: Vec<usize> = (0..normal.len()).collect();
         corners.retain(|&k| normal[k] != normal[(k + normal.len() - 1) % normal.len()]);
         normal = corners.iter().map(|&k| normal[k]).collect();
         if normal.len() < 3 {
-            return Err(OutlineError::TooFewVertices { count: normal.len() });
-        }
-        if let Some(pair) = meeting_edges(&normal) {
-            let corners = pair.map(|edge| corners[edge]);
-            let (numbers, at) = (corners.map(|corner| corner + 1), corners.map(|corner| vertices[corner]));
-            // If all vertices lie on one line, every edge meets its neighbour.
-            return Err(if doubled_area(&normal).abs() < MIN_AREA * length {
-                OutlineError::NoArea
-            } else {
-                OutlineError::MeetsItself { corners: numbers, at }
-            });
+            return refused(too_few(normal.len()));
         }
         let doubled = doubled_area(&normal);
-        if doubled.abs() < MIN_AREA * length {
-            return Err(OutlineError::NoArea);
+        let has_area = doubled.abs() >= MIN_AREA * length;
+        // If all vertices lie on one line, every edge meets its neighbour.
+        if let Some(pair) = meeting_edges(&normal).filter(|_| has_area) {
+            let [first, second] = pair.map(|edge| corners[edge]);
+            let corner = |place: usize| format!("{} ({}, {})", place + 1, vertices[place][0], vertices[place][1]);
+            return refused(format!(
+                "the edges of the outline from corner {} and from corner {} meet: expected a closed outline that does not cross or touch itself",
+                corner(first),
+                corner(second)
+            ));
+        }
+        if !has_area {
+            return refused(NO_AREA.to_owned());
         }
         if doubled < 0.0 {
             normal.reverse();
@@ -218,6 +183,8 @@ impl Polygon {
 
 /// Number of grid bits below the larger extent.
 const GRID_BITS: i32 = 44;
+/// Reason to refuse corners on one line, or nearly so.
+const NO_AREA: &str = "the outline encloses no area: expected corners that do not lie on one line";
 /// Minimum of twice the area over the area of the bounding box.
 const MIN_AREA: f64 = 1e-9;
 

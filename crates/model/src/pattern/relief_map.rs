@@ -1,5 +1,6 @@
 //! Measured relief of a face: heights over one period of its pattern.
 
+use crate::pattern::error::{length, um};
 use crate::pattern::{Pattern, PatternError};
 
 /// Points deeper than this fraction of the cavity's depth belong to its wall: they carry no load and are excluded from
@@ -52,16 +53,17 @@ impl ReliefMap {
     /// positive towards the counterface.
     ///
     /// # Errors
-    /// [`PatternError::NotALength`] for invalid sides, [`PatternError::ReliefHeights`] unless there is a finite height
+    /// [`PatternError::Refused`] for invalid sides, [`PatternError::Refused`] unless there is a finite height
     /// for every pixel.
     pub fn new(sides_m: [f64; 2], pixels: [usize; 2], heights_m: Vec<f64>) -> Result<Self, PatternError> {
         for side_m in sides_m {
-            crate::pattern::error::length("side of the relief", side_m)?;
+            length("side of the relief", side_m)?;
         }
         let finite = heights_m.iter().filter(|height| height.is_finite()).count();
         let expected = pixels[0].saturating_mul(pixels[1]);
         if expected == 0 || heights_m.len() != expected || finite != expected {
-            return Err(PatternError::ReliefHeights { finite, expected });
+            let heights = format!("{finite} finite heights of a relief of {expected} pixels");
+            return Err(PatternError::Refused(format!("{heights}: expected one for each")));
         }
         Ok(Self { sides_m, pixels, heights_m })
     }
@@ -83,22 +85,19 @@ impl ReliefMap {
     /// Aligns the map with `pattern`: a map of grooves is transposed if its grooves run along x.
     ///
     /// # Errors
-    /// [`PatternError::ReliefElsewhere`] if the map has a cavity that is not where the pattern has one; a map without
-    /// cavities, for example of rims only, is accepted. [`PatternError::ReliefExchanged`] if the map's cavity matches
+    /// [`PatternError::Refused`] if the map has a cavity that is not where the pattern has one; a map without
+    /// cavities, for example of rims only, is accepted. [`PatternError::Refused`] if the map's cavity matches
     /// the pattern with width and spacing exchanged.
     pub fn along(self, pattern: &Pattern) -> Result<Self, PatternError> {
         if pattern.is_uniform_along_y() {
             let own = if self.variation(1) > self.variation(0) { self.turned() } else { self };
-            return if own.is_accepted(pattern)? {
-                Ok(own)
-            } else {
-                Err(PatternError::ReliefElsewhere { across: false })
-            };
+            return if own.is_accepted(pattern)? { Ok(own) } else { Err(elsewhere("")) };
         }
         if self.is_accepted(pattern)? {
             return Ok(self);
         }
-        Err(PatternError::ReliefElsewhere { across: self.turned().has_cavity_of(pattern) })
+        let turned = ", as this map would have it if it were turned by a right angle";
+        Err(elsewhere(if self.turned().has_cavity_of(pattern) { turned } else { "" }))
     }
 
     /// Whether the map's cavity, if it has one, matches that of `pattern`; an error if it matches the pattern with
@@ -112,7 +111,12 @@ impl ReliefMap {
             && other.is_one_cavity()
             && other.misfit() < 0.5 * own.misfit()
         {
-            return Err(PatternError::ReliefExchanged { width_m, spacing_m });
+            return Err(PatternError::Refused(format!(
+                "the cavity of the relief is not {} um wide beside gaps of {} um, but rather the other way round: expected the width of a cavity \
+                 as width and the gap between two as spacing; they seem to be exchanged",
+                um(width_m),
+                um(spacing_m)
+            )));
         }
         Ok(own.is_one_cavity())
     }
@@ -162,7 +166,7 @@ impl ReliefMap {
     /// Computes the relief of the lands between the cavities of `pattern`; the map is stretched to its cell.
     ///
     /// # Errors
-    /// [`PatternError::ReliefMisfit`] if the sides of map and cell differ by more than 2 %; along y only if cavities
+    /// [`PatternError::Refused`] if the sides of map and cell differ by more than 2 %; along y only if cavities
     /// have ends there.
     pub fn lands(&self, pattern: &Pattern) -> Result<LandRelief, PatternError> {
         let mut cell_m = pattern.cell_m();
@@ -170,7 +174,10 @@ impl ReliefMap {
             cell_m[1] = self.sides_m[1];
         }
         if (0..2).any(|axis| (self.sides_m[axis] / cell_m[axis] - 1.0).abs() > MAX_MISFIT) {
-            return Err(PatternError::ReliefMisfit { relief_m: self.sides_m, cell_m });
+            let ([x_um, y_um], [cell_x_um, cell_y_um]) = (self.sides_m.map(um), cell_m.map(um));
+            return Err(PatternError::Refused(format!(
+                "a relief of {x_um} x {y_um} um for cells of {cell_x_um} x {cell_y_um} um: expected one period of the pattern, its sides within 2 %"
+            )));
         }
         let [nx, ny] = self.pixels;
         let pixel_m = [cell_m[0] / nx as f64, cell_m[1] / ny as f64];
@@ -217,6 +224,12 @@ impl ReliefMap {
         }
         Ok(LandRelief { pixels: self.pixels, pixel_m, from_m, sums })
     }
+}
+
+/// Error for a map whose cavity is not where the pattern has its own.
+fn elsewhere(remark: &str) -> PatternError {
+    let expected = "expected one period with a cavity in its middle";
+    PatternError::Refused(format!("the cavity of the relief is not where the pattern has its own: {expected}{remark}"))
 }
 
 /// Number of cumulative sums per point of [`LandRelief`].
@@ -379,9 +392,9 @@ mod tests {
     #[test]
     fn maps_that_are_none_or_of_another_period_are_refused() {
         let map = |side_m: f64, heights: Vec<f64>| ReliefMap::new([side_m; 2], [2, 2], heights);
-        assert!(matches!(map(0.0, vec![0.0; 4]), Err(PatternError::NotALength { .. })));
+        assert!(matches!(map(0.0, vec![0.0; 4]), Err(PatternError::Refused(_))));
         for bad in [vec![0.0; 3], vec![f64::NAN; 4], Vec::new()] {
-            assert!(matches!(map(1e-4, bad), Err(PatternError::ReliefHeights { .. })));
+            assert!(matches!(map(1e-4, bad), Err(PatternError::Refused(_))));
         }
         let pattern = Pattern::new(Planform::Square, 50e-6, 50e-6, 1e-5).unwrap();
         assert!(map(1.01e-4, vec![0.0; 4]).unwrap().lands(&pattern).is_ok());

@@ -12,7 +12,7 @@ use std::f64::consts::PI;
 use std::fmt;
 
 use crate::pattern::PatternError;
-use crate::pattern::error::length;
+use crate::pattern::error::{length, um};
 
 /// Maximum height of a rim, in metres.
 const MAX_HEIGHT_M: f64 = 1e-3;
@@ -121,7 +121,7 @@ impl Rim {
     /// Creates a rim of `height_m` at the edge of the cavity and `width_m` wide, independent of the cavity's depth.
     ///
     /// # Errors
-    /// [`PatternError::RimHeight`] unless the height is between 0 and 1 mm, [`PatternError::NotALength`] for the width.
+    /// [`PatternError::Refused`] unless the height is between 0 and 1 mm and the width positive.
     pub fn new(height_m: f64, width_m: f64, profile: RimProfile) -> Result<Self, PatternError> {
         Self::following_depth(&[[0.0, height_m]], width_m, profile)
     }
@@ -130,13 +130,17 @@ impl Rim {
     /// increasing depth; heights are interpolated linearly, and constant outside the table.
     ///
     /// # Errors
-    /// The errors of [`Self::new`], and [`PatternError::RimHeights`] for no pair, more than 8 pairs, or depths that do
+    /// The errors of [`Self::new`], and [`PatternError::Refused`] for no pair, more than 8 pairs, or depths that do
     /// not increase.
     pub fn following_depth(heights_m: &[[f64; 2]], width_m: f64, profile: RimProfile) -> Result<Self, PatternError> {
         let ascends = heights_m.windows(2).all(|pair| pair[0][0] < pair[1][0]);
         let is_depth = heights_m.iter().all(|[depth_m, _]| depth_m.is_finite() && *depth_m >= 0.0);
         if heights_m.is_empty() || heights_m.len() > Self::MAX_HEIGHTS || !ascends || !is_depth {
-            return Err(PatternError::RimHeights { count: heights_m.len(), most: Self::MAX_HEIGHTS });
+            return Err(PatternError::Refused(format!(
+                "{} pairs of depth and rim height: expected 1 to {} pairs whose depths ascend and are not below zero",
+                heights_m.len(),
+                Self::MAX_HEIGHTS
+            )));
         }
         for [_, height_m] in heights_m {
             height("rim height", *height_m)?;
@@ -150,7 +154,7 @@ impl Rim {
     /// Sets the standard deviation of heights from rim to rim, in metres.
     ///
     /// # Errors
-    /// [`PatternError::RimHeight`] unless it is between 0 and 1 mm.
+    /// [`PatternError::Refused`] unless it is between 0 and 1 mm.
     pub fn with_height_std_m(mut self, height_std_m: f64) -> Result<Self, PatternError> {
         self.height_std_m = height("scatter of rim heights", height_std_m)?;
         Ok(self)
@@ -231,12 +235,12 @@ impl Rim {
     }
 }
 
-fn height(quantity: &'static str, value_m: f64) -> Result<f64, PatternError> {
+fn height(quantity: &str, value_m: f64) -> Result<f64, PatternError> {
     if (0.0..=MAX_HEIGHT_M).contains(&value_m) {
         // Adding zero removes the sign of a negative zero, which would be printed.
         Ok(value_m + 0.0)
     } else {
-        Err(PatternError::RimHeight { quantity, value_m })
+        Err(PatternError::Refused(format!("{quantity} of {} um: expected a number from 0 to 1000", um(value_m))))
     }
 }
 

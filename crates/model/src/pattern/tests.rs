@@ -257,7 +257,7 @@ fn hexagonal_cavities_have_six_neighbours_at_one_pitch() {
         hexagonal(Planform::Disc).with_spacing_across_m(1e-5),
         Texture::new(Planform::Disc).with_spacing_across_m(1e-5).unwrap().with_arrangement(Arrangement::Hexagonal),
     ] {
-        assert_eq!(refused, Err(PatternError::HexagonalRows));
+        assert!(refused.unwrap_err().to_string().contains("expected no spacing across"));
     }
     assert!(Texture::new(Planform::Groove).with_arrangement(Arrangement::Hexagonal).is_err());
 }

@@ -51,7 +51,7 @@ impl Texture {
     /// Sets the length of rectangles along y, in metres.
     ///
     /// # Errors
-    /// [`PatternError::NoSuchProperty`] for other planforms, [`PatternError::NotALength`] unless positive.
+    /// [`PatternError::NoSuchProperty`] for other planforms, [`PatternError::Refused`] unless positive.
     pub fn with_length_m(mut self, length_m: f64) -> Result<Self, PatternError> {
         if self.planform != Planform::Rectangle {
             return self.refuse("a length", "planform \"rectangle\", or no length");
@@ -75,7 +75,7 @@ impl Texture {
     /// Sets the angle of the second family of crossing grooves, anticlockwise from the first.
     ///
     /// # Errors
-    /// [`PatternError::NoSuchProperty`] for other planforms, [`PatternError::CrossingAngle`] outside 10 to 90 degrees;
+    /// [`PatternError::NoSuchProperty`] for other planforms, [`PatternError::Refused`] outside 10 to 90 degrees;
     /// any two directions are within this range if the families are numbered accordingly.
     pub fn with_crossing_angle_deg(mut self, angle_deg: f64) -> Result<Self, PatternError> {
         if self.planform != Planform::Crosshatch {
@@ -83,7 +83,8 @@ impl Texture {
         }
         let (least_deg, most_deg) = (MIN_CROSSING_ANGLE_DEG, RIGHT_ANGLE_DEG);
         if !(least_deg..=most_deg).contains(&angle_deg) {
-            return Err(PatternError::CrossingAngle { value_deg: angle_deg, least_deg, most_deg });
+            let expected = format!("expected {least_deg} to {most_deg}");
+            return Err(PatternError::Refused(format!("crossing angle of {angle_deg} degrees: {expected}")));
         }
         self.crossing_angle_deg = angle_deg;
         Ok(self)
@@ -92,14 +93,14 @@ impl Texture {
     /// Sets the gap between neighbouring rows along y, in metres.
     ///
     /// # Errors
-    /// [`PatternError::NoSuchProperty`] for grooves, [`PatternError::HexagonalRows`] for a hexagonal arrangement,
-    /// [`PatternError::NotALength`] unless positive.
+    /// [`PatternError::NoSuchProperty`] for grooves, [`PatternError::Refused`] for a hexagonal arrangement,
+    /// [`PatternError::Refused`] unless positive.
     pub fn with_spacing_across_m(mut self, spacing_across_m: f64) -> Result<Self, PatternError> {
         if self.planform.is_grooves() {
             return self.refuse("a spacing across", "another planform, or no spacing across");
         }
         if self.arrangement == Arrangement::Hexagonal {
-            return Err(PatternError::HexagonalRows);
+            return Err(hexagonal_rows());
         }
         self.spacing_across_m = Some(length("spacing across", spacing_across_m)?);
         Ok(self)
@@ -108,7 +109,7 @@ impl Texture {
     /// Sets the arrangement of rows.
     ///
     /// # Errors
-    /// [`PatternError::NoSuchProperty`] for grooves, which have no rows; [`PatternError::HexagonalRows`] if a spacing
+    /// [`PatternError::NoSuchProperty`] for grooves, which have no rows; [`PatternError::Refused`] if a spacing
     /// across was set.
     pub fn with_arrangement(mut self, arrangement: Arrangement) -> Result<Self, PatternError> {
         if self.planform.is_grooves() && arrangement != Arrangement::Square {
@@ -120,7 +121,7 @@ impl Texture {
             return self.refuse(property, "another planform, or arrangement \"square\"");
         }
         if arrangement == Arrangement::Hexagonal && self.spacing_across_m.is_some() {
-            return Err(PatternError::HexagonalRows);
+            return Err(hexagonal_rows());
         }
         self.arrangement = arrangement;
         Ok(self)
@@ -130,7 +131,7 @@ impl Texture {
     /// for sliding along X they are transversal at 0 and longitudinal at 90 degrees.
     ///
     /// # Errors
-    /// [`PatternError::NoSuchProperty`] for other planforms, [`PatternError::AngleOutOfRange`] outside -90 to 90
+    /// [`PatternError::NoSuchProperty`] for other planforms, [`PatternError::Refused`] outside -90 to 90
     /// degrees.
     pub fn with_groove_angle_deg(mut self, angle_deg: f64) -> Result<Self, PatternError> {
         if !self.planform.is_grooves() {
@@ -143,7 +144,7 @@ impl Texture {
     /// Sets the sliding direction, anticlockwise from the specimen's X axis.
     ///
     /// # Errors
-    /// [`PatternError::AngleOutOfRange`] outside -180 to 180 degrees.
+    /// [`PatternError::Refused`] outside -180 to 180 degrees.
     pub fn with_sliding_angle_deg(mut self, angle_deg: f64) -> Result<Self, PatternError> {
         self.sliding_angle_deg = angle("sliding angle", angle_deg, MAX_SLIDING_ANGLE_DEG)?;
         Ok(self)
@@ -312,14 +313,21 @@ impl From<Planform> for Texture {
     }
 }
 
+/// Error for a spacing across in a hexagonal arrangement, which determines it.
+fn hexagonal_rows() -> PatternError {
+    let refused = "rows of a hexagonal arrangement are sqrt(3)/2 of a pitch apart: expected no spacing across";
+    PatternError::Refused(refused.to_owned())
+}
+
 /// Checks that `value_deg` is within -`most_deg` to `most_deg`.
-fn angle(quantity: &'static str, value_deg: f64, most_deg: f64) -> Result<f64, PatternError> {
+fn angle(quantity: &str, value_deg: f64, most_deg: f64) -> Result<f64, PatternError> {
     // Adding zero removes the sign of a negative zero, which would be printed.
     let value_deg = value_deg + 0.0;
     if value_deg.abs() <= most_deg {
         Ok(value_deg)
     } else {
-        Err(PatternError::AngleOutOfRange { quantity, value_deg, most_deg })
+        let expected = format!("expected -{most_deg} to {most_deg}");
+        Err(PatternError::Refused(format!("{quantity} of {value_deg} degrees: {expected}")))
     }
 }
 
@@ -427,13 +435,13 @@ mod tests {
     fn numbers_that_mean_nothing_are_refused() {
         let groove = Texture::new(Planform::Groove);
         for bad in [90.1, -91.0, f64::NAN, f64::INFINITY] {
-            assert!(matches!(groove.with_groove_angle_deg(bad), Err(PatternError::AngleOutOfRange { .. })));
-            assert!(matches!(groove.with_sliding_angle_deg(2.0 * bad), Err(PatternError::AngleOutOfRange { .. })));
+            assert!(matches!(groove.with_groove_angle_deg(bad), Err(PatternError::Refused(_))));
+            assert!(matches!(groove.with_sliding_angle_deg(2.0 * bad), Err(PatternError::Refused(_))));
         }
         for bad in [0.0, -1e-6, f64::NAN, f64::INFINITY] {
             let rectangle = Texture::new(Planform::Rectangle);
-            assert!(matches!(rectangle.with_length_m(bad), Err(PatternError::NotALength { .. })));
-            assert!(matches!(rectangle.with_spacing_across_m(bad), Err(PatternError::NotALength { .. })));
+            assert!(matches!(rectangle.with_length_m(bad), Err(PatternError::Refused(_))));
+            assert!(matches!(rectangle.with_spacing_across_m(bad), Err(PatternError::Refused(_))));
         }
     }
 }

@@ -12,7 +12,7 @@ use std::path::Path;
 
 use crate::formats::spanned::Spanned;
 use slipgrid_base::key_error::Refusal;
-use slipgrid_model::pattern::{OutlineError, Polygon};
+use slipgrid_model::pattern::{PatternError, Polygon};
 
 use crate::formats::diagnostic::Diagnostic;
 use crate::formats::document::Document;
@@ -95,7 +95,7 @@ pub fn read_drawing(source: &Source, path: &Path, layer: Option<&str>) -> Result
 }
 
 /// Diagnostic for `error` at the position `at`.
-fn refused(at: Diagnostic, error: &OutlineError) -> Diagnostic {
+fn refused(at: Diagnostic, error: &PatternError) -> Diagnostic {
     let refusal = Refusal::from_error(error);
     let expected = refusal.expected().unwrap_or_else(|| "a closed outline".to_owned());
     // A list of vertices is too long to repeat, so the message names the corner.

@@ -37,22 +37,25 @@ fn an_outline_is_the_same_at_any_scale_place_and_sense() {
 
 #[test]
 fn what_is_no_outline_is_refused_with_the_corner() {
-    let refused = |vertices: &[[f64; 2]]| Polygon::new(vertices).unwrap_err();
-    assert_eq!(refused(&[]), OutlineError::TooFewVertices { count: 0 });
-    assert_eq!(refused(&[[0.0; 2], [1.0, 0.0]]), OutlineError::TooFewVertices { count: 2 });
-    assert_eq!(refused(&[[0.0; 2], [1.0, 1.0], [1.0, 1.0], [0.0; 2]]), OutlineError::TooFewVertices { count: 2 });
-    assert_eq!(refused(&[[0.0; 2], [1.0, 0.0], [3.0, 0.0]]), OutlineError::NoArea);
-    assert_eq!(refused(&[[0.0; 2], [1.0, 1.0], [3.0, 3.0], [2.0, 2.0]]), OutlineError::NoArea);
-    assert!(matches!(refused(&[[0.0; 2], [1.0, f64::NAN], [3.0, 1.0]]), OutlineError::NotFinite { corner: 2, .. }));
+    let refused = |vertices: &[[f64; 2]]| Polygon::new(vertices).unwrap_err().to_string();
+    assert_eq!(refused(&[]), "an outline of 0 corners encloses nothing: expected at least 3");
+    assert_eq!(refused(&[[0.0; 2], [1.0, 0.0]]), "an outline of 2 corners encloses nothing: expected at least 3");
+    assert_eq!(
+        refused(&[[0.0; 2], [1.0, 1.0], [1.0, 1.0], [0.0; 2]]),
+        "an outline of 2 corners encloses nothing: expected at least 3"
+    );
+    assert!(refused(&[[0.0; 2], [1.0, 0.0], [3.0, 0.0]]).contains("encloses no area"));
+    assert!(refused(&[[0.0; 2], [1.0, 1.0], [3.0, 3.0], [2.0, 2.0]]).contains("encloses no area"));
+    assert!(refused(&[[0.0; 2], [1.0, f64::NAN], [3.0, 1.0]]).starts_with("corner 2 of the outline is (1, NaN)"));
     let bow = refused(&[[0.0, 0.0], [2.0, 2.0], [2.0, 0.0], [0.0, 1.0]]);
-    assert!(bow.to_string().contains("from corner 1 (0, 0) and from corner 3 (2, 0) meet"), "{bow}");
+    assert!(bow.contains("from corner 1 (0, 0) and from corner 3 (2, 0) meet"), "{bow}");
     // Touching counts as meeting: a corner on another edge, and an edge back along the previous one.
     let touching = [[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [2.0, 0.0], [0.0, 4.0]];
-    assert!(matches!(refused(&touching), OutlineError::MeetsItself { .. }));
+    assert!(refused(&touching).contains("meet: expected a closed outline"));
     let back = [[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [4.0, 2.0], [0.0, 4.0]];
-    assert!(matches!(refused(&back), OutlineError::MeetsItself { .. }));
+    assert!(refused(&back).contains("meet: expected a closed outline"));
     let many = regular(2001, 0.0);
-    assert_eq!(refused(&many), OutlineError::TooManyVertices { count: 2001, most: 2000 });
+    assert_eq!(refused(&many), "an outline of 2001 corners: expected at most 2000");
 }
 
 #[test]
