@@ -94,7 +94,15 @@ fn designs_table(cores: usize, wanted: impl Fn(&str) -> bool) {
     }
     if wanted("table") {
         let start = Instant::now();
-        let table = pool(cores).install(|| model.table([40e-6, 400e-6], [40e-6, 1000e-6], [10e-6, 50e-6]));
+        // Grooves of whole blocks: widths, spacings and depths in 10 um.
+        let sizes = (4..=40)
+            .flat_map(|width| (4..=100).flat_map(move |spacing| (1..=5).map(move |depth| [width, spacing, depth])));
+        let groove = |size: [u32; 3]| {
+            let [width_m, spacing_m, depth_m] = size.map(|blocks| f64::from(blocks) * 10e-6);
+            Pattern::new(Planform::Groove, width_m, spacing_m, depth_m).expect("valid lengths")
+        };
+        let designs: Vec<Pattern> = sizes.map(groove).collect();
+        let table = pool(cores).install(|| model.ratios_of(&designs));
         let seconds = start.elapsed().as_secs_f64();
         println!(
             "| table of {} designs: {seconds:.1} s | {cores} | {:.0} |",

@@ -1,6 +1,7 @@
 use crate::pattern::coverage::{Shape, Sublattice, covered_area};
 use crate::pattern::error::{length, um};
-use crate::pattern::{Arrangement, Grown, PatternError, Planform, Polygon, Rim, Texture};
+use crate::pattern::grown::Grown;
+use crate::pattern::{Arrangement, PatternError, Planform, Polygon, Rim, Texture};
 use libm::{cos, sin};
 
 /// Distance between hexagonal rows over the pitch, sqrt(3)/2.
@@ -233,18 +234,6 @@ impl Pattern {
         let extents_m = grown.extents().map(|extent| extent * scale_m);
         let shape = Shape::Pieces { pieces: grown.pieces(), scale_m, extents_m };
         self.centres_m().map(|centre_m| covered_m2(shape, centre_m)).sum::<f64>() / area_m2
-    }
-
-    /// Fraction, from 0 to 1, of the rectangle `[x0_m, x1_m] x [y0_m, y1_m]` that lies within `grown`, the offset
-    /// outline of this pattern's polygons, around any cavity; see [`Self::coverage`]. Overlaps are counted twice and
-    /// the total is limited to 1; there are no overlaps up to half of the narrowest land.
-    #[must_use]
-    pub fn coverage_grown(&self, grown: &Grown, x0_m: f64, x1_m: f64, y0_m: f64, y1_m: f64) -> f64 {
-        let Some(area_m2) = proper_area_m2([x0_m, x1_m], [y0_m, y1_m]) else { return 0.0 };
-        let cell_m = self.cell_m();
-        snap_fraction(self.grown_fraction(grown, area_m2, |shape, centre_m| {
-            covered_area(shape, &Sublattice { centre_m, cell_m }, [x0_m, x1_m], [y0_m, y1_m])
-        }))
     }
 
     /// Area, computed by `covered_m2`, of the land between crossing grooves `spacing_m` apart: disjoint rhombi, half a

@@ -12,7 +12,7 @@ use crate::pattern::geometry::{contains, edges, point_to_segment};
 /// concave outlines are handled correctly, including closing gaps and remaining holes. Arcs are replaced by chords that
 /// deviate by at most 1e-4 of the distance; everything else is exact.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Grown {
+pub(crate) struct Grown {
     /// Directed pieces of the boundary, with the inside on their left, divided by the outline's extent along x.
     pieces: Vec<[[f64; 2]; 2]>,
     distance: f64,
@@ -35,8 +35,7 @@ impl Polygon {
     /// Computes all points within `distance` of the polygon; the distance is divided by the extent along x. Time is
     /// proportional to the square of the number of corners: two milliseconds for a hundred. A distance that is not
     /// positive returns the outline itself.
-    #[must_use]
-    pub fn grown(&self, distance: f64) -> Grown {
+    pub(crate) fn grown(&self, distance: f64) -> Grown {
         let vertices = self.vertices();
         if !(distance > 0.0 && distance.is_finite()) {
             let pieces = edges(vertices).map(|(a, b)| [a, b]).collect();
@@ -69,15 +68,9 @@ impl Polygon {
 }
 
 impl Grown {
-    /// Offset distance, divided by the outline's extent along x.
-    #[must_use]
-    pub const fn distance(&self) -> f64 {
-        self.distance
-    }
-
     /// Area, divided by the square of the outline's extent along x.
-    #[must_use]
-    pub fn area(&self) -> f64 {
+    #[cfg(test)]
+    pub(crate) fn area(&self) -> f64 {
         // A = 1/2 sum (x_a y_b - x_b y_a)
         self.pieces.iter().map(|[[xa, ya], [xb, yb]]| (xa * yb - xb * ya) / 2.0).sum()
     }
@@ -212,12 +205,9 @@ mod tests {
             let pattern = Pattern::new(texture.with_arrangement(arrangement).unwrap(), 100e-6, 40e-6, 5e-6).unwrap();
             let grown = outline.grown(0.12);
             let [x_m, y_m] = pattern.cell_m();
-            let whole = pattern.coverage_grown(&grown, 0.0, x_m, 0.0, y_m);
+            let whole = pattern.coverage_within(12e-6, [0.0, x_m], [0.0, y_m]);
             let cavities = pattern.centres_m().count() as f64;
             assert!((whole - cavities * grown.area() * 1e-8 / (x_m * y_m)).abs() < 1e-12);
-            // A distance of zero returns the cavity itself.
-            let own = pattern.coverage_grown(&outline.grown(0.0), 3e-6, 50e-6, -7e-6, 31e-6);
-            assert!((own - pattern.coverage(3e-6, 50e-6, -7e-6, 31e-6)).abs() < 1e-12);
             let rectangle = [-30e-6, 41e-6, 5e-6, 77e-6];
             let inside = |[x, y]: [f64; 2]| {
                 let near = |[dx, dy]: [f64; 2]| {
@@ -237,7 +227,7 @@ mod tests {
                 .filter(|&(i, j)| inside([point(i, rectangle[0], rectangle[1]), point(j, rectangle[2], rectangle[3])]))
                 .count() as f64
                 / 9e4;
-            let share = pattern.coverage_grown(&grown, rectangle[0], rectangle[1], rectangle[2], rectangle[3]);
+            let share = pattern.coverage_within(12e-6, [rectangle[0], rectangle[1]], [rectangle[2], rectangle[3]]);
             assert!((share - counted).abs() < 2e-3, "{share} {counted}");
         }
     }

@@ -23,7 +23,6 @@
 //! | [`Rim`], [`RimProfile`] | recast material along the edge of a cavity |
 //! | [`ReliefMap`], [`LandRelief`] | measured heights of a face over one period, and of the lands between cavities |
 //! | [`Polygon`] | outline of a cavity of arbitrary shape |
-//! | [`Grown`] | all points within a given distance of an outline |
 //! | [`TextureRecord`] | a texture as keys of a file |
 //! | [`Pattern`] | a texture with width, spacing and depth in SI units: cell, coverage, densities |
 //! | [`ManufacturingLimits`] | limits of the laser, and the [`LimitViolation`]s of a pattern |
@@ -63,7 +62,6 @@ mod texture;
 
 pub use array::Pattern;
 pub use error::PatternError;
-pub use grown::Grown;
 pub use limits::{LimitViolation, ManufacturingLimits};
 pub use planform::{Arrangement, Planform};
 pub use polygon::Polygon;

@@ -4,7 +4,7 @@ use std::cell::OnceCell;
 use std::sync::Arc;
 
 use crate::material::{AreaLaw, Elastic};
-use crate::pattern::{Pattern, Planform, ReliefMap, Texture};
+use crate::pattern::{Pattern, ReliefMap, Texture};
 use rayon::prelude::*;
 
 use crate::springblock::columns;
@@ -18,10 +18,8 @@ use crate::springblock::steady::{
     CondensedModel, FaceHistory, RaisedModel, SteadyLoad, SteadyModel, ThickModel, band_products, condensing_cost,
     factor_bytes,
 };
-use crate::springblock::{Cancelled, Monitor, Unwatched};
+use crate::springblock::{Monitor, Unwatched};
 
-/// Tolerance within which a length counts as a whole number of blocks, for rounding errors of divisions.
-const WHOLE_TOLERANCE: f64 = 1e-9;
 /// Memory per column and explicit row of a cell in space, in bytes: three displacement fields, their spectra, condensed
 /// matrices, and a share of the stored search directions.
 const BYTES_PER_BLOCK: f64 = 1200.0;
@@ -295,42 +293,6 @@ impl SteadyCell {
     pub fn ratios_of(&self, patterns: &[Pattern]) -> Vec<Vec<Option<f64>>> {
         patterns.par_iter().map(|pattern| self.ratios(pattern)).collect()
     }
-
-    /// Like [`Self::ratios_of`], with cancellation by `monitor`.
-    ///
-    /// # Errors
-    /// [`Cancelled`] if `monitor` has cancelled.
-    pub fn ratios_of_heeding(
-        &self,
-        patterns: &[Pattern],
-        monitor: &dyn Monitor,
-    ) -> Result<Vec<Vec<Option<f64>>>, Cancelled> {
-        let heeding = |pattern| monitor.heed().map(|()| self.ratios_heeding(pattern, monitor));
-        let found = patterns.par_iter().map(heeding).collect::<Result<_, _>>()?;
-        // Patterns that were being solved when the monitor cancelled have no valid result.
-        monitor.heed().map(|()| found)
-    }
-
-    /// Returns all grooves of whole blocks within the bounds of width, spacing and depth, in metres, with their ratios.
-    /// At least one row of blocks remains above each groove. Widths vary slowest, depths fastest.
-    #[must_use]
-    pub fn table(&self, width_m: [f64; 2], spacing_m: [f64; 2], depth_m: [f64; 2]) -> Vec<(Pattern, Vec<Option<f64>>)> {
-        let block_m = self.layer.block_m;
-        // Bounds that equal whole blocks up to rounding are included.
-        let blocks = |bounds: [f64; 2], most: f64| {
-            let first = (bounds[0] / block_m - WHOLE_TOLERANCE).ceil().max(1.0);
-            let last = (bounds[1] / block_m + WHOLE_TOLERANCE).floor().min(most);
-            (0..).map(move |step| first + f64::from(step)).take_while(move |at| *at <= last)
-        };
-        let deepest = self.layer.rows() as f64 - 1.0;
-        let patterns: Vec<Pattern> = blocks(width_m, f64::INFINITY)
-            .flat_map(|w| blocks(spacing_m, f64::INFINITY).map(move |s| (w, s)))
-            .flat_map(|(w, s)| blocks(depth_m, deepest).map(move |d| [w, s, d]))
-            .filter_map(|[w, s, d]| Pattern::new(Planform::Groove, w * block_m, s * block_m, d * block_m).ok())
-            .collect();
-        let ratios = self.ratios_of(&patterns);
-        patterns.into_iter().zip(ratios).collect()
-    }
 }
 
 /// Model of a cell whose face has height variations. Returns `None` for a flat face, or if the equations of all blocks
@@ -349,10 +311,9 @@ pub fn cell_condensing_cost(pattern: &Pattern, block_m: f64) -> (f64, f64) {
 
 #[cfg(test)]
 mod tests {
-    use std::sync::atomic::{AtomicUsize, Ordering};
-
     use super::*;
     use crate::material::LocalFriction;
+    use crate::pattern::Planform;
     use crate::pattern::{Rim, RimProfile};
     use crate::springblock::scene::RunOptions;
     use crate::springblock::tests::samples;
@@ -364,44 +325,16 @@ mod tests {
     }
 
     #[test]
-    fn a_table_holds_every_whole_design_and_is_the_same_with_any_number_of_threads() {
-        let table = |threads: usize| {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            pool.install(|| model().table([40e-6, 70e-6], [95e-6, 120e-6], [5e-6, 300e-6]))
-        };
-        let (one, three) = (table(1), table(3));
-        assert!(one == three && one.len() == 4 * 3 * 19);
-        let um = |length_m: f64| (length_m * 1e6).round();
-        let sizes = |at: usize| [one[at].0.width_m(), one[at].0.spacing_m(), one[at].0.depth_m()].map(um);
-        assert_eq!((sizes(0), sizes(1), sizes(20)), ([40., 100., 10.], [40., 100., 20.], [40., 110., 20.]));
-        assert_eq!(one[7].1, model().ratios(&one[7].0));
-        assert!(
-            one.iter().flat_map(|(_, ratios)| ratios).all(|ratio| ratio.is_some_and(|r| r > 0.5 && r < 1.0 + 1e-9))
-        );
-    }
-
-    /// Monitor that cancels after a given number of queries.
-    struct Patience {
-        questions: AtomicUsize,
-    }
-
-    impl Monitor for Patience {
-        fn cancelled(&self) -> bool {
-            let left = |left: usize| Some(left.saturating_sub(1));
-            self.questions.fetch_update(Ordering::Relaxed, Ordering::Relaxed, left) == Ok(0)
-        }
-    }
-
-    #[test]
-    fn many_patterns_end_when_the_monitor_cancels_and_are_the_same_when_it_does_not() {
+    fn ratios_are_the_same_with_any_number_of_threads() {
         let patterns: Vec<Pattern> =
             (1..=40).map(|step| samples::groove(10.0 * f64::from(step), 370.0, 20.0)).collect();
-        let cell = model();
-        assert_eq!(cell.ratios_of_heeding(&patterns, &Unwatched), Ok(cell.ratios_of(&patterns)));
-        for questions in [0, 5, 40] {
-            let patience = Patience { questions: AtomicUsize::new(questions) };
-            assert_eq!(cell.ratios_of_heeding(&patterns, &patience), Err(Cancelled), "{questions}");
-        }
+        let ratios = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| model().ratios_of(&patterns))
+        };
+        let (one, three) = (ratios(1), ratios(3));
+        assert!(one == three && one[7] == model().ratios(&patterns[7]));
+        assert!(one.iter().flatten().all(|ratio| ratio.is_some_and(|r| r > 0.5 && r < 1.0 + 1e-9)));
     }
 
     #[test]

@@ -70,11 +70,6 @@ impl<'a, const H: usize> ContactVectors<'a, H> {
         }
     }
 
-    #[must_use]
-    pub const fn len(&self) -> usize {
-        self.blocks.len()
-    }
-
     /// Sets the face height and the vertical displacement of every block, given by column; call it before the first
     /// step.
     pub fn place(&mut self, face_and_height: impl Fn(usize) -> [f64; 2]) {

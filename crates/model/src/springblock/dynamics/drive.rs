@@ -175,6 +175,10 @@ pub struct Drive<'a> {
     pub pressure_pa: f64,
     /// Time step, in seconds.
     pub step_s: f64,
+    /// Time step in units of sqrt(m/k).
+    pub time_step: f64,
+    /// Force evaluations per step.
+    pub evaluations_per_step: u64,
     /// Share of this run in all work, for the progress report.
     pub share: f64,
     /// Relative standard error of dynamic mu at which the run may end after the planned travel.
@@ -215,8 +219,7 @@ impl Drive<'_> {
         let steps_per_bin = planned.div_ceil(BINS).max(1);
         let interface_from = (INTERFACE_FROM * planned as f64 / steps_per_bin as f64).ceil() as usize;
         let min_time = MIN_PERIODS * self.shear_period;
-        let mut recorder =
-            Recorder::new(engine.contacts(), steps_per_bin, engine.time_step(), min_time, interface_from);
+        let mut recorder = Recorder::new(steps_per_bin, self.time_step, min_time, interface_from);
         let extension = if self.stderr_share.is_some() { MAX_EXTENSION_FOR_STDERR } else { MAX_EXTENSION };
         let max_steps = planned.saturating_mul(extension).min(MAX_STEPS.max(planned));
 
@@ -267,7 +270,7 @@ impl Drive<'_> {
         let cost = DynamicCost {
             steps,
             dt_s: self.step_s,
-            site_updates: steps * engine.evaluations_per_step() * self.blocks,
+            site_updates: steps * self.evaluations_per_step * self.blocks,
             wall_s: monitor.seconds() - self.started_s,
         };
         let mean = recorder.window_mean();
@@ -349,13 +352,11 @@ impl RunResult {
             peak_pressure_pa,
             tension_blocks: last.iter().filter(|force| force.normal < 0.0).count(),
             cavity_closed,
-            clearance_m: None,
             area_law_extrapolated: scene.area_law.as_ref().is_some_and(|law| law.is_extrapolated(peak_pressure_pa)),
-            residual: None,
-            iterations: 0,
             cost: Some(*cost),
             interface,
             trace: recorder.trace(scales.time_s),
+            ..SurfaceOutcome::default()
         }
     }
 }

@@ -35,20 +35,11 @@ pub trait Engine {
     /// Whether every contact block has slipped since the drive began.
     fn all_have_slipped(&self) -> bool;
 
-    /// Number of contact blocks.
-    fn contacts(&self) -> usize;
-
     /// Forces on the contact blocks at the last force evaluation, left to right.
     fn contact_forces(&mut self) -> Vec<ContactForce>;
 
     /// Stops worker threads; no step may follow.
     fn finish(&mut self) {}
-
-    /// Time step in units of sqrt(m/k).
-    fn time_step(&self) -> f64;
-
-    /// Force evaluations per step.
-    fn evaluations_per_step(&self) -> u64;
 }
 
 /// An integrator of a plane lattice.

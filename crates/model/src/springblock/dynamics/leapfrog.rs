@@ -119,20 +119,8 @@ impl Engine for BondLeapfrog<'_> {
         self.contact.all_have_slipped()
     }
 
-    fn contacts(&self) -> usize {
-        self.contact.blocks.len()
-    }
-
     fn contact_forces(&mut self) -> Vec<ContactForce> {
         self.contact.forces()
-    }
-
-    fn time_step(&self) -> f64 {
-        self.time_step
-    }
-
-    fn evaluations_per_step(&self) -> u64 {
-        1
     }
 }
 

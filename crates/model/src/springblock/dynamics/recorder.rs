@@ -64,10 +64,10 @@ pub struct Recorder {
 }
 
 impl Recorder {
-    /// Creates a record of `contacts` blocks with `steps_per_bin` steps per interval. Averages cover at least
+    /// Creates a record with `steps_per_bin` steps per interval. Averages cover at least
     /// `min_time`, in units of sqrt(m/k). The interface is sampled from interval `interface_from_bin` on.
     #[must_use]
-    pub fn new(contacts: usize, steps_per_bin: u64, time_step: f64, min_time: f64, interface_from_bin: usize) -> Self {
+    pub fn new(steps_per_bin: u64, time_step: f64, min_time: f64, interface_from_bin: usize) -> Self {
         Self {
             steps_per_bin,
             time_step,
@@ -77,7 +77,7 @@ impl Recorder {
             min_time,
             onset_bin: None,
             peak_mu: f64::NEG_INFINITY,
-            interface: vec![ContactForce::default(); contacts],
+            interface: Vec::new(),
             interface_samples: 0,
             interface_from_bin,
         }
@@ -116,7 +116,9 @@ impl Recorder {
     fn sample_interface(&mut self, engine: &mut impl Engine) {
         if self.onset_bin.is_some() && self.bins.len() >= self.interface_from_bin {
             self.interface_samples += 1;
-            for (mean, force) in self.interface.iter_mut().zip(engine.contact_forces()) {
+            let forces = engine.contact_forces();
+            self.interface.resize(forces.len(), ContactForce::default());
+            for (mean, force) in self.interface.iter_mut().zip(forces) {
                 mean.normal += force.normal;
                 mean.friction += force.friction;
             }
@@ -125,7 +127,7 @@ impl Recorder {
 
     /// Restarts the mean interface, because the samples so far were not stationary.
     pub fn restart_interface(&mut self) {
-        self.interface.fill(ContactForce::default());
+        self.interface.clear();
         self.interface_samples = 0;
         self.interface_from_bin = self.bins.len();
     }
@@ -225,24 +227,15 @@ mod tests {
         fn all_have_slipped(&self) -> bool {
             self.0
         }
-        fn contacts(&self) -> usize {
-            1
-        }
         fn contact_forces(&mut self) -> Vec<ContactForce> {
             vec![ContactForce::default()]
-        }
-        fn time_step(&self) -> f64 {
-            1.0
-        }
-        fn evaluations_per_step(&self) -> u64 {
-            1
         }
     }
 
     #[test]
     fn standard_error_of_independent_samples_is_that_of_their_mean() {
         let mut contact = OneBlock(true);
-        let mut recorder = Recorder::new(1, 1, 1.0, 0.0, 0);
+        let mut recorder = Recorder::new(1, 1.0, 0.0, 0);
         let mut bits: u64 = 1;
         let n = 20_000;
         for _ in 0..n {
@@ -262,7 +255,7 @@ mod tests {
     fn a_straight_line_is_not_stationary_and_its_mean_is_that_of_its_end() {
         let mut contact = OneBlock(true);
         let (steps_per_bin, time_step) = (3, 0.5);
-        let mut recorder = Recorder::new(1, steps_per_bin, time_step, 0.0, 50);
+        let mut recorder = Recorder::new(steps_per_bin, time_step, 0.0, 50);
         // mu = t over 107 intervals of 1.5: the last 40 make 20 batches of 2.
         for step in 0..107 * steps_per_bin {
             let mu = (step as f64 + 0.5) * time_step;
@@ -280,7 +273,7 @@ mod tests {
     #[test]
     fn no_mean_before_every_block_has_slipped() {
         let mut contact = OneBlock(false);
-        let mut recorder = Recorder::new(1, 1, 1.0, 0.0, 10);
+        let mut recorder = Recorder::new(1, 1.0, 0.0, 10);
         for _ in 0..1000 {
             recorder.record(ContactSums { friction: 0.3, normal: 1.0, ..ContactSums::default() }, &mut contact);
         }

@@ -210,6 +210,8 @@ impl DynamicRun<'_> {
             scene: self.scene,
             pressure_pa: self.load.pressure_pa,
             step_s: self.scheme.step_s,
+            time_step: self.scheme.step_s / scales.time_s,
+            evaluations_per_step: if self.scheme.runge_kutta { 4 } else { 1 },
             share: self.share,
             stderr_share: self.stderr_share,
             blocks: (self.lattice.nx() * self.lattice.ny()) as u64,

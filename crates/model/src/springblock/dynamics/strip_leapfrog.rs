@@ -40,7 +40,6 @@ pub struct StripLeapfrog<'scope, 'env, 'a, R> {
     time_step: f64,
     steps: u64,
     periodic: bool,
-    contacts: usize,
     /// Base state from which displacements deviate, by row and column; empty if displacements start at zero.
     base: Vec<[f64; 2]>,
     columns: usize,
@@ -90,7 +89,6 @@ impl<'scope, 'env, 'a: 'scope, R: Real> StripLeapfrog<'scope, 'env, 'a, R> {
         let Setup { contact, protocol, time_step, liftoff, .. } = setup;
         let (stencils, balance) = strips(lattice);
         let (blocks, law) = contact.into_parts();
-        let contacts = blocks.len();
         let strips = stencils
             .into_iter()
             .map(|stencil| Strip::new(stencil, lattice.ny(), &blocks, law, kick, liftoff))
@@ -98,19 +96,7 @@ impl<'scope, 'env, 'a: 'scope, R: Real> StripLeapfrog<'scope, 'env, 'a, R> {
         let periodic = lattice.is_periodic();
         let (base, columns) = (Vec::new(), lattice.nx());
         let threads = None;
-        Self {
-            strips,
-            strip_workers: None,
-            threads,
-            balance,
-            protocol,
-            time_step,
-            steps: 0,
-            periodic,
-            contacts,
-            base,
-            columns,
-        }
+        Self { strips, strip_workers: None, threads, balance, protocol, time_step, steps: 0, periodic, base, columns }
     }
 
     /// Allows up to `threads` threads of `scope`, including the caller's.
@@ -167,24 +153,12 @@ impl<'scope, 'a: 'scope, R: Real> Engine for StripLeapfrog<'scope, '_, 'a, R> {
         self.strip_workers.as_ref().is_some_and(StripWorkers::all_have_slipped)
     }
 
-    fn contacts(&self) -> usize {
-        self.contacts
-    }
-
     fn contact_forces(&mut self) -> Vec<ContactForce> {
         self.strip_workers().contact_forces()
     }
 
     fn finish(&mut self) {
         self.strip_workers().finish();
-    }
-
-    fn time_step(&self) -> f64 {
-        self.time_step
-    }
-
-    fn evaluations_per_step(&self) -> u64 {
-        1
     }
 }
 

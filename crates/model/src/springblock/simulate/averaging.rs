@@ -84,13 +84,11 @@ fn surface(draws: &[&SurfaceOutcome]) -> SurfaceOutcome {
         peak_pressure_pa: largest(|draw| draw.peak_pressure_pa),
         tension_blocks: draws.iter().map(|draw| draw.tension_blocks).max().unwrap_or(0),
         cavity_closed: draws.iter().any(|draw| draw.cavity_closed),
-        clearance_m: None,
         area_law_extrapolated: draws.iter().any(|draw| draw.area_law_extrapolated),
-        residual: None,
-        iterations: 0,
         cost: cost(draws),
         interface: interface(draws),
         trace: trace(draws),
+        ..SurfaceOutcome::default()
     }
 }
 

@@ -56,6 +56,10 @@ pub const MAX_PRODUCTS: f64 = 2e9;
 /// Maximum multiplications of one steady plane cell for refined ratios: some seconds.
 pub const MAX_REFINEMENT_PRODUCTS: f64 = 2e10;
 
+/// Reasons why ratios were not refined.
+pub const CANCELLED: &str = "the run was cancelled";
+const UNKNOWN: &str = "how far they are from those of vanishing blocks is not known";
+
 /// Effect of smaller blocks on a steady cell.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BlockRefinement {
@@ -91,60 +95,10 @@ pub fn refinement(
     own: &[Option<f64>],
     most: f64,
     monitor: &dyn Monitor,
-) -> Result<BlockRefinement, Unrefined> {
+) -> Result<BlockRefinement, String> {
     match scene.dimension() {
         Dimension::Plane => refine_in_plane(scene, pattern, most, monitor).map(|(found, _)| found),
         Dimension::Space => refined_by_grooves(scene, pattern, own, most, monitor),
-    }
-}
-
-/// Reason why ratios were not refined.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Unrefined {
-    /// The scene is solved in space, and no groove is similar.
-    Space,
-    /// The monitor cancelled.
-    Cancelled,
-    /// The layer cannot be divided into blocks of this size, in metres.
-    Indivisible(f64),
-    /// Cells in blocks of this size, in metres, are too expensive.
-    TooExpensive(f64),
-    /// Cells in blocks of this size, in metres, have no ratio at some load.
-    Unsolved(f64),
-    /// The cavities, of the first depth, are shallower than two of the finest blocks, of the second size; in metres.
-    Shallow(f64, f64),
-    /// The current error is unknown.
-    Unknown,
-    /// Refinement does not reduce the error: current error, error in the finest blocks, and their size in metres.
-    NotBetter(f64, f64, f64),
-}
-
-impl Unrefined {
-    /// Statement for a scene with blocks of `block_m`.
-    fn statement(self, block_m: f64) -> String {
-        let um = micrometres;
-        let reason = match self {
-            Self::Space => "cells in space with rims or measured heights are like no grooves in the plane".to_owned(),
-            Self::Cancelled => "the run was cancelled".to_owned(),
-            Self::Indivisible(block_m) => format!("the layer cannot be cut into blocks of {} um", um(block_m)),
-            Self::TooExpensive(block_m) => format!("steady cells in blocks of {} um are too dear", um(block_m)),
-            Self::Unsolved(block_m) => {
-                format!("the steady cell in blocks of {} um has no ratio at some load", um(block_m))
-            }
-            Self::Shallow(depth_m, block_m) => format!(
-                "cavities {} um deep are shallower than two of the finest blocks, of {} um",
-                um(depth_m),
-                um(block_m)
-            ),
-            Self::Unknown => "how far they are from those of vanishing blocks is not known".to_owned(),
-            Self::NotBetter(stated, most, block_m) => {
-                format!("blocks of {} um would leave them open by {most:.4}, these by {stated:.4}", um(block_m))
-            }
-        };
-        format!(
-            "refine: ratios are those of blocks of {} um and not taken to smaller blocks, since {reason}",
-            um(block_m)
-        )
     }
 }
 
@@ -267,7 +221,7 @@ pub fn refine(scene: &Scene, pattern: &Pattern, share: f64, simulation: &mut Sim
 /// Applies the refinement `found` to `simulation`, as in [`refine`].
 pub fn apply_refinement(
     scene: &Scene,
-    found: Result<BlockRefinement, Unrefined>,
+    found: Result<BlockRefinement, String>,
     share: f64,
     simulation: &mut Simulation,
 ) {
@@ -285,13 +239,16 @@ pub fn apply_refinement(
             statements.method(format!(
                 "blocks of {} um: their ratio plus the change of {cell} with blocks of {} um, {:+.4} at most and known to \
                  {:.4}; pressures and the interface are those of the larger blocks",
-                micrometres(block_m),
-                micrometres(block_m * factor),
+                um(block_m),
+                um(block_m * factor),
                 widest(shifts.iter().copied()) * share,
                 share * errors.iter().copied().fold(0.0, f64::max),
             ));
         }
-        Err(reason) => statements.model(reason.statement(block_m)),
+        Err(reason) => statements.model(format!(
+            "refine: ratios are those of blocks of {} um and not taken to smaller blocks, since {reason}",
+            um(block_m)
+        )),
     }
 }
 
@@ -301,14 +258,18 @@ fn require_improvement(
     found: BlockRefinement,
     share: f64,
     block_m: f64,
-) -> Result<BlockRefinement, Unrefined> {
+) -> Result<BlockRefinement, String> {
     let stated = loads.iter().filter_map(|load| Some(2.0 * load.correction(Effect::Blocks)?.std?)).reduce(f64::max);
-    let stated = stated.ok_or(Unrefined::Unknown)?;
+    let stated = stated.ok_or(UNKNOWN)?;
     let most = share * found.errors.iter().copied().fold(0.0, f64::max);
-    if most < stated { Ok(found) } else { Err(Unrefined::NotBetter(stated, most, block_m * found.factor)) }
+    if most < stated {
+        return Ok(found);
+    }
+    let finest_um = um(block_m * found.factor);
+    Err(format!("blocks of {finest_um} um would leave them open by {most:.4}, these by {stated:.4}"))
 }
 
-fn micrometres(length_m: f64) -> f64 {
+fn um(length_m: f64) -> f64 {
     (length_m * 1e9).round() / 1e3
 }
 
@@ -319,13 +280,16 @@ pub fn refine_in_plane(
     pattern: &Pattern,
     most: f64,
     monitor: &dyn Monitor,
-) -> Result<(BlockRefinement, Vec<f64>), Unrefined> {
-    let at = |factor: f64| -> Result<Vec<f64>, Unrefined> {
-        let block_m = factor * scene.layer.block_m;
-        monitor.heed().map_err(|_| Unrefined::Cancelled)?;
-        let finer = with_block_factor(scene, factor).ok_or(Unrefined::Indivisible(block_m))?;
-        let ratios = plane_ratios(&finer, pattern, most).ok_or(Unrefined::TooExpensive(block_m))?;
-        ratios.into_iter().collect::<Option<Vec<f64>>>().ok_or(Unrefined::Unsolved(block_m))
+) -> Result<(BlockRefinement, Vec<f64>), String> {
+    let at = |factor: f64| -> Result<Vec<f64>, String> {
+        let of_blocks = format!("blocks of {} um", um(factor * scene.layer.block_m));
+        monitor.heed().map_err(|_| CANCELLED)?;
+        let finer = with_block_factor(scene, factor);
+        let finer = finer.ok_or_else(|| format!("the layer cannot be cut into {of_blocks}"))?;
+        let ratios = plane_ratios(&finer, pattern, most);
+        let ratios = ratios.ok_or_else(|| format!("steady cells in {of_blocks} are too dear"))?;
+        let found: Option<Vec<f64>> = ratios.into_iter().collect();
+        found.ok_or_else(|| format!("the steady cell in {of_blocks} has no ratio at some load"))
     };
     let is_deep = |factor: f64| pattern.depth_m() >= MIN_DEPTH_BLOCKS * factor * scene.layer.block_m;
     let mut levels: Vec<Vec<f64>> = Vec::new();
@@ -343,7 +307,7 @@ pub fn refine_in_plane(
             }
         }
     }
-    let [.., coarse, middle, fine] = &levels[..] else { return Err(ended.unwrap_or(Unrefined::Unknown)) };
+    let [.., coarse, middle, fine] = &levels[..] else { return Err(ended.unwrap_or_else(|| UNKNOWN.to_owned())) };
     let left = |load: usize| {
         let differences = [middle[load] - coarse[load], fine[load] - middle[load]];
         FINEST_FACTOR * (differences[1].abs() + tail(differences))
@@ -351,7 +315,10 @@ pub fn refine_in_plane(
     let shifts = fine.iter().zip(&levels[0]).map(|(fine, own)| fine - own).collect();
     let factor = FACTORS[levels.len() - 1];
     if !is_deep(factor) {
-        return Err(Unrefined::Shallow(pattern.depth_m(), factor * scene.layer.block_m));
+        let [depth_um, finest_um] = [pattern.depth_m(), factor * scene.layer.block_m].map(um);
+        return Err(format!(
+            "cavities {depth_um} um deep are shallower than two of the finest blocks, of {finest_um} um"
+        ));
     }
     // With raised lands, the load at which they touch affects the errors at every load.
     let reach = if scene.is_raised() { fine.len() } else { 1 };
@@ -453,14 +420,15 @@ mod tests {
         );
         let groove = samples::groove(60.0, 60.0, 20.0);
         let scene = samples::scene(groove, &[2.6], RunOptions::default());
-        assert_eq!(refine_in_plane(&scene, &groove, 1.0, &Unwatched), Err(Unrefined::TooExpensive(10e-6)));
+        let dear = "steady cells in blocks of 10 um are too dear".to_owned();
+        assert_eq!(refine_in_plane(&scene, &groove, 1.0, &Unwatched), Err(dear));
         let found = BlockRefinement { factor: 0.125, shifts: vec![0.0], errors: vec![0.002] };
-        assert_eq!(require_improvement(&[], found.clone(), 1.0, 10e-6), Err(Unrefined::Unknown));
+        assert_eq!(require_improvement(&[], found.clone(), 1.0, 10e-6), Err(UNKNOWN.to_owned()));
         let simulation = simulate(&scene, &Unwatched).unwrap();
         let own = simulation.loads[0].correction(Effect::Blocks).unwrap().std.unwrap() * 2.0;
         let not_better = BlockRefinement { errors: vec![2.0 * own], ..found.clone() };
         let refused = require_improvement(&simulation.loads, not_better, 1.0, 10e-6).unwrap_err();
-        assert!(refused.statement(10e-6).contains("blocks of 1.25 um would leave them open by"), "{refused:?}");
+        assert!(refused.contains("blocks of 1.25 um would leave them open by"), "{refused:?}");
         let good = BlockRefinement { errors: vec![0.5 * own], ..found };
         assert!(require_improvement(&simulation.loads, good, 1.0, 10e-6).is_ok());
     }

@@ -16,7 +16,7 @@
 
 use crate::pattern::{Pattern, Planform};
 
-use super::blocks::{BlockRefinement, MAX_PRODUCTS, Unrefined, refine_in_plane, with_block_factor};
+use super::blocks::{BlockRefinement, CANCELLED, MAX_PRODUCTS, refine_in_plane, with_block_factor};
 use super::space::MAX_ESTIMATED_BYTES;
 use crate::springblock::Monitor;
 use crate::springblock::cell::SteadyCell;
@@ -57,9 +57,9 @@ pub fn refined_by_grooves(
     own: &[Option<f64>],
     most: f64,
     monitor: &dyn Monitor,
-) -> Result<BlockRefinement, Unrefined> {
+) -> Result<BlockRefinement, String> {
     let alike = Some(pattern).filter(|pattern| has_flat_face(scene, pattern)).and_then(similar_groove);
-    let groove = alike.ok_or(Unrefined::Space)?;
+    let groove = alike.ok_or("cells in space with rims or measured heights are like no grooves in the plane")?;
     for size in SIZES {
         let Some(finer) = with_block_factor(scene, size).filter(|finer| is_cheap(finer, pattern, most)) else {
             continue;
@@ -67,7 +67,7 @@ pub fn refined_by_grooves(
         // The groove is solved first, because the cell in space is more expensive and useless without it.
         let Ok(of_groove) = refine_groove(&finer, &groove, most.min(MAX_PRODUCTS), monitor) else { continue };
         let Some(nearer) = refine_by_cells(scene, &finer, pattern, own, monitor) else { continue };
-        monitor.heed().map_err(|_| Unrefined::Cancelled)?;
+        monitor.heed().map_err(|_| CANCELLED)?;
         let added =
             nearer.iter().zip(own).map(|(nearer, own)| nearer.zip(*own).map_or(0.0, |(nearer, own)| nearer - own));
         let found = scale_refinement(of_groove, &nearer);
@@ -110,7 +110,7 @@ fn refine_groove(
     groove: &Pattern,
     most: f64,
     monitor: &dyn Monitor,
-) -> Result<(BlockRefinement, Vec<f64>), Unrefined> {
+) -> Result<(BlockRefinement, Vec<f64>), String> {
     let mut plane = Scene { pattern: Some(*groove), ..scene.clone() };
     plane.run.dimensions = Some(Dimension::Plane.number());
     refine_in_plane(&plane, groove, most, monitor)

@@ -11,7 +11,7 @@ use crate::pattern::Pattern;
 
 use crate::springblock::cell::{CellOutcome, SteadyCell};
 use crate::springblock::dimension::Dimension;
-use crate::springblock::outcome::{Effect, LoadOutcome, Statements};
+use crate::springblock::outcome::{Effect, LoadOutcome, Statements, SurfaceOutcome};
 use crate::springblock::scene::{Extent, Fidelity, Scene};
 
 /// Relative standard error of the effect of rims: ends carry more load than the cell, and with few cavities rims have a
@@ -20,15 +20,44 @@ const RELATIVE_ERROR: f64 = 0.02;
 
 /// Differences with rims minus without, by load.
 pub struct RimDifference {
-    each: Vec<Option<Difference>>,
+    each: Vec<Option<CellDifference>>,
 }
 
-struct Difference {
-    ratio: f64,
-    /// Peak pressure over that without rims.
-    peak: f64,
-    clearance_m: f64,
-    is_extrapolated: bool,
+/// Difference of two steady cells under one load.
+#[derive(Clone, Copy, Debug)]
+pub struct CellDifference {
+    /// Difference of the ratios.
+    pub ratio: f64,
+    /// Peak pressure over that of the second cell.
+    pub peak: f64,
+    pub clearance_m: f64,
+    pub is_extrapolated: bool,
+}
+
+impl CellDifference {
+    /// Computes `with` minus `without`; `None` unless both have a ratio.
+    pub fn new(with: &CellOutcome, without: &CellOutcome) -> Option<Self> {
+        let (of_with, of_without) = (&with.surface, &without.surface);
+        Some(Self {
+            ratio: with.ratio? - without.ratio?,
+            peak: of_with.peak_pressure_pa / of_without.peak_pressure_pa,
+            clearance_m: of_with.clearance_m.zip(of_without.clearance_m).map_or(0.0, |(with, without)| with - without),
+            is_extrapolated: of_with.area_law_extrapolated,
+        })
+    }
+
+    /// Computes the differences by load.
+    pub fn of_loads(with: &[CellOutcome], without: &[CellOutcome]) -> Vec<Option<Self>> {
+        with.iter().zip(without).map(|(with, without)| Self::new(with, without)).collect()
+    }
+
+    /// Adds all but the ratio to `surface`.
+    pub fn add_to(&self, surface: &mut SurfaceOutcome) {
+        surface.peak_pressure_pa *= self.peak;
+        surface.clearance_m = surface.clearance_m.map(|clearance_m| clearance_m + self.clearance_m);
+        surface.cavity_closed |= surface.clearance_m.is_some_and(|clearance_m| clearance_m <= 0.0);
+        surface.area_law_extrapolated |= self.is_extrapolated;
+    }
 }
 
 /// Returns `pattern` with flat lands.
@@ -46,7 +75,7 @@ impl RimDifference {
             |scene: &Scene, pattern: &Pattern| SteadyCell::with_dimension(scene, Dimension::Plane).solve(pattern);
         let flat = Scene { relief: None, ..scene.clone() };
         let (with, without) = rayon::join(|| solve(scene, pattern), || solve(&flat, &without_rim(pattern)));
-        Self { each: with.iter().zip(&without).map(|(with, without)| difference(with, without)).collect() }
+        Self { each: CellDifference::of_loads(&with, &without) }
     }
 
     /// Adds the differences to `loads`, whose cavity fraction is `share` times that of a period.
@@ -58,11 +87,7 @@ impl RimDifference {
             };
             let change = difference.ratio * share;
             load.correct(Effect::Rims, change, RELATIVE_ERROR * change.abs());
-            let surface = &mut load.surface;
-            surface.peak_pressure_pa *= difference.peak;
-            surface.clearance_m = surface.clearance_m.map(|clearance_m| clearance_m + difference.clearance_m);
-            surface.cavity_closed |= surface.clearance_m.is_some_and(|clearance_m| clearance_m <= 0.0);
-            surface.area_law_extrapolated |= difference.is_extrapolated;
+            difference.add_to(&mut load.surface);
         }
     }
 
@@ -92,20 +117,9 @@ pub fn add_yielding(scene: &Scene, pattern: &Pattern, loads: &mut [LoadOutcome],
     let solve = |scene: &Scene| SteadyCell::with_dimension(scene, scene.dimension()).solve(pattern);
     let rigid = Scene { elastic, ..scene.clone() };
     let (with, without) = rayon::join(|| solve(scene), || solve(&rigid));
-    let each = with.iter().zip(&without).map(|(with, without)| difference(with, without)).collect();
-    RimDifference { each }.add(1.0, loads);
+    RimDifference { each: CellDifference::of_loads(&with, &without) }.add(1.0, loads);
     statements
         .model(format!("{yields}: by what that changes of the steady cell, known to {:.0} %", 100.0 * RELATIVE_ERROR));
-}
-
-fn difference(with: &CellOutcome, without: &CellOutcome) -> Option<Difference> {
-    let (of_with, of_without) = (&with.surface, &without.surface);
-    Some(Difference {
-        ratio: with.ratio? - without.ratio?,
-        peak: of_with.peak_pressure_pa / of_without.peak_pressure_pa,
-        clearance_m: of_with.clearance_m.zip(of_without.clearance_m).map_or(0.0, |(with, without)| with - without),
-        is_extrapolated: of_with.area_law_extrapolated,
-    })
 }
 
 #[cfg(test)]

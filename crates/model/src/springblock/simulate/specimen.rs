@@ -27,7 +27,7 @@ mod timed_strip;
 
 use crate::pattern::Pattern;
 
-use super::blocks::{self, BlockRefinement, Unrefined};
+use super::blocks::{self, BlockRefinement};
 use super::pressure_tilt::PressureTilt;
 use super::rim_difference::RimDifference;
 use super::statements::modulus_of_heights;
@@ -93,7 +93,7 @@ pub struct SteadySpecimen {
     block_errors: Option<Vec<f64>>,
     correction: ThickLayerCorrection,
     tilt: PressureTilt,
-    refined: Option<Result<BlockRefinement, Unrefined>>,
+    refined: Option<Result<BlockRefinement, String>>,
 }
 
 impl SteadySpecimen {

@@ -13,13 +13,13 @@
 use crate::pattern::Pattern;
 
 use super::pressure_tilt::PressureTilt;
-use super::rim_difference::without_rim;
+use super::rim_difference::{CellDifference, without_rim};
 use super::{MAX_FACTOR_BYTES, load_sharing, widest};
 use crate::springblock::Monitor;
 use crate::springblock::cell::{CellOutcome, SteadyCell};
 use crate::springblock::dimension::Dimension;
 use crate::springblock::face::Face;
-use crate::springblock::outcome::{Effect, LoadOutcome, Statements, Status};
+use crate::springblock::outcome::{Effect, LoadOutcome, Statements};
 use crate::springblock::scene::{Extent, Fidelity, Layer, Scene};
 
 /// Standard error of the ratio of a dynamic run from adding the difference of steady cells.
@@ -51,17 +51,7 @@ pub struct ThickLayerCorrection {
     /// Standard error of the correction due to the ends of strips, and the relative standard error of the correction.
     end_error: f64,
     relative_error: f64,
-    each: Vec<Option<Difference>>,
-}
-
-/// Difference of thick minus layer alone under one load.
-#[derive(Clone, Copy, Debug)]
-struct Difference {
-    ratio: f64,
-    /// Peak pressure over that of the layer alone.
-    peak: f64,
-    clearance_m: f64,
-    is_extrapolated: bool,
+    each: Vec<Option<CellDifference>>,
 }
 
 /// Returns `scene` for its solver: only steady cells keep the thickness.
@@ -86,7 +76,7 @@ impl ThickLayerCorrection {
         }
         let alone = Scene { layer: thick.layer.alone(), ..thick.clone() };
         let (thick, alone) = rayon::join(|| cells(&thick, pattern, monitor), || cells(&alone, pattern, monitor));
-        let each = thick.iter().zip(&alone).map(|(thick, alone)| difference(thick, alone)).collect();
+        let each = CellDifference::of_loads(&thick, &alone);
         let end_error = match scene.run.extent {
             Extent::Cell => 0.0,
             Extent::Sample | Extent::Strip => END_ERROR * (REFERENCE_LENGTH_M / scene.layer.length_m).max(1.0),
@@ -127,7 +117,7 @@ impl ThickLayerCorrection {
         let differences = load_sharing::difference(scene, pattern, face, monitor);
         let differences = differences.unwrap_or_else(|| vec![None; scene.loads.len()]);
         for (each, for_face) in correction.each.iter_mut().zip(differences) {
-            *each = each.zip(for_face).map(|(cell, ratio)| Difference { ratio, ..cell });
+            *each = each.zip(for_face).map(|(cell, ratio)| CellDifference { ratio, ..cell });
         }
         correction.relative_error = load_sharing::RELATIVE_ERROR;
         correction
@@ -190,28 +180,13 @@ fn cells(scene: &Scene, pattern: &Pattern, monitor: &dyn Monitor) -> Vec<CellOut
     if model.bytes(pattern) > MAX_FACTOR_BYTES { Vec::new() } else { model.solve_heeding(pattern, monitor) }
 }
 
-fn difference(thick: &CellOutcome, alone: &CellOutcome) -> Option<Difference> {
-    let (of_thick, of_alone) = (&thick.surface, &alone.surface);
-    let is_peak = of_alone.peak_pressure_pa > 0.0 && of_thick.status == Status::Converged;
-    Some(Difference {
-        ratio: thick.ratio? - alone.ratio?,
-        peak: if is_peak { of_thick.peak_pressure_pa / of_alone.peak_pressure_pa } else { 1.0 },
-        clearance_m: of_thick.clearance_m.zip(of_alone.clearance_m).map_or(0.0, |(thick, alone)| thick - alone),
-        is_extrapolated: of_thick.area_law_extrapolated,
-    })
-}
-
 /// Adds `difference` with the standard error `open` to `load`.
-fn add(difference: &Difference, open: f64, load: &mut LoadOutcome) {
+fn add(difference: &CellDifference, open: f64, load: &mut LoadOutcome) {
     if let Some(ratio) = load.ratio() {
         let std = open.min(RELATIVE_ERROR * (1.0 - ratio - difference.ratio).abs());
         load.correct(Effect::Behind, difference.ratio, std);
     }
-    let surface = &mut load.surface;
-    surface.peak_pressure_pa *= difference.peak;
-    surface.clearance_m = surface.clearance_m.map(|clearance_m| clearance_m + difference.clearance_m);
-    surface.cavity_closed |= surface.clearance_m.is_some_and(|clearance_m| clearance_m <= 0.0);
-    surface.area_law_extrapolated |= difference.is_extrapolated;
+    difference.add_to(&mut load.surface);
 }
 
 #[cfg(test)]

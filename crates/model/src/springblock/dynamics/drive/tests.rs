@@ -38,17 +38,8 @@ impl Engine for StepEncodingEngine {
     fn all_have_slipped(&self) -> bool {
         self.steps >= self.slipped
     }
-    fn contacts(&self) -> usize {
-        1
-    }
     fn contact_forces(&mut self) -> Vec<ContactForce> {
         vec![ContactForce { normal: self.steps as f64, friction: (self.steps as f64).cos() }]
-    }
-    fn time_step(&self) -> f64 {
-        1.0
-    }
-    fn evaluations_per_step(&self) -> u64 {
-        1
     }
 }
 
@@ -61,6 +52,8 @@ fn steps_two_at_once_are_asked_the_same_as_steps_one_by_one() {
             scene: &scene,
             pressure_pa: 2.6e6,
             step_s: 5e-9,
+            time_step: 1.0,
+            evaluations_per_step: 1,
             share: 1.0,
             stderr_share: Some(1e-5),
             blocks: 1,

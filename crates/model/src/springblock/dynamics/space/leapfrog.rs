@@ -381,19 +381,7 @@ impl<R: Real> Engine for SpaceLeapfrog<'_, R> {
         self.contact.all_have_slipped()
     }
 
-    fn contacts(&self) -> usize {
-        self.contact.len()
-    }
-
     fn contact_forces(&mut self) -> Vec<ContactForce> {
         self.contact.forces().collect()
-    }
-
-    fn time_step(&self) -> f64 {
-        self.time_step
-    }
-
-    fn evaluations_per_step(&self) -> u64 {
-        1
     }
 }

@@ -157,6 +157,8 @@ impl SpaceRun<'_> {
             scene,
             pressure_pa: self.load.pressure_pa,
             step_s: self.scheme.step_s,
+            time_step: self.scheme.step_s / scales.time_s,
+            evaluations_per_step: 1,
             share: self.share,
             stderr_share: self.stderr_share,
             blocks: (lattice.face_columns() * lattice.rows()) as u64,
