@@ -7,18 +7,15 @@ use crate::material::{AreaLaw, Elastic};
 use crate::pattern::{Pattern, ReliefMap, Texture};
 use rayon::prelude::*;
 
-use crate::springblock::columns;
-use crate::springblock::dimension::Dimension;
-use crate::springblock::lattice::Lattice;
-use crate::springblock::outcome::{Status, SurfaceOutcome};
 use crate::springblock::rims::Rims;
-use crate::springblock::scene::{Layer, Load, MAX_DRAWS, Scene};
-use crate::springblock::space::{SpaceLattice, SpaceLoad, SpaceSteadyModel, TOLERANCE};
+use crate::springblock::space::TOLERANCE;
 use crate::springblock::steady::{
-    CondensedModel, FaceHistory, RaisedModel, SteadyLoad, SteadyModel, ThickModel, band_products, condensing_cost,
-    factor_bytes,
+    CondensedModel, FaceHistory, RaisedModel, ThickModel, band_products, condensing_cost, factor_bytes,
 };
-use crate::springblock::{Monitor, Unwatched};
+use crate::springblock::{
+    Dimension, Lattice, Layer, Load, MAX_DRAWS, Monitor, Scene, SpaceLattice, SpaceLoad, SpaceSteadyModel, Status,
+    SteadyLoad, SteadyModel, SurfaceOutcome, Unwatched, columns,
+};
 
 /// Memory per column and explicit row of a cell in space, in bytes: three displacement fields, their spectra, condensed
 /// matrices, and a share of the stored search directions.

@@ -14,7 +14,7 @@
 //!
 //! so that C12 = C66 = k/2 and C11 = 3k/2 for any w; w = 1 gives k/2, k and k.
 
-use crate::springblock::columns::Column;
+use crate::springblock::Column;
 
 /// A lattice with or without cavities.
 #[derive(Clone, Debug, PartialEq)]

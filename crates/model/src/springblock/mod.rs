@@ -78,13 +78,16 @@ mod tests {
 }
 
 pub use cell::{CellOutcome, SteadyCell};
+pub(crate) use columns::Column;
 pub use dimension::Dimension;
+pub(crate) use draws::Coefficients;
 pub use dynamics::{
     MAX_EXTENSION_FOR_STDERR, MAX_STEPS, WAVE_DEFICIT, even_speed_m_s, max_run_speed_m_s, run_speed_m_s,
     shear_modulus_pa, shear_period_s, warm_travel_m,
 };
 pub use error::SceneError;
 pub use face::{Face, Strip};
+pub(crate) use lattice::Lattice;
 pub use outcome::{
     Correction, DynamicCost, Effect, InterfacePoint, LoadOutcome, Simulation, Statements, Status, SurfaceOutcome,
     TracePoint,
@@ -97,3 +100,4 @@ pub use simulate::{
 };
 pub use slipgrid_base::monitor::{Cancelled, Monitor, Unwatched};
 pub use space::{SpaceBond, SpaceLattice, SpaceLoad, SpaceSpring, SpaceSteadyModel};
+pub(crate) use steady::{SteadyLoad, SteadyModel};

@@ -23,18 +23,13 @@ use crate::pattern::Pattern;
 use rayon::prelude::*;
 use slipgrid_base::monitor::cached;
 
-use crate::springblock::Monitor;
-use crate::springblock::cell::{SteadyCell, cell_condensing_cost, raised_model};
-use crate::springblock::columns::{self, Column};
-use crate::springblock::dimension::Dimension;
-use crate::springblock::draws;
+use crate::springblock::cell::{cell_condensing_cost, raised_model};
 use crate::springblock::dynamics::{Plan, Scheme};
-use crate::springblock::error::SceneError;
-use crate::springblock::face::Strip;
-use crate::springblock::lattice::Lattice;
-use crate::springblock::outcome::{LoadOutcome, Simulation, Statements, Status, SurfaceOutcome};
-use crate::springblock::scene::{Extent, Fidelity, Layer, Load, RunOptions, Scene};
-use crate::springblock::steady::{FaceHistory, RaisedModel, SteadyLoad, SteadyModel, ThickModel, factor_bytes};
+use crate::springblock::steady::{FaceHistory, RaisedModel, ThickModel, factor_bytes};
+use crate::springblock::{
+    Column, Dimension, Extent, Fidelity, Lattice, Layer, Load, LoadOutcome, Monitor, RunOptions, Scene, SceneError,
+    Simulation, Statements, Status, SteadyCell, SteadyLoad, SteadyModel, Strip, SurfaceOutcome, columns, draws,
+};
 
 use runs::{RunResults, collect, run_all, seed_of, stderr_share};
 use space::{StripLayout, layout_share};

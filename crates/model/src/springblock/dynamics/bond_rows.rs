@@ -6,7 +6,7 @@
 
 use pulp::{Simd, WithSimd};
 
-use crate::springblock::scene::Springs;
+use crate::springblock::Springs;
 use slipgrid_base::fft::vectorized;
 
 /// Number of columns whose forces stay in the first-level cache while the four kinds of springs of a row are evaluated.

@@ -4,8 +4,7 @@
 //! Springs of the uniform mesh are evaluated row by row ([`BondRows`]), other springs one by one.
 
 use super::bond_rows::{BondRows, KINDS};
-use crate::springblock::lattice::Lattice;
-use crate::springblock::scene::Springs;
+use crate::springblock::{Lattice, Springs};
 
 /// One spring; its ends are block numbers j * nx + i.
 #[derive(Clone, Copy, Debug)]

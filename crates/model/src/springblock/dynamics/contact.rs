@@ -13,7 +13,7 @@
 use crate::material::{AreaLaw, Piece};
 
 use super::sweep::Kick;
-use crate::springblock::draws::Coefficients;
+use crate::springblock::Coefficients;
 
 /// Local friction law: the resistance of a block with given coefficients at a given normal force.
 #[derive(Clone, Copy, Debug)]

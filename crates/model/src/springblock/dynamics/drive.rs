@@ -6,10 +6,9 @@ use super::protocol::{RAMP_S, REST_S};
 use super::recorder::{Recorder, WindowMean};
 use super::scales::Scales;
 use crate::material::{AreaLaw, Elastic};
-use crate::springblock::Monitor;
-use crate::springblock::dimension::Dimension;
-use crate::springblock::outcome::{DynamicCost, InterfacePoint, Status, SurfaceOutcome};
-use crate::springblock::scene::{Layer, Load, RunOptions, Scene};
+use crate::springblock::{
+    Dimension, DynamicCost, InterfacePoint, Layer, Load, Monitor, RunOptions, Scene, Status, SurfaceOutcome,
+};
 
 /// Number of recording intervals of the planned run.
 const BINS: u64 = 2000;

@@ -12,8 +12,7 @@ use super::contact::{ContactForce, ContactRow, ContactSums};
 use super::engine::{Engine, PlaneEngine, Setup};
 use super::protocol::Protocol;
 use super::sweep::Kick;
-use crate::springblock::lattice::Lattice;
-use crate::springblock::scene::Springs;
+use crate::springblock::{Lattice, Springs};
 
 /// Moves contact blocks vertically under unilateral contact.
 fn move_vertically(

@@ -9,12 +9,10 @@ use super::protocol::Protocol;
 use super::scales::Scales;
 use super::space::{SpaceLeapfrog, SpaceSetup};
 use super::strip_leapfrog::StripLeapfrog;
-use crate::springblock::columns;
-use crate::springblock::draws::{self, Coefficients};
-use crate::springblock::lattice::Lattice;
-use crate::springblock::space::{SpaceLattice, SpaceLoad, SpaceSteadyModel};
-use crate::springblock::steady::{SteadyLoad, SteadyModel};
 use crate::springblock::tests::samples::{coefficients, friction, persson_law};
+use crate::springblock::{
+    Coefficients, Lattice, SpaceLattice, SpaceLoad, SpaceSteadyModel, SteadyLoad, SteadyModel, columns, draws,
+};
 
 const BLOCK_M: f64 = 10e-6;
 const YOUNGS_MODULUS_PA: f64 = 0.38e9;

@@ -1,7 +1,7 @@
 //! Load and motion of the bulk: the pressure ramps up from zero, rests, then the bulk moves.
 
 use super::scales::Scales;
-use crate::springblock::scene::Scene;
+use crate::springblock::Scene;
 
 /// Duration of the pressure ramp, in seconds (paper: 2 us).
 pub const RAMP_S: f64 = 2e-6;

@@ -4,7 +4,7 @@
 use super::contact::{ContactForce, ContactSums};
 use super::engine::Engine;
 use super::stationary::stationary_from;
-use crate::springblock::outcome::TracePoint;
+use crate::springblock::TracePoint;
 
 /// Number of batches in the window. Fewer batches make the error estimate noisy; more make batches short compared with
 /// the correlation time of the friction force (two microseconds, the period of the layer's shear mode).

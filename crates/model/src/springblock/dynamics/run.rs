@@ -12,14 +12,11 @@ use super::scales::Scales;
 use super::space::SPACE_STEP;
 use super::stability::largest_frequency;
 use super::strip_leapfrog::StripLeapfrog;
-use crate::springblock::Monitor;
-use crate::springblock::SceneError;
-use crate::springblock::draws;
-use crate::springblock::lattice::Lattice;
-use crate::springblock::outcome::{Status, SurfaceOutcome};
 use crate::springblock::rims::PLANE_STRAIN;
-use crate::springblock::scene::{Fidelity, Load, Scene, Springs};
-use crate::springblock::steady::{SteadyLoad, SteadyModel};
+use crate::springblock::{
+    Fidelity, Lattice, Load, Monitor, Scene, SceneError, Springs, Status, SteadyLoad, SteadyModel, SurfaceOutcome,
+    draws,
+};
 
 /// Default step of the leapfrog in units of sqrt(m/k): 6 ns for the published polymer at l = 10 um, half of the
 /// stability limit. Dynamic mu is then 0.03 % below the limit of short steps, and the ratio has reached its limit

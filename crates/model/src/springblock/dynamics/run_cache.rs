@@ -4,8 +4,7 @@ use std::fmt::Debug;
 
 use slipgrid_base::monitor::{Monitor, cached};
 
-use crate::springblock::outcome::SurfaceOutcome;
-use crate::springblock::scene::Scene;
+use crate::springblock::{Scene, SurfaceOutcome};
 
 /// Returns the outcome of `run` from the monitor's cache or by running it.
 ///

@@ -12,8 +12,7 @@ use super::bonds::Bonds;
 use super::contact::{ContactForce, ContactRow, ContactSums, Motion, slip_direction};
 use super::engine::{Engine, PlaneEngine, Setup};
 use super::protocol::Protocol;
-use crate::springblock::lattice::Lattice;
-use crate::springblock::scene::Springs;
+use crate::springblock::{Lattice, Springs};
 use slipgrid_base::fft::vectorized;
 
 /// Positions and velocities, x and y, by block number j * nx + i.

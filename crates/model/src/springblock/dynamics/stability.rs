@@ -1,8 +1,7 @@
 //! Stability limit of the time step, from the largest eigenfrequency of the lattice.
 
 use super::bonds::Bonds;
-use crate::springblock::lattice::Lattice;
-use crate::springblock::scene::Springs;
+use crate::springblock::{Lattice, Springs};
 
 /// Number of steps of the Lanczos recursion. The largest eigenvalue, which free edges separate well from the others, is
 /// found to better than 1e-4.

@@ -11,7 +11,7 @@ use pulp::{Simd, WithSimd};
 
 use super::real::Real;
 use super::rows::{Field, INSIDE, RowCoefficients, Site};
-use crate::springblock::lattice::Lattice;
+use crate::springblock::Lattice;
 use slipgrid_base::fft::vectorized;
 
 /// Maximum number of columns of a strip: twenty rows of them fill a sixth of a second-level cache.

@@ -24,8 +24,7 @@ use super::stencil::{BulkBalance, strips};
 use super::strip::{Base, BulkPosition, Strip};
 use super::strip_workers::StripWorkers;
 use super::sweep::Kick;
-use crate::springblock::lattice::Lattice;
-use crate::springblock::scene::Springs;
+use crate::springblock::{Lattice, Springs};
 
 /// Leapfrog on the strips of a lattice of whole blocks.
 #[derive(Debug)]

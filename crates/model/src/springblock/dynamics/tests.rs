@@ -13,11 +13,8 @@ use super::leapfrog::BondLeapfrog;
 use super::protocol::Protocol;
 use super::runge_kutta::RungeKutta;
 use super::strip_leapfrog::StripLeapfrog;
-use crate::springblock::columns;
-use crate::springblock::draws::Coefficients;
-use crate::springblock::lattice::Lattice;
-use crate::springblock::scene::Springs;
 use crate::springblock::tests::samples;
+use crate::springblock::{Coefficients, Lattice, Springs, columns};
 
 fn patterned(periodic: bool) -> Lattice {
     let pattern = Pattern::new(Planform::Groove, 30e-6, 50e-6, 20e-6).unwrap();

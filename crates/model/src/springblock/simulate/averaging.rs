@@ -1,8 +1,6 @@
 //! Mean of outcomes that differ in their draws of local coefficients only.
 
-use crate::springblock::outcome::{
-    Correction, DynamicCost, InterfacePoint, LoadOutcome, Status, SurfaceOutcome, TracePoint,
-};
+use crate::springblock::{Correction, DynamicCost, InterfacePoint, LoadOutcome, Status, SurfaceOutcome, TracePoint};
 
 /// Statuses from most to least severe.
 const SEVERITY: [Status; 11] = [

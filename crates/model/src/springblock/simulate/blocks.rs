@@ -27,11 +27,7 @@ use crate::pattern::{Pattern, Planform, Texture};
 
 use super::cavities_in_space::{has_flat_face, refined_by_grooves};
 use super::widest;
-use crate::springblock::cell::SteadyCell;
-use crate::springblock::dimension::Dimension;
-use crate::springblock::outcome::{Effect, LoadOutcome, Simulation};
-use crate::springblock::scene::Scene;
-use crate::springblock::{Monitor, Unwatched};
+use crate::springblock::{Dimension, Effect, LoadOutcome, Monitor, Scene, Simulation, SteadyCell, Unwatched};
 
 /// Range of plausible orders of convergence.
 const ORDERS: [f64; 2] = [0.5, 2.0];

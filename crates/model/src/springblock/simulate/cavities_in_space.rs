@@ -18,10 +18,7 @@ use crate::pattern::{Pattern, Planform};
 
 use super::blocks::{BlockRefinement, CANCELLED, MAX_PRODUCTS, refine_in_plane, with_block_factor};
 use super::space::MAX_ESTIMATED_BYTES;
-use crate::springblock::Monitor;
-use crate::springblock::cell::SteadyCell;
-use crate::springblock::dimension::Dimension;
-use crate::springblock::scene::Scene;
+use crate::springblock::{Dimension, Monitor, Scene, SteadyCell};
 
 /// Standard error of the formula as a fraction of the largest shift
 /// (`grooves_tell_what_smaller_blocks_change_of_cavities_in_space`); rarely exceeded.

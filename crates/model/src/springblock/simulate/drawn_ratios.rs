@@ -4,11 +4,9 @@
 use rayon::prelude::*;
 
 use super::seed_of;
-use crate::springblock::Monitor;
-use crate::springblock::draws;
-use crate::springblock::outcome::{Status, SurfaceOutcome};
-use crate::springblock::scene::{Load, Scene};
-use crate::springblock::space::{SpaceLattice, SpaceLoad, SpaceSteadyModel};
+use crate::springblock::{
+    Load, Monitor, Scene, SpaceLattice, SpaceLoad, SpaceSteadyModel, Status, SurfaceOutcome, draws,
+};
 
 /// Creates the model of steady sliding on `lattice`.
 pub fn model_of(scene: &Scene, lattice: &SpaceLattice) -> SpaceSteadyModel {

@@ -11,13 +11,13 @@ use super::space::MAX_ESTIMATED_BYTES;
 use super::space_strip::BYTES_PER_BLOCK as STRIP_BYTES_PER_BLOCK;
 use super::thick_layer::ThickLayerCorrection;
 use super::{FLAT_CELL_COLUMNS, MAX_FACTOR_BYTES, UNIFORM_COLUMNS};
-use crate::springblock::cell::{SteadyCell, cell_condensing_cost};
-use crate::springblock::dimension::Dimension;
-use crate::springblock::dynamics::{MAX_STEPS, Plan, default_step_s};
-use crate::springblock::error::SceneError;
-use crate::springblock::scene::{Extent, Fidelity, Scene, Springs};
-use crate::springblock::space::{MAX_DIRECTIONS, MAX_STORED_DIRECTIONS, SpaceLattice};
+use crate::springblock::cell::cell_condensing_cost;
+use crate::springblock::dynamics::{Plan, default_step_s};
+use crate::springblock::space::{MAX_DIRECTIONS, MAX_STORED_DIRECTIONS};
 use crate::springblock::steady::{band_products, factor_bytes};
+use crate::springblock::{
+    Dimension, Extent, Fidelity, MAX_STEPS, Scene, SceneError, SpaceLattice, Springs, SteadyCell,
+};
 
 /// Seconds per block and force evaluation: linear and exact springs in the plane, and springs in space.
 const LINEAR_S: f64 = 1.6e-9;

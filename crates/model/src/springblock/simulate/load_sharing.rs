@@ -29,14 +29,9 @@ use crate::pattern::{Pattern, Planform};
 use rayon::prelude::*;
 
 use super::specimen::without_slivers;
-use crate::springblock::Monitor;
-use crate::springblock::cell::{CellOutcome, SteadyCell};
-use crate::springblock::columns;
-use crate::springblock::dimension::Dimension;
-use crate::springblock::face::{Face, Strip};
-use crate::springblock::lattice::Lattice;
-use crate::springblock::scene::{Load, Scene};
-use crate::springblock::steady::SteadyModel;
+use crate::springblock::{
+    CellOutcome, Dimension, Face, Lattice, Load, Monitor, Scene, SteadyCell, SteadyModel, Strip, columns,
+};
 use body::{FacePressure, Foundation, face_pressure};
 
 /// Relative standard error of the change by load sharing (`strips_share_the_load_as_all_blocks_of_the_specimen_say`).

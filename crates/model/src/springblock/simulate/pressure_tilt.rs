@@ -29,12 +29,9 @@ use super::load_sharing::body::{Body, Foundation, Patch};
 use super::load_sharing::{CellFriction, LoadShare, SOLID_COMPLIANCE, excess_compliance_m, normalized};
 use super::rim_difference::without_rim;
 use super::widest;
-use crate::springblock::Monitor;
-use crate::springblock::cell::SteadyCell;
-use crate::springblock::dimension::Dimension;
-use crate::springblock::face::Face;
-use crate::springblock::outcome::{Effect, LoadOutcome, Simulation, Statements};
-use crate::springblock::scene::{Extent, Holder, Scene};
+use crate::springblock::{
+    Dimension, Effect, Extent, Face, Holder, LoadOutcome, Monitor, Scene, Simulation, Statements, SteadyCell,
+};
 
 /// Relative standard error of the computed change of the ratio, for specimens some tens of periods long
 /// (`it_changes_ratios_as_all_blocks_of_a_specimen_say`).

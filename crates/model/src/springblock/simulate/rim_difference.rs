@@ -9,10 +9,9 @@
 
 use crate::pattern::Pattern;
 
-use crate::springblock::cell::{CellOutcome, SteadyCell};
-use crate::springblock::dimension::Dimension;
-use crate::springblock::outcome::{Effect, LoadOutcome, Statements, SurfaceOutcome};
-use crate::springblock::scene::{Extent, Fidelity, Scene};
+use crate::springblock::{
+    CellOutcome, Dimension, Effect, Extent, Fidelity, LoadOutcome, Scene, Statements, SteadyCell, SurfaceOutcome,
+};
 
 /// Relative standard error of the effect of rims: ends carry more load than the cell, and with few cavities rims have a
 /// different weight (`rims_add_to_a_strip_what_they_add_to_the_cell`).

@@ -5,13 +5,8 @@ use std::sync::OnceLock;
 use rayon::prelude::*;
 
 use super::{averaging, compare};
-use crate::springblock::Monitor;
 use crate::springblock::dynamics::{DynamicRun, Scheme, cache_key_settings, cached_run};
-use crate::springblock::error::SceneError;
-use crate::springblock::lattice::Lattice;
-use crate::springblock::outcome::{Effect, LoadOutcome, SurfaceOutcome};
-use crate::springblock::scene::Scene;
-use crate::springblock::steady::SteadyModel;
+use crate::springblock::{Effect, Lattice, LoadOutcome, Monitor, Scene, SceneError, SteadyModel, SurfaceOutcome};
 
 /// Result of dynamic runs.
 pub struct RunResults {

@@ -11,15 +11,11 @@ use super::statements::{
     describe_steady, space_reason,
 };
 use super::{MAX_FACTOR_BYTES, blocks, collect, compare, differences, seed_of, stderr_share};
-use crate::springblock::Monitor;
-use crate::springblock::cell::SteadyCell;
-use crate::springblock::dimension::Dimension;
 use crate::springblock::dynamics::{SpaceRun, SpaceScheme, cache_key_settings, cached_run};
-use crate::springblock::error::SceneError;
-use crate::springblock::face::Strip;
-use crate::springblock::outcome::{Effect, LoadOutcome, Simulation, Statements, Status, SurfaceOutcome};
-use crate::springblock::scene::{Extent, Scene};
-use crate::springblock::space::SpaceLattice;
+use crate::springblock::{
+    Dimension, Effect, Extent, LoadOutcome, Monitor, Scene, SceneError, Simulation, SpaceLattice, Statements, Status,
+    SteadyCell, Strip, SurfaceOutcome,
+};
 
 /// Maximum number of blocks of a cell: the springs, from which the step limit is computed, then take up to 4 GiB.
 const MAX_BLOCKS: f64 = 1e7;

@@ -9,12 +9,7 @@ use super::drawn_ratios::{model_of, solve_drawn};
 use super::specimen::min_wall_m;
 use super::statements::few_periods;
 use super::{MAX_FACTOR_BYTES, compare, steady_coefficients};
-use crate::springblock::Monitor;
-use crate::springblock::error::SceneError;
-use crate::springblock::face::Strip;
-use crate::springblock::outcome::{LoadOutcome, SurfaceOutcome};
-use crate::springblock::scene::Scene;
-use crate::springblock::space::SpaceLattice;
+use crate::springblock::{LoadOutcome, Monitor, Scene, SceneError, SpaceLattice, Strip, SurfaceOutcome};
 
 /// Prime factors for which Fourier transforms are fast; the number of lines including the gap has no others.
 const FACTORS: [usize; 6] = [2, 3, 5, 7, 11, 13];

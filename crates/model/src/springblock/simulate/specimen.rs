@@ -32,13 +32,10 @@ use super::pressure_tilt::PressureTilt;
 use super::rim_difference::RimDifference;
 use super::statements::modulus_of_heights;
 use super::{ThickLayerCorrection, cancelled, describe_draws, describe_law, discretization_error};
-use crate::springblock::cell::SteadyCell;
-use crate::springblock::dimension::Dimension;
-use crate::springblock::error::SceneError;
-use crate::springblock::face::{Face, Strip};
-use crate::springblock::outcome::{LoadOutcome, Simulation, Statements};
-use crate::springblock::scene::{Extent, Fidelity, RunOptions, Scene};
-use crate::springblock::{Monitor, Unwatched};
+use crate::springblock::{
+    Dimension, Extent, Face, Fidelity, LoadOutcome, Monitor, RunOptions, Scene, SceneError, Simulation, Statements,
+    SteadyCell, Strip, Unwatched,
+};
 use strips::{STRIP_HEIGHTS, SteadyFace};
 pub use strips::{min_wall_m, without_slivers};
 use timed_strip::TimedStrip;

@@ -2,10 +2,8 @@
 
 use crate::pattern::Pattern;
 
-use crate::springblock::columns::{self, Column};
-use crate::springblock::dynamics::{MAX_STEPS, Plan, Scheme};
-use crate::springblock::outcome::Statements;
-use crate::springblock::scene::{Extent, Scene};
+use crate::springblock::dynamics::{Plan, Scheme};
+use crate::springblock::{Column, Extent, MAX_STEPS, Scene, Statements, columns};
 
 /// Typical change of the ratio from steady to dynamic sliding at mm/s over the cavity fraction: 0.7 to 2.2 % on eight
 /// grooves at three loads, largest at light loads and in shallow cavities (`what_time_adds_to_ratios` of the validation

@@ -15,12 +15,9 @@ use crate::pattern::Pattern;
 use super::pressure_tilt::PressureTilt;
 use super::rim_difference::{CellDifference, without_rim};
 use super::{MAX_FACTOR_BYTES, load_sharing, widest};
-use crate::springblock::Monitor;
-use crate::springblock::cell::{CellOutcome, SteadyCell};
-use crate::springblock::dimension::Dimension;
-use crate::springblock::face::Face;
-use crate::springblock::outcome::{Effect, LoadOutcome, Statements};
-use crate::springblock::scene::{Extent, Fidelity, Layer, Scene};
+use crate::springblock::{
+    CellOutcome, Dimension, Effect, Extent, Face, Fidelity, Layer, LoadOutcome, Monitor, Scene, Statements, SteadyCell,
+};
 
 /// Standard error of the ratio of a dynamic run from adding the difference of steady cells.
 ///

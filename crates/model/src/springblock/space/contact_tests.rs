@@ -6,11 +6,8 @@ use crate::pattern::{Pattern, Planform};
 
 use super::tests::{largest_imbalance, load};
 use super::*;
-use crate::springblock::columns;
-use crate::springblock::lattice::Lattice;
-use crate::springblock::outcome::Status;
-use crate::springblock::steady::{SteadyLoad, SteadyModel};
 use crate::springblock::tests::samples::{E_PA, pattern, persson_law};
+use crate::springblock::{Lattice, Status, SteadyLoad, SteadyModel, columns};
 
 /// Frictionless contact of a layer of cubes that touches where `touches` is true; pressures by column over the nominal
 /// pressure.

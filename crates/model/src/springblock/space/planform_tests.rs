@@ -4,9 +4,8 @@ use crate::pattern::{Arrangement, Pattern, Planform, Polygon, Texture};
 
 use super::tests::{largest_imbalance, load};
 use super::*;
-use crate::springblock::scene::{Fidelity, RunOptions};
 use crate::springblock::tests::samples::{E_PA, pattern, persson_law, scene};
-use crate::springblock::{SteadyCell, Unwatched, simulate};
+use crate::springblock::{Fidelity, RunOptions, SteadyCell, Unwatched, simulate};
 
 fn regular(corners: u32, start_deg: f64) -> Vec<[f64; 2]> {
     let angle = |k: u32| (start_deg + 360.0 * f64::from(k) / f64::from(corners)).to_radians();

@@ -7,11 +7,9 @@ use crate::pattern::{Pattern, Planform, Rim, RimProfile, Texture};
 
 use super::tests::{largest_imbalance, load};
 use super::*;
-use crate::springblock::columns;
-use crate::springblock::lattice::Lattice;
-use crate::springblock::outcome::{Status, SurfaceOutcome};
-use crate::springblock::steady::{FaceHistory, RaisedModel, SteadyLoad};
+use crate::springblock::steady::{FaceHistory, RaisedModel};
 use crate::springblock::tests::samples::{E_PA, persson_law};
+use crate::springblock::{Lattice, Status, SteadyLoad, SurfaceOutcome, columns};
 
 fn elastic(youngs_modulus_pa: f64) -> Elastic {
     Elastic::new(youngs_modulus_pa, 900.0).unwrap()

@@ -14,9 +14,8 @@ use crate::material::AreaLaw;
 use super::directions::{Direction, Directions, norm};
 use super::interface::{Face, Interface, Response};
 use super::lattice::SpaceLattice;
-use crate::springblock::outcome::{InterfacePoint, Status, SurfaceOutcome, peak_over_whole_blocks};
-use crate::springblock::scene::Load;
-use crate::springblock::{Monitor, Unwatched};
+use crate::springblock::outcome::peak_over_whole_blocks;
+use crate::springblock::{InterfacePoint, Load, Monitor, Status, SurfaceOutcome, Unwatched};
 
 /// Default of the sum of unbalanced forces over the load at which a solve has converged.
 pub(crate) const TOLERANCE: f64 = 1e-10;

@@ -2,11 +2,8 @@
 
 use super::tests::load;
 use super::*;
-use crate::springblock::columns;
-use crate::springblock::lattice::Lattice;
-use crate::springblock::outcome::Status;
-use crate::springblock::steady::{SteadyLoad, SteadyModel};
 use crate::springblock::tests::samples::{E_PA, groove, persson_law};
+use crate::springblock::{Lattice, Status, SteadyLoad, SteadyModel, columns};
 
 /// A strip of grooves one column wide equals the strip in the vertical plane: plane strain at nu = 1/4 is plane stress
 /// at 1/3.

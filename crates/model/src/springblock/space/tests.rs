@@ -3,7 +3,7 @@ use crate::pattern::{Arrangement, Pattern, Planform, Texture};
 use nalgebra::{DMatrix, DVector};
 
 use super::*;
-use crate::springblock::outcome::Status;
+use crate::springblock::Status;
 use crate::springblock::tests::samples::{E_PA, pattern, persson_law, roughness, sweep};
 
 fn model(pattern: &Pattern, block_um: f64, layer_um: f64) -> SpaceSteadyModel {

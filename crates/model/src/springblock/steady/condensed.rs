@@ -20,9 +20,8 @@ use self::equations::Equations;
 use super::dense::subtract_products;
 use super::system::{Contact, band_products};
 use super::{Equilibrium, LinearResponse, SteadyLoad, displacement_unit, iterate, observe, unloaded};
-use crate::springblock::lattice::Lattice;
-use crate::springblock::outcome::{Status, SurfaceOutcome};
 use crate::springblock::rims::PLANE_STRAIN;
+use crate::springblock::{Lattice, Status, SurfaceOutcome};
 
 /// Condensed model of a cell, for any load.
 #[derive(Clone, Debug)]

@@ -32,10 +32,9 @@ mod thick;
 
 use crate::material::AreaLaw;
 
-use crate::springblock::lattice::Lattice;
-use crate::springblock::outcome::{InterfacePoint, Status, SurfaceOutcome, peak_over_whole_blocks};
+use crate::springblock::outcome::peak_over_whole_blocks;
 use crate::springblock::rims::PLANE_STRAIN;
-use crate::springblock::scene::Scene;
+use crate::springblock::{InterfacePoint, Lattice, Scene, Status, SurfaceOutcome};
 use anderson::Anderson;
 pub use band::{BandFactor, BandMatrix};
 pub use condensed::{CondensedModel, condensing_cost};

@@ -20,8 +20,7 @@ use super::newton::{friction_at, friction_slope};
 use super::{Equilibrium, SteadyLoad, TOLERANCE, displacement_unit, unloaded};
 use crate::material::Elastic;
 
-use crate::springblock::lattice::Lattice;
-use crate::springblock::outcome::{Status, SurfaceOutcome};
+use crate::springblock::{Lattice, Status, SurfaceOutcome};
 
 /// Maximum number of steps in which every contact that violates its condition switches.
 const MAX_STEPS: usize = 40;

@@ -2,7 +2,8 @@
 
 use super::band::{BATCH, BandFactor, BandMatrix};
 use super::{LinearResponse, Response};
-use crate::springblock::lattice::{Bond, Lattice, tie};
+use crate::springblock::Lattice;
+use crate::springblock::lattice::{Bond, tie};
 
 /// A block of row 0 that touches the counterface.
 #[derive(Clone, Copy, Debug, PartialEq)]

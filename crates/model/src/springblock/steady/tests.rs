@@ -2,8 +2,8 @@ use crate::material::AreaLaw;
 use crate::pattern::Pattern;
 
 use super::*;
-use crate::springblock::columns::{self, Column};
 use crate::springblock::tests::samples::{E_PA, groove, persson_law, roughness, sweep};
+use crate::springblock::{Column, columns};
 
 /// A column of whole blocks, in a cavity `cavity_rows` deep or on land.
 fn column(in_cavity: bool, cavity_rows: f64) -> Column {

@@ -7,8 +7,7 @@
 
 use super::condensed::CondensedModel;
 use super::{Equilibrium, MAX_CONTACT_ROUNDS, SteadyLoad, unloaded};
-use crate::springblock::lattice::Lattice;
-use crate::springblock::outcome::{Status, SurfaceOutcome};
+use crate::springblock::{Lattice, Status, SurfaceOutcome};
 
 /// Model of a cell over the whole thickness of the specimen.
 #[derive(Clone, Debug)]

@@ -3,8 +3,7 @@
 use crate::material::{AreaLaw, Elastic, LocalFriction};
 use crate::pattern::{Pattern, Planform, Texture};
 
-use crate::springblock::draws::{self, Coefficients};
-use crate::springblock::scene::{Layer, Load, RunOptions, Scene};
+use crate::springblock::{Coefficients, Layer, Load, RunOptions, Scene, draws};
 
 pub const E_PA: f64 = 0.38e9;
 

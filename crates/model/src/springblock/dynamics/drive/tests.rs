@@ -2,9 +2,8 @@
 
 use super::*;
 use crate::springblock::dynamics::contact::ContactSums;
-use crate::springblock::scene::RunOptions;
 use crate::springblock::tests::samples;
-use crate::springblock::{Fidelity, Unwatched, simulate};
+use crate::springblock::{Fidelity, RunOptions, Unwatched, simulate};
 
 /// Test engine whose sums and forces encode the step number.
 #[derive(Default)]

@@ -1,6 +1,6 @@
 //! Forces in space, spring by spring: slow and simple, the reference for the sweeps in tests.
 
-use crate::springblock::space::SpaceLattice;
+use crate::springblock::SpaceLattice;
 
 /// A spring between two blocks. Block numbers run fastest along x, then y, then upward; the bulk has the last number.
 #[derive(Clone, Copy, Debug)]

@@ -17,8 +17,7 @@ use super::bonds::SpaceBonds;
 use super::field::Field;
 use super::stencil::{GeneralRow, Stencil};
 use super::sweep::{InsideRows, RowForces};
-use crate::springblock::draws::Coefficients;
-use crate::springblock::space::SpaceLattice;
+use crate::springblock::{Coefficients, SpaceLattice};
 use slipgrid_base::fft::vectorized;
 
 /// Initial data of the leapfrog besides the lattice. Units: k = 1, l = 1, m = 1.

@@ -8,12 +8,9 @@ use super::super::scales::Scales;
 use super::super::stability::largest_eigenfrequency;
 use super::bonds::SpaceBonds;
 use super::leapfrog::{SpaceLeapfrog, SpaceSetup};
-use crate::springblock::Monitor;
-use crate::springblock::SceneError;
-use crate::springblock::draws;
-use crate::springblock::outcome::{Status, SurfaceOutcome};
-use crate::springblock::scene::{Load, Scene};
-use crate::springblock::space::{SpaceLattice, SpaceLoad, SpaceSteadyModel};
+use crate::springblock::{
+    Load, Monitor, Scene, SceneError, SpaceLattice, SpaceLoad, SpaceSteadyModel, Status, SurfaceOutcome, draws,
+};
 
 /// Default step in units of sqrt(m/k), k = 2/5 E l: 4 ns for the published polymer at l = 10 um, two fifths of the
 /// stability limit.

@@ -6,7 +6,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use super::super::real::{Real, whole_lines};
-use crate::springblock::space::SpaceLattice;
+use crate::springblock::SpaceLattice;
 
 /// Number of springs of a block.
 pub const SPRINGS: usize = 18;

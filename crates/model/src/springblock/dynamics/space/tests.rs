@@ -11,11 +11,8 @@ use super::super::protocol::Protocol;
 use super::super::strip_leapfrog::StripLeapfrog;
 use super::bonds::SpaceBonds;
 use super::leapfrog::{SpaceLeapfrog, SpaceSetup};
-use crate::springblock::columns;
-use crate::springblock::draws::Coefficients;
-use crate::springblock::lattice::Lattice;
-use crate::springblock::space::{SpaceLattice, SpaceLoad, SpaceSteadyModel};
 use crate::springblock::tests::samples::coefficients;
+use crate::springblock::{Coefficients, Lattice, SpaceLattice, SpaceLoad, SpaceSteadyModel, columns};
 
 /// A cell of `nx` columns along x and `ny` along y with one rectangular cavity; the cell has `rows` rows.
 fn cell(width: usize, length: usize, [nx, ny]: [usize; 2], depth: usize, rows: usize) -> SpaceLattice {

@@ -7,7 +7,7 @@
 
 use super::super::contact::{ContactRow, LocalLaw};
 use super::super::sweep::Kick;
-use crate::springblock::draws::Coefficients;
+use crate::springblock::Coefficients;
 
 /// Speed of the front far from the left end, computed with the friction of the contact row and the leapfrog's kick.
 fn front_speed(tau: f64, alpha: f64, time_step: f64) -> f64 {

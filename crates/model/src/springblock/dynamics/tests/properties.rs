@@ -8,11 +8,8 @@ use super::super::engine::{Engine, Setup};
 use super::super::protocol::Protocol;
 use super::super::runge_kutta::RungeKutta;
 use super::super::strip_leapfrog::StripLeapfrog;
-use crate::springblock::columns::Column;
-use crate::springblock::draws::Coefficients;
-use crate::springblock::lattice::Lattice;
-use crate::springblock::scene::Springs;
 use crate::springblock::tests::samples::coefficients;
+use crate::springblock::{Coefficients, Column, Lattice, Springs};
 
 const ROWS: usize = 5;
 /// Stick-slip amplifies rounding errors; over this many steps they stay far below the forces.

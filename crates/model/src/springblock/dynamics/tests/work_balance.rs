@@ -8,10 +8,8 @@ use super::super::engine::{Engine, Setup};
 use super::super::protocol::Protocol;
 use super::super::strip_leapfrog::StripLeapfrog;
 use super::work_account::{Account, Instant};
-use crate::springblock::columns;
-use crate::springblock::lattice::Lattice;
-use crate::springblock::scene::Springs;
 use crate::springblock::tests::samples;
+use crate::springblock::{Lattice, Springs, columns};
 
 fn state<'scope, 'a: 'scope>(engine: &StripLeapfrog<'scope, '_, 'a, f64>, lattice: &Lattice) -> [Vec<f64>; 2] {
     let (nx, ny) = (lattice.nx(), lattice.ny());

@@ -1,8 +1,7 @@
 use super::*;
 use crate::material::{AreaLaw, LocalFriction};
-use crate::springblock::scene::{Extent, Layer, RunOptions};
 use crate::springblock::tests::samples;
-use crate::springblock::{Unwatched, steady_face_ratios};
+use crate::springblock::{Extent, Layer, RunOptions, Unwatched, steady_face_ratios};
 
 /// A strip `length_um` long with as many cavities of `width_um` and lands of `land_um` as fit between margins of at
 /// least `margin_um`.

@@ -5,14 +5,11 @@ use rayon::prelude::*;
 
 use super::super::rim_difference::{RimDifference, without_rim};
 use super::super::{MAX_FACTOR_BYTES, UNIFORM_COLUMNS, compare};
-use crate::springblock::Monitor;
-use crate::springblock::columns;
-use crate::springblock::error::SceneError;
-use crate::springblock::face::{Face, Strip};
-use crate::springblock::lattice::Lattice;
-use crate::springblock::outcome::{Effect, LoadOutcome, Status, SurfaceOutcome};
-use crate::springblock::scene::{Layer, Load, Scene};
-use crate::springblock::steady::{SteadyLoad, SteadyModel, factor_bytes};
+use crate::springblock::steady::factor_bytes;
+use crate::springblock::{
+    Effect, Face, Lattice, Layer, Load, LoadOutcome, Monitor, Scene, SceneError, Status, SteadyLoad, SteadyModel,
+    Strip, SurfaceOutcome, columns,
+};
 
 /// Maximum length of a strip that is solved whole, in heights of the layer.
 ///

@@ -4,10 +4,9 @@ use super::strips::{shortened, solve};
 use super::timed_strip::{TIME_CHANGE_ERROR, drawn_ratios, timed_lattices};
 use super::*;
 use crate::material::{AreaLaw, LocalFriction};
-use crate::springblock::lattice::Lattice;
 use crate::springblock::simulate::run_all;
-use crate::springblock::steady::SteadyModel;
-use crate::springblock::{Effect, Layer, Strip, columns, simulate, tests::samples};
+use crate::springblock::tests::samples;
+use crate::springblock::{Effect, Lattice, Layer, SteadyModel, Strip, columns, simulate};
 
 fn scene(run: RunOptions) -> Scene {
     let run = RunOptions { extent: Extent::Sample, ..run };

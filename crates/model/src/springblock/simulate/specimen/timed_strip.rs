@@ -8,16 +8,11 @@ use slipgrid_base::monitor::cached;
 
 use super::super::{RunResults, all_affordable, describe_protocol, describe_scheme, describe_start, run_all, seed_of};
 use super::strips::{solve_drawn, without_slivers};
-use crate::springblock::Monitor;
-use crate::springblock::columns;
-use crate::springblock::draws;
 use crate::springblock::dynamics::cache_key_settings;
-use crate::springblock::error::SceneError;
-use crate::springblock::face::{Face, Strip};
-use crate::springblock::lattice::Lattice;
-use crate::springblock::outcome::{Effect, LoadOutcome, Statements, Status, SurfaceOutcome};
-use crate::springblock::scene::{Load, Scene};
-use crate::springblock::steady::SteadyModel;
+use crate::springblock::{
+    Effect, Face, Lattice, Load, LoadOutcome, Monitor, Scene, SceneError, Statements, Status, SteadyModel, Strip,
+    SurfaceOutcome, columns, draws,
+};
 
 /// Maximum number of columns of the dynamic strip: the published specimen has 996.
 const MAX_TIMED_COLUMNS: f64 = 1200.0;

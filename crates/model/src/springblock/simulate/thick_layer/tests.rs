@@ -4,10 +4,8 @@ use crate::material::LocalFriction;
 use crate::pattern::Planform;
 
 use super::*;
-use crate::springblock::scene::RunOptions;
-use crate::springblock::simulate::simulate;
 use crate::springblock::tests::samples::{self, groove};
-use crate::springblock::{Correction, Unwatched};
+use crate::springblock::{Correction, RunOptions, Unwatched, simulate};
 
 fn scene(pattern: Pattern, run: RunOptions) -> Scene {
     let scene = samples::scene(pattern, &[0.65, 2.6], run);

@@ -5,7 +5,7 @@ use std::cell::RefCell;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use super::CondensedCell;
-use crate::springblock::lattice::Lattice;
+use crate::springblock::Lattice;
 
 /// Minimum multiplications for an entry in the shared cache: some milliseconds.
 pub const MIN_SHARED_PRODUCTS: f64 = 1e7;

@@ -6,7 +6,8 @@ use super::super::dense::{add_times, elongation, solve_many, subtract_products};
 use super::super::flat_layer::FlatLayer;
 use super::super::system::{Contact, contacts};
 use super::{Ceiling, Condensed, CondensedCell, cell_cache};
-use crate::springblock::lattice::{Bond, Lattice};
+use crate::springblock::Lattice;
+use crate::springblock::lattice::Bond;
 
 /// Typical number of evaluations of N over a few loads.
 const EVALUATIONS: f64 = 40.0;

@@ -5,8 +5,8 @@ use crate::pattern::{Pattern, Planform, Rim, RimProfile, Texture};
 
 use super::super::{CondensedModel, SteadyModel};
 use super::*;
-use crate::springblock::columns::{self, Column};
 use crate::springblock::tests::samples::{E_PA, persson_law};
+use crate::springblock::{Column, columns};
 
 fn elastic(youngs_modulus_pa: f64) -> Elastic {
     Elastic::new(youngs_modulus_pa, 900.0).unwrap()

@@ -7,8 +7,8 @@ use super::super::super::engine::Engine;
 use super::super::super::protocol::Protocol;
 use super::super::bonds::SpaceBonds;
 use super::super::leapfrog::{SpaceLeapfrog, SpaceSetup};
+use crate::springblock::SpaceLattice;
 use crate::springblock::dynamics::tests::work_account::{Account, Instant};
-use crate::springblock::space::SpaceLattice;
 use crate::springblock::tests::samples;
 
 /// Error of the balance over the work of the drive.
