@@ -55,7 +55,6 @@ pub enum Boundary {
 
 impl Boundary {
     /// Corners as `[x, y]`, anticlockwise, in metres; a circle is approximated by a polygon.
-    #[must_use]
     pub fn polygon_m(&self) -> Vec<[f64; 2]> {
         match self {
             Self::Circle { centre_m, radius_m } => circle(*centre_m, *radius_m),
@@ -65,7 +64,6 @@ impl Boundary {
     }
 
     /// Area, in square metres.
-    #[must_use]
     pub fn area_m2(&self) -> f64 {
         match self {
             Self::Circle { radius_m, .. } => std::f64::consts::PI * radius_m * radius_m,
@@ -76,7 +74,6 @@ impl Boundary {
 
 impl Cavity {
     /// Outline of the cavity: one boundary, or one per part if the border or other grooves cut it.
-    #[must_use]
     pub fn boundaries(&self) -> Vec<Boundary> {
         let polygons =
             |parts: Vec<Vec<[f64; 2]>>| parts.into_iter().map(|corners_m| Boundary::Polygon { corners_m }).collect();
@@ -111,7 +108,6 @@ impl Cavity {
 
     /// Shrinks the cavity to the points at least `wall_m` from its walls and `rim_m` from the border that cuts it;
     /// `None` if there are none. A width of zero is kept as a line.
-    #[must_use]
     pub fn inset(&self, wall_m: f64, rim_m: f64) -> Option<Self> {
         let less = |extent_m: f64| {
             // Within rounding, a cavity as wide as the inset keeps its middle line.
@@ -130,7 +126,6 @@ impl Cavity {
 
     /// Distance of a point inside to the nearest wall, in metres; negative outside. The border of the specimen is not a
     /// wall.
-    #[must_use]
     pub fn wall_distance_m(&self, [x_m, y_m]: [f64; 2]) -> f64 {
         let at_m = [x_m, y_m];
         let (x_m, y_m) = (x_m - self.centre_x_m, y_m - self.centre_y_m);
@@ -172,7 +167,6 @@ impl Cavity {
 
     /// Corners of the rectangle, or of the square around a disc, as `[x, y]` in metres, anticlockwise from the lower
     /// left one in the cavity's axes.
-    #[must_use]
     pub fn corners_m(&self) -> [[f64; 2]; 4] {
         let (half_width_m, half_length_m) = (self.width_m / 2.0, self.length_m / 2.0);
         let [cosine, sine] = self.orientation;
@@ -200,7 +194,6 @@ impl Cavity {
     }
 
     /// Area, in square metres. If walls slope and the border cuts a polygon, the walls are treated as planes.
-    #[must_use]
     pub fn area_m2(&self) -> f64 {
         if let (Some(face), None) = (&self.face, &self.cut_by) {
             return face.area_m2();
@@ -215,7 +208,6 @@ impl Cavity {
     }
 
     /// Whether the sides lie along x and y.
-    #[must_use]
     pub fn is_aligned(&self) -> bool {
         self.orientation == [1.0, 0.0]
     }

@@ -11,7 +11,6 @@ use crate::export::words::degrees;
 use crate::export::{Layout, Marking};
 
 /// Header line of the cavity table. Cavities turned from x and y have an angle, discs a diameter.
-#[must_use]
 pub fn csv_header(layout: &Layout) -> &'static str {
     let texture = layout.pattern().texture();
     match (texture.planform(), texture.groove_angle_deg()) {

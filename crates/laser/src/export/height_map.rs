@@ -50,19 +50,16 @@ impl HeightMap {
     }
 
     /// Number of columns and rows.
-    #[must_use]
     pub const fn size(&self) -> [u32; 2] {
         self.size
     }
 
     /// Side of a pixel, in metres.
-    #[must_use]
     pub const fn pixel_m(&self) -> f64 {
         self.pixel_m
     }
 
     /// Depth at the middle of a pixel relative to that of the cavities, 0 to 1; row 0 has the largest y.
-    #[must_use]
     pub fn depth(&self, layout: &Layout, column: u32, row: u32) -> f64 {
         let (x_m, y_m) = (self.x_m(column), self.y_m(row));
         // Where grooves cross, the larger depth counts.

@@ -157,13 +157,11 @@ impl Laser {
     }
 
     /// Whether a mask exposes each cavity as a whole.
-    #[must_use]
     pub fn is_mask(&self) -> bool {
         self.exposure == Some(Exposure::Mask)
     }
 
     /// Names of the missing parameters without which the marking time cannot be estimated. A mask needs no spot.
-    #[must_use]
     pub fn missing_for_time(&self) -> Vec<&'static str> {
         let spot_um = ("spot_um", self.spot_um.is_some() || self.is_mask());
         let depth_per_burst_um = ("depth_per_burst_um", self.depth_per_burst_um.is_some());
@@ -173,7 +171,6 @@ impl Laser {
 
     /// Mean number of bursts that reach a point in one pass over an infinite hatch. `None` for a mask, and if spot,
     /// speed or repetition rate are missing: cavities are then made spot by spot.
-    #[must_use]
     pub fn bursts_per_pass(&self) -> Option<f64> {
         let spot_um = self.spot_um.filter(|_| !self.is_mask())?;
         // n = (pi / 4) s^2 / (p h)
@@ -183,13 +180,11 @@ impl Laser {
     /// Depth of the smallest exposure, in um: one pass over an infinite hatch if cavities are hatched, otherwise one
     /// burst. Depths of designs are multiples of it; [`crate::export::Removal`] plans the passes inside a cavity. `None`
     /// without a depth per burst.
-    #[must_use]
     pub fn depth_step_um(&self) -> Option<f64> {
         Some(self.depth_per_burst_um? * self.bursts_per_pass().unwrap_or(1.0))
     }
 
     /// Relative standard error of the depth per burst, if it was fitted against fluence.
-    #[must_use]
     pub fn depth_per_burst_std(&self) -> Option<f64> {
         let std = self.ablation.map(|law| law.depth_per_burst_stderr_um / law.depth_per_burst_um);
         std.filter(|std| *std > 0.0)
@@ -216,7 +211,6 @@ impl Laser {
 
     /// Number of bursts per spot for a depth of `depth_m`, at least one; `None` without a depth per burst, and if
     /// passes over lines give the depth.
-    #[must_use]
     pub fn bursts(&self, depth_m: f64) -> Option<u32> {
         if self.bursts_per_pass().is_some() {
             return None;
@@ -226,26 +220,22 @@ impl Laser {
     }
 
     /// Distance between pulses along a line, in um.
-    #[must_use]
     pub fn pulse_distance_um(&self) -> Option<f64> {
         // p = v / f
         self.speed_mm_s.zip(self.repetition_hz).map(|(speed_mm_s, repetition_hz)| speed_mm_s * 1e3 / repetition_hz)
     }
 
     /// Distance between lines, in um.
-    #[must_use]
     pub fn line_distance_um(&self) -> Option<f64> {
         self.hatch_um.or(self.spot_um)
     }
 
     /// Distance of the floor's edge from the cavity's edge, in metres.
-    #[must_use]
     pub fn floor_inset_m(&self, depth_m: f64) -> f64 {
         depth_m * self.slope()
     }
 
     /// Horizontal extent of a wall over its height.
-    #[must_use]
     pub fn slope(&self) -> f64 {
         self.wall_taper_deg.map_or(0.0, |taper_deg| libm::tan(taper_deg.to_radians()))
     }

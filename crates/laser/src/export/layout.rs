@@ -148,44 +148,37 @@ impl Layout {
     }
 
     /// Pattern of the cavities.
-    #[must_use]
     pub const fn pattern(&self) -> &Pattern {
         &self.pattern
     }
 
     /// The specimen's outline.
-    #[must_use]
     pub const fn outline(&self) -> &Outline {
         &self.outline
     }
 
     /// Whether cavities that cross the border are cut there instead of left out.
-    #[must_use]
     pub const fn is_clipped(&self) -> bool {
         self.is_clipped
     }
 
     /// Number of cavities, at least one.
-    #[must_use]
     pub const fn cavities(&self) -> usize {
         self.cavities
     }
 
     /// Total area of the cavities seen from above, in square metres.
-    #[must_use]
     pub const fn cavity_area_m2(&self) -> f64 {
         self.cavity_area_m2
     }
 
     /// Total volume of the cavities with vertical walls, area times depth, in cubic metres.
-    #[must_use]
     pub fn cavity_volume_m3(&self) -> f64 {
         self.cavity_area_m2 * self.pattern.depth_m()
     }
 
     /// Fraction of the specimen's face that is cavity: close to the areal density of the pattern, and below it if
     /// complete cavities leave the border untextured.
-    #[must_use]
     pub fn areal_density(&self) -> f64 {
         self.cavity_area_m2 / self.outline.area_m2()
     }

@@ -63,20 +63,17 @@ impl Marking {
     }
 
     /// Distance of the spot's centre from a cavity's edge, in metres.
-    #[must_use]
     pub const fn spot_compensation_m(&self) -> f64 {
         self.inset_m
     }
 
     /// Direction of the lines in a cavity, as a unit vector in the specimen's axes.
-    #[must_use]
     pub fn direction(&self, cavity: &Cavity) -> [f64; 2] {
         let [cosine, sine] = cavity.orientation;
         if cavity.length_m > cavity.width_m { [-sine, cosine] } else { [cosine, sine] }
     }
 
     /// Lines of a cavity in marking order; empty if the cavity is smaller than the spot.
-    #[must_use]
     pub fn lines(&self, cavity: &Cavity) -> Vec<Line> {
         self.fill(cavity).0
     }

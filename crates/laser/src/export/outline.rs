@@ -50,7 +50,6 @@ impl Outline {
     }
 
     /// Area of the face, in square metres.
-    #[must_use]
     pub fn area_m2(&self) -> f64 {
         match *self {
             Self::Disc { diameter_m } => std::f64::consts::PI * diameter_m * diameter_m / 4.0,
@@ -65,7 +64,6 @@ impl Outline {
     }
 
     /// Extents along x and y, in metres.
-    #[must_use]
     pub fn extents_m(&self) -> [f64; 2] {
         match *self {
             Self::Disc { diameter_m } | Self::Ring { outer_diameter_m: diameter_m, .. } => [diameter_m; 2],
@@ -160,13 +158,11 @@ impl Outline {
     }
 
     /// Length of the line through the centre along the unit vector `along`, from border to border, in metres.
-    #[must_use]
     pub fn length_along_m(&self, along: [f64; 2]) -> f64 {
         2.0 * self.rim_m(along)
     }
 
     /// The name used in files.
-    #[must_use]
     pub const fn name(&self) -> &'static str {
         match self {
             Self::Disc { .. } => "disc",

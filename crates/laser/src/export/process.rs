@@ -12,7 +12,6 @@ use crate::export::work::WorkSheet;
 use crate::export::{ExportError, Laser, Layout, Outline, burst_warnings};
 
 /// Effects that no model of slipgrid contains, for a pattern with or without rims; listed on every process sheet.
-#[must_use]
 pub const fn not_modelled(has_rim: bool) -> [&'static str; 5] {
     let of_lasering = if has_rim {
         "roughening of the surface by lasering"

@@ -60,14 +60,12 @@ pub struct Removal {
 impl Removal {
     /// Computes the removal for all cavities of `layout`; `None` if passes over lines do not give the depth, or if
     /// laser parameters are missing.
-    #[must_use]
     pub fn new(layout: &Layout, laser: &Laser) -> Option<Self> {
         laser.depth_step_um().filter(|_| laser.bursts_per_pass().is_some())?;
         Hatched::new(layout, &Marking::new(laser).ok()?).removal(layout, laser)
     }
 
     /// Describes the depth that the passes remove.
-    #[must_use]
     pub fn words(&self) -> String {
         let um = |depth_um: f64| decimal((100.0 * depth_um).round() / 100.0, 2);
         let passes = f64::from(self.passes.max(1));
@@ -309,14 +307,12 @@ fn within_m([from, to]: &Line, [x_m, y_m]: [f64; 2], radius_m: f64) -> f64 {
 }
 
 /// Warnings about cavities of `layout` that deviate from the design, made by passes over lines or by bursts on spots.
-#[must_use]
 pub fn laser_warnings(layout: &Layout, laser: &Laser) -> Vec<String> {
     Removal::new(layout, laser).map_or_else(|| burst_warnings(layout, laser), |removal| removal.warnings)
 }
 
 /// Warnings about cavities of `layout` that the spot does not reach, if bursts on spots make them. Empty if passes over
 /// lines give the depth, for which [`Removal`] has warnings.
-#[must_use]
 pub fn burst_warnings(layout: &Layout, laser: &Laser) -> Vec<String> {
     if laser.is_mask() || laser.bursts(layout.pattern().depth_m()).is_none() {
         return Vec::new();

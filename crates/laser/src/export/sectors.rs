@@ -59,37 +59,31 @@ impl Division {
     }
 
     /// Number of sectors.
-    #[must_use]
     pub const fn count(&self) -> usize {
         self.count
     }
 
     /// The specimen.
-    #[must_use]
     pub const fn specimen(&self) -> &Specimen {
         &self.specimen
     }
 
     /// Width of a land, in metres.
-    #[must_use]
     pub const fn land_m(&self) -> f64 {
         self.land_m
     }
 
     /// Angle of a sector including half of the adjacent lands, in degrees.
-    #[must_use]
     pub fn angle_deg(&self) -> f64 {
         360.0 / self.count as f64
     }
 
     /// Direction of the middle of sector `number` from x, anticlockwise, in degrees.
-    #[must_use]
     pub fn middle_deg(&self, number: usize) -> f64 {
         (90.0 + self.angle_deg() * number.saturating_sub(1) as f64).rem_euclid(360.0)
     }
 
     /// Angle by which the pattern of sector `number` is turned with it, anticlockwise, in degrees: 0 on a rectangle.
-    #[must_use]
     pub fn turn_deg(&self, number: usize) -> f64 {
         match self.specimen.outline {
             Outline::Rectangle { .. } => 0.0,
@@ -112,7 +106,6 @@ impl Division {
     }
 
     /// Area of sector `number` without its lands, in square metres.
-    #[must_use]
     pub fn area_m2(&self, number: usize) -> f64 {
         let [extent_x_m, extent_y_m] = self.specimen.outline.extents_m();
         let half_m = extent_x_m.hypot(extent_y_m);
@@ -123,7 +116,6 @@ impl Division {
 
     /// Diameter of the largest circle on sector `number` with its centre on the middle line, in metres: the limit for a
     /// pin.
-    #[must_use]
     pub fn circle_m(&self, number: usize) -> f64 {
         let half_angle = (self.angle_deg() / 2.0).to_radians();
         let middle = self.own_middle_deg(number).to_radians();
@@ -153,19 +145,16 @@ impl Division {
 
     /// Whether all sectors are large enough for `pattern`: the largest circle holds [`MIN_PERIODS`] periods along each
     /// axis.
-    #[must_use]
     pub fn holds(&self, pattern: &Pattern) -> bool {
         self.least_circle_m() >= MIN_PERIODS * period_m(pattern)
     }
 
     /// Smallest [`Self::circle_m`] of all sectors, in metres.
-    #[must_use]
     pub fn least_circle_m(&self) -> f64 {
         (1..=self.count).map(|number| self.circle_m(number)).fold(f64::INFINITY, f64::min)
     }
 
     /// Corners of the mark on the land between the last sector and the first, in metres on the specimen, anticlockwise.
-    #[must_use]
     pub fn mark_m(&self) -> [[f64; 2]; 4] {
         let angle = (self.middle_deg(1) - self.angle_deg() / 2.0).to_radians();
         let [cosine, sine] = [libm::cos(angle), libm::sin(angle)];
@@ -211,43 +200,36 @@ impl Sector {
     }
 
     /// Number of the sector, from 1.
-    #[must_use]
     pub const fn number(&self) -> usize {
         self.number
     }
 
     /// Division that the sector belongs to.
-    #[must_use]
     pub const fn division(&self) -> &Division {
         &self.division
     }
 
     /// Pattern of the sector.
-    #[must_use]
     pub const fn pattern(&self) -> &Pattern {
         self.layout.pattern()
     }
 
     /// Layout of the pattern on the whole specimen.
-    #[must_use]
     pub const fn whole(&self) -> &Layout {
         &self.layout
     }
 
     /// Number of cavities; each part of a cavity that is cut by border or land counts.
-    #[must_use]
     pub const fn cavities(&self) -> usize {
         self.cavities
     }
 
     /// Area of the cavities, in square metres.
-    #[must_use]
     pub const fn cavity_area_m2(&self) -> f64 {
         self.cavity_area_m2
     }
 
     /// Fraction of the sector without its lands that is cavity.
-    #[must_use]
     pub fn areal_density(&self) -> f64 {
         self.cavity_area_m2 / self.division.area_m2(self.number)
     }

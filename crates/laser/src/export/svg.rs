@@ -170,7 +170,6 @@ fn wrap(text: &str, characters: usize) -> Vec<String> {
 }
 
 /// Whether XML allows `letter` in a line of text: XML 1.0 forbids control characters and U+FFFE and U+FFFF ("Char").
-#[must_use]
 pub fn is_xml_letter(letter: char) -> bool {
     !letter.is_control() && !matches!(letter, '\u{fffe}' | '\u{ffff}')
 }

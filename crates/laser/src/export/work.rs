@@ -124,7 +124,6 @@ pub struct WorkSheet {
 
 /// Estimated marking time for all cavities of `layout`, in seconds, as on the process sheet; `None` if laser parameters
 /// are missing.
-#[must_use]
 pub fn laser_time_s(layout: &Layout, laser: &Laser) -> Option<f64> {
     WorkSheet::new(layout, laser).estimated_time_s
 }

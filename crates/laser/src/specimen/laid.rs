@@ -41,7 +41,6 @@ impl Laid {
     /// Areal density of the face of `made`, a sample of the design, over that of its infinite pattern: D / `D_period` =
     /// (n `A_cavity` / `A_face`) / (`A_cavity` / `A_period`), with n cavities as designed. For crossing grooves this
     /// holds to first order.
-    #[must_use]
     pub fn share(&self, made: &Pattern) -> f64 {
         self.on_face.map_or(1.0, |(share, designed)| share * (period_size(made, self.dimension) / designed))
     }
@@ -61,7 +60,6 @@ pub(crate) fn cavity_fraction(strips: &[Strip]) -> f64 {
 
 /// Converts the ratio of an infinite pattern to that on a specimen, whose cavities take `share` of the density of the
 /// infinite pattern.
-#[must_use]
 pub fn on_face(ratio: f64, share: f64) -> f64 {
     1.0 - share * (1.0 - ratio)
 }

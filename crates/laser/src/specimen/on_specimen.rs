@@ -218,14 +218,12 @@ impl SteadyOnFace {
 
     /// Correction for ends and tilt at the load `place`, in addition to that for the areal density; `None` if strips
     /// have no ratio.
-    #[must_use]
     pub fn added(&self, place: usize) -> Option<f64> {
         self.added.get(place).copied().flatten()
     }
 
     /// Ratio on the specimen at the load `place`, for `made`, a sample of the pattern whose ratio on an infinite
     /// pattern is `cell`; `None` if strips have no ratio.
-    #[must_use]
     pub fn ratio(&self, cell: f64, made: &Pattern, place: usize) -> Option<f64> {
         Some(on_face(cell, self.laid.share(made)) + self.added(place)?)
     }
@@ -293,7 +291,6 @@ pub fn time_changes_on(
 
 /// Replaces unknown `changes` at `loads` by the one at the nearest pressure, because changes depend smoothly on
 /// pressure. `None` if none is known.
-#[must_use]
 pub fn nearest_known(changes: &[Option<f64>], loads: &[Load]) -> Option<Vec<f64>> {
     let at = |load: &Load| {
         let apart = |other: &Load| (other.pressure_pa / load.pressure_pa).ln().abs();

@@ -141,7 +141,6 @@ impl AreaLaw {
     }
 
     /// f at the local pressure `pressure_pa`; 1 for tensile or zero pressure.
-    #[must_use]
     pub fn factor(&self, pressure_pa: f64) -> f64 {
         self.factor_near(pressure_pa, &mut 0)
     }
@@ -149,7 +148,6 @@ impl AreaLaw {
     /// f at `pressure_pa`, like [`AreaLaw::factor`], but starts with the interval `near` of the previous call. This is
     /// much faster if pressures change slowly.
     #[inline]
-    #[must_use]
     pub fn factor_near(&self, pressure_pa: f64, near: &mut usize) -> f64 {
         let (p, f) = (&self.pressure_pa, &self.factor);
         let inside = |i: usize| i + 1 < p.len() && p[i] <= pressure_pa && pressure_pa < p[i + 1];
@@ -172,7 +170,6 @@ impl AreaLaw {
     }
 
     /// The interval of the law that contains `pressure_pa`, as a polynomial of the limiting traction p f(p).
-    #[must_use]
     pub fn piece(&self, pressure_pa: f64) -> Piece {
         let (p, f) = (&self.pressure_pa, &self.factor);
         let last = p.len() - 1;
@@ -201,14 +198,12 @@ impl AreaLaw {
     }
 
     /// Whether `pressure_pa` is above the last tabulated pressure.
-    #[must_use]
     pub fn is_extrapolated(&self, pressure_pa: f64) -> bool {
         pressure_pa > self.pressure_pa[self.pressure_pa.len() - 1]
     }
 
     /// Pressure and value of the largest f, if it exceeds 1 by more than rounding. Such a law has more friction per
     /// load than at light loads, which contact area cannot explain.
-    #[must_use]
     pub fn above_one(&self) -> Option<(f64, f64)> {
         let largest =
             self.pressure_pa.iter().copied().zip(self.factor.iter().copied()).max_by(|a, b| a.1.total_cmp(&b.1));
@@ -217,7 +212,6 @@ impl AreaLaw {
 
     /// First tabulated pressure and factor of a step from 1, if the law has one ([`AreaLaw::new`] makes a step of a
     /// first factor other than 1).
-    #[must_use]
     pub fn step(&self) -> Option<(f64, f64)> {
         match (&self.pressure_pa[..], &self.factor[..]) {
             ([before, first, ..], [one, factor, ..]) if *before == first * (1.0 - STEP_WIDTH) && *one == 1.0 => {
@@ -228,19 +222,16 @@ impl AreaLaw {
     }
 
     /// Tabulated pressures, in pascals, increasing.
-    #[must_use]
     pub fn pressures_pa(&self) -> &[f64] {
         &self.pressure_pa
     }
 
     /// Tabulated factors, one per pressure.
-    #[must_use]
     pub fn factors(&self) -> &[f64] {
         &self.factor
     }
 
     /// Standard errors of the tabulated factors, if known.
-    #[must_use]
     pub fn factor_std(&self) -> Option<&[f64]> {
         self.factor_std.as_deref()
     }

@@ -11,13 +11,11 @@ pub struct Condition {
 
 impl Condition {
     /// Whether both numbers agree to one part in a million.
-    #[must_use]
     pub fn matches(&self, other: &Self) -> bool {
         close(self.speed_m_s, other.speed_m_s) && close(self.humidity, other.humidity)
     }
 
     /// Whether both match, or neither is known.
-    #[must_use]
     pub fn is_same(one: Option<&Self>, other: Option<&Self>) -> bool {
         match (one, other) {
             (Some(one), Some(other)) => one.matches(other),
@@ -43,7 +41,6 @@ pub(crate) fn round(value: f64) -> f64 {
 /// Otherwise interpolation is linear in ln(speed) between the nearest speeds at one humidity, and linear in humidity
 /// between the nearest humidities at which this is possible. `None` outside the measured range: there is no
 /// extrapolation.
-#[must_use]
 pub fn between(measured: &[Condition], wanted: &Condition) -> Option<Vec<(Condition, f64)>> {
     let mut humidities: Vec<f64> = measured.iter().map(|condition| condition.humidity).collect();
     humidities.sort_by(f64::total_cmp);

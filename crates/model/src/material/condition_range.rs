@@ -39,25 +39,21 @@ impl ConditionRange {
     }
 
     /// Whether the range is more than a single condition.
-    #[must_use]
     pub fn is_wide(&self) -> bool {
         !(close(self.speed_m_s[0], self.speed_m_s[1]) && close(self.humidity[0], self.humidity[1]))
     }
 
     /// Minimum and maximum speed, in m/s.
-    #[must_use]
     pub const fn speed_m_s(&self) -> [f64; 2] {
         self.speed_m_s
     }
 
     /// Minimum and maximum humidity, from 0 to 1.
-    #[must_use]
     pub const fn humidity(&self) -> [f64; 2] {
         self.humidity
     }
 
     /// Distinct corners of the range: minimum speed and humidity first.
-    #[must_use]
     pub fn corners(&self) -> Vec<Condition> {
         let (speeds, humidities) = (places(self.speed_m_s, &[]), places(self.humidity, &[]));
         lattice(&speeds, &humidities).into_iter().flatten().collect()
@@ -135,7 +131,6 @@ impl Friction {
 
     /// Selects the one of `conditions` that represents `range`: the measured one with the most pressures, then the one
     /// nearest to the middle of the range in ln(v) and humidity, then the first. `None` if there are none.
-    #[must_use]
     pub fn primary(&self, range: &ConditionRange, conditions: &[Condition]) -> Option<Condition> {
         let measured = self.measured();
         let pressures = |condition: &Condition| measured.iter().filter(|own| own.matches(condition)).count();

@@ -24,13 +24,11 @@ impl Elastic {
     }
 
     /// Young's modulus E, in pascals.
-    #[must_use]
     pub const fn youngs_modulus_pa(&self) -> f64 {
         self.youngs_modulus_pa
     }
 
     /// Mass density rho, in kg/m^3.
-    #[must_use]
     pub const fn density_kg_m3(&self) -> f64 {
         self.density_kg_m3
     }
@@ -57,13 +55,11 @@ impl Elastic {
 
     /// Contact pressure at which heights of the face are flattened permanently, in pascals: about three times the yield
     /// stress. `None` for an elastic solid.
-    #[must_use]
     pub const fn yield_pressure_pa(&self) -> Option<f64> {
         self.yield_pressure_pa
     }
 
     /// Contact modulus E* = E / (1 - nu^2) against a rigid body, in pascals.
-    #[must_use]
     pub fn contact_modulus_pa(&self, poisson_ratio: f64) -> f64 {
         self.youngs_modulus_pa / (1.0 - poisson_ratio * poisson_ratio)
     }

@@ -25,25 +25,21 @@ impl LocalFriction {
     }
 
     /// Mean local static coefficient.
-    #[must_use]
     pub const fn static_mean(&self) -> f64 {
         self.static_mean
     }
 
     /// Mean local dynamic coefficient.
-    #[must_use]
     pub const fn dynamic_mean(&self) -> f64 {
         self.dynamic_mean
     }
 
     /// Standard deviation of both coefficients relative to their means.
-    #[must_use]
     pub const fn relative_std(&self) -> f64 {
         self.relative_std
     }
 
     /// Interpolates linearly to `other`, with `t` from 0 to 1.
-    #[must_use]
     fn interpolate(&self, other: &Self, t: f64) -> Self {
         let mix = |a: f64, b: f64| a + t * (b - a);
         Self {
@@ -130,7 +126,6 @@ impl Friction {
     /// Minimum and maximum pressure at which coefficients were measured under `condition`; between measured conditions,
     /// the pressures that all of them cover. `None` for a single pair, for unknown conditions, and if the conditions
     /// have no pressure in common.
-    #[must_use]
     pub fn measured_pressures_pa(&self, condition: Option<&Condition>) -> Option<[f64; 2]> {
         let measured: Vec<Condition> = self.table().iter().filter_map(|row| row.condition).collect();
         let about: Vec<Option<Condition>> = if measured.is_empty() {
@@ -152,7 +147,6 @@ impl Friction {
 
     /// Describes the measured conditions from which coefficients under `condition` are interpolated; `None` without
     /// interpolation.
-    #[must_use]
     pub fn interpolation(&self, condition: Option<&Condition>) -> Option<String> {
         let Self::PerCondition(table) = self else { return None };
         let measured: Vec<Condition> = table.iter().filter_map(|row| row.condition).collect();

@@ -22,7 +22,6 @@ impl Extrapolation {
     pub const ALL: [Self; 2] = [Self::Constant, Self::Logarithmic];
 
     /// The name used in files.
-    #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::Constant => "constant",

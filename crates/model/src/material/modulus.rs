@@ -86,7 +86,6 @@ impl AreaLaw {
 
     /// Adds `deviates` standard errors to all factors, limited to 0; returns the law itself if they are not known.
     /// Shifting all factors to the same side is the worst case.
-    #[must_use]
     pub fn with_factors_off_by(&self, deviates: f64) -> Self {
         let Some(std) = self.factor_std() else { return self.clone() };
         let factors = self.factors().iter().zip(std).map(|(f, std)| (f + deviates * std).max(0.0)).collect();

@@ -51,49 +51,41 @@ impl Pattern {
     }
 
     /// Texture: all properties except width, spacing and depth.
-    #[must_use]
     pub const fn texture(&self) -> &Texture {
         &self.texture
     }
 
     /// Shape seen from above.
-    #[must_use]
     pub const fn planform(&self) -> Planform {
         self.texture.planform()
     }
 
     /// Width of a cavity along x, in metres; the diameter of a disc.
-    #[must_use]
     pub const fn width_m(&self) -> f64 {
         self.width_m
     }
 
     /// Gap between two neighbouring cavities of a row, along x, in metres.
-    #[must_use]
     pub const fn spacing_m(&self) -> f64 {
         self.spacing_m
     }
 
     /// Depth of a cavity, in metres.
-    #[must_use]
     pub const fn depth_m(&self) -> f64 {
         self.depth_m
     }
 
     /// Width, spacing and depth, in metres.
-    #[must_use]
     pub const fn lengths_m(&self) -> [f64; 3] {
         [self.width_m, self.spacing_m, self.depth_m]
     }
 
     /// Period of a row along x, width + spacing, in metres.
-    #[must_use]
     pub fn pitch_m(&self) -> f64 {
         self.width_m + self.spacing_m
     }
 
     /// Extent of a cavity along y, in metres; `None` for grooves, which are infinite.
-    #[must_use]
     pub fn length_m(&self) -> Option<f64> {
         match self.planform() {
             Planform::Groove | Planform::Crosshatch => None,
@@ -105,7 +97,6 @@ impl Pattern {
 
     /// Gap between two neighbouring rows, along y, in metres; `None` for grooves. Negative if hexagonal rows of discs
     /// interlock.
-    #[must_use]
     pub fn spacing_across_m(&self) -> Option<f64> {
         if self.texture.arrangement() == Arrangement::Hexagonal {
             return Some(HEXAGONAL_ROW_RATIO * self.pitch_m() - self.length_m()?);
@@ -115,7 +106,6 @@ impl Pattern {
     }
 
     /// Distance between neighbouring rows along y, length + spacing across, in metres; `None` for grooves.
-    #[must_use]
     pub fn pitch_across_m(&self) -> Option<f64> {
         if self.texture.arrangement() == Arrangement::Hexagonal {
             return self.length_m().map(|_| HEXAGONAL_ROW_RATIO * self.pitch_m());
@@ -124,7 +114,6 @@ impl Pattern {
     }
 
     /// Whether the pattern does not vary along y: grooves without crossing ones.
-    #[must_use]
     pub fn is_uniform_along_y(&self) -> bool {
         self.planform() == Planform::Groove
     }
@@ -133,7 +122,6 @@ impl Pattern {
     /// two rows. Grooves do not vary along y: their cell is given as a square, although any length along y is valid.
     /// Grooves that cross at an angle c have the cell p / cos(c/2) by p / sin(c/2), in which they cross twice, or p by
     /// p for a right angle.
-    #[must_use]
     pub fn cell_m(&self) -> [f64; 2] {
         let pitch_m = self.pitch_m();
         if let Some(half) = self.oblique_half_angle() {
@@ -180,7 +168,6 @@ impl Pattern {
     }
 
     /// Unit vector of the sliding direction in the pattern's axes.
-    #[must_use]
     pub fn sliding_direction(&self) -> [f64; 2] {
         self.texture.sliding_direction()
     }
@@ -192,7 +179,6 @@ impl Pattern {
     /// therefore chooses the position of its blocks. The fraction is computed in closed form and is continuous in the
     /// rectangle and in every dimension of the pattern. Values within 1e-12 of 0 or 1 are rounded, so that blocks
     /// without an edge are exactly 0 or 1. An empty or non-finite rectangle has the fraction 0.
-    #[must_use]
     pub fn coverage(&self, x0_m: f64, x1_m: f64, y0_m: f64, y1_m: f64) -> f64 {
         snap_fraction(self.coverage_within(0.0, [x0_m, x1_m], [y0_m, y1_m]))
     }
@@ -254,13 +240,11 @@ impl Pattern {
     /// Fraction of a vertical section along x through the cavities' centres that is cavity, width / pitch. For a
     /// polygon this is the section at its largest width, for crossing grooves a section across one family between two
     /// grooves of the other.
-    #[must_use]
     pub fn section_density(&self) -> f64 {
         self.width_m / self.pitch_m()
     }
 
     /// Fraction of the surface that is cavity.
-    #[must_use]
     pub fn areal_density(&self) -> f64 {
         // (w / p) times the fraction of the rows across, weighted by the mean chord; for crossing grooves 1 - (1 -
         // w/p)^2
@@ -269,7 +253,6 @@ impl Pattern {
 
     /// Length of the cavities' edges over the area of the face, in 1/m. Edges of crossing grooves end where the grooves
     /// cross.
-    #[must_use]
     pub fn edge_per_area_1_m(&self) -> f64 {
         let width_m = self.width_m;
         // Perimeter over area of one cavity.
@@ -293,7 +276,6 @@ impl Pattern {
     /// the same vertical section along x. Strips between the rows count as flat; a disc or polygon counts as a
     /// rectangle of equal width and area. The reduction by crossing grooves is scaled with their larger area, and
     /// limited to 1.
-    #[must_use]
     pub fn strip_estimate(&self, ratio_groove: f64) -> f64 {
         match self.planform() {
             Planform::Groove => ratio_groove,
@@ -320,7 +302,6 @@ impl Pattern {
 
     /// Smallest distance between two cavities, in metres: the narrowest land. It is exact for polygons, whichever
     /// neighbour is nearest, and equals the spacing for crossing grooves.
-    #[must_use]
     pub fn least_land_m(&self) -> f64 {
         let (Some(length_m), Some(spacing_across_m)) = (self.length_m(), self.spacing_across_m()) else {
             return self.spacing_m;
@@ -370,7 +351,6 @@ impl Pattern {
     }
 
     /// Smallest extent of a cavity seen from above, in metres; for a polygon [`Polygon::least_extent`].
-    #[must_use]
     pub fn least_extent_m(&self) -> f64 {
         if let Some(outline) = self.texture.outline() {
             return outline.least_extent() * self.width_m;

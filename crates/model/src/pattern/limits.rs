@@ -48,7 +48,6 @@ pub enum LimitViolation {
 
 impl LimitViolation {
     /// Amount by which the limit is violated, relative to the limit.
-    #[must_use]
     pub fn excess(&self) -> f64 {
         match *self {
             Self::LandTooNarrow { land_m, min_land_m } => 1.0 - land_m / min_land_m,
@@ -60,7 +59,6 @@ impl LimitViolation {
 
 impl ManufacturingLimits {
     /// Limits that `pattern` violates; empty if the laser can make it.
-    #[must_use]
     pub fn violations(&self, pattern: &Pattern) -> Vec<LimitViolation> {
         let mut broken = Vec::new();
         if let Some(min_land_m) = self.min_land_m
@@ -81,20 +79,17 @@ impl ManufacturingLimits {
     }
 
     /// Whether the sloping walls of `pattern` meet above its floor.
-    #[must_use]
     pub fn walls_meet(&self, pattern: &Pattern) -> bool {
         self.deepest_m(pattern).is_some_and(|deepest_m| pattern.depth_m() > deepest_m * (1.0 + ROUNDING))
     }
 
     /// Depth at which the walls of cavities as wide as those of `pattern` meet, in metres; `None` for vertical walls.
-    #[must_use]
     pub fn deepest_m(&self, pattern: &Pattern) -> Option<f64> {
         // w = 2 d tan(taper)
         self.wall_slope.filter(|slope| *slope > 0.0).map(|slope| pattern.least_extent_m() / (2.0 * slope))
     }
 
     /// Number of bursts for a depth, rounded to the nearest integer and at least one; `None` without a depth per burst.
-    #[must_use]
     pub fn bursts(&self, depth_m: f64) -> Option<u32> {
         // A depth is finite and positive, and the count far below 2^32, so that the cast cannot overflow.
         self.depth_per_burst_m.map(|per_burst_m| (depth_m / per_burst_m).round().clamp(1.0, 1e9) as u32)

@@ -25,7 +25,6 @@ impl Planform {
         [Self::Groove, Self::Square, Self::Rectangle, Self::Disc, Self::Polygon, Self::Crosshatch];
 
     /// The name used in files.
-    #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::Groove => "groove",
@@ -38,7 +37,6 @@ impl Planform {
     }
 
     /// Whether cavities are grooves, which have no ends.
-    #[must_use]
     pub const fn is_grooves(self) -> bool {
         matches!(self, Self::Groove | Self::Crosshatch)
     }
@@ -67,7 +65,6 @@ impl Arrangement {
     pub const ALL: [Self; 3] = [Self::Square, Self::Staggered, Self::Hexagonal];
 
     /// The name used in files.
-    #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::Square => "square",
@@ -77,7 +74,6 @@ impl Arrangement {
     }
 
     /// Whether every second row is shifted along x by half a pitch.
-    #[must_use]
     pub const fn shifts_rows(self) -> bool {
         matches!(self, Self::Staggered | Self::Hexagonal)
     }

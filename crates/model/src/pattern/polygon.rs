@@ -120,25 +120,21 @@ impl Polygon {
     }
 
     /// Corners as `[x, y]`, anticlockwise, divided by the extent along x; the bounding box is centred at the origin.
-    #[must_use]
     pub fn vertices(&self) -> &'static [[f64; 2]] {
         &self.0.vertices
     }
 
     /// Extent along y over extent along x.
-    #[must_use]
     pub fn length(&self) -> f64 {
         self.0.length
     }
 
     /// Area divided by the square of the extent along x.
-    #[must_use]
     pub fn area(&self) -> f64 {
         self.0.area
     }
 
     /// Perimeter divided by the extent along x.
-    #[must_use]
     pub fn perimeter(&self) -> f64 {
         edges(self.vertices()).map(|([xa, ya], [xb, yb])| (xb - xa).hypot(yb - ya)).sum()
     }
@@ -147,13 +143,11 @@ impl Polygon {
     /// supporting lines, and, for a concave outline, of its narrowest neck. A neck is a straight line inside the
     /// outline from a concave corner to the opposite side that is shorter than all lines next to it. Tapering corners
     /// are not counted as narrow.
-    #[must_use]
     pub fn least_extent(&self) -> f64 {
         self.0.least_extent
     }
 
     /// Whether a point, divided by the extent along x, lies inside.
-    #[must_use]
     pub fn contains(&self, at: [f64; 2]) -> bool {
         contains(self.vertices(), at)
     }

@@ -65,7 +65,6 @@ const WITH_ROWS: &str = "planform = \"square\", \"rectangle\", \"disc\" or \"pol
 impl TextureRecord {
     /// Converts the texture of cavities `width_m` wide. The planform is always written, the crossing angle of a crosshatch
     /// and the profile of rims, too; other properties only if they differ from their default.
-    #[must_use]
     pub fn new(texture: &Texture, width_m: f64) -> Self {
         let um = |length_m: f64| LENGTH_UM.from_si(length_m);
         let turned = |angle_deg: f64| (angle_deg != 0.0).then(|| tidy(angle_deg));

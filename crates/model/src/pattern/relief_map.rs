@@ -69,13 +69,11 @@ impl ReliefMap {
     }
 
     /// Sides of the period along x and y, in metres.
-    #[must_use]
     pub const fn sides_m(&self) -> [f64; 2] {
         self.sides_m
     }
 
     /// Transposes the map: x and y are exchanged.
-    #[must_use]
     pub fn turned(&self) -> Self {
         let ([nx, ny], [x_m, y_m]) = (self.pixels, self.sides_m);
         let heights_m = (0..nx * ny).map(|n| self.heights_m[n / ny + n % ny * nx]).collect();
@@ -248,7 +246,6 @@ pub struct LandRelief {
 impl LandRelief {
     /// Mean height, in metres, of the land in the rectangle `x_m` by `y_m` in the pattern's axes, of any size, without
     /// the walls of cavities; 0 without land.
-    #[must_use]
     pub fn mean_m(&self, x_m: [f64; 2], y_m: [f64; 2]) -> f64 {
         let [x, y] = [(x_m, 0), (y_m, 1)]
             .map(|(ends_m, axis)| ends_m.map(|at_m| (at_m - self.from_m[axis]) / self.pixel_m[axis]));

@@ -38,7 +38,6 @@ impl RimProfile {
     pub const MEASURED: [Self; 4] = [Self::Round, Self::Flat, Self::Ramp, Self::HalfSine];
 
     /// The name used in files, options and results.
-    #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::Round => "round",
@@ -49,7 +48,6 @@ impl RimProfile {
     }
 
     /// Height relative to the maximum, at the distance `s` from the edge over the rim's width; 0 outside 0 to 1.
-    #[must_use]
     pub fn height(self, s: f64) -> f64 {
         match self {
             _ if !(0.0..=1.0).contains(&s) => 0.0,
@@ -61,7 +59,6 @@ impl RimProfile {
     }
 
     /// Integral of [`Self::height`] from the edge to `s`.
-    #[must_use]
     pub fn integral(self, s: f64) -> f64 {
         let s = s.clamp(0.0, 1.0);
         match self {
@@ -74,14 +71,12 @@ impl RimProfile {
 
     /// Integral, in metres, of the relative height of a rim `width_m` wide between the distances `from_m` and `to_m`
     /// from the edge.
-    #[must_use]
     pub fn integral_m(self, width_m: f64, from_m: f64, to_m: f64) -> f64 {
         let to = |distance_m: f64| self.integral(distance_m / width_m);
         width_m * (to(to_m) - to(from_m))
     }
 
     /// Mean relative height of a rim `width_m` wide between the distances `from_m` and `to_m` from the edge.
-    #[must_use]
     pub fn mean(self, width_m: f64, from_m: f64, to_m: f64) -> f64 {
         self.integral_m(width_m, from_m, to_m) / (to_m - from_m)
     }
@@ -179,13 +174,11 @@ impl Rim {
     }
 
     /// Whether the rim rises above the land: a height or the scatter is not zero.
-    #[must_use]
     pub fn stands(&self) -> bool {
         self.height_std_m > 0.0 || self.heights_m().iter().any(|[_, height_m]| *height_m > 0.0)
     }
 
     /// Height above the land at the edge of a cavity of depth `depth_m`, in metres.
-    #[must_use]
     pub fn height_m(&self, depth_m: f64) -> f64 {
         let known = self.heights_m();
         let after = known.partition_point(|[at_m, _]| *at_m <= depth_m);
@@ -197,39 +190,33 @@ impl Rim {
     }
 
     /// Pairs of depth and height, in metres, by increasing depth; a single pair if heights do not depend on depth.
-    #[must_use]
     pub fn heights_m(&self) -> &[[f64; 2]] {
         &self.heights_m[..self.known]
     }
 
     /// Distance from the edge at which the rim ends, in metres.
-    #[must_use]
     pub const fn width_m(&self) -> f64 {
         self.width_m
     }
 
     /// Largest block, in metres, of which `block_m` is a multiple and two fit into the rim, so that the blocks resolve
     /// its profile.
-    #[must_use]
     pub fn block_m(&self, block_m: f64) -> f64 {
         // A rim of two blocks within rounding has two blocks.
         block_m / (2.0 * block_m / self.width_m - 1e-9).ceil().max(1.0)
     }
 
     /// Profile from the edge outward.
-    #[must_use]
     pub const fn profile(&self) -> RimProfile {
         self.profile
     }
 
     /// Standard deviation of heights from rim to rim, in metres.
-    #[must_use]
     pub const fn height_std_m(&self) -> f64 {
         self.height_std_m
     }
 
     /// Integral, in metres, of the relative height between the distances `from_m` and `to_m` from the edge.
-    #[must_use]
     pub fn integral_m(&self, from_m: f64, to_m: f64) -> f64 {
         self.profile.integral_m(self.width_m, from_m, to_m)
     }

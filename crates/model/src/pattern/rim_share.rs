@@ -12,7 +12,6 @@ const GAUSS_LEGENDRE: [[f64; 2]; 4] = [
 
 impl Pattern {
     /// Height of the rims at the edges of the cavities, in metres; 0 without rims.
-    #[must_use]
     pub fn rim_height_m(&self) -> f64 {
         self.texture().rim().map_or(0.0, |rim| rim.height_m(self.depth_m()))
     }
@@ -22,7 +21,6 @@ impl Pattern {
     ///
     /// A rim is the region of all points within its width of the cavity, by Euclidean distance. It is as wide around a
     /// corner as along an edge, so that the corners of a square's rim are quarter discs.
-    #[must_use]
     pub fn rim_share(&self, x0_m: f64, x1_m: f64, y0_m: f64, y1_m: f64) -> f64 {
         let Some(rim) = self.texture().rim() else { return 0.0 };
         let cavity = self.coverage(x0_m, x1_m, y0_m, y1_m);

@@ -33,7 +33,6 @@ const MIN_COMPONENT: f64 = 1e-9;
 impl Texture {
     /// Creates a texture of `planform` with length equal to width, equal spacing along x and y, a square arrangement,
     /// and sliding along x. A polygon is a square until an outline is set; grooves cross at right angles.
-    #[must_use]
     pub const fn new(planform: Planform) -> Self {
         Self {
             planform,
@@ -158,7 +157,6 @@ impl Texture {
     }
 
     /// Rim of every cavity, if there is one.
-    #[must_use]
     pub const fn rim(&self) -> Option<&Rim> {
         self.rim.as_ref()
     }
@@ -168,44 +166,37 @@ impl Texture {
     }
 
     /// Shape seen from above.
-    #[must_use]
     pub const fn planform(&self) -> Planform {
         self.planform
     }
 
     /// Length of a rectangle along y, in metres, if it differs from the width.
-    #[must_use]
     pub const fn length_m(&self) -> Option<f64> {
         self.length_m
     }
 
     /// Outline of polygons; `None` for other planforms, and for polygons that are squares.
-    #[must_use]
     pub const fn outline(&self) -> Option<Polygon> {
         self.outline
     }
 
     /// Gap between neighbouring rows along y, in metres, if it differs from the spacing along x.
-    #[must_use]
     pub const fn spacing_across_m(&self) -> Option<f64> {
         self.spacing_across_m
     }
 
     /// Arrangement of rows.
-    #[must_use]
     pub const fn arrangement(&self) -> Arrangement {
         self.arrangement
     }
 
     /// Angle of the grooves (of the first family for crossing grooves) from lying across the specimen's X axis, in
     /// degrees; 0 for other planforms.
-    #[must_use]
     pub const fn groove_angle_deg(&self) -> f64 {
         self.groove_angle_deg
     }
 
     /// Angle between the two families of crossing grooves, in degrees; `None` for other planforms.
-    #[must_use]
     pub const fn crossing_angle_deg(&self) -> Option<f64> {
         match self.planform {
             Planform::Crosshatch => Some(self.crossing_angle_deg),
@@ -237,31 +228,26 @@ impl Texture {
 
     /// Angle from the specimen's X axis to the texture's x axis, in degrees: the groove angle, the angle halfway
     /// between the families for obliquely crossing grooves, and 0 for other planforms.
-    #[must_use]
     pub fn orientation_deg(&self) -> f64 {
         self.groove_angle_deg + self.oblique_half_angle_deg().unwrap_or(0.0)
     }
 
     /// Angle from the specimen's X axis to the sliding direction, in degrees.
-    #[must_use]
     pub const fn sliding_angle_deg(&self) -> f64 {
         self.sliding_angle_deg
     }
 
     /// Unit vector of the texture's x axis in the specimen's axes.
-    #[must_use]
     pub fn orientation(&self) -> [f64; 2] {
         unit_vector(self.orientation_deg())
     }
 
     /// Unit vector of the sliding direction in the texture's axes x and y.
-    #[must_use]
     pub fn sliding_direction(&self) -> [f64; 2] {
         unit_vector(self.sliding_angle_deg - self.orientation_deg())
     }
 
     /// Whether the sliding direction is closer to the texture's x axis than to its y axis.
-    #[must_use]
     pub fn slides_along_rows(&self) -> bool {
         let [along_x, along_y] = self.sliding_direction();
         along_x.abs() > along_y.abs()
@@ -269,13 +255,11 @@ impl Texture {
 
     /// Whether the sliding direction is neither along rows nor across them, so that the pattern is not periodic across
     /// it.
-    #[must_use]
     pub fn slides_aslant(&self) -> bool {
         self.sliding_direction().iter().all(|part| part.abs() > MIN_COMPONENT)
     }
 
     /// Unit vector of the sliding direction in the specimen's axes X and Y.
-    #[must_use]
     pub fn sliding_direction_on_specimen(&self) -> [f64; 2] {
         unit_vector(self.sliding_angle_deg)
     }
@@ -284,7 +268,6 @@ impl Texture {
     /// Cavities are symmetric under rotation by 180 degrees, so that both directions along a line are equivalent.
     /// Directions reflected at the texture's axes are equivalent as well, and those reflected at the diagonal for
     /// squares and discs with equal spacings. For a polygon only the symmetries of its outline count.
-    #[must_use]
     pub fn slides_alike(&self, other_deg: f64) -> bool {
         const SAME_DEG: f64 = 1e-9;
         let is_square_lattice = self.arrangement == Arrangement::Square && self.spacing_across_m.is_none();
@@ -301,7 +284,6 @@ impl Texture {
     }
 
     /// Whether all vertical sections along the sliding direction are equal: true only for grooves across it.
-    #[must_use]
     pub fn is_one_section(&self) -> bool {
         self.planform == Planform::Groove && self.sliding_direction()[1] == 0.0
     }
@@ -333,7 +315,6 @@ fn angle(quantity: &str, value_deg: f64, most_deg: f64) -> Result<f64, PatternEr
 
 /// Angle between a direction and the x axis, from 0 to 90 degrees; or, if x and y are equivalent, to the nearest axis,
 /// from 0 to 45 degrees.
-#[must_use]
 pub fn folded_deg(angle_deg: f64, has_square_symmetry: bool) -> f64 {
     let turned_deg = angle_deg.rem_euclid(180.0);
     let acute_deg = turned_deg.min(180.0 - turned_deg);

@@ -71,7 +71,6 @@ impl SteadyCell {
     /// Creates the cell of `scene`; options of time integration are ignored.
     ///
     /// The scene's dimension applies; otherwise the pattern decides, and without a pattern the cell is plane.
-    #[must_use]
     pub fn new(scene: &Scene) -> Self {
         let asked = scene.run.dimensions;
         let flat_dimension = || asked.map_or(Dimension::Plane, Dimension::numbered);
@@ -80,7 +79,6 @@ impl SteadyCell {
     }
 
     /// Like [`Self::new`], for patterns of `texture` instead of the scene's pattern.
-    #[must_use]
     pub fn of_texture(scene: &Scene, texture: &Texture) -> Self {
         Self::with_dimension(scene, Dimension::of(scene.run.dimensions, texture))
     }
@@ -107,7 +105,6 @@ impl SteadyCell {
     }
 
     /// Dimension in which the cell is solved.
-    #[must_use]
     pub const fn dimension(&self) -> Dimension {
         self.dimension
     }
@@ -118,7 +115,6 @@ impl SteadyCell {
 
     /// Number of draws of local coefficients that give a cell of `pattern` at least `contacts` contact blocks in total.
     /// In the vertical plane it is 1, because a sample there already averages over many blocks.
-    #[must_use]
     pub fn draws(&self, pattern: &Pattern, contacts: f64) -> u64 {
         if !self.is_spatial() {
             return 1;
@@ -132,7 +128,6 @@ impl SteadyCell {
 
     /// Number of columns of the cell of `pattern` along x and y, as whole numbers; 1 along y for grooves and in the
     /// plane.
-    #[must_use]
     pub fn columns(&self, pattern: &Pattern) -> [f64; 2] {
         if self.is_spatial() {
             return SpaceLattice::columns_of(pattern, self.layer.block_m);
@@ -141,7 +136,6 @@ impl SteadyCell {
     }
 
     /// Estimated upper bound of the memory that [`Self::solve`] needs, in bytes.
-    #[must_use]
     pub fn bytes(&self, pattern: &Pattern) -> f64 {
         if self.is_spatial() {
             let [nx, ny] = self.columns(pattern);
@@ -154,7 +148,6 @@ impl SteadyCell {
     }
 
     /// Maximum memory that a cell should take if several are solved at the same time, in bytes.
-    #[must_use]
     pub const fn most_bytes(&self) -> f64 {
         if self.is_spatial() { MAX_SPACE_BYTES } else { MAX_PLANE_BYTES }
     }
@@ -184,13 +177,11 @@ impl SteadyCell {
     /// In the plane the condensed equations of the cavity are used where they apply and are cheaper, otherwise those of
     /// [`Self::solve_all_blocks`]; both agree to rounding. In space the cell is condensed once, and the solution of one
     /// load starts the next.
-    #[must_use]
     pub fn solve(&self, pattern: &Pattern) -> Vec<CellOutcome> {
         self.solve_heeding(pattern, &Unwatched)
     }
 
     /// Like [`Self::solve`]; when `monitor` cancels, solves in space stop without a result.
-    #[must_use]
     pub fn solve_heeding(&self, pattern: &Pattern, monitor: &dyn Monitor) -> Vec<CellOutcome> {
         if self.is_spatial() {
             let lattice = self.space_lattice(pattern, self.layer.thick_rows());
@@ -219,7 +210,6 @@ impl SteadyCell {
 
     /// Solves steady sliding on `pattern` in the plane by factorizing the equations of all blocks. Slower than
     /// [`Self::solve`]; serves as its reference in tests.
-    #[must_use]
     pub fn solve_all_blocks(&self, pattern: &Pattern) -> Vec<CellOutcome> {
         let model = self.steady_model(self.lattice(pattern));
         self.solve_in_plane(model.lattice().nx(), |load| model.solve(load))
@@ -273,20 +263,17 @@ impl SteadyCell {
     ///
     /// A closed cavity does not make the ratio `None`, although the result is invalid there: the model lets the ceiling
     /// pass through the counterface. Check `surface.cavity_closed` of [`Self::solve`].
-    #[must_use]
     pub fn ratios(&self, pattern: &Pattern) -> Vec<Option<f64>> {
         self.ratios_heeding(pattern, &Unwatched)
     }
 
     /// Like [`Self::ratios`], with cancellation as in [`Self::solve_heeding`].
-    #[must_use]
     pub fn ratios_heeding(&self, pattern: &Pattern, monitor: &dyn Monitor) -> Vec<Option<f64>> {
         self.solve_heeding(pattern, monitor).into_iter().map(|outcome| outcome.ratio).collect()
     }
 
     /// Returns the ratios of many patterns in their order. Patterns are solved in parallel on rayon's current pool; the
     /// result does not depend on the number of threads.
-    #[must_use]
     pub fn ratios_of(&self, patterns: &[Pattern]) -> Vec<Vec<Option<f64>>> {
         patterns.par_iter().map(|pattern| self.ratios(pattern)).collect()
     }

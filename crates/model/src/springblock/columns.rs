@@ -27,19 +27,16 @@ pub struct Column {
 
 impl Column {
     /// Creates a column of land without relief, `width` lattice spacings wide.
-    #[must_use]
     pub const fn land(width: f64) -> Self {
         Self { width, coverage: 0.0, cavity_rows: 0.0, relief: 0.0 }
     }
 
     /// Creates a column in a cavity `cavity_rows` rows deep, `width` lattice spacings wide.
-    #[must_use]
     pub const fn cavity(width: f64, cavity_rows: f64) -> Self {
         Self { width, coverage: 1.0, cavity_rows, relief: 0.0 }
     }
 
     /// Whether the column's lowest block touches the counterface, at least in part.
-    #[must_use]
     pub fn is_land(&self) -> bool {
         self.coverage < 1.0
     }
@@ -94,7 +91,6 @@ impl Period {
     }
 }
 
-#[must_use]
 pub fn flat(count: usize) -> Vec<Column> {
     vec![Column::land(1.0); count]
 }
@@ -131,13 +127,11 @@ pub fn round_share(share: f64) -> f64 {
 ///
 /// Several periods are taken if the period is not a whole number of blocks and has fewer than 8 columns, or if the rims
 /// have different heights. A first cavity of c columns in m columns has floor((m - c)/2) columns before it.
-#[must_use]
 pub fn cell(pattern: &Pattern, block_m: f64) -> Vec<Column> {
     cell_with_map(pattern, block_m, None)
 }
 
 /// Like [`cell`], with the measured relief `map` of the lands.
-#[must_use]
 pub fn cell_with_map(pattern: &Pattern, block_m: f64, map: Option<&ReliefMap>) -> Vec<Column> {
     let period = Period::new(pattern, block_m);
     let pitch = period.width + period.spacing;
@@ -190,13 +184,11 @@ fn with_measured_relief(
 ///
 /// The specimen begins with half a land like a cell, and the last period is cut off at the end. The remaining part of
 /// the last piece is divided like the others; a sliver is added to the piece before it.
-#[must_use]
 pub fn sample(pattern: &Pattern, block_m: f64, length: usize) -> Vec<Column> {
     sample_with_map(pattern, block_m, length, None)
 }
 
 /// Like [`sample`], with the measured relief `map` of the lands.
-#[must_use]
 pub fn sample_with_map(pattern: &Pattern, block_m: f64, length: usize, map: Option<&ReliefMap>) -> Vec<Column> {
     let period = Period::new(pattern, block_m);
     let length = length as f64;
@@ -228,7 +220,6 @@ pub fn sample_with_map(pattern: &Pattern, block_m: f64, length: usize, map: Opti
 /// `cavities` are disjoint intervals in ascending order, `depth` rows deep. Each land and each cavity is divided into
 /// the nearest whole number of columns. A land narrower than [`MIN_PIECE_WIDTH`] is merged with the adjacent cavities,
 /// a narrower cavity with the land.
-#[must_use]
 pub fn strip(length: f64, cavities: &[[f64; 2]], depth: f64) -> Vec<Column> {
     let cavity = Column::cavity(1.0, round_if_whole(depth));
     let mut columns: Vec<Column> = Vec::new();
@@ -253,7 +244,6 @@ pub fn strip(length: f64, cavities: &[[f64; 2]], depth: f64) -> Vec<Column> {
 
 /// Like [`strip`], on whole blocks for time integration: every edge lies on the nearest block boundary; a cavity is at
 /// least one block wide and one row deep, and leaves at least one of the `rows` rows above it.
-#[must_use]
 pub fn whole_strip(length: f64, cavities: &[[f64; 2]], depth: f64, rows: usize) -> Vec<Column> {
     let columns = columns_in(round_if_whole(length));
     let deepest = (rows.max(2) - 1) as f64;
@@ -270,7 +260,6 @@ pub fn whole_strip(length: f64, cavities: &[[f64; 2]], depth: f64, rows: usize) 
 
 /// Sets the relief of `columns`, each entirely land or entirely cavity, from the map `map` of `pattern`, or from the
 /// rims of its cavities if there is no map.
-#[must_use]
 pub fn with_relief(mut columns: Vec<Column>, pattern: &Pattern, block_m: f64, map: Option<&ReliefMap>) -> Vec<Column> {
     if map.is_some() {
         let edge = columns.iter().take_while(|column| column.is_land()).map(|column| column.width).sum();

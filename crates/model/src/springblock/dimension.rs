@@ -15,25 +15,21 @@ pub enum Dimension {
 impl Dimension {
     /// Returns the dimension for patterns of `texture`: `asked` if it is given, otherwise plane if all sections of the
     /// texture are the same.
-    #[must_use]
     pub fn of(asked: Option<u8>, texture: &Texture) -> Self {
         asked.map_or_else(|| Self::required_for([texture]), Self::numbered)
     }
 
     /// Returns the lowest dimension that represents all of `textures`.
-    #[must_use]
     pub fn required_for<'t>(textures: impl IntoIterator<Item = &'t Texture>) -> Self {
         if textures.into_iter().all(Texture::is_one_section) { Self::Plane } else { Self::Space }
     }
 
     /// Converts from the number 2 or 3.
-    #[must_use]
     pub const fn numbered(number: u8) -> Self {
         if number == 3 { Self::Space } else { Self::Plane }
     }
 
     /// Number of spatial dimensions: 2 or 3.
-    #[must_use]
     pub const fn number(self) -> u8 {
         match self {
             Self::Plane => 2,
@@ -43,27 +39,23 @@ impl Dimension {
 
     /// Whether thousands of steady cells can be solved: a plane cell takes milliseconds, a cell in space a hundred
     /// times as long.
-    #[must_use]
     pub const fn is_cheap_per_design(self) -> bool {
         matches!(self, Self::Plane)
     }
 
     /// Whether a specimen is solved strip by strip, like the flat sample of a calibration. In space a whole specimen
     /// has hundreds of cells and a billion blocks, so one cell represents it.
-    #[must_use]
     pub const fn takes_strips(self) -> bool {
         matches!(self, Self::Plane)
     }
 
     /// Whether the model includes the whole interface, with the land between rows of cavities. The plane model has one
     /// line along the sliding direction.
-    #[must_use]
     pub const fn sees_face(self) -> bool {
         matches!(self, Self::Space)
     }
 
     /// Returns `pattern` if this dimension represents only one section of a planform that has different sections.
-    #[must_use]
     pub fn section_of(self, pattern: &Pattern) -> Option<&Pattern> {
         Some(pattern).filter(|pattern| !self.sees_face() && !pattern.texture().is_one_section())
     }

@@ -23,7 +23,6 @@ pub struct Coefficients {
 
 impl Coefficients {
     /// Threshold coefficient of friction at rest. A block that draws mu_s < mu_d starts at mu_d.
-    #[must_use]
     pub fn starting_mu(&self) -> f64 {
         self.static_mu.max(self.dynamic_mu)
     }
@@ -31,7 +30,6 @@ impl Coefficients {
 
 /// Draws the coefficients of `count` columns, left to right. Cavities draw too, so that a flat and a patterned surface
 /// have the same coefficients. A pair with a nonpositive coefficient is drawn again.
-#[must_use]
 pub fn draw(friction: &LocalFriction, seed: u64, count: usize) -> Vec<Coefficients> {
     let mut normals = Normals::new(seed);
     let std = friction.relative_std();
@@ -58,7 +56,6 @@ pub fn draw(friction: &LocalFriction, seed: u64, count: usize) -> Vec<Coefficien
 /// ```
 ///
 /// If all blocks started at mu_d, they would slip together and make the layer oscillate over a tenth of a micrometre.
-#[must_use]
 pub fn random_phase_friction(coefficients: &[Coefficients], seed: u64) -> Vec<f64> {
     let mut normals = Normals::new(seed ^ OTHER_NUMBERS);
     let [from, to] = PHASES;
@@ -73,7 +70,6 @@ pub fn random_phase_friction(coefficients: &[Coefficients], seed: u64) -> Vec<f6
 
 /// Like [`random_phase_friction`] for `count` blocks with mean coefficients; returns friction over the mean dynamic
 /// coefficient.
-#[must_use]
 pub fn random_phase_mean_friction(friction: &LocalFriction, seed: u64, count: usize) -> Vec<f64> {
     let (static_mu, dynamic_mu) = (friction.static_mean(), friction.dynamic_mean());
     let random_phase_friction = random_phase_friction(&vec![Coefficients { static_mu, dynamic_mu }; count], seed);

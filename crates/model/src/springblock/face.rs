@@ -20,13 +20,11 @@ pub struct Strip {
 
 impl Strip {
     /// Total length of the cavities, in metres.
-    #[must_use]
     pub fn cavity_length_m(&self) -> f64 {
         self.cavities_m.iter().map(|[start, end]| end - start).sum()
     }
 
     /// Area that the strip represents, in square metres.
-    #[must_use]
     pub fn area_m2(&self) -> f64 {
         self.width_m * self.length_m
     }
@@ -73,20 +71,17 @@ impl Face {
     }
 
     /// Strips of the face, in order.
-    #[must_use]
     pub fn strips(&self) -> &[Strip] {
         &self.strips
     }
 
     /// Area fraction of cavities.
-    #[must_use]
     pub const fn cavity_share(&self) -> f64 {
         self.cavity_share
     }
 
     /// Cavity fraction of the face over that of a section of `pattern`, D / D_cell: the ratio of the friction
     /// reductions of the face and of a periodic cell.
-    #[must_use]
     pub fn share_of(&self, pattern: &Pattern) -> f64 {
         self.cavity_share / pattern.section_density()
     }

@@ -86,7 +86,6 @@ pub struct Bond {
 
 impl Bond {
     /// Entries (xx, xy, yy) of the stiffness matrix k e e^T of the linear spring, in units of k.
-    #[must_use]
     pub fn linear(&self) -> [f64; 3] {
         let [x, y] = self.rest;
         let scale = self.stiffness / (x * x + y * y);
@@ -96,37 +95,31 @@ impl Bond {
 
 impl Lattice {
     /// Creates a lattice of `columns` (at least one) and `rows` (at least one); its sides are joined if `periodic`.
-    #[must_use]
     pub fn new(columns: Vec<Column>, rows: usize, periodic: bool) -> Self {
         Self { columns, rows, periodic }
     }
 
     /// Number of columns, nx.
-    #[must_use]
     pub fn nx(&self) -> usize {
         self.columns.len()
     }
 
     /// Number of rows, ny.
-    #[must_use]
     pub const fn ny(&self) -> usize {
         self.rows
     }
 
     /// Whether the left side is joined to the right side.
-    #[must_use]
     pub const fn is_periodic(&self) -> bool {
         self.periodic
     }
 
     /// The columns, left to right.
-    #[must_use]
     pub fn columns(&self) -> &[Column] {
         &self.columns
     }
 
     /// Length along the sliding direction, in lattice spacings.
-    #[must_use]
     pub fn length(&self) -> f64 {
         self.columns.iter().map(|column| column.width).sum()
     }
@@ -138,14 +131,12 @@ impl Lattice {
 
     /// Fraction of the width of column `i` that touches the counterface: 0 in a cavity and where the block has no
     /// springs.
-    #[must_use]
     pub fn contact_share(&self, i: usize) -> f64 {
         if self.is_attached(i, 0) { 1.0 - self.columns[i].coverage } else { 0.0 }
     }
 
     /// Fraction of block (i, j) that exists: 1 for a whole block, 0 for a removed one. Fractions in between occur in
     /// the ceiling row of a cavity whose depth is not a whole number of rows, and in columns at the edge of a cavity.
-    #[must_use]
     pub fn presence(&self, i: usize, j: usize) -> f64 {
         // A cavity of depth d rows that covers the fraction c of a column removes c (d - j) of row j, clamped to [0,
         // c].
@@ -158,13 +149,11 @@ impl Lattice {
     }
 
     /// Whether springs connect block (i, j) to others.
-    #[must_use]
     pub fn is_attached(&self, i: usize, j: usize) -> bool {
         stiffness_share(self.presence(i, j)) > 0.0
     }
 
     /// Row of the lowest block of column `i` that exists at least in part: the ceiling of a cavity or, on land, row 0.
-    #[must_use]
     pub fn lowest_row(&self, i: usize) -> usize {
         let column = &self.columns[i];
         let row = if column.is_land() { 0 } else { column.cavity_rows.floor() as usize };
@@ -172,14 +161,12 @@ impl Lattice {
     }
 
     /// Whether every block is whole and every column one lattice spacing wide.
-    #[must_use]
     pub fn is_plain(&self) -> bool {
         let whole = |column: &Column| column.coverage.fract() == 0.0 && column.cavity_rows.fract() == 0.0;
         self.columns.iter().all(|column| column.width == 1.0 && whole(column))
     }
 
     /// Whether the face has height variations.
-    #[must_use]
     pub fn is_raised(&self) -> bool {
         self.columns.iter().any(|column| column.relief != 0.0)
     }
@@ -210,7 +197,6 @@ impl Lattice {
     }
 
     /// Number of rows into which a cavity reaches, at least in part.
-    #[must_use]
     pub fn cavity_rows(&self) -> usize {
         let deepest = self.columns.iter().map(|column| column.cavity_rows).fold(0.0, f64::max);
         (deepest.ceil() as usize).min(self.rows)
@@ -275,7 +261,6 @@ impl Lattice {
 
     /// Mass of block (i, j) in units of m: a quarter for each of its adjacent cells, at least 1/4; 0 where there is no
     /// block. A cell counts if its four corners exist; the bulk above exists.
-    #[must_use]
     pub fn mass(&self, i: usize, j: usize) -> f64 {
         let there = |i: usize, j: usize| j >= self.rows || self.presence(i, j) > 0.0;
         if !there(i, j) {

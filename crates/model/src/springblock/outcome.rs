@@ -37,7 +37,6 @@ pub enum Status {
 
 impl Status {
     /// Name used in files.
-    #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::Converged => "converged",
@@ -243,7 +242,6 @@ pub enum Effect {
 
 impl Effect {
     /// Name used in files.
-    #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::WholeBlocks => "whole blocks",
@@ -288,25 +286,21 @@ pub struct LoadOutcome {
 impl LoadOutcome {
     /// Dynamic friction coefficient, patterned over flat: that of the solved blocks plus all corrections. `None` for a
     /// flat scene, or if one of the two is absent.
-    #[must_use]
     pub fn ratio(&self) -> Option<f64> {
         Some(self.solved? + self.corrections.iter().map(|correction| correction.change).sum::<f64>())
     }
 
     /// Changes of the ratio by all that the solved blocks leave out.
-    #[must_use]
     pub fn corrections(&self) -> &[Correction] {
         &self.corrections
     }
 
     /// Change of the ratio by `effect`, if it was added.
-    #[must_use]
     pub fn correction(&self, effect: Effect) -> Option<&Correction> {
         self.corrections.iter().find(|correction| correction.effect == effect)
     }
 
     /// Whether both surfaces have a meaningful mean friction.
-    #[must_use]
     pub fn is_trusted(&self) -> bool {
         let means = [Status::Converged, Status::NoFriction, Status::StderrNotReached];
         std::iter::once(&self.surface).chain(&self.flat).all(|surface| means.contains(&surface.status))
@@ -384,7 +378,6 @@ pub struct Simulation {
 
 impl Simulation {
     /// Maximum pressure under the blocks over all loads.
-    #[must_use]
     pub fn peak_pressure_pa(&self) -> f64 {
         self.loads.iter().map(|load| load.surface.peak_pressure_pa).fold(0.0, f64::max)
     }

@@ -23,7 +23,6 @@ impl Fidelity {
     pub const ALL: [Self; 3] = [Self::Steady, Self::Dynamic, Self::Reference];
 
     /// Name used in files.
-    #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::Steady => "steady",
@@ -50,7 +49,6 @@ impl Extent {
     pub const ALL: [Self; 3] = [Self::Cell, Self::Sample, Self::Strip];
 
     /// Name used in files.
-    #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::Cell => "cell",
@@ -60,7 +58,6 @@ impl Extent {
     }
 
     /// Whether the model has ends.
-    #[must_use]
     pub const fn has_ends(self) -> bool {
         !matches!(self, Self::Cell)
     }
@@ -80,7 +77,6 @@ impl Springs {
     pub const ALL: [Self; 2] = [Self::Linear, Self::Exact];
 
     /// Name used in files.
-    #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::Linear => "linear",
@@ -103,7 +99,6 @@ impl Holder {
     pub const ALL: [Self; 2] = [Self::Rigid, Self::SelfAligning];
 
     /// Name used in files.
-    #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::Rigid => "rigid",
@@ -141,7 +136,6 @@ pub struct Load {
 
 impl Load {
     /// Friction coefficient of an infinite flat layer in steady sliding: mu_d f(P), with f = 1 without an area law.
-    #[must_use]
     pub fn flat_mu(&self, area_law: Option<&AreaLaw>) -> f64 {
         self.friction.dynamic_mean() * area_law.map_or(1.0, |law| law.factor(self.pressure_pa))
     }
@@ -262,19 +256,16 @@ pub struct Scene {
 
 impl Layer {
     /// Number of rows of blocks in the layer.
-    #[must_use]
     pub fn rows(&self) -> usize {
         whole(self.height_m / self.block_m)
     }
 
     /// Number of rows of blocks over the whole thickness, at least that of the layer.
-    #[must_use]
     pub fn thick_rows(&self) -> usize {
         self.thickness_m.map_or(0, |thickness_m| whole(thickness_m / self.block_m)).max(self.rows())
     }
 
     /// Whether the specimen is thicker than the layer.
-    #[must_use]
     pub fn is_backed(&self) -> bool {
         self.thick_rows() > self.rows()
     }
@@ -286,13 +277,11 @@ impl Layer {
     }
 
     /// Number of blocks in a section along the sliding direction, not rounded.
-    #[must_use]
     pub fn blocks(&self) -> f64 {
         (self.length_m / self.block_m) * (self.height_m / self.block_m)
     }
 
     /// Number of columns of blocks over the whole specimen.
-    #[must_use]
     pub fn columns(&self) -> usize {
         whole(self.length_m / self.block_m)
     }
@@ -342,7 +331,6 @@ const WHOLE_BLOCKS_TOLERANCE: f64 = 1e-6;
 impl Scene {
     /// Dimension in which the scene is solved: the requested one, otherwise the one that the pattern needs if the scene
     /// is a steady or dynamic cell. Other scenes, and flat layers, are solved in the vertical plane.
-    #[must_use]
     pub fn dimension(&self) -> Dimension {
         let is_open = self.run.dimensions.is_none() && !self.has_spatial_cell();
         let pattern = self.pattern.as_ref().filter(|_| !is_open);
@@ -350,7 +338,6 @@ impl Scene {
     }
 
     /// Pattern of the scene, if only a section of it is solved.
-    #[must_use]
     pub fn section(&self) -> Option<&Pattern> {
         self.dimension().section_of(self.pattern.as_ref()?)
     }
@@ -361,7 +348,6 @@ impl Scene {
     }
 
     /// Whether the scene requests a strip in space of a pattern that slides neither along its rows nor across them.
-    #[must_use]
     pub fn is_strip_aslant(&self) -> bool {
         let is_strip = self.run.extent == Extent::Strip && self.dimension() == Dimension::Space;
         is_strip && self.pattern.is_some_and(|pattern| pattern.texture().slides_aslant())
@@ -492,7 +478,6 @@ impl Scene {
     }
 
     /// Whether the face of the pattern has height variations.
-    #[must_use]
     pub fn is_raised(&self) -> bool {
         self.relief.is_some() || self.pattern.as_ref().is_some_and(|pattern| pattern.texture().rim().is_some())
     }

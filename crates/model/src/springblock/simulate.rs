@@ -180,7 +180,6 @@ fn over_layer(scene: &Scene, strip: Option<&Strip>, monitor: &dyn Monitor) -> Re
 
 /// Planned number of time steps of one dynamic run of `scene`, at its default step unless the scene gives one. A run
 /// may continue beyond the plan until its mean is stationary. Runs of more than [`crate::springblock::MAX_STEPS`] are refused.
-#[must_use]
 pub fn planned_steps(scene: &Scene) -> u64 {
     Plan::new(scene, scene.run.step_s.unwrap_or(Scheme::default_step_s(scene))).total()
 }

@@ -14,7 +14,6 @@ pub const LAYER_MARK: &str = "MARK";
 const COLOURS: [&str; 4] = ["1", "4", "6", "2"];
 
 /// Layer of the cavities of sector `number`.
-#[must_use]
 pub fn sector_layer(number: usize) -> String {
     format!("CAVITIES_{number}")
 }

@@ -40,7 +40,6 @@ const MAX_NEWTON_STEPS: usize = 20;
 
 impl Bonds {
     /// Collects the springs of `lattice` with the force law `law`.
-    #[must_use]
     pub fn new(lattice: &Lattice, law: Springs) -> Self {
         let (nx, ny) = (lattice.nx(), lattice.ny());
         let mut bonds = Self {
@@ -80,13 +79,11 @@ impl Bonds {
     }
 
     /// Inverse mass of every block; 0 where there is no block.
-    #[must_use]
     pub fn inverse_mass(&self) -> Vec<f64> {
         self.mass.iter().map(|mass| if *mass > 0.0 { 1.0 / mass } else { 0.0 }).collect()
     }
 
     /// Spring forces of the last evaluation, x and y.
-    #[must_use]
     pub const fn forces(&self) -> &[Vec<f64>; 2] {
         &self.forces
     }

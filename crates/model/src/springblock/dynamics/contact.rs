@@ -25,7 +25,6 @@ pub struct LocalLaw<'a> {
 
 impl<'a> LocalLaw<'a> {
     /// Creates the law for normal forces in units of `unit_pressure_pa` l^2.
-    #[must_use]
     pub const fn new(area_law: Option<&'a AreaLaw>, unit_pressure_pa: f64) -> Self {
         Self { area_law, unit_pressure_pa }
     }
@@ -64,7 +63,6 @@ pub struct GripPiece {
 
 impl GripPiece {
     /// Computes f(p) F_n at the normal force `normal`.
-    #[must_use]
     pub fn grip(&self, normal: f64) -> f64 {
         self.constant + normal * (self.linear + normal * self.quadratic)
     }
@@ -145,7 +143,6 @@ enum ContactState {
 
 impl<const H: usize> ContactBlock<H> {
     /// Creates a block at rest.
-    #[must_use]
     pub const fn new(column: usize, coefficients: Coefficients) -> Self {
         Self {
             coefficients,
@@ -308,7 +305,6 @@ pub struct ContactSums {
 
 impl ContactSums {
     /// Whether friction and normal force are finite; they are not once a run has diverged.
-    #[must_use]
     pub const fn is_finite(&self) -> bool {
         self.friction.is_finite() && self.normal.is_finite()
     }
@@ -349,7 +345,6 @@ pub struct ContactRow<'a> {
 
 impl<'a> ContactRow<'a> {
     /// Creates blocks at rest in `columns` with the coefficients of their columns.
-    #[must_use]
     pub fn new(columns: impl Iterator<Item = usize>, coefficients: &[Coefficients], law: LocalLaw<'a>) -> Self {
         let blocks: Vec<_> = columns.map(|column| ContactBlock::new(column, coefficients[column])).collect();
         Self { near: vec![0; blocks.len()], blocks, law }
@@ -364,7 +359,6 @@ impl<'a> ContactRow<'a> {
     }
 
     /// Returns the blocks and their law.
-    #[must_use]
     pub fn into_parts(self) -> (Vec<ContactBlock<1>>, LocalLaw<'a>) {
         (self.blocks, self.law)
     }
@@ -385,13 +379,11 @@ impl<'a> ContactRow<'a> {
     }
 
     /// Whether every block has slipped since the drive began.
-    #[must_use]
     pub fn all_have_slipped(&self) -> bool {
         self.blocks.iter().all(|block| block.has_slipped)
     }
 
     /// Forces on the blocks at the last force evaluation.
-    #[must_use]
     pub fn forces(&self) -> Vec<ContactForce> {
         let force = |block: &ContactBlock<1>| ContactForce { normal: block.normal, friction: block.friction[0] };
         self.blocks.iter().map(force).collect()
@@ -456,13 +448,11 @@ impl<'a> ContactRow<'a> {
 ///
 /// The velocity times the step falls from `before` to `after`, which is not positive, around the instant: v = (before +
 /// after) / 2 and a = before - after.
-#[must_use]
 pub fn stopping_distance(before: f64, after: f64) -> f64 {
     if before > 0.0 && after <= 0.0 { (before + after).powi(2) / (8.0 * (before - after)) } else { 0.0 }
 }
 
 /// Direction of slip: the sign of the velocity or, for a block that just starts, of the force; 0 if both are zero.
-#[must_use]
 pub fn slip_direction(velocity: f64, force: f64) -> f64 {
     let of = if velocity != 0.0 { velocity } else { force };
     if of == 0.0 { 0.0 } else { of.signum() }

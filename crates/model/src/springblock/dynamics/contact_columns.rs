@@ -26,7 +26,6 @@ pub struct ContactColumns {
 
 impl ContactColumns {
     /// Creates columns without contact blocks, which the pass treats as at rest without forces.
-    #[must_use]
     pub fn without_blocks(kick: Vec<f64>) -> Self {
         let count = kick.len();
         let zero = || vec![0.0; count];
@@ -50,7 +49,6 @@ impl ContactColumns {
     }
 
     /// Returns the polynomial of column `i`.
-    #[must_use]
     pub fn piece(&self, i: usize) -> GripPiece {
         GripPiece {
             from: self.from[i],

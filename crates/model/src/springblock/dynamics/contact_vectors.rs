@@ -36,7 +36,6 @@ pub struct ContactVectors<'a, const H: usize> {
 
 impl<'a, const H: usize> ContactVectors<'a, H> {
     /// Creates contacts from `blocks` at rest; their columns index `inverse_mass`, which fills whole cache lines.
-    #[must_use]
     pub fn new(
         blocks: Vec<ContactBlock<H>>,
         law: LocalLaw<'a>,
@@ -90,7 +89,6 @@ impl<'a, const H: usize> ContactVectors<'a, H> {
     }
 
     /// Whether every block has slipped since the drive began.
-    #[must_use]
     pub const fn all_have_slipped(&self) -> bool {
         self.not_slipped == 0
     }
@@ -113,7 +111,6 @@ impl<'a, const H: usize> ContactVectors<'a, H> {
     }
 
     /// Horizontal displacements of the last step along each axis, by column.
-    #[must_use]
     pub fn velocity(&self) -> [&[f64]; H] {
         self.velocity.each_ref().map(Vec::as_slice)
     }

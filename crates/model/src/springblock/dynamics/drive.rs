@@ -40,14 +40,12 @@ const WARM_PERIODS: f64 = 12.5;
 const WARM_SLIPS: f64 = 12.5;
 
 /// Shear modulus of the plane lattice, G = 3 E / 8, in pascals.
-#[must_use]
 pub fn shear_modulus_pa(elastic: &Elastic) -> f64 {
     0.375 * elastic.youngs_modulus_pa()
 }
 
 /// Period of the first shear mode of a layer `height_m` high with its upper side held, in seconds: T = 4 h / c_s, c_s =
 /// sqrt(G / rho).
-#[must_use]
 pub fn shear_period_s(elastic: &Elastic, height_m: f64) -> f64 {
     4.0 * height_m / (shear_modulus_pa(elastic) / elastic.density_kg_m3()).sqrt()
 }
@@ -71,7 +69,6 @@ const MAX_SPEED_RATIO: f64 = 10.0;
 /// of a flat surface more than that of a patterned surface, whose lands are shorter. For PEEK under 1 MPa the flat
 /// sample loses 0.5, 1.5 and 2.0 % at 1, 2 and 2.7 times this speed compared with a sixth of it, and the ratio of a
 /// groove rises by 0.003, 0.012 and 0.017. From three times this speed on, waves dominate ([`Status::SlidingWaves`]).
-#[must_use]
 pub fn run_speed_m_s(elastic: &Elastic, pressure_pa: f64, speed_m_s: f64) -> f64 {
     if is_too_fast(elastic, pressure_pa, speed_m_s) {
         speed_m_s
@@ -82,19 +79,16 @@ pub fn run_speed_m_s(elastic: &Elastic, pressure_pa: f64, speed_m_s: f64) -> f64
 
 /// Whether sliding at `speed_m_s` under `pressure_pa` is too fast for a dynamic run: waves dominate, whatever the run's
 /// mean.
-#[must_use]
 pub fn is_too_fast(elastic: &Elastic, pressure_pa: f64, speed_m_s: f64) -> bool {
     speed_m_s > max_run_speed_m_s(elastic, pressure_pa)
 }
 
 /// Maximum sliding speed that a dynamic run under `pressure_pa` represents, in m/s: ten times that of even sliding.
-#[must_use]
 pub fn max_run_speed_m_s(elastic: &Elastic, pressure_pa: f64) -> f64 {
     MAX_SPEED_RATIO * even_speed_m_s(elastic, pressure_pa)
 }
 
 /// Maximum speed of even sliding under `pressure_pa`, v = 0.01 P / sqrt(E rho), in m/s.
-#[must_use]
 pub fn even_speed_m_s(elastic: &Elastic, pressure_pa: f64) -> f64 {
     EVEN_SLIDING_SPEED * pressure_pa / (elastic.youngs_modulus_pa() * elastic.density_kg_m3()).sqrt()
 }
@@ -107,7 +101,6 @@ pub fn even_speed_m_s(elastic: &Elastic, pressure_pa: f64) -> f64 {
 ///
 /// T is the period of the layer's first shear mode ([`shear_period_s`]) and d the slip of a block of size l, the
 /// largest over `loads`.
-#[must_use]
 pub fn warm_travel_m(
     (elastic, area_law): (&Elastic, Option<&AreaLaw>),
     layer: &Layer,
@@ -136,7 +129,6 @@ pub struct Plan {
 
 impl Plan {
     /// Plans the steps of `scene` for a step of `step_s` seconds.
-    #[must_use]
     pub fn new(scene: &Scene, step_s: f64) -> Self {
         // The cast saturates: a number beyond 2^64 exceeds every limit.
         let steps_in = |time_s: f64| (time_s / step_s).ceil() as u64;
@@ -160,7 +152,6 @@ impl Plan {
         to_turn.min(STEPS_PER_MONITOR_CHECK - steps % STEPS_PER_MONITOR_CHECK)
     }
 
-    #[must_use]
     pub const fn total(&self) -> u64 {
         self.preparation.saturating_add(self.travel)
     }
@@ -315,7 +306,6 @@ impl Drive<'_> {
 
 impl RunResult {
     /// Converts the run to an outcome; `centres_m` are the positions of the contact blocks along x and y.
-    #[must_use]
     pub fn outcome(
         &self,
         scene: &Scene,

@@ -24,7 +24,6 @@ pub struct Protocol {
 impl Protocol {
     /// Creates the protocol of `scene` for the full load `load` in units of k l. A warm start skips the ramp and the
     /// rest.
-    #[must_use]
     pub fn new(scene: &Scene, scales: &Scales, load: f64) -> Self {
         let (ramp, start) =
             if scene.run.warm_start { (0.0, 0.0) } else { (RAMP_S / scales.time_s, (RAMP_S + REST_S) / scales.time_s) };
@@ -32,13 +31,11 @@ impl Protocol {
     }
 
     /// Load on the bulk at `time`.
-    #[must_use]
     pub fn load(&self, time: f64) -> f64 {
         if time >= self.ramp { self.load } else { self.load * (time / self.ramp).max(0.0) }
     }
 
     /// Horizontal displacement of the bulk at `time`.
-    #[must_use]
     pub fn bulk_x(&self, time: f64) -> f64 {
         self.speed * (time - self.start).max(0.0)
     }

@@ -39,7 +39,6 @@ pub trait Real: Pod + Default + PartialEq + Debug + Send + Sync {
     fn vectors_mut<S: Simd>(values: &mut [Self]) -> &mut [Self::Vector<S>];
 
     #[inline(always)]
-    #[must_use]
     fn lanes<S: Simd>() -> usize {
         size_of::<Self::Vector<S>>() / size_of::<Self>()
     }
@@ -109,7 +108,6 @@ real!(f64, f64s, splat_f64s, add_f64s, sub_f64s, mul_f64s, mul_add_e_f64s, as_si
 real!(f32, f32s, splat_f32s, add_f32s, sub_f32s, mul_f32s, mul_add_e_f32s, as_simd_f32s, as_mut_simd_f32s);
 
 /// Rounds `columns` up to a whole number of cache lines, in values.
-#[must_use]
 pub const fn whole_lines<R: Real>(columns: usize) -> usize {
     columns.next_multiple_of(R::LINE)
 }
@@ -120,7 +118,6 @@ const EQUILIBRIUM: f64 = 1e-6;
 
 /// Whether displacements may be stored as deviations from a state with the largest forces `inside`, above the contact
 /// row, and `at_contact`. Deviations neglect the former.
-#[must_use]
 pub fn is_in_equilibrium(inside: f64, at_contact: f64) -> bool {
     inside <= EQUILIBRIUM * at_contact
 }

@@ -66,7 +66,6 @@ pub struct Recorder {
 impl Recorder {
     /// Creates a record with `steps_per_bin` steps per interval. Averages cover at least
     /// `min_time`, in units of sqrt(m/k). The interface is sampled from interval `interface_from_bin` on.
-    #[must_use]
     pub fn new(steps_per_bin: u64, time_step: f64, min_time: f64, interface_from_bin: usize) -> Self {
         Self {
             steps_per_bin,
@@ -108,7 +107,6 @@ impl Recorder {
     }
 
     /// Number of steps until the record next queries the engine, that step included.
-    #[must_use]
     pub fn steps_to_next_query(&self) -> u64 {
         if self.has_onset() { INTERFACE_EVERY - self.steps % INTERFACE_EVERY } else { 1 }
     }
@@ -133,13 +131,11 @@ impl Recorder {
     }
 
     /// Whether every contact block has slipped.
-    #[must_use]
     pub fn has_onset(&self) -> bool {
         self.onset_bin.is_some()
     }
 
     /// Largest mu until every contact block has slipped.
-    #[must_use]
     pub fn peak_mu(&self) -> Option<f64> {
         (self.has_onset() && self.peak_mu.is_finite()).then_some(self.peak_mu)
     }
@@ -148,7 +144,6 @@ impl Recorder {
     ///
     /// `None` until two bins per batch follow the onset. A record that becomes stationary too late is averaged over its
     /// end.
-    #[must_use]
     pub fn window_mean(&self) -> Option<WindowMean> {
         let sliding = self.bins.get(self.onset_bin? + 1..)?;
         if sliding.len() < 2 * BATCHES {
@@ -183,7 +178,6 @@ impl Recorder {
     }
 
     /// Mean forces on every contact block over the window; `last` if the interface was never sampled.
-    #[must_use]
     pub fn interface(&self, last: &[ContactForce]) -> Vec<ContactForce> {
         let samples = self.interface_samples as f64;
         if self.interface_samples == 0 {
@@ -201,7 +195,6 @@ impl Recorder {
     }
 
     /// mu against time, one point per bin; `unit_time_s` converts from units of sqrt(m/k).
-    #[must_use]
     pub fn trace(&self, unit_time_s: f64) -> Vec<TracePoint> {
         let per_bin = self.bin_time() * unit_time_s;
         self.bins

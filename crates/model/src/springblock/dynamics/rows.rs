@@ -115,7 +115,6 @@ pub struct Field<R> {
 
 impl<R: Real> Field<R> {
     /// Creates a strip at rest.
-    #[must_use]
     pub fn at_rest(nx: usize, ny: usize) -> Self {
         // An odd number of cache lines per row spreads the rows over the sets of the cache.
         let stride = ((nx + 2).div_ceil(R::LINE) | 1) * R::LINE;
@@ -125,7 +124,6 @@ impl<R: Real> Field<R> {
 
     /// Index of block (i, j) in [`Plane::rows`].
     #[inline(always)]
-    #[must_use]
     pub const fn index(&self, i: usize, j: usize) -> usize {
         R::LINE + j * self.stride + i
     }

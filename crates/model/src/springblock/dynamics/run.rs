@@ -47,7 +47,6 @@ pub struct Scheme {
 
 impl Scheme {
     /// Default time step of `scene`, in seconds.
-    #[must_use]
     pub fn default_step_s(scene: &Scene) -> f64 {
         match scene.run.fidelity {
             Fidelity::Reference => REFERENCE_STEP_S,
@@ -82,7 +81,6 @@ fn is_unilateral(scene: &Scene, lattice: &Lattice) -> bool {
 }
 
 /// Default step of a dynamic run of `scene`, in seconds.
-#[must_use]
 pub fn default_step_s(scene: &Scene, is_spatial: bool) -> f64 {
     if is_spatial {
         SPACE_STEP * Scales::space(&scene.elastic, scene.layer.block_m).time_s
@@ -119,7 +117,6 @@ struct RunStart<'a> {
 }
 
 impl DynamicRun<'_> {
-    #[must_use]
     pub fn run(&self, monitor: &dyn Monitor) -> SurfaceOutcome {
         let scene = self.scene;
         if self.load.pressure_pa == 0.0 {

@@ -78,7 +78,6 @@ pub struct RungeKutta<'a> {
 
 impl<'a> RungeKutta<'a> {
     /// Creates the integrator with a lattice at rest.
-    #[must_use]
     pub fn new(lattice: &Lattice, springs: Springs, setup: Setup<'a>) -> Self {
         let Setup { contact, protocol, time_step, damping, liftoff } = setup;
         let bonds = Bonds::new(lattice, springs);

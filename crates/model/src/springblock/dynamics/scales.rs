@@ -15,14 +15,12 @@ pub struct Scales {
 
 impl Scales {
     /// Units of a lattice of the vertical plane with the spacing `block_m`.
-    #[must_use]
     pub fn new(elastic: &Elastic, block_m: f64) -> Self {
         // k = 3/4 E l
         Self::from_pressure_unit(0.75 * elastic.youngs_modulus_pa(), elastic, block_m)
     }
 
     /// Units of a lattice in space with the spacing `block_m`.
-    #[must_use]
     pub fn space(elastic: &Elastic, block_m: f64) -> Self {
         // k = 2/5 E l
         Self::from_pressure_unit(0.4 * elastic.youngs_modulus_pa(), elastic, block_m)

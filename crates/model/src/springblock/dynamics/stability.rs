@@ -9,7 +9,6 @@ const LANCZOS_STEPS: usize = 80;
 
 /// Largest eigenfrequency of the lattice in units of sqrt(k/m); blocks on the counterface move vertically only if
 /// `liftoff`.
-#[must_use]
 pub fn largest_frequency(lattice: &Lattice, liftoff: bool) -> f64 {
     let mut bonds = Bonds::new(lattice, Springs::Linear);
     let root: Vec<f64> = bonds.inverse_mass().iter().map(|inverse| inverse.sqrt()).collect();
@@ -37,7 +36,6 @@ pub fn largest_frequency(lattice: &Lattice, liftoff: bool) -> f64 {
 ///
 /// Lanczos recursion on M^-1/2 K M^-1/2; the largest eigenvalue of its tridiagonal matrix is found by bisection on
 /// Sturm counts.
-#[must_use]
 pub fn largest_eigenfrequency(weight: &[f64], mut forces: impl FnMut(&[f64], &mut [f64])) -> f64 {
     let unknowns = weight.len();
     // A fixed start vector without symmetry has a component along every mode.

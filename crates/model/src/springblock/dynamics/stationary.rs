@@ -19,7 +19,6 @@ const NOISE_LEVEL: f64 = 1e-4;
 
 /// Returns how many leading values of `record` to leave out, or `None` if the record is too short. At least `min_values`
 /// values remain, since a few values around the turning point of an oscillation hardly differ.
-#[must_use]
 pub fn stationary_from(record: &[f64], min_values: usize) -> Option<usize> {
     let groups: Vec<f64> = record.chunks_exact(GROUP).map(|group| group.iter().sum::<f64>() / GROUP as f64).collect();
     let min_values = min_values.div_ceil(GROUP).max(MIN_GROUPS);

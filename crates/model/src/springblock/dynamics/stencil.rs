@@ -27,7 +27,6 @@ pub struct BulkBalance {
 impl BulkBalance {
     /// Height of the bulk at the horizontal displacement `bulk_x` under `load`; `top_row_force` is the sum of
     /// [`StripStencil::top_row_force`] over the strips.
-    #[must_use]
     pub fn height(&self, top_row_force: f64, bulk_x: f64, load: f64) -> f64 {
         (top_row_force - self.xy * bulk_x - load) / self.yy
     }
@@ -49,7 +48,6 @@ pub struct StripStencil<R> {
 
 impl<R: Real> StripStencil<R> {
     /// Vertical force of the top row on the bulk at zero displacement of the bulk.
-    #[must_use]
     pub fn top_row_force(&self, field: &Field<R>) -> f64 {
         let top = field.index(0, field.ny - 1);
         let row = |component: usize| &field.now[component].rows()[top..][..field.nx];
@@ -68,7 +66,6 @@ fn cuts<R: Real>(nx: usize) -> Vec<usize> {
 }
 
 /// Divides a lattice of whole blocks of equal width into strips.
-#[must_use]
 pub fn strips<R: Real>(lattice: &Lattice) -> (Vec<StripStencil<R>>, BulkBalance) {
     let (nx, ny) = (lattice.nx(), lattice.ny());
     let mut sites = vec![Site::default(); nx * ny];
@@ -178,7 +175,6 @@ impl<R: Real> WithSimd for FixedSum<'_, R> {
 }
 
 /// Sum of `values` in double precision, independent of the vector width.
-#[must_use]
 pub fn fixed_sum<R: Real>(values: &[R]) -> f64 {
     vectorized(FixedSum(values))
 }

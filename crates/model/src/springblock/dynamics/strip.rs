@@ -61,7 +61,6 @@ pub struct Strip<'a, R> {
 
 impl<'a, R: Real> Strip<'a, R> {
     /// Creates a strip of `rows` rows at rest; `blocks` are the contact blocks of the whole lattice.
-    #[must_use]
     pub fn new(
         stencil: StripStencil<R>,
         rows: usize,
@@ -102,12 +101,10 @@ impl<'a, R: Real> Strip<'a, R> {
     }
 
     /// Columns of the strip in the lattice.
-    #[must_use]
     pub const fn columns(&self) -> &Range<usize> {
         &self.stencil.columns
     }
 
-    #[must_use]
     pub const fn contact(&self) -> &ContactVectors<'a, 1> {
         &self.contact
     }
@@ -157,13 +154,11 @@ impl<'a, R: Real> Strip<'a, R> {
     }
 
     /// Vertical force of the top row on the bulk at zero displacement of the bulk.
-    #[must_use]
     pub fn top_row_force(&self) -> f64 {
         self.stencil.top_row_force(&self.field)
     }
 
     /// Displacements of block (i, j); i counts within the strip.
-    #[must_use]
     pub fn displacement(&self, i: usize, j: usize) -> [f64; 2] {
         let at = self.field.index(i, j);
         [0, 1].map(|component: usize| self.field.now[component].rows()[at].to_f64())
@@ -182,7 +177,6 @@ impl<'a, R: Real> Strip<'a, R> {
     }
 
     /// Number of values that a neighbour needs: both displacements of one side's column.
-    #[must_use]
     pub const fn edge_len(&self) -> usize {
         2 * self.field.ny
     }

@@ -46,7 +46,6 @@ pub struct StripLeapfrog<'scope, 'env, 'a, R> {
 
 impl<'scope, 'a: 'scope> StripLeapfrog<'scope, '_, 'a, f64> {
     /// Creates the integrator with a lattice of whole blocks at rest.
-    #[must_use]
     pub fn new(lattice: &Lattice, setup: Setup<'a>) -> Self {
         let kick = Kick::new(setup.time_step, setup.damping);
         Self::with_kick(lattice, setup, kick)
@@ -58,7 +57,6 @@ impl<'scope, 'a: 'scope> StripLeapfrog<'scope, '_, 'a, f32> {
     ///
     /// `base` has displacements by row and column in equilibrium under the load of `setup`. The bulk moves at the speed
     /// of `setup` from the first step on. Returns `None` if unbalanced forces remain above the contact row.
-    #[must_use]
     pub fn from_sliding(lattice: &Lattice, setup: Setup<'a>, base: &[[f64; 2]]) -> Option<Self> {
         let Setup { protocol, time_step, damping, .. } = setup;
         let mut sliding = Self::with_kick(lattice, setup, Kick::new(time_step, damping).rounded::<f32>());
@@ -106,7 +104,6 @@ impl<'scope, 'env, 'a: 'scope, R: Real> StripLeapfrog<'scope, 'env, 'a, R> {
 
     /// Displacements of block (i, j), x and y. Before [`Engine::finish`] only blocks in the caller's own strips have
     /// values.
-    #[must_use]
     pub fn displacement(&self, i: usize, j: usize) -> [f64; 2] {
         let strips = self.strip_workers.as_ref().map_or(&self.strips[..], StripWorkers::own);
         let strip = strips.iter().find(|strip| strip.columns().contains(&i));

@@ -262,7 +262,6 @@ impl<'scope, 'a: 'scope, R: Real> StripWorkers<'scope, 'a, R> {
     }
 
     /// Vertical force of all top rows on the bulk at zero displacement of the bulk.
-    #[must_use]
     pub fn top_row_force(&self) -> f64 {
         self.board.strips.iter().map(|strip| strip.top_row_force.read()).sum()
     }
@@ -286,7 +285,6 @@ impl<'scope, 'a: 'scope, R: Real> StripWorkers<'scope, 'a, R> {
     }
 
     /// Whether every contact block has slipped since the drive began.
-    #[must_use]
     pub fn all_have_slipped(&self) -> bool {
         self.board.strips.iter().all(|strip| strip.all_have_slipped.load(Ordering::Relaxed) == 1)
     }
@@ -310,7 +308,6 @@ impl<'scope, 'a: 'scope, R: Real> StripWorkers<'scope, 'a, R> {
     }
 
     /// Strips of the leader: all strips after [`StripWorkers::finish`].
-    #[must_use]
     pub fn own(&self) -> &[Strip<'a, R>] {
         &self.own
     }

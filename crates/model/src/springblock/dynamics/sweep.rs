@@ -34,7 +34,6 @@ pub struct Kick {
 
 impl Kick {
     /// Factors for steps of `time_step` with the damping frequency `damping`, taken implicitly.
-    #[must_use]
     pub fn new(time_step: f64, damping: f64) -> Self {
         let half = 0.5 * damping * time_step;
         Self { kept: (1.0 - half) / (1.0 + half), kick: time_step * time_step / (1.0 + half) }
@@ -50,7 +49,6 @@ impl Kick {
     }
 
     /// Decrease of the velocity of a frame that moves by `carried` per step, caused by damping.
-    #[must_use]
     pub fn drag(&self, carried: f64) -> f64 {
         -(1.0 - self.kept) * carried
     }

@@ -72,13 +72,11 @@ pub struct BlockRefinement {
 ///
 /// In space smaller cells and grooves are used, together with the ratios `own` of the scene's cell. `None` without a
 /// pattern, if fewer than two finer sizes are possible, and in space with rims.
-#[must_use]
 pub fn block_refinement(scene: &Scene, own: &[Option<f64>], most: f64) -> Option<BlockRefinement> {
     refinement(scene, scene.pattern.as_ref()?, own, most, &Unwatched).ok()
 }
 
 /// Whether smaller blocks can refine the ratios of `scene` with `pattern`.
-#[must_use]
 pub fn can_refine(scene: &Scene, pattern: &Pattern) -> bool {
     scene.dimension() == Dimension::Plane || has_flat_face(scene, pattern)
 }

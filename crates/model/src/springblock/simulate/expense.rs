@@ -81,13 +81,11 @@ impl Expense {
 }
 
 /// Estimates the cost of a valid `scene` on rayon's current pool.
-#[must_use]
 pub fn expense(scene: &Scene) -> Expense {
     expense_on_threads(scene, rayon::current_num_threads() as f64)
 }
 
 /// Estimates the cost of one steady cell of a search, on the slow side, without error estimates.
-#[must_use]
 pub fn cell_expense(scene: &Scene) -> Expense {
     let Some(pattern) = scene.pattern.as_ref().filter(|_| scene.dimension() == Dimension::Space) else {
         return plane(scene, 1.0);

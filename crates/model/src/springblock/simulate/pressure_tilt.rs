@@ -196,7 +196,6 @@ pub fn add_tilt(
 /// `face` is that of the specimen, with a cavity fraction of `share` times that of a period. A load is `None` if a cell
 /// has no equilibrium, if the scene does not give the thickness, if the specimen aligns itself, or once `monitor` has
 /// cancelled.
-#[must_use]
 pub fn tilt_shifts(
     scene: &Scene,
     pattern: &Pattern,

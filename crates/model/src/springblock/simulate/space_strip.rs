@@ -35,7 +35,6 @@ pub struct SpaceStrip {
 impl SpaceStrip {
     /// Creates the strip of `scene` with `pattern`, which repeats `cell` over the length of the cavities of `layout`.
     /// Without a layout the strip begins with a cell like its lattice, and the last cell is cut off.
-    #[must_use]
     pub fn new(scene: &Scene, pattern: &Pattern, cell: &SpaceLattice, layout: Option<&Strip>) -> Self {
         let [along_x, along_y] = pattern.sliding_direction();
         let is_transposed = pattern.texture().slides_along_rows();

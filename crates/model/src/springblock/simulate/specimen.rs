@@ -125,7 +125,6 @@ impl SteadySpecimen {
     }
 
     /// Returns the result in steady sliding.
-    #[must_use]
     pub fn steady(&self) -> Simulation {
         self.result(None, &Unwatched)
     }

@@ -47,7 +47,6 @@ const MIN_RETAINED_SHARE: f64 = 0.1;
 const BATCH: usize = 4;
 
 impl Directions {
-    #[must_use]
     pub const fn count(&self) -> usize {
         self.images.len()
     }

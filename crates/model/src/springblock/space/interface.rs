@@ -143,7 +143,6 @@ pub struct Response {
 
 impl Interface {
     /// Creates the interface of `lattice`; condenses the flat layer above it.
-    #[must_use]
     pub fn new(lattice: &SpaceLattice) -> Self {
         // A missing spring reaches from the last row of the cavities at most to the next row, a contact's spring from
         // row 0 to 1.
@@ -151,7 +150,6 @@ impl Interface {
     }
 
     /// Like [`Self::new`], with explicit displacements of all rows and of the bulk, everywhere.
-    #[must_use]
     pub fn uncondensed(lattice: &SpaceLattice) -> Self {
         let mut interface = Self::with_rows(lattice, lattice.rows() + 1);
         interface.wanted.fill(true);
@@ -312,14 +310,12 @@ impl Interface {
 
     /// Returns the interface with the contacts in `lifted`, given by index, off the counterface: free, without
     /// friction.
-    #[must_use]
     pub fn with_lifted(&self, lifted: &[bool]) -> Self {
         self.with_contacts(lifted, &vec![false; lifted.len()])
     }
 
     /// Like [`Self::with_lifted`]; in addition the contacts in `yields` are free under the pressure at which they
     /// yield.
-    #[must_use]
     pub fn with_contacts(&self, lifted: &[bool], yields: &[bool]) -> Self {
         let mut interface = self.clone();
         interface.free.clear();
@@ -387,36 +383,30 @@ impl Interface {
     }
 
     /// Existing blocks of row 0.
-    #[must_use]
     pub fn surface(&self) -> &[Surface] {
         &self.surface
     }
 
-    #[must_use]
     pub const fn contacts(&self) -> usize {
         self.touching.len()
     }
 
     /// Number of unknowns before the friction forces: forces around the cavities, heights of free blocks.
-    #[must_use]
     pub fn elastic_unknowns(&self) -> usize {
         3 * self.support.len() + self.free.len()
     }
 
     /// Number of blocks with an unknown height, which are the last elastic unknowns.
-    #[must_use]
     pub const fn free(&self) -> usize {
         self.free.len()
     }
 
     /// Load of the cell in units of P l^2, which is the area of the cell over l^2.
-    #[must_use]
     pub fn load(&self) -> f64 {
         self.face_columns as f64 * self.area
     }
 
     /// Nominal area of a column over l^2.
-    #[must_use]
     pub const fn column_area(&self) -> f64 {
         self.area
     }

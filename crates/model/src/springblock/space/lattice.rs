@@ -50,7 +50,6 @@ pub struct SpaceBond {
 const WHOLE_TOLERANCE: f64 = 1e-9;
 impl SpaceLattice {
     /// Number of columns along x and y of a cell of `pattern` in blocks of `block_m`.
-    #[must_use]
     pub fn columns_of(pattern: &Pattern, block_m: f64) -> [f64; 2] {
         let cell_m = repeated_cell_m(pattern);
         let along_y = if pattern.is_uniform_along_y() { 1.0 } else { divide(cell_m[1] / block_m).1 as f64 };
@@ -58,7 +57,6 @@ impl SpaceLattice {
     }
 
     /// Creates a flat layer.
-    #[must_use]
     pub fn flat(columns: [usize; 2], rows: usize) -> Self {
         Self::of_cubes(columns, rows, vec![0.0; columns[0] * columns[1]], 0.0)
     }
@@ -70,13 +68,11 @@ impl SpaceLattice {
     }
 
     /// Creates one period of `pattern` in blocks of `block_m` with `rows` rows. Grooves take one column along y.
-    #[must_use]
     pub fn cell(pattern: &Pattern, block_m: f64, rows: usize) -> Self {
         Self::cell_with_map(pattern, block_m, rows, None)
     }
 
     /// Like [`Self::cell`], with the measured relief `map` of the lands.
-    #[must_use]
     pub fn cell_with_map(pattern: &Pattern, block_m: f64, rows: usize, map: Option<&ReliefMap>) -> Self {
         let cell_m = repeated_cell_m(pattern);
         // Oblique crossing grooves cut columns at any position: a crossing lies on a corner of columns, which gives the
@@ -124,7 +120,6 @@ impl SpaceLattice {
 
     /// Returns the cell in whole cubes, for time integration: columns that are covered by half or more are cavity, and
     /// the depth is the nearest number of rows from 1 to all but one.
-    #[must_use]
     pub fn nearest_whole(&self) -> Self {
         let depth = self.depth.round().max(1.0).min((self.rows - 1) as f64);
         // The least covered column remains land, so that something touches.
@@ -136,7 +131,6 @@ impl SpaceLattice {
     }
 
     /// Repeats the cell `count` times along y.
-    #[must_use]
     pub fn repeated_along_y(&self, count: usize) -> Self {
         let columns = [self.columns[0], self.columns[1] * count];
         Self { columns, coverage: self.coverage.repeat(count), relief: self.relief.repeat(count), ..self.clone() }
@@ -145,7 +139,6 @@ impl SpaceLattice {
     /// Creates a strip with two ends: `lines` lines of this cell along y, then `gap` lines, at least one, that are
     /// removed from the face to the bulk. Line n of the strip is line `cell_line(n)` of the cell, or land if that is
     /// `None`.
-    #[must_use]
     pub fn strip_along_y(&self, lines: usize, gap: usize, cell_line: impl Fn(usize) -> Option<usize>) -> Self {
         let nx = self.columns[0];
         let laid = |values: &[f64], elsewhere: f64, beyond: f64| -> Vec<f64> {
@@ -159,7 +152,6 @@ impl SpaceLattice {
     }
 
     /// Exchanges x and y.
-    #[must_use]
     pub fn transposed(&self) -> Self {
         let [nx, ny] = self.columns;
         let turned = |values: &[f64]| -> Vec<f64> {
@@ -180,50 +172,42 @@ impl SpaceLattice {
     }
 
     /// Number of columns along x and along y.
-    #[must_use]
     pub const fn columns(&self) -> [usize; 2] {
         self.columns
     }
 
     /// Number of rows of blocks.
-    #[must_use]
     pub const fn rows(&self) -> usize {
         self.rows
     }
 
     /// Distance of columns along x and y, in lattice spacings.
-    #[must_use]
     pub const fn spacing(&self) -> [f64; 2] {
         self.spacing
     }
 
     /// Depth of the cavities, in rows.
-    #[must_use]
     pub const fn depth(&self) -> f64 {
         self.depth
     }
 
     /// Mean height of the land of column (i, j), positive towards the counterface, in lattice spacings.
-    #[must_use]
     pub fn relief(&self, i: usize, j: usize) -> f64 {
         self.relief.get(j * self.columns[0] + i).copied().unwrap_or(0.0)
     }
 
     /// Whether the face has height variations.
-    #[must_use]
     pub fn is_raised(&self) -> bool {
         self.relief.iter().any(|height| *height != 0.0)
     }
 
     /// Maximum height of the land, positive towards the counterface, in lattice spacings.
-    #[must_use]
     pub fn highest(&self) -> f64 {
         let land = self.relief.iter().zip(&self.coverage).filter(|(_, coverage)| **coverage < 1.0);
         land.map(|(height, _)| *height).reduce(f64::max).unwrap_or(0.0)
     }
 
     /// Number of columns that are not removed.
-    #[must_use]
     pub const fn face_columns(&self) -> usize {
         self.columns[0] * (self.columns[1] - self.gap)
     }
@@ -234,52 +218,44 @@ impl SpaceLattice {
     }
 
     /// Whether line `j` along y is removed or next to a removed line.
-    #[must_use]
     pub const fn is_end(&self, j: usize) -> bool {
         self.gap > 0 && (j == 0 || self.is_cut(j + 1))
     }
 
     /// Whether column (i, j) is entirely cavity.
-    #[must_use]
     pub fn is_cavity(&self, i: usize, j: usize) -> bool {
         self.contact_share(i, j) == 0.0 && !self.is_cut(j)
     }
 
     /// Whether every block is a whole cube.
-    #[must_use]
     pub fn is_plain(&self) -> bool {
         let whole = self.depth.fract() == 0.0 || self.coverage.iter().all(|share| *share == 0.0);
         whole && self.spacing == [1.0; 2] && self.coverage.iter().all(|share| *share == 0.0 || *share == 1.0)
     }
 
     /// Fraction of the area of column (i, j) that touches the counterface.
-    #[must_use]
     pub fn contact_share(&self, i: usize, j: usize) -> f64 {
         1.0 - self.coverage[j * self.columns[0] + i]
     }
 
     /// Number of rows into which a cavity reaches, at least in part.
-    #[must_use]
     pub fn cavity_rows(&self) -> usize {
         // The depth is validated to be below the height of the layer.
         (self.depth.ceil() as usize).min(self.rows)
     }
 
     /// Number of rows that differ from a flat layer: all rows if the layer has ends.
-    #[must_use]
     pub fn changed_rows(&self) -> usize {
         if self.gap > 0 { self.rows } else { self.cavity_rows() }
     }
 
     /// Row of the lowest blocks above the cavities, which exist at least in part.
-    #[must_use]
     pub fn ceiling_row(&self) -> usize {
         // The depth is validated to be below the height of the layer.
         (self.depth.floor() as usize).min(self.rows - 1)
     }
 
     /// Fraction of block (i, j, k) that exists.
-    #[must_use]
     pub fn presence(&self, i: usize, j: usize, k: usize) -> f64 {
         if self.is_cut(j) {
             return 0.0;
@@ -295,7 +271,6 @@ impl SpaceLattice {
 
     /// Present fraction of the stiffness of a spring between blocks `a` and `b`. The bulk, the row above the top one,
     /// is whole over the face.
-    #[must_use]
     pub fn spring_share(&self, a: [usize; 3], b: [usize; 3]) -> f64 {
         if self.is_cut(a[1]) || self.is_cut(b[1]) {
             return 0.0;
@@ -355,7 +330,6 @@ impl SpaceLattice {
 
     /// Mass of block (i, j, k) in units of m: an eighth for each of its adjacent cells, at least 1/8; 0 where there is
     /// no block. A cell counts if its eight corners exist; the bulk above exists.
-    #[must_use]
     pub fn mass(&self, i: usize, j: usize, k: usize) -> f64 {
         let there = |i: usize, j: usize, k: usize| k >= self.rows || self.presence(i, j, k) > 0.0;
         if !there(i, j, k) {

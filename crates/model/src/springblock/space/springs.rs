@@ -25,7 +25,6 @@ pub struct Spring {
 
 impl Spring {
     /// Unit vector towards the other end.
-    #[must_use]
     pub fn direction(&self) -> [f64; 3] {
         let [x, y, z] = self.rest;
         let length = (x * x + y * y + z * z).sqrt();
@@ -40,7 +39,6 @@ pub const UPWARD: usize = 5;
 
 /// The nine springs that belong to a block, with columns `a` x `b` spacings apart: first those within its row, then
 /// those upward.
-#[must_use]
 pub fn springs([a, b]: [f64; 2]) -> [Spring; LEVEL + UPWARD] {
     let (aa, bb) = (a * a, b * b);
     let k_x = (b / a) * (3.0 - aa / bb - aa);

@@ -112,7 +112,6 @@ impl SpaceSteadyModel {
     ///
     /// With `liftoff` contact is unilateral and blocks under tension leave the counterface; this is always so on a face
     /// with height variations.
-    #[must_use]
     pub fn new(lattice: SpaceLattice, block_m: f64, youngs_modulus_pa: f64, liftoff: bool) -> Self {
         let interface = Interface::new(&lattice);
         // A face with height variations does not touch the counterface everywhere.
@@ -133,25 +132,21 @@ impl SpaceSteadyModel {
     }
 
     /// Lattice of this configuration.
-    #[must_use]
     pub const fn lattice(&self) -> &SpaceLattice {
         &self.lattice
     }
 
     /// Distance between neighbouring rows, in metres.
-    #[must_use]
     pub const fn block_m(&self) -> f64 {
         self.block_m
     }
 
     /// Solves steady sliding under `load`.
-    #[must_use]
     pub fn solve(&self, load: &SpaceLoad) -> SurfaceOutcome {
         Solver::new(self).outcome(load)
     }
 
     /// Solves steady sliding under each of `loads` until `monitor` cancels; the solution of one load starts the next.
-    #[must_use]
     pub fn solve_all(&self, loads: &[SpaceLoad], monitor: &dyn Monitor) -> Vec<SurfaceOutcome> {
         let mut solver = Solver { monitor, ..Solver::new(self) };
         loads.iter().map(|load| solver.outcome(load)).collect()
@@ -159,7 +154,6 @@ impl SpaceSteadyModel {
 
     /// Displacements in units of l for steady sliding under `load`, by block number (k ny + j) nx + i. The bulk comes
     /// last as row `rows`, at x = y = 0. Values of removed blocks are meaningless.
-    #[must_use]
     pub fn displacements(&self, load: &SpaceLoad) -> Vec<[f64; 3]> {
         let [nx, ny] = self.lattice.columns();
         let plane = nx * ny;

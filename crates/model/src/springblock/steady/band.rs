@@ -15,7 +15,6 @@ pub struct BandMatrix {
 
 impl BandMatrix {
     /// Creates the zero matrix of `order` rows.
-    #[must_use]
     pub fn zero(order: usize, half_bandwidth: usize) -> Self {
         // The zeros are written explicitly. Zero pages from the system would be mapped when `add` first reads them and
         // copied when it writes, which flushes the address cache of every thread.
@@ -41,7 +40,6 @@ impl BandMatrix {
     }
 
     /// Factors A in place; `None` if A is not positive definite to rounding.
-    #[must_use]
     pub fn factor(mut self) -> Option<BandFactor> {
         eliminate(&mut self.rows, self.order, self.half_bandwidth).then_some(BandFactor { upper: self })
     }

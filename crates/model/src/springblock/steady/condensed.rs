@@ -96,7 +96,6 @@ impl LinearResponse for Condensed {
 impl CondensedModel {
     /// Condenses `lattice`, whose blocks are `block_m` apart. Returns `None` if the lattice is not periodic with equal
     /// columns, if cavities reach the top row, or if the band matrix of all blocks takes fewer operations.
-    #[must_use]
     pub fn new(lattice: &Lattice, block_m: f64, youngs_modulus_pa: f64, liftoff: bool) -> Option<Self> {
         let equations = Equations::for_lattice(lattice, &[], false)?;
         let products = equations.products(lattice);
@@ -165,7 +164,6 @@ impl CondensedModel {
 
     /// Solves steady sliding under `load`; `None` if blocks leave the counterface or the solve does not converge, in
     /// which case the band solver must be used.
-    #[must_use]
     pub fn solve(&self, load: &SteadyLoad) -> Option<SurfaceOutcome> {
         let contacts = &self.cell.response.contacts;
         if load.pressure_pa == 0.0 || contacts.is_empty() {

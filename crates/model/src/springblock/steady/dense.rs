@@ -9,7 +9,6 @@ const BATCH: usize = 4;
 ///
 /// `rows` has rows of `width` entries. The first `order` columns are the matrix, the others are right-hand sides, which
 /// the solutions replace. For n unknowns and m right-hand sides it takes n^3/3 + n^2 m multiplications and additions.
-#[must_use]
 #[multiversion(targets("x86_64+avx512f", "x86_64+avx2"))]
 pub fn solve_many(rows: &mut [f64], order: usize, width: usize) -> bool {
     let mut first = 0;

@@ -114,31 +114,26 @@ impl SteadyModel {
     /// Assembles and factors `lattice`, whose blocks are `block_m` apart.
     ///
     /// With `liftoff` contact is unilateral and blocks under tension leave the counterface.
-    #[must_use]
     pub fn new(lattice: Lattice, block_m: f64, youngs_modulus_pa: f64, liftoff: bool) -> Self {
         let system = System::new(&lattice, &[]);
         Self { lattice, block_m, youngs_modulus_pa, liftoff, system }
     }
 
     /// Creates the model with the blocks and the material of `scene`.
-    #[must_use]
     pub fn for_scene(scene: &Scene, lattice: Lattice) -> Self {
         Self::new(lattice, scene.layer.block_m, scene.elastic.youngs_modulus_pa(), scene.run.liftoff)
     }
 
-    #[must_use]
     pub const fn lattice(&self) -> &Lattice {
         &self.lattice
     }
 
     /// Force per length for a unit descent of the bulk without friction, in units of k.
-    #[must_use]
     pub fn stiffness_per_length(&self) -> f64 {
         self.system.bulk_stiffness() / self.system.load()
     }
 
     /// Solves steady sliding under `load`.
-    #[must_use]
     pub fn solve(&self, load: &SteadyLoad) -> SurfaceOutcome {
         if load.pressure_pa == 0.0 || self.system.contacts().is_empty() {
             return self.unloaded();
@@ -147,7 +142,6 @@ impl SteadyModel {
     }
 
     /// Solves steady sliding under each of `loads`, with results identical to [`Self::solve`].
-    #[must_use]
     pub fn solve_all(&self, loads: &[SteadyLoad]) -> Vec<SurfaceOutcome> {
         let is_plain = !self.liftoff && !self.lattice.is_raised() && !self.system.contacts().is_empty();
         if !is_plain || loads.iter().any(|load| load.pressure_pa == 0.0) {
@@ -198,7 +192,6 @@ impl SteadyModel {
     }
 
     /// Displacements in units of l for steady sliding under `load`, by block number j * nx + i, with the bulk at x = 0.
-    #[must_use]
     pub fn displacements(&self, load: &SteadyLoad) -> Vec<[f64; 2]> {
         let (nx, ny) = (self.lattice.nx(), self.lattice.ny());
         if load.pressure_pa == 0.0 || self.system.contacts().is_empty() {

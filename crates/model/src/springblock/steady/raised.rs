@@ -84,7 +84,6 @@ struct Contacts<'a> {
 impl RaisedModel {
     /// Condenses `lattice`, whose blocks are `block_m` apart; `None` if the lattice is not periodic with equal columns,
     /// if its cavities reach the top row, or if the equations are singular.
-    #[must_use]
     pub fn new(lattice: &Lattice, block_m: f64, elastic: Elastic) -> Option<Self> {
         let condensed = CondensedModel::with_raised_face(lattice, block_m, elastic.youngs_modulus_pa())?;
         let relief = condensed.contacts().iter().map(|contact| lattice.columns()[contact.column].relief).collect();
@@ -92,7 +91,6 @@ impl RaisedModel {
     }
 
     /// Solves steady sliding under `load` on the face that the previous loads have left.
-    #[must_use]
     pub fn solve(&self, load: &SteadyLoad, history: &mut FaceHistory) -> SurfaceOutcome {
         let model = &self.condensed;
         if load.pressure_pa == 0.0 || model.contacts().is_empty() {

@@ -24,20 +24,17 @@ impl ThickModel {
     /// Condenses `lattice`, a periodic lattice of equal columns whose blocks are `block_m` apart.
     ///
     /// With `liftoff` contact is unilateral and blocks under tension leave the counterface.
-    #[must_use]
     pub fn new(lattice: Lattice, block_m: f64, youngs_modulus_pa: f64, liftoff: bool) -> Self {
         let condensed = CondensedModel::with_lifted(&lattice, block_m, youngs_modulus_pa, &[]);
         Self { lattice, block_m, youngs_modulus_pa, liftoff, condensed }
     }
 
     /// Lattice with as many rows as the specimen is thick.
-    #[must_use]
     pub const fn lattice(&self) -> &Lattice {
         &self.lattice
     }
 
     /// Solves steady sliding under `load`.
-    #[must_use]
     pub fn solve(&self, load: &SteadyLoad) -> SurfaceOutcome {
         let Some(model) = &self.condensed else {
             return SurfaceOutcome::unsolved(Status::NotConverged, std::iter::empty());

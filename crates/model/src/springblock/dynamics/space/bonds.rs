@@ -23,7 +23,6 @@ pub struct SpaceBonds {
 
 impl SpaceBonds {
     /// Collects the springs of `lattice`.
-    #[must_use]
     pub fn new(lattice: &SpaceLattice) -> Self {
         let ([nx, ny], rows) = (lattice.columns(), lattice.rows());
         let bulk = nx * ny * rows;
@@ -37,7 +36,6 @@ impl SpaceBonds {
         Self { links, to_bulk, bulk, mass }
     }
 
-    #[must_use]
     pub fn mass(&self) -> &[f64] {
         &self.mass
     }
@@ -71,7 +69,6 @@ impl SpaceBonds {
     }
 
     #[cfg(test)]
-    #[must_use]
     pub fn energy(&self, displacement: &[[f64; 3]]) -> f64 {
         let along = |link: &Link| -> f64 {
             let [a, b] = link.ends.map(|end| displacement[end as usize]);

@@ -32,7 +32,6 @@ pub struct Field<R> {
 
 impl<R: Real> Field<R> {
     /// Creates a cell of nx x ny columns and nz rows at rest.
-    #[must_use]
     pub fn at_rest([nx, ny]: [usize; 2], nz: usize) -> Self {
         // Rows with a multiple of this number of cache lines would share a few sets of the cache. No other padding is
         // added, because every line is read.
@@ -51,13 +50,11 @@ impl<R: Real> Field<R> {
 
     /// Index of block (i, j, k) in [`Plane::rows`].
     #[inline(always)]
-    #[must_use]
     pub const fn index(&self, i: usize, j: usize, k: usize) -> usize {
         R::LINE + k * self.layer + (j + 1) * self.stride + i
     }
 
     /// Displacements of block (i, j, k).
-    #[must_use]
     pub fn displacement(&self, [i, j, k]: [usize; 3]) -> [f64; 3] {
         let at = self.index(i, j, k);
         [0, 1, 2].map(|component: usize| self.now[component].rows()[at].to_f64())

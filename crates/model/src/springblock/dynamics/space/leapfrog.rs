@@ -82,7 +82,6 @@ pub struct SpaceLeapfrog<'a, R> {
 
 impl<'a> SpaceLeapfrog<'a, f64> {
     /// Creates the integrator with a lattice of whole cubes at rest.
-    #[must_use]
     pub fn new(lattice: &SpaceLattice, setup: SpaceSetup<'a>) -> Self {
         let kick = Kick::new(setup.time_step, setup.damping);
         Self::with_kick(lattice, setup, kick)
@@ -95,7 +94,6 @@ impl<'a> SpaceLeapfrog<'a, f32> {
     /// `base` has displacements in units of l, x fastest, then y, then upward, in equilibrium under the load of
     /// `setup`. The bulk moves at the speed of `setup` from the first step on. Returns `None` if unbalanced forces
     /// remain above the contact layer.
-    #[must_use]
     pub fn from_sliding(lattice: &SpaceLattice, setup: SpaceSetup<'a>, base: &[[f64; 3]]) -> Option<Self> {
         let SpaceSetup { protocol, time_step, damping, direction, .. } = setup;
         let mut sliding = Self::with_kick(lattice, setup, Kick::new(time_step, damping).rounded::<f32>());
@@ -189,7 +187,6 @@ impl<'a, R: Real> SpaceLeapfrog<'a, R> {
     }
 
     /// Displacements of block (i, j, k).
-    #[must_use]
     pub fn displacement(&self, [i, j, k]: [usize; 3]) -> [f64; 3] {
         let deviation = self.field.displacement([i, j, k]);
         let Field { nx, ny, .. } = self.field;
@@ -207,7 +204,6 @@ impl<'a, R: Real> SpaceLeapfrog<'a, R> {
     }
 
     #[cfg(test)]
-    #[must_use]
     pub const fn contact(&self) -> &ContactVectors<'a, 2> {
         &self.contact
     }

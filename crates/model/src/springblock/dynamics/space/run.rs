@@ -97,7 +97,6 @@ pub struct SpaceRun<'a> {
 }
 
 impl SpaceRun<'_> {
-    #[must_use]
     pub fn run(&self, monitor: &dyn Monitor) -> SurfaceOutcome {
         let Self { scene, lattice, .. } = self;
         if self.load.pressure_pa == 0.0 || self.centres_m().next().is_none() {

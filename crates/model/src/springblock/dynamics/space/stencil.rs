@@ -46,7 +46,6 @@ pub struct RowCoefficients<R> {
 impl<R: Real> RowCoefficients<R> {
     /// Coefficients of all springs in the order of [`STEPS`], columns fastest.
     #[inline(always)]
-    #[must_use]
     pub fn springs(&self) -> &[R] {
         &self.springs
     }
@@ -104,7 +103,6 @@ pub struct Stencil<R> {
 
 impl<R: Real> Stencil<R> {
     /// Classifies the rows of a lattice of whole cubes.
-    #[must_use]
     pub fn new(lattice: &SpaceLattice) -> Self {
         let [_, ny] = lattice.columns();
         let mut distinct: Vec<Arc<RowCoefficients<R>>> = Vec::new();

@@ -4,7 +4,6 @@ use super::*;
 
 impl Interface {
     /// Allocates work space and results for [`Self::respond`].
-    #[must_use]
     pub fn response(&self) -> Response {
         let [nx, ny] = self.columns;
         Response {
