@@ -40,13 +40,8 @@ pub enum Boundary {
         /// Radius, in metres.
         radius_m: f64,
     },
-    /// A rectangle.
-    Rectangle {
-        /// Corners as `[x, y]`, in metres, anticlockwise from the lower left one in the cavity's axes.
-        corners_m: [[f64; 2]; 4],
-    },
-    /// A polygon: the remaining part of a cavity that is cut. Arcs are replaced by chords that deviate by at most 10
-    /// nm.
+    /// A polygon: a cavity, or the remaining part of one that is cut. Arcs are replaced by chords that deviate by at most
+    /// 10 nm.
     Polygon {
         /// Corners as `[x, y]`, anticlockwise, in metres.
         corners_m: Vec<[f64; 2]>,
@@ -58,7 +53,6 @@ impl Boundary {
     pub fn polygon_m(&self) -> Vec<[f64; 2]> {
         match self {
             Self::Circle { centre_m, radius_m } => circle(*centre_m, *radius_m),
-            Self::Rectangle { corners_m } => corners_m.to_vec(),
             Self::Polygon { corners_m } => corners_m.clone(),
         }
     }
@@ -75,35 +69,34 @@ impl Boundary {
 impl Cavity {
     /// Outline of the cavity: one boundary, or one per part if the border or other grooves cut it.
     pub fn boundaries(&self) -> Vec<Boundary> {
-        let polygons =
-            |parts: Vec<Vec<[f64; 2]>>| parts.into_iter().map(|corners_m| Boundary::Polygon { corners_m }).collect();
-        if let Some(face) = &self.face {
+        let clipped = |polygon: Vec<[f64; 2]>| match &self.cut_by {
+            None => vec![polygon],
+            Some(outline) => clip(polygon, outline),
+        };
+        let parts = if let Some(face) = &self.face {
             let Some(corners_m) = face.inner_corners_m() else { return Vec::new() };
-            return polygons(match &self.cut_by {
+            match &self.cut_by {
                 None => vec![corners_m],
                 Some(outline) => clip_simple(&corners_m, outline),
-            });
-        }
-        if let Some(crossing) = &self.crossed_by {
-            let parts = crossing.outside(self.corners_m().to_vec());
-            return polygons(match &self.cut_by {
-                None => parts,
-                Some(outline) => parts.into_iter().flat_map(|part| clip(part, outline)).collect(),
-            });
-        }
-        let whole = match self.planform {
-            Planform::Disc => {
-                Boundary::Circle { centre_m: [self.centre_x_m, self.centre_y_m], radius_m: self.width_m / 2.0 }
             }
-            _ => Boundary::Rectangle { corners_m: self.corners_m() },
+        } else if let Some(crossing) = &self.crossed_by {
+            crossing.outside(self.corners_m().to_vec()).into_iter().flat_map(clipped).collect()
+        } else if self.planform == Planform::Disc {
+            let (centre_m, radius_m) = ([self.centre_x_m, self.centre_y_m], self.width_m / 2.0);
+            let whole = Boundary::Circle { centre_m, radius_m };
+            if self.cut_by.is_none() {
+                return vec![whole];
+            }
+            clipped(whole.polygon_m())
+        } else {
+            clipped(self.corners_m().to_vec())
         };
-        match &self.cut_by {
-            None => vec![whole],
-            Some(outline) => {
-                let parts = clip(whole.polygon_m(), outline);
-                parts.into_iter().map(|corners_m| Boundary::Polygon { corners_m }).collect()
-            }
-        }
+        parts.into_iter().map(|corners_m| Boundary::Polygon { corners_m }).collect()
+    }
+
+    /// Whether the cavity is a complete rectangle, of any orientation.
+    pub(crate) fn is_rectangle(&self) -> bool {
+        self.is_plain() && self.crossed_by.is_none() && self.planform != Planform::Disc
     }
 
     /// Shrinks the cavity to the points at least `wall_m` from its walls and `rim_m` from the border that cuts it;

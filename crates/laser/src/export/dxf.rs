@@ -215,7 +215,6 @@ impl Writer {
     fn boundary(&mut self, layer: &str, boundary: Boundary) {
         let millimetres = |[x_m, y_m]: [f64; 2]| [x_m * 1e3, y_m * 1e3];
         match boundary {
-            Boundary::Rectangle { corners_m } => self.polygon(layer, &corners_m.map(millimetres)),
             Boundary::Polygon { corners_m } => {
                 self.polygon(layer, &corners_m.into_iter().map(millimetres).collect::<Vec<_>>());
             }

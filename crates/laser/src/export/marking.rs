@@ -97,8 +97,11 @@ impl Marking {
         } else if let (Some(crossing), None) = (&inner.crossed_by, &inner.cut_by) {
             apart_m.extend(self.hatch_rectangle(&inner, direction, &mut lines));
             lines = lines.into_iter().flat_map(|line| crossing.parts_of(line)).collect();
+        } else if inner.is_rectangle() {
+            apart_m.extend(self.hatch_rectangle(&inner, direction, &mut lines));
         } else {
-            apart_m.extend(self.hatch_parts(&inner, direction, &mut lines));
+            let part = |part: Boundary| self.hatch_polygon(&part.polygon_m(), direction, &mut lines);
+            apart_m.extend(inner.boundaries().into_iter().filter_map(part));
         }
         for line in lines.iter_mut().skip(1).step_by(2) {
             line.reverse();
@@ -112,20 +115,6 @@ impl Marking {
         let half_apart_m = 0.5 * self.distance_m / (cosine * y - sine * x).abs();
         // d = sqrt((s/2)^2 - (h / (2 sin a))^2)
         ((self.inset_m - half_apart_m) * (self.inset_m + half_apart_m)).max(0.0).sqrt()
-    }
-
-    /// Fills the parts of a cavity that is not a polygon; returns the distances between lines.
-    fn hatch_parts(&self, inner: &Cavity, direction: [f64; 2], lines: &mut Vec<Line>) -> Vec<f64> {
-        let mut apart_m = Vec::new();
-        for boundary in inner.boundaries() {
-            apart_m.extend(match boundary {
-                Boundary::Rectangle { .. } => self.hatch_rectangle(inner, direction, lines),
-                Boundary::Circle { .. } | Boundary::Polygon { .. } => {
-                    self.hatch_polygon(&boundary.polygon_m(), direction, lines)
-                }
-            });
-        }
-        apart_m
     }
 
     /// Fills a polygon with evenly spaced lines from one edge to the other, including both, where the spot fits inside

@@ -242,7 +242,6 @@ impl Sector {
         let turned = move |[x, y]: [f64; 2]| [x * cosine - y * sine, x * sine + y * cosine];
         self.own_boundaries().map(move |boundary| match boundary {
             Boundary::Circle { centre_m, radius_m } => Boundary::Circle { centre_m: turned(centre_m), radius_m },
-            Boundary::Rectangle { corners_m } => Boundary::Rectangle { corners_m: corners_m.map(turned) },
             Boundary::Polygon { corners_m } => {
                 Boundary::Polygon { corners_m: corners_m.into_iter().map(turned).collect() }
             }

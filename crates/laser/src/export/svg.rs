@@ -309,8 +309,8 @@ impl Page {
                 push_decimal(&mut self.out, length_m * 1e3, COORDINATE_DECIMALS);
             }
         };
-        match (boundary, cavity.filter(|cavity| cavity.is_aligned())) {
-            (Boundary::Rectangle { .. }, Some(cavity)) => commands(&[
+        match (boundary, cavity.filter(|cavity| cavity.is_rectangle() && cavity.is_aligned())) {
+            (Boundary::Polygon { .. }, Some(cavity)) => commands(&[
                 // From the upper left corner.
                 ("M", cavity.centre_x_m - cavity.width_m / 2.0),
                 (" ", -cavity.centre_y_m - cavity.length_m / 2.0),
@@ -318,9 +318,9 @@ impl Page {
                 ("v", cavity.length_m),
                 ("h", -cavity.width_m),
             ]),
-            (Boundary::Rectangle { .. } | Boundary::Polygon { .. }, _) => {
-                for (corner, [x_m, y_m]) in boundary.polygon_m().into_iter().enumerate() {
-                    commands(&[(if corner == 0 { "M" } else { "L" }, x_m), (" ", -y_m)]);
+            (Boundary::Polygon { corners_m }, None) => {
+                for (corner, [x_m, y_m]) in corners_m.iter().enumerate() {
+                    commands(&[(if corner == 0 { "M" } else { "L" }, *x_m), (" ", -y_m)]);
                 }
             }
             // Two half circles, from the leftmost point and back.

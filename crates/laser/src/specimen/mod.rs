@@ -13,7 +13,7 @@
 //!
 //! | type | role |
 //! |---|---|
-//! | [`simulate_on`], [`strips_on`] | solves a scene on a specimen, dynamic or steady, or steady followed by dynamic |
+//! | [`simulate_on`] | solves a scene on a specimen, dynamic or steady |
 //! | [`SteadyOnFace`], [`time_changes_on`] | corrects steady ratios for a specimen and for sliding in time at low cost, for trials |
 //! | [`Laid`], [`on_face`] | areal density of a design and its samples on a face, and the ratio that follows |
 //!
@@ -42,4 +42,4 @@ mod on_specimen;
 mod strips;
 
 pub use laid::{Laid, on_face};
-pub use on_specimen::{SpecimenError, SteadyOnFace, nearest_known, simulate_on, strips_on, time_changes_on};
+pub use on_specimen::{SpecimenError, SteadyOnFace, nearest_known, simulate_on, time_changes_on};

@@ -4,9 +4,9 @@ use crate::export::{ExportError, Layout, Specimen};
 use slipgrid_base::monitor::cached;
 use slipgrid_model::pattern::Pattern;
 use slipgrid_model::springblock::{
-    Extent, Face, Load, Monitor, RunOptions, Scene, SceneError, Simulation, Status, SteadyCell, SteadySpecimen, Strip,
-    add_tilt, even_speed_m_s, simulate, simulate_specimen, simulate_strip, steady_face_bytes, steady_face_ratios,
-    tilt_shifts, time_changes,
+    Extent, Face, Load, Monitor, RunOptions, Scene, SceneError, Simulation, Status, SteadyCell, Strip, add_tilt,
+    even_speed_m_s, simulate, simulate_specimen, simulate_strip, steady_face_bytes, steady_face_ratios, tilt_shifts,
+    time_changes,
 };
 
 use crate::specimen::laid::{Laid, cavity_fraction, density_share, on_face};
@@ -96,22 +96,6 @@ fn with_specimen_length(specimen: &Specimen, pattern: &Pattern, scene: &Scene) -
     let sliding = pattern.texture().sliding_direction_on_specimen();
     scene.layer.length_m = specimen.whole_length_m(sliding, scene.layer.block_m);
     scene
-}
-
-/// Solves `specimen` with the pattern of `scene` in steady sliding, as the start of a dynamic run; `None` if it is not
-/// solved by strips, or if `monitor` has cancelled.
-///
-/// # Errors
-/// See [`simulate_on`].
-pub fn strips_on(
-    scene: &Scene,
-    specimen: &Specimen,
-    monitor: &dyn Monitor,
-) -> Result<Option<SteadySpecimen>, SpecimenError> {
-    let Some(pattern) = scene.pattern.filter(|_| scene.dimension().takes_strips()) else { return Ok(None) };
-    let scene = with_specimen_length(specimen, &pattern, scene);
-    let face = solved_face(&specimen.layout(pattern)?, scene.layer.block_m)?;
-    Ok(SteadySpecimen::new(&scene, &face, monitor)?)
 }
 
 /// Strips of `layout` for the solver: all strips for grooves across the sliding direction, and the strip through the

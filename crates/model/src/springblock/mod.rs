@@ -16,7 +16,7 @@
 //! | [`Scene`] | parameters of a simulation |
 //! | [`simulate`] | solves a scene at every load, together with the flat surface |
 //! | [`steady_ratios`] | ratios of a steady cell only |
-//! | [`Face`], [`Strip`], [`simulate_specimen`], [`SteadySpecimen`] | whole specimens as they are cut, strip by strip |
+//! | [`Face`], [`Strip`], [`simulate_specimen`] | whole specimens as they are cut, strip by strip |
 //! | [`simulate_strip`] | a row of cavities in space with both ends of the specimen |
 //! | [`Simulation`], [`LoadOutcome`], [`SurfaceOutcome`] | results, with a [`Status`] |
 //! | [`Dimension`] | plane or space, and the consequences |
@@ -94,9 +94,9 @@ pub use outcome::{
 };
 pub use scene::{Extent, Fidelity, Holder, Layer, Load, MAX_BLOCKS, MAX_DRAWS, MAX_ROWS, RunOptions, Scene, Springs};
 pub use simulate::{
-    BlockRefinement, Expense, SteadySpecimen, TILT_RELATIVE_ERROR, add_tilt, block_refinement, bounded, can_refine,
-    cell_expense, expense, planned_steps, simulate, simulate_specimen, simulate_strip, steady_face_bytes,
-    steady_face_ratios, steady_ratios, tilt_shifts, time_changes,
+    BlockRefinement, Expense, TILT_RELATIVE_ERROR, add_tilt, block_refinement, bounded, can_refine, cell_expense,
+    expense, planned_steps, simulate, simulate_specimen, simulate_strip, steady_face_bytes, steady_face_ratios,
+    steady_ratios, tilt_shifts, time_changes,
 };
 pub use slipgrid_base::monitor::{Cancelled, Monitor, Unwatched};
 pub use space::{SpaceBond, SpaceLattice, SpaceLoad, SpaceSpring, SpaceSteadyModel};

@@ -5,34 +5,34 @@ use serde::{Deserialize, Serialize};
 
 use crate::material::AreaLaw;
 
-/// State in which a run ended.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+/// State in which a run ended, from the least to the most severe.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub enum Status {
     /// Steady: the residual is below the tolerance. Dynamic: sliding was reached and averaged.
     Converged,
-    /// The nonlinear solve reached its iteration limit; the best state is reported.
-    #[default]
-    NotConverged,
-    /// A dynamic run ended before every contact block had slipped.
-    NoOnset,
-    /// No contact block carries load, so that mu is undefined.
-    NoLoad,
     /// The area law leaves no friction on any contact block: mu is 0, and a ratio to it is undefined.
     NoFriction,
-    /// A dynamic run was refused, because it needs more steps than [`crate::springblock::MAX_STEPS`].
-    TooManySteps,
-    /// Dynamic mu was not yet stationary when the run ended, or was averaged over too few periods of the layer's first
-    /// shear mode.
-    ShortWindow,
+    /// No contact block carries load, so that mu is undefined.
+    NoLoad,
+    /// The requested standard error was not reached within the maximum travel.
+    StderrNotReached,
     /// Sliding is unstable to waves: blocks that stick while others slide reduce friction by more than
     /// [`crate::springblock::WAVE_DEFICIT`], by an amount that depends on ends, damping and block size.
     SlidingWaves,
-    /// The requested standard error was not reached within the maximum travel.
-    StderrNotReached,
-    /// The state is no longer finite.
-    Diverged,
+    /// Dynamic mu was not yet stationary when the run ended, or was averaged over too few periods of the layer's first
+    /// shear mode.
+    ShortWindow,
+    /// A dynamic run ended before every contact block had slipped.
+    NoOnset,
+    /// The nonlinear solve reached its iteration limit; the best state is reported.
+    #[default]
+    NotConverged,
+    /// A dynamic run was refused, because it needs more steps than [`crate::springblock::MAX_STEPS`].
+    TooManySteps,
     /// The monitor cancelled the run.
     Cancelled,
+    /// The state is no longer finite.
+    Diverged,
 }
 
 impl Status {

@@ -15,7 +15,7 @@ mod specimen;
 mod statements;
 mod thick_layer;
 
-pub use specimen::{SteadySpecimen, simulate_specimen, steady_face_bytes, steady_face_ratios, time_changes};
+pub use specimen::{simulate_specimen, steady_face_bytes, steady_face_ratios, time_changes};
 
 use std::sync::OnceLock;
 
@@ -207,11 +207,15 @@ fn lattice(scene: &Scene, columns: Vec<Column>) -> Lattice {
     Lattice::new(columns, scene.layer.rows(), scene.run.extent == Extent::Cell)
 }
 
+/// Refuses equations that take too many `bytes` of memory; returns the bytes.
+fn require_memory(bytes: f64) -> Result<f64, SceneError> {
+    let most_bytes = MAX_FACTOR_BYTES;
+    if bytes > most_bytes { Err(SceneError::TooLarge { bytes, most_bytes }) } else { Ok(bytes) }
+}
+
 /// Refuses equations of steady sliding that do not fit in memory.
 fn affordable(scene: &Scene, columns: usize, periodic: bool) -> Result<(), SceneError> {
-    let bytes = factor_bytes(columns, scene.layer.rows(), periodic);
-    let most_bytes = MAX_FACTOR_BYTES;
-    if bytes > most_bytes { Err(SceneError::TooLarge { bytes, most_bytes }) } else { Ok(()) }
+    require_memory(factor_bytes(columns, scene.layer.rows(), periodic)).map(|_| ())
 }
 
 /// Applies [`affordable`] to each of `lattices`.
@@ -268,10 +272,7 @@ fn steady(scene: &Scene, monitor: &dyn Monitor) -> Result<Simulation, SceneError
             lattice(scene, own)
         }
         Some(pattern) => {
-            let (bytes, most_bytes) = (cell_condensing_cost(pattern, scene.layer.block_m).1, MAX_FACTOR_BYTES);
-            if bytes > most_bytes {
-                return Err(SceneError::TooLarge { bytes, most_bytes });
-            }
+            require_memory(cell_condensing_cost(pattern, scene.layer.block_m).1)?;
             Lattice::new(own, scene.layer.thick_rows(), true)
         }
     };

@@ -120,7 +120,7 @@ fn cavities_read_back_to_the_same_shapes_within_half_a_nanometre() {
                         close(entity.real(20), centre_m[1]);
                         close(entity.real(40), radius_m);
                     }
-                    Boundary::Polygon { .. } | Boundary::Rectangle { .. } => {
+                    Boundary::Polygon { .. } => {
                         let corners_m = boundary.polygon_m();
                         assert_eq!(entity.kind, "POLYLINE");
                         assert_eq!(entity.real(66), 1.0);

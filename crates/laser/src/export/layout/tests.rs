@@ -111,7 +111,6 @@ const OUTLINES: [Outline; 2] = [DISC, Outline::Rectangle { length_m: 6e-3, width
 fn excess_m(cavity: &Cavity, outline: &Outline) -> f64 {
     let reach_m = |boundary: Boundary| match boundary {
         Boundary::Circle { centre_m: [x, y], radius_m } => vec![[x, y, radius_m]],
-        Boundary::Rectangle { corners_m } => corners_m.map(|[x, y]| [x, y, 0.0]).to_vec(),
         Boundary::Polygon { corners_m } => corners_m.iter().map(|[x, y]| [*x, *y, 0.0]).collect(),
     };
     let excess = |[x, y, radius_m]: [f64; 3]| match *outline {

@@ -61,7 +61,7 @@ fn cavities_read_back_to_the_same_shapes_within_two_nanometres() {
             assert_eq!(paths.len(), laid.len());
             for (text, boundary) in paths.iter().zip(laid) {
                 let (read_mm, laid_m): (Vec<f64>, Vec<f64>) = match (read(text), &boundary) {
-                    (Read::Corners(corners), Boundary::Rectangle { .. } | Boundary::Polygon { .. }) => {
+                    (Read::Corners(corners), Boundary::Polygon { .. }) => {
                         assert_eq!(corners.len(), boundary.polygon_m().len());
                         (corners.concat(), boundary.polygon_m().concat())
                     }

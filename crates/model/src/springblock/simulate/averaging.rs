@@ -2,21 +2,6 @@
 
 use crate::springblock::{Correction, DynamicCost, InterfacePoint, LoadOutcome, Status, SurfaceOutcome, TracePoint};
 
-/// Statuses from most to least severe.
-const SEVERITY: [Status; 11] = [
-    Status::Diverged,
-    Status::Cancelled,
-    Status::TooManySteps,
-    Status::NotConverged,
-    Status::NoOnset,
-    Status::ShortWindow,
-    Status::SlidingWaves,
-    Status::StderrNotReached,
-    Status::NoLoad,
-    Status::NoFriction,
-    Status::Converged,
-];
-
 /// Mean of the `draws` of one load; `None` for no draws.
 pub fn mean(mut draws: Vec<LoadOutcome>) -> Option<LoadOutcome> {
     if draws.len() < 2 {
@@ -70,7 +55,7 @@ fn surface(draws: &[&SurfaceOutcome]) -> SurfaceOutcome {
     let largest = |value: fn(&SurfaceOutcome) -> f64| draws.iter().map(|draw| value(draw)).fold(0.0, f64::max);
     let mu = each(|draw| draw.mu_dynamic);
     let stderr = each(|draw| draw.mu_dynamic_stderr);
-    let worst = SEVERITY.into_iter().find(|status| draws.iter().any(|draw| draw.status == *status));
+    let worst = draws.iter().map(|draw| draw.status).max();
     SurfaceOutcome {
         status: worst.unwrap_or(Status::Converged),
         mu_dynamic: mu.as_deref().map(average),

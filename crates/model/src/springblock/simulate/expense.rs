@@ -10,7 +10,7 @@ use super::blocks;
 use super::space::MAX_ESTIMATED_BYTES;
 use super::space_strip::BYTES_PER_BLOCK as STRIP_BYTES_PER_BLOCK;
 use super::thick_layer::ThickLayerCorrection;
-use super::{FLAT_CELL_COLUMNS, MAX_FACTOR_BYTES, UNIFORM_COLUMNS};
+use super::{FLAT_CELL_COLUMNS, UNIFORM_COLUMNS, require_memory};
 use crate::springblock::cell::cell_condensing_cost;
 use crate::springblock::dynamics::{Plan, default_step_s};
 use crate::springblock::space::{MAX_DIRECTIONS, MAX_STORED_DIRECTIONS};
@@ -104,9 +104,7 @@ pub fn cell_expense(scene: &Scene) -> Expense {
 /// [`SceneError::TooLarge`] or [`SceneError::TooLong`].
 pub fn bounded(scene: &Scene) -> Result<(), SceneError> {
     let Expense { core_s, bytes, .. } = expense_on_threads(scene, 1.0);
-    if bytes > MAX_FACTOR_BYTES {
-        return Err(SceneError::TooLarge { bytes, most_bytes: MAX_FACTOR_BYTES });
-    }
+    require_memory(bytes)?;
     if core_s > MAX_CORE_S {
         return Err(SceneError::TooLong { core_s, most_s: MAX_CORE_S });
     }

@@ -10,7 +10,7 @@ use super::statements::{
     PERIODIC_CELL, SPEED_ZERO, STRETCHED_CELL, describe_draws, describe_law, describe_protocol, describe_start,
     describe_steady, space_reason,
 };
-use super::{MAX_FACTOR_BYTES, blocks, collect, compare, differences, seed_of, stderr_share};
+use super::{blocks, collect, compare, differences, require_memory, seed_of, stderr_share};
 use crate::springblock::dynamics::{SpaceRun, SpaceScheme, cache_key_settings, cached_run};
 use crate::springblock::{
     Dimension, Effect, Extent, LoadOutcome, Monitor, Scene, SceneError, Simulation, SpaceLattice, Statements, Status,
@@ -97,10 +97,7 @@ pub fn steady(scene: &Scene, layout: StripLayout, monitor: &dyn Monitor) -> Resu
 /// Outcomes of steady sliding by load, without discretization errors.
 pub fn steady_loads(scene: &Scene, pattern: &Pattern, monitor: &dyn Monitor) -> Result<Vec<LoadOutcome>, SceneError> {
     let model = SteadyCell::with_dimension(scene, Dimension::Space);
-    let (bytes, most_bytes) = (model.bytes(pattern), MAX_FACTOR_BYTES);
-    if bytes > most_bytes {
-        return Err(SceneError::TooLarge { bytes, most_bytes });
-    }
+    require_memory(model.bytes(pattern))?;
     let outcomes = scene.loads.iter().zip(model.solve_heeding(pattern, monitor));
     let compared = outcomes.map(|(load, outcome)| {
         // A flat layer is uniform and needs no solve.
@@ -162,9 +159,8 @@ pub fn dynamic(scene: &Scene, layout: StripLayout, monitor: &dyn Monitor) -> Res
     if blocks > MAX_BLOCKS {
         return Err(SceneError::TooManyBlocks { blocks, most: MAX_BLOCKS });
     }
-    let (bytes, most_bytes) = (blocks * WARM_BYTES_PER_BLOCK, MAX_FACTOR_BYTES);
-    if scene.run.warm_start && bytes > most_bytes {
-        return Err(SceneError::TooLarge { bytes, most_bytes });
+    if scene.run.warm_start {
+        require_memory(blocks * WARM_BYTES_PER_BLOCK)?;
     }
     let exact = cell.space_lattice(pattern, rows);
     let whole = exact.nearest_whole();

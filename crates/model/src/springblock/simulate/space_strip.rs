@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::drawn_ratios::{model_of, solve_drawn};
 use super::specimen::min_wall_m;
 use super::statements::few_periods;
-use super::{MAX_FACTOR_BYTES, compare, steady_coefficients};
+use super::{compare, require_memory, steady_coefficients};
 use crate::springblock::{LoadOutcome, Monitor, Scene, SceneError, SpaceLattice, Strip, SurfaceOutcome};
 
 /// Prime factors for which Fourier transforms are fast; the number of lines including the gap has no others.
@@ -185,10 +185,7 @@ pub fn gap_after(lines: usize) -> usize {
 /// # Errors
 /// [`SceneError::TooLarge`] if the equations do not fit in memory.
 pub fn steady_loads(scene: &Scene, strip: &SpaceStrip, monitor: &dyn Monitor) -> Result<Vec<LoadOutcome>, SceneError> {
-    let bytes: f64 = strip.lattices.iter().map(steady_bytes).sum();
-    if bytes > MAX_FACTOR_BYTES {
-        return Err(SceneError::TooLarge { bytes, most_bytes: MAX_FACTOR_BYTES });
-    }
+    require_memory(strip.lattices.iter().map(steady_bytes).sum())?;
     let solved: Vec<Vec<SurfaceOutcome>> =
         strip.lattices.par_iter().map(|lattice| solve(scene, lattice, strip.direction, monitor)).collect();
     let [own, flat] = <[_; 2]>::try_from(solved).unwrap_or_default();

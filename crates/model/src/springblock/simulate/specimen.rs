@@ -34,7 +34,7 @@ use super::statements::modulus_of_heights;
 use super::{ThickLayerCorrection, cancelled, describe_draws, describe_law, discretization_error};
 use crate::springblock::{
     Dimension, Extent, Face, Fidelity, LoadOutcome, Monitor, RunOptions, Scene, SceneError, Simulation, Statements,
-    SteadyCell, Strip, Unwatched,
+    SteadyCell, Strip,
 };
 use strips::{STRIP_HEIGHTS, SteadyFace};
 pub use strips::{min_wall_m, without_slivers};
@@ -79,10 +79,9 @@ fn without_thickness(scene: &Scene) -> Scene {
 }
 
 /// Steady sliding of a specimen, with all corrections except the change by time.
-#[derive(Debug)]
-pub struct SteadySpecimen {
-    scene: Scene,
-    face: Face,
+struct SteadySpecimen<'a> {
+    scene: &'a Scene,
+    face: &'a Face,
     pattern: Pattern,
     loads: Vec<LoadOutcome>,
     /// Number of strips that were shortened by whole periods.
@@ -93,12 +92,12 @@ pub struct SteadySpecimen {
     refined: Option<Result<BlockRefinement, String>>,
 }
 
-impl SteadySpecimen {
+impl<'a> SteadySpecimen<'a> {
     /// Solves `scene` with its pattern laid out on `face`; `None` once `monitor` has cancelled.
     ///
     /// # Errors
     /// The errors of [`simulate_specimen`].
-    pub fn new(scene: &Scene, face: &Face, monitor: &dyn Monitor) -> Result<Option<Self>, SceneError> {
+    fn new(scene: &'a Scene, face: &'a Face, monitor: &dyn Monitor) -> Result<Option<Self>, SceneError> {
         let pattern = validated_pattern(scene)?;
         let strips = || {
             SteadyFace::new(&without_thickness(scene), &RimDifference::new(scene, &pattern), &pattern, face, monitor)
@@ -119,23 +118,8 @@ impl SteadySpecimen {
             rayon::join(|| rayon::join(block_errors, refined), || rayon::join(correction, tilt))
         });
         let Some(SteadyFace { loads, shortened }) = strips? else { return Ok(None) };
-        let (scene, face) = (scene.clone(), face.clone());
         let found = Self { scene, face, pattern, loads, shortened, block_errors, correction, tilt, refined };
         Ok((!monitor.cancelled()).then_some(found))
-    }
-
-    /// Returns the result in steady sliding.
-    pub fn steady(&self) -> Simulation {
-        self.result(None, &Unwatched)
-    }
-
-    /// Returns the result in dynamic sliding.
-    ///
-    /// # Errors
-    /// [`SceneError`] if the scene cannot be run dynamically.
-    pub fn in_time(&self, monitor: &dyn Monitor) -> Result<Simulation, SceneError> {
-        let timed = TimedStrip::new(&without_thickness(&self.scene), &self.face, &self.pattern, monitor)?;
-        Ok(self.result(Some(&timed), monitor))
     }
 
     /// Returns the result with the change of the dynamic run `timed`.
@@ -195,7 +179,7 @@ impl SteadySpecimen {
         }
         statements.method(format!(
             "two dimensions: vertical planes along the sliding direction, plane stress, nu = 1/3{}",
-            modulus_of_heights(&self.scene)
+            modulus_of_heights(scene)
         ));
     }
 }

@@ -4,7 +4,7 @@ use crate::pattern::Pattern;
 use rayon::prelude::*;
 
 use super::super::rim_difference::{RimDifference, without_rim};
-use super::super::{MAX_FACTOR_BYTES, UNIFORM_COLUMNS, compare};
+use super::super::{UNIFORM_COLUMNS, compare, require_memory};
 use crate::springblock::steady::factor_bytes;
 use crate::springblock::{
     Effect, Face, Lattice, Layer, Load, LoadOutcome, Monitor, Scene, SceneError, Status, SteadyLoad, SteadyModel,
@@ -122,17 +122,10 @@ fn planned(layer: &Layer, pattern: &Pattern, face: &Face) -> (Vec<Planned>, usiz
     (planned, count)
 }
 
-fn bytes_of(planned: &[Planned]) -> f64 {
-    planned.iter().map(|(.., lattice)| factor_bytes(lattice.nx(), lattice.ny(), lattice.is_periodic())).sum()
-}
-
 /// Refuses parts of a face whose equations together do not fit in memory; returns their memory in bytes.
 fn affordable(planned: &[Planned]) -> Result<f64, SceneError> {
-    let bytes = bytes_of(planned);
-    if bytes > MAX_FACTOR_BYTES {
-        return Err(SceneError::TooLarge { bytes, most_bytes: MAX_FACTOR_BYTES });
-    }
-    Ok(bytes)
+    let bytes = |(.., lattice): &Planned| factor_bytes(lattice.nx(), lattice.ny(), lattice.is_periodic());
+    require_memory(planned.iter().map(bytes).sum())
 }
 
 /// Memory of the equations of `face` in blocks of `layer`, in bytes.

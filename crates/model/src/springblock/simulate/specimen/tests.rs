@@ -6,7 +6,7 @@ use super::*;
 use crate::material::{AreaLaw, LocalFriction};
 use crate::springblock::simulate::run_all;
 use crate::springblock::tests::samples;
-use crate::springblock::{Effect, Lattice, Layer, SteadyModel, Strip, columns, simulate};
+use crate::springblock::{Effect, Lattice, Layer, SteadyModel, Strip, Unwatched, columns, simulate};
 
 fn scene(run: RunOptions) -> Scene {
     let run = RunOptions { extent: Extent::Sample, ..run };
@@ -277,19 +277,9 @@ fn a_run_in_time_is_the_steady_specimen_and_what_it_says_that_time_adds() {
     let mut scene = scene(run);
     scene.layer.thickness_m = Some(3e-3);
     let whole = face(vec![strip(0, 2e-3, 180e-6), strip(1, 0.9e-3, 180e-6)]);
-    let at_once = simulate_specimen(&scene, &whole, &Unwatched).unwrap();
-    let solved = SteadySpecimen::new(&scene, &whole, &Unwatched).unwrap().unwrap();
-    let (steady, mut in_time) = (solved.steady(), solved.in_time(&Unwatched).unwrap());
-    // The elapsed times differ.
-    for (load, of) in in_time.loads.iter_mut().zip(&at_once.loads) {
-        let surfaces = [Some(&mut load.surface), load.flat.as_mut()].into_iter().flatten();
-        for (surface, of) in surfaces.zip([Some(&of.surface), of.flat.as_ref()].into_iter().flatten()) {
-            surface.cost = of.cost;
-        }
-    }
-    assert_eq!(in_time, at_once);
+    let in_time = simulate_specimen(&scene, &whole, &Unwatched).unwrap();
     let alone = Scene { run: RunOptions { fidelity: Fidelity::Steady, ..scene.run }, ..scene.clone() };
-    assert_eq!(simulate_specimen(&alone, &whole, &Unwatched).unwrap(), steady);
+    let steady = simulate_specimen(&alone, &whole, &Unwatched).unwrap();
     for (in_time, steady) in in_time.loads.iter().zip(&steady.loads) {
         let added = in_time.correction(Effect::Time).unwrap().change;
         assert!((in_time.ratio().unwrap() - steady.ratio().unwrap() - added).abs() < 1e-12 && added != 0.0);
