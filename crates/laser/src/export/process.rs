@@ -221,12 +221,11 @@ impl ProcessSheet {
         }
         let pattern = layout.pattern();
         let rim = pattern.texture().rim().filter(|rim| rim.stands());
-        let none = [None; 3];
-        let (diameter_m, [length_m, width_m, _], [outer_m, inner_m, _]) = match *layout.outline() {
-            Outline::Disc { diameter_m } => (Some(diameter_m), none, none),
-            Outline::Rectangle { length_m, width_m } => (None, [Some(length_m), Some(width_m), None], none),
+        let (diameter_m, [length_m, width_m], [outer_m, inner_m]) = match *layout.outline() {
+            Outline::Disc { diameter_m } => (Some(diameter_m), [None; 2], [None; 2]),
+            Outline::Rectangle { length_m, width_m } => (None, [length_m, width_m].map(Some), [None; 2]),
             Outline::Ring { outer_diameter_m, inner_diameter_m } => {
-                (None, none, [Some(outer_diameter_m), Some(inner_diameter_m), None])
+                (None, [None; 2], [outer_diameter_m, inner_diameter_m].map(Some))
             }
         };
         Ok(Self {
@@ -280,22 +279,15 @@ pub(crate) fn sheet_toml(sliding: &str, sheet: &impl Serialize) -> Result<String
 
 impl Tolerances {
     fn validate(&self) -> Result<(), ExportError> {
-        given([
+        for (quantity, value) in [
             ("tolerance width_um", self.width_um),
             ("tolerance spacing_um", self.spacing_um),
             ("tolerance depth_um", self.depth_um),
-        ])
-    }
-}
-
-/// Checks that the given numbers are positive.
-fn given<const N: usize>(numbers: [(&'static str, Option<f64>); N]) -> Result<(), ExportError> {
-    for (quantity, value) in numbers {
-        if let Some(value) = value {
-            positive(quantity, value)?;
+        ] {
+            value.map_or(Ok(0.0), |value| positive(quantity, value))?;
         }
+        Ok(())
     }
-    Ok(())
 }
 
 fn arrangement(layout: &Layout) -> String {

@@ -57,10 +57,7 @@ pub fn svg(layout: &Layout, heading: &Heading, to: &mut dyn io::Write) -> io::Re
 
     let mut page = Page { out: String::new(), unit_mm };
     page.open(2.0 * MARGIN + CONTENT, footer_top + footer_height + MARGIN);
-    for (line, text) in title.iter().enumerate() {
-        let y = MARGIN + (1.0 + 1.4 * line as f64) * TITLE_SIZE;
-        page.text([MARGIN, y], "start", TITLE_SIZE, " font-weight=\"bold\"", text);
-    }
+    page.title(&title);
 
     let centre = [MARGIN + CONTENT / 2.0, specimen_top + extent_y_mm / unit_mm / 2.0];
     page.specimen(layout, centre, to)?;
@@ -215,6 +212,13 @@ impl Page {
              viewBox=\"0 0 {width_mm} {height_mm}\" font-family=\"sans-serif\" fill=\"{INK_COLOUR}\">\n\
              <rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>"
         );
+    }
+
+    fn title(&mut self, lines: &[String]) {
+        for (line, text) in lines.iter().enumerate() {
+            let y = MARGIN + (1.0 + 1.4 * line as f64) * TITLE_SIZE;
+            self.text([MARGIN, y], "start", TITLE_SIZE, " font-weight=\"bold\"", text);
+        }
     }
 
     fn text(&mut self, [x, y]: [f64; 2], anchor: &str, size: f64, style: &str, text: &str) {

@@ -66,7 +66,9 @@ pub fn simulate_on(
         simulation.loads.iter_mut().for_each(|load| load.surface.status = Status::Cancelled);
     }
     // 1 - r = D (1 - r_strip) / D_strip
-    scale_to_specimen(&mut simulation, share / strip_density_ratio, &ends);
+    for (load, error) in simulation.loads.iter_mut().zip(&ends) {
+        load.scale_to_layout(share / strip_density_ratio, *error);
+    }
     let whole = face_from_strips(&layout, layout.strips(BANDS), scene.layer.block_m)?;
     add_tilt(&mut simulation, scene, &pattern, &whole, share, monitor);
     let largest = ends.iter().flatten().copied().fold(0.0, f64::max);
@@ -115,13 +117,6 @@ fn face_from_strips(layout: &Layout, strips: Vec<Strip>, block_m: f64) -> Result
     let share = if is_groove { layout.areal_density() } else { cavity_fraction(&strips) };
     let kept = strips.into_iter().filter(|strip| strip.length_m >= MIN_STRIP_BLOCKS * block_m);
     Face::new(kept.collect(), share)
-}
-
-/// Converts the results of one cell, or strip, to those of a specimen whose cavities take `share` of its areal density.
-fn scale_to_specimen(simulation: &mut Simulation, share: f64, layout_error: &[Option<f64>]) {
-    for (load, error) in simulation.loads.iter_mut().zip(layout_error) {
-        load.scale_to_layout(share, *error);
-    }
 }
 
 /// Corrections for a specimen to the steady ratios of an infinite pattern, at the loads of a scene.
@@ -293,7 +288,7 @@ fn infinite_strip(pattern: &Pattern, length_m: f64) -> Result<Face, SceneError> 
     Face::new(vec![strip], pattern.section_density())
 }
 
-/// Error of [`scale_to_specimen`] at each load: the deviation from it of strips of grooves with the same section on
+/// Error of [`LoadOutcome::scale_to_layout`](slipgrid_model::springblock::LoadOutcome::scale_to_layout) at each load: the deviation from it of strips of grooves with the same section on
 /// this specimen, in proportion to the fraction of cavity along a row's period, times the larger deviation of rows in
 /// three dimensions.
 fn layout_errors(

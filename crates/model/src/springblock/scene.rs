@@ -358,19 +358,12 @@ impl Scene {
     /// # Errors
     /// [`SceneError`] with the first invalid quantity.
     pub fn validate(&self) -> Result<(), SceneError> {
+        let refuse = |quantity, value, expected| Err(SceneError::OutOfRange { quantity, value, expected });
         let positive = |quantity, value: f64| {
-            if value.is_finite() && value > 0.0 {
-                Ok(())
-            } else {
-                Err(SceneError::OutOfRange { quantity, value, expected: "a positive number" })
-            }
+            if value.is_finite() && value > 0.0 { Ok(()) } else { refuse(quantity, value, "a positive number") }
         };
         let not_negative = |quantity, value: f64| {
-            if value.is_finite() && value >= 0.0 {
-                Ok(())
-            } else {
-                Err(SceneError::OutOfRange { quantity, value, expected: "a number not below zero" })
-            }
+            if value.is_finite() && value >= 0.0 { Ok(()) } else { refuse(quantity, value, "a number not below zero") }
         };
         positive("length_m", self.layer.length_m)?;
         positive("layer_m", self.layer.height_m)?;
@@ -386,11 +379,8 @@ impl Scene {
         if let Some(thickness_m) = self.layer.thickness_m {
             positive("thickness_m", thickness_m)?;
             if thickness_m < self.layer.height_m || thickness_m > MAX_ROWS * self.layer.block_m {
-                return Err(SceneError::OutOfRange {
-                    quantity: "thickness_m",
-                    value: thickness_m,
-                    expected: "at least the height of the layer and at most 1e5 blocks",
-                });
+                let expected = "at least the height of the layer and at most 1e5 blocks";
+                return refuse("thickness_m", thickness_m, expected);
             }
         }
         let blocks = self.layer.blocks();
@@ -413,12 +403,10 @@ impl Scene {
             positive("mu_stderr", mu_stderr)?;
         }
         if !(1..=MAX_DRAWS).contains(&self.run.draws) {
-            let value = self.run.draws as f64;
-            return Err(SceneError::OutOfRange { quantity: "draws", value, expected: "a whole number from 1 to 64" });
+            return refuse("draws", self.run.draws as f64, "a whole number from 1 to 64");
         }
-        if self.run.dimensions.is_some_and(|dimensions| !(2..=3).contains(&dimensions)) {
-            let value = f64::from(self.run.dimensions.unwrap_or_default());
-            return Err(SceneError::OutOfRange { quantity: "dimensions", value, expected: "2 or 3" });
+        if let Some(dimensions) = self.run.dimensions.filter(|dimensions| !(2..=3).contains(dimensions)) {
+            return refuse("dimensions", f64::from(dimensions), "2 or 3");
         }
         if self.run.dimensions == Some(3) && !self.has_spatial_cell() {
             return Err(SceneError::Unsupported {
@@ -441,19 +429,12 @@ impl Scene {
                 });
             }
             if pattern.pitch_m() < MIN_PITCH * self.layer.block_m {
-                return Err(SceneError::OutOfRange {
-                    quantity: "pitch_m",
-                    value: pattern.pitch_m(),
-                    expected: "a pitch of at least 1.2 blocks: smaller blocks resolve it",
-                });
+                let expected = "a pitch of at least 1.2 blocks: smaller blocks resolve it";
+                return refuse("pitch_m", pattern.pitch_m(), expected);
             }
             let most_m = MAX_BLOCKS / (self.layer.height_m / self.layer.block_m) * self.layer.block_m;
             if pattern.pitch_m() > most_m {
-                return Err(SceneError::OutOfRange {
-                    quantity: "pitch_m",
-                    value: pattern.pitch_m(),
-                    expected: "a pitch of at most 4e7 blocks",
-                });
+                return refuse("pitch_m", pattern.pitch_m(), "a pitch of at most 4e7 blocks");
             }
         }
         Ok(())

@@ -47,10 +47,7 @@ pub fn svg_of_sectors(sectors: &[Sector], laser: &Laser, heading: &Heading, to: 
     let text_top = bar_top + 9.0;
     let mut page = Page { out: String::new(), unit_mm };
     page.open(2.0 * MARGIN + CONTENT, text_top + lines.len() as f64 * LINE_HEIGHT + MARGIN);
-    for (line, text) in title.iter().enumerate() {
-        let y = MARGIN + (1.0 + 1.4 * line as f64) * TITLE_SIZE;
-        page.text([MARGIN, y], "start", TITLE_SIZE, " font-weight=\"bold\"", text);
-    }
+    page.title(&title);
     let centre = [MARGIN + CONTENT / 2.0, top + height / 2.0];
     let stroke = page.begin_specimen(outline, centre);
     for sector in sectors {

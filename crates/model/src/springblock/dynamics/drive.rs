@@ -193,6 +193,13 @@ pub struct RunResult {
     pub last: Vec<ContactForce>,
 }
 
+/// Reason not to run `scene` under `load` in steps of `step_s` seconds, if there is one.
+pub fn refusal(scene: &Scene, load: &Load, step_s: f64) -> Option<Status> {
+    let is_too_long = Plan::new(scene, step_s).total() > MAX_STEPS;
+    let no_load = (load.pressure_pa == 0.0).then_some(Status::NoLoad);
+    no_load.or(is_too_long.then_some(Status::TooManySteps))
+}
+
 /// Outcome of a run with contact blocks at `centres_m` that was refused with `status` before its first step.
 pub fn refused_outcome(status: Status, step_s: f64, centres_m: impl Iterator<Item = [f64; 2]>) -> SurfaceOutcome {
     let cost = DynamicCost { steps: 0, dt_s: step_s, site_updates: 0, wall_s: 0.0 };

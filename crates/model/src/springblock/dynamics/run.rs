@@ -3,7 +3,7 @@
 use std::sync::OnceLock;
 
 use super::contact::{ContactRow, LocalLaw};
-use super::drive::{Drive, MAX_STEPS, Plan, refused_outcome};
+use super::drive::{Drive, refusal, refused_outcome};
 use super::engine::{PlaneEngine, Setup};
 use super::leapfrog::BondLeapfrog;
 use super::protocol::Protocol;
@@ -14,8 +14,7 @@ use super::stability::largest_frequency;
 use super::strip_leapfrog::StripLeapfrog;
 use crate::springblock::rims::PLANE_STRAIN;
 use crate::springblock::{
-    Fidelity, Lattice, Load, Monitor, Scene, SceneError, Springs, Status, SteadyLoad, SteadyModel, SurfaceOutcome,
-    draws,
+    Fidelity, Lattice, Load, Monitor, Scene, SceneError, Springs, SteadyLoad, SteadyModel, SurfaceOutcome, draws,
 };
 
 /// Default step of the leapfrog in units of sqrt(m/k): 6 ns for the published polymer at l = 10 um, half of the
@@ -109,23 +108,12 @@ pub struct DynamicRun<'a> {
     pub stderr_share: Option<f64>,
 }
 
-/// Initial displacements, start time and units of a run.
-struct RunStart<'a> {
-    start: Option<Vec<[f64; 2]>>,
-    started_s: f64,
-    scales: &'a Scales,
-}
-
 impl DynamicRun<'_> {
     pub fn run(&self, monitor: &dyn Monitor) -> SurfaceOutcome {
         let scene = self.scene;
-        if self.load.pressure_pa == 0.0 {
+        if let Some(status) = refusal(scene, self.load, self.scheme.step_s) {
             monitor.advance(self.share);
-            return refused_outcome(Status::NoLoad, self.scheme.step_s, self.centres_m());
-        }
-        if Plan::new(scene, self.scheme.step_s).total() > MAX_STEPS {
-            monitor.advance(self.share);
-            return refused_outcome(Status::TooManySteps, self.scheme.step_s, self.centres_m());
+            return refused_outcome(status, self.scheme.step_s, self.centres_m());
         }
         let scales = Scales::new(&scene.elastic, scene.layer.block_m);
         let coefficients = draws::draw(&self.load.friction, self.seed, self.lattice.nx());
@@ -144,23 +132,20 @@ impl DynamicRun<'_> {
             damping: scene.run.damping,
             liftoff: is_unilateral(scene, self.lattice),
         };
-        let mut run = RunStart { start, started_s, scales: &scales };
+        let start = start.as_deref();
         if self.scheme.runge_kutta {
-            self.drive(RungeKutta::new(self.lattice, self.scheme.springs, setup), &run, monitor)
+            self.drive(RungeKutta::new(self.lattice, self.scheme.springs, setup), start, started_s, monitor)
         } else if self.scheme.springs == Springs::Exact {
-            self.drive(BondLeapfrog::new(self.lattice, Springs::Exact, setup), &run, monitor)
+            self.drive(BondLeapfrog::new(self.lattice, Springs::Exact, setup), start, started_s, monitor)
         } else {
             // The drive itself uses one thread; with one thread no other is spawned.
             std::thread::scope(|scope| {
-                let sliding = run.start.as_ref().filter(|_| scene.run.warm_start);
+                let sliding = start.filter(|_| scene.run.warm_start);
                 match sliding.and_then(|base| StripLeapfrog::from_sliding(self.lattice, setup.clone(), base)) {
-                    Some(engine) => {
-                        run.start = None;
-                        self.drive(engine.with_threads(scope, self.threads), &run, monitor)
-                    }
+                    Some(engine) => self.drive(engine.with_threads(scope, self.threads), None, started_s, monitor),
                     None => {
                         let engine = StripLeapfrog::new(self.lattice, setup);
-                        self.drive(engine.with_threads(scope, self.threads), &run, monitor)
+                        self.drive(engine.with_threads(scope, self.threads), start, started_s, monitor)
                     }
                 }
             })
@@ -194,8 +179,16 @@ impl DynamicRun<'_> {
         self.lattice.is_raised().then(|| vec![[0.0, highest]; self.lattice.nx() * self.lattice.ny()])
     }
 
-    fn drive(&self, mut engine: impl PlaneEngine, run: &RunStart, monitor: &dyn Monitor) -> SurfaceOutcome {
-        let RunStart { start, started_s, scales } = run;
+    /// Drives `engine`, which begins at the displacements `start` if they are given; the run was set up at `started_s` of
+    /// the monitor's clock.
+    fn drive(
+        &self,
+        mut engine: impl PlaneEngine,
+        start: Option<&[[f64; 2]]>,
+        started_s: f64,
+        monitor: &dyn Monitor,
+    ) -> SurfaceOutcome {
+        let scales = Scales::new(&self.scene.elastic, self.scene.layer.block_m);
         if let Some(start) = start {
             let nx = self.lattice.nx();
             engine.start_sheared(&|i, j| start[j * nx + i]);
@@ -210,11 +203,11 @@ impl DynamicRun<'_> {
             stderr_share: self.stderr_share,
             blocks: (self.lattice.nx() * self.lattice.ny()) as u64,
             shear_period: shear_period(self.lattice),
-            started_s: *started_s,
+            started_s,
         };
         let driven = drive.run(&mut engine, monitor);
         engine.finish();
-        driven.outcome(self.scene, scales, self.centres_m(), self.is_closed(&engine))
+        driven.outcome(self.scene, &scales, self.centres_m(), self.is_closed(&engine))
     }
 
     /// Whether the ceiling of a cavity touches the counterface at the end of the run.

@@ -309,13 +309,7 @@ impl Interface {
     }
 
     /// Returns the interface with the contacts in `lifted`, given by index, off the counterface: free, without
-    /// friction.
-    pub fn with_lifted(&self, lifted: &[bool]) -> Self {
-        self.with_contacts(lifted, &vec![false; lifted.len()])
-    }
-
-    /// Like [`Self::with_lifted`]; in addition the contacts in `yields` are free under the pressure at which they
-    /// yield.
+    /// friction. The contacts in `yields` are free under the pressure at which they yield.
     pub fn with_contacts(&self, lifted: &[bool], yields: &[bool]) -> Self {
         let mut interface = self.clone();
         interface.free.clear();

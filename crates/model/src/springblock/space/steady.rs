@@ -336,7 +336,7 @@ impl<'a> Solver<'a> {
                 break;
             }
             lifted = next;
-            let interface = Cow::Owned(self.model.interface.with_lifted(&lifted));
+            let interface = Cow::Owned(self.model.interface.with_contacts(&lifted, &vec![false; lifted.len()]));
             let mut solver = Self { monitor: self.monitor, ..Self::with_interface(self.model, interface) };
             let latest_end = solver.iterate(load);
             end = End { directions: end.directions + latest_end.directions, ..latest_end };

@@ -136,7 +136,7 @@ impl SteadyModel {
     /// Solves steady sliding under `load`.
     pub fn solve(&self, load: &SteadyLoad) -> SurfaceOutcome {
         if load.pressure_pa == 0.0 || self.system.contacts().is_empty() {
-            return self.unloaded();
+            return unloaded(self.system.contacts(), self.block_m);
         }
         self.observe(load, &self.equilibrium(load))
     }
@@ -209,10 +209,6 @@ impl SteadyModel {
 
     fn equilibrium(&self, load: &SteadyLoad) -> Equilibrium {
         if self.liftoff || self.lattice.is_raised() { self.solve_unilateral(load) } else { iterate(&self.system, load) }
-    }
-
-    fn unloaded(&self) -> SurfaceOutcome {
-        unloaded(self.system.contacts(), self.block_m)
     }
 
     fn observe(&self, load: &SteadyLoad, state: &Equilibrium) -> SurfaceOutcome {

@@ -1,7 +1,7 @@
 //! One dynamic run of one cell in space.
 
 use super::super::contact::LocalLaw;
-use super::super::drive::{Drive, MAX_STEPS, Plan, refused_outcome};
+use super::super::drive::{Drive, refusal, refused_outcome};
 use super::super::protocol::Protocol;
 use super::super::real::Real;
 use super::super::scales::Scales;
@@ -99,13 +99,10 @@ pub struct SpaceRun<'a> {
 impl SpaceRun<'_> {
     pub fn run(&self, monitor: &dyn Monitor) -> SurfaceOutcome {
         let Self { scene, lattice, .. } = self;
-        if self.load.pressure_pa == 0.0 || self.centres_m().next().is_none() {
+        let untouched = self.centres_m().next().is_none().then_some(Status::NoLoad);
+        if let Some(status) = untouched.or_else(|| refusal(scene, self.load, self.scheme.step_s)) {
             monitor.advance(self.share);
-            return refused_outcome(Status::NoLoad, self.scheme.step_s, self.centres_m());
-        }
-        if Plan::new(scene, self.scheme.step_s).total() > MAX_STEPS {
-            monitor.advance(self.share);
-            return refused_outcome(Status::TooManySteps, self.scheme.step_s, self.centres_m());
+            return refused_outcome(status, self.scheme.step_s, self.centres_m());
         }
         let started_s = monitor.seconds();
         let scales = Scales::space(&scene.elastic, scene.layer.block_m);
