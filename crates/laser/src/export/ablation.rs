@@ -6,8 +6,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::export::error::positive;
-use crate::export::{ExportError, number::round_digits};
+use crate::export::{ExportError, positive, round_digits};
 
 /// A measured depth per burst.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,11 +1,10 @@
 use slipgrid_model::pattern::Planform;
 
-use crate::export::Outline;
 use crate::export::clip::{area_m2, circle, clip};
 use crate::export::clip_simple::clip_simple;
 use crate::export::crossing::Crossing;
 use crate::export::face::Face;
-use crate::export::outline::left_of;
+use crate::export::{Outline, left_of};
 
 /// A cavity seen from above, in the specimen's axes x and y.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -177,8 +176,8 @@ impl Cavity {
     pub(crate) fn polygon_reach_m(&self) -> Option<[f64; 2]> {
         let corners = self.face?.corners_m();
         let far_m = corners.iter().map(|[x_m, y_m]| x_m.hypot(*y_m)).fold(0.0, f64::max);
-        let interval_near_m = -self.face?.wall_distance_m([0.0; 2]);
-        Some([interval_near_m.max(0.0), far_m])
+        let near_m = -self.face?.wall_distance_m([0.0; 2]);
+        Some([near_m.max(0.0), far_m])
     }
 
     /// Whether every line along x crosses the cavity at most once, with floor everywhere between its walls.

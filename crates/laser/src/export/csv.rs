@@ -5,10 +5,8 @@ use std::io::{self, Write};
 
 use slipgrid_model::pattern::Planform;
 
-use crate::export::number::{COORDINATE_DECIMALS, MICROMETRE_DECIMALS, decimal, push_decimal};
-use crate::export::stream::{flush_full, flush_rest};
-use crate::export::words::degrees;
-use crate::export::{Layout, Marking};
+use crate::export::number::COORDINATE_DECIMALS;
+use crate::export::{Layout, MICROMETRE_DECIMALS, Marking, decimal, degrees, flush_full, flush_rest, push_decimal};
 
 /// Header line of the cavity table. Cavities turned from x and y have an angle, discs a diameter.
 pub fn csv_header(layout: &Layout) -> &'static str {

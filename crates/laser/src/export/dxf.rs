@@ -10,11 +10,11 @@ use std::io::{self, Write};
 
 use slipgrid_model::pattern::{Arrangement, Pattern};
 
-use crate::export::ascii::ascii;
-use crate::export::number::{COORDINATE_DECIMALS, push_decimal};
-use crate::export::stream::{flush_full, flush_rest};
-use crate::export::words::{groove_direction, sliding_direction};
-use crate::export::{Boundary, Heading, Layout, Outline};
+use crate::export::number::COORDINATE_DECIMALS;
+use crate::export::{
+    Boundary, Heading, Layout, Outline, ascii, flush_full, flush_rest, groove_direction, push_decimal,
+    sliding_direction,
+};
 
 pub use of_sectors::{LAYER_MARK, dxf_of_sectors, sector_layer};
 

@@ -5,11 +5,11 @@
 
 use std::io::{self, Write};
 
-use crate::export::ascii::ascii;
-use crate::export::number::{COORDINATE_DECIMALS, decimal, push_decimal};
-use crate::export::stream::{flush_full, flush_rest};
-use crate::export::words::sliding_direction;
-use crate::export::{ExportError, Heading, Laser, Layout, Marking};
+use crate::export::number::COORDINATE_DECIMALS;
+use crate::export::{
+    ExportError, Heading, Laser, Layout, Marking, ascii, decimal, flush_full, flush_rest, push_decimal,
+    sliding_direction,
+};
 
 /// Full power in Grbl's default configuration.
 const FULL_POWER: u32 = 1000;

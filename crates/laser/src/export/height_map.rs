@@ -5,9 +5,7 @@
 
 use std::io::{self, Write};
 
-use crate::export::ascii::ascii;
-use crate::export::error::tidy;
-use crate::export::{Cavity, ExportError, Heading, Laser, Layout};
+use crate::export::{Cavity, ExportError, Heading, Laser, Layout, ascii, tidy};
 
 /// Maximum number of pixels along a side.
 pub const MAX_PIXELS: u32 = 32_768;

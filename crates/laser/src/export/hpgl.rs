@@ -6,11 +6,8 @@
 
 use std::io::{self, Write};
 
-use crate::export::ascii::ascii;
 use crate::export::clip::rims;
-use crate::export::number::push_decimal;
-use crate::export::stream::{flush_full, flush_rest};
-use crate::export::{Heading, Layout, Marking};
+use crate::export::{Heading, Layout, Marking, ascii, flush_full, flush_rest, push_decimal};
 
 /// Plotter units per metre.
 const UNITS_PER_M: f64 = 40_000.0;

@@ -4,8 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use slipgrid_model::pattern::{ManufacturingLimits, Pattern};
 
-use crate::export::error::{positive, tidy};
-use crate::export::{Ablation, ExportError};
+use crate::export::{Ablation, ExportError, positive, tidy};
 
 /// Exposure of a cavity.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]

@@ -299,8 +299,8 @@ impl Layout {
             Outline::Disc { diameter_m } | Outline::Ring { outer_diameter_m: diameter_m, .. } => diameter_m,
         };
         // Smallest and largest distance from the specimen's centre.
-        let (interval_near_m, far_m) = if let Some([interval_near_m, far_m]) = cavity.polygon_reach_m() {
-            (interval_near_m, far_m)
+        let (near_m, far_m) = if let Some([near_m, far_m]) = cavity.polygon_reach_m() {
+            (near_m, far_m)
         } else if cavity.planform == Planform::Disc {
             let distance_m = x_m.hypot(y_m);
             ((distance_m - half_x_m).max(0.0), distance_m + half_x_m)
@@ -308,9 +308,9 @@ impl Layout {
             ((x_m - half_x_m).max(0.0).hypot((y_m - half_y_m).max(0.0)), (x_m + half_x_m).hypot(y_m + half_y_m))
         };
         let (rim_m, hole_m) = (diameter_m / 2.0, self.outline.hole_m() / 2.0);
-        if interval_near_m >= rim_m - slack_m || far_m <= hole_m + slack_m {
+        if near_m >= rim_m - slack_m || far_m <= hole_m + slack_m {
             Position::Outside
-        } else if far_m <= rim_m + slack_m && interval_near_m >= hole_m - slack_m {
+        } else if far_m <= rim_m + slack_m && near_m >= hole_m - slack_m {
             Position::Inside
         } else {
             Position::Across
@@ -389,11 +389,11 @@ impl Layout {
         let (low_m, high_m) = (one_m[0].max(other_m[0]), one_m[1].min(other_m[1]));
         let fits = |span_m: [f64; 2]| (span_m[1] - span_m[0] >= width_m - slack_m).then(|| laid(span_m));
         // The hole is widest where the groove is closest to the centre.
-        let (hole_m, interval_near_m) = (self.outline.hole_m() / 2.0, (offset_m.abs() - width_m / 2.0).max(0.0));
-        if interval_near_m >= hole_m - slack_m {
+        let (hole_m, near_m) = (self.outline.hole_m() / 2.0, (offset_m.abs() - width_m / 2.0).max(0.0));
+        if near_m >= hole_m - slack_m {
             return [fits([low_m, high_m]), None];
         }
-        let half_m = ((hole_m - interval_near_m) * (hole_m + interval_near_m)).sqrt();
+        let half_m = ((hole_m - near_m) * (hole_m + near_m)).sqrt();
         [fits([low_m, -half_m]), fits([half_m, high_m])]
     }
 }

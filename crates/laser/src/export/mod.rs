@@ -83,12 +83,14 @@ mod work;
 mod tests;
 
 pub use ablation::{Ablation, AblationPoint};
+pub(crate) use ascii::ascii;
 pub use cavity::{Boundary, Cavity};
 pub use csv::{corners_csv, csv, csv_header, hatch_csv};
 pub use dxf::{
     LAYER_CAVITIES, LAYER_MARK, LAYER_ORIGIN, LAYER_OUTLINE, LAYER_SLIDING_DIRECTION, dxf, dxf_of_sectors, sector_layer,
 };
 pub use error::ExportError;
+pub(crate) use error::{mm, positive, tidy};
 pub use gcode::{GcodePlan, gcode};
 pub use height_map::{HeightMap, MAX_PIXELS, height_map};
 pub use hpgl::hpgl;
@@ -96,6 +98,9 @@ pub use laser::{Exposure, Laser};
 pub use layout::{Layout, MAX_CAVITIES};
 pub use marking::{Line, Marking};
 pub use number::COORDINATE_DECIMALS;
+pub(crate) use number::{
+    DERIVED_DIGITS, MICROMETRE_DECIMALS, decimal, micrometres, millimetres, push_decimal, round_decimals, round_digits,
+};
 pub use outline::Outline;
 pub(crate) use outline::left_of;
 pub use process::{MaterialNote, PatternSheet, ProcessInput, ProcessSheet, SpecimenSheet, Tolerances, not_modelled};
@@ -105,7 +110,9 @@ pub use sectors::{Division, MAX_SECTORS, MIN_PERIODS, Sector};
 pub use specimen::{AT_THE_RIM, Specimen};
 pub use specimen_record::SpecimenRecord;
 pub use stl::{CHORDS, check as check_stl, stl};
+pub(crate) use stream::{flush_full, flush_rest};
 pub use svg::{is_xml_letter, svg, svg_of_sectors};
+pub(crate) use words::{ANGLE_DECIMALS, cavities, degrees, groove_direction, lattice, sliding_direction, steps};
 pub use work::{WorkSheet, laser_time_s};
 
 /// Title block of drawings.

@@ -1,5 +1,4 @@
-use crate::export::ExportError;
-use crate::export::error::{mm, positive};
+use crate::export::{ExportError, mm, positive};
 
 /// Sliding face of the specimen, centred on the origin of its axes x and y. x is the sliding direction unless the
 /// texture has a sliding angle.

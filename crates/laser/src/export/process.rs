@@ -4,12 +4,11 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use slipgrid_model::pattern::{Arrangement, Pattern, Planform};
 
-use crate::export::error::positive;
-use crate::export::number::{DERIVED_DIGITS, micrometres, millimetres, round_decimals, round_digits};
 use crate::export::removal::removed_volume_m3;
-use crate::export::words::{ANGLE_DECIMALS, groove_direction, lattice};
-use crate::export::work::WorkSheet;
-use crate::export::{ExportError, Laser, Layout, Outline, burst_warnings};
+use crate::export::{
+    ANGLE_DECIMALS, DERIVED_DIGITS, ExportError, Laser, Layout, Outline, WorkSheet, burst_warnings, groove_direction,
+    lattice, micrometres, millimetres, positive, round_decimals, round_digits,
+};
 
 /// Effects that no model of slipgrid contains, for a pattern with or without rims; listed on every process sheet.
 pub const fn not_modelled(has_rim: bool) -> [&'static str; 5] {

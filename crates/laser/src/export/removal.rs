@@ -15,11 +15,11 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::export::cavity::Cavity;
 use crate::export::marking::length_m;
-use crate::export::number::{DERIVED_DIGITS, MICROMETRE_DECIMALS, decimal, micrometres, round_decimals, round_digits};
-use crate::export::unreached;
-use crate::export::{Laser, Layout, Line, Marking};
+use crate::export::{
+    Cavity, DERIVED_DIGITS, Laser, Layout, Line, MICROMETRE_DECIMALS, Marking, decimal, micrometres, round_decimals,
+    round_digits, unreached,
+};
 
 /// Range of a cavity's width that counts as its middle, as fractions.
 const MIDDLE_RANGE: [f64; 2] = [1.0 / 3.0, 2.0 / 3.0];

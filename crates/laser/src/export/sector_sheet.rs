@@ -3,14 +3,12 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::export::dxf::sector_layer;
-use crate::export::number::{DERIVED_DIGITS, millimetres, round_decimals, round_digits};
 use crate::export::process::sheet_toml;
-use crate::export::sectors::{MAX_SECTORS, Sector, wrong_count};
-use crate::export::words::ANGLE_DECIMALS;
+use crate::export::sectors::wrong_count;
 use crate::export::{
-    Division, ExportError, Laser, MaterialNote, PatternSheet, ProcessInput, Removal, burst_warnings, laser_time_s,
-    not_modelled,
+    ANGLE_DECIMALS, DERIVED_DIGITS, Division, ExportError, Laser, MAX_SECTORS, MaterialNote, PatternSheet,
+    ProcessInput, Removal, Sector, burst_warnings, laser_time_s, millimetres, not_modelled, round_decimals,
+    round_digits, sector_layer,
 };
 
 /// Advice for measuring sectors.

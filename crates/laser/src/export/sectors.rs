@@ -3,8 +3,7 @@
 use slipgrid_model::pattern::{Pattern, Planform};
 
 use crate::export::clip::{area_m2, clip, within_side, without_slivers};
-use crate::export::error::mm;
-use crate::export::{Boundary, Cavity, ExportError, Layout, Outline, Specimen};
+use crate::export::{Boundary, Cavity, ExportError, Layout, Outline, Specimen, mm};
 
 /// Maximum number of sectors of a specimen.
 pub const MAX_SECTORS: usize = 12;

@@ -10,10 +10,11 @@ use std::io;
 
 use slipgrid_model::pattern::{Pattern, Planform, Texture};
 
-use crate::export::number::{COORDINATE_DECIMALS, MICROMETRE_DECIMALS, decimal, push_decimal};
-use crate::export::stream::{flush_full, flush_rest};
-use crate::export::words::{cavities, degrees, groove_direction, lattice};
-use crate::export::{Boundary, Cavity, Heading, Layout, Outline};
+use crate::export::number::COORDINATE_DECIMALS;
+use crate::export::{
+    Boundary, Cavity, Heading, Layout, MICROMETRE_DECIMALS, Outline, cavities, decimal, degrees, flush_full,
+    flush_rest, groove_direction, lattice, push_decimal,
+};
 
 /// Blue cavities, dark grey lines and text, light grey specimen: distinguishable with any colour vision and in print.
 const CAVITY_COLOUR: &str = "#0072b2";

@@ -9,8 +9,7 @@
 
 use slipgrid_model::pattern::geometry::point_to_segment;
 
-use crate::export::number::decimal;
-use crate::export::{Cavity, Layout, Line};
+use crate::export::{Cavity, Layout, Line, decimal};
 
 /// Number of sample points along either extent of a cavity.
 const POINTS: u32 = 60;

@@ -4,9 +4,11 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use slipgrid_model::pattern::Planform;
 
-use crate::export::number::{DERIVED_DIGITS, MICROMETRE_DECIMALS, micrometres, round_decimals, round_digits};
 use crate::export::removal::Hatched;
-use crate::export::{Exposure, Laser, Layout, Marking, Removal};
+use crate::export::{
+    DERIVED_DIGITS, Exposure, Laser, Layout, MICROMETRE_DECIMALS, Marking, Removal, micrometres, round_decimals,
+    round_digits,
+};
 
 const SPOTS_FORMULA: &str = "ceil(cavity width / spot) * ceil(cavity length / spot): spots edge to edge, the spot taken as a square of that side; \
      overlap, which a round spot needs for an even floor, adds to it";

@@ -49,7 +49,7 @@ impl AreaLaw {
     ///
     /// f(P; c E) = [A(P / c) / A(P0 / c)] / [P / P0] = g(P / c) / g(P0 / c),   g(P) = A(P) / P.
     ///
-    /// g equals f above the threshold. ThresholdExtrapolation it, where a law has no data, g is extrapolated by the parabola through the
+    /// g equals f above the threshold. Below it, where a law has no data, g is extrapolated by the parabola through the
     /// threshold and the tabulated pressures nearest to 1.5 and 2 times it, or linearly from the first two if the table
     /// is too coarse. A law that begins with a step is scaled along P by c.
     ///

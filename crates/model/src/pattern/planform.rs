@@ -78,3 +78,9 @@ impl Arrangement {
         matches!(self, Self::Staggered | Self::Hexagonal)
     }
 }
+
+impl fmt::Display for Arrangement {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}

@@ -9,6 +9,7 @@
 //! Between two cavities closer than two widths, the rims end half-way, so that each point belongs to the nearest edge.
 
 use std::f64::consts::PI;
+use std::fmt;
 
 use crate::pattern::PatternError;
 use crate::pattern::error::{length, um};
@@ -88,6 +89,12 @@ impl RimProfile {
             Self::Ramp => 1.0,
             Self::HalfSine => -PI * libm::cos(PI * s),
         }
+    }
+}
+
+impl fmt::Display for RimProfile {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
     }
 }
 

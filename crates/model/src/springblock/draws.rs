@@ -72,8 +72,8 @@ pub fn random_phase_friction(coefficients: &[Coefficients], seed: u64) -> Vec<f6
 /// coefficient.
 pub fn random_phase_mean_friction(friction: &LocalFriction, seed: u64, count: usize) -> Vec<f64> {
     let (static_mu, dynamic_mu) = (friction.static_mean(), friction.dynamic_mean());
-    let random_phase_friction = random_phase_friction(&vec![Coefficients { static_mu, dynamic_mu }; count], seed);
-    random_phase_friction.into_iter().map(|mu| mu / dynamic_mu).collect()
+    let frictions = random_phase_friction(&vec![Coefficients { static_mu, dynamic_mu }; count], seed);
+    frictions.into_iter().map(|mu| mu / dynamic_mu).collect()
 }
 
 #[cfg(test)]
@@ -100,8 +100,8 @@ mod tests {
     #[test]
     fn blocks_are_caught_anywhere_between_where_they_stop_and_where_they_start() {
         let friction = LocalFriction::new(0.3, 0.27, 0.0).unwrap();
-        let random_phase_friction = random_phase_friction(&draw(&friction, 7, 100_000), 7);
-        let phases: Vec<f64> = random_phase_friction.iter().map(|mu| (mu - 0.27) / 0.03).collect();
+        let frictions = random_phase_friction(&draw(&friction, 7, 100_000), 7);
+        let phases: Vec<f64> = frictions.iter().map(|mu| (mu - 0.27) / 0.03).collect();
         assert!(phases.iter().all(|phase| (-0.75..=1.0).contains(phase)));
         let mean = phases.iter().sum::<f64>() / 1e5;
         // 1.75 / sqrt 12 / sqrt(1e5) = 0.0016; four of them.

@@ -3,10 +3,7 @@
 use std::io::{self, Write};
 
 use super::{Arrow, LAYER_ORIGIN, LAYER_OUTLINE, LAYER_SLIDING_DIRECTION, Writer, half_extents_mm, texture_words};
-use crate::export::sectors::Sector;
-use crate::export::stream::{flush_full, flush_rest};
-use crate::export::words::steps;
-use crate::export::{Heading, Laser};
+use crate::export::{Heading, Laser, Sector, flush_full, flush_rest, steps};
 
 /// Layer of the mark on a land that identifies the sectors; it is made by the laser.
 pub const LAYER_MARK: &str = "MARK";

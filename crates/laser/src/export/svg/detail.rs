@@ -5,8 +5,7 @@ use std::fmt::Write as _;
 use slipgrid_model::pattern::{Pattern, Planform};
 
 use super::{CAVITY_COLOUR, DETAIL_SIDE, FACE_COLOUR, INK_COLOUR, Page, TEXT_SIZE};
-use crate::export::Layout;
-use crate::export::number::decimal;
+use crate::export::{Layout, decimal};
 
 /// Maximum number of rows; more would be indistinguishable.
 const MAX_ROWS: usize = 100;

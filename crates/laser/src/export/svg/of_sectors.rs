@@ -4,12 +4,10 @@ use std::fmt::Write as _;
 use std::io;
 
 use super::{CAVITY_COLOUR, CONTENT, INK_COLOUR, LINE_HEIGHT, MARGIN, Page, TEXT_SIZE, TITLE_SIZE, title, wrap};
-use crate::export::number::{MICROMETRE_DECIMALS, decimal};
-use crate::export::sector_sheet::MEASURE_EACH_ALONE;
-use crate::export::sectors::Sector;
-use crate::export::stream::{flush_full, flush_rest};
-use crate::export::words::{cavities, steps};
-use crate::export::{Boundary, Heading, Laser};
+use crate::export::{
+    Boundary, Heading, Laser, MEASURE_EACH_ALONE, MICROMETRE_DECIMALS, Sector, cavities, decimal, flush_full,
+    flush_rest, steps,
+};
 
 /// Space for the sectors' numbers around the specimen, in page units.
 const NUMBER_SPACE: f64 = 6.0;

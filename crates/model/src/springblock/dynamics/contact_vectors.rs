@@ -249,10 +249,10 @@ impl WithSimd for Pass<'_, 1> {
             let resistance = simd.or_f64s(sliding[i], simd.and_f64s(v, sign));
             let free = add(mul(kept, v), mul(kick[i], force));
             let slowed = simd.sub_f64s(free, mul(kick[i], resistance));
-            let top_row_force = simd.less_than_or_equal_f64s(simd.abs_f64s(force), mul(starting_mu[i], grip));
+            let is_held = simd.less_than_or_equal_f64s(simd.abs_f64s(force), mul(starting_mu[i], grip));
             let keeps_sliding = simd.less_than_f64s(zero, mul(slowed, v));
             // A block at rest has v = 0, so that `keeps_sliding` is false.
-            let continues = simd.and_m64s(known, simd.or_m64s(simd.and_m64s(at_rest, top_row_force), keeps_sliding));
+            let continues = simd.and_m64s(known, simd.or_m64s(simd.and_m64s(at_rest, is_held), keeps_sliding));
             velocity[i] = simd.select_f64s(simd.and_m64s(continues, keeps_sliding), slowed, v);
             friction[i] = simd.select_f64s(at_rest, force, resistance);
             normal[i] = pressing;

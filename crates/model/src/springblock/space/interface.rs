@@ -334,13 +334,13 @@ impl Interface {
     pub fn convert_unknowns(&self, other: &Self, unknowns: &[f64], raise: f64) -> Vec<f64> {
         let (forces, rest) = unknowns.split_at(3 * self.support.len());
         let (heights, friction) = rest.split_at(other.free.len());
-        let mut convert_unknowns = forces.to_vec();
+        let mut converted = forces.to_vec();
         for (own, before) in self.surface.iter().zip(&other.surface).filter(|(own, _)| own.free.is_some()) {
-            convert_unknowns.push(before.free.map_or(raise * own.relief, |(number, _)| heights[number]));
+            converted.push(before.free.map_or(raise * own.relief, |(number, _)| heights[number]));
         }
         let lifted = self.surface.iter().filter(|surface| surface.contact.is_some()).map(|surface| surface.lifted);
-        convert_unknowns.extend(lifted.zip(friction).map(|(lifted, friction)| if lifted { 0.0 } else { *friction }));
-        convert_unknowns
+        converted.extend(lifted.zip(friction).map(|(lifted, friction)| if lifted { 0.0 } else { *friction }));
+        converted
     }
 
     /// Copies the heights of the face from `other`, which has the same contacts.

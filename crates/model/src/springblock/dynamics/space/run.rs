@@ -56,10 +56,10 @@ pub fn largest_frequency(lattice: &SpaceLattice, liftoff: bool) -> f64 {
     let blocks = bonds.mass().len();
     let mut weight = vec![0.0; 3 * blocks];
     for (number, mass) in bonds.mass().iter().enumerate() {
-        let top_row_force = number < nx * ny && lattice.contact_share(number % nx, number / nx) > 0.0 && !liftoff;
+        let is_held = number < nx * ny && lattice.contact_share(number % nx, number / nx) > 0.0 && !liftoff;
         if *mass > 0.0 {
             weight[3 * number..][..3].fill(1.0 / mass.sqrt());
-            if top_row_force {
+            if is_held {
                 weight[3 * number + 2] = 0.0;
             }
         }

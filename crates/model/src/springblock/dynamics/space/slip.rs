@@ -91,8 +91,7 @@ impl WithSimd for Pass<'_, 2> {
                 simd.and_m64s(simd.less_than_or_equal_f64s(from[i], pressing), simd.less_than_f64s(pressing, to[i]));
             let at_rest = simd.and_m64s(simd.equal_f64s(v[0], zero), simd.equal_f64s(v[1], zero));
             let threshold = simd.mul_f64s(starting_mu[i], grip);
-            let top_row_force =
-                simd.less_than_or_equal_f64s(dots(simd, force, force), simd.mul_f64s(threshold, threshold));
+            let is_held = simd.less_than_or_equal_f64s(dots(simd, force, force), simd.mul_f64s(threshold, threshold));
             let free_x = simd.add_f64s(simd.mul_f64s(kept, v[0]), simd.mul_f64s(kick[i], force[0]));
             let free_y = simd.add_f64s(simd.mul_f64s(kept, v[1]), simd.mul_f64s(kick[i], force[1]));
             // mu_d f(p) F_n against the mean of the velocities before and after the step
@@ -109,7 +108,7 @@ impl WithSimd for Pass<'_, 2> {
                 simd.less_than_f64s(zero, dots(simd, [slowed_x, slowed_y], v)),
             );
             // A block at rest has v = 0, so that `keeps_sliding` is false.
-            let continues = simd.and_m64s(known, simd.or_m64s(simd.and_m64s(at_rest, top_row_force), keeps_sliding));
+            let continues = simd.and_m64s(known, simd.or_m64s(simd.and_m64s(at_rest, is_held), keeps_sliding));
             let moves = simd.and_m64s(continues, keeps_sliding);
             vx[i] = simd.select_f64s(moves, slowed_x, v[0]);
             vy[i] = simd.select_f64s(moves, slowed_y, v[1]);
