@@ -1,10 +1,12 @@
-//! CSV tables of simulation histories.
+//! CSV tables of simulation histories, of the designs of a lattice and of trade-offs.
 
 use std::fmt::Write;
 
+use slipgrid_base::units::{HUMIDITY_PCT, LENGTH_UM, PRESSURE_MPA, SPEED_MM_S, significant, tidy};
+use slipgrid_design::results::PatternReport;
+use slipgrid_design::{Compared, DesignTask, Lattice};
+use slipgrid_model::pattern::Pattern;
 use slipgrid_model::springblock::{Simulation, SurfaceOutcome};
-
-use slipgrid_base::units::{LENGTH_UM, PRESSURE_MPA, tidy};
 
 /// Both surfaces of every load, with their names in tables.
 fn surfaces(simulation: &Simulation) -> impl Iterator<Item = (f64, &'static str, &SurfaceOutcome)> {
@@ -43,4 +45,78 @@ pub fn interface(simulation: &Simulation) -> String {
         }
     }
     text
+}
+
+/// Formats all designs of a lattice, one row per design.
+#[must_use]
+pub fn lattice(design: &DesignTask, lattice: &Lattice) -> String {
+    let quantity = design.target.quantity().name();
+    let mut text = "width_um,spacing_um,depth_um".to_owned();
+    let elsewhere = design.also_at.iter().map(|condition| {
+        let [speed, humidity] = [SPEED_MM_S.from_si(condition.speed_m_s), HUMIDITY_PCT.from_si(condition.humidity)];
+        format!("_{}_mm_s_{}_pct", tidy(speed), tidy(humidity))
+    });
+    let conditions: Vec<String> = std::iter::once(String::new()).chain(elsewhere).collect();
+    let turned = design.directions.different_deg.iter().map(|angle_deg| format!("_at_{angle_deg}_deg"));
+    let directions = std::iter::once(String::new()).chain(turned);
+    for condition in
+        directions.flat_map(|turned| conditions.iter().map(move |condition| format!("{condition}{turned}")))
+    {
+        for point in design.target.points() {
+            text += &format!(",{quantity}_at_{}_mpa{condition}", PRESSURE_MPA.from_si(point.pressure_pa));
+        }
+    }
+    for limit in &design.constraints.quantities {
+        let unit = if limit.unit.is_empty() { String::new() } else { format!("_{}", limit.unit.to_lowercase()) };
+        text += &format!(",{}{unit}", limit.name.replace(' ', "_"));
+    }
+    // All columns of the header except the three lengths and the probability.
+    let columns = text.matches(',').count() - 1;
+    text += ",chance,keeps_limits\n";
+    for (pattern, predicted) in lattice.patterns.iter().zip(&lattice.predicted) {
+        let um = |length_m: f64| LENGTH_UM.from_si(length_m);
+        text += &format!("{},{},{}", um(pattern.width_m()), um(pattern.spacing_m()), um(pattern.depth_m()));
+        match predicted {
+            Some(found) => {
+                for median in &found.medians {
+                    text += &format!(",{median:.6}");
+                }
+                for (limit, value) in design.constraints.quantities.iter().zip(&found.limited) {
+                    text += &format!(",{}", tidy(value / limit.unit_si));
+                }
+                text += &format!(",{:.4},{}\n", found.chance, found.keeps_limits);
+            }
+            None => text += &format!("{},false\n", ",".repeat(columns + 1)),
+        }
+    }
+    text
+}
+
+/// Formats the front of a comparison, including the chosen design, which is marked.
+#[must_use]
+pub fn trade_offs(compared: &Compared, chosen: &Pattern) -> String {
+    let goals = &compared.wanted.goals;
+    let columns: Vec<&str> = goals.iter().map(|goal| goal.column()).collect();
+    let mut text = format!("width_um,spacing_um,depth_um,areal_density,{},on_front,chosen\n", columns.join(","));
+    let own = compared.dominated.iter().filter(|known| known.design == *chosen).map(|known| (known, false));
+    for (known, is_on_front) in compared.front.iter().map(|known| (known, true)).chain(own) {
+        let design = PatternReport::from(&known.design);
+        let values: Vec<String> = known.goals.iter().map(|goal| rounded(*goal)).collect();
+        text += &format!(
+            "{},{},{},{},{},{},{}\n",
+            design.width_um,
+            design.spacing_um,
+            design.depth_um,
+            rounded(design.areal_density),
+            values.join(","),
+            u8::from(is_on_front),
+            u8::from(known.design == *chosen),
+        );
+    }
+    text
+}
+
+/// Formats six significant digits.
+fn rounded(value: f64) -> String {
+    significant(value, 6).to_string()
 }

@@ -6,9 +6,7 @@ use slipgrid_io::formats::confirmed_scene::DesignScene;
 use slipgrid_model::springblock::{Scene, Simulation};
 
 use crate::uncertainty_budget::{self, UncertaintyBudget};
-use crate::{
-    DrawingInput, LaserFile, Outputs, ReportError, csv, draw, html, lattice, linked_data, pictures, target, trade_offs,
-};
+use crate::{DrawingInput, LaserFile, Outputs, ReportError, charts, csv, draw, html, linked_data, pictures};
 
 /// Makes the files of a design except its record and its page: scene of the confirming run, laser drawings,
 /// tables and pictures.
@@ -19,7 +17,7 @@ pub fn of_design(found: &DesignOutcome) -> Result<Outputs, ReportError> {
     let (task, report) = (&found.task, &found.report);
     let mut outputs = Outputs::default();
     if let Some(lattice) = &found.lattice {
-        outputs.add("table.csv", lattice::csv(task, lattice));
+        outputs.add("table.csv", csv::lattice(task, lattice));
     }
     let scene = DesignScene {
         name: &task.name,
@@ -41,12 +39,13 @@ pub fn of_design(found: &DesignOutcome) -> Result<Outputs, ReportError> {
     }
     pictures::simulation(&found.scene, &found.confirmed, &[], &mut outputs)?;
     if let Some(compared) = &found.compared {
-        outputs.add("trade-offs.csv", trade_offs::csv(compared, &found.pattern));
+        outputs.add("trade-offs.csv", csv::trade_offs(compared, &found.pattern));
         if !compared.front.is_empty() {
-            outputs.add("trade-offs.svg", trade_offs::picture(&task.name, compared, &found.pattern)?);
+            outputs.add("trade-offs.svg", charts::trade_offs(&task.name, compared, &found.pattern)?);
         }
     }
-    outputs.add("target.svg", target::target(report, Some(found))?);
+    let title = format!("{}: friction of a cut sample", report.name);
+    outputs.add("target.svg", charts::target(&title, report, Some(found))?);
     Ok(outputs)
 }
 

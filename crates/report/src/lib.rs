@@ -5,7 +5,7 @@
 //! | [`charts`] | pictures of numbers, as SVG |
 //! | [`files`] | all files of a design or a scene |
 //! | [`html`] | self-contained pages: report.html |
-//! | [`mechanisms`], [`pictures`], [`target`], [`trade_offs`], [`lattice`], [`csv`] | pictures and tables of one result |
+//! | [`pictures`], [`csv`] | pictures and tables of one result |
 //! | [`calibration`], [`area_law`], [`surface`], [`traces`] | reports on calibrations, contact, maps and tribometer traces |
 //! | [`friction_sheet`], [`uncertainty_budget`] | what a publication states of measurements, and of uncertainty |
 //! | [`linked_data`] | records for catalogues of data |
@@ -22,15 +22,11 @@ pub mod files;
 pub mod friction_sheet;
 pub mod html;
 pub mod laser_files;
-pub mod lattice;
 pub mod linked_data;
 mod literature;
-pub mod mechanisms;
 pub mod pictures;
 pub mod surface;
-pub mod target;
 pub mod traces;
-pub mod trade_offs;
 pub mod trials;
 pub mod uncertainty_budget;
 

@@ -198,7 +198,7 @@ mod tests {
 
     #[test]
     fn only_terms_of_the_vocabularies_are_written_and_the_context_needs_no_network() {
-        let mut report = crate::html::fixture::report();
+        let mut report = crate::html::tests::fixture::report();
         report.date = Some("2026-11-28".to_owned());
         let mut outputs = Outputs::default();
         outputs.add("result.json", "{}");

@@ -4,31 +4,24 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use slipgrid_base::monitor::{Cancelled, Monitor};
-use slipgrid_base::units::{HUMIDITY_PCT, LENGTH_UM, PRESSURE_MPA, SPEED_MM_S, counted, tidy};
-use slipgrid_design::results::{
-    SCHEMA, Table, VERSION, believed, believed_interval, believed_std, fixed, guard_formula,
-};
+use slipgrid_base::units::{HUMIDITY_PCT, LENGTH_UM, PRESSURE_MPA, SPEED_MM_S, tidy};
+use slipgrid_design::results::{SCHEMA, VERSION};
 use slipgrid_infer::calibrate::{CutSample, Measurement, contradicting_samples};
-use slipgrid_infer::discrepancy::{Discrepancy, Form, LeftOut, Surprise, leave_out};
+use slipgrid_infer::discrepancy::{Discrepancy, LeftOut, Surprise, leave_out};
 
-use crate::ReportError;
-use crate::charts;
-pub use effects::EffectReport;
-use effects::{effects, less_known};
+use crate::friction_sheet::{self, FrictionSheet};
+use crate::{Outputs, ReportError, charts, html, linked_data};
+use effects::effects;
+use load_lines::load_lines;
 
 mod effects;
-mod files;
-mod lands;
 mod load_lines;
-mod pending;
-mod scatter;
-mod screen;
+mod parts;
+mod text;
 
-pub use lands::LandReport;
+pub use effects::EffectReport;
 pub use load_lines::LoadLineReport;
-use load_lines::load_lines;
-pub use pending::PendingReport;
-pub use scatter::ScatterReport;
+pub use parts::{LandReport, PendingReport, ScatterReport};
 
 /// Metres per millimetre, for edge lengths per area.
 const PER_MM: f64 = 1e-3;
@@ -262,133 +255,30 @@ impl TrialsReport {
         Self { warnings, ..self }
     }
 
-    /// Number of trials and of their ratios.
-    fn size_in_words(&self) -> String {
-        let measured: usize = self.trials.iter().map(|trial| trial.measured.len()).sum();
-        format!("{} with {}", counted(self.trials.len(), "trial"), counted(measured, "measured ratio"))
-    }
-
-    /// Name, size of the ledger and names of pending samples, in one line.
-    fn heading(&self) -> String {
-        format!(
-            "{}: {}{}",
-            self.name,
-            self.size_in_words(),
-            if self.pending.is_empty() { String::new() } else { format!("; pending: {}", self.pending.join(", ")) }
-        )
-    }
-
-    /// Describes the form of the discrepancy that the trials identify, in one sentence.
-    pub(crate) fn form_in_words(&self) -> String {
-        match &self.identified {
-            Some(family) if family == Form::None.family() => "the trials show no effect beyond the model's".to_owned(),
-            Some(family) => format!("the trials say that the discrepancy grows with {family}"),
-            None if self.one_texture => {
-                "one texture does not tell whether the error grows with area, edges or depth; a second, different one would"
-                    .to_owned()
-            }
-            None => "form not identified: trials of other densities, edge lengths and depths would tell forms apart"
-                .to_owned(),
-        }
-    }
-
-    /// Formats the ledger as text.
-    #[must_use]
-    pub fn text(&self) -> String {
-        let mut text = self.heading() + "\n";
-        self.warnings.iter().for_each(|warning| text += &format!("! {warning}\n"));
-        if self.trials.is_empty() {
-            text += "no trial was measured: what the model lacks is as wide as what is believed before\n";
-        } else {
-            text += "\nratios patterned / flat: measured, modelled, and predicted by the trials before\n";
-            text += &self.table().to_string();
-            text += "surprise, std: distance of the measured ratio from the one predicted before, in standard deviations of that prediction\n";
-            for of in &self.coverage {
-                text += &of.text();
-            }
-        }
-        text += &self.lands_text();
-        text += &self.pending_text();
-        text += "\nhow the discrepancy grows with the texture: weight now, and before any trial\n";
-        let mut table = Table::new(["form", "weight", "before"]);
-        for of in &self.forms {
-            table.row([of.form.clone(), fixed(Some(of.weight), 3), fixed(Some(of.prior), 3)]);
-        }
-        text += &table.to_string();
-        text += &(self.form_in_words() + "\n");
-        text += &self.scatter.map_or_else(String::new, |scatter| scatter.text());
-        text += "\nln(measured / modelled)\n";
-        let mut table = Table::new(["quantity", "value", "+-", "+- before"]);
-        for of in &self.effects {
-            table.row([of.of.clone(), fixed(Some(of.value), 3), believed_std(of.std), believed_std(of.prior_std)]);
-        }
-        text + &table.to_string() + &less_known(&self.effects) + &load_lines::text(&self.load_lines)
-    }
-
-    fn table(&self) -> Table {
-        let found = ["measured", "model", "before", "95 %", "surprise, std"];
-        let mut table = Table::new(["trial"].into_iter().chain(SAMPLE_AND_LOAD).chain(found));
-        for trial in &self.trials {
-            for at in &trial.measured {
-                let sample = [trial.areal_density, trial.edge_per_mm, trial.depth_um];
-                let cells = sample_and_load(sample, [at.pressure_mpa, at.speed_mm_s, at.humidity_pct]);
-                let found = [
-                    fixed(Some(at.measured), 3),
-                    fixed(Some(at.modelled), 3),
-                    believed(at.before.ratio, 3),
-                    believed_interval(at.before.interval_95),
-                    fixed(Some(at.before.surprise), 1),
-                ];
-                table.row([trial.name.clone()].into_iter().chain(cells).chain(found));
-            }
-        }
-        table
-    }
-
-    /// Formats the ledger as CSV, one row per measured ratio.
-    #[must_use]
-    pub fn csv(&self) -> String {
-        let mut text = "trial,date,areal_density,edge_per_mm,width_um,spacing_um,depth_um,pressure_mpa,speed_mm_s,humidity_pct,measured_ratio,\
-                        modelled_ratio,predicted_before,predicted_before_low_95,predicted_before_high_95,surprise_before,\
-                        predicted_without_trial,surprise_without_trial,predicted_without_condition,\
-                        surprise_without_condition\n"
-            .to_owned();
-        for trial in &self.trials {
-            let [name, date] = [&trial.name, &trial.date].map(|text| guard_formula(text).replace('"', "\"\""));
-            for at in &trial.measured {
-                let numbers = [
-                    trial.areal_density,
-                    trial.edge_per_mm,
-                    trial.width_um,
-                    trial.spacing_um,
-                    trial.depth_um,
-                    at.pressure_mpa,
-                    at.speed_mm_s,
-                    at.humidity_pct,
-                    at.measured,
-                    at.modelled,
-                    at.before.ratio,
-                    at.before.interval_95[0],
-                    at.before.interval_95[1],
-                    at.before.surprise,
-                    at.without_trial.ratio,
-                    at.without_trial.surprise,
-                    at.without_condition.ratio,
-                    at.without_condition.surprise,
-                ];
-                let numbers: Vec<String> = numbers.iter().map(f64::to_string).collect();
-                text += &format!("\"{name}\",\"{date}\",{}\n", numbers.join(","));
-            }
-        }
-        text
-    }
-
     /// Draws predicted against measured ratios, and measured ratios against density, edge length and pressure, as SVG.
     ///
     /// # Errors
     /// [`ReportError`] if the picture cannot be drawn.
     pub fn picture(&self) -> Result<String, ReportError> {
         Ok(charts::trials(&format!("{}: measured and predicted ratios", self.name), &self.trials)?)
+    }
+
+    /// Makes the files of the ledger, with the `sheet` of its measurements.
+    ///
+    /// # Errors
+    /// [`ReportError`] if the picture cannot be drawn or the record has no JSON form.
+    pub fn files(&self, sheet: &FrictionSheet) -> Result<Outputs, ReportError> {
+        let mut outputs = Outputs::default();
+        outputs.add("trials.csv", self.csv());
+        if !self.trials.is_empty() {
+            outputs.add("trials.svg", self.picture()?);
+        }
+        outputs.add_record(self)?;
+        outputs.add(friction_sheet::FILE, sheet.markdown());
+        outputs.add(linked_data::FILE, linked_data::of_trials(self, &outputs)?);
+        let page = html::trials(self, sheet, &outputs);
+        outputs.add("report.html", page);
+        Ok(outputs)
     }
 }
 
@@ -402,39 +292,6 @@ impl PredictedReport {
             surprise: tidy(of.surprise),
             known: of.known,
         }
-    }
-}
-
-/// Columns of tables that identify a sample and a load.
-const SAMPLE_AND_LOAD: [&str; 6] = ["density", "edges 1/mm", "depth um", "P MPa", "v mm/s", "RH %"];
-
-/// Cells of [`SAMPLE_AND_LOAD`]: areal density, edges in 1/mm, depth in um; pressure in MPa, speed in mm/s, humidity in per cent.
-fn sample_and_load(sample: [f64; 3], load: [f64; 3]) -> [String; 6] {
-    let [areal_density, edge_per_mm, depth_um] = sample.map(Some);
-    let [pressure_mpa, speed_mm_s, humidity_pct] = load;
-    [
-        fixed(areal_density, 3),
-        fixed(edge_per_mm, 2),
-        fixed(depth_um, 1),
-        fixed(Some(pressure_mpa), 3),
-        speed_mm_s.to_string(),
-        humidity_pct.to_string(),
-    ]
-}
-
-impl CoverageReport {
-    /// States the number of ratios within their predicted intervals in one line.
-    fn text(&self) -> String {
-        let Self { by, ratios, without_any, within_68, within_95 } = self;
-        let mut parts = Vec::new();
-        if *ratios > 0 {
-            parts.push(format!("{within_68} of {ratios} within 68 %, {within_95} within 95 %"));
-        }
-        if *without_any > 0 {
-            let (ratios, are) = if *without_any == 1 { ("ratio", "is") } else { ("ratios", "are") };
-            parts.push(format!("{without_any} {ratios} {are} not counted, because no other measurement says anything of what the model lacks there"));
-        }
-        format!("predicted by {by}: {}\n", parts.join("; "))
     }
 }
 

@@ -10,7 +10,7 @@ use slipgrid_design::results::errors::{DRAWS, STATIC, TIME_AVERAGE};
 use slipgrid_design::results::{ErrorReport, SimulationReport, fixed};
 use slipgrid_infer::calibrate::uncertainty::Source;
 
-use crate::target::flat_of;
+use crate::charts::flat_of;
 
 /// Name of the file.
 pub const FILE: &str = "uncertainty.csv";

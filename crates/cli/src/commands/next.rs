@@ -4,7 +4,8 @@ use slipgrid_design::export::MAX_SECTORS;
 use slipgrid_design::{NextOptions, next_trials};
 use slipgrid_io::formats::Diagnostic;
 use slipgrid_io::formats::design::Design;
-use slipgrid_report::{Outputs, draw_next, mechanisms};
+use slipgrid_report::charts::{MECHANISMS_FILE, mechanisms};
+use slipgrid_report::{Outputs, draw_next};
 
 use super::complete;
 use super::optimize::refused;
@@ -17,7 +18,7 @@ use slipgrid_io::disk::disk;
 /// Names of the files written for several samples, and for samples on one disc.
 const FILES: [&str; 5] = ["result.json", "timings.json", "trials.toml", "next-*/pattern.*", "next-*/process.toml"];
 const FILES_OF_DISC: [&str; 6] =
-    ["result.json", "timings.json", "trials.toml", "pattern.*", "process.toml", mechanisms::FILE];
+    ["result.json", "timings.json", "trials.toml", "pattern.*", "process.toml", MECHANISMS_FILE];
 
 /// Chooses samples, writes files and reports.
 pub fn run(args: &NextArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
@@ -44,7 +45,7 @@ pub fn run(args: &NextArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
         let mut outputs = Outputs::default();
         outputs.add_record(report)?;
         if let Some(learning) = &report.learning {
-            outputs.add(mechanisms::FILE, mechanisms::picture(&report.name, learning)?);
+            outputs.add(MECHANISMS_FILE, mechanisms(&report.name, learning)?);
         }
         let drawn = draw_next(&found, &design.task);
         for (place, own) in drawn.iter().flatten().enumerate() {

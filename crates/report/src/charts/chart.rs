@@ -3,9 +3,10 @@
 use plotters::style::RGBColor;
 use plotters::style::text_anchor::{HPos, VPos};
 
-use super::axis::Axis;
-use super::canvas::{Canvas, GREY, GRID, INK, LEFT, Mark, NARROW, PALETTE, RIGHT, Swatch, WIDTH, arranged, picture};
-use super::{ChartError, Estimate, Series, check};
+use super::{
+    Axis, Canvas, ChartError, Estimate, GREY, GRID, INK, LEFT, Mark, NARROW, PALETTE, RIGHT, Series, Swatch, WIDTH,
+    arranged, check, picture,
+};
 
 /// Rectangle on the page: left, top, right, bottom.
 pub(super) type Frame = [f64; 4];

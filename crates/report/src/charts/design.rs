@@ -5,7 +5,8 @@ use std::collections::BTreeSet;
 use plotters::style::RGBColor;
 use slipgrid_base::units::PRESSURE_MPA;
 use slipgrid_design::{
-    Compared, DesignOutcome, DesignReport, DesignTask, Expected, LearningReport, RatioPrediction, TradeOff, TradeOffGoal, percent,
+    Compared, DesignOutcome, DesignReport, DesignTask, Expected, LearningReport, RatioPrediction, TradeOff,
+    TradeOffGoal, percent,
 };
 use slipgrid_infer::discrepancy::Load;
 use slipgrid_model::pattern::Pattern;
@@ -94,7 +95,8 @@ fn target_beside(title: &str, report: &DesignReport, measured: &[[f64; 2]]) -> R
     let samples = || report.sample.expected.iter().enumerate();
     let flat: Vec<[f64; 2]> = points.iter().filter_map(|point| Some([point.pressure_mpa, point.flat?])).collect();
     let limits = || points.iter().flat_map(|point| [point.value, point.lowest, point.highest]).flatten();
-    let of_samples = || samples().flat_map(|(row, at)| [at.median, at.low_95, at.high_95].into_iter().chain(model(row)));
+    let of_samples =
+        || samples().flat_map(|(row, at)| [at.median, at.low_95, at.high_95].into_iter().chain(model(row)));
     let values = || limits().chain(of_samples()).chain(flat.iter().chain(measured).map(|[_, value]| *value));
     let pressures = || {
         let of_samples = samples().map(|(_, at)| at.pressure_mpa).chain(measured.iter().map(|[p, _]| *p));
@@ -407,7 +409,9 @@ mod tests {
         assert_eq!(svg.matches("<rect").count(), 1 + 2 * 3);
         assert_eq!(svg.matches("h0").count(), 2);
         let titles: Vec<&str> = goals.iter().map(|goal| goal.words()).collect();
-        for text in ["a: trade-offs", "no other beats it in every goal", "chosen", "missed beyond"].iter().chain(&titles) {
+        for text in
+            ["a: trade-offs", "no other beats it in every goal", "chosen", "missed beyond"].iter().chain(&titles)
+        {
             assert!(svg.contains(&format!("\n{text}\n")), "{text}");
         }
         (compared.front, compared.dominated) = (Vec::new(), Vec::new());

@@ -2,73 +2,58 @@
 //!
 //! | function | picture |
 //! |---|---|
-//! | [`friction_trace`] | friction coefficient against time, averaging window and mean |
-//! | [`interface_pressure`] | pressure along the interface |
-//! | [`target`] | target, expected friction of a cut sample, and the model alone against pressure |
-//! | [`area_law`] | real contact area and the factor f against pressure |
-//! | [`flat_friction`] | friction of flat samples against pressure, measured and by the fitted model |
-//! | [`residuals`] | model minus measurement |
-//! | [`ratios`] | measured and modelled ratios |
-//! | [`trade_offs`] | designs by two or three goals, with the Pareto front |
-//! | [`trials`] | measured and predicted ratios of trials, and ratios against texture features |
-//! | [`left_out`] | measured ratios against those predicted by all other trials |
-//! | [`literature`] | published ratios beside those of trials |
-//! | [`mechanisms`] | values of several quantities by mechanism, with intervals |
-//! | [`friction_loops`] | friction against position in reciprocating sliding |
-//! | [`tribometer`] | repeats of a test against time, with the values read from them |
-//! | [`surface_map`] | a surface seen from above, with heights as colours |
-//! | [`height_histogram`] | histogram of heights, and the bearing curve |
-//! | [`section`] | height along a line |
-//! | [`edge_profile`] | height against the distance from the edges of cavities, with the rim |
-//! | [`spectrum`] | power against wave number |
-//! | [`work_precision`] | wall time against error, with the front |
+//! | `friction_trace` | friction coefficient against time, averaging window and mean |
+//! | `interface_pressure` | pressure along the interface |
+//! | `target` | target, expected friction of a cut sample, and the model alone against pressure |
+//! | `area_law` | real contact area and the factor f against pressure |
+//! | `flat_friction` | friction of flat samples against pressure, measured and by the fitted model |
+//! | `residuals` | model minus measurement |
+//! | `ratios` | measured and modelled ratios |
+//! | `trade_offs` | designs by two or three goals, with the Pareto front |
+//! | `trials` | measured and predicted ratios of trials, and ratios against texture features |
+//! | `left_out` | measured ratios against those predicted by all other trials |
+//! | `literature` | published ratios beside those of trials |
+//! | `mechanisms` | values of several quantities by mechanism, with intervals |
+//! | `friction_loops` | friction against position in reciprocating sliding |
+//! | `tribometer` | repeats of a test against time, with the values read from them |
+//! | `surface_map` | a surface seen from above, with heights as colours |
+//! | `height_histogram` | histogram of heights, and the bearing curve |
+//! | `section` | height along a line |
+//! | `edge_profile` | height against the distance from the edges of cavities, with the rim |
+//! | `spectrum` | power against wave number |
+//! | `work_precision` | wall time against error, with the front |
 //!
 //! Each function describes its picture as a chart: a title, a legend, and plots of layers, which one renderer checks and
 //! draws. A picture is 900 units wide, or 480 units without a title, for a narrow column of a page that has the title. Text
 //! stays text, and the legend stands outside the axes. Colours are from the palette of Okabe and Ito, which is
 //! distinguishable with common colour vision deficiencies; marks also differ in shape. Identical values give identical bytes.
 
-mod area_law;
 mod axis;
+mod calibration;
 mod canvas;
 mod chart;
-mod edge_profile;
-mod flat_friction;
-mod friction_trace;
-mod height_histogram;
-mod interface_pressure;
-mod left_out;
-mod literature;
-mod mechanisms;
-mod raster;
-mod ratios;
-mod residuals;
-mod section;
-mod surface_map;
-mod target;
-mod trade_offs;
+mod design;
+mod run;
+mod surface;
 mod trials;
-mod tribometer;
 mod work_precision;
 
-pub use area_law::{AreaPoint, area_law};
-pub use edge_profile::edge_profile;
-pub use flat_friction::{FlatSeries, flat_friction};
-pub use friction_trace::{Trace, friction_trace};
-pub use height_histogram::height_histogram;
-pub use interface_pressure::interface_pressure;
-pub use left_out::left_out;
-pub use literature::literature;
-pub use mechanisms::{MechanismRow, mechanisms};
-pub use ratios::ratios;
-pub use residuals::residuals;
-pub use section::{section, spectrum};
-pub use surface_map::{SurfaceValues, surface_map};
-pub use target::{SamplePoint, TargetPoint, target};
-pub use trade_offs::trade_offs;
-pub use trials::trials;
-pub use tribometer::{RepeatTrace, friction_loops, tribometer};
+pub use calibration::{AreaPoint, area_law, ratios};
+pub(crate) use calibration::{FlatSeries, flat_friction, residuals};
+pub use design::{MECHANISMS_FILE, mechanisms};
+pub(crate) use design::{flat_of, is_at_condition, model_alone, target, trade_offs};
+pub(crate) use run::{RepeatTrace, friction_loops, tribometer};
+pub use run::{Trace, friction_trace, interface_pressure};
+pub(crate) use surface::{SurfaceValues, edge_profile, height_histogram, section, spectrum, surface_map};
+pub(crate) use trials::{left_out, literature, trials};
 pub use work_precision::{WorkPoint, WorkPrecisionPanel, work_precision};
+
+use axis::{Axis, extremes};
+use canvas::{
+    Canvas, GREY, GRID, INK, LEFT, Mark, NARROW, PALETTE, PRECISION, RIGHT, SMALL_SIZE, Swatch, TEXT_SIZE, WIDTH,
+    arranged, failed, picture, small_text_width,
+};
+use chart::{Chart, Frame, Layer, Plot, lines, width};
 
 /// A labelled line.
 #[derive(Clone, Debug, PartialEq)]
@@ -120,16 +105,6 @@ pub enum ChartError {
         /// The value.
         value: f64,
     },
-    /// Two columns have different lengths.
-    #[error("chart \"{title}\": {left} pressures but {right} values")]
-    LengthMismatch {
-        /// Title of the chart.
-        title: String,
-        /// Number of pressures.
-        left: usize,
-        /// Number of values.
-        right: usize,
-    },
     /// The drawing library failed.
     #[error("drawing failed: {reason}")]
     Drawing {
@@ -148,9 +123,4 @@ fn check(title: &str, values: impl IntoIterator<Item = f64>) -> Result<(), Chart
         Some(value) => Err(ChartError::NotFinite { title: title.to_owned(), value }),
         None => Ok(()),
     }
-}
-
-/// Checks that a column has one value per pressure.
-fn check_length(title: &str, left: usize, right: usize) -> Result<(), ChartError> {
-    if left == right { Ok(()) } else { Err(ChartError::LengthMismatch { title: title.to_owned(), left, right }) }
 }

@@ -3,7 +3,8 @@
 use plotters::style::text_anchor::{HPos, VPos};
 
 use super::{
-    Axis, Chart, ChartError, Estimate, GREY, INK, Layer, Mark, PALETTE, RIGHT, Series, Swatch, TEXT_SIZE, extremes, lines,
+    Axis, Chart, ChartError, Estimate, GREY, INK, Layer, Mark, PALETTE, RIGHT, Series, Swatch, TEXT_SIZE, extremes,
+    lines,
 };
 
 /// Trace of one surface.
@@ -103,7 +104,6 @@ pub struct RepeatTrace<'a> {
     pub static_peak: Option<[f64; 2]>,
 }
 
-
 /// Draws the traces of repeats with their means over the averaging window `window_s` and their static peaks.
 ///
 /// # Errors
@@ -172,7 +172,8 @@ pub fn interface_pressure(
     } else {
         Axis::from_zero("contact pressure (MPa)", pressures())
     };
-    let mut layers: Vec<Layer<'_>> = cavities_um.iter().map(|cavity_um| Layer::Span(*cavity_um, CAVITY_SHADE)).collect();
+    let mut layers: Vec<Layer<'_>> =
+        cavities_um.iter().map(|cavity_um| Layer::Span(*cavity_um, CAVITY_SHADE)).collect();
     layers.push(Layer::Horizontal(nominal_mpa));
     for (surface, color) in coloured() {
         // The minimum distance between neighbours is one block; a longer distance is a cavity.

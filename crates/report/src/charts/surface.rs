@@ -5,8 +5,8 @@ use base64::engine::general_purpose::STANDARD;
 use plotters::style::text_anchor::{HPos, VPos};
 
 use super::{
-    Axis, Canvas, Chart, ChartError, GREY, INK, LEFT, Layer, Mark, PALETTE, PRECISION, Plot, Swatch, WIDTH, check, extremes,
-    failed,
+    Axis, Canvas, Chart, ChartError, GREY, INK, LEFT, Layer, Mark, PALETTE, PRECISION, Plot, Swatch, WIDTH, check,
+    extremes, failed,
 };
 
 /// Draws height along a line, positions and heights in micrometres; heights are exaggerated.

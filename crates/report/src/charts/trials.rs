@@ -1,11 +1,8 @@
-//! Chart of trials: predicted against measured ratios, and all ratios against features of the texture.
+//! Charts of trials: measured ratios beside predicted and published ones, and against the texture.
 
 use plotters::style::RGBColor;
 
-use super::axis::{Axis, extremes};
-use super::canvas::{GREY, Mark, PALETTE, Swatch};
-use super::chart::{Chart, Layer};
-use super::{ChartError, check};
+use super::{Axis, Chart, ChartError, GREY, Layer, Mark, PALETTE, Swatch, check, extremes};
 use crate::trials::{MeasuredReport, TrialReport};
 
 /// Lower end of the first plot, and height of the picture.
@@ -72,4 +69,84 @@ pub fn trials(title: &str, trials: &[TrialReport]) -> Result<String, ChartError>
         chart.plot_in(frame, x_axis, y_axis, marks);
     }
     chart.svg()
+}
+
+/// Maximum number of letters of a name in the legend.
+const MAX_LETTERS: usize = 20;
+
+/// Draws the measured ratios of `trials` against those that all other trials predict, where there are any, with their 95 %
+/// intervals. On the dashed line a prediction equals its measurement.
+///
+/// # Errors
+/// [`ChartError`] if there is nothing to draw or a value is not finite.
+pub fn left_out(trials: &[TrialReport]) -> Result<String, ChartError> {
+    let styles = PALETTE.into_iter().cycle().zip(Mark::FILLED.into_iter().cycle());
+    let styled = trials.iter().zip(styles.clone());
+    let each = styled.flat_map(|(trial, style)| trial.measured.iter().map(move |at| (at, style)));
+    let rows: Vec<_> = each.filter(|(at, _)| at.without_trial.known > 0).collect();
+    let middles = || rows.iter().flat_map(|(at, _)| [at.without_trial.ratio, at.measured]);
+    let ends = rows.iter().flat_map(|(at, _)| at.without_trial.interval_95);
+    check("measured against predicted", middles().chain(ends))?;
+    let [low, high] = extremes(middles());
+    // An interval may be far wider than all ratios: bars end at the frame.
+    let room = (0.5 * (high - low)).max(0.01 * high);
+    let range = [low - room, high + room];
+    let short = |of: &TrialReport| of.name.chars().take(MAX_LETTERS).collect::<String>();
+    let names: Vec<String> = trials.iter().take(NAMED).map(short).collect();
+    let mut legend = vec![(Swatch::Dashed(GREY), "as predicted")];
+    legend.extend(styles.zip(&names).map(|((colour, mark), name)| (Swatch::Mark(mark, colour), name.as_str())));
+    let mut layers = vec![Layer::Dashed([[range[0]; 2], [range[1]; 2]], GREY)];
+    for (at, (colour, mark)) in rows {
+        let ends = at.without_trial.interval_95.map(|end| [end.clamp(range[0], range[1]), at.measured]);
+        layers.push(Layer::Line(ends.to_vec(), colour, 1.6));
+        layers.push(Layer::marks(mark, [[at.without_trial.ratio, at.measured]], colour));
+    }
+    let x_axis = Axis::over("predicted by all other trials, with 95 %", range);
+    // With the legend above it the plot is about square.
+    Chart::new("", 500.0, legend).plot(x_axis, Axis::over("measured ratio", range), layers).svg()
+}
+
+/// Draws one column of marks for the user's `own` ratios of textured over flat friction, and one, by number from 1, for those
+/// of each `published` source.
+///
+/// # Errors
+/// [`ChartError`] if there is nothing to draw or a value is not finite.
+pub fn literature(title: &str, own: &[f64], published: &[&[f64]]) -> Result<String, ChartError> {
+    let legend =
+        vec![(Swatch::Mark(Mark::Square, PALETTE[0]), "your trials"), (Swatch::Mark(Mark::Circle, GREY), "published")];
+    let names = ["yours".to_owned()].into_iter().chain((1..=published.len()).map(|number| number.to_string()));
+    let x_axis = Axis::of_names("source, by the number in the table", names);
+    let all = published.iter().copied().flatten().chain(own).copied();
+    let y_axis = Axis::from_zero("ratio textured / flat", all);
+    let column =
+        |place: usize, ratios: &[f64]| -> Vec<[f64; 2]> { ratios.iter().map(|ratio| [place as f64, *ratio]).collect() };
+    let mut layers = vec![Layer::Horizontal(1.0), Layer::marks(Mark::Square, column(0, own), PALETTE[0])];
+    layers.extend((1..).zip(published).map(|(place, of)| Layer::marks(Mark::Circle, column(place, of), GREY)));
+    let mut chart = Chart::new(title, 380.0, legend);
+    let [left, top, right, bottom] = chart.frame();
+    chart.plot_in([left, top, right, bottom + 2.0], x_axis, y_axis, layers).svg()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    use crate::trials::PredictedReport;
+
+    #[test]
+    fn every_ratio_is_a_mark_and_wide_intervals_end_at_the_frame() {
+        let trial = |measured, ratio, interval_95| {
+            let without_trial = PredictedReport { ratio, interval_95, known: 1, ..PredictedReport::default() };
+            let at = MeasuredReport { measured, without_trial, ..MeasuredReport::default() };
+            TrialReport { measured: vec![at], ..TrialReport::default() }
+        };
+        let svg = left_out(&[trial(0.8, 0.85, [0.7, 1.0]), trial(0.9, 0.86, [-4.0, 9.0])]).unwrap();
+        // The first trial has circles, the second squares; one of each stands in the legend.
+        assert_eq!(svg.matches("<circle").count(), 2);
+        assert_eq!(svg.matches("<polygon").count(), 2);
+        assert!(!svg.contains("points=\"-") && svg.contains("predicted by all other trials"));
+        assert!(matches!(left_out(&[]), Err(ChartError::Empty { .. })));
+        let odd = [trial(f64::NAN, 0.8, [0.7, 0.9])];
+        assert!(matches!(left_out(&odd), Err(ChartError::NotFinite { .. })));
+    }
 }

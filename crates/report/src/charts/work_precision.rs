@@ -3,10 +3,10 @@
 use plotters::style::RGBColor;
 use plotters::style::text_anchor::{HPos, VPos};
 
-use super::axis::Axis;
-use super::canvas::{Canvas, GREY, INK, Mark, PALETTE, SMALL_SIZE, Swatch, small_text_width};
-use super::chart::{Chart, Frame, Layer, Plot};
-use super::{ChartError, check};
+use super::{
+    Axis, Canvas, Chart, ChartError, Frame, GREY, INK, Layer, Mark, PALETTE, Plot, SMALL_SIZE, Swatch, check,
+    small_text_width,
+};
 
 /// Errors in one quantity.
 #[derive(Clone, Debug, PartialEq)]

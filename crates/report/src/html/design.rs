@@ -12,7 +12,7 @@ use super::background;
 use super::first_screen::first_screen;
 use super::page::{Column, Page, micrometres, number, percent, plain, sentence, with_error};
 use crate::Outputs;
-use crate::target::model_alone;
+use crate::charts::model_alone;
 use crate::uncertainty_budget::{self, UncertaintyBudget};
 
 /// Makes the page of a design from its `report`, the coefficients in `loads` and `area_law`, and the pictures and files in

@@ -7,7 +7,7 @@ use slipgrid_laser::export::not_modelled;
 
 use super::page::{Page, Text, known, length_um, number, percent as share, plain, sentence};
 use crate::Outputs;
-use crate::target::{flat_of, target_narrow};
+use crate::charts::{flat_of, target};
 
 /// Maximum number of limits drawn as bars; the table below the first screen lists all.
 const MAX_BARS: usize = 5;
@@ -61,7 +61,7 @@ pub(super) fn first_screen(page: &mut Page, report: &DesignReport, outputs: &Out
     page.block("first three", |page| {
         page.block("cut", |page| to_cut(page, report, outputs, found));
         page.block("plot", |page| {
-            if let Ok(svg) = target_narrow(report, found) {
+            if let Ok(svg) = target("", report, found) {
                 page.picture(&svg, &plot_caption(report));
             }
         });

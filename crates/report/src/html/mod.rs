@@ -32,6 +32,4 @@ pub use surface::surface;
 pub use trials::trials;
 
 #[cfg(test)]
-pub(crate) mod fixture;
-#[cfg(test)]
-mod tests;
+pub(crate) mod tests;

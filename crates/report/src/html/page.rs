@@ -57,6 +57,19 @@ impl Render for Text<'_> {
     }
 }
 
+/// Titles and units of tables on the screen, and as a page writes them.
+const LONG: [(&str, &str); 9] = [
+    ("F N", "force in N"),
+    ("P MPa", "P in MPa"),
+    ("v mm/s", "speed in mm/s"),
+    ("RH %", "humidity in %"),
+    ("depth um", "depth in µm"),
+    ("mean um", "mean in µm"),
+    ("std um", "standard deviation in µm"),
+    ("um", "µm"),
+    ("deg", "°"),
+];
+
 /// Column of a table of records: its name, and a function that formats the cell of a record.
 pub type Column<T> = (&'static str, fn(&T) -> String);
 
@@ -308,9 +321,13 @@ impl Page {
         self.table(caption, &header, &records.iter().map(row).collect::<Vec<_>>());
     }
 
-    /// Adds a table of the screen with its caption, `+-` written as ±; adds nothing without rows.
+    /// Adds a table of the screen with its caption; `+-` is written as ±, and short titles and units as a page has them. Adds
+    /// nothing without rows.
     pub fn same_table(&mut self, caption: &str, table: &Table) {
-        let own = |words: &String| words.replace("+-", "±");
+        let own = |words: &String| {
+            let long = LONG.iter().find(|(short, _)| short == words).map(|(_, long)| (*long).to_owned());
+            long.unwrap_or_else(|| words.replace("+-", "±"))
+        };
         let header: Vec<String> = table.header().iter().map(own).collect();
         let rows: Vec<Vec<String>> = table.body().iter().map(|row| row.iter().map(own).collect()).collect();
         let header: Vec<&str> = header.iter().map(String::as_str).collect();

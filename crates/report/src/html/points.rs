@@ -9,7 +9,7 @@ use slipgrid_infer::discrepancy::{Features, Trial};
 use slipgrid_model::pattern::{Pattern, Texture};
 
 use super::page::{number, plain};
-use crate::target::is_at_condition;
+use crate::charts::is_at_condition;
 
 /// Relative difference of features up to which a trial has the design's texture; allows for rounding only.
 const ALIKE: f64 = 1e-6;

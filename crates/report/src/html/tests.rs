@@ -4,9 +4,11 @@ use slipgrid_model::material::{AreaLaw, LocalFriction};
 use slipgrid_model::pattern::{Rim, RimProfile};
 use slipgrid_model::springblock::Load;
 
-use super::fixture::{goal, lifted, report};
 use super::*;
 use crate::Outputs;
+use fixture::{goal, lifted, report};
+
+pub(crate) mod fixture;
 
 /// Page of `report`, with coefficients and an area law at two pressures.
 fn page_of(report: &DesignReport, outputs: &Outputs) -> String {

@@ -1,16 +1,13 @@
 //! Ledger of trials: predictions before the samples were cut, measurements, and remaining unknowns.
 
-use slipgrid_design::RatioPrediction;
-use slipgrid_design::results::{believed, believed_interval, believed_std};
+use slipgrid_design::results::{believed, believed_interval};
 
-use super::page::{Column, Page, number, percent, plain, sentence, yes_or_no};
+use super::page::{Column, Page, number, percent, sentence};
 use crate::Outputs;
 use crate::charts::left_out;
 use crate::friction_sheet::FrictionSheet;
 use crate::literature;
-use crate::trials::{
-    CoverageReport, EffectReport, MeasuredReport, PendingReport, PredictedReport, TrialReport, TrialsReport,
-};
+use crate::trials::{CoverageReport, EffectReport, PredictedReport, TrialReport, TrialsReport};
 
 /// Share of its prior error above which an effect counts as unknown.
 const UNKNOWN: f64 = 0.9;
@@ -100,8 +97,7 @@ fn verdict(page: &mut Page, report: &TrialsReport) {
         ));
     }
     page.paragraph(&sentence(&report.form_in_words()));
-    let surprises = report.trials.iter().flat_map(|trial| trial.measured.iter().map(move |at| (trial, at)));
-    let predicted = surprises.filter(|(_, at)| at.before.known > 0);
+    let predicted = report.rows().into_iter().filter(|(_, at)| at.before.known > 0);
     let largest = predicted.max_by(|a, b| a.1.before.surprise.abs().total_cmp(&b.1.before.surprise.abs()));
     if let Some((trial, at)) = largest.filter(|(_, at)| at.before.surprise.abs() >= SURPRISING) {
         page.warning(&format!(
@@ -197,27 +193,18 @@ fn published(page: &mut Page, report: &TrialsReport) {
 }
 
 fn details(page: &mut Page, report: &TrialsReport) {
-    let rows: Vec<(&TrialReport, &MeasuredReport)> =
-        report.trials.iter().flat_map(|trial| trial.measured.iter().map(move |at| (trial, at))).collect();
+    let rows = report.rows();
     page.part("The ledger", |page| {
-        page.records(
-            "Ratios patterned over flat, dimensionless. Predicted: by the trials before, with the interval of 95 %, the measurement's own \
-             errors included.",
-            &rows,
-            &[
-                ("trial", |(trial, _)| trial.name.clone()),
-                ("P in MPa", |(_, at)| number(at.pressure_mpa, 3)),
-                ("speed in mm/s", |(_, at)| plain(at.speed_mm_s)),
-                ("humidity in %", |(_, at)| plain(at.humidity_pct)),
-                ("measured", |(_, at)| number(at.measured, 3)),
-                ("modelled", |(_, at)| number(at.modelled, 3)),
-                ("predicted before", |(_, at)| predicted_by(&at.before)),
-                ("surprise", |(_, at)| number(at.before.surprise, 1)),
-                ("within 95 %", |(_, at)| is_within(at)),
-            ],
+        page.same_table(
+            "Ratios patterned over flat, dimensionless. Before: predicted by the trials before, with the interval of 95 %, the measurement's \
+             own errors included. Surprise: distance of the measured ratio from that prediction, in its standard deviations.",
+            &report.ledger(false),
         );
         page.paragraph(MODELLED);
-        pending(page, report);
+        page.same_table(
+            "Pending: cut and not yet measured. Predicted: by all trials, with the interval of 95 % of such samples.",
+            &report.pending_table(),
+        );
         let mut columns: Vec<Column<TrialReport>> = vec![("trial", |trial| trial.name.clone())];
         if report.trials.iter().any(|trial| !trial.date.is_empty()) {
             columns.push(("date", |trial| trial.date.clone()));
@@ -271,51 +258,16 @@ fn details(page: &mut Page, report: &TrialsReport) {
     });
     page.part("What the model lacks", |page| {
         page.fold("How it depends on the condition", |page| {
-            page.records(
+            page.same_table(
                 "Of the logarithm of the measured over the modelled ratio: 0.01 is one per cent. An error as large as the one before any trial is \
                  what is believed, not what was measured.",
-                &report.effects,
-                &[
-                    ("quantity", |effect| sentence(&effect.of)),
-                    ("value", |effect| number(effect.value, 3)),
-                    ("±", |effect| believed_std(effect.std)),
-                    ("± before any trial", |effect| believed_std(effect.prior_std)),
-                ],
+                &report.effects_table(),
             );
         });
         page.fold("How it grows with the texture", |page| {
-            page.records(
-                "How much each form is believed, in %.",
-                &report.forms,
-                &[
-                    ("form", |of| of.form.clone()),
-                    ("weight now", |of| percent(of.weight, 1)),
-                    ("before any trial", |of| percent(of.prior, 1)),
-                ],
-            );
+            page.same_table("How much each form is believed, now and before any trial.", &report.forms_table());
         });
     });
-}
-
-/// Adds predictions for samples that are not measured yet.
-fn pending(page: &mut Page, report: &TrialsReport) {
-    let rows: Vec<(&PendingReport, &RatioPrediction)> =
-        report.predicted.iter().flat_map(|of| of.predicted.iter().map(move |at| (of, at))).collect();
-    if rows.is_empty() {
-        return;
-    }
-    page.records(
-        "Pending: cut and not yet measured. Predicted: by all trials, with the interval of 95 % of such samples.",
-        &rows,
-        &[
-            ("trial", |(of, _)| of.name.clone()),
-            ("P in MPa", |(_, at)| number(at.pressure_mpa, 3)),
-            ("speed in mm/s", |(_, at)| plain(at.speed_mm_s)),
-            ("humidity in %", |(_, at)| plain(at.humidity_pct)),
-            ("modelled", |(_, at)| number(at.modelled, 3)),
-            ("predicted", |(_, at)| predicted(at.ratio, at.interval_95)),
-        ],
-    );
 }
 
 fn share(of: &CoverageReport, within: usize) -> String {
@@ -323,14 +275,5 @@ fn share(of: &CoverageReport, within: usize) -> String {
 }
 
 fn predicted_by(of: &PredictedReport) -> String {
-    predicted(of.ratio, of.interval_95)
-}
-
-fn predicted(ratio: f64, interval_95: [f64; 2]) -> String {
-    format!("{} ({})", believed(ratio, 3), believed_interval(interval_95))
-}
-
-fn is_within(at: &MeasuredReport) -> String {
-    let [low, high] = at.before.interval_95;
-    if at.before.known == 0 { "no trial before".to_owned() } else { yes_or_no((low..=high).contains(&at.measured)) }
+    format!("{} ({})", believed(of.ratio, 3), believed_interval(of.interval_95))
 }

@@ -77,24 +77,17 @@ fn line(sample: &str, rows: &[&Measurement]) -> Option<LoadLineReport> {
     })
 }
 
-/// Table of the lines; empty without any.
-pub(super) fn text(lines: &[LoadLineReport]) -> String {
-    if lines.is_empty() {
-        return String::new();
-    }
-    let mut table = Table::new(["sample", "v mm/s", "RH %", "dF/dN", "+-", "N0 N", "+-"]);
-    for of in lines {
-        table.row([
-            of.sample.clone(),
-            of.speed_mm_s.to_string(),
-            of.humidity_pct.to_string(),
-            fixed(Some(of.slope), 3),
-            fixed(Some(of.slope_std), 3),
-            fixed(Some(of.zero_n), 1),
-            fixed(Some(of.zero_n_std), 1),
-        ]);
-    }
-    format!("\nfriction force F = dF/dN (N - N0); N0 > 0: something bears load without friction\n{table}")
+/// Table of the lines.
+pub(super) fn table(lines: &[LoadLineReport]) -> Table {
+    let mut table = Table::of(lines);
+    table.column("sample", |of| of.sample.clone());
+    table.column("v mm/s", |of| of.speed_mm_s.to_string());
+    table.column("RH %", |of| of.humidity_pct.to_string());
+    table.column("dF/dN", |of| fixed(Some(of.slope), 3));
+    table.column("+-", |of| fixed(Some(of.slope_std), 3));
+    table.column("N0 N", |of| fixed(Some(of.zero_n), 1));
+    table.column("+-", |of| fixed(Some(of.zero_n_std), 1));
+    table.table()
 }
 
 #[cfg(test)]
@@ -122,6 +115,6 @@ mod tests {
         let scattered = [row(50.0, 0.4, -1.0), row(100.0, 0.4, 2.0), row(150.0, 0.4, -1.0)];
         let of = &load_lines(&scattered, &[])[0];
         assert!((of.slope - 0.3).abs() < 1e-9 && (of.slope_std - (6.0_f64 / 5000.0).sqrt()).abs() < 1e-9, "{of:?}");
-        assert!(text(&[]).is_empty() && text(&found).contains("0.300"));
+        assert!(table(&[]).body().is_empty() && table(&found).to_string().contains("0.300"));
     }
 }

@@ -1,5 +1,5 @@
+use super::effects::less_known;
 use super::*;
-use crate::friction_sheet::FrictionSheet;
 use slipgrid_infer::discrepancy::{Conditions, Features, Hyperparameters, Load, Measured, Sensitivity, Trial};
 use slipgrid_model::pattern::{Pattern, Planform};
 

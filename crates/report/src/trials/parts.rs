@@ -1,0 +1,126 @@
+//! Parts of a ledger: samples that are not measured yet, lands, and the scatter of samples of one texture.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use slipgrid_base::units::{LENGTH_UM, PRESSURE_MPA, tidy};
+use slipgrid_design::RatioPrediction;
+use slipgrid_infer::calibrate::{LandEffect, LearnedSamples, PendingSample};
+use slipgrid_infer::discrepancy::{Discrepancy, Sensitivity};
+
+use super::{PER_MM, TrialsReport};
+
+/// Pending sample with its predictions.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct PendingReport {
+    /// Name of the sample.
+    pub name: String,
+    /// Areal density: share of the face that is cavity.
+    pub areal_density: f64,
+    /// Edge length per area, in 1/mm.
+    pub edge_per_mm: f64,
+    /// Depth of the cavities.
+    pub depth_um: f64,
+    /// Predictions at the conditions of the flat sample.
+    pub predicted: Vec<RatioPrediction>,
+}
+
+impl PendingReport {
+    fn new(of: &PendingSample, learned: &Discrepancy) -> Self {
+        let loads: Vec<_> = of.modelled.iter().map(|at| at.load).collect();
+        let sensitivity: Vec<Sensitivity> = of.modelled.iter().map(|at| at.sensitivity).collect();
+        let found = learned.at(&loads).predict_made(&of.features, &sensitivity, &of.dimension_shifts);
+        let predicted =
+            of.modelled.iter().enumerate().map(|(row, at)| RatioPrediction::new(&at.load, at.ratio, &found, row));
+        Self {
+            name: of.name.clone(),
+            areal_density: tidy(of.features.areal_density),
+            edge_per_mm: tidy(of.features.edge_1_m * PER_MM),
+            depth_um: tidy(LENGTH_UM.from_si(of.features.depth_m)),
+            predicted: predicted.collect(),
+        }
+    }
+}
+
+/// Land of a trial, and its effect on the modelled ratios.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct LandReport {
+    /// Name of the trial.
+    pub trial: String,
+    /// Rms slope of the land, by differences of neighbouring heights.
+    pub rms_slope: f64,
+    /// Rms slope over that of the flat sample.
+    pub over_flat: f64,
+    /// Standard error of the logarithm of `over_flat`, from windows of both maps.
+    pub log_std: f64,
+    /// Nominal pressures of the measured ratios.
+    pub pressure_mpa: Vec<f64>,
+    /// Factor on the modelled ratio at each pressure.
+    pub factor: Vec<f64>,
+    /// Slope and effect in words.
+    pub words: String,
+}
+
+impl From<&LandEffect> for LandReport {
+    fn from(of: &LandEffect) -> Self {
+        let factors = || of.factors.iter();
+        Self {
+            trial: of.trial.clone(),
+            rms_slope: of.slope.rms_slope,
+            over_flat: of.slope.over_flat,
+            log_std: of.slope.log_std,
+            pressure_mpa: factors().map(|[pressure_pa, _]| tidy(PRESSURE_MPA.from_si(*pressure_pa))).collect(),
+            factor: factors().map(|[_, factor]| *factor).collect(),
+            words: of.to_string(),
+        }
+    }
+}
+
+/// Posterior weight of the stated scatter below which the ledger reports a different scatter.
+const BELIEVED: f64 = 0.5;
+
+/// Scatter of the logarithm of the ratio among samples of one texture, for samples without an individually stated scatter.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct ScatterReport {
+    /// Stated scatter, or the default if none was stated.
+    pub stated: f64,
+    /// Posterior weight of the stated scatter.
+    pub weight: f64,
+    /// Posterior scatter: root mean square over all candidate scatters.
+    pub found: f64,
+}
+
+impl ScatterReport {
+    /// Scatter from the trials of `learned`; `None` if they carry no information about it.
+    pub(super) fn of(learned: &Discrepancy) -> Option<Self> {
+        let all = learned.scatter_weights();
+        let stated = all.first().filter(|_| all.len() > 1)?;
+        Some(Self { stated: tidy(stated.std), weight: tidy(stated.weight), found: tidy(learned.sample_std()) })
+    }
+
+    /// Line for samples whose scatter is unlikely to be the stated one; otherwise empty.
+    pub(super) fn text(&self) -> String {
+        let Self { stated, weight, found } = self;
+        if *weight >= BELIEVED {
+            return String::new();
+        }
+        format!(
+            "samples of one texture are taken to scatter by {found:.3} (standard deviation of ln ratio): that they scatter by {stated}, as \
+             sample_std says, has a weight of {weight:.3}\n"
+        )
+    }
+}
+
+impl TrialsReport {
+    /// Adds predictions for the pending samples.
+    #[must_use]
+    pub fn with_pending(self, learned: &LearnedSamples) -> Self {
+        let of = |sample: &PendingSample| PendingReport::new(sample, &learned.discrepancy);
+        Self { predicted: learned.pending.iter().map(of).collect(), ..self }
+    }
+
+    /// Adds the `lands` of measured trials.
+    #[must_use]
+    pub fn with_lands(self, lands: &[LandEffect]) -> Self {
+        Self { lands: lands.iter().map(LandReport::from).collect(), ..self }
+    }
+}
