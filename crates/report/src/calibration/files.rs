@@ -36,7 +36,8 @@ pub fn files(
     outputs.add("fit.json", fit_json(task, outcome)?);
     outputs.add("profiles.csv", fit_details::profiles(&outcome.fit));
     outputs.add("residuals.svg", fit_details::residuals(&calibration.name, outcome)?);
-    outputs.add("flat-friction.svg", pictures::flat_friction(&calibration.name, task, outcome)?);
+    let title = format!("{}: friction of flat samples", calibration.name);
+    outputs.add("flat-friction.svg", pictures::flat_friction(&title, task, outcome)?);
     if let Some(picture) = pictures::area_law(task, outcome)? {
         outputs.add("area-law.svg", picture);
     }

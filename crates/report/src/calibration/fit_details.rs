@@ -72,8 +72,11 @@ fn finite(value: f64) -> Option<f64> {
     Some(tidy(value)).filter(|value| value.is_finite())
 }
 
-/// Serializes the fit as JSON.
-pub fn json(task: &CalibrationTask, outcome: &CalibrationOutcome) -> Result<String, ReportError> {
+/// Serializes the fit as in fit.json.
+///
+/// # Errors
+/// [`ReportError`] if the fit has no JSON form.
+pub fn fit_json(task: &CalibrationTask, outcome: &CalibrationOutcome) -> Result<String, ReportError> {
     let fit = &outcome.fit;
     let details = FitReport {
         program: "slipgrid",
@@ -106,28 +109,17 @@ pub fn which_errors(outcome: &CalibrationOutcome) -> &'static str {
     }
 }
 
-/// Formats all parameters with their intervals.
-pub fn table(outcome: &CalibrationOutcome) -> String {
+/// All parameters with their intervals.
+pub fn parameter_table(outcome: &CalibrationOutcome) -> Table {
     let parameters = parameters(&outcome.fit);
-    if parameters.is_empty() {
-        return String::new();
-    }
-    let mut table = Table::new(["parameter", "value", "+-", "95 % from", "to"]);
-    for parameter in &parameters {
-        let cell = |value: Option<f64>| {
-            let digits = if parameter.value.abs() > 100.0 { 0 } else { 4 };
-            fixed(value, digits)
-        };
-        table.row([
-            in_words(outcome, &parameter.name),
-            cell(Some(parameter.value)),
-            cell(parameter.std_error),
-            cell(parameter.interval_95[0]),
-            cell(parameter.interval_95[1]),
-        ]);
-    }
-    let which = which_errors(outcome);
-    format!("\nby profile likelihood, {which}; a dash is an end that the data leave open\n{table}")
+    let cell = |of: &ParameterReport, value: Option<f64>| fixed(value, if of.value.abs() > 100.0 { 0 } else { 4 });
+    let mut table = Table::of(&parameters);
+    table.column("parameter", |of| in_words(outcome, &of.name));
+    table.column("value", |of| cell(of, Some(of.value)));
+    table.column("+-", |of| cell(of, of.std_error));
+    table.column("95 % from", |of| cell(of, of.interval_95[0]));
+    table.column("to", |of| cell(of, of.interval_95[1]));
+    table.table()
 }
 
 /// Formats the profiles as CSV.

@@ -6,19 +6,18 @@ mod pictures;
 mod static_friction;
 
 pub use files::{FILES, files};
-pub use fit_details::{FitReport, ParameterReport};
-pub(crate) use fit_details::{in_words, which_errors};
-pub(crate) use pictures::flat_friction_narrow;
+pub use fit_details::{FitReport, ParameterReport, fit_json};
+pub(crate) use fit_details::{in_words, parameter_table, which_errors};
+pub(crate) use pictures::flat_friction;
 pub use static_friction::StaticRow;
-pub(crate) use static_friction::{rows as static_rows, words as static_words};
+pub(crate) use static_friction::{rows as static_rows, table as static_table, words as static_words};
 
 use slipgrid_base::monitor::{Cancelled, Monitor};
 use slipgrid_base::units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, counted};
 use slipgrid_design::results::{SCREEN_WIDTH, Table, WHERE_ALL, doubts_in_brief, fixed, wrapped};
-use slipgrid_infer::calibrate::{CalibrationOutcome, CalibrationTask};
+use slipgrid_infer::calibrate::{CalibrationOutcome, CalibrationTask, FittedPair, Measurement};
 use slipgrid_io::formats::calibration::Calibration;
 
-use crate::ReportError;
 use crate::trials::TrialsReport;
 
 /// Maximum number of measurements on the screen; the others are counted.
@@ -39,8 +38,13 @@ pub fn summary(
     for note in &outcome.material.provenance.notes {
         text += &format!("- {note}\n");
     }
-    let (table, details) = (flat_samples(task, outcome), fit_details::table(outcome));
-    text += &format!("\n{table}{}{details}", static_friction::text(task, outcome));
+    text += &format!("\n{}", flat_samples(task, outcome));
+    let peaks = static_rows(task, outcome);
+    text += &static_words(&peaks).map_or_else(String::new, |words| format!("\n{words}\n{}", static_table(&peaks)));
+    if !outcome.fit.parameters.is_empty() {
+        let (which, table) = (which_errors(outcome), parameter_table(outcome));
+        text += &format!("\nby profile likelihood, {which}; a dash is an end that the data leave open\n{table}");
+    }
     if let Some(ledger) = ledger {
         text += &format!("\n{}", ledger.text());
     } else if lacks_pattern(calibration) {
@@ -75,47 +79,35 @@ fn lacks_pattern(calibration: &Calibration) -> bool {
     !calibration.patterned.is_empty() && calibration.pattern.is_none()
 }
 
-/// Measured friction of flat samples beside the fitted coefficients.
-fn flat_samples(task: &CalibrationTask, outcome: &CalibrationOutcome) -> Table {
-    let fit = &outcome.fit;
-    let mut table = Table::new([
-        "F N",
-        "P MPa",
-        "v mm/s",
-        "RH %",
-        "mu measured",
-        "+-",
-        "mu_d",
-        "+-",
-        "mu_s",
-        "+-",
-        "model - measured",
-    ]);
-    for (row, measured) in outcome.measurements.iter().enumerate() {
-        let pair = if fit.pairs.len() == 1 { fit.pairs.first() } else { fit.pairs.get(row) };
-        table.row([
-            measured.force_n.to_string(),
-            fixed(Some(PRESSURE_MPA.from_si(task.pressure_pa(measured))), 3),
-            SPEED_MM_S.from_si(measured.speed_m_s).to_string(),
-            HUMIDITY_PCT.from_si(measured.humidity).to_string(),
-            fixed(Some(measured.mu_dynamic), 4),
-            fixed(Some(measured.mu_dynamic_std), 4),
-            fixed(pair.map(|pair| pair.dynamic_mean), 4),
-            fixed(pair.and_then(|pair| pair.dynamic_std_error), 4),
-            fixed(pair.map(|pair| pair.static_mean), 4),
-            fixed(pair.and_then(|pair| pair.static_std_error), 4),
-            fixed(fit.predictions.get(row).map(|predicted| predicted.residual), 4),
-        ]);
-    }
-    table
+/// Pair of coefficients that belongs to the measurement number `row`.
+pub(crate) fn pair_of(outcome: &CalibrationOutcome, row: usize) -> Option<&FittedPair> {
+    let pairs = &outcome.fit.pairs;
+    if pairs.len() == 1 { pairs.first() } else { pairs.get(row) }
 }
 
-/// Serializes the fit as in fit.json.
-///
-/// # Errors
-/// [`ReportError`] if the fit has no JSON form.
-pub fn fit_json(task: &CalibrationTask, outcome: &CalibrationOutcome) -> Result<String, ReportError> {
-    fit_details::json(task, outcome)
+/// Measured friction of flat samples beside the fitted coefficients.
+pub(crate) fn flat_samples(task: &CalibrationTask, outcome: &CalibrationOutcome) -> Table {
+    let rows: Vec<(&Measurement, Option<&FittedPair>, Option<f64>)> = outcome
+        .measurements
+        .iter()
+        .enumerate()
+        .map(|(row, of)| {
+            (of, pair_of(outcome, row), outcome.fit.predictions.get(row).map(|predicted| predicted.residual))
+        })
+        .collect();
+    let mut table = Table::of(&rows);
+    table.column("F N", |(of, ..)| of.force_n.to_string());
+    table.column("P MPa", |(of, ..)| fixed(Some(PRESSURE_MPA.from_si(task.pressure_pa(of))), 3));
+    table.column("v mm/s", |(of, ..)| SPEED_MM_S.from_si(of.speed_m_s).to_string());
+    table.column("RH %", |(of, ..)| HUMIDITY_PCT.from_si(of.humidity).to_string());
+    table.column("mu measured", |(of, ..)| fixed(Some(of.mu_dynamic), 4));
+    table.column("+-", |(of, ..)| fixed(Some(of.mu_dynamic_std), 4));
+    table.column("mu_d", |(_, pair, _)| fixed(pair.map(|pair| pair.dynamic_mean), 4));
+    table.column("+-", |(_, pair, _)| fixed(pair.and_then(|pair| pair.dynamic_std_error), 4));
+    table.column("mu_s", |(_, pair, _)| fixed(pair.map(|pair| pair.static_mean), 4));
+    table.column("+-", |(_, pair, _)| fixed(pair.and_then(|pair| pair.static_std_error), 4));
+    table.column("model - measured", |(.., residual)| fixed(*residual, 4));
+    table.table()
 }
 
 /// Ledger of the calibration's trials; `None` if none was measured.

@@ -10,21 +10,12 @@ use crate::charts::{self, AreaPoint, Estimate, FlatSeries};
 /// Highest drawn pressure of the area law, relative to the highest measured nominal pressure.
 const DRAWN: f64 = 6.0;
 
-/// Draws measured and fitted friction of flat samples, by speed and humidity.
+/// Draws measured and fitted friction of flat samples, by speed and humidity; without a title for a phone.
 ///
 /// # Errors
 /// [`ChartError`] if it cannot be drawn.
-pub fn flat_friction(name: &str, task: &CalibrationTask, outcome: &CalibrationOutcome) -> Result<String, ChartError> {
-    let title = format!("{name}: friction of flat samples");
-    charts::flat_friction(&title, &series(task, outcome))
-}
-
-/// Draws [`flat_friction`] for a phone, without the title, which the page has.
-///
-/// # Errors
-/// Same as [`flat_friction`].
-pub fn flat_friction_narrow(task: &CalibrationTask, outcome: &CalibrationOutcome) -> Result<String, ChartError> {
-    charts::flat_friction("", &series(task, outcome))
+pub fn flat_friction(title: &str, task: &CalibrationTask, outcome: &CalibrationOutcome) -> Result<String, ChartError> {
+    charts::flat_friction(title, &series(task, outcome))
 }
 
 fn series(task: &CalibrationTask, outcome: &CalibrationOutcome) -> Vec<FlatSeries> {

@@ -70,24 +70,17 @@ pub fn words(rows: &[StaticRow]) -> Option<String> {
     ))
 }
 
-/// Text of the table and of the differences; empty without a measured peak.
-pub fn text(task: &CalibrationTask, outcome: &CalibrationOutcome) -> String {
-    let rows = rows(task, outcome);
-    let Some(words) = words(&rows) else { return String::new() };
-    let mut table =
-        Table::new(["F N", "v mm/s", "RH %", "static measured", "+-", "static modelled", "model - measured"]);
-    for row in &rows {
-        table.row([
-            row.force_n.to_string(),
-            row.speed_mm_s.to_string(),
-            row.humidity_pct.to_string(),
-            fixed(Some(row.measured), 4),
-            fixed(Some(row.measured_std), 4),
-            fixed(row.modelled, 4),
-            fixed(row.residual, 4),
-        ]);
-    }
-    format!("\n{words}\n{table}")
+/// Measured and modelled peaks.
+pub fn table(rows: &[StaticRow]) -> Table {
+    let mut table = Table::of(rows);
+    table.column("F N", |row| row.force_n.to_string());
+    table.column("v mm/s", |row| row.speed_mm_s.to_string());
+    table.column("RH %", |row| row.humidity_pct.to_string());
+    table.column("static measured", |row| fixed(Some(row.measured), 4));
+    table.column("+-", |row| fixed(Some(row.measured_std), 4));
+    table.column("static modelled", |row| fixed(row.modelled, 4));
+    table.column("model - measured", |row| fixed(row.residual, 4));
+    table.table()
 }
 
 #[cfg(test)]

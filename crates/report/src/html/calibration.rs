@@ -11,7 +11,10 @@ use slipgrid_io::formats::calibration::Calibration;
 use super::page::{Page, number, percent, plain, sentence, with_error};
 use super::{background, friction_sheet, trials};
 use crate::Outputs;
-use crate::calibration::{StaticRow, flat_friction_narrow, in_words, static_rows, static_words, which_errors};
+use crate::calibration::{
+    flat_friction, flat_samples, in_words, pair_of, parameter_table, static_rows, static_table, static_words,
+    which_errors,
+};
 use crate::friction_sheet::FrictionSheet;
 use crate::traces::LOOPS;
 use crate::trials::TrialsReport;
@@ -74,7 +77,7 @@ pub fn calibration(fitted: Fitted<'_>, outputs: &Outputs) -> String {
             page.picture_of_both(
                 outputs,
                 "flat-friction.svg",
-                flat_friction_narrow(task, outcome).ok(),
+                flat_friction("", task, outcome).ok(),
                 "Friction of flat samples: measured with its standard deviation, and by the fitted model. Marks of one pressure stand \
                  side by side",
             );
@@ -293,7 +296,7 @@ fn next(fitted: &Fitted<'_>) -> Vec<String> {
         .measurements
         .iter()
         .enumerate()
-        .filter_map(|(row, of)| Some((of, measured_error(pair(outcome, row)?)?)));
+        .filter_map(|(row, of)| Some((of, measured_error(pair_of(outcome, row)?)?)));
     if let Some((of, error)) = rows.max_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, error)| *error > LOOSE_FRICTION) {
         all.push(format!(
             "Repeats on flat samples at {}: friction itself is known to {} % there.",
@@ -311,12 +314,6 @@ fn next(fitted: &Fitted<'_>) -> Vec<String> {
     all
 }
 
-/// Pair of coefficients that belongs to a measurement.
-fn pair(outcome: &CalibrationOutcome, row: usize) -> Option<&FittedPair> {
-    let pairs = &outcome.fit.pairs;
-    if pairs.len() == 1 { pairs.first() } else { pairs.get(row) }
-}
-
 /// Describes pressure, speed and humidity.
 fn condition(task: &CalibrationTask, of: &Measurement) -> String {
     format!(
@@ -327,87 +324,38 @@ fn condition(task: &CalibrationTask, of: &Measurement) -> String {
     )
 }
 
-/// Adds the table of measured and modelled static peaks.
-fn static_friction(page: &mut Page, rows: &[StaticRow]) {
-    let Some(words) = static_words(rows) else { return };
-    page.paragraph(&sentence(&words));
-    page.records(
-        "Static friction of flat samples, dimensionless: measured ± one standard deviation, and that of the model in the last run in time of \
-         the fit; a dash is a peak that is not fitted.",
-        rows,
-        &[
-            ("P in MPa", |row| number(row.pressure_mpa, 3)),
-            ("speed in mm/s", |row| plain(row.speed_mm_s)),
-            ("humidity in %", |row| plain(row.humidity_pct)),
-            ("static measured", |row| with_error(row.measured, row.measured_std, 4)),
-            ("static modelled", |row| number(row.modelled, 4)),
-            ("difference", |row| number(row.residual, 4)),
-        ],
-    );
+/// Adds a table, folded under a name if it is long.
+fn folded(page: &mut Page, is_long: bool, name: &str, add: impl FnOnce(&mut Page)) {
+    if is_long { page.fold(name, add) } else { add(page) }
 }
 
 fn fit(page: &mut Page, task: &CalibrationTask, outcome: &CalibrationOutcome, outputs: &Outputs) {
-    let fit = &outcome.fit;
-    let row = |(place, of): (usize, &Measurement)| {
-        let (own, at) = (pair(outcome, place), fit.predictions.get(place));
-        vec![
-            number(PRESSURE_MPA.from_si(task.pressure_pa(of)), 3),
-            plain(SPEED_MM_S.from_si(of.speed_m_s)),
-            plain(HUMIDITY_PCT.from_si(of.humidity)),
-            with_error(of.mu_dynamic, of.mu_dynamic_std, 4),
-            number(at.map(|at| at.mu_dynamic), 4),
-            number(at.map(|at| at.residual), 4),
-            with_error(own.map(|pair| pair.dynamic_mean), own.and_then(|pair| pair.dynamic_std_error), 4),
-            with_error(own.map(|pair| pair.static_mean), own.and_then(|pair| pair.static_std_error), 4),
-        ]
-    };
-    let rows: Vec<Vec<String>> = outcome.measurements.iter().enumerate().map(row).collect();
-    let table = |page: &mut Page| {
-        page.table(
-            "Measured friction of flat samples ± one standard deviation, that of the fitted model, and the local coefficients ± one standard \
-             error; all dimensionless. A static coefficient without an error is assumed.",
-            &["P in MPa", "speed in mm/s", "humidity in %", "mu measured", "mu modelled", "difference", "local dynamic", "local static"],
-            &rows,
+    let is_long = task.coefficients == Coefficients::PerCondition;
+    folded(page, is_long, "Every measurement with its coefficients", |page| {
+        page.same_table(
+            "Measured friction of flat samples +- one standard deviation, the local coefficients mu_d and mu_s +- one standard error, and the \
+             difference of the fitted model; all dimensionless. A static coefficient without an error is assumed.",
+            &flat_samples(task, outcome),
         );
-    };
-    if task.coefficients == Coefficients::PerCondition {
-        page.fold("Every measurement with its coefficients", table)
-    } else {
-        table(page)
+    });
+    let peaks = static_rows(task, outcome);
+    if let Some(words) = static_words(&peaks) {
+        page.paragraph(&sentence(&words));
+        page.same_table(
+            "Static friction of flat samples, dimensionless: measured +- one standard deviation, and that of the model in the last run in time \
+             of the fit; a dash is a peak that is not fitted.",
+            &static_table(&peaks),
+        );
     }
-    static_friction(page, &static_rows(task, outcome));
-    let cell =
-        |parameter: &Parameter, end: Option<f64>| end.map_or_else(|| "open".to_owned(), |end| value(parameter, end));
-    let rows: Vec<Vec<String>> = fit
-        .parameters
-        .iter()
-        .map(|parameter| {
-            let [from, to] = parameter.interval.map(|end| cell(parameter, end));
-            let error = Some(parameter.std_error).filter(|error| error.is_finite());
-            vec![
-                in_words(outcome, &parameter.name),
-                value(parameter, parameter.value),
-                cell(parameter, error),
-                from,
-                to,
-            ]
-        })
-        .collect();
-    let table = |page: &mut Page| {
-        page.table(
+    folded(page, outcome.fit.parameters.len() > FEW, "Every fitted number with its interval", |page| {
+        page.same_table(
             &format!(
-                "Fitted numbers with their 95 % intervals by profile likelihood, {}. Open: the data do not end the interval.",
+                "Fitted numbers with their 95 % intervals by profile likelihood, {}. A dash: the data do not end the interval.",
                 which_errors(outcome)
             ),
-            &["number", "value", "standard error", "95 % from", "to"],
-            &rows,
+            &parameter_table(outcome),
         );
-    };
-    if rows.len() > FEW {
-        page.fold("Every fitted number with its interval", table)
-    } else {
-        table(page)
-    }
+    });
     page.fold("What the model leaves of each measurement", |page| {
         page.picture_of(
             outputs,
