@@ -13,7 +13,7 @@ mod curve;
 pub use curve::{AreaLawCurve, AreaLawOptions};
 
 /// Record that `area-law --json` prints.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Default, Serialize)]
 pub struct AreaLawReport {
     /// Program name: `slipgrid`.
     pub program: &'static str,
@@ -159,20 +159,16 @@ pub fn table(report: &AreaLawReport) -> String {
     for warning in &report.warnings {
         text += &format!("! {warning}\n");
     }
-    let mut table = Table::new(["P MPa", "area", "corrected", "solver +-", "f", "windows +-", "iterations", "error"]);
-    for point in &report.results {
-        table.row([
-            point.pressure_mpa.to_string(),
-            fixed(Some(point.area_fraction), 5),
-            fixed(Some(point.area_fraction_corrected), 5),
-            format!("{:.0e}", point.area_error),
-            fixed(point.factor, 5),
-            fixed(point.factor_std, 5),
-            point.iterations.to_string(),
-            format!("{:.1e}", point.residual),
-        ]);
-    }
-    text += &format!("\n{table}\n");
+    let mut table = Table::of(&report.results);
+    table.column("P MPa", |at| at.pressure_mpa.to_string());
+    table.column("area", |at| fixed(Some(at.area_fraction), 5));
+    table.column("corrected", |at| fixed(Some(at.area_fraction_corrected), 5));
+    table.column("solver +-", |at| format!("{:.0e}", at.area_error));
+    table.column("f", |at| fixed(at.factor, 5));
+    table.column("windows +-", |at| fixed(at.factor_std, 5));
+    table.column("iterations", |at| at.iterations.to_string());
+    table.column("error", |at| format!("{:.1e}", at.residual));
+    text += &format!("\n{}\n", table.table());
     if !report.resolutions.is_empty() {
         text += &format!("{}\n", resolution_table(report));
     }

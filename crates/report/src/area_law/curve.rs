@@ -3,7 +3,7 @@
 use slipgrid_base::units::{LENGTH_UM, MODULUS_GPA, PRESSURE_MPA};
 use slipgrid_design::results::{SCHEMA, VERSION};
 use slipgrid_infer::calibrate::area_law::{AreaLawRequest, SurfaceAreaLaw, SurfaceWarning, area_law, persson_curve};
-use slipgrid_infer::calibrate::area_law_sampling::{Resolution, STATISTICS_TOLERANCE, WINDOW_STATEMENT, WindowSpread};
+use slipgrid_infer::calibrate::area_law_sampling::{Resolution, STATISTICS_TOLERANCE, WINDOW_STATEMENT};
 use slipgrid_infer::calibrate::light_pressure_pa;
 use slipgrid_io::formats::altitude_map::law_warnings;
 use slipgrid_io::formats::plausible::MODULUS;
@@ -34,49 +34,35 @@ impl AreaLawOptions {
     /// A(P0) is interpolated if the pressures extend beyond P0; otherwise P0 is solved as an additional pressure.
     #[must_use]
     pub fn on_surface(self, rms_slope: f64, points: Option<usize>) -> AreaLawCurve {
-        let Self { youngs_modulus_gpa, poisson_ratio, tolerance, threshold_pa, pressures_pa: listed_pa } = self;
         // E* = E / (1 - nu^2)
-        let contact_modulus_pa = MODULUS_GPA.to_si(youngs_modulus_gpa) / (1.0 - poisson_ratio * poisson_ratio);
-        let threshold_pa = threshold_pa.unwrap_or_else(|| light_pressure_pa(contact_modulus_pa, rms_slope, points));
-        let mut solved_pa = listed_pa.clone();
-        if listed_pa.iter().all(|&pressure_pa| pressure_pa > threshold_pa) {
+        let shrink = 1.0 - self.poisson_ratio * self.poisson_ratio;
+        let contact_modulus_pa = MODULUS_GPA.to_si(self.youngs_modulus_gpa) / shrink;
+        let limit = || light_pressure_pa(contact_modulus_pa, rms_slope, points);
+        let threshold_pa = self.threshold_pa.unwrap_or_else(limit);
+        let mut solved_pa = self.pressures_pa.clone();
+        if solved_pa.iter().all(|&pressure_pa| pressure_pa > threshold_pa) {
             solved_pa.insert(0, threshold_pa);
         }
-        AreaLawCurve {
-            contact_modulus_pa,
-            youngs_modulus_gpa,
-            poisson_ratio,
-            tolerance,
-            threshold_pa,
-            listed_pa,
-            solved_pa,
-        }
+        AreaLawCurve { options: self, contact_modulus_pa, threshold_pa, solved_pa }
     }
 }
 
-/// Pressures and properties of an area-law computation, in SI units.
+/// Options of an area law with the pressures to solve.
 #[derive(Clone, Debug)]
 pub struct AreaLawCurve {
+    options: AreaLawOptions,
     /// E* = E / (1 - nu^2).
-    pub contact_modulus_pa: f64,
-    /// Young's modulus as given, in GPa.
-    pub youngs_modulus_gpa: f64,
-    /// Poisson's ratio.
-    pub poisson_ratio: f64,
-    /// Relative error tolerance of the contact solver.
-    pub tolerance: f64,
+    contact_modulus_pa: f64,
     /// P0, in pascals.
-    pub threshold_pa: f64,
-    /// Requested pressures.
-    pub listed_pa: Vec<f64>,
+    threshold_pa: f64,
     /// Solved pressures: the requested ones, preceded by the threshold if all lie above it.
-    pub solved_pa: Vec<f64>,
+    solved_pa: Vec<f64>,
 }
 
 impl AreaLawCurve {
     /// Index of the first requested pressure among the solved pressures.
     fn first(&self) -> usize {
-        self.solved_pa.len() - self.listed_pa.len()
+        self.solved_pa.len() - self.options.pressures_pa.len()
     }
 
     /// Converts the curve to a request for the solver.
@@ -86,14 +72,14 @@ impl AreaLawCurve {
             contact_modulus_pa: self.contact_modulus_pa,
             pressures_pa: &self.solved_pa,
             threshold_pa: self.threshold_pa,
-            tolerance: self.tolerance,
+            tolerance: self.options.tolerance,
             windows: None,
         }
     }
 
     /// f at a pressure from `law`; without a law, 1 if no pressure exceeds the threshold.
     fn factor(&self, law: Option<&AreaLaw>, pressure_pa: f64) -> Option<f64> {
-        let below = self.listed_pa.iter().all(|&pressure_pa| pressure_pa <= self.threshold_pa);
+        let below = self.options.pressures_pa.iter().all(|&pressure_pa| pressure_pa <= self.threshold_pa);
         law.map(|law| law.factor(pressure_pa)).or(below.then_some(1.0))
     }
 
@@ -106,6 +92,14 @@ impl AreaLawCurve {
         found: &SurfaceAreaLaw,
         resolutions: &[Resolution],
     ) -> AreaLawReport {
+        let first = self.first();
+        let coarser = |of: &Resolution| ResolutionReport {
+            coarser: of.coarser,
+            pixel_um: LENGTH_UM.from_si(of.pixel_m),
+            rms_slope: of.rms_slope,
+            tolerance: STATISTICS_TOLERANCE,
+            factor: of.factor.as_ref().map(|factor| factor[first..].to_vec()),
+        };
         let mut report = AreaLawReport {
             map: Some(name.to_owned()),
             synthetic_surface: surface.synthetic,
@@ -119,16 +113,27 @@ impl AreaLawCurve {
             model: model(surface),
             warnings: self.warnings(&found.warnings),
             wall_s: found.curve_s,
-            resolutions: resolutions.iter().map(|blunt| resolution_report(blunt, self.first())).collect(),
+            resolutions: resolutions.iter().map(coarser).collect(),
             ..self.report(&found.curve.points, surface.rms_slope)
         };
         if let Some(spread) = &found.windows {
-            let windows = window_report(spread, self.first(), found.windows_s);
             report.model.push(spread.statement());
-            for (point, std) in report.results.iter_mut().zip(spread.factor_std().split_off(self.first())) {
+            for (point, std) in report.results.iter_mut().zip(spread.factor_std().split_off(first)) {
                 point.factor_std = Some(std);
             }
-            report.windows = Some(windows);
+            report.windows = Some(WindowReport {
+                per_side: spread.per_side,
+                count: spread.count(),
+                rows: spread.pixels[0],
+                columns: spread.pixels[1],
+                made_periodic: WINDOW_STATEMENT,
+                tolerance: STATISTICS_TOLERANCE,
+                rms_slope_mean: spread.rms_slope_mean,
+                rms_slope_spread: spread.rms_slope_spread,
+                factor_mean: spread.factor_mean[first..].to_vec(),
+                factor_spread: spread.factor_spread[first..].to_vec(),
+                wall_s: found.windows_s,
+            });
         }
         report
     }
@@ -152,7 +157,7 @@ impl AreaLawCurve {
 
     /// Warnings about an unusual modulus and about the surface.
     fn warnings(&self, of_surface: &[SurfaceWarning]) -> Vec<String> {
-        let modulus_gpa = self.youngs_modulus_gpa;
+        let modulus_gpa = self.options.youngs_modulus_gpa;
         let of_modulus =
             MODULUS.judge(modulus_gpa).unwrap_or_else(|expected| Some(format!("is not possible: expected {expected}")));
         let of_modulus = of_modulus.map(|reason| format!("Young's modulus: {modulus_gpa} GPa {reason}"));
@@ -179,29 +184,16 @@ impl AreaLawCurve {
             program: "slipgrid",
             version: VERSION,
             schema: SCHEMA,
-            map: None,
-            synthetic_surface: false,
             rms_slope,
-            sa_um: None,
-            periodic_component: false,
-            pixel_um: None,
-            pixel_y_um: None,
-            rows: None,
-            columns: None,
-            youngs_modulus_gpa: self.youngs_modulus_gpa,
-            poisson_ratio: self.poisson_ratio,
+            youngs_modulus_gpa: self.options.youngs_modulus_gpa,
+            poisson_ratio: self.options.poisson_ratio,
             contact_modulus_gpa: MODULUS_GPA.from_si(self.contact_modulus_pa),
-            full_contact_pressure_mpa: None,
             threshold_mpa: PRESSURE_MPA.from_si(self.threshold_pa),
             threshold_proportionality: proportionality(curve, self.threshold_pa),
-            tolerance: self.tolerance,
-            model: Vec::new(),
-            warnings: Vec::new(),
-            wall_s: 0.0,
+            tolerance: self.options.tolerance,
             threads: rayon::current_num_threads(),
-            windows: None,
-            resolutions: Vec::new(),
             results: curve[self.first()..].iter().map(report).collect(),
+            ..AreaLawReport::default()
         }
     }
 }
@@ -212,34 +204,6 @@ fn proportionality(curve: &[AreaPoint], threshold_pa: f64) -> Option<f64> {
     let lightest = curve.first().filter(|point| point.pressure_pa < threshold_pa && point.area_fraction > 0.0)?;
     let at_threshold = curve.iter().find(|point| point.pressure_pa == threshold_pa)?;
     Some(share(at_threshold) / share(lightest))
-}
-
-/// Reports on windows of a map, for the pressures from index `first` on.
-fn window_report(spread: &WindowSpread, first: usize, wall_s: f64) -> WindowReport {
-    WindowReport {
-        per_side: spread.per_side,
-        count: spread.count(),
-        rows: spread.pixels[0],
-        columns: spread.pixels[1],
-        made_periodic: WINDOW_STATEMENT,
-        tolerance: STATISTICS_TOLERANCE,
-        rms_slope_mean: spread.rms_slope_mean,
-        rms_slope_spread: spread.rms_slope_spread,
-        factor_mean: spread.factor_mean[first..].to_vec(),
-        factor_spread: spread.factor_spread[first..].to_vec(),
-        wall_s,
-    }
-}
-
-/// Reports on a map at coarser pixels, for the pressures from index `first` on.
-fn resolution_report(resolution: &Resolution, first: usize) -> ResolutionReport {
-    ResolutionReport {
-        coarser: resolution.coarser,
-        pixel_um: LENGTH_UM.from_si(resolution.pixel_m),
-        rms_slope: resolution.rms_slope,
-        tolerance: STATISTICS_TOLERANCE,
-        factor: resolution.factor.as_ref().map(|factor| factor[first..].to_vec()),
-    }
 }
 
 /// Definition of f for the report.

@@ -2,7 +2,7 @@
 
 use super::page::{Page, micrometres, number, percent, sentence};
 use crate::Outputs;
-use crate::surface::SurfaceReport;
+use crate::surface::{Parameter, SurfaceReport};
 use slipgrid_surface::topography::LIMITED_BY_PIXELS;
 
 /// Share of the squared height in the longest waves above which the map's size limits the heights.
@@ -51,11 +51,11 @@ pub fn surface(report: &SurfaceReport, outputs: &Outputs) -> String {
     page.part("Parameters", |page| parameters(page, report));
     if let Some(cavities) = &report.cavities {
         page.part("Cavities", |page| {
-            for (caption, header, rows) in cavities.tables() {
-                let rows: Vec<Vec<String>> =
-                    rows.iter().map(|row| row.iter().map(|cell| symbol(cell)).collect()).collect();
-                page.table(caption, header, &rows);
-            }
+            page.same_table(
+                "Cavities: mean, standard deviation from one to the next, and how many were measured.",
+                &cavities.lengths(),
+            );
+            page.same_table("Edges and floors, with their standard errors.", &cavities.edges());
             page.list(&cavities.words().iter().map(|words| symbol(words)).collect::<Vec<_>>());
             page.picture_of(
                 outputs,
@@ -84,8 +84,8 @@ pub fn surface(report: &SurfaceReport, outputs: &Outputs) -> String {
 }
 
 fn verdict(page: &mut Page, report: &SurfaceReport) {
-    let p = &report.parameters;
-    page.lead(&format!("Rms slope {}, Sq {} µm.", number(p.rms_slope, 4), number(p.sq_um, 3)));
+    let value = |symbol: &str, digits| number(report.parameter(symbol), digits);
+    page.lead(&format!("Rms slope {}, Sq {} µm.", value("rms slope", 4), value("Sq", 3)));
     page.paragraph("The rms slope decides real contact area and with it the area law; heights alone decide neither.");
     let side = |count: usize, pixel_um: f64| number(count as f64 * pixel_um * 1e-3, 3);
     let [dx, dy] = report.pixel_um;
@@ -93,11 +93,13 @@ fn verdict(page: &mut Page, report: &SurfaceReport) {
         ("sides", format!("{} mm by {} mm", side(report.columns, dx), side(report.rows, dy))),
         ("pixels", format!("{} by {}, of {} µm by {} µm", report.columns, report.rows, number(dx, 3), number(dy, 3))),
         ("missing points", report.missing_points.to_string()),
-        ("Sa", format!("{} µm", number(p.sa_um, 3))),
-        ("highest peak, deepest valley", format!("{} µm, {} µm", number(p.sp_um, 2), number(p.sv_um, 2))),
+        ("Sa", format!("{} µm", value("Sa", 3))),
+        ("highest peak, deepest valley", format!("{} µm, {} µm", value("Sp", 2), value("Sv", 2))),
     ];
-    rows.extend(p.sal_um.map(|sal_um| ("heights are forgotten over (Sal)", format!("{} µm", number(sal_um, 1)))));
-    rows.extend(p.r#str.map(|ratio| ("alike in all directions (Str)", number(ratio, 2))));
+    rows.extend(
+        report.parameter("Sal").map(|sal_um| ("heights are forgotten over (Sal)", format!("{} µm", number(sal_um, 1)))),
+    );
+    rows.extend(report.parameter("Str").map(|ratio| ("alike in all directions (Str)", number(ratio, 2))));
     rows.extend(report.cavities.as_ref().map(|cavities| ("cavities", cavities.summary())));
     rows.push(("file", format!("{} ({})", report.map, report.format)));
     page.facts("The map", &rows);
@@ -152,7 +154,7 @@ fn limits(report: &SurfaceReport) -> Vec<String> {
             number(0.5 * longest_um, 0)
         ));
     }
-    if report.parameters.sal_um.is_none() {
+    if report.parameter("Sal").is_none() {
         all.push("Sal and Str: heights are still correlated over half the map. The map is too small for them, or a form was left in it.".to_owned());
     }
     all.push(
@@ -162,11 +164,9 @@ fn limits(report: &SurfaceReport) -> Vec<String> {
 }
 
 fn parameters(page: &mut Page, report: &SurfaceReport) {
-    let row = |(name, value, unit): (&str, String, &str)| {
-        let meaning = MEANINGS.iter().find(|(own, _)| *own == name).map_or("", |(_, meaning)| *meaning);
-        vec![name.to_owned(), value, symbol(unit), meaning.to_owned()]
-    };
-    let rows: Vec<Vec<String>> = report.values().into_iter().map(row).collect();
+    let meaning = |symbol: &str| MEANINGS.iter().find(|(own, _)| *own == symbol).map_or("", |(_, meaning)| *meaning);
+    let row = |of: &Parameter| vec![of.symbol.to_owned(), of.digits(), symbol(of.unit), meaning(of.symbol).to_owned()];
+    let rows: Vec<Vec<String>> = report.parameters.iter().map(row).collect();
     page.table(
         &format!(
             "Parameters of ISO 25178-2, and the rms slope by the spectrum. {}",

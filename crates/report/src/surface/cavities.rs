@@ -5,10 +5,10 @@ use std::fmt::Write as _;
 use serde::Serialize;
 use slipgrid_base::units::{LENGTH_UM, significant, tidy};
 use slipgrid_design::results::{Table, fixed};
-use slipgrid_surface::topography::{CavityMetrology, Estimate, RimMetrology, Spread};
+use slipgrid_surface::topography::{CavityMetrology, RimMetrology, Spread};
 
 use crate::ChartError;
-use crate::charts;
+use crate::charts::{self, Estimate};
 use crate::html::page::sentence;
 
 pub(super) fn um(length_m: f64) -> f64 {
@@ -39,7 +39,7 @@ pub(crate) struct CavityReport {
     /// Description of staggered rows in files, and of their spacings.
     staggered: Option<String>,
     /// Angle by which the grid of cavities is rotated on the map.
-    turned_deg: Option<EstimateReport>,
+    turned_deg: Option<Estimate>,
     /// Widths are diameters of discs with the area of the cavities.
     round: bool,
     depth: Option<SpreadReport>,
@@ -47,10 +47,10 @@ pub(crate) struct CavityReport {
     land_sq_um: f64,
     count: usize,
     rim: RimReport,
-    wall_angle_deg: Option<EstimateReport>,
+    wall_angle_deg: Option<Estimate>,
     /// Slope above which the pixels do not resolve a wall.
     wall_resolved_deg: Option<f64>,
-    floor_sq_um: Option<EstimateReport>,
+    floor_sq_um: Option<Estimate>,
     /// Note that grooves cross, and which quantities can be measured.
     crossing: Option<String>,
 }
@@ -58,12 +58,12 @@ pub(crate) struct CavityReport {
 /// Rims; all fields except the height are null if no rim exceeds the roughness.
 #[derive(Clone, Debug, Serialize)]
 struct RimReport {
-    height_um: Option<EstimateReport>,
-    height_std_um: Option<EstimateReport>,
-    side_std_um: Option<EstimateReport>,
-    width_um: Option<EstimateReport>,
+    height_um: Option<Estimate>,
+    height_std_um: Option<Estimate>,
+    side_std_um: Option<Estimate>,
+    width_um: Option<Estimate>,
     profile: Option<&'static str>,
-    share_of_edge: Option<EstimateReport>,
+    share_of_edge: Option<Estimate>,
     /// Distance from the edge at half depth to the upper end of the wall, where the rim begins.
     start_um: f64,
 }
@@ -75,21 +75,14 @@ struct SpreadReport {
     count: usize,
 }
 
-/// Quantity and standard error; the error is null if a single sample shows no scatter.
-#[derive(Clone, Copy, Debug, Serialize)]
-struct EstimateReport {
-    value: f64,
-    error: Option<f64>,
+/// Length and standard error in micrometres; the error is null if a single sample shows no scatter.
+fn um_of(estimate: slipgrid_surface::topography::Estimate) -> Estimate {
+    Estimate { value: um(estimate.value), error: estimate.error.map(um) }
 }
 
-impl EstimateReport {
-    fn um(estimate: Estimate) -> Self {
-        Self { value: um(estimate.value), error: estimate.error.map(um) }
-    }
-
-    fn plain(estimate: Estimate) -> Self {
-        Self { value: tidy(estimate.value), error: estimate.error.map(tidy) }
-    }
+/// Quantity and standard error in their unit.
+fn plain_of(estimate: slipgrid_surface::topography::Estimate) -> Estimate {
+    Estimate { value: tidy(estimate.value), error: estimate.error.map(tidy) }
 }
 
 impl From<Spread> for SpreadReport {
@@ -107,43 +100,69 @@ impl From<&CavityMetrology> for CavityReport {
             spacing_x: found.spacing[0].map(SpreadReport::from),
             spacing_y: found.spacing[1].map(SpreadReport::from),
             staggered: found.staggered.map(|rows| rows.to_string()),
-            turned_deg: found.turned_deg.map(EstimateReport::plain),
+            turned_deg: found.turned_deg.map(plain_of),
             round: found.round,
             depth: found.depth.map(SpreadReport::from),
             area_fraction: tidy(found.area_fraction),
             land_sq_um: um(found.land_sq_m),
             count: found.cavities.len(),
             rim: RimReport {
-                height_um: rim.height_m.map(EstimateReport::um),
-                height_std_um: rim.height_std_m.map(EstimateReport::um),
-                side_std_um: rim.side_std_m.map(EstimateReport::um),
-                width_um: rim.width_m.map(EstimateReport::um),
+                height_um: rim.height_m.map(um_of),
+                height_std_um: rim.height_std_m.map(um_of),
+                side_std_um: rim.side_std_m.map(um_of),
+                width_um: rim.width_m.map(um_of),
                 profile: rim.profile.map(|profile| profile.name()),
-                share_of_edge: rim.share_of_edge.map(EstimateReport::plain),
+                share_of_edge: rim.share_of_edge.map(plain_of),
                 start_um: um(rim.start_m),
             },
-            wall_angle_deg: found.wall_angle_deg.map(EstimateReport::plain),
+            wall_angle_deg: found.wall_angle_deg.map(plain_of),
             wall_resolved_deg: found.wall_resolved_deg.map(tidy),
-            floor_sq_um: found.floor_sq_m.map(EstimateReport::um),
+            floor_sq_um: found.floor_sq_m.map(um_of),
             crossing: found.crossing.map(|crossing| crossing.to_string()),
         }
     }
 }
 
-/// Table of a page: caption, header and rows.
-pub(crate) type PageTable = (&'static str, &'static [&'static str], Vec<Vec<String>>);
-
 impl CavityReport {
-    pub(super) fn table(&self) -> String {
+    /// Widths, spacings and depths of the cavities.
+    pub(crate) fn lengths(&self) -> Table {
         let mut table = Table::new(["cavities", "mean um", "std um", "number"]);
-        for (name, spread) in self.spreads() {
+        let all = [
+            ("width along x", &self.width_x),
+            ("width along y", &self.width_y),
+            ("spacing along x", &self.spacing_x),
+            ("spacing along y", &self.spacing_y),
+            ("depth", &self.depth),
+        ];
+        for (name, spread) in all.into_iter().filter_map(|(name, spread)| Some((name, spread.as_ref()?))) {
             let number = |value: f64| fixed(Some(value), 2);
             table.row([name.to_owned(), number(spread.mean_um), number(spread.std_um), spread.count.to_string()]);
         }
-        let mut edges = Table::new(["edges", "value", "+-", ""]);
-        for (name, [value, error], unit) in self.edges() {
-            edges.row([name.to_owned(), value, error, unit.to_owned()]);
+        table
+    }
+
+    /// Rims, walls and floors.
+    pub(crate) fn edges(&self) -> Table {
+        let rim = &self.rim;
+        let all = [
+            ("rim height", rim.height_um, 3, "um"),
+            ("rim height, cavity to cavity", rim.height_std_um, 3, "um"),
+            ("rim height, side to side", rim.side_std_um, 3, "um"),
+            ("rim width", rim.width_um, 2, "um"),
+            ("share of edge with a rim", rim.share_of_edge, 3, ""),
+            ("wall angle", self.wall_angle_deg, 1, "deg"),
+            ("floor Sq", self.floor_sq_um, 3, "um"),
+        ];
+        let mut table = Table::new(["edges", "value", "+-", ""]);
+        for (name, estimate, decimals, unit) in all {
+            let Some(Estimate { value, error }) = estimate else { continue };
+            table.row([name.to_owned(), fixed(Some(value), decimals), fixed(error, decimals), unit.to_owned()]);
         }
+        table
+    }
+
+    pub(super) fn table(&self) -> String {
+        let (table, edges) = (self.lengths(), self.edges());
         let [rim, wall] = self.edge_words();
         let wall = if wall.is_empty() { wall } else { format!("; {wall}") };
         let crossing = self.crossing.as_ref().map_or_else(String::new, |crossing| format!("\n! {crossing}\n"));
@@ -157,29 +176,6 @@ impl CavityReport {
             100.0 * self.area_fraction,
             fixed(Some(self.land_sq_um), 3),
         )
-    }
-
-    /// Formats the cavities as tables of a page.
-    pub(crate) fn tables(&self) -> [PageTable; 2] {
-        let lengths = self.spreads().map(|(name, spread)| {
-            let number = |value: f64| fixed(Some(value), 2);
-            vec![name.to_owned(), number(spread.mean_um), number(spread.std_um), spread.count.to_string()]
-        });
-        let edge = |(name, [value, error], unit): (&str, [String; 2], &str)| {
-            vec![name.to_owned(), value, error, unit.to_owned()]
-        };
-        [
-            (
-                "Cavities, in µm: mean, standard deviation from one to the next, and how many were measured.",
-                &["length", "mean", "standard deviation", "number"],
-                lengths.collect(),
-            ),
-            (
-                "Edges and floors, with their standard errors.",
-                &["edges", "value", "±", "unit"],
-                self.edges().map(edge).collect(),
-            ),
-        ]
     }
 
     /// Notes that the tables do not contain.
@@ -237,35 +233,6 @@ impl CavityReport {
             })
         });
         turned.into_iter().chain(scattered)
-    }
-
-    fn spreads(&self) -> impl Iterator<Item = (&'static str, &SpreadReport)> {
-        let all = [
-            ("width along x", &self.width_x),
-            ("width along y", &self.width_y),
-            ("spacing along x", &self.spacing_x),
-            ("spacing along y", &self.spacing_y),
-            ("depth", &self.depth),
-        ];
-        all.into_iter().filter_map(|(name, spread)| Some((name, spread.as_ref()?)))
-    }
-
-    /// Rims, walls and floors: name, value and error, unit.
-    fn edges(&self) -> impl Iterator<Item = (&'static str, [String; 2], &'static str)> {
-        let rim = &self.rim;
-        let all = [
-            ("rim height", rim.height_um, 3, "um"),
-            ("rim height, cavity to cavity", rim.height_std_um, 3, "um"),
-            ("rim height, side to side", rim.side_std_um, 3, "um"),
-            ("rim width", rim.width_um, 2, "um"),
-            ("share of edge with a rim", rim.share_of_edge, 3, ""),
-            ("wall angle", self.wall_angle_deg, 1, "deg"),
-            ("floor Sq", self.floor_sq_um, 3, "um"),
-        ];
-        all.into_iter().filter_map(|(name, estimate, decimals, unit)| {
-            let estimate = estimate?;
-            Some((name, [Some(estimate.value), estimate.error].map(|value| fixed(value, decimals)), unit))
-        })
     }
 
     /// Describes the rim, and whether the pixels resolve the walls; the latter text is empty if they do.

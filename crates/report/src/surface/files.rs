@@ -1,10 +1,13 @@
-//! Files of an altitude map.
+//! Files of an altitude map: record, tables, pictures and page.
 
-use slipgrid_base::monitor::Monitor;
+use slipgrid_base::monitor::{Cancelled, Monitor};
 use slipgrid_design::results::json;
+use slipgrid_surface::topography::{
+    CavityMetrology, Decimation, DecimationMethod, HeightMap, MaterialRatioCurve, PreparedMap, SpectrumBin,
+};
 
-use super::pictures::Measured;
-use super::{SurfaceReport, cavities_csv, edge_profile_csv, edge_profile_svg, pictures, section_csv, spectrum_csv};
+use super::{SurfaceReport, cavities_csv, edge_profile_csv, edge_profile_svg, section_csv, spectrum_csv};
+use crate::charts::{self, SurfaceValues};
 use crate::{Outputs, ReportError, html};
 
 /// Names of the files, with `*` as a wildcard.
@@ -18,6 +21,30 @@ pub const FILES: [&str; 8] = [
     "cavities.*",
     "edge-profile.*",
 ];
+
+/// Maximum number of pixels of the drawn map along a side.
+const MAX_PIXELS: usize = 700;
+/// Number of classes of the histogram.
+const CLASSES: usize = 80;
+/// Number of points of the bearing curve.
+const CURVE_POINTS: u32 = 400;
+/// Share of the heights at either end that the colour scale excludes as spikes.
+const SPIKES: f64 = 5e-4;
+
+/// Measured map with its results.
+#[derive(Clone, Copy, Debug)]
+pub struct Measured<'a> {
+    /// The map.
+    pub surface: &'a PreparedMap,
+    /// Bearing curve of the map.
+    pub curve: &'a MaterialRatioCurve,
+    /// Power spectrum of the map.
+    pub spectrum: &'a [SpectrumBin],
+    /// Cavities of the map, if they were detected.
+    pub cavities: Option<&'a CavityMetrology>,
+    /// Index of the pixel column along which the section runs.
+    pub column: usize,
+}
 
 /// Makes the files of a map described by `report`: record, tables, pictures and page.
 ///
@@ -36,9 +63,87 @@ pub fn files(report: &SurfaceReport, of: Measured<'_>, monitor: &dyn Monitor) ->
             outputs.add("edge-profile.svg", svg);
         }
     }
-    pictures::add(&mut outputs, of, monitor)?;
+    add_pictures(&mut outputs, of, monitor)?;
     monitor.heed()?;
     let page = html::surface(report, &outputs);
     outputs.add("report.html", page);
     Ok(outputs)
+}
+
+/// Adds the pictures to `outputs`.
+fn add_pictures(outputs: &mut Outputs, of: Measured<'_>, monitor: &dyn Monitor) -> Result<(), ReportError> {
+    let Measured { surface, curve, spectrum, column, .. } = of;
+    let map = &surface.map;
+    let titled = |title: &str| {
+        if surface.synthetic { format!("{title} (synthetic surface)") } else { title.to_owned() }
+    };
+    let um = |length_m: f64| length_m * 1e6;
+
+    let drawn = drawn(surface, monitor)?;
+    let heights = SurfaceValues {
+        values: &drawn.heights_m().iter().map(|&height| um(height)).collect::<Vec<f64>>(),
+        columns: drawn.cols(),
+        unit: "µm",
+        scale: [um(curve.height_m(1.0 - SPIKES)), um(curve.height_m(SPIKES))],
+        side_um: [um(map.dx_m() * map.rows() as f64), um(map.dy_m() * map.cols() as f64)],
+    };
+    let section_y_um = um((column as f64 + 0.5) * map.dy_m());
+    // A map does not contain the sliding direction of its sample.
+    outputs.add("map.svg", charts::surface_map(&titled("Altitude"), &heights, Some(section_y_um), None)?);
+
+    monitor.heed()?;
+    let core = curve.core();
+    monitor.heed()?;
+    let (lowest, highest) = (curve.height_m(1.0), curve.height_m(0.0));
+    let edge = |class: usize| lowest + (highest - lowest) * class as f64 / CLASSES as f64;
+    // The share between two heights is the difference of the shares above each.
+    let shares: Vec<[f64; 2]> = (0..CLASSES)
+        .map(|class| {
+            // The lowest height belongs to the lowest class.
+            let above_lower = if class == 0 { 1.0 } else { curve.ratio(edge(class)) };
+            [um(0.5 * (edge(class) + edge(class + 1))), 100.0 * (above_lower - curve.ratio(edge(class + 1)))]
+        })
+        .collect();
+    let bearing: Vec<[f64; 2]> = (0..=CURVE_POINTS)
+        .map(|n| f64::from(n) / f64::from(CURVE_POINTS))
+        .map(|ratio| [100.0 * ratio, um(curve.height_m(ratio))])
+        .collect();
+    let (title, class_um) = (titled("Heights and bearing curve"), um(highest - lowest) / CLASSES as f64);
+    let core_um = [um(core.lower_m), um(core.upper_m)];
+    outputs.add("histogram.svg", charts::height_histogram(&title, class_um, &shares, &bearing, core_um)?);
+
+    let section: Vec<[f64; 2]> =
+        (0..map.rows()).map(|i| [um(i as f64 * map.dx_m()), um(map.heights_m()[i * map.cols() + column])]).collect();
+    let title = titled(&format!("Section at y = {section_y_um:.0} um"));
+    outputs.add("section.svg", charts::section(&title, &section)?);
+
+    let points: Vec<[f64; 2]> = spectrum
+        .iter()
+        .filter(|bin| bin.psd_m4 > 0.0)
+        .map(|bin| [(bin.q_per_m * 1e-6).log10(), (bin.psd_m4 * 1e24).log10()])
+        .collect();
+    // A flat map has no spectrum.
+    if !points.is_empty() {
+        outputs.add("spectrum.svg", charts::spectrum(&titled("Power spectrum"), &points)?);
+    }
+    Ok(())
+}
+
+/// Coarsens the map for drawing; missing points stay missing.
+fn drawn(surface: &PreparedMap, monitor: &dyn Monitor) -> Result<HeightMap, Cancelled> {
+    let map = &surface.map;
+    let factor = map.rows().max(map.cols()).div_ceil(MAX_PIXELS);
+    // A long, narrow map keeps two pixels across.
+    let factor = factor.min(map.rows().min(map.cols()) / 2).max(1);
+    let mut heights = map.heights_m().to_vec();
+    monitor.heed()?;
+    for (height, _) in heights.iter_mut().zip(&surface.filled).filter(|(_, missing)| **missing) {
+        *height = f64::NAN;
+    }
+    monitor.heed()?;
+    let holed = HeightMap::new(map.rows(), map.cols(), map.dx_m(), map.dy_m(), heights);
+    monitor.heed()?;
+    let coarse =
+        |holed: HeightMap| holed.windowed(None, Some(Decimation { factor, method: DecimationMethod::Mean })).ok();
+    Ok(holed.ok().and_then(coarse).unwrap_or_else(|| map.clone()))
 }

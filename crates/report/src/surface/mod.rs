@@ -3,12 +3,10 @@
 mod cavities;
 mod files;
 mod period;
-mod pictures;
 
 pub use cavities::{cavities_csv, edge_profile_csv, edge_profile_svg};
-pub use files::{FILES, files};
+pub use files::{FILES, Measured, files};
 pub use period::{period_note, period_text};
-pub use pictures::Measured;
 
 use std::fmt::Write as _;
 
@@ -44,7 +42,8 @@ pub struct SurfaceReport {
     /// Warnings; each begins with its name.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub(crate) warnings: Vec<String>,
-    pub(crate) parameters: ParameterReport,
+    #[serde(serialize_with = "by_key")]
+    pub(crate) parameters: Vec<Parameter>,
     pub(crate) filters: FilterReport,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) cavities: Option<CavityReport>,
@@ -106,28 +105,28 @@ pub(crate) struct ShortWavesReport {
     pub(crate) slope_share: f64,
 }
 
-/// Parameters of ISO 25178-2, and the rms slope of contact theories.
-#[derive(Clone, Debug, Serialize)]
-pub(crate) struct ParameterReport {
-    pub(crate) sa_um: f64,
-    pub(crate) sq_um: f64,
-    pub(crate) ssk: f64,
-    pub(crate) sku: f64,
-    pub(crate) sp_um: f64,
-    pub(crate) sv_um: f64,
-    pub(crate) sz_um: f64,
-    pub(crate) sdq: f64,
-    pub(crate) sdr_pct: f64,
-    /// Spectral rms slope, used by the area law.
-    pub(crate) rms_slope: f64,
-    /// Autocorrelation length; null if the autocorrelation does not fall to 0.2 within half the map.
-    pub(crate) sal_um: Option<f64>,
-    pub(crate) r#str: Option<f64>,
-    pub(crate) sk_um: f64,
-    pub(crate) spk_um: f64,
-    pub(crate) svk_um: f64,
-    pub(crate) smr1_pct: f64,
-    pub(crate) smr2_pct: f64,
+/// Parameter of ISO 25178-2, or the rms slope of contact theories.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Parameter {
+    /// Key in the record.
+    key: &'static str,
+    /// Symbol of the standard.
+    pub(crate) symbol: &'static str,
+    /// Value in `unit`; `None` if the autocorrelation, which Sal and Str are read from, does not fall to 0.2 within half the map.
+    value: Option<f64>,
+    pub(crate) unit: &'static str,
+}
+
+impl Parameter {
+    /// Four significant digits, or a dash.
+    pub(crate) fn digits(&self) -> String {
+        self.value.map_or_else(|| "-".to_owned(), significant)
+    }
+}
+
+/// Serializes parameters by their keys.
+fn by_key<S: serde::Serializer>(parameters: &[Parameter], serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_map(parameters.iter().map(|parameter| (parameter.key, parameter.value)))
 }
 
 #[derive(Clone, Debug, Serialize)]
@@ -168,6 +167,28 @@ impl SurfaceReport {
         if lengths.block > 1 {
             model.push(format!("Sal and Str are those of blocks of {} x {} pixels", lengths.block, lengths.block));
         }
+        let sdr_pct = 100.0 * map.sdr(monitor)?;
+        let parameters = [
+            ("sa_um", "Sa", Some(um(heights.sa_m)), "um"),
+            ("sq_um", "Sq", Some(um(heights.sq_m)), "um"),
+            ("ssk", "Ssk", Some(tidy(heights.ssk)), ""),
+            ("sku", "Sku", Some(tidy(heights.sku)), ""),
+            ("sp_um", "Sp", Some(um(heights.sp_m)), "um"),
+            ("sv_um", "Sv", Some(um(heights.sv_m)), "um"),
+            ("sz_um", "Sz", Some(um(heights.sz_m)), "um"),
+            ("sdq", "Sdq", Some(tidy(sdq)), ""),
+            // By the spectrum, as used by the area law.
+            ("rms_slope", "rms slope", Some(tidy(surface.rms_slope)), ""),
+            ("sdr_pct", "Sdr", Some(tidy(sdr_pct)), "%"),
+            ("sk_um", "Sk", Some(um(core.sk_m)), "um"),
+            ("spk_um", "Spk", Some(um(core.spk_m)), "um"),
+            ("svk_um", "Svk", Some(um(core.svk_m)), "um"),
+            ("smr1_pct", "Smr1", Some(tidy(100.0 * core.smr1)), "%"),
+            ("smr2_pct", "Smr2", Some(tidy(100.0 * core.smr2)), "%"),
+            ("sal_um", "Sal", lengths.sal_m.map(um), "um"),
+            ("str", "Str", lengths.str_ratio.map(tidy), ""),
+        ];
+        let parameters = parameters.map(|(key, symbol, value, unit)| Parameter { key, symbol, value, unit }).to_vec();
         let short_waves = match map.short_waves(monitor) {
             Err(MapError::Cancelled) => return Err(Cancelled),
             found => found.ok(),
@@ -185,25 +206,7 @@ impl SurfaceReport {
             missing_points: surface.filled.iter().filter(|missing| **missing).count(),
             model,
             warnings: surface.warnings.iter().map(told).collect(),
-            parameters: ParameterReport {
-                sa_um: um(heights.sa_m),
-                sq_um: um(heights.sq_m),
-                ssk: tidy(heights.ssk),
-                sku: tidy(heights.sku),
-                sp_um: um(heights.sp_m),
-                sv_um: um(heights.sv_m),
-                sz_um: um(heights.sz_m),
-                sdq: tidy(sdq),
-                sdr_pct: tidy(100.0 * map.sdr(monitor)?),
-                rms_slope: tidy(surface.rms_slope),
-                sal_um: lengths.sal_m.map(um),
-                r#str: lengths.str_ratio.map(tidy),
-                sk_um: um(core.sk_m),
-                spk_um: um(core.spk_m),
-                svk_um: um(core.svk_m),
-                smr1_pct: tidy(100.0 * core.smr1),
-                smr2_pct: tidy(100.0 * core.smr2),
-            },
+            parameters,
             filters: FilterReport::new(surface),
             cavities: cavities.map(CavityReport::from),
             short_waves: short_waves
@@ -220,29 +223,9 @@ impl SurfaceReport {
         })
     }
 
-    /// Every parameter: name, value to four digits or a dash, unit.
-    pub(crate) fn values(&self) -> Vec<(&'static str, String, &'static str)> {
-        let p = &self.parameters;
-        let all = [
-            ("Sa", Some(p.sa_um), "um"),
-            ("Sq", Some(p.sq_um), "um"),
-            ("Ssk", Some(p.ssk), ""),
-            ("Sku", Some(p.sku), ""),
-            ("Sp", Some(p.sp_um), "um"),
-            ("Sv", Some(p.sv_um), "um"),
-            ("Sz", Some(p.sz_um), "um"),
-            ("Sdq", Some(p.sdq), ""),
-            ("rms slope", Some(p.rms_slope), ""),
-            ("Sdr", Some(p.sdr_pct), "%"),
-            ("Sk", Some(p.sk_um), "um"),
-            ("Spk", Some(p.spk_um), "um"),
-            ("Svk", Some(p.svk_um), "um"),
-            ("Smr1", Some(p.smr1_pct), "%"),
-            ("Smr2", Some(p.smr2_pct), "%"),
-            ("Sal", p.sal_um, "um"),
-            ("Str", p.r#str, ""),
-        ];
-        all.map(|(name, value, unit)| (name, value.map_or_else(|| "-".to_owned(), significant), unit)).to_vec()
+    /// Value of the parameter with this symbol, in its unit, if it is known.
+    pub(crate) fn parameter(&self, symbol: &str) -> Option<f64> {
+        self.parameters.iter().find(|parameter| parameter.symbol == symbol)?.value
     }
 
     /// Formats the report as text.
@@ -264,10 +247,8 @@ impl SurfaceReport {
             text += &format!("! {warning}\n");
         }
         // Two parameters a row, so that all fit on one screen.
-        let cells =
-            |(name, value, unit): &(&str, String, &str)| [(*name).to_owned(), value.clone(), (*unit).to_owned()];
-        let values = self.values();
-        let (left, right) = values.split_at(values.len().div_ceil(2));
+        let cells = |of: &Parameter| [of.symbol.to_owned(), of.digits(), of.unit.to_owned()];
+        let (left, right) = self.parameters.split_at(self.parameters.len().div_ceil(2));
         let mut table = Table::new(["parameter", "value", "", "parameter", "value"]);
         for (place, own) in left.iter().enumerate() {
             table.row(cells(own).into_iter().chain(right.get(place).into_iter().flat_map(cells)));
@@ -279,7 +260,7 @@ impl SurfaceReport {
             "Sdq is by differences of neighbouring points; the rms slope is by the spectrum, of all waves that the map \
              resolves, and is the one that the area law takes",
         );
-        if self.parameters.r#str.is_none() {
+        if self.parameter("Str").is_none() {
             explain(
                 "Str is not known: correlation does not fall to 0.2 in every direction within the map, as where a lay runs \
                  through it",
