@@ -3,7 +3,7 @@
 use slipgrid_base::units::{
     DENSITY_G_CM3, HUMIDITY_PCT, LENGTH_MM, MODULUS_GPA, PRESSURE_MPA, SPEED_MM_S, significant, tidy,
 };
-use slipgrid_design::results::{PatternReport, fixed};
+use slipgrid_design::results::{PatternReport, Table, fixed};
 use slipgrid_infer::calibrate::{CutSample, Measurement};
 use slipgrid_io::formats::calibration::Calibration;
 use slipgrid_io::formats::surface::Surface;
@@ -14,87 +14,46 @@ use slipgrid_model::pattern::Planform;
 pub const FILE: &str = "friction-sheet.md";
 /// Value of an item that the calibration does not state.
 const NOT_GIVEN: &str = "not given";
-/// Titles of the columns of [`FrictionSheet::friction_cells`].
-pub(crate) const FRICTION_TITLES: [&str; 11] = [
-    "sample",
-    "normal force, N",
-    "nominal pressure, MPa",
-    "speed, mm/s",
-    "relative humidity, %",
-    "distance slid, m",
-    "repeats",
-    "dynamic friction",
-    "standard deviation",
-    "static friction",
-    "standard deviation",
-];
-/// Titles of the columns of [`FrictionSheet::textures`].
-pub(crate) const TEXTURE_TITLES: [&str; 7] =
-    ["sample", "date", "planform", "width, µm", "spacing, µm", "depth, µm", "notes"];
 /// Explanation of the table of friction.
 pub(crate) const FRICTION_WORDS: &str = "Forces act on one specimen. Pressure is force over the whole face, cavities included. The distance is the one slid up \
      to the middle of the averaging window. A standard deviation is that of another sample's friction: it includes the scatter between repeats.";
 
 /// Sheet of a calibration's measurements.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default)]
 pub struct FrictionSheet {
     name: String,
-    pub(crate) sections: Vec<Section>,
-    pub(crate) textures: Vec<[String; 7]>,
-    friction: Vec<FrictionRow>,
-}
-
-/// Group of items.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Section {
-    pub(crate) title: &'static str,
-    items: Vec<Item>,
-}
-
-/// Item of the sheet.
-#[derive(Clone, Debug, PartialEq)]
-struct Item {
-    name: &'static str,
-    value: Option<String>,
-    /// Where a calibration states the item.
-    place: &'static str,
+    /// Titles of groups of items, each with the items and their values.
+    pub(crate) items: Vec<(&'static str, Table)>,
+    /// Textured samples.
+    pub(crate) textures: Table,
+    /// Friction, one row per sample and condition.
+    pub(crate) friction: Table,
+    /// Items that the calibration does not state, each with the place that would state it.
+    not_given: Vec<String>,
 }
 
 /// Friction of one sample in one condition.
-#[derive(Clone, Debug, PartialEq)]
-struct FrictionRow {
+struct Measured {
     sample: String,
-    measured: Measurement,
+    of: Measurement,
     force_n: f64,
     pressure_pa: f64,
     distance_m: Option<f64>,
     repeats: Option<usize>,
 }
 
-impl Section {
-    fn new<const N: usize>(title: &'static str, items: [(&'static str, Option<String>, &'static str); N]) -> Self {
-        let is_stated = |value: &String| !value.trim().is_empty();
-        let items = items.map(|(name, value, place)| Item { name, value: value.filter(is_stated), place });
-        Self { title, items: items.to_vec() }
-    }
-
-    /// Name and value of each item.
-    pub(crate) fn rows(&self) -> Vec<[String; 2]> {
-        let value = |item: &Item| item.value.clone().unwrap_or_else(|| NOT_GIVEN.to_owned());
-        self.items.iter().map(|item| [item.name.to_owned(), value(item)]).collect()
-    }
-}
-
 impl FrictionSheet {
     /// Makes the sheet of `calibration`.
     #[must_use]
     pub fn new(calibration: &Calibration) -> Self {
-        let has_modulus_std = calibration.youngs_modulus_std_pa.map(|pa| tidy(MODULUS_GPA.from_si(pa)));
+        let modulus_std = calibration.youngs_modulus_std_pa.map(|pa| tidy(MODULUS_GPA.from_si(pa)));
         let modulus = tidy(MODULUS_GPA.from_si(calibration.elastic.youngs_modulus_pa()));
-        let modulus = has_modulus_std.map_or_else(|| format!("{modulus} GPa"), |std| format!("{modulus} ± {std} GPa"));
+        let modulus = modulus_std.map_or_else(|| format!("{modulus} GPa"), |std| format!("{modulus} ± {std} GPa"));
         let density = tidy(DENSITY_G_CM3.from_si(calibration.elastic.density_kg_m3()));
+        let area_mm2 = fixed(Some(1e6 * calibration.specimen_area_m2), 2);
+        let thickness = calibration.thickness_m.map(|m| format!("{} mm", tidy(LENGTH_MM.from_si(m))));
         let stated = calibration.reporting.clone();
-        let friction = friction(calibration);
+        let measured = measured(calibration);
         let map = match &calibration.surface {
             Surface::Map { path, synthetic, .. } => {
                 let kind = if *synthetic { "synthetic altitude map" } else { "altitude map" };
@@ -103,130 +62,71 @@ impl FrictionSheet {
             Surface::Persson { rms_slope } => Some(format!("rms slope {rms_slope}")),
             _ => None,
         };
-        let spans = |of: fn(&FrictionRow) -> f64| span(friction.iter().map(of));
-        let repeats: Option<Vec<usize>> = friction.iter().map(|row| row.repeats).collect();
+        let spans = |of: fn(&Measured) -> f64| span(measured.iter().map(of));
+        let repeats: Option<Vec<usize>> = measured.iter().map(|row| row.repeats).collect();
         let repeats = repeats.and_then(|all| span(all.into_iter().map(|count| count as f64)));
-        let distances: Option<Vec<f64>> = friction.iter().map(|row| row.distance_m).collect();
+        let distances: Option<Vec<f64>> = measured.iter().map(|row| row.distance_m).collect();
+        let distances = distances.and_then(|all| span(all.into_iter()));
         let unit = |span: Option<String>, unit: &str| span.map(|span| format!("{span} {unit}"));
-        let measured = "the tables of [measurements], or [traces]";
-        let sections = vec![
-            Section::new(
-                "Test",
-                [
-                    ("pair of materials", Some(calibration.name.clone()), "name"),
-                    ("source", Some(calibration.source.clone()), "source"),
-                    ("standard or procedure", stated.standard, "standard in [reporting]"),
-                    ("laboratory and date", stated.laboratory, "laboratory in [reporting]"),
-                    ("apparatus", stated.apparatus, "apparatus in [reporting]"),
-                    ("contact and motion", stated.motion, "motion in [reporting]"),
-                ],
-            ),
-            Section::new(
-                "Specimens",
-                [
-                    ("material", stated.specimen_material, "specimen_material in [reporting]"),
-                    ("Young's modulus", Some(modulus), "youngs_modulus_gpa in [material]"),
-                    ("density", Some(format!("{density} g/cm³")), "density_g_cm3 in [material]"),
-                    (
-                        "area of one face",
-                        Some(format!("{} mm²", fixed(Some(1e6 * calibration.specimen_area_m2), 2))),
-                        "[specimen]",
-                    ),
-                    (
-                        "thickness",
-                        calibration.thickness_m.map(|m| format!("{} mm", tidy(LENGTH_MM.from_si(m)))),
-                        "thickness_mm in [specimen]",
-                    ),
-                    ("holder", calibration.holder.map(|holder| holder.name().to_owned()), "holder in [specimen]"),
-                    ("preparation", stated.specimen_preparation, "specimen_preparation in [reporting]"),
-                    ("roughness", stated.specimen_roughness, "specimen_roughness in [reporting]"),
-                    ("surface of the computation", map, "[surface]"),
-                ],
-            ),
-            Section::new(
-                "Counterface",
-                [
-                    ("material", stated.counterface_material, "counterface_material in [reporting]"),
-                    ("preparation", stated.counterface_preparation, "counterface_preparation in [reporting]"),
-                    ("roughness", stated.counterface_roughness, "counterface_roughness in [reporting]"),
-                ],
-            ),
-            Section::new(
-                "Preparation of the test",
-                [
-                    ("cleaning", stated.cleaning, "cleaning in [reporting]"),
-                    ("running-in", stated.running_in, "running_in in [reporting]"),
-                    ("lubricant", stated.lubricant, "lubricant in [reporting]"),
-                ],
-            ),
-            Section::new(
-                "Environment",
-                [
-                    ("temperature", stated.temperature, "temperature in [reporting]"),
-                    ("atmosphere", stated.atmosphere, "atmosphere in [reporting]"),
-                    (
-                        "relative humidity",
-                        unit(spans(|row| HUMIDITY_PCT.from_si(row.measured.humidity)), "%"),
-                        measured,
-                    ),
-                ],
-            ),
-            Section::new(
+        let humidity = spans(|row| HUMIDITY_PCT.from_si(row.of.humidity));
+        let pressure = spans(|row| PRESSURE_MPA.from_si(row.pressure_pa));
+        let speed = spans(|row| SPEED_MM_S.from_si(row.of.speed_m_s));
+        let tables = "the tables of [measurements], or [traces]";
+        let items = [
+            ("Test", "pair of materials", Some(calibration.name.clone()), "name"),
+            ("Test", "source", Some(calibration.source.clone()), "source"),
+            ("Test", "standard or procedure", stated.standard, "standard in [reporting]"),
+            ("Test", "laboratory and date", stated.laboratory, "laboratory in [reporting]"),
+            ("Test", "apparatus", stated.apparatus, "apparatus in [reporting]"),
+            ("Test", "contact and motion", stated.motion, "motion in [reporting]"),
+            ("Specimens", "material", stated.specimen_material, "specimen_material in [reporting]"),
+            ("Specimens", "Young's modulus", Some(modulus), "youngs_modulus_gpa in [material]"),
+            ("Specimens", "density", Some(format!("{density} g/cm³")), "density_g_cm3 in [material]"),
+            ("Specimens", "area of one face", Some(format!("{area_mm2} mm²")), "[specimen]"),
+            ("Specimens", "thickness", thickness, "thickness_mm in [specimen]"),
+            ("Specimens", "holder", calibration.holder.map(|own| own.name().to_owned()), "holder in [specimen]"),
+            ("Specimens", "preparation", stated.specimen_preparation, "specimen_preparation in [reporting]"),
+            ("Specimens", "roughness", stated.specimen_roughness, "specimen_roughness in [reporting]"),
+            ("Specimens", "surface of the computation", map, "[surface]"),
+            ("Counterface", "material", stated.counterface_material, "counterface_material in [reporting]"),
+            ("Counterface", "preparation", stated.counterface_preparation, "counterface_preparation in [reporting]"),
+            ("Counterface", "roughness", stated.counterface_roughness, "counterface_roughness in [reporting]"),
+            ("Preparation of the test", "cleaning", stated.cleaning, "cleaning in [reporting]"),
+            ("Preparation of the test", "running-in", stated.running_in, "running_in in [reporting]"),
+            ("Preparation of the test", "lubricant", stated.lubricant, "lubricant in [reporting]"),
+            ("Environment", "temperature", stated.temperature, "temperature in [reporting]"),
+            ("Environment", "atmosphere", stated.atmosphere, "atmosphere in [reporting]"),
+            ("Environment", "relative humidity", unit(humidity, "%"), tables),
+            ("Conditions", "normal force on one specimen", unit(spans(|row| row.force_n), "N"), tables),
+            ("Conditions", "nominal pressure", unit(pressure, "MPa"), tables),
+            ("Conditions", "speed", unit(speed, "mm/s"), tables),
+            (
                 "Conditions",
-                [
-                    ("normal force on one specimen", unit(spans(|row| row.force_n), "N"), measured),
-                    ("nominal pressure", unit(spans(|row| PRESSURE_MPA.from_si(row.pressure_pa)), "MPa"), measured),
-                    ("speed", unit(spans(|row| SPEED_MM_S.from_si(row.measured.speed_m_s)), "mm/s"), measured),
-                    (
-                        "distance slid before the mean",
-                        unit(distances.and_then(|all| span(all.into_iter())), "m"),
-                        "the column sliding_mm of the tables, or [traces]",
-                    ),
-                    ("repeats of a condition", repeats, "[traces], a file for each repeat"),
-                ],
+                "distance slid before the mean",
+                unit(distances, "m"),
+                "the column sliding_mm of the tables, or [traces]",
             ),
-            Section::new(
-                "Observations",
-                [("wear, transfer, noise", stated.observations, "observations in [reporting]")],
-            ),
+            ("Conditions", "repeats of a condition", repeats, "[traces], a file for each repeat"),
+            ("Observations", "wear, transfer, noise", stated.observations, "observations in [reporting]"),
         ];
-        Self {
+        let mut sheet = Self {
             name: calibration.name.clone(),
-            sections,
-            textures: calibration.trials.samples.iter().map(texture).collect(),
-            friction,
-        }
-    }
-
-    /// Cells of the table of friction, one row per sample and condition.
-    pub(crate) fn friction_cells(&self) -> Vec<[String; 11]> {
-        let or_not_given = |value: Option<String>| value.unwrap_or_else(|| NOT_GIVEN.to_owned());
-        let number = |value: f64, digits| fixed(Some(value), digits);
-        let cells = |row: &FrictionRow| {
-            let peak = row.measured.static_peak;
-            [
-                row.sample.clone(),
-                number(row.force_n, 2),
-                number(PRESSURE_MPA.from_si(row.pressure_pa), 3),
-                tidy(SPEED_MM_S.from_si(row.measured.speed_m_s)).to_string(),
-                tidy(HUMIDITY_PCT.from_si(row.measured.humidity)).to_string(),
-                or_not_given(row.distance_m.map(|m| number(m, 3))),
-                or_not_given(row.repeats.map(|count| count.to_string())),
-                number(row.measured.mu_dynamic, 4),
-                number(row.measured.mu_dynamic_std, 4),
-                or_not_given(peak.map(|peak| number(peak.mu, 4))),
-                or_not_given(peak.map(|peak| number(peak.std, 4))),
-            ]
+            textures: textures(&calibration.trials.samples),
+            friction: friction(&measured),
+            ..Self::default()
         };
-        self.friction.iter().map(cells).collect()
-    }
-
-    /// Items that the calibration does not state, each with the place that would state it.
-    pub(crate) fn not_given(&self) -> Vec<String> {
-        let open = self.sections.iter().flat_map(|section| section.items.iter().map(move |item| (section, item)));
-        open.filter(|(_, item)| item.value.is_none())
-            .map(|(section, item)| format!("{}: {} ({})", section.title, item.name, item.place))
-            .collect()
+        for group in items.chunk_by(|a, b| a.0 == b.0) {
+            let mut table = Table::new(["item", "value"]);
+            for (title, name, value, place) in group {
+                let value = value.as_ref().filter(|value| !value.trim().is_empty());
+                if value.is_none() {
+                    sheet.not_given.push(format!("{title}: {name} ({place})"));
+                }
+                table.row([(*name).to_owned(), or_not_given(value.cloned())]);
+            }
+            sheet.items.push((group[0].0, table));
+        }
+        sheet
     }
 
     /// Formats the sheet as Markdown.
@@ -237,29 +137,67 @@ impl FrictionSheet {
              calibration file does not state.\n",
             inline(&self.name)
         );
-        for section in &self.sections {
-            text += &format!("\n## {}\n\n{}", section.title, table(&["item", "value"], &section.rows()));
+        for (title, items) in &self.items {
+            text += &format!("\n## {title}\n\n{}", markdown_table(items));
         }
-        if !self.textures.is_empty() {
-            text += &format!("\n## Textured samples\n\n{}", table(&TEXTURE_TITLES, &self.textures));
+        if !self.textures.body().is_empty() {
+            text += &format!("\n## Textured samples\n\n{}", markdown_table(&self.textures));
         }
-        text += &format!("\n## Friction\n\n{FRICTION_WORDS}\n\n{}", table(&FRICTION_TITLES, &self.friction_cells()));
-        let open = self.not_given();
-        if !open.is_empty() {
+        text += &format!("\n## Friction\n\n{FRICTION_WORDS}\n\n{}", markdown_table(&self.friction));
+        if !self.not_given.is_empty() {
             text += "\n## Not given\n\n";
-            open.iter().for_each(|item| text += &format!("- {item}\n"));
+            self.not_given.iter().for_each(|item| text += &format!("- {item}\n"));
         }
         text
     }
 }
 
+fn or_not_given(value: Option<String>) -> String {
+    value.unwrap_or_else(|| NOT_GIVEN.to_owned())
+}
+
+/// Table of friction, one row per sample and condition.
+fn friction(rows: &[Measured]) -> Table {
+    let number = |value: f64, digits| fixed(Some(value), digits);
+    let mut table = Table::of(rows);
+    table.column("sample", |row| row.sample.clone());
+    table.column("normal force, N", |row| number(row.force_n, 2));
+    table.column("nominal pressure, MPa", |row| number(PRESSURE_MPA.from_si(row.pressure_pa), 3));
+    table.column("speed, mm/s", |row| tidy(SPEED_MM_S.from_si(row.of.speed_m_s)).to_string());
+    table.column("relative humidity, %", |row| tidy(HUMIDITY_PCT.from_si(row.of.humidity)).to_string());
+    table.column("distance slid, m", |row| or_not_given(row.distance_m.map(|m| number(m, 3))));
+    table.column("repeats", |row| or_not_given(row.repeats.map(|count| count.to_string())));
+    table.column("dynamic friction", |row| number(row.of.mu_dynamic, 4));
+    table.column("standard deviation", |row| number(row.of.mu_dynamic_std, 4));
+    table.column("static friction", |row| or_not_given(row.of.static_peak.map(|peak| number(peak.mu, 4))));
+    table.column("standard deviation", |row| or_not_given(row.of.static_peak.map(|peak| number(peak.std, 4))));
+    table.table()
+}
+
+/// Table of textured samples.
+fn textures(samples: &[CutSample]) -> Table {
+    let words = |text: &str| or_not_given((!text.is_empty()).then(|| text.to_owned()));
+    let length = |um: f64| tidy(um).to_string();
+    let rows: Vec<_> = samples.iter().map(|cut| (cut, PatternReport::from(&cut.pattern))).collect();
+    let groove = || Planform::Groove.name().to_owned();
+    let mut table = Table::of(&rows);
+    table.column("sample", |(cut, _)| cut.name.clone());
+    table.column("date", |(cut, _)| words(&cut.date));
+    table.column("planform", |(_, pattern)| pattern.texture.planform.clone().unwrap_or_else(groove));
+    table.column("width, µm", |(_, pattern)| length(pattern.width_um));
+    table.column("spacing, µm", |(_, pattern)| length(pattern.spacing_um));
+    table.column("depth, µm", |(_, pattern)| length(pattern.depth_um));
+    table.column("notes", |(cut, _)| words(&cut.notes));
+    table.table()
+}
+
 /// Friction of the flat samples, of patterned samples without a pattern, and of the trials.
-fn friction(calibration: &Calibration) -> Vec<FrictionRow> {
+fn measured(calibration: &Calibration) -> Vec<Measured> {
     let row = |sample: &str, area_m2: f64, measured: &Measurement, traces: Option<&ConditionTraces>, placed_m| {
         let pressure_pa = calibration.pressure_pa(measured.force_n);
-        FrictionRow {
+        Measured {
             sample: sample.to_owned(),
-            measured: *measured,
+            of: *measured,
             force_n: pressure_pa * area_m2,
             pressure_pa,
             distance_m: traces.map(ConditionTraces::sliding_m).or(placed_m),
@@ -275,7 +213,7 @@ fn friction(calibration: &Calibration) -> Vec<FrictionRow> {
         let own = |traces: &&ConditionTraces| traces.condition.trial.is_none() && traces.condition.surface == kind;
         calibration.traces.iter().find(|traces| own(traces) && is_measured_by(traces, measured))
     };
-    let mut rows: Vec<FrictionRow> = calibration
+    let mut rows: Vec<Measured> = calibration
         .flat
         .iter()
         .zip(&calibration.placed)
@@ -300,22 +238,6 @@ fn friction(calibration: &Calibration) -> Vec<FrictionRow> {
     rows
 }
 
-/// Cells of [`TEXTURE_TITLES`].
-fn texture(cut: &CutSample) -> [String; 7] {
-    let pattern = PatternReport::from(&cut.pattern);
-    let words = |text: &str| if text.is_empty() { NOT_GIVEN.to_owned() } else { text.to_owned() };
-    let length = |um: f64| tidy(um).to_string();
-    [
-        cut.name.clone(),
-        words(&cut.date),
-        pattern.texture.planform.unwrap_or_else(|| Planform::Groove.name().to_owned()),
-        length(pattern.width_um),
-        length(pattern.spacing_um),
-        length(pattern.depth_um),
-        words(&cut.notes),
-    ]
-}
-
 /// Smallest and largest of `values`, or the one value that all have; `None` without values.
 fn span(values: impl Iterator<Item = f64>) -> Option<String> {
     let [low, high] =
@@ -335,10 +257,10 @@ fn inline(text: &str) -> String {
 }
 
 /// A table of Markdown.
-fn table<const N: usize>(titles: &[&str; N], rows: &[[String; N]]) -> String {
+fn markdown_table(table: &Table) -> String {
     let line = |cells: Vec<String>| format!("| {} |\n", cells.join(" | "));
-    let mut text = line(titles.map(str::to_owned).to_vec()) + &line(vec!["---".to_owned(); N]);
-    rows.iter().for_each(|row| text += &line(row.iter().map(|cell| inline(cell)).collect()));
+    let mut text = line(table.header().to_vec()) + &line(vec!["---".to_owned(); table.header().len()]);
+    table.body().iter().for_each(|row| text += &line(row.iter().map(|cell| inline(cell)).collect()));
     text
 }
 
@@ -360,23 +282,23 @@ mod tests {
     fn every_key_of_reporting_fills_one_item_and_an_item_without_a_value_is_listed() {
         let keys = serde_json::to_value(slipgrid_io::formats::reporting::Reporting::default()).unwrap();
         let keys: Vec<&String> = keys.as_object().unwrap().keys().collect();
-        let open = sheet("").not_given();
+        let open = sheet("").not_given;
         for key in &keys {
             let named = open.iter().filter(|item| item.ends_with(&format!("({key} in [reporting])"))).count();
             assert_eq!(named, 1, "{key}: {open:?}");
             let given = sheet(&format!("[reporting]\n{key} = \"a | b\"\n"));
-            assert_eq!(given.not_given().len() + 1, open.len(), "{key}");
+            assert_eq!(given.not_given.len() + 1, open.len(), "{key}");
             assert!(given.markdown().contains("| a \\| b |"), "{key}");
         }
         // An empty text states nothing.
-        assert_eq!(sheet("[reporting]\nstandard = \" \"\n").not_given().len(), open.len());
+        assert_eq!(sheet("[reporting]\nstandard = \" \"\n").not_given.len(), open.len());
     }
 
     #[test]
     fn the_sheet_has_every_measurement_with_its_standard_deviation() {
         let sheet = sheet("");
         let text = sheet.markdown();
-        let rows = sheet.friction_cells();
+        let rows = sheet.friction.body();
         assert!(rows.len() > 20 && rows.iter().all(|row| row[7].starts_with("0.") && row[8].starts_with("0.")));
         assert!(text.contains("| area of one face | 78.54 mm² |"), "{text}");
         assert!(text.contains("| patterned samples | not given | square | 130 | 370 | 5.2 |"), "{text}");

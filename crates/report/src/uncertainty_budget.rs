@@ -7,7 +7,7 @@ use slipgrid_base::statistics::NORMAL_95;
 use slipgrid_base::units::{significant, tidy};
 use slipgrid_design::DesignReport;
 use slipgrid_design::results::errors::{DRAWS, STATIC, TIME_AVERAGE};
-use slipgrid_design::results::{ErrorReport, SimulationReport, fixed};
+use slipgrid_design::results::{ErrorReport, SimulationReport, Table, fixed};
 use slipgrid_infer::calibrate::uncertainty::Source;
 
 use crate::charts::flat_of;
@@ -21,9 +21,6 @@ const TYPE_A: [&str; 6] =
 const NOT_ATTRIBUTED: &str = "not attributed";
 /// Share of the combined variance from which [`NOT_ATTRIBUTED`] is listed; less is rounding.
 const MIN_NOT_ATTRIBUTED: f64 = 1e-6;
-/// Titles of the columns of [`UncertaintyBudget::cells`].
-pub(crate) const TITLES: [&str; 6] =
-    ["input", "type", "standard uncertainty", "degrees of freedom", "sensitivity", "contribution"];
 /// Explanation of the tables.
 pub(crate) const WORDS: &str = "Type A: by statistics of observations or of runs; type B: by other means. The standard uncertainty of an input is its effect \
      on the ratio. The sensitivity is 1 for a ratio, and flat friction for a coefficient. Degrees of freedom: ∞ for type B (GUM, G.4.3); a dash \
@@ -158,22 +155,18 @@ impl UncertaintyBudget {
         )
     }
 
-    /// Cells of the table, one row per input, the largest contribution first.
-    pub(crate) fn cells(&self) -> Vec<[String; 6]> {
+    /// Table with one row per input, the largest contribution first.
+    pub(crate) fn table(&self) -> Table {
         let mut inputs: Vec<&Input> = self.inputs.iter().collect();
         inputs.sort_by(|a, b| b.contribution().total_cmp(&a.contribution()));
-        let row = |input: &Input| {
-            let [kind, freedom] = if input.is_type_a() { ["A", "-"] } else { ["B", "∞"] };
-            [
-                input.name.clone(),
-                kind.to_owned(),
-                fixed(Some(input.std), 4),
-                freedom.to_owned(),
-                fixed(Some(input.sensitivity), 3),
-                fixed(Some(input.contribution()), 4),
-            ]
-        };
-        inputs.into_iter().map(row).collect()
+        let mut table = Table::of(&inputs);
+        table.column("input", |input| input.name.clone());
+        table.column("type", |input| if input.is_type_a() { "A" } else { "B" }.to_owned());
+        table.column("standard uncertainty", |input| fixed(Some(input.std), 4));
+        table.column("degrees of freedom", |input| if input.is_type_a() { "-" } else { "∞" }.to_owned());
+        table.column("sensitivity", |input| fixed(Some(input.sensitivity), 3));
+        table.column("contribution", |input| fixed(Some(input.contribution()), 4));
+        table.table()
     }
 
     /// Formats `budgets` as CSV, one row per input.
@@ -233,12 +226,13 @@ mod tests {
         let found = UncertaintyBudget::of_scene(&report);
         let [budget] = &found[..] else { panic!("{found:?}") };
         assert!((budget.combined - 0.05).abs() < 1e-12 && (budget.coverage_factor().unwrap() - 1.96).abs() < 1e-3);
-        let rows = budget.cells();
+        let table = budget.table();
+        let rows = table.body();
         assert_eq!(rows.len(), 2);
         assert_eq!(rows[0][..4], ["size of blocks", "B", "0.0400", "∞"].map(str::to_owned));
         assert_eq!(rows[1][..4], [TIME_AVERAGE, "A", "0.0300", "-"].map(str::to_owned));
         let wider = UncertaintyBudget { combined: 0.13, ..budget.clone() }.closed();
-        assert_eq!(wider.cells()[0][..3], [NOT_ATTRIBUTED, "B", "0.1200"].map(str::to_owned));
+        assert_eq!(wider.table().body()[0][..3], [NOT_ATTRIBUTED, "B", "0.1200"].map(str::to_owned));
         let csv = UncertaintyBudget::csv(&found);
         assert!(
             csv.contains("\ndynamic friction,2.6,2,,0.4,time average,A,0.03,,1,0.03,0.05,1.95996,0.0979982,"),

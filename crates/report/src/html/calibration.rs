@@ -9,7 +9,7 @@ use slipgrid_infer::calibrate::{
 use slipgrid_io::formats::calibration::Calibration;
 
 use super::page::{Page, number, percent, plain, sentence, with_error};
-use super::{background, friction_sheet, trials};
+use super::{background, trials};
 use crate::Outputs;
 use crate::calibration::{
     flat_friction, flat_samples, in_words, pair_of, parameter_table, static_rows, static_table, static_words,
@@ -97,7 +97,7 @@ pub fn calibration(fitted: Fitted<'_>, outputs: &Outputs) -> String {
         None => page.paragraph("No patterned sample was measured: it is not known how far the model is off for one."),
     });
     page.part("What was measured", |page| traces(page, outputs));
-    friction_sheet::part(&mut page, sheet);
+    trials::statements(&mut page, sheet);
     page.part("How every value was obtained", |page| {
         page.paragraph(&format!("Source: {}.", calibration.source));
         page.fold("Notes", |page| {

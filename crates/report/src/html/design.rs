@@ -106,8 +106,7 @@ fn budgets(page: &mut Page, report: &DesignReport) {
     let budgets = UncertaintyBudget::of_design(report);
     page.fold("Uncertainty budget in the form of the GUM", |page| {
         for budget in &budgets {
-            let rows: Vec<Vec<String>> = budget.cells().iter().map(|row| row.to_vec()).collect();
-            page.table(&sentence(&budget.result_in_words()), &uncertainty_budget::TITLES, &rows);
+            page.same_table(&sentence(&budget.result_in_words()), &budget.table());
         }
         if !budgets.is_empty() {
             page.paragraph(uncertainty_budget::WORDS);

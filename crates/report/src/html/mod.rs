@@ -17,7 +17,6 @@ mod calibration;
 mod design;
 mod explorer;
 mod first_screen;
-mod friction_sheet;
 pub mod page;
 mod points;
 mod section;

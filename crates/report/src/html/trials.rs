@@ -5,7 +5,7 @@ use slipgrid_design::results::{believed, believed_interval};
 use super::page::{Column, Page, number, percent, sentence};
 use crate::Outputs;
 use crate::charts::left_out;
-use crate::friction_sheet::FrictionSheet;
+use crate::friction_sheet::{FRICTION_WORDS, FrictionSheet};
 use crate::literature;
 use crate::trials::{CoverageReport, EffectReport, PredictedReport, TrialReport, TrialsReport};
 
@@ -59,7 +59,7 @@ pub fn trials(report: &TrialsReport, sheet: &FrictionSheet, outputs: &Outputs) -
     );
     details(&mut page, report);
     published(&mut page, report);
-    super::friction_sheet::part(&mut page, sheet);
+    statements(&mut page, sheet);
     page.finish(&title, &report.version)
 }
 
@@ -69,6 +69,17 @@ pub(super) fn part(page: &mut Page, report: &TrialsReport, outputs: &Outputs) {
     picture(page, outputs);
     page.named_list("Which trial would tell most", &next(report));
     details(page, report);
+}
+
+/// Adds the folded sheet of the measurements.
+pub(super) fn statements(page: &mut Page, sheet: &FrictionSheet) {
+    page.part("Statements for a publication", |page| {
+        page.fold("Sheet of the friction measurements, with the items of ASTM G115", |page| {
+            sheet.items.iter().for_each(|(title, items)| page.same_table(title, items));
+            page.same_table("Textured samples", &sheet.textures);
+            page.same_table(FRICTION_WORDS, &sheet.friction);
+        });
+    });
 }
 
 fn picture(page: &mut Page, outputs: &Outputs) {
