@@ -1,6 +1,5 @@
 //! Calibrations: fits a material to measurements on samples, and learns from trials.
 
-use std::ffi::OsString;
 use std::path::PathBuf;
 
 use pyo3::prelude::*;
@@ -19,8 +18,9 @@ use slipgrid::report::calibration::{files, fit_json, ledger, summary};
 use slipgrid::report::trials::TrialsReport;
 use slipgrid::results::json;
 
-use crate::errors;
-use crate::origin::{Anchored, Contents, Origin};
+use crate::errors::{Failure, failed};
+use crate::origin::{Anchored, Contents, Given, Origin, Parts};
+use crate::output::{Named, Told, contents};
 use crate::progress::watched;
 use crate::threads::{detached, in_pool};
 use crate::warnings::warn_all;
@@ -31,8 +31,8 @@ const SEED: u64 = 1;
 /// Checks the material file at `path`, or `text` in its place; returns the text and its warnings.
 #[pyfunction]
 #[pyo3(signature = (path, text=None))]
-pub fn read_material(py: Python<'_>, path: PathBuf, text: Option<String>) -> PyResult<(String, Vec<String>)> {
-    let read = in_pool(py, || {
+pub fn read_material(py: Python<'_>, path: PathBuf, text: Option<String>) -> Result<(String, Vec<String>), Failure> {
+    let read: Result<_, Diagnostic> = in_pool(py, || {
         let document = match text {
             Some(text) => Document::new(path, text),
             None => Document::read(&disk(), &path, FileKind::Material)?,
@@ -40,7 +40,7 @@ pub fn read_material(py: Python<'_>, path: PathBuf, text: Option<String>) -> PyR
         let (material, _) = read_known(&document, &document.parse()?, &(0..0))?;
         Ok((document.text().to_owned(), material.provenance.warnings))
     })?;
-    read.map_err(|error: Diagnostic| errors::input(py, &error))
+    Ok(read?)
 }
 
 /// A calibration, ready to be fitted.
@@ -51,65 +51,44 @@ pub struct Calibration {
     origin: Origin,
 }
 
-/// Text and path of a calibration, whether the path is a file, and the files that the calibration reads.
-type Parts<'a> = (&'a str, OsString, bool, Contents);
-
 /// A fitted calibration.
 #[pyclass(frozen, module = "slipgrid")]
 pub struct Fitted {
     read: Read,
     path: PathBuf,
     disk: Anchored,
-    inputs: Vec<PathBuf>,
     task: CalibrationTask,
     outcome: CalibrationOutcome,
     ledger: Option<TrialsReport>,
 }
 
-impl Calibration {
-    fn of(py: Python<'_>, origin: Origin, warns: bool) -> PyResult<Self> {
-        let read = in_pool(py, || Read::from_document(&origin.document(FileKind::Calibration)?))?;
-        let read = read.map_err(|error| errors::input(py, &error))?;
-        let inputs = origin.inputs(&read.inputs);
-        if warns {
-            warn_all(py, &read.told)?;
-        }
-        Ok(Self { read, inputs, origin })
-    }
-}
-
 #[pymethods]
 impl Calibration {
-    /// Parses the calibration in `text` as a file at `path`; relative paths in the text start from the folder of `path`.
-    /// `is_file` states that the file exists; `files` are the only available files, and None stands for the disk, before which
-    /// `objects` are looked at.
+    /// Parses the calibration in `text`, by default that of the file at `path`; relative paths in the text start from the folder of
+    /// `path`. `objects` are looked at before the disk, and a copy has no files but those in `copied`.
     #[new]
-    #[pyo3(signature = (text, path, is_file=false, files=None, objects=None))]
+    #[pyo3(signature = (text, path, objects=None, copied=None))]
     fn new(
         py: Python<'_>,
-        text: String,
+        text: Option<String>,
         path: PathBuf,
-        is_file: bool,
-        files: Option<Contents>,
         objects: Option<Contents>,
-    ) -> PyResult<Self> {
-        // A copy repeats no warnings: they were given when the original was made.
-        let warns = files.is_none();
-        Self::of(py, Origin::new(text, path, is_file, files, objects), warns)
-    }
-
-    /// Reads the calibration file at `path`.
-    #[staticmethod]
-    fn read(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
-        let origin = detached(py, || Origin::read(path, FileKind::Calibration))?;
-        Self::of(py, origin.map_err(|error| errors::input(py, &error))?, true)
+        copied: Option<(bool, Contents)>,
+    ) -> Result<Self, Failure> {
+        let (origin, read) = in_pool(py, || {
+            let origin = Origin::new(FileKind::Calibration, Given { text, objects, copied }, path)?;
+            let read = Read::from_document(&origin.document(FileKind::Calibration)?)?;
+            Ok::<_, Diagnostic>((origin, read))
+        })??;
+        if !origin.is_copy {
+            warn_all(py, &read.told)?;
+        }
+        Ok(Self { inputs: origin.inputs(&read.inputs), read, origin })
     }
 
     /// Constructor and arguments from which `pickle` and `copy` restore the calibration, on any machine.
-    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyType>, Parts<'_>)> {
-        let Origin { text, path, is_file, .. } = &self.origin;
-        let files = detached(py, || self.origin.contents())?.map_err(|error| errors::input(py, &error))?;
-        Ok((py.get_type::<Self>(), (text, path.clone().into(), *is_file, files)))
+    fn __reduce__<'py>(&self, py: Python<'py>) -> Result<(Bound<'py, PyType>, Parts), Failure> {
+        Ok((py.get_type::<Self>(), detached(py, || self.origin.parts())??))
     }
 
     fn __repr__(&self) -> String {
@@ -122,79 +101,57 @@ impl Calibration {
         self.read.told.clone()
     }
 
-    /// Fits local coefficients to the flat samples and learns from trials.
+    /// Fits local coefficients to the flat samples and learns from trials. Returns fit.json and the material file as well.
     #[pyo3(signature = (progress=None))]
-    fn fit(&self, py: Python<'_>, progress: Option<&Bound<'_, PyAny>>) -> PyResult<Fitted> {
+    fn fit(&self, py: Python<'_>, progress: Option<&Bound<'_, PyAny>>) -> Result<([String; 2], Told, Fitted), Failure> {
         let sample = (DEFAULT_SPECIMEN, SEED);
-        let found = watched(py, progress, |watch| {
-            let (path, files) = (&self.origin.path, self.origin.source());
-            let (task, outcome) = calibrate(&self.read, path, &files, sample, Selection::default(), watch)?;
-            let ledger = ledger(&self.read, &outcome, watch)?;
-            Ok((task, outcome, ledger))
-        })?;
-        let (task, outcome, ledger) = found.map_err(|error: Uncalibrated| errors::uncalibrated(py, &error))?;
-        warn_all(py, &outcome.material.provenance.warnings)?;
-        let (read, path, inputs) = (self.read.clone(), self.origin.path.clone(), self.inputs.clone());
-        Ok(Fitted { read, path, disk: self.origin.disk.clone(), inputs, task, outcome, ledger })
+        let (found, records, text) = watched(py, progress, |watch| {
+            let (read, path, files) = (self.read.clone(), self.origin.path.clone(), self.origin.source());
+            let (task, outcome) = calibrate(&read, &path, &files, sample, Selection::default(), watch)?;
+            let ledger = ledger(&read, &outcome, watch)?;
+            let text = summary(&read, &task, &outcome, ledger.as_ref());
+            let material = material_toml(&task, &outcome, None).map_err(failed)?;
+            let records = [fit_json(&task, &outcome).map_err(failed)?, material];
+            Ok::<_, Failure>((
+                Fitted { read, path, disk: self.origin.disk.clone(), task, outcome, ledger },
+                records,
+                text,
+            ))
+        })??;
+        let of_material = &found.outcome.material.provenance.warnings;
+        warn_all(py, of_material)?;
+        let warnings = [self.read.told.clone(), of_material.clone()].concat();
+        Ok((records, (text, warnings, self.inputs.clone()), found))
     }
 
     /// Ledger of the trials: JSON as `slipgrid trials --json` writes it, and text.
     #[pyo3(signature = (progress=None))]
-    fn trials(&self, py: Python<'_>, progress: Option<&Bound<'_, PyAny>>) -> PyResult<[String; 2]> {
+    fn trials(&self, py: Python<'_>, progress: Option<&Bound<'_, PyAny>>) -> Result<[String; 2], Failure> {
         let sample = (DEFAULT_SPECIMEN, SEED);
-        let found = watched(py, progress, |watch| {
+        let report = watched(py, progress, |watch| {
             let (task, learned) = learn(&self.read, &self.origin.path, &self.origin.source(), sample, watch)?;
+            let (name, samples) = (&self.read.name, &task.trials.samples);
             let report =
-                TrialsReport::new(&self.read.name, &task.flat, &task.trials.samples, &learned.discrepancy, watch)?
-                    .with_pending(&learned)
-                    .with_warnings(self.read.doubts.clone());
-            let record = json(&report).map_err(|error| Uncalibrated::Failed(error.to_string()))?;
-            Ok(([record, report.text()], report.warnings))
-        })?;
-        let (found, warnings) = found.map_err(|error: Uncalibrated| errors::uncalibrated(py, &error))?;
-        warn_all(py, &warnings)?;
-        Ok(found)
+                TrialsReport::new(name, &task.flat, samples, &learned.discrepancy, watch)?.with_pending(&learned);
+            Ok::<_, Uncalibrated>(report.with_warnings(self.read.doubts.clone()))
+        })??;
+        warn_all(py, &report.warnings)?;
+        Ok([json(&report).map_err(failed)?, report.text()])
     }
 }
 
 #[pymethods]
 impl Fitted {
-    /// The material file; includes `[made_from]` if `output`, its path, is given and the calibration is a file.
-    #[pyo3(signature = (output=None))]
-    fn material_toml(&self, py: Python<'_>, output: Option<PathBuf>) -> PyResult<String> {
-        let made_from = output.and_then(|output| {
-            let output = self.disk.to_absolute(output);
-            MadeFrom::new(&self.read, &self.path, &output, &self.disk.source())
-        });
-        let text = in_pool(py, || material_toml(&self.task, &self.outcome, made_from))?;
-        text.map_err(|error| errors::failed(py, &error.to_string()))
-    }
-
-    /// Files that the calibration was made from.
-    #[getter]
-    fn inputs(&self) -> Vec<PathBuf> {
-        self.inputs.clone()
-    }
-
-    /// The fit as in fit.json.
-    fn fit_json(&self, py: Python<'_>) -> PyResult<String> {
-        in_pool(py, || fit_json(&self.task, &self.outcome))?.map_err(|error| errors::failed(py, &error.to_string()))
-    }
-
-    /// Text as the command line prints it.
-    fn text(&self, py: Python<'_>) -> PyResult<String> {
-        in_pool(py, || summary(&self.read, &self.task, &self.outcome, self.ledger.as_ref()))
-    }
-
-    /// Warnings about the measurements and the material, one sentence each.
-    #[getter]
-    fn warnings(&self) -> Vec<String> {
-        [self.read.told.clone(), self.outcome.material.provenance.warnings.clone()].concat()
+    /// The material file at `output`, with `[made_from]` if the calibration is a file.
+    fn material_toml(&self, py: Python<'_>, output: PathBuf) -> Result<String, Failure> {
+        let output = self.disk.to_absolute(output);
+        let made_from = MadeFrom::new(&self.read, &self.path, &output, &self.disk.source());
+        in_pool(py, || material_toml(&self.task, &self.outcome, made_from))?.map_err(failed)
     }
 
     /// All files of the fit that the command line writes, by name.
-    fn files(&self, py: Python<'_>) -> PyResult<Vec<(String, Vec<u8>)>> {
+    fn files(&self, py: Python<'_>) -> Result<Vec<Named>, Failure> {
         let outputs = in_pool(py, || files(&self.read, &self.task, &self.outcome, self.ledger.as_ref()))?;
-        crate::designs::contents(py, &outputs.map_err(|error| errors::failed(py, &error.to_string()))?)
+        contents(&outputs.map_err(failed)?)
     }
 }

@@ -9,7 +9,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use slipgrid::campaign::{Campaign as Shared, Done, Planned, Results, Task, Worker, plan};
 
-use crate::errors;
+use crate::errors::{Failure, failed};
 use crate::progress::watched;
 use slipgrid::disk::disk;
 
@@ -28,9 +28,8 @@ impl Campaign {
     /// Plans the campaign of the file at `path`.
     #[staticmethod]
     #[pyo3(signature = (path, progress=None))]
-    fn plan(py: Python<'_>, path: PathBuf, progress: Option<&Bound<'_, PyAny>>) -> PyResult<Self> {
-        let planned = watched(py, progress, |watch| plan(&disk(), &path, watch))?;
-        Ok(Self { planned: planned.map_err(|error| errors::campaign(py, &error))? })
+    fn plan(py: Python<'_>, path: PathBuf, progress: Option<&Bound<'_, PyAny>>) -> Result<Self, Failure> {
+        Ok(Self { planned: watched(py, progress, |watch| plan(&disk(), &path, watch))?? })
     }
 
     /// Makes a campaign from `parts` of another campaign, with these of its tasks.
@@ -44,16 +43,15 @@ impl Campaign {
     }
 
     /// Data that all tasks share as JSON, and the files that they read, by hash.
-    fn parts<'py>(&self, py: Python<'py>) -> PyResult<(String, BTreeMap<&str, Bound<'py, PyBytes>>)> {
-        let shared = serde_json::to_string(&self.planned.campaign);
+    fn parts<'py>(&self, py: Python<'py>) -> Result<(String, BTreeMap<&str, Bound<'py, PyBytes>>), Failure> {
+        let shared = serde_json::to_string(&self.planned.campaign).map_err(failed)?;
         let inputs = self.planned.contents.iter().map(|(hash, bytes)| (hash.as_str(), PyBytes::new(py, bytes)));
-        Ok((shared.map_err(|error| errors::failed(py, &error.to_string()))?, inputs.collect()))
+        Ok((shared, inputs.collect()))
     }
 
     /// Every task as JSON.
-    fn tasks(&self, py: Python<'_>) -> PyResult<Vec<String>> {
-        let json = |task: &Task| serde_json::to_string(task).map_err(|error| errors::failed(py, &error.to_string()));
-        self.planned.tasks.iter().map(json).collect()
+    fn tasks(&self) -> Result<Vec<String>, Failure> {
+        self.planned.tasks.iter().map(|task| serde_json::to_string(task).map_err(failed)).collect()
     }
 
     /// The name of the campaign.
@@ -63,14 +61,13 @@ impl Campaign {
     }
 
     /// Works on all tasks in order; returns the result of each as JSON.
-    fn work(&self, py: Python<'_>) -> PyResult<Vec<String>> {
+    fn work(&self, py: Python<'_>) -> Result<Vec<String>, Failure> {
         let Planned { campaign, tasks, contents } = &self.planned;
         let done: Option<Vec<_>> = watched(py, None, |watch| {
             let worker = Worker::new(campaign, contents.clone());
             tasks.iter().map(|task| worker.work(task, watch)).collect()
         })?;
-        let json = |done| serde_json::to_string(done).map_err(|error| errors::failed(py, &error.to_string()));
-        done.unwrap_or_default().iter().map(json).collect()
+        done.unwrap_or_default().iter().map(|done| serde_json::to_string(done).map_err(failed)).collect()
     }
 
     /// Table of the results in the order of the tasks, with None for a missing result, and a text that counts the results by status.

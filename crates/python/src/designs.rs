@@ -1,6 +1,5 @@
 //! Designs: the search for a design, and the samples to cut next.
 
-use std::ffi::OsString;
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -10,26 +9,25 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyType;
 use rayon::prelude::*;
-use slipgrid::design::{
-    DesignError, DesignOutcome, Explored, NextOptions, NextTrials, NoCache, explore_bounds, next_trials, run,
-};
+use slipgrid::design::{DesignOutcome, Explored, NextOptions, NoCache, explore_bounds, next_trials, run};
 use slipgrid::formats::calibrated::{Uncalibrated, complete_by, read_calibration};
 use slipgrid::formats::calibration::Calibration;
 use slipgrid::formats::confirmed_scene::steady_scene;
 use slipgrid::formats::file_kind::FileKind;
 use slipgrid::formats::{Diagnostic, design::Design as Read};
-use slipgrid::monitor::{Cancelled, Monitor};
+use slipgrid::monitor::Monitor;
 use slipgrid::pattern::Pattern;
 use slipgrid::report::html::exploration;
-use slipgrid::report::{LaserFile, Outputs, draw, files};
+use slipgrid::report::{LaserFile, Outputs, ReportError, draw, files};
 use slipgrid::results::{json, json_and_timings};
 use slipgrid::units::{PRESSURE_MPA, tidy};
 
 use crate::counts::{shown, to_count};
-use crate::errors;
-use crate::origin::{Contents, Origin};
+use crate::errors::{Failure, failed, undesigned};
+use crate::origin::{Contents, Given, Origin, Parts};
+use crate::output::{Named, Told, contents};
 use crate::progress::{Watch, watched};
-use crate::threads::{detached, in_pool};
+use crate::threads::in_pool;
 use crate::warnings::warn_all;
 
 /// Accepted numbers of samples to cut next.
@@ -57,55 +55,14 @@ struct Bounds {
 /// Values, pressures, quantity, errors and warnings of [`Design::predict`].
 type Predicted<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray1<f64>>, &'static str, [f64; 2], Vec<String>);
 
-/// Text and path of a design, whether the path is a file, and the files that the design reads.
-type Parts<'a> = (&'a str, OsString, bool, Contents);
-
 /// Result of a design search.
 #[pyclass(frozen, module = "slipgrid")]
-pub struct Designed {
-    found: DesignOutcome,
-    warnings: Vec<String>,
-    inputs: Vec<PathBuf>,
-}
-
-/// Samples to cut next.
-#[pyclass(frozen, module = "slipgrid")]
-pub struct NextSamples {
-    found: NextTrials,
-    warnings: Vec<String>,
-}
-
-/// Error of a job.
-enum Undone {
-    Calibration(Uncalibrated),
-    Design(DesignError),
-}
+pub struct Designed(DesignOutcome);
 
 /// Number of predicted columns beside medians and intervals: chance, peak pressure, clearance, areal density, laser seconds.
 const BESIDE: usize = 5;
 
-/// Contents of files by name.
-pub fn contents(py: Python<'_>, outputs: &Outputs) -> PyResult<Vec<(String, Vec<u8>)>> {
-    let content = |(name, content): (&str, &slipgrid::report::Content)| {
-        let mut bytes = Vec::new();
-        content.write(&mut bytes).map_err(|error| errors::failed(py, &error.to_string()))?;
-        Ok((name.to_owned(), bytes))
-    };
-    outputs.iter().map(content).collect()
-}
-
 impl Design {
-    fn of(py: Python<'_>, origin: Origin, warns: bool) -> PyResult<Self> {
-        let read = in_pool(py, || Read::from_document(origin.document(FileKind::Design)?))?;
-        let read = read.map_err(|error| errors::input(py, &error))?;
-        let inputs = origin.inputs(&read.inputs);
-        let made = Self { read, inputs, origin, completed: Mutex::new(None), bounds: Mutex::new(None) };
-        if warns {
-            warn_all(py, &made.warnings())?;
-        }
-        Ok(made)
-    }
-
     /// Returns the design with its material; calibrates at the first call only.
     fn completed(&self, watch: &Watch) -> Result<(Read, Option<Calibration>), Uncalibrated> {
         let known = || self.completed.lock().unwrap_or_else(PoisonError::into_inner);
@@ -137,70 +94,59 @@ impl Design {
     }
 
     /// Predictions over the bounds; computed, with their warnings, at the first call only.
-    fn explored(&self, py: Python<'_>, progress: Option<&Bound<'_, PyAny>>) -> PyResult<Arc<Bounds>> {
+    fn explored(&self, py: Python<'_>, progress: Option<&Bound<'_, PyAny>>) -> Result<Arc<Bounds>, Failure> {
         let known = || self.bounds.lock().unwrap_or_else(PoisonError::into_inner);
         let found = known().clone();
         if let Some(found) = found {
             return Ok(found);
         }
         let found = watched(py, progress, |watch| {
-            let (read, calibration) = self.completed(watch).map_err(Undone::Calibration)?;
+            let (read, calibration) = self.completed(watch)?;
             let mut warnings = self.told(&read, calibration.as_ref());
-            let found = explore_bounds(&read.task, watch).map_err(Undone::Design)?;
+            let found = explore_bounds(&read.task, watch).map_err(|error| undesigned(error, &self.read))?;
             warnings.extend(found.doubts());
-            Ok(Bounds { found, warnings })
-        })?;
-        let found = Arc::new(found.map_err(|undone| self.undone(py, &undone))?);
+            Ok::<_, Failure>(Arc::new(Bounds { found, warnings }))
+        })??;
         self.warn_of_found(py, &found.warnings)?;
         *known() = Some(Arc::clone(&found));
         Ok(found)
-    }
-
-    fn undone(&self, py: Python<'_>, undone: &Undone) -> PyErr {
-        match undone {
-            Undone::Calibration(error) => errors::uncalibrated(py, error),
-            Undone::Design(error) => errors::undesigned(py, error, &self.read),
-        }
     }
 }
 
 #[pymethods]
 impl Design {
-    /// Parses the design in `text` as a file at `path`; relative paths in the text start from the folder of `path`.
-    /// `is_file` states that the file exists; `files` are the only available files, and None stands for the disk, before which
-    /// `objects` are looked at.
+    /// Parses the design in `text`, by default that of the file at `path`; relative paths in the text start from the folder of `path`.
+    /// `objects` are looked at before the disk, and a copy has no files but those in `copied`.
     #[new]
-    #[pyo3(signature = (text, path, is_file=false, files=None, objects=None))]
+    #[pyo3(signature = (text, path, objects=None, copied=None))]
     fn new(
         py: Python<'_>,
-        text: String,
+        text: Option<String>,
         path: PathBuf,
-        is_file: bool,
-        files: Option<Contents>,
         objects: Option<Contents>,
-    ) -> PyResult<Self> {
-        // A copy repeats no warnings: they were given when the original was made.
-        let warns = files.is_none();
-        Self::of(py, Origin::new(text, path, is_file, files, objects), warns)
-    }
-
-    /// Reads the design file at `path`.
-    #[staticmethod]
-    fn read(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
-        let origin = detached(py, || Origin::read(path, FileKind::Design))?;
-        Self::of(py, origin.map_err(|error| errors::input(py, &error))?, true)
+        copied: Option<(bool, Contents)>,
+    ) -> Result<Self, Failure> {
+        let (origin, read) = in_pool(py, || {
+            let origin = Origin::new(FileKind::Design, Given { text, objects, copied }, path)?;
+            let read = Read::from_document(origin.document(FileKind::Design)?)?;
+            Ok::<_, Diagnostic>((origin, read))
+        })??;
+        let inputs = origin.inputs(&read.inputs);
+        let made = Self { read, inputs, origin, completed: Mutex::new(None), bounds: Mutex::new(None) };
+        if !made.origin.is_copy {
+            warn_all(py, &made.warnings())?;
+        }
+        Ok(made)
     }
 
     /// Constructor and arguments from which `pickle` and `copy` restore the design, on any machine.
-    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyType>, Parts<'_>)> {
-        let Origin { text, path, is_file, .. } = &self.origin;
-        let files = in_pool(py, || {
+    fn __reduce__<'py>(&self, py: Python<'py>) -> Result<(Bound<'py, PyType>, Parts), Failure> {
+        let parts = in_pool(py, || {
             // The calibration's files are usually read on demand; a copy may need them on another machine, so they are read now.
             read_calibration(&self.read, &self.origin.source())?;
-            self.origin.contents()
-        })?;
-        let files = files.map_err(|error| errors::input(py, &error))?;
-        Ok((py.get_type::<Self>(), (text, path.clone().into(), *is_file, files)))
+            self.origin.parts()
+        })??;
+        Ok((py.get_type::<Self>(), parts))
     }
 
     fn __repr__(&self) -> String {
@@ -225,30 +171,33 @@ impl Design {
         self.read.told.iter().map(ToString::to_string).collect()
     }
 
-    /// Searches a design, confirms it by a transient run and explains it.
+    /// Searches a design, confirms it by a transient run and explains it; returns result.json and timings.json as well.
     #[pyo3(signature = (progress=None))]
-    fn optimize(&self, py: Python<'_>, progress: Option<&Bound<'_, PyAny>>) -> PyResult<Designed> {
-        let found = watched(py, progress, |watch| {
-            let (mut read, calibration) = self.completed(watch).map_err(Undone::Calibration)?;
+    fn optimize(
+        &self,
+        py: Python<'_>,
+        progress: Option<&Bound<'_, PyAny>>,
+    ) -> Result<([String; 2], Told, Designed), Failure> {
+        let (found, warnings) = watched(py, progress, |watch| {
+            let (mut read, calibration) = self.completed(watch)?;
             let mut warnings = self.told(&read, calibration.as_ref());
             read.task.explorer = true;
-            let found = run(&read.task, &mut NoCache, watch).map_err(Undone::Design)?;
+            let found = run(&read.task, &mut NoCache, watch).map_err(|error| undesigned(error, &self.read))?;
             warnings.extend(found.report.doubts());
-            Ok(Designed { found, warnings, inputs: self.inputs.clone() })
-        })?;
-        let found = found.map_err(|undone| self.undone(py, &undone))?;
-        self.warn_of_found(py, &found.warnings)?;
-        Ok(found)
+            Ok::<_, Failure>((found, warnings))
+        })??;
+        self.warn_of_found(py, &warnings)?;
+        let records = json_and_timings(&found.report).map_err(failed)?;
+        Ok((records, (found.report.summary(), warnings, self.inputs.clone()), Designed(found)))
     }
 
     /// HTML page with sliders that shows the predictions for any design within the bounds, without a search.
     #[pyo3(signature = (progress=None))]
-    fn explore_html(&self, py: Python<'_>, progress: Option<&Bound<'_, PyAny>>) -> PyResult<String> {
+    fn explore_html(&self, py: Python<'_>, progress: Option<&Bound<'_, PyAny>>) -> Result<String, Failure> {
         let bounds = self.explored(py, progress)?;
         let found = &bounds.found;
-        let scene = steady_scene(&found.task, &found.material, &found.loads, &found.pattern);
-        let scene = scene.map_err(|error| errors::failed(py, &error.to_string()))?;
-        in_pool(py, || exploration(found, scene))
+        let scene = steady_scene(&found.task, &found.material, &found.loads, &found.pattern).map_err(failed)?;
+        Ok(in_pool(py, || exploration(found, scene))?)
     }
 
     /// Predictions for `rows` of width, spacing and depth in micrometres, by the lattice of the page with sliders. Columns: medians of
@@ -261,13 +210,13 @@ impl Design {
         py: Python<'py>,
         rows: PyReadonlyArray2<'py, f64>,
         progress: Option<&Bound<'_, PyAny>>,
-    ) -> PyResult<Predicted<'py>> {
+    ) -> Result<Predicted<'py>, Failure> {
         let bounds = self.explored(py, progress)?;
         let (found, rows) = (&bounds.found, rows.as_array());
         let points = found.task.target.points();
         let columns = 3 * points.len() + BESIDE;
         let mut values = vec![f64::NAN; rows.nrows() * columns];
-        let predicted = watched(py, None, |watch| {
+        watched(py, None, |watch| {
             values.par_chunks_mut(columns).enumerate().try_for_each(|(row, value)| {
                 watch.heed()?;
                 let Some(own) = found.predict([0, 1, 2].map(|axis| rows[[row, axis]])) else { return Ok(()) };
@@ -280,10 +229,9 @@ impl Design {
                 ];
                 let parts = [&own.expected[..], &own.lower_95, &own.upper_95, &beside];
                 value.copy_from_slice(&parts.concat());
-                Ok::<_, Cancelled>(())
+                Ok::<_, Failure>(())
             })
-        })?;
-        predicted.map_err(|_| errors::stopped())?;
+        })??;
         let pressures = points.iter().map(|point| tidy(PRESSURE_MPA.from_si(point.pressure_pa)));
         let (pressures, quantity) = (PyArray1::from_iter(py, pressures), found.task.target.quantity().name());
         let errors = [found.explorer.median_error, found.explorer.worst_error];
@@ -291,7 +239,7 @@ impl Design {
         Ok((values, pressures, quantity, errors, bounds.warnings.clone()))
     }
 
-    /// The `count` samples to cut next; `candidates_um` are additional patterns whose probability is computed.
+    /// The record of the `count` samples to cut next, as `slipgrid next --json` writes it; `candidates_um` are additional patterns whose probability is computed.
     #[pyo3(signature = (count, candidates_um, progress=None))]
     fn next_samples(
         &self,
@@ -299,7 +247,7 @@ impl Design {
         count: &Bound<'_, PyAny>,
         candidates_um: Vec<[f64; 3]>,
         progress: Option<&Bound<'_, PyAny>>,
-    ) -> PyResult<NextSamples> {
+    ) -> Result<(String, Told), Failure> {
         let refused = || {
             let [least, most] = [SAMPLES.start(), SAMPLES.end()];
             PyValueError::new_err(format!("count is {}: expected {least} to {most}", shown(count)))
@@ -311,89 +259,43 @@ impl Design {
                 .map_err(|error| PyValueError::new_err(format!("candidates_um: {error}")))
         });
         let own: Vec<Pattern> = own.collect::<PyResult<_>>()?;
-        let found = watched(py, progress, |watch| {
-            let (read, calibration) = self.completed(watch).map_err(Undone::Calibration)?;
+        let (report, warnings) = watched(py, progress, |watch| {
+            let (read, calibration) = self.completed(watch)?;
             let mut warnings = self.told(&read, calibration.as_ref());
             let samples = calibration.map_or_else(Vec::new, |calibration| calibration.trials.samples);
             let pending = samples.iter().filter(|cut| cut.measured.is_empty()).map(|cut| cut.pattern).collect();
             let options = NextOptions { count, pending, own, ..NextOptions::default() };
-            let found = next_trials(&read.task, &options, watch).map_err(Undone::Design)?;
+            let found = next_trials(&read.task, &options, watch).map_err(|error| undesigned(error, &self.read))?;
             warnings.extend(found.report.doubts());
-            Ok(NextSamples { found, warnings })
-        })?;
-        let found = found.map_err(|undone| self.undone(py, &undone))?;
-        self.warn_of_found(py, &found.warnings)?;
-        Ok(found)
+            Ok::<_, Failure>((found.report, warnings))
+        })??;
+        self.warn_of_found(py, &warnings)?;
+        Ok((json(&report).map_err(failed)?, (report.text(), warnings, self.inputs.clone())))
     }
 }
 
 #[pymethods]
 impl Designed {
-    /// The record and its wall times, as in result.json and timings.json.
-    fn json(&self, py: Python<'_>) -> PyResult<[String; 2]> {
-        json_and_timings(&self.found.report).map_err(|error| errors::failed(py, &error.to_string()))
-    }
-
-    /// Text as the command line prints it.
-    fn text(&self, py: Python<'_>) -> PyResult<String> {
-        in_pool(py, || self.found.report.summary())
-    }
-
-    /// Warnings about the input and the result, one sentence each.
-    #[getter]
-    fn warnings(&self) -> Vec<String> {
-        self.warnings.clone()
-    }
-
-    /// Files that the result was made from.
-    #[getter]
-    fn inputs(&self) -> Vec<PathBuf> {
-        self.inputs.clone()
-    }
-
     /// All files that the command line writes, by name.
-    fn files(&self, py: Python<'_>) -> PyResult<Vec<(String, Vec<u8>)>> {
+    fn files(&self, py: Python<'_>) -> Result<Vec<Named>, Failure> {
         let outputs = in_pool(py, || {
-            let mut outputs = files::of_design(&self.found)?;
-            files::add_report(&self.found, &mut outputs)?;
-            Ok::<_, slipgrid::report::ReportError>(outputs)
+            let mut outputs = files::of_design(&self.0)?;
+            files::add_report(&self.0, &mut outputs)?;
+            Ok::<_, ReportError>(outputs)
         })?;
-        contents(py, &outputs.map_err(|error| errors::failed(py, &error.to_string()))?)
+        contents(&outputs.map_err(failed)?)
     }
 
     /// The pattern in one of the laser's formats: name and content of the file.
-    fn drawing(&self, py: Python<'_>, format: &str) -> PyResult<(String, Vec<u8>)> {
+    fn drawing(&self, py: Python<'_>, format: &str) -> Result<Named, Failure> {
         let named = LaserFile::EACH.into_iter().find(|own| own.described()[0] == format);
-        let Some(named) = named else {
-            let names: Vec<&str> = LaserFile::EACH.iter().map(|own| own.described()[0]).collect();
-            return Err(PyValueError::new_err(format!("format is {format:?}: expected one of {}", names.join(", "))));
-        };
-        let drawn = in_pool(py, || {
-            let mut outputs = Outputs::default();
-            draw(&files::drawing(&self.found), &[named], &mut outputs).map(|()| outputs)
+        let named = named.ok_or_else(|| {
+            let names = LaserFile::EACH.map(|own| own.described()[0]).join(", ");
+            PyValueError::new_err(format!("format is {format:?}: expected one of {names}"))
         })?;
-        let outputs =
-            drawn.map_err(|error| errors::input(py, &Diagnostic::flag("format", format, error.to_string())))?;
-        let mut all = contents(py, &outputs)?;
-        if all.is_empty() { Err(errors::failed(py, "nothing was drawn")) } else { Ok(all.swap_remove(0)) }
-    }
-}
-
-#[pymethods]
-impl NextSamples {
-    /// The record, as `slipgrid next --json` writes it.
-    fn json(&self, py: Python<'_>) -> PyResult<String> {
-        json(&self.found.report).map_err(|error| errors::failed(py, &error.to_string()))
-    }
-
-    /// Text as the command line prints it.
-    fn text(&self, py: Python<'_>) -> PyResult<String> {
-        in_pool(py, || self.found.report.text())
-    }
-
-    /// Warnings about the input and the result, one sentence each.
-    #[getter]
-    fn warnings(&self) -> Vec<String> {
-        self.warnings.clone()
+        let mut outputs = Outputs::default();
+        in_pool(py, || draw(&files::drawing(&self.0), &[named], &mut outputs))?
+            .map_err(|error| Diagnostic::flag("format", format, error.to_string()))?;
+        contents(&outputs)?.pop().ok_or_else(|| failed("nothing was drawn"))
     }
 }

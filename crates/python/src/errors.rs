@@ -1,4 +1,6 @@
-//! Conversion of errors to exceptions of `slipgrid.errors`.
+//! Errors of calls, as exceptions of `slipgrid.errors`.
+
+use std::fmt::Display;
 
 use pyo3::exceptions::{PyRuntimeError, PyTimeoutError};
 use pyo3::prelude::*;
@@ -8,72 +10,102 @@ use slipgrid::design::DesignError;
 use slipgrid::formats::Diagnostic;
 use slipgrid::formats::calibrated::Uncalibrated;
 use slipgrid::formats::design::Design;
+use slipgrid::monitor::Cancelled;
 
-/// `slipgrid.errors.InputError` with the position of the error and the accepted values; for a file that does not exist, its
-/// subclass `MissingFileError`.
-pub fn input(py: Python<'_>, refused: &Diagnostic) -> PyErr {
-    of_class(py, if refused.is_absent { "MissingFileError" } else { "InputError" }, refused)
+/// Error of a call.
+pub enum Failure {
+    /// `InputError` with the position of the error and the accepted values; for a file that does not exist, its subclass
+    /// `MissingFileError`.
+    Refused(Diagnostic),
+    /// `TooLargeError`, a subclass of `InputError` and of Python's `MemoryError`.
+    TooLarge(Diagnostic),
+    /// `ComputationError`.
+    Failed(String),
+    /// Exception for work that was cancelled without a Python exception.
+    Stopped,
+    /// Any exception.
+    Raised(PyErr),
 }
 
-/// `slipgrid.errors.TooLargeError`, a subclass of `InputError` and of Python's `MemoryError`.
-pub fn too_large(py: Python<'_>, refused: &Diagnostic) -> PyErr {
-    of_class(py, "TooLargeError", refused)
+/// `ComputationError` with the reason.
+pub fn failed(reason: impl Display) -> Failure {
+    Failure::Failed(reason.to_string())
 }
 
-fn of_class(py: Python<'_>, class: &str, refused: &Diagnostic) -> PyErr {
+/// Error of a job of `design`.
+pub fn undesigned(error: DesignError, design: &Design) -> Failure {
+    match error {
+        DesignError::Refused(refused) => Failure::Refused(design.refuse(&refused)),
+        DesignError::Cancelled => Failure::Stopped,
+        DesignError::OutOfTime(reason) => Failure::Raised(PyTimeoutError::new_err(reason)),
+        error => failed(error),
+    }
+}
+
+impl From<Diagnostic> for Failure {
+    fn from(refused: Diagnostic) -> Self {
+        Self::Refused(refused)
+    }
+}
+
+impl From<PyErr> for Failure {
+    fn from(raised: PyErr) -> Self {
+        Self::Raised(raised)
+    }
+}
+
+impl From<Cancelled> for Failure {
+    fn from(_: Cancelled) -> Self {
+        Self::Stopped
+    }
+}
+
+impl From<Uncalibrated> for Failure {
+    fn from(error: Uncalibrated) -> Self {
+        match error {
+            Uncalibrated::Refused(refused) => Self::Refused(refused),
+            Uncalibrated::Cancelled => Self::Stopped,
+            Uncalibrated::Failed(reason) => Self::Failed(reason),
+        }
+    }
+}
+
+impl From<CampaignError> for Failure {
+    fn from(error: CampaignError) -> Self {
+        match error {
+            CampaignError::Refused(refused) => Self::Refused(refused),
+            CampaignError::Cancelled => Self::Stopped,
+            error => failed(error),
+        }
+    }
+}
+
+impl From<Failure> for PyErr {
+    fn from(failure: Failure) -> Self {
+        let (class, refused) = match failure {
+            Failure::Refused(refused) if refused.is_absent => ("MissingFileError", refused),
+            Failure::Refused(refused) => ("InputError", refused),
+            Failure::TooLarge(refused) => ("TooLargeError", refused),
+            Failure::Failed(reason) => return Python::attach(|py| made(py, "ComputationError", &reason, None)),
+            Failure::Stopped => return PyRuntimeError::new_err("stopped"),
+            Failure::Raised(raised) => return raised,
+        };
+        Python::attach(|py| made(py, class, &refused.to_string(), Some(&refused)))
+    }
+}
+
+/// Makes an exception of `slipgrid.errors`, with the position and the accepted values of refused input.
+fn made(py: Python<'_>, class: &str, reason: &str, refused: Option<&Diagnostic>) -> PyErr {
     let made = || {
         let named = PyDict::new(py);
-        named.set_item("file", refused.file.as_ref().map(|file| file.display().to_string()))?;
-        named.set_item("line", refused.line)?;
-        named.set_item("key", refused.key.as_deref())?;
-        named.set_item("value", refused.value.as_deref())?;
-        named.set_item("expected", refused.expected.as_deref())?;
-        py.import("slipgrid.errors")?.getattr(class)?.call((refused.to_string(),), Some(&named))
+        if let Some(refused) = refused {
+            named.set_item("file", refused.file.as_ref().map(|file| file.display().to_string()))?;
+            named.set_item("line", refused.line)?;
+            named.set_item("key", refused.key.as_deref())?;
+            named.set_item("value", refused.value.as_deref())?;
+            named.set_item("expected", refused.expected.as_deref())?;
+        }
+        py.import("slipgrid.errors")?.getattr(class)?.call((reason,), Some(&named))
     };
-    match made() {
-        Ok(error) => PyErr::from_value(error),
-        Err(error) => error,
-    }
-}
-
-/// `slipgrid.errors.ComputationError`.
-pub fn failed(py: Python<'_>, reason: &str) -> PyErr {
-    let made = || py.import("slipgrid.errors")?.getattr("ComputationError")?.call1((reason,));
-    match made() {
-        Ok(error) => PyErr::from_value(error),
-        Err(error) => error,
-    }
-}
-
-/// Exception for work that was cancelled without a Python exception.
-pub fn stopped() -> PyErr {
-    PyRuntimeError::new_err("stopped")
-}
-
-/// Exception for a calibration that was refused or failed.
-pub fn uncalibrated(py: Python<'_>, error: &Uncalibrated) -> PyErr {
-    match error {
-        Uncalibrated::Refused(refused) => input(py, refused),
-        Uncalibrated::Cancelled => stopped(),
-        Uncalibrated::Failed(reason) => failed(py, reason),
-    }
-}
-
-/// Exception for a job of `design` that was refused or failed.
-pub fn undesigned(py: Python<'_>, error: &DesignError, design: &Design) -> PyErr {
-    match error {
-        DesignError::Refused(refused) => input(py, &design.refuse(refused)),
-        DesignError::Cancelled => stopped(),
-        DesignError::OutOfTime(reason) => PyTimeoutError::new_err(reason.clone()),
-        error => failed(py, &error.to_string()),
-    }
-}
-
-/// Exception for a campaign that was refused or failed.
-pub fn campaign(py: Python<'_>, error: &CampaignError) -> PyErr {
-    match error {
-        CampaignError::Refused(refused) => input(py, refused),
-        CampaignError::Cancelled => stopped(),
-        error => failed(py, &error.to_string()),
-    }
+    made().map_or_else(|error| error, PyErr::from_value)
 }

@@ -44,7 +44,7 @@ mod _slipgrid {
     #[pymodule_export]
     use crate::campaigns::Campaign;
     #[pymodule_export]
-    use crate::designs::{Design, Designed, NextSamples};
+    use crate::designs::{Design, Designed};
     #[pymodule_export]
     use crate::maps::{Map, restore_map};
     #[pymodule_export]

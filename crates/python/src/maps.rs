@@ -11,7 +11,7 @@ use slipgrid::calibrate::area_law::{AreaLawError, AreaLawRequest, DEFAULT_PRESSU
 use slipgrid::formats::altitude_map::{open, refuse, refuse_law};
 use slipgrid::formats::{Diagnostic, checked};
 use slipgrid::monitor::Cancelled;
-use slipgrid::report::area_law::{AreaLawOptions, AreaLawReport};
+use slipgrid::report::area_law::AreaLawOptions;
 use slipgrid::report::surface::SurfaceReport;
 use slipgrid::topography::{
     CORRELATION_THRESHOLD, Crop, Decimation, DecimationMethod, Form, HeightMap, MAX_POINTS, MapError, MapFormat,
@@ -20,8 +20,9 @@ use slipgrid::topography::{
 use slipgrid::units::{MODULUS_GPA, PIXEL_UM, POISSON, PRESSURE_MPA, TOLERANCE};
 
 use crate::counts::{shown, to_count};
-use crate::errors;
+use crate::errors::{Failure, failed};
 use crate::progress::{Watch, watched};
+use crate::scenes::named;
 use slipgrid::disk::disk;
 
 /// Side of the square tiles for transposing an array.
@@ -34,17 +35,10 @@ pub struct Map {
     path: PathBuf,
 }
 
-fn named<T: Copy>(what: &str, given: &str, all: &[(&str, T)]) -> PyResult<T> {
-    all.iter().find(|(name, _)| *name == given).map(|(_, value)| *value).ok_or_else(|| {
-        let names: Vec<&str> = all.iter().map(|(name, _)| *name).collect();
-        PyValueError::new_err(format!("{what} is {given:?}: expected one of {}", names.join(", ")))
-    })
-}
-
 fn preparation(form: &str, missing: &str, despike: bool) -> PyResult<Preparation> {
-    let forms = Form::ALL.map(|form| (form.name(), form));
-    let form = named("form", form, &forms)?;
-    let missing = named("missing", missing, &[("fill", Missing::Fill), ("refuse", Missing::Refuse)])?;
+    let form = named("form", form, &Form::ALL, Form::name)?;
+    let ways = [Missing::Fill, Missing::Refuse];
+    let missing = named("missing", missing, &ways, |way| if way == Missing::Fill { "fill" } else { "refuse" })?;
     Ok(Preparation { form, missing, despike })
 }
 
@@ -64,9 +58,8 @@ fn pressures(pressures_mpa: &[f64]) -> Result<Vec<f64>, Diagnostic> {
 
 /// Restores a map that was read from `path` in `format`, with all its data; used by copies.
 #[pyfunction]
-#[allow(clippy::too_many_arguments, reason = "they are what a map is made of, and Python's interpreter")]
+#[allow(clippy::too_many_arguments, reason = "they are what a map is made of")]
 pub fn restore_map(
-    py: Python<'_>,
     heights_m: PyReadonlyArray2<'_, f64>,
     sides_m: [f64; 2],
     whole: bool,
@@ -74,45 +67,22 @@ pub fn restore_map(
     comments: Vec<String>,
     notes: Vec<String>,
     path: PathBuf,
-) -> PyResult<Map> {
-    let format = named("format", format, &MapFormat::ALL.map(|format| (format.name(), format)))?;
-    let map = height_map(&heights_m, sides_m).map_err(|error| error.raised(py))?;
+) -> Result<Map, Failure> {
+    let format = named("format", format, &MapFormat::ALL, MapFormat::name)?;
+    let map = height_map(&heights_m, sides_m)?;
     Ok(Map { read: ReadMap { map, whole, format, comments, notes }, path })
 }
 
-/// Converts the argument `name`, the side of a pixel, to metres.
-fn side(py: Python<'_>, name: &str, pixel_um: f64) -> PyResult<f64> {
-    checked(name, pixel_um, PIXEL_UM).map_err(|error| errors::input(py, &error))
-}
-
-/// Error of making a map from an array.
-enum NoMap {
-    /// The number of points exceeds the memory or the limit for maps.
-    TooLarge(usize),
-    Refused(MapError),
-}
-
-impl NoMap {
-    fn raised(self, py: Python<'_>) -> PyErr {
-        let of_heights = |reason: String| Diagnostic { key: Some("heights_m".into()), reason, ..Diagnostic::default() };
-        match self {
-            Self::TooLarge(points) => {
-                let expected = format!("at most {MAX_POINTS}, and room for them");
-                errors::too_large(py, &of_heights(format!("has {points} points")).expected(expected))
-            }
-            Self::Refused(error) => errors::input(py, &of_heights(error.to_string())),
-        }
-    }
-}
-
 /// Converts an array whose rows are lines of the map: x runs along a row.
-fn height_map(lines_m: &PyReadonlyArray2<'_, f64>, [dx_m, dy_m]: [f64; 2]) -> Result<HeightMap, NoMap> {
+fn height_map(lines_m: &PyReadonlyArray2<'_, f64>, [dx_m, dy_m]: [f64; 2]) -> Result<HeightMap, Failure> {
     let lines = lines_m.as_array();
     let (count, length) = lines.dim();
     let points = count.saturating_mul(length);
+    let refused = |reason: String| Diagnostic { key: Some("heights_m".into()), reason, ..Diagnostic::default() };
     let mut heights: Vec<f64> = Vec::new();
     if points > MAX_POINTS || heights.try_reserve_exact(points).is_err() {
-        return Err(NoMap::TooLarge(points));
+        let expected = format!("at most {MAX_POINTS}, and room for them");
+        return Err(Failure::TooLarge(refused(format!("has {points} points")).expected(expected)));
     }
     heights.resize(points, 0.0);
     // Tile by tile, so that source and destination stay in the cache.
@@ -123,7 +93,7 @@ fn height_map(lines_m: &PyReadonlyArray2<'_, f64>, [dx_m, dy_m]: [f64; 2]) -> Re
             }
         }
     }
-    HeightMap::new(length, count, dx_m, dy_m, heights).map_err(NoMap::Refused)
+    Ok(HeightMap::new(length, count, dx_m, dy_m, heights).map_err(|error| refused(error.to_string()))?)
 }
 
 #[pymethods]
@@ -132,15 +102,10 @@ impl Map {
     /// `pixel_y_um` micrometres.
     #[new]
     #[pyo3(signature = (heights_m, pixel_um, pixel_y_um=None))]
-    fn new(
-        py: Python<'_>,
-        heights_m: PyReadonlyArray2<'_, f64>,
-        pixel_um: f64,
-        pixel_y_um: Option<f64>,
-    ) -> PyResult<Self> {
-        let dx_m = side(py, "pixel_um", pixel_um)?;
-        let dy_m = pixel_y_um.map_or(Ok(dx_m), |pixel_um| side(py, "pixel_y_um", pixel_um))?;
-        let map = height_map(&heights_m, [dx_m, dy_m]).map_err(|error| error.raised(py))?;
+    fn new(heights_m: PyReadonlyArray2<'_, f64>, pixel_um: f64, pixel_y_um: Option<f64>) -> Result<Self, Failure> {
+        let dx_m = checked("pixel_um", pixel_um, PIXEL_UM)?;
+        let dy_m = pixel_y_um.map_or(Ok(dx_m), |pixel_um| checked("pixel_y_um", pixel_um, PIXEL_UM))?;
+        let map = height_map(&heights_m, [dx_m, dy_m])?;
         let (format, comments, notes) = (MapFormat::Matrix, Vec::new(), Vec::new());
         Ok(Self { read: ReadMap { map, whole: true, format, comments, notes }, path: PathBuf::from("array") })
     }
@@ -161,34 +126,32 @@ impl Map {
         crop: Option<[usize; 4]>,
         decimate: Option<usize>,
         decimate_by: &str,
-    ) -> PyResult<Self> {
+    ) -> Result<Self, Failure> {
         let unit = |name: Option<&str>| {
             name.map(str::parse)
                 .transpose()
                 .map_err(|error: slipgrid::topography::UnknownUnit| PyValueError::new_err(error.to_string()))
         };
-        let x_m = pixel_um.map(|pixel_um| side(py, "pixel_um", pixel_um)).transpose()?;
-        let y_m = pixel_y_um.map(|pixel_um| side(py, "pixel_y_um", pixel_um)).transpose()?;
+        let x_m = pixel_um.map(|pixel_um| checked("pixel_um", pixel_um, PIXEL_UM)).transpose()?;
+        let y_m = pixel_y_um.map(|pixel_um| checked("pixel_y_um", pixel_um, PIXEL_UM)).transpose()?;
         if x_m.is_none() && y_m.is_some() {
-            return Err(PyValueError::new_err(
-                "pixel_y_um is given without pixel_um: expected both, or pixel_um alone",
-            ));
+            let reason = "pixel_y_um is given without pixel_um: expected both, or pixel_um alone";
+            return Err(PyValueError::new_err(reason).into());
         }
-        let ways = [("mean", DecimationMethod::Mean), ("pick", DecimationMethod::Pick)];
+        let ways = [DecimationMethod::Mean, DecimationMethod::Pick];
+        let way = |way| if way == DecimationMethod::Mean { "mean" } else { "pick" };
+        let decimation =
+            |factor| Ok::<_, PyErr>(Decimation { factor, method: named("decimate_by", decimate_by, &ways, way)? });
         let options = ReadOptions {
             pixel_m: x_m.map(|x_m| [x_m, y_m.unwrap_or(x_m)]),
             height_unit: unit(height_unit)?,
             lateral_unit: unit(lateral_unit)?,
             decimal_comma,
             crop: crop.map(|[first_row, first_col, rows, cols]| Crop { first_row, first_col, rows, cols }),
-            decimation: decimate
-                .map(|factor| Ok::<_, PyErr>(Decimation { factor, method: named("decimate_by", decimate_by, &ways)? }))
-                .transpose()?,
+            decimation: decimate.map(decimation).transpose()?,
             ..ReadOptions::NONE
         };
-        let read = watched(py, None, |watch| open(&disk(), &path, &options, watch))?;
-        let read = read.map_err(|error| errors::input(py, &error))?;
-        Ok(Self { read, path })
+        Ok(Self { read: watched(py, None, |watch| open(&disk(), &path, &options, watch))??, path })
     }
 
     /// Constructor and arguments from which `pickle` and `copy` restore the map, on any machine.
@@ -211,15 +174,9 @@ impl Map {
         // The array keeps the map alive, and a frozen class never moves or changes its heights.
         #[allow(unsafe_code)]
         let lent = unsafe { PyArray2::borrow_from_array(&view, this.clone().into_any()) };
-        lent.call_method(
-            "setflags",
-            (),
-            Some(&{
-                let flags = pyo3::types::PyDict::new(this.py());
-                flags.set_item("write", false)?;
-                flags
-            }),
-        )?;
+        let flags = pyo3::types::PyDict::new(this.py());
+        flags.set_item("write", false)?;
+        lent.call_method("setflags", (), Some(&flags))?;
         Ok(lent)
     }
 
@@ -244,12 +201,12 @@ impl Map {
 
     /// Parameters of the map, as `slipgrid surface --json` writes them.
     #[pyo3(signature = (*, form="plane", missing="fill", despike=false))]
-    fn measure_json(&self, py: Python<'_>, form: &str, missing: &str, despike: bool) -> PyResult<String> {
+    fn measure_json(&self, py: Python<'_>, form: &str, missing: &str, despike: bool) -> Result<String, Failure> {
         let how = preparation(form, missing, despike)?;
-        watched(py, None, |watch| self.measure(how, watch))?.map_err(|error| errors::input(py, &error))
+        Ok(watched(py, None, |watch| self.measure(how, watch))??)
     }
 
-    /// Real contact area and area law at `pressures_mpa`: lists by pressure.
+    /// Real contact area and area law at `pressures_mpa`, as `slipgrid area-law --json` writes them.
     #[pyo3(signature = (*, youngs_modulus_gpa, poisson_ratio=1.0/3.0, pressures_mpa=None, threshold_mpa=None,
                         tolerance=1e-8, form="plane", missing="fill", despike=false, windows=None, progress=None))]
     #[allow(clippy::too_many_arguments, reason = "they are named where it is called")]
@@ -266,25 +223,24 @@ impl Map {
         despike: bool,
         windows: Option<&Bound<'_, PyAny>>,
         progress: Option<&Bound<'_, PyAny>>,
-    ) -> PyResult<String> {
+    ) -> Result<String, Failure> {
         let how = preparation(form, missing, despike)?;
         let pressures_mpa = pressures_mpa.unwrap_or_else(|| DEFAULT_PRESSURES_MPA.to_vec());
-        let wanted = || -> Result<AreaLawOptions, Diagnostic> {
-            checked("youngs_modulus_gpa", youngs_modulus_gpa, MODULUS_GPA)?;
-            let poisson_ratio = checked("poisson_ratio", poisson_ratio, POISSON)?;
-            let threshold_pa = threshold_mpa.map(|mpa| checked("threshold_mpa", mpa, PRESSURE_MPA)).transpose()?;
-            let tolerance = checked("tolerance", tolerance, TOLERANCE)?;
-            let pressures_pa = pressures(&pressures_mpa)?;
-            Ok(AreaLawOptions { youngs_modulus_gpa, poisson_ratio, tolerance, threshold_pa, pressures_pa })
+        checked("youngs_modulus_gpa", youngs_modulus_gpa, MODULUS_GPA)?;
+        let wanted = AreaLawOptions {
+            youngs_modulus_gpa,
+            poisson_ratio: checked("poisson_ratio", poisson_ratio, POISSON)?,
+            tolerance: checked("tolerance", tolerance, TOLERANCE)?,
+            threshold_pa: threshold_mpa.map(|mpa| checked("threshold_mpa", mpa, PRESSURE_MPA)).transpose()?,
+            pressures_pa: pressures(&pressures_mpa)?,
         };
-        let wanted = wanted().map_err(|error| errors::input(py, &error))?;
         let per_side = |given: &Bound<'_, PyAny>| {
             let refused = Diagnostic::flag("windows", shown(given), "is no number of windows");
-            let refused = || errors::input(py, &refused.expected("1 for none, 2 or more, or None"));
-            to_count("windows", given)?.filter(|count| *count > 0).ok_or_else(refused)
+            let refused = || refused.expected("1 for none, 2 or more, or None");
+            to_count("windows", given)?.filter(|count| *count > 0).ok_or_else(|| Failure::from(refused()))
         };
         let windows = windows.map(per_side).transpose()?;
-        let found = watched(py, progress, |watch| {
+        let report = watched(py, progress, |watch| {
             let surface =
                 PreparedMap::one_period(self.read.clone(), how, watch).map_err(|error| refuse(&self.path, &error))?;
             let wanted = wanted.on_surface(surface.rms_slope, Some(surface.map.rows() * surface.map.cols()));
@@ -295,12 +251,9 @@ impl Map {
                 }
                 (error, _) => refuse_law(&self.path, error).unwrap_or_default(),
             })?;
-            let report = wanted.of_map(&self.path.display().to_string(), &surface, &found, &[]);
-            let warnings = found.warnings.iter().map(ToString::to_string).collect();
-            Ok(AreaLawRecord::new(&report, found.curve.full_contact_pressure_pa, warnings))
-        })?;
-        let record = found.map_err(|error| errors::input(py, &error))?;
-        slipgrid::results::json(&record).map_err(|error| errors::failed(py, &error.to_string()))
+            Ok::<_, Diagnostic>(wanted.of_map(&self.path.display().to_string(), &surface, &found, &[]))
+        })??;
+        slipgrid::results::json(&report).map_err(failed)
     }
 
     fn __repr__(&self) -> String {
@@ -311,8 +264,8 @@ impl Map {
 }
 
 impl Map {
-    fn measure(&self, how: Preparation, watch: &Watch) -> Result<String, slipgrid::formats::Diagnostic> {
-        let plain = |reason: String| slipgrid::formats::Diagnostic::file(&self.path, reason);
+    fn measure(&self, how: Preparation, watch: &Watch) -> Result<String, Diagnostic> {
+        let plain = |reason: String| Diagnostic::file(&self.path, reason);
         let cancelled = |ended: Cancelled| plain(MapError::from(ended).to_string());
         let surface = PreparedMap::new(self.read.clone(), how, watch).map_err(|error| refuse(&self.path, &error))?;
         let map = &surface.map;
@@ -324,37 +277,5 @@ impl Map {
         let spectrum = map.radial_spectrum(window, watch).map_err(|error| plain(error.to_string()))?;
         let report = SurfaceReport::new(Path::new(&self.path), &surface, &curve, &lengths, &spectrum, None, watch);
         slipgrid::results::json(&report.map_err(cancelled)?).map_err(|error| plain(error.to_string()))
-    }
-}
-
-/// Contact area and area law, as lists by pressure.
-#[derive(serde::Serialize)]
-struct AreaLawRecord {
-    rms_slope: f64,
-    full_contact_pressure_mpa: f64,
-    pressure_mpa: Vec<f64>,
-    area_fraction: Vec<f64>,
-    area_fraction_corrected: Vec<f64>,
-    area_error: Vec<f64>,
-    factor: Vec<Option<f64>>,
-    factor_std: Vec<Option<f64>>,
-    warnings: Vec<String>,
-}
-
-impl AreaLawRecord {
-    /// Converts the rows of the command line's report to lists.
-    fn new(report: &AreaLawReport, full_contact_pressure_pa: f64, warnings: Vec<String>) -> Self {
-        let rows = &report.results;
-        Self {
-            rms_slope: report.rms_slope,
-            full_contact_pressure_mpa: full_contact_pressure_pa / 1e6,
-            pressure_mpa: rows.iter().map(|row| row.pressure_mpa).collect(),
-            area_fraction: rows.iter().map(|row| row.area_fraction).collect(),
-            area_fraction_corrected: rows.iter().map(|row| row.area_fraction_corrected).collect(),
-            area_error: rows.iter().map(|row| row.area_error).collect(),
-            factor: rows.iter().map(|row| row.factor).collect(),
-            factor_std: rows.iter().map(|row| row.factor_std).collect(),
-            warnings,
-        }
     }
 }

@@ -122,6 +122,20 @@ impl Files for Anchored {
     }
 }
 
+/// What an object is made from: its text, if it is not to be read from a file; contents of objects in the text by path; and for a copy
+/// whether the text came from a file, and all files that it reads.
+pub struct Given {
+    /// Text of the object.
+    pub text: Option<String>,
+    /// Contents by path.
+    pub objects: Option<Contents>,
+    /// Whether the text came from a file, and contents by path.
+    pub copied: Option<(bool, Contents)>,
+}
+
+/// Arguments from which a copy is made: text, path, no objects, and what `copied` takes.
+pub type Parts = (String, OsString, Option<Contents>, (bool, Contents));
+
 /// Text and files that an object was read from.
 #[derive(Debug)]
 pub struct Origin {
@@ -131,33 +145,36 @@ pub struct Origin {
     pub path: PathBuf,
     /// The file at `path` exists.
     pub is_file: bool,
+    /// The object is a copy, whose warnings were given when the original was made.
+    pub is_copy: bool,
     /// The disk, with relative paths from the current folder at construction.
     pub disk: Anchored,
     files: Arc<Remembered>,
 }
 
 impl Origin {
-    /// Makes the origin of a text at `path`. Files named in the text are `objects`, or are read from the disk; for a copy they are
-    /// those of `given` only.
-    pub fn new(text: String, path: PathBuf, is_file: bool, given: Option<Contents>, objects: Option<Contents>) -> Self {
-        let disk = Anchored::here();
-        let beyond = if given.is_none() { disk.source() } else { Arc::new(NoFiles) };
-        let known = [given, objects]
-            .into_iter()
-            .flatten()
-            .flatten()
-            .map(|(path, bytes)| (path.into(), Some(bytes.into())))
-            .collect();
-        Self { text, path, is_file, disk, files: Arc::new(Remembered { known: Mutex::new(known), beyond }) }
-    }
-
-    /// Reads the file at `path`, which should be a `kind`.
+    /// Makes the origin of `text`, by default that of the file at `path`, which should be a `kind`. Files named in the text are
+    /// `objects`, or are read from the disk; for a copy, `copied` has all available files, and whether the file at `path` exists.
     ///
     /// # Errors
-    /// [`Diagnostic`] if the file cannot be read, is not text, or seems to be another kind of file.
-    pub fn read(path: PathBuf, kind: FileKind) -> Result<Self, Diagnostic> {
-        let text = Document::read(&disk(), &path, kind)?.text().to_owned();
-        Ok(Self::new(text, path, true, None, None))
+    /// [`Diagnostic`] if the file at `path` cannot be read, is not text, or seems to be another kind of file.
+    pub fn new(kind: FileKind, given: Given, path: PathBuf) -> Result<Self, Diagnostic> {
+        let Given { text, objects, copied } = given;
+        let (is_copy, is_read) = (copied.is_some(), text.is_none());
+        let text = text.map_or_else(|| Ok(Document::read(&disk(), &path, kind)?.text().to_owned()), Ok)?;
+        let disk = Anchored::here();
+        let beyond = if is_copy { Arc::new(NoFiles) } else { disk.source() };
+        let (is_file, files) = copied.unwrap_or_else(|| (is_read, Contents::new()));
+        let all = files.into_iter().chain(objects.into_iter().flatten());
+        let known = all.map(|(path, bytes)| (path.into(), Some(bytes.into()))).collect();
+        Ok(Self {
+            text,
+            path,
+            is_file,
+            is_copy,
+            disk,
+            files: Arc::new(Remembered { known: Mutex::new(known), beyond }),
+        })
     }
 
     /// Source of the files named in the text.
@@ -181,16 +198,17 @@ impl Origin {
         read.map(|input| self.disk.place(input)).collect()
     }
 
-    /// Contents of every file that was read or whose existence was checked.
+    /// Text, path, and contents of every file that was read or whose existence was checked.
     ///
     /// # Errors
     /// [`Diagnostic`] if a file of the latter kind cannot be read now.
-    pub fn contents(&self) -> Result<Contents, Diagnostic> {
+    pub fn parts(&self) -> Result<Parts, Diagnostic> {
         let (source, paths) = (self.source(), self.files.known().keys().cloned().collect::<Vec<_>>());
         let content = |path: PathBuf| {
             let bytes = read_bytes(&source, &path, "a file that a copy takes along")?;
             Ok((path.into_os_string(), bytes))
         };
-        paths.into_iter().map(content).collect()
+        let files = paths.into_iter().map(content).collect::<Result<_, Diagnostic>>()?;
+        Ok((self.text.clone(), self.path.clone().into(), None, (self.is_file, files)))
     }
 }

@@ -5,19 +5,38 @@ use std::path::{Path, PathBuf};
 
 use pyo3::prelude::*;
 use slipgrid::disk::{Place, PlaceError};
+use slipgrid::report::{Content, Outputs};
 
-use crate::errors;
+use crate::errors::{Failure, failed};
 
-/// Converts a refused path to `InputError`, and a system error to `OSError`.
-fn misplaced(py: Python<'_>, error: &PlaceError) -> PyErr {
-    match error {
-        PlaceError::Refused(refused) => errors::input(py, refused),
-        PlaceError::Unwritable(error) => io::Error::new(error.source.kind(), error.to_string()).into(),
-    }
+/// Text of a result as the command line prints it, warnings about the input and the result, and files that it was made from.
+pub type Told = (String, Vec<String>, Vec<PathBuf>);
+/// Name and content of a file.
+pub type Named = (String, Vec<u8>);
+
+/// Contents of files by name.
+///
+/// # Errors
+/// [`Failure`] if a content cannot be made.
+pub fn contents(outputs: &Outputs) -> Result<Vec<Named>, Failure> {
+    let content = |(name, content): (&str, &Content)| {
+        let mut bytes = Vec::new();
+        content.write(&mut bytes).map_err(failed)?;
+        Ok((name.to_owned(), bytes))
+    };
+    outputs.iter().map(content).collect()
 }
 
-const fn folder_at(path: &Path) -> Place<'_> {
-    Place { flag: "folder", path }
+/// Converts a refused path to `InputError`, and a system error to `OSError`.
+impl From<PlaceError> for Failure {
+    fn from(error: PlaceError) -> Self {
+        match error {
+            PlaceError::Refused(refused) => Self::Refused(refused),
+            PlaceError::Unwritable(error) => {
+                Self::Raised(io::Error::new(error.source.kind(), error.to_string()).into())
+            }
+        }
+    }
 }
 
 const fn file_at(path: &Path) -> Place<'_> {
@@ -26,24 +45,18 @@ const fn file_at(path: &Path) -> Place<'_> {
 
 /// Writes `files`, by name, into `folder`, which is made if needed; `inputs` are files that the results were made from.
 #[pyfunction]
-pub fn write_folder(
-    py: Python<'_>,
-    files: Vec<(String, Vec<u8>)>,
-    folder: PathBuf,
-    inputs: Vec<PathBuf>,
-) -> PyResult<()> {
-    let written = py.detach(|| slipgrid::disk::write_folder(folder_at(&folder), &files, &inputs));
-    written.map_err(|error| misplaced(py, &error))
+pub fn write_folder(py: Python<'_>, files: Vec<Named>, folder: PathBuf, inputs: Vec<PathBuf>) -> Result<(), Failure> {
+    Ok(py.detach(|| slipgrid::disk::write_folder(Place { flag: "folder", path: &folder }, &files, &inputs))?)
 }
 
 /// Writes one file; `inputs` are files that the content was made from.
 #[pyfunction]
-pub fn write_file(py: Python<'_>, content: &[u8], path: PathBuf, inputs: Vec<PathBuf>) -> PyResult<()> {
-    slipgrid::disk::write_file(file_at(&path), content, &inputs).map_err(|error| misplaced(py, &error))
+pub fn write_file(content: &[u8], path: PathBuf, inputs: Vec<PathBuf>) -> Result<(), Failure> {
+    Ok(slipgrid::disk::write_file(file_at(&path), content, &inputs)?)
 }
 
 /// Checks before a long computation that the file can be written; raises an error otherwise.
 #[pyfunction]
-pub fn check_file(py: Python<'_>, path: PathBuf, inputs: Vec<PathBuf>) -> PyResult<()> {
-    slipgrid::disk::check_file(file_at(&path), &inputs).map_err(|error| misplaced(py, &error))
+pub fn check_file(path: PathBuf, inputs: Vec<PathBuf>) -> Result<(), Failure> {
+    Ok(slipgrid::disk::check_file(file_at(&path), &inputs)?)
 }

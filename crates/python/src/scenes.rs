@@ -23,8 +23,9 @@ use slipgrid::results::{SimulationReport, beyond_measured, json_and_timings};
 use slipgrid::springblock::{self, Extent, Fidelity, Load, Simulation, SteadyCell as Cell};
 use slipgrid::units::{PRESSURE_MPA, tidy};
 
-use crate::errors;
-use crate::origin::{Contents, Origin};
+use crate::errors::{Failure, failed};
+use crate::origin::{Contents, Given, Origin};
+use crate::output::{Named, Told, contents};
 use crate::progress::watched;
 use crate::threads::{detached, in_pool};
 use crate::warnings::warn_all;
@@ -39,8 +40,8 @@ pub struct Scene {
     extent: Option<String>,
 }
 
-/// Text and path of a scene, `fidelity`, `extent`, whether the path is a file, and the files that the scene reads.
-type Parts<'a> = (&'a str, OsString, Option<&'a str>, Option<&'a str>, bool, Contents);
+/// Arguments from which a copy is made: text, path, `fidelity`, `extent`, no objects, and what `copied` takes.
+type Parts<'a> = (String, OsString, Option<&'a str>, Option<&'a str>, Option<Contents>, (bool, Contents));
 
 /// A solved scene.
 #[pyclass(frozen, module = "slipgrid")]
@@ -48,87 +49,57 @@ pub struct Solved {
     scene: slipgrid::springblock::Scene,
     simulation: Simulation,
     report: SimulationReport,
-    warnings: Vec<String>,
-    inputs: Vec<PathBuf>,
 }
 
-fn overrides(fidelity: Option<&str>, extent: Option<&str>) -> PyResult<Overrides> {
-    let refuse = |what: &str, given: &str, names: Vec<&str>| {
+/// The value of `all` with the name `given` for the argument `what`.
+pub fn named<T: Copy>(what: &str, given: &str, all: &[T], name: impl Fn(T) -> &'static str) -> PyResult<T> {
+    all.iter().copied().find(|own| name(*own) == given).ok_or_else(|| {
+        let names: Vec<&str> = all.iter().map(|own| name(*own)).collect();
         PyValueError::new_err(format!("{what} is {given:?}: expected one of {}", names.join(", ")))
-    };
-    let fidelity = fidelity.map(|given| {
-        let all = Fidelity::ALL;
-        let named = all.iter().copied().find(|own| own.name() == given);
-        named.ok_or_else(|| refuse("fidelity", given, all.iter().map(|own| own.name()).collect()))
-    });
-    let extent = extent.map(|given| {
-        let all = Extent::ALL;
-        let named = all.iter().copied().find(|own| own.name() == given);
-        named.ok_or_else(|| refuse("extent", given, all.iter().map(|own| own.name()).collect()))
-    });
-    Ok(Overrides { fidelity: fidelity.transpose()?, extent: extent.transpose()? })
-}
-
-impl Scene {
-    fn of(
-        py: Python<'_>,
-        origin: Origin,
-        fidelity: Option<String>,
-        extent: Option<String>,
-        warns: bool,
-    ) -> PyResult<Self> {
-        let overrides = overrides(fidelity.as_deref(), extent.as_deref())?;
-        let read = || {
-            let document = origin.document(FileKind::Scene)?;
-            SceneInput::from_file(document.clone(), &document.parse()?, overrides)
-        };
-        let input = in_pool(py, read)?.map_err(|error| errors::input(py, &error))?;
-        let inputs = origin.inputs(std::slice::from_ref(&origin.path));
-        let made = Self { input, inputs, origin, fidelity, extent };
-        if warns {
-            warn_all(py, &made.warnings())?;
-        }
-        Ok(made)
-    }
+    })
 }
 
 #[pymethods]
 impl Scene {
-    /// Parses the scene in `text` as a file at `path`; relative paths in the text start from the folder of `path`.
-    /// `is_file` states that the file exists; `files` are the only available files, and None stands for the disk, before which
-    /// `objects` are looked at.
+    /// Parses the scene in `text`, by default that of the file at `path`; relative paths in the text start from the folder of `path`.
+    /// `objects` are looked at before the disk, and a copy has no files but those in `copied`.
     #[new]
-    #[allow(clippy::too_many_arguments, reason = "they are what a scene is made of, and Python's interpreter")]
-    #[pyo3(signature = (text, path, fidelity=None, extent=None, is_file=false, files=None, objects=None))]
+    #[pyo3(signature = (text, path, fidelity=None, extent=None, objects=None, copied=None))]
     fn new(
         py: Python<'_>,
-        text: String,
+        text: Option<String>,
         path: PathBuf,
         fidelity: Option<String>,
         extent: Option<String>,
-        is_file: bool,
-        files: Option<Contents>,
         objects: Option<Contents>,
-    ) -> PyResult<Self> {
-        // A copy repeats no warnings: they were given when the original was made.
-        let warns = files.is_none();
-        Self::of(py, Origin::new(text, path, is_file, files, objects), fidelity, extent, warns)
-    }
-
-    /// Reads the scene file at `path`.
-    #[staticmethod]
-    #[pyo3(signature = (path, fidelity=None, extent=None))]
-    fn read(py: Python<'_>, path: PathBuf, fidelity: Option<String>, extent: Option<String>) -> PyResult<Self> {
-        let origin = detached(py, || Origin::read(path, FileKind::Scene))?;
-        Self::of(py, origin.map_err(|error| errors::input(py, &error))?, fidelity, extent, true)
+        copied: Option<(bool, Contents)>,
+    ) -> Result<Self, Failure> {
+        let overrides = Overrides {
+            fidelity: fidelity
+                .as_deref()
+                .map(|own| named("fidelity", own, &Fidelity::ALL, Fidelity::name))
+                .transpose()?,
+            extent: extent.as_deref().map(|own| named("extent", own, &Extent::ALL, Extent::name)).transpose()?,
+        };
+        let (origin, input) = in_pool(py, || {
+            let origin = Origin::new(FileKind::Scene, Given { text, objects, copied }, path)?;
+            let document = origin.document(FileKind::Scene)?;
+            let input = SceneInput::from_file(document.clone(), &document.parse()?, overrides)?;
+            Ok::<_, Diagnostic>((origin, input))
+        })??;
+        let inputs = origin.inputs(std::slice::from_ref(&origin.path));
+        let made = Self { input, inputs, origin, fidelity, extent };
+        if !made.origin.is_copy {
+            warn_all(py, &made.warnings())?;
+        }
+        Ok(made)
     }
 
     /// Constructor and arguments from which `pickle` and `copy` restore the scene, on any machine.
-    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyType>, Parts<'_>)> {
-        let Origin { text, path, is_file, .. } = &self.origin;
-        let files = detached(py, || self.origin.contents())?.map_err(|error| errors::input(py, &error))?;
+    fn __reduce__<'py>(&self, py: Python<'py>) -> Result<(Bound<'py, PyType>, Parts<'_>), Failure> {
+        let (text, path, objects, copied) = detached(py, || self.origin.parts())??;
         let (fidelity, extent) = (self.fidelity.as_deref(), self.extent.as_deref());
-        Ok((py.get_type::<Self>(), (text, path.clone().into(), fidelity, extent, *is_file, files)))
+        Ok((py.get_type::<Self>(), (text, path, fidelity, extent, objects, copied)))
     }
 
     fn __repr__(&self) -> String {
@@ -143,27 +114,29 @@ impl Scene {
         self.input.told.iter().map(ToString::to_string).collect()
     }
 
-    /// Solves the scene.
+    /// Solves the scene; returns result.json and timings.json as well.
     #[pyo3(signature = (progress=None))]
-    fn simulate(&self, py: Python<'_>, progress: Option<&Bound<'_, PyAny>>) -> PyResult<Solved> {
+    fn simulate(
+        &self,
+        py: Python<'_>,
+        progress: Option<&Bound<'_, PyAny>>,
+    ) -> Result<([String; 2], Told, Solved), Failure> {
         let input = &self.input;
         let found = watched(py, progress, |watch| {
             let line = run_line(&input.scene, &input.uncertainty, input.condition.as_ref());
             line.iter().for_each(|line| watch.note(line));
             let stage = Stage::new(watch, input.scene.run.fidelity.name(), None);
             let solved = simulate_on(&input.scene, input.specimen.as_ref(), &stage);
-            let simulation = solved.map_err(|error| Ok(input.refuse_on_specimen(&error)))?;
-            let (simulation, report) = input.report(simulation).map_err(|error| Err(error.to_string()))?;
+            let simulation = solved.map_err(|error| input.refuse_on_specimen(&error))?;
+            let (simulation, report) = input.report(simulation).map_err(failed)?;
             let report = SimulationReport { wall_s: stage.finish(), threads: rayon::current_num_threads(), ..report };
-            let warnings = self.warnings().into_iter().chain(report.doubts()).collect();
-            Ok(Solved { scene: input.scene.clone(), simulation, report, warnings, inputs: self.inputs.clone() })
-        })?;
-        let found = found.map_err(|error| match error {
-            Ok(refused) => errors::input(py, &refused),
-            Err(reason) => errors::failed(py, &reason),
-        })?;
-        warn_all(py, &found.warnings[self.input.told.len()..])?;
-        Ok(found)
+            Ok::<_, Failure>(Solved { scene: input.scene.clone(), simulation, report })
+        })??;
+        let doubts = found.report.doubts();
+        warn_all(py, &doubts)?;
+        let warnings = self.warnings().into_iter().chain(doubts).collect();
+        let records = json_and_timings(&found.report).map_err(failed)?;
+        Ok((records, (found.report.text(), warnings, self.inputs.clone()), found))
     }
 
     /// The steady cell of the scene's texture, which computes ratios for any pattern.
@@ -177,32 +150,10 @@ impl Scene {
 
 #[pymethods]
 impl Solved {
-    /// The record and its wall times, as in result.json and timings.json.
-    fn json(&self, py: Python<'_>) -> PyResult<[String; 2]> {
-        json_and_timings(&self.report).map_err(|error| errors::failed(py, &error.to_string()))
-    }
-
-    /// Files that the result was made from.
-    #[getter]
-    fn inputs(&self) -> Vec<PathBuf> {
-        self.inputs.clone()
-    }
-
-    /// Text as the command line prints it.
-    fn text(&self, py: Python<'_>) -> PyResult<String> {
-        in_pool(py, || self.report.text())
-    }
-
-    /// Warnings about the input and the result, one sentence each.
-    #[getter]
-    fn warnings(&self) -> Vec<String> {
-        self.warnings.clone()
-    }
-
     /// All files that the command line writes, by name.
-    fn files(&self, py: Python<'_>) -> PyResult<Vec<(String, Vec<u8>)>> {
+    fn files(&self, py: Python<'_>) -> Result<Vec<Named>, Failure> {
         let outputs = in_pool(py, || files::of_scene(&self.scene, &self.simulation, &self.report))?;
-        crate::designs::contents(py, &outputs.map_err(|error| errors::failed(py, &error.to_string()))?)
+        contents(&outputs.map_err(failed)?)
     }
 }
 
@@ -231,7 +182,11 @@ impl SteadyCell {
 
     /// Ratio, dynamic friction and peak pressure in MPa, shape (rows, 3), for rows of width, spacing and depth in micrometres and
     /// pressure in MPa. A row with a NaN, and a load without friction, gives NaN.
-    fn solve<'py>(&self, py: Python<'py>, rows: PyReadonlyArray2<'py, f64>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    fn solve<'py>(
+        &self,
+        py: Python<'py>,
+        rows: PyReadonlyArray2<'py, f64>,
+    ) -> Result<Bound<'py, PyArray2<f64>>, Failure> {
         let rows = rows.as_array();
         let groups = self.groups(py, rows)?;
         let loads = self.loads(py, groups.values().flat_map(|(_, places)| places.keys().copied()))?;
@@ -255,7 +210,7 @@ impl SteadyCell {
             _ => watched(py, None, |watch| groups.par_iter().map(|group| solve(group, watch)).collect())?,
         };
         let mut values = Array2::from_elem((rows.nrows(), VALUES), f64::NAN);
-        for ((_, places), outcomes) in groups.iter().zip(solved.map_err(|_| errors::stopped())?) {
+        for ((_, places), outcomes) in groups.iter().zip(solved?) {
             for ((bits, rows), outcome) in places.iter().zip(outcomes) {
                 let ratio = outcome.ratio.unwrap_or(f64::NAN);
                 let peak_mpa = PRESSURE_MPA.from_si(outcome.surface.peak_pressure_pa);
@@ -272,7 +227,7 @@ type Group = (Pattern, BTreeMap<u64, Vec<usize>>);
 
 impl SteadyCell {
     /// Groups the rows by texture, so that each is condensed once for all its loads.
-    fn groups(&self, py: Python<'_>, rows: ArrayView2<'_, f64>) -> PyResult<BTreeMap<[u64; 3], Group>> {
+    fn groups(&self, py: Python<'_>, rows: ArrayView2<'_, f64>) -> Result<BTreeMap<[u64; 3], Group>, Failure> {
         let largest = Cell::of_texture(&self.input.scene, &self.texture);
         let mut groups: BTreeMap<[u64; 3], Group> = BTreeMap::new();
         for (row, own) in rows.rows().into_iter().enumerate() {
@@ -285,9 +240,7 @@ impl SteadyCell {
             }
             let group = match groups.entry([width, spacing, depth].map(f64::to_bits)) {
                 Entry::Occupied(known) => known.into_mut(),
-                Entry::Vacant(new) => {
-                    new.insert((self.pattern(py, &largest, [width, spacing, depth])?, BTreeMap::new()))
-                }
+                Entry::Vacant(new) => new.insert((self.pattern(&largest, [width, spacing, depth])?, BTreeMap::new())),
             };
             group.1.entry(pressure_mpa.to_bits()).or_default().push(row);
         }
@@ -295,15 +248,16 @@ impl SteadyCell {
     }
 
     /// Loads at pressures in MPa, by the bits of the pressure, each with the dynamic friction of the flat surface in time.
-    fn loads(&self, py: Python<'_>, pressures: impl Iterator<Item = u64>) -> PyResult<BTreeMap<u64, (Load, f64)>> {
+    fn loads(
+        &self,
+        py: Python<'_>,
+        pressures: impl Iterator<Item = u64>,
+    ) -> Result<BTreeMap<u64, (Load, f64)>, Failure> {
         let input = &self.input;
         let bits: Vec<u64> = pressures.collect::<BTreeSet<u64>>().into_iter().collect();
         let pressure = |bits: &u64| checked("pressure_mpa", f64::from_bits(*bits), PRESSURE_MPA);
-        let pressures_pa: Vec<f64> =
-            bits.iter().map(pressure).collect::<Result<_, _>>().map_err(|error| errors::input(py, &error))?;
-        let refuse = |reason: String| {
-            errors::input(py, &Diagnostic { key: Some("pressure_mpa".into()), reason, ..Diagnostic::default() })
-        };
+        let pressures_pa: Vec<f64> = bits.iter().map(pressure).collect::<Result<_, _>>()?;
+        let refuse = |reason: String| Diagnostic { key: Some("pressure_mpa".into()), reason, ..Diagnostic::default() };
         check_pressures(&pressures_pa, &input.material).map_err(|error| refuse(error.reason))?;
         let condition = input.condition.as_ref();
         let (loads, outside) =
@@ -324,17 +278,17 @@ impl SteadyCell {
     }
 
     /// Makes the pattern with these lengths; refuses it if its cell is too large.
-    fn pattern(&self, py: Python<'_>, cell: &Cell, lengths_um: [f64; 3]) -> PyResult<Pattern> {
+    fn pattern(&self, cell: &Cell, lengths_um: [f64; 3]) -> Result<Pattern, Diagnostic> {
         const NAMED: &str = "width_um, spacing_um, depth_um";
         let given = || lengths_um.map(|length_um| length_um.to_string()).join(", ");
         let [width_m, spacing_m, depth_m] = lengths_um.map(|length_um| length_um * 1e-6);
         let pattern = Pattern::new(self.texture, width_m, spacing_m, depth_m)
-            .map_err(|error| errors::input(py, &Diagnostic::flag(NAMED, given(), error.to_string())))?;
+            .map_err(|error| Diagnostic::flag(NAMED, given(), error.to_string()))?;
         let (bytes, max_bytes) = (cell.bytes(&pattern), cell.most_bytes());
         if bytes > max_bytes {
             let refused = Diagnostic::flag(NAMED, given(), format!("makes a cell that takes {bytes:.1e} bytes"));
             let expected = format!("a smaller pattern or larger blocks, at most {max_bytes:.1e} bytes");
-            return Err(errors::input(py, &refused.expected(expected)));
+            return Err(refused.expected(expected));
         }
         Ok(pattern)
     }

@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, Union
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import _plots, _slipgrid
+from . import _plots, _slipgrid, errors
 from ._records import Kept, Progress, Record, document, frame, rows, table, triples, write
 from .types import DesignRecord, NextRecord
 
@@ -146,7 +145,7 @@ class Design:
     def read(cls, path: str | PathLike[str]) -> Design:
         """The design file at ``path``."""
         made = cls.__new__(cls)
-        made._design = _slipgrid.Design.read(Path(path))
+        made._design = _slipgrid.Design(None, Path(path))
         return made
 
     @property
@@ -167,7 +166,7 @@ class Design:
         slipgrid.errors.ComputationError
             If no texture within the bounds can be computed.
         """
-        return DesignResult(self._design.optimize(progress))
+        return DesignResult(*self._design.optimize(progress))
 
     def predict(
         self, width_um: ArrayLike, spacing_um: ArrayLike, depth_um: ArrayLike, *, progress: Progress | None = None
@@ -231,7 +230,7 @@ class Design:
         progress
             Called with the stage and the share that is done.
         """
-        return NextSamples(self._design.next_samples(count, triples("candidates_um", candidates_um), progress))
+        return NextSamples(*self._design.next_samples(count, triples("candidates_um", candidates_um), progress))
 
     def __repr__(self) -> str:
         return repr(self._design)
@@ -260,24 +259,22 @@ class DesignTimes(Record):
 class DesignResult(DesignRecord):
     """A design that was found; fields as in result.json of ``slipgrid optimize``."""
 
-    def __init__(self, designed: _slipgrid.Designed | Kept) -> None:
-        self._designed = designed
-        record, times = designed.json()
-        super().__init__(json.loads(record))
-        self._times = DesignTimes(json.loads(times))
-
-    def __reduce__(self) -> tuple[type[DesignResult], tuple[Kept]]:
-        return DesignResult, (Kept.of(self._designed),)
+    def __init__(
+        self, records: list[str], told: tuple[str, list[str], list[Path]], designed: _slipgrid.Designed
+    ) -> None:
+        super().__init__(json.loads(records[0]))
+        self._times = DesignTimes(json.loads(records[1]))
+        self._kept = Kept(*told, designed)
 
     @property
     def headline(self) -> str:
         """The first line that ``slipgrid optimize`` prints: what to do, and the chance that a cut sample is on target."""
-        return self._designed.text().splitlines()[0]
+        return self._kept.text.splitlines()[0]
 
     @property
     def warnings(self) -> list[str]:
         """Warnings about the task, its material and the design found, one sentence each."""
-        return list(self._designed.warnings)
+        return list(self._kept.warnings)
 
     @property
     def times(self) -> DesignTimes:
@@ -301,18 +298,23 @@ class DesignResult(DesignRecord):
     def export(self, folder: str | PathLike[str]) -> list[Path]:
         """Writes what ``slipgrid optimize -o`` writes: the files of the laser, tables, pictures and report.html. Inputs, and files that
         slipgrid did not write, are not replaced: :class:`slipgrid.errors.InputError` names them."""
-        return write(self._designed.files(), folder, self._designed.inputs)
+        return write(self._kept.files(), folder, self._kept.inputs)
 
     def drawing(self, format: Drawing) -> bytes:
         """The pattern as a file of the laser, in one of its formats."""
-        return self._designed.drawing(format)[1]
+        if self._kept.compiled is not None:
+            return bytes(self._kept.compiled.drawing(format)[1])
+        names = {"dxf": "pattern.dxf", "svg": "pattern.svg", "csv": "pattern.csv", "process": "process.toml"}
+        if format not in names:
+            raise errors.ComputationError(f"a copy holds {', '.join(names)}: draw {format!r} with the result that was copied")
+        return dict(self._kept.files())[names[format]]
 
     def report_html(self) -> str:
         """The page report.html, which needs no other file."""
-        return dict(self._designed.files())["report.html"].decode()
+        return dict(self._kept.files())["report.html"].decode()
 
     def __str__(self) -> str:
-        return self._designed.text()
+        return self._kept.text
 
     def __repr__(self) -> str:
         return f"<DesignResult {self.headline}>"
@@ -326,22 +328,14 @@ class DesignResult(DesignRecord):
 class NextSamples(NextRecord):
     """The samples to cut next; fields as in ``slipgrid next --json``."""
 
-    def __init__(self, samples: Union[_slipgrid.NextSamples, Mapping[str, Any]]) -> None:
-        given = samples if isinstance(samples, Mapping) else {
-            "record": json.loads(samples.json()),
-            "text": samples.text(),
-            "warnings": samples.warnings,
-        }
-        super().__init__(given["record"])
-        self._given = given
-
-    def __reduce__(self) -> tuple[type[NextSamples], tuple[Mapping[str, Any]]]:
-        return NextSamples, (self._given,)
+    def __init__(self, record: str, told: tuple[str, list[str], list[Path]]) -> None:
+        super().__init__(json.loads(record))
+        self._kept = Kept(*told)
 
     @property
     def warnings(self) -> list[str]:  # type: ignore[override]
         """Warnings about the task, its material and the samples, one sentence each."""
-        return list(self._given["warnings"])
+        return list(self._kept.warnings)
 
     def frame(self) -> _pandas.DataFrame:
         """One row a sample: those to cut, those asked for, and others."""
@@ -351,7 +345,7 @@ class NextSamples(NextRecord):
         return [{"which": which, **own["design"], **own} for which in ("samples", "own", "others") for own in self[which]]
 
     def __str__(self) -> str:
-        return str(self._given["text"])
+        return self._kept.text
 
     def __repr__(self) -> str:
         chances = ", ".join("-" if own.chance is None else f"{own.chance:.0%}" for own in self.samples)

@@ -326,7 +326,7 @@ class Map:
         AreaLaw
             Arrays by pressure.
         """
-        record = self._map.area_law_json(
+        record = json.loads(self._map.area_law_json(
             youngs_modulus_gpa=youngs_modulus_gpa,
             poisson_ratio=poisson_ratio,
             pressures_mpa=None if pressures_mpa is None else floats("pressures_mpa", pressures_mpa),
@@ -337,8 +337,13 @@ class Map:
             despike=despike,
             windows=windows,
             progress=progress,
-        )
-        found = AreaLaw(json.loads(record))
+        ))
+        names = ("pressure_mpa", "area_fraction", "area_fraction_corrected", "area_error", "factor", "factor_std")
+        found = AreaLaw({
+            **{name: record[name] for name in ("rms_slope", "full_contact_pressure_mpa")},
+            **{name: [row[name] for row in record["results"]] for name in names},
+            "warnings": record.get("warnings", []),
+        })
         _slipgrid.give_warnings(found.warnings)
         return found
 

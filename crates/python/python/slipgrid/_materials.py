@@ -82,7 +82,7 @@ class Calibration:
     def read(cls, path: str | PathLike[str]) -> Calibration:
         """The calibration file at ``path``."""
         made = cls.__new__(cls)
-        made._calibration = _slipgrid.Calibration.read(Path(path))
+        made._calibration = _slipgrid.Calibration(None, Path(path))
         return made
 
     @property
@@ -98,7 +98,7 @@ class Calibration:
         progress
             Called with the stage and the share that is done.
         """
-        return FittedMaterial(self._calibration.fit(progress))
+        return FittedMaterial(*self._calibration.fit(progress))
 
     def trials(self, progress: Progress | None = None) -> Trials:
         """Compares what was predicted of trial samples with what was measured."""
@@ -106,7 +106,7 @@ class Calibration:
         return Trials(json.loads(record), text)
 
     def _as_files(self, number: int) -> tuple[str, dict[str, bytes]]:
-        text, path, _, files = self._calibration.__reduce__()[1]
+        text, path, _, (_, files) = self._calibration.__reduce__()[1]
         folder = Path.cwd()
         contents = {fspath(folder / name): content for name, content in files.items()}
         name = str(folder / path)
@@ -312,35 +312,37 @@ def _arguments(width_um: ArrayLike, spacing_um: ArrayLike, depth_um: ArrayLike, 
 class FittedMaterial(Material):
     """A material that was fitted to measurements."""
 
-    def __init__(self, fitted: _slipgrid.Fitted | Kept) -> None:
-        self._fitted = fitted
-        super().__init__(fitted.material_toml(), "fitted", list(fitted.warnings))
-
-    def __reduce__(self) -> tuple[type[FittedMaterial], tuple[Kept]]:
-        return FittedMaterial, (Kept.of(self._fitted),)
+    def __init__(
+        self, records: list[str], told: tuple[str, list[str], list[Path]], fitted: _slipgrid.Fitted
+    ) -> None:
+        self._fit, toml = records
+        self._kept = Kept(*told, fitted)
+        super().__init__(toml, "fitted", self._kept.warnings)
 
     @property
     def fit(self) -> FitRecord:
         """Coefficients, covariance and residuals."""
-        return FitRecord(json.loads(self._fitted.fit_json()))
+        return FitRecord(json.loads(self._fit))
 
     def save(self, path: str | PathLike[str]) -> Path:
         """Writes the material file at ``path``, with the name of the calibration file that it was made from. A file that slipgrid
         did not write is not replaced."""
         path = Path(path)
-        _slipgrid.write_file(self._fitted.material_toml(path).encode(), path, self._fitted.inputs)
+        compiled = self._kept.compiled
+        text = self.toml if compiled is None else compiled.material_toml(path)
+        _slipgrid.write_file(text.encode(), path, self._kept.inputs)
         return path
 
     def export(self, folder: str | PathLike[str]) -> list[Path]:
         """Writes what ``slipgrid calibrate --report`` writes; nothing is replaced that slipgrid did not write."""
-        return write(self._fitted.files(), folder, self._fitted.inputs)
+        return write(self._kept.files(), folder, self._kept.inputs)
 
     def plot(self, ax: Axes | None = None) -> Axes:
         """Draws the fitted parameters with their 95 % intervals on the axes ``ax`` of Matplotlib or new ones."""
         return _plots.fit(self, ax)
 
     def __str__(self) -> str:
-        return self._fitted.text()
+        return self._kept.text
 
 
 class Trials(TrialsRecord):
@@ -349,9 +351,6 @@ class Trials(TrialsRecord):
     def __init__(self, fields: dict[str, object], text: str) -> None:
         super().__init__(fields)
         self._words = text
-
-    def __reduce__(self) -> tuple[type[Trials], tuple[dict[str, object], str]]:
-        return Trials, (self.to_dict(), self._words)
 
     def frame(self) -> _pandas.DataFrame:
         """One row a measured ratio, with the trial's name."""

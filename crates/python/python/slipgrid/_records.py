@@ -129,49 +129,19 @@ def pandas() -> ModuleType:
 
 
 class Kept:
-    """What the compiled half of a result gives, in a copy of the result: in another process it is not there."""
+    """Text, warnings and inputs of a result, and its files. The compiled half of the result makes the files when they are asked for; a
+    copy holds them, because in another process there is no compiled half."""
 
-    def __init__(self, given: dict[str, Any]) -> None:
-        self._given = given
-
-    @classmethod
-    def of(cls, found: Any) -> Kept:
-        """All that ``found`` gives."""
-        if isinstance(found, cls):
-            return found
-        names = [name for name in ("json", "text", "files", "material_toml", "fit_json") if hasattr(found, name)]
-        given = {"inputs": list(found.inputs), "warnings": list(found.warnings)}
-        return cls({**given, **{name: getattr(found, name)() for name in names}})
-
-    def json(self) -> tuple[str, str]:
-        record, times = self._given["json"]
-        return record, times
-
-    def text(self) -> str:
-        return str(self._given["text"])
+    def __init__(self, text: str, warnings: list[str], inputs: list[Path], compiled: Any = None) -> None:
+        self.text, self.warnings, self.inputs, self.compiled = text, warnings, inputs, compiled
+        self._files: list[tuple[str, bytes]] = []
 
     def files(self) -> list[tuple[str, bytes]]:
-        return list(self._given["files"])
+        """Names and contents of all files."""
+        return self._files if self.compiled is None else list(self.compiled.files())
 
-    def fit_json(self) -> str:
-        return str(self._given["fit_json"])
-
-    def material_toml(self, path: Path | None = None) -> str:
-        return str(self._given["material_toml"])
-
-    def drawing(self, format: str) -> tuple[str, bytes]:
-        names = {"dxf": "pattern.dxf", "svg": "pattern.svg", "csv": "pattern.csv", "process": "process.toml"}
-        if format not in names:
-            raise errors.ComputationError(f"a copy holds {', '.join(names)}: draw {format!r} with the result that was copied")
-        return names[format], dict(self.files())[names[format]]
-
-    @property
-    def inputs(self) -> list[Path]:
-        return list(self._given["inputs"])
-
-    @property
-    def warnings(self) -> list[str]:
-        return list(self._given["warnings"])
+    def __getstate__(self) -> dict[str, Any]:
+        return {**vars(self), "compiled": None, "_files": self.files()}
 
 
 def frame(rows: Sequence[Mapping[str, Any]]) -> _pandas.DataFrame:

@@ -85,7 +85,7 @@ class Scene:
     def read(cls, path: str | PathLike[str], *, fidelity: Fidelity | None = None, extent: Extent | None = None) -> Scene:
         """The scene file at ``path``."""
         made = cls.__new__(cls)
-        made._scene = _slipgrid.Scene.read(Path(path), fidelity=fidelity, extent=extent)
+        made._scene = _slipgrid.Scene(None, Path(path), fidelity=fidelity, extent=extent)
         return made
 
     @property
@@ -106,7 +106,7 @@ class Scene:
         SimulationResult
             Arrays by load, and the record of result.json.
         """
-        return SimulationResult(self._scene.simulate(progress))
+        return SimulationResult(*self._scene.simulate(progress))
 
     def steady(self) -> SteadyCell:
         """The steady cell of the scene's texture, for any lengths and pressures."""
@@ -180,14 +180,12 @@ class SimulationTimes(Record):
 class SimulationResult(SimulationRecord):
     """What a scene does; fields as in result.json of ``slipgrid simulate``. Arrays have the shape (loads,)."""
 
-    def __init__(self, solved: _slipgrid.Solved | Kept) -> None:
-        self._solved = solved
-        record, times = solved.json()
-        super().__init__(json.loads(record))
-        self._times = SimulationTimes(json.loads(times))
-
-    def __reduce__(self) -> tuple[type[SimulationResult], tuple[Kept]]:
-        return SimulationResult, (Kept.of(self._solved),)
+    def __init__(
+        self, records: list[str], told: tuple[str, list[str], list[Path]], solved: _slipgrid.Solved
+    ) -> None:
+        super().__init__(json.loads(records[0]))
+        self._times = SimulationTimes(json.loads(records[1]))
+        self._kept = Kept(*told, solved)
 
     @property
     def pressure_mpa(self) -> NDArray[np.float64]:
@@ -207,7 +205,7 @@ class SimulationResult(SimulationRecord):
     @property
     def warnings(self) -> list[str]:
         """Warnings about the scene and its results, one sentence each."""
-        return list(self._solved.warnings)
+        return list(self._kept.warnings)
 
     @property
     def times(self) -> SimulationTimes:
@@ -224,10 +222,10 @@ class SimulationResult(SimulationRecord):
 
     def export(self, folder: str | PathLike[str]) -> list[Path]:
         """Writes what ``slipgrid simulate -o`` writes. Inputs, and files that slipgrid did not write, are not replaced."""
-        return write(self._solved.files(), folder, self._solved.inputs)
+        return write(self._kept.files(), folder, self._kept.inputs)
 
     def __str__(self) -> str:
-        return self._solved.text()
+        return self._kept.text
 
     def __repr__(self) -> str:
         values = ", ".join(f"{own:.4g}" for own in (self.mu_dynamic if np.isnan(self.ratio).all() else self.ratio))
