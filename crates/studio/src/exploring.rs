@@ -7,8 +7,8 @@ use std::time::SystemTime;
 
 use axum::Json;
 use axum::extract::{Query, State};
-use serde::{Deserialize, Serialize};
-use serde_json::Value;
+use serde::Deserialize;
+use serde_json::{Value, json};
 use slipgrid_base::monitor::Monitor;
 use slipgrid_base::units::{LENGTH_UM, PRESSURE_MPA, tidy};
 use slipgrid_design::{DesignError, Explored, explore_bounds};
@@ -18,6 +18,7 @@ use slipgrid_io::formats::design::Design;
 
 use crate::Shared;
 use crate::error::{Answer, Refused, aside};
+use crate::folder::At;
 use crate::jobs::{locked, start_exploring};
 use crate::places::inside;
 
@@ -27,16 +28,6 @@ type Stamps = Vec<(PathBuf, Option<(u64, SystemTime)>)>;
 /// Predictions for designs by their paths, with the files that they were computed from.
 #[derive(Default)]
 pub struct Known(Mutex<HashMap<PathBuf, (Stamps, Arc<Explored>)>>);
-
-impl Known {
-    fn find(&self, path: &Path) -> Option<(Stamps, Arc<Explored>)> {
-        locked(&self.0).get(path).cloned()
-    }
-
-    fn keep(&self, path: PathBuf, stamps: Stamps, found: Explored) {
-        locked(&self.0).insert(path, (stamps, Arc::new(found)));
-    }
-}
 
 fn stamps(paths: impl IntoIterator<Item = PathBuf>) -> Stamps {
     let stamp = |path: &Path| {
@@ -66,18 +57,12 @@ pub fn explore(path: &str, shared: &Shared, monitor: &dyn Monitor) -> Result<(),
         DesignError::Refused(refused) => design.refuse(&refused).to_string(),
         other => other.to_string(),
     })?;
-    shared.explored.keep(path, [before, of_calibration].concat(), found);
+    locked(&shared.explored.0).insert(path, ([before, of_calibration].concat(), Arc::new(found)));
     Ok(())
 }
 
-/// Path of a design in the body of a request.
-#[derive(Deserialize)]
-pub struct OfDesign {
-    path: String,
-}
-
 /// Starts the computation of predictions.
-pub async fn start(State(shared): State<Arc<Shared>>, Json(of): Json<OfDesign>) -> Answer<Value> {
+pub async fn start(State(shared): State<Arc<Shared>>, Json(of): Json<At>) -> Answer<Value> {
     start_exploring(&shared, &of.path)
 }
 
@@ -90,53 +75,35 @@ pub struct Texture {
     depth_um: f64,
 }
 
-/// What is expected of a sample of a texture.
-#[derive(Serialize)]
-pub struct Predicted {
-    pressure_mpa: Vec<f64>,
-    quantity: &'static str,
-    lowest: Vec<Option<f64>>,
-    highest: Vec<Option<f64>>,
-    expected: Option<Vec<f64>>,
-    lower_95: Option<Vec<f64>>,
-    upper_95: Option<Vec<f64>>,
-    chance: Option<f64>,
-    peak_pressure_mpa: Option<f64>,
-    clearance_um: Option<f64>,
-    areal_density: Option<f64>,
-    laser_s: Option<f64>,
-    bounds_um: [[f64; 2]; 3],
-    best_um: [f64; 3],
-}
-
 /// Reads the predictions for one texture.
-pub async fn predict(State(shared): State<Arc<Shared>>, Query(texture): Query<Texture>) -> Answer<Predicted> {
+pub async fn predict(State(shared): State<Arc<Shared>>, Query(texture): Query<Texture>) -> Answer<Value> {
     aside(move || {
         let path = inside(&texture.path)?;
-        let known = shared.explored.find(&path);
+        let known = locked(&shared.explored.0).get(&path).cloned();
         let current = known.filter(|(known, _)| stamps(known.iter().map(|(path, _)| path.clone())) == *known);
         let (_, found) =
             current.ok_or_else(|| Refused::conflict("no predictions were computed for what the files say now"))?;
         let lengths_um = [texture.width_um, texture.spacing_um, texture.depth_um];
         let points = found.task.target.points();
         let read = found.predict(lengths_um);
-        let band = |end: usize| points.iter().map(|point| point.wanted.band()[end]).collect();
-        Ok(Predicted {
-            pressure_mpa: points.iter().map(|point| tidy(PRESSURE_MPA.from_si(point.pressure_pa))).collect(),
-            quantity: found.task.target.quantity().name(),
-            lowest: band(0),
-            highest: band(1),
-            chance: read.as_ref().and_then(|read| read.chance),
-            peak_pressure_mpa: read.as_ref().map(|read| read.peak_pressure_mpa),
-            clearance_um: read.as_ref().map(|read| read.clearance_um),
-            areal_density: read.as_ref().map(|read| read.areal_density),
-            laser_s: read.as_ref().and_then(|read| read.laser_s),
-            bounds_um: found.task.space.lengths_m().map(|ends| ends.map(|m| tidy(LENGTH_UM.from_si(m)))),
-            best_um: found.pattern.lengths_m().map(|m| tidy(LENGTH_UM.from_si(m))),
-            expected: read.as_ref().map(|read| read.expected.clone()),
-            lower_95: read.as_ref().map(|read| read.lower_95.clone()),
-            upper_95: read.map(|read| read.upper_95),
-        })
+        let band = |end: usize| points.iter().map(|point| point.wanted.band()[end]).collect::<Vec<_>>();
+        let read = read.as_ref();
+        Ok(json!({
+            "pressure_mpa": points.iter().map(|point| tidy(PRESSURE_MPA.from_si(point.pressure_pa))).collect::<Vec<_>>(),
+            "quantity": found.task.target.quantity().name(),
+            "lowest": band(0),
+            "highest": band(1),
+            "expected": read.map(|read| &read.expected),
+            "lower_95": read.map(|read| &read.lower_95),
+            "upper_95": read.map(|read| &read.upper_95),
+            "chance": read.and_then(|read| read.chance),
+            "peak_pressure_mpa": read.map(|read| read.peak_pressure_mpa),
+            "clearance_um": read.map(|read| read.clearance_um),
+            "areal_density": read.map(|read| read.areal_density),
+            "laser_s": read.and_then(|read| read.laser_s),
+            "bounds_um": found.task.space.lengths_m().map(|ends| ends.map(|m| tidy(LENGTH_UM.from_si(m)))),
+            "best_um": found.pattern.lengths_m().map(|m| tidy(LENGTH_UM.from_si(m))),
+        }))
     })
     .await
 }

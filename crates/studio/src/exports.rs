@@ -3,7 +3,8 @@
 use std::path::Path;
 
 use axum::extract::Query;
-use serde::{Deserialize, Serialize};
+use serde::Deserialize;
+use serde_json::{Value, json};
 use slipgrid_base::units::{HUMIDITY_PCT, SPEED_MM_S, tidy};
 use slipgrid_io::disk::disk;
 use slipgrid_io::formats::Document;
@@ -17,7 +18,7 @@ use slipgrid_traces::{Tangential, TraceChannels};
 
 use crate::error::{Answer, aside};
 use crate::places::inside;
-use crate::texts::Message;
+use crate::texts::message;
 
 /// Maximum number of points of a curve that a page draws: two for each pixel of a wide screen.
 const MAX_POINTS: usize = 4000;
@@ -27,35 +28,6 @@ const MAX_POINTS: usize = 4000;
 pub struct AtWith {
     path: String,
     calibration: Option<String>,
-}
-
-/// A column of an export.
-#[derive(Serialize)]
-struct ColumnFound {
-    title: String,
-    unit: Option<String>,
-    role: Option<String>,
-}
-
-/// Curves of one repeat of an export.
-#[derive(Serialize)]
-struct RepeatFound {
-    label: String,
-    time_s: Vec<f64>,
-    friction: Vec<f64>,
-    friction_is: &'static str,
-    force_n: Option<Vec<f64>>,
-}
-
-/// An export as it was understood.
-#[derive(Default, Serialize)]
-pub struct ExportFound {
-    path: String,
-    error: Option<String>,
-    samples: usize,
-    columns: Vec<ColumnFound>,
-    notes: Vec<String>,
-    repeats: Vec<RepeatFound>,
 }
 
 /// Indices of the samples that a curve needs: the lowest and the highest of every stretch.
@@ -89,26 +61,26 @@ fn setup(calibration: Option<&Path>) -> TraceSetup {
     read.unwrap_or_else(|| TraceSetup::new(None, 1, true))
 }
 
-impl RepeatFound {
-    fn new(label: String, channels: &TraceChannels) -> Self {
-        let indices = thinned(channels.tangential.values());
-        let time_s: Vec<f64> = channels.time_s.iter().map(|time_s| time_s - channels.start_s).collect();
-        Self {
-            label,
-            time_s: picked(&time_s, &indices).unwrap_or_default(),
-            friction: picked(channels.tangential.values(), &indices).unwrap_or_default(),
-            friction_is: match channels.tangential {
-                Tangential::TorqueNm(_) => "torque_n_m",
-                Tangential::ForceN(_) => "force_n",
-                Tangential::Coefficient(_) => "coefficient",
-            },
-            force_n: picked(&channels.normal_force_n, &indices),
-        }
-    }
+/// Curves of one repeat of an export.
+fn curves(label: &str, channels: &TraceChannels) -> Value {
+    let indices = thinned(channels.tangential.values());
+    let time_s: Vec<f64> = channels.time_s.iter().map(|time_s| time_s - channels.start_s).collect();
+    let friction_is = match channels.tangential {
+        Tangential::TorqueNm(_) => "torque_n_m",
+        Tangential::ForceN(_) => "force_n",
+        Tangential::Coefficient(_) => "coefficient",
+    };
+    json!({
+        "label": label,
+        "time_s": picked(&time_s, &indices).unwrap_or_default(),
+        "friction": picked(channels.tangential.values(), &indices).unwrap_or_default(),
+        "friction_is": friction_is,
+        "force_n": picked(&channels.normal_force_n, &indices),
+    })
 }
 
 /// Reads one export.
-pub async fn one(Query(at): Query<AtWith>) -> Answer<ExportFound> {
+pub async fn one(Query(at): Query<AtWith>) -> Answer<Value> {
     aside(move || {
         let path = inside(&at.path)?;
         let calibration = at.calibration.as_deref().map(inside).transpose()?;
@@ -117,32 +89,34 @@ pub async fn one(Query(at): Query<AtWith>) -> Answer<ExportFound> {
     .await
 }
 
-fn export_found(name: &str, path: &Path, mut setup: TraceSetup) -> ExportFound {
-    let mut found = ExportFound { path: name.to_owned(), ..ExportFound::default() };
+/// An export as it was understood.
+fn export_found(name: &str, path: &Path, mut setup: TraceSetup) -> Value {
+    let mut columns = Vec::new();
     let file = read_letters(&disk(), path, "a table of traces").and_then(|text| {
-        found.columns = columns_found(&text, &setup.titles);
+        columns = columns_found(&text, &setup.titles);
         // Without the radius a torque can be drawn, although it gives no friction.
         let has_radius = setup.effective_radius_m.is_some();
         setup.effective_radius_m.get_or_insert(1.0);
         Ok((has_radius, parse_export(&Export { path: path.to_owned(), step: None }, &text, &setup)?))
     });
-    let (has_radius, file) = match file {
-        Ok(file) => file,
-        Err(error) => return ExportFound { error: Some(error.to_string()), ..found },
-    };
-    if !has_radius && file.used.contains(&Channel::Torque) {
-        found.notes.push("a torque needs effective_radius_mm: the distance from the axis to the specimen".to_owned());
+    let (mut samples, mut notes, mut repeats) = (0, Vec::new(), Vec::new());
+    if let Ok((has_radius, file)) = &file {
+        if !has_radius && file.used.contains(&Channel::Torque) {
+            notes.push("a torque needs effective_radius_mm: the distance from the axis to the specimen".to_owned());
+        }
+        notes.extend(file.unused.iter().map(|title| format!("the column `{title}` is not used")));
+        for repeat in &file.repeats {
+            let label = if file.repeats.len() == 1 { name.to_owned() } else { format!("{name} ({})", repeat.number) };
+            samples += repeat.channels.time_s.len();
+            repeats.push(curves(&label, &repeat.channels));
+        }
     }
-    found.notes.extend(file.unused.iter().map(|title| format!("the column `{title}` is not used")));
-    for repeat in &file.repeats {
-        let label = if file.repeats.len() == 1 { name.to_owned() } else { format!("{name} ({})", repeat.number) };
-        found.samples += repeat.channels.time_s.len();
-        found.repeats.push(RepeatFound::new(label, &repeat.channels));
-    }
-    found
+    let error = file.err().map(|error| error.to_string());
+    json!({ "path": name, "error": error, "samples": samples, "columns": columns, "notes": notes, "repeats": repeats })
 }
 
-fn columns_found(text: &str, titles: &Titles) -> Vec<ColumnFound> {
+/// Columns of an export: title, unit, and what they hold.
+fn columns_found(text: &str, titles: &Titles) -> Vec<Value> {
     let found = titles_in(text, titles);
     let count = |title: &str, upto: usize| found[..upto].iter().filter(|(other, _)| other == title).count();
     let of_title = |(place, (title, channel)): (usize, &(String, Option<Channel>))| {
@@ -151,7 +125,7 @@ fn columns_found(text: &str, titles: &Titles) -> Vec<ColumnFound> {
         // Of equal titles a number says which is meant, as in `columns` of a calibration.
         let is_one = count(title, found.len()) == 1;
         let title = if is_one { title.clone() } else { format!("{title} #{}", count(title, place) + 1) };
-        ColumnFound { title, unit, role: channel.map(Channel::key) }
+        json!({ "title": title, "unit": unit, "role": channel.map(Channel::key) })
     };
     found.iter().enumerate().map(of_title).collect()
 }
@@ -162,80 +136,46 @@ pub struct OfCalibration {
     calibration: String,
 }
 
-/// One trace of a condition.
-#[derive(Serialize)]
-struct AveragedRepeat {
-    label: String,
-    mu: f64,
-    static_mu: Option<f64>,
-    flags: Vec<String>,
-    time_s: Vec<f64>,
-    mu_t: Vec<f64>,
-}
-
-/// Mean over the repeats of a condition.
-#[derive(Serialize)]
-struct AveragedCondition {
-    surface: &'static str,
-    trial: Option<String>,
-    force_n: f64,
-    speed_mm_s: f64,
-    humidity_pct: f64,
-    window_s: [f64; 2],
-    files: Vec<String>,
-    mu_dynamic: f64,
-    mu_dynamic_std: f64,
-    repeats: Vec<AveragedRepeat>,
-}
-
-/// Conditions of a calibration's traces.
-#[derive(Default, Serialize)]
-pub struct Averaged {
-    conditions: Vec<AveragedCondition>,
-    error: Option<Message>,
-}
-
-impl From<&ConditionTraces> for AveragedCondition {
-    fn from(traces: &ConditionTraces) -> Self {
-        let (condition, measured) = (&traces.condition, traces.measurement());
-        let repeats = traces.traces.iter().map(|trace| {
-            let indices = thinned(&trace.findings.mu);
-            AveragedRepeat {
-                label: trace.label.clone(),
-                mu: trace.findings.window.mu,
-                static_mu: trace.findings.static_peak.as_ref().map(|peak| peak.mu),
-                flags: trace.flags.clone(),
-                time_s: picked(&trace.findings.time_s, &indices).unwrap_or_default(),
-                mu_t: picked(&trace.findings.mu, &indices).unwrap_or_default(),
-            }
-        });
-        Self {
-            surface: condition.surface.name(),
-            trial: condition.trial.as_ref().map(|trial| trial.name.clone()),
-            force_n: condition.force_n,
-            speed_mm_s: tidy(SPEED_MM_S.from_si(condition.speed_m_s)),
-            humidity_pct: tidy(HUMIDITY_PCT.from_si(condition.humidity)),
-            window_s: condition.window_s,
-            files: condition.files.iter().map(|export| export.path.display().to_string()).collect(),
-            mu_dynamic: measured.mu_dynamic,
-            mu_dynamic_std: measured.mu_dynamic_std,
-            repeats: repeats.collect(),
-        }
-    }
+/// Mean over the repeats of a condition, and every repeat.
+fn averaged_condition(traces: &ConditionTraces) -> Value {
+    let (condition, measured) = (&traces.condition, traces.measurement());
+    let repeats = traces.traces.iter().map(|trace| {
+        let indices = thinned(&trace.findings.mu);
+        json!({
+            "label": trace.label,
+            "mu": trace.findings.window.mu,
+            "static_mu": trace.findings.static_peak.as_ref().map(|peak| peak.mu),
+            "flags": trace.flags,
+            "time_s": picked(&trace.findings.time_s, &indices).unwrap_or_default(),
+            "mu_t": picked(&trace.findings.mu, &indices).unwrap_or_default(),
+        })
+    });
+    json!({
+        "surface": condition.surface.name(),
+        "trial": condition.trial.as_ref().map(|trial| &trial.name),
+        "force_n": condition.force_n,
+        "speed_mm_s": tidy(SPEED_MM_S.from_si(condition.speed_m_s)),
+        "humidity_pct": tidy(HUMIDITY_PCT.from_si(condition.humidity)),
+        "window_s": condition.window_s,
+        "files": condition.files.iter().map(|export| export.path.display().to_string()).collect::<Vec<_>>(),
+        "mu_dynamic": measured.mu_dynamic,
+        "mu_dynamic_std": measured.mu_dynamic_std,
+        "repeats": repeats.collect::<Vec<_>>(),
+    })
 }
 
 /// Reads the traces of a calibration and averages them, as far as they can be read.
-pub async fn averaged(Query(of): Query<OfCalibration>) -> Answer<Averaged> {
+pub async fn averaged(Query(of): Query<OfCalibration>) -> Answer<Value> {
     aside(move || {
         let path = inside(&of.calibration)?;
         let document = Document::read(&disk(), &path, FileKind::Calibration);
-        Ok(match document.and_then(|document| ReadableTraces::read(&document)) {
-            Ok(read) => Averaged {
-                conditions: read.found.iter().map(AveragedCondition::from).collect(),
-                error: read.refused.first().map(Message::from),
-            },
-            Err(error) => Averaged { conditions: Vec::new(), error: Some(Message::from(&error)) },
-        })
+        let read = document.and_then(|document| ReadableTraces::read(&document));
+        let conditions: Vec<Value> = read.iter().flat_map(|read| &read.found).map(averaged_condition).collect();
+        let error = match &read {
+            Ok(read) => read.refused.first(),
+            Err(error) => Some(error),
+        };
+        Ok(json!({ "conditions": conditions, "error": error.map(message) }))
     })
     .await
 }
@@ -257,7 +197,9 @@ mod tests {
     #[test]
     fn columns_are_named_with_what_they_hold() {
         let roles = |text: &str| -> Vec<(String, Option<String>)> {
-            columns_found(text, &Titles::default()).into_iter().map(|column| (column.title, column.role)).collect()
+            let text_of = |value: &Value| value.as_str().map(str::to_owned);
+            let columns = columns_found(text, &Titles::default());
+            columns.iter().map(|column| (text_of(&column["title"]).unwrap(), text_of(&column["role"]))).collect()
         };
         let role = |title: &str, role: Option<&str>| (title.to_owned(), role.map(str::to_owned));
         assert_eq!(

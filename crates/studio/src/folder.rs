@@ -12,13 +12,13 @@ use axum::http::header::{CONTENT_DISPOSITION, CONTENT_TYPE};
 use axum::http::{HeaderValue, StatusCode};
 use axum::response::{IntoResponse, Response};
 use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
 use slipgrid_design::results::VERSION;
 use slipgrid_io::disk::put;
 use slipgrid_io::formats::file_kind::FileKind;
 
 use crate::Shared;
 use crate::error::{Answer, Refused, aside};
-use crate::jobs::Event;
 use crate::places::{inside, with_slashes};
 
 /// Maximum number of bytes of an uploaded file: a map of 4096 x 4096 points as text has 200 MB.
@@ -48,21 +48,12 @@ pub struct Listed {
     kind: &'static str,
 }
 
-/// Files of the folder, and what the page needs to show them.
-#[derive(Serialize)]
-pub struct Folder {
-    root: String,
-    version: &'static str,
-    files_at: String,
-    files: Vec<Listed>,
-}
-
 /// Lists the files of the folder.
-pub async fn list(State(shared): State<Arc<Shared>>) -> Answer<Folder> {
+pub async fn list(State(shared): State<Arc<Shared>>) -> Answer<Value> {
     aside(move || {
         let root = Path::new(".").canonicalize().map_err(|error| Refused::system(Path::new("."), &error))?;
         let root = root.display().to_string();
-        Ok(Folder { root, version: VERSION, files_at: shared.files_at.clone(), files: files_below(Path::new("")) })
+        Ok(json!({ "root": root, "version": VERSION, "files_at": shared.files_at, "files": files_below(Path::new("")) }))
     })
     .await
 }
@@ -98,10 +89,14 @@ fn milliseconds(time: SystemTime) -> u64 {
     time.duration_since(UNIX_EPOCH).map_or(0, |since| u64::try_from(since.as_millis()).unwrap_or(u64::MAX))
 }
 
+/// Ending of a path in small letters.
+fn extension_of(path: &Path) -> String {
+    path.extension().map(|extension| extension.to_string_lossy().to_lowercase()).unwrap_or_default()
+}
+
 /// Kind of a file by its name and, for settings and results, by its content.
 fn kind_of(path: &Path, bytes: u64) -> &'static str {
-    let extension = path.extension().map(|extension| extension.to_string_lossy().to_lowercase()).unwrap_or_default();
-    match &extension[..] {
+    match &extension_of(path)[..] {
         "toml" | "json" if bytes <= MAX_TEXT => fs::read_to_string(path).map_or("other", |text| kind_of_text(&text)),
         "csv" | "txt" | "dat" | "tsv" | "asc" => "table",
         "sur" | "sdf" | "x3p" | "gsf" | "npy" | "xyz" => "map",
@@ -124,15 +119,8 @@ pub fn kind_of_text(text: &str) -> &'static str {
     }
 }
 
-/// Name and kind of a file that was written.
-#[derive(Serialize)]
-pub struct Uploaded {
-    path: String,
-    kind: &'static str,
-}
-
 /// Writes a new file. A file that exists with other content is kept, and refused.
-pub async fn upload(Query(at): Query<At>, bytes: Bytes) -> Answer<Uploaded> {
+pub async fn upload(Query(at): Query<At>, bytes: Bytes) -> Answer<Value> {
     aside(move || {
         let path = inside(&at.path)?;
         match fs::read(&path) {
@@ -145,7 +133,7 @@ pub async fn upload(Query(at): Query<At>, bytes: Bytes) -> Answer<Uploaded> {
             }
             Err(error) => return Err(Refused::system(&path, &error)),
         }
-        Ok(Uploaded { path: with_slashes(&path), kind: kind_of(&path, bytes.len() as u64) })
+        Ok(json!({ "path": with_slashes(&path), "kind": kind_of(&path, bytes.len() as u64) }))
     })
     .await
 }
@@ -167,8 +155,7 @@ pub async fn file(
         Ok::<_, Refused>((path, bytes))
     });
     let (path, bytes) = read.await??;
-    let extension = path.extension().map(|extension| extension.to_string_lossy().to_lowercase()).unwrap_or_default();
-    let content_type = match &extension[..] {
+    let content_type = match &extension_of(&path)[..] {
         "html" => "text/html; charset=utf-8",
         "svg" => "image/svg+xml",
         "png" => "image/png",
@@ -236,7 +223,7 @@ pub async fn watch(shared: Arc<Shared>) {
         }
         let Ok(now) = tokio::task::spawn_blocking(|| files_below(Path::new(""))).await else { continue };
         if known.replace(now) != known && known.is_some() {
-            shared.jobs.tell(Event::Folder);
+            shared.jobs.tell("folder", || json!({}));
         }
     }
 }

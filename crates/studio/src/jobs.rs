@@ -33,22 +33,11 @@ const PROGRESS_INTERVAL_MS: u64 = 80;
 /// Messages that a page may be behind before it must load everything again.
 const MAX_BEHIND: usize = 256;
 
-/// Something that a page is told.
-#[derive(Clone)]
-pub enum Event {
-    /// A job began, went on or ended.
-    Job(Arc<Job>),
-    /// Files of the folder changed.
-    Folder,
-}
+/// Name and data of what a page is told: a job began, went on or ended, or files of the folder changed.
+type Event = (&'static str, String);
 
-/// What a job does.
-enum Work {
-    /// A command line.
-    Command,
-    /// Predictions for every texture of a design.
-    Explore,
-}
+/// Word in place of a command that asks for the predictions for every texture of a design.
+const EXPLORE: &str = "explore";
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
@@ -74,7 +63,6 @@ struct Progress {
 /// A job with its progress; its own monitor.
 pub struct Job {
     id: u64,
-    work: Work,
     words: Vec<String>,
     progress: Mutex<Progress>,
     /// Completed share of the stage, as the bits of an f64.
@@ -83,8 +71,6 @@ pub struct Job {
     told_ms: AtomicU64,
     born: Instant,
     events: broadcast::Sender<Event>,
-    /// The job itself, for events.
-    own: std::sync::Weak<Job>,
 }
 
 /// All jobs, newest last.
@@ -117,13 +103,12 @@ impl Jobs {
         self.events.receiver_count() > 0
     }
 
-    /// Tells every page.
-    pub fn tell(&self, event: Event) {
-        // Without a page nobody needs to know.
-        let _ = self.events.send(event);
+    /// Tells every page what `data` says.
+    pub fn tell(&self, event: &'static str, data: impl FnOnce() -> Value) {
+        tell(&self.events, event, data);
     }
 
-    fn add(&self, work: Work, words: Vec<String>) -> Result<Arc<Job>, Refused> {
+    fn add(&self, words: Vec<String>) -> Result<Arc<Job>, Refused> {
         let mut all = locked(&self.all);
         let id = all.last().map_or(1, |last| last.id + 1);
         let progress = Progress {
@@ -135,9 +120,8 @@ impl Jobs {
             started: None,
             seconds: 0.0,
         };
-        let job = Arc::new_cyclic(|own| Job {
+        let job = Arc::new(Job {
             id,
-            work,
             words,
             progress: Mutex::new(progress),
             share: AtomicU64::new(0.0_f64.to_bits()),
@@ -145,7 +129,6 @@ impl Jobs {
             told_ms: AtomicU64::new(0),
             born: Instant::now(),
             events: self.events.clone(),
-            own: own.clone(),
         });
         if all.len() >= MAX_JOBS {
             all.remove(0);
@@ -167,15 +150,18 @@ impl Jobs {
             let (mut out, mut err) = (Vec::new(), Vec::new());
             let watched = Watched { job: &job, kept: program.kept.as_ref() };
             // A defect in one job must not take the page with it.
-            let run = std::panic::AssertUnwindSafe(|| match job.work {
-                Work::Command => (program.run)(&job.words, &mut out, &mut err, &watched),
-                Work::Explore => match computing.install(|| exploring::explore(&job.words[1], shared, &watched)) {
-                    Ok(()) => 0,
-                    Err(reason) => {
-                        let _ = write!(err, "error: {reason}");
-                        1
-                    }
-                },
+            let run = std::panic::AssertUnwindSafe(|| match &job.words[..] {
+                [command, path] if command == EXPLORE => {
+                    let explored = computing.install(|| exploring::explore(path, shared, &watched));
+                    explored.map_or_else(
+                        |reason| {
+                            let _ = write!(err, "error: {reason}");
+                            1
+                        },
+                        |()| 0,
+                    )
+                }
+                words => (program.run)(words, &mut out, &mut err, &watched),
             });
             let exit_code = std::panic::catch_unwind(run).unwrap_or(1);
             job.end(exit_code, out, err);
@@ -211,9 +197,7 @@ impl Job {
     }
 
     fn tell(&self) {
-        if let Some(own) = self.own.upgrade() {
-            let _ = self.events.send(Event::Job(own));
-        }
+        tell(&self.events, "job", || self.to_json());
     }
 
     /// Tells pages about progress, not more often than they can show it.
@@ -242,6 +226,13 @@ impl Job {
             "err": progress.err,
             "seconds": if is_running { running_s() } else { progress.seconds },
         })
+    }
+}
+
+/// Tells every page what `data` says; without a page nobody needs to know.
+fn tell(events: &broadcast::Sender<Event>, event: &'static str, data: impl FnOnce() -> Value) {
+    if events.receiver_count() > 0 {
+        let _ = events.send((event, data().to_string()));
     }
 }
 
@@ -318,7 +309,7 @@ fn check(words: &[String]) -> Result<(), Refused> {
 /// Starts a job.
 pub async fn start(State(shared): State<Arc<Shared>>, Json(asked): Json<Asked>) -> Answer<Value> {
     check(&asked.command)?;
-    Ok(Json(json!({ "id": shared.jobs.add(Work::Command, asked.command)?.id })))
+    Ok(Json(json!({ "id": shared.jobs.add(asked.command)?.id })))
 }
 
 /// Starts the computation of predictions for the design at a path.
@@ -326,12 +317,11 @@ pub fn start_exploring(shared: &Shared, path: &str) -> Result<Json<Value>, Refus
     inside(path)?;
     // Earlier ones of the same page are out of date.
     for job in locked(&shared.jobs.all).iter() {
-        if matches!(job.work, Work::Explore) && locked(&job.progress).exit_code.is_none() {
+        if job.words[0] == EXPLORE && locked(&job.progress).exit_code.is_none() {
             cancel_job(job);
         }
     }
-    let words = vec!["explore".to_owned(), path.to_owned()];
-    Ok(Json(json!({ "id": shared.jobs.add(Work::Explore, words)?.id })))
+    Ok(Json(json!({ "id": shared.jobs.add(vec![EXPLORE.to_owned(), path.to_owned()])?.id })))
 }
 
 /// Lists jobs, newest first.
@@ -363,18 +353,18 @@ pub async fn events(
     State(shared): State<Arc<Shared>>,
 ) -> Sse<impl Stream<Item = Result<sse::Event, std::convert::Infallible>>> {
     let receiver = shared.jobs.events.subscribe();
-    let event = |name: &str, data: Value| Ok(sse::Event::default().event(name).data(data.to_string()));
+    let event = |(name, data): (&str, String)| Ok(sse::Event::default().event(name).data(data));
+    let hello = || ("hello", "{}".to_owned());
     let told = stream::unfold(receiver, move |mut receiver| async move {
         let next = match receiver.recv().await {
-            Ok(Event::Job(job)) => event("job", job.to_json()),
-            Ok(Event::Folder) => event("folder", json!({})),
+            Ok(told) => told,
             // The page was too slow: it loads everything again.
-            Err(broadcast::error::RecvError::Lagged(_)) => event("hello", json!({})),
+            Err(broadcast::error::RecvError::Lagged(_)) => hello(),
             Err(broadcast::error::RecvError::Closed) => return None,
         };
-        Some((next, receiver))
+        Some((event(next), receiver))
     });
-    let hello = stream::once(async move { event("hello", json!({})) });
+    let hello = stream::once(async move { event(hello()) });
     Sse::new(hello.chain(told)).keep_alive(KeepAlive::default())
 }
 

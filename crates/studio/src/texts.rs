@@ -7,8 +7,8 @@ use axum::extract::Query;
 use axum::http::StatusCode;
 use axum::http::header::CONTENT_TYPE;
 use axum::response::{IntoResponse, Response};
-use serde::{Deserialize, Serialize};
-use serde_json::Value;
+use serde::Deserialize;
+use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
 use slipgrid_io::disk::{disk, hexadecimal, put};
 use slipgrid_io::formats::Document;
@@ -32,52 +32,20 @@ pub use edits::Edit;
 const MAX_BYTES: u64 = 2 << 20;
 
 /// A message about a text, as on the command line.
-#[derive(Debug, Serialize)]
-pub struct Message {
-    file: Option<String>,
-    line: Option<u32>,
-    key: Option<String>,
-    message: String,
-    expected: Option<String>,
-    suggestion: Option<String>,
+pub fn message(diagnostic: &Diagnostic) -> Value {
+    json!({
+        "file": diagnostic.file.as_deref().map(|path| path.display().to_string()),
+        "line": diagnostic.line,
+        "key": diagnostic.key,
+        "message": diagnostic.to_string(),
+        "expected": diagnostic.expected,
+        "suggestion": diagnostic.suggestion,
+    })
 }
 
-impl From<&Diagnostic> for Message {
-    fn from(diagnostic: &Diagnostic) -> Self {
-        let text = |part: &Option<Box<str>>| part.as_deref().map(str::to_owned);
-        Self {
-            file: diagnostic.file.as_deref().map(|path| path.display().to_string()),
-            line: diagnostic.line,
-            key: text(&diagnostic.key),
-            message: diagnostic.to_string(),
-            expected: text(&diagnostic.expected),
-            suggestion: text(&diagnostic.suggestion),
-        }
-    }
-}
-
-impl From<String> for Message {
-    fn from(message: String) -> Self {
-        Self { file: None, line: None, key: None, message, expected: None, suggestion: None }
-    }
-}
-
-/// What a reader says of a text.
-#[derive(Debug, Default, Serialize)]
-pub struct Check {
-    errors: Vec<Message>,
-    warnings: Vec<Message>,
-}
-
-/// A text with what the page needs to show and to edit it.
-#[derive(Serialize)]
-pub struct Text {
-    path: String,
-    kind: &'static str,
-    text: String,
-    digest: String,
-    values: Option<Value>,
-    check: Check,
+/// A message without a place.
+fn remark(words: String) -> Value {
+    message(&Diagnostic { reason: words, ..Diagnostic::default() })
 }
 
 /// Values of a TOML text; `None` if it does not parse.
@@ -90,20 +58,18 @@ fn digest(text: &str) -> String {
 }
 
 /// Reads a text as its command does.
-fn checked(path: &Path, text: &str) -> Check {
+fn checked(path: &Path, text: &str) -> Value {
     let is_toml = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml"));
     if !is_toml {
-        return Check::default();
+        return json!({ "errors": [], "warnings": [] });
     }
     // A text that does not parse has the kind of the file before.
     let kind = FileKind::of(text).or_else(|| FileKind::of(&std::fs::read_to_string(path).ok()?));
     let document = || Document::within(&disk(), path, text.to_owned());
-    let read: Result<Vec<Message>, Diagnostic> = match kind {
-        Some(FileKind::Design) => {
-            Design::from_document(document()).map(|read| read.told.iter().map(Message::from).collect())
-        }
+    let read: Result<Vec<Value>, Diagnostic> = match kind {
+        Some(FileKind::Design) => Design::from_document(document()).map(|read| read.told.iter().map(message).collect()),
         Some(FileKind::Calibration) => Calibration::from_document(&document())
-            .map(|read| read.told.into_iter().chain(read.doubts).map(Message::from).collect()),
+            .map(|read| read.told.into_iter().chain(read.doubts).map(remark).collect()),
         Some(FileKind::Scene) => document()
             .parse::<SceneFile>()
             .and_then(|file| SceneInput::from_file(document(), &file, Overrides::default()).map(|_| Vec::new())),
@@ -116,15 +82,17 @@ fn checked(path: &Path, text: &str) -> Check {
             }
         },
     };
-    match read {
-        Ok(warnings) => Check { errors: Vec::new(), warnings },
-        Err(error) => Check { errors: vec![Message::from(&error)], warnings: Vec::new() },
-    }
+    let (errors, warnings) = match read {
+        Ok(warnings) => (Vec::new(), warnings),
+        Err(error) => (vec![message(&error)], Vec::new()),
+    };
+    json!({ "errors": errors, "warnings": warnings })
 }
 
-fn told(at: &str, path: &Path, text: String) -> Text {
-    let (kind, digest, values) = (kind_of_text(&text), digest(&text), values(&text));
-    Text { path: at.to_owned(), kind, digest, values, check: checked(path, &text), text }
+/// A text with what the page needs to show and to edit it.
+fn told(at: &str, path: &Path, text: &str) -> Value {
+    let (kind, check) = (kind_of_text(text), checked(path, text));
+    json!({ "path": at, "kind": kind, "text": text, "digest": digest(text), "values": values(text), "check": check })
 }
 
 fn loaded(path: &Path) -> Result<String, Refused> {
@@ -137,10 +105,10 @@ fn loaded(path: &Path) -> Result<String, Refused> {
 }
 
 /// Reads and checks a text.
-pub async fn read(Query(at): Query<At>) -> Answer<Text> {
+pub async fn read(Query(at): Query<At>) -> Answer<Value> {
     aside(move || {
         let path = inside(&at.path)?;
-        Ok(told(&at.path, &path, loaded(&path)?))
+        Ok(told(&at.path, &path, &loaded(&path)?))
     })
     .await
 }
@@ -168,7 +136,7 @@ fn require_unchanged(path: &Path, known: Option<&str>) -> Result<Option<String>,
     }
 }
 
-fn save(at: &str, path: &Path, text: String) -> Result<Text, Refused> {
+fn save(at: &str, path: &Path, text: &str) -> Result<Value, Refused> {
     if text.len() as u64 > MAX_BYTES {
         return Err(Refused::bad(format!("the text has more than {} MiB", MAX_BYTES >> 20)));
     }
@@ -177,11 +145,11 @@ fn save(at: &str, path: &Path, text: String) -> Result<Text, Refused> {
 }
 
 /// Replaces a text that has not changed since it was read.
-pub async fn write(Query(at): Query<At>, Json(written): Json<Written>) -> Answer<Text> {
+pub async fn write(Query(at): Query<At>, Json(written): Json<Written>) -> Answer<Value> {
     aside(move || {
         let path = inside(&at.path)?;
         require_unchanged(&path, written.digest.as_deref())?;
-        save(&at.path, &path, written.text)
+        save(&at.path, &path, &written.text)
     })
     .await
 }
@@ -194,7 +162,7 @@ pub struct Edits {
 }
 
 /// Sets values of a TOML text, and keeps its comments.
-pub async fn edit(Query(at): Query<At>, Json(edits): Json<Edits>) -> Answer<Text> {
+pub async fn edit(Query(at): Query<At>, Json(edits): Json<Edits>) -> Answer<Value> {
     aside(move || {
         let path = inside(&at.path)?;
         let text = require_unchanged(&path, Some(&edits.digest))?.unwrap_or_default();
@@ -204,7 +172,7 @@ pub async fn edit(Query(at): Query<At>, Json(edits): Json<Edits>) -> Answer<Text
         for edit in &edits.edits {
             edit.apply(&mut document)?;
         }
-        save(&at.path, &path, document.to_string())
+        save(&at.path, &path, &document.to_string())
     })
     .await
 }
@@ -215,18 +183,11 @@ pub struct Draft {
     text: String,
 }
 
-/// What a reader says of a draft.
-#[derive(Serialize)]
-pub struct Checked {
-    check: Check,
-    values: Option<Value>,
-}
-
 /// Checks a text without writing it.
-pub async fn check(Query(at): Query<At>, Json(draft): Json<Draft>) -> Answer<Checked> {
+pub async fn check(Query(at): Query<At>, Json(draft): Json<Draft>) -> Answer<Value> {
     aside(move || {
         let path = inside(&at.path)?;
-        Ok(Checked { check: checked(&path, &draft.text), values: values(&draft.text) })
+        Ok(json!({ "check": checked(&path, &draft.text), "values": values(&draft.text) }))
     })
     .await
 }
