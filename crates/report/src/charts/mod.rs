@@ -65,7 +65,7 @@ pub struct Series<'a> {
 }
 
 /// Value with its standard error or standard deviation.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimate {
     /// The value.
     pub value: f64,

@@ -1,6 +1,7 @@
-//! Section of a design's page with the coefficients of the material.
+//! Coefficients and area law of a material on a page.
 
 use slipgrid_base::units::PRESSURE_MPA;
+use slipgrid_design::results::Table;
 use slipgrid_model::material::AreaLaw;
 use slipgrid_model::springblock::Load;
 
@@ -8,43 +9,34 @@ use super::page::{Page, number, percent, plain, with_error};
 
 /// Adds the local coefficients at `loads`, in order of pressure; a single row if all loads share them.
 pub(super) fn coefficients(page: &mut Page, loads: &[Load]) {
-    let row = |pressure: String, load: &Load| {
-        vec![pressure, number(load.friction.static_mean(), 4), number(load.friction.dynamic_mean(), 4)]
-    };
     let mut loads: Vec<&Load> = loads.iter().collect();
     loads.sort_by(|a, b| a.pressure_pa.total_cmp(&b.pressure_pa));
-    let Some(first) = loads.first() else { return };
-    let rows: Vec<Vec<String>> = if loads.iter().all(|load| load.friction == first.friction) {
-        vec![row("all".to_owned(), first)]
-    } else {
-        loads.iter().map(|load| row(plain(PRESSURE_MPA.from_si(load.pressure_pa)), load)).collect()
-    };
+    let Some(first) = loads.first().copied() else { return };
+    let is_one = loads.iter().all(|load| load.friction == first.friction);
+    let pressure = |load: &Load| if is_one { "all".to_owned() } else { plain(PRESSURE_MPA.from_si(load.pressure_pa)) };
+    let mut table = Table::of(if is_one { &loads[..1] } else { &loads });
+    table.column("P in MPa", |load| pressure(load));
+    table.column("static", |load| number(load.friction.static_mean(), 4));
+    table.column("dynamic", |load| number(load.friction.dynamic_mean(), 4));
     page.table(
         &format!(
             "Means of the local friction coefficients, dimensionless; each block draws its own with a relative standard deviation of {} %.",
             percent(first.friction.relative_std(), 1)
         ),
-        &["P in MPa", "static", "dynamic"],
-        &rows,
+        &table.table(),
     );
 }
 
 /// Adds the factors of the area law.
 pub(super) fn area_law(page: &mut Page, law: &AreaLaw) {
-    let rows: Vec<Vec<String>> = law
-        .pressures_pa()
-        .iter()
-        .zip(law.factors())
-        .enumerate()
-        .map(|(row, (pressure_pa, factor))| {
-            let std = law.factor_std().and_then(|all| all.get(row).copied());
-            vec![plain(PRESSURE_MPA.from_si(*pressure_pa)), with_error(*factor, std, 4)]
-        })
-        .collect();
+    let mut table = Table::new(["p in MPa", "f"]);
+    for (row, (pressure_pa, factor)) in law.pressures_pa().iter().zip(law.factors()).enumerate() {
+        let std = law.factor_std().and_then(|all| all.get(row).copied());
+        table.row([plain(PRESSURE_MPA.from_si(*pressure_pa)), with_error(*factor, std, 4)]);
+    }
     page.table(
         "The area law: local friction is the local coefficient times f at the local pressure p, dimensionless. ± is one standard error. \
          f is 1 below the first pressure.",
-        &["p in MPa", "f"],
-        &rows,
+        &table,
     );
 }

@@ -332,7 +332,7 @@ fn folded(page: &mut Page, is_long: bool, name: &str, add: impl FnOnce(&mut Page
 fn fit(page: &mut Page, task: &CalibrationTask, outcome: &CalibrationOutcome, outputs: &Outputs) {
     let is_long = task.coefficients == Coefficients::PerCondition;
     folded(page, is_long, "Every measurement with its coefficients", |page| {
-        page.same_table(
+        page.table(
             "Measured friction of flat samples +- one standard deviation, the local coefficients mu_d and mu_s +- one standard error, and the \
              difference of the fitted model; all dimensionless. A static coefficient without an error is assumed.",
             &flat_samples(task, outcome),
@@ -341,14 +341,14 @@ fn fit(page: &mut Page, task: &CalibrationTask, outcome: &CalibrationOutcome, ou
     let peaks = static_rows(task, outcome);
     if let Some(words) = static_words(&peaks) {
         page.paragraph(&sentence(&words));
-        page.same_table(
+        page.table(
             "Static friction of flat samples, dimensionless: measured +- one standard deviation, and that of the model in the last run in time \
              of the fit; a dash is a peak that is not fitted.",
             &static_table(&peaks),
         );
     }
     folded(page, outcome.fit.parameters.len() > FEW, "Every fitted number with its interval", |page| {
-        page.same_table(
+        page.table(
             &format!(
                 "Fitted numbers with their 95 % intervals by profile likelihood, {}. A dash: the data do not end the interval.",
                 which_errors(outcome)

@@ -2,15 +2,15 @@
 
 use slipgrid_base::units::significant;
 use slipgrid_design::records::{GoalReport, TradeOffsReport};
-use slipgrid_design::results::{LoadReport, PatternReport, believed_interval, duration_in_words, length_in_words};
-use slipgrid_design::{DesignOutcome, DesignReport, Expected, SampleReport, percent as chance_words};
+use slipgrid_design::results::{Table, believed_interval, duration_in_words, length_in_words};
+use slipgrid_design::{DesignOutcome, DesignReport, Expected, LimitedBy, SampleReport, percent as chance_words};
 use slipgrid_laser::export::{Exposure, Laser};
 use slipgrid_model::material::AreaLaw;
 use slipgrid_model::springblock::Load;
 
 use super::background;
 use super::first_screen::first_screen;
-use super::page::{Column, Page, micrometres, number, percent, plain, sentence, with_error};
+use super::page::{Page, micrometres, number, percent, plain, sentence, with_error};
 use crate::Outputs;
 use crate::charts::model_alone;
 use crate::uncertainty_budget::{self, UncertaintyBudget};
@@ -63,35 +63,30 @@ pub fn design(
 
 /// Adds expected values at every load, their limits, and their sensitivity to the dimensions.
 fn expected(page: &mut Page, report: &DesignReport) {
-    let all = &report.sample.expected;
-    let has_several = all.iter().any(|at| !at.is_at_condition_of(&all[0]));
-    let has_tolerance = report.target.has_demands();
-    let mut header = vec!["P in MPa"];
-    header.extend(has_several.then_some("speed, humidity, direction"));
-    header.extend(has_tolerance.then_some("accepted"));
-    header.extend(["expected", "95 % of samples", "model alone"]);
+    let all: Vec<(usize, &Expected)> = report.sample.expected.iter().enumerate().collect();
+    let mut table = Table::of(&all);
+    table.column("P in MPa", |(_, at)| plain(at.pressure_mpa));
+    if all.iter().any(|(_, at)| !at.is_at_condition_of(all[0].1)) {
+        table.column("speed, humidity, direction", |(_, at)| at.condition_in_words());
+    }
+    if report.target.has_demands() {
+        table.column("accepted", |(_, at)| at.target_in_words());
+    }
+    table.column("expected", |(_, at)| number(at.median, 3));
+    table.column("95 % of samples", |(_, at)| believed_interval([at.low_95, at.high_95]));
+    table.column("model alone", |(row, _)| {
+        let std = report.sample.modelled.get(*row).map(|modelled| modelled.std / modelled.ratio);
+        let alone = model_alone(report, *row);
+        with_error(alone, alone.zip(std).map(|(alone, std)| alone * std), 3)
+    });
     let quantity = if report.is_ratio() { "ratio patterned over flat" } else { "dynamic friction coefficient" };
-    let row = |(row, at): (usize, &Expected)| {
-        let mut cells = vec![plain(at.pressure_mpa)];
-        cells.extend(has_several.then(|| at.condition_in_words()));
-        cells.extend(has_tolerance.then(|| at.target_in_words()));
-        let std = report.sample.modelled.get(row).map(|modelled| modelled.std / modelled.ratio);
-        let alone = model_alone(report, row);
-        cells.extend([
-            number(at.median, 3),
-            believed_interval([at.low_95, at.high_95]),
-            with_error(alone, alone.zip(std).map(|(alone, std)| alone * std), 3),
-        ]);
-        cells
-    };
     page.table(
         &format!(
             "{}, dimensionless. Expected: median of cut samples. Model alone: without what trials say, ± one standard deviation of what is \
              not known of the material and of the computation.",
             sentence(quantity).trim_end_matches('.')
         ),
-        &header,
-        &all.iter().enumerate().map(row).collect::<Vec<_>>(),
+        &table.table(),
     );
     if let Some(found) = &report.goal {
         goal(page, found);
@@ -106,7 +101,7 @@ fn budgets(page: &mut Page, report: &DesignReport) {
     let budgets = UncertaintyBudget::of_design(report);
     page.fold("Uncertainty budget in the form of the GUM", |page| {
         for budget in &budgets {
-            page.same_table(&sentence(&budget.result_in_words()), &budget.table());
+            page.table(&sentence(&budget.result_in_words()), &budget.table());
         }
         if !budgets.is_empty() {
             page.paragraph(uncertainty_budget::WORDS);
@@ -129,51 +124,49 @@ fn goal(page: &mut Page, goal: &GoalReport) {
 /// Standard deviation from which an input is listed: half a unit of the last decimal.
 const MIN_STD: f64 = 5e-5;
 
-/// Whether a cell has a number other than zero, or words.
-fn says(cell: &str) -> bool {
-    cell.chars().any(|c| !matches!(c, '-' | '0' | '.' | ' '))
+/// The columns of `table` with a number other than zero, or with words.
+fn known(table: &Table) -> Table {
+    let says = |cell: &str| cell.chars().any(|c| !matches!(c, '-' | '0' | '.' | ' '));
+    let is_known = |column: &usize| table.body().iter().any(|row| says(&row[*column]));
+    let columns: Vec<usize> = (0..table.header().len()).filter(is_known).collect();
+    let mut known = Table::new(columns.iter().map(|column| &*table.header()[*column]));
+    table.body().iter().for_each(|row| known.row(columns.iter().map(|column| row[*column].clone())));
+    known
 }
 
 fn limited_by(page: &mut Page, report: &DesignReport) {
     let last = report.target.pressure_mpa.len().saturating_sub(1);
-    let has_chance = report.sample.chance.is_some();
-    let mut header = vec!["input", "how well it is known", "standard deviation"];
-    header.extend(has_chance.then_some("chance if it were known exactly"));
-    let rows: Vec<Vec<String>> = report
-        .sample
-        .limited_by
-        .iter()
-        .filter(|limit| limit.std.iter().any(|std| *std >= MIN_STD))
-        .map(|limit| {
-            let mut cells =
-                vec![limit.input.clone(), micrometres(&limit.known_to), number(limit.std.get(last).copied(), 4)];
-            cells.extend(has_chance.then(|| chance_words(limit.chance_if_known)));
-            cells
-        })
-        .collect();
+    let limits = report.sample.limited_by.iter();
+    let limits: Vec<&LimitedBy> = limits.filter(|limit| limit.std.iter().any(|std| *std >= MIN_STD)).collect();
+    let mut table = Table::of(&limits);
+    table.column("input", |limit| limit.input.clone());
+    table.column("how well it is known", |limit| micrometres(&limit.known_to));
+    table.column("standard deviation", |limit| number(limit.std.get(last).copied(), 4));
+    if report.sample.chance.is_some() {
+        table.column("chance if it were known exactly", |limit| chance_words(limit.chance_if_known));
+    }
     page.table(
         &format!(
             "What limits the prediction: the standard deviation of the ratio that each input alone gives at {} MPa.",
             plain(report.target.pressure_mpa.get(last).copied())
         ),
-        &header,
-        &rows,
+        &table.table(),
     );
 }
 
 /// Adds the sensitivity of expected values to each dimension.
 fn slopes(page: &mut Page, report: &DesignReport) {
-    let mut header = vec!["P in MPa"];
-    header.extend(report.slopes.iter().map(|slope| slope.dimension.trim_end_matches("_um")));
-    let row = |(row, pressure_mpa): (usize, &f64)| {
-        let slopes = report.slopes.iter().map(|slope| number(slope.per_um.get(row).map(|per_um| 1e4 * per_um), 2));
-        std::iter::once(plain(*pressure_mpa)).chain(slopes).collect()
-    };
+    let rows: Vec<(usize, &f64)> = report.target.pressure_mpa.iter().enumerate().collect();
+    let mut table = Table::of(&rows);
+    table.column("P in MPa", |(_, pressure_mpa)| plain(**pressure_mpa));
+    for slope in &report.slopes {
+        let cell = |(row, _): &(usize, &f64)| number(slope.per_um.get(*row).map(|per_um| 1e4 * per_um), 2);
+        table.column(slope.dimension.trim_end_matches("_um"), cell);
+    }
     if !report.slopes.is_empty() {
         page.table(
             "Change of what is expected, in units of 0.0001, where one dimension grows by 1 µm and the others stay.",
-            &header,
-            &report.target.pressure_mpa.iter().enumerate().map(row).collect::<Vec<Vec<String>>>(),
+            &table.table(),
         );
     }
 }
@@ -185,28 +178,21 @@ fn others(page: &mut Page, report: &DesignReport, outputs: &Outputs) {
             format!("{} ({})", number(at.median, 3), believed_interval([at.low_95, at.high_95]))
         })
     };
-    let columns: [Column<SampleReport>; 6] = [
-        ("width / spacing / depth in µm", |of| of.design.lengths_in_words()),
-        ("planform", |of| of.design.planform().to_owned()),
-        ("chance", |of| of.chance.map_or_else(|| "-".to_owned(), chance_words)),
-        ("laser", |of| of.laser_s.map_or_else(|| "-".to_owned(), duration_in_words)),
-        ("learns", |of| of.learns().to_owned()),
-        ("share in %", |of| percent(of.design.areal_density, 1)),
-    ];
-    let is_known = |column: &&Column<SampleReport>| report.others.iter().any(|other| says(&column.1(other)));
-    let columns: Vec<Column<SampleReport>> = columns.iter().filter(is_known).copied().collect();
-    let mut header: Vec<&str> = columns.iter().map(|(name, _)| *name).collect();
-    header.extend(["expected at the first load (95 %)", "at the last"]);
     let own = std::iter::once(&report.sample).filter(|_| !report.others.is_empty());
-    let row = |of: &SampleReport| {
-        let cells = columns.iter().map(|(_, cell)| cell(of));
-        cells.chain([ends(of.expected.first()), ends(of.expected.last())]).collect()
-    };
+    let samples: Vec<&SampleReport> = own.chain(&report.others).collect();
+    let mut table = Table::of(&samples);
+    table.column("width / spacing / depth in µm", |of| of.design.lengths_in_words());
+    table.column("planform", |of| of.design.planform().to_owned());
+    table.column("chance", |of| of.chance.map_or_else(|| "-".to_owned(), chance_words));
+    table.column("laser", |of| of.laser_s.map_or_else(|| "-".to_owned(), duration_in_words));
+    table.column("learns", |of| of.learns().to_owned());
+    table.column("share in %", |of| percent(of.design.areal_density, 1));
+    table.column("expected at the first load (95 %)", |of| ends(of.expected.first()));
+    table.column("at the last", |of| ends(of.expected.last()));
     page.table(
         "The design, and textures of other regions of the bounds that are worth cutting. Learns: how much measuring a sample would tell \
          about how the model's error depends on the texture.",
-        &header,
-        &own.chain(&report.others).map(row).collect::<Vec<Vec<String>>>(),
+        &known(&table.table()),
     );
     if let Some(found) = &report.trade_offs {
         trade_offs(page, found, outputs);
@@ -236,40 +222,34 @@ fn trade_offs(page: &mut Page, found: &TradeOffsReport, outputs: &Outputs) {
         "Designs by the goals that were compared; no other design beats one on the front in every goal",
     );
     page.paragraph(&format!("Of {} designs {} are not beaten by another in every goal.", found.designs, found.front));
-    let header: Vec<&str> = ["width in µm", "spacing in µm", "depth in µm"]
-        .into_iter()
-        .chain(found.words.iter().map(AsRef::as_ref))
-        .collect();
-    let row = |design: &PatternReport, goals: &[f64]| {
-        let lengths = [design.width_um, design.spacing_um, design.depth_um].map(length_in_words);
-        lengths.into_iter().chain(goals.iter().map(|goal| plain(significant(*goal, 3)))).collect()
-    };
-    let rows: Vec<Vec<String>> = found.listed.iter().map(|listed| row(&listed.design, &listed.goals)).collect();
-    page.table("Some of the front, from one end to the other; trade-offs.csv has all.", &header, &rows);
+    let mut table = Table::of(&found.listed);
+    table.column("width in µm", |listed| length_in_words(listed.design.width_um));
+    table.column("spacing in µm", |listed| length_in_words(listed.design.spacing_um));
+    table.column("depth in µm", |listed| length_in_words(listed.design.depth_um));
+    for (goal, words) in found.words.iter().enumerate() {
+        table.column(words.clone(), |listed| plain(listed.goals.get(goal).map(|value| significant(*value, 3))));
+    }
+    page.table("Some of the front, from one end to the other; trade-offs.csv has all.", &table.table());
 }
 
 /// Adds the results of the confirming run at the target's pressures.
 fn confirmed(page: &mut Page, report: &DesignReport) {
-    let columns: [Column<LoadReport>; 9] = [
-        ("P in MPa", |load| plain(load.pressure_mpa)),
-        ("ratio", |load| with_error(load.ratio, load.ratio_stderr, 4)),
-        ("change for vanishing blocks", |load| number(load.blocks_error(), 4)),
-        ("mu", |load| with_error(load.mu_dynamic, load.mu_dynamic_stderr, 4)),
-        ("mu flat", |load| with_error(load.mu_flat, load.mu_flat_stderr, 4)),
-        ("mu static", |load| number(load.mu_static, 4)),
-        ("mu static, flat", |load| number(load.mu_flat_static, 4)),
-        ("peak in MPa", |load| number(load.peak_pressure_mpa, 2)),
-        ("status", |load| load.status.to_string()),
-    ];
-    let is_known = |column: &&Column<LoadReport>| report.confirmed.iter().any(|load| says(&column.1(load)));
-    let columns: Vec<Column<LoadReport>> = columns.iter().filter(is_known).copied().collect();
-    page.records(
+    let mut table = Table::of(&report.confirmed);
+    table.column("P in MPa", |load| plain(load.pressure_mpa));
+    table.column("ratio", |load| with_error(load.ratio, load.ratio_stderr, 4));
+    table.column("change for vanishing blocks", |load| number(load.blocks_error(), 4));
+    table.column("mu", |load| with_error(load.mu_dynamic, load.mu_dynamic_stderr, 4));
+    table.column("mu flat", |load| with_error(load.mu_flat, load.mu_flat_stderr, 4));
+    table.column("mu static", |load| number(load.mu_static, 4));
+    table.column("mu static, flat", |load| number(load.mu_flat_static, 4));
+    table.column("peak in MPa", |load| number(load.peak_pressure_mpa, 2));
+    table.column("status", |load| load.status.to_string());
+    page.table(
         &format!(
             "The model alone, {}: dimensionless, ± one standard error. The peak is the largest local pressure, which grows as blocks shrink.",
             report.confirmation()
         ),
-        &report.confirmed,
-        &columns,
+        &known(&table.table()),
     );
 }
 

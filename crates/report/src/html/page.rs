@@ -7,7 +7,7 @@ use slipgrid_laser::export::{is_xml_letter, not_modelled};
 
 use super::section::section;
 use super::words::brief;
-pub use super::words::{ends, known, length_um, micrometres, number, percent, plain, sentence, with_error, yes_or_no};
+pub use super::words::{known, length_um, micrometres, number, percent, plain, sentence, with_error, yes_or_no};
 use crate::Outputs;
 
 const STYLE: &str = include_str!("style.css");
@@ -69,9 +69,6 @@ const LONG: [(&str, &str); 9] = [
     ("um", "µm"),
     ("deg", "°"),
 ];
-
-/// Column of a table of records: its name, and a function that formats the cell of a record.
-pub type Column<T> = (&'static str, fn(&T) -> String);
 
 /// Note on a page without accompanying files.
 const ALONE: &str = "This page holds all its numbers itself: no files belong to it.";
@@ -282,56 +279,42 @@ impl Page {
         self.add(&html! { ul { (NL) @for item in items { li { (Text(item)) } (NL) } } });
     }
 
-    /// Adds a table whose columns sort by a click; adds nothing without rows.
-    pub fn table(&mut self, caption: &str, header: &[&str], rows: &[Vec<String>]) {
+    /// Adds a table whose columns sort by a click, with `+-` written as ±, and short titles and units as a page has them. Adds
+    /// nothing without rows.
+    pub fn table(&mut self, caption: &str, table: &Table) {
+        let rows = table.body();
         if rows.is_empty() {
             return;
         }
-        // Sentences are left-aligned and numbers right-aligned; each column is one or the other.
-        let is_words = |column: usize| {
-            rows.iter().filter_map(|row| row.get(column)).any(|cell| cell.chars().count() > LONGEST_NUMBER)
+        let own = |words: &str| {
+            let long = LONG.iter().find(|(short, _)| *short == words).map(|(_, long)| (*long).to_owned());
+            long.unwrap_or_else(|| words.replace("+-", "±"))
         };
-        let classes: Vec<Option<&str>> = (0..header.len()).map(|column| is_words(column).then_some("words")).collect();
-        let class = |column: usize| classes.get(column).copied().flatten();
+        // Sentences are left-aligned and numbers right-aligned; each column is one or the other.
+        let class = |column: usize| {
+            let mut cells = rows.iter().filter_map(|row| row.get(column));
+            cells.any(|cell| cell.chars().count() > LONGEST_NUMBER).then_some("words")
+        };
+        let classes: Vec<Option<&str>> = (0..table.header().len()).map(class).collect();
         self.add(&html! {
             div class="scroll" {
                 table { (NL)
-                    @if !caption.is_empty() { caption { (Text(caption)) } (NL) }
+                    @if !caption.is_empty() { caption { (Text(&own(caption))) } (NL) }
                     thead {
                         tr {
-                            @for (column, name) in header.iter().enumerate() {
-                                th scope="col" class=[class(column)] { button type="button" { (Text(name)) } }
+                            @for (name, class) in table.header().iter().zip(&classes) {
+                                th scope="col" class=[class] { button type="button" { (Text(&own(name))) } }
                             }
                         }
                     } (NL)
                     tbody { (NL)
                         @for row in rows {
-                            tr { @for (column, cell) in row.iter().enumerate() { td class=[class(column)] { (Text(cell)) } } } (NL)
+                            tr { @for (cell, class) in row.iter().zip(&classes) { td class=[class] { (Text(&own(cell))) } } } (NL)
                         }
                     } (NL)
                 }
             }
         });
-    }
-
-    /// Adds a table with one row per record.
-    pub fn records<T>(&mut self, caption: &str, records: &[T], columns: &[Column<T>]) {
-        let header: Vec<&str> = columns.iter().map(|(name, _)| *name).collect();
-        let row = |record: &T| columns.iter().map(|(_, cell)| cell(record)).collect();
-        self.table(caption, &header, &records.iter().map(row).collect::<Vec<_>>());
-    }
-
-    /// Adds a table of the screen with its caption; `+-` is written as ±, and short titles and units as a page has them. Adds
-    /// nothing without rows.
-    pub fn same_table(&mut self, caption: &str, table: &Table) {
-        let own = |words: &String| {
-            let long = LONG.iter().find(|(short, _)| short == words).map(|(_, long)| (*long).to_owned());
-            long.unwrap_or_else(|| words.replace("+-", "±"))
-        };
-        let header: Vec<String> = table.header().iter().map(own).collect();
-        let rows: Vec<Vec<String>> = table.body().iter().map(|row| row.iter().map(own).collect()).collect();
-        let header: Vec<&str> = header.iter().map(String::as_str).collect();
-        self.table(&caption.replace("+-", "±"), &header, &rows);
     }
 
     /// Adds a picture on a card, with a caption.

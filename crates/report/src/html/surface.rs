@@ -3,6 +3,7 @@
 use super::page::{Page, micrometres, number, percent, sentence};
 use crate::Outputs;
 use crate::surface::{Parameter, SurfaceReport};
+use slipgrid_design::results::Table;
 use slipgrid_surface::topography::LIMITED_BY_PIXELS;
 
 /// Share of the squared height in the longest waves above which the map's size limits the heights.
@@ -51,11 +52,11 @@ pub fn surface(report: &SurfaceReport, outputs: &Outputs) -> String {
     page.part("Parameters", |page| parameters(page, report));
     if let Some(cavities) = &report.cavities {
         page.part("Cavities", |page| {
-            page.same_table(
+            page.table(
                 "Cavities: mean, standard deviation from one to the next, and how many were measured.",
                 &cavities.lengths(),
             );
-            page.same_table("Edges and floors, with their standard errors.", &cavities.edges());
+            page.table("Edges and floors, with their standard errors.", &cavities.edges());
             page.list(&cavities.words().iter().map(|words| symbol(words)).collect::<Vec<_>>());
             page.picture_of(
                 outputs,
@@ -165,15 +166,17 @@ fn limits(report: &SurfaceReport) -> Vec<String> {
 
 fn parameters(page: &mut Page, report: &SurfaceReport) {
     let meaning = |symbol: &str| MEANINGS.iter().find(|(own, _)| *own == symbol).map_or("", |(_, meaning)| *meaning);
-    let row = |of: &Parameter| vec![of.symbol.to_owned(), of.digits(), symbol(of.unit), meaning(of.symbol).to_owned()];
-    let rows: Vec<Vec<String>> = report.parameters.iter().map(row).collect();
+    let mut table = Table::of(&report.parameters);
+    table.column("parameter", |of| of.symbol.to_owned());
+    table.column("value", Parameter::digits);
+    table.column("unit", |of| of.unit.to_owned());
+    table.column("what it is", |of| meaning(of.symbol).to_owned());
     page.table(
         &format!(
             "Parameters of ISO 25178-2, and the rms slope by the spectrum. {}",
             micrometres(&sentence(&report.filters.in_words()))
         ),
-        &["parameter", "value", "unit", "what it is"],
-        &rows,
+        &table.table(),
     );
 }
 

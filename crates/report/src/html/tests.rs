@@ -279,7 +279,9 @@ fn text_is_escaped_and_loses_its_control_characters_wherever_it_stands() {
     page.paragraph(hostile);
     page.warning(hostile);
     page.list(&[hostile.to_owned()]);
-    page.table(hostile, &[hostile], &[vec![hostile.to_owned()]]);
+    let mut table = slipgrid_design::results::Table::new([hostile]);
+    table.row([hostile.to_owned()]);
+    page.table(hostile, &table);
     page.picture("<svg width=\"1\"></svg>", hostile);
     let page = page.finish(hostile, hostile);
     assert_eq!(page.matches("&lt;b&gt;&amp;&quot;\nc").count(), 13, "{page}");

@@ -1,13 +1,13 @@
 //! Ledger of trials: predictions before the samples were cut, measurements, and remaining unknowns.
 
-use slipgrid_design::results::{believed, believed_interval};
+use slipgrid_design::results::{Table, believed, believed_interval};
 
-use super::page::{Column, Page, number, percent, sentence};
+use super::page::{Page, number, percent, sentence};
 use crate::Outputs;
 use crate::charts::left_out;
 use crate::friction_sheet::{FRICTION_WORDS, FrictionSheet};
 use crate::literature;
-use crate::trials::{CoverageReport, EffectReport, PredictedReport, TrialReport, TrialsReport};
+use crate::trials::{CoverageReport, EffectReport, PredictedReport, TrialsReport};
 
 /// Share of its prior error above which an effect counts as unknown.
 const UNKNOWN: f64 = 0.9;
@@ -75,9 +75,9 @@ pub(super) fn part(page: &mut Page, report: &TrialsReport, outputs: &Outputs) {
 pub(super) fn statements(page: &mut Page, sheet: &FrictionSheet) {
     page.part("Statements for a publication", |page| {
         page.fold("Sheet of the friction measurements, with the items of ASTM G115", |page| {
-            sheet.items.iter().for_each(|(title, items)| page.same_table(title, items));
-            page.same_table("Textured samples", &sheet.textures);
-            page.same_table(FRICTION_WORDS, &sheet.friction);
+            sheet.items.iter().for_each(|(title, items)| page.table(title, items));
+            page.table("Textured samples", &sheet.textures);
+            page.table(FRICTION_WORDS, &sheet.friction);
         });
     });
 }
@@ -187,18 +187,17 @@ fn published(page: &mut Page, report: &TrialsReport) {
     let Ok(svg) = literature::picture(report) else { return };
     page.part("What others measured", |page| {
         page.picture(&svg, "Measured ratios of the trials beside published ones, a column a source");
-        let rows: Vec<Vec<String>> = literature::sources()
-            .into_iter()
-            .zip(1_usize..)
-            .map(|((source, reference, ratios), at)| {
-                let numbers = ratios.iter().map(|ratio| number(*ratio, 2)).collect::<Vec<_>>().join(", ");
-                vec![at.to_string(), source, reference, numbers]
-            })
-            .collect();
+        let sources: Vec<_> = literature::sources().into_iter().zip(1_usize..).collect();
+        let mut table = Table::of(&sources);
+        table.column("number", |(_, at)| at.to_string());
+        table.column("source", |((source, ..), _)| source.clone());
+        table.column("reference", |((_, reference, _), _)| reference.clone());
+        table.column("ratios", |((.., ratios), _)| {
+            ratios.iter().map(|ratio| number(*ratio, 2)).collect::<Vec<_>>().join(", ")
+        });
         page.table(
             "Dry polymers and rubbers with numbers. Only the first has a flat face with known dimensions of the texture; the others slid on balls or do not give them.",
-            &["number", "source", "reference", "ratios"],
-            &rows,
+            &table.table(),
         );
     });
 }
@@ -206,44 +205,42 @@ fn published(page: &mut Page, report: &TrialsReport) {
 fn details(page: &mut Page, report: &TrialsReport) {
     let rows = report.rows();
     page.part("The ledger", |page| {
-        page.same_table(
+        page.table(
             "Ratios patterned over flat, dimensionless. Before: predicted by the trials before, with the interval of 95 %, the measurement's \
              own errors included. Surprise: distance of the measured ratio from that prediction, in its standard deviations.",
             &report.ledger(false),
         );
         page.paragraph(MODELLED);
-        page.same_table(
+        page.table(
             "Pending: cut and not yet measured. Predicted: by all trials, with the interval of 95 % of such samples.",
             &report.pending_table(),
         );
-        let mut columns: Vec<Column<TrialReport>> = vec![("trial", |trial| trial.name.clone())];
+        let mut table = Table::of(&report.trials);
+        table.column("trial", |trial| trial.name.clone());
         if report.trials.iter().any(|trial| !trial.date.is_empty()) {
-            columns.push(("date", |trial| trial.date.clone()));
+            table.column("date", |trial| trial.date.clone());
         }
-        columns.extend([
-            ("width in µm", (|trial| number(trial.width_um, 1)) as fn(&TrialReport) -> String),
-            ("spacing in µm", |trial| number(trial.spacing_um, 1)),
-            ("depth in µm", |trial| number(trial.depth_um, 1)),
-            ("areal density in %", |trial| percent(trial.areal_density, 1)),
-            ("edges in 1/mm", |trial| number(trial.edge_per_mm, 2)),
-        ]);
+        table.column("width in µm", |trial| number(trial.width_um, 1));
+        table.column("spacing in µm", |trial| number(trial.spacing_um, 1));
+        table.column("depth in µm", |trial| number(trial.depth_um, 1));
+        table.column("areal density in %", |trial| percent(trial.areal_density, 1));
+        table.column("edges in 1/mm", |trial| number(trial.edge_per_mm, 2));
         if report.trials.iter().any(|trial| !trial.notes.is_empty()) {
-            columns.push(("notes", |trial| trial.notes.clone()));
+            table.column("notes", |trial| trial.notes.clone());
         }
-        page.records("The samples.", &report.trials, &columns);
+        page.table("The samples.", &table.table());
     });
     page.part("How good the predictions were", |page| {
-        page.records(
+        let mut table = Table::of(&report.coverage);
+        table.column("predicted by", |of| of.by.clone());
+        table.column("ratios", |of| of.ratios.to_string());
+        table.column("not counted", |of| of.without_any.to_string());
+        table.column("within 68 %", |of| share(of, of.within_68));
+        table.column("within 95 %", |of| share(of, of.within_95));
+        page.table(
             "How many measured ratios lie within the intervals that were predicted. If the intervals are right, about 68 and 95 % of them do. Ratios \
              of which no other measurement says anything are not counted: before any trial an interval is so wide that any number lies in it.",
-            &report.coverage,
-            &[
-                ("predicted by", |of| of.by.clone()),
-                ("ratios", |of| of.ratios.to_string()),
-                ("not counted", |of| of.without_any.to_string()),
-                ("within 68 %", |of| share(of, of.within_68)),
-                ("within 95 %", |of| share(of, of.within_95)),
-            ],
+            &table.table(),
         );
         if let Ok(svg) = left_out(&report.trials) {
             page.picture(
@@ -252,31 +249,27 @@ fn details(page: &mut Page, report: &TrialsReport) {
             );
         }
         page.fold("Every ratio predicted by the other trials, and by the other conditions", |page| {
-            page.records(
-                "By all other trials; by all other conditions, of the same trial as well.",
-                &rows,
-                &[
-                    ("trial", |(trial, _)| trial.name.clone()),
-                    ("P in MPa", |(_, at)| number(at.pressure_mpa, 3)),
-                    ("measured", |(_, at)| number(at.measured, 3)),
-                    ("by other trials", |(_, at)| predicted_by(&at.without_trial)),
-                    ("surprise", |(_, at)| number(at.without_trial.surprise, 1)),
-                    ("by other conditions", |(_, at)| predicted_by(&at.without_condition)),
-                    ("surprise", |(_, at)| number(at.without_condition.surprise, 1)),
-                ],
-            );
+            let mut table = Table::of(&rows);
+            table.column("trial", |(trial, _)| trial.name.clone());
+            table.column("P in MPa", |(_, at)| number(at.pressure_mpa, 3));
+            table.column("measured", |(_, at)| number(at.measured, 3));
+            table.column("by other trials", |(_, at)| predicted_by(&at.without_trial));
+            table.column("surprise", |(_, at)| number(at.without_trial.surprise, 1));
+            table.column("by other conditions", |(_, at)| predicted_by(&at.without_condition));
+            table.column("surprise", |(_, at)| number(at.without_condition.surprise, 1));
+            page.table("By all other trials; by all other conditions, of the same trial as well.", &table.table());
         });
     });
     page.part("What the model lacks", |page| {
         page.fold("How it depends on the condition", |page| {
-            page.same_table(
+            page.table(
                 "Of the logarithm of the measured over the modelled ratio: 0.01 is one per cent. An error as large as the one before any trial is \
                  what is believed, not what was measured.",
                 &report.effects_table(),
             );
         });
         page.fold("How it grows with the texture", |page| {
-            page.same_table("How much each form is believed, now and before any trial.", &report.forms_table());
+            page.table("How much each form is believed, now and before any trial.", &report.forms_table());
         });
     });
 }

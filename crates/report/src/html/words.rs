@@ -99,11 +99,6 @@ pub fn with_error(value: impl Into<Option<f64>>, error: impl Into<Option<f64>>, 
     }
 }
 
-/// Formats the ends of an interval, or a dash.
-pub fn ends(interval: Option<[f64; 2]>, digits: usize) -> String {
-    interval.map_or_else(|| "-".to_owned(), |[from, to]| format!("{} to {}", number(from, digits), number(to, digits)))
-}
-
 /// Formats a Boolean as yes or no.
 pub fn yes_or_no(is_so: bool) -> String {
     if is_so { "yes" } else { "no" }.to_owned()

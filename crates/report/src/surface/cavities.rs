@@ -2,13 +2,14 @@
 
 use std::fmt::Write as _;
 
-use serde::Serialize;
+use serde::{Serialize, Serializer};
+use serde_json::json;
 use slipgrid_base::units::{LENGTH_UM, significant, tidy};
 use slipgrid_design::results::{Table, fixed};
-use slipgrid_surface::topography::{CavityMetrology, RimMetrology, Spread};
+use slipgrid_surface::topography::{CavityMetrology, Estimate, RimMetrology, Spread};
 
 use crate::ChartError;
-use crate::charts::{self, Estimate};
+use crate::charts;
 use crate::html::page::sentence;
 
 pub(super) fn um(length_m: f64) -> f64 {
@@ -30,133 +31,91 @@ const MIN_ASPECT: f64 = 1.0 / 2000.0;
 const ROUND: &str = "the cavities are round: a width is the diameter of the disc with a cavity's area at half depth, a spacing what \
                      diameters leave of the distance of neighbours";
 
-#[derive(Clone, Debug, Serialize)]
-pub(crate) struct CavityReport {
-    width_x: Option<SpreadReport>,
-    width_y: Option<SpreadReport>,
-    spacing_x: Option<SpreadReport>,
-    spacing_y: Option<SpreadReport>,
-    /// Description of staggered rows in files, and of their spacings.
-    staggered: Option<String>,
-    /// Angle by which the grid of cavities is rotated on the map.
-    turned_deg: Option<Estimate>,
-    /// Widths are diameters of discs with the area of the cavities.
-    round: bool,
-    depth: Option<SpreadReport>,
-    area_fraction: f64,
-    land_sq_um: f64,
-    count: usize,
-    rim: RimReport,
-    wall_angle_deg: Option<Estimate>,
-    /// Slope above which the pixels do not resolve a wall.
-    wall_resolved_deg: Option<f64>,
-    floor_sq_um: Option<Estimate>,
-    /// Note that grooves cross, and which quantities can be measured.
-    crossing: Option<String>,
-}
+/// Cavities of a map; the record has lengths in micrometres.
+#[derive(Clone, Debug)]
+pub(crate) struct Cavities(pub(super) CavityMetrology);
 
-/// Rims; all fields except the height are null if no rim exceeds the roughness.
-#[derive(Clone, Debug, Serialize)]
-struct RimReport {
-    height_um: Option<Estimate>,
-    height_std_um: Option<Estimate>,
-    side_std_um: Option<Estimate>,
-    width_um: Option<Estimate>,
-    profile: Option<&'static str>,
-    share_of_edge: Option<Estimate>,
-    /// Distance from the edge at half depth to the upper end of the wall, where the rim begins.
-    start_um: f64,
-}
-
-#[derive(Clone, Debug, Serialize)]
-struct SpreadReport {
-    mean_um: f64,
-    std_um: f64,
-    count: usize,
-}
-
-/// Length and standard error in micrometres; the error is null if a single sample shows no scatter.
-fn um_of(estimate: slipgrid_surface::topography::Estimate) -> Estimate {
-    Estimate { value: um(estimate.value), error: estimate.error.map(um) }
-}
-
-/// Quantity and standard error in their unit.
-fn plain_of(estimate: slipgrid_surface::topography::Estimate) -> Estimate {
-    Estimate { value: tidy(estimate.value), error: estimate.error.map(tidy) }
-}
-
-impl From<Spread> for SpreadReport {
-    fn from(spread: Spread) -> Self {
-        Self { mean_um: um(spread.mean_m), std_um: um(spread.std_m), count: spread.count }
-    }
-}
-
-impl From<&CavityMetrology> for CavityReport {
-    fn from(found: &CavityMetrology) -> Self {
-        let rim = &found.rim;
-        Self {
-            width_x: found.width[0].map(SpreadReport::from),
-            width_y: found.width[1].map(SpreadReport::from),
-            spacing_x: found.spacing[0].map(SpreadReport::from),
-            spacing_y: found.spacing[1].map(SpreadReport::from),
-            staggered: found.staggered.map(|rows| rows.to_string()),
-            turned_deg: found.turned_deg.map(plain_of),
-            round: found.round,
-            depth: found.depth.map(SpreadReport::from),
-            area_fraction: tidy(found.area_fraction),
-            land_sq_um: um(found.land_sq_m),
-            count: found.cavities.len(),
-            rim: RimReport {
-                height_um: rim.height_m.map(um_of),
-                height_std_um: rim.height_std_m.map(um_of),
-                side_std_um: rim.side_std_m.map(um_of),
-                width_um: rim.width_m.map(um_of),
-                profile: rim.profile.map(|profile| profile.name()),
-                share_of_edge: rim.share_of_edge.map(plain_of),
-                start_um: um(rim.start_m),
+impl Serialize for Cavities {
+    /// An error is null if a single sample shows no scatter; all fields of a rim except the height are null if none exceeds the
+    /// roughness.
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let (found, rim) = (&self.0, &self.0.rim);
+        let scaled = |of: Option<Estimate>, scale: fn(f64) -> f64| {
+            of.map(|of| json!({ "value": scale(of.value), "error": of.error.map(scale) }))
+        };
+        let spread = |of: Option<Spread>| {
+            of.map(|of| json!({ "mean_um": um(of.mean_m), "std_um": um(of.std_m), "count": of.count }))
+        };
+        let record = json!({
+            "width_x": spread(found.width[0]),
+            "width_y": spread(found.width[1]),
+            "spacing_x": spread(found.spacing[0]),
+            "spacing_y": spread(found.spacing[1]),
+            "staggered": found.staggered.map(|rows| rows.to_string()),
+            // Angle by which the grid of cavities is rotated on the map.
+            "turned_deg": scaled(found.turned_deg, tidy),
+            // Widths are diameters of discs with the area of the cavities.
+            "round": found.round,
+            "depth": spread(found.depth),
+            "area_fraction": tidy(found.area_fraction),
+            "land_sq_um": um(found.land_sq_m),
+            "count": found.cavities.len(),
+            "rim": {
+                "height_um": scaled(rim.height_m, um),
+                "height_std_um": scaled(rim.height_std_m, um),
+                "side_std_um": scaled(rim.side_std_m, um),
+                "width_um": scaled(rim.width_m, um),
+                "profile": rim.profile.map(|profile| profile.name()),
+                "share_of_edge": scaled(rim.share_of_edge, tidy),
+                // Distance from the edge at half depth to the upper end of the wall, where the rim begins.
+                "start_um": um(rim.start_m),
             },
-            wall_angle_deg: found.wall_angle_deg.map(plain_of),
-            wall_resolved_deg: found.wall_resolved_deg.map(tidy),
-            floor_sq_um: found.floor_sq_m.map(um_of),
-            crossing: found.crossing.map(|crossing| crossing.to_string()),
-        }
+            "wall_angle_deg": scaled(found.wall_angle_deg, tidy),
+            // Slope above which the pixels do not resolve a wall.
+            "wall_resolved_deg": found.wall_resolved_deg.map(tidy),
+            "floor_sq_um": scaled(found.floor_sq_m, um),
+            "crossing": found.crossing.map(|crossing| crossing.to_string()),
+        });
+        record.serialize(serializer)
     }
 }
 
-impl CavityReport {
+impl Cavities {
     /// Widths, spacings and depths of the cavities.
     pub(crate) fn lengths(&self) -> Table {
         let mut table = Table::new(["cavities", "mean um", "std um", "number"]);
+        let found = &self.0;
         let all = [
-            ("width along x", &self.width_x),
-            ("width along y", &self.width_y),
-            ("spacing along x", &self.spacing_x),
-            ("spacing along y", &self.spacing_y),
-            ("depth", &self.depth),
+            ("width along x", found.width[0]),
+            ("width along y", found.width[1]),
+            ("spacing along x", found.spacing[0]),
+            ("spacing along y", found.spacing[1]),
+            ("depth", found.depth),
         ];
-        for (name, spread) in all.into_iter().filter_map(|(name, spread)| Some((name, spread.as_ref()?))) {
-            let number = |value: f64| fixed(Some(value), 2);
-            table.row([name.to_owned(), number(spread.mean_um), number(spread.std_um), spread.count.to_string()]);
+        for (name, spread) in all.into_iter().filter_map(|(name, spread)| Some((name, spread?))) {
+            let number = |length_m: f64| fixed(Some(um(length_m)), 2);
+            table.row([name.to_owned(), number(spread.mean_m), number(spread.std_m), spread.count.to_string()]);
         }
         table
     }
 
     /// Rims, walls and floors.
     pub(crate) fn edges(&self) -> Table {
-        let rim = &self.rim;
-        let all = [
-            ("rim height", rim.height_um, 3, "um"),
-            ("rim height, cavity to cavity", rim.height_std_um, 3, "um"),
-            ("rim height, side to side", rim.side_std_um, 3, "um"),
-            ("rim width", rim.width_um, 2, "um"),
-            ("share of edge with a rim", rim.share_of_edge, 3, ""),
-            ("wall angle", self.wall_angle_deg, 1, "deg"),
-            ("floor Sq", self.floor_sq_um, 3, "um"),
+        let (found, rim) = (&self.0, &self.0.rim);
+        let all: [(&str, Option<Estimate>, fn(f64) -> f64, usize, &str); 7] = [
+            ("rim height", rim.height_m, um, 3, "um"),
+            ("rim height, cavity to cavity", rim.height_std_m, um, 3, "um"),
+            ("rim height, side to side", rim.side_std_m, um, 3, "um"),
+            ("rim width", rim.width_m, um, 2, "um"),
+            ("share of edge with a rim", rim.share_of_edge, tidy, 3, ""),
+            ("wall angle", found.wall_angle_deg, tidy, 1, "deg"),
+            ("floor Sq", found.floor_sq_m, um, 3, "um"),
         ];
         let mut table = Table::new(["edges", "value", "+-", ""]);
-        for (name, estimate, decimals, unit) in all {
+        for (name, estimate, scale, decimals, unit) in all {
             let Some(Estimate { value, error }) = estimate else { continue };
-            table.row([name.to_owned(), fixed(Some(value), decimals), fixed(error, decimals), unit.to_owned()]);
+            let [value, error] = [Some(value), error].map(|number| fixed(number.map(scale), decimals));
+            table.row([name.to_owned(), value, error, unit.to_owned()]);
         }
         table
     }
@@ -165,26 +124,26 @@ impl CavityReport {
         let (table, edges) = (self.lengths(), self.edges());
         let [rim, wall] = self.edge_words();
         let wall = if wall.is_empty() { wall } else { format!("; {wall}") };
-        let crossing = self.crossing.as_ref().map_or_else(String::new, |crossing| format!("\n! {crossing}\n"));
-        let round = if self.round { format!("  {ROUND}\n") } else { String::new() };
-        let staggered = self.staggered.as_ref().map_or_else(String::new, |rows| format!("  {rows}\n"));
+        let crossing = self.0.crossing.as_ref().map_or_else(String::new, |crossing| format!("\n! {crossing}\n"));
+        let round = if self.0.round { format!("  {ROUND}\n") } else { String::new() };
+        let staggered = self.0.staggered.as_ref().map_or_else(String::new, |rows| format!("  {rows}\n"));
         let warnings: String = self.warnings().map(|warning| format!("! {warning}\n")).collect();
-        let (noun, verb) = if self.count == 1 { ("cavity", "takes") } else { ("cavities", "take") };
+        let (noun, verb) = if self.0.cavities.len() == 1 { ("cavity", "takes") } else { ("cavities", "take") };
         format!(
             "\n{table}{round}{staggered}{warnings}\n{} {noun} {verb} {:.1} % of the map; land Sq {} um\n{crossing}\n{edges}\n{rim}{wall}\n",
-            self.count,
-            100.0 * self.area_fraction,
-            fixed(Some(self.land_sq_um), 3),
+            self.0.cavities.len(),
+            100.0 * self.0.area_fraction,
+            fixed(Some(um(self.0.land_sq_m)), 3),
         )
     }
 
     /// Notes that the tables do not contain.
     pub(crate) fn words(&self) -> Vec<String> {
-        let land = format!("The land between them has Sq {} um.", fixed(Some(self.land_sq_um), 3));
+        let land = format!("The land between them has Sq {} um.", fixed(Some(um(self.0.land_sq_m)), 3));
         let edges = self.edge_words().into_iter().filter(|words| !words.is_empty());
-        let crossing = self.crossing.iter().map(|crossing| sentence(crossing));
-        let round = self.round.then(|| sentence(ROUND));
-        let staggered = self.staggered.iter().map(|rows| sentence(rows));
+        let crossing = self.0.crossing.iter().map(|crossing| sentence(&crossing.to_string()));
+        let round = self.0.round.then(|| sentence(ROUND));
+        let staggered = self.0.staggered.iter().map(|rows| sentence(&rows.to_string()));
         let warnings = self.warnings().map(|warning| sentence(&warning));
         let spacings = round.into_iter().chain(staggered).chain(warnings);
         std::iter::once(land).chain(spacings).chain(crossing).chain(edges.map(|words| sentence(&words))).collect()
@@ -192,13 +151,13 @@ impl CavityReport {
 
     /// Summarizes the number of cavities and their area.
     pub(crate) fn summary(&self) -> String {
-        format!("{}, on {:.1} % of the map", self.count, 100.0 * self.area_fraction)
+        format!("{}, on {:.1} % of the map", self.0.cavities.len(), 100.0 * self.0.area_fraction)
     }
 
     /// Warning that heights may be in another unit than assumed.
     fn unit_warning(&self) -> Option<String> {
-        let width_um = [&self.width_x, &self.width_y].into_iter().flatten().map(|width| width.mean_um);
-        let (width_um, depth_um) = (width_um.fold(f64::INFINITY, f64::min), self.depth.as_ref()?.mean_um);
+        let width_um = self.0.width.iter().flatten().map(|width| um(width.mean_m));
+        let (width_um, depth_um) = (width_um.fold(f64::INFINITY, f64::min), um(self.0.depth?.mean_m));
         (width_um.is_finite() && depth_um < MIN_ASPECT * width_um).then(|| {
             let [width, nm] = [width_um, 1e3 * depth_um].map(|length| significant(length, 3));
             format!(
@@ -216,16 +175,16 @@ impl CavityReport {
 
     /// Warnings that spacings may differ from the pattern's spacings.
     fn spacing_warnings(&self) -> impl Iterator<Item = String> {
-        let turned = self.turned_deg.map(|turn| {
+        let turned = self.0.turned_deg.map(|turn| {
             let angle = fixed(Some(turn.value.abs()), 1);
             format!(
                 "the grid of cavities is turned by {angle} degrees on the map: widths and spacings are those along the map's sides, \
                  not along the rows"
             )
         });
-        let scattered = [("x", &self.spacing_x), ("y", &self.spacing_y)].into_iter().filter_map(|(axis, spacing)| {
+        let scattered = ["x", "y"].into_iter().zip(&self.0.spacing).filter_map(|(axis, spacing)| {
             let spacing = spacing.as_ref()?;
-            (spacing.std_um > MAX_SCATTER * spacing.mean_um).then(|| {
+            (spacing.std_m > MAX_SCATTER * spacing.mean_m).then(|| {
                 format!(
                     "the spacings along {axis} scatter by more than half of their mean: not every cavity faces the next of a row, \
                      and their mean is not the spacing of a pattern"
@@ -237,13 +196,13 @@ impl CavityReport {
 
     /// Describes the rim, and whether the pixels resolve the walls; the latter text is empty if they do.
     fn edge_words(&self) -> [String; 2] {
-        let rim = &self.rim;
-        let rim = match (rim.profile, rim.height_um) {
+        let rim = &self.0.rim;
+        let rim = match (rim.profile, rim.height_m) {
             (Some(profile), _) => format!("the rim's profile is {profile}"),
             (None, Some(_)) => "no rim stands out from the roughness".to_owned(),
             (None, None) => "rims cannot be measured: too little land or edge, or too few pixels across".to_owned(),
         };
-        let wall = match (self.wall_angle_deg, self.wall_resolved_deg) {
+        let wall = match (self.0.wall_angle_deg, self.0.wall_resolved_deg) {
             (Some(angle), Some(resolved)) if angle.value >= resolved => {
                 format!("walls are at least {resolved:.1} deg steep, which is all that the pixels resolve")
             }
@@ -316,7 +275,7 @@ mod tests {
     use super::*;
 
     /// Report on squares of 40 um at `places_um`, on 300 x 300 pixels of 2 um.
-    fn squares(places_um: &[[f64; 2]], turn_deg: f64) -> CavityReport {
+    fn squares(places_um: &[[f64; 2]], turn_deg: f64) -> Cavities {
         let (sin, cos) = turn_deg.to_radians().sin_cos();
         let height = |n: usize| {
             let (x, y) = (2.0 * f64::from(n as u32 / 300), 2.0 * f64::from(n as u32 % 300));
@@ -328,7 +287,7 @@ mod tests {
             -5e-6 * (0.5 + (20.0 - nearest_um) / 4.0).clamp(0.0, 1.0)
         };
         let map = HeightMap::new(300, 300, 2e-6, 2e-6, (0..90_000).map(height).collect()).unwrap();
-        CavityReport::from(&map.measure_cavities(Form::Plane, &slipgrid_base::monitor::Unwatched).unwrap())
+        Cavities(map.measure_cavities(Form::Plane, &slipgrid_base::monitor::Unwatched).unwrap())
     }
 
     #[test]
@@ -339,7 +298,7 @@ mod tests {
             (0..144).map(place).map(|[x, y]| [cos * x - sin * y + 310.0, sin * x + cos * y + 310.0]).collect::<Vec<_>>()
         };
         let straight = squares(&grid(0.0), 0.0);
-        assert_eq!((straight.spacing_warnings().count(), straight.staggered.is_none()), (0, true));
+        assert_eq!((straight.spacing_warnings().count(), straight.0.staggered.is_none()), (0, true));
         let turned = squares(&grid(8.0), 8.0);
         assert!(
             turned.table().contains("\n! the grid of cavities is turned by 8.0 degrees on the map"),

@@ -10,7 +10,7 @@ pub use period::{period_note, period_text};
 
 use std::fmt::Write as _;
 
-use cavities::{CavityReport, um};
+use cavities::{Cavities, um};
 use serde::Serialize;
 use slipgrid_base::monitor::{Cancelled, Monitor};
 use slipgrid_surface::topography::{
@@ -46,7 +46,7 @@ pub struct SurfaceReport {
     pub(crate) parameters: Vec<Parameter>,
     pub(crate) filters: FilterReport,
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub(crate) cavities: Option<CavityReport>,
+    pub(crate) cavities: Option<Cavities>,
     /// Shortest waves of the map as one period, on which the area law's slope depends as well.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) short_waves: Option<ShortWavesReport>,
@@ -208,7 +208,7 @@ impl SurfaceReport {
             warnings: surface.warnings.iter().map(told).collect(),
             parameters,
             filters: FilterReport::new(surface),
-            cavities: cavities.map(CavityReport::from),
+            cavities: cavities.cloned().map(Cavities),
             short_waves: short_waves
                 .map(|short| ShortWavesReport { below_um: um(short.below_m), slope_share: tidy(short.slope_share) }),
             spectrum: spectrum

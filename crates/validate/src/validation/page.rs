@@ -23,7 +23,7 @@ pub fn validation(report: &ValidationReport, outputs: &Outputs) -> String {
              pattern's dimensions alone. Read the spread between slopes of the surface as the model's uncertainty.",
         );
     }
-    let add = |page: &mut Page, (caption, table): Captioned| page.same_table(&caption, &table);
+    let add = |page: &mut Page, (caption, table): Captioned| page.table(&caption, &table);
     page.heading("What the comparison says");
     page.list(&report.statements);
     add(&mut page, tables::summary(report));
@@ -52,7 +52,7 @@ pub fn validation(report: &ValidationReport, outputs: &Outputs) -> String {
     page.part("What the paper says, and what is found here", |page| {
         let caption = "The paper gives its simulated values in figures alone, and its altitude map not at all: what its text and \
                        tables say is compared.";
-        page.same_table(caption, &tables::published(&report.published));
+        page.table(caption, &tables::published(&report.published));
     });
     page.part("Real contact area and the factor f", |page| {
         page.picture_of(
