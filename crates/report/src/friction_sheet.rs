@@ -10,6 +10,8 @@ use slipgrid_io::formats::surface::Surface;
 use slipgrid_io::formats::traces::{ConditionTraces, SurfaceKind};
 use slipgrid_model::pattern::Planform;
 
+use crate::charts::extremes;
+
 /// Name of the file.
 pub const FILE: &str = "friction-sheet.md";
 /// Value of an item that the calibration does not state.
@@ -240,8 +242,7 @@ fn measured(calibration: &Calibration) -> Vec<Measured> {
 
 /// Smallest and largest of `values`, or the one value that all have; `None` without values.
 fn span(values: impl Iterator<Item = f64>) -> Option<String> {
-    let [low, high] =
-        values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| [low.min(value), high.max(value)]);
+    let [low, high] = extremes(values);
     let number = |value: f64| significant(value, 4).to_string();
     match low {
         _ if !low.is_finite() => None,

@@ -124,7 +124,7 @@ impl Axis {
 }
 
 /// Minimum and maximum of `values`; infinity and its negative without values.
-pub(super) fn extremes(values: impl IntoIterator<Item = f64>) -> [f64; 2] {
+pub(crate) fn extremes(values: impl IntoIterator<Item = f64>) -> [f64; 2] {
     values.into_iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| [low.min(v), high.max(v)])
 }
 

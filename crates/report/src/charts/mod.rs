@@ -48,7 +48,8 @@ pub(crate) use surface::{SurfaceValues, edge_profile, height_histogram, section,
 pub(crate) use trials::{left_out, literature, trials};
 pub use work_precision::{WorkPoint, WorkPrecisionPanel, work_precision};
 
-use axis::{Axis, extremes};
+use axis::Axis;
+pub(crate) use axis::extremes;
 use canvas::{
     Canvas, GREY, GRID, INK, LEFT, Mark, NARROW, PALETTE, PRECISION, RIGHT, SMALL_SIZE, Swatch, TEXT_SIZE, WIDTH,
     arranged, failed, picture, small_text_width,

@@ -15,6 +15,7 @@ use crate::calibration::{
     flat_friction, flat_samples, in_words, pair_of, parameter_table, static_rows, static_table, static_words,
     which_errors,
 };
+use crate::charts::extremes;
 use crate::friction_sheet::FrictionSheet;
 use crate::traces::LOOPS;
 use crate::trials::TrialsReport;
@@ -112,7 +113,7 @@ fn verdict(page: &mut Page, outcome: &CalibrationOutcome) {
     let fit = &outcome.fit;
     let count = outcome.measurements.len();
     let means = || fit.pairs.iter().map(|pair| pair.dynamic_mean);
-    let [low, high] = range(means());
+    let [low, high] = extremes(means());
     let known = match &fit.pairs[..] {
         [pair] => with_error(pair.dynamic_mean, pair.dynamic_std_error, 4),
         _ => format!("{} to {}", number(low, 3), number(high, 3)),
@@ -160,10 +161,6 @@ fn measured_error(pair: &FittedPair) -> Option<f64> {
     Some(pair.dynamic_std_error_given_law.or(pair.dynamic_std_error)? / pair.dynamic_mean)
 }
 
-fn range(values: impl Iterator<Item = f64>) -> [f64; 2] {
-    values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| [low.min(value), high.max(value)])
-}
-
 /// Whether mu_s is an assumption for any measurement.
 fn assumes_static(outcome: &CalibrationOutcome) -> bool {
     outcome.fit.pairs.iter().any(|pair| pair.static_std_error.is_none())
@@ -173,7 +170,7 @@ fn found(page: &mut Page, task: &CalibrationTask, outcome: &CalibrationOutcome) 
     let (fit, surface) = (&outcome.fit, &outcome.surface);
     let mut rows: Vec<(&str, String)> = Vec::new();
     let ends = |of: fn(&FittedPair) -> f64| {
-        let [low, high] = range(fit.pairs.iter().map(of));
+        let [low, high] = extremes(fit.pairs.iter().map(of));
         format!("{} to {} ({} pairs)", number(low, 3), number(high, 3), fit.pairs.len())
     };
     match &fit.pairs[..] {
@@ -208,7 +205,7 @@ fn found(page: &mut Page, task: &CalibrationTask, outcome: &CalibrationOutcome) 
     };
     rows.push(("area law", law));
     rows.extend(surface.rms_slope.map(|slope| ("rms slope of the surface", number(slope, 4))));
-    let [low, high] = range(outcome.measurements.iter().map(|of| PRESSURE_MPA.from_si(task.pressure_pa(of))));
+    let [low, high] = extremes(outcome.measurements.iter().map(|of| PRESSURE_MPA.from_si(task.pressure_pa(of))));
     rows.push(("nominal pressures measured", format!("{} to {} MPa", number(low, 2), number(high, 2))));
     if let (Some(law), true) = (&surface.law, high.is_finite()) {
         rows.push(("f at the highest of them", number(law.factor(PRESSURE_MPA.to_si(high)), 3)));
@@ -307,7 +304,7 @@ fn next(fitted: &Fitted<'_>) -> Vec<String> {
     if assumes_static(outcome) {
         all.push("The peak of friction at the onset of sliding, if static friction is wanted.".to_owned());
     }
-    let [low, high] = range(outcome.measurements.iter().map(|of| of.force_n));
+    let [low, high] = extremes(outcome.measurements.iter().map(|of| of.force_n));
     if low == high {
         all.push("Flat samples at other pressures: one alone does not say how friction goes with load.".to_owned());
     }

@@ -3,8 +3,9 @@
 use super::page::{Page, micrometres, number, percent, sentence};
 use crate::Outputs;
 use crate::surface::{Parameter, SurfaceReport};
+use slipgrid_base::units::LENGTH_UM;
 use slipgrid_design::results::Table;
-use slipgrid_surface::topography::LIMITED_BY_PIXELS;
+use slipgrid_surface::topography::{LIMITED_BY_PIXELS, SpectrumBin};
 
 /// Share of the squared height in the longest waves above which the map's size limits the heights.
 const LIMITED_BY_SIDE: f64 = 0.4;
@@ -132,14 +133,15 @@ fn limits(report: &SurfaceReport) -> Vec<String> {
         all.push(format!(
             "Rms slope and Sdq: {} % of the squared slope lies in waves shorter than {} µm, four pixels. Here {words}.",
             percent(short.slope_share, 0),
-            number(short.below_um, 2)
+            number(LENGTH_UM.from_si(short.below_m), 2)
         ));
     }
     // Share of a ring of the spectrum: number of waves times density, proportional to the squared height.
-    let longest_um = report.spectrum.iter().map(|ring| ring.wavelength_um).fold(0.0, f64::max);
+    let length_um = |ring: &SpectrumBin| LENGTH_UM.from_si(std::f64::consts::TAU / ring.q_per_m);
+    let longest_um = report.spectrum.iter().map(length_um).fold(0.0, f64::max);
     let squares = |from_um: f64| -> f64 {
-        let rings = report.spectrum.iter().filter(|ring| ring.wavelength_um > from_um);
-        rings.map(|ring| ring.waves * ring.psd_um4).sum()
+        let rings = report.spectrum.iter().filter(|ring| length_um(ring) > from_um);
+        rings.map(|ring| ring.waves * ring.psd_m4).sum()
     };
     let whole = squares(0.0);
     if whole > 0.0 {

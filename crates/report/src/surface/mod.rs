@@ -11,10 +11,11 @@ pub use period::{period_note, period_text};
 use std::fmt::Write as _;
 
 use cavities::{Cavities, um};
-use serde::Serialize;
+use serde::{Serialize, Serializer};
+use serde_json::json;
 use slipgrid_base::monitor::{Cancelled, Monitor};
 use slipgrid_surface::topography::{
-    CavityMetrology, CorrelationLengths, HeightMap, MapError, MaterialRatioCurve, PreparedMap, SpectrumBin,
+    CavityMetrology, CorrelationLengths, HeightMap, MapError, MaterialRatioCurve, PreparedMap, ShortWaves, SpectrumBin,
 };
 
 use slipgrid_base::units::tidy;
@@ -48,9 +49,10 @@ pub struct SurfaceReport {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) cavities: Option<Cavities>,
     /// Shortest waves of the map as one period, on which the area law's slope depends as well.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub(crate) short_waves: Option<ShortWavesReport>,
-    pub(crate) spectrum: Vec<SpectrumReport>,
+    #[serde(skip_serializing_if = "Option::is_none", serialize_with = "short_waves")]
+    pub(crate) short_waves: Option<ShortWaves>,
+    #[serde(serialize_with = "rings")]
+    pub(crate) spectrum: Vec<SpectrumBin>,
 }
 
 /// Operation and filters of ISO 25178-2 before the parameters, and the waves that the map holds.
@@ -96,13 +98,23 @@ impl FilterReport {
     }
 }
 
-/// Contribution of the shortest waves to the squared slope.
-#[derive(Clone, Copy, Debug, Serialize)]
-pub(crate) struct ShortWavesReport {
-    /// Upper limit of their wavelength: four pixels of the longer side.
-    pub(crate) below_um: f64,
-    /// Share of the squared slope.
-    pub(crate) slope_share: f64,
+/// Serializes the shortest waves: upper limit of their wavelength, four pixels of the longer side, and share of the squared slope.
+fn short_waves<S: Serializer>(short: &Option<ShortWaves>, serializer: S) -> Result<S::Ok, S::Error> {
+    let record = |short: ShortWaves| json!({ "below_um": um(short.below_m), "slope_share": tidy(short.slope_share) });
+    short.map(record).serialize(serializer)
+}
+
+/// Serializes the rings of a spectrum.
+fn rings<S: Serializer>(spectrum: &[SpectrumBin], serializer: S) -> Result<S::Ok, S::Error> {
+    let ring = |bin: &SpectrumBin| {
+        json!({
+            "wavelength_um": um(std::f64::consts::TAU / bin.q_per_m),
+            "q_per_um": tidy(bin.q_per_m * 1e-6),
+            "psd_um4": tidy(bin.psd_m4 * 1e24),
+            "waves": bin.waves,
+        })
+    };
+    serializer.collect_seq(spectrum.iter().map(ring))
 }
 
 /// Parameter of ISO 25178-2, or the rms slope of contact theories.
@@ -125,16 +137,8 @@ impl Parameter {
 }
 
 /// Serializes parameters by their keys.
-fn by_key<S: serde::Serializer>(parameters: &[Parameter], serializer: S) -> Result<S::Ok, S::Error> {
+fn by_key<S: Serializer>(parameters: &[Parameter], serializer: S) -> Result<S::Ok, S::Error> {
     serializer.collect_map(parameters.iter().map(|parameter| (parameter.key, parameter.value)))
-}
-
-#[derive(Clone, Debug, Serialize)]
-pub(crate) struct SpectrumReport {
-    pub(crate) wavelength_um: f64,
-    pub(crate) q_per_um: f64,
-    pub(crate) psd_um4: f64,
-    pub(crate) waves: f64,
 }
 
 impl SurfaceReport {
@@ -209,17 +213,8 @@ impl SurfaceReport {
             parameters,
             filters: FilterReport::new(surface),
             cavities: cavities.cloned().map(Cavities),
-            short_waves: short_waves
-                .map(|short| ShortWavesReport { below_um: um(short.below_m), slope_share: tidy(short.slope_share) }),
-            spectrum: spectrum
-                .iter()
-                .map(|bin| SpectrumReport {
-                    wavelength_um: um(std::f64::consts::TAU / bin.q_per_m),
-                    q_per_um: tidy(bin.q_per_m * 1e-6),
-                    psd_um4: tidy(bin.psd_m4 * 1e24),
-                    waves: bin.waves,
-                })
-                .collect(),
+            short_waves,
+            spectrum: spectrum.to_vec(),
         })
     }
 

@@ -7,6 +7,8 @@ use base64::engine::general_purpose::STANDARD;
 use serde::Serialize;
 use slipgrid_base::statistics::ResponseSurface;
 
+use crate::charts::extremes;
+
 /// Names of the axes.
 pub const LENGTHS: [&str; 3] = ["width", "spacing", "depth"];
 /// Maximum code of a coefficient.
@@ -31,8 +33,7 @@ impl Packed {
     pub fn new(surface: &ResponseSurface, places: Range<usize>) -> Self {
         let output = |place: usize| {
             let all = || surface.coefficients().iter().skip(place).step_by(surface.outputs()).copied();
-            let from = all().fold(f64::INFINITY, f64::min);
-            let to = all().fold(f64::NEG_INFINITY, f64::max);
+            let [from, to] = extremes(all());
             let span = if to > from { to - from } else { 1.0 };
             // The value lies between 0 and the full scale, so that the cast is exact.
             let code = |value: f64| (((value - from) / span * FULL_SCALE).round() as u16).to_le_bytes();
