@@ -121,7 +121,7 @@ fn target_beside(title: &str, report: &DesignReport, measured: &[[f64; 2]]) -> R
     let [low_mpa, high_mpa] = extremes(pressures());
     let range_mpa = if high_mpa > low_mpa { high_mpa - low_mpa } else { 0.3 * high_mpa.abs() };
     let condition = |row: usize| row / points.len();
-    let conditions = samples().last().map_or(1, |(row, _)| condition(row) + 1);
+    let conditions = report.sample.expected.len().div_ceil(points.len()).max(1);
     let shift_mpa =
         |condition: usize| CONDITION_STEP * range_mpa * (condition as f64 - 0.5 * (conditions as f64 - 1.0));
     let beyond_mpa = 0.03 * range_mpa + shift_mpa(conditions - 1);

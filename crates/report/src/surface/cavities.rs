@@ -31,6 +31,9 @@ const MIN_ASPECT: f64 = 1.0 / 2000.0;
 const ROUND: &str = "the cavities are round: a width is the diameter of the disc with a cavity's area at half depth, a spacing what \
                      diameters leave of the distance of neighbours";
 
+/// Conversion of a number from SI units to those of the record.
+type Scale = fn(f64) -> f64;
+
 /// Cavities of a map; the record has lengths in micrometres.
 #[derive(Clone, Debug)]
 pub(crate) struct Cavities(pub(super) CavityMetrology);
@@ -40,7 +43,7 @@ impl Serialize for Cavities {
     /// roughness.
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let (found, rim) = (&self.0, &self.0.rim);
-        let scaled = |of: Option<Estimate>, scale: fn(f64) -> f64| {
+        let scaled = |of: Option<Estimate>, scale: Scale| {
             of.map(|of| json!({ "value": scale(of.value), "error": of.error.map(scale) }))
         };
         let spread = |of: Option<Spread>| {
@@ -102,7 +105,7 @@ impl Cavities {
     /// Rims, walls and floors.
     pub(crate) fn edges(&self) -> Table {
         let (found, rim) = (&self.0, &self.0.rim);
-        let all: [(&str, Option<Estimate>, fn(f64) -> f64, usize, &str); 7] = [
+        let all: [(&str, Option<Estimate>, Scale, usize, &str); 7] = [
             ("rim height", rim.height_m, um, 3, "um"),
             ("rim height, cavity to cavity", rim.height_std_m, um, 3, "um"),
             ("rim height, side to side", rim.side_std_m, um, 3, "um"),
