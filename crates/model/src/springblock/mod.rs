@@ -71,12 +71,6 @@ mod simulate;
 mod space;
 mod steady;
 
-/// Fixtures of tests.
-#[cfg(test)]
-mod tests {
-    pub mod samples;
-}
-
 pub use cell::{CellOutcome, SteadyCell};
 pub(crate) use columns::Column;
 pub use dimension::Dimension;
@@ -101,3 +95,9 @@ pub use simulate::{
 pub use slipgrid_base::monitor::{Cancelled, Monitor, Unwatched};
 pub use space::{SpaceBond, SpaceLattice, SpaceLoad, SpaceSpring, SpaceSteadyModel};
 pub(crate) use steady::{SteadyLoad, SteadyModel};
+
+/// Fixtures of tests.
+#[cfg(test)]
+mod tests {
+    pub mod samples;
+}
