@@ -112,7 +112,8 @@ fn the_chapter_of_columns_is_generated_from_what_reads_them() {
                        coefficient beside a torque or friction force is only compared with it.\n\n\
                        | column | titles | otherwise | units |\n|---|---|---|---|\n"
         .to_owned();
-    let listed = |names: &[&str]| names.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ");
+    let listed =
+        |names: std::str::SplitWhitespace<'_>| names.map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ");
     for channel in Channel::ALL {
         let [names, secondary] = [channel.names(), channel.secondary_names()].map(listed);
         let _ = writeln!(chapter, "| {} | {names} | {secondary} | {} |", channel.title(), channel.unit_words());

@@ -31,11 +31,11 @@ pub enum Channel {
 /// The titles and units of a channel.
 struct ChannelData {
     title: &'static str,
-    /// Titles, reduced to lower-case letters and digits.
-    names: &'static [&'static str],
+    /// Titles, reduced to lower-case letters and digits and parted by blanks.
+    names: &'static str,
     /// Titles that count only if no column has one of `names`: set points, and the distance next to the position.
-    secondary: &'static [&'static str],
-    /// Units with their factors to SI; the first is assumed where no unit is given.
+    secondary: &'static str,
+    /// Spellings of units, parted by blanks, with their factors to SI; the first is assumed where no unit is given.
     units: &'static [(&'static str, f64)],
     /// List of the units for messages.
     unit_words: &'static str,
@@ -47,20 +47,13 @@ const POUND_FORCE: f64 = 4.448_221_615_260_5;
 const INCH: f64 = 25.4e-3;
 
 const FORCE: &[(&str, f64)] = &[
-    ("n", 1.0),
-    ("newton", 1.0),
-    ("newtons", 1.0),
+    ("n newton newtons", 1.0),
     ("mn", 1e-3),
     ("un", 1e-6),
     ("kn", 1e3),
     ("dan", 10.0),
-    ("gf", GRAM_FORCE),
-    ("g", GRAM_FORCE),
-    ("gram", GRAM_FORCE),
-    ("grams", GRAM_FORCE),
-    ("kgf", 1e3 * GRAM_FORCE),
-    ("kg", 1e3 * GRAM_FORCE),
-    ("kp", 1e3 * GRAM_FORCE),
+    ("gf g gram grams", GRAM_FORCE),
+    ("kgf kg kp", 1e3 * GRAM_FORCE),
     ("lbf", POUND_FORCE),
 ];
 const FORCE_WORDS: &str = "N, mN, uN, kN, daN, gf or g, kgf or kg, kp or lbf";
@@ -69,118 +62,64 @@ const FORCE_WORDS: &str = "N, mN, uN, kN, daN, gf or g, kgf or kg, kp or lbf";
 const CHANNELS: [ChannelData; Channel::COUNT] = [
     ChannelData {
         title: "time",
-        names: &["time", "t", "elapsedtime", "testtime", "zeit", "temps", "tempo", "czas", "tiempo"],
-        secondary: &["steptime", "timestamp"],
+        names: "time t elapsedtime testtime zeit temps tempo czas tiempo",
+        secondary: "steptime timestamp",
         units: &[
-            ("s", 1.0),
-            ("secs", 1.0),
-            ("second", 1.0),
-            ("seconds", 1.0),
-            ("ms", 1e-3),
-            ("milliseconds", 1e-3),
+            ("s secs second seconds", 1.0),
+            ("ms milliseconds", 1e-3),
             ("us", 1e-6),
-            ("min", MINUTE),
-            ("mins", MINUTE),
-            ("minutes", MINUTE),
-            ("h", 3600.0),
-            ("hr", 3600.0),
-            ("hours", 3600.0),
+            ("min mins minutes", MINUTE),
+            ("h hr hours", 3600.0),
         ],
         unit_words: "s, ms, us, min or h",
     },
     ChannelData {
         title: "torque",
-        names: &["torque", "tz", "mz", "frictiontorque", "moment", "drehmoment", "reibmoment", "coppia", "daqtz"],
-        secondary: &[],
+        names: "torque tz mz frictiontorque moment drehmoment reibmoment coppia daqtz",
+        secondary: "",
         units: &[
             ("nm", 1.0),
-            ("mnm", 1e-3),
+            ("mnm nmm", 1e-3),
             ("unm", 1e-6),
             ("knm", 1e3),
             ("ncm", 1e-2),
-            ("nmm", 1e-3),
-            ("kgfm", 1e3 * GRAM_FORCE),
-            ("kgm", 1e3 * GRAM_FORCE),
-            ("kgfcm", 10.0 * GRAM_FORCE),
-            ("kgcm", 10.0 * GRAM_FORCE),
-            ("gfcm", 1e-2 * GRAM_FORCE),
-            ("gcm", 1e-2 * GRAM_FORCE),
-            ("lbfin", POUND_FORCE * INCH),
-            ("inlbf", POUND_FORCE * INCH),
-            ("lbfft", 12.0 * POUND_FORCE * INCH),
-            ("ftlbf", 12.0 * POUND_FORCE * INCH),
+            ("kgfm kgm", 1e3 * GRAM_FORCE),
+            ("kgfcm kgcm", 10.0 * GRAM_FORCE),
+            ("gfcm gcm", 1e-2 * GRAM_FORCE),
+            ("lbfin inlbf", POUND_FORCE * INCH),
+            ("lbfft ftlbf", 12.0 * POUND_FORCE * INCH),
         ],
         unit_words: "N m, mN m, uN m, kN m, N cm, N mm, kgf m, kgf cm, gf cm, lbf in or lbf ft",
     },
     ChannelData {
         title: "friction force",
-        names: &[
-            "frictionforce",
-            "friction",
-            "ff",
-            "fx",
-            "ft",
-            "fr",
-            "tangentialforce",
-            "lateralforce",
-            "tractionforce",
-            "daqfx",
-            "daqff",
-            "reibkraft",
-            "forcetangentielle",
-            "si\u{142}atarcia",
-        ],
-        secondary: &[],
+        names: "frictionforce friction ff fx ft fr tangentialforce lateralforce tractionforce daqfx daqff reibkraft \
+            forcetangentielle si\u{142}atarcia",
+        secondary: "",
         units: FORCE,
         unit_words: FORCE_WORDS,
     },
     ChannelData {
         title: "friction coefficient",
-        names: &[
-            "cof",
-            "mu",
-            "\u{3bc}",
-            "frictioncoefficient",
-            "coefficientoffriction",
-            "coeffoffriction",
-            "frictioncoeff",
-            "tractioncoeff",
-            "tractioncoefficient",
-            "daqcof",
-            "reibungskoeffizient",
-            "reibkoeffizient",
-            "reibungszahl",
-            "reibwert",
-            "coefficientdefrottement",
-        ],
-        secondary: &[],
+        names: "cof mu \u{3bc} frictioncoefficient coefficientoffriction coeffoffriction frictioncoeff \
+            tractioncoeff tractioncoefficient daqcof reibungskoeffizient reibkoeffizient reibungszahl reibwert \
+            coefficientdefrottement",
+        secondary: "",
         // Rtec gives in brackets the force that was divided.
-        units: &[("", 1.0), ("1", 1.0), ("fx", 1.0), ("ff", 1.0)],
+        units: &[(" 1 fx ff", 1.0)],
         unit_words: "a column without a unit",
     },
     ChannelData {
         title: "normal force",
-        names: &[
-            "normalforce",
-            "fz",
-            "fn",
-            "load",
-            "normalload",
-            "ballload",
-            "pinload",
-            "daqfz",
-            "normalkraft",
-            "forcenormale",
-            "verticalforce",
-        ],
-        secondary: &["nominalload", "nominalforce", "setload", "setforce", "targetload", "targetforce", "sollkraft"],
+        names: "normalforce fz fn load normalload ballload pinload daqfz normalkraft forcenormale verticalforce",
+        secondary: "nominalload nominalforce setload setforce targetload targetforce sollkraft",
         units: FORCE,
         unit_words: FORCE_WORDS,
     },
     ChannelData {
         title: "speed",
-        names: &["speed", "velocity", "slidingspeed", "slidingvelocity", "linearvelocity", "v", "geschwindigkeit"],
-        secondary: &[],
+        names: "speed velocity slidingspeed slidingvelocity linearvelocity v geschwindigkeit",
+        secondary: "",
         units: &[
             ("mms", 1e-3),
             ("ms", 1.0),
@@ -196,66 +135,40 @@ const CHANNELS: [ChannelData; Channel::COUNT] = [
     },
     ChannelData {
         title: "revolutions",
-        names: &[
-            "rpm",
-            "revolutions",
-            "rotationspeed",
-            "rotationalspeed",
-            "rotaryvelocity",
-            "spindlespeed",
-            "drehzahl",
-        ],
-        secondary: &[],
+        names: "rpm revolutions rotationspeed rotationalspeed rotaryvelocity spindlespeed drehzahl",
+        secondary: "",
         units: &[
-            ("rpm", 1.0 / MINUTE),
-            ("1min", 1.0 / MINUTE),
-            ("min1", 1.0 / MINUTE),
-            ("rmin", 1.0 / MINUTE),
-            ("umin", 1.0 / MINUTE),
-            ("revmin", 1.0 / MINUTE),
-            ("1s", 1.0),
-            ("s1", 1.0),
-            ("hz", 1.0),
-            ("rps", 1.0),
-            ("revs", 1.0),
+            ("rpm 1min min1 rmin umin revmin", 1.0 / MINUTE),
+            ("1s s1 hz rps revs", 1.0),
             ("rads", 1.0 / std::f64::consts::TAU),
         ],
         unit_words: "rpm, 1/min, r/min, rev/min, U/min, 1/s, rps, rev/s, Hz or rad/s",
     },
     ChannelData {
         title: "humidity",
-        names: &["humidity", "rh", "relativehumidity", "luftfeuchte", "feuchte"],
-        secondary: &[],
-        units: &[
-            ("pct", 1e-2),
-            ("%", 1e-2),
-            ("rh", 1e-2),
-            ("%rh", 1e-2),
-            ("rh%", 1e-2),
-            ("%rf", 1e-2),
-            ("pctrh", 1e-2),
-            ("percent", 1e-2),
-        ],
+        names: "humidity rh relativehumidity luftfeuchte feuchte",
+        secondary: "",
+        units: &[("pct % rh %rh rh% %rf pctrh percent", 1e-2)],
         unit_words: "%, %RH, %rF, pct or percent",
     },
     ChannelData {
         title: "number of the repeat",
-        names: &["repeat", "repetition", "run", "test", "wiederholung"],
-        secondary: &[],
+        names: "repeat repetition run test wiederholung",
+        secondary: "",
         units: &[("", 1.0)],
         unit_words: "a column without a unit",
     },
     ChannelData {
         title: "number of the step",
-        names: &["step", "stepno", "stepnumber", "recipestep", "sequenceid", "schritt"],
-        secondary: &[],
+        names: "step stepno stepnumber recipestep sequenceid schritt",
+        secondary: "",
         units: &[("", 1.0)],
         unit_words: "a column without a unit",
     },
     ChannelData {
         title: "position",
-        names: &["position", "pos", "x", "displacement", "linearposition", "stroke", "hub", "deplacement"],
-        secondary: &["distance", "slidingdistance", "weg", "gleitweg"],
+        names: "position pos x displacement linearposition stroke hub deplacement",
+        secondary: "distance slidingdistance weg gleitweg",
         units: &[("mm", 1e-3), ("m", 1.0), ("cm", 1e-2), ("um", 1e-6), ("nm", 1e-9)],
         unit_words: "mm, m, cm, um or nm",
     },
@@ -295,14 +208,14 @@ impl Channel {
 
     /// Titles of such a column, reduced to lower-case letters and digits.
     #[must_use]
-    pub const fn names(self) -> &'static [&'static str] {
-        self.data().names
+    pub fn names(self) -> std::str::SplitWhitespace<'static> {
+        self.data().names.split_whitespace()
     }
 
     /// Titles that are used where no column has one of [`Channel::names`], for example set points.
     #[must_use]
-    pub const fn secondary_names(self) -> &'static [&'static str] {
-        self.data().secondary
+    pub fn secondary_names(self) -> std::str::SplitWhitespace<'static> {
+        self.data().secondary.split_whitespace()
     }
 
     /// The key in `columns` that gives this channel a custom title.
@@ -327,7 +240,7 @@ impl Channel {
         self.data().unit_words
     }
 
-    /// Units with their factors to SI; the first is assumed where no unit is given.
+    /// Spellings of units, parted by blanks, with their factors to SI; the first is assumed where no unit is given.
     pub(crate) const fn units(self) -> &'static [(&'static str, f64)] {
         self.data().units
     }
@@ -337,7 +250,7 @@ impl Channel {
         // `mm/sec` means `mm/s`.
         let short = unit.strip_suffix("sec").map(|start| format!("{start}s"));
         let unit = short.as_deref().unwrap_or(unit);
-        self.units().iter().find(|(name, _)| *name == unit).map(|(_, factor)| *factor)
+        self.units().iter().find(|(names, _)| names.split(' ').any(|name| name == unit)).map(|(_, factor)| *factor)
     }
 
     /// Factor for numbers without a unit. NaN for a position, because a title such as `x` may mean any quantity.

@@ -176,7 +176,7 @@ impl Titles {
             self.0.iter().filter(|title| title.channel == channel).map(|title| &title.whole[..]).collect();
         let own: Vec<&str> = own.into_iter().map(|title| if title.is_empty() { NO_COLUMN } else { title }).collect();
         if own.is_empty() {
-            channel.names()[..channel.names().len().min(3)].join(", ") + ", ..."
+            channel.names().take(3).collect::<Vec<_>>().join(", ") + ", ..."
         } else {
             format!("{}, as `columns` says", own.join(", "))
         }
@@ -192,7 +192,7 @@ impl Titles {
         if let Some(own) = self.0.iter().find(own) {
             return Some((own.channel, own.factor, Priority::Custom));
         }
-        let is_in = |names: &[&str]| names.contains(&&letters[..]);
+        let is_in = |mut names: std::str::SplitWhitespace<'_>| names.any(|name| name == letters);
         let known = |channel: Channel| match channel {
             channel if is_in(channel.names()) => Some((channel, Priority::Primary)),
             channel if is_in(channel.secondary_names()) => Some((channel, Priority::Secondary)),

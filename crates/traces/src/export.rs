@@ -61,7 +61,7 @@ pub fn parse(text: &str, options: &ExportOptions<'_>) -> Result<TraceFile, Expor
     // Lines are not trimmed at their end, because a tab there separates an empty cell.
     let lines = text.lines().zip(1..).map(|(line, number)| (number, line));
     let lines: Vec<Line<'_>> = lines.filter(|(_, line)| has_content(line)).collect();
-    let mut reader = Reader::new(options);
+    let mut reader = Reader { options: *options, ..Reader::default() };
     let mut at = 0;
     while let Some(&(number, line)) = lines.get(at) {
         at += 1;
@@ -124,8 +124,9 @@ struct Current {
 type NumberedStep = (f64, u32);
 
 /// Reads a file line by line.
+#[derive(Default)]
 struct Reader<'a, 'o> {
-    options: &'o ExportOptions<'o>,
+    options: ExportOptions<'o>,
     layout: Option<Layout<'a>>,
     has_table: bool,
     unused: Vec<String>,
@@ -148,28 +149,7 @@ struct Reader<'a, 'o> {
     has_several_steps: bool,
 }
 
-impl<'a, 'o> Reader<'a, 'o> {
-    fn new(options: &'o ExportOptions<'o>) -> Self {
-        Self {
-            options,
-            layout: None,
-            has_table: false,
-            unused: Vec::new(),
-            used: Vec::new(),
-            run: None,
-            step: None,
-            is_apart: false,
-            current: None,
-            traces_begun: 0,
-            tables: Vec::new(),
-            signs: DecimalSigns::default(),
-            words: None,
-            summary_lines: 0,
-            steps: Vec::new(),
-            has_several_steps: false,
-        }
-    }
-
+impl<'a> Reader<'a, '_> {
     /// Begins a table with the titles `cells` in line `number`. Returns how many of the lines `below` belong to the
     /// head.
     fn begin_table(

@@ -101,7 +101,7 @@ fn time_is_counted_from_the_first_row_even_where_it_lacks_a_number() {
     assert!(reason.contains("from 0.00 to 11.95 s"), "{reason}");
     // A zero span without any record is refused.
     let zeroed = crate::TraceOptions { zero_s: Some([0.0, 4.0]), ..options };
-    assert!(matches!(analysed(&late, &zeroed), Err(crate::TraceError::ZeroTooShort { found: 0, .. })));
+    assert!(analysed(&late, &zeroed).unwrap_err().to_string().contains("holds 0 samples"));
 }
 
 #[test]

@@ -78,7 +78,6 @@ mod zero;
 
 pub use averaging_window::WindowMean;
 pub use lag::{Lag, friction_loops, lag_of_friction};
-pub use load::LoadMistake;
 pub use position::speed_of_position;
 pub use repeats::{MeanStd, OddRepeat, Repeats, average, moderate, odd_repeats};
 pub use run_in::RunIn;
@@ -228,16 +227,27 @@ pub fn analyse(channels: &TraceChannels, options: &TraceOptions) -> Result<Trace
     if channels.normal_force_n.is_empty() {
         let is_divided = matches!(channels.tangential, Tangential::Coefficient(_));
         if options.zero_s.is_some() {
-            return Err(if is_divided { TraceError::ZeroOfCoefficient } else { TraceError::ZeroOfStatedLoad });
+            return Err(if is_divided { zero::of_coefficient() } else { zero::of_stated_load() });
         }
         // A coefficient needs no force: the nominal force stands in for the missing channel, and is not used for
         // checks. A friction force is divided by the nominal force, like that of a dead weight.
         let nominal_n = match options.nominal_force_n {
             Some(nominal_n) => nominal_n,
             None if is_divided => 1.0,
-            None => return Err(TraceError::NoStatedLoad { channel: channels.tangential.name() }),
+            None => {
+                return Err(TraceError::Refused(format!(
+                    "no normal force is recorded and none is stated: expected one of the two to divide the {} by",
+                    channels.tangential.name()
+                )));
+            }
         };
-        let flag = if is_divided { TraceFlag::LoadNotRecorded } else { TraceFlag::LoadStated { nominal_n } };
+        let flag = if is_divided {
+            TraceFlag::LoadNotRecorded
+        } else {
+            TraceFlag::Odd(format!(
+                "no normal force is recorded: friction is over the stated {nominal_n} N, as of a dead weight"
+            ))
+        };
         let filled = TraceChannels { normal_force_n: vec![nominal_n; channels.time_s.len()], ..channels.clone() };
         return analyse(&filled, options).map(|mut found| {
             found.flags.push(flag);
@@ -274,18 +284,26 @@ pub fn analyse(channels: &TraceChannels, options: &TraceOptions) -> Result<Trace
     if let Some(share) = options.stroke_share {
         (time_s, mu) = strokes::friction_of_strokes(&time_s, &mu, options.window_s, share, &mut flags)?;
     } else if correct_sign(&time_s, &mut mu, options.window_s)? {
-        flags.push(TraceFlag::FrictionTurned);
+        flags.push(TraceFlag::Odd("friction is recorded as negative and was turned".to_owned()));
     }
 
     let window = averaging_window::window_mean(&time_s, &mu, options.window_s);
     if window.mu.abs() < MIN_FRICTION {
-        return Err(TraceError::NoFriction { mu: window.mu });
+        return Err(no_friction(window.mu));
     }
     if window.drift.abs() > (MAX_DRIFT * window.mu).max(FLAGGED_DRIFT_STDERRS * window.drift_stderr) {
-        return Err(TraceError::Unsettled { relative: window.drift / window.mu });
+        return Err(TraceError::Refused(format!(
+            "friction changes by {:+.0} % of its mean over the window: the sample sticks or has not settled; expected \
+             steady sliding, or a window_s that holds it",
+            100.0 * (window.drift / window.mu)
+        )));
     }
     if window.drift.abs() > (FLAGGED_DRIFT * window.mu).max(FLAGGED_DRIFT_STDERRS * window.drift_stderr) {
-        flags.push(TraceFlag::Drift { relative: window.drift / window.mu, stderr: window.drift_stderr / window.mu });
+        flags.push(TraceFlag::Odd(format!(
+            "friction drifts by {:+.1} +- {:.1} % over the window: the mean depends on when it is taken",
+            100.0 * (window.drift / window.mu),
+            100.0 * (window.drift_stderr / window.mu)
+        )));
     }
     let one_way = options.stroke_share.is_none();
     let saturated = flags.iter().any(|flag| matches!(flag, TraceFlag::PeakSaturated { .. }));
@@ -296,10 +314,15 @@ pub fn analyse(channels: &TraceChannels, options: &TraceOptions) -> Result<Trace
     });
     let static_peak = before.and_then(|found| found.peak);
     if let Some(run_in) = before.and_then(|found| found.run_in) {
-        flags.push(TraceFlag::RunIn { run_in, peak: static_peak.is_some() });
+        flags.push(TraceFlag::Odd(run_in.words(static_peak.is_some())));
     }
     if let Some(peak) = static_peak.filter(TracePeak::is_coarse) {
-        flags.push(TraceFlag::PeakCoarse { samples: peak.samples_at_top, missed: peak.missed });
+        flags.push(TraceFlag::Odd(format!(
+            "the static peak rests on {} sample{} and may have been higher: friction changes by {:.4} beside it",
+            peak.samples_at_top,
+            if peak.samples_at_top == 1 { "" } else { "s" },
+            peak.missed
+        )));
     }
     let in_window = samples_between(&time_s, options.window_s);
     let swing = stick_slip::oscillation(&time_s[in_window.clone()], &mu[in_window], window.mu).filter(|_| one_way);
@@ -307,14 +330,19 @@ pub fn analyse(channels: &TraceChannels, options: &TraceOptions) -> Result<Trace
     let is_elastic = |swing: &StickSlip| travel_m(swing) <= MAX_SLIP_M;
     let slips = swing.filter(StickSlip::is_relaxation);
     match swing {
-        Some(swing) if slips.is_some() && !is_elastic(&swing) => flags.push(TraceFlag::SlipTooLong {
-            amplitude: swing.amplitude,
-            period_s: swing.period_s,
-            travel_m: travel_m(&swing),
-            max_travel_m: MAX_SLIP_M,
-        }),
+        Some(swing) if slips.is_some() && !is_elastic(&swing) => flags.push(TraceFlag::Odd(format!(
+            "friction falls by {:.4} every {:.2} s, on a way of {:.1} mm: no stick-slip, between slips of which a drive goes \
+             {} mm at most, as far as arm and specimen yield",
+            swing.amplitude,
+            swing.period_s,
+            1e3 * travel_m(&swing),
+            1e3 * MAX_SLIP_M
+        ))),
         Some(swing) if slips.is_none() && swing.is_regular() => {
-            flags.push(TraceFlag::Oscillation { amplitude: swing.amplitude, period_s: swing.period_s });
+            flags.push(TraceFlag::Odd(format!(
+                "an oscillation of {:.4} with a period of {:.2} s that rises as fast as it falls: no stick-slip",
+                swing.amplitude, swing.period_s
+            )));
         }
         _ => {}
     }
@@ -339,10 +367,18 @@ fn check_channels(channels: &TraceChannels, options: &TraceOptions) -> Result<()
     for (channel, values) in columns {
         let is_stated = channel == columns[2].0 && values.is_empty();
         if values.len() != time_s.len() && !is_stated {
-            return Err(TraceError::LengthMismatch { channel, found: values.len(), expected: time_s.len() });
+            return Err(TraceError::Refused(format!(
+                "{channel} has {} samples: expected {}, as time",
+                values.len(),
+                time_s.len()
+            )));
         }
         if let Some(i) = values.iter().position(|value| !value.is_finite()) {
-            return Err(TraceError::NotFinite { sample: i + 1, channel, value: values[i] });
+            return Err(TraceError::Refused(format!(
+                "sample {}: {channel} is {}: expected a finite number",
+                i + 1,
+                values[i]
+            )));
         }
     }
     if time_s.len() < MIN_SAMPLES {
@@ -355,23 +391,43 @@ fn check_channels(channels: &TraceChannels, options: &TraceOptions) -> Result<()
     if let Some(i) = time_s.windows(2).position(|pair| pair[1] < pair[0]) {
         let rises = |values: &[f64]| !values.is_empty() && values.windows(2).all(|pair| pair[1] > pair[0]);
         let likely = columns[1..].iter().find(|(_, values)| rises(values)).map(|(channel, _)| *channel);
-        return Err(TraceError::ClockBack { sample: i + 2, from_s: time_s[i], to_s: time_s[i + 1], likely });
+        let likely = likely.map_or_else(String::new, |channel| {
+            format!("; the {channel} rises throughout, so that time and {channel} are likely in each other's place")
+        });
+        return Err(clock_back(i + 2, [time_s[i], time_s[i + 1]], &likely));
     }
     if !(channels.start_s.is_finite() && channels.start_s <= time_s[0]) {
-        return Err(TraceError::ClockBack { sample: 1, from_s: channels.start_s, to_s: time_s[0], likely: None });
+        return Err(clock_back(1, [channels.start_s, time_s[0]], ""));
     }
     let [from_s, to_s] = options.window_s;
     if !(from_s >= 0.0 && to_s > from_s && to_s.is_finite()) {
-        return Err(TraceError::Window { from_s, to_s });
+        return Err(TraceError::Refused(format!(
+            "the window from {from_s} to {to_s} s has no meaning: expected two increasing times from 0 on"
+        )));
     }
     if let Some(value) = options.stroke_share.filter(|share| !(*share > 0.0 && *share <= 1.0)) {
-        return Err(TraceError::StrokeShare { value });
+        return Err(TraceError::Refused(format!("the part of a stroke is {value}: expected a number above 0 up to 1")));
     }
     let radius = options.effective_radius_m;
     if matches!(channels.tangential, Tangential::TorqueNm(_)) && !(radius.is_finite() && radius > 0.0) {
-        return Err(TraceError::Radius { value_m: radius });
+        return Err(TraceError::Refused(format!(
+            "the effective radius is {radius} m: expected a positive length, torque / (normal force x radius) is friction"
+        )));
     }
     Ok(())
+}
+
+/// Refuses a clock that goes back at `sample`, from 1; `likely` says why.
+fn clock_back(sample: usize, [from_s, to_s]: [f64; 2], likely: &str) -> TraceError {
+    TraceError::Refused(format!("the clock goes back at sample {sample}: from {from_s} s to {to_s} s{likely}"))
+}
+
+/// Refuses a mean friction of almost nothing.
+fn no_friction(mu: f64) -> TraceError {
+    TraceError::Refused(format!(
+        "friction is {mu:.6} in the window, as of a sample that does not slide: expected torque or friction force \
+         while the sample slides, and its unit in the header"
+    ))
 }
 
 /// Indices of the samples within a time span.
@@ -419,9 +475,12 @@ fn find_gaps(time_s: &[f64], window_s: [f64; 2]) -> Result<Vec<TraceFlag>, Trace
             longest = [from_s, to_s];
         }
     }
-    let flags: Vec<TraceFlag> =
-        (count > 0).then_some(TraceFlag::Gap { from_s: longest[0], to_s: longest[1], count }).into_iter().collect();
-    Ok(flags)
+    let between = format!("no samples from {:.2} to {:.2} s", longest[0], longest[1]);
+    Ok(match count {
+        0 => Vec::new(),
+        1 => vec![TraceFlag::Odd(between)],
+        _ => vec![TraceFlag::Odd(format!("{count} gaps; the longest has {between}"))],
+    })
 }
 
 /// Refuses a friction sensor that is saturated in the window; flags one that was saturated before it.
@@ -439,10 +498,13 @@ fn check_saturation(
     // A sensor that never changes is saturated or disconnected.
     let stuck = levels == 1;
     if let Some((value, samples)) = run_at_extreme(window).filter(|_| stuck || levels > MAX_COARSE_LEVELS) {
-        return Err(TraceError::Saturated { channel: channels.tangential.name(), value, samples });
+        let channel = channels.tangential.name();
+        return Err(TraceError::Refused(format!(
+            "the {channel} stands at {value} in {samples} samples of the window: expected a sensor within its range"
+        )));
     }
     if levels <= MAX_COARSE_LEVELS {
-        flags.push(TraceFlag::Coarse { levels });
+        flags.push(TraceFlag::Odd(format!("only {levels} different values occur in the window")));
     } else if let Some((value, _)) = run_at_extreme(&values[..inside.start]).filter(|(value, _)| {
         // At rest a sensor shows the same small value for long; only the largest friction means saturation.
         let largest = |values: &[f64]| values.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
@@ -471,7 +533,11 @@ fn correct_sign(time_s: &[f64], mu: &mut [f64], window_s: [f64; 2]) -> Result<bo
     let negative = window.iter().filter(|&&value| value < 0.0).count();
     let opposite = negative.min(window.len() - negative);
     if opposite as f64 > MAX_OPPOSITE_SIGN * window.len() as f64 {
-        return Err(TraceError::WrongSign { opposite, samples: window.len() });
+        return Err(TraceError::Refused(format!(
+            "friction changes its sign in the window ({opposite} of {} samples are against the mean): expected \
+             sliding in one direction; of a sample that slides back and forth, `reciprocating = true` in [traces] or --reciprocating",
+            window.len()
+        )));
     }
     let turned = 2 * negative > window.len();
     if turned {

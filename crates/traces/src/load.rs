@@ -1,9 +1,9 @@
 //! Load of a trace: whether it acts, and whether it agrees with the nominal one.
 
-use std::fmt;
 use std::ops::Range;
 
 use super::time_series::median;
+use super::trace_errors::short;
 use super::{Tangential, TraceChannels, TraceError, TraceFlag, TraceOptions, UNLOADED_FRACTION};
 
 /// Relative deviation of the mean normal force from the nominal one that is flagged, and that is refused.
@@ -14,44 +14,6 @@ const MAX_LOAD_VARIATION: f64 = 0.05;
 const FORCE_MATCH_TOLERANCE: f64 = 0.1;
 /// Units that are mistaken for newtons, in newtons.
 const UNITS: [(&str, f64); 5] = [("kN", 1e3), ("mN", 1e-3), ("kgf", 9.806_65), ("gf", 9.806_65e-3), ("uN", 1e-6)];
-
-/// Likely cause of a wrong load.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum LoadMistake {
-    /// Torque or friction force has the nominal value of the normal force: the two columns are swapped.
-    Exchanged {
-        /// `torque` or `friction force`.
-        channel: &'static str,
-        /// Median amount of the friction signal in the window.
-        friction_n: f64,
-    },
-    /// The force was recorded in another unit than the title says.
-    Unit {
-        /// Likely unit.
-        unit: &'static str,
-        /// Force in newtons if this is the unit.
-        force_n: f64,
-    },
-}
-
-impl fmt::Display for LoadMistake {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Exchanged { channel, friction_n } => write!(
-                f,
-                "the {channel} is {friction_n:.2}{}, so that normal force and {channel} are likely in each other's place: titles of \
-                 their columns, or `columns` in [traces]",
-                if *channel == "torque" { " N m" } else { " N" }
-            ),
-            Self::Unit { unit, force_n } => {
-                write!(
-                    f,
-                    "recorded in {unit}, it would be {force_n:.2} N: its unit stands in its title, as `Fz [{unit}]`"
-                )
-            }
-        }
-    }
-}
 
 /// Checks the load. Returns the median normal force in the window, and whether it is recorded as negative.
 ///
@@ -71,10 +33,14 @@ pub fn check_load(
     let sign = if turned { -1.0 } else { 1.0 };
     let lost = recorded.iter().position(|force| sign * force < UNLOADED_FRACTION * median_n || median_n == 0.0);
     if let Some(i) = lost {
-        return Err(TraceError::NoLoad { time_s: time_s[inside.start + i], force_n: recorded[i], median_n });
+        return Err(TraceError::Refused(format!(
+            "the normal force falls to {} N at {:.2} s, of {median_n:.2} N: expected a sample under load",
+            recorded[i],
+            time_s[inside.start + i]
+        )));
     }
     if turned {
-        flags.push(TraceFlag::LoadTurned);
+        flags.push(TraceFlag::Odd("the normal force is recorded as negative and was turned".to_owned()));
     }
     let count = recorded.len() as f64;
     let mean = recorded.iter().map(|force| sign * force).sum::<f64>() / count;
@@ -82,36 +48,49 @@ pub fn check_load(
         let off = (mean / nominal_n - 1.0).abs();
         let likely = likely_cause(&channels.tangential, inside, mean, nominal_n);
         if off > LOAD_TOLERANCES.1 {
-            return Err(TraceError::WrongLoad { found_n: mean, nominal_n, likely });
+            let found_n = short(mean);
+            return Err(TraceError::Refused(format!(
+                "the normal force is {found_n} N in the window: expected about {nominal_n} N, as the condition says{likely}"
+            )));
         }
         if off > LOAD_TOLERANCES.0 {
-            flags.push(TraceFlag::LoadOff { found_n: mean, nominal_n, likely });
+            flags.push(TraceFlag::Odd(format!(
+                "the normal force is {mean:.2} N, not the nominal {nominal_n} N{likely}"
+            )));
         }
     }
     let variance = recorded.iter().map(|force| (sign * force - mean).powi(2)).sum::<f64>() / count;
     let relative_std = variance.sqrt() / mean;
     if relative_std > MAX_LOAD_VARIATION {
-        flags.push(TraceFlag::LoadUnsteady { relative_std });
+        flags.push(TraceFlag::Odd(format!("the normal force varies by {:.1} % in the window", 100.0 * relative_std)));
     }
     Ok((median_n, turned))
 }
 
-/// Likely cause of a normal force `found_n` instead of `nominal_n`.
-fn likely_cause(tangential: &Tangential, inside: &Range<usize>, found_n: f64, nominal_n: f64) -> Option<LoadMistake> {
+/// Likely cause of a normal force `found_n` instead of `nominal_n`, as the end of a message; empty if there is none.
+fn likely_cause(tangential: &Tangential, inside: &Range<usize>, found_n: f64, nominal_n: f64) -> String {
     let matches_nominal = |force_n: f64| (force_n / nominal_n - 1.0).abs() <= FORCE_MATCH_TOLERANCE;
     if matches_nominal(found_n) {
-        return None;
+        return String::new();
     }
     if let Tangential::ForceN(values) | Tangential::TorqueNm(values) = tangential {
         let friction_n = median(values[inside.clone()].iter().map(|force| force.abs()).collect());
         // Dry friction is below the normal force, and the radius of a holder is below 1 m.
         let is_above = friction_n > found_n && (friction_n / nominal_n - 1.0).abs() <= LOAD_TOLERANCES.1;
         if matches_nominal(friction_n) || is_above {
-            return Some(LoadMistake::Exchanged { channel: tangential.name(), friction_n });
+            let channel = tangential.name();
+            let unit = if channel == "torque" { "N m" } else { "N" };
+            return format!(
+                "; the {channel} is {friction_n:.2} {unit}, so that normal force and {channel} are likely in each other's place: titles \
+                 of their columns, or `columns` in [traces]"
+            );
         }
     }
-    let units = UNITS.into_iter().map(|(unit, newtons)| LoadMistake::Unit { unit, force_n: found_n * newtons });
-    units.into_iter().find(|slip| matches!(slip, LoadMistake::Unit { force_n, .. } if matches_nominal(*force_n)))
+    let units = UNITS.into_iter().map(|(unit, newtons)| (unit, found_n * newtons));
+    let unit = units.into_iter().find(|(_, force_n)| matches_nominal(*force_n));
+    unit.map_or_else(String::new, |(unit, force_n)| {
+        format!("; recorded in {unit}, it would be {force_n:.2} N: its unit stands in its title, as `Fz [{unit}]`")
+    })
 }
 
 #[cfg(test)]
@@ -155,14 +134,11 @@ mod tests {
             let said = refused(15.0, normal_n).to_string();
             assert!(said.contains(says) && said.contains("expected about 60 N"), "{said}");
         }
-        assert!(matches!(refused(15.0, 25.0), TraceError::WrongLoad { likely: None, .. }));
+        assert!(refused(15.0, 25.0).to_string().ends_with("as the condition says"));
         // A friction coefficient of 0.6 with swapped columns is only flagged.
         let flags = analyse(&recorded(60.0, 36.0), &OPTIONS).unwrap().flags;
-        assert!(
-            matches!(flags[..], [TraceFlag::LoadOff { likely: Some(LoadMistake::Exchanged { .. }), .. }]),
-            "{flags:?}"
-        );
+        assert!(flags.len() == 1 && flags[0].to_string().contains("each other's place"), "{flags:?}");
         let flags = analyse(&recorded(15.0, 65.0), &OPTIONS).unwrap().flags;
-        assert!(matches!(flags[..], [TraceFlag::LoadOff { likely: None, .. }]), "{flags:?}");
+        assert!(flags.len() == 1 && flags[0].to_string().ends_with("not the nominal 60 N"), "{flags:?}");
     }
 }

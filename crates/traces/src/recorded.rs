@@ -58,15 +58,8 @@ impl Row {
 /// Samples of a repeat while it is read.
 #[derive(Default)]
 pub(crate) struct Table {
-    time_s: Vec<f64>,
-    torque_nm: Vec<f64>,
-    friction_n: Vec<f64>,
-    coefficient: Vec<f64>,
-    normal_force_n: Vec<f64>,
-    speed_m_s: Vec<f64>,
-    turns_per_s: Vec<f64>,
-    humidity: Vec<f64>,
-    position_m: Vec<f64>,
+    /// Numbers of each channel, in SI units: amounts of speeds, and NaN where a coefficient or a position is missing.
+    values: [Vec<f64>; Channel::COUNT],
     /// Time of the first row on the clock of the file, even if the row describe_missing other numbers.
     start_s: Option<f64>,
     missing: MissingRows,
@@ -83,7 +76,7 @@ impl Table {
     }
 
     pub(crate) fn is_empty(&self) -> bool {
-        self.time_s.is_empty()
+        self.values[Channel::Time as usize].is_empty()
     }
 
     /// Whether any row was added, complete or not.
@@ -101,29 +94,29 @@ impl Table {
         let mut without = without.peekable();
         self.has_rows = true;
         self.start_s = self.start_s.or(row.get(Channel::Time));
-        let time_s = match row.get(Channel::Time) {
-            Some(time_s) if without.peek().is_none() => time_s,
+        match row.get(Channel::Time) {
+            Some(_) if without.peek().is_none() => {}
             time_s => return self.missing.add(number, time_s, without),
-        };
+        }
         self.missing.end();
         if self.last.as_ref() == Some(row) {
             self.repeated += 1;
             return;
         }
         self.last = Some(row.clone());
-        self.time_s.push(time_s);
-        self.normal_force_n.extend(row.get(Channel::NormalForce));
-        self.torque_nm.extend(row.get(Channel::Torque));
-        self.friction_n.extend(row.get(Channel::FrictionForce));
-        self.coefficient.push(row.get(Channel::Coefficient).unwrap_or(f64::NAN));
-        self.speed_m_s.extend(row.get(Channel::Speed).map(f64::abs));
-        self.turns_per_s.extend(row.get(Channel::Revolutions).map(f64::abs));
-        self.position_m.push(row.get(Channel::Position).unwrap_or(f64::NAN));
-        self.humidity.extend(row.get(Channel::Humidity));
+        for channel in Channel::ALL {
+            let value = row.get(channel);
+            self.values[channel as usize].extend(match channel {
+                Channel::Speed | Channel::Revolutions => value.map(f64::abs),
+                Channel::Coefficient | Channel::Position => value.or(Some(f64::NAN)),
+                _ => value,
+            });
+        }
     }
 
     /// Converts the table into a trace with this `number` in the file; `radius_m` converts revolutions to a speed.
-    pub(crate) fn recorded(self, number: usize, radius_m: f64) -> Recorded {
+    pub(crate) fn recorded(mut self, number: usize, radius_m: f64) -> Recorded {
+        let mut of = |channel: Channel| std::mem::take(&mut self.values[channel as usize]);
         let mean = |values: &[f64]| {
             let mean = values.iter().sum::<f64>() / values.len() as f64;
             mean.is_finite().then_some(mean)
@@ -132,24 +125,27 @@ impl Table {
             |values: Vec<f64>| if values.iter().any(|value| value.is_finite()) { values } else { Vec::new() };
         let start_s = self.start_s.unwrap_or(0.0);
         // v = 2 pi n r_eff
-        let turning = mean(&self.turns_per_s).map(|turns| std::f64::consts::TAU * turns * radius_m);
-        let (tangential, coefficient) = if !self.torque_nm.is_empty() {
-            (Tangential::TorqueNm(self.torque_nm), self.coefficient)
-        } else if !self.friction_n.is_empty() {
-            (Tangential::ForceN(self.friction_n), self.coefficient)
+        let turning = mean(&of(Channel::Revolutions)).map(|turns| std::f64::consts::TAU * turns * radius_m);
+        let [torque_nm, friction_n, coefficient] =
+            [Channel::Torque, Channel::FrictionForce, Channel::Coefficient].map(&mut of);
+        let (tangential, coefficient) = if !torque_nm.is_empty() {
+            (Tangential::TorqueNm(torque_nm), coefficient)
+        } else if !friction_n.is_empty() {
+            (Tangential::ForceN(friction_n), coefficient)
         } else {
-            (Tangential::Coefficient(self.coefficient), Vec::new())
+            (Tangential::Coefficient(coefficient), Vec::new())
         };
+        let (time_s, normal_force_n) = (of(Channel::Time), of(Channel::NormalForce));
         Recorded {
             number,
             coefficient: where_recorded(coefficient),
-            speed_m_s: mean(&self.speed_m_s).or(turning).filter(|speed| speed.is_finite()),
-            humidity: mean(&self.humidity),
-            position_m: where_recorded(self.position_m),
-            missing: self.missing.found(start_s, self.time_s.len() + self.repeated),
+            speed_m_s: mean(&of(Channel::Speed)).or(turning).filter(|speed| speed.is_finite()),
+            humidity: mean(&of(Channel::Humidity)),
+            position_m: where_recorded(of(Channel::Position)),
+            missing: self.missing.found(start_s, time_s.len() + self.repeated),
             repeated_rows: self.repeated,
             clock_restarts_in_line: self.clock_restarts_in_line,
-            channels: TraceChannels { tangential, time_s: self.time_s, start_s, normal_force_n: self.normal_force_n },
+            channels: TraceChannels { tangential, time_s, start_s, normal_force_n },
         }
     }
 }

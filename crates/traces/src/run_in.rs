@@ -33,6 +33,25 @@ pub struct RunIn {
     pub half_s: f64,
 }
 
+impl RunIn {
+    /// Describes the run-in; `peak` says whether a static peak comes before it.
+    pub fn words(&self, peak: bool) -> String {
+        format!(
+            "friction {} by {:.4}, {:.0} %, after {:.2} s, half of it within {:.2} s: run-in{}",
+            if self.change < 0.0 { "falls" } else { "rises" },
+            self.change.abs(),
+            100.0 * self.relative.abs(),
+            self.from_s,
+            self.half_s - self.from_s,
+            match (peak, self.change < 0.0) {
+                (true, _) => " behind a static peak",
+                (false, true) => ", no static peak",
+                (false, false) => "",
+            }
+        )
+    }
+}
+
 /// Finds run-in between `from_s` and the window. The settled friction is the mean over the second half of this time.
 pub fn find_run_in(time_s: &[f64], mu: &[f64], from_s: f64, window_s: [f64; 2], pause_s: f64) -> Option<RunIn> {
     let (before_s, length_s) = (window_s[0] - from_s, window_s[1] - window_s[0]);

@@ -30,8 +30,6 @@ const MIN_PERIODS: usize = 7;
 pub struct StickSlip {
     /// Median drop of mu in a slip.
     pub amplitude: f64,
-    /// Spread of the drops: half the range of the middle two thirds.
-    pub amplitude_spread: f64,
     /// Median time from slip to slip, in seconds.
     pub period_s: f64,
     /// Spread of the periods, in seconds.
@@ -84,7 +82,6 @@ pub fn oscillation(time_s: &[f64], mu: &[f64], mean: f64) -> Option<StickSlip> {
     let arrow = arrow(&falls, &rises);
     let (fall, rise) = (median(falls), median(rises));
     Some(StickSlip {
-        amplitude_spread: spread(&drops),
         period_spread_s: spread(&periods),
         slips: drops.len(),
         amplitude: median(drops),

@@ -10,7 +10,7 @@
 //! so that an offset of the force sensor and a tilt of the sample along the stroke cancel.
 
 use super::time_series::{mean_between, median};
-use super::{MAX_OPPOSITE_SIGN, MIN_FRICTION, MIN_SAMPLES, TraceError, TraceFlag, samples_between};
+use super::{MAX_OPPOSITE_SIGN, MIN_FRICTION, MIN_SAMPLES, TraceError, TraceFlag, no_friction, samples_between};
 
 /// Default central fraction of every stroke that is used.
 pub const DEFAULT_STROKE_SHARE: f64 = 0.5;
@@ -51,7 +51,7 @@ pub(super) fn friction_of_strokes(
         (0.0, quantile(0.5))
     };
     if usual.abs() < MIN_FRICTION {
-        return Err(TraceError::NoFriction { mu: usual });
+        return Err(no_friction(usual));
     }
     let strokes = strokes(time_s, mu, [middle, usual], signed, share)?;
     let (times, friction): (Vec<f64>, Vec<f64>) = if signed {
@@ -62,7 +62,11 @@ pub(super) fn friction_of_strokes(
     };
     let inside = samples_between(&times, window_s);
     if inside.len() < MIN_SAMPLES {
-        return Err(TraceError::TooFewStrokes { found: inside.len(), expected: MIN_SAMPLES });
+        return Err(TraceError::Refused(format!(
+            "the window holds {} strokes back and forth: expected at least {MIN_SAMPLES}, in a longer window; of a sample \
+             that slides in one direction, no `reciprocating`",
+            inside.len()
+        )));
     }
     let in_window: Vec<&Stroke> =
         strokes.iter().filter(|stroke| stroke.to_s > window_s[0] && stroke.from_s < window_s[1]).collect();
@@ -71,7 +75,8 @@ pub(super) fn friction_of_strokes(
     let uneven =
         durations.iter().filter(|duration| (**duration / usual_s - 1.0).abs() > MAX_DURATION_DEVIATION).count();
     if uneven > 0 {
-        flags.push(TraceFlag::StrokesUneven { count: uneven, of: durations.len(), usual_s });
+        let of = durations.len();
+        flags.push(TraceFlag::Odd(format!("{uneven} of {of} strokes do not last the usual {usual_s:.3} s")));
     }
     if signed {
         let mean = friction[inside.clone()].iter().sum::<f64>() / inside.len() as f64;
@@ -118,7 +123,10 @@ fn strokes(
         let [a, b] = [from_s + cut_s, to_s - cut_s];
         let samples = samples_between(time_s, [a, b]).len();
         if samples < MIN_SAMPLES_PER_STROKE {
-            return Err(TraceError::StrokeTooCoarse { at_s: from_s, samples, expected: MIN_SAMPLES_PER_STROKE });
+            return Err(TraceError::Refused(format!(
+                "the stroke from {from_s:.3} s on has {samples} samples in its middle: expected at least {MIN_SAMPLES_PER_STROKE}, \
+                 recorded at a higher rate or with a larger `stroke_share`"
+            )));
         }
         found.push(Stroke { from_s, to_s, mu: mean_between(time_s, mu, a, b) });
     }
@@ -192,13 +200,13 @@ mod tests {
     fn sliding_back_and_forth_is_refused_as_one_direction_and_the_other_way_round() {
         let both = recorded(0.002, |mu| mu);
         let one_way = analyse(&both, &TraceOptions { stroke_share: None, ..OPTIONS });
-        assert!(matches!(one_way, Err(TraceError::WrongSign { .. })), "{one_way:?}");
+        assert!(one_way.unwrap_err().to_string().starts_with("friction changes its sign"));
         let one = recorded(0.002, |_| 0.25);
         let mut steady = one.clone();
         let mut random = Noise::new(3);
         steady.tangential = Tangential::ForceN(steady.time_s.iter().map(|_| 5.0 + 0.02 * random.normal()).collect());
         let refused = analyse(&steady, &OPTIONS);
-        assert!(matches!(refused, Err(TraceError::TooFewStrokes { found: 0, .. })), "{refused:?}");
+        assert!(refused.unwrap_err().to_string().starts_with("the window holds 0 strokes"));
         // Ten samples per second: one sample in the middle quarter of a second is not enough for a mean.
         let coarse = |values: &[f64]| values.iter().copied().step_by(20).collect::<Vec<_>>();
         let sparse = TraceChannels {
@@ -207,6 +215,6 @@ mod tests {
             tangential: Tangential::ForceN(coarse(both.tangential.values())),
             normal_force_n: coarse(&both.normal_force_n),
         };
-        assert!(matches!(analyse(&sparse, &OPTIONS), Err(TraceError::StrokeTooCoarse { .. })));
+        assert!(analyse(&sparse, &OPTIONS).unwrap_err().to_string().starts_with("the stroke from"));
     }
 }

@@ -37,6 +37,10 @@ fn torque(channels: &mut TraceChannels) -> &mut Vec<f64> {
     }
 }
 
+fn said(flags: &[TraceFlag]) -> Vec<String> {
+    flags.iter().map(TraceFlag::to_string).collect()
+}
+
 #[test]
 fn torque_over_force_and_radius_is_friction() {
     let found = analyse(&good(), &OPTIONS).unwrap();
@@ -68,46 +72,41 @@ fn recorded_signs_are_turned_and_said() {
     let mut both = good();
     torque(&mut both).iter_mut().for_each(|t| *t = -*t);
     let found = analyse(&both, &OPTIONS).unwrap();
-    assert_eq!(found.flags, [TraceFlag::FrictionTurned]);
+    assert_eq!(said(&found.flags), ["friction is recorded as negative and was turned"]);
     both.normal_force_n.iter_mut().for_each(|force| *force = -*force);
     let turned = analyse(&both, &OPTIONS).unwrap();
-    assert_eq!(turned.flags, [TraceFlag::LoadTurned, TraceFlag::FrictionTurned]);
+    assert_eq!(
+        said(&turned.flags),
+        ["the normal force is recorded as negative and was turned", "friction is recorded as negative and was turned"]
+    );
     let straight = analyse(&good(), &OPTIONS).unwrap();
     assert_eq!((turned.window, found.window), (straight.window, straight.window));
 }
 
 #[test]
 fn bad_traces_are_refused_by_name() {
+    let refused = |found: Result<TraceFindings, TraceError>, says: &str| {
+        let error = found.unwrap_err().to_string();
+        assert!(error.contains(says), "{error}");
+    };
     let spoiled = |spoil: &dyn Fn(&mut TraceChannels)| {
         let mut channels = good();
         spoil(&mut channels);
-        analyse(&channels, &OPTIONS).unwrap_err()
+        analyse(&channels, &OPTIONS)
     };
-    assert!(matches!(
-        spoiled(&|c| torque(c).iter_mut().for_each(|t| *t = t.min(1.43))),
-        TraceError::Saturated { channel: "torque", value: 1.43, .. }
-    ));
-    assert!(matches!(spoiled(&|c| torque(c).fill(1.5)), TraceError::Saturated { samples: 601, .. }));
-    assert!(matches!(spoiled(&|c| c.time_s[500] = 124.0), TraceError::ClockBack { sample: 501, .. }));
+    refused(spoiled(&|c| torque(c).iter_mut().for_each(|t| *t = t.min(1.43))), "the torque stands at 1.43 in");
+    refused(spoiled(&|c| torque(c).fill(1.5)), "in 601 samples of the window");
+    refused(spoiled(&|c| c.time_s[500] = 124.0), "the clock goes back at sample 501");
     assert!(matches!(
         spoiled(&|c| c.time_s[400..].iter_mut().for_each(|t| *t += 2.0)),
-        TraceError::Gap { from_s, to_s } if (from_s - 19.95).abs() < 1e-9 && (to_s - 22.0).abs() < 1e-9
+        Err(TraceError::Gap { from_s, to_s }) if (from_s - 19.95).abs() < 1e-9 && (to_s - 22.0).abs() < 1e-9
     ));
-    assert!(matches!(spoiled(&|c| c.normal_force_n.fill(0.0)), TraceError::NoLoad { .. }));
-    assert!(matches!(
-        spoiled(&|c| c.normal_force_n[600..].fill(1.0)),
-        TraceError::NoLoad { time_s, .. } if (time_s - 30.0).abs() < 1e-9
-    ));
-    assert!(matches!(
-        spoiled(&|c| torque(c)[500..].iter_mut().for_each(|t| *t = -*t)),
-        TraceError::WrongSign { opposite: 300..=302, samples: 601 }
-    ));
-    assert!(matches!(
-        spoiled(&|c| c.normal_force_n.iter_mut().for_each(|f| *f *= 3.0)),
-        TraceError::WrongLoad { nominal_n: 150.0, .. }
-    ));
-    assert!(matches!(spoiled(&|c| torque(c)[7] = f64::NAN), TraceError::NotFinite { sample: 8, .. }));
-    assert!(matches!(spoiled(&|c| torque(c).truncate(800)), TraceError::LengthMismatch { found: 800, .. }));
+    refused(spoiled(&|c| c.normal_force_n.fill(0.0)), "the normal force falls to 0 N");
+    refused(spoiled(&|c| c.normal_force_n[600..].fill(1.0)), "the normal force falls to 1 N at 30.00 s");
+    refused(spoiled(&|c| torque(c)[500..].iter_mut().for_each(|t| *t = -*t)), "(301 of 601 samples are against");
+    refused(spoiled(&|c| c.normal_force_n.iter_mut().for_each(|f| *f *= 3.0)), "expected about 150 N");
+    refused(spoiled(&|c| torque(c)[7] = f64::NAN), "sample 8: torque is NaN");
+    refused(spoiled(&|c| torque(c).truncate(800)), "torque has 800 samples");
     let mut short = good();
     short.time_s.truncate(700);
     short.normal_force_n.truncate(700);
@@ -116,10 +115,10 @@ fn bad_traces_are_refused_by_name() {
     let few = TraceOptions { window_s: [10.0, 10.5], ..OPTIONS };
     assert!(matches!(analyse(&good(), &few), Err(TraceError::TooFewSamples { found: 11, .. })));
     for window_s in [[10.0, 10.0], [-1.0, 5.0], [0.0, f64::NAN]] {
-        assert!(matches!(analyse(&good(), &TraceOptions { window_s, ..OPTIONS }), Err(TraceError::Window { .. })));
+        refused(analyse(&good(), &TraceOptions { window_s, ..OPTIONS }), "has no meaning");
     }
     let armless = TraceOptions { effective_radius_m: 0.0, ..OPTIONS };
-    assert!(matches!(analyse(&good(), &armless), Err(TraceError::Radius { .. })));
+    refused(analyse(&good(), &armless), "the effective radius is 0 m");
 }
 
 #[test]
@@ -127,30 +126,27 @@ fn odd_traces_are_read_and_flagged() {
     let flags = |spoil: &dyn Fn(&mut TraceChannels)| {
         let mut channels = good();
         spoil(&mut channels);
-        analyse(&channels, &OPTIONS).unwrap().flags
+        said(&analyse(&channels, &OPTIONS).unwrap().flags)
     };
     let drifting = flags(&|c| {
         let time = c.time_s.clone();
         torque(c).iter_mut().zip(time).for_each(|(t, clock)| *t *= 1.0 + 0.003 * (clock - 100.0));
     });
     // 0.003 per second over 30 s, divided by the mean factor 1.075.
-    assert!(
-        matches!(drifting[..], [TraceFlag::Drift { relative, .. }] if (relative - 0.09 / 1.075).abs() < 0.01),
-        "{drifting:?}"
-    );
+    assert!(drifting.len() == 1 && drifting[0].starts_with("friction drifts by +8.4 +-"), "{drifting:?}");
     let off = flags(&|c| c.normal_force_n.iter_mut().for_each(|f| *f *= 1.1));
-    assert!(matches!(off[..], [TraceFlag::LoadOff { nominal_n: 150.0, .. }]), "{off:?}");
+    assert!(off.len() == 1 && off[0].contains("not the nominal 150 N"), "{off:?}");
     let gap = flags(&|c| c.time_s[60..].iter_mut().for_each(|t| *t += 1.0));
-    assert!(matches!(gap[..], [TraceFlag::Gap { .. }]), "{gap:?}");
+    assert!(gap.len() == 1 && gap[0].starts_with("no samples from"), "{gap:?}");
     let clipped = flags(&|c| torque(c).iter_mut().for_each(|t| *t = t.min(1.62)));
-    assert!(matches!(clipped[..], [TraceFlag::PeakSaturated { value: 1.62 }]), "{clipped:?}");
+    assert!(clipped.len() == 1 && clipped[0].starts_with("the sensor stood at 1.62"), "{clipped:?}");
     let coarse = flags(&|c| torque(c).iter_mut().for_each(|t| *t = (*t * 50.0).round() / 50.0));
-    assert!(coarse.iter().any(|flag| matches!(flag, TraceFlag::Coarse { levels: 2..=10 })), "{coarse:?}");
+    assert!(coarse.iter().any(|flag| flag.contains("different values occur")), "{coarse:?}");
     let uneven = flags(&|c| {
         let forces = c.normal_force_n.iter_mut().zip(0_u32..);
         forces.for_each(|(force, i)| *force *= 1.0 + 0.1 * (0.3 * f64::from(i)).sin());
     });
-    assert!(uneven.iter().any(|flag| matches!(flag, TraceFlag::LoadUnsteady { .. })), "{uneven:?}");
+    assert!(uneven.iter().any(|flag| flag.starts_with("the normal force varies by")), "{uneven:?}");
 }
 
 #[test]
@@ -189,10 +185,11 @@ fn slips_farther_apart_than_anything_yields_are_no_stick_slip() {
     assert!(slow.stick_slip.is_some() && slow.flags.is_empty(), "{:?}", slow.flags);
     let fast = at(20e-3);
     assert_eq!(fast.stick_slip, None);
-    let [TraceFlag::SlipTooLong { travel_m, .. }] = fast.flags[..] else { panic!("{:?}", fast.flags) };
-    assert!((travel_m - 38e-3).abs() < 1e-3);
     let said = fast.flags[0].to_string();
-    assert!(said.contains("no stick-slip") && said.contains("10 mm at most"), "{said}");
+    assert!(
+        said.contains("on a way of 38") && said.contains("no stick-slip") && said.contains("10 mm at most"),
+        "{said}"
+    );
 }
 
 #[test]
@@ -252,7 +249,7 @@ fn run_in_is_told_and_the_search_for_a_peak_can_be_turned_off() {
     // At 2 mm/s the fall within a second is one within 2 mm.
     let fast = analyse(&good(), &TraceOptions { speed_m_s: 2e-3, ..OPTIONS }).unwrap();
     assert_eq!(fast.static_peak, None);
-    assert!(matches!(fast.flags[..], [TraceFlag::RunIn { .. }]), "{:?}", fast.flags);
+    assert_eq!(fast.flags.len(), 1, "{:?}", fast.flags);
     assert!(fast.flags[0].to_string().contains("run-in, no static peak"));
     for speed_m_s in [50e-6, 2e-3] {
         let off = analyse(&good(), &TraceOptions { static_peak: false, speed_m_s, ..OPTIONS }).unwrap();
@@ -272,10 +269,10 @@ fn a_sample_that_does_not_slide_is_refused() {
         }
         analyse(&channels, &OPTIONS).unwrap_err()
     };
-    assert!(matches!(with(&|_| 2e-5), TraceError::NoFriction { mu } if (mu - 2e-5).abs() < 1e-6));
+    assert!(with(&|_| 2e-5).to_string().starts_with("friction is 0.00002"));
     // Loaded from the first sample on: mean at 25 s, rise over 30 s.
     let sticks = with(&|t| 0.004 * t);
-    assert!(matches!(sticks, TraceError::Unsettled { relative } if (relative - 1.2).abs() < 0.01), "{sticks}");
+    assert!(sticks.to_string().starts_with("friction changes by +120 % of its mean"), "{sticks}");
 }
 
 #[test]
@@ -288,12 +285,12 @@ fn a_clock_that_stands_still_between_samples_has_no_gaps() {
     channels.normal_force_n = twice(&channels.normal_force_n);
     *torque(&mut channels) = twice(&torque(&mut channels).clone());
     let found = analyse(&channels, &OPTIONS).unwrap();
-    assert!(!found.flags.iter().any(|flag| matches!(flag, TraceFlag::Gap { .. })), "{:?}", found.flags);
+    assert!(!said(&found.flags).iter().any(|flag| flag.contains("no samples from")), "{:?}", found.flags);
     // Several short gaps give one flag.
     let mut gaps = good();
     for from in [60, 100, 140] {
         gaps.time_s[from..].iter_mut().for_each(|t| *t += 0.6);
     }
     let found = analyse(&gaps, &TraceOptions { static_peak: false, ..OPTIONS }).unwrap();
-    assert!(matches!(found.flags[..], [TraceFlag::Gap { count: 3, .. }]), "{:?}", found.flags);
+    assert!(found.flags.len() == 1 && said(&found.flags)[0].starts_with("3 gaps;"), "{:?}", found.flags);
 }

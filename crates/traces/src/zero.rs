@@ -7,6 +7,7 @@ use std::fmt;
 use std::ops::Range;
 
 use super::time_series::{median, sample_noise};
+use super::trace_errors::short;
 use super::{Tangential, TraceChannels, TraceError, UNLOADED_FRACTION, samples_between, sampling_interval};
 
 /// Minimum number of samples for a zero.
@@ -43,6 +44,23 @@ impl fmt::Display for SensorZero {
     }
 }
 
+/// Refuses a zero of which only the instrument's coefficient was recorded.
+pub fn of_coefficient() -> TraceError {
+    TraceError::Refused(
+        "the export has a friction coefficient and neither torque nor friction force, so no zero can be subtracted: expected one of \
+         these with the normal force, or no zero_s"
+            .to_owned(),
+    )
+}
+
+/// Refuses a zero where no load was recorded that shows touchdown.
+pub fn of_stated_load() -> TraceError {
+    TraceError::Refused(
+        "no normal force is recorded, so that touchdown is not known and no zero can be subtracted: expected no zero_s"
+            .to_owned(),
+    )
+}
+
 /// Subtracts the mean readings over `span_s` from `channels`. `inside` are the samples of the window; `time_s` counts
 /// from the beginning of the trace.
 ///
@@ -57,16 +75,24 @@ pub fn subtract(
 ) -> Result<(TraceChannels, SensorZero), TraceError> {
     let [from_s, to_s] = span_s;
     if !(from_s >= 0.0 && to_s > from_s && to_s.is_finite()) {
-        return Err(TraceError::Zero { from_s, to_s });
+        return Err(TraceError::Refused(format!(
+            "the zero from {from_s} to {to_s} s has no meaning: expected two increasing times from 0 on in zero_s"
+        )));
     }
     if to_s > window_from_s {
-        return Err(TraceError::ZeroInWindow { to_s, window_from_s });
+        return Err(TraceError::Refused(format!(
+            "the zero ends at {to_s} s: expected a zero_s that ends before the window begins, at {window_from_s} s"
+        )));
     }
-    let Some(channel) = zero_channel(&channels.tangential) else { return Err(TraceError::ZeroOfCoefficient) };
+    let Some(channel) = zero_channel(&channels.tangential) else { return Err(of_coefficient()) };
     let span = samples_between(time_s, span_s);
     if span.len() < MIN_ZERO_SAMPLES {
-        let pause_s = sampling_interval(time_s);
-        return Err(TraceError::ZeroTooShort { from_s, to_s, found: span.len(), expected: MIN_ZERO_SAMPLES, pause_s });
+        return Err(TraceError::Refused(format!(
+            "the zero from {from_s} to {to_s} s holds {} samples, one every {} s: expected a zero_s with at least {MIN_ZERO_SAMPLES} \
+             of them before touchdown",
+            span.len(),
+            short(sampling_interval(time_s))
+        )));
     }
     let zero = mean_readings(channels, &span, span_s, channel);
     let median_n = median(channels.normal_force_n[inside.clone()].to_vec());
@@ -77,7 +103,10 @@ pub fn subtract(
     let loaded = loaded.or((zero.force_n.abs() >= UNLOADED_FRACTION * median_n.abs()).then_some(span.start));
     if let Some(at) = loaded {
         let (at_s, force_n) = (time_s[at], channels.normal_force_n[at]);
-        return Err(TraceError::ZeroUnderLoad { from_s, to_s, at_s, force_n, median_n });
+        return Err(TraceError::Refused(format!(
+            "the normal force is {force_n} N at {at_s:.2} s, within the zero from {from_s} to {to_s} s, of {median_n:.2} N in the window: \
+             expected a zero_s before touchdown, while the head hangs free"
+        )));
     }
     let subtract_from = |values: &[f64], zero: f64| values.iter().map(|value| value - zero).collect::<Vec<f64>>();
     let zeroed = TraceChannels {
@@ -264,16 +293,16 @@ mod tests {
         let channels = recorded(150.0, [2.4, 0.0]);
         let refused = |span_s: [f64; 2]| with(&channels, span_s).unwrap_err();
         for span_s in [[2.0, 2.0], [3.0, 1.0], [-1.0, 2.0], [0.0, f64::NAN], [0.0, f64::INFINITY]] {
-            assert!(matches!(refused(span_s), TraceError::Zero { .. }), "{span_s:?}");
+            assert!(refused(span_s).to_string().contains("has no meaning"), "{span_s:?}");
         }
-        assert_eq!(refused([0.0, 12.0]), TraceError::ZeroInWindow { to_s: 12.0, window_from_s: 10.0 });
-        assert_eq!(refused([50.0, 60.0]), TraceError::ZeroInWindow { to_s: 60.0, window_from_s: 10.0 });
-        assert!(matches!(refused([1.0, 1.1]), TraceError::ZeroTooShort { found: 3, expected: 5, .. }));
+        assert!(refused([0.0, 12.0]).to_string().starts_with("the zero ends at 12 s"));
+        assert!(refused([50.0, 60.0]).to_string().starts_with("the zero ends at 60 s"));
+        assert!(refused([1.0, 1.1]).to_string().starts_with("the zero from 1 to 1.1 s holds 3 samples"));
         // A span that reaches into the loading, and one that is under load throughout.
-        assert!(matches!(refused([0.0, 4.5]), TraceError::ZeroUnderLoad { at_s, .. } if at_s > 4.0 && at_s < 4.3));
-        assert!(matches!(refused([6.0, 9.0]), TraceError::ZeroUnderLoad { .. }));
+        assert!(refused([0.0, 4.5]).to_string().contains("within the zero from 0 to 4.5 s"));
+        assert!(refused([6.0, 9.0]).to_string().contains("within the zero from 6 to 9 s"));
         assert!(refused([6.0, 9.0]).to_string().contains("expected a zero_s before touchdown"));
         let divided = TraceChannels { tangential: Tangential::Coefficient(vec![0.25; 801]), ..channels };
-        assert_eq!(with(&divided, [0.0, 2.0]), Err(TraceError::ZeroOfCoefficient));
+        assert_eq!(with(&divided, [0.0, 2.0]), Err(of_coefficient()));
     }
 }

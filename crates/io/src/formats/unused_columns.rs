@@ -14,7 +14,7 @@ pub(crate) fn near_titles(file: &TraceFile, titles: &Titles) -> Vec<String> {
     let free: Vec<Channel> = Channel::ALL.into_iter().filter(is_free).collect();
     let is_of_another = |title: &str| {
         let letters = Titles::letters_of(title);
-        let names = |channel: Channel| channel.names().iter().chain(channel.secondary_names());
+        let names = |channel: Channel| channel.names().chain(channel.secondary_names());
         let is_one = |channel: Channel| names(channel).any(|name| letters.iter().any(|own| own == name));
         Channel::ALL.into_iter().any(|channel| !is_free(&channel) && is_one(channel))
     };
@@ -42,7 +42,7 @@ pub(crate) fn near_titles(file: &TraceFile, titles: &Titles) -> Vec<String> {
 fn nearest_title(title: &str, channels: &[Channel]) -> Option<(Channel, &'static str, usize)> {
     let own = Titles::letters_of(title);
     let long = |letters: &str| letters.chars().count() >= FEWEST_LETTERS;
-    let known = channels.iter().flat_map(|channel| channel.names().iter().map(|name| (*channel, *name)));
+    let known = channels.iter().flat_map(|channel| channel.names().map(|name| (*channel, name)));
     let pairs = known.filter(|(_, name)| long(name)).flat_map(|(channel, name)| {
         // A quarter of the letters may differ.
         own.iter().filter(|own| long(own)).map(move |own| {
