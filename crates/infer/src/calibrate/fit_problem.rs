@@ -38,13 +38,16 @@ impl Measurement {
         Condition { speed_m_s: self.speed_m_s, humidity: self.humidity }
     }
 
+    /// Whether `other` was measured at equal speed and humidity.
+    #[must_use]
+    pub fn has_condition_of(&self, other: &Self) -> bool {
+        self.condition().matches(&other.condition())
+    }
+
     /// Whether `other` was measured at equal force, speed and humidity.
     #[must_use]
     pub fn is_at(&self, other: &Self) -> bool {
-        let same = |a: f64, b: f64| (a - b).abs() <= 1e-6 * a.abs().max(b.abs());
-        same(self.force_n, other.force_n)
-            && same(self.speed_m_s, other.speed_m_s)
-            && same(self.humidity, other.humidity)
+        same_force(self.force_n, other.force_n) && self.has_condition_of(other)
     }
 
     /// Describes force, speed and humidity.
@@ -53,6 +56,11 @@ impl Measurement {
         let [speed_mm_s, humidity_pct] = [SPEED_MM_S.from_si(self.speed_m_s), HUMIDITY_PCT.from_si(self.humidity)];
         format!("{} N, {speed_mm_s} mm/s, {humidity_pct} %", self.force_n)
     }
+}
+
+/// Whether two forces agree to one part in a million.
+pub(crate) fn same_force(a: f64, b: f64) -> bool {
+    (a - b).abs() <= 1e-6 * a.abs().max(b.abs())
 }
 
 /// Splits the name of a parameter into quantity and measurement: `dynamic_mean 4` into `dynamic_mean` and the fourth of
@@ -348,28 +356,16 @@ impl Problem {
                 });
             }
         }
-        let (ratio, std) = (self.static_over_dynamic, self.relative_std);
-        let area_m2 = self.specimen_area_m2;
-        if !(area_m2.is_finite() && area_m2 > 0.0) {
-            return Err(FitError::OutOfRange {
-                quantity: "specimen_area_m2",
-                value: area_m2,
-                expected: "a positive number",
-            });
-        }
-        if !(ratio.is_finite() && ratio > 0.0) {
-            return Err(FitError::OutOfRange {
-                quantity: "static_over_dynamic",
-                value: ratio,
-                expected: "a positive number",
-            });
-        }
-        if !(std.is_finite() && std >= 0.0) {
-            return Err(FitError::OutOfRange {
-                quantity: "relative_std",
-                value: std,
-                expected: "a number not below zero",
-            });
+        let (area_m2, ratio, std) = (self.specimen_area_m2, self.static_over_dynamic, self.relative_std);
+        let is_positive = |value: f64| value.is_finite() && value > 0.0;
+        for (quantity, value, is_valid, expected) in [
+            ("specimen_area_m2", area_m2, is_positive(area_m2), "a positive number"),
+            ("static_over_dynamic", ratio, is_positive(ratio), "a positive number"),
+            ("relative_std", std, std.is_finite() && std >= 0.0, "a number not below zero"),
+        ] {
+            if !is_valid {
+                return Err(FitError::OutOfRange { quantity, value, expected });
+            }
         }
         Ok(())
     }

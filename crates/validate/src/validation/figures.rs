@@ -206,8 +206,8 @@ impl Figures<'_> {
             ratio: load.ratio(),
             ratio_stderr: load.ratio_stderr,
             ratio_std: at.ratio.as_ref().and_then(|of| of.std),
-            status_flat: flat.status.name().into(),
-            status_patterned: load.surface.status.name().into(),
+            status_flat: flat.status.name(),
+            status_patterned: load.surface.status.name(),
             wall_s,
         })
     }
@@ -327,7 +327,7 @@ fn areas_csv(tables: &[AreaTable]) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::super::test_report::report;
+    use super::super::report_for_tests::report;
     use super::*;
 
     #[test]

@@ -4,7 +4,7 @@ use slipgrid_model::material::{AreaLaw, Extrapolation};
 use slipgrid_model::pattern::Pattern;
 
 use super::model::{Body, Case, FlatPoint, predict};
-use super::ratios::{MeasuredLawRatio, Pair, same_condition};
+use super::ratios::{MeasuredLawRatio, Pair};
 use crate::StudyError;
 use slipgrid_base::monitor::{Monitor, Stage};
 use slipgrid_infer::calibrate::Measurement;
@@ -30,14 +30,14 @@ pub fn ratios(
     while let Some(&first) = rest.first() {
         let flat = &pairs[first].flat;
         let own: Vec<usize>;
-        (own, rest) = rest.into_iter().partition(|&other| same_condition(&pairs[other].flat, flat));
+        (own, rest) = rest.into_iter().partition(|&other| pairs[other].flat.has_condition_of(flat));
         let laws = laws(calibration, flat);
         let points: Vec<FlatPoint> = own.iter().map(|&row| pairs[row].point).collect();
         let cases: Vec<Case<'_>> = laws.iter().map(|(_, law)| Case { pattern, law: Some(law) }).collect();
         for ((extrapolation, _), predicted) in laws.iter().zip(predict(body, &cases, &points, &progress)?) {
             for (&row, prediction) in own.iter().zip(predicted) {
                 found[row].push(MeasuredLawRatio {
-                    extrapolation: extrapolation.name().into(),
+                    extrapolation: extrapolation.name(),
                     ratio_groove: prediction.outcome.ratio,
                     ratio_square: prediction.squares.ratio,
                 });
@@ -53,7 +53,7 @@ fn laws(calibration: &Calibration, measured: &Measurement) -> Vec<(Extrapolation
     let mut rows: Vec<[f64; 2]> = calibration
         .flat
         .iter()
-        .filter(|other| same_condition(other, measured))
+        .filter(|other| other.has_condition_of(measured))
         .map(|other| [calibration.pressure_pa(other.force_n), other.mu_dynamic])
         .collect();
     rows.sort_by(|a, b| a[0].total_cmp(&b[0]));

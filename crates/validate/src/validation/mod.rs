@@ -8,12 +8,12 @@ mod page;
 mod published;
 mod ratios;
 mod report;
+#[cfg(test)]
+mod report_for_tests;
 mod rims;
 mod statements;
 mod summary;
 mod tables;
-#[cfg(test)]
-mod test_report;
 mod text;
 
 use std::path::Path;
@@ -34,7 +34,7 @@ use crate::StudyError;
 use figures::Figures;
 use laws::{ScaledLaw, ScaledLaws, area_tables, scaled_laws};
 use model::{Body, Case, FlatPoint, predict, squares};
-use ratios::{MeasuredLawRatio, MeasuredReport, ModelledRatio, Pair, RatioReport, pairs, same_condition};
+use ratios::{MeasuredLawRatio, MeasuredReport, ModelledRatio, Pair, RatioReport, pairs};
 use summary::Summary;
 
 pub use published::is_published;
@@ -152,7 +152,7 @@ pub fn validate(
     let mut report = compare(task, &pairs, &surface, monitor)?;
     let mut outputs = Outputs::default();
     if task.figures {
-        let alike = pairs.iter().filter(|pair| same_condition(&pair.flat, &pairs[0].flat));
+        let alike = pairs.iter().filter(|pair| pair.flat.has_condition_of(&pairs[0].flat));
         let points: Vec<FlatPoint> = alike.map(|pair| pair.point).collect();
         // The table of rims is about square cavities.
         if let Some(law) = surface.given().filter(|_| report.has_squares()) {
@@ -186,7 +186,7 @@ fn measured(task: &ValidationTask<'_>) -> Result<Vec<Pair>, Diagnostic> {
             .expected("the same force, speed and humidity in both tables"));
     };
     if !task.all {
-        pairs.retain(|pair| same_condition(&pair.flat, &first.flat));
+        pairs.retain(|pair| pair.flat.has_condition_of(&first.flat));
     }
     Ok(pairs)
 }
@@ -231,8 +231,8 @@ fn compare(
     let results: Vec<RatioReport> = pairs.iter().zip(by_measured_law).enumerate().map(result).collect();
     let slope_factors: Vec<f64> = surface.laws.iter().map(|law| law.slope_factor).collect();
     let mut report = ValidationReport {
-        program: "slipgrid".into(),
-        version: VERSION.into(),
+        program: "slipgrid",
+        version: VERSION,
         schema: SCHEMA,
         name: calibration.name.clone(),
         source: calibration.source.clone(),

@@ -1,8 +1,6 @@
 //! Measured and modelled ratios.
 
-use std::borrow::Cow;
-
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 use slipgrid_infer::calibrate::uncertainty::{Deviation, Deviations};
 use slipgrid_model::pattern::Pattern;
 use slipgrid_model::springblock::Status;
@@ -14,7 +12,7 @@ use slipgrid_infer::calibrate::Measurement;
 use slipgrid_io::formats::calibration::Calibration;
 
 /// Condition measured on both samples.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct MeasuredReport {
     /// Normal force on one specimen.
     pub force_n: f64,
@@ -39,7 +37,7 @@ pub struct MeasuredReport {
 }
 
 /// Measured ratio with the modelled ratios.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RatioReport {
     /// Measurement.
     #[serde(flatten)]
@@ -56,10 +54,10 @@ pub struct RatioReport {
 }
 
 /// Model at one condition if a contact's friction depends on its local pressure like flat friction on the nominal pressure.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct MeasuredLawRatio {
     /// Extrapolation of the law above the last measured pressure: `constant` or `logarithmic`.
-    pub extrapolation: Cow<'static, str>,
+    pub extrapolation: &'static str,
     /// Ratio of the pattern as grooves; null if the solution did not converge.
     pub ratio_groove: Option<f64>,
     /// Ratio of square cavities with equal lengths, in three dimensions; null if the solution did not converge.
@@ -67,7 +65,7 @@ pub struct MeasuredLawRatio {
 }
 
 /// Model at one condition.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ModelledRatio {
     /// Factor of the surface's slopes.
     pub slope_factor: f64,
@@ -106,9 +104,9 @@ pub struct ModelledRatio {
     /// A pressure exceeds the range of the area law.
     pub area_law_extrapolated: bool,
     /// Status of the solution for grooves.
-    pub status: Cow<'static, str>,
+    pub status: &'static str,
     /// Status of the solution for squares.
-    pub status_square: Cow<'static, str>,
+    pub status_square: &'static str,
 }
 
 /// Flat and patterned measurement at one condition.
@@ -125,10 +123,7 @@ pub struct Pair {
 /// Conditions that both tables contain, in the order of the flat table.
 pub fn pairs(calibration: &Calibration) -> Vec<Pair> {
     let pair = |flat: &Measurement| {
-        let patterned = calibration
-            .patterned
-            .iter()
-            .find(|patterned| same(flat.force_n, patterned.force_n) && same_condition(flat, patterned))?;
+        let patterned = calibration.patterned.iter().find(|patterned| flat.is_at(patterned))?;
         let point = FlatPoint {
             pressure_pa: calibration.pressure_pa(flat.force_n),
             speed_m_s: flat.speed_m_s,
@@ -138,15 +133,6 @@ pub fn pairs(calibration: &Calibration) -> Vec<Pair> {
         Some(Pair { point, flat: *flat, patterned: *patterned })
     };
     calibration.flat.iter().filter_map(pair).collect()
-}
-
-/// Whether two measurements have equal speed and humidity.
-pub fn same_condition(a: &Measurement, b: &Measurement) -> bool {
-    same(a.speed_m_s, b.speed_m_s) && same(a.humidity, b.humidity)
-}
-
-fn same(a: f64, b: f64) -> bool {
-    (a - b).abs() <= 1e-6 * a.abs().max(b.abs())
 }
 
 impl MeasuredReport {
@@ -219,13 +205,13 @@ impl ModelledRatio {
             tension_blocks: surface.tension_blocks + square.tension_blocks,
             cavity_closed: surface.cavity_closed || square.cavity_closed,
             area_law_extrapolated: surface.area_law_extrapolated || square.area_law_extrapolated,
-            status: surface.status.name().into(),
-            status_square: square.status.name().into(),
+            status: surface.status.name(),
+            status_square: square.status.name(),
         }
     }
 
     /// Whether both solutions converged.
     pub fn has_converged(&self) -> bool {
-        [&self.status, &self.status_square].into_iter().all(|status| status == Status::Converged.name())
+        [self.status, self.status_square].into_iter().all(|status| status == Status::Converged.name())
     }
 }

@@ -1,8 +1,6 @@
 //! Record of a validation.
 
-use std::borrow::Cow;
-
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
 use super::ratios::{MeasuredReport, RatioReport};
 use super::rims::RimsReport;
@@ -10,27 +8,23 @@ use super::summary::Summary;
 use slipgrid_design::results::PatternReport;
 
 /// Record that `validate --json` prints.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ValidationReport {
     /// Program name: `slipgrid`.
-    pub program: Cow<'static, str>,
+    pub program: &'static str,
     /// Program version.
-    pub version: Cow<'static, str>,
+    pub version: &'static str,
     /// Schema version of the record.
-    #[serde(default = "slipgrid_design::results::first_schema")]
     pub schema: u32,
     /// Name of the calibration.
     pub name: String,
     /// Source of the measurements.
     pub source: String,
     /// Name of the compared trial; null if the calibration's patterned samples are compared.
-    #[serde(default)]
     pub trial: Option<String>,
     /// Planform of the measured cavities; null if the calibration does not state it.
-    #[serde(default)]
     pub cut_as: Option<String>,
     /// Height of the modelled specimen; null if only a layer of it is modelled, as in the source.
-    #[serde(default)]
     pub thickness_mm: Option<f64>,
     /// The area law is based on a synthetic surface.
     pub synthetic_surface: bool,
@@ -57,15 +51,12 @@ pub struct ValidationReport {
     /// Area laws, one per slope factor.
     pub area_laws: Vec<AreaTable>,
     /// Ratios for rims of several heights at the condition of the first row; null if not requested.
-    #[serde(default)]
     pub rims: Option<RimsReport>,
     /// Transient run at the highest load; null if none was made.
     pub in_time: Option<TimeReport>,
     /// Wall time in seconds, stored in timings.json.
-    #[serde(default)]
     pub wall_s: f64,
     /// Number of threads.
-    #[serde(default)]
     pub threads: usize,
     /// Results, one per measured condition.
     pub results: Vec<RatioReport>,
@@ -104,7 +95,7 @@ impl ValidationReport {
 }
 
 /// Statement of the source and its counterpart.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PublishedReport {
     /// Subject of the statement.
     pub quantity: String,
@@ -115,7 +106,7 @@ pub struct PublishedReport {
 }
 
 /// Area law with its contact area, one number per pressure.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct AreaTable {
     /// Factor of the surface's slopes.
     pub slope_factor: f64,
@@ -130,7 +121,7 @@ pub struct AreaTable {
 }
 
 /// Friction in time at one load, whole sample, from rest.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TimeReport {
     /// Nominal pressure.
     pub pressure_mpa: f64,
@@ -171,10 +162,9 @@ pub struct TimeReport {
     /// Standard deviation of the ratio from all known error sources.
     pub ratio_std: Option<f64>,
     /// Status of the flat run.
-    pub status_flat: Cow<'static, str>,
+    pub status_flat: &'static str,
     /// Status of the patterned run.
-    pub status_patterned: Cow<'static, str>,
+    pub status_patterned: &'static str,
     /// Wall time in seconds, stored in timings.json.
-    #[serde(default)]
     pub wall_s: f64,
 }

@@ -4,7 +4,7 @@
 //! chi^2, the sum over the loads of ((modelled - measured) / standard deviation of the measured)^2.
 
 use rayon::prelude::*;
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 use slipgrid_base::monitor::Monitor;
 use slipgrid_base::units::{LENGTH_UM, PRESSURE_MPA};
 use slipgrid_design::results::{Table, with_error};
@@ -27,7 +27,7 @@ const WIDTHS_UM: [f64; 2] = [10.0, 20.0];
 const BLOCK_M: f64 = 5e-6;
 
 /// Ratios with rims of several heights, and measured ratios.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RimsReport {
     /// Nominal pressures.
     pub pressure_mpa: Vec<f64>,
@@ -48,7 +48,7 @@ pub struct RimsReport {
 }
 
 /// Ratios with one rim.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RimsRow {
     /// `groove` or `square`.
     pub planform: String,

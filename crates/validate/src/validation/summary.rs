@@ -1,12 +1,12 @@
 //! Averages of a validation over its conditions.
 
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 use slipgrid_base::statistics::mean_and_std;
 
 use super::ratios::{ModelledRatio, RatioReport};
 
 /// Averages over the reported conditions.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Summary {
     /// Number of conditions.
     pub conditions: usize,
@@ -31,7 +31,7 @@ pub struct Summary {
 }
 
 /// Mean modelled reductions; null where a solution did not converge.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ModelledReduction {
     /// Factor of the surface's slopes.
     pub slope_factor: f64,
@@ -97,7 +97,7 @@ impl Summary {
 
 #[cfg(test)]
 mod tests {
-    use super::super::test_report::row;
+    use super::super::report_for_tests::row;
     use super::*;
 
     #[test]

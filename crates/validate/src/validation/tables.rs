@@ -157,9 +157,9 @@ pub fn solves(report: &ValidationReport) -> Captioned {
         table.column("peak, squares, in MPa", |(.., model)| number(model.peak_pressure_square_mpa, 2));
     }
     table.column("cavity closes", |(.., model)| yes_or_no(model.cavity_closed));
-    table.column("status", |(.., model)| match [&model.status, &model.status_square] {
-        [grooves, squares] if grooves == squares => grooves.to_string(),
-        both => both.map(AsRef::as_ref).join(", "),
+    table.column("status", |(.., model)| match [model.status, model.status_square] {
+        [grooves, squares] if grooves == squares => grooves.to_owned(),
+        both => both.join(", "),
     });
     caption += "Peak pressures are those of blocks of 10 um and grow as blocks shrink.";
     (caption, table.table())

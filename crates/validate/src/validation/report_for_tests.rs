@@ -26,8 +26,8 @@ pub fn row(ratio: f64, groove: Option<f64>, deep: f64) -> RatioReport {
         tension_blocks: 0,
         cavity_closed: false,
         area_law_extrapolated: false,
-        status: "converged".into(),
-        status_square: "converged".into(),
+        status: "converged",
+        status_square: "converged",
     };
     RatioReport {
         measured: MeasuredReport {
@@ -55,8 +55,8 @@ pub fn report() -> ValidationReport {
     (results[1].measured.force_n, results[1].measured.pressure_mpa) = (200.0, 2.5);
     let slope_factors = vec![0.5, 1.0];
     ValidationReport {
-        program: "slipgrid".into(),
-        version: "0.0.0".into(),
+        program: "slipgrid",
+        version: "0.0.0",
         schema: 1,
         name: "a <b> & \"c\"".into(),
         source: "a paper".into(),
@@ -102,8 +102,8 @@ pub fn report() -> ValidationReport {
             ratio: Some(0.8235),
             ratio_stderr: None,
             ratio_std: None,
-            status_flat: "converged".into(),
-            status_patterned: "no_onset".into(),
+            status_flat: "converged",
+            status_patterned: "no_onset",
             wall_s: 1.0,
         }),
         wall_s: 1.0,
