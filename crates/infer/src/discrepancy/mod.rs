@@ -73,7 +73,7 @@ pub use hyperparameters::{Conditions, Hyperparameters};
 pub use leave_out::{LeftOut, Surprise, leave_out};
 pub use mixture::{Discrepancy, FormWeight};
 pub use next_trial::{Candidate, Score, Wanted, information};
-pub use prediction::{Component, Load, Prediction, Predictor, Sampler};
+pub use prediction::{Component, Load, Prediction, Predictor};
 pub use scatter::{Contradiction, ScatterWeight};
 pub use scenarios::Scenarios;
 pub use trial::{DimensionShift, Measured, Sensitivity, Trial};

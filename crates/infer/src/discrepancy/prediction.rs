@@ -77,21 +77,6 @@ pub struct Component {
     pub covariance: Vec<f64>,
 }
 
-/// Draws from a prediction, jointly at all loads.
-#[derive(Clone, Debug)]
-pub struct Sampler {
-    forms: Vec<FormSampler>,
-}
-
-#[derive(Clone, Debug)]
-struct FormSampler {
-    /// Cumulated weight up to this component.
-    cumulated_weight: f64,
-    mean: Vec<f64>,
-    /// L of the covariance L L^T.
-    factor: Vec<f64>,
-}
-
 /// Form evaluated at one texture.
 struct FormAt {
     /// h over the scale.
@@ -315,18 +300,6 @@ impl Predictor {
     }
 }
 
-impl Sampler {
-    /// Draws from the component selected by the normal deviate `which`, with normal deviates `z`, one per load.
-    #[must_use]
-    pub fn draw(&self, which: f64, z: &[f64]) -> Vec<f64> {
-        let share = normal_probability(which);
-        let picked = self.forms.iter().find(|form| share <= form.cumulated_weight).or(self.forms.last());
-        let Some(FormSampler { mean, factor, .. }) = picked else { return Vec::new() };
-        let n = mean.len();
-        (0..n).map(|load| mean[load] + dot(&factor[load * n..][..=load], z)).collect()
-    }
-}
-
 impl Component {
     /// Minimum over the loads of the probability between `lower` and `upper`: an upper bound of the joint probability.
     pub(crate) fn most_within(&self, lower: &[f64], upper: &[f64]) -> f64 {
@@ -406,19 +379,6 @@ impl Prediction {
     #[must_use]
     pub fn medians(&self) -> Vec<f64> {
         (0..self.loads()).map(|load| self.quantile(load, 0.5)).collect()
-    }
-
-    /// Creates a sampler of this prediction.
-    #[must_use]
-    pub fn sampler(&self) -> Sampler {
-        let n = self.loads();
-        let mut reached = 0.0;
-        let form = |of: &Component| {
-            reached += of.weight;
-            let factor = covariance_factor(&of.covariance, n);
-            FormSampler { cumulated_weight: reached, mean: of.mean.clone(), factor }
-        };
-        Sampler { forms: self.components.iter().map(form).collect() }
     }
 
     /// Probability that all loads lie between `lower` and `upper`, summed over components.
