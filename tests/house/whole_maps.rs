@@ -11,9 +11,8 @@ use slipgrid_infer::calibrate::area_law::{AreaLawRequest, CONTACT_TOLERANCE, sur
 use slipgrid_model::pattern::RimProfile;
 use slipgrid_report::surface::{Measured, SurfaceReport, files};
 use slipgrid_surface::topography::{
-    CORRELATION_THRESHOLD, CorrelationLengths, CutPattern, CutRim, CutShape, Form, HeightMap, LengthUnit,
-    MaterialRatioCurve, MatrixStyle, Preparation, PreparedMap, ReadMap, ReadOptions, SelfAffine, Sides, SpectrumWindow,
-    read_map,
+    CorrelationLengths, CutPattern, CutRim, CutShape, Form, HeightMap, LengthUnit, MaterialRatioCurve, MatrixStyle,
+    Preparation, PreparedMap, ReadMap, ReadOptions, SelfAffine, Sides, read_map,
 };
 
 /// Monitor that counts polls, cancels from the poll `cancels_at` on, and measures the longest time between two polls.
@@ -130,9 +129,7 @@ const STEPS: [Step; 10] = [
     ("cavities", |made, monitor| made.read.map.measure_cavities(Form::SecondOrder, monitor).is_ok()),
     ("mean period", |made, monitor| made.read.map.mean_cavity_period(Form::Plane, monitor).is_ok()),
     ("bearing curve", |made, monitor| MaterialRatioCurve::new(&made.surface.map, monitor).is_ok()),
-    ("lengths", |made, monitor| {
-        made.surface.map.correlation_lengths(CORRELATION_THRESHOLD, Sides::Open, monitor).is_ok()
-    }),
+    ("lengths", |made, monitor| made.surface.map.correlation_lengths(Sides::Open, monitor).is_ok()),
     ("report", |made, monitor| {
         let Made { surface, .. } = made;
         let Ok(curve) = MaterialRatioCurve::new(&surface.map, monitor) else { return false };
@@ -141,7 +138,7 @@ const STEPS: [Step; 10] = [
         let of = Measured { surface, curve: &curve, spectrum: &[], cavities: None, column: 0 };
         report.is_ok_and(|report| files(&report, of, monitor).is_ok())
     }),
-    ("spectrum", |made, monitor| made.surface.map.radial_spectrum(SpectrumWindow::Hann, monitor).is_ok()),
+    ("spectrum", |made, monitor| made.surface.map.radial_spectrum(Sides::Open, monitor).is_ok()),
     ("area law", |made, monitor| {
         let request = AreaLawRequest {
             contact_modulus_pa: 0.43e9,

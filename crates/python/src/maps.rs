@@ -14,8 +14,8 @@ use slipgrid::monitor::Cancelled;
 use slipgrid::report::area_law::AreaLawOptions;
 use slipgrid::report::surface::SurfaceReport;
 use slipgrid::topography::{
-    CORRELATION_THRESHOLD, Crop, Decimation, DecimationMethod, Form, HeightMap, MAX_POINTS, MapError, MapFormat,
-    MaterialRatioCurve, Missing, Preparation, PreparedMap, ReadMap, ReadOptions, Sides, SpectrumWindow,
+    Crop, Decimation, DecimationMethod, Form, HeightMap, MAX_POINTS, MapError, MapFormat, MaterialRatioCurve, Missing,
+    Preparation, PreparedMap, ReadMap, ReadOptions,
 };
 use slipgrid::units::{MODULUS_GPA, PIXEL_UM, POISSON, PRESSURE_MPA, TOLERANCE};
 
@@ -149,7 +149,7 @@ impl Map {
             decimal_comma,
             crop: crop.map(|[first_row, first_col, rows, cols]| Crop { first_row, first_col, rows, cols }),
             decimation: decimate.map(decimation).transpose()?,
-            ..ReadOptions::NONE
+            ..ReadOptions::default()
         };
         Ok(Self { read: watched(py, None, |watch| open(&disk(), &path, &options, watch))??, path })
     }
@@ -269,12 +269,9 @@ impl Map {
         let cancelled = |ended: Cancelled| plain(MapError::from(ended).to_string());
         let surface = PreparedMap::new(self.read.clone(), how, watch).map_err(|error| refuse(&self.path, &error))?;
         let map = &surface.map;
-        let (sides, window) =
-            if surface.period { (Sides::Periodic, SpectrumWindow::None) } else { (Sides::Open, SpectrumWindow::Hann) };
         let curve = MaterialRatioCurve::new(map, watch).map_err(cancelled)?;
-        let lengths =
-            map.correlation_lengths(CORRELATION_THRESHOLD, sides, watch).map_err(|error| plain(error.to_string()))?;
-        let spectrum = map.radial_spectrum(window, watch).map_err(|error| plain(error.to_string()))?;
+        let lengths = map.correlation_lengths(surface.sides(), watch).map_err(|error| plain(error.to_string()))?;
+        let spectrum = map.radial_spectrum(surface.sides(), watch).map_err(|error| plain(error.to_string()))?;
         let report = SurfaceReport::new(Path::new(&self.path), &surface, &curve, &lengths, &spectrum, None, watch);
         slipgrid::results::json(&report.map_err(cancelled)?).map_err(|error| plain(error.to_string()))
     }

@@ -122,7 +122,7 @@ pub(super) fn map_options(args: &MapArgs) -> Result<MapOptions, Diagnostic> {
         decimal_comma: args.decimal_comma,
         crop: args.crop.map(|[first_row, first_col, rows, cols]| Crop { first_row, first_col, rows, cols }),
         decimation: args.decimate.map(|factor| Decimation { factor: factor.get(), method: args.decimate_by.into() }),
-        ..ReadOptions::NONE
+        ..ReadOptions::default()
     };
     let form = match args.form {
         FormName::Mean => Form::Mean,

@@ -1,9 +1,7 @@
 //! `surface`: parameters, pictures and cavities of an altitude map.
 
 use slipgrid_base::monitor::Cancelled;
-use slipgrid_surface::topography::{
-    CORRELATION_THRESHOLD, MapError, MapWarning, MaterialRatioCurve, PreparedMap, Sides, SpectrumWindow,
-};
+use slipgrid_surface::topography::{MapError, MapWarning, MaterialRatioCurve, PreparedMap};
 
 use super::area_law::map_options;
 use crate::args::SurfaceArgs;
@@ -59,11 +57,9 @@ pub fn run(args: &SurfaceArgs, console: &mut Console<'_>) -> Result<u8, CliError
             column
         }
     };
-    let (sides, window) =
-        if surface.period { (Sides::Periodic, SpectrumWindow::None) } else { (Sides::Open, SpectrumWindow::Hann) };
     let curve = MaterialRatioCurve::new(map, &job).map_err(cancelled)?;
-    let lengths = map.correlation_lengths(CORRELATION_THRESHOLD, sides, &job).map_err(refuse)?;
-    let spectrum = map.radial_spectrum(window, &job).map_err(refuse)?;
+    let lengths = map.correlation_lengths(surface.sides(), &job).map_err(refuse)?;
+    let spectrum = map.radial_spectrum(surface.sides(), &job).map_err(refuse)?;
     let report = SurfaceReport::new(&args.map, &surface, &curve, &lengths, &spectrum, cavities.as_ref(), &job);
     let report = report.map_err(cancelled)?;
     if let Some(folder) = &folder {

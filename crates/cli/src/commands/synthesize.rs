@@ -7,6 +7,7 @@ use slipgrid_surface::topography::{
 use crate::args::{CutName, SynthesizeArgs};
 use crate::output::{Place, check_map_file, write_file};
 use crate::{CliError, Console, exit_code};
+use slipgrid_base::monitor::Unwatched;
 use slipgrid_base::units::{LENGTH_MM, LENGTH_UM, SLOPE};
 use slipgrid_design::results::fixed;
 use slipgrid_io::formats::{Diagnostic, checked};
@@ -28,7 +29,7 @@ pub fn run(args: &SynthesizeArgs, console: &mut Console<'_>) -> Result<u8, CliEr
         parameters = parameters.with_rms_slope(checked("--rms-slope", rms_slope, SLOPE)?).map_err(refuse)?;
     }
     let mut map = parameters.map().map_err(refuse)?;
-    let rms_slope = map.rms_slope_spectral().map_err(refuse)?;
+    let rms_slope = map.rms_slope_spectral(&Unwatched).map_err(refuse)?;
     let mut comments = parameters.description().to_vec();
     let cavities = pattern(args)?.map(|pattern| cut(&mut map, &pattern, &mut comments)).transpose()?;
     // 1e-5 of Sa is far below the resolution of a contact computation.

@@ -49,35 +49,8 @@ pub struct AreaLawRequest<'a> {
 pub enum SurfaceWarning {
     /// A warning about the map.
     Map(MapWarning),
-    /// The factor f exceeds 1.
-    FactorAboveOne {
-        /// Pressure at which f is largest, in pascals.
-        pressure_pa: f64,
-        /// f at this pressure.
-        factor: f64,
-    },
-    /// The map is too small to be split into windows, so that the law has no standard errors.
-    NoError {
-        /// Sides of the map along x and y, in metres.
-        sides_m: [f64; 2],
-        /// Number of points along x and y.
-        points: [usize; 2],
-    },
-    /// Between the lightest measured load and the stated threshold, contact area grows less than in proportion to
-    /// pressure.
-    Threshold {
-        /// The stated threshold, in pascals.
-        threshold_pa: f64,
-        /// The lightest measured load, in pascals.
-        lightest_pa: f64,
-        /// A / P at the threshold over A / P at the lightest load.
-        share: f64,
-    },
-    /// The given rms slope is outside the range of sliding surfaces.
-    GivenSlope {
-        /// The rms slope.
-        rms_slope: f64,
-    },
+    /// A warning about the law, or about the slope that was given in place of a map.
+    Law(String),
 }
 
 impl SurfaceWarning {
@@ -85,7 +58,11 @@ impl SurfaceWarning {
     #[must_use]
     pub fn check_slope(rms_slope: f64) -> Option<Self> {
         let [least, most] = limits::WARNED_SLOPE;
-        (!(least..=most).contains(&rms_slope)).then_some(Self::GivenSlope { rms_slope })
+        (!(least..=most).contains(&rms_slope)).then(|| {
+            Self::Law(format!(
+                "slope: the rms slope given is {rms_slope:e}; surfaces that slide have {least:e} to {most:e}"
+            ))
+        })
     }
 }
 
@@ -93,34 +70,7 @@ impl std::fmt::Display for SurfaceWarning {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Self::Map(warning) => warning.fmt(f),
-            Self::FactorAboveOne { pressure_pa, factor } => write!(
-                f,
-                "factor above 1: f reaches {factor:.3} at {} MPa, where real contact area grows no faster than pressure: too few \
-                 points are in contact for their number to say more, or a few high ones carry the load of the rest; map a larger \
-                 area, and look for spikes",
-                PRESSURE_MPA.from_si(*pressure_pa)
-            ),
-            Self::NoError { sides_m: [x_m, y_m], points: [along_x, along_y] } => write!(
-                f,
-                "small map: it measures {} x {} um in {along_x} x {along_y} points, too little to tell how far another place differs: the \
-                 area law has no error, and counts as if it were known; take {ADVISED_SIDE_MM} mm a side or more, in at \
-                 least {MIN_DEFAULT_SIDE} x {MIN_DEFAULT_SIDE} points",
-                significant(LENGTH_UM.from_si(*x_m), 4),
-                significant(LENGTH_UM.from_si(*y_m), 4)
-            ),
-            Self::Threshold { threshold_pa, lightest_pa, share } => write!(
-                f,
-                "threshold: friction counts as proportional to load up to {} MPa, where contact area per load is {share:.2} times that at \
-                 {} MPa, the lightest load measured; without threshold_mpa the law follows the area that was computed",
-                PRESSURE_MPA.from_si(*threshold_pa),
-                significant(PRESSURE_MPA.from_si(*lightest_pa), 3)
-            ),
-            Self::GivenSlope { rms_slope } => write!(
-                f,
-                "slope: the rms slope given is {rms_slope:e}; surfaces that slide have {:e} to {:e}",
-                limits::WARNED_SLOPE[0],
-                limits::WARNED_SLOPE[1]
-            ),
+            Self::Law(text) => f.write_str(text),
         }
     }
 }
@@ -194,7 +144,12 @@ pub fn surface_area_law(
         if factor > MAX_FACTOR {
             return Err(AreaLawError::FactorsAboveOne { pressure_pa, factor, warnings: surface.warnings.clone() });
         }
-        warnings.push(SurfaceWarning::FactorAboveOne { pressure_pa, factor });
+        warnings.push(SurfaceWarning::Law(format!(
+            "factor above 1: f reaches {factor:.3} at {} MPa, where real contact area grows no faster than pressure: too few \
+             points are in contact for their number to say more, or a few high ones carry the load of the rest; map a larger \
+             area, and look for spikes",
+            PRESSURE_MPA.from_si(pressure_pa)
+        )));
     }
     let per_side = request.windows.unwrap_or(if takes_default_windows(&surface.map) { DEFAULT_WINDOWS } else { 0 });
     let (mut windows, mut windows_s) = (None, 0.0);
@@ -207,9 +162,15 @@ pub fn surface_area_law(
     }
     if windows.is_none() && request.windows.is_none() && !takes_default_windows(&surface.map) {
         let map = &surface.map;
-        let points = [map.rows(), map.cols()];
-        let sides_m = [map.dx_m() * points[0] as f64, map.dy_m() * points[1] as f64];
-        warnings.push(SurfaceWarning::NoError { sides_m, points });
+        let [along_x, along_y] = [map.rows(), map.cols()];
+        let [x_um, y_um] = [map.dx_m() * along_x as f64, map.dy_m() * along_y as f64].map(|m| LENGTH_UM.from_si(m));
+        warnings.push(SurfaceWarning::Law(format!(
+            "small map: it measures {} x {} um in {along_x} x {along_y} points, too little to tell how far another place differs: the \
+             area law has no error, and counts as if it were known; take {ADVISED_SIDE_MM} mm a side or more, in at \
+             least {MIN_DEFAULT_SIDE} x {MIN_DEFAULT_SIDE} points",
+            significant(x_um, 4),
+            significant(y_um, 4)
+        )));
     }
     if let Some(windows) = &windows {
         law = law.and_then(|law| with_errors(law, &curve.points, &windows.factor_std()));
@@ -363,7 +324,7 @@ mod tests {
     #[test]
     fn a_map_too_small_for_an_error_of_its_law_is_told() {
         let told = |found: &SurfaceAreaLaw| {
-            let is_small = |warning: &&SurfaceWarning| matches!(warning, SurfaceWarning::NoError { .. });
+            let is_small = |warning: &&SurfaceWarning| warning.to_string().starts_with("small map");
             found.warnings.iter().find(is_small).map(ToString::to_string)
         };
         for side in [12, 40] {

@@ -105,7 +105,7 @@ pub fn window_spread(
     for window in &windows {
         let Some(factor) = factors_of(window, request, &monitor)? else { return Ok(None) };
         factors.push(factor);
-        slopes.push(window.rms_slope_watched(&monitor)?);
+        slopes.push(window.rms_slope_spectral(&monitor)?);
     }
     let at = |n: usize| factors.iter().map(move |factor| factor[n]);
     let mean_and_spread = |values: &mut dyn Iterator<Item = f64>| {
@@ -152,7 +152,7 @@ pub fn resolution(
     Ok(Resolution {
         coarser: factor,
         pixel_m: blunt.dx_m(),
-        rms_slope: blunt.rms_slope_watched(monitor)?,
+        rms_slope: blunt.rms_slope_spectral(monitor)?,
         factor: factors_of(&blunt, request, monitor)?,
     })
 }

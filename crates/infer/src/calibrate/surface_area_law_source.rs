@@ -1,7 +1,7 @@
 //! Surface from which the area law of a calibration is computed: contact area from a map or from theory.
 
 use slipgrid_base::monitor::{Monitor, Stage};
-use slipgrid_base::units::{LENGTH_UM, PRESSURE_MPA};
+use slipgrid_base::units::{LENGTH_UM, PRESSURE_MPA, significant};
 use slipgrid_model::material::AreaLaw;
 use slipgrid_surface::contact::AreaPoint;
 use slipgrid_surface::topography::{LIMITED_BY_PIXELS, PreparedMap};
@@ -127,10 +127,13 @@ fn threshold_warning(task: &CalibrationTask, curve: &[AreaPoint]) -> Option<Surf
         Some((1.0 - place) * share(lower) + place * share(upper))
     };
     let share = per_load(threshold_pa)? / per_load(lightest_pa)?;
-    (lightest_pa < threshold_pa && share < 1.0 - MAX_AREA_DECREASE).then_some(SurfaceWarning::Threshold {
-        threshold_pa,
-        lightest_pa,
-        share,
+    (lightest_pa < threshold_pa && share < 1.0 - MAX_AREA_DECREASE).then(|| {
+        SurfaceWarning::Law(format!(
+            "threshold: friction counts as proportional to load up to {} MPa, where contact area per load is {share:.2} times that at \
+             {} MPa, the lightest load measured; without threshold_mpa the law follows the area that was computed",
+            PRESSURE_MPA.from_si(threshold_pa),
+            significant(PRESSURE_MPA.from_si(lightest_pa), 3)
+        ))
     })
 }
 
@@ -284,7 +287,7 @@ mod tests {
     fn a_given_slope_of_no_surface_makes_the_law_doubtful() {
         let warnings = |rms_slope: f64| surface_findings(&task(0.38e9, rms_slope), &Unwatched).unwrap().warnings;
         assert_eq!(warnings(0.0137), []);
-        assert_eq!(warnings(2.0), [SurfaceWarning::GivenSlope { rms_slope: 2.0 }]);
+        assert_eq!(warnings(2.0), SurfaceWarning::check_slope(2.0).into_iter().collect::<Vec<_>>());
     }
 
     fn task(modulus_pa: f64, rms_slope: f64) -> CalibrationTask {

@@ -32,7 +32,7 @@ pub fn read_relief(
     }
     let path = existing(document, key, key.get_ref())?;
     let mut map = open(document.source(), &path, &ReadOptions::default(), &Unwatched)?.map;
-    map.fill_missing();
+    map.fill_missing(&Unwatched);
     let relief = relief_of(&map).and_then(|relief| relief.along(pattern));
     let relief = relief.and_then(|relief| relief.lands(pattern).map(|_| relief));
     let relief = relief.map_err(|error| document.refuse(key.span(), error.to_string()))?;

@@ -191,7 +191,7 @@ fn options(document: &Document, file: &SurfaceFile) -> Result<MapOptions, Diagno
         decimal_comma: file.decimal_comma.unwrap_or(false),
         crop: file.crop.as_ref().map(|crop| self::crop(document, crop)).transpose()?,
         decimation: decimation(document, file)?,
-        ..ReadOptions::NONE
+        ..ReadOptions::default()
     };
     let missing = [Missing::Fill, Missing::Refuse];
     let missing = file.missing.as_ref().map(|name| {
@@ -295,7 +295,7 @@ mod tests {
 
     #[test]
     fn without_keys_the_whole_map_is_filled_and_levelled() {
-        let expected = |form| MapOptions { read: ReadOptions::NONE, form, missing: Missing::Fill, despike: false };
+        let expected = |form| MapOptions { read: ReadOptions::default(), form, missing: Missing::Fill, despike: false };
         assert_eq!(read(""), expected(Form::Plane));
         assert_eq!(read("level = true"), expected(Form::Plane));
         assert_eq!(read("level = false"), expected(Form::Mean));

@@ -52,7 +52,7 @@ pub fn area_curve(
     for &pressure_pa in pressures_pa {
         check(pressure_pa, options)?;
     }
-    let contact = RoughContact::with_monitor(map, contact_modulus_pa, monitor)?;
+    let contact = RoughContact::new(map, contact_modulus_pa, monitor)?;
     let share = 1.0 / pressures_pa.len() as f64;
     let pools: Mutex<Vec<BufferPool>> = Mutex::default();
     let points: Vec<Result<AreaPoint, ContactError>> = pressures_pa

@@ -18,17 +18,17 @@
 //! | [`ContactArea`] | area fraction: counted pixels, and corrected for the contact boundary |
 //! | [`windows`], [`coarser`] | maps derived from a map, to study the effect of its size and resolution |
 //! | [`Monitor`] | progress and cancellation |
-//! | [`closed_form`] | Hertz, Westergaard, crossed waves, Persson |
+//! | [`closed_form`] | area fraction by Persson's theory |
 //!
 //! This module does not depend on friction models and opens no files.
 //!
 //! ```
-//! use slipgrid_surface::contact::{SolveOptions, Unwatched, area_curve, closed_form::Wave};
+//! use slipgrid_surface::contact::{SolveOptions, Unwatched, area_curve};
 //! use slipgrid_surface::topography::HeightMap;
 //! // A wave of 1 um on 1 mm: full contact from p* = pi E* D / lambda, half contact at p*/2.
 //! let heights = (0..64 * 4).map(|n| 1e-6 * (std::f64::consts::TAU * f64::from(n / 4) / 64.0).cos()).collect();
 //! let map = HeightMap::new(64, 4, 1e-3 / 64.0, 1e-3 / 64.0, heights)?;
-//! let full_pa = Wave::new(1e-6, 1e-3, 427.5e6)?.full_contact_pressure_pa();
+//! let full_pa = std::f64::consts::PI * 427.5e6 * 1e-6 / 1e-3;
 //! let pressures_pa = [0.0, 0.5 * full_pa, 1.01 * full_pa];
 //! let curve = area_curve(&map, 427.5e6, &pressures_pa, &SolveOptions::default(), &Unwatched)?;
 //! assert!((curve.full_contact_pressure_pa / full_pa - 1.0).abs() < 1e-12);

@@ -8,7 +8,7 @@ use crate::contact::error::require_within;
 use crate::contact::preconditioner::Preconditioner;
 use crate::contact::solver::{BufferPool, Failure, Outcome, minimize};
 use crate::contact::two_grids::{Near, TwoGrids};
-use crate::contact::{ContactError, Monitor, Unwatched};
+use crate::contact::{ContactError, Monitor};
 
 /// Tolerance and maximum number of iterations of the solver.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -160,17 +160,9 @@ impl<'m> RoughContact<'m> {
     /// nu^2).
     ///
     /// # Errors
-    /// [`ContactError`] if points of the map are missing or the modulus lies outside 1e-3 to 1e15 Pa.
-    pub fn new(map: &'m HeightMap, contact_modulus_pa: f64) -> Result<Self, ContactError> {
-        Self::with_monitor(map, contact_modulus_pa, &Unwatched)
-    }
-
-    /// Like [`Self::new`], but stops when `monitor` cancels.
-    pub(crate) fn with_monitor(
-        map: &'m HeightMap,
-        contact_modulus_pa: f64,
-        monitor: &dyn Monitor,
-    ) -> Result<Self, ContactError> {
+    /// [`ContactError`] if points of the map are missing, if the modulus lies outside 1e-3 to 1e15 Pa, or once `monitor`
+    /// cancels.
+    pub fn new(map: &'m HeightMap, contact_modulus_pa: f64, monitor: &dyn Monitor) -> Result<Self, ContactError> {
         let check_cancelled = || monitor.heed().map_err(MapError::from);
         map.require_complete()?;
         require_within("contact modulus", contact_modulus_pa, MODULUS_RANGE_PA, "a modulus from 1e-3 to 1e15 Pa")?;

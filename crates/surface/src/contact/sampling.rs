@@ -17,7 +17,7 @@ pub fn windows(map: &HeightMap, per_side: usize, monitor: &dyn Monitor) -> Resul
     map.in_windows(per_side)
         .map(|window| {
             let mut window = window?;
-            window.subtract_plane_watched(monitor)?;
+            window.subtract_plane(monitor)?;
             Ok(periodic_component(&window, monitor)?)
         })
         .collect()

@@ -1,7 +1,6 @@
 use slipgrid_base::monitor::Cancelled;
 
 use crate::topography::cavities::Crossing;
-use crate::topography::read::Foreign;
 
 /// Reason for refusing an altitude map or an operation on one.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -131,22 +130,6 @@ fn not_given(missing: &[NotGiven]) -> String {
 /// Reason for refusing a file as an altitude map. Lines count from 1.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ReadError {
-    /// The source could not be read.
-    #[error("line {line}: reading failed: {reason}")]
-    Source {
-        /// Line that was being read.
-        line: usize,
-        /// Error message of the source.
-        reason: String,
-    },
-    /// A line longer than in any map.
-    #[error("line {line}: longer than {most_bytes} bytes: expected one row of a map a line")]
-    LineTooLong {
-        /// Line number.
-        line: usize,
-        /// Longest line allowed.
-        most_bytes: usize,
-    },
     /// A field that is not a number.
     #[error("line {line}, column {column}: \"{value}\": expected {expected}")]
     NotANumber {
@@ -168,25 +151,6 @@ pub enum ReadError {
         found: usize,
         /// Values expected.
         expected: usize,
-    },
-    /// A table of a single profile instead of a map.
-    #[error(
-        "{lines} lines of {columns} values are a profile, not a map: expected a matrix of heights, or points x y z"
-    )]
-    Profile {
-        /// Lines of the table.
-        lines: usize,
-        /// Values on each line.
-        columns: usize,
-    },
-    /// A table with a column of coordinates that is not a list of points x y z.
-    #[error(
-        "column {column} runs in equal steps, as coordinates do, which are no heights: expected a matrix of heights alone, or the three \
-         columns x y z"
-    )]
-    Coordinates {
-        /// The column, counted from 1.
-        column: usize,
     },
     /// A header entry that cannot be understood.
     #[error("line {line}: {key} is \"{value}\": expected {expected}")]
@@ -234,71 +198,6 @@ pub enum ReadError {
         /// Columns of the file.
         cols: usize,
     },
-    /// The text holds no data.
-    #[error("no data after {lines} lines: expected rows of heights, or points x y z")]
-    NoData {
-        /// Lines read.
-        lines: usize,
-    },
-    /// A point that lies off the regular grid of the other points.
-    #[error("line {line}: {axis} = {} lies between grid lines {} apart: expected a regular grid", plain(*value), plain(*step))]
-    OffGrid {
-        /// Line number.
-        line: usize,
-        /// Axis, `x` or `y`.
-        axis: &'static str,
-        /// Coordinate in the file's unit.
-        value: f64,
-        /// Spacing of the grid lines found, in the file's unit.
-        step: f64,
-    },
-    /// All points have the same coordinate on one axis.
-    #[error("all points have {axis} = {}, as of a profile: expected a map, on a grid of at least 2 x 2", plain(*value))]
-    OneLine {
-        /// Axis, `x` or `y`.
-        axis: &'static str,
-        /// Coordinate in the file's unit.
-        value: f64,
-    },
-    /// Two points at the same position.
-    #[error("line {line}: x = {}, y = {} was given on line {earlier} already: expected one height per point", plain(*x), plain(*y))]
-    Duplicate {
-        /// Line of the later point.
-        line: usize,
-        /// Line of the earlier point.
-        earlier: usize,
-        /// Coordinate along x in the file's unit.
-        x: f64,
-        /// Coordinate along y in the file's unit.
-        y: f64,
-    },
-    /// Too few points for the grid found from them, which is therefore not the measured grid.
-    #[error(
-        "{points} points on a grid of {} x {}: expected at least one point in {most_nodes_per_point} grid nodes",
-        plain(rows.round()),
-        plain(cols.round())
-    )]
-    Sparse {
-        /// Number of points given.
-        points: usize,
-        /// Rows of the grid found.
-        rows: f64,
-        /// Columns of the grid found.
-        cols: f64,
-        /// Limit on the number of grid points.
-        most_nodes_per_point: usize,
-    },
-    /// A binary file in an unsupported format.
-    #[error(
-        "the file begins with \"{beginning}\": expected text, .gsf, .npy, .sdf, .sur or .x3p (export one of these)"
-    )]
-    Unrecognized {
-        /// The first bytes, escaped.
-        beginning: String,
-    },
-    /// A file of an unsupported instrument format.
-    #[error("this is a {}, which is not read: export {}", .0.format, .0.export)]
-    Foreign(Foreign),
     /// An entry of a binary header that cannot be understood.
     #[error("{format}: {field} is \"{value}\": expected {expected}")]
     Field {
@@ -310,14 +209,6 @@ pub enum ReadError {
         value: String,
         /// Values accepted.
         expected: &'static str,
-    },
-    /// A header longer than in any map.
-    #[error("{format}: the header is longer than {most_bytes} bytes")]
-    HeaderTooLong {
-        /// Name of the format.
-        format: &'static str,
-        /// Longest header allowed.
-        most_bytes: usize,
     },
     /// The file holds less or more data than its header says.
     #[error("{format}: the {what} end after {found} of {expected}")]
@@ -331,52 +222,20 @@ pub enum ReadError {
         /// Amount found.
         found: u64,
     },
-    /// The file holds more data than its header says.
-    #[error("{format}: data go on behind the heights that the header announces: expected the file to end there")]
-    GoesOn {
-        /// Name of the format.
-        format: &'static str,
-    },
-    /// The source could not be read, or its compressed data are damaged.
-    #[error("{format}: cannot be read: {reason}")]
-    Unreadable {
-        /// Name of the format.
-        format: &'static str,
-        /// Error message of the source or of the decompression library.
-        reason: String,
-    },
-    /// Compressed data that expand far more than measured heights do.
-    #[error(
-        "{format}: what is packed in {packed} bytes unpacks to {unpacked} bytes: expected at most {most_expansion} times as many"
-    )]
-    Bomb {
-        /// Name of the format.
-        format: &'static str,
-        /// Bytes after decompression.
-        unpacked: u64,
-        /// Bytes in the file.
-        packed: u64,
-        /// Largest expansion allowed.
-        most_expansion: u64,
-    },
-    /// A crop that reaches beyond the map.
-    #[error("the crop takes {axis} {first} to {}: the file has {available} {axis}, from 0", first.saturating_add(count.saturating_sub(1)))]
-    CropOutside {
-        /// `rows` or `columns`.
-        axis: &'static str,
-        /// First row or column requested.
-        first: usize,
-        /// Number of rows or columns requested.
-        count: usize,
-        /// Rows or columns of the file.
-        available: u64,
-    },
+    /// Any other reason; the text says where it was found and what was expected.
+    #[error("{0}")]
+    Refused(String),
     /// The heights and pixel sides do not make a valid map.
     #[error(transparent)]
     Map(#[from] MapError),
 }
 
 impl ReadError {
+    /// A source that could not be read at `line`.
+    pub(crate) fn source(line: usize, error: &std::io::Error) -> Self {
+        Self::Refused(format!("line {line}: reading failed: {error}"))
+    }
+
     /// Adds the quantities `missing` from the file to a refused decimal comma; returns any other error unchanged.
     pub(crate) fn with_missing(self, missing: Vec<NotGiven>) -> Self {
         match self {
@@ -389,7 +248,7 @@ impl ReadError {
 }
 
 /// Formats a number with an exponent where plain notation would take many digits.
-fn plain(value: f64) -> String {
+pub(crate) fn plain(value: f64) -> String {
     let size = value.abs();
     if size == 0.0 || (1e-6..1e9).contains(&size) || !size.is_finite() {
         value.to_string()

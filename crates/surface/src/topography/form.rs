@@ -229,7 +229,7 @@ mod tests {
         let c = [1.0, 0.2, -0.3, 0.05, 0.01, -0.02];
         let (mut one, mut other) = (map(c, &[3, 50]), map(c, &[3, 50]));
         one.remove_form(Form::Plane, &Unwatched).unwrap();
-        other.subtract_plane().unwrap();
+        other.subtract_plane(&Unwatched).unwrap();
         for (a, b) in one.heights_m().iter().zip(other.heights_m()) {
             assert!(a.is_nan() && b.is_nan() || (a - b).abs() < 1e-18);
         }

@@ -1,18 +1,6 @@
-use slipgrid_base::monitor::{Monitor, Unwatched};
+use slipgrid_base::monitor::Monitor;
 
 use crate::topography::{HeightMap, MapError};
-
-/// A least-squares plane: height = mean + slope_x (x - x0) + slope_y (y - y0), with (x0, y0) the centroid of the points
-/// present.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Plane {
-    /// Mean height of the points present, in metres.
-    pub mean_m: f64,
-    /// Slope along x (between rows).
-    pub slope_x: f64,
-    /// Slope along y (between columns).
-    pub slope_y: f64,
-}
 
 /// If det(A) divided by the product of A's diagonal is below this value, the points count as lying on one line.
 const SMALLEST_DETERMINANT: f64 = 1e-12;
@@ -41,20 +29,13 @@ impl HeightMap {
         origin + sum / count
     }
 
-    /// Subtracts the least-squares plane through the points present and returns the plane.
+    /// Subtracts the least-squares plane through the points present.
     ///
     /// # Errors
     /// [`MapError::PlaneUndetermined`] if the points present lie on one line; the map is then unchanged.
-    pub fn subtract_plane(&mut self) -> Result<Plane, MapError> {
-        self.subtract_plane_watched(&Unwatched)
-    }
-
-    /// Like [`Self::subtract_plane`], but ends once `monitor` cancels.
-    ///
-    /// # Errors
-    /// The errors of [`Self::subtract_plane`], and [`MapError::Cancelled`].
-    pub fn subtract_plane_watched(&mut self, monitor: &dyn Monitor) -> Result<Plane, MapError> {
-        let (cols, dx_m, dy_m) = (self.cols(), self.dx_m(), self.dy_m());
+    /// [`MapError::Cancelled`] once `monitor` cancels.
+    pub fn subtract_plane(&mut self, monitor: &dyn Monitor) -> Result<(), MapError> {
+        let cols = self.cols();
         let mut count = 0.0;
         let mut sums = [0.0; 3];
         for (i, row) in self.heights_m().chunks_exact(cols).enumerate() {
@@ -93,13 +74,14 @@ impl HeightMap {
                 *height -= mean_m + a * (i as f64 - i0) + b * (j as f64 - j0);
             }
         }
-        Ok(Plane { mean_m, slope_x: a / dx_m, slope_y: b / dy_m })
+        Ok(())
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use slipgrid_base::monitor::Unwatched;
 
     /// A tilted plane on 5 x 7 pixels of 1 um x 2 um, with the points `holes` missing.
     fn tilted(holes: &[usize]) -> HeightMap {
@@ -114,8 +96,7 @@ mod tests {
     fn a_plane_is_removed_whole_with_or_without_holes() {
         for holes in [&[][..], &[0, 1, 8, 34]] {
             let mut map = tilted(holes);
-            let plane = map.subtract_plane().unwrap();
-            assert!((plane.slope_x - 0.02).abs() < 1e-12 && (plane.slope_y + 0.05).abs() < 1e-12);
+            map.subtract_plane(&Unwatched).unwrap();
             assert!(map.heights_m().iter().filter(|h| !h.is_nan()).all(|h| h.abs() < 1e-18));
             assert_eq!(map.missing(), holes.len());
         }
@@ -125,7 +106,7 @@ mod tests {
     fn points_on_one_line_have_no_plane() {
         let diagonal = |n: usize| if n / 4 == n % 4 { n as f64 * 1e-6 } else { f64::NAN };
         let mut map = HeightMap::new(4, 4, 1e-6, 1e-6, (0..16).map(diagonal).collect()).unwrap();
-        assert_eq!(map.subtract_plane(), Err(MapError::PlaneUndetermined { points: 4 }));
+        assert_eq!(map.subtract_plane(&Unwatched), Err(MapError::PlaneUndetermined { points: 4 }));
         assert!((map.subtract_mean() - 7.5e-6).abs() < 1e-18);
         assert!(map.mean_m().abs() < 1e-18);
     }

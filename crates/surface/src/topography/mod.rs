@@ -29,7 +29,7 @@
 //! let text = "# Width: 4 um\n# Height: 2 um\n# Value units: um\n1 -1 1 -1\n1 -1 1 NaN\n";
 //! let mut map = read_map(text.as_bytes(), &ReadOptions::default())?.map;
 //! assert_eq!((map.rows(), map.cols(), map.dx_m(), map.missing()), (4, 2, 1e-6, 1));
-//! map.fill_missing();
+//! map.fill_missing(&slipgrid_base::monitor::Unwatched);
 //! assert!(map.heights_m()[7].abs() < 1e-18); // halfway between its neighbours, 1 and -1 um
 //! // Mean 1/8 um: four heights 7/8, three 9/8 and one 1/8 um from it.
 //! assert!((map.sa_m() - 0.875e-6).abs() < 1e-18);
@@ -64,16 +64,15 @@ pub use despike::{Spike, Spikes};
 pub use error::{MapError, MapOption, NotGiven, ReadError};
 pub use fill::Filling;
 pub use form::Form;
-pub use level::Plane;
 pub use map::{HeightMap, MAX_POINTS};
 pub use parameters::{
-    CORRELATION_THRESHOLD, CoreParameters, CorrelationLengths, HeightParameters, LIMITED_BY_PIXELS, MaterialRatioCurve,
-    ShortWaves, Sides, SpectrumBin, SpectrumWindow,
+    CoreParameters, CorrelationLengths, HeightParameters, LIMITED_BY_PIXELS, MaterialRatioCurve, ShortWaves, Sides,
+    SpectrumBin,
 };
 pub use periodic::{periodic_component, side_step_ratio};
 pub use plausibility::{MapWarning, limits};
 pub use prepare::{Missing, Preparation, PreparationError, PreparedMap};
-pub use read::{Crop, Decimation, DecimationMethod, Foreign, MapFormat, ReadMap, ReadOptions, read_map};
+pub use read::{Crop, Decimation, DecimationMethod, MapFormat, ReadMap, ReadOptions, read_map};
 pub use synthetic::SelfAffine;
 pub use unit::{LengthUnit, UnknownUnit};
 pub use write::MatrixStyle;

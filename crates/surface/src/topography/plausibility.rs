@@ -209,7 +209,7 @@ impl HeightMap {
         let spikes = without.despike(monitor)?;
         let slope_and_highest_m = |mut map: Self| {
             // Points that do not determine a plane are not levelled.
-            let _ = map.subtract_plane_watched(monitor);
+            let _ = map.subtract_plane(monitor);
             monitor.heed()?;
             let highest_m = map.heights_m().iter().copied().fold(f64::NEG_INFINITY, f64::max);
             let above_m = highest_m - map.median_m();
@@ -356,7 +356,7 @@ pub(crate) mod tests {
             let map = rough(hurst);
             assert_eq!(map.spike_warning(&Unwatched).unwrap(), None, "{hurst}");
             assert_eq!(map.missing_warning(), None);
-            assert_eq!(map.height_warnings(map.rms_slope_spectral().unwrap()), [], "{hurst}");
+            assert_eq!(map.height_warnings(map.rms_slope_spectral(&Unwatched).unwrap()), [], "{hurst}");
         }
     }
 

@@ -3,8 +3,8 @@
 use slipgrid_base::monitor::Monitor;
 
 use crate::topography::{
-    Decimation, Form, HeightMap, MapError, MapFormat, MapWarning, ReadError, ReadMap, limits, periodic_component,
-    side_step_ratio,
+    Decimation, Form, HeightMap, MapError, MapFormat, MapWarning, ReadError, ReadMap, Sides, limits,
+    periodic_component, side_step_ratio,
 };
 
 /// Largest ratio of the rms step across opposite sides to that between neighbours at which a map is taken as one
@@ -160,7 +160,7 @@ impl PreparedMap {
             _ => map.heights_m().iter().map(|height| height.is_nan()).collect(),
         };
         heed()?;
-        let filling = map.fill_watched(monitor);
+        let filling = map.fill_missing(monitor);
         heed()?;
         if filling.points > 0 {
             let residual = if filling.converged { ", to a residual of 1e-10 of the start" } else { "" };
@@ -183,7 +183,7 @@ impl PreparedMap {
         let form = if period { Form::Mean } else { how.form };
         match form {
             Form::Plane => {
-                map.subtract_plane_watched(monitor)?;
+                map.subtract_plane(monitor)?;
                 notes.push("the least-squares plane has been subtracted".to_owned());
             }
             Form::SecondOrder => {
@@ -213,9 +213,9 @@ impl PreparedMap {
         // The spectrum of a map that is not a period would count the step between opposite sides as slope.
         let closes = period || one_period || step_ratio <= PERIOD_STEP_RATIO;
         let rms_slope = if closes {
-            map.rms_slope_watched(monitor)?
+            map.rms_slope_spectral(monitor)?
         } else {
-            periodic_component(&map, monitor)?.rms_slope_watched(monitor)?
+            periodic_component(&map, monitor)?.rms_slope_spectral(monitor)?
         };
         // High points already reported as spikes are not reported again as debris.
         let is_new =
@@ -229,6 +229,12 @@ impl PreparedMap {
         heed()?;
         let (sa_m, format) = (map.sa_m(), read.format);
         Ok(Self { sa_m, rms_slope, is_component, format, map, synthetic, period, form, filled, notes, warnings })
+    }
+
+    /// How the map continues past its sides.
+    #[must_use]
+    pub const fn sides(&self) -> Sides {
+        if self.period { Sides::Periodic } else { Sides::Open }
     }
 
     /// Pixel size along the sliding direction, in metres.
@@ -300,7 +306,7 @@ mod tests {
             ReadMap { map, whole: true, format: MapFormat::Matrix, comments: Vec::new(), notes: Vec::new() }
         };
         let of_two = |method| Decimation { factor: 2, method };
-        let slope = |read: &ReadMap| read.map.rms_slope_spectral().unwrap();
+        let slope = |read: &ReadMap| read.map.rms_slope_spectral(&Unwatched).unwrap();
         for method in [DecimationMethod::Mean, DecimationMethod::Pick] {
             let own = read(0.0).decimated(of_two(method)).unwrap();
             let despiked = read(2e-6).despiked(&Unwatched).unwrap();

@@ -1,5 +1,7 @@
 use std::f64::consts::TAU;
 
+use slipgrid_base::monitor::Unwatched;
+
 use crate::topography::map::{check_grid, check_pixel};
 use crate::topography::{HeightMap, MapError};
 
@@ -97,7 +99,7 @@ impl SelfAffine {
             let expected = "a number above 0";
             return Err(MapError::OutOfRange { quantity: "rms slope", value: rms_slope, expected });
         }
-        let sa_m = self.sa_m * rms_slope / self.map()?.rms_slope_spectral()?;
+        let sa_m = self.sa_m * rms_slope / self.map()?.rms_slope_spectral(&Unwatched)?;
         Ok(Self { sa_m, ..self })
     }
 
@@ -187,7 +189,7 @@ mod tests {
             let map = parameters.map().unwrap();
             assert!((map.sa_m() * 1e6 - 0.158).abs() < 1e-12);
             assert!((map.sq_m() * 1e6 - sq_um).abs() < 5e-6, "{}", map.sq_m());
-            assert!((map.rms_slope_spectral().unwrap() - slope).abs() < 5e-7);
+            assert!((map.rms_slope_spectral(&Unwatched).unwrap() - slope).abs() < 5e-7);
             assert!(map.mean_m().abs() < 1e-20);
         }
     }
@@ -195,7 +197,7 @@ mod tests {
     #[test]
     fn a_slope_can_be_asked_for() {
         let map = A_256.with_rms_slope(0.02).unwrap().map().unwrap();
-        assert!((map.rms_slope_spectral().unwrap() / 0.02 - 1.0).abs() < 1e-12);
+        assert!((map.rms_slope_spectral(&Unwatched).unwrap() / 0.02 - 1.0).abs() < 1e-12);
         for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
             assert!(A_256.with_rms_slope(bad).is_err());
         }

@@ -80,6 +80,7 @@ fn length(length_m: f64) -> String {
 mod tests {
     use super::*;
     use crate::topography::{MapFormat, ReadOptions, SelfAffine, read_map};
+    use slipgrid_base::monitor::Unwatched;
 
     #[test]
     fn the_synthetic_map_reads_back_from_two_megabytes() {
@@ -103,7 +104,7 @@ mod tests {
         for (a, b) in read.map.heights_m().iter().zip(map.heights_m()) {
             assert!((a - b).abs() <= 0.005_001e-9);
         }
-        assert!((read.map.rms_slope_spectral().unwrap() - 0.013728).abs() < 5e-7);
+        assert!((read.map.rms_slope_spectral(&Unwatched).unwrap() - 0.013728).abs() < 5e-7);
     }
 
     #[test]

@@ -23,7 +23,7 @@ fn compare_with_table(wanted: impl Fn(usize) -> bool) {
         let points = surface.rows * surface.cols;
         if wanted(points) {
             let map = surface.map();
-            let contact = RoughContact::new(&map, MODULUS_PA).unwrap();
+            let contact = RoughContact::new(&map, MODULUS_PA, &Unwatched).unwrap();
             let pressure_pa = row[5].parse::<f64>().unwrap() * 1e6;
             let state = contact.solve(pressure_pa, &SolveOptions::default(), &Unwatched).unwrap();
             let pixels = (state.area.fraction * points as f64).round() as usize;
@@ -47,7 +47,7 @@ fn validation_surfaces_of_any_size_touch_as_by_other_codes() {
 
 /// Asserts the conditions of contact; the minimum of this convex problem is unique.
 fn assert_contact(map: &HeightMap, pressure_pa: f64, name: &str) {
-    let contact = RoughContact::new(map, MODULUS_PA).unwrap();
+    let contact = RoughContact::new(map, MODULUS_PA, &Unwatched).unwrap();
     let state = contact.solve(pressure_pa, &SolveOptions::default(), &Unwatched).unwrap();
     let points = state.pressure_pa.len() as f64;
     assert!(state.pressure_pa.iter().all(|&p| p >= 0.0) && state.gap_m.iter().all(|&g| g >= 0.0), "{name}");
@@ -82,7 +82,7 @@ fn random_surfaces_of_any_size_end_in_contact() {
         let surface = Surface { kind, rows: side(0), cols: side(1), aspect, seed: case };
         let map = surface.map();
         if map.sq_m() > 0.0 {
-            let full_pa = RoughContact::new(&map, MODULUS_PA).unwrap().full_contact_pressure_pa();
+            let full_pa = RoughContact::new(&map, MODULUS_PA, &Unwatched).unwrap().full_contact_pressure_pa();
             let share = 10f64.powf(-4.0 * uniform(3).powi(2));
             assert_contact(&map, share * full_pa, &format!("{surface:?} at {share} p*"));
         }
@@ -109,7 +109,7 @@ fn degenerate_surfaces_end_in_contact() {
         ("one spike", changed(tiny, &|n, h| if n == 9 { h + 3e-9 } else { h })),
     ];
     for (name, map) in &maps {
-        let full_pa = RoughContact::new(map, MODULUS_PA).unwrap().full_contact_pressure_pa();
+        let full_pa = RoughContact::new(map, MODULUS_PA, &Unwatched).unwrap().full_contact_pressure_pa();
         for share in [1e-4, 6e-4, 1e-2, 0.3, 0.9] {
             assert_contact(map, share * full_pa, &format!("{name} at {share} p*"));
         }

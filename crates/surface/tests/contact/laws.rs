@@ -9,7 +9,7 @@ use slipgrid_surface::contact::{
 use slipgrid_surface::topography::{HeightMap, MapError, SelfAffine};
 
 fn solve(map: &HeightMap, pressure_pa: f64) -> ContactState {
-    let contact = RoughContact::new(map, MODULUS_PA).unwrap();
+    let contact = RoughContact::new(map, MODULUS_PA, &Unwatched).unwrap();
     contact.solve(pressure_pa, &SolveOptions::default(), &Unwatched).unwrap()
 }
 
@@ -83,7 +83,7 @@ fn height_scales_like_inverse_pressure() {
     let higher = solve(&map.scaled(4.0).unwrap(), 4e6);
     assert_eq!(reference.area, higher.area);
     assert!(reference.pressure_pa.iter().zip(&higher.pressure_pa).all(|(a, b)| 4.0 * a == *b));
-    let stiffer = RoughContact::new(&map, 8.0 * MODULUS_PA).unwrap();
+    let stiffer = RoughContact::new(&map, 8.0 * MODULUS_PA, &Unwatched).unwrap();
     assert_eq!(stiffer.solve(8e6, &SolveOptions::default(), &Unwatched).unwrap().area, reference.area);
     let other = solve(&map.scaled(3.7).unwrap(), 3.7e6);
     assert!((other.area.fraction - reference.area.fraction).abs() < 1e-12);
@@ -92,7 +92,7 @@ fn height_scales_like_inverse_pressure() {
 #[test]
 fn from_full_contact_pressure_on_all_is_in_contact() {
     let map = self_affine(64);
-    let contact = RoughContact::new(&map, MODULUS_PA).unwrap();
+    let contact = RoughContact::new(&map, MODULUS_PA, &Unwatched).unwrap();
     let full_pa = contact.full_contact_pressure_pa();
     let at = |pressure_pa| contact.solve(pressure_pa, &SolveOptions::default(), &Unwatched).unwrap();
     for pressure_pa in [full_pa, 1.5 * full_pa, 1e15] {
@@ -115,7 +115,7 @@ fn from_full_contact_pressure_on_all_is_in_contact() {
 #[test]
 fn near_full_contact_few_iterations_are_left() {
     let map = self_affine(128);
-    let contact = RoughContact::new(&map, MODULUS_PA).unwrap();
+    let contact = RoughContact::new(&map, MODULUS_PA, &Unwatched).unwrap();
     let iterations = |share: f64| {
         let pressure_pa = share * contact.full_contact_pressure_pa();
         contact.solve(pressure_pa, &SolveOptions::default(), &Unwatched).unwrap().convergence.iterations
@@ -167,7 +167,7 @@ fn steps_that_overshoot_are_taken_back() {
     for (rows, cols, dy_m) in [(128, 128, 1e-6), (96, 160, 1e-6), (128, 64, 4e-6)] {
         let heights = (0..rows * cols).map(|n| 3e-7 * noise(n)).collect();
         let map = HeightMap::new(rows, cols, 1e-6, dy_m, heights).unwrap();
-        let contact = RoughContact::new(&map, MODULUS_PA).unwrap();
+        let contact = RoughContact::new(&map, MODULUS_PA, &Unwatched).unwrap();
         for share in [0.01, 0.05, 0.1, 0.15, 0.2, 0.3, 0.5, 0.8] {
             let pressure_pa = share * contact.full_contact_pressure_pa();
             let convergence = contact.solve(pressure_pa, &SolveOptions::default(), &Unwatched).unwrap().convergence;
@@ -180,7 +180,7 @@ fn steps_that_overshoot_are_taken_back() {
 #[test]
 fn an_iteration_takes_one_pair_of_transforms() {
     let map = self_affine(256);
-    let contact = RoughContact::new(&map, MODULUS_PA).unwrap();
+    let contact = RoughContact::new(&map, MODULUS_PA, &Unwatched).unwrap();
     for share in [0.01, 0.1, 0.3, 0.7] {
         let pressure_pa = share * contact.full_contact_pressure_pa();
         let found = contact.solve(pressure_pa, &SolveOptions::default(), &Unwatched).unwrap().convergence;
@@ -203,11 +203,11 @@ fn no_load_and_no_roughness_are_known_without_iterations() {
 #[test]
 fn absurd_input_is_refused_or_solved_but_never_breaks() {
     let map = self_affine(64);
-    let contact = RoughContact::new(&map, MODULUS_PA).unwrap();
+    let contact = RoughContact::new(&map, MODULUS_PA, &Unwatched).unwrap();
     for bad in [-1.0, f64::NAN, f64::INFINITY, 1e300] {
         let refused = contact.solve(bad, &SolveOptions::default(), &Unwatched).unwrap_err().to_string();
         assert!(refused.contains("expected a pressure from 0"), "{refused}");
-        assert!(RoughContact::new(&map, bad).is_err());
+        assert!(RoughContact::new(&map, bad, &Unwatched).is_err());
     }
     for tolerance in [0.0, f64::NAN, 2.0] {
         let options = SolveOptions { tolerance, ..SolveOptions::default() };
@@ -216,7 +216,12 @@ fn absurd_input_is_refused_or_solved_but_never_breaks() {
     let mut heights = map.heights_m().to_vec();
     heights[17] = f64::NAN;
     let holed = HeightMap::new(64, 64, 1e-6, 1e-6, heights).unwrap();
-    assert!(RoughContact::new(&holed, MODULUS_PA).unwrap_err().to_string().contains("1 of 4096 heights are missing"));
+    assert!(
+        RoughContact::new(&holed, MODULUS_PA, &Unwatched)
+            .unwrap_err()
+            .to_string()
+            .contains("1 of 4096 heights are missing")
+    );
     assert!(area_curve(&map, MODULUS_PA, &[], &SolveOptions::default(), &Unwatched).unwrap().points.is_empty());
     // Tiny, huge and spiky heights, and the smallest possible map.
     for scale in [1e-200, 1e-20, 1e6] {
@@ -234,7 +239,7 @@ fn absurd_input_is_refused_or_solved_but_never_breaks() {
 #[test]
 fn what_does_not_converge_is_refused() {
     let map = self_affine(128);
-    let contact = RoughContact::new(&map, MODULUS_PA).unwrap();
+    let contact = RoughContact::new(&map, MODULUS_PA, &Unwatched).unwrap();
     let with = |max_iterations, tolerance| {
         let options = SolveOptions { max_iterations, tolerance };
         let curve = area_curve(&map, MODULUS_PA, &[0.5e6, 1e6], &options, &Unwatched)

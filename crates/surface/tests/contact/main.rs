@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a test that unwraps in vain fails, as it should")]
 
 mod any_surface;
+mod closed_form;
 mod common;
 mod convergence;
 mod laws;

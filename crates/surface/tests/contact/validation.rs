@@ -1,7 +1,8 @@
 //! Validation against independent results: closed forms, and tables computed with Tamaas.
 
+use crate::closed_form::{CrossedWaves, Hertz, Wave};
 use crate::common::{MODULUS_PA, SIDE_M, crossed_waves, rows, self_affine, square, wave};
-use slipgrid_surface::contact::closed_form::{CrossedWaves, Hertz, Wave, persson_area_fraction};
+use slipgrid_surface::contact::closed_form::persson_area_fraction;
 use slipgrid_surface::contact::{ContactState, RoughContact, SolveOptions, Unwatched, area_curve};
 use slipgrid_surface::topography::HeightMap;
 
@@ -9,7 +10,7 @@ const AREA_CURVES: &str = include_str!("reference/area_curves.csv");
 const SMOOTH_SHAPES: &str = include_str!("reference/smooth_shapes.csv");
 
 fn solve(map: &HeightMap, pressure_pa: f64) -> ContactState {
-    let contact = RoughContact::new(map, MODULUS_PA).unwrap();
+    let contact = RoughContact::new(map, MODULUS_PA, &Unwatched).unwrap();
     contact.solve(pressure_pa, &SolveOptions::default(), &Unwatched).unwrap()
 }
 
@@ -58,9 +59,9 @@ fn validation_smooth_shapes() {
         let number = |field: usize| row[field].parse::<f64>().unwrap();
         let (map, pressure_pa) = match row[0] {
             "hertz_periodic" => (paraboloid(n), number(2) / (SIDE_M * SIDE_M)),
-            "wave1" => (wave(n), number(2) * Wave::new(1e-6, SIDE_M, MODULUS_PA).unwrap().full_contact_pressure_pa()),
+            "wave1" => (wave(n), number(2) * Wave::new(1e-6, SIDE_M, MODULUS_PA).full_contact_pressure_pa()),
             _ => {
-                let waves = CrossedWaves::new(1e-6, SIDE_M, MODULUS_PA).unwrap();
+                let waves = CrossedWaves::new(1e-6, SIDE_M, MODULUS_PA);
                 (crossed_waves(n), number(2) * waves.full_contact_pressure_pa())
             }
         };
@@ -78,7 +79,7 @@ fn paraboloid(n: usize) -> HeightMap {
 
 #[test]
 fn validation_hertz() {
-    let hertz = Hertz::new(0.01, 0.057, MODULUS_PA).unwrap();
+    let hertz = Hertz::new(0.01, 0.057, MODULUS_PA);
     let state = solve(&paraboloid(256), 0.057 / (SIDE_M * SIDE_M));
     // Periodic images raise the peak by 1.3e-3; the program that made the table shows the same deviation.
     assert!((peak_pa(&state) / hertz.peak_pressure_pa() - 1.0).abs() < 2e-3);
@@ -88,7 +89,7 @@ fn validation_hertz() {
 
 /// Relative L2 distance between the computed pressure under a wave and Westergaard's solution.
 fn wave_error(n: usize, share: f64) -> f64 {
-    let exact = Wave::new(1e-6, SIDE_M, MODULUS_PA).unwrap();
+    let exact = Wave::new(1e-6, SIDE_M, MODULUS_PA);
     let nominal_pa = share * exact.full_contact_pressure_pa();
     let heights = (0..n * 2).map(|k| 1e-6 * (std::f64::consts::TAU * (k / 2) as f64 / n as f64).cos()).collect();
     let pixel_m = SIDE_M / n as f64;
@@ -119,7 +120,7 @@ fn validation_pressure_under_a_wave_converges_at_order_one() {
 
 #[test]
 fn validation_width_under_a_wave() {
-    let exact = Wave::new(1e-6, SIDE_M, MODULUS_PA).unwrap();
+    let exact = Wave::new(1e-6, SIDE_M, MODULUS_PA);
     for share in [0.1, 0.3, 0.6, 0.9] {
         let nominal_pa = share * exact.full_contact_pressure_pa();
         let area = solve(&wave(512), nominal_pa).area.fraction_corrected;
@@ -130,7 +131,7 @@ fn validation_width_under_a_wave() {
 #[test]
 fn validation_light_loads_lie_between_persson_and_bush() {
     let (map, pressure_pa) = (self_affine(256), 0.1e6);
-    let slope = map.rms_slope_spectral().unwrap();
+    let slope = map.rms_slope_spectral(&Unwatched).unwrap();
     let kappa = solve(&map, pressure_pa).area.fraction_corrected * MODULUS_PA * slope / pressure_pa;
     // sqrt(8/pi) by Persson, sqrt(2 pi) by Bush, Gibson and Thomas; numerical results are 2.1 to 2.3.
     assert!((2.1..2.3).contains(&kappa), "{kappa}");

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use serde_json::Value;
 use slipgrid_base::monitor::Unwatched;
-use slipgrid_surface::topography::{CORRELATION_THRESHOLD, HeightMap, MaterialRatioCurve, Sides};
+use slipgrid_surface::topography::{HeightMap, MaterialRatioCurve, Sides};
 
 const LINES: usize = 96;
 const POINTS: usize = 120;
@@ -68,7 +68,7 @@ fn validation_functional_and_spatial_parameters_beside_surfalize() {
     let expected = reference();
     for (name, map) in surfaces {
         let core = MaterialRatioCurve::new(&map, &Unwatched).unwrap().core();
-        let lengths = map.correlation_lengths(CORRELATION_THRESHOLD, Sides::Open, &Unwatched).unwrap();
+        let lengths = map.correlation_lengths(Sides::Open, &Unwatched).unwrap();
         let found = [map.sq_m() * 1e6, core.sk_m * 1e6, core.spk_m * 1e6, core.svk_m * 1e6].into_iter().chain([
             core.smr1 * 100.0,
             core.smr2 * 100.0,

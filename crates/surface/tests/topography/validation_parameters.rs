@@ -2,9 +2,7 @@
 
 use serde_json::Value;
 use slipgrid_base::monitor::Unwatched;
-use slipgrid_surface::topography::{
-    CORRELATION_THRESHOLD, HeightMap, LengthUnit, MaterialRatioCurve, ReadOptions, Sides, SpectrumWindow, read_map,
-};
+use slipgrid_surface::topography::{HeightMap, LengthUnit, MaterialRatioCurve, ReadOptions, Sides, read_map};
 
 fn reference() -> (HeightMap, Value) {
     let folder = std::path::Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/topography/reference"));
@@ -22,7 +20,7 @@ fn validation_iso_parameters_beside_surfalize() {
     let (map, expected) = reference();
     let heights = map.height_parameters(&Unwatched).unwrap();
     let core = MaterialRatioCurve::new(&map, &Unwatched).unwrap().core();
-    let lengths = map.correlation_lengths(CORRELATION_THRESHOLD, Sides::Open, &Unwatched).unwrap();
+    let lengths = map.correlation_lengths(Sides::Open, &Unwatched).unwrap();
     // Allowed relative differences: rounding where both compute the same sum. The core's line is fitted to the same
     // classes, but fractions above and below are counted here and interpolated in surfalize, which also omits the last
     // class of the areas beyond the core; with the whole area it agrees. surfalize finds decay lengths at the nearest
@@ -57,7 +55,7 @@ fn validation_power_spectrum_beside_surface_topography() {
     let (map, expected) = reference();
     let list = |value: &Value| value.as_array().unwrap().iter().map(|v| v.as_f64().unwrap()).collect::<Vec<f64>>();
     let edges: Vec<f64> = list(&expected["edges_per_um"]).iter().map(|edge| edge * 1e6).collect();
-    for (name, window) in [("none", SpectrumWindow::None), ("hann", SpectrumWindow::Hann)] {
+    for (name, window) in [("none", Sides::Periodic), ("hann", Sides::Open)] {
         let reference = list(&expected["spectrum_um4"][name]);
         let bins = map.radial_spectrum_between(&edges, window, &Unwatched).unwrap();
         assert_eq!(bins.len(), reference.len());

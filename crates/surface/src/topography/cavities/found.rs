@@ -58,7 +58,7 @@ impl Found {
         monitor.heed()?;
         // Edges need a complete map, because instruments lose steep walls first.
         let mut filled = HeightMap::new(map.rows(), map.cols(), pixel_m[0], pixel_m[1], land.height_m.clone())?;
-        filled.fill_watched(monitor);
+        filled.fill_missing(monitor);
         monitor.heed()?;
         let filled_m = filled.heights_m().to_vec();
         monitor.heed()?;

@@ -61,7 +61,7 @@ pub struct EdgeHeight {
 }
 
 /// Rims of all cavities.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct RimMetrology {
     /// Maximum height of the rim above the land, in metres, averaged over the edges of all cavities, including segments
     /// without a rim.
@@ -306,14 +306,9 @@ pub(super) fn measure(
             .collect()
     };
     let nothing = RimMetrology {
-        height_m: None,
-        height_std_m: None,
-        side_std_m: None,
-        width_m: None,
-        profile: None,
-        share_of_edge: None,
         start_m: scene.start_m,
         edge_profile: edge_profile(profile.mean_m.last().copied().unwrap_or(0.0)),
+        ..RimMetrology::default()
     };
     if profile.bins.len() < MIN_BINS || profile.stretches.len() < MIN_STRETCHES {
         return Ok((nothing, BTreeMap::new()));

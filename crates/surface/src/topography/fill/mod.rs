@@ -8,7 +8,7 @@
 mod multigrid;
 
 use multigrid::{Level, Multigrid, NONE};
-use slipgrid_base::monitor::{Monitor, Unwatched};
+use slipgrid_base::monitor::Monitor;
 
 use crate::topography::HeightMap;
 
@@ -94,13 +94,9 @@ impl Holes {
 
 impl HeightMap {
     /// Fills missing points with the harmonic surface through the surrounding points; all other heights stay as they
-    /// are. At the map's sides the surface has zero normal slope.
-    pub fn fill_missing(&mut self) -> Filling {
-        self.fill_watched(&Unwatched)
-    }
-
-    /// Like [`Self::fill_missing`], but ends once `monitor` cancels; the filled heights must then not be used.
-    pub(crate) fn fill_watched(&mut self, monitor: &dyn Monitor) -> Filling {
+    /// are. At the map's sides the surface has zero normal slope. Ends once `monitor` cancels; the filled heights must
+    /// then not be used.
+    pub fn fill_missing(&mut self, monitor: &dyn Monitor) -> Filling {
         // The indices fit in a u32: a map has at most 2^26 points.
         let missing: Vec<u32> =
             self.heights_m().iter().enumerate().filter(|(_, h)| h.is_nan()).map(|(n, _)| n as u32).collect();
@@ -171,6 +167,7 @@ fn solve(holes: &mut Holes, height: &[f64], mean_m: f64, monitor: &dyn Monitor) 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use slipgrid_base::monitor::Unwatched;
 
     #[test]
     fn a_harmonic_surface_is_restored_exactly() {
@@ -182,7 +179,7 @@ mod tests {
         let hole = |n: usize| (5..15).contains(&(n / 30)) && (10..28).contains(&(n % 30)) || n == 35;
         let heights = (0..600).map(|n| if hole(n) { f64::NAN } else { height(n) }).collect();
         let mut map = HeightMap::new(20, 30, 1e-6, 3e-6, heights).unwrap();
-        let filling = map.fill_missing();
+        let filling = map.fill_missing(&Unwatched);
         assert!(filling.converged && filling.points == 181 && filling.iterations < 100, "{filling:?}");
         assert_eq!(map.missing(), 0);
         for (n, &h) in map.heights_m().iter().enumerate() {
@@ -198,7 +195,7 @@ mod tests {
         heights[777] = 2e-6;
         heights[1999] = 0.5e-6;
         let mut map = HeightMap::new(40, 50, 1e-6, 1e-6, heights).unwrap();
-        let filling = map.fill_missing();
+        let filling = map.fill_missing(&Unwatched);
         assert!(filling.converged, "{filling:?}");
         assert!(map.heights_m().iter().all(|h| (-1e-6 - 1e-14..=2e-6 + 1e-14).contains(h)));
         assert_eq!(map.heights_m()[777], 2e-6);
@@ -207,9 +204,9 @@ mod tests {
     #[test]
     fn constant_heights_and_complete_maps_need_no_work() {
         let mut map = HeightMap::new(2, 2, 1e-6, 1e-6, vec![3e-6, f64::NAN, 3e-6, 3e-6]).unwrap();
-        assert_eq!(map.fill_missing().iterations, 0);
+        assert_eq!(map.fill_missing(&Unwatched).iterations, 0);
         assert_eq!(map.heights_m(), [3e-6; 4]);
-        assert_eq!(map.fill_missing(), Filling { points: 0, iterations: 0, residual: 0.0, converged: true });
+        assert_eq!(map.fill_missing(&Unwatched), Filling { points: 0, iterations: 0, residual: 0.0, converged: true });
     }
 
     /// Gauss-Seidel sweeps until the heights no longer change: slow, but independent of the solver tested.
@@ -270,7 +267,7 @@ mod tests {
         for (shape, dy_m) in shapes.into_iter().zip([1e-6, 0.5e-6, 2.5e-6, 1e-6]) {
             let mut map = holed(61, dy_m, shape);
             let expected = gauss_seidel_reference(&map);
-            let filling = map.fill_missing();
+            let filling = map.fill_missing(&Unwatched);
             assert!(filling.converged && filling.residual <= TOLERANCE, "{filling:?}");
             for (found, expected) in map.heights_m().iter().zip(expected) {
                 assert!((found - expected).abs() < 1e-14, "{found} {expected}");
@@ -292,7 +289,7 @@ mod tests {
             if inner < r && r < outer { f64::NAN } else { 1e-6 * h.max(-1.0) }
         });
         let mut map = HeightMap::new(side, side, 1e-6, 1e-6, heights.collect()).unwrap();
-        let filling = map.fill_missing();
+        let filling = map.fill_missing(&Unwatched);
         assert!(filling.converged, "{filling:?}");
         for (n, height) in map.heights_m().iter().enumerate() {
             assert!((height * 1e6 - exact(n).1.max(-1.0)).abs() < 1e-3, "{:?}: {height}", exact(n));
@@ -302,11 +299,11 @@ mod tests {
     #[test]
     fn the_work_does_not_grow_with_the_holes() {
         for (side, dy_m) in [(64, 1e-6), (256, 1e-6), (768, 1e-6), (256, 3e-6)] {
-            let filling = holed(side, dy_m, |u, v, _| u.hypot(v) > 0.5).fill_missing();
+            let filling = holed(side, dy_m, |u, v, _| u.hypot(v) > 0.5).fill_missing(&Unwatched);
             // Conjugate gradients without multigrid take 150, 600 and 1800 iterations.
             assert!(filling.converged && filling.iterations <= 30, "{side}: {filling:?}");
         }
-        let filling = holed(512, 1e-6, |_, _, noise| noise > 0.06).fill_missing();
+        let filling = holed(512, 1e-6, |_, _, noise| noise > 0.06).fill_missing(&Unwatched);
         assert!(filling.converged && filling.iterations <= 30, "{filling:?}");
     }
 }

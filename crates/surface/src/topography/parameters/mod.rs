@@ -8,10 +8,10 @@ mod spectrum;
 
 pub use height::HeightParameters;
 pub use material_ratio::{CoreParameters, MaterialRatioCurve};
-pub use spatial::{CORRELATION_THRESHOLD, CorrelationLengths, Sides};
-pub use spectrum::{LIMITED_BY_PIXELS, ShortWaves, SpectrumBin, SpectrumWindow};
+pub use spatial::{CorrelationLengths, Sides};
+pub use spectrum::{LIMITED_BY_PIXELS, ShortWaves, SpectrumBin};
 
-use slipgrid_base::monitor::{Monitor, Unwatched};
+use slipgrid_base::monitor::Monitor;
 
 use crate::topography::fourier::Fourier;
 use crate::topography::{HeightMap, MapError};
@@ -44,16 +44,8 @@ impl HeightMap {
     /// coefficients. This is h'rms of contact theories, and exact for a band-limited map.
     ///
     /// # Errors
-    /// [`MapError::MissingPoints`] unless the map is complete.
-    pub fn rms_slope_spectral(&self) -> Result<f64, MapError> {
-        self.rms_slope_watched(&Unwatched)
-    }
-
-    /// Like [`Self::rms_slope_spectral`], but ends once `monitor` cancels.
-    ///
-    /// # Errors
-    /// The errors of [`Self::rms_slope_spectral`], and [`MapError::Cancelled`].
-    pub fn rms_slope_watched(&self, monitor: &dyn Monitor) -> Result<f64, MapError> {
+    /// [`MapError::MissingPoints`] unless the map is complete; [`MapError::Cancelled`] once `monitor` cancels.
+    pub fn rms_slope_spectral(&self, monitor: &dyn Monitor) -> Result<f64, MapError> {
         self.require_complete()?;
         let mean_m = self.mean_m();
         monitor.heed()?;
@@ -110,6 +102,7 @@ mod tests {
     use std::f64::consts::{PI, TAU};
 
     use super::*;
+    use slipgrid_base::monitor::Unwatched;
 
     /// amplitude cos(2 pi 3 x / Lx) on 64 x 40 pixels of 1 um x 2 um.
     fn wave(amplitude_m: f64) -> HeightMap {
@@ -124,7 +117,7 @@ mod tests {
         assert!((map.sa_m() - 2e-6 / PI).abs() < 2e-9);
         assert!((map.sq_m() - 1e-6 / 2f64.sqrt()).abs() < 1e-15);
         let slope = TAU * 3.0 / 64e-6 * 1e-6 / 2f64.sqrt();
-        assert!((map.rms_slope_spectral().unwrap() / slope - 1.0).abs() < 1e-12);
+        assert!((map.rms_slope_spectral(&Unwatched).unwrap() / slope - 1.0).abs() < 1e-12);
         // Forward differences replace q by (2/dx) sin(q dx/2), 0.36 % less here. The 63 steps inside the map are not a
         // whole number of periods, which changes the mean square by up to 1/63.
         let seen = (TAU * 1.5 / 64.0).sin() / (TAU * 1.5 / 64.0);
@@ -135,11 +128,14 @@ mod tests {
     fn a_flat_map_has_no_roughness_and_a_hole_no_spectrum() {
         let flat = HeightMap::new(4, 4, 1e-6, 1e-6, vec![5e-6; 16]).unwrap();
         assert_eq!((flat.sa_m(), flat.sq_m()), (0.0, 0.0));
-        assert_eq!((flat.rms_slope_spectral(), flat.rms_slope_finite_difference()), (Ok(0.0), 0.0));
+        assert_eq!((flat.rms_slope_spectral(&Unwatched), flat.rms_slope_finite_difference()), (Ok(0.0), 0.0));
         let mut heights = vec![1e-6; 16];
         heights[3] = f64::NAN;
         let holed = HeightMap::new(4, 4, 1e-6, 1e-6, heights).unwrap();
         assert_eq!(holed.sq_m(), 0.0);
-        assert!(matches!(holed.rms_slope_spectral(), Err(MapError::MissingPoints { missing: 1, points: 16 })));
+        assert!(matches!(
+            holed.rms_slope_spectral(&Unwatched),
+            Err(MapError::MissingPoints { missing: 1, points: 16 })
+        ));
     }
 }

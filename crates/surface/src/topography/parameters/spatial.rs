@@ -32,7 +32,7 @@ pub struct CorrelationLengths {
 }
 
 /// Threshold of ISO 25178-3.
-pub const CORRELATION_THRESHOLD: f64 = 0.2;
+const CORRELATION_THRESHOLD: f64 = 0.2;
 
 /// Continuation of the map past its sides.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -45,52 +45,34 @@ pub enum Sides {
 }
 
 impl HeightMap {
-    /// Sal and Str at `threshold` times the autocorrelation at zero distance. With open sides each product is averaged
-    /// over the overlapping points (the unbiased estimate).
+    /// Sal and Str at 0.2 times the autocorrelation at zero distance. With open sides each product
+    /// is averaged over the overlapping points (the unbiased estimate).
     ///
     /// # Errors
-    /// [`MapError::MissingPoints`] unless the map is complete; [`MapError::OutOfRange`] unless the threshold lies
-    /// between 0 and 1; [`MapError::Cancelled`] once `monitor` has cancelled.
-    pub fn correlation_lengths(
-        &self,
-        threshold: f64,
-        sides: Sides,
-        monitor: &dyn Monitor,
-    ) -> Result<CorrelationLengths, MapError> {
+    /// [`MapError::MissingPoints`] unless the map is complete; [`MapError::Cancelled`] once `monitor` has cancelled.
+    pub fn correlation_lengths(&self, sides: Sides, monitor: &dyn Monitor) -> Result<CorrelationLengths, MapError> {
         self.require_complete()?;
-        if !(threshold > 0.0 && threshold < 1.0) {
-            return Err(MapError::OutOfRange {
-                quantity: "autocorrelation threshold",
-                value: threshold,
-                expected: "a number between 0 and 1",
-            });
-        }
         let block = (1..).find(|block| self.heights_m().len() / (block * block) <= MAX_CORRELATED).unwrap_or(1);
         if block == 1 {
-            return lengths(self, (threshold, sides), 1, monitor);
+            return lengths(self, sides, 1, monitor);
         }
         let decimation = Some(Decimation { factor: block, method: DecimationMethod::Mean });
         match self.windowed(None, decimation) {
-            Ok(coarse) => lengths(&coarse, (threshold, sides), block, monitor),
+            Ok(coarse) => lengths(&coarse, sides, block, monitor),
             // The map exceeds the limit but has only a few rows or columns.
-            Err(_) => lengths(self, (threshold, sides), 1, monitor),
+            Err(_) => lengths(self, sides, 1, monitor),
         }
     }
 }
 
-fn lengths(
-    map: &HeightMap,
-    (threshold, sides): (f64, Sides),
-    block: usize,
-    monitor: &dyn Monitor,
-) -> Result<CorrelationLengths, MapError> {
+fn lengths(map: &HeightMap, sides: Sides, block: usize, monitor: &dyn Monitor) -> Result<CorrelationLengths, MapError> {
     monitor.heed()?;
     let none = CorrelationLengths { sal_m: None, slowest_m: None, str_ratio: None, fastest_deg: None, block };
     let correlation = Correlation::new(map, sides, monitor)?;
     if correlation.value(0, 0) <= 0.0 {
         return Ok(none);
     }
-    let level = threshold * correlation.value(0, 0);
+    let level = CORRELATION_THRESHOLD * correlation.value(0, 0);
     let (mut fastest, mut slowest) = (None::<(f64, f64)>, Some(0.0_f64));
     for direction in 0..DIRECTIONS {
         monitor.heed()?;
@@ -233,11 +215,11 @@ mod tests {
     fn a_wave_decays_as_its_cosine_and_never_along_its_crests() {
         let map = map(|x, _| (TAU * x / 40e-6).cos());
         let exact = 0.2_f64.acos() / TAU * 40e-6;
-        let found = map.correlation_lengths(CORRELATION_THRESHOLD, Sides::Periodic, &Unwatched).unwrap();
+        let found = map.correlation_lengths(Sides::Periodic, &Unwatched).unwrap();
         assert!((found.sal_m.unwrap() / exact - 1.0).abs() < 1e-4, "{found:?}");
         assert_eq!((found.slowest_m, found.str_ratio, found.fastest_deg), (None, None, Some(0.0)));
         // Six periods on an open map; the overlap is not a whole number of periods.
-        let open = map.correlation_lengths(CORRELATION_THRESHOLD, Sides::Open, &Unwatched).unwrap();
+        let open = map.correlation_lengths(Sides::Open, &Unwatched).unwrap();
         assert!((open.sal_m.unwrap() / exact - 1.0).abs() < 0.02, "{open:?}");
     }
 
@@ -247,7 +229,7 @@ mod tests {
         // t from an axis the distance changes by (t^2/2)(a - (q'/q)^2 a^2/sin a)/q with a = acos(-0.6): the x axis is a
         // minimum, the y axis a maximum.
         let map = map(|x, y| (TAU * x / 30e-6).cos() + (TAU * y / 60e-6).cos());
-        let found = map.correlation_lengths(CORRELATION_THRESHOLD, Sides::Periodic, &Unwatched).unwrap();
+        let found = map.correlation_lengths(Sides::Periodic, &Unwatched).unwrap();
         let least = (-0.6_f64).acos() / TAU * 30e-6;
         assert!((found.sal_m.unwrap() / least - 1.0).abs() < 1e-3, "{found:?} {least}");
         assert!((found.slowest_m.unwrap() / (2.0 * least) - 1.0).abs() < 1e-3, "{found:?}");
@@ -261,7 +243,7 @@ mod tests {
         let lengths = |scale: f64, height: f64| {
             let heights = heights.iter().map(|h| h * height).collect();
             let map = HeightMap::new(240, 180, scale * 1e-6, scale * 2e-6, heights).unwrap();
-            map.correlation_lengths(CORRELATION_THRESHOLD, Sides::Open, &Unwatched).unwrap()
+            map.correlation_lengths(Sides::Open, &Unwatched).unwrap()
         };
         let (one, other) = (lengths(1.0, 1.0), lengths(3.0, 1e-3));
         assert!((other.sal_m.unwrap() / one.sal_m.unwrap() - 3.0).abs() < 1e-9);
@@ -269,13 +251,10 @@ mod tests {
     }
 
     #[test]
-    fn flat_maps_have_no_length_and_thresholds_have_a_range() {
+    fn flat_maps_have_no_length() {
         let flat = map(|_, _| 1.0);
-        let found = flat.correlation_lengths(0.2, Sides::Open, &Unwatched).unwrap();
+        let found = flat.correlation_lengths(Sides::Open, &Unwatched).unwrap();
         assert_eq!((found.sal_m, found.str_ratio), (None, None));
-        for bad in [0.0, 1.0, f64::NAN] {
-            assert!(flat.correlation_lengths(bad, Sides::Open, &Unwatched).is_err());
-        }
     }
 
     #[test]

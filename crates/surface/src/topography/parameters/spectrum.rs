@@ -12,25 +12,11 @@ use std::f64::consts::{PI, TAU};
 use slipgrid_base::monitor::{Cancelled, Monitor};
 
 use crate::topography::fourier::Fourier;
-use crate::topography::{HeightMap, MapError};
-
-/// Treatment of the step between opposite sides of a map.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum SpectrumWindow {
-    /// None: the map is one period.
-    #[default]
-    None,
-    /// Heights are multiplied by (1 + cos(pi r/R))/2 within the largest circle in the map, scaled to mean square 1.
-    Hann,
-}
+use crate::topography::{HeightMap, MapError, Sides};
 
 /// Spectrum in a ring of wave vectors.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SpectrumBin {
-    /// Lower end of the ring, in rad/m.
-    pub from_per_m: f64,
-    /// Upper end of the ring, in rad/m.
-    pub to_per_m: f64,
     /// Mean of |q| over the waves in the ring, in rad/m.
     pub q_per_m: f64,
     /// Mean of C over the waves in the ring, in m^4.
@@ -58,18 +44,19 @@ const BINS_PER_DECADE: f64 = 10.0;
 
 impl HeightMap {
     /// Spectrum in ten rings per decade, from the longest wave of the map to the shortest that both axes resolve; rings
-    /// without waves are omitted.
+    /// without waves are omitted. With open `sides` heights are multiplied by (1 + cos(pi r/R))/2 within the largest
+    /// circle in the map, scaled to mean square 1 (Hann's window).
     ///
     /// # Errors
     /// [`MapError::MissingPoints`] unless the map is complete; [`MapError::Cancelled`] once `monitor` has cancelled.
-    pub fn radial_spectrum(&self, window: SpectrumWindow, monitor: &dyn Monitor) -> Result<Vec<SpectrumBin>, MapError> {
+    pub fn radial_spectrum(&self, sides: Sides, monitor: &dyn Monitor) -> Result<Vec<SpectrumBin>, MapError> {
         let longest = TAU / (self.rows() as f64 * self.dx_m()).max(self.cols() as f64 * self.dy_m());
         let shortest = PI / self.dx_m().max(self.dy_m());
         // The longest wave lies in the middle of the first ring, the shortest in the last ring.
         let first = longest.log10() - 0.5 / BINS_PER_DECADE;
         let count = ((shortest.log10() - first) * BINS_PER_DECADE).max(0.0).ceil();
         let edges: Vec<f64> = (0..=count as usize).map(|n| 10_f64.powf(first + n as f64 / BINS_PER_DECADE)).collect();
-        self.radial_spectrum_between(&edges, window, monitor)
+        self.radial_spectrum_between(&edges, sides, monitor)
     }
 
     /// Fraction of the squared slope in waves that are short relative to the map's pixels, with the whole spectrum of
@@ -105,7 +92,7 @@ impl HeightMap {
     pub fn radial_spectrum_between(
         &self,
         edges_per_m: &[f64],
-        window: SpectrumWindow,
+        sides: Sides,
         monitor: &dyn Monitor,
     ) -> Result<Vec<SpectrumBin>, MapError> {
         self.require_complete()?;
@@ -122,13 +109,11 @@ impl HeightMap {
         let mean_m = self.mean_m();
         monitor.heed()?;
         let mut height: Vec<f64> = self.heights_m().iter().map(|height| height - mean_m).collect();
-        if window == SpectrumWindow::Hann {
+        if sides == Sides::Open {
             fade(&mut height, [rows, cols], [dx_m, dy_m], monitor)?;
         }
-        let mut bins: Vec<SpectrumBin> = edges_per_m
-            .windows(2)
-            .map(|pair| SpectrumBin { from_per_m: pair[0], to_per_m: pair[1], q_per_m: 0.0, psd_m4: 0.0, waves: 0.0 })
-            .collect();
+        let mut bins: Vec<SpectrumBin> =
+            edges_per_m.windows(2).map(|_| SpectrumBin { q_per_m: 0.0, psd_m4: 0.0, waves: 0.0 }).collect();
         // C = (dx dy)^2 |sum|^2 / A
         let scale = dx_m * dy_m / (rows as f64 * cols as f64);
         let add = |q: f64, twins: f64, square: f64| {
@@ -207,9 +192,8 @@ mod tests {
         let height = |n: usize| 1e-6 * (TAU * 5.0 * (n / 48) as f64 / 64.0).cos();
         let map = HeightMap::new(64, 48, 1e-6, 2e-6, (0..64 * 48).map(height).collect()).unwrap();
         let q = TAU * 5.0 / 64e-6;
-        let bins = map
-            .radial_spectrum_between(&[0.5 * q, q - 1.0, q + 1.0, 2.0 * q], SpectrumWindow::None, &Unwatched)
-            .unwrap();
+        let bins =
+            map.radial_spectrum_between(&[0.5 * q, q - 1.0, q + 1.0, 2.0 * q], Sides::Periodic, &Unwatched).unwrap();
         let area = 64e-6 * 96e-6;
         let power: Vec<f64> = bins.iter().map(|bin| bin.psd_m4 * bin.waves / area).collect();
         assert!(power[0] < 1e-30 && power[2] < 1e-30, "{power:?}");
@@ -221,7 +205,7 @@ mod tests {
     fn the_rings_of_all_waves_add_up_to_the_mean_square() {
         let map = SelfAffine { pixels: 128, max_wave: 20, ..SelfAffine::STAND_IN }.map().unwrap();
         let area = (128.0 * map.dx_m()).powi(2);
-        let bins = map.radial_spectrum_between(&[1.0, 1e4, 1e5, 1e7], SpectrumWindow::None, &Unwatched).unwrap();
+        let bins = map.radial_spectrum_between(&[1.0, 1e4, 1e5, 1e7], Sides::Periodic, &Unwatched).unwrap();
         let sum: f64 = bins.iter().map(|bin| bin.psd_m4 * bin.waves / area).sum();
         assert!((sum.sqrt() / map.sq_m() - 1.0).abs() < 1e-12);
         assert_eq!(bins.iter().map(|bin| bin.waves).sum::<f64>(), 128.0 * 128.0 - 1.0);
@@ -231,9 +215,8 @@ mod tests {
     fn a_self_affine_map_shows_its_hurst_exponent() {
         // C ~ q^-2(1+H)
         let map = SelfAffine { hurst: 0.7, ..SelfAffine::STAND_IN }.map().unwrap();
-        let bins = map.radial_spectrum(SpectrumWindow::None, &Unwatched).unwrap();
-        let within: Vec<_> =
-            bins.iter().filter(|bin| bin.from_per_m > TAU * 6e3 && bin.to_per_m < TAU * 60e3).collect();
+        let bins = map.radial_spectrum(Sides::Periodic, &Unwatched).unwrap();
+        let within: Vec<_> = bins.iter().filter(|bin| bin.q_per_m > TAU * 6.5e3 && bin.q_per_m < TAU * 56e3).collect();
         let (first, last) = (within[0], within[within.len() - 1]);
         let exponent = (last.psd_m4 / first.psd_m4).ln() / (last.q_per_m / first.q_per_m).ln();
         assert!(within.len() >= 8 && (exponent + 3.4).abs() < 0.03, "{exponent}");
@@ -242,7 +225,7 @@ mod tests {
     #[test]
     fn edges_must_increase() {
         let map = HeightMap::new(2, 2, 1.0, 1.0, vec![0.0, 1.0, 0.0, 0.0]).unwrap();
-        assert!(map.radial_spectrum_between(&[1.0, 1.0], SpectrumWindow::None, &Unwatched).is_err());
-        assert!(!map.radial_spectrum(SpectrumWindow::Hann, &Unwatched).unwrap().is_empty());
+        assert!(map.radial_spectrum_between(&[1.0, 1.0], Sides::Periodic, &Unwatched).is_err());
+        assert!(!map.radial_spectrum(Sides::Open, &Unwatched).unwrap().is_empty());
     }
 }

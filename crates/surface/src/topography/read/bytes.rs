@@ -59,11 +59,17 @@ pub(crate) fn array<const N: usize>(bytes: &[u8]) -> [u8; N] {
     array
 }
 
+/// Refuses a header of `format` that is longer than in any map, `most_bytes`.
+pub(super) fn header_too_long(format: &'static str, most_bytes: usize) -> ReadError {
+    ReadError::Refused(format!("{format}: the header is longer than {most_bytes} bytes"))
+}
+
 /// Error for a source or decompression library that failed; its message may quote a hostile file.
 pub(super) fn unreadable(format: &'static str, error: &dyn std::fmt::Display) -> ReadError {
     const MAX_CHARS: usize = 160;
-    let reason = error.to_string().chars().map(|c| if c.is_control() { ' ' } else { c }).take(MAX_CHARS).collect();
-    ReadError::Unreadable { format, reason }
+    let reason: String =
+        error.to_string().chars().map(|c| if c.is_control() { ' ' } else { c }).take(MAX_CHARS).collect();
+    ReadError::Refused(format!("{format}: cannot be read: {reason}"))
 }
 
 /// Fills `buffer` as far as the source reaches.
@@ -149,7 +155,9 @@ pub(crate) fn numbers(
 pub(crate) fn at_end(source: &mut impl Read, format: &'static str) -> Result<(), ReadError> {
     match fill(source, &mut [0], format)? {
         0 => Ok(()),
-        _ => Err(ReadError::GoesOn { format }),
+        _ => Err(ReadError::Refused(format!(
+            "{format}: data go on behind the heights that the header announces: expected the file to end there"
+        ))),
     }
 }
 

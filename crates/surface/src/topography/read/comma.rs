@@ -151,7 +151,7 @@ mod tests {
         let scan = "0;0;1,5\n0;0,5;2\n0,5;0;3\n0,5;0,5;1\n";
         assert_eq!(read_map(scan.as_bytes(), &GIVEN).unwrap().map.dx_m(), 0.5e-6);
         let sides = "# Width: 0,5 mm\n# Height: 1,5 mm\n# Value units: um\n1,5;2,5\n1,5;2,5\n1,5;2,5\n1,5;2,5\n1,5;2,5\n1,5;2,5\n";
-        let map = read_map(sides.as_bytes(), &ReadOptions::NONE).unwrap().map;
+        let map = read_map(sides.as_bytes(), &ReadOptions::default()).unwrap().map;
         assert!((map.dx_m() - 0.25e-3).abs() < 1e-12 && (map.dy_m() - 0.25e-3).abs() < 1e-12);
     }
 

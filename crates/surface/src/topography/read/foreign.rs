@@ -1,13 +1,6 @@
 //! Unsupported files of instruments, recognised by their first bytes so that a message can name them.
 
-/// An unsupported file format.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Foreign {
-    /// Name of the format.
-    pub format: &'static str,
-    /// Formats to export instead.
-    pub export: &'static str,
-}
+use crate::topography::ReadError;
 
 /// Formats that Gwyddion or the instrument's software can export in most cases.
 const COMMON: &str = ".sur, .x3p, .gsf or text from the instrument's program or from Gwyddion";
@@ -15,84 +8,67 @@ const VK: &str = "the heights as CSV, or .sur, .x3p, .gsf or text from Gwyddion"
 const MX: &str = "a Zygo XYZ text from Mx, or .sur, .x3p, .gsf or text from Gwyddion";
 const VISION: &str = "ASCII (.asc) from Vision64, or .sur, .x3p, .gsf or text from Gwyddion";
 const SENSOFAR: &str = "the points as .dat from SensoVIEW, or .sur, .x3p, .gsf or text from Gwyddion";
-const MOUNTAINS: &str = "the surface alone as .sur from MountainsMap";
 const PICTURE: &str = "the heights, which a picture does not hold, as .sur, .x3p, .gsf or text";
 const PACKED: &str = "the file in it: unpack it first";
 const SHEET: &str = "the sheet with the heights as CSV";
 
-/// First bytes of unsupported files, names of their formats, and formats to export instead.
-const BEGINNINGS: [(&[u8], &str, &str); 41] = [
-    (b"AliconaImaging\0", "Alicona surface (.al3d)", COMMON),
-    (b"\x01\0Directory", "Wyko surface (.opd)", VISION),
-    (b"VCA DATA\x01\0\0\x55", "Bruker surface (.opdx)", VISION),
-    (b"\x88\x1b\x03\x6f", "Zygo MetroPro surface (.dat)", COMMON),
-    (b"\x88\x1b\x03\x70", "Zygo MetroPro surface (.dat)", COMMON),
-    (b"\x88\x1b\x03\x71", "Zygo MetroPro surface (.dat)", COMMON),
-    (b"\x89HDF\r\n\x1a\n", "HDF5 file, such as a Zygo surface (.datx)", MX),
-    (b"VK3_", "Keyence surface (.vk3)", VK),
-    (b"VK4_", "Keyence surface (.vk4)", VK),
-    (b"VK6", "Keyence surface (.vk6)", VK),
-    (b"VK7", "Keyence surface (.vk7)", VK),
-    (b"KPK0", "Keyence surface (.zon)", VK),
-    (b"GWYP", "Gwyddion document (.gwy)", ".gsf or text from Gwyddion"),
-    (b"FRTM_", "FRT MicroProf surface (.frt)", COMMON),
-    (b"\\*File list", "Bruker NanoScope image (.spm)", COMMON),
-    (b"\x01\xb0\x93\xff", "NT-MDT image (.mdt)", COMMON),
-    (b"WSxM file copyright", "WSxM image (.stp)", COMMON),
-    (b"OLYMPUSRAWFORMAT", "Olympus image (.oir)", COMMON),
-    (b"MATLAB 5.0 MAT-file", "MATLAB file (.mat)", "the heights as text, or as .npy"),
-    (b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1", "MountainsMap document (.mnt) or an Excel workbook (.xls)", MOUNTAINS),
-    (b"solid ", "STL mesh (.stl)", COMMON),
-    (b"ply\n", "PLY mesh (.ply)", COMMON),
-    (b"ply\r\n", "PLY mesh (.ply)", COMMON),
-    (b"%PDF", "PDF document", COMMON),
-    (b"\x89PNG", "PNG picture", PICTURE),
-    (b"II*\0", "TIFF picture", PICTURE),
-    (b"MM\0*", "TIFF picture", PICTURE),
-    (b"II+\0", "TIFF picture", PICTURE),
-    (b"\xff\xd8\xff", "JPEG picture", PICTURE),
-    (b"GIF8", "GIF picture", PICTURE),
-    (b"BM", "BMP picture", PICTURE),
-    (b"\x1f\x8b", "gzip archive", PACKED),
-    (b"BZh", "bzip2 archive", PACKED),
-    (b"\xfd7zXZ\0", "xz archive", PACKED),
-    (b"7z\xbc\xaf\x27\x1c", "7z archive", PACKED),
-    (b"Rar!\x1a\x07", "RAR archive", PACKED),
-    (b"PK\x05\x06", "zip archive without files", PACKED),
-    (b"<!DOCTYPE html", "HTML page", COMMON),
-    (b"<html", "HTML page", COMMON),
-    (b"<?xml", "XML document", COMMON),
-    (b"{\rtf", "RTF document", COMMON),
+/// First bytes of unsupported files, the format that each begins, and formats to export instead.
+const BEGINNINGS: [(&[&[u8]], &str, &str); 18] = [
+    (&[b"AliconaImaging\0"], "Alicona surface (.al3d)", COMMON),
+    (&[b"\x01\0Directory", b"VCA DATA\x01\0\0\x55"], "Wyko or Bruker surface (.opd, .opdx)", VISION),
+    (&[b"\x88\x1b\x03\x6f", b"\x88\x1b\x03\x70", b"\x88\x1b\x03\x71"], "Zygo MetroPro surface (.dat)", COMMON),
+    (&[b"\x89HDF\r\n\x1a\n"], "HDF5 file, such as a Zygo surface (.datx)", MX),
+    (&[b"VK3_", b"VK4_", b"VK6", b"VK7", b"KPK0"], "Keyence surface (.vk3, .vk4, .vk6, .vk7 or .zon)", VK),
+    (&[b"GWYP"], "Gwyddion document (.gwy)", ".gsf or text from Gwyddion"),
+    (&[b"FRTM_"], "FRT MicroProf surface (.frt)", COMMON),
+    (&[b"\\*File list"], "Bruker NanoScope image (.spm)", COMMON),
+    (&[b"\x01\xb0\x93\xff"], "NT-MDT image (.mdt)", COMMON),
+    (&[b"WSxM file copyright"], "WSxM image (.stp)", COMMON),
+    (&[b"OLYMPUSRAWFORMAT"], "Olympus image (.oir)", COMMON),
+    (&[b"MATLAB 5.0 MAT-file"], "MATLAB file (.mat)", "the heights as text, or as .npy"),
+    (
+        &[b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1"],
+        "MountainsMap document (.mnt) or an Excel workbook (.xls)",
+        "the surface alone as .sur from MountainsMap",
+    ),
+    (&[b"solid ", b"ply\n", b"ply\r\n"], "mesh (.stl or .ply)", COMMON),
+    (&[b"\x89PNG", b"II*\0", b"MM\0*", b"II+\0", b"\xff\xd8\xff", b"GIF8", b"BM"], "picture", PICTURE),
+    (&[b"\x1f\x8b", b"BZh", b"\xfd7zXZ\0", b"7z\xbc\xaf\x27\x1c", b"Rar!\x1a\x07"], "archive", PACKED),
+    (&[b"PK\x05\x06"], "zip archive without files", PACKED),
+    (&[b"%PDF", b"<!DOCTYPE html", b"<html", b"<?xml", b"{\rtf"], "document (PDF, HTML, XML or RTF)", COMMON),
 ];
 
 /// Unsupported zip archives (those without the index of an X3P surface), recognised by the name of a file in them.
-const ARCHIVES: [(&str, &str, &str); 5] = [
+const ARCHIVES: [(&str, &str, &str); 4] = [
     ("index.xml", "Sensofar surface (.plux)", SENSOFAR),
     ("xl/workbook.xml", "Excel workbook (.xlsx)", SHEET),
     ("content.xml", "spreadsheet (.ods)", SHEET),
     (".x3p", "zip archive of X3P surfaces", PACKED),
-    ("", "zip archive without the main.xml of an X3P surface", PACKED),
 ];
 
-/// Recognises the unsupported format of a file that begins with `start`.
-pub(super) fn of(start: &[u8]) -> Option<Foreign> {
+/// Refuses a file in `format` and names the formats to export instead.
+fn refused(format: &str, export: &str) -> ReadError {
+    ReadError::Refused(format!("this is a {format}, which is not read: export {export}"))
+}
+
+/// Recognises the unsupported format of a file that begins with `start`, and refuses it.
+pub(super) fn of(start: &[u8]) -> Option<ReadError> {
     // Two or three letters may also begin a text; the formats identified by them also contain bytes that no text has.
     let is_binary = start.iter().any(|&byte| byte < 9);
     let is_known =
         |beginning: &[u8]| start.starts_with(beginning) && (beginning.len() > 3 || !beginning.is_ascii() || is_binary);
-    let known = BEGINNINGS.iter().find(|(beginning, ..)| is_known(beginning));
-    let known = known.map(|&(_, format, export)| Foreign { format, export });
-    known.or_else(|| is_plu(start).then_some(Foreign { format: "Sensofar surface (.plu)", export: SENSOFAR }))
+    let known = BEGINNINGS.iter().find(|(beginnings, ..)| beginnings.iter().any(|beginning| is_known(beginning)));
+    let known = known.map(|&(_, format, export)| refused(format, export));
+    known.or_else(|| is_plu(start).then(|| refused("Sensofar surface (.plu)", SENSOFAR)))
 }
 
-/// Recognises the unsupported format of a zip archive with files of these `names`.
-pub(super) fn archive_of(names: impl Iterator<Item = impl AsRef<str>>) -> Option<Foreign> {
+/// Recognises the unsupported format of a zip archive with files of these `names`, and refuses it.
+pub(super) fn archive_of(names: impl Iterator<Item = impl AsRef<str>>) -> ReadError {
     let names: Vec<String> = names.map(|name| name.as_ref().to_lowercase()).collect();
-    let holds = |part: &str| {
-        names.iter().any(|name| name == part || part.starts_with('.') && name.ends_with(part) || part.is_empty())
-    };
-    let known = ARCHIVES.iter().find(|(part, ..)| holds(part));
-    known.map(|&(_, format, export)| Foreign { format, export })
+    let holds = |part: &str| names.iter().any(|name| name == part || part.starts_with('.') && name.ends_with(part));
+    let known = ARCHIVES.iter().find(|(part, ..)| holds(part)).map(|&(_, format, export)| (format, export));
+    let (format, export) = known.unwrap_or(("zip archive without the main.xml of an X3P surface", PACKED));
+    refused(format, export)
 }
 
 /// A `.plu` file has no signature; it begins with a date and time, such as `Thu May 10 10:17:24 2007`, padded with
@@ -121,17 +97,17 @@ mod tests {
         for (bytes, name) in [
             (&plu[..], "Sensofar surface (.plu)"),
             (b"AliconaImaging\0\r\n and more", "Alicona surface (.al3d)"),
-            (b"\x01\0Directory\0\0\0\0 and more", "Wyko surface (.opd)"),
+            (b"\x01\0Directory\0\0\0\0 and more", "Wyko or Bruker surface (.opd"),
             (b"\x88\x1b\x03\x70 and more", "Zygo MetroPro surface (.dat)"),
-            (b"VK4_\0\0", "Keyence surface (.vk4)"),
+            (b"VK4_\0\0", "Keyence surface (.vk3, .vk4,"),
             (b"GWYPGwyContainer\0", "Gwyddion document (.gwy)"),
-            (b"II*\0\x08\0\0\0", "TIFF picture"),
+            (b"II*\0\x08\0\0\0", "picture"),
             (b"\x89HDF\r\n\x1a\n\0\0\0\0", "Zygo surface (.datx)"),
             (b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1\0\0", "MountainsMap document (.mnt)"),
             (b"\\*File list\r\n\\Version: 0x05120130\r\n", "NanoScope"),
-            (b"BM\x36\0\0\0", "BMP picture"),
-            (b"\x1f\x8b\x08\0", "gzip archive"),
-            (b"solid ascii\nfacet normal 0 0 1\n", "STL mesh"),
+            (b"BM\x36\0\0\0", "picture"),
+            (b"\x1f\x8b\x08\0", "archive"),
+            (b"solid ascii\nfacet normal 0 0 1\n", "mesh (.stl"),
         ] {
             let message = read_map(bytes, &ReadOptions::default()).unwrap_err().to_string();
             assert!(message.contains(name) && message.contains("not read: export"), "{message}");

@@ -4,7 +4,7 @@
 
 use std::io::Read;
 
-use super::bytes::{Number, at_end, exact, numbers};
+use super::bytes::{Number, at_end, exact, header_too_long, numbers};
 use super::lines::{excerpt, number};
 use super::overridden::StatedValues;
 use super::window::Window;
@@ -116,7 +116,7 @@ fn header_text(source: &mut impl Read) -> Result<String, ReadError> {
             return Ok(String::from_utf8_lossy(&bytes).into_owned());
         }
         if bytes.len() > MAX_HEADER_BYTES {
-            return Err(ReadError::HeaderTooLong { format: FORMAT, most_bytes: MAX_HEADER_BYTES });
+            return Err(header_too_long(FORMAT, MAX_HEADER_BYTES));
         }
     }
 }

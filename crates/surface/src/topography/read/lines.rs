@@ -47,15 +47,16 @@ impl<R: BufRead> Lines<R> {
         self.bytes.clear();
         self.line += 1;
         let mut bounded = (&mut self.source).take(MAX_LINE_BYTES as u64 + 1);
-        let read = bounded
-            .read_until(b'\n', &mut self.bytes)
-            .map_err(|error| ReadError::Source { line: self.line, reason: error.to_string() })?;
+        let read = bounded.read_until(b'\n', &mut self.bytes).map_err(|error| ReadError::source(self.line, &error))?;
         if read == 0 {
             self.line -= 1;
             return Ok(None);
         }
         if read > MAX_LINE_BYTES {
-            return Err(ReadError::LineTooLong { line: self.line, most_bytes: MAX_LINE_BYTES });
+            return Err(ReadError::Refused(format!(
+                "line {}: longer than {MAX_LINE_BYTES} bytes: expected one row of a map a line",
+                self.line
+            )));
         }
         self.text.clear();
         match std::str::from_utf8(&self.bytes) {
@@ -203,7 +204,7 @@ mod tests {
     fn an_endless_line_is_refused_within_bounded_memory() {
         let endless = std::io::BufReader::new(std::io::repeat(b'1'));
         let refused = Lines::new(endless).next().unwrap_err();
-        assert!(matches!(refused, ReadError::LineTooLong { line: 1, .. }));
+        assert!(refused.to_string().starts_with("line 1: longer than"), "{refused}");
     }
 
     #[test]

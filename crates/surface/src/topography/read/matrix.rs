@@ -312,7 +312,7 @@ mod tests {
 
     #[test]
     fn a_map_that_was_cut_between_two_lines_is_refused_by_its_oblong_pixels() {
-        let plain = ReadOptions::NONE;
+        let plain = ReadOptions::default();
         for rows in [3, 24, 60] {
             let said = refused(&text("128.0 um", "128.0 um", rows), &plain).unwrap();
             assert!(said.contains(&format!("{rows} rows and 64 columns")) && said.contains("cut short"), "{said}");
@@ -340,7 +340,7 @@ mod tests {
     #[test]
     fn an_empty_last_field_is_a_missing_point_and_a_mark_that_ends_all_lines_is_none() {
         let um = Some(crate::topography::LengthUnit::Micrometre);
-        let given = ReadOptions { pixel_m: Some([1e-6; 2]), height_unit: um, ..ReadOptions::NONE };
+        let given = ReadOptions { pixel_m: Some([1e-6; 2]), height_unit: um, ..ReadOptions::default() };
         let map = |text: &str, options| read_map(text.as_bytes(), &options);
         // Compared as text, in which NaN equals NaN.
         let read = |text: &str, options| map(text, options).map(|read| format!("{:?} {}", read.map, read.whole));
@@ -397,17 +397,17 @@ mod tests {
         // A crop of a column that does not exist is refused, not narrowed.
         let crop = |cols| Some(crate::topography::Crop { first_row: 0, first_col: 1, rows: 2, cols });
         let cropped = |cols| read("1;2;3;4;\n5;6;7;8;\n", ReadOptions { crop: crop(cols), ..given });
-        assert!(cropped(3).is_ok() && matches!(cropped(4), Err(crate::topography::ReadError::CropOutside { .. })));
+        assert!(cropped(3).is_ok() && cropped(4).unwrap_err().to_string().contains("the crop takes"));
     }
 
     #[test]
     fn all_that_is_missing_is_asked_for_at_once() {
-        let said = refused("1 2 3 4\n5 6 7 8\n", &ReadOptions::NONE).unwrap();
+        let said = refused("1 2 3 4\n5 6 7 8\n", &ReadOptions::default()).unwrap();
         assert!(
             said.starts_with("the unit of the heights and the pixel size are not known: expected a header"),
             "{said}"
         );
-        let said = refused("1;1;1,500\n1;2;1,500\n", &ReadOptions::NONE).unwrap();
+        let said = refused("1;1;1,500\n1;2;1,500\n", &ReadOptions::default()).unwrap();
         for part in [
             "line 1, column 3: \"1,500\"",
             "--decimal-comma",
@@ -415,9 +415,9 @@ mod tests {
         ] {
             assert!(said.contains(part), "{part}: {said}");
         }
-        let said = refused("1,500\t1,250\t1\t2\n1,500\t1,250\t1\t2\n", &ReadOptions::NONE).unwrap();
+        let said = refused("1,500\t1,250\t1\t2\n1,500\t1,250\t1\t2\n", &ReadOptions::default()).unwrap();
         assert!(said.contains("line 1, column 1: \"1,500\"") && said.contains("--decimal-comma"), "{said}");
-        let given = ReadOptions { decimal_comma: true, ..ReadOptions::NONE };
+        let given = ReadOptions { decimal_comma: true, ..ReadOptions::default() };
         assert!(refused("0,0;0,0;1,5\n", &given).unwrap().starts_with("the unit of the heights and the unit of x"));
     }
 }

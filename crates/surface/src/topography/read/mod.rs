@@ -54,7 +54,6 @@ mod zygo;
 
 use std::io::{BufRead, BufReader, Cursor, Read};
 
-pub use foreign::Foreign;
 pub(crate) use matrix::is_square;
 use text::read_text;
 use utf16::Utf16;
@@ -137,17 +136,6 @@ impl ReadOptions {
     pub(crate) fn grid_m(&self) -> Option<[f64; 2]> {
         self.pixel_m.map(|[x_m, y_m]| [y_m, x_m])
     }
-
-    /// Nothing is known, and the whole map is wanted.
-    pub const NONE: Self = Self {
-        format: None,
-        pixel_m: None,
-        height_unit: None,
-        lateral_unit: None,
-        decimal_comma: false,
-        crop: None,
-        decimation: None,
-    };
 }
 
 /// A map as read, with information on the file.
@@ -179,10 +167,7 @@ impl ReadMap {
 /// [`ReadError`] names the line or entry and the value that cannot be understood, or the missing quantity.
 pub fn read_map(mut source: impl BufRead, options: &ReadOptions) -> Result<ReadMap, ReadError> {
     let mut start = Vec::with_capacity(SIGNATURE_BYTES);
-    (&mut source)
-        .take(SIGNATURE_BYTES as u64)
-        .read_to_end(&mut start)
-        .map_err(|error| ReadError::Source { line: 1, reason: error.to_string() })?;
+    (&mut source).take(SIGNATURE_BYTES as u64).read_to_end(&mut start).map_err(|error| ReadError::source(1, &error))?;
     let format = match options.format {
         Some(format) => Some(format),
         None => format_of(&start)?,
@@ -218,10 +203,13 @@ fn format_of(start: &[u8]) -> Result<Option<MapFormat>, ReadError> {
     } else if utf16::order_of(start).is_some() {
         return Ok(None);
     } else if let Some(foreign) = foreign::of(start) {
-        return Err(ReadError::Foreign(foreign));
+        return Err(foreign);
     } else if start.iter().any(|&byte| byte < 9) {
         // No text contains such bytes.
-        return Err(ReadError::Unrecognized { beginning: start[..start.len().min(16)].escape_ascii().to_string() });
+        return Err(ReadError::Refused(format!(
+            "the file begins with \"{}\": expected text, .gsf, .npy, .sdf, .sur or .x3p (export one of these)",
+            start[..start.len().min(16)].escape_ascii()
+        )));
     } else {
         return Ok(None);
     };
@@ -238,11 +226,29 @@ fn keep_comment(comments: &mut Vec<String>, comment: &str) {
 /// Refuses `packed` bytes that expand to far more heights, of `bytes_each`, than measured data do.
 fn check_expansion(format: &'static str, heights: u64, bytes_each: u64, packed: u64) -> Result<(), ReadError> {
     if heights > HARMLESS_HEIGHTS && heights / MAX_HEIGHTS_PER_BYTE > packed {
-        let (unpacked, most_expansion) = (heights.saturating_mul(bytes_each), MAX_HEIGHTS_PER_BYTE * bytes_each);
-        return Err(ReadError::Bomb { format, unpacked, packed, most_expansion });
+        return Err(bomb(format, heights.saturating_mul(bytes_each), packed, MAX_HEIGHTS_PER_BYTE * bytes_each));
     }
     Ok(())
 }
+
+/// Refuses data that expand from `packed` to `unpacked` bytes, by more than the factor `most`.
+fn bomb(format: &'static str, unpacked: u64, packed: u64, most: u64) -> ReadError {
+    ReadError::Refused(format!(
+        "{format}: what is packed in {packed} bytes unpacks to {unpacked} bytes: expected at most {most} times as many"
+    ))
+}
+
+/// Nothing is known, and the whole map is wanted; the default, for constants of tests.
+#[cfg(test)]
+const NONE: ReadOptions = ReadOptions {
+    format: None,
+    pixel_m: None,
+    height_unit: None,
+    lateral_unit: None,
+    decimal_comma: false,
+    crop: None,
+    decimation: None,
+};
 
 /// Options of most tests: heights in micrometres on pixels of one micrometre.
 #[cfg(test)]
@@ -250,7 +256,7 @@ const GIVEN: ReadOptions = ReadOptions {
     pixel_m: Some([1e-6; 2]),
     height_unit: Some(LengthUnit::Micrometre),
     lateral_unit: Some(LengthUnit::Micrometre),
-    ..ReadOptions::NONE
+    ..NONE
 };
 
 #[cfg(test)]

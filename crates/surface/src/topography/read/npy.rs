@@ -4,7 +4,7 @@
 
 use std::io::Read;
 
-use super::bytes::{Number, at_end, exact, numbers, unreadable};
+use super::bytes::{Number, at_end, exact, header_too_long, numbers, unreadable};
 use super::header::Header;
 use super::lines::excerpt;
 use super::matrix::MatrixReader;
@@ -26,7 +26,7 @@ pub(super) fn read(mut source: impl Read, options: &ReadOptions) -> Result<ReadM
         version => return Err(refused("version", version.to_string(), "1, 2 or 3")),
     } as usize;
     if length > MAX_HEADER_BYTES {
-        return Err(ReadError::HeaderTooLong { format: FORMAT, most_bytes: MAX_HEADER_BYTES });
+        return Err(header_too_long(FORMAT, MAX_HEADER_BYTES));
     }
     let mut header = String::new();
     (&mut source).take(length as u64).read_to_string(&mut header).map_err(|error| unreadable(FORMAT, &error))?;
@@ -52,13 +52,7 @@ pub(super) fn read(mut source: impl Read, options: &ReadOptions) -> Result<ReadM
     };
     // An array stored by columns is the transposed array stored by rows.
     let (file, crop, pixel) = if fortran_order {
-        let turned = |crop: Crop| Crop {
-            first_row: crop.first_col,
-            first_col: crop.first_row,
-            rows: crop.cols,
-            cols: crop.rows,
-        };
-        ([cols, rows], options.crop.map(turned), [pixel_m[1], pixel_m[0]])
+        ([cols, rows], options.crop.map(Crop::transposed), [pixel_m[1], pixel_m[0]])
     } else {
         ([rows, cols], options.crop, pixel_m)
     };
@@ -141,8 +135,11 @@ mod tests {
     use super::*;
     use crate::topography::{LengthUnit, read_map};
 
-    const GIVEN: ReadOptions =
-        ReadOptions { pixel_m: Some([1e-6, 2e-6]), height_unit: Some(LengthUnit::Micrometre), ..ReadOptions::NONE };
+    const GIVEN: ReadOptions = ReadOptions {
+        pixel_m: Some([1e-6, 2e-6]),
+        height_unit: Some(LengthUnit::Micrometre),
+        ..crate::topography::read::NONE
+    };
 
     fn file(version: u8, header: &str, data: &[u8]) -> Vec<u8> {
         let mut bytes = [MAGIC, &[version, 0]].concat();

@@ -93,7 +93,7 @@ mod tests {
     #[test]
     fn what_goes_before_the_file_is_told() {
         let pixel =
-            |pixel_um: [f64; 2]| ReadOptions { pixel_m: Some(pixel_um.map(|um| um * 1e-6)), ..ReadOptions::NONE };
+            |pixel_um: [f64; 2]| ReadOptions { pixel_m: Some(pixel_um.map(|um| um * 1e-6)), ..ReadOptions::default() };
         let said = notes(MATRIX, &pixel([5.0, 5.0]));
         assert_eq!(said, ["pixels of 5 x 5 um are taken, as given by option, and not those of the file, 2 x 2 um"]);
         assert_eq!(notes(MATRIX, &pixel([2.0, 2.0])), [""; 0]);
@@ -103,7 +103,7 @@ mod tests {
         let text = format!("{MATRIX}9 9 9 9\n");
         let said = notes(&text, &ReadOptions { crop, ..pixel([5.0, 5.0]) });
         assert_eq!(said, ["pixels of 5 x 5 um are taken, as given by option, and not those of the file, 2 um"]);
-        let unit = |height_unit| ReadOptions { height_unit: Some(height_unit), ..ReadOptions::NONE };
+        let unit = |height_unit| ReadOptions { height_unit: Some(height_unit), ..ReadOptions::default() };
         let said = notes(MATRIX, &unit(LengthUnit::Micrometre));
         assert_eq!(said, ["the unit of heights is um, as given by option, and not nm, as the file says"]);
         assert_eq!(notes(MATRIX, &unit(LengthUnit::Nanometre)), [""; 0]);
@@ -111,14 +111,17 @@ mod tests {
 
     #[test]
     fn options_that_mean_nothing_for_a_format_are_told() {
-        let pixel = ReadOptions { pixel_m: Some([5e-6; 2]), ..ReadOptions::NONE };
-        let lateral = ReadOptions { lateral_unit: Some(LengthUnit::Millimetre), ..ReadOptions::NONE };
+        let pixel = ReadOptions { pixel_m: Some([5e-6; 2]), ..ReadOptions::default() };
+        let lateral = ReadOptions { lateral_unit: Some(LengthUnit::Millimetre), ..ReadOptions::default() };
         assert!(notes(POINTS, &pixel)[0].starts_with("--pixel-um or pixel_um is not used"));
         assert!(notes(MATRIX, &lateral)[0].starts_with("--lateral-unit or lateral_unit is not used"));
         assert_eq!(
             notes(POINTS, &lateral),
             ["the unit of x and y is mm, as given by option, and not um, as the file says"]
         );
-        assert_eq!([notes(POINTS, &ReadOptions::NONE), notes(MATRIX, &ReadOptions::NONE)], [[""; 0], [""; 0]]);
+        assert_eq!(
+            [notes(POINTS, &ReadOptions::default()), notes(MATRIX, &ReadOptions::default())],
+            [[""; 0], [""; 0]]
+        );
     }
 }

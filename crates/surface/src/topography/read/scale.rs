@@ -13,20 +13,16 @@ pub(crate) struct Scale {
     unit: LengthUnit,
 }
 
-/// Names of further units than those of [`LengthUnit`], in lower case, each with its factor and unit.
-const NAMES: [(&[&str], f64, LengthUnit); 8] = [
-    (&["angstrom", "angstroms", "å", "ångström", "ångstrom"], 100.0, LengthUnit::Picometre),
-    (&["nanometer", "nanometers", "nanometre", "nanometres"], 1.0, LengthUnit::Nanometre),
-    (
-        &["micron", "microns", "micrometer", "micrometers", "micrometre", "micrometres", "mikrometer", "mum"],
-        1.0,
-        LengthUnit::Micrometre,
-    ),
-    (&["millimeter", "millimeters", "millimetre", "millimetres"], 1.0, LengthUnit::Millimetre),
-    (&["meter", "meters", "metre", "metres"], 1.0, LengthUnit::Metre),
-    (&["inch", "inches", "in"], 25.4, LengthUnit::Millimetre),
-    (&["mil", "mils", "thou"], 25.4, LengthUnit::Micrometre),
-    (&["microinch", "uin"], 25.4, LengthUnit::Nanometre),
+/// Names of further units than those of [`LengthUnit`], in lower case and parted by blanks, each with its factor and unit.
+const NAMES: [(&str, f64, LengthUnit); 8] = [
+    ("angstrom angstroms å ångström ångstrom", 100.0, LengthUnit::Picometre),
+    ("nanometer nanometers nanometre nanometres", 1.0, LengthUnit::Nanometre),
+    ("micron microns micrometer micrometers micrometre micrometres mikrometer mum", 1.0, LengthUnit::Micrometre),
+    ("millimeter millimeters millimetre millimetres", 1.0, LengthUnit::Millimetre),
+    ("meter meters metre metres", 1.0, LengthUnit::Metre),
+    ("inch inches in", 25.4, LengthUnit::Millimetre),
+    ("mil mils thou", 25.4, LengthUnit::Micrometre),
+    ("microinch uin", 25.4, LengthUnit::Nanometre),
 ];
 
 /// Spellings of `um`, `mm` and `nm` with special characters: the Greek letter, units as single characters, and the
@@ -87,7 +83,7 @@ impl Scale {
             return Some(Self::new(1.0, unit));
         }
         let name = name.to_lowercase();
-        let known = NAMES.iter().find(|(names, ..)| names.contains(&&name[..]));
+        let known = NAMES.iter().find(|(names, ..)| names.split(' ').any(|known| known == name));
         known.map(|&(_, factor, unit)| Self::new(factor, unit))
     }
 }

@@ -81,10 +81,16 @@ impl CoordinateListCheck {
             return Ok(());
         }
         if self.cols == 1 || self.cols == 2 && self.columns[0].is_strict(steps) {
-            return Err(ReadError::Profile { lines: self.lines, columns: self.cols });
+            return Err(ReadError::Refused(format!(
+                "{} lines of {} values are a profile, not a map: expected a matrix of heights, or points x y z",
+                self.lines, self.cols
+            )));
         }
         match (1..).zip(&self.columns).find(|(_, column)| column.is_coordinate(steps)) {
-            Some((column, _)) => Err(ReadError::Coordinates { column }),
+            Some((column, _)) => Err(ReadError::Refused(format!(
+                "column {column} runs in equal steps, as coordinates do, which are no heights: expected a matrix of heights alone, or \
+                 the three columns x y z"
+            ))),
             None => Ok(()),
         }
     }
@@ -228,7 +234,7 @@ mod tests {
             assert!(read.notes[0].starts_with("the first row and the first column are axes"), "{:?}", read.notes);
             // The axes give the pixel size if their unit is known.
             let um = Some(LengthUnit::Micrometre);
-            let options = ReadOptions { height_unit: um, lateral_unit: um, ..ReadOptions::NONE };
+            let options = ReadOptions { height_unit: um, lateral_unit: um, ..ReadOptions::default() };
             let read = read_map(text.as_bytes(), &options).unwrap();
             assert!(
                 (read.map.dx_m() / (1e-6 * f64::abs(step)) - 1.0).abs() < 1e-3

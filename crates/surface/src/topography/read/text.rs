@@ -25,8 +25,9 @@ enum Data {
 }
 
 /// A text of heights, as far as it is read.
-struct Text<'o> {
-    options: &'o ReadOptions,
+#[derive(Default)]
+struct Text {
+    options: ReadOptions,
     header: Header,
     data: Option<Data>,
     /// First line of a preamble that an instrument may have written above the column titles.
@@ -44,7 +45,7 @@ struct Text<'o> {
     has_decimal_commas: bool,
 }
 
-impl Text<'_> {
+impl Text {
     /// Reads a line; returns whether more are needed.
     fn take(&mut self, row: &str, line: usize) -> Result<bool, ReadError> {
         let (text, before_data) = (row.trim(), self.data.is_none() && self.held.is_none());
@@ -114,8 +115,8 @@ impl Text<'_> {
     /// Adds the errors that would follow to a refused decimal comma.
     fn with_all_that_is_missing(&self, error: ReadError) -> ReadError {
         match &self.data {
-            Some(Data::Matrix(_)) => error.with_missing(MatrixReader::missing(&self.header, self.options)),
-            Some(Data::Xyz(_)) => error.with_missing(XyzReader::missing(&self.header, self.options)),
+            Some(Data::Matrix(_)) => error.with_missing(MatrixReader::missing(&self.header, &self.options)),
+            Some(Data::Xyz(_)) => error.with_missing(XyzReader::missing(&self.header, &self.options)),
             None => error,
         }
     }
@@ -157,7 +158,7 @@ impl Text<'_> {
             None => self.data.insert(match self.options.format.unwrap_or_else(|| detect(&self.header, text)) {
                 MapFormat::Xyz => Data::Xyz(XyzReader::default()),
                 _ => {
-                    let mut matrix = MatrixReader::new(text, line, &self.header, self.options)?;
+                    let mut matrix = MatrixReader::new(text, line, &self.header, &self.options)?;
                     let tabs_above = self.tabs_above.filter(|_| !self.has_unmarked);
                     if let Some((tabs, count)) = tabs_above {
                         let missing = "\t".repeat(tabs);
@@ -196,7 +197,7 @@ impl Text<'_> {
 pub(super) fn read_text(mut source: impl BufRead, options: &ReadOptions) -> Result<ReadMap, ReadError> {
     let mut start = Vec::new();
     let read = (&mut source).take(MAX_SIGNATURE_BYTES).read_to_end(&mut start);
-    read.map_err(|error| ReadError::Source { line: 1, reason: error.to_string() })?;
+    read.map_err(|error| ReadError::source(1, &error))?;
     let head = String::from_utf8_lossy(&start).trim_start_matches('\u{feff}').to_owned();
     let source = Cursor::new(start).chain(source);
     if head.starts_with(wyko::MAGIC) {
@@ -214,18 +215,7 @@ fn read_table(source: impl BufRead, is_keyence: bool, options: &ReadOptions) -> 
     let mut sign = DecimalSign::new(options.decimal_comma);
     let mut header = Header::default();
     header.keyence = is_keyence;
-    let mut text = Text {
-        options,
-        header,
-        data: None,
-        preamble: None,
-        tabs_above: None,
-        has_unmarked: false,
-        held: None,
-        axes: None,
-        has_another: false,
-        has_decimal_commas: false,
-    };
+    let mut text = Text { options: *options, header, ..Text::default() };
     loop {
         let line = lines.line() + 1;
         let Some(own) = lines.next_row()? else { break };
@@ -242,7 +232,11 @@ fn read_table(source: impl BufRead, is_keyence: bool, options: &ReadOptions) -> 
     let mut notes = text.notes();
     let Text { header, data, axes, has_another, .. } = text;
     let (map, whole, format, stated) = match data {
-        None => return Err(ReadError::NoData { lines: lines.line() }),
+        None => {
+            let lines = lines.line();
+            let reason = format!("no data after {lines} lines: expected rows of heights, or points x y z");
+            return Err(ReadError::Refused(reason));
+        }
         Some(Data::Matrix(mut matrix)) => {
             // If the header gives only the sides, the pixel size depends on the number of rows, including those behind
             // a crop.
@@ -351,7 +345,7 @@ mod tests {
         // A column skipped by an indentation does not exist and cannot be cropped.
         let crop = Some(Crop { first_row: 0, first_col: 0, rows: 2, cols: 3 });
         let cropped = |text: &str| read(text, &ReadOptions { crop, ..GIVEN });
-        assert!(matches!(cropped("\t2\t3\n\t5\t6\n"), Err(ReadError::CropOutside { .. })));
+        assert!(cropped("\t2\t3\n\t5\t6\n").unwrap_err().to_string().contains("the crop takes"));
         assert!(cropped("\t2\t3\n4\t5\t6\n").is_ok());
         // A column count in the header decides.
         let told = |count: usize| format!("# File Format = ASCII\n# x-pixels = {count}\n\t2\t3\n\t5\t6\n");

@@ -14,7 +14,7 @@ fn rows(mark: &str, quote: &str, scale: f64) -> String {
 /// The map of `ROWS` in micrometres, read from `bytes` without any option, and its notes.
 fn check(bytes: &[u8], pixel_m: [f64; 2]) -> Vec<String> {
     let text = String::from_utf8_lossy(bytes).into_owned();
-    let read = read_map(bytes, &ReadOptions::NONE).unwrap_or_else(|error| panic!("{error}: {text}"));
+    let read = read_map(bytes, &ReadOptions::default()).unwrap_or_else(|error| panic!("{error}: {text}"));
     check_map(&read.map, pixel_m);
     assert_eq!(read.format, MapFormat::Matrix);
     read.notes
@@ -113,9 +113,11 @@ fn keyence_exports_are_read_in_every_language() {
     assert!(notes.len() == 1 && notes[0].contains("decimal commas"), "{notes:?}");
     // A missing point, and a truncated file.
     let holed = keyence(",", english, "um").replace("\"2.5\"", "\"\"");
-    assert_eq!(read_map(holed.as_bytes(), &ReadOptions::NONE).unwrap().map.missing(), 1);
+    assert_eq!(read_map(holed.as_bytes(), &ReadOptions::default()).unwrap().map.missing(), 1);
     let cut = keyence(",", english, "um").replace("\"-1\",\"-2\",\"0\",\"7\"\r\n", "");
-    assert!(read_map(cut.as_bytes(), &ReadOptions::NONE).unwrap_err().to_string().contains("rows end after 2 of 3"));
+    assert!(
+        read_map(cut.as_bytes(), &ReadOptions::default()).unwrap_err().to_string().contains("rows end after 2 of 3")
+    );
 }
 
 #[test]
@@ -159,7 +161,7 @@ fn gwyddion_and_mountains_map_write_their_headers_in_many_languages() {
     assert_eq!(check(&wide, [2e-6; 2]).len(), 1);
     let open = "# Width: 8,000 um\n# Height: 6 um\n# Value units: um\n1,234;5,678\n";
     assert!(
-        read_map(open.as_bytes(), &ReadOptions::NONE)
+        read_map(open.as_bytes(), &ReadOptions::default())
             .unwrap_err()
             .to_string()
             .starts_with("line 1: Width is \"8,000 um\"")
@@ -197,7 +199,7 @@ fn headers_state_units_factors_and_pixels_in_many_words() {
     }
     // A single side length is that of both sides if there are as many points as lines.
     let square = "Scan size: 640 um\nZ unit: 10 nm\n1 2\n3 4\n";
-    let map = read_map(square.as_bytes(), &ReadOptions::NONE).unwrap().map;
+    let map = read_map(square.as_bytes(), &ReadOptions::default()).unwrap().map;
     assert!(
         (map.dx_m() / 320e-6 - 1.0).abs() < 1e-12
             && map.dx_m() == map.dy_m()
@@ -205,7 +207,10 @@ fn headers_state_units_factors_and_pixels_in_many_words() {
     );
     let oblong = "Scan size: 640 um\nZ unit: nm\n".to_owned() + &rows(" ", "", 1.0);
     assert!(
-        read_map(oblong.as_bytes(), &ReadOptions::NONE).unwrap_err().to_string().contains("pixel size is not known")
+        read_map(oblong.as_bytes(), &ReadOptions::default())
+            .unwrap_err()
+            .to_string()
+            .contains("pixel size is not known")
     );
 }
 
@@ -246,7 +251,7 @@ fn lines_of_a_header_that_state_a_scale_and_are_not_used_are_named() {
     let um = Some(LengthUnit::Micrometre);
     let named = read_map(
         &b"x(\xb5m)\ty(\xb5m)\tz(\xb5m)\n0\t0\t1\n1\t0\t***\n0\t1\t3\n1\t1\t4\n"[..],
-        &ReadOptions { lateral_unit: um, ..ReadOptions::NONE },
+        &ReadOptions { lateral_unit: um, ..ReadOptions::default() },
     );
     assert_eq!(named.map(|read| (read.map.missing(), read.notes.len())), Ok((1, 0)));
 }

@@ -16,6 +16,13 @@ pub struct Crop {
     pub cols: usize,
 }
 
+impl Crop {
+    /// The same part of a file whose lines are the columns of this one.
+    pub(super) const fn transposed(self) -> Self {
+        Self { first_row: self.first_col, first_col: self.first_row, rows: self.cols, cols: self.rows }
+    }
+}
+
 /// Reduction of a block of pixels to one pixel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum DecimationMethod {
@@ -78,9 +85,7 @@ impl Window {
         let crop_ends = |axis, first: usize, count: usize, available: Option<u64>| {
             let end = first.saturating_add(count);
             match available {
-                Some(available) if end as u64 > available => {
-                    Err(ReadError::CropOutside { axis, first, count, available })
-                }
+                Some(available) if end as u64 > available => Err(outside(axis, first, count, available)),
                 _ => Ok([first, end]),
             }
         };
@@ -152,8 +157,7 @@ impl Window {
         }
         // Only a crop limits the columns; without a crop the map has all columns of the file.
         if self.rows[1] != usize::MAX {
-            let available = self.file_cols as u64;
-            return Err(ReadError::CropOutside { axis: "columns", first, count: end - first, available });
+            return Err(outside("columns", first, end - first, self.file_cols as u64));
         }
         self.cols[1] = self.file_cols;
         let left = self.kept_cols();
@@ -258,8 +262,7 @@ impl Window {
     /// distances between rows and between columns.
     pub(crate) fn finish(mut self, pixel_m: [f64; 2], to_metres: impl Fn(f64) -> f64) -> Result<HeightMap, ReadError> {
         if self.rows[1] != usize::MAX && self.row < self.rows[1] {
-            let (first, count) = (self.rows[0], self.rows[1] - self.rows[0]);
-            return Err(ReadError::CropOutside { axis: "rows", first, count, available: self.row as u64 });
+            return Err(outside("rows", self.rows[0], self.rows[1] - self.rows[0], self.row as u64));
         }
         for height in &mut self.height {
             *height = to_metres(*height);
@@ -268,6 +271,12 @@ impl Window {
         let rows = self.height.len().checked_div(cols).unwrap_or(0);
         Ok(HeightMap::new(rows, cols, pixel_m[0] * factor, pixel_m[1] * factor, self.height)?)
     }
+}
+
+/// Refuses a crop of `count` rows or columns from `first` on, which reaches beyond the `available` ones.
+fn outside(axis: &str, first: usize, count: usize, available: u64) -> ReadError {
+    let last = first.saturating_add(count.saturating_sub(1));
+    ReadError::Refused(format!("the crop takes {axis} {first} to {last}: the file has {available} {axis}, from 0"))
 }
 
 fn check_points(points: f64) -> Result<(), MapError> {

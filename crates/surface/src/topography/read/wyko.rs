@@ -96,9 +96,7 @@ pub(super) fn read(source: impl BufRead, options: &ReadOptions) -> Result<ReadMa
     let own = header.scale()?;
     let scale = options.height_unit.map_or(own, Scale::from);
     // Lines of the file run along y, lines of a crop along x.
-    let turned =
-        |crop: Crop| Crop { first_row: crop.first_col, first_col: crop.first_row, rows: crop.cols, cols: crop.rows };
-    let mut window = Window::new(Some(along_x), along_y, options.crop.map(turned), options.decimation)?;
+    let mut window = Window::new(Some(along_x), along_y, options.crop.map(Crop::transposed), options.decimation)?;
     let (mut found, mut row) = (0, Vec::new());
     while found < along_x && !window.is_full() {
         let line = lines.line() + 1;
@@ -140,7 +138,7 @@ mod tests {
     #[test]
     fn lines_run_along_y_and_heights_are_nanometres_or_wavelengths() {
         for (is_nm, nm) in [(1, 1.0), (0, 316.4)] {
-            let map = read_map(text(is_nm).as_bytes(), &ReadOptions::NONE).unwrap().map;
+            let map = read_map(text(is_nm).as_bytes(), &ReadOptions::default()).unwrap().map;
             assert_eq!((map.rows(), map.cols(), map.dx_m(), map.missing()), (3, 2, 2e-6, 1));
             assert!((map.dy_m() - 3e-6).abs() < 1e-20);
             for (found, value) in map.heights_m().iter().zip([1.0, 2.0, 3.0, f64::NAN, 5.0, 6.0]) {
@@ -149,14 +147,14 @@ mod tests {
         }
         // Rows of a crop run along y, as for other files.
         let crop = Some(Crop { first_row: 0, first_col: 1, rows: 2, cols: 2 });
-        let part = read_map(text(1).as_bytes(), &ReadOptions { crop, ..ReadOptions::NONE }).unwrap().map;
+        let part = read_map(text(1).as_bytes(), &ReadOptions { crop, ..ReadOptions::default() }).unwrap().map;
         assert_eq!((part.rows(), part.cols(), part.heights_m()[2]), (2, 2, 5e-9));
     }
 
     #[test]
     fn files_that_lie_or_are_cut_short_are_refused() {
         let refused = |from: &str, to: &str| {
-            read_map(text(0).replace(from, to).as_bytes(), &ReadOptions::NONE).unwrap_err().to_string()
+            read_map(text(0).replace(from, to).as_bytes(), &ReadOptions::default()).unwrap_err().to_string()
         };
         assert!(refused("\n5\t6\n", "\n").contains("the lines of heights end after 2 of 3"));
         assert!(refused("\n5\t6", "\n5").contains("1 values: expected 2"));

@@ -14,7 +14,7 @@ use super::foreign;
 use super::overridden::StatedValues;
 use super::window::Window;
 use super::x3p_index::{FORMAT, Heights, Index, refused};
-use super::{MapFormat, ReadMap, ReadOptions, check_expansion};
+use super::{MapFormat, ReadMap, ReadOptions, bomb, check_expansion};
 use crate::topography::{LengthUnit, ReadError};
 
 pub(super) const MAGIC: &[u8] = b"PK\x03\x04";
@@ -39,20 +39,14 @@ pub(super) fn read(mut source: impl Read, options: &ReadOptions) -> Result<ReadM
     let mut archive = ZipArchive::new(Cursor::new(bytes.as_slice())).map_err(|error| broken(&error))?;
     let places = Places::of(&archive);
     let index = {
-        if places.index.is_none()
-            && let Some(foreign) = foreign::archive_of(archive.file_names().filter_map(Result::ok))
-        {
-            return Err(ReadError::Foreign(foreign));
-        }
-        let place =
-            places.index.ok_or_else(|| refused("archive", "no main.xml".to_owned(), "the files of an X3P surface"))?;
+        let names = || archive.file_names().filter_map(Result::ok);
+        let place = places.index.ok_or_else(|| foreign::archive_of(names()))?;
         let file = archive.by_index(place).map_err(|error| broken(&error))?;
         if file.size() > MAX_INDEX_BYTES {
             return Err(refused("main.xml", format!("{} bytes", file.size()), "at most 16 MiB"));
         }
         if file.size() > HARMLESS_INDEX_BYTES && file.size() / MAX_INDEX_EXPANSION > file.compressed_size() {
-            let (unpacked, packed) = (file.size(), file.compressed_size());
-            return Err(ReadError::Bomb { format: FORMAT, unpacked, packed, most_expansion: MAX_INDEX_EXPANSION });
+            return Err(bomb(FORMAT, file.size(), file.compressed_size(), MAX_INDEX_EXPANSION));
         }
         Index::read(BufReader::new(file.take(MAX_INDEX_BYTES)))?
     };

@@ -6,6 +6,7 @@ use super::lines::{Delimiter, excerpt, expected_coordinate, expected_height, hei
 use super::matrix::NO_HEIGHT_UNIT;
 use super::scale::Scale;
 use super::scan::Scan;
+use crate::topography::error::plain;
 use crate::topography::map::MAX_POINTS;
 use crate::topography::{HeightMap, LengthUnit, MapError, MapOption, NotGiven, ReadError};
 
@@ -168,12 +169,12 @@ fn from_points(points: &[Point], unit: Scale) -> Result<([GridLines; 2], Vec<f64
     let along_y = GridLines::find("y", points.iter().map(|point| point.y))?;
     let nodes = along_x.count * along_y.count;
     if nodes > (MAX_NODES_PER_POINT * points.len()) as f64 {
-        return Err(ReadError::Sparse {
-            points: points.len(),
-            rows: along_x.count,
-            cols: along_y.count,
-            most_nodes_per_point: MAX_NODES_PER_POINT,
-        });
+        return Err(ReadError::Refused(format!(
+            "{} points on a grid of {} x {}: expected at least one point in {MAX_NODES_PER_POINT} grid nodes",
+            points.len(),
+            plain(along_x.count.round()),
+            plain(along_y.count.round())
+        )));
     }
     if nodes > MAX_POINTS as f64 {
         return Err(MapError::TooManyPoints { points: nodes, most: MAX_POINTS }.into());
@@ -189,7 +190,10 @@ fn from_points(points: &[Point], unit: Scale) -> Result<([GridLines; 2], Vec<f64
         if given[at] {
             let before = points[..count].iter().find(|before| node(before) == Ok(at));
             let (line, earlier) = (point.line, before.map_or(0, |before| before.line));
-            return Err(ReadError::Duplicate { line, earlier, x: point.x, y: point.y });
+            let [x, y] = [point.x, point.y].map(plain);
+            return Err(ReadError::Refused(format!(
+                "line {line}: x = {x}, y = {y} was given on line {earlier} already: expected one height per point"
+            )));
         }
         given[at] = true;
         height_m[at] = unit.to_metres(point.z);
@@ -217,7 +221,10 @@ impl GridLines {
         let gaps = || sorted.windows(2).map(|pair| pair[1] - pair[0]).filter(move |gap| *gap > same);
         let smallest = gaps().fold(f64::INFINITY, f64::min);
         if !(smallest.is_finite() && smallest > 0.0) {
-            return Err(ReadError::OneLine { axis, value: first });
+            return Err(ReadError::Refused(format!(
+                "all points have {axis} = {}, as of a profile: expected a map, on a grid of at least 2 x 2",
+                plain(first)
+            )));
         }
         // Rounding of the coordinates makes the smallest gap an inaccurate step, but the number of steps in each gap is
         // certain; the step is the whole range divided by the sum of these numbers.
@@ -242,7 +249,10 @@ impl GridLines {
         let steps = (value - self.first) / self.step;
         let nearest = steps.round();
         if (steps - nearest).abs() > OFF_GRID || !(0.0..self.count).contains(&nearest) {
-            return Err(ReadError::OffGrid { line, axis, value, step: self.step });
+            let [value, step] = [value, self.step].map(plain);
+            return Err(ReadError::Refused(format!(
+                "line {line}: {axis} = {value} lies between grid lines {step} apart: expected a regular grid"
+            )));
         }
         Ok(nearest as usize)
     }
@@ -254,7 +264,7 @@ mod tests {
     use crate::topography::read_map;
 
     const UM: Option<LengthUnit> = Some(LengthUnit::Micrometre);
-    const GIVEN: ReadOptions = ReadOptions { height_unit: UM, lateral_unit: UM, ..ReadOptions::NONE };
+    const GIVEN: ReadOptions = ReadOptions { height_unit: UM, lateral_unit: UM, ..crate::topography::read::NONE };
 
     /// 4 x 3 points with x slow; each height identifies its position.
     fn scan() -> Vec<String> {

@@ -1,3 +1,5 @@
+//! Contact problems with closed-form solutions, for quick estimates.
+
 use std::f64::consts::SQRT_2;
 
 use crate::contact::ContactError;
