@@ -191,11 +191,9 @@ fn shrink_deviations(mut all: Vec<&mut MeanStd>) {
 /// Mean and standard deviation of values with standard errors.
 fn mean_std(values: &[(f64, f64)]) -> MeanStd {
     let count = values.len() as f64;
-    let mean = values.iter().map(|(value, _)| value).sum::<f64>() / count;
-    let squares: f64 = values.iter().map(|(value, _)| (value - mean).powi(2)).sum();
-    let between = if values.len() > 1 { (squares / (count - 1.0)).sqrt() } else { 0.0 };
+    let (mean, between) = mean_and_std(values.iter().map(|(value, _)| *value)).unwrap_or((f64::NAN, None));
     let within = (values.iter().map(|(_, error)| error * error).sum::<f64>() / count).sqrt();
-    MeanStd { mean, std: between.max(within), freedom: values.len().saturating_sub(1) }
+    MeanStd { mean, std: between.unwrap_or(0.0).max(within), freedom: values.len().saturating_sub(1) }
 }
 
 /// Standard deviation of what sampling may have missed of `peaks`. Sampling reads every peak too low; with a triggered

@@ -1,7 +1,7 @@
 //! `surface`: parameters, pictures and cavities of an altitude map.
 
 use slipgrid_base::monitor::Cancelled;
-use slipgrid_surface::topography::{MapError, MapWarning, MaterialRatioCurve, PreparedMap};
+use slipgrid_surface::topography::{MapDoubt, MapError, MaterialRatioCurve, PreparedMap};
 
 use super::area_law::map_options;
 use crate::args::SurfaceArgs;
@@ -41,7 +41,7 @@ pub fn run(args: &SurfaceArgs, console: &mut Console<'_>) -> Result<u8, CliError
         .map_err(|error| refuse_map(&args.map, &error))?;
     if args.cavities {
         // The lowered areas are the requested cavities.
-        surface.warnings.retain(|warning| !matches!(warning, MapWarning::Lowered { .. }));
+        surface.warnings.retain(|warning| warning.doubt != MapDoubt::Hole);
     }
     let map = &surface.map;
     let column = match section_m {

@@ -25,9 +25,6 @@ pub const DEFAULT_PRESSURES_MPA: [f64; 28] = [
 /// Side of a map recommended in how-to/measure.md, in millimetres.
 const ADVISED_SIDE_MM: f64 = 0.5;
 
-/// Convergence record of a closed form, which has no iterations.
-const CLOSED_FORM: Convergence = Convergence { iterations: 0, fourier_pairs: 0, residual: 0.0 };
-
 /// Options for computing an area law.
 #[derive(Clone, Copy, Debug)]
 pub struct AreaLawRequest<'a> {
@@ -232,7 +229,7 @@ pub fn persson_curve(
             area_fraction,
             area_fraction_corrected: area_fraction,
             area_error: 0.0,
-            convergence: CLOSED_FORM,
+            convergence: Convergence::default(),
         })
     };
     pressures_pa.iter().map(point).collect()

@@ -1,6 +1,5 @@
 //! Input of a fit: measurements on flat samples and known properties of the material.
 
-use crate::calibrate::AreaLawScale;
 use slipgrid_base::units::{HUMIDITY_PCT, MODULUS_GPA, PRESSURE_MPA, SPEED_MM_S, significant, significant_to, tidy};
 use slipgrid_model::material::{AreaLaw, Condition, Elastic, MaterialError};
 use slipgrid_model::springblock::{Layer, SceneError};
@@ -69,6 +68,29 @@ pub(crate) fn same_force(a: f64, b: f64) -> bool {
 pub fn split_parameter_name<'a>(name: &'a str, measurements: &'a [Measurement]) -> Option<(&'a str, &'a Measurement)> {
     let (what, number) = name.rsplit_once(' ')?;
     Some((what, measurements.get(number.parse::<usize>().ok()?.checked_sub(1)?)?))
+}
+
+/// A contact area curve with an unknown pressure scale s: A(P) = a(P / s). For a surface of given shape s is exactly
+/// proportional to E* h'rms: A(P; c h) = A(P / c; h).
+#[derive(Clone, Debug, PartialEq)]
+pub struct AreaLawScale {
+    /// P / s, increasing.
+    pub pressure_over_scale: Vec<f64>,
+    /// Contact area fraction at these pressures.
+    pub area_fraction: Vec<f64>,
+    /// Lower and upper bound of the scale, in pascals.
+    pub bounds_pa: [f64; 2],
+}
+
+impl AreaLawScale {
+    /// Area law at `scale_pa`; 1 at the first pressure of the curve.
+    ///
+    /// # Errors
+    /// [`MaterialError`] if the curve is not a valid table.
+    pub fn law(&self, scale_pa: f64) -> Result<AreaLaw, MaterialError> {
+        let pressure_pa: Vec<f64> = self.pressure_over_scale.iter().map(|x| x * scale_pa).collect();
+        AreaLaw::from_area_curve(&pressure_pa, &self.area_fraction, pressure_pa.first().copied().unwrap_or(0.0))
+    }
 }
 
 /// Kind of fit.

@@ -88,7 +88,6 @@ mod load_dependence;
 mod marginal_uncertainty;
 mod patterned_samples;
 mod pending_sample;
-mod scaled_area_law;
 mod select_measurements;
 mod surface_area_law_source;
 mod trial_discrepancy;
@@ -101,14 +100,13 @@ pub use cut_sample::{CutSample, CutSpecimen, TrialsTask};
 pub use fit::{
     Fit, FittedPair, FittedRow, Parameter, Prediction, STATIC_OVER_DYNAMIC, fit_coefficients, planned_steps,
 };
-pub use fit_problem::{Coefficients, FitError, Measurement, Problem, StaticPeak, split_parameter_name};
+pub use fit_problem::{AreaLawScale, Coefficients, FitError, Measurement, Problem, StaticPeak, split_parameter_name};
 pub use fitted_material::CalibrationOutcome;
 pub use flat_friction_law::flat_friction_law;
 pub use land_slope::{LandEffect, LandSlope};
 pub use law_pressures::{LawPressures, light_pressure_pa};
 pub use marginal_uncertainty::{FlatLoad, marginal_relative_std};
 pub use pending_sample::{ModelledRatio, PendingSample};
-pub use scaled_area_law::AreaLawScale;
 pub use select_measurements::measured_friction;
 pub use surface_area_law_source::{AreaLawOrigin, SurfaceFindings};
 pub use trial_discrepancy::{Learned, learn, sample_bytes};

@@ -9,8 +9,8 @@ use slipgrid_infer::calibrate::LandSlope;
 use slipgrid_infer::calibrate::area_law::{AreaLawError, SurfaceWarning};
 use slipgrid_model::material::MAX_FACTOR;
 use slipgrid_surface::topography::{
-    HeightMap, MapError, MapOption, MapWarning, Preparation, PreparationError, PreparedMap, ReadError, ReadMap,
-    ReadOptions, limits, read_map,
+    HeightMap, MapDoubt, MapError, MapOption, MapWarning, Preparation, PreparationError, PreparedMap, ReadError,
+    ReadMap, ReadOptions, limits, read_map,
 };
 
 use crate::formats::Diagnostic;
@@ -129,12 +129,12 @@ pub fn law_warnings(warnings: &[SurfaceWarning]) -> Vec<String> {
 /// Text of a warning with advice.
 #[must_use]
 pub fn told(warning: &MapWarning) -> String {
-    match warning {
-        MapWarning::Spikes { .. } => format!("{warning}; --despike, or despike = true in [surface], replaces them"),
-        MapWarning::Curved { .. } => {
+    match warning.doubt {
+        MapDoubt::Spikes => format!("{warning}; --despike, or despike = true in [surface], replaces them"),
+        MapDoubt::Curved => {
             format!("{warning}; --form second-order, or form = \"second-order\" in [surface], subtracts it")
         }
-        MapWarning::Pixels { .. } => {
+        MapDoubt::Pixels => {
             format!("{warning}; --pixel-um and --pixel-y-um, or pixel_um and pixel_y_um in [surface], give both")
         }
         _ => warning.to_string(),
@@ -209,12 +209,12 @@ pub fn refuse_law(path: &Path, error: &AreaLawError) -> Option<Diagnostic> {
 
 /// Advice for a map on which f exceeds 1, chosen by its warnings.
 fn cure(warnings: &[MapWarning]) -> &'static str {
-    let is_any = |wanted: fn(&MapWarning) -> bool| warnings.iter().any(wanted);
-    if is_any(|warning| matches!(warning, MapWarning::Lowered { .. } | MapWarning::Missing { .. })) {
+    let is_any = |doubts: &[MapDoubt]| warnings.iter().any(|warning| doubts.contains(&warning.doubt));
+    if is_any(&[MapDoubt::Hole, MapDoubt::MissingPoints]) {
         "crop the map to what was measured of the surface itself (--crop ROW,COL,ROWS,COLS; crop in [surface])"
-    } else if is_any(|warning| matches!(warning, MapWarning::Spikes { .. })) {
+    } else if is_any(&[MapDoubt::Spikes]) {
         "the spikes carry the load of the surface (--despike; despike = true in [surface])"
-    } else if is_any(|warning| matches!(warning, MapWarning::Raised { .. })) {
+    } else if is_any(&[MapDoubt::Debris]) {
         "the debris carries the load of the surface: crop the map beside it (--crop ROW,COL,ROWS,COLS; crop in [surface]), or clean the \
          specimen and measure again"
     } else {
@@ -226,7 +226,6 @@ fn cure(warnings: &[MapWarning]) -> &'static str {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use slipgrid_surface::topography::Spikes;
 
     #[test]
     fn the_pixels_that_a_header_with_oblong_ones_makes_are_those_to_be_given() {
@@ -239,16 +238,8 @@ mod tests {
 
     #[test]
     fn one_cure_is_named_for_a_map_whose_law_means_nothing() {
-        let spikes = MapWarning::Spikes {
-            spikes: Spikes::default(),
-            points: 100,
-            rms_slope: 0.2,
-            rms_slope_without: 0.1,
-            highest_m: 1e-6,
-            highest_without_m: 1e-6,
-        };
-        let hole = MapWarning::Lowered { share: 0.1, depth_m: 25e-6, extent: [[0, 9], [0, 9]] };
-        let missing = MapWarning::Missing { missing: 20, points: 100 };
+        let [spikes, hole, missing] = [MapDoubt::Spikes, MapDoubt::Hole, MapDoubt::MissingPoints]
+            .map(|doubt| MapWarning { doubt, text: String::new() });
         for (warnings, crop, despike) in [
             (vec![spikes.clone()], false, true),
             (vec![spikes.clone(), hole], true, false),

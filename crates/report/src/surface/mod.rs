@@ -160,7 +160,7 @@ impl SurfaceReport {
         monitor.heed()?;
         let core = curve.core();
         monitor.heed()?;
-        let sdq = map.sdq();
+        let sdq = map.rms_slope_finite_difference();
         monitor.heed()?;
         let mut model = surface.notes.clone();
         if surface.period {

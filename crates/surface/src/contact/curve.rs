@@ -78,7 +78,7 @@ fn area_point(
     pools: &Mutex<Vec<BufferPool>>,
 ) -> Result<AreaPoint, ContactError> {
     let (area, area_error, convergence) = match contact.known_area(pressure_pa) {
-        Some(area) => (area, 0.0, Convergence::KNOWN),
+        Some(area) => (area, 0.0, Convergence::default()),
         None => {
             let pools = || pools.lock().unwrap_or_else(PoisonError::into_inner);
             let mut pool = pools().pop().unwrap_or_default();
@@ -129,7 +129,7 @@ mod tests {
                 area_fraction,
                 area_fraction_corrected: area_fraction,
                 area_error: 1e-4,
-                convergence: Convergence::KNOWN,
+                convergence: Convergence::default(),
             };
             // The points need not be sorted by pressure.
             require_rising_areas(&areas.into_iter().zip([3e6, 1e6, 2e6]).map(point).collect::<Vec<_>>(), 1e-8)

@@ -30,7 +30,7 @@ impl Default for SolveOptions {
 }
 
 /// Cost and final residual of a solve.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Convergence {
     /// Number of iterations.
     pub iterations: usize,
@@ -38,11 +38,6 @@ pub struct Convergence {
     pub fourier_pairs: usize,
     /// Final residual as defined at [`SolveOptions::tolerance`].
     pub residual: f64,
-}
-
-impl Convergence {
-    /// Convergence of a state that is known without iterations.
-    pub(crate) const KNOWN: Self = Self { iterations: 0, fourier_pairs: 0, residual: 0.0 };
 }
 
 /// A state of contact: pressure and gap at every point of the map.
@@ -275,7 +270,13 @@ impl<'m> RoughContact<'m> {
             gap_m.fill(0.0);
             pressures_pa.iter_mut().for_each(|p| *p = (pressure_pa + *p * self.pressure_unit_pa).max(0.0));
         }
-        Ok(ContactState { pressure_pa: pressures_pa, gap_m, area, area_error: 0.0, convergence: Convergence::KNOWN })
+        Ok(ContactState {
+            pressure_pa: pressures_pa,
+            gap_m,
+            area,
+            area_error: 0.0,
+            convergence: Convergence::default(),
+        })
     }
 
     /// Solves at a pressure between zero and full contact.

@@ -1,7 +1,8 @@
 //! Detects faults of a file that show in the heights: pixels in two units, and zeros in place of points that were not
 //! measured.
 
-use crate::topography::{HeightMap, MapWarning, limits};
+use crate::topography::error::significant;
+use crate::topography::{HeightMap, MapDoubt, MapWarning, limits};
 
 impl HeightMap {
     /// Warning on implausible pixel sides.
@@ -11,7 +12,14 @@ impl HeightMap {
         let [least, most] = limits::WARNED_PIXEL_M;
         let is_usual = pixel_m.iter().all(|side_m| (least..=most).contains(side_m));
         let is_oblong = (x_m / y_m).max(y_m / x_m) > limits::WARNED_PIXEL_RATIO;
-        (!is_usual || is_oblong).then_some(MapWarning::Pixels { pixel_m })
+        (!is_usual || is_oblong).then(|| MapWarning {
+            doubt: MapDoubt::Pixels,
+            text: format!(
+                "pixels of {} x {} um are implausible: a side of the map may be missing in the file, or in another unit",
+                significant(x_m * 1e6, 5),
+                significant(y_m * 1e6, 5)
+            ),
+        })
     }
 
     /// Warning on blocks of 3 x 3 or more zeros in the measured map, if no other height fills as many blocks.
@@ -36,7 +44,14 @@ impl HeightMap {
         }
         // Coarsely quantised heights fill blocks at many values; the floors of ideal cavities fill blocks at a value
         // other than zero.
-        (of_zeros > 0 && of_zeros > of_others).then_some(MapWarning::Zeros { zeros, points: heights_m.len() })
+        (of_zeros > 0 && of_zeros > of_others).then(|| MapWarning {
+            doubt: MapDoubt::Zeros,
+            text: format!(
+                "{zeros} of {} points are exactly 0 in blocks, as some instruments write points that they did not measure: \
+                 if they are, export them as NaN or BAD",
+                heights_m.len()
+            ),
+        })
     }
 }
 
@@ -50,7 +65,6 @@ mod tests {
         let map = rough(0.8);
         let inside = |n: usize| (40..50).contains(&(n / 128)) && (10..20).contains(&(n % 128));
         let holed = changed(&map, |n, h| if inside(n) { 0.0 } else { h });
-        assert_eq!(holed.zeros_warning(), Some(MapWarning::Zeros { zeros: 100, points: 16384 }));
         assert!(holed.zeros_warning().unwrap().to_string().starts_with("zeros: 100 of 16384 points are exactly 0"));
         let step_m = 2.0 * map.sq_m();
         for (other, name) in [
@@ -71,7 +85,7 @@ mod tests {
             assert_eq!(with(dx_m, dy_m), None);
         }
         for [dx_m, dy_m] in [[0.5e-6, 1.0 / 48.0], [1e-3, 1e-6], [1.0, 1.0], [1e-12, 1e-12]] {
-            assert_eq!(with(dx_m, dy_m), Some(MapWarning::Pixels { pixel_m: [dx_m, dy_m] }));
+            assert_eq!(with(dx_m, dy_m).map(|warning| warning.doubt), Some(MapDoubt::Pixels));
         }
         let said = with(0.5e-6, 1.0 / 48.0).unwrap().to_string();
         assert!(said.starts_with("pixels: pixels of 0.5 x 20833 um are implausible"), "{said}");

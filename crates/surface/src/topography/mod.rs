@@ -70,7 +70,7 @@ pub use parameters::{
     SpectrumBin,
 };
 pub use periodic::{periodic_component, side_step_ratio};
-pub use plausibility::{MapWarning, limits};
+pub use plausibility::{MapDoubt, MapWarning, limits};
 pub use prepare::{Missing, Preparation, PreparationError, PreparedMap};
 pub use read::{Crop, Decimation, DecimationMethod, MapFormat, ReadMap, ReadOptions, read_map};
 pub use synthetic::SelfAffine;

@@ -33,7 +33,7 @@ fn validation_iso_parameters_beside_surfalize() {
         ("Sp", heights.sp_m * 1e6, 1e-9),
         ("Sv", heights.sv_m * 1e6, 1e-9),
         ("Sz", heights.sz_m * 1e6, 1e-9),
-        ("Sdq", map.sdq(), 1e-9),
+        ("Sdq", map.rms_slope_finite_difference(), 1e-9),
         ("Sdr", map.sdr(&Unwatched).unwrap() * 100.0, 1e-9),
         ("Sk", core.sk_m * 1e6, 1e-4),
         ("Spk", core.spk_m * 1e6, 5e-3),

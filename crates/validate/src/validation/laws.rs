@@ -111,18 +111,14 @@ pub fn scaled_laws(
         )),
         Surface::Persson { rms_slope } => {
             let pressures_pa = DEFAULT_PRESSURES_MPA.map(|pressure_mpa| PRESSURE_MPA.to_si(pressure_mpa));
-            let laws = factors
-                .iter()
-                .map(|&slope_factor| {
-                    let scaled = rms_slope * slope_factor;
-                    let curve = |pressures_pa: &[f64]| persson_curve(scaled, contact_modulus_pa, pressures_pa);
-                    let areas = curve(&pressures_pa).map_err(|e| refuse(&e))?;
-                    let of = LawPressures::new(stated_pa, contact_modulus_pa, scaled, None);
-                    let behind = curve(&of.pressures_pa).map_err(|e| refuse(&e))?;
-                    let law = law(&behind, of.threshold_pa)?;
-                    Ok(ScaledLaw { slope_factor, rms_slope: Some(tidy(scaled)), law: Some(law), areas })
-                })
-                .collect::<Result<_, Diagnostic>>()?;
+            let laws = at_slopes(factors, *rms_slope, |slope_factor| {
+                let scaled = rms_slope * slope_factor;
+                let curve = |pressures_pa: &[f64]| persson_curve(scaled, contact_modulus_pa, pressures_pa);
+                let areas = curve(&pressures_pa).map_err(|e| refuse(&e))?;
+                let of = LawPressures::new(stated_pa, contact_modulus_pa, scaled, None);
+                let behind = curve(&of.pressures_pa).map_err(|e| refuse(&e))?;
+                Ok((law(&behind, of.threshold_pa)?, areas))
+            })?;
             let notes = vec!["area law by Persson's theory from the rms slope: no substitute for a map".to_owned()];
             Ok(ScaledLaws { laws, synthetic: false, notes })
         }
@@ -147,18 +143,14 @@ pub fn scaled_laws(
             )];
             notes.extend(surface.notes.iter().cloned());
             notes.extend(surface.warnings.iter().map(|warning| format!("warning: {}", told(warning))));
-            let laws = factors
-                .iter()
-                .map(|&slope_factor| {
-                    let areas = scaled(&curve.points, slope_factor);
-                    let law = match stated_pa {
-                        Some(threshold_pa) => law(&areas, threshold_pa)?,
-                        None => law(&stretched(&curve.points, slope_factor), slope_factor * of.threshold_pa)?,
-                    };
-                    let rms_slope = Some(tidy(surface.rms_slope * slope_factor));
-                    Ok(ScaledLaw { slope_factor, rms_slope, law: Some(law), areas })
-                })
-                .collect::<Result<_, Diagnostic>>()?;
+            let laws = at_slopes(factors, surface.rms_slope, |slope_factor| {
+                let areas = scaled(&curve.points, slope_factor);
+                let law = match stated_pa {
+                    Some(threshold_pa) => law(&areas, threshold_pa)?,
+                    None => law(&stretched(&curve.points, slope_factor), slope_factor * of.threshold_pa)?,
+                };
+                Ok((law, areas))
+            })?;
             Ok(ScaledLaws { laws, synthetic: *synthetic || surface.synthetic, notes })
         }
     }
@@ -184,29 +176,34 @@ fn fitted_laws(task: &ValidationTask<'_>, source: &Source, monitor: &dyn Monitor
     let scale_pa = scale.value;
     let rms_slope = scale_pa / flat.elastic.contact_modulus_pa(flat.poisson_ratio);
     let pressures_pa = DEFAULT_PRESSURES_MPA.map(|pressure_mpa| PRESSURE_MPA.to_si(pressure_mpa));
-    let law = |slope_factor: f64| {
+    let laws = at_slopes(&task.slope_factors, rms_slope, |slope_factor| {
+        let areas = persson_curve(1.0, slope_factor * scale_pa, &pressures_pa).map_err(|error| refuse(&error))?;
         if slope_factor == 1.0 {
-            return Ok(own.clone());
+            return Ok((own.clone(), areas));
         }
         let points = stretched(&found.surface.curve, slope_factor);
-        area_law(&points, points[0].pressure_pa).map_err(|error| refuse(&error))
-    };
-    let laws = task.slope_factors.iter().map(|&slope_factor| {
-        let areas = persson_curve(1.0, slope_factor * scale_pa, &pressures_pa).map_err(|error| refuse(&error))?;
-        Ok(ScaledLaw {
-            slope_factor,
-            rms_slope: Some(tidy(rms_slope * slope_factor)),
-            law: Some(law(slope_factor)?),
-            areas,
-        })
-    });
+        Ok((area_law(&points, points[0].pressure_pa).map_err(|error| refuse(&error))?, areas))
+    })?;
     let notes = vec![format!(
         "area law by Persson's theory, its pressure scale fitted to flat friction ([fit] area_law_scale_mpa): {} MPa, as an rms slope \
          of {} has it",
         fixed(Some(PRESSURE_MPA.from_si(scale_pa)), 2),
         fixed(Some(rms_slope), 4),
     )];
-    Ok(ScaledLaws { laws: laws.collect::<Result<_, Diagnostic>>()?, synthetic: false, notes })
+    Ok(ScaledLaws { laws, synthetic: false, notes })
+}
+
+/// Laws and tabulated areas that `of` gives at each of the factors of the slope `rms_slope`.
+fn at_slopes(
+    factors: &[f64],
+    rms_slope: f64,
+    of: impl Fn(f64) -> Result<(AreaLaw, Vec<AreaPoint>), Diagnostic>,
+) -> Result<Vec<ScaledLaw>, Diagnostic> {
+    let at = |&slope_factor: &f64| {
+        let (law, areas) = of(slope_factor)?;
+        Ok(ScaledLaw { slope_factor, rms_slope: Some(tidy(rms_slope * slope_factor)), law: Some(law), areas })
+    };
+    factors.iter().map(at).collect()
 }
 
 /// Curve of the surface scaled by `factor`: A(P; s h) = A(P/s; h).

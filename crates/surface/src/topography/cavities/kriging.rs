@@ -121,7 +121,7 @@ impl Kriging {
     }
 
     /// L^-1 z
-    fn whiten(&self, profile: &[f64]) -> Vec<f64> {
+    pub(super) fn whiten(&self, profile: &[f64]) -> Vec<f64> {
         let mut white = Vec::with_capacity(profile.len());
         for (row, &value) in self.factor.iter().zip(profile) {
             let known =
@@ -147,11 +147,6 @@ impl Kriging {
         self.strip(&mut whitened);
         let square = dot(&whitened, &whitened);
         Shape { square: if square > 1e-9 * whole { square } else { 0.0 }, whitened }
-    }
-
-    /// Prepares a profile for [`Self::height`].
-    pub(super) fn ready(&self, profile: &[f64]) -> Vec<f64> {
-        self.whiten(profile)
     }
 
     /// Returns h of a prepared profile, and the decrease of the sum of squares.
@@ -208,7 +203,7 @@ mod tests {
             let kriging = Kriging::new(Variogram { nugget: 0.1, scale: 0.3, twice_hurst }, &bins, 0.01).unwrap();
             let profile: Vec<f64> = step.iter().map(|step| 5.0 + 0.7 * step).collect();
             let shape = kriging.shape(&step);
-            let (height, _) = kriging.height(&shape, &kriging.ready(&profile));
+            let (height, _) = kriging.height(&shape, &kriging.whiten(&profile));
             assert!((height - 0.7).abs() < 1e-9, "{height}");
             let weights = kriging.weights(&shape);
             assert!((dot(&weights, &profile) - 0.7).abs() < 1e-9 && weights.iter().sum::<f64>().abs() < 1e-9);

@@ -43,7 +43,7 @@ use found::Found;
 use grid::Grid;
 use rims::Scene;
 use slipgrid_base::monitor::{Cancelled, Monitor};
-use slipgrid_base::statistics::median;
+use slipgrid_base::statistics::{mean_and_std, median};
 use walls::Walls;
 
 pub use crossing::Crossing;
@@ -74,11 +74,8 @@ pub struct Spread {
 
 impl Spread {
     fn of(values: &[f64]) -> Option<Self> {
-        let count = values.len();
-        let mean_m = values.iter().sum::<f64>() / count as f64;
-        let square: f64 = values.iter().map(|value| (value - mean_m).powi(2)).sum();
-        let std_m = if count > 1 { (square / (count - 1) as f64).sqrt() } else { 0.0 };
-        (count > 0).then_some(Self { mean_m, std_m, count })
+        let (mean_m, std_m) = mean_and_std(values.iter().copied())?;
+        Some(Self { mean_m, std_m: std_m.unwrap_or(0.0), count: values.len() })
     }
 }
 
@@ -95,7 +92,7 @@ impl Estimate {
     /// Mean of independent samples, with its standard error from their scatter.
     fn mean(values: impl Iterator<Item = f64> + Clone) -> Option<Self> {
         let count = values.clone().count() as f64;
-        let (value, std) = slipgrid_base::statistics::mean_and_std(values)?;
+        let (value, std) = mean_and_std(values)?;
         Some(Self { value, error: std.map(|std| std / count.sqrt()) })
     }
 }

@@ -314,7 +314,7 @@ pub(super) fn measure(
         return Ok((nothing, BTreeMap::new()));
     }
     let Some(fit) = Fit::new(scene, &profile) else { return Ok((nothing, BTreeMap::new())) };
-    let ready = fit.kriging.ready(&profile.mean_m);
+    let ready = fit.kriging.whiten(&profile.mean_m);
     let Some((best, height_m)) = fit.best(&ready) else { return Ok((nothing, BTreeMap::new())) };
     let heights = Heights::new(&profile.stretches, &fit.kriging.weights(&best.shape), height_m);
     let level_m = |shape: &[f64], height_m: f64| {
@@ -447,7 +447,7 @@ fn bootstrap(profile: &Profile, fit: &Fit, monitor: &dyn Monitor) -> Result<[f64
             }
         }
         let mean: Vec<f64> = profile.mean_m.iter().zip(&sums).map(|(mean, sum)| mean + sum / length_m).collect();
-        if let Some((best, height_m)) = fit.best(&fit.kriging.ready(&mean)) {
+        if let Some((best, height_m)) = fit.best(&fit.kriging.whiten(&mean)) {
             drawn[0].push(height_m);
             drawn[1].push(best.width_m);
         }

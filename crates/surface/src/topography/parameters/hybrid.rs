@@ -5,14 +5,6 @@ use slipgrid_base::monitor::{Cancelled, Monitor};
 use crate::topography::HeightMap;
 
 impl HeightMap {
-    /// Sdq, the root mean square gradient, from differences between neighbours. This is
-    /// [`rms_slope_finite_difference`](HeightMap::rms_slope_finite_difference) under its ISO name.
-    #[must_use]
-    pub fn sdq(&self) -> f64 {
-        // Sdq^2 = mean (dh/dx)^2 + mean (dh/dy)^2
-        self.rms_slope_finite_difference()
-    }
-
     /// Sdr, the developed interfacial area ratio: the area of the surface relative to its projection, minus 1, over the
     /// cells between four points that are present. Zero if there is no such cell.
     ///
@@ -54,11 +46,14 @@ mod tests {
     fn a_plane_and_a_triangular_wave_are_exact() {
         let plane = |n: usize| 0.3 * (n / 7) as f64 * 1e-6 - 0.4 * (n % 7) as f64 * 2e-6;
         let plane = HeightMap::new(9, 7, 1e-6, 2e-6, (0..63).map(plane).collect()).unwrap();
-        assert!((plane.sdq() - 0.5).abs() < 1e-12);
+        assert!((plane.rms_slope_finite_difference() - 0.5).abs() < 1e-12);
         assert!((plane.sdr(&Unwatched).unwrap() - (1.25_f64.sqrt() - 1.0)).abs() < 1e-12);
         let wave = |n: usize| 0.75e-6 * (((n / 7) % 8) as f64 - 4.0).abs();
         let wave = HeightMap::new(17, 7, 1e-6, 2e-6, (0..119).map(wave).collect()).unwrap();
-        assert!((wave.sdq() - 0.75).abs() < 1e-12 && (wave.sdr(&Unwatched).unwrap() - 0.25).abs() < 1e-12);
+        assert!(
+            (wave.rms_slope_finite_difference() - 0.75).abs() < 1e-12
+                && (wave.sdr(&Unwatched).unwrap() - 0.25).abs() < 1e-12
+        );
     }
 
     #[test]
