@@ -9,7 +9,7 @@ use slipgrid_io::campaign::plan;
 use slipgrid_io::disk::disk;
 use slipgrid_io::formats::calibration::Calibration;
 use slipgrid_io::formats::design::Design;
-use slipgrid_io::formats::material::{MaterialFile, read_material};
+use slipgrid_io::formats::material::{MaterialFile, read_known};
 use slipgrid_io::formats::scene::{SceneFile, SceneInput};
 use slipgrid_io::formats::{Diagnostic, Document};
 use toml::{Table, Value};
@@ -39,7 +39,7 @@ pub const KINDS: [Kind; 5] = [
         read: |path, text| {
             let document = Document::within(&disk(), path, text);
             let file: MaterialFile = document.parse()?;
-            Ok(format!("{:?}", read_material(&document, &file, &(0..text.len()))?))
+            Ok(format!("{:?}", read_known(&document, &file, &(0..text.len()))?))
         },
     },
     Kind {

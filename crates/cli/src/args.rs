@@ -13,14 +13,16 @@ mod trials;
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use slipgrid_io::disk::MAX_THREADS;
 use slipgrid_io::formats::held_specimens::MAX_SPECIMENS;
+use slipgrid_model::springblock::{Extent, Fidelity};
 
 pub use campaign::{CampaignArgs, CampaignStep, MergeArgs, PlanArgs, WorkArgs};
 pub use evidence::{AccuracyArgs, ValidateArgs};
 pub use export::ExportArgs;
-pub use maps::{CutName, DecimateName, FormName, MapArgs, MissingName, RimName, SurfaceArgs, SynthesizeArgs};
+pub use maps::{MapArgs, SurfaceArgs, SynthesizeArgs};
 pub use trials::{NextArgs, TrialsArgs};
 
 /// Designs laser-textured surfaces for a target dry friction.
@@ -109,11 +111,11 @@ pub struct SimulateArgs {
     /// Scene file
     pub scene: PathBuf,
     /// Solution method; the scene's choice by default
-    #[arg(long, value_enum)]
-    pub fidelity: Option<FidelityName>,
+    #[arg(long, value_parser = named(FIDELITIES))]
+    pub fidelity: Option<Fidelity>,
     /// Modelled part of the specimen; the scene's choice by default
-    #[arg(long, value_enum)]
-    pub extent: Option<ExtentName>,
+    #[arg(long, value_parser = named(EXTENTS))]
+    pub extent: Option<Extent>,
     /// Print everything: all doubts, intervals, assumptions and the numerical method
     #[arg(long, conflicts_with = "json")]
     pub details: bool,
@@ -377,46 +379,29 @@ pub struct ManArgs {
     pub output: Option<PathBuf>,
 }
 
-/// Names of the fidelities.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum FidelityName {
-    /// Equilibrium with every contact block sliding
-    Steady,
-    /// Time integration by the fastest scheme whose error is measured
-    Dynamic,
-    /// Exactly the published scheme
-    Reference,
-}
+/// Value of a flag, with its name and its help.
+type Choice<T> = (T, &'static str, &'static str);
 
-impl From<FidelityName> for slipgrid_model::springblock::Fidelity {
-    fn from(name: FidelityName) -> Self {
-        match name {
-            FidelityName::Steady => Self::Steady,
-            FidelityName::Dynamic => Self::Dynamic,
-            FidelityName::Reference => Self::Reference,
-        }
-    }
-}
+/// Fidelities of a scene.
+const FIDELITIES: [Choice<Fidelity>; 3] = [
+    (Fidelity::Steady, "steady", "Equilibrium with every contact block sliding"),
+    (Fidelity::Dynamic, "dynamic", "Time integration by the fastest scheme whose error is measured"),
+    (Fidelity::Reference, "reference", "Exactly the published scheme"),
+];
+/// Extents of a scene.
+const EXTENTS: [Choice<Extent>; 3] = [
+    (Extent::Cell, "cell", "One period with periodic sides"),
+    (Extent::Sample, "sample", "The whole specimen with free sides"),
+    (Extent::Strip, "strip", "A strip of the specimen in space, one period wide, with two ends"),
+];
 
-/// Names of the extents.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum ExtentName {
-    /// One period with periodic sides
-    Cell,
-    /// The whole specimen with free sides
-    Sample,
-    /// A strip of the specimen in space, one period wide, with two ends
-    Strip,
-}
-
-impl From<ExtentName> for slipgrid_model::springblock::Extent {
-    fn from(name: ExtentName) -> Self {
-        match name {
-            ExtentName::Cell => Self::Cell,
-            ExtentName::Sample => Self::Sample,
-            ExtentName::Strip => Self::Strip,
-        }
-    }
+/// Parser of the values in `choices` by their names.
+fn named<T: Copy + Send + Sync + 'static, const COUNT: usize>(
+    choices: [Choice<T>; COUNT],
+) -> impl TypedValueParser<Value = T> {
+    let known = choices.map(|(_, name, help)| PossibleValue::new(name).help(help));
+    let value = move |given: String| choices.into_iter().find(|(_, name, _)| *name == given).map(|(value, ..)| value);
+    PossibleValuesParser::new(known).try_map(move |given| value(given).ok_or("an unknown name"))
 }
 
 fn parse_threads(text: &str) -> Result<NonZeroUsize, String> {

@@ -3,7 +3,7 @@ use slipgrid_model::material::MaterialError;
 
 use slipgrid_io::disk::{PlaceError, WriteError};
 use slipgrid_io::formats::Diagnostic;
-use slipgrid_io::formats::calibrated::Uncalibrated;
+use slipgrid_io::formats::calibrated::Failure;
 
 /// Error that ends a command without a result.
 #[derive(Debug, thiserror::Error)]
@@ -76,12 +76,12 @@ impl From<Cancelled> for CliError {
     }
 }
 
-impl From<Uncalibrated> for CliError {
-    fn from(error: Uncalibrated) -> Self {
+impl From<Failure> for CliError {
+    fn from(error: Failure) -> Self {
         match error {
-            Uncalibrated::Refused(refused) => Self::Input(refused),
-            Uncalibrated::Cancelled => Self::Interrupted,
-            Uncalibrated::Failed(reason) => Self::Other(reason),
+            Failure::Refused(refused) => Self::Input(refused),
+            Failure::Cancelled => Self::Interrupted,
+            Failure::Failed(reason) => Self::Other(reason),
         }
     }
 }

@@ -6,7 +6,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyType;
 use slipgrid::calibrate::{CalibrationOutcome, CalibrationTask, Selection};
 use slipgrid::disk::disk;
-use slipgrid::formats::calibrated::{Uncalibrated, calibrate, learn};
+use slipgrid::formats::calibrated::{self, calibrate, learn};
 use slipgrid::formats::calibration::Calibration as Read;
 use slipgrid::formats::file_kind::FileKind;
 use slipgrid::formats::made_from::MadeFrom;
@@ -133,7 +133,7 @@ impl Calibration {
             let (name, samples) = (&self.read.name, &task.trials.samples);
             let report =
                 TrialsReport::new(name, &task.flat, samples, &learned.discrepancy, watch)?.with_pending(&learned);
-            Ok::<_, Uncalibrated>(report.with_warnings(self.read.doubts.clone()))
+            Ok::<_, calibrated::Failure>(report.with_warnings(self.read.doubts.clone()))
         })??;
         warn_all(py, &report.warnings)?;
         Ok([json(&report).map_err(failed)?, report.text()])

@@ -10,7 +10,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyType;
 use rayon::prelude::*;
 use slipgrid::design::{DesignOutcome, Explored, NextOptions, NoCache, explore_bounds, next_trials, run};
-use slipgrid::formats::calibrated::{Uncalibrated, complete_by, read_calibration};
+use slipgrid::formats::calibrated::{self, complete_by, read_calibration};
 use slipgrid::formats::calibration::Calibration;
 use slipgrid::formats::confirmed_scene::steady_scene;
 use slipgrid::formats::file_kind::FileKind;
@@ -64,7 +64,7 @@ const BESIDE: usize = 5;
 
 impl Design {
     /// Returns the design with its material; calibrates at the first call only.
-    fn completed(&self, watch: &Watch) -> Result<(Read, Option<Calibration>), Uncalibrated> {
+    fn completed(&self, watch: &Watch) -> Result<(Read, Option<Calibration>), calibrated::Failure> {
         let known = || self.completed.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(known) = known().as_ref() {
             return Ok(known.clone());

@@ -8,7 +8,7 @@ use pyo3::types::PyDict;
 use slipgrid::campaign::CampaignError;
 use slipgrid::design::DesignError;
 use slipgrid::formats::Diagnostic;
-use slipgrid::formats::calibrated::Uncalibrated;
+use slipgrid::formats::calibrated;
 use slipgrid::formats::design::Design;
 use slipgrid::monitor::Cancelled;
 
@@ -60,12 +60,12 @@ impl From<Cancelled> for Failure {
     }
 }
 
-impl From<Uncalibrated> for Failure {
-    fn from(error: Uncalibrated) -> Self {
+impl From<calibrated::Failure> for Failure {
+    fn from(error: calibrated::Failure) -> Self {
         match error {
-            Uncalibrated::Refused(refused) => Self::Refused(refused),
-            Uncalibrated::Cancelled => Self::Stopped,
-            Uncalibrated::Failed(reason) => Self::Failed(reason),
+            calibrated::Failure::Refused(refused) => Self::Refused(refused),
+            calibrated::Failure::Cancelled => Self::Stopped,
+            calibrated::Failure::Failed(reason) => Self::Failed(reason),
         }
     }
 }

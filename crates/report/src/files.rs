@@ -20,13 +20,9 @@ pub fn of_design(found: &DesignOutcome) -> Result<Outputs, ReportError> {
         outputs.add("table.csv", csv::lattice(task, lattice));
     }
     let scene = DesignScene {
-        name: &task.name,
-        material: &found.material.material,
-        uncertainty: &found.material.uncertainty,
-        condition: task.condition.as_ref(),
+        task,
+        known: &found.material,
         pattern: &found.pattern,
-        specimen: &task.specimen,
-        layer: &task.layer,
         loads: &found.loads,
         speed_m_s: found.scene.speed_m_s,
         run: &found.scene.run,

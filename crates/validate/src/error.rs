@@ -2,7 +2,7 @@
 
 use slipgrid_base::monitor::Cancelled;
 use slipgrid_io::formats::Diagnostic;
-use slipgrid_io::formats::calibrated::Uncalibrated;
+use slipgrid_io::formats::calibrated::Failure;
 use slipgrid_report::ChartError;
 
 /// Error that ends a study without a result.
@@ -28,12 +28,12 @@ impl From<Cancelled> for StudyError {
     }
 }
 
-impl From<Uncalibrated> for StudyError {
-    fn from(why: Uncalibrated) -> Self {
+impl From<Failure> for StudyError {
+    fn from(why: Failure) -> Self {
         match why {
-            Uncalibrated::Refused(refused) => Self::Input(refused),
-            Uncalibrated::Cancelled => Self::Cancelled,
-            Uncalibrated::Failed(reason) => Self::Failed(reason),
+            Failure::Refused(refused) => Self::Input(refused),
+            Failure::Cancelled => Self::Cancelled,
+            Failure::Failed(reason) => Self::Failed(reason),
         }
     }
 }

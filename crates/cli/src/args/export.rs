@@ -3,8 +3,10 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use clap::builder::TypedValueParser;
 use slipgrid_report::LaserFile;
+
+use super::named;
 
 /// Arguments of `export`
 #[derive(Args, Debug)]
@@ -34,10 +36,8 @@ pub struct ExportArgs {
 
 /// Parser of the names of export formats.
 fn laser_files() -> impl TypedValueParser<Value = LaserFile> {
-    let names = LaserFile::EACH.map(|file| {
+    named(LaserFile::EACH.map(|file| {
         let [name, help] = file.described();
-        PossibleValue::new(name).help(help)
-    });
-    let named = |name: String| LaserFile::EACH.into_iter().find(|file| file.described()[0] == name);
-    PossibleValuesParser::new(names).try_map(move |name| named(name).ok_or("a format that nothing writes"))
+        (file, name, help)
+    }))
 }

@@ -3,7 +3,38 @@
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
-use clap::{Args, ValueEnum};
+use clap::Args;
+use slipgrid_surface::topography::{CutShape, DecimationMethod, Form, Missing, RimProfile};
+
+use super::{Choice, named};
+
+/// Heights of a pixel that is joined from a block of pixels.
+const JOINED: [Choice<DecimationMethod>; 2] = [
+    (DecimationMethod::Mean, "mean", "The mean of the block's heights"),
+    (DecimationMethod::Pick, "pick", "The first height of the block"),
+];
+/// Treatments of missing points.
+const MISSING: [Choice<Missing>; 2] =
+    [(Missing::Fill, "fill", "Replace them by the smoothest surface"), (Missing::Refuse, "refuse", "Refuse the map")];
+/// Forms to subtract from a map.
+const FORMS: [Choice<Form>; 3] = [
+    (Form::Mean, "mean", "The mean height"),
+    (Form::Plane, "plane", "The plane"),
+    (Form::SecondOrder, "second-order", "The second-order polynomial in x and y"),
+];
+/// Shapes of synthetic cavities.
+const SHAPES: [Choice<CutShape>; 3] = [
+    (CutShape::Groove, "groove", "Across the sliding direction, through the whole map"),
+    (CutShape::Square, "square", "Squares, repeated in both directions"),
+    (CutShape::Disc, "disc", "Discs, repeated in both directions"),
+];
+/// Profiles of synthetic rims.
+const PROFILES: [Choice<RimProfile>; 4] = [
+    (RimProfile::Round, "round", "Parabola, 1 - s^2 at the fraction s of the width"),
+    (RimProfile::Flat, "flat", "Constant height"),
+    (RimProfile::Ramp, "ramp", "Straight line, 1 - s"),
+    (RimProfile::HalfSine, "half-sine", "Arch, sin(pi s)"),
+];
 
 /// Options for reading an altitude map.
 #[derive(Args, Debug)]
@@ -31,61 +62,23 @@ pub struct MapArgs {
     #[arg(long, value_name = "N")]
     pub decimate: Option<NonZeroUsize>,
     /// Height of the joined pixel
-    #[arg(long, value_enum, default_value_t = DecimateName::Mean, requires = "decimate", value_name = "HOW")]
-    pub decimate_by: DecimateName,
+    #[arg(long, value_parser = named(JOINED), default_value = "mean", requires = "decimate", value_name = "HOW")]
+    pub decimate_by: DecimationMethod,
     /// Treatment of missing points
-    #[arg(long, value_enum, default_value_t = MissingName::Fill, value_name = "WHAT")]
-    pub missing: MissingName,
+    #[arg(long, value_parser = named(MISSING), default_value = "fill", value_name = "WHAT")]
+    pub missing: Missing,
     /// Replace spikes, single points or clusters of up to twelve that stand far beyond all points around them, by the
     /// median of the points about them
     #[arg(long)]
     pub despike: bool,
     /// Least-squares form to subtract; from a map of exactly one period only the mean is subtracted
-    #[arg(long, value_enum, default_value_t = FormName::Plane, value_name = "FORM")]
-    pub form: FormName,
+    #[arg(long, value_parser = named(FORMS), default_value = "plane", value_name = "FORM")]
+    pub form: Form,
 }
 
 /// Help text of a flag for the unit of `what`.
 fn of_unit(what: &str) -> String {
     format!("Unit of the {what}, for a file that does not say it: {}", slipgrid_surface::topography::LengthUnit::NAMES)
-}
-
-/// Height of a pixel that is joined from a block of pixels.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum DecimateName {
-    /// The mean of the block's heights
-    Mean,
-    /// The first height of the block
-    Pick,
-}
-
-impl From<DecimateName> for slipgrid_surface::topography::DecimationMethod {
-    fn from(name: DecimateName) -> Self {
-        match name {
-            DecimateName::Mean => Self::Mean,
-            DecimateName::Pick => Self::Pick,
-        }
-    }
-}
-
-/// Treatment of missing points.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum MissingName {
-    /// Replace them by the smoothest surface
-    Fill,
-    /// Refuse the map
-    Refuse,
-}
-
-/// Form to subtract from a map.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum FormName {
-    /// The mean height
-    Mean,
-    /// The plane
-    Plane,
-    /// The second-order polynomial in x and y
-    SecondOrder,
 }
 
 /// Arguments of `surface`
@@ -164,8 +157,8 @@ pub struct SynthesizeArgs {
     #[arg(long, value_name = "UM,UM,UM", value_parser = parse_three)]
     pub cavities: Option<[f64; 3]>,
     /// Shape of the cavities seen from above
-    #[arg(long, value_enum, default_value_t = CutName::Groove, requires = "cavities", value_name = "SHAPE")]
-    pub cavity_shape: CutName,
+    #[arg(long, value_parser = named(SHAPES), default_value = "groove", requires = "cavities", value_name = "SHAPE")]
+    pub cavity_shape: CutShape,
     /// Horizontal extent of the cavities' walls: they slope by atan(depth/extent)
     #[arg(long, default_value_t = 0.0, requires = "cavities", value_name = "UM")]
     pub wall_um: f64,
@@ -173,8 +166,8 @@ pub struct SynthesizeArgs {
     #[arg(long, requires = "cavities", value_name = "UM,UM", value_parser = parse_two)]
     pub rims: Option<[f64; 2]>,
     /// Profile of rims from the edge outward
-    #[arg(long, value_enum, default_value_t = RimName::Round, requires = "rims", value_name = "PROFILE")]
-    pub rim_profile: RimName,
+    #[arg(long, value_parser = named(PROFILES), default_value = "round", requires = "rims", value_name = "PROFILE")]
+    pub rim_profile: RimProfile,
     /// Standard deviation of the rims' heights from cavity to cavity
     #[arg(long, default_value_t = 0.0, requires = "rims", value_name = "UM")]
     pub rim_std_um: f64,
@@ -184,41 +177,6 @@ pub struct SynthesizeArgs {
     /// Map to write, as matrix text: a name that ends in .asc or .txt
     #[arg(long, short, value_name = "FILE")]
     pub output: PathBuf,
-}
-
-/// Shape of synthetic cavities.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum CutName {
-    /// Across the sliding direction, through the whole map
-    Groove,
-    /// Squares, repeated in both directions
-    Square,
-    /// Discs, repeated in both directions
-    Disc,
-}
-
-/// Profile of synthetic rims.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum RimName {
-    /// Parabola, 1 - s^2 at the fraction s of the width
-    Round,
-    /// Constant height
-    Flat,
-    /// Straight line, 1 - s
-    Ramp,
-    /// Arch, sin(pi s)
-    HalfSine,
-}
-
-impl From<RimName> for slipgrid_surface::topography::RimProfile {
-    fn from(name: RimName) -> Self {
-        match name {
-            RimName::Round => Self::Round,
-            RimName::Flat => Self::Flat,
-            RimName::Ramp => Self::Ramp,
-            RimName::HalfSine => Self::HalfSine,
-        }
-    }
 }
 
 fn parse_waves(text: &str) -> Result<(u32, u32), String> {
@@ -239,16 +197,14 @@ fn parse_three(text: &str) -> Result<[f64; 3], String> {
     parse_list(text).ok_or_else(|| "expected three numbers, for instance 130,370,5.2".to_owned())
 }
 
-fn parse_list<const COUNT: usize>(text: &str) -> Option<[f64; COUNT]> {
-    let numbers: Option<Vec<f64>> = text.split(',').map(|number| number.trim().parse().ok()).collect();
+fn parse_list<T: std::str::FromStr, const COUNT: usize>(text: &str) -> Option<[T; COUNT]> {
+    let numbers: Option<Vec<T>> = text.split(',').map(|number| number.trim().parse().ok()).collect();
     numbers.and_then(|numbers| numbers.try_into().ok())
 }
 
 fn parse_crop(text: &str) -> Result<[usize; 4], String> {
-    let numbers: Option<Vec<usize>> = text.split(',').map(|number| number.trim().parse().ok()).collect();
-    numbers
-        .and_then(|numbers| numbers.try_into().ok())
-        .filter(|[_, _, rows, cols]: &[usize; 4]| *rows > 1 && *cols > 1)
+    parse_list(text)
+        .filter(|[_, _, rows, cols]| *rows > 1 && *cols > 1)
         .ok_or_else(|| "expected four whole numbers, the last two from 2 up, for instance 0,0,512,512".to_owned())
 }
 

@@ -4,9 +4,9 @@ use std::path::{Path, PathBuf};
 
 use slipgrid_infer::calibrate::area_law::{AreaLawError, AreaLawRequest, DEFAULT_PRESSURES_MPA, surface_area_law};
 use slipgrid_infer::calibrate::area_law_sampling::{DEFAULT_WINDOWS, resolution};
-use slipgrid_surface::topography::{Crop, Decimation, Form, LengthUnit, Missing, ReadOptions};
+use slipgrid_surface::topography::{Crop, Decimation, Form, LengthUnit, Preparation, ReadOptions};
 
-use crate::args::{AreaLawArgs, FormName, MapArgs, MissingName};
+use crate::args::{AreaLawArgs, MapArgs};
 use crate::interruption::heed;
 use crate::output::open;
 use crate::progress::Job;
@@ -71,7 +71,7 @@ fn of_map(
 ) -> Result<AreaLawReport, CliError> {
     let mut options = map_options(&args.reading)?;
     if args.no_level {
-        options.form = Form::Mean;
+        options.how.form = Form::Mean;
     }
     let job = Job::new(console);
     let surface = read_period(&slipgrid_io::disk::disk(), path, &options, &job)?;
@@ -121,19 +121,11 @@ pub(super) fn map_options(args: &MapArgs) -> Result<MapOptions, Diagnostic> {
         lateral_unit: args.lateral_unit.as_deref().map(|name| unit("--lateral-unit", name)).transpose()?,
         decimal_comma: args.decimal_comma,
         crop: args.crop.map(|[first_row, first_col, rows, cols]| Crop { first_row, first_col, rows, cols }),
-        decimation: args.decimate.map(|factor| Decimation { factor: factor.get(), method: args.decimate_by.into() }),
+        decimation: args.decimate.map(|factor| Decimation { factor: factor.get(), method: args.decimate_by }),
         ..ReadOptions::default()
     };
-    let form = match args.form {
-        FormName::Mean => Form::Mean,
-        FormName::Plane => Form::Plane,
-        FormName::SecondOrder => Form::SecondOrder,
-    };
-    let missing = match args.missing {
-        MissingName::Fill => Missing::Fill,
-        MissingName::Refuse => Missing::Refuse,
-    };
-    Ok(MapOptions { read, form, missing, despike: args.despike })
+    let how = Preparation { form: args.form, missing: args.missing, despike: args.despike };
+    Ok(MapOptions { read, how })
 }
 
 fn unit(flag: &str, name: &str) -> Result<LengthUnit, Diagnostic> {

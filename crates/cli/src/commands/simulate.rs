@@ -28,7 +28,7 @@ const FILES: [&str; 7] = [
 /// Solves a scene and reports.
 pub fn run(args: &SimulateArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
     let folder = open(args.output.as_ref(), &FILES, std::slice::from_ref(&args.scene))?;
-    let overrides = Overrides { fidelity: args.fidelity.map(Into::into), extent: args.extent.map(Into::into) };
+    let overrides = Overrides { fidelity: args.fidelity, extent: args.extent };
     let input = SceneInput::read(&disk(), &args.scene, overrides)?;
     console.warn(&input.told);
     run_line(&input.scene, &input.uncertainty, input.condition.as_ref()).iter().for_each(|line| console.note(line));

@@ -30,10 +30,11 @@ pub fn run(args: &SurfaceArgs, console: &mut Console<'_>) -> Result<u8, CliError
     if let Some(measured) = measured.as_mut().filter(|_| how.despike) {
         measured.despike(&job).map_err(cancelled)?;
     }
-    let cavities = measured.as_ref().map(|map| map.measure_cavities(options.form, &job)).transpose().map_err(refuse)?;
+    let cavities =
+        measured.as_ref().map(|map| map.measure_cavities(options.how.form, &job)).transpose().map_err(refuse)?;
     let period = args.period_out.as_deref().zip(measured.as_ref());
     let period = period
-        .map(|(file, map)| map.mean_cavity_period(options.form, &job).map(|period| (file, period)))
+        .map(|(file, map)| map.mean_cavity_period(options.how.form, &job).map(|period| (file, period)))
         .transpose()
         .map_err(refuse)?;
     let mut surface = PreparedMap::new(read, how, &job)

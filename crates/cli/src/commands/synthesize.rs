@@ -4,7 +4,7 @@ use slipgrid_surface::topography::{
     CutPattern, CutRim, CutShape, HeightMap, LengthUnit, MapError, MatrixStyle, SelfAffine,
 };
 
-use crate::args::{CutName, SynthesizeArgs};
+use crate::args::SynthesizeArgs;
 use crate::output::{Place, check_map_file, write_file};
 use crate::{CliError, Console, exit_code};
 use slipgrid_base::monitor::Unwatched;
@@ -73,11 +73,7 @@ fn pattern(args: &SynthesizeArgs) -> Result<Option<CutPattern>, Diagnostic> {
     let [width_std_m, pitch_std_m, depth_std_m] =
         std_um.map(|std_um| checked("--cavity-std", std_um, LENGTH_UM.or_zero()));
     Ok(Some(CutPattern {
-        shape: match args.cavity_shape {
-            CutName::Groove => CutShape::Groove,
-            CutName::Square => CutShape::Square,
-            CutName::Disc => CutShape::Disc,
-        },
+        shape: args.cavity_shape,
         width_m: width_m?,
         spacing_m: spacing_m?,
         depth_m: depth_m?,
@@ -96,7 +92,7 @@ fn rim(args: &SynthesizeArgs) -> Result<Option<CutRim>, Diagnostic> {
     Ok(Some(CutRim {
         height_m: checked("--rims", height_um, LENGTH_UM)?,
         width_m: checked("--rims", width_um, LENGTH_UM)?,
-        profile: args.rim_profile.into(),
+        profile: args.rim_profile,
         height_std_m: checked("--rim-std-um", args.rim_std_um, LENGTH_UM.or_zero())?,
     }))
 }

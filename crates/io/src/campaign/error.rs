@@ -4,6 +4,7 @@ use std::io;
 use std::path::PathBuf;
 
 use crate::formats::Diagnostic;
+use crate::formats::calibrated::Failure;
 
 /// Reason why a campaign could not be planned, worked on or merged.
 #[derive(Debug, thiserror::Error)]
@@ -29,6 +30,16 @@ pub enum CampaignError {
     /// Another error.
     #[error("{0}")]
     Failed(String),
+}
+
+impl From<Failure> for CampaignError {
+    fn from(failure: Failure) -> Self {
+        match failure {
+            Failure::Refused(refused) => Self::Refused(refused),
+            Failure::Cancelled => Self::Cancelled,
+            Failure::Failed(reason) => Self::Failed(reason),
+        }
+    }
 }
 
 /// One line per diagnostic.

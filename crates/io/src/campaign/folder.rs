@@ -291,8 +291,4 @@ impl Files for Inputs {
     fn entry(&self, path: &Path) -> io::Result<Entry> {
         self.store.entry(&self.folder.join(path))
     }
-
-    fn names(&self, _: &Path) -> Vec<String> {
-        Vec::new()
-    }
 }

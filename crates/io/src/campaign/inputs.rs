@@ -113,10 +113,6 @@ impl Files for HashedFiles {
     fn entry(&self, path: &Path) -> io::Result<Entry> {
         self.hashes.get(path).map(|_| Entry::File).ok_or(io::ErrorKind::NotFound.into())
     }
-
-    fn names(&self, _: &Path) -> Vec<String> {
-        Vec::new()
-    }
 }
 
 /// Contents in memory, by hash.
@@ -127,13 +123,5 @@ impl Files for InMemory {
     fn read(&self, path: &Path) -> io::Result<Vec<u8>> {
         let found = path.to_str().and_then(|hash| self.0.get(hash)).ok_or(io::ErrorKind::NotFound)?;
         Ok(found.to_vec())
-    }
-
-    fn entry(&self, path: &Path) -> io::Result<Entry> {
-        self.read(path).map(|_| Entry::File)
-    }
-
-    fn names(&self, _: &Path) -> Vec<String> {
-        Vec::new()
     }
 }

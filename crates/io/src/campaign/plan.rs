@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::sync::Arc;
 
-use crate::formats::calibrated::{Uncalibrated, complete};
+use crate::formats::calibrated::complete;
 use crate::formats::calibration::Calibration;
 use crate::formats::confirmed_scene::steady_scene;
 use crate::formats::design::Design;
@@ -180,11 +180,7 @@ fn base(
         (Some(FileKind::Scene), None) => Ok((Kind::Scene, text, Vec::new())),
         (Some(FileKind::Design), _) if work == WORK[1] => {
             let mut design = Design::from_document(Document::within(files, path, text))?;
-            complete(&mut design, files, monitor).map_err(|error| match error {
-                Uncalibrated::Refused(refused) => refused.into(),
-                Uncalibrated::Cancelled => CampaignError::Cancelled,
-                Uncalibrated::Failed(reason) => CampaignError::Failed(reason),
-            })?;
+            complete(&mut design, files, monitor)?;
             let (patterns, _) = lattice(&design.task);
             let first = patterns.first().ok_or_else(|| {
                 document

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use crate::formats::calibrated::{Uncalibrated, complete};
+use crate::formats::calibrated::{Failure, complete};
 use crate::formats::design::Design;
 use crate::formats::run::Overrides;
 use crate::formats::scene::SceneInput;
@@ -59,19 +59,6 @@ impl Done {
     }
 }
 
-/// Reason why a task has no record.
-enum TaskFailure {
-    Refused(String),
-    Failed(String),
-    Cancelled,
-}
-
-impl From<Diagnostic> for TaskFailure {
-    fn from(refused: Diagnostic) -> Self {
-        Self::Refused(refused.to_string())
-    }
-}
-
 /// Does tasks of one campaign, in as many threads as call it.
 pub struct Worker<'a> {
     campaign: &'a Campaign,
@@ -96,16 +83,19 @@ impl<'a> Worker<'a> {
     pub fn work(&self, task: &Task, monitor: &dyn Monitor) -> Option<Done> {
         let (outcome, reason, record) = match self.record(task, &Quiet(monitor)) {
             Ok(record) => (Outcome::Done, None, Some(record)),
-            Err(TaskFailure::Refused(reason)) => (Outcome::Refused, Some(reason), None),
-            Err(TaskFailure::Failed(reason)) => (Outcome::Failed, Some(reason), None),
-            Err(TaskFailure::Cancelled) => return None,
+            Err(Failure::Refused(refused)) => (Outcome::Refused, Some(refused.to_string()), None),
+            Err(Failure::Failed(reason)) => (Outcome::Failed, Some(reason), None),
+            Err(Failure::Cancelled) => return None,
         };
         Some(Done { schema: SCHEMA, id: task.id.clone(), outcome, reason, record })
     }
 
-    fn record(&self, task: &Task, monitor: &dyn Monitor) -> Result<Json, TaskFailure> {
-        let said = |(key, reason): (String, String)| TaskFailure::Refused(format!("{key}: {reason}"));
-        let text = self.campaign.text_with(&task.values).map_err(said)?;
+    fn record(&self, task: &Task, monitor: &dyn Monitor) -> Result<Json, Failure> {
+        let text = self.campaign.text_with(&task.values).map_err(|(key, reason)| Diagnostic {
+            key: Some(key.into()),
+            reason,
+            ..Diagnostic::default()
+        })?;
         let noted = RecordedFiles::new(&self.files, Path::new(""));
         let source: Source = Arc::clone(&noted) as Source;
         let document = || Document::within(&source, &self.campaign.base, text.clone());
@@ -114,10 +104,11 @@ impl<'a> Worker<'a> {
             Kind::Design => json_and_timings(&designed(document(), &source, monitor)?),
         };
         if self.campaign.id(&text, &noted.seen()) != task.id {
-            return Err(TaskFailure::Refused("the task is not what it was when the campaign was planned".to_owned()));
+            let reason = "the task is not what it was when the campaign was planned".to_owned();
+            return Err(Diagnostic { reason, ..Diagnostic::default() }.into());
         }
-        let [whole, _] = whole.map_err(|error| TaskFailure::Failed(error.to_string()))?;
-        serde_json::from_str(&whole).map_err(|error| TaskFailure::Failed(error.to_string()))
+        let [whole, _] = whole.map_err(|error| Failure::Failed(error.to_string()))?;
+        serde_json::from_str(&whole).map_err(|error| Failure::Failed(error.to_string()))
     }
 }
 
@@ -138,29 +129,25 @@ impl Monitor for Quiet<'_> {
     }
 }
 
-fn solved(document: Document, monitor: &dyn Monitor) -> Result<SimulationReport, TaskFailure> {
+fn solved(document: Document, monitor: &dyn Monitor) -> Result<SimulationReport, Failure> {
     let file = document.parse()?;
     let input = SceneInput::from_file(document, &file, Overrides::default())?;
     let solved = simulate_on(&input.scene, input.specimen.as_ref(), monitor);
     if monitor.cancelled() {
-        return Err(TaskFailure::Cancelled);
+        return Err(Failure::Cancelled);
     }
     let simulation = solved.map_err(|error| input.refuse_on_specimen(&error))?;
-    let (_, report) = input.report(simulation).map_err(|error| TaskFailure::Failed(error.to_string()))?;
+    let (_, report) = input.report(simulation).map_err(|error| Failure::Failed(error.to_string()))?;
     Ok(report)
 }
 
-fn designed(document: Document, source: &Source, monitor: &dyn Monitor) -> Result<DesignReport, TaskFailure> {
+fn designed(document: Document, source: &Source, monitor: &dyn Monitor) -> Result<DesignReport, Failure> {
     let mut design = Design::from_document(document)?;
-    complete(&mut design, source, monitor).map_err(|error| match error {
-        Uncalibrated::Refused(refused) => refused.into(),
-        Uncalibrated::Cancelled => TaskFailure::Cancelled,
-        Uncalibrated::Failed(reason) => TaskFailure::Failed(reason),
-    })?;
+    complete(&mut design, source, monitor)?;
     let found = slipgrid_design::run(&design.task, &mut NoCache, monitor).map_err(|error| match error {
         DesignError::Refused(refused) => design.refuse(&refused).into(),
-        DesignError::Cancelled => TaskFailure::Cancelled,
-        error => TaskFailure::Failed(error.to_string()),
+        DesignError::Cancelled => Failure::Cancelled,
+        error => Failure::Failed(error.to_string()),
     })?;
     Ok(found.report)
 }

@@ -82,8 +82,8 @@ pub fn read_for(
     options: &MapOptions,
     monitor: &dyn Monitor,
 ) -> Result<(ReadMap, Preparation), Diagnostic> {
-    let how = options.preparation();
-    let Some(decimation) = options.read.decimation.filter(|_| options.despike) else {
+    let how = options.how;
+    let Some(decimation) = options.read.decimation.filter(|_| how.despike) else {
         return Ok((open(source, path, &options.read, monitor)?, how));
     };
     let read = open(source, path, &ReadOptions { decimation: None, ..options.read }, monitor)?;

@@ -17,26 +17,26 @@ use crate::formats::calibration::Calibration;
 use crate::formats::design::Design;
 use crate::formats::diagnostic::Diagnostic;
 use crate::formats::document::Document;
-use crate::formats::material_uncertainty::read_known;
+use crate::formats::material::read_known;
 use crate::formats::refused_calibration::refuse;
 use crate::formats::source::Source;
 use crate::formats::written_material::material_toml;
 
-/// Reason why a calibration gave no material.
+/// Reason why a computation that files ask for gave no result.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum Uncalibrated {
+pub enum Failure {
     /// A file was refused.
     #[error(transparent)]
     Refused(#[from] Diagnostic),
     /// The monitor asked to stop.
     #[error("stopped")]
     Cancelled,
-    /// Any other failure.
+    /// The computation failed.
     #[error("{0}")]
     Failed(String),
 }
 
-impl From<Cancelled> for Uncalibrated {
+impl From<Cancelled> for Failure {
     fn from(_: Cancelled) -> Self {
         Self::Cancelled
     }
@@ -45,12 +45,8 @@ impl From<Cancelled> for Uncalibrated {
 /// Calibrates the material of the task of `design` if necessary, and returns the calibration.
 ///
 /// # Errors
-/// [`Uncalibrated`] if the calibration is refused or fails.
-pub fn complete(
-    design: &mut Design,
-    files: &Source,
-    monitor: &dyn Monitor,
-) -> Result<Option<Calibration>, Uncalibrated> {
+/// [`Failure`] if the calibration is refused or fails.
+pub fn complete(design: &mut Design, files: &Source, monitor: &dyn Monitor) -> Result<Option<Calibration>, Failure> {
     let Some(calibration) = read_calibration(design, files)? else { return Ok(None) };
     complete_by(design, &calibration, files, monitor)?;
     Ok(Some(calibration))
@@ -73,7 +69,7 @@ pub fn complete_by(
     calibration: &Calibration,
     files: &Source,
     monitor: &dyn Monitor,
-) -> Result<(), Uncalibrated> {
+) -> Result<(), Failure> {
     let Some(path) = design.calibration.clone() else { return Ok(()) };
     // A pressure or condition that was not measured is refused before any computation.
     let measured = as_measured(calibration)?;
@@ -129,17 +125,17 @@ fn read_kept(text: String) -> Option<KnownMaterial> {
 }
 
 /// Material as measured, before the fit.
-fn as_measured(calibration: &Calibration) -> Result<Material, Uncalibrated> {
+fn as_measured(calibration: &Calibration) -> Result<Material, Failure> {
     let Calibration { flat, specimen_area_m2, coefficients, relative_std, .. } = calibration;
     let friction = measured_friction(flat, *specimen_area_m2, *coefficients, *relative_std)
-        .map_err(|error| Uncalibrated::Failed(error.to_string()))?;
+        .map_err(|error| Failure::Failed(error.to_string()))?;
     Ok(Material { elastic: calibration.elastic, friction, area_law: None, provenance: Provenance::default() })
 }
 
 /// Runs the `calibration` from `path` for a sample with this layer and seed, as far as `selection` needs it.
 ///
 /// # Errors
-/// [`Uncalibrated`] if the calibration is refused or fails.
+/// [`Failure`] if the calibration is refused or fails.
 pub fn calibrate(
     calibration: &Calibration,
     path: &Path,
@@ -147,7 +143,7 @@ pub fn calibrate(
     sample: (Layer, u64),
     selection: Selection,
     monitor: &dyn Monitor,
-) -> Result<(CalibrationTask, CalibrationOutcome), Uncalibrated> {
+) -> Result<(CalibrationTask, CalibrationOutcome), Failure> {
     let task = calibration.task(files, sample, selection, monitor)?;
     let outcome = outcome(&task, monitor).map_err(|error| failed(&error, path, calibration))?;
     Ok((task, outcome))
@@ -164,14 +160,14 @@ fn outcome(task: &CalibrationTask, monitor: &dyn Monitor) -> Result<CalibrationO
 /// Discrepancy from the trials of the `calibration` from `path`, without a fit if none is needed.
 ///
 /// # Errors
-/// [`Uncalibrated`] if the calibration is refused or fails.
+/// [`Failure`] if the calibration is refused or fails.
 pub fn learn(
     calibration: &Calibration,
     path: &Path,
     files: &Source,
     sample: (Layer, u64),
     monitor: &dyn Monitor,
-) -> Result<(CalibrationTask, LearnedSamples), Uncalibrated> {
+) -> Result<(CalibrationTask, LearnedSamples), Failure> {
     let task = calibration.task(files, sample, Selection::default(), monitor)?;
     let learned =
         slipgrid_infer::calibrate::learn_alone(&task, monitor).map_err(|error| failed(&error, path, calibration))?;
@@ -179,13 +175,11 @@ pub fn learn(
 }
 
 /// Converts the error of a calibration that gave no material.
-fn failed(error: &CalibrationError, path: &Path, calibration: &Calibration) -> Uncalibrated {
+fn failed(error: &CalibrationError, path: &Path, calibration: &Calibration) -> Failure {
     match (refuse(error, path, calibration), error) {
         (Some(refused), _) => refused.into(),
-        (None, CalibrationError::Cancelled | CalibrationError::AreaLaw(AreaLawError::Cancelled)) => {
-            Uncalibrated::Cancelled
-        }
-        (None, CalibrationError::Fit { error, .. }) => Uncalibrated::Failed(format!("calibration: {error}")),
-        (None, error) => Uncalibrated::Failed(error.to_string()),
+        (None, CalibrationError::Cancelled | CalibrationError::AreaLaw(AreaLawError::Cancelled)) => Failure::Cancelled,
+        (None, CalibrationError::Fit { error, .. }) => Failure::Failed(format!("calibration: {error}")),
+        (None, error) => Failure::Failed(error.to_string()),
     }
 }

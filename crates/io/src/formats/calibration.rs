@@ -17,8 +17,9 @@ use super::calibration_file::{BulkFile, CalibrationFile};
 use super::cavity_lengths;
 use super::document::Document;
 use super::file_kind::FileKind;
+use super::friction::{DEFAULT_RELATIVE_STD, DEFAULT_STATIC_OVER_DYNAMIC};
 use super::held_specimens::sharing_force;
-use super::material::{DEFAULT_STATIC_OVER_DYNAMIC, check_modulus_std, existing};
+use super::material::check_modulus_std;
 use super::measured::{self, Placed, Remarks, Specimens};
 use super::measurements;
 use super::pattern::{PatternFile, check_depth, read_pattern};
@@ -235,7 +236,7 @@ impl Calibration {
             coefficients,
             relative_std: document
                 .optional(fit.and_then(|fit| fit.relative_std.as_ref()), RELATIVE_STD)?
-                .unwrap_or(super::material::DEFAULT_RELATIVE_STD),
+                .unwrap_or(DEFAULT_RELATIVE_STD),
             placed,
             told: remarks.told.iter().map(Diagnostic::to_string).collect(),
             doubts: remarks.warnings().into_iter().chain(once).collect(),
@@ -417,8 +418,7 @@ fn read_measured(
         let names = [measurements.get_ref().flat.as_ref(), measurements.get_ref().patterned.as_ref()];
         for (table, name) in tables.iter_mut().zip(names) {
             if let Some(name) = name {
-                let path = existing(document, name, name.get_ref())?;
-                *table = Placed::rows(&path, measurements::read(document.source(), &path)?, samples);
+                *table = measurements::read(document, name, samples)?;
             }
         }
     }

@@ -6,9 +6,9 @@ use serde::Deserialize;
 use slipgrid_model::material::ConditionRange;
 
 use super::document::Document;
-use super::values::{Numbers, list};
+use super::values::{Numbers, range};
 use crate::formats::diagnostic::Diagnostic;
-use slipgrid_base::units::{HUMIDITY_PCT, Quantity, SPEED_MM_S};
+use slipgrid_base::units::{HUMIDITY_PCT, SPEED_MM_S};
 
 /// A condition or a range of conditions in the form of a design file.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
@@ -32,18 +32,8 @@ impl ConditionRangeFile {
 /// # Errors
 /// [`Diagnostic`] if numbers are out of range, a list has not two entries, or the ends are in the wrong order.
 pub fn read_conditions(document: &Document, file: &ConditionRangeFile) -> Result<ConditionRange, Diagnostic> {
-    let speed_m_s = ends(document, &file.speed_mm_s, SPEED_MM_S)?;
-    let humidity = ends(document, &file.humidity_pct, HUMIDITY_PCT)?;
-    ConditionRange::new(speed_m_s, humidity).map_err(|error| document.refuse(file.speed_mm_s.span(), error.to_string()))
-}
-
-fn ends(document: &Document, values: &Spanned<Numbers>, quantity: Quantity) -> Result<[f64; 2], Diagnostic> {
     const EXPECTED: &str = "one number, or [lowest, highest]";
-    let read = list(document, values, quantity)?;
-    match (values.get_ref(), &read[..]) {
-        (Numbers::One(_), [one]) => Ok([*one; 2]),
-        (_, [lowest, highest]) if lowest <= highest => Ok([*lowest, *highest]),
-        (_, [_, _]) => Err(document.refuse(values.span(), "has its larger number first").expected(EXPECTED)),
-        _ => Err(document.refuse(values.span(), format!("is a list of {}", read.len())).expected(EXPECTED)),
-    }
+    let speed_m_s = range(document, &file.speed_mm_s, SPEED_MM_S, EXPECTED)?;
+    let humidity = range(document, &file.humidity_pct, HUMIDITY_PCT, EXPECTED)?;
+    ConditionRange::new(speed_m_s, humidity).map_err(|error| document.refuse(file.speed_mm_s.span(), error.to_string()))
 }

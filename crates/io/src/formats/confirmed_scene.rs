@@ -1,25 +1,23 @@
 //! Scene of a design: scene.toml, an input of `simulate`.
 
-use crate::formats::spanned::Spanned;
 use slipgrid_infer::calibrate::uncertainty::InputUncertainty;
-use slipgrid_model::material::{Condition, LocalFriction, Material, MaterialError};
+use slipgrid_model::material::{LocalFriction, MaterialError};
 use slipgrid_model::pattern::Pattern;
-use slipgrid_model::springblock::{Extent, Layer, Load, RunOptions};
+use slipgrid_model::springblock::{Extent, Load, RunOptions};
 
+use crate::formats::friction::FrictionFile;
 use crate::formats::learned::LearnedFile;
-use crate::formats::material::{AreaLawFile, ConditionFile, FrictionFile, MaterialFile};
+use crate::formats::material::{AreaLawFile, ConditionFile, MaterialFile};
+use crate::formats::pattern::PatternFile;
 use crate::formats::run::RunFile;
 use crate::formats::scene::{LoadFile, SampleFile, SceneFile};
-use crate::formats::values::{Numbers, PathOr, number, number_list};
+use crate::formats::values::{Numbers, PathOr, each, number_list};
 use crate::formats::written_material::flat_friction;
-use slipgrid_base::units::{
-    DENSITY_G_CM3, HUMIDITY_PCT, LENGTH_MM, LENGTH_UM, MODULUS_GPA, PRESSURE_MPA, Quantity, SPEED_MM_S, tidy,
-};
+use slipgrid_base::units::{HUMIDITY_PCT, LENGTH_MM, LENGTH_UM, MODULUS_GPA, PRESSURE_MPA, SPEED_MM_S, tidy};
 use slipgrid_design::results::{SCHEMA, VERSION};
 use slipgrid_design::{DesignTask, KnownMaterial};
-use slipgrid_infer::calibrate::uncertainty::MaterialUncertainty;
 use slipgrid_infer::discrepancy::Discrepancy;
-use slipgrid_laser::export::Specimen;
+use slipgrid_laser::export::SpecimenRecord;
 
 /// A design that cannot be written as a scene.
 #[derive(Debug, thiserror::Error)]
@@ -34,20 +32,12 @@ pub enum UnwritableScene {
 
 /// Contents of scene.toml.
 pub struct DesignScene<'a> {
-    /// Name of the design.
-    pub name: &'a str,
+    /// Task whose name, condition, specimen and layer the scene has.
+    pub task: &'a DesignTask,
     /// The material.
-    pub material: &'a Material,
-    /// Uncertainty of the material.
-    pub uncertainty: &'a MaterialUncertainty,
-    /// Speed and humidity for which the coefficients of the loads hold.
-    pub condition: Option<&'a Condition>,
+    pub known: &'a KnownMaterial,
     /// The design.
     pub pattern: &'a Pattern,
-    /// Specimen on which the pattern is laid.
-    pub specimen: &'a Specimen,
-    /// The modelled layer.
-    pub layer: &'a Layer,
     /// Loads with their coefficients.
     pub loads: &'a [Load],
     /// Sliding speed, in m/s.
@@ -68,19 +58,7 @@ pub fn steady_scene(
 ) -> Result<String, UnwritableScene> {
     let extent = if task.strip { Extent::Strip } else { Extent::Sample };
     let run = RunOptions { seed: task.seed, dimensions: task.dimensions, extent, ..RunOptions::default() };
-    let scene = DesignScene {
-        name: &task.name,
-        material: &known.material,
-        uncertainty: &known.uncertainty,
-        condition: task.condition.as_ref(),
-        pattern,
-        specimen: &task.specimen,
-        layer: &task.layer,
-        loads,
-        speed_m_s: task.speed_m_s,
-        run: &run,
-    };
-    scene.to_toml()
+    DesignScene { task, known, pattern, loads, speed_m_s: task.speed_m_s, run: &run }.to_toml()
 }
 
 impl DesignScene<'_> {
@@ -89,45 +67,45 @@ impl DesignScene<'_> {
     /// # Errors
     /// [`UnwritableScene`] if the values have no TOML form.
     pub fn to_toml(&self) -> Result<String, UnwritableScene> {
-        let micrometres = |length_m| number(LENGTH_UM.from_si(length_m));
-        let knowledge = self.uncertainty.at_loads(self.material.area_law.as_ref(), self.loads, self.condition)?;
+        let um = |length_m: f64| LENGTH_UM.from_si(length_m).into();
+        let name = |name: &str| name.to_owned().into();
+        let (task, run) = (self.task, self.run);
         let file = SceneFile {
-            name: Some(self.name.to_owned()),
-            schema: Some(unplaced(SCHEMA)),
+            name: Some(task.name.clone()),
+            schema: Some(SCHEMA.into()),
             // The discrepancy depends on the condition.
-            condition: self.condition.filter(|_| self.learned().is_some()).map(|condition| {
-                unplaced(ConditionFile {
-                    speed_mm_s: number(SPEED_MM_S.from_si(condition.speed_m_s)),
-                    humidity_pct: number(HUMIDITY_PCT.from_si(condition.humidity)),
-                })
+            condition: task.condition.filter(|_| self.learned().is_some()).map(|condition| {
+                let speed_mm_s = SPEED_MM_S.from_si(condition.speed_m_s).into();
+                let humidity_pct = HUMIDITY_PCT.from_si(condition.humidity).into();
+                ConditionFile { speed_mm_s, humidity_pct }.into()
             }),
-            material: unplaced(PathOr::Table(Box::new(self.material(&knowledge)))),
-            pattern: Some(unplaced(self.pattern.into())),
-            specimen: Some(unplaced(self.specimen.into())),
-            sample: unplaced(SampleFile {
+            material: PathOr::Table(Box::new(self.material()?)).into(),
+            pattern: Some(PatternFile::from(self.pattern).into()),
+            specimen: Some(SpecimenRecord::from(&task.specimen).into()),
+            sample: SampleFile {
                 length_um: None,
-                layer_um: Some(micrometres(self.layer.height_m)),
-                thickness_mm: self.layer.thickness_m.map(|thickness_m| number(LENGTH_MM.from_si(thickness_m))),
-                holder: self.layer.holder.map(|holder| unplaced(holder.name().to_owned())),
-                block_um: Some(micrometres(self.layer.block_m)),
-            }),
-            load: unplaced(LoadFile {
-                pressure_mpa: each(self.loads.iter().map(|load| load.pressure_pa), PRESSURE_MPA),
-                speed_mm_s: Some(number(SPEED_MM_S.from_si(self.speed_m_s))),
-            }),
+                layer_um: Some(um(task.layer.height_m)),
+                thickness_mm: task.layer.thickness_m.map(|thickness_m| LENGTH_MM.from_si(thickness_m).into()),
+                holder: task.layer.holder.map(|holder| name(holder.name())),
+                block_um: Some(um(task.layer.block_m)),
+            }
+            .into(),
+            load: LoadFile {
+                pressure_mpa: each(self.loads.iter().map(|load| PRESSURE_MPA.from_si(load.pressure_pa))),
+                speed_mm_s: Some(SPEED_MM_S.from_si(self.speed_m_s).into()),
+            }
+            .into(),
             run: RunFile {
-                fidelity: Some(unplaced(self.run.fidelity.name().to_owned())),
+                fidelity: Some(name(run.fidelity.name())),
                 // A sample in space is run as one cell.
-                extent: Some(unplaced(
-                    if self.run.extent == Extent::Strip { Extent::Strip } else { Extent::Sample }.name().to_owned(),
-                )),
-                seed: Some(self.run.seed),
-                sliding_um: Some(micrometres(self.run.sliding_m)),
-                mu_stderr: self.run.mu_stderr.map(number),
-                warm_start: self.run.warm_start.then_some(true),
-                dimensions: self.run.dimensions.map(|dimensions| unplaced(u64::from(dimensions))),
-                draws: (self.run.draws > 1).then(|| unplaced(self.run.draws)),
-                refine: self.run.refine.then_some(true),
+                extent: Some(name(if run.extent == Extent::Strip { Extent::Strip } else { Extent::Sample }.name())),
+                seed: Some(run.seed),
+                sliding_um: Some(um(run.sliding_m)),
+                mu_stderr: run.mu_stderr.map(Into::into),
+                warm_start: run.warm_start.then_some(true),
+                dimensions: run.dimensions.map(|dimensions| u64::from(dimensions).into()),
+                draws: (run.draws > 1).then(|| run.draws.into()),
+                refine: run.refine.then_some(true),
                 ..RunFile::default()
             },
         };
@@ -135,120 +113,77 @@ impl DesignScene<'_> {
         Ok(format!("# Scene of the confirming run, by slipgrid {VERSION}: slipgrid simulate scene.toml\n{body}"))
     }
 
-    fn material(&self, knowledge: &InputUncertainty) -> MaterialFile {
-        let youngs_modulus_gpa = MODULUS_GPA.from_si(self.material.elastic.youngs_modulus_pa());
-        let provenance = &self.material.provenance;
-        let named = |text: &str| (!text.is_empty()).then(|| text.to_owned());
-        MaterialFile {
-            name: named(&provenance.name),
-            source: named(&provenance.source),
-            schema: None,
-            slipgrid_version: Some(VERSION.to_owned()),
-            synthetic_surface: Some(provenance.synthetic_surface),
-            notes: provenance.notes.clone(),
-            warnings: provenance.warnings.clone(),
-            youngs_modulus_gpa: number(youngs_modulus_gpa),
-            youngs_modulus_std_gpa: self
-                .uncertainty
-                .modulus_relative_std
-                .map(|std| number(tidy(std * youngs_modulus_gpa))),
-            density_g_cm3: number(DENSITY_G_CM3.from_si(self.material.elastic.density_kg_m3())),
-            yield_pressure_mpa: self.material.elastic.yield_pressure_pa().map(|pa| number(PRESSURE_MPA.from_si(pa))),
-            friction: unplaced(self.friction(knowledge)),
+    fn material(&self) -> Result<MaterialFile, MaterialError> {
+        let KnownMaterial { material, uncertainty } = self.known;
+        let modulus_gpa = MODULUS_GPA.from_si(material.elastic.youngs_modulus_pa());
+        let errors = uncertainty.at_loads(material.area_law.as_ref(), self.loads, self.task.condition.as_ref())?;
+        let origin = match (uncertainty.law_is_fitted, uncertainty.law_is_measured) {
+            (true, _) => Some("fit".to_owned()),
+            (_, true) => Some("measured".to_owned()),
+            _ => None,
+        };
+        let area_law = material.area_law.as_ref();
+        Ok(MaterialFile {
+            youngs_modulus_std_gpa: uncertainty.modulus_relative_std.map(|std| tidy(std * modulus_gpa).into()),
             // Flat friction serves only the discrepancy.
-            flat_friction: self.learned().map_or_else(Vec::new, |_| flat_friction(&self.uncertainty.flat_friction)),
-            discrepancy: None,
-            made_from: None,
-            learned: self.learned().map(|learned| unplaced(LearnedFile::new(learned))),
-            area_law: self.material.area_law.as_ref().map(|law| {
-                unplaced(AreaLawFile {
-                    origin: match (self.uncertainty.law_is_fitted, self.uncertainty.law_is_measured) {
-                        (true, _) => Some("fit".to_owned()),
-                        (_, true) => Some("measured".to_owned()),
-                        _ => None,
-                    },
-                    rms_slope: None,
-                    sa_um: None,
-                    pixel_um: None,
-                    pixel_y_um: None,
-                    poisson_ratio: None,
-                    pressure_mpa: number_list(law.pressures_pa().iter().map(|&p| PRESSURE_MPA.from_si(p))),
-                    factor: number_list(law.factors().iter().copied()),
-                    factor_std: law.factor_std().map(|std| number_list(std.iter().copied())),
-                    area_fraction: None,
-                })
-            }),
-        }
+            flat_friction: self.learned().map_or_else(Vec::new, |_| flat_friction(&uncertainty.flat_friction)),
+            learned: self.learned().map(|learned| LearnedFile::new(learned).into()),
+            area_law: area_law.map(|law| AreaLawFile { origin, ..AreaLawFile::new(law, |factor| factor) }.into()),
+            ..MaterialFile::new(&material.elastic, &material.provenance, self.friction(&errors))
+        })
     }
 
     /// Discrepancy learned from trials, if any.
     fn learned(&self) -> Option<&Discrepancy> {
-        self.uncertainty.learned.as_ref().filter(|learned| !learned.trials().is_empty())
+        self.known.uncertainty.learned.as_ref().filter(|learned| !learned.trials().is_empty())
     }
 
     /// One pair of coefficients if all loads share it, otherwise one pair per pressure, with standard errors.
-    fn friction(&self, knowledge: &InputUncertainty) -> FrictionFile {
+    fn friction(&self, errors: &InputUncertainty) -> FrictionFile {
+        let known = &self.known.uncertainty;
         let mut order: Vec<usize> = (0..self.loads.len()).collect();
         order.sort_by(|&a, &b| self.loads[a].pressure_pa.total_cmp(&self.loads[b].pressure_pa));
-        let loads: Vec<&Load> = order.iter().map(|&place| &self.loads[place]).collect();
-        // Relative errors of the coefficients. If the scale of the law was fitted together with the coefficients, the
-        // covariance includes them.
-        let relative = |known: &Option<Vec<f64>>| -> Option<Vec<f64>> {
-            let known = known.as_ref()?;
-            Some(order.iter().map(|&place| known[place].sqrt()).collect())
-        };
-        let joint = self.uncertainty.scale_covariance;
-        let dynamic_error = relative(&knowledge.flat_friction).filter(|_| joint.is_none());
-        let static_error = relative(&knowledge.static_friction);
+        let mut loads: Vec<&Load> = order.iter().map(|&place| &self.loads[place]).collect();
         let pressures_pa: Vec<f64> = loads.iter().map(|load| load.pressure_pa).collect();
-        let excess = self.uncertainty.excess(&pressures_pa, self.condition);
-        let is_marginal = self.uncertainty.has_marginal_errors;
-        let relative_std = loads.first().map(|load| number(load.friction.relative_std()));
-        let shared = loads.first().filter(|first| loads.iter().all(|load| load.friction == first.friction));
-        if let Some(load) = shared {
-            let (static_mean, mean) = (load.friction.static_mean(), load.friction.dynamic_mean());
-            let one = |value: f64| Some(unplaced(Numbers::One(value)));
-            let error = |relative: Option<Vec<f64>>, mean: f64| relative.and_then(|all| one(all[0] * mean));
-            return FrictionFile {
-                static_mean: one(static_mean),
-                dynamic_mean: one(mean),
-                relative_std,
-                static_std_error: error(static_error, static_mean),
-                dynamic_std_error: error(dynamic_error.clone().filter(|_| !is_marginal), mean),
-                dynamic_std_error_given_law: error(dynamic_error.filter(|_| is_marginal), mean),
-                dynamic_over_steady: excess
-                    .map(|all| unplaced(Numbers::One(tidy(all.iter().sum::<f64>() / all.len() as f64)))),
-                scale_covariance: joint
-                    .map(|[[a, b], [c, d]]| unplaced(vec![vec![a * mean * mean, b * mean], vec![c * mean, d]])),
-                ..FrictionFile::default()
-            };
+        let is_shared = loads.windows(2).all(|pair| pair[0].friction == pair[1].friction);
+        let mut excess = known.excess(&pressures_pa, self.task.condition.as_ref());
+        if is_shared {
+            loads.truncate(1);
+            excess = excess.map(|all| vec![all.iter().sum::<f64>() / all.len() as f64]);
         }
-        let column = |values: Vec<f64>| Some(unplaced(Numbers::Each(values.into_iter().map(number).collect())));
+        let column = |values: Vec<f64>| match values[..] {
+            [one] if is_shared => Numbers::One(one).into(),
+            _ => each(values),
+        };
         let [static_mean, dynamic_mean]: [Vec<f64>; 2] = [LocalFriction::static_mean, LocalFriction::dynamic_mean]
             .map(|of| loads.iter().map(|load| of(&load.friction)).collect());
-        let errors = |relative: Option<Vec<f64>>, mean: &[f64]| {
-            relative.and_then(|all| column(all.iter().zip(mean).map(|(share, mean)| share * mean).collect()))
+        // Standard errors from relative variances, in the order of the loads.
+        let std_error = |variances: &Option<Vec<f64>>, mean: &[f64]| {
+            let variances = variances.as_ref()?;
+            let relative = order.iter().map(|&place| variances[place].sqrt());
+            Some(column(relative.zip(mean).map(|(share, mean)| share * mean).collect()))
         };
+        // If the scale of the law was fitted together with the coefficients, the covariance includes their errors.
+        let joint = known.scale_covariance;
+        let dynamic_error = std_error(&errors.flat_friction, &dynamic_mean).filter(|_| joint.is_none());
+        let (given_law, with_law) =
+            if known.has_marginal_errors { (dynamic_error, None) } else { (None, dynamic_error) };
+        let scale_covariance = joint.zip(dynamic_mean.first()).filter(|_| is_shared);
         FrictionFile {
-            pressure_mpa: Some(number_list(loads.iter().map(|load| PRESSURE_MPA.from_si(load.pressure_pa)))),
-            static_std_error: errors(static_error, &static_mean),
-            dynamic_std_error: errors(dynamic_error.clone().filter(|_| !is_marginal), &dynamic_mean),
-            dynamic_std_error_given_law: errors(dynamic_error.filter(|_| is_marginal), &dynamic_mean),
-            dynamic_over_steady: excess.and_then(|all| column(all.into_iter().map(tidy).collect())),
-            static_mean: column(static_mean),
-            dynamic_mean: column(dynamic_mean),
-            relative_std,
+            pressure_mpa: (!is_shared)
+                .then(|| number_list(pressures_pa.iter().map(|&pressure_pa| PRESSURE_MPA.from_si(pressure_pa)))),
+            relative_std: loads.first().map(|load| load.friction.relative_std().into()),
+            static_std_error: std_error(&errors.static_friction, &static_mean),
+            dynamic_std_error: with_law,
+            dynamic_std_error_given_law: given_law,
+            dynamic_over_steady: excess.map(|all| column(all.into_iter().map(tidy).collect())),
+            scale_covariance: scale_covariance
+                .map(|([[a, b], [c, d]], mean)| vec![vec![a * mean * mean, b * mean], vec![c * mean, d]].into()),
+            static_mean: Some(column(static_mean)),
+            dynamic_mean: Some(column(dynamic_mean)),
             ..FrictionFile::default()
         }
     }
-}
-
-fn unplaced<T>(value: T) -> Spanned<T> {
-    Spanned::new(0..0, value)
-}
-
-fn each(values: impl Iterator<Item = f64>, quantity: Quantity) -> Spanned<Numbers> {
-    unplaced(Numbers::Each(values.map(|value| number(tidy(quantity.from_si(value)))).collect()))
 }
 
 #[cfg(test)]
@@ -257,10 +192,12 @@ mod tests {
     use crate::formats::Document;
     use crate::formats::run::Overrides;
     use crate::formats::scene::SceneInput;
-    use slipgrid_laser::export::Outline;
-    use slipgrid_model::material::{AreaLaw, Elastic, Friction, Provenance};
+    use slipgrid_design::optimize::{DesignSpace, Quantity, Target, TargetPoint};
+    use slipgrid_infer::calibrate::uncertainty::MaterialUncertainty;
+    use slipgrid_laser::export::{Outline, Specimen};
+    use slipgrid_model::material::{AreaLaw, Elastic, Friction, Material, Provenance};
     use slipgrid_model::pattern::Planform;
-    use slipgrid_model::springblock::Holder;
+    use slipgrid_model::springblock::{Holder, Layer};
 
     #[test]
     fn the_written_scene_is_the_confirmed_one() {
@@ -283,18 +220,14 @@ mod tests {
         let layer = Layer { length_m: 8e-3, height_m: 200e-6, block_m: 10e-6, thickness_m: Some(6.5e-3), holder };
         let specimen = Specimen { outline: Outline::Disc { diameter_m: 8e-3 }, is_clipped: true };
         let run = RunOptions { seed: 7, ..RunOptions::default() };
-        let scene = DesignScene {
-            name: "test",
-            material: &material,
-            uncertainty: &MaterialUncertainty::default(),
-            condition: None,
-            pattern: &pattern,
-            specimen: &specimen,
-            layer: &layer,
-            loads: &loads,
-            speed_m_s: 2e-3,
-            run: &run,
-        };
+        let point = TargetPoint { pressure_pa: 1e6, value: 0.9 };
+        let target = Target::new(Quantity::Ratio, vec![point], 0.01).unwrap();
+        let space = DesignSpace::new(*pattern.texture(), [1e-4; 2], [1e-4; 2], [1e-5; 2]).unwrap();
+        let task = DesignTask::without_material(target, space, specimen, layer);
+        let known = KnownMaterial { material, uncertainty: MaterialUncertainty::default() };
+        let material = &known.material;
+        let scene =
+            DesignScene { task: &task, known: &known, pattern: &pattern, loads: &loads, speed_m_s: 2e-3, run: &run };
         let document = Document::new("scene.toml", scene.to_toml().unwrap());
         let read = SceneInput::from_file(document.clone(), &document.parse().unwrap(), Overrides::default()).unwrap();
         assert_eq!((read.scene.pattern, read.specimen), (Some(pattern), Some(specimen)));

@@ -17,7 +17,7 @@ use slipgrid_model::material::ConditionRange;
 use slipgrid_model::pattern::{Pattern, Texture};
 use slipgrid_model::springblock::Dimension;
 
-use read::{read_date, read_dimensions, read_limits, read_material_input, read_range, read_ranges, whole_steps};
+use read::{read_date, read_limits, read_material_input, read_ranges, whole_steps};
 
 use super::condition_ranges::ConditionRangeFile;
 use super::document::Document;
@@ -26,14 +26,18 @@ use super::laser::{LaserFile, check_fits, read_laser, read_specimen, unmeasured_
 use super::limits::{LimitsFile, read_limited};
 use super::material::MaterialFile;
 use super::pattern::{TextureFile, read_directions, read_texture, require_section};
+use super::run::read_dimensions;
 use super::scene::{SampleFile, check_face, default_sample, read_layer};
 use super::target::{TargetFile, read_target};
 use super::tolerances::{TolerancesFile, read_tolerances};
 use super::trade_offs::{Given, TradeOffsFile, read_trade_offs};
 use super::unusual;
-use super::values::{Number, Numbers, PathOr, number_span};
+use super::values::{Number, Numbers, PathOr, number_span, range};
 use crate::formats::diagnostic::Diagnostic;
 use crate::formats::source::Source;
+
+/// Accepted values of a key of `[bounds]`.
+const BOUNDS: &str = "[smallest, largest], or one number without brackets, which fixes it";
 
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -76,7 +80,7 @@ pub(crate) struct DesignFile {
 
 /// Default texture: grooves across the sliding direction.
 fn plain_texture() -> Spanned<TextureFile> {
-    Spanned::new(0..0, TextureFile::default())
+    TextureFile::default().into()
 }
 
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
@@ -180,9 +184,9 @@ impl Design {
         let layer = read_layer(&document, &file.sample, Some((&specimen, sliding)))?;
         let bounds = file.bounds.get_ref();
         let (width_m, spacing_m, depth_m) = (
-            read_range(&document, &bounds.width_um)?,
-            read_range(&document, &bounds.spacing_um)?,
-            read_range(&document, &bounds.depth_um)?,
+            range(&document, &bounds.width_um, LENGTH_UM, BOUNDS)?,
+            range(&document, &bounds.spacing_um, LENGTH_UM, BOUNDS)?,
+            range(&document, &bounds.depth_um, LENGTH_UM, BOUNDS)?,
         );
         if depth_m[1] >= layer.height_m {
             let layer_um = LENGTH_UM.from_si(layer.height_m);

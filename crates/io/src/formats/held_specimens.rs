@@ -64,9 +64,6 @@ pub(crate) fn sharing_force(document: &Document, table: Option<&Spanned<Measurem
 mod tests {
     use super::*;
     use crate::formats::calibration_file::CalibrationFile;
-    use crate::formats::measured::Placed;
-    use crate::formats::measurements;
-    use std::path::Path;
 
     #[test]
     fn a_total_force_presses_all_specimens_and_several_specimens_say_which_it_is() {
@@ -104,9 +101,5 @@ mod tests {
             let refused = pressed(keys).unwrap_err();
             assert!(refused.starts_with(expected), "{refused}");
         }
-        // 200 N on three specimens of one table are 66.7 N on each.
-        let table = "force_n,speed_mm_s,humidity_pct,mu_dynamic,mu_dynamic_std\n200,2,15,0.25,0.002\n";
-        let rows = measurements::read_text(Path::new("flat.csv"), table).unwrap();
-        assert!((Placed::rows(Path::new("flat.csv"), rows, 3)[0].measurement.force_n - 200.0 / 3.0).abs() < 1e-12);
     }
 }

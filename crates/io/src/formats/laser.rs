@@ -9,7 +9,7 @@ use slipgrid_laser::export::{Ablation, AblationPoint, ExportError, Exposure, Las
 use slipgrid_model::pattern::{Pattern, Texture};
 
 use super::document::Document;
-use super::values::{Number, NumberList};
+use super::values::{Number, NumberList, column};
 use crate::formats::diagnostic::Diagnostic;
 use crate::formats::plausible::SPOT;
 use slipgrid_base::units::{LENGTH_MM, LENGTH_UM, POSITIVE, WALL_TAPER_DEG, significant, significant_to, tidy};
@@ -167,14 +167,7 @@ fn with_ablation(
     let fluence_j_cm2 = fluence_j_cm2.ok_or_else(|| document.missing(laser_table.span(), "fluence_j_cm2"))?;
     let given = table.get_ref();
     let fluences = document.numbers(&given.fluence_j_cm2, POSITIVE)?;
-    let column = |list: &NumberList| {
-        let values = document.numbers(list, POSITIVE)?;
-        if values.len() == fluences.len() {
-            return Ok(values);
-        }
-        let reason = format!("has {} values", values.len());
-        Err(document.refuse(list.span(), reason).expected(format!("{}, one for each fluence", fluences.len())))
-    };
+    let column = |list: &NumberList| column(document, list, POSITIVE, fluences.len(), "fluence");
     let depths = column(&given.depth_per_burst_um)?;
     let deviations = given.depth_std_um.as_ref().map(column).transpose()?;
     let points: Vec<AblationPoint> = fluences

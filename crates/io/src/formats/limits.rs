@@ -67,21 +67,6 @@ impl LimitsFile {
     }
 }
 
-type Side = fn(f64) -> Bound;
-
-/// A key that limits a quantity.
-struct Entry<'a> {
-    measure: ConstraintQuantity,
-    /// Description of the quantity.
-    name: &'static str,
-    number: &'a Option<Number>,
-    side: Side,
-    /// Loosest meaningful limit, in SI units.
-    loosest: f64,
-    quantity: Quantity,
-    unit: &'static str,
-}
-
 /// Scale of clearances if no minimum is given.
 const CLEARANCE_SCALE_M: f64 = 1e-6;
 
@@ -94,76 +79,48 @@ pub fn read_limited(
     file: &LimitsFile,
     laser: &Laser,
 ) -> Result<(Vec<ConstraintQuantity>, Vec<Limit>), Diagnostic> {
-    let mut limited = (Vec::new(), Vec::new());
-    let (most, least): (Side, Side) = (Bound::AtMost, Bound::AtLeast);
-    let (unbounded, clearance) = (f64::INFINITY, LENGTH_UM.or_zero());
-    let entry = |measure, name, number, side, loosest, quantity, unit| Entry {
-        measure,
-        name,
-        number,
-        side,
-        loosest,
-        quantity,
-        unit,
+    let (mut measures, mut limits) = (Vec::new(), Vec::new());
+    let read = |given: &Option<Number>, quantity| document.optional(given.as_ref(), quantity);
+    let mut add = |measure, limit| {
+        measures.push(measure);
+        limits.push(limit);
     };
-    let table = [
-        entry(
-            ConstraintQuantity::PeakPressure,
-            "peak pressure",
-            &file.max_peak_pressure_mpa,
-            most,
-            unbounded,
-            PRESSURE_MPA,
-            "MPa",
-        ),
-        entry(ConstraintQuantity::BearingArea, "bearing area", &file.min_bearing_area, least, 0.0, FRACTION, ""),
-        entry(
-            ConstraintQuantity::ArealDensity,
-            "share of the face that is cavity",
-            &file.max_areal_density,
-            most,
-            1.0,
-            FRACTION,
-            "",
-        ),
-        entry(
-            ConstraintQuantity::LaserTime,
-            "time under the laser",
-            &file.max_laser_time_s,
-            most,
-            unbounded,
-            TIME_S,
-            "s",
-        ),
-        entry(
-            ConstraintQuantity::Clearance,
-            "clearance under the ceiling",
-            &file.min_clearance_um,
-            least,
-            0.0,
-            clearance,
-            "um",
-        ),
-    ];
-    for Entry { measure, name, number, side, loosest, quantity, unit } in table {
-        let Some(given) = number else { continue };
-        let limit = document.number(given, quantity)?;
-        if measure == ConstraintQuantity::LaserTime {
-            needs_time(document, given, laser)?;
-        }
-        let scale = if limit > 0.0 { limit } else { CLEARANCE_SCALE_M };
-        limited.0.push(measure);
-        limited.1.push(Limit { name, unit, unit_si: quantity.to_si(1.0), bound: side(limit), scale, loosest });
+    if let Some(most_pa) = read(&file.max_peak_pressure_mpa, PRESSURE_MPA)? {
+        add(ConstraintQuantity::PeakPressure, limit("peak pressure", "MPa", PRESSURE_MPA, Bound::AtMost(most_pa)));
+    }
+    if let Some(least) = read(&file.min_bearing_area, FRACTION)? {
+        add(ConstraintQuantity::BearingArea, limit("bearing area", "", FRACTION, Bound::AtLeast(least)));
+    }
+    if let Some(most) = read(&file.max_areal_density, FRACTION)? {
+        let limit = limit("share of the face that is cavity", "", FRACTION, Bound::AtMost(most));
+        add(ConstraintQuantity::ArealDensity, Limit { loosest: 1.0, ..limit });
+    }
+    if let (Some(most_s), Some(given)) = (read(&file.max_laser_time_s, TIME_S)?, &file.max_laser_time_s) {
+        needs_time(document, given, laser)?;
+        add(ConstraintQuantity::LaserTime, limit("time under the laser", "s", TIME_S, Bound::AtMost(most_s)));
+    }
+    let clearance = LENGTH_UM.or_zero();
+    if let Some(least_m) = read(&file.min_clearance_um, clearance)? {
+        let limit = limit("clearance under the ceiling", "um", clearance, Bound::AtLeast(least_m));
+        add(ConstraintQuantity::Clearance, limit);
     }
     if let Some(lift_off) = &file.lift_off
         && document.choice(lift_off, &[true, false], |refused| if refused { "refuse" } else { "allow" })?
     {
-        let name = "least local pressure over the nominal one";
-        let (bound, loosest) = (Bound::AtLeast(0.0), f64::NEG_INFINITY);
-        limited.0.push(ConstraintQuantity::LeastPressure);
-        limited.1.push(Limit { name, unit: "", unit_si: 1.0, bound, scale: 1.0, loosest });
+        let limit = limit("least local pressure over the nominal one", "", FRACTION, Bound::AtLeast(0.0));
+        add(ConstraintQuantity::LeastPressure, Limit { scale: 1.0, loosest: f64::NEG_INFINITY, ..limit });
     }
-    Ok(limited)
+    Ok((measures, limits))
+}
+
+/// Limit of a quantity whose unit is that of `quantity`; its loosest value is infinite, or zero of a minimum.
+fn limit(name: &'static str, unit: &'static str, quantity: Quantity, bound: Bound) -> Limit {
+    let (value, loosest) = match bound {
+        Bound::AtMost(most) => (most, f64::INFINITY),
+        Bound::AtLeast(least) => (least, 0.0),
+    };
+    let scale = if value > 0.0 { value } else { CLEARANCE_SCALE_M };
+    Limit { name, unit, unit_si: quantity.to_si(1.0), bound, scale, loosest }
 }
 
 /// Refuses a time limit if the time cannot be estimated.

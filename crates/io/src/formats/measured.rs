@@ -1,11 +1,10 @@
 //! Checks of a calibration's measurements before any computation, with the file position of each.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use slipgrid_infer::calibrate::{Measurement, StaticPeak};
 
 use crate::formats::diagnostic::Diagnostic;
-use crate::formats::measurements::Row;
 use crate::formats::plausible::{
     FORCE, FRICTION, PRESSURE, RATIO, RELATIVE_DEVIATION, SPEED, STRAIN, exchanged_forces, share_of_one,
 };
@@ -73,17 +72,6 @@ pub struct Specimens {
 }
 
 impl Placed {
-    /// Rows of the table at `path`, whose forces press `samples` specimens at once.
-    #[must_use]
-    pub fn rows(path: &Path, rows: Vec<Row>, samples: u32) -> Vec<Self> {
-        let placed = |Row { line, measurement, sliding_m, order }: Row| {
-            let force_n = measurement.force_n / f64::from(samples);
-            let measurement = Measurement { force_n, ..measurement };
-            Self { measurement, path: path.to_owned(), line, sliding_m, order }
-        };
-        rows.into_iter().map(placed).collect()
-    }
-
     /// Converts the force from a face of `own` to the same pressure on a face of `specimens`; if `flat` samples were
     /// measured at nearly this pressure, to theirs.
     #[must_use]

@@ -5,7 +5,11 @@ use std::path::Path;
 use slipgrid_infer::calibrate::{Measurement, StaticPeak};
 
 use crate::formats::diagnostic::{Diagnostic, nearest};
-use crate::formats::source::{Source, read_letters};
+use crate::formats::document::Document;
+use crate::formats::material::existing;
+use crate::formats::measured::Placed;
+use crate::formats::source::read_letters;
+use crate::formats::spanned::Spanned;
 use slipgrid_base::units::{
     FORCE_N, FRICTION, FRICTION_STD, HUMIDITY_PCT, LENGTH_MM, Quantity, SPEED_MM_S, WEIGHT, tidy,
 };
@@ -26,29 +30,20 @@ const COLUMNS: [(&str, Quantity, bool); 9] = [
     ("sliding_mm", LENGTH_MM, false),
     ("order", ORDER, false),
 ];
+/// Maximum number of rows of a table. A laboratory measures some hundred conditions, and rows are compared in pairs.
+const MAX_ROWS: usize = 5000;
 /// Number of columns that describe friction; the others describe how it was measured.
 const FRICTION_COLUMNS: usize = 7;
 
-/// Row of a table.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Row {
-    /// Line in the table, counted from 1.
-    pub line: u32,
-    /// The measurement.
-    pub measurement: Measurement,
-    /// Distance slid up to the middle of the averaging window, in metres, if given.
-    pub sliding_m: Option<f64>,
-    /// Place in the order of all runs, if given.
-    pub order: Option<f64>,
-}
-
-/// Reads the table at `path` of `source` and returns every row with its line.
+/// Reads the table that `key` of `document` names. Its forces press `samples` specimens at once.
 ///
 /// # Errors
 /// [`Diagnostic`] that names line and column of the refused value.
-pub fn read(source: &Source, path: &Path) -> Result<Vec<Row>, Diagnostic> {
-    let text = read_letters(source, path, "a table of measurements")?;
-    read_text(path, &text)
+pub fn read(document: &Document, key: &Spanned<String>, samples: u32) -> Result<Vec<Placed>, Diagnostic> {
+    let path = existing(document, key, key.get_ref())?;
+    let mut rows = parse(&path, &read_letters(document.source(), &path, "a table of measurements")?)?;
+    rows.iter_mut().for_each(|row| row.measurement.force_n /= f64::from(samples));
+    Ok(rows)
 }
 
 /// Reads a table from text; `path` names it in messages. Lines that start with `#` are comments. Tabs, semicolons or
@@ -56,18 +51,7 @@ pub fn read(source: &Source, path: &Path) -> Result<Vec<Row>, Diagnostic> {
 ///
 /// # Errors
 /// [`Diagnostic`] that names line and column of the refused value.
-pub fn parse(path: &Path, text: &str) -> Result<Vec<Measurement>, Diagnostic> {
-    Ok(read_text(path, text)?.into_iter().map(|row| row.measurement).collect())
-}
-
-/// Maximum number of rows of a table. A laboratory measures some hundred conditions, and rows are compared in pairs.
-const MAX_ROWS: usize = 5000;
-
-/// Reads every row of a table from text; see [`parse`].
-///
-/// # Errors
-/// As [`parse`].
-pub(crate) fn read_text(path: &Path, text: &str) -> Result<Vec<Row>, Diagnostic> {
+pub fn parse(path: &Path, text: &str) -> Result<Vec<Placed>, Diagnostic> {
     let refuse = |line: u32, key: Option<&str>, value: Option<&str>, reason: String| Diagnostic {
         line: Some(line),
         key: key.map(Into::into),
@@ -202,7 +186,7 @@ pub(crate) fn read_text(path: &Path, text: &str) -> Result<Vec<Row>, Diagnostic>
                     "at most {MAX_ROWS}, one a condition; samples in time are exports, which stand in [traces]"
                 )));
             }
-            rows.push(Row { line, measurement, sliding_m, order });
+            rows.push(Placed { measurement, path: path.to_owned(), line, sliding_m, order });
         }
     }
     if rows.is_empty() {
@@ -238,6 +222,29 @@ pub fn table(comment: &str, rows: &[Measurement]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Measurements of a table.
+    fn parse(path: &Path, text: &str) -> Result<Vec<Measurement>, Diagnostic> {
+        Ok(super::parse(path, text)?.into_iter().map(|row| row.measurement).collect())
+    }
+
+    /// Source with the same table at every path.
+    #[derive(Debug)]
+    struct One(&'static str);
+
+    impl crate::formats::source::Files for One {
+        fn read(&self, _: &Path) -> std::io::Result<Vec<u8>> {
+            Ok(self.0.into())
+        }
+    }
+
+    #[test]
+    fn a_force_on_three_specimens_is_shared() {
+        let table = "force_n,speed_mm_s,humidity_pct,mu_dynamic,mu_dynamic_std\n200,2,15,0.25,0.002\n";
+        let document = Document::within(&(std::sync::Arc::new(One(table)) as _), "c.toml", "");
+        let rows = read(&document, &Spanned::new(0..0, "flat.csv".to_owned()), 3).unwrap();
+        assert!((rows[0].measurement.force_n - 200.0 / 3.0).abs() < 1e-12);
+    }
 
     #[test]
     fn a_table_with_too_many_rows_is_refused_at_the_first_of_them() {

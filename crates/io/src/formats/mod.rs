@@ -11,7 +11,7 @@
 //! | [`calibration`], [`measurements`], [`measured`], [`surface`], [`reporting`] | measurements |
 //! | [`altitude_map`] | an altitude map, ready for computation |
 //! | [`traces`] | tribometer exports |
-//! | [`material`], [`material_uncertainty`] | a material and its uncertainty |
+//! | [`material`], [`friction`] | a material and its uncertainty |
 //! | [`pattern`], [`outline`], [`relief`], [`laser`] | textures, outlines of cavities, rims, measured reliefs, specimens, lasers |
 //! | [`stored_pattern`] | the design and the specimen of a result |
 //! | [`plausible`], [`unusual`] | numbers that are probably mistakes |
@@ -20,11 +20,11 @@
 //! A number in a file is one of a [`slipgrid_base::units::Quantity`]; a number outside its range is refused at its key:
 //!
 //! ```
-//! use slipgrid_io::formats::{Document, material::{MaterialFile, read_material}};
+//! use slipgrid_io::formats::{Document, material::{MaterialFile, read_known}};
 //! let text = "youngs_modulus_gpa = 0.38\ndensity_g_cm3 = 900.0\nfriction = { static_mean = 0.30, dynamic_mean = 0.27 }\n";
 //! let document = Document::new("polymer.toml", text);
 //! let file: MaterialFile = document.parse()?;
-//! let refused = read_material(&document, &file, &(0..text.len())).unwrap_err();
+//! let refused = read_known(&document, &file, &(0..text.len())).unwrap_err();
 //! assert_eq!((refused.line, refused.key.as_deref()), (Some(2), Some("density_g_cm3")));
 //! assert!(refused.expected.is_some_and(|expected| expected.starts_with("a number above 0 up to 23 g/cm3")));
 //! # Ok::<(), slipgrid_io::formats::Diagnostic>(())
@@ -44,6 +44,7 @@ pub mod document;
 mod exchanged;
 pub mod explored;
 pub mod file_kind;
+pub mod friction;
 pub mod held_specimens;
 mod keys;
 pub mod laser;
@@ -51,7 +52,6 @@ pub mod learned;
 pub mod limits;
 pub mod made_from;
 pub mod material;
-pub mod material_uncertainty;
 pub mod measured;
 pub mod measurements;
 pub mod outline;

@@ -14,7 +14,7 @@ use slipgrid_model::springblock::Layer;
 
 use super::document::Document;
 use super::keys::{Keys, SEVERAL as SLIDING};
-use super::values::{Number, Numbers, list, number};
+use super::values::{Number, Numbers, list};
 use crate::formats::diagnostic::Diagnostic;
 use crate::formats::outline::read_outline;
 
@@ -124,7 +124,8 @@ impl PatternFile {
 impl From<&Pattern> for PatternFile {
     /// Converts the pattern to its file form; defaults are left out.
     fn from(pattern: &Pattern) -> Self {
-        let [width_um, spacing_um, depth_um] = pattern.lengths_m().map(|length_m| number(LENGTH_UM.from_si(length_m)));
+        let [width_um, spacing_um, depth_um] =
+            pattern.lengths_m().map(|length_m| Number::from(LENGTH_UM.from_si(length_m)));
         let mut record = TextureRecord::from(pattern);
         Self {
             width_um,
@@ -134,7 +135,7 @@ impl From<&Pattern> for PatternFile {
             spacing_std_um: None,
             depth_std_um: None,
             relief: None,
-            sliding_angle_deg: record.sliding_angle_deg.take().map(number),
+            sliding_angle_deg: record.sliding_angle_deg.take().map(Number::from),
             texture: TextureFile { record, ..TextureFile::default() },
         }
     }

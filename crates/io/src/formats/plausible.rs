@@ -231,25 +231,6 @@ pub fn exchanged_forces(friction: &[f64]) -> Option<String> {
     ))
 }
 
-/// All quantities that are checked.
-pub const ALL: [Plausible; 15] = [
-    RIM_HEIGHT,
-    FRICTION,
-    STATIC_OVER_DYNAMIC,
-    RATIO,
-    MODULUS,
-    DENSITY,
-    SPEED,
-    FORCE,
-    PRESSURE,
-    STRAIN,
-    RELATIVE_DEVIATION,
-    SPECIMEN,
-    SPOT,
-    CAVITY_WIDTH,
-    CAVITY_DEPTH,
-];
-
 /// The probable intended unit of a `value` that a key's `quantity` does not accept.
 #[must_use]
 pub fn slip(quantity: Quantity, value: f64) -> Option<String> {
@@ -350,6 +331,25 @@ impl Plausible {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// All quantities that are checked.
+    const ALL: [Plausible; 15] = [
+        RIM_HEIGHT,
+        FRICTION,
+        STATIC_OVER_DYNAMIC,
+        RATIO,
+        MODULUS,
+        DENSITY,
+        SPEED,
+        FORCE,
+        PRESSURE,
+        STRAIN,
+        RELATIVE_DEVIATION,
+        SPECIMEN,
+        SPOT,
+        CAVITY_WIDTH,
+        CAVITY_DEPTH,
+    ];
 
     #[test]
     fn a_flag_in_another_unit_is_told_which() {

@@ -74,26 +74,23 @@ pub fn read_run(
     let springs = file.springs.as_ref().map(|name| document.choice(name, &Springs::ALL, Springs::name)).transpose()?;
     let fidelity = overrides.fidelity.or(fidelity).unwrap_or(default.fidelity);
     let extent = overrides.extent.or(extent).unwrap_or(default.extent);
-    if let Some(dimensions) = &file.dimensions {
-        match dimensions.get_ref() {
-            2 if extent == Extent::Strip => {
-                return Err(document
-                    .refuse(dimensions.span(), "solves in the vertical plane, and extent = \"strip\" in space")
-                    .expected("3, or extent = \"sample\""));
-            }
-            2 => {}
-            3 if fidelity != Fidelity::Reference
-                && (extent != Extent::Sample || has_specimen)
-                && springs != Some(Springs::Exact) => {}
-            3 => {
-                return Err(document
-                    .refuse(
-                        dimensions.span(),
-                        "is solved for fidelity = \"steady\" or \"dynamic\" with linear springs and extent = \"cell\" or \"strip\" alone",
-                    )
-                    .expected("2, which models the vertical section along the sliding direction"));
-            }
-            _ => return Err(document.refuse(dimensions.span(), "dimensions do not exist here").expected("2 or 3")),
+    let dimensions = read_dimensions(document, file.dimensions.as_ref())?;
+    if let Some(given) = &file.dimensions {
+        let is_in_space = fidelity != Fidelity::Reference
+            && (extent != Extent::Sample || has_specimen)
+            && springs != Some(Springs::Exact);
+        if dimensions == Some(2) && extent == Extent::Strip {
+            return Err(document
+                .refuse(given.span(), "solves in the vertical plane, and extent = \"strip\" in space")
+                .expected("3, or extent = \"sample\""));
+        }
+        if dimensions == Some(3) && !is_in_space {
+            return Err(document
+                .refuse(
+                    given.span(),
+                    "is solved for fidelity = \"steady\" or \"dynamic\" with linear springs and extent = \"cell\" or \"strip\" alone",
+                )
+                .expected("2, which models the vertical section along the sliding direction"));
         }
     }
     if let Some(draws) = file.draws.as_ref().filter(|draws| !(1..=MAX_DRAWS).contains(draws.get_ref())) {
@@ -112,11 +109,23 @@ pub fn read_run(
         damping: document.optional(file.damping.as_ref(), DAMPING)?.unwrap_or(default.damping),
         warm_start: file.warm_start.unwrap_or(default.warm_start),
         springs,
-        dimensions: match &file.dimensions {
-            Some(dimensions) => Some(if *dimensions.get_ref() == 3 { 3 } else { 2 }),
-            None => (extent == Extent::Strip).then_some(3),
-        },
+        dimensions: dimensions.or((extent == Extent::Strip).then_some(3)),
         draws: file.draws.as_ref().map_or(default.draws, |draws| *draws.get_ref()),
         refine: file.refine.unwrap_or(default.refine),
     })
+}
+
+/// Reads the number of dimensions of the model.
+///
+/// # Errors
+/// [`Diagnostic`] for other numbers than 2 and 3.
+pub fn read_dimensions(document: &Document, dimensions: Option<&Spanned<u64>>) -> Result<Option<u8>, Diagnostic> {
+    match dimensions.map(Spanned::get_ref) {
+        None => Ok(None),
+        Some(2) => Ok(Some(2)),
+        Some(3) => Ok(Some(3)),
+        Some(_) => Err(document
+            .refuse(dimensions.map_or(0..0, Spanned::span), "dimensions do not exist here")
+            .expected("2 or 3")),
+    }
 }

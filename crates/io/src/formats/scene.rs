@@ -10,9 +10,9 @@ use slipgrid_model::springblock::{Layer, MAX_BLOCKS, MAX_ROWS, Scene, SceneError
 
 use super::document::Document;
 use super::file_kind::FileKind;
+use super::friction::read_condition;
 use super::laser::read_specimen;
-use super::material::{ConditionFile, MaterialFile, read_condition};
-use super::material_uncertainty::read_referenced;
+use super::material::{ConditionFile, MaterialFile, read_referenced};
 use super::pattern::{PatternFile, check_depth, read_pattern, require_section};
 use super::relief::read_relief;
 use super::run::{Overrides, RunFile, read_run};
@@ -87,7 +87,7 @@ pub const DEFAULT_SPECIMEN: Layer = Layer { thickness_m: Some(DEFAULT_THICKNESS_
 /// Layer of a file without `[sample]`.
 #[must_use]
 pub fn default_sample() -> Spanned<SampleFile> {
-    Spanned::new(0..0, SampleFile::default())
+    SampleFile::default().into()
 }
 
 /// Loads in the form of a file.
@@ -124,10 +124,7 @@ pub struct SceneInput {
 /// File positions for diagnostics of a scene; `None` where the default holds.
 #[derive(Clone, Debug)]
 struct Places {
-    length: Option<Range<usize>>,
-    layer: Option<Range<usize>>,
     block: Option<Range<usize>>,
-    depth: Option<Range<usize>>,
     width: Option<Range<usize>>,
     step: Option<Range<usize>>,
     travel: Option<Range<usize>>,
@@ -151,7 +148,8 @@ impl SceneInput {
     pub fn from_file(document: Document, file: &SceneFile, overrides: Overrides) -> Result<Self, Diagnostic> {
         document.check_schema(file.schema.as_ref())?;
         let (mut material, uncertainty) = read_referenced(&document, &file.material)?;
-        let condition = file.condition.as_ref().map(|c| read_condition(&document, c.get_ref())).transpose()?;
+        let condition = file.condition.as_ref().map(Spanned::get_ref);
+        let condition = condition.map(|at| read_condition(&document, &at.speed_mm_s, &at.humidity_pct)).transpose()?;
         material.provenance.notes.extend(material.friction.interpolation(condition.as_ref()));
         let specimen = file.specimen.as_ref().map(|table| read_specimen(&document, table)).transpose()?;
         let pattern = file.pattern.as_ref().map(|pattern| read_pattern(&document, pattern)).transpose()?;
@@ -186,10 +184,7 @@ impl SceneInput {
         let sample = file.sample.get_ref();
         let texture = file.pattern.as_ref().map(Spanned::get_ref);
         let places = Places {
-            length: place(sample.length_um.as_ref()),
-            layer: place(sample.layer_um.as_ref()),
             block: place(sample.block_um.as_ref()),
-            depth: place(texture.map(|pattern| &pattern.depth_um)),
             width: place(texture.map(|pattern| &pattern.width_um)),
             step: place(file.run.step_ns.as_ref()),
             travel: place(file.run.sliding_um.as_ref()),
@@ -235,15 +230,6 @@ impl SceneInput {
         let (places, layer) = (&self.places, &self.scene.layer);
         let um = |length_m: f64| LENGTH_UM.from_si(length_m);
         match error {
-            SceneError::NotWholeBlocks { quantity, length_m, block_m } => {
-                let (key, place) = match *quantity {
-                    "length_m" => ("sample.length_um", &places.length),
-                    _ => ("sample.layer_um", &places.layer),
-                };
-                let whole_um = um((length_m / block_m).round().max(1.0) * block_m);
-                self.at(place, key, um(*length_m), format!("is no whole number of blocks of {} um", um(*block_m)))
-                    .expected(format!("a multiple of block_um, for instance {whole_um}"))
-            }
             SceneError::TooManyBlocks { blocks, most } => {
                 let reason = format!("divides the layer into {blocks:.1e} blocks");
                 self.at(&places.block, "sample.block_um", um(layer.block_m), reason)
@@ -263,14 +249,6 @@ impl SceneInput {
                     days(*most_s)
                 ))
             }
-            SceneError::CavityThroughLayer { depth_m, height_m } => self
-                .at(
-                    &places.depth,
-                    "pattern.depth_um",
-                    um(*depth_m),
-                    format!("leaves nothing of the layer of {} um", um(*height_m)),
-                )
-                .expected(format!("a depth below {}", um(*height_m))),
             SceneError::UnstableStep { step_s, limit_s, scheme } => {
                 let limit_ns = significant_to(limit_s * 1e9, 4, f64::floor);
                 if places.step.is_some() {
@@ -297,10 +275,12 @@ impl SceneInput {
             SceneError::Unsupported { what, instead } => {
                 Diagnostic::file(self.document.path(), format!("{what} is not available")).expected(*instead)
             }
-            // Numbers out of range and empty lists are refused by the reader.
-            SceneError::OutOfRange { .. } | SceneError::NoLoads | SceneError::Relief(_) => {
-                Diagnostic::file(self.document.path(), error.to_string())
-            }
+            // Numbers out of range, parts of blocks, empty lists and depths through the layer are refused by the reader.
+            SceneError::OutOfRange { .. }
+            | SceneError::NotWholeBlocks { .. }
+            | SceneError::CavityThroughLayer { .. }
+            | SceneError::NoLoads
+            | SceneError::Relief(_) => Diagnostic::file(self.document.path(), error.to_string()),
         }
     }
 

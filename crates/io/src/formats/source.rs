@@ -34,14 +34,18 @@ pub trait Files: Debug + Send + Sync {
         Ok(Box::new(io::Cursor::new(self.read(path)?)))
     }
 
-    /// Kind of entry at `path`.
+    /// Kind of entry at `path`; a file if it can be read, where a source has files alone.
     ///
     /// # Errors
     /// The error of the system, if there is no entry or its kind is unknown.
-    fn entry(&self, path: &Path) -> io::Result<Entry>;
+    fn entry(&self, path: &Path) -> io::Result<Entry> {
+        self.read(path).map(|_| Entry::File)
+    }
 
-    /// Names of the entries of `folder`, in any order; empty if it is no folder.
-    fn names(&self, folder: &Path) -> Vec<String>;
+    /// Names of the entries of `folder`, in any order; empty if it is no folder, or where a source has no folders.
+    fn names(&self, _folder: &Path) -> Vec<String> {
+        Vec::new()
+    }
 
     /// Canonical path of a file, equal for all its names.
     fn canonical(&self, path: &Path) -> PathBuf {
@@ -59,14 +63,6 @@ pub struct NoFiles;
 impl Files for NoFiles {
     fn read(&self, _: &Path) -> io::Result<Vec<u8>> {
         Err(io::ErrorKind::NotFound.into())
-    }
-
-    fn entry(&self, _: &Path) -> io::Result<Entry> {
-        Err(io::ErrorKind::NotFound.into())
-    }
-
-    fn names(&self, _: &Path) -> Vec<String> {
-        Vec::new()
     }
 }
 
@@ -162,14 +158,6 @@ mod tests {
     impl Files for One {
         fn read(&self, _: &Path) -> io::Result<Vec<u8>> {
             Ok(self.0.to_vec())
-        }
-
-        fn entry(&self, _: &Path) -> io::Result<Entry> {
-            Ok(Entry::File)
-        }
-
-        fn names(&self, _: &Path) -> Vec<String> {
-            Vec::new()
         }
     }
 

@@ -35,6 +35,13 @@ impl<T> Spanned<T> {
     }
 }
 
+/// A value without a position, for files to be written.
+impl<T> From<T> for Spanned<T> {
+    fn from(value: T) -> Self {
+        Self::new(0..0, value)
+    }
+}
+
 impl<'de, T: Deserialize<'de>> Deserialize<'de> for Spanned<T> {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let read = toml::Spanned::deserialize(deserializer)?;

@@ -69,20 +69,8 @@ pub struct SurfaceFile {
 pub struct MapOptions {
     /// Known properties of the file, and the part to use.
     pub read: ReadOptions,
-    /// Form that is subtracted; for a map of one whole period always the mean.
-    pub form: Form,
-    /// Treatment of missing points.
-    pub missing: Missing,
-    /// Replace spikes by the median of the neighbouring points.
-    pub despike: bool,
-}
-
-impl MapOptions {
-    /// Preparation of the map after reading.
-    #[must_use]
-    pub const fn preparation(&self) -> Preparation {
-        Preparation { form: self.form, missing: self.missing, despike: self.despike }
-    }
+    /// Preparation of the map after reading; from a map of one whole period always the mean is subtracted.
+    pub how: Preparation,
 }
 
 /// Source of the area law.
@@ -193,19 +181,18 @@ fn options(document: &Document, file: &SurfaceFile) -> Result<MapOptions, Diagno
         decimation: decimation(document, file)?,
         ..ReadOptions::default()
     };
-    let missing = [Missing::Fill, Missing::Refuse];
     let missing = file.missing.as_ref().map(|name| {
-        document.choice(name, &missing, |one| match one {
+        document.choice(name, &[Missing::Fill, Missing::Refuse], |one| match one {
             Missing::Fill => "fill",
             Missing::Refuse => "refuse",
         })
     });
-    Ok(MapOptions {
-        read,
+    let how = Preparation {
         form: form(document, file)?,
         missing: missing.transpose()?.unwrap_or_default(),
         despike: file.despike.unwrap_or(false),
-    })
+    };
+    Ok(MapOptions { read, how })
 }
 
 fn pixel(document: &Document, file: &SurfaceFile) -> Result<Option<[f64; 2]>, Diagnostic> {
@@ -256,11 +243,7 @@ fn form(document: &Document, file: &SurfaceFile) -> Result<Form, Diagnostic> {
         (Some(_), Some(level)) => {
             Err(document.refuse(level.span(), "stands beside `form`").expected("either `form` or `level`"))
         }
-        (Some(name), None) => document.choice(name, &[Form::Mean, Form::Plane, Form::SecondOrder], |form| match form {
-            Form::Mean => "mean",
-            Form::Plane => "plane",
-            Form::SecondOrder => "second-order",
-        }),
+        (Some(name), None) => document.choice(name, &Form::ALL, Form::name),
         (None, level) if level.as_ref().is_none_or(|level| *level.get_ref()) => Ok(Form::Plane),
         (None, _) => Ok(Form::Mean),
     }
@@ -290,12 +273,14 @@ mod tests {
             crop: Some(Crop { first_row: 1, first_col: 2, rows: 30, cols: 40 }),
             decimation: Some(Decimation { factor: 3, method: DecimationMethod::Pick }),
         };
-        assert_eq!(found, MapOptions { read, form: Form::SecondOrder, missing: Missing::Refuse, despike: true });
+        let how = Preparation { form: Form::SecondOrder, missing: Missing::Refuse, despike: true };
+        assert_eq!(found, MapOptions { read, how });
     }
 
     #[test]
     fn without_keys_the_whole_map_is_filled_and_levelled() {
-        let expected = |form| MapOptions { read: ReadOptions::default(), form, missing: Missing::Fill, despike: false };
+        let how = Preparation { form: Form::Plane, missing: Missing::Fill, despike: false };
+        let expected = |form| MapOptions { read: ReadOptions::default(), how: Preparation { form, ..how } };
         assert_eq!(read(""), expected(Form::Plane));
         assert_eq!(read("level = true"), expected(Form::Plane));
         assert_eq!(read("level = false"), expected(Form::Mean));

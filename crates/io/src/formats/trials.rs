@@ -199,10 +199,7 @@ pub(crate) fn read_trials(
                     .refuse(traces.span(), "stands beside measurements")
                     .expected("either measurements or [[trial.traces]]"));
             }
-            (Some(name), None) => {
-                let path = existing(document, name, name.get_ref())?;
-                Placed::rows(&path, measurements::read(document.source(), &path)?, pressed)
-            }
+            (Some(name), None) => measurements::read(document, name, pressed)?,
             (None, Some(list)) => {
                 let conditions =
                     reader.conditions(list, Some(&OfTrial { number, name: file.name.get_ref().clone() }))?;

@@ -19,16 +19,16 @@ pub type Number = Spanned<f64>;
 /// A list of numbers with their file positions.
 pub type NumberList = Spanned<Vec<Number>>;
 
-/// A number without a file position, for files to be written.
-#[must_use]
-pub fn number(value: f64) -> Number {
-    Spanned::new(0..0, value)
-}
-
 /// A list without file positions, for files to be written.
 #[must_use]
 pub fn number_list(values: impl IntoIterator<Item = f64>) -> NumberList {
-    Spanned::new(0..0, values.into_iter().map(number).collect())
+    Spanned::from(values.into_iter().map(Number::from).collect::<Vec<_>>())
+}
+
+/// One number for each entry of another list, without file positions, for files to be written.
+#[must_use]
+pub fn each(values: impl IntoIterator<Item = f64>) -> Spanned<Numbers> {
+    Numbers::Each(values.into_iter().map(Number::from).collect()).into()
 }
 
 /// One number for all, or one for each entry of another list.
@@ -163,6 +163,26 @@ pub fn number_span(values: &Spanned<Numbers>, place: usize) -> Range<usize> {
     }
 }
 
+/// Reads the two ends of a range in SI units; one number is both. `expected` describes what is accepted.
+///
+/// # Errors
+/// [`Diagnostic`] if a number is refused, if a list has not two of them, or the larger one first.
+pub fn range(
+    document: &Document,
+    values: &Spanned<Numbers>,
+    quantity: Quantity,
+    expected: &str,
+) -> Result<[f64; 2], Diagnostic> {
+    let read = list(document, values, quantity)?;
+    let reason = match (values.get_ref(), &read[..]) {
+        (Numbers::One(_), [one]) => return Ok([*one; 2]),
+        (_, [lowest, highest]) if lowest <= highest => return Ok([*lowest, *highest]),
+        (_, [_, _]) => "has its larger number first".to_owned(),
+        _ => format!("has {} numbers", read.len()),
+    };
+    Err(document.refuse(values.span(), reason).expected(expected))
+}
+
 /// Reads `values` in SI units, one for each of `count`; a single number stands for all.
 ///
 /// # Errors
@@ -174,14 +194,30 @@ pub fn for_each(
     count: usize,
     of_what: &str,
 ) -> Result<Vec<f64>, Diagnostic> {
-    let read = list(document, values, quantity)?;
     match values.get_ref() {
-        Numbers::One(_) => Ok(vec![read[0]; count]),
-        Numbers::Each(_) if read.len() == count => Ok(read),
-        Numbers::Each(_) => Err(document
-            .refuse(values.span(), format!("has {} values", read.len()))
-            .expected(format!("{count}, one for each {of_what}"))),
+        Numbers::One(_) => Ok(vec![list(document, values, quantity)?[0]; count]),
+        Numbers::Each(each) => column(document, &Spanned::new(values.span(), each.clone()), quantity, count, of_what),
     }
+}
+
+/// Reads `values` in SI units, one for each of `count`.
+///
+/// # Errors
+/// [`Diagnostic`] if the list's length is not `count` or a number is refused.
+pub fn column(
+    document: &Document,
+    values: &NumberList,
+    quantity: Quantity,
+    count: usize,
+    of_what: &str,
+) -> Result<Vec<f64>, Diagnostic> {
+    let read = document.numbers(values, quantity)?;
+    if read.len() == count {
+        return Ok(read);
+    }
+    Err(document
+        .refuse(values.span(), format!("has {} values", read.len()))
+        .expected(format!("{count}, one for each {of_what}")))
 }
 
 /// Reads pressures that increase strictly.

@@ -7,11 +7,12 @@ use slipgrid_infer::calibrate::{
 };
 use slipgrid_model::material::Condition;
 
+use crate::formats::friction::{ConditionTable, FlatFrictionTable, FrictionFile};
 use crate::formats::learned::LearnedFile;
 use crate::formats::made_from::MadeFrom;
-use crate::formats::material::{AreaLawFile, ConditionTable, FlatFrictionTable, FrictionFile, MaterialFile};
-use crate::formats::values::{Numbers, number, number_list};
-use slipgrid_base::units::{DENSITY_G_CM3, HUMIDITY_PCT, LENGTH_UM, MODULUS_GPA, PRESSURE_MPA, SPEED_MM_S, tidy};
+use crate::formats::material::{AreaLawFile, MaterialFile};
+use crate::formats::values::{Numbers, each, number_list};
+use slipgrid_base::units::{HUMIDITY_PCT, LENGTH_UM, MODULUS_GPA, PRESSURE_MPA, SPEED_MM_S, tidy};
 use slipgrid_design::results::{SCHEMA, VERSION};
 
 /// A material that cannot be written.
@@ -35,43 +36,34 @@ pub fn material_toml(
     outcome: &CalibrationOutcome,
     made_from: Option<MadeFrom>,
 ) -> Result<String, UnwritableMaterial> {
-    let (provenance, facts) = (&outcome.material.provenance, &outcome.surface);
+    let facts = &outcome.surface;
+    let area_law = facts.law.as_ref().map(|law| {
+        let area = |&pressure_pa: &f64| {
+            let listed = facts.curve.iter().find(|point| point.pressure_pa == pressure_pa);
+            listed.map(|point| tidy(point.area_fraction_corrected))
+        };
+        let areas: Option<Vec<f64>> = law.pressures_pa().iter().map(area).collect();
+        let um = |length_m: f64| LENGTH_UM.from_si(length_m).into();
+        AreaLawFile {
+            origin: facts.origin.map(|origin| AreaLawOrigin::name(origin).to_owned()),
+            rms_slope: facts.rms_slope.map(|slope| tidy(slope).into()),
+            sa_um: facts.sa_m.map(um),
+            pixel_um: facts.pixel_m.map(um),
+            pixel_y_um: facts.pixel_y_m.map(um),
+            poisson_ratio: Some(tidy(task.poisson_ratio).into()),
+            area_fraction: areas.map(number_list),
+            ..AreaLawFile::new(law, tidy)
+        }
+    });
     let file = MaterialFile {
-        name: Some(provenance.name.clone()),
-        source: Some(provenance.source.clone()),
-        schema: Some(unplaced(SCHEMA)),
-        slipgrid_version: Some(VERSION.to_owned()),
+        schema: Some(SCHEMA.into()),
         synthetic_surface: Some(facts.synthetic),
-        notes: provenance.notes.clone(),
-        warnings: provenance.warnings.clone(),
-        youngs_modulus_gpa: number(MODULUS_GPA.from_si(task.elastic.youngs_modulus_pa())),
-        youngs_modulus_std_gpa: task.youngs_modulus_std_pa.map(|std_pa| number(MODULUS_GPA.from_si(std_pa))),
-        density_g_cm3: number(DENSITY_G_CM3.from_si(task.elastic.density_kg_m3())),
-        yield_pressure_mpa: task.elastic.yield_pressure_pa().map(|pa| number(PRESSURE_MPA.from_si(pa))),
-        friction: unplaced(friction(task, outcome)?),
-        area_law: facts.law.as_ref().map(|law| {
-            let area = |&pressure_pa: &f64| {
-                let listed = facts.curve.iter().find(|point| point.pressure_pa == pressure_pa);
-                listed.map(|point| tidy(point.area_fraction_corrected))
-            };
-            let areas: Option<Vec<f64>> = law.pressures_pa().iter().map(area).collect();
-            unplaced(AreaLawFile {
-                origin: facts.origin.map(|origin| AreaLawOrigin::name(origin).to_owned()),
-                rms_slope: facts.rms_slope.map(|slope| number(tidy(slope))),
-                sa_um: facts.sa_m.map(|sa_m| number(LENGTH_UM.from_si(sa_m))),
-                pixel_um: facts.pixel_m.map(|pixel_m| number(LENGTH_UM.from_si(pixel_m))),
-                pixel_y_um: facts.pixel_y_m.map(|pixel_m| number(LENGTH_UM.from_si(pixel_m))),
-                poisson_ratio: Some(number(tidy(task.poisson_ratio))),
-                pressure_mpa: number_list(law.pressures_pa().iter().map(|&p| PRESSURE_MPA.from_si(p))),
-                factor: number_list(law.factors().iter().map(|&factor| tidy(factor))),
-                factor_std: law.factor_std().map(|std| number_list(std.iter().map(|&std| tidy(std)))),
-                area_fraction: areas.map(number_list),
-            })
-        }),
+        youngs_modulus_std_gpa: task.youngs_modulus_std_pa.map(|std_pa| MODULUS_GPA.from_si(std_pa).into()),
+        area_law: area_law.map(Into::into),
         flat_friction: flat_friction(&outcome.uncertainty.flat_friction),
-        discrepancy: None,
         made_from,
-        learned: outcome.uncertainty.learned.as_ref().map(|learned| unplaced(LearnedFile::new(learned))),
+        learned: outcome.uncertainty.learned.as_ref().map(|learned| LearnedFile::new(learned).into()),
+        ..MaterialFile::new(&task.elastic, &outcome.material.provenance, friction(task, outcome)?)
     };
     let body = toml::to_string(&file).map_err(UnwritableMaterial::Toml)?;
     Ok(format!(
@@ -86,25 +78,25 @@ fn rounded(residual: f64) -> f64 {
 }
 
 fn friction(task: &CalibrationTask, outcome: &CalibrationOutcome) -> Result<FrictionFile, UnwritableMaterial> {
-    let (relative_std, fit) = (Some(number(task.relative_std)), &outcome.fit);
+    let (relative_std, fit) = (Some(task.relative_std.into()), &outcome.fit);
+    let one = |value: f64| Numbers::One(value).into();
+    let error = |error: Option<f64>| error.map(|error| one(tidy(error)));
     match (task.coefficients, &fit.pairs[..]) {
         (Coefficients::Single, [pair]) => Ok(FrictionFile {
-            static_mean: Some(unplaced(Numbers::One(tidy(pair.static_mean)))),
-            dynamic_mean: Some(unplaced(Numbers::One(tidy(pair.dynamic_mean)))),
-            static_std_error: pair.static_std_error.map(|error| unplaced(Numbers::One(tidy(error)))),
-            dynamic_std_error: pair.dynamic_std_error.map(|error| unplaced(Numbers::One(tidy(error)))),
-            dynamic_std_error_given_law: pair
-                .dynamic_std_error_given_law
-                .map(|error| unplaced(Numbers::One(tidy(error)))),
-            dynamic_over_steady: fit.mean_over_local_law().map(|excess| unplaced(Numbers::One(excess))),
+            static_mean: Some(one(tidy(pair.static_mean))),
+            dynamic_mean: Some(one(tidy(pair.dynamic_mean))),
+            static_std_error: error(pair.static_std_error),
+            dynamic_std_error: error(pair.dynamic_std_error),
+            dynamic_std_error_given_law: error(pair.dynamic_std_error_given_law),
+            dynamic_over_steady: fit.mean_over_local_law().map(one),
             relative_std,
             residual: Some(fit.predictions.iter().map(|predicted| rounded(predicted.residual)).collect()),
-            scale_covariance: fit.scale_covariance().map(|rows| unplaced(rows.map(|row| row.to_vec()).to_vec())),
+            scale_covariance: fit.scale_covariance().map(|rows| rows.map(|row| row.to_vec()).to_vec().into()),
             ..FrictionFile::default()
         }),
         (Coefficients::PerCondition, _) => {
             let tables = outcome.by_condition.iter();
-            let conditions = tables.map(|(condition, rows)| unplaced(condition_table(*condition, rows))).collect();
+            let conditions = tables.map(|(condition, rows)| condition_table(*condition, rows).into()).collect();
             Ok(FrictionFile { relative_std, conditions, ..FrictionFile::default() })
         }
         (_, pairs) => Err(UnwritableMaterial::Pairs(format!("the fit returned {} pairs of coefficients", pairs.len()))),
@@ -112,15 +104,14 @@ fn friction(task: &CalibrationTask, outcome: &CalibrationOutcome) -> Result<Fric
 }
 
 fn condition_table(condition: Condition, rows: &[Row]) -> ConditionTable {
-    let column =
-        |value: fn(&Row) -> f64| unplaced(Numbers::Each(rows.iter().map(|row| number(tidy(value(row)))).collect()));
+    let column = |value: fn(&Row) -> f64| each(rows.iter().map(|row| tidy(value(row))));
     let errors = |value: fn(&FittedPair) -> Option<f64>| {
         let errors: Option<Vec<f64>> = rows.iter().map(|row| value(&row.pair).map(tidy)).collect();
-        errors.map(|errors| unplaced(Numbers::Each(errors.into_iter().map(number).collect())))
+        errors.map(each)
     };
     ConditionTable {
-        speed_mm_s: number(SPEED_MM_S.from_si(condition.speed_m_s)),
-        humidity_pct: number(HUMIDITY_PCT.from_si(condition.humidity)),
+        speed_mm_s: SPEED_MM_S.from_si(condition.speed_m_s).into(),
+        humidity_pct: HUMIDITY_PCT.from_si(condition.humidity).into(),
         pressure_mpa: number_list(rows.iter().map(|row| PRESSURE_MPA.from_si(row.pressure_pa))),
         static_mean: column(|row| row.pair.static_mean),
         dynamic_mean: column(|row| row.pair.dynamic_mean),
@@ -137,25 +128,22 @@ pub(crate) fn flat_friction(measured: &[CoefficientEstimate]) -> Vec<Spanned<Fla
     let table = |rows: &[CoefficientEstimate]| {
         let Condition { speed_m_s, humidity } = rows[0].condition?;
         let pressures = rows.iter().filter_map(|row| row.pressure_pa);
-        Some(unplaced(FlatFrictionTable {
-            speed_mm_s: number(SPEED_MM_S.from_si(speed_m_s)),
-            humidity_pct: number(HUMIDITY_PCT.from_si(humidity)),
+        let table = FlatFrictionTable {
+            speed_mm_s: SPEED_MM_S.from_si(speed_m_s).into(),
+            humidity_pct: HUMIDITY_PCT.from_si(humidity).into(),
             pressure_mpa: number_list(pressures.map(|pressure_pa| PRESSURE_MPA.from_si(pressure_pa))),
-            mu_dynamic: unplaced(Numbers::Each(rows.iter().map(|row| number(tidy(row.value))).collect())),
-        }))
+            mu_dynamic: each(rows.iter().map(|row| tidy(row.value))),
+        };
+        Some(table.into())
     };
     measured.chunk_by(|a, b| a.condition == b.condition).filter_map(table).collect()
-}
-
-fn unplaced<T>(value: T) -> Spanned<T> {
-    Spanned::new(0..0, value)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::formats::Document;
-    use crate::formats::material_uncertainty::read_known;
+    use crate::formats::material::read_known;
     use crate::formats::scene::DEFAULT_LAYER;
     use slipgrid_base::monitor::Unwatched;
     use slipgrid_infer::calibrate::{CutSample, Measurement, Selection, Surface, TrialsTask};

@@ -13,12 +13,12 @@ use crate::formats::condition_ranges::{ConditionRangeFile, read_conditions};
 use crate::formats::diagnostic::Diagnostic;
 use crate::formats::document::Document;
 use crate::formats::file_kind::FileKind;
-use crate::formats::material::{MaterialFile, existing};
-use crate::formats::material_uncertainty::read_known;
+use crate::formats::material::{MaterialFile, existing, read_known};
 use crate::formats::plausible::SPOT;
 use crate::formats::unusual;
-use crate::formats::values::{Numbers, PathOr, list};
+use crate::formats::values::PathOr;
 use slipgrid_base::units::{LENGTH_UM, significant, significant_to};
+use toml::value::Datetime;
 
 /// Conditions with their file positions: the condition designed for, then the further ones.
 pub(super) fn read_ranges(
@@ -33,31 +33,6 @@ pub(super) fn read_ranges(
     let further = file.also_at.iter().flat_map(Spanned::get_ref);
     let read = |range: &Spanned<ConditionRangeFile>| Ok((read_conditions(document, range.get_ref())?, range.span()));
     file.condition.iter().chain(further).map(read).collect()
-}
-
-pub(super) fn read_dimensions(
-    document: &Document,
-    dimensions: Option<&Spanned<u64>>,
-) -> Result<Option<u8>, Diagnostic> {
-    dimensions
-        .map(|dimensions| match dimensions.get_ref() {
-            2 => Ok(2),
-            3 => Ok(3),
-            _ => Err(document.refuse(dimensions.span(), "dimensions do not exist here").expected("2 or 3")),
-        })
-        .transpose()
-}
-
-/// Minimum and maximum of a length, or the one value at which a dimension is fixed.
-pub(super) fn read_range(document: &Document, bounds: &Spanned<Numbers>) -> Result<[f64; 2], Diagnostic> {
-    const EXPECTED: &str = "[smallest, largest], or one number without brackets, which fixes it";
-    let read = list(document, bounds, LENGTH_UM)?;
-    match read[..] {
-        [only] if matches!(bounds.get_ref(), Numbers::One(_)) => Ok([only; 2]),
-        [least, most] if least <= most => Ok([least, most]),
-        [_, _] => Err(document.refuse(bounds.span(), "has its larger number first").expected(EXPECTED)),
-        _ => Err(document.refuse(bounds.span(), format!("has {} numbers", read.len())).expected(EXPECTED)),
-    }
 }
 
 /// Width, spacing and depth bounds, in metres.
@@ -193,30 +168,10 @@ pub(super) fn read_material_input(
 /// Reads a calendar date: four digits, two and two, with hyphens between.
 pub(super) fn read_date(document: &Document, date: &Spanned<String>) -> Result<String, Diagnostic> {
     let text = date.get_ref();
-    if is_day(text) {
-        return Ok(text.clone());
+    match text.parse() {
+        Ok(Datetime { date: Some(_), time: None, offset: None }) => Ok(text.clone()),
+        _ => Err(document.refuse(date.span(), "is no day").expected("a day as \"YYYY-MM-DD\", such as \"2026-11-22\"")),
     }
-    Err(document.refuse(date.span(), "is no day").expected("a day as \"YYYY-MM-DD\", such as \"2026-11-22\""))
-}
-
-/// Whether `text` is a date of the Gregorian calendar as YYYY-MM-DD.
-fn is_day(text: &str) -> bool {
-    let is_written = text.len() == "YYYY-MM-DD".len()
-        && text.bytes().enumerate().all(|(place, byte)| match place {
-            4 | 7 => byte == b'-',
-            _ => byte.is_ascii_digit(),
-        });
-    let parts: Vec<u32> = text.split('-').filter_map(|part| part.parse().ok()).collect();
-    let (true, &[year, month, day]) = (is_written, &parts[..]) else { return false };
-    let is_leap = year % 4 == 0 && (year % 100 != 0 || year % 400 == 0);
-    let days = match month {
-        2 if is_leap => 29,
-        2 => 28,
-        4 | 6 | 9 | 11 => 30,
-        1..=12 => 31,
-        _ => 0,
-    };
-    (1..=days).contains(&day)
 }
 
 #[cfg(test)]
@@ -238,6 +193,7 @@ mod tests {
 
     #[test]
     fn a_day_is_one_of_the_calendar() {
+        let is_day = |day: &str| read_date(&Document::new("a.toml", ""), &day.to_owned().into()).is_ok();
         for day in ["2026-11-22", "2024-02-29", "2000-02-29", "2026-12-31"] {
             assert!(is_day(day), "{day}");
         }

@@ -99,8 +99,7 @@ mod tests {
         let header = "force_n,speed_mm_s,sliding_mm,order,humidity_pct,mu_dynamic,mu_dynamic_std";
         let row = |row: &str| format!("{row},15,0.25,0.002");
         let text = format!("{header}\n{}\n", rows.split(' ').map(row).collect::<Vec<_>>().join("\n"));
-        let rows =
-            Placed::rows(Path::new("flat.csv"), measurements::read_text(Path::new("flat.csv"), &text).unwrap(), 1);
+        let rows = measurements::parse(Path::new("flat.csv"), &text).unwrap();
         check(&rows).iter().map(Diagnostic::to_string).collect()
     }
 
