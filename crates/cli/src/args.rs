@@ -10,13 +10,12 @@ mod maps;
 mod resuming;
 mod trials;
 
-use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use slipgrid_io::disk::MAX_THREADS;
-use slipgrid_io::formats::held_specimens::MAX_SPECIMENS;
+use slipgrid_io::formats::stated_specimen::MAX_SPECIMENS;
 use slipgrid_model::springblock::{Extent, Fidelity};
 
 pub use campaign::{CampaignArgs, CampaignStep, MergeArgs, PlanArgs, WorkArgs};
@@ -42,8 +41,8 @@ pub use trials::{NextArgs, TrialsArgs};
 )]
 pub struct Arguments {
     /// Threads, at most 1024; all cores by default. Results do not depend on it
-    #[arg(long, global = true, value_name = "N", value_parser = parse_threads)]
-    pub threads: Option<NonZeroUsize>,
+    #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=MAX_THREADS as u64))]
+    pub threads: Option<u64>,
     /// Recompute everything. Without this flag, contact areas, fits and runs of earlier commands are reused from the
     /// folder that SLIPGRID_CACHE names, ~/.cache/slipgrid by default. Results do not depend on it
     #[arg(long, global = true)]
@@ -402,11 +401,6 @@ fn named<T: Copy + Send + Sync + 'static, const COUNT: usize>(
     let known = choices.map(|(_, name, help)| PossibleValue::new(name).help(help));
     let value = move |given: String| choices.into_iter().find(|(_, name, _)| *name == given).map(|(value, ..)| value);
     PossibleValuesParser::new(known).try_map(move |given| value(given).ok_or("an unknown name"))
-}
-
-fn parse_threads(text: &str) -> Result<NonZeroUsize, String> {
-    let expected = || format!("expected a whole number from 1 to {MAX_THREADS}");
-    text.parse().ok().filter(|threads: &NonZeroUsize| threads.get() <= MAX_THREADS).ok_or_else(expected)
 }
 
 #[cfg(test)]

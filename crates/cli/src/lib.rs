@@ -199,7 +199,7 @@ where
             return if refused.use_stderr() { exit_code::BAD_INPUT } else { exit_code::DONE };
         }
     };
-    let threads = arguments.threads.map_or_else(slipgrid_io::disk::default_threads, |threads| Ok(threads.get()));
+    let threads = arguments.threads.map_or_else(slipgrid_io::disk::default_threads, |threads| Ok(threads as usize));
     let pool = threads.map_err(CliError::from).and_then(|threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
         pool.map_err(|error| CliError::Other(format!("--threads: {error}")))

@@ -1,6 +1,5 @@
 //! Arguments of `validate` and `accuracy`.
 
-use std::num::NonZeroU64;
 use std::path::PathBuf;
 
 use clap::Args;
@@ -79,19 +78,12 @@ pub struct AccuracyArgs {
     #[arg(long)]
     pub full: bool,
     /// Number of draws of the local coefficients for each row
-    #[arg(long, default_value = "3", value_name = "N", value_parser = parse_seeds)]
-    pub seeds: NonZeroU64,
+    #[arg(long, default_value = "3", value_name = "N", value_parser = clap::value_parser!(u64).range(1..=MAX_SEEDS))]
+    pub seeds: u64,
     /// Print one JSON object instead of Markdown
     #[arg(long)]
     pub json: bool,
     /// Folder for the page, its numbers and the diagram, instead of stdout
     #[arg(long, short, value_name = "DIR")]
     pub output: Option<PathBuf>,
-}
-
-fn parse_seeds(text: &str) -> Result<NonZeroU64, String> {
-    match text.parse::<NonZeroU64>() {
-        Ok(seeds) if seeds.get() <= MAX_SEEDS => Ok(seeds),
-        _ => Err(format!("expected a whole number from 1 to {MAX_SEEDS}")),
-    }
 }

@@ -44,7 +44,7 @@ pub fn run(args: &AccuracyArgs, console: &mut Console<'_>) -> Result<u8, CliErro
         Some(input) => CliError::from(input.refuse(&error)),
         None => CliError::Other(format!("the built-in scene: {error}")),
     })?;
-    let seeds = args.seeds.get();
+    let seeds = args.seeds;
     let wall_s = accuracy::expected_wall_s(size, &base, seeds);
     let expense = Expense { core_s: wall_s * console.threads as f64, wall_s, bytes: 0.0 };
     let line = cost_line("this comparison", expense, false, console.threads);

@@ -162,17 +162,6 @@ fn a_simulated_design_has_what_trials_say_and_the_errors_of_what_is_solved() {
     assert_eq!(open["errors"]["unknown"], serde_json::json!(["static coefficient"]));
 }
 
-/// The discrepancy factor in material files of earlier versions is ignored.
-#[test]
-fn a_factor_of_earlier_versions_is_not_used() {
-    let old = design("value = 0.88\ntolerance = 0.02", "[material.discrepancy]\npattern = \"groove\"\n");
-    let place = Place::with(&[("old.toml", &old)]);
-    place.succeed(&["optimize", "old.toml"]);
-    let old = result(&place, "out/old");
-    assert!(old["material"]["notes"].to_string().contains("[discrepancy] of the material file is not used"));
-    assert!((factor(&old) - 1.0).abs() < 1e-6 && old["trials"] == 0, "{}", old["expected"]);
-}
-
 #[test]
 fn a_calibration_is_interpolated_between_its_speeds() {
     let calibration =

@@ -122,7 +122,7 @@ fn of_two_runs_for_one_folder_the_second_is_refused_and_a_killed_one_blocks_nobo
     let mut first = begin(&place, &["optimize", "d.toml", "-o", "out/a", "--no-cache"]);
     wait_for(&place.path("out/a.study.jsonl"));
     let message = place.refuse(&["optimize", "d.toml", "-o", "out/a", "--resume"]);
-    let who = format!("error: out/a.lock: another run works for this folder: process {} on ", first.id());
+    let who = format!("error: out/a.lock: another run works for this folder: process {};", first.id());
     assert!(message.starts_with(&who) && message.contains("another folder after -o"), "{message}");
     // Another folder is nobody else's.
     place.succeed(&["optimize", "small.toml", "-o", "out/b", "--no-cache"]);

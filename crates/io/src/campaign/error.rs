@@ -1,8 +1,6 @@
 //! Errors of planning, working on or merging a campaign.
 
-use std::io;
-use std::path::PathBuf;
-
+use crate::disk::WriteError;
 use crate::formats::Diagnostic;
 use crate::formats::calibrated::Failure;
 
@@ -17,13 +15,8 @@ pub enum CampaignError {
         .0.len(), if .0.len() == 1 { "result" } else { "results" }, lines(.0))]
     Damaged(Vec<Diagnostic>),
     /// A file could not be written.
-    #[error("{path}: cannot be written: {source}", path = path.display())]
-    Unwritable {
-        /// The file.
-        path: PathBuf,
-        /// Error of the operating system.
-        source: io::Error,
-    },
+    #[error(transparent)]
+    Unwritable(#[from] WriteError),
     /// The monitor asked to stop.
     #[error("stopped")]
     Cancelled,

@@ -17,6 +17,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
+use crate::disk::WriteError;
 use crate::formats::Diagnostic;
 use crate::formats::source::{Entry, Files, Source, read_text};
 use slipgrid_base::monitor::{Monitor, Stage};
@@ -75,7 +76,7 @@ impl Folder {
     }
 
     fn put(&self, path: &Path, bytes: &[u8]) -> Result<(), CampaignError> {
-        self.store.put(path, bytes).map_err(|source| CampaignError::Unwritable { path: path.to_owned(), source })
+        Ok(self.store.put(path, bytes).map_err(WriteError::at(path))?)
     }
 
     /// Content of campaign.json.
@@ -199,7 +200,7 @@ impl Folder {
                 let path = self.result(&task.id);
                 // Another worker may have done this task meanwhile.
                 let is_there = !damaged.contains(task.id.as_str()) && self.store.entry(&path).is_ok();
-                let found = if is_there { Ok(None) } else { self.do_task(&worker, task, monitor) };
+                let found = if is_there { Ok(None) } else { self.do_task(&worker, task, monitor).map(Some) };
                 let mut ended = ended.lock().unwrap_or_else(PoisonError::into_inner);
                 match found {
                     Ok(Some(done)) => ended.0.counts.add(done.outcome),
@@ -236,11 +237,11 @@ impl Folder {
     }
 
     /// Does one task and writes its result.
-    fn do_task(&self, worker: &Worker<'_>, task: &Task, monitor: &dyn Monitor) -> Result<Option<Done>, CampaignError> {
+    fn do_task(&self, worker: &Worker<'_>, task: &Task, monitor: &dyn Monitor) -> Result<Done, CampaignError> {
         let done = worker.work(task, monitor).ok_or(CampaignError::Cancelled)?;
         let text = serde_json::to_string(&done).map_err(|error| CampaignError::Failed(error.to_string()))?;
         self.put(&self.result(&task.id), (text + "\n").as_bytes())?;
-        Ok(Some(done))
+        Ok(done)
     }
 
     /// Collects all results and passes them to `then`.

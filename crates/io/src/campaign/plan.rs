@@ -21,7 +21,7 @@ use serde_json::Value as Json;
 use slipgrid_base::monitor::{Monitor, Stage};
 use slipgrid_base::units::LENGTH_UM;
 use slipgrid_design::results::{SCHEMA, VERSION};
-use slipgrid_design::{DesignError, DesignTask, Expense, cost_line, lattice};
+use slipgrid_design::{DesignError, DesignTask, lattice};
 use slipgrid_infer::calibrate::Selection;
 use slipgrid_model::pattern::Pattern;
 use toml::{Table, Value};
@@ -94,8 +94,7 @@ pub fn plan(files: &Source, path: &Path, monitor: &dyn Monitor) -> Result<Planne
 
     let stage = Stage::new(monitor, "tasks", None);
     let read_once = ReadOnce::new(Arc::clone(files));
-    let probes = if rows.len() < PROBES * PROBES { 0 } else { PROBES };
-    let share = 1.0 / (rows.len() + probes).max(1) as f64;
+    let share = 1.0 / rows.len().max(1) as f64;
     let one = |values: &Row| {
         stage.heed().map_err(|_| CampaignError::Cancelled)?;
         let noted = RecordedFiles::new(&read_once, folder);
@@ -117,16 +116,9 @@ pub fn plan(files: &Source, path: &Path, monitor: &dyn Monitor) -> Result<Planne
         stage.advance(share);
         Ok((Task { id: campaign.id(&text, &inputs), values: values.clone() }, inputs))
     };
-    // Samples over the whole range, because some tasks take longer than others.
-    let started_s = monitor.seconds();
-    (0..probes).try_for_each(|probe| one(&rows[probe * (rows.len() / PROBES)]).map(|_| ()))?;
-    if probes > 0 {
-        note_cost(rows.len(), (monitor.seconds() - started_s) / PROBES as f64, monitor);
-    }
-    let planned = rows.par_iter().map(one).collect::<Result<Vec<_>, CampaignError>>();
-    // Threads may find any of the invalid tasks; report the first one.
-    let first_refused = || rows.par_iter().map(one).find_first(Result::is_err).and_then(Result::err);
-    let planned = planned.map_err(|refused| first_refused().unwrap_or(refused))?;
+    // The first refusal in the order of the tasks, whichever thread finds one.
+    let planned: Vec<_> = rows.par_iter().map(one).collect();
+    let planned = planned.into_iter().collect::<Result<Vec<_>, CampaignError>>()?;
     stage.finish();
 
     let mut known = BTreeSet::new();
@@ -141,19 +133,6 @@ pub fn plan(files: &Source, path: &Path, monitor: &dyn Monitor) -> Result<Planne
     let mut contents = read_once.contents();
     contents.retain(|hash, _| campaign.inputs.values().any(|input| input == hash));
     Ok(Planned { campaign, tasks, contents })
-}
-
-/// Number of tasks that are read first to estimate the planning time.
-const PROBES: usize = 20;
-/// Memory of a planned task with its values and its place in the list, in bytes: 10,000 and 50,000 tasks of two keys
-/// took 2.8 and 2.1 kB each.
-const BYTES_PER_TASK: f64 = 2400.0;
-
-/// Notes the cost of planning `count` tasks that take `each_s` seconds each, if it is large.
-fn note_cost(count: usize, each_s: f64, monitor: &dyn Monitor) {
-    let (core_s, threads) = (each_s * count as f64, rayon::current_num_threads());
-    let expense = Expense { core_s, wall_s: core_s / threads as f64, bytes: BYTES_PER_TASK * count as f64 };
-    cost_line(&format!("planning {count} tasks"), expense, false, threads).iter().for_each(|line| monitor.note(line));
 }
 
 /// The base of the tasks: kind, text, and rows that it defines itself.

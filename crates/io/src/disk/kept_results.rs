@@ -1,7 +1,6 @@
 //! Cache of results in a folder.
 
-use std::fs::{self, File, OpenOptions};
-use std::io::Read;
+use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::SystemTime;
@@ -109,34 +108,18 @@ impl KeptResults {
     }
 }
 
-/// Options to open a file that may be a pipe, without waiting for its other end.
-fn unblocking() -> OpenOptions {
-    let mut options = File::options();
-    #[cfg(unix)]
-    std::os::unix::fs::OpenOptionsExt::custom_flags(&mut options, libc::O_NONBLOCK);
-    options
-}
-
-/// Content of the file at `path`; `None` if it is no regular file, or larger than `max_bytes`.
-fn read_regular(path: &Path, max_bytes: u64) -> Option<Vec<u8>> {
-    let file = unblocking().read(true).open(path).ok()?;
-    let found = file.metadata().ok().filter(|found| found.is_file() && found.len() <= max_bytes)?;
-    let mut bytes = Vec::new();
-    // The file may grow while it is read.
-    file.take(found.len()).read_to_end(&mut bytes).ok()?;
-    Some(bytes)
-}
-
 impl Memory for KeptResults {
     fn recall(&self, key: &Key) -> Option<Vec<u8>> {
         let path = self.path(key);
-        let mut bytes = read_regular(&path, self.max_bytes)?;
+        // Pipes and files of others are no results.
+        fs::metadata(&path).ok().filter(|found| found.is_file() && found.len() <= self.max_bytes)?;
+        let mut bytes = fs::read(&path).ok()?;
         let value = bytes.split_off(HASH_BYTES.min(bytes.len()));
         if Self::hash(&path, &value)[..] != bytes[..] {
             return None;
         }
         // Marks the file as used; a failure only makes it look older.
-        let _ = unblocking().append(true).open(&path).and_then(|file| file.set_modified(SystemTime::now()));
+        let _ = File::options().append(true).open(&path).and_then(|file| file.set_modified(SystemTime::now()));
         Some(value)
     }
 

@@ -1,13 +1,12 @@
 //! Lock file next to a folder of results, so that one run at a time writes it.
 //!
 //! The operating system releases the lock when the process ends in any way, so that the lock file of a killed run is
-//! taken over. On file systems without locks, the process id in the file is checked.
+//! taken over. On file systems without locks nothing keeps other runs out.
 
 use std::fs::{self, File, TryLockError};
 use std::io::{self, Read, Seek, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
-use std::time::{SystemTime, UNIX_EPOCH};
 
 use crate::formats::Diagnostic;
 
@@ -15,8 +14,10 @@ use crate::disk::places::{PlaceError, WriteError};
 
 /// Number of attempts to create a lock file that its holder has just removed.
 const ATTEMPTS: usize = 20;
-/// Maximum size of a lock file, in bytes.
-const MAX_BYTES: u64 = 1000;
+/// First word of a lock file; the number of the process follows.
+const MARK: &str = "slipgrid";
+/// Number of bytes that are read of a lock file.
+const HEAD: u64 = 100;
 
 /// Lock files that this process holds.
 static HELD: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
@@ -43,15 +44,6 @@ pub struct Lock {
     made: Vec<PathBuf>,
 }
 
-/// Holder of a lock.
-#[derive(Clone, Debug, PartialEq, Eq)]
-struct Holder {
-    process: u32,
-    host: String,
-    /// Start of the run, in seconds since 1 January 1970.
-    since_s: u64,
-}
-
 impl Lock {
     /// Locks the file at `path` for this process.
     ///
@@ -71,27 +63,20 @@ impl Lock {
         for _ in 0..ATTEMPTS {
             let mut file =
                 File::options().read(true).write(true).create(true).truncate(false).open(path).map_err(failed)?;
-            let is_locked = match file.try_lock() {
-                Ok(()) => true,
-                Err(TryLockError::WouldBlock) => return Err(lock.refuse(Holder::read(&mut file).as_ref()).into()),
-                Err(TryLockError::Error(_)) => false,
-            };
+            let head = read_head(&mut file);
+            if matches!(file.try_lock(), Err(TryLockError::WouldBlock)) {
+                return Err(lock.refuse(&head).into());
+            }
             // The last holder may have removed the file between opening and locking.
             if !is_there(&file, path) {
                 continue;
             }
-            let own = Holder::own();
-            match Holder::read(&mut file) {
-                Some(other) if other.host != own.host || (!is_locked && other.lives()) => {
-                    return Err(lock.refuse(Some(&other)).into());
-                }
-                None if file.metadata().is_ok_and(|metadata| metadata.len() > 0) => {
-                    let refused = Diagnostic::file(path, "is no lock of slipgrid, and stands where one is to be");
-                    return Err(refused.expected("another folder of results, or no such file").into());
-                }
-                _ => {}
+            if !head.is_empty() && !head.starts_with(MARK) {
+                let refused = Diagnostic::file(path, "is no lock of slipgrid, and stands where one is to be");
+                return Err(refused.expected("another folder of results, or no such file").into());
             }
-            if let Err(error) = own.write(&mut file) {
+            let emptied = file.set_len(0).and_then(|()| file.rewind());
+            if let Err(error) = emptied.and_then(|()| writeln!(file, "{MARK} {}", std::process::id())) {
                 // On a full disk an empty file would remain.
                 let _ = fs::remove_file(path);
                 return Err(failed(error).into());
@@ -100,20 +85,14 @@ impl Lock {
             held().push(path.to_owned());
             return Ok(lock);
         }
-        Err(lock.refuse(None).into())
+        Err(lock.refuse("").into())
     }
 
-    fn refuse(&self, holder: Option<&Holder>) -> Diagnostic {
-        let who = holder.map_or_else(String::new, |holder| {
-            format!(": process {} on {}, for {}", holder.process, holder.host, holder.age())
-        });
-        let instead = match holder {
-            Some(holder) if holder.host != Holder::own().host => {
-                "another folder after -o, or no such file once that run has ended: it cannot be seen from here"
-            }
-            _ => "another folder after -o, or to wait until that run has ended",
-        };
-        Diagnostic::file(&self.path, format!("another run works for this folder{who}")).expected(instead)
+    /// Refuses a lock that another run holds; `head` is what it wrote.
+    fn refuse(&self, head: &str) -> Diagnostic {
+        let process = head.split_whitespace().nth(1).map_or_else(String::new, |number| format!(": process {number}"));
+        Diagnostic::file(&self.path, format!("another run works for this folder{process}"))
+            .expected("another folder after -o, or to wait until that run has ended")
     }
 }
 
@@ -145,45 +124,12 @@ impl Lock {
     }
 }
 
-impl Holder {
-    fn own() -> Self {
-        let host: String =
-            gethostname::gethostname().to_string_lossy().chars().filter(|letter| !letter.is_whitespace()).collect();
-        Self { process: std::process::id(), host, since_s: now_s() }
-    }
-
-    /// Holder named in a lock file; `None` if it names none.
-    fn read(file: &mut File) -> Option<Self> {
-        let mut text = String::new();
-        file.rewind().ok()?;
-        file.take(MAX_BYTES).read_to_string(&mut text).ok()?;
-        let ["slipgrid", process, host, since_s] = text.split_whitespace().collect::<Vec<_>>()[..] else { return None };
-        Some(Self { process: process.parse().ok()?, host: host.to_owned(), since_s: since_s.parse().ok()? })
-    }
-
-    fn write(&self, file: &mut File) -> io::Result<()> {
-        file.set_len(0)?;
-        file.rewind()?;
-        file.write_all(format!("slipgrid {} {} {}\n", self.process, self.host, self.since_s).as_bytes())
-    }
-
-    /// Whether the holder's process still runs on this host, as far as can be determined.
-    fn lives(&self) -> bool {
-        let processes = Path::new("/proc");
-        !processes.join("self").exists() || processes.join(self.process.to_string()).exists()
-    }
-
-    fn age(&self) -> String {
-        match now_s().saturating_sub(self.since_s) {
-            seconds @ 0..120 => format!("{seconds} s"),
-            seconds @ 120..7200 => format!("{} min", seconds / 60),
-            seconds => format!("{} h", seconds / 3600),
-        }
-    }
-}
-
-fn now_s() -> u64 {
-    SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs())
+/// The beginning of a lock file as text.
+fn read_head(file: &mut File) -> String {
+    let mut head = Vec::new();
+    // What cannot be read is no lock of slipgrid.
+    let _ = file.take(HEAD).read_to_end(&mut head);
+    String::from_utf8_lossy(&head).into_owned()
 }
 
 /// Whether `path` still refers to `file`.
@@ -209,7 +155,7 @@ mod tests {
         let path = place.path().join("new/out/a.lock");
         let first = Lock::new(&path).unwrap();
         let refused = Lock::new(&path).unwrap_err().to_string();
-        let who = format!("another run works for this folder: process {} on ", std::process::id());
+        let who = format!("another run works for this folder: process {};", std::process::id());
         assert!(refused.contains(&who) && refused.contains("another folder after -o"), "{refused}");
         drop(first);
         assert!(!place.path().join("new").exists());
@@ -221,18 +167,14 @@ mod tests {
     }
 
     #[test]
-    fn what_a_dead_run_left_is_taken_over_and_that_of_another_host_is_not() {
+    fn what_a_dead_run_left_is_taken_over_and_files_of_others_are_not() {
         let place = tempfile::tempdir().unwrap();
         let path = place.path().join("a.lock");
-        let left = |host: &str| fs::write(&path, format!("slipgrid 999999 {host} 1000\n")).unwrap();
-        left(&Holder::own().host);
-        drop(Lock::new(&path).unwrap());
-        left("elsewhere");
-        let refused = Lock::new(&path).unwrap_err().to_string();
-        assert!(refused.contains("process 999999 on elsewhere, for ") && refused.contains(" h"), "{refused}");
-        assert!(path.exists());
-        fs::write(&path, "").unwrap();
-        drop(Lock::new(&path).unwrap());
+        for left in ["slipgrid 999999\n", ""] {
+            fs::write(&path, left).unwrap();
+            drop(Lock::new(&path).unwrap());
+            assert!(!path.exists());
+        }
         fs::write(&path, "my notes").unwrap();
         assert!(Lock::new(&path).unwrap_err().to_string().contains("is no lock of slipgrid"));
         assert_eq!(fs::read_to_string(&path).unwrap(), "my notes");

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use crate::disk::written::{HEAD, has_mark};
 use crate::formats::Diagnostic;
+use crate::formats::source::fits;
 
 use crate::disk::written_list::Written;
 use crate::disk::{Writing, parent, put, unfinished};
@@ -164,14 +165,6 @@ fn is_device(path: &Path) -> bool {
 /// Whether both paths refer to the same file.
 fn is_same(left: &Path, right: &Path) -> bool {
     matches!((fs::canonicalize(left), fs::canonicalize(right)), (Ok(left), Ok(right)) if left == right)
-}
-
-/// Whether `name` matches `pattern`, which may hold one `*` for any letters.
-fn fits(name: &str, pattern: &str) -> bool {
-    match pattern.split_once('*') {
-        None => name == pattern,
-        Some((start, end)) => name.len() >= start.len() + end.len() && name.starts_with(start) && name.ends_with(end),
-    }
 }
 
 /// Whether the file at `path` in `folder` was written by slipgrid, by its mark or the folder's list, or is empty.

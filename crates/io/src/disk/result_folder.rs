@@ -1,9 +1,7 @@
 //! A folder of results that one run at a time writes, and whose files are replaced together.
 //!
-//! New files are first written under another name. If the folder holds only files, a new folder with the new files and
-//! links to the remaining ones then replaces it atomically (renameat2 of Linux, renamex_np of macOS), so that a killed
-//! run leaves either the old or the new result. Otherwise files are renamed one by one while `result.json` is absent,
-//! so that a folder with this file never holds files of two results.
+//! New files are first written under another name. A new folder then appears by one rename. In a folder that exists, files
+//! are renamed one by one while `result.json` is absent, so that a folder with this file never holds files of two results.
 
 use std::collections::BTreeSet;
 use std::ffi::OsString;
@@ -112,38 +110,8 @@ impl ResultFolder {
             .filter(|path| !path.to_str().is_some_and(|name| names.contains(name)) && written.holds(folder, path))
             .collect();
         stale.iter().for_each(|path| written.remove(path));
-        if holds_files_alone(folder) && self.swap(folder, outputs, &stale, &written, is_cancelled).unwrap_or(false) {
-            return Ok(());
-        }
         let staged = Staged::new(outputs, folder, written, is_cancelled).map_err(&failed)?;
         rename_each(&staged, folder, &names, &stale).map_err(failed)
-    }
-
-    /// Replaces `folder` atomically by a folder with `outputs` and the remaining files; `false` if the system cannot.
-    fn swap(
-        &self,
-        folder: &Path,
-        outputs: &Outputs,
-        stale: &[PathBuf],
-        written: &Written,
-        is_cancelled: &dyn Fn() -> bool,
-    ) -> io::Result<bool> {
-        let staged = Staged::new(outputs, parent(folder), written.clone(), is_cancelled)?;
-        let mut known: BTreeSet<OsString> = names_in(staged.folder.path())?;
-        known.extend(stale.iter().map(|path| path.clone().into_os_string()));
-        for name in names_in(folder)?.difference(&known.clone()) {
-            fs::hard_link(folder.join(name), staged.folder.path().join(name))?;
-            known.insert(name.clone());
-        }
-        fs::set_permissions(staged.folder.path(), fs::metadata(folder)?.permissions())?;
-        if is_cancelled() || !exchange(staged.folder.path(), folder) {
-            return Ok(false);
-        }
-        // Files that were added meanwhile are moved to the new folder.
-        for name in names_in(staged.folder.path())?.difference(&known) {
-            let _ = fs::rename(staged.folder.path().join(name), folder.join(name));
-        }
-        Ok(true)
     }
 }
 
@@ -194,31 +162,6 @@ fn rename_each(staged: &Staged, folder: &Path, names: &BTreeSet<&str>, stale: &[
         rename(RECORD)?;
     }
     rename(LIST)
-}
-
-/// Whether the folder holds no subfolders and is not the current folder, in which a shell would stay after the
-/// exchange.
-fn holds_files_alone(folder: &Path) -> bool {
-    let is_plain =
-        |entry: io::Result<fs::DirEntry>| entry.and_then(|entry| entry.file_type()).is_ok_and(|kind| !kind.is_dir());
-    let is_here = std::env::current_dir().and_then(fs::canonicalize).is_ok_and(|here| here == folder);
-    !is_here && fs::read_dir(folder).is_ok_and(|mut entries| entries.all(is_plain))
-}
-
-fn names_in(folder: &Path) -> io::Result<BTreeSet<OsString>> {
-    fs::read_dir(folder)?.map(|entry| Ok(entry?.file_name())).collect()
-}
-
-/// Exchanges two folders atomically; `false` if the system cannot.
-#[cfg(any(target_os = "linux", target_os = "macos"))]
-fn exchange(one: &Path, other: &Path) -> bool {
-    use rustix::fs::{CWD, RenameFlags, renameat_with};
-    renameat_with(CWD, one, CWD, other, RenameFlags::EXCHANGE).is_ok()
-}
-
-#[cfg(not(any(target_os = "linux", target_os = "macos")))]
-fn exchange(_: &Path, _: &Path) -> bool {
-    false
 }
 
 /// Writes the content, waits until it is stored, and returns its hash; the file may be renamed only afterwards.

@@ -15,12 +15,11 @@ use slipgrid_model::springblock::{Layer, SceneError};
 use crate::formats::altitude_map::law_warnings;
 use crate::formats::calibration::Calibration;
 use crate::formats::design::Design;
-use crate::formats::diagnostic::Diagnostic;
-use crate::formats::document::Document;
 use crate::formats::material::read_known;
 use crate::formats::refused_calibration::refuse;
 use crate::formats::source::Source;
 use crate::formats::written_material::material_toml;
+use crate::formats::{Diagnostic, Document};
 
 /// Reason why a computation that files ask for gave no result.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

@@ -2,7 +2,6 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::formats::spanned::Spanned;
 use slipgrid_base::monitor::Monitor;
 use slipgrid_infer::calibrate::{
     CalibrationTask, Coefficients, CutSample, MapSurface, Measurement, Selection, Surface as LawSource, TrialsTask,
@@ -14,29 +13,25 @@ use slipgrid_model::pattern::Pattern;
 use slipgrid_model::springblock::{Holder, Layer};
 
 use super::calibration_file::{BulkFile, CalibrationFile};
-use super::cavity_lengths;
-use super::document::Document;
 use super::file_kind::FileKind;
 use super::friction::{DEFAULT_RELATIVE_STD, DEFAULT_STATIC_OVER_DYNAMIC};
-use super::held_specimens::sharing_force;
 use super::material::check_modulus_std;
 use super::measured::{self, Placed, Remarks, Specimens};
 use super::measurements;
 use super::pattern::{PatternFile, check_depth, read_pattern};
-use super::relief::read_relief;
 use super::reporting::Reporting;
 use super::scene::DEFAULT_LAYER;
-use super::stated_specimen::{StatedSpecimen, area_m2, extent_m, outline_told};
+use super::stated_specimen::{StatedSpecimen, area_m2, extent_m, outline_told, sharing_force};
 use super::surface::{Surface, SurfaceFile};
 use super::trace_notes::unrepeated;
 use super::trace_table::TraceReader;
 use super::traces::{self, ConditionTraces, SurfaceKind};
 use super::trials::{self, FlatSamples};
+use super::unusual;
 use crate::formats::altitude_map::{read_land, read_period};
-use crate::formats::diagnostic::Diagnostic;
-use crate::formats::dimension_error;
-use crate::formats::plausible::{DENSITY, MODULUS, stiff_for_its_density};
+use crate::formats::plausible::{DENSITY, MODULUS};
 use crate::formats::source::Source;
+use crate::formats::{Diagnostic, Document, Spanned};
 use slipgrid_base::units::{
     DENSITY_G_CM3, LENGTH_MM, MODULUS_GPA, MODULUS_STD_GPA, POISSON, PRESSURE_MPA, RELATIVE_STD,
 };
@@ -163,8 +158,7 @@ impl Calibration {
                 document.choice(name, &Coefficients::ALL, Coefficients::name)
             })?;
         let stated = StatedSpecimen::read(document, &file.specimen, None)?;
-        let specimen = stated.specimen;
-        let outline = specimen.outline;
+        let outline = stated.specimen.outline;
         let specimens = Specimens { area_m2: area_m2(&outline), modulus_pa: elastic.youngs_modulus_pa() };
         let mut remarks = Remarks { told: bulk_told(document, bulk)?, ..Remarks::default() };
         remarks.told.extend(outline_told(document, &file.specimen, &outline)?);
@@ -181,21 +175,11 @@ impl Calibration {
         if coefficients == Coefficients::PerCondition {
             measured::refuse_repeated(&placed)?;
         }
-        let pattern = file.pattern.as_ref();
-        let pattern = pattern.map(|table| read_fitting_pattern(document, table, &specimen, true)).transpose()?;
-        remarks.told.extend(file.pattern.iter().flat_map(|table| cavity_lengths::unusual(document, table)));
-        let relief = match file.pattern.as_ref().zip(pattern.as_ref()) {
-            Some((table, pattern)) => read_relief(document, table, pattern)?,
-            None => None,
-        };
-        let dimensions_std_m = match file.pattern.as_ref().zip(pattern.as_ref()) {
-            Some((table, pattern)) => dimension_error::read(document, table.get_ref().dimensions_std(), pattern)?,
-            None => [0.0; 3],
-        };
-        let first = pattern.filter(|_| !patterned.is_empty()).map(|pattern| CutSample {
-            dimensions_std_m,
-            ..trials::of_tables(pattern, relief, stated.cut(), &patterned)
-        });
+        let cut =
+            file.pattern.as_ref().map(|table| trials::of_tables(document, table, stated, &patterned)).transpose()?;
+        remarks.told.extend(file.pattern.iter().flat_map(|table| unusual::of_cavity(document, table)));
+        let pattern = cut.as_ref().map(|cut| cut.pattern);
+        let first = cut.filter(|_| !patterned.is_empty());
         let has_map = matches!(surface, Surface::Map { .. });
         let flat = FlatSamples { stated, specimens: &specimens, measured: &placed, samples, has_map };
         let prior = file.trial_prior.as_ref();
@@ -347,9 +331,7 @@ fn bulk_told(document: &Document, bulk: &BulkFile) -> Result<Vec<Diagnostic>, Di
     let told = judged.into_iter().filter_map(|(quantity, number)| {
         quantity.check(*number.get_ref(), || document.refuse(number.span(), "")).transpose()
     });
-    let stiff = stiff_for_its_density(modulus_gpa, *bulk.density_g_cm3.get_ref());
-    let stiff = stiff.map(|reason| Ok(document.refuse(bulk.youngs_modulus_gpa.span(), reason)));
-    told.chain(stiff).collect()
+    told.collect()
 }
 
 /// Reads the pattern and checks that one period fits on the specimen, because memory and time of the model's cell grow

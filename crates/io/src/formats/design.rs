@@ -6,7 +6,6 @@ mod read;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-use crate::formats::spanned::Spanned;
 use schemars::JsonSchema;
 use serde::Deserialize;
 use slipgrid_base::units::{LENGTH_UM, MODULUS_GPA, PRESSURE_MPA, TIME_S};
@@ -19,22 +18,19 @@ use slipgrid_model::springblock::Dimension;
 
 use read::{read_date, read_limits, read_material_input, read_ranges, whole_steps};
 
-use super::condition_ranges::ConditionRangeFile;
-use super::document::Document;
 use super::file_kind::FileKind;
 use super::laser::{LaserFile, check_fits, read_laser, read_specimen, unmeasured_fluence};
-use super::limits::{LimitsFile, read_limited};
+use super::limits::{LimitsFile, TolerancesFile, read_limited, read_tolerances};
 use super::material::MaterialFile;
 use super::pattern::{TextureFile, read_directions, read_texture, require_section};
 use super::run::read_dimensions;
 use super::scene::{SampleFile, check_face, default_sample, read_layer};
-use super::target::{TargetFile, read_target};
-use super::tolerances::{TolerancesFile, read_tolerances};
+use super::target::{ConditionRangeFile, TargetFile, read_target};
 use super::trade_offs::{Given, TradeOffsFile, read_trade_offs};
 use super::unusual;
 use super::values::{Number, Numbers, PathOr, number_span, range};
-use crate::formats::diagnostic::Diagnostic;
 use crate::formats::source::Source;
+use crate::formats::{Diagnostic, Document, Spanned};
 
 /// Accepted values of a key of `[bounds]`.
 const BOUNDS: &str = "[smallest, largest], or one number without brackets, which fixes it";
@@ -319,14 +315,10 @@ impl Design {
             TaskPart::Condition => at(&self.places.condition),
             TaskPart::FurtherConditions => at(&self.places.also_at),
             TaskPart::Pressure(place) => at(&number_span(&self.places.pressures, place)),
-            TaskPart::BlockSize => match &self.places.block {
-                Some(place) => at(place),
-                None => Diagnostic {
-                    key: Some("sample.block_um".into()),
-                    value: Some(format!("{} (the default)", self.task.block_um()).into()),
-                    ..whole()
-                },
-            },
+            TaskPart::BlockSize => {
+                let default = ("sample.block_um", Some(self.task.block_um().to_string()));
+                self.document.refuse_or_default(self.places.block.as_ref(), default, refused.reason.clone())
+            }
         };
         let pressure_pa = match refused.part {
             TaskPart::Pressure(place) => self.task.pressures_pa().get(place).copied(),

@@ -33,22 +33,11 @@ impl Diagnostic {
         if self.file.as_deref() != Some(made_up) {
             return self;
         }
-        let file = Some(material.into());
-        match (self.key.as_deref(), self.value.as_deref()) {
-            (Some("target.pressure_mpa"), Some(value)) => {
-                // The interpretation in another unit assumes that the number was typed by a user.
-                let reason = self.reason.split_once("; in ").map_or(self.reason.as_str(), |(reason, _)| reason);
-                let reason = format!("the page's {value} {reason}");
-                Diagnostic { file, reason, ..Diagnostic::default() }.expected("a design file with pressures of its own")
-            }
-            (key, _) => {
-                let of_condition = matches!(key, Some("condition" | "material"));
-                let flags =
-                    of_condition.then(|| "--speed-mm-s and --humidity-pct, or a design file that says so".into());
-                let expected = self.expected.or(flags);
-                Diagnostic { file, line: None, key: None, value: None, expected, ..self }
-            }
-        }
+        let is_of_condition = matches!(self.key.as_deref(), Some("condition" | "material"));
+        let flags = || "--speed-mm-s and --humidity-pct, or a design file that says so".into();
+        let expected = self.expected.or_else(|| is_of_condition.then(flags));
+        let value = self.value.filter(|_| !is_of_condition);
+        Diagnostic { file: Some(material.into()), line: None, key: None, value, expected, ..self }
     }
 
     /// Refuses a file as a whole.

@@ -1,8 +1,7 @@
 //! Standard errors of the measured dimensions of trials.
 
-use super::document::Document;
 use super::values::Number;
-use crate::formats::diagnostic::Diagnostic;
+use crate::formats::{Diagnostic, Document};
 use slipgrid_base::units::{LENGTH_STD_UM, LENGTH_UM, tidy};
 use slipgrid_model::pattern::Pattern;
 

@@ -1,7 +1,6 @@
 //! TOML files with their text, so that every refusal can name a line.
 
 mod explain;
-mod tables_only;
 
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -11,7 +10,6 @@ use crate::formats::spanned::Spanned;
 use serde::de::DeserializeOwned;
 use toml::de::{DeTable, DeValue};
 
-use self::tables_only::TablesOnly;
 use super::file_kind::FileKind;
 use crate::formats::diagnostic::{Diagnostic, nearest};
 use crate::formats::plausible;
@@ -131,8 +129,7 @@ impl Document {
     /// # Errors
     /// [`Diagnostic`] for bad TOML, unknown and missing keys, and values of a wrong type.
     pub fn parse<T: DeserializeOwned>(&self) -> Result<T, Diagnostic> {
-        let read = toml::Deserializer::parse(&self.text).and_then(|reader| T::deserialize(TablesOnly(reader)));
-        read.map_err(|error| self.explain(&error))
+        toml::from_str(&self.text).map_err(|error| self.explain(&error))
     }
 
     /// Refuses the value at `span`.
@@ -145,6 +142,23 @@ impl Document {
             value: self.value_at(span),
             reason: reason.into(),
             ..Diagnostic::default()
+        }
+    }
+
+    /// Refuses the value at `place`, or `key` by name where the file leaves the value to `default`.
+    pub(crate) fn refuse_or_default(
+        &self,
+        place: Option<&Range<usize>>,
+        (key, default): (&str, Option<String>),
+        reason: impl Into<String>,
+    ) -> Diagnostic {
+        match place {
+            Some(place) => self.refuse(place.clone(), reason),
+            None => Diagnostic {
+                key: Some(key.into()),
+                value: default.map(|default| format!("{default} (the default)").into()),
+                ..Diagnostic::file(&self.path, reason)
+            },
         }
     }
 

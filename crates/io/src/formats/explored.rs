@@ -3,11 +3,10 @@
 use std::path::Path;
 
 use crate::formats::design::Design;
-use crate::formats::diagnostic::Diagnostic;
-use crate::formats::document::Document;
 use crate::formats::file_kind::FileKind;
 use crate::formats::plausible::checked;
 use crate::formats::source::Source;
+use crate::formats::{Diagnostic, Document};
 use slipgrid_base::units::{HUMIDITY_PCT, SPEED_MM_S};
 
 /// Design that is explored for a material alone.

@@ -1,15 +1,13 @@
 //! Local friction coefficients of a material with their errors, and friction of flat samples: `[friction]` and
 //! `[[flat_friction]]` of a material file.
 
-use crate::formats::spanned::Spanned;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use slipgrid_infer::calibrate::uncertainty::{CoefficientEstimate, MaterialUncertainty};
 use slipgrid_model::material::{Condition, ConditionFriction, Friction, LocalFriction};
 
-use super::document::Document;
 use super::values::{Number, NumberList, Numbers, for_each, increasing};
-use crate::formats::diagnostic::Diagnostic;
+use crate::formats::{Diagnostic, Document, Spanned};
 use slipgrid_base::units::{EXCESS, FRICTION, FRICTION_STD, HUMIDITY_PCT, PRESSURE_MPA, RELATIVE_STD, SPEED_MM_S};
 
 /// Default scatter of the local coefficients: 5 %, as in the paper.

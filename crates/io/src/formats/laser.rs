@@ -2,16 +2,14 @@
 
 use std::ops::Range;
 
-use crate::formats::spanned::Spanned;
 use schemars::JsonSchema;
 use serde::Deserialize;
 use slipgrid_laser::export::{Ablation, AblationPoint, ExportError, Exposure, Laser, Specimen, SpecimenRecord};
 use slipgrid_model::pattern::{Pattern, Texture};
 
-use super::document::Document;
 use super::values::{Number, NumberList, column};
-use crate::formats::diagnostic::Diagnostic;
 use crate::formats::plausible::SPOT;
+use crate::formats::{Diagnostic, Document, Spanned};
 use slipgrid_base::units::{LENGTH_MM, LENGTH_UM, POSITIVE, WALL_TAPER_DEG, significant, significant_to, tidy};
 
 /// The laser in the form of a design file.
@@ -105,38 +103,23 @@ pub fn read_laser(
 /// Names the number that is most probably wrong if lines or pulses lie farther apart than the spot is wide.
 fn unlike_spot(document: &Document, table: &Spanned<LaserFile>, error: &ExportError) -> Diagnostic {
     let file = table.get_ref();
-    match (error, &file.hatch_um, &file.speed_mm_s, &file.repetition_hz) {
-        (ExportError::BeyondLaser { limit_um, .. }, Some(hatch), _, _) => document
+    match (error, &file.hatch_um, &file.speed_mm_s) {
+        (ExportError::BeyondLaser { limit_um, .. }, Some(hatch), _) => document
             .refuse(hatch.span(), format!("is more than the spot is wide, spot_um = {limit_um}: lines would not meet"))
             .expected(format!("at most {limit_um} um")),
-        (
-            &ExportError::PulsesApart { pulse_um, speed_mm_s, repetition_hz, spot_um },
-            _,
-            Some(speed),
-            Some(repetition),
-        ) => {
+        (&ExportError::PulsesApart { pulse_um, speed_mm_s, repetition_hz, spot_um }, _, Some(speed)) => {
             // Rounded to a value at which the limits still hold.
             let least_hz = significant_to(repetition_hz * pulse_um / spot_um * (1.0 - EXACT), 3, f64::ceil);
             let most_mm_s = significant_to(speed_mm_s * spot_um / pulse_um * (1.0 + EXACT), 3, f64::floor);
             let apart = format!("pulses {} um apart on a spot of {spot_um} um", significant(pulse_um, 4));
-            let either = format!("repetition_hz of at least {least_hz}, or speed_mm_s of at most {most_mm_s}");
-            // Lasers pulse thousands of times per second.
-            if repetition_hz < KILO && repetition_hz * KILO >= least_hz {
-                let meant = significant(repetition_hz * KILO, 4);
-                document
-                    .refuse(repetition.span(), format!("Hz at speed_mm_s = {speed_mm_s} sets {apart}"))
-                    .expected(format!("{either}; if {repetition_hz} kHz are meant, repetition_hz = {meant}"))
-            } else {
-                document
-                    .refuse(speed.span(), format!("mm/s at repetition_hz = {repetition_hz} sets {apart}"))
-                    .expected(either)
-            }
+            document
+                .refuse(speed.span(), format!("mm/s at repetition_hz = {repetition_hz} sets {apart}"))
+                .expected(format!("repetition_hz of at least {least_hz}, or speed_mm_s of at most {most_mm_s}"))
         }
         _ => document.refuse(table.span(), error.to_string()),
     }
 }
 
-const KILO: f64 = 1e3;
 /// Relative tolerance for rounding.
 const EXACT: f64 = 1e-9;
 
@@ -233,21 +216,6 @@ pub fn check_fits(
         let Ok(pattern) = Pattern::new(*texture, width_m[end], spacing_m[end], depth_m[0]) else { continue };
         match outline.check(pattern) {
             Err(ExportError::NoCavityFits { needed_m, extent_m, .. }) if end == 0 => {
-                // Greatest width that fits, by bisection.
-                let fits = |width_m: f64| {
-                    let pattern = Pattern::new(*texture, width_m, spacing_m[0], depth_m[0]);
-                    !matches!(
-                        pattern.map(|pattern| outline.check(pattern)),
-                        Ok(Err(ExportError::NoCavityFits { .. })) | Err(_)
-                    )
-                };
-                let (least_m, _) = (0..40).fold((0.0, width_m[0]), |(low_m, high_m), _| {
-                    let middle_m = f64::midpoint(low_m, high_m);
-                    if fits(middle_m) { (middle_m, high_m) } else { (low_m, middle_m) }
-                });
-                let least_um = LENGTH_UM.from_si(least_m).floor();
-                let narrower =
-                    if least_um > 0.0 { format!("a width of at most {least_um} um, or ") } else { String::new() };
                 let has = if width_m[0] < width_m[1] {
                     "cavities of the smallest of these widths"
                 } else {
@@ -259,7 +227,7 @@ pub fn check_fits(
                 ];
                 return Err(document
                     .refuse(width_um, format!("{has} do not fit whole on the specimen, whose extent is {extent_mm} mm"))
-                    .expected(format!("{narrower}a specimen with an extent of at least {needed_mm} mm")));
+                    .expected(format!("narrower cavities, or a specimen with an extent of at least {needed_mm} mm")));
             }
             Err(error @ ExportError::TooManyCavities { .. }) if end == 1 => {
                 return Err(document
@@ -329,8 +297,8 @@ mod tests {
             ),
             (
                 "spot_um = 30.0\nrepetition_hz = 20.0\nspeed_mm_s = 200.0\nhatch_um = 15.0".to_owned(),
-                "a.toml:3: laser.repetition_hz: 20.0 Hz at speed_mm_s = 200 sets pulses 10000 um apart on a spot of 30 um; expected repetition_hz of \
-                 at least 6670, or speed_mm_s of at most 0.6; if 20 kHz are meant, repetition_hz = 20000",
+                "a.toml:4: laser.speed_mm_s: 200.0 mm/s at repetition_hz = 20 sets pulses 10000 um apart on a spot of 30 um; expected repetition_hz of \
+                 at least 6670, or speed_mm_s of at most 0.6",
             ),
             (
                 "spot_um = 30.0\nrepetition_hz = 20000.0\nspeed_mm_s = 2000.0".to_owned(),

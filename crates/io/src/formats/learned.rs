@@ -1,6 +1,5 @@
 //! `[learned]` of a material file: the trials that determine the discrepancy.
 
-use crate::formats::spanned::Spanned;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use slipgrid_base::units::{HUMIDITY_PCT, LENGTH_UM, PRESSURE_MPA, SPEED_MM_S, tidy};
@@ -8,9 +7,8 @@ use slipgrid_infer::discrepancy::{
     Conditions, DimensionShift, Discrepancy, Features, Load, Measured, Sensitivity, Trial,
 };
 
-use super::document::Document;
 use super::trials::PriorFile;
-use crate::formats::diagnostic::Diagnostic;
+use crate::formats::{Diagnostic, Document, Spanned};
 
 /// `[learned]` of a material file: the trials with model predictions that determine the discrepancy.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]

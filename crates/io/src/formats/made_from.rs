@@ -8,9 +8,8 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
 use crate::formats::calibration::Calibration;
-use crate::formats::diagnostic::Diagnostic;
-use crate::formats::document::Document;
 use crate::formats::source::{Entry, Source};
+use crate::formats::{Diagnostic, Document};
 
 /// Bytes of a fingerprint, written as two letters each. Two calibrations share a fingerprint with a probability of 1 in
 /// 10^19.

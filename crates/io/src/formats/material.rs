@@ -2,26 +2,25 @@
 
 use std::ops::Range;
 
-use crate::formats::spanned::Spanned;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use slipgrid_infer::calibrate::area_law::table_warnings;
 use slipgrid_infer::calibrate::uncertainty::MaterialUncertainty;
-use slipgrid_infer::calibrate::{contradicting_samples, is_of_contradicting_samples};
 use slipgrid_model::material::{AreaLaw, Elastic, Material, Provenance};
 
-use super::document::Document;
 use super::file_kind::FileKind;
 use super::friction::{FlatFrictionTable, FrictionFile, read_flat_friction, read_friction};
 use super::learned::LearnedFile;
 use super::made_from::MadeFrom;
+use super::unusual;
 use super::values::{Number, NumberList, PathOr, column, increasing, number_list};
-use crate::formats::diagnostic::Diagnostic;
 use crate::formats::source::Entry;
+use crate::formats::{Diagnostic, Document, Spanned};
 use slipgrid_base::units::{
     DENSITY_G_CM3, FACTOR, FACTOR_STD, FRACTION, LENGTH_UM, MODULUS_GPA, MODULUS_STD_GPA, POISSON, PRESSURE_MPA, SLOPE,
     significant_to, tidy,
 };
+use slipgrid_design::KnownMaterial;
 use slipgrid_design::results::VERSION;
 
 /// A material in the form of its file.
@@ -60,10 +59,6 @@ pub struct MaterialFile {
     /// evidence whether friction follows the local or the nominal pressure.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub flat_friction: Vec<Spanned<FlatFrictionTable>>,
-    /// One factor for every texture, written by earlier versions; it is ignored.
-    #[serde(default, skip_serializing)]
-    #[schemars(with = "Option<serde_json::Map<String, serde_json::Value>>")]
-    pub discrepancy: Option<toml::Table>,
     /// Discrepancy learned from trials, for any texture.
     pub learned: Option<Spanned<LearnedFile>>,
     /// The calibration from which the file was made.
@@ -125,7 +120,6 @@ impl MaterialFile {
             friction: friction.into(),
             area_law: None,
             flat_friction: Vec::new(),
-            discrepancy: None,
             learned: None,
             made_from: None,
         }
@@ -204,37 +198,34 @@ pub fn read_known(
     // A measured law may rise with pressure, because it is not one of contact area.
     let laws = area_law.iter().filter(|_| !uncertainty.law_is_measured);
     warnings.extend(laws.flat_map(table_warnings).filter(|warning| !told(warning)));
-    // Files of earlier versions do not state this warning themselves.
-    if !warnings.iter().any(|warning| is_of_contradicting_samples(warning)) {
-        warnings.extend(uncertainty.learned.iter().flat_map(contradicting_samples));
-    }
-    let mut notes = file.notes.clone();
-    if file.discrepancy.is_some() {
-        notes.push(OUTDATED_DISCREPANCY.to_owned());
-    }
     let provenance = Provenance {
         name: file.name.clone().unwrap_or_default(),
         source: file.source.clone().unwrap_or_default(),
         synthetic_surface: file.synthetic_surface.unwrap_or(false),
-        notes,
+        notes: file.notes.clone(),
         warnings,
     };
     Ok((Material { elastic, friction, area_law, provenance }, uncertainty))
 }
 
-/// Reads the material and its uncertainty from the table or file that a key of `document` gives.
+/// Reads the material and its uncertainty from the table or file that a key of `document` gives, with warnings of unusual
+/// values.
 ///
 /// # Errors
 /// [`Diagnostic`] if a file cannot be read, or for any refused input.
 pub fn read_referenced(
     document: &Document,
     material: &Spanned<PathOr<MaterialFile>>,
-) -> Result<(Material, MaterialUncertainty), Diagnostic> {
+) -> Result<(KnownMaterial, Vec<Diagnostic>), Diagnostic> {
+    let read = |document: &Document, file: &MaterialFile, place: &Range<usize>| {
+        let (material, uncertainty) = read_known(document, file, place)?;
+        Ok((KnownMaterial { material, uncertainty }, unusual::of_material(document, file)))
+    };
     match material.get_ref() {
-        PathOr::Table(table) => read_known(document, table, &material.span()),
+        PathOr::Table(table) => read(document, table, &material.span()),
         PathOr::Path(path) => {
             let named = Document::read(document.source(), &existing(document, material, path)?, FileKind::Material)?;
-            read_known(&named, &named.parse()?, &(0..0))
+            read(&named, &named.parse()?, &(0..0))
         }
     }
 }
@@ -246,10 +237,6 @@ pub(crate) fn check_modulus_std(document: &Document, modulus_gpa: f64, std: Opti
     let reason = format!("leaves Young's modulus of {modulus_gpa} GPa open altogether");
     Err(document.refuse(std.span(), reason).expected("a standard deviation below the modulus, in GPa"))
 }
-
-/// Warning about a table of earlier versions.
-const OUTDATED_DISCREPANCY: &str = "[discrepancy] of the material file is not used: it is one factor whatever the texture, as earlier \
-                                    versions wrote it; `slipgrid calibrate` writes [learned], what trials say of every texture";
 
 /// Relative decrease that is allowed in tabulated contact area: tables are written with three digits or more.
 const AREA_TOLERANCE: f64 = 5e-3;

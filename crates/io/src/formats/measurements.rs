@@ -5,11 +5,10 @@ use std::path::Path;
 use slipgrid_infer::calibrate::{Measurement, StaticPeak};
 
 use crate::formats::diagnostic::{Diagnostic, nearest};
-use crate::formats::document::Document;
 use crate::formats::material::existing;
 use crate::formats::measured::Placed;
 use crate::formats::source::read_letters;
-use crate::formats::spanned::Spanned;
+use crate::formats::{Document, Spanned};
 use slipgrid_base::units::{
     FORCE_N, FRICTION, FRICTION_STD, HUMIDITY_PCT, LENGTH_MM, Quantity, SPEED_MM_S, WEIGHT, tidy,
 };

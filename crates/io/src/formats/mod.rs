@@ -7,7 +7,7 @@
 //! | module | reads |
 //! |---|---|
 //! | [`scene`], [`run`] | scenes to simulate |
-//! | [`design`], [`target`], [`limits`], [`tolerances`], [`trade_offs`], [`condition_ranges`] | a design task |
+//! | [`design`], [`target`], [`limits`], [`trade_offs`] | a design task |
 //! | [`calibration`], [`measurements`], [`measured`], [`surface`], [`reporting`] | measurements |
 //! | [`altitude_map`] | an altitude map, ready for computation |
 //! | [`traces`] | tribometer exports |
@@ -34,18 +34,14 @@ pub mod altitude_map;
 pub mod calibrated;
 pub mod calibration;
 pub(crate) mod calibration_file;
-mod cavity_lengths;
-pub mod condition_ranges;
 pub mod confirmed_scene;
 pub mod design;
 pub mod diagnostic;
 mod dimension_error;
 pub mod document;
-mod exchanged;
 pub mod explored;
 pub mod file_kind;
 pub mod friction;
-pub mod held_specimens;
 mod keys;
 pub mod laser;
 pub mod learned;
@@ -65,19 +61,16 @@ pub mod run;
 pub mod scene;
 pub mod source;
 pub mod spanned;
-mod stated_specimen;
+pub mod stated_specimen;
 pub mod stored_pattern;
 pub mod surface;
 pub mod target;
-pub mod tolerances;
-mod trace_condition;
 mod trace_departures;
 mod trace_notes;
 mod trace_table;
 pub mod traces;
 pub mod trade_offs;
 pub mod trials;
-mod unused_columns;
 pub mod unusual;
 pub mod values;
 pub mod written_material;
@@ -85,3 +78,4 @@ pub mod written_material;
 pub use diagnostic::Diagnostic;
 pub use document::Document;
 pub use plausible::checked;
+pub use spanned::Spanned;

@@ -2,7 +2,6 @@
 
 use std::ops::Range;
 
-use crate::formats::spanned::Spanned;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use slipgrid_base::key_error::KeyError;
@@ -12,11 +11,10 @@ use slipgrid_laser::export::Specimen;
 use slipgrid_model::pattern::{Arrangement, Pattern, Planform, Texture, TextureRecord};
 use slipgrid_model::springblock::Layer;
 
-use super::document::Document;
 use super::keys::{Keys, SEVERAL as SLIDING};
 use super::values::{Number, Numbers, list};
-use crate::formats::diagnostic::Diagnostic;
 use crate::formats::outline::read_outline;
+use crate::formats::{Diagnostic, Document, Spanned};
 
 /// A pattern in the form of a scene file.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]

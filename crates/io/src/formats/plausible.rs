@@ -92,20 +92,6 @@ pub const STRAIN: Plausible = Plausible {
     why: "polymers yield at 0.05 and below, and the model is linear",
     slips: &[],
 };
-/// Ratios of static to dynamic local coefficients that a calibration finds. Blocks slide one after another, so the peak
-/// of a specimen is lower than that of its blocks: a peak of twice dynamic friction, the highest that tables may have,
-/// needs three times.
-pub const STATIC_OVER_DYNAMIC: Plausible = Plausible {
-    what: "static over dynamic local coefficients",
-    unit: "",
-    measurable: slipgrid_infer::calibrate::STATIC_OVER_DYNAMIC,
-    usual: slipgrid_infer::calibrate::STATIC_OVER_DYNAMIC,
-    why: "friction at rest is hardly below that of sliding, and with more than 3.5 times of it no specimen slides at once",
-    slips: &[
-        ("with the decimal point one place to the left it", 0.1),
-        ("with the decimal point one place to the right it", 10.0),
-    ],
-};
 /// Standard deviations of friction coefficients over their means.
 pub const RELATIVE_DEVIATION: Plausible = Plausible {
     what: "standard deviations of friction over its mean",
@@ -162,23 +148,6 @@ pub const CAVITY_DEPTH: Plausible = Plausible {
     why: "what is shallower drowns in roughness, and lasers cut up to 1 mm deep",
     slips: OF_MICROMETRES,
 };
-
-/// Density in g/cm3 below which a solid is a polymer, an elastomer or wood: fibres, metals and minerals are denser in
-/// bulk.
-const LIGHT_G_CM3: f64 = 1.4;
-/// Highest known Young's modulus of light solids in GPa, along the grain of wood.
-const LIGHT_MODULUS_GPA: f64 = 20.0;
-
-/// Warning of a usual modulus that is too high for a solid of this density, with the probable unit.
-#[must_use]
-pub fn stiff_for_its_density(modulus_gpa: f64, density_g_cm3: f64) -> Option<String> {
-    let is_doubtful = density_g_cm3 < LIGHT_G_CM3 && modulus_gpa > LIGHT_MODULUS_GPA;
-    let usual = MODULUS.within([MODULUS.usual[0], LIGHT_MODULUS_GPA]);
-    let slip = usual.slip(modulus_gpa).filter(|_| is_doubtful && MODULUS.judge(modulus_gpa) == Ok(None))?;
-    Some(format!(
-        "is unusual: solids lighter than {LIGHT_G_CM3} g/cm3 have at most {LIGHT_MODULUS_GPA} GPa, and density_g_cm3 is {density_g_cm3}; {slip}"
-    ))
-}
 
 /// Warning of a relative humidity that is probably a fraction of 1: air in a room has 20 to 80 %. Zero stands for dry
 /// air.
@@ -286,26 +255,13 @@ impl Plausible {
         }
     }
 
-    /// Probable mistake, and the factor that converts `value` to a usual value.
-    #[must_use]
-    pub fn slips_of(&self, value: f64) -> Option<(&'static str, f64)> {
-        let within = |value: f64| value >= self.usual[0] && value <= self.usual[1];
-        self.slips.iter().copied().find(|(_, factor)| within(value * factor))
-    }
-
     /// The probable intended unit, in which `value` is usual.
     #[must_use]
     pub fn slip(&self, value: f64) -> Option<String> {
-        let (what, factor) = self.slips_of(value)?;
+        let is_usual = |value: f64| value >= self.usual[0] && value <= self.usual[1];
+        let (what, factor) = self.slips.iter().find(|(_, factor)| is_usual(value * factor))?;
         let unit = if self.unit.is_empty() { String::new() } else { format!(" {}", self.unit) };
         Some(format!("{what} would be {}{unit}", tidy(value * factor)))
-    }
-
-    /// The probable intended unit of a `value` that is too small: a unit in which it is greater, and usual.
-    #[must_use]
-    pub fn greater(&self, value: f64) -> Option<String> {
-        let slips = self.slips.iter().filter(|(_, factor)| *factor > 1.0);
-        slips.map(|slip| Self { slips: std::slice::from_ref(slip), ..*self }).find_map(|one| one.slip(value))
     }
 
     /// Checks `value` for a calibration and returns a warning, if any; `place` gives file, line, key and value.
@@ -333,10 +289,9 @@ mod tests {
     use super::*;
 
     /// All quantities that are checked.
-    const ALL: [Plausible; 15] = [
+    const ALL: [Plausible; 14] = [
         RIM_HEIGHT,
         FRICTION,
-        STATIC_OVER_DYNAMIC,
         RATIO,
         MODULUS,
         DENSITY,
@@ -381,19 +336,6 @@ mod tests {
         ten[1] = 0.9;
         for usual in [&ten[..], &[0.25, 0.3], &[0.99, 1.01], &[1.0], &[40.0, 60.0], &[], &[f64::NAN]] {
             assert_eq!(exchanged_forces(usual), None, "{usual:?}");
-        }
-    }
-
-    #[test]
-    fn a_modulus_too_high_for_so_light_a_solid_is_asked_about() {
-        for (modulus_gpa, density_g_cm3, meant) in [(48.0, 1.21, "0.048"), (100.0, 0.95, "0.1"), (25.0, 1.15, "0.025")]
-        {
-            let said = stiff_for_its_density(modulus_gpa, density_g_cm3).unwrap();
-            assert!(said.ends_with(&format!("in MPa, that would be {meant} GPa")), "{said}");
-        }
-        // Polymers, wood, a fibre composite, magnesium; a value that is unusual for any solid gets one warning only.
-        for (modulus_gpa, density_g_cm3) in [(3.6, 1.3), (15.0, 0.6), (140.0, 1.55), (45.0, 1.74), (380.0, 0.9)] {
-            assert_eq!(stiff_for_its_density(modulus_gpa, density_g_cm3), None);
         }
     }
 

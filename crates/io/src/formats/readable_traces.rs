@@ -1,12 +1,9 @@
 //! Traces of a calibration that is not complete yet.
 
-use crate::formats::spanned::Spanned;
-
 use super::calibration_file::CalibrationFile;
-use super::document::Document;
 use super::trace_table::TraceReader;
 use super::traces::{ConditionTraces, OfTrial, TraceSetup};
-use crate::formats::diagnostic::Diagnostic;
+use crate::formats::{Diagnostic, Document, Spanned};
 
 /// Traces of a calibration as far as they can be read.
 #[derive(Debug, Default)]

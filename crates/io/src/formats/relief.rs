@@ -2,16 +2,14 @@
 
 use std::sync::Arc;
 
-use crate::formats::spanned::Spanned;
 use slipgrid_base::monitor::Unwatched;
 use slipgrid_model::pattern::{Pattern, ReliefMap};
 use slipgrid_surface::topography::{HeightMap, ReadOptions};
 
 use super::altitude_map::open;
-use super::document::Document;
 use super::material::existing;
 use super::pattern::PatternFile;
-use crate::formats::diagnostic::Diagnostic;
+use crate::formats::{Diagnostic, Document, Spanned};
 
 /// Reads the relief that `file` names for `pattern`, if any: one period with a cavity at its centre, as `surface
 /// --cavities --period-out` writes it. A relief of grooves may be turned by a right angle.

@@ -1,13 +1,11 @@
 //! Solver options: the table `[run]` of scenes.
 
-use crate::formats::spanned::Spanned;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use slipgrid_model::springblock::{Extent, Fidelity, MAX_DRAWS, RunOptions, Springs};
 
-use super::document::Document;
 use super::values::Number;
-use crate::formats::diagnostic::Diagnostic;
+use crate::formats::{Diagnostic, Document, Spanned};
 use slipgrid_base::units::{DAMPING, LENGTH_UM, STEP_NS, TOLERANCE};
 
 /// Run options in the form of a file; absent ones have the defaults of `RunOptions`.
@@ -79,18 +77,18 @@ pub fn read_run(
         let is_in_space = fidelity != Fidelity::Reference
             && (extent != Extent::Sample || has_specimen)
             && springs != Some(Springs::Exact);
-        if dimensions == Some(2) && extent == Extent::Strip {
-            return Err(document
-                .refuse(given.span(), "solves in the vertical plane, and extent = \"strip\" in space")
-                .expected("3, or extent = \"sample\""));
-        }
-        if dimensions == Some(3) && !is_in_space {
-            return Err(document
-                .refuse(
-                    given.span(),
-                    "is solved for fidelity = \"steady\" or \"dynamic\" with linear springs and extent = \"cell\" or \"strip\" alone",
-                )
-                .expected("2, which models the vertical section along the sliding direction"));
+        let refused = match dimensions {
+            Some(2) if extent == Extent::Strip => {
+                Some(("solves in the vertical plane, and extent = \"strip\" in space", "3, or extent = \"sample\""))
+            }
+            Some(3) if !is_in_space => Some((
+                "is solved for fidelity = \"steady\" or \"dynamic\" with linear springs and extent = \"cell\" or \"strip\" alone",
+                "2, which models the vertical section along the sliding direction",
+            )),
+            _ => None,
+        };
+        if let Some((reason, expected)) = refused {
+            return Err(document.refuse(given.span(), reason).expected(expected));
         }
     }
     if let Some(draws) = file.draws.as_ref().filter(|draws| !(1..=MAX_DRAWS).contains(draws.get_ref())) {

@@ -2,13 +2,11 @@
 
 use std::ops::Range;
 
-use crate::formats::spanned::Spanned;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use slipgrid_model::material::{Condition, Material, MaterialError};
 use slipgrid_model::springblock::{Layer, MAX_BLOCKS, MAX_ROWS, Scene, SceneError, Simulation};
 
-use super::document::Document;
 use super::file_kind::FileKind;
 use super::friction::read_condition;
 use super::laser::read_specimen;
@@ -19,13 +17,13 @@ use super::run::{Overrides, RunFile, read_run};
 use super::stated_specimen::read_holder;
 use super::unusual::{self, with_slip};
 use super::values::{MAX_PRESSURES, Number, Numbers, PathOr, check_count, distinct_pressures, number_span};
-use crate::formats::diagnostic::Diagnostic;
 use crate::formats::source::Source;
+use crate::formats::{Diagnostic, Document, Spanned};
 use slipgrid_base::units::{
-    LENGTH_MM, LENGTH_STD_UM, LENGTH_UM, PRESSURE_MPA, Quantity, SPEED_MM_S, STEP_NS, significant_to, tidy,
+    LENGTH_MM, LENGTH_STD_UM, LENGTH_UM, MODULUS_GPA, PRESSURE_MPA, Quantity, SPEED_MM_S, STEP_NS, significant_to, tidy,
 };
 use slipgrid_design::results::SimulationReport;
-use slipgrid_design::{SpecimenError, TaskPart, check_pressures, correct, loads, of_scene};
+use slipgrid_design::{KnownMaterial, SpecimenError, TaskPart, check_pressures, correct, loads, of_scene};
 use slipgrid_infer::calibrate::uncertainty::MaterialUncertainty;
 use slipgrid_laser::export::{Outline, Specimen, SpecimenRecord};
 
@@ -147,7 +145,7 @@ impl SceneInput {
     /// [`Diagnostic`] for any refused input.
     pub fn from_file(document: Document, file: &SceneFile, overrides: Overrides) -> Result<Self, Diagnostic> {
         document.check_schema(file.schema.as_ref())?;
-        let (mut material, uncertainty) = read_referenced(&document, &file.material)?;
+        let (KnownMaterial { mut material, uncertainty }, mut told) = read_referenced(&document, &file.material)?;
         let condition = file.condition.as_ref().map(Spanned::get_ref);
         let condition = condition.map(|at| read_condition(&document, &at.speed_mm_s, &at.humidity_pct)).transpose()?;
         material.provenance.notes.extend(material.friction.interpolation(condition.as_ref()));
@@ -207,7 +205,8 @@ impl SceneInput {
         if let Some((pattern, file)) = scene.section().zip(file.pattern.as_ref()) {
             require_section(&document, (&file.get_ref().texture, file.span()), pattern.texture())?;
         }
-        let mut told = unusual::of_scene(&document, file);
+        let modulus_gpa = MODULUS_GPA.from_si(scene.elastic.youngs_modulus_pa());
+        told.extend(unusual::of_scene(&document, file, modulus_gpa));
         told.extend(unusual::of_speed(&document, file.load.get_ref(), &scene));
         let input =
             Self { scene, material, uncertainty, condition, specimen, friction_extrapolated, told, document, places };
@@ -297,14 +296,7 @@ impl SceneInput {
 
     /// Refuses the value at `place`, or `key` by name if the file leaves the value to the default.
     fn at(&self, place: &Option<Range<usize>>, key: &str, default: f64, reason: String) -> Diagnostic {
-        match place {
-            Some(span) => self.document.refuse(span.clone(), reason),
-            None => Diagnostic {
-                key: Some(key.into()),
-                value: Some(format!("{default} (the default)").into()),
-                ..Diagnostic::file(self.document.path(), reason)
-            },
-        }
+        self.document.refuse_or_default(place.as_ref(), (key, Some(default.to_string())), reason)
     }
 
     /// Report of the scene's solution on its specimen: friction in time corrected by the calibrated one, and the record,

@@ -66,6 +66,21 @@ impl Files for NoFiles {
     }
 }
 
+/// Whether `name` is `pattern`, in which every `*` stands for any letters.
+#[must_use]
+pub fn fits(name: &str, pattern: &str) -> bool {
+    let parts: Vec<&str> = pattern.split('*').collect();
+    let [first, middle @ .., last] = &parts[..] else { return name == pattern };
+    let Some(mut rest) = name.strip_prefix(first).and_then(|rest| rest.strip_suffix(last)) else { return false };
+    for part in middle {
+        match rest.find(part) {
+            Some(at) => rest = &rest[at + part.len()..],
+            None => return false,
+        }
+    }
+    true
+}
+
 /// Content of the file at `path` of `source`; `expected` describes the expected file.
 ///
 /// # Errors
@@ -182,5 +197,19 @@ mod tests {
         let refused = read_text(&source, Path::new("a.toml"), "a design file").unwrap_err().to_string();
         assert_eq!(refused, "a.toml:2: is no text in UTF-8; expected a file saved as UTF-8 by its editor");
         assert!(read_letters(&source, Path::new("a.toml"), "a table").unwrap().contains("Größe"));
+    }
+
+    #[test]
+    fn stars_stand_for_any_letters() {
+        for (name, pattern, fit) in [
+            ("flat-50N-1.csv", "flat-50N-*.csv", true),
+            ("flat-50N-1.csv", "*", true),
+            ("flat-50N-1.csv", "*50N*1*", true),
+            ("flat-150N-1.csv", "flat-50N-*.csv", false),
+            ("flat-50N-1.txt", "flat-50N-*.csv", false),
+            ("aba", "ab*ba", false),
+        ] {
+            assert_eq!(fits(name, pattern), fit, "{name} {pattern}");
+        }
     }
 }

@@ -2,7 +2,6 @@
 
 use std::path::PathBuf;
 
-use crate::formats::spanned::Spanned;
 use schemars::JsonSchema;
 use serde::Deserialize;
 use slipgrid_model::material::Extrapolation;
@@ -10,10 +9,9 @@ use slipgrid_surface::topography::{
     Crop, Decimation, DecimationMethod, Form, LengthUnit, Missing, Preparation, ReadOptions,
 };
 
-use super::document::Document;
 use super::material::existing;
 use super::values::Number;
-use crate::formats::diagnostic::Diagnostic;
+use crate::formats::{Diagnostic, Document, Spanned};
 use slipgrid_base::units::{LENGTH_UM, SLOPE};
 
 /// The table in the form of a file.
@@ -55,8 +53,6 @@ pub struct SurfaceFile {
     despike: Option<bool>,
     /// Form that is subtracted: `mean`, `plane` or `second-order`; `plane` when absent.
     form: Option<Spanned<String>>,
-    /// Older name of `form`: true is `plane`, false is `mean`.
-    level: Option<Spanned<bool>>,
     /// P0, up to which friction counts as proportional to load; without it f is A/P over its limit at small loads.
     pub threshold_mpa: Option<Number>,
     /// Windows along each side, whose scatter gives the errors of the law: 0 or 1 for none; without the key 2, if the
@@ -187,8 +183,9 @@ fn options(document: &Document, file: &SurfaceFile) -> Result<MapOptions, Diagno
             Missing::Refuse => "refuse",
         })
     });
+    let form = file.form.as_ref().map(|name| document.choice(name, &Form::ALL, Form::name)).transpose()?;
     let how = Preparation {
-        form: form(document, file)?,
+        form: form.unwrap_or_default(),
         missing: missing.transpose()?.unwrap_or_default(),
         despike: file.despike.unwrap_or(false),
     };
@@ -238,17 +235,6 @@ fn decimation(document: &Document, file: &SurfaceFile) -> Result<Option<Decimati
     }
 }
 
-fn form(document: &Document, file: &SurfaceFile) -> Result<Form, Diagnostic> {
-    match (&file.form, &file.level) {
-        (Some(_), Some(level)) => {
-            Err(document.refuse(level.span(), "stands beside `form`").expected("either `form` or `level`"))
-        }
-        (Some(name), None) => document.choice(name, &Form::ALL, Form::name),
-        (None, level) if level.as_ref().is_none_or(|level| *level.get_ref()) => Ok(Form::Plane),
-        (None, _) => Ok(Form::Mean),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -282,8 +268,7 @@ mod tests {
         let how = Preparation { form: Form::Plane, missing: Missing::Fill, despike: false };
         let expected = |form| MapOptions { read: ReadOptions::default(), how: Preparation { form, ..how } };
         assert_eq!(read(""), expected(Form::Plane));
-        assert_eq!(read("level = true"), expected(Form::Plane));
-        assert_eq!(read("level = false"), expected(Form::Mean));
+        assert_eq!(read("form = \"mean\""), expected(Form::Mean));
         let by_mean = Decimation { factor: 2, method: DecimationMethod::Mean };
         assert_eq!(read("decimate = 2").read.decimation, Some(by_mean));
     }

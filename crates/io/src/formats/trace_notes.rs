@@ -1,7 +1,6 @@
 //! Notes on anomalies in the traces of a calibration.
 
 use slipgrid_base::units::{HUMIDITY_PCT, SPEED_MM_S, counted};
-use slipgrid_traces::TraceFlag;
 
 use super::traces::ConditionTraces;
 
@@ -9,21 +8,13 @@ use super::traces::ConditionTraces;
 /// first of them.
 #[must_use]
 pub fn notes(conditions: &[ConditionTraces]) -> Vec<String> {
-    let (mut notes, said) = common(conditions);
     let traces = conditions.iter().map(|traces| traces.traces.len()).sum();
-    let flags = grouped(&of_traces(conditions, &said), ("traces", traces));
-    let lists = flags.iter().any(|group| group.is_of_many);
-    notes.extend(flags.into_iter().map(|group| group.words));
-    if lists {
-        notes.push(
-            "traces.csv, which calibrate --report and traces -o write, says of every trace what is odd about it"
-                .to_owned(),
-        );
-    }
-    notes.extend(
-        grouped(&of_conditions(conditions), ("conditions", conditions.len())).into_iter().map(|group| group.words),
-    );
-    notes
+    let of_traces = grouped(&of_traces(conditions), ("traces", traces));
+    let of_conditions = grouped(&of_conditions(conditions), ("conditions", conditions.len()));
+    let list = "traces.csv, which calibrate --report and traces -o write, says of every trace what is odd about it";
+    let list = of_traces.iter().any(|group| group.is_of_many).then(|| list.to_owned());
+    let words = |groups: Vec<Group>| groups.into_iter().map(|group| group.words);
+    words(of_traces).chain(list).chain(words(of_conditions)).collect()
 }
 
 /// Note on the missing part of the errors if no condition was measured more than once; `None` otherwise.
@@ -55,7 +46,7 @@ struct Group {
 
 /// One sentence for remarks that differ only in their numbers; `(what, all)` gives the subject and the total number.
 fn grouped(remarks: &[Remark], (what, all): (&str, usize)) -> Vec<Group> {
-    let kind = |words: &str| words.replace(|letter: char| letter.is_ascii_digit(), "");
+    let kind = |words: &str| words.replace(|letter: char| letter.is_ascii_digit() || "+-".contains(letter), "");
     let mut groups: Vec<(String, &Remark, usize)> = Vec::new();
     for remark in remarks {
         let own = kind(&remark.words);
@@ -86,13 +77,12 @@ fn place(traces: &ConditionTraces) -> String {
     )
 }
 
-/// Anomalies of single traces, without the ones already `said`.
-fn of_traces(conditions: &[ConditionTraces], said: &[String]) -> Vec<Remark> {
+/// Anomalies of single traces.
+fn of_traces(conditions: &[ConditionTraces]) -> Vec<Remark> {
     let of_condition = |traces: &ConditionTraces| -> Vec<Remark> {
         let place = place(traces);
         let of_trace = traces.traces.iter().flat_map(|trace| {
-            let own = trace.flags.iter().filter(|flag| !said.contains(*flag));
-            own.map(|flag| Remark { place: format!("{place}, {}", trace.label), words: flag.clone() })
+            trace.flags.iter().map(|flag| Remark { place: format!("{place}, {}", trace.label), words: flag.clone() })
         });
         of_trace.collect()
     };
@@ -131,44 +121,6 @@ fn of_conditions(conditions: &[ConditionTraces]) -> Vec<Remark> {
         }
     }
     remarks
-}
-
-/// Notes on several traces at once, and the flags that they replace.
-fn common(conditions: &[ConditionTraces]) -> (Vec<String>, Vec<String>) {
-    let all = || conditions.iter().flat_map(|traces| &traces.traces);
-    let of = all().count();
-    let (mut notes, mut said) = (Vec::new(), Vec::new());
-    let flags = || all().flat_map(|trace| &trace.findings.flags);
-    let offsets: Vec<[f64; 2]> = flags()
-        .filter_map(|flag| match flag {
-            TraceFlag::StrokesDiffer { offset, relative } => Some([*offset, 100.0 * relative.abs()]),
-            _ => None,
-        })
-        .collect();
-    if let [[first, share], _, ..] = offsets[..] {
-        let range = |part: usize, start: f64| {
-            offsets
-                .iter()
-                .map(|of| of[part])
-                .fold([start; 2], |[least, most], value| [least.min(value), most.max(value)])
-        };
-        let ([least, most], [low, high]) = (range(0, first), range(1, share));
-        notes.push(format!(
-            "in {} of {of} traces strokes there and back differ by an offset, from {least:+.4} to {most:+.4}, {low:.0} to {high:.0} % of \
-             friction: half the width of the loop is taken",
-            offsets.len()
-        ));
-        said.extend(flags().filter(|flag| matches!(flag, TraceFlag::StrokesDiffer { .. })).map(TraceFlag::to_string));
-    }
-    // Flags of missing columns have the same words in all traces.
-    for flag in [TraceFlag::SignNotRecorded, TraceFlag::LoadNotRecorded] {
-        let count = flags().filter(|other| **other == flag).count();
-        if count > 1 {
-            notes.push(format!("in {count} of {of} traces: {flag}"));
-            said.push(flag.to_string());
-        }
-    }
-    (notes, said)
 }
 
 #[cfg(test)]

@@ -3,19 +3,17 @@
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-use crate::formats::spanned::Spanned;
 use schemars::JsonSchema;
 use serde::Deserialize;
 use slipgrid_traces::columns::{Channel, Titles};
 use slipgrid_traces::{DEFAULT_STROKE_SHARE, DEFAULT_WINDOW_S, moderate};
 
-use super::document::Document;
-use super::held_specimens;
 use super::measurements::ORDER;
+use super::stated_specimen::read_count;
 use super::traces::{ConditionTraces, Export, OfTrial, Seen, SurfaceKind, TraceCondition, TraceSetup, analyse_among};
 use super::values::{Number, NumberList};
-use crate::formats::diagnostic::Diagnostic;
-use crate::formats::source::{Entry, Source};
+use crate::formats::source::{Entry, Source, fits};
+use crate::formats::{Diagnostic, Document, Spanned};
 use slipgrid_base::units::{FORCE_N, HUMIDITY_PCT, LENGTH_MM, SPEED_MM_S, STROKE_SHARE, TIME_S};
 
 /// `[traces]` in the form of a file.
@@ -170,7 +168,7 @@ impl<'d> TraceReader<'d> {
     ) -> Result<Self, Diagnostic> {
         let window_s = read_window(document, file.and_then(|file| file.window_s.as_ref()))?;
         let specimens = file.and_then(|file| file.specimens.as_ref());
-        let specimens = specimens.map_or(Ok(1), |count| held_specimens::read_count(document, count))?;
+        let specimens = specimens.map_or(Ok(1), |count| read_count(document, count))?;
         let zero_s = read_zero(document, file.and_then(|file| file.zero_s.as_ref()))?;
         let radius = file.and_then(|file| file.effective_radius_mm.as_ref());
         let effective_radius_m = document.optional(radius, LENGTH_MM)?;
@@ -370,9 +368,8 @@ impl<'d> TraceReader<'d> {
         for name in exclude {
             // A plain file name applies in the folder of any export, as messages show it.
             let pattern = document.resolve(name.get_ref());
-            let parts: Vec<&str> = name.get_ref().split('*').collect();
             let is_named = |path: &PathBuf| {
-                path.file_name().is_some_and(|file| fits(&file.to_string_lossy(), &parts))
+                path.file_name().is_some_and(|file| fits(&file.to_string_lossy(), name.get_ref()))
                     || matching(document.source(), &pattern).contains(path)
             };
             let named: Vec<PathBuf> = files.extract_if(.., |path| is_named(path)).collect();
@@ -428,43 +425,10 @@ fn matching(source: &Source, pattern: &Path) -> Vec<PathBuf> {
     if !name.contains('*') {
         return if is_file(pattern) { vec![pattern.to_owned()] } else { Vec::new() };
     }
-    let parts: Vec<&str> = name.split('*').collect();
     let folder = pattern.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let names = source.names(folder);
-    let fitting = names.iter().filter(|name| fits(name, &parts) && is_file(&folder.join(name)));
+    let fitting = names.iter().filter(|own| fits(own, &name) && is_file(&folder.join(own)));
     let mut found: Vec<PathBuf> = fitting.map(|name| pattern.with_file_name(name)).collect();
     found.sort();
     found
-}
-
-/// Whether `name` consists of the parts in order, with any text between them.
-fn fits(name: &str, parts: &[&str]) -> bool {
-    let [first, middle @ .., last] = parts else { return parts == [name] };
-    let Some(mut rest) = name.strip_prefix(first).and_then(|rest| rest.strip_suffix(last)) else { return false };
-    for part in middle {
-        match rest.find(part) {
-            Some(at) => rest = &rest[at + part.len()..],
-            None => return false,
-        }
-    }
-    true
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn stars_stand_for_any_letters() {
-        for (name, pattern, fit) in [
-            ("flat-50N-1.csv", "flat-50N-*.csv", true),
-            ("flat-50N-1.csv", "*", true),
-            ("flat-50N-1.csv", "*50N*1*", true),
-            ("flat-150N-1.csv", "flat-50N-*.csv", false),
-            ("flat-50N-1.txt", "flat-50N-*.csv", false),
-            ("aba", "ab*ba", false),
-        ] {
-            assert_eq!(fits(name, &pattern.split('*').collect::<Vec<_>>()), fit, "{name} {pattern}");
-        }
-    }
 }

@@ -1,6 +1,5 @@
 //! `[trade_offs]` of a design: goals for the comparison of designs in addition to the search.
 
-use crate::formats::spanned::Spanned;
 use schemars::JsonSchema;
 use serde::Deserialize;
 use slipgrid_design::optimize::Target;
@@ -8,9 +7,8 @@ use slipgrid_design::{TradeOffGoal, TradeOffsWanted};
 use slipgrid_laser::export::Laser;
 use slipgrid_model::pattern::{Arrangement, Texture};
 
-use super::document::Document;
 use super::limits::missing_for_time;
-use crate::formats::diagnostic::Diagnostic;
+use crate::formats::{Diagnostic, Document, Spanned};
 
 /// Default number of designs that are compared first.
 const DEFAULT_DESIGNS: usize = 1000;

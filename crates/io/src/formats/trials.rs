@@ -2,7 +2,6 @@
 
 use std::path::PathBuf;
 
-use crate::formats::spanned::Spanned;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use slipgrid_design::results::PatternReport;
@@ -12,9 +11,6 @@ use slipgrid_model::pattern::Pattern;
 
 use super::calibration::read_fitting_pattern;
 use super::calibration_file::FaceFile;
-use super::cavity_lengths;
-use super::document::Document;
-use super::exchanged;
 use super::material::existing;
 use super::measured::{self, Placed, Remarks, Specimens};
 use super::measurements;
@@ -23,9 +19,10 @@ use super::relief::read_relief;
 use super::stated_specimen::{StatedSpecimen, area_m2};
 use super::trace_table::{TraceConditionFile, TraceReader};
 use super::traces::{ConditionTraces, OfTrial};
+use super::unusual;
 use super::values::Number;
-use crate::formats::diagnostic::Diagnostic;
 use crate::formats::dimension_error;
+use crate::formats::{Diagnostic, Document, Spanned};
 use slipgrid_base::units::RELATIVE_STD;
 
 /// `[[trial]]`: a sample that was cut; pending until it has measurements or traces.
@@ -190,9 +187,7 @@ pub(crate) fn read_trials(
         // A sector bears force on its own face, and the surrounding specimen continues around it.
         let is_laid = file.disc.is_none();
         let pattern = read_fitting_pattern(document, &file.pattern, &own.specimen, is_laid)?;
-        remarks.told.extend(cavity_lengths::unusual(document, &file.pattern));
-        remarks.told.extend(exchanged::check(document, &file.pattern, &pattern, &samples));
-        remarks.told.extend(exchanged::check_depth(document, &file.pattern, &pattern, &samples));
+        remarks.told.extend(unusual::of_cavity(document, &file.pattern));
         let rows = match (&file.measurements, &file.traces) {
             (Some(_), Some(traces)) => {
                 return Err(document
@@ -307,26 +302,29 @@ fn read_disc(document: &Document, disc: Option<&Spanned<String>>) -> Result<Opti
     }
 }
 
-/// First trial: the sample that a calibration describes by `[pattern]` and `patterned` measurements.
-#[must_use]
-pub fn of_tables(
-    pattern: slipgrid_model::pattern::Pattern,
-    relief: Option<std::sync::Arc<slipgrid_model::pattern::ReliefMap>>,
-    specimen: CutSpecimen,
+/// First trial: the sample that a calibration describes by the pattern in `table` and `measured` on patterned samples.
+///
+/// # Errors
+/// [`Diagnostic`] for any refused input.
+pub(crate) fn of_tables(
+    document: &Document,
+    table: &Spanned<PatternFile>,
+    stated: StatedSpecimen,
     measured: &[Placed],
-) -> CutSample {
-    CutSample {
+) -> Result<CutSample, Diagnostic> {
+    let pattern = read_fitting_pattern(document, table, &stated.specimen, true)?;
+    Ok(CutSample {
         name: "patterned samples".to_owned(),
         date: String::new(),
         notes: "read from [pattern] and the patterned measurements".to_owned(),
-        pattern,
-        relief,
+        relief: read_relief(document, table, &pattern)?,
         map: None,
         land: None,
-        dimensions_std_m: [0.0; 3],
+        dimensions_std_m: dimension_error::read(document, table.get_ref().dimensions_std(), &pattern)?,
+        pattern,
         sample_std: None,
         disc: None,
-        specimen,
+        specimen: stated.cut(),
         measured: measured.iter().map(|row| row.measurement).collect(),
-    }
+    })
 }

@@ -1,42 +1,31 @@
-//! Warnings of unusual values in a scene and its material. Nothing is refused, because a scene may be a thought
-//! experiment.
+//! Warnings of unusual values in a scene and its material, and of cavities. Nothing is refused, because a scene may be a
+//! thought experiment.
 
 use std::ops::Range;
 
-use crate::formats::spanned::Spanned;
+use slipgrid_infer::calibrate::STATIC_OVER_DYNAMIC;
 use slipgrid_model::material::Elastic;
 use slipgrid_model::pattern::Rim;
 use slipgrid_model::springblock::{Fidelity, RunOptions, Scene, max_run_speed_m_s};
 
-use super::condition_ranges::ConditionRangeFile;
-use super::document::Document;
-use super::file_kind::FileKind;
 use super::material::MaterialFile;
+use super::pattern::PatternFile;
 use super::scene::{DEFAULT_LAYER, LoadFile, SampleFile, SceneFile};
-use super::values::{Number, Numbers, PathOr, number_span};
-use crate::formats::diagnostic::Diagnostic;
+use super::target::ConditionRangeFile;
+use super::values::{Number, Numbers, number_span};
 use crate::formats::plausible::{
-    DENSITY, FRICTION, GIVEN_PRESSURE, MODULUS, Plausible, RIM_HEIGHT, SPEED, STATIC_OVER_DYNAMIC, STRAIN,
-    exchanged_forces, share_of_one, stiff_for_its_density,
+    CAVITY_DEPTH, CAVITY_WIDTH, DENSITY, FRICTION, GIVEN_PRESSURE, MODULUS, Plausible, RIM_HEIGHT, SPEED, STRAIN,
+    exchanged_forces, share_of_one,
 };
+use crate::formats::{Diagnostic, Document, Spanned};
 use slipgrid_base::units::{
     LENGTH_UM, MODULUS_GPA, PRESSURE_MPA, SPEED_MM_S, in_digits, significant, significant_to, tidy,
 };
 
-/// Warnings for the scene `file` of `document` and its material; zeros have a meaning of their own.
+/// Warnings for the scene `file` of `document` besides those of its material, whose Young's modulus is `modulus_gpa`.
 #[must_use]
-pub fn of_scene(document: &Document, file: &SceneFile) -> Vec<Diagnostic> {
-    let of =
-        |document: &Document, table: &MaterialFile| (of_material(document, table), *table.youngs_modulus_gpa.get_ref());
-    let of_file = match file.material.get_ref() {
-        PathOr::Table(table) => Some(of(document, table)),
-        PathOr::Path(path) => {
-            // Files that cannot be read have been refused before.
-            let named = Document::read(document.source(), &document.resolve(path), FileKind::Material).ok();
-            named.and_then(|named| Some(of(&named, &named.parse::<MaterialFile>().ok()?)))
-        }
-    };
-    let (mut told, modulus_gpa) = of_file.unwrap_or((Vec::new(), f64::INFINITY));
+pub fn of_scene(document: &Document, file: &SceneFile, modulus_gpa: f64) -> Vec<Diagnostic> {
+    let mut told = Vec::new();
     let load = file.load.get_ref();
     told.extend(file.condition.as_ref().and_then(|at| of_share(document, &at.get_ref().humidity_pct)));
     told.extend(load.speed_mm_s.as_ref().and_then(|speed| number(document, SPEED, speed)));
@@ -140,56 +129,43 @@ fn of_share(document: &Document, humidity: &Number) -> Option<Diagnostic> {
     Some(document.refuse(humidity.span(), format!("is {reason}")))
 }
 
-/// Warnings for a material.
+/// Warnings for a material; zeros have a meaning of their own.
 #[must_use]
 pub fn of_material(document: &Document, file: &MaterialFile) -> Vec<Diagnostic> {
     let bulk = [(MODULUS, &file.youngs_modulus_gpa), (DENSITY, &file.density_g_cm3)];
     let mut told: Vec<Diagnostic> =
         bulk.into_iter().filter_map(|(quantity, value)| number(document, quantity, value)).collect();
-    let stiff = stiff_for_its_density(*file.youngs_modulus_gpa.get_ref(), *file.density_g_cm3.get_ref());
-    told.extend(stiff.map(|reason| document.refuse(file.youngs_modulus_gpa.span(), reason)));
     let friction = file.friction.get_ref();
-    let pairs = friction.conditions.iter().map(|table| {
-        let table = table.get_ref();
-        (Some(&table.static_mean), Some(&table.dynamic_mean))
-    });
-    let pairs = pairs.chain([(friction.static_mean.as_ref(), friction.dynamic_mean.as_ref())]);
-    for mean in pairs.flat_map(|(at_rest, sliding)| [at_rest, sliding]).flatten() {
+    let tables = friction.conditions.iter().map(|table| (&table.get_ref().static_mean, &table.get_ref().dynamic_mean));
+    let pairs: Vec<_> = tables.chain(friction.static_mean.as_ref().zip(friction.dynamic_mean.as_ref())).collect();
+    for mean in pairs.iter().flat_map(|(at_rest, sliding)| [at_rest, sliding]) {
         told.extend(numbers(document, FRICTION, mean));
     }
-    let tables = friction.conditions.iter().map(|table| (&table.get_ref().static_mean, &table.get_ref().dynamic_mean));
-    for (at_rest, sliding) in tables.chain(friction.static_mean.as_ref().zip(friction.dynamic_mean.as_ref())) {
-        told.extend(of_static(document, at_rest, sliding));
-    }
+    told.extend(pairs.iter().filter_map(|(at_rest, sliding)| of_static(document, at_rest, sliding)));
     told.extend(high_friction(document, file));
     told.extend(file.made_from.as_ref().and_then(|made| made.changed(document)));
     told
 }
 
-/// Warning of the first static coefficient that is too high for its dynamic coefficient.
+/// Warning of the first static coefficient that no calibration finds beside its dynamic coefficient. Blocks slide one after
+/// another, so the peak of a specimen is lower than that of its blocks: a peak of twice dynamic friction, the highest that
+/// tables may have, needs three times.
 fn of_static(document: &Document, at_rest: &Spanned<Numbers>, sliding: &Spanned<Numbers>) -> Option<Diagnostic> {
+    let [least, most] = STATIC_OVER_DYNAMIC;
     let (at_rest_values, sliding) = (at_rest.get_ref().written(), sliding.get_ref().written());
-    let dynamic = |place: usize| sliding.get(place).or(sliding.first().filter(|_| sliding.len() == 1)).copied();
-    at_rest_values.iter().enumerate().find_map(|(place, mean)| {
-        let dynamic = dynamic(place).filter(|dynamic| *dynamic > 0.0 && *mean > 0.0)?;
-        let ratio = mean / dynamic;
-        STATIC_OVER_DYNAMIC.judge(ratio).err()?;
-        let slip = STATIC_OVER_DYNAMIC.slips_of(ratio);
-        let slip = slip
-            .map_or_else(String::new, |(what, factor)| format!("; {what} would be {}", in_digits(tidy(mean * factor))));
-        let [least, most] = STATIC_OVER_DYNAMIC.measurable;
-        let reason = format!(
-            "is {} times the dynamic coefficient beside it, {}, which no calibration finds: {}{slip}",
-            in_digits(significant(ratio, 3)),
-            in_digits(dynamic),
-            STATIC_OVER_DYNAMIC.why
-        );
-        let from_to = format!(
-            "{}, {least} to {most} times dynamic_mean",
-            [least, most].map(|of| in_digits(tidy(of * dynamic))).join(" to ")
-        );
-        Some(document.refuse(number_span(at_rest, place), reason).expected(from_to))
-    })
+    let mut pairs = at_rest_values.iter().zip(sliding.iter().cycle()).enumerate();
+    let is_found =
+        |mean: f64, dynamic: f64| mean <= 0.0 || dynamic <= 0.0 || (least..=most).contains(&(mean / dynamic));
+    let (place, (mean, dynamic)) = pairs.find(|(_, (mean, dynamic))| !is_found(**mean, **dynamic))?;
+    let reason = format!(
+        "is {} times the dynamic coefficient beside it, {}, which no calibration finds: friction at rest is hardly below that of sliding, \
+         and with more than {most} times of it no specimen slides at once",
+        in_digits(significant(mean / dynamic, 3)),
+        in_digits(*dynamic),
+    );
+    let of = |times: f64| in_digits(tidy(times * dynamic));
+    let expected = format!("{} to {}, {least} to {most} times dynamic_mean", of(least), of(most));
+    Some(document.refuse(number_span(at_rest, place), reason).expected(expected))
 }
 
 /// Warning at the first dynamic coefficient, if nearly all are so high that friction force and normal force are
@@ -218,6 +194,24 @@ fn first(values: &Spanned<Numbers>, tell: impl Fn(&Number) -> Option<Diagnostic>
         Numbers::One(value) => tell(&Spanned::new(values.span(), *value)),
         Numbers::Each(each) => each.iter().find_map(tell),
     }
+}
+
+/// Warns of lengths in the `table` that no cut cavity has.
+pub fn of_cavity(document: &Document, table: &Spanned<PatternFile>) -> Vec<Diagnostic> {
+    let file = table.get_ref();
+    let length = file.texture.record.length_um;
+    let length = length.map(|length| Spanned::new(document.value_span(&table.span(), "length_um"), length));
+    let lengths = [
+        (CAVITY_WIDTH, Some(&file.width_um)),
+        (CAVITY_WIDTH, Some(&file.spacing_um)),
+        (CAVITY_WIDTH, length.as_ref()),
+        (CAVITY_DEPTH, Some(&file.depth_um)),
+    ];
+    let told = |(quantity, length): (Plausible, Option<&Spanned<f64>>)| {
+        let length = length?;
+        quantity.tell(*length.get_ref(), || document.refuse(length.span(), ""))
+    };
+    lengths.into_iter().filter_map(told).collect()
 }
 
 #[cfg(test)]
@@ -268,10 +262,7 @@ mod tests {
             said.len() == 1 && said[0].starts_with("m.toml:4: friction.static_mean: 3.0 is 11.1 times"),
             "{said:?}"
         );
-        assert!(
-            said[0].contains("one place to the left it would be 0.3") && said[0].contains("expected 0.243 to 0.945"),
-            "{said:?}"
-        );
+        assert!(said[0].contains("expected 0.243 to 0.945"), "{said:?}");
         let said = told("pressure_mpa = [1.0, 2.0]\nstatic_mean = [0.3, 0.2]\ndynamic_mean = [0.27, 0.27]");
         assert!(
             said.len() == 1 && said[0].contains("0.2 is 0.741 times the dynamic coefficient beside it, 0.27"),
@@ -327,6 +318,33 @@ mod tests {
         );
         for (height, width, sample) in [(0.1, 20.0, ""), (0.1, 10.0, "block_um = 5"), (0.0, 1.0, "")] {
             assert_eq!(told(&rim(height, width), sample), None, "{width}");
+        }
+    }
+
+    fn said(text: &str) -> Vec<String> {
+        let document = Document::new("c.toml", text);
+        of_cavity(&document, &document.parse().unwrap()).iter().map(ToString::to_string).collect()
+    }
+
+    #[test]
+    fn millimetres_in_place_of_micrometres_are_asked_about() {
+        let said = said("width_um = 0.08\nspacing_um = 0.16\ndepth_um = 0.001\n");
+        assert_eq!(said.len(), 3, "{said:?}");
+        assert!(
+            said[0].starts_with("c.toml:1: width_um: 0.08 is unusual")
+                && said[0].ends_with("in mm, that would be 80 um")
+        );
+        assert!(said[1].ends_with("in mm, that would be 160 um"), "{said:?}");
+        assert!(said[2].starts_with("c.toml:3: depth_um: 0.001") && said[2].ends_with("in mm, that would be 1 um"));
+    }
+
+    #[test]
+    fn lengths_that_are_cut_are_not_told() {
+        for text in [
+            "width_um = 130.0\nspacing_um = 372.0\ndepth_um = 5.2\n",
+            "width_um = 5.0\nspacing_um = 10.0\ndepth_um = 0.5\nlength_um = 8000.0\n",
+        ] {
+            assert_eq!(said(text), [""; 0]);
         }
     }
 }

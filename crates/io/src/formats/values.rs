@@ -4,15 +4,13 @@ use std::borrow::Cow;
 use std::fmt;
 use std::ops::Range;
 
-use crate::formats::spanned::Spanned;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{Error, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 
-use super::document::Document;
-use crate::formats::diagnostic::Diagnostic;
-use slipgrid_base::units::Quantity;
+use crate::formats::{Diagnostic, Document, Spanned};
+use slipgrid_base::units::{Quantity, counted};
 
 /// A number with its file position.
 pub type Number = Spanned<f64>;
@@ -178,7 +176,7 @@ pub fn range(
         (Numbers::One(_), [one]) => return Ok([*one; 2]),
         (_, [lowest, highest]) if lowest <= highest => return Ok([*lowest, *highest]),
         (_, [_, _]) => "has its larger number first".to_owned(),
-        _ => format!("has {} numbers", read.len()),
+        _ => format!("has {}", counted(read.len(), "number")),
     };
     Err(document.refuse(values.span(), reason).expected(expected))
 }

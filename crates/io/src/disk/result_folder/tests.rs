@@ -15,6 +15,10 @@ fn replace(folder: &Path, files: &[(&str, &str)]) -> Result<(), WriteError> {
     open(folder).unwrap().replace(&outputs(files), &|| false)
 }
 
+fn names_in(folder: &Path) -> io::Result<BTreeSet<OsString>> {
+    fs::read_dir(folder)?.map(|entry| Ok(entry?.file_name())).collect()
+}
+
 /// Names with contents, without the list.
 fn content(folder: &Path) -> Vec<(String, String)> {
     let mut all = Vec::new();
@@ -38,7 +42,6 @@ fn of(files: &[(&str, &str)]) -> Vec<(String, String)> {
 
 #[test]
 fn a_result_is_replaced_as_a_whole_and_files_of_others_stay() {
-    // Next to a user's folder, files are renamed one by one.
     for has_folder in [false, true] {
         let place = tempfile::tempdir().unwrap();
         let folder = place.path().join("deep/out");

@@ -2,21 +2,18 @@
 
 use std::path::PathBuf;
 
-use crate::formats::spanned::Spanned;
 use slipgrid_design::KnownMaterial;
 use slipgrid_laser::export::Laser;
 use slipgrid_model::material::ConditionRange;
 use slipgrid_model::pattern::{Arrangement, ManufacturingLimits, Pattern, Texture};
 
 use super::DesignFile;
-use crate::formats::condition_ranges::{ConditionRangeFile, read_conditions};
-use crate::formats::diagnostic::Diagnostic;
-use crate::formats::document::Document;
 use crate::formats::file_kind::FileKind;
-use crate::formats::material::{MaterialFile, existing, read_known};
+use crate::formats::material::{MaterialFile, existing, read_referenced};
 use crate::formats::plausible::SPOT;
-use crate::formats::unusual;
+use crate::formats::target::{ConditionRangeFile, read_conditions};
 use crate::formats::values::PathOr;
+use crate::formats::{Diagnostic, Document, Spanned};
 use slipgrid_base::units::{LENGTH_UM, significant, significant_to};
 use toml::value::Datetime;
 
@@ -143,26 +140,16 @@ pub(super) fn read_material_input(
     material: &Spanned<PathOr<MaterialFile>>,
     told: &mut Vec<Diagnostic>,
 ) -> Result<(Option<KnownMaterial>, Option<PathBuf>), Diagnostic> {
-    match material.get_ref() {
-        PathOr::Table(table) => {
-            let (material, uncertainty) = read_known(document, table, &material.span())?;
-            told.extend(unusual::of_material(document, table));
-            Ok((Some(KnownMaterial { material, uncertainty }), None))
-        }
-        PathOr::Path(path) => {
-            let path = existing(document, material, path)?;
-            let named = Document::read_any(document.source(), &path, FileKind::Material)?;
-            if named.kind() == Some(FileKind::Calibration) {
-                return Ok((None, Some(path)));
-            }
-            named.require(FileKind::Material)?;
-            let named = named.as_kind(FileKind::Material);
-            let file: MaterialFile = named.parse()?;
-            let (material, uncertainty) = read_known(&named, &file, &(0..0))?;
-            told.extend(unusual::of_material(&named, &file));
-            Ok((Some(KnownMaterial { material, uncertainty }), None))
+    if let PathOr::Path(path) = material.get_ref() {
+        let path = existing(document, material, path)?;
+        let named = Document::read_any(document.source(), &path, FileKind::Material)?;
+        if named.kind() == Some(FileKind::Calibration) {
+            return Ok((None, Some(path)));
         }
     }
+    let (known, of_material) = read_referenced(document, material)?;
+    told.extend(of_material);
+    Ok((Some(known), None))
 }
 
 /// Reads a calendar date: four digits, two and two, with hyphens between.

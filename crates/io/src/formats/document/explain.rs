@@ -2,18 +2,8 @@
 
 use std::ops::Range;
 
-use toml::de::{DeTable, DeValue};
-
-use super::{Document, covers};
+use super::Document;
 use crate::formats::diagnostic::{Diagnostic, nearest};
-
-/// Keys of earlier versions, and their replacements.
-const GONE: [(&str, &str); 4] = [
-    ("target.discrepancy", "chances and expected values always have what trials say that the model lacks"),
-    ("search.robust", "textures are chosen by the chance that a sample is on target, which counts how samples scatter"),
-    ("search.max_evaluations", "every texture within the bounds is tabulated; max_seconds limits the time"),
-    ("tolerances.draws", "what is expected of samples is computed without draws"),
-];
 
 impl Document {
     /// Explains an `error` of the parser or of serde.
@@ -25,11 +15,6 @@ impl Document {
             let written = quoted[0];
             let mut refused = self.refuse(self.value_span(&span, written), "is not a known key");
             refused.value = None;
-            let gone = GONE.iter().find(|(key, _)| refused.key.as_deref() == Some(key));
-            if let Some((_, instead)) = gone {
-                refused.reason = "is no longer a key".to_owned();
-                return refused.expected(format!("no such line: {instead}"));
-            }
             refused.suggestion = nearest(written, quoted[1..].iter().copied()).map(Into::into);
             return refused.expected(format!("one of {}", quoted[1..].join(", ")));
         }
@@ -74,7 +59,8 @@ impl Document {
         let said = said.find("expected struct ").map_or(said.clone(), |at| format!("{}expected a table", &said[..at]));
         let is_listed = self.line_text(span.start).trim_start().starts_with("[[");
         let mut refused = self.refuse(span, "");
-        if is_listed && said.ends_with("expected a table") {
+        // A reader takes the table that a list holds for the first key of the table it expects.
+        if is_listed && (said.ends_with("expected a table") || said.starts_with("invalid type: table")) {
             let key = refused.key.clone().unwrap_or_default();
             refused.value = None;
             "stands in double brackets, as one of a list".clone_into(&mut refused.reason);
@@ -86,7 +72,8 @@ impl Document {
         } else {
             refused.reason = said;
         }
-        if refused.reason.starts_with("invalid type") {
+        let is_list = refused.reason.starts_with("invalid length") && refused.expected.as_deref() == Some("a table");
+        if is_list || refused.reason.starts_with("invalid type") {
             "has the wrong type".clone_into(&mut refused.reason);
         } else if refused.value.is_some() && refused.reason.starts_with("invalid value") {
             "is out of range".clone_into(&mut refused.reason);
@@ -96,34 +83,22 @@ impl Document {
         refused
     }
 
-    /// Refuses a key or table heading that occurs for the second time at `span`, and names the first occurrence.
+    /// Refuses a key or table heading that occurs for the second time at `span`.
     fn duplicate(&self, span: Range<usize>) -> Diagnostic {
-        let name = self.text.get(span.clone()).unwrap_or_default().trim_matches(['"', '\'']).to_owned();
         let is_heading = self.line_text(span.start).trim_start().starts_with('[');
-        // The second heading replaces the first in the parsed document.
-        let line_start = self.text[..span.start].rfind('\n').map_or(0, |end| end + 1);
-        let text = if is_heading { &self.text[..line_start] } else { &*self.text };
-        let (table, _) = DeTable::parse_recoverable(text);
-        let mut found = Vec::new();
-        namesakes(text, table.get_ref(), (&name, &span), &mut Vec::new(), &mut found);
-        let first = found.into_iter().max_by_key(|(_, place)| place.start);
-        let key = first.as_ref().map_or_else(|| name.clone(), |(path, _)| path.clone());
-        let outer = key.rsplit_once('.').map(|(outer, _)| outer);
-        let what = match (is_heading, outer) {
-            (true, _) => format!("the table [{key}]"),
-            (false, Some(outer)) => format!("the key {name} of the table [{outer}]"),
-            (false, None) => format!("the key {name}, outside of all tables,"),
-        };
-        let before = first
-            .map_or_else(String::new, |(_, place)| format!("; the first stands in line {}", self.line(place.start)));
+        let key = self.text.get(span.clone()).unwrap_or_default();
         Diagnostic {
             file: Some(self.path.as_path().into()),
             line: Some(self.line(span.start)),
-            key: Some(key.into()),
-            reason: format!("{what} occurs a second time{before}"),
+            key: Some(key.trim_matches(['"', '\'']).into()),
+            reason: "occurs a second time".to_owned(),
             ..Diagnostic::default()
         }
-        .expected(if is_heading { "one table with all of its keys" } else { "one line with this key" })
+        .expected(if is_heading {
+            "one table with all of its keys"
+        } else {
+            "one line with this key in its table"
+        })
     }
 }
 
@@ -141,35 +116,6 @@ pub(super) fn replace_word(text: &str, code: &str, word: &str) -> String {
         rest = after;
     }
     replaced + rest
-}
-
-/// Keys called `name` before `second` in the tables that can hold `second`, with their dotted paths. Inline tables are
-/// skipped unless they hold `second`.
-fn namesakes(
-    text: &str,
-    table: &DeTable<'_>,
-    (name, second): (&str, &Range<usize>),
-    path: &mut Vec<String>,
-    found: &mut Vec<(String, Range<usize>)>,
-) {
-    for (key, value) in table {
-        path.push(key.get_ref().to_string());
-        if key.get_ref() == name && key.span().start < second.start {
-            found.push((path.join("."), key.span()));
-        }
-        let elements = match value.get_ref() {
-            DeValue::Array(array) => array.iter().collect(),
-            _ => vec![value],
-        };
-        for element in elements {
-            if let DeValue::Table(inner) = element.get_ref()
-                && (!text[element.span()].starts_with('{') || covers(&element.span(), second))
-            {
-                namesakes(text, inner, (name, second), path, found);
-            }
-        }
-        path.pop();
-    }
 }
 
 /// Number with a decimal comma in a line such as `key = 2,7`.

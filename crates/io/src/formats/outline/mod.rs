@@ -10,14 +10,12 @@ mod svg;
 use std::ops::Range;
 use std::path::Path;
 
-use crate::formats::spanned::Spanned;
 use slipgrid_base::key_error::Refusal;
 use slipgrid_model::pattern::{PatternError, Polygon};
 
-use crate::formats::diagnostic::Diagnostic;
-use crate::formats::document::Document;
 use crate::formats::material::existing;
 use crate::formats::source::{Source, read_bytes};
+use crate::formats::{Diagnostic, Document, Spanned};
 
 /// Deviation of chords from a curve, relative to the larger extent of its control points or of the circle.
 pub const FLATTENING: f64 = 1e-4;
