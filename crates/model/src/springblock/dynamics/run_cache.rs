@@ -17,9 +17,9 @@ pub fn cached_run(
 ) -> SurfaceOutcome {
     let run = || {
         let outcome = run();
-        if outcome.status.is_final() { Ok(outcome) } else { Err(outcome) }
+        if outcome.status.is_final() { Ok(outcome) } else { Err(Box::new(outcome)) }
     };
-    cached(monitor, ("run", content), share, run).unwrap_or_else(|unfinished| unfinished)
+    cached(monitor, ("run", content), share, run).unwrap_or_else(|unfinished| *unfinished)
 }
 
 /// Settings of `scene` that a run depends on besides its load and its lattice, as part of a cache key.
