@@ -43,13 +43,11 @@ pub enum Refusal {
 
 impl KeyError {
     /// Refusal by a rule.
-    #[must_use]
     pub fn rule(key: &'static str, reason: impl Into<String>, expected: impl Into<String>) -> Self {
         Self { key, refusal: Refusal::Rule { reason: reason.into(), expected: Some(expected.into()) } }
     }
 
     /// Refusal for an `error` of the types that the record converts to, as by [`Refusal::from_error`].
-    #[must_use]
     pub fn from_error(key: &'static str, error: &dyn fmt::Display) -> Self {
         Self { key, refusal: Refusal::from_error(error) }
     }
@@ -78,7 +76,6 @@ impl KeyError {
 
 impl Refusal {
     /// Refusal for an `error`; what is accepted follows after ": expected".
-    #[must_use]
     pub fn from_error(error: &dyn fmt::Display) -> Self {
         let words = error.to_string();
         match words.split_once(": expected ") {
@@ -106,7 +103,6 @@ impl Refusal {
     }
 
     /// What would be accepted, if known.
-    #[must_use]
     pub fn expected(&self) -> Option<String> {
         match self {
             Self::OutOfRange { quantity, .. } => Some(quantity.to_string()),

@@ -98,7 +98,6 @@ impl From<slipgrid_validate::StudyError> for CliError {
 
 impl CliError {
     /// Exit code of the error.
-    #[must_use]
     pub const fn exit_code(&self) -> u8 {
         match self {
             Self::Input(_) | Self::Inputs(_) => crate::exit_code::BAD_INPUT,

@@ -87,7 +87,6 @@ pub fn begin() {
 }
 
 /// Whether Ctrl-C was pressed.
-#[must_use]
 pub fn asked() -> bool {
     ASKED.load(Ordering::Relaxed)
 }
@@ -125,7 +124,6 @@ pub fn goes_on_with(command: String) {
 }
 
 /// Message for a run that is interrupted now.
-#[must_use]
 pub fn message() -> String {
     let account = locked(&ACCOUNT);
     let during = if account.stage.is_empty() { String::new() } else { format!(" during {}", account.stage) };

@@ -48,13 +48,11 @@ pub struct StudyFile {
 impl StudyFile {
     /// Opens the study at `path`. With `resume`, the results in the file are reused, except an incomplete last line;
     /// otherwise the file is replaced at the first new result.
-    #[must_use]
     pub const fn new(path: PathBuf, resume: bool) -> Self {
         Self { path, resume, writer: Mutex::new(None), refused: None }
     }
 
     /// Error that refused the file, with its line.
-    #[must_use]
     pub const fn refused(&self) -> Option<&Diagnostic> {
         self.refused.as_ref()
     }

@@ -55,7 +55,6 @@ impl Advice {
     }
 
     /// Name of the advice in files.
-    #[must_use]
     pub const fn name(&self) -> &'static str {
         match self {
             Self::Series => "series",
@@ -68,7 +67,6 @@ impl Advice {
 
     /// Describes the advice in one sentence with the `chance` of the texture. `is_within_reach`: some texture has a
     /// median within the accepted band.
-    #[must_use]
     pub fn words(&self, chance: f64, has_demands: bool, is_within_reach: bool) -> String {
         let chance = percent(chance);
         let of_sample = format!("{chance} chance that a cut sample is on target");

@@ -18,7 +18,6 @@ pub struct Limited {
 
 impl Limited {
     /// Collects the quantities that `design` limits.
-    #[must_use]
     pub fn of(design: &DesignTask) -> Self {
         Self { measures: design.quantities.clone(), laser: design.laser, outline: Some(design.specimen) }
     }

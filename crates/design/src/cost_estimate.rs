@@ -101,7 +101,6 @@ const REFERENCE_STEP_S: f64 = 1e-9;
 
 /// Cost of solving `scene` under `condition` with the errors of its material, as a line from [`cost_line`]; `None` if
 /// small or if the scene is refused.
-#[must_use]
 pub fn run_line(scene: &Scene, uncertainty: &MaterialUncertainty, condition: Option<&Condition>) -> Option<String> {
     let may_go_on = scene.run.mu_stderr.is_some();
     let knowledge = uncertainty.at_loads(scene.area_law.as_ref(), &scene.loads, condition).unwrap_or_default();
@@ -127,7 +126,6 @@ fn is_stable(scene: &Scene) -> bool {
 
 /// Line that `what` takes `expense` on `threads` threads, if that exceeds half a minute or a gigabyte. `may_go_on`: the
 /// run continues until a standard error is small enough.
-#[must_use]
 pub fn cost_line(what: &str, expense: Expense, may_go_on: bool, threads: usize) -> Option<String> {
     if expense.wall_s <= SHORT_S && expense.bytes <= SMALL_BYTES {
         return None;

@@ -147,7 +147,6 @@ pub struct GoalReport {
 
 impl GoalReport {
     /// Evaluates the goal of the task of `search` for `best`; `None` without a goal.
-    #[must_use]
     pub fn of(search: &Search<'_>, best: &Prediction) -> Option<Self> {
         let asked = search.asked;
         let goal = asked.goal?;
@@ -179,7 +178,6 @@ impl DesignReport {
     }
 
     /// Whether the target is a ratio to the flat surface.
-    #[must_use]
     pub fn is_ratio(&self) -> bool {
         self.target.quantity == Quantity::Ratio.name()
     }
@@ -195,13 +193,11 @@ impl DesignReport {
     }
 
     /// Whether the whole interface was solved, in place of one line along the sliding direction.
-    #[must_use]
     pub const fn sees_face(&self) -> bool {
         Dimension::numbered(self.dimensions).sees_face()
     }
 
     /// Describes the confirming run in words.
-    #[must_use]
     pub fn confirmation(&self) -> String {
         let named = Extent::ALL.into_iter().find(|extent| extent.name() == self.extent);
         let extent = match named {

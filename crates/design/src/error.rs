@@ -59,7 +59,6 @@ pub enum TaskPart {
 
 impl Refusal {
     /// Creates a refusal of `part`.
-    #[must_use]
     pub fn new(part: TaskPart, reason: impl Into<String>) -> Self {
         Self { part, reason: reason.into(), expected: None }
     }
@@ -74,13 +73,11 @@ impl Refusal {
 
 impl DesignError {
     /// Creates the error that no design within the bounds can be computed.
-    #[must_use]
     pub fn nothing_computed() -> Self {
         Self::Failed("no design within the bounds can be computed".to_owned())
     }
 
     /// Creates a refusal of the whole task, for a reason that only a solver or the search finds.
-    #[must_use]
     pub fn refused(reason: impl Into<String>) -> Self {
         Refusal::new(TaskPart::Whole, reason).into()
     }

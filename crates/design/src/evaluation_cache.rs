@@ -69,13 +69,11 @@ impl Answer {
     }
 
     /// Maximum local pressure, in pascals.
-    #[must_use]
     pub fn peak_pressure_pa(&self) -> f64 {
         self.peak_pressure_mpa * 1e6
     }
 
     /// Minimum height of a ceiling, in metres.
-    #[must_use]
     pub fn clearance_m(&self) -> Option<f64> {
         self.clearance_um.map(|clearance_um| clearance_um * 1e-6)
     }

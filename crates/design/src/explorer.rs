@@ -101,7 +101,6 @@ const BOUND_ROUNDING: f64 = 1e-9;
 impl Explored {
     /// Prediction for samples with this width, spacing and depth, in micrometres, at the loads of the first condition; `None`
     /// outside the bounds and beside textures without an answer.
-    #[must_use]
     pub fn predict(&self, lengths_um: [f64; 3]) -> Option<ExploredTexture> {
         let Explorer { expected, log_odds, beside, holes, .. } = &self.explorer;
         let is_within = expected.axes().iter().zip(lengths_um).all(|(axis, length_um)| {
@@ -130,7 +129,6 @@ impl Explored {
     }
 
     /// Reasons to doubt the numbers, in words.
-    #[must_use]
     pub fn doubts(&self) -> Vec<String> {
         let material = MaterialReport::from(&self.material.material.provenance);
         self.beyond_measured.clone().into_iter().chain(material.doubts()).collect()

@@ -161,7 +161,6 @@ pub struct RatioPrediction {
 
 impl RatioPrediction {
     /// Reads load number `row`, which is `at`, of `prediction` for a sample with the ratio `modelled`.
-    #[must_use]
     pub fn new(at: &Load, modelled: f64, prediction: &Prediction, row: usize) -> Self {
         let quantile = |p: f64| tidy(modelled * prediction.quantile(row, p).exp());
         Self {
@@ -177,7 +176,6 @@ impl RatioPrediction {
 
 impl NextReport {
     /// All listed samples with their names, in order: the samples to cut, the user's samples, and the others.
-    #[must_use]
     pub fn rows(&self) -> Vec<(String, &SampleReport)> {
         let numbered =
             |place: usize| if self.samples.len() == 1 { "next".to_owned() } else { format!("next {}", place + 1) };
@@ -188,7 +186,6 @@ impl NextReport {
     }
 
     /// Likeliest of the user's samples, if it is clearly likelier than all samples found.
-    #[must_use]
     pub fn likelier_own(&self) -> Option<&SampleReport> {
         let found = self.samples.iter().chain(&self.others).filter_map(|of| of.chance).fold(0.0, f64::max);
         let own = self.own.iter().reduce(|best, next| if next.chance > best.chance { next } else { best })?;
@@ -196,7 +193,6 @@ impl NextReport {
     }
 
     /// Reasons to doubt the samples, one sentence each; the text marks them with `!`.
-    #[must_use]
     pub fn doubts(&self) -> Vec<String> {
         self.material_doubts().chain(self.laser_doubts()).collect()
     }
@@ -210,7 +206,6 @@ impl NextReport {
     }
 
     /// Formats the samples as text.
-    #[must_use]
     pub fn text(&self) -> String {
         let mut text = wrapped(&format!("{}: {}", self.name, self.words), SCREEN_WIDTH, "  ", 3);
         let (trials, designs) = (counted(self.trials, "trial"), counted(self.compared, "design"));

@@ -31,7 +31,6 @@ pub struct Further {
 
 impl Setting {
     /// Returns the primary setting of `design`.
-    #[must_use]
     pub fn first(design: &DesignTask) -> Self {
         let has_several = !design.directions.different_deg.is_empty();
         let own_deg = design.space.texture().sliding_angle_deg();
@@ -39,13 +38,11 @@ impl Setting {
     }
 
     /// Turns `pattern` to the sliding direction of this setting.
-    #[must_use]
     pub fn turned(&self, pattern: &Pattern) -> Pattern {
         turned(pattern, self.sliding_angle_deg)
     }
 
     /// Describes the setting.
-    #[must_use]
     pub fn in_words(&self) -> String {
         let condition = self.condition.map(|condition| {
             let [speed, humidity] = [SPEED_MM_S.from_si(condition.speed_m_s), HUMIDITY_PCT.from_si(condition.humidity)];
@@ -58,7 +55,6 @@ impl Setting {
 
 /// Turns `pattern` to slide at `angle_deg`, if given; an invalid angle changes nothing, because the design was refused
 /// before.
-#[must_use]
 pub fn turned(pattern: &Pattern, angle_deg: Option<f64>) -> Pattern {
     angle_deg.and_then(|angle_deg| pattern.with_sliding_angle_deg(angle_deg).ok()).unwrap_or(*pattern)
 }
@@ -88,7 +84,6 @@ pub fn further(design: &DesignTask, material: &Material) -> Result<Vec<Further>,
 }
 
 /// Statements on the conditions and sliding directions of `design`, with `further` settings besides the first.
-#[must_use]
 pub fn statements(design: &DesignTask, further: usize) -> Vec<String> {
     let mut statements = Vec::new();
     let alike: Vec<String> = design.directions.alike_deg.iter().map(|angle_deg| tidy(*angle_deg).to_string()).collect();

@@ -275,7 +275,6 @@ pub struct Expected {
 
 impl Expected {
     /// Whether the median lies on the accepted side of each end.
-    #[must_use]
     pub fn is_within(&self) -> bool {
         self.target_low.is_none_or(|low| self.median >= low) && self.target_high.is_none_or(|high| self.median <= high)
     }
@@ -306,7 +305,6 @@ pub struct LimitedBy {
 }
 
 /// Formats a chance in per cent.
-#[must_use]
 pub fn percent(chance: f64) -> String {
     match 100.0 * chance {
         percent if percent < 0.5 => "less than 1 %".to_owned(),

@@ -47,7 +47,6 @@ impl PreparedTask {
     }
 
     /// Relative standard deviation of Young's modulus; 0 if the modulus has no effect.
-    #[must_use]
     pub fn modulus_std(&self) -> f64 {
         self.uncertainty.modulus_std(self.material.area_law.as_ref()).unwrap_or(0.0)
     }

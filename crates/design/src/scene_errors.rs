@@ -30,13 +30,11 @@ pub struct Solved<'a> {
 
 impl Solved<'_> {
     /// Values at each load with their errors.
-    #[must_use]
     pub fn errors(&self) -> Vec<PressureErrors> {
         (0..self.simulation.loads.len()).map(|place| self.at(place)).collect()
     }
 
     /// Errors from the material at load number `place`; `None` if the run has no friction or slopes are unknown.
-    #[must_use]
     pub fn deviations(&self, place: usize) -> Option<Deviations> {
         let load = &self.simulation.loads[place];
         let (ratio, mu_flat) = match &load.flat {
@@ -124,7 +122,6 @@ impl Solved<'_> {
     }
 
     /// Errors that `rows` do not contain, because the material of `uncertainty` does not give them.
-    #[must_use]
     pub fn unknown(&self, uncertainty: &MaterialUncertainty, rows: &[PressureErrors]) -> Vec<String> {
         let mut unknown = uncertainty.unknown(self.knowledge, self.scene.area_law.as_ref());
         if self.scene.pattern.is_none() {

@@ -47,7 +47,6 @@ impl<'a> SteadyModel<'a> {
     /// Creates a model with the material, layer, loads and dimensions of `scene` for the designs of `space`, at equal
     /// pressures in `further` conditions. The last of these belong to `directions_deg`: each has as many loads as the
     /// designs' own direction.
-    #[must_use]
     pub fn new(scene: &Scene, further: &[&[Load]], directions_deg: &[f64], space: &DesignSpace) -> Self {
         let run = RunOptions {
             fidelity: Fidelity::Steady,
@@ -119,7 +118,6 @@ impl<'a> SteadyModel<'a> {
     }
 
     /// Scene with the loads of every condition.
-    #[must_use]
     pub const fn asked(&self) -> &Scene {
         &self.asked
     }
@@ -136,25 +134,21 @@ impl<'a> SteadyModel<'a> {
     }
 
     /// Whether designs slide in more than one direction.
-    #[must_use]
     pub const fn has_directions(&self) -> bool {
         !self.directions_deg.is_empty()
     }
 
     /// Dimension in which designs are solved.
-    #[must_use]
     pub const fn dimension(&self) -> Dimension {
         self.solver.dimension
     }
 
     /// Whether thousands of designs can be solved.
-    #[must_use]
     pub const fn is_cheap_per_design(&self) -> bool {
         self.dimension().is_cheap_per_design()
     }
 
     /// Whether a guide in larger blocks exists.
-    #[must_use]
     pub const fn has_guide(&self) -> bool {
         self.guide.is_some()
     }
@@ -167,13 +161,11 @@ impl<'a> SteadyModel<'a> {
 
     /// Number of draws of the local coefficients at which a cell of `design` has at least `contacts` contact blocks in
     /// total, counted by [`SteadyCell::draws`](slipgrid_model::springblock::SteadyCell::draws).
-    #[must_use]
     pub fn draws(&self, design: &Pattern, contacts: f64) -> u64 {
         self.solver.each.first().map_or(1, |(_, cell)| cell.draws(design, contacts))
     }
 
     /// Scene of a design.
-    #[must_use]
     pub fn scene(&self, design: &Pattern) -> Scene {
         Scene { pattern: Some(*design), ..self.scene.clone() }
     }
@@ -268,7 +260,6 @@ impl<'a> SteadyModel<'a> {
     }
 
     /// Area law of the designs.
-    #[must_use]
     pub const fn area_law(&self) -> Option<&AreaLaw> {
         self.scene.area_law.as_ref()
     }

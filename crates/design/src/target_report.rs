@@ -69,7 +69,6 @@ impl From<&Target> for TargetReport {
 
 impl TargetReport {
     /// Describes the accepted values at a pressure.
-    #[must_use]
     pub fn wanted(&self, row: usize) -> String {
         if let Some(value) = &self.value {
             return fixed(value.get(row).copied(), 4);
@@ -84,7 +83,6 @@ impl TargetReport {
     }
 
     /// Whether some pressure has a demand.
-    #[must_use]
     pub fn has_demands(&self) -> bool {
         self.lowest.iter().chain(&self.highest).any(Option::is_some)
     }

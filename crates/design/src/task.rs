@@ -30,7 +30,6 @@ pub enum ConstraintQuantity {
 
 impl ConstraintQuantity {
     /// Whether the quantity requires the layout of a design on the specimen.
-    #[must_use]
     pub const fn takes_a_layout(self) -> bool {
         matches!(self, Self::BearingArea | Self::ArealDensity | Self::LaserTime)
     }
@@ -140,7 +139,6 @@ impl TradeOffGoal {
         [Self::Chance, Self::Misfit, Self::LaserTime, Self::Volume, Self::PeakPressure, Self::Spread];
 
     /// The name used in files.
-    #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::Chance => "chance",
@@ -153,7 +151,6 @@ impl TradeOffGoal {
     }
 
     /// Column name, with the unit.
-    #[must_use]
     pub const fn column(self) -> &'static str {
         match self {
             Self::Chance => "chance",
@@ -166,7 +163,6 @@ impl TradeOffGoal {
     }
 
     /// Description, with the unit.
-    #[must_use]
     pub const fn words(self) -> &'static str {
         match self {
             Self::Chance => "chance that a cut sample is on target",
@@ -196,13 +192,11 @@ pub(crate) const SCATTER_BASIS: &str = "standard deviation of a sample's mean, a
 
 impl DesignTask {
     /// Laser time for `pattern` on the specimen, in seconds; `None` if the laser's speed is not known.
-    #[must_use]
     pub fn laser_time_s(&self, pattern: &Pattern) -> Option<f64> {
         laser_time_s(&self.specimen.layout(*pattern).ok()?, &self.laser)
     }
 
     /// Assumed manufacturing tolerances, as written to files for the laser.
-    #[must_use]
     pub fn assumed_tolerances(&self) -> Option<SheetTolerances> {
         let std_m = self.tolerances?.std_m;
         let [width_um, spacing_um, depth_um] = std_m.map(|std_m| (std_m > 0.0).then(|| tidy(LENGTH_UM.from_si(std_m))));
@@ -217,7 +211,6 @@ impl DesignTask {
 
     /// Creates the task of a pattern of `space` that brings `material` to `target` on `specimen` with the modelled layer
     /// `layer`; other fields have the simplest values: one condition, no limits except the bounds, no tolerances.
-    #[must_use]
     pub fn new(
         material: impl Into<KnownMaterial>,
         target: Target,
@@ -229,7 +222,6 @@ impl DesignTask {
     }
 
     /// Creates the task without a material.
-    #[must_use]
     pub fn without_material(target: Target, space: DesignSpace, specimen: Specimen, layer: Layer) -> Self {
         Self {
             name: "design".to_owned(),
@@ -287,13 +279,11 @@ impl DesignTask {
     }
 
     /// Relative humidity of the condition designed for.
-    #[must_use]
     pub fn humidity(&self) -> Option<f64> {
         self.condition.map(|condition| condition.humidity)
     }
 
     /// Range of the design condition, if it is a range.
-    #[must_use]
     pub fn range(&self) -> Option<&ConditionRange> {
         self.ranges.first().filter(|range| range.is_wide())
     }
@@ -313,7 +303,6 @@ impl DesignTask {
 
     /// Range of pressures at which friction was measured at the design condition, in MPa, if one of the pressures is
     /// `outside`.
-    #[must_use]
     pub fn measured_mpa(&self, material: &Material, outside: &[bool]) -> Option<[f64; 2]> {
         let measured_pa = material.friction.measured_pressures_pa(self.condition.as_ref());
         let rounded = |pressure_pa: f64| (1e3 * PRESSURE_MPA.from_si(pressure_pa)).round() / 1e3;
@@ -321,7 +310,6 @@ impl DesignTask {
     }
 
     /// Target pressures `outside` the measured range, in words; `None` if there is none.
-    #[must_use]
     pub fn beyond_measured(&self, material: &Material, outside: &[bool]) -> Option<String> {
         let pressures = self.pressures_pa().into_iter().zip(outside).filter(|(_, is_outside)| **is_outside);
         let beyond_mpa: Vec<f64> = pressures.map(|(pressure_pa, _)| tidy(PRESSURE_MPA.from_si(pressure_pa))).collect();
@@ -338,7 +326,6 @@ impl DesignTask {
     }
 
     /// Nominal pressures of the target, in pascals.
-    #[must_use]
     pub fn pressures_pa(&self) -> Vec<f64> {
         self.target.points().iter().map(|point| point.pressure_pa).collect()
     }
@@ -354,7 +341,6 @@ impl DesignTask {
     }
 
     /// Flat scene of this task, with `material` at `loads`.
-    #[must_use]
     pub fn flat_scene(&self, material: &Material, loads: Vec<Load>, run: RunOptions) -> Scene {
         Scene {
             elastic: material.elastic,
@@ -369,13 +355,11 @@ impl DesignTask {
     }
 
     /// Refusal of the block size because of its effect on confirming runs.
-    #[must_use]
     pub fn refuse_blocks(&self, error: &SceneError) -> Refusal {
         Self::refuse_cost("confirming runs", error)
     }
 
     /// Refusal of the block size because of its effect on the calibration samples.
-    #[must_use]
     pub fn refuse_samples(&self, error: &SceneError) -> Refusal {
         Self::refuse_cost("samples of the calibration", error)
     }
@@ -397,7 +381,6 @@ impl DesignTask {
     }
 
     /// Block size, in micrometres.
-    #[must_use]
     pub fn block_um(&self) -> f64 {
         LENGTH_UM.from_si(self.layer.block_m)
     }

@@ -33,7 +33,6 @@ impl Timings {
     }
 
     /// Formats the seconds.
-    #[must_use]
     pub fn words(&self) -> String {
         let all = [
             ("material", self.material),

@@ -179,7 +179,6 @@ fn dominates(left: &[f64], right: &[f64]) -> bool {
 
 impl TradeOffsReport {
     /// Formats the trade-offs in some lines.
-    #[must_use]
     pub fn text(&self) -> String {
         let numbers = |goals: &[f64]| {
             let told = self.goals.iter().zip(goals).map(|(name, goal)| match name.as_ref() {

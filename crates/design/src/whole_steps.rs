@@ -15,7 +15,6 @@ const WHOLE: f64 = 1e-6;
 
 /// Returns the widths, spacings and depths of whole blocks and bursts within the bounds of `design`, and their steps, in
 /// metres.
-#[must_use]
 pub fn axes(design: &DesignTask) -> ([Vec<f64>; 3], [f64; 3]) {
     let (space, limits) = (&design.space, &design.constraints.limits);
     let block_m = design.layer.block_m;
@@ -38,7 +37,6 @@ pub fn axes(design: &DesignTask) -> ([Vec<f64>; 3], [f64; 3]) {
 
 /// Designs of a lattice, width varying slowest, with the steps of width, spacing and depth in metres; at most one more
 /// than a million.
-#[must_use]
 pub fn lattice(design: &DesignTask) -> (Vec<Pattern>, [f64; 3]) {
     let (space, limits) = (&design.space, &design.constraints.limits);
     let ([widths, spacings, depths], steps_m) = axes(design);

@@ -75,7 +75,6 @@ impl Outputs {
     }
 
     /// The file `name` as text; `None` if it does not exist or is not text.
-    #[must_use]
     pub fn text(&self, name: &str) -> Option<String> {
         let (_, content) = self.files.iter().find(|(other, _)| other == name)?;
         let mut bytes = Vec::new();
@@ -84,7 +83,6 @@ impl Outputs {
     }
 
     /// Names of the files, in order of addition.
-    #[must_use]
     pub fn names(&self) -> Vec<&str> {
         self.files.iter().map(|(name, _)| name.as_str()).collect()
     }

@@ -13,7 +13,6 @@ use crate::formats::material::MaterialFile;
 use crate::formats::scene::SceneFile;
 
 /// Schemas of the files that are read, by the kind of file. They describe types; the readers check the ranges of numbers.
-#[must_use]
 pub fn schemas() -> [(&'static str, Value); 5] {
     [
         ("material", read_schema::<MaterialFile>()),
@@ -31,13 +30,11 @@ fn read_schema<T: JsonSchema>() -> Value {
 }
 
 /// Schema of the JSON record that a `T` is written as, without times.
-#[must_use]
 pub fn record_schema<T: JsonSchema>() -> Value {
     schema::<T>(SchemaSettings::draft07().for_serialize().with_transform(as_written))
 }
 
 /// Schema of the TOML sheet that a `T` is written as.
-#[must_use]
 pub fn sheet_schema<T: JsonSchema>() -> Value {
     schema::<T>(SchemaSettings::draft07().for_serialize().with_transform(without_null))
 }

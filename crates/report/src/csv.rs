@@ -18,7 +18,6 @@ fn surfaces(simulation: &Simulation) -> impl Iterator<Item = (f64, &'static str,
 }
 
 /// mu against time, one row per sample; `None` for steady runs.
-#[must_use]
 pub fn friction_trace(simulation: &Simulation) -> Option<String> {
     let mut text = String::from("load_mpa,surface,time_us,mu\n");
     let header = text.len();
@@ -31,7 +30,6 @@ pub fn friction_trace(simulation: &Simulation) -> Option<String> {
 }
 
 /// Pressure and friction along the interface, one row per contact block; includes y if the model has it.
-#[must_use]
 pub fn interface(simulation: &Simulation) -> String {
     let in_space = surfaces(simulation).any(|(_, _, surface)| surface.interface.iter().any(|point| point.y_m != 0.0));
     let y_title = if in_space { "y_um," } else { "" };
@@ -48,7 +46,6 @@ pub fn interface(simulation: &Simulation) -> String {
 }
 
 /// Formats all designs of a lattice, one row per design.
-#[must_use]
 pub fn lattice(design: &DesignTask, lattice: &Lattice) -> String {
     let quantity = design.target.quantity().name();
     let mut text = "width_um,spacing_um,depth_um".to_owned();
@@ -93,7 +90,6 @@ pub fn lattice(design: &DesignTask, lattice: &Lattice) -> String {
 }
 
 /// Formats the front of a comparison, including the chosen design, which is marked.
-#[must_use]
 pub fn trade_offs(compared: &Compared, chosen: &Pattern) -> String {
     let goals = &compared.wanted.goals;
     let columns: Vec<&str> = goals.iter().map(|goal| goal.column()).collect();

@@ -61,7 +61,6 @@ pub fn add_report(found: &DesignOutcome, outputs: &mut Outputs) -> Result<(), Re
 }
 
 /// Input for the drawings of `found`.
-#[must_use]
 pub fn drawing(found: &DesignOutcome) -> DrawingInput<'_> {
     DrawingInput {
         name: &found.task.name,

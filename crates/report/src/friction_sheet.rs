@@ -46,7 +46,6 @@ struct Measured {
 
 impl FrictionSheet {
     /// Makes the sheet of `calibration`.
-    #[must_use]
     pub fn new(calibration: &Calibration) -> Self {
         let modulus_std = calibration.youngs_modulus_std_pa.map(|pa| tidy(MODULUS_GPA.from_si(pa)));
         let modulus = tidy(MODULUS_GPA.from_si(calibration.elastic.youngs_modulus_pa()));
@@ -132,7 +131,6 @@ impl FrictionSheet {
     }
 
     /// Formats the sheet as Markdown.
-    #[must_use]
     pub fn markdown(&self) -> String {
         let mut text = format!(
             "# Friction measurements: {}\n\nItems that ASTM G115 asks a report of friction to state. `{NOT_GIVEN}` marks an item that the \

@@ -59,7 +59,6 @@ impl LaserFile {
     pub const ALWAYS: [Self; 4] = [Self::Dxf, Self::Svg, Self::Csv, Self::Process];
 
     /// Name of the format, and description of its content.
-    #[must_use]
     pub const fn described(self) -> [&'static str; 2] {
         match self {
             Self::Dxf => ["dxf", "pattern.dxf, drawing for the laser"],

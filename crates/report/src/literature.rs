@@ -56,7 +56,6 @@ fn cells(line: &str) -> Vec<String> {
 }
 
 /// Sources with numbers of dry polymers, in the order of the table.
-#[must_use]
 pub fn sources() -> Vec<(String, String, Vec<f64>)> {
     let mut found: Vec<(String, String, Vec<f64>)> = Vec::new();
     for of in published().into_iter().filter(|of| of.is_dry_polymer) {

@@ -174,7 +174,6 @@ fn quoted(text: &str) -> String {
 }
 
 /// Formats the traces as text.
-#[must_use]
 pub fn summary(conditions: &[ConditionTraces]) -> String {
     let mut text = String::new();
     for traces in conditions {

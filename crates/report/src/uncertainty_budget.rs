@@ -60,7 +60,6 @@ impl Input {
 
 impl UncertaintyBudget {
     /// Budgets of the ratio and of the coefficients of a scene, at all its loads; none where no error is known.
-    #[must_use]
     pub fn of_scene(report: &SimulationReport) -> Vec<Self> {
         let mut all = Vec::new();
         for at in &report.errors.by_pressure {
@@ -92,7 +91,6 @@ impl UncertaintyBudget {
 
     /// Budgets of the value that is expected of a cut sample, at every load; none where the inputs were not analysed. The
     /// combined uncertainty is that of the normal distribution with the record's interval.
-    #[must_use]
     pub fn of_design(report: &DesignReport) -> Vec<Self> {
         let (sample, is_ratio) = (&report.sample, report.is_ratio());
         let budget = |(row, at): (usize, &slipgrid_design::Expected)| {
@@ -170,7 +168,6 @@ impl UncertaintyBudget {
     }
 
     /// Formats `budgets` as CSV, one row per input.
-    #[must_use]
     pub fn csv(budgets: &[Self]) -> String {
         let mut text = "quantity,pressure_mpa,speed_mm_s,humidity_pct,value,input,type,standard_uncertainty,degrees_of_freedom,sensitivity,\
                         contribution,combined_uncertainty,coverage_factor,expanded_uncertainty,low_95,high_95\n"

@@ -13,7 +13,6 @@ pub const FILES: [(&str, &str); 4] = [
 pub const MAP: &str = "ldpe-cast-iron/flat-map.asc";
 
 /// Whether `folder` holds nothing that the example could replace.
-#[must_use]
 pub fn is_free(folder: &Path) -> bool {
     std::fs::read_dir(folder).map_or(!folder.exists(), |mut entries| entries.next().is_none())
 }

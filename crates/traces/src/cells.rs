@@ -4,13 +4,11 @@
 pub const SEPARATORS: [char; 3] = ['\t', ';', ','];
 
 /// Returns the separator of a table with this header line.
-#[must_use]
 pub fn separator(header: &str) -> Option<char> {
     SEPARATORS.into_iter().find(|&separator| header.contains(separator))
 }
 
 /// Splits a line into cells; separators within quotes do not split.
-#[must_use]
 pub fn cut(line: &str, separator: char) -> Vec<&str> {
     let (mut cells, mut start, mut quoted) = (Vec::new(), 0, false);
     for (at, letter) in line.char_indices() {
@@ -26,14 +24,12 @@ pub fn cut(line: &str, separator: char) -> Vec<&str> {
 }
 
 /// Removes the quotes around a cell.
-#[must_use]
 pub fn unquoted(cell: &str) -> &str {
     cell.trim_matches('"').trim()
 }
 
 /// Parses the number in a cell. A decimal comma is accepted where commas are not the separator, or where the cell is
 /// quoted.
-#[must_use]
 pub fn number_in(cell: &str, separator: char) -> Option<f64> {
     let bare = unquoted(cell);
     if let Ok(value) = bare.parse::<f64>() {

@@ -201,25 +201,21 @@ impl Channel {
     }
 
     /// Whether a trace can need this column: time, friction and normal force.
-    #[must_use]
     pub const fn is_needed(self) -> bool {
         matches!(self, Self::Time | Self::Torque | Self::FrictionForce | Self::Coefficient | Self::NormalForce)
     }
 
     /// Titles of such a column, reduced to lower-case letters and digits.
-    #[must_use]
     pub fn names(self) -> std::str::SplitWhitespace<'static> {
         self.data().names.split_whitespace()
     }
 
     /// Titles that are used where no column has one of [`Channel::names`], for example set points.
-    #[must_use]
     pub fn secondary_names(self) -> std::str::SplitWhitespace<'static> {
         self.data().secondary.split_whitespace()
     }
 
     /// The key in `columns` that gives this channel a custom title.
-    #[must_use]
     pub fn key(self) -> String {
         match self {
             Self::Repeat => "repeat".to_owned(),
@@ -229,13 +225,11 @@ impl Channel {
     }
 
     /// Name of the channel in messages.
-    #[must_use]
     pub const fn title(self) -> &'static str {
         self.data().title
     }
 
     /// Units of the channel, as messages list them.
-    #[must_use]
     pub const fn unit_words(self) -> &'static str {
         self.data().unit_words
     }

@@ -16,7 +16,6 @@ pub struct UnknownUnit {
 
 impl UnknownUnit {
     /// Reason for the refusal, and the units that are accepted.
-    #[must_use]
     pub fn words(&self) -> [String; 2] {
         let (unit, title) = (&self.unit, self.channel.title());
         let letters = unit_letters(unit);
@@ -53,13 +52,11 @@ pub struct Column {
 
 impl Column {
     /// Column name, as in the file.
-    #[must_use]
     pub fn name(&self) -> &str {
         &self.name
     }
 
     /// Converts a number of the column to SI units.
-    #[must_use]
     pub fn to_si(&self, value: f64) -> f64 {
         value * self.factor
     }
@@ -150,7 +147,6 @@ impl Titles {
     }
 
     /// Whether `channel` has a custom title.
-    #[must_use]
     pub fn has_title(&self, channel: Channel) -> bool {
         self.0.iter().any(|title| title.channel == channel)
     }
@@ -162,7 +158,6 @@ impl Titles {
 
     /// Candidate names within a title: the whole, and the text before each bracket, slash or underscore; letters and
     /// digits only.
-    #[must_use]
     pub fn letters_of(title: &str) -> Vec<String> {
         let written = unquoted(title);
         let cuts = written.char_indices().filter(|(_, letter)| UNIT_MARKS.contains(letter)).map(|(at, _)| at);
@@ -170,7 +165,6 @@ impl Titles {
     }
 
     /// Lists the titles of a channel for messages.
-    #[must_use]
     pub fn list(&self, channel: Channel) -> String {
         let own: Vec<&str> =
             self.0.iter().filter(|title| title.channel == channel).map(|title| &title.whole[..]).collect();

@@ -87,7 +87,6 @@ fn has_content(line: &str) -> bool {
 
 /// Titles of the first table in the text of an export, each with the quantity that it is taken for; of a text without known titles,
 /// the cells above the first row of numbers. Empty if there is no table.
-#[must_use]
 pub fn titles_in(text: &str, titles: &Titles) -> Vec<(String, Option<Channel>)> {
     let lines = text.trim_start_matches('\u{feff}').lines();
     let mut above = None;

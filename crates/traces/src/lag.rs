@@ -21,7 +21,6 @@ pub struct Lag {
 
 /// Median lag of friction behind `position_m` within `window_s` (seconds since the trace begins). `None` if there are
 /// too few turns, if the position was not recorded, or if the lag is below two sampling intervals.
-#[must_use]
 pub fn lag_of_friction(channels: &TraceChannels, position_m: &[f64], window_s: [f64; 2]) -> Option<Lag> {
     let friction = channels.tangential.values();
     if position_m.len() != friction.len() || friction.len() != channels.time_s.len() {
@@ -52,7 +51,6 @@ pub fn lag_of_friction(channels: &TraceChannels, position_m: &[f64], window_s: [
 
 /// Position in metres and recorded coefficient, with its sign, of the last loops within the averaging window; empty if the
 /// position was not recorded, if there are too few strokes, or if `options` names a zero of the sensors that is refused.
-#[must_use]
 pub fn friction_loops(channels: &TraceChannels, position_m: &[f64], options: &TraceOptions) -> Vec<[f64; 2]> {
     if position_m.len() != channels.tangential.values().len() || position_m.len() != channels.time_s.len() {
         return Vec::new();

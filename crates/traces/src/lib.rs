@@ -131,7 +131,6 @@ pub enum Tangential {
 
 impl Tangential {
     /// Values of the signal, whatever its quantity.
-    #[must_use]
     pub fn values(&self) -> &[f64] {
         match self {
             Self::TorqueNm(values) | Self::ForceN(values) | Self::Coefficient(values) => values,
@@ -164,7 +163,6 @@ pub struct TraceChannels {
 impl TraceChannels {
     /// Sums of squares of the channels, bit by bit: nearly unique, to detect a trace that is given twice. Only the
     /// first number depends on the start of the clock.
-    #[must_use]
     pub fn fingerprint(&self) -> [u64; 3] {
         [&self.time_s, self.tangential.values(), &self.normal_force_n]
             .map(|values| values.iter().map(|value| value * value).sum::<f64>().to_bits())

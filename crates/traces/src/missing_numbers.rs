@@ -28,7 +28,6 @@ pub struct Missing {
 
 impl Missing {
     /// Describes the missing numbers; `of_column` adds the columns in which they are missing.
-    #[must_use]
     pub fn words(&self, of_column: bool) -> String {
         let Longest { rows, columns, lines: [first, last], time_s } = &self.longest;
         let columns = if of_column { format!(" in {}", columns.join(", ")) } else { String::new() };
@@ -41,7 +40,6 @@ impl Missing {
 
     /// Explains that a trace was refused with `error` because of the missing rows, and says what would be accepted.
     /// `None` if the rows do not explain the error.
-    #[must_use]
     pub fn explains(&self, error: &TraceError, [from_s, to_s]: [f64; 2]) -> Option<[String; 2]> {
         let reaches =
             |from: f64, to: f64| self.longest.time_s.is_none_or(|time_s| time_s[0] <= to && time_s[1] >= from);

@@ -13,7 +13,6 @@ const MID_STROKE_SPEED: f64 = 0.5;
 /// `to_s`, in seconds since `start_s` on the clock of `time_s`. In reciprocating sliding only rates in the middle of
 /// the strokes count. Returns `None` if the position was not recorded, does not change, or is too coarse. Values that
 /// are not finite are skipped; surplus elements of the longer slice are ignored.
-#[must_use]
 pub fn speed_of_position(
     time_s: &[f64],
     start_s: f64,

@@ -32,7 +32,6 @@ pub struct Recorded {
 impl Recorded {
     /// Median amount of the instrument's friction coefficient from `from_s` to `to_s`, in seconds since the trace
     /// begins.
-    #[must_use]
     pub fn usual_coefficient(&self, [from_s, to_s]: [f64; 2]) -> Option<f64> {
         let times = self.channels.time_s.iter().map(|t| t - self.channels.start_s);
         let inside = times.zip(&self.coefficient).filter(|(t, mu)| *t >= from_s && *t <= to_s && mu.is_finite());

@@ -33,7 +33,6 @@ pub struct OddRepeat {
 /// Among three or more repeats, one is odd if it lies outside the 95 % prediction interval of the others (Student's t),
 /// and also differs from their mean by more than 5 % and by more than noise. Of two repeats the second is returned if
 /// they differ by more than 10 % of their mean and by more than noise. A single repeat is never odd.
-#[must_use]
 pub fn odd_repeats(values: &[(f64, f64)]) -> Vec<OddRepeat> {
     let odd = |index: usize| {
         let (mu, error) = values[index];
@@ -85,7 +84,6 @@ impl MeanStd {
     /// ```
     ///
     /// Without degrees of freedom t is undefined, and the factor is left out; the result is then a lower bound.
-    #[must_use]
     pub fn predictive_std(&self, count: usize) -> f64 {
         let student = if self.freedom == 0 {
             1.0
@@ -117,14 +115,12 @@ pub struct Repeats {
 
 impl Repeats {
     /// Standard deviation for the dynamic friction of another sample; see [`MeanStd::predictive_std`].
-    #[must_use]
     pub fn mu_dynamic_predictive_std(&self) -> f64 {
         self.mu_dynamic.predictive_std(self.count)
     }
 
     /// Standard deviation for the static friction of another sample, including what sampling may have missed; `None`
     /// unless every repeat shows a peak.
-    #[must_use]
     pub fn mu_static_predictive_std(&self) -> Option<f64> {
         Some(self.mu_static?.predictive_std(self.count).hypot(self.mu_static_missed?))
     }

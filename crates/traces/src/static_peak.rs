@@ -60,7 +60,6 @@ pub struct TracePeak {
 
 impl TracePeak {
     /// Whether so few samples are near the top that the peak may have been higher.
-    #[must_use]
     pub const fn is_coarse(&self) -> bool {
         self.samples_at_top < MIN_SAMPLES_AT_TOP
     }

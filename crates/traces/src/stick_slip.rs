@@ -45,13 +45,11 @@ pub struct StickSlip {
 
 impl StickSlip {
     /// Whether falls are significantly faster than rises: a relaxation oscillation, or stick-slip.
-    #[must_use]
     pub fn is_relaxation(&self) -> bool {
         self.fall_over_rise < MAX_FALL_OVER_RISE && self.arrow > MIN_RANK_DEVIATION
     }
 
     /// Whether periods are regular, and enough of them were seen.
-    #[must_use]
     pub fn is_regular(&self) -> bool {
         self.slips > MIN_PERIODS && self.period_spread_s < MAX_PERIOD_SPREAD * self.period_s
     }

@@ -78,7 +78,6 @@ fn roots<T: Number>(block: usize) -> [[T; 2]; 3] {
 impl<T: Number> Convolution<T> {
     /// Plans filters of maps of `rows` x `cols` points; `None` unless both are powers of two, with at least 8 rows and
     /// 256 columns.
-    #[must_use]
     pub fn new(rows: usize, cols: usize) -> Option<Self> {
         if !rows.is_power_of_two() || !cols.is_power_of_two() || rows < MIN_ROWS || cols < TILE {
             return None;
@@ -111,7 +110,6 @@ impl<T: Number> Convolution<T> {
     }
 
     /// Length of the scratch buffer that a filter needs.
-    #[must_use]
     pub fn scratch_len(&self) -> usize {
         (self.rows * self.width()).max(3 * self.cols)
     }
@@ -120,7 +118,6 @@ impl<T: Number> Convolution<T> {
     ///
     /// `factor(k, l)` is the factor of the wave with k periods along x and l along y, with k up to rows/2 and l up to
     /// cols/2. It must include the normalization 1/(rows cols).
-    #[must_use]
     pub fn factors(&self, factor: impl Fn(usize, usize) -> f64) -> Vec<T> {
         let mut factors = vec![T::zero(); (self.rows / 2 + 1) * self.cols];
         let mut waves = vec![T::zero(); self.cols];

@@ -12,7 +12,6 @@ pub struct CancellableReader<'a, R> {
 
 impl<'a, R: Read> CancellableReader<'a, R> {
     /// Creates a reader of `source` that fails once `monitor` cancels.
-    #[must_use]
     pub const fn new(source: R, monitor: &'a dyn Monitor) -> Self {
         Self { source, monitor }
     }

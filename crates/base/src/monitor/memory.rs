@@ -34,7 +34,6 @@ impl Key {
     /// writes the shortest digits that read back as the same number, so that different contents have different texts: a renamed or a new field is
     /// a new key. `Debug` by hand could leave a field out; the tests of the house list the types that have one. Serialization would need serde in
     /// ten crates that compute and do not read or write, and JSON writes one `null` for every number that is not finite.
-    #[must_use]
     pub fn of(kind: &str, content: &dyn Debug) -> Self {
         let mut hashed = Hashed(Sha256::new_with_prefix(SCHEMA));
         // Writing to a hash cannot fail.
@@ -48,7 +47,6 @@ impl Key {
     }
 
     /// Letters, digits and a hyphen, suitable as a file name.
-    #[must_use]
     pub fn name(&self) -> &str {
         &self.0
     }
@@ -80,7 +78,6 @@ struct Entries {
 
 impl InMemory {
     /// Creates an empty cache for at most `max_bytes` of values.
-    #[must_use]
     pub const fn new(max_bytes: usize) -> Self {
         let kept = Entries { values: BTreeMap::new(), oldest_first: VecDeque::new(), bytes: 0 };
         Self { kept: Mutex::new(kept), max_bytes }

@@ -93,14 +93,12 @@ pub struct Stage<'a> {
 
 impl<'a> Stage<'a> {
     /// Begins the stage `name` of `job`, with the time limit `until_s` on the job's clock.
-    #[must_use]
     pub fn new(job: &'a dyn Monitor, name: &str, until_s: Option<f64>) -> Self {
         job.stage(name);
         Self { job, started_s: job.seconds(), until_s }
     }
 
     /// Whether the time limit is reached.
-    #[must_use]
     pub fn is_out_of_time(&self) -> bool {
         self.until_s.is_some_and(|until_s| self.job.seconds() >= until_s)
     }
@@ -165,7 +163,6 @@ pub struct Part<'a> {
 
 impl<'a> Part<'a> {
     /// Creates a part of `stage` with the fraction `share`, 0 to 1, of its work.
-    #[must_use]
     pub const fn new(stage: &'a dyn Monitor, share: f64) -> Self {
         Self { stage, share }
     }
@@ -191,7 +188,6 @@ pub struct CachingMonitor<'a> {
 
 impl<'a> CachingMonitor<'a> {
     /// Wraps `inner` and adds a cache in memory if it has none.
-    #[must_use]
     pub fn new(inner: &'a dyn Monitor) -> Self {
         Self { inner, own: InMemory::default() }
     }

@@ -5,7 +5,6 @@
 /// ```text
 /// Q(n + 2) = Q(n) + (x / 2)^(n / 2) exp(-x / 2) / Gamma(n / 2 + 1),     Q(0) = 0,     Q(1) = erfc(sqrt(x / 2))
 /// ```
-#[must_use]
 pub fn chi_square_beyond(chi_square: f64, degrees: usize) -> f64 {
     if degrees == 0 || chi_square <= 0.0 {
         return 1.0;

@@ -3,7 +3,6 @@
 
 /// Computes the lower triangular factor L of `matrix` = L L^T, n x n. A pivot that is zero within rounding gives a
 /// column of zeros; `None` for a negative pivot.
-#[must_use]
 pub fn cholesky(matrix: &[f64], n: usize) -> Option<Vec<f64>> {
     let mut is_definite = true;
     let factor = factor(matrix, n, |left, own| {
@@ -20,7 +19,6 @@ const COVARIANCE_ROUNDING: f64 = 1e-10;
 /// Computes the lower triangular factor of a covariance, n x n, which may be singular: a component that earlier
 /// components determine, within rounding, gets a pivot of zero. For a matrix that is not a covariance, the result is
 /// the factor of a nearby covariance.
-#[must_use]
 pub fn covariance_factor(covariance: &[f64], n: usize) -> Vec<f64> {
     factor(covariance, n, |left, variance| left > COVARIANCE_ROUNDING * variance)
 }
@@ -63,7 +61,6 @@ pub fn solve_upper(factor: &[f64], n: usize, values: &mut [f64]) {
 }
 
 /// ln det(L L^T).
-#[must_use]
 pub fn log_determinant(factor: &[f64], n: usize) -> f64 {
     (0..n).map(|row| 2.0 * libm::log(factor[row * n + row])).sum()
 }
@@ -75,13 +72,11 @@ pub fn solve(factor: &[f64], n: usize, values: &mut [f64]) {
 }
 
 /// Whether a factor is regular, which means that it has no column of zeros.
-#[must_use]
 pub fn is_regular(factor: &[f64], n: usize) -> bool {
     (0..n).all(|row| factor[row * n + row] > 0.0)
 }
 
 /// Dot product of two vectors, summed from the first entry on.
-#[must_use]
 pub fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }

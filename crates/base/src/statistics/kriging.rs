@@ -22,7 +22,6 @@ struct Quantity {
 
 impl<const D: usize> Kriging<D> {
     /// Interpolates `quantities`, each known at all `places`, with the correlation length `range`; zero without places.
-    #[must_use]
     pub fn new(range: f64, places: Vec<[f64; D]>, quantities: Vec<Vec<f64>>) -> Self {
         let n = places.len();
         let nugget = |i: usize, j: usize| if i == j { NUGGET } else { 0.0 };
@@ -49,7 +48,6 @@ impl<const D: usize> Kriging<D> {
     }
 
     /// Quantities at `place`: d(t) = m + sum `w_i` C(t, `t_i`).
-    #[must_use]
     pub fn at(&self, place: &[f64; D]) -> Vec<f64> {
         let near: Vec<f64> = self.places.iter().map(|known| covariance(known, place, self.range)).collect();
         let interpolate = |quantity: &Quantity| {
@@ -60,7 +58,6 @@ impl<const D: usize> Kriging<D> {
 }
 
 /// Euclidean distance between two places.
-#[must_use]
 pub fn distance<const D: usize>(left: &[f64; D], right: &[f64; D]) -> f64 {
     square(left, right).sqrt()
 }

@@ -12,7 +12,6 @@ pub struct Normals {
 
 impl Normals {
     /// Starts the stream with `seed`.
-    #[must_use]
     pub fn new(seed: u64) -> Self {
         Self { generator: ChaCha8Rng::seed_from_u64(seed), second: None }
     }

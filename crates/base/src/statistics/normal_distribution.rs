@@ -9,7 +9,6 @@ const CENTRAL: f64 = 0.425;
 const FAR: f64 = 5.0;
 
 /// Probability that a standard normal deviate is below `x`.
-#[must_use]
 pub fn normal_probability(x: f64) -> f64 {
     // Phi(x) = erfc(-x / sqrt(2)) / 2
     0.5 * libm::erfc(-x * std::f64::consts::FRAC_1_SQRT_2)
@@ -24,7 +23,6 @@ fn normal_density(x: f64) -> f64 {
 
 /// Quantile of the standard normal distribution at the probability `p`, to 16 digits, by algorithm AS 241 (M. J.
 /// Wichura, Appl. Stat. 37, 477). Infinite at 0 and 1, NaN outside.
-#[must_use]
 pub fn normal_quantile(p: f64) -> f64 {
     if !(0.0..=1.0).contains(&p) {
         return f64::NAN;
@@ -121,7 +119,6 @@ const MAX_OFF: f64 = 5e-9;
 
 /// Quantile of a mixture of normal distributions at the probability `p`. Each of `parts` has a weight, a mean and a
 /// standard deviation; the weights sum to 1. The probability is met to 1e-8. NaN without parts.
-#[must_use]
 pub fn mixture_quantile(parts: &[[f64; 3]], p: f64) -> f64 {
     let tables: &Tables = &TABLES;
     let z = normal_quantile(p);
@@ -267,7 +264,6 @@ impl BoxRule {
     pub const LANES: usize = 4;
 
     /// Creates the rule for vectors of `n` components.
-    #[must_use]
     pub fn new(n: usize) -> Self {
         let is_prime =
             |number: &u32| (2..).take_while(|d| d * d <= *number).all(|divisor| !number.is_multiple_of(divisor));
@@ -278,7 +274,6 @@ impl BoxRule {
     /// Probability as the mean over `points` of the lattice. `factor` is the lower triangular factor L of the
     /// covariance L L^T, n x n, row by row; rows of zeros are exact components. For a mixture, give its terms
     /// consecutive `points`: their errors are then independent, as if the sum were one integral.
-    #[must_use]
     pub fn probability(&self, mean: &[f64], factor: &[f64], [lower, upper]: [&[f64]; 2], points: Range<usize>) -> f64 {
         let n = mean.len();
         if n == 0 {

@@ -21,13 +21,11 @@ impl Axis {
     pub const MIN_NODES: usize = 4;
 
     /// Creates an axis with `nodes` nodes, or with one if both ends are equal.
-    #[must_use]
     pub fn new([from, to]: [f64; 2], nodes: usize) -> Self {
         Self { from, to, nodes: if to > from { nodes.max(Self::MIN_NODES) } else { 1 } }
     }
 
     /// Length at a node.
-    #[must_use]
     pub fn at(&self, node: usize) -> f64 {
         if self.nodes == 1 {
             self.from
@@ -37,7 +35,6 @@ impl Axis {
     }
 
     /// Number of coefficients along the axis: two more than nodes, or one.
-    #[must_use]
     pub const fn coefficients(&self) -> usize {
         if self.nodes == 1 { 1 } else { self.nodes + 2 }
     }
@@ -119,7 +116,6 @@ pub struct ResponseSurface {
 
 impl ResponseSurface {
     /// Interpolates `values` at the nodes of `axes`: first axis slowest, the `outputs` of a node side by side.
-    #[must_use]
     pub fn through(axes: [Axis; 3], outputs: usize, values: Vec<f64>) -> Self {
         let mut coefficients = values;
         // One axis after the other; `before` counts the slower indices, `after` the faster ones.
@@ -147,25 +143,21 @@ impl ResponseSurface {
     }
 
     /// Axes of the three lengths.
-    #[must_use]
     pub const fn axes(&self) -> &[Axis; 3] {
         &self.axes
     }
 
     /// Number of outputs per node.
-    #[must_use]
     pub const fn outputs(&self) -> usize {
         self.outputs
     }
 
     /// All coefficients, first axis slowest, outputs fastest.
-    #[must_use]
     pub fn coefficients(&self) -> &[f64] {
         &self.coefficients
     }
 
     /// Lengths of the nodes, first axis slowest.
-    #[must_use]
     pub fn nodes(axes: &[Axis; 3]) -> Vec<[f64; 3]> {
         let [first, second, third] = axes;
         let for_first = |a: usize| (0..second.nodes).flat_map(move |b| (0..third.nodes).map(move |c| [a, b, c]));
@@ -173,7 +165,6 @@ impl ResponseSurface {
     }
 
     /// Whether one of `nodes`, given by index, is a corner of the lattice cell that contains three lengths.
-    #[must_use]
     pub fn is_beside(&self, nodes: &[usize], lengths: &[f64; 3]) -> bool {
         let [_, rows, columns] = self.axes.map(|axis| axis.nodes);
         let around: [_; 3] = std::array::from_fn(|axis| self.axes[axis].around(lengths[axis]));
@@ -184,7 +175,6 @@ impl ResponseSurface {
     }
 
     /// Outputs at three lengths; constant beyond the ends of an axis.
-    #[must_use]
     pub fn at(&self, lengths: &[f64; 3]) -> Vec<f64> {
         let [(a, u), (b, v), (c, w)] = std::array::from_fn(|axis| self.axes[axis].weights(lengths[axis]));
         let [_, rows, columns] = self.axes.map(|axis| axis.coefficients());

@@ -23,7 +23,6 @@ impl Confidence {
 
     /// Two-sided quantile of Student's t: tabulated for few degrees of freedom, Fisher's expansion for more. Zero
     /// degrees of freedom count as one.
-    #[must_use]
     pub fn student_t(self, degrees_of_freedom: usize) -> f64 {
         let degrees_of_freedom = degrees_of_freedom.max(1);
         if let Some(&tabulated) = self.few.get(degrees_of_freedom - 1) {

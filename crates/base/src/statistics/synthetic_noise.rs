@@ -8,7 +8,6 @@ pub struct Noise {
 
 impl Noise {
     /// Starts the stream with `seed`.
-    #[must_use]
     pub const fn new(seed: u64) -> Self {
         Self { state: seed }
     }

@@ -50,13 +50,11 @@ impl Quantity {
     }
 
     /// Whether `value`, in the file's unit, is within the range.
-    #[must_use]
     pub fn accepts(&self, value: f64) -> bool {
         value.is_finite() && value <= self.max && if self.above { value > self.min } else { value >= self.min }
     }
 
     /// Converts `value` to SI units.
-    #[must_use]
     pub fn to_si(&self, value: f64) -> f64 {
         match self.scale {
             Scale::Times(factor) => value * factor,
@@ -65,7 +63,6 @@ impl Quantity {
     }
 
     /// Converts `si` to the file's unit, rounded to 12 digits, so that conversion and back gives the number written.
-    #[must_use]
     pub fn from_si(&self, si: f64) -> f64 {
         tidy(match self.scale {
             Scale::Times(factor) => si / factor,
@@ -74,7 +71,6 @@ impl Quantity {
     }
 
     /// Rounds `si` as it is read back from a file with 12 digits.
-    #[must_use]
     pub fn as_written(&self, si: f64) -> f64 {
         self.to_si(self.from_si(si))
     }
@@ -178,13 +174,11 @@ pub const WALL_TAPER_DEG: Quantity = Quantity::new(Scale::Times(1.0), "degrees",
 pub const POSITIVE: Quantity = Quantity::new(Scale::Times(1.0), "", 1e-6, false, 1e12);
 
 /// Rounds `value` to 12 significant digits, which removes rounding errors of unit conversions.
-#[must_use]
 pub fn tidy(value: f64) -> f64 {
     significant(value, 12)
 }
 
 /// `count` and `noun`, in the plural unless `count` is 1.
-#[must_use]
 pub fn counted(count: usize, noun: &str) -> String {
     let plural = match noun {
         _ if count == 1 => "",
@@ -195,20 +189,17 @@ pub fn counted(count: usize, noun: &str) -> String {
 }
 
 /// Rounds `value` to `digits` significant digits.
-#[must_use]
 pub fn significant(value: f64, digits: usize) -> f64 {
     if value.is_finite() { format!("{value:.*e}", digits.saturating_sub(1)).parse().unwrap_or(value) } else { value }
 }
 
 /// Formats `value`, with an exponent if it would have too many digits.
-#[must_use]
 pub fn in_digits(value: f64) -> String {
     let is_plain = value == 0.0 || (1e-9..1e16).contains(&value.abs());
     if is_plain { value.to_string() } else { format!("{value:e}") }
 }
 
 /// Rounds a positive `value` to `digits` significant digits with `to`: `f64::ceil` rounds up, `f64::floor` down.
-#[must_use]
 pub fn significant_to(value: f64, digits: usize, to: fn(f64) -> f64) -> f64 {
     let unit = 10_f64.powf(value.log10().floor() + 1.0 - digits as f64);
     significant(to(value / unit) * unit, digits)

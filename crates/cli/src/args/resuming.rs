@@ -5,13 +5,11 @@ use crate::output::quoted;
 
 impl OptimizeArgs {
     /// Command line that resumes the search from the study that this command left.
-    #[must_use]
     pub fn resuming(&self, no_cache: bool) -> String {
         format!("{} --resume", self.again(no_cache))
     }
 
     /// Command line that does the same again.
-    #[must_use]
     pub fn again(&self, no_cache: bool) -> String {
         let output = self.output.as_ref().map(|folder| format!(" -o {}", quoted(folder))).unwrap_or_default();
         let given = [

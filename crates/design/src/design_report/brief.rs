@@ -12,7 +12,6 @@ const MAX_LIFTED: usize = 2;
 
 impl DesignReport {
     /// Formats the report for the screen; [`DesignReport::summary`] has all details.
-    #[must_use]
     pub fn brief(&self) -> String {
         let mut text = wrapped(&format!("{}: {}", self.name, self.words), SCREEN_WIDTH, "  ", 3) + "\n\n";
         let design = &self.sample.design;

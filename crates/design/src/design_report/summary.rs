@@ -14,7 +14,6 @@ const FAR_BEYOND: f64 = 1.25;
 
 impl DesignReport {
     /// Formats the full text report.
-    #[must_use]
     pub fn summary(&self) -> String {
         [self.texture_text(), self.expected_text(), self.found_beside(), self.notes_text(), self.cost()].concat()
     }
@@ -74,7 +73,6 @@ impl DesignReport {
     }
 
     /// Main limit of the chance, in words.
-    #[must_use]
     pub fn limit_in_words(&self) -> Option<String> {
         let LimitedBy { input, known_to, chance_if_known, .. } = self.limit()?;
         Some(format!("limited mostly by {input} ({known_to}): exactly known, {} chance", percent(*chance_if_known)))
@@ -131,7 +129,6 @@ impl DesignReport {
     }
 
     /// Input that limits the chance most, if significant.
-    #[must_use]
     pub fn limit(&self) -> Option<&LimitedBy> {
         let chance = self.sample.chance?;
         self.sample.limited_by.first().filter(|limit| limit.chance_if_known > chance + 0.02)
@@ -159,7 +156,6 @@ impl DesignReport {
     }
 
     /// Reasons to doubt the design, one sentence each, the gravest first; the text marks them with `!`.
-    #[must_use]
     pub fn doubts(&self) -> Vec<String> {
         let [before, after] = self.other_doubts();
         let beyond = self.beyond_range();
@@ -222,21 +218,18 @@ impl DesignReport {
 
 impl Expected {
     /// Whether speed, humidity and direction equal those of `other`.
-    #[must_use]
     pub fn is_at_condition_of(&self, other: &Self) -> bool {
         let condition = |of: &Self| (of.speed_mm_s, of.humidity_pct, of.sliding_angle_deg);
         condition(self) == condition(other)
     }
 
     /// Describes speed, humidity and direction.
-    #[must_use]
     pub fn condition_in_words(&self) -> String {
         let direction = self.sliding_angle_deg.map_or_else(String::new, |angle| format!(", at {angle} deg"));
         format!("{} mm/s, {} %{direction}", self.speed_mm_s, self.humidity_pct)
     }
 
     /// Describes the accepted values.
-    #[must_use]
     pub fn target_in_words(&self) -> String {
         match (self.target_low, self.target_high) {
             (Some(low), Some(high)) => format!("{low:.3} to {high:.3}"),
@@ -254,7 +247,6 @@ const LEARNS_MUCH: f64 = 0.33;
 
 impl SampleReport {
     /// Information gained by measuring the sample, in words.
-    #[must_use]
     pub fn learns(&self) -> &'static str {
         match self.information_bits {
             bits if bits < LEARNS_SOME => "little",

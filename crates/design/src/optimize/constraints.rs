@@ -14,7 +14,6 @@ pub enum Bound {
 
 impl Bound {
     /// Returns the limit.
-    #[must_use]
     pub const fn limit(self) -> f64 {
         match self {
             Self::AtMost(limit) | Self::AtLeast(limit) => limit,
@@ -50,7 +49,6 @@ pub struct Limit {
 
 impl Limit {
     /// Distance of `value` beyond the limit, in scales: 0 at the limit, negative inside.
-    #[must_use]
     pub fn excess(&self, value: f64) -> f64 {
         match self.bound {
             Bound::AtMost(limit) => (value - limit) / self.scale,
@@ -66,7 +64,6 @@ impl Limit {
     }
 
     /// Formats `value` with its unit.
-    #[must_use]
     pub fn tell(&self, value: f64) -> String {
         let told = significant(value / self.unit_si);
         if self.unit.is_empty() { told } else { format!("{told} {}", self.unit) }
@@ -90,7 +87,6 @@ pub struct Constraints {
 impl Constraints {
     /// Lists the constraints that `design` violates; `limited` are its limited quantities, in the order of
     /// [`Self::quantities`], in SI units.
-    #[must_use]
     pub fn violations(&self, design: &Pattern, limited: &[f64]) -> Vec<Violation> {
         let makeable = self.limits.violations(design).into_iter().map(Violation::Limit);
         let exceeded = |(limit, &value): (&Limit, &f64)| {
@@ -116,7 +112,6 @@ pub enum Violation {
 
 impl Violation {
     /// Distance beyond the constraint, relative to it: 0 at the constraint.
-    #[must_use]
     pub fn excess(&self) -> f64 {
         match self {
             Self::Limit(limit) => limit.excess(),

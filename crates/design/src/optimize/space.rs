@@ -43,37 +43,31 @@ impl DesignSpace {
     }
 
     /// The texture of every design.
-    #[must_use]
     pub const fn texture(&self) -> &Texture {
         &self.texture
     }
 
     /// The planform of every design.
-    #[must_use]
     pub const fn planform(&self) -> Planform {
         self.texture.planform()
     }
 
     /// Lower and upper bound of the width, in metres.
-    #[must_use]
     pub const fn width_m(&self) -> [f64; 2] {
         self.width_m
     }
 
     /// Lower and upper bound of the spacing, in metres.
-    #[must_use]
     pub const fn spacing_m(&self) -> [f64; 2] {
         self.spacing_m
     }
 
     /// Lower and upper bound of the depth, in metres.
-    #[must_use]
     pub const fn depth_m(&self) -> [f64; 2] {
         self.depth_m
     }
 
     /// Lower and upper bounds of width, spacing and depth, in metres.
-    #[must_use]
     pub const fn lengths_m(&self) -> [[f64; 2]; 3] {
         [self.width_m, self.spacing_m, self.depth_m]
     }

@@ -18,7 +18,6 @@ pub enum Quantity {
 
 impl Quantity {
     /// The name used in files.
-    #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::Ratio => "ratio",
@@ -73,7 +72,6 @@ pub enum Wanted {
 
 impl Wanted {
     /// Lowest and highest accepted value, if limited.
-    #[must_use]
     pub fn band(&self) -> [Option<f64>; 2] {
         match *self {
             Self::Anything => [None; 2],
@@ -85,7 +83,6 @@ impl Wanted {
     }
 
     /// Half the width of the accepted band, or the margin of a single limit; `None` if nothing is demanded.
-    #[must_use]
     pub fn tolerance(&self) -> Option<f64> {
         match *self {
             Self::Anything => None,
@@ -146,7 +143,6 @@ impl Goal {
     pub const ALL: [Self; 3] = [Self::Lowest, Self::Highest, Self::Even];
 
     /// The name used in files.
-    #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::Lowest => "lowest",
@@ -205,32 +201,27 @@ impl Target {
     }
 
     /// Quantity that the target prescribes.
-    #[must_use]
     pub const fn quantity(&self) -> Quantity {
         self.quantity
     }
 
     /// Demands at each pressure, in the order given; they are equal at every condition.
-    #[must_use]
     pub fn points(&self) -> &[Demand] {
         &self.demands
     }
 
     /// Goal, if given.
-    #[must_use]
     pub const fn goal(&self) -> Option<Goal> {
         self.goal
     }
 
     /// Whether some pressure has a demand.
-    #[must_use]
     pub fn has_demands(&self) -> bool {
         self.demands.iter().any(|demand| demand.wanted != Wanted::Anything)
     }
 
     /// Smallest significant change of a value: the smallest tolerance; with a goal, at most 0.01 for a ratio and 0.0025
     /// for a friction coefficient.
-    #[must_use]
     pub fn tolerance(&self) -> f64 {
         let smallest = self.demands.iter().filter_map(|demand| demand.wanted.tolerance()).reduce(f64::min);
         let step = match self.quantity {

@@ -26,7 +26,6 @@ pub struct Tolerances {
 
 impl Tolerances {
     /// Nonzero independent errors of width, spacing and depth, each of one standard deviation, in metres.
-    #[must_use]
     pub fn independent_m(&self) -> Vec<[f64; AXES]> {
         let [width, spacing, depth] = self.std_m;
         let correlation = self.width_spacing_correlation;
@@ -89,27 +88,23 @@ impl Uncertainty {
     }
 
     /// Index of the rim height, the last input; `None` if it is exact.
-    #[must_use]
     pub fn rim(&self) -> Option<usize> {
         self.has_rim.then(|| self.inputs() - 1)
     }
 
     /// Number of inputs: dimensions, parameters and the rim height.
-    #[must_use]
     pub fn inputs(&self) -> usize {
         self.covariance.len()
     }
 
     /// Standard deviation of one input: width, spacing, depth in metres, then the parameters, then the rim height in
     /// metres.
-    #[must_use]
     pub fn std(&self, input: usize) -> f64 {
         self.covariance[input][input].sqrt()
     }
 
     /// Covariance of values from the inputs selected by `of`, one row per value: G' C G, G the `slopes` of the values
     /// along every input and C the covariance of the inputs.
-    #[must_use]
     pub fn covariance_of(&self, slopes: &[Vec<f64>], of: &dyn Fn(usize) -> bool) -> Vec<Vec<f64>> {
         let count = slopes.first().map_or(0, Vec::len);
         let mut covariance = vec![vec![0.0; count]; count];
@@ -127,7 +122,6 @@ impl Uncertainty {
 
 /// Returns the design with the mean rim height changed by `by_m`: |h + by|, as a height below the land counts as equally
 /// far above it.
-#[must_use]
 pub fn with_rim_off(design: &Pattern, by_m: f64) -> Pattern {
     let height_m = design.rim_height_m();
     let raised = design.texture().rim().map(|rim| rim.raised((height_m + by_m).abs() - height_m));

@@ -6,7 +6,6 @@ use crate::results::fixed;
 const BELIEVED: [f64; 2] = [0.05, 2.0];
 
 /// Formats a ratio with `digits` decimals; outside the believed range it is `below 0.05` or `above 2`.
-#[must_use]
 pub fn believed(ratio: f64, digits: usize) -> String {
     let [least, most] = BELIEVED;
     if ratio < least {
@@ -19,7 +18,6 @@ pub fn believed(ratio: f64, digits: usize) -> String {
 }
 
 /// Formats an interval of ratios with three decimals.
-#[must_use]
 pub fn believed_interval(ends: [f64; 2]) -> String {
     let [low, high] = ends.map(|end| believed(end, 3));
     format!("{low} to {high}")
@@ -27,7 +25,6 @@ pub fn believed_interval(ends: [f64; 2]) -> String {
 
 /// Formats the standard deviation of a ratio's logarithm with three decimals. Above 0.7, a factor of two in the ratio,
 /// the text is `above 0.7`, because such a value says only that little is known.
-#[must_use]
 pub fn believed_std(std: f64) -> String {
     let most = (10.0 * std::f64::consts::LN_2).round() / 10.0;
     if std > most { format!("above {most}") } else { fixed(Some(std), 3) }

@@ -32,20 +32,17 @@ pub struct CorrectedAt {
 
 impl CorrectedReport {
     /// Formats the corrected values as a heading and a table.
-    #[must_use]
     pub fn text(&self) -> String {
         format!("\n  {}\n{}", self.meaning(), self.table())
     }
 
     /// States that the numbers include the discrepancy, and from how many trials.
-    #[must_use]
     pub fn meaning(&self) -> String {
         let trials = if self.trials == 1 { "one trial".to_owned() } else { format!("{} trials", self.trials) };
         format!("the model corrected by {trials}")
     }
 
     /// Corrected values, one row per pressure.
-    #[must_use]
     pub fn table(&self) -> Table {
         let mut table = Table::new(["P MPa", "factor", "+-", "ratio", "+-", "mu", "+-"]);
         for row in &self.by_pressure {

@@ -82,7 +82,6 @@ fn physical(ends: [f64; 2]) -> [f64; 2] {
 
 impl ErrorReport {
     /// Combines the `own` parts of a run and the deviation from the `material`; all are independent of one another.
-    #[must_use]
     pub fn new(value: Option<f64>, own: Vec<PartsReport>, material: Option<&Deviation>) -> Self {
         let known = material.filter(|known| !known.parts.is_empty());
         let square =
@@ -133,20 +132,17 @@ impl ErrorReport {
     }
 
     /// Standard deviation from the part `input` alone; `None` if there is no such part.
-    #[must_use]
     pub fn std_of(&self, input: &str) -> Option<f64> {
         self.parts.iter().find(|part| part.input == input).map(|part| part.std)
     }
 
     /// Standard deviation from the run itself: duration, draws, and all corrections except the size of blocks.
-    #[must_use]
     pub fn std_of_run(&self) -> f64 {
         let corrections = [Effect::Rims, Effect::Layout, Effect::Time, Effect::Behind, Effect::Tilt].map(Effect::name);
         self.std_of_all(&[&[TIME_AVERAGE, DRAWS][..], &corrections].concat())
     }
 
     /// Standard deviation from the parts `inputs` together.
-    #[must_use]
     pub fn std_of_all(&self, inputs: &[&str]) -> f64 {
         let of = self.parts.iter().filter(|part| inputs.contains(&part.input.as_str()));
         of.map(|part| part.std.powi(2)).sum::<f64>().sqrt()
@@ -156,7 +152,6 @@ impl ErrorReport {
 impl ErrorsReport {
     /// Creates the report of the errors `by_pressure`. `unknown` are the sources that the material leaves open;
     /// `corrected` values include the discrepancy.
-    #[must_use]
     pub fn new(by_pressure: Vec<PressureErrors>, unknown: Vec<String>, corrected: bool) -> Self {
         let mut includes: Vec<String> = Vec::new();
         let values = |row: &PressureErrors| {
@@ -181,7 +176,6 @@ impl ErrorsReport {
 
     /// Formats the 95 % intervals of the values selected by `of`, at all pressures, in one line; `None` if none is
     /// known.
-    #[must_use]
     pub fn intervals(&self, name: &str, of: impl Fn(&PressureErrors) -> Option<ErrorReport>) -> Option<String> {
         let ends = |row: &PressureErrors| of(row)?.interval_95.map(|[from, to]| format!("{from:.4} to {to:.4}"));
         let all: Vec<String> = self.by_pressure.iter().map(|row| ends(row).unwrap_or_else(|| "-".to_owned())).collect();
@@ -190,7 +184,6 @@ impl ErrorsReport {
     }
 
     /// Errors at the pressure with the index `row`.
-    #[must_use]
     pub fn at(&self, row: usize) -> Option<&PressureErrors> {
         self.by_pressure.get(row)
     }

@@ -55,7 +55,6 @@ pub const VERSION: &str = env!("CARGO_PKG_VERSION");
 pub const SCHEMA: u32 = 1;
 
 /// Schema version of files that do not give one.
-#[must_use]
 pub const fn first_schema() -> u32 {
     1
 }

@@ -4,7 +4,6 @@
 use slipgrid_base::units::counted;
 
 /// Formats every statement of `model` as a line that begins with `- `, and `method` as the last line.
-#[must_use]
 pub fn notes<'a>(model: impl IntoIterator<Item = &'a str>, method: &[String]) -> String {
     let mut text: String = model.into_iter().map(|statement| format!("- {statement}\n")).collect();
     if !method.is_empty() {
@@ -15,7 +14,6 @@ pub fn notes<'a>(model: impl IntoIterator<Item = &'a str>, method: &[String]) ->
 
 /// Breaks `text` between words into lines of at most `width` characters, of which all but the first begin with
 /// `indent`; at most `most` lines are kept. A longer word gets a line of its own.
-#[must_use]
 pub fn wrapped(text: &str, width: usize, indent: &str, most: usize) -> String {
     let start = text.len() - text.trim_start().len();
     let mut lines = vec![text[..start].to_owned()];
@@ -47,7 +45,6 @@ pub const WHERE_ALL: &str = "with --details";
 const MAX_DOUBTS: usize = 3;
 
 /// Formats the first doubts for the screen, with the number of the others.
-#[must_use]
 pub fn doubts_in_brief(doubts: &[String]) -> String {
     let mut text: String = doubts.iter().take(MAX_DOUBTS).map(|doubt| doubt_in_brief(doubt)).collect();
     if doubts.len() > MAX_DOUBTS {
@@ -61,7 +58,6 @@ pub const ABOUT_MATERIAL: &str = "the material is doubtful: ";
 
 /// Formats a doubt as at most three lines of the screen. Its source and the explanation after the first semicolon are left
 /// to reports.
-#[must_use]
 pub fn doubt_in_brief(doubt: &str) -> String {
     let doubt = doubt.strip_prefix(ABOUT_MATERIAL).unwrap_or(doubt);
     let first = doubt.split("; ").next().unwrap_or(doubt);

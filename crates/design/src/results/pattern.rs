@@ -39,14 +39,12 @@ impl From<&Pattern> for PatternReport {
 }
 
 /// Formats a length in micrometres, rounded to 0.01 um, which no laser resolves.
-#[must_use]
 pub fn length_in_words(length_um: f64) -> String {
     ((100.0 * length_um).round() / 100.0).to_string()
 }
 
 /// Formats a laser time: in seconds, and in minutes from ten minutes on. It has two decimals below 1 s, one below 100
 /// s, none below 600 s, and one in minutes. The explorer formats times alike.
-#[must_use]
 pub fn duration_in_words(seconds: f64) -> String {
     match seconds {
         _ if seconds < 0.995 => format!("{seconds:.2} s"),
@@ -58,7 +56,6 @@ pub fn duration_in_words(seconds: f64) -> String {
 
 impl PatternReport {
     /// Formats width, spacing and depth as `130 / 370 / 5.2`, in um.
-    #[must_use]
     pub fn lengths_in_words(&self) -> String {
         [self.width_um, self.spacing_um, self.depth_um].map(length_in_words).join(" / ")
     }
@@ -79,19 +76,16 @@ impl PatternReport {
     }
 
     /// Name of the planform.
-    #[must_use]
     pub fn planform(&self) -> &str {
         self.texture.planform.as_deref().unwrap_or(Planform::Groove.name())
     }
 
     /// Rims, if there are any.
-    #[must_use]
     pub fn rim(&self) -> Option<Rim> {
         self.texture.rim().ok().flatten()
     }
 
     /// Describes the rims of cavities of this depth, with lengths in um; `None` if there are none.
-    #[must_use]
     pub fn rim_words(&self) -> Option<String> {
         let rim = self.rim()?;
         let um = |length_m: f64| LENGTH_UM.from_si(length_m);
@@ -102,7 +96,6 @@ impl PatternReport {
     }
 
     /// Describes the properties of the texture that the name of the planform does not give; empty if there are none.
-    #[must_use]
     pub fn texture_words(&self) -> String {
         let lengths = [("long", self.texture.length_um), ("between rows", self.texture.spacing_across_um)];
         let lengths =

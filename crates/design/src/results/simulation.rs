@@ -93,7 +93,6 @@ impl MaterialReport {
 }
 
 /// Formats the range of pressures at which friction was measured.
-#[must_use]
 pub fn measured_range([low_mpa, high_mpa]: [f64; 2]) -> String {
     format!("friction was measured from {low_mpa} to {high_mpa} MPa")
 }
@@ -175,14 +174,12 @@ pub struct LoadReport {
 impl LoadReport {
     /// Estimated difference of the ratio from that of vanishing blocks, which the true one hardly exceeds; `None` if it
     /// is not known.
-    #[must_use]
     pub fn blocks_error(&self) -> Option<f64> {
         let blocks = self.corrections.iter().find(|correction| correction.effect == Effect::Blocks);
         blocks.and_then(|blocks| blocks.std).map(|std| 2.0 * std)
     }
 
     /// Creates the record of `load`. `pattern` is given if the vertical plane is a section of it.
-    #[must_use]
     pub fn new(load: &LoadOutcome, pattern: Option<&Pattern>, friction_extrapolated: bool) -> Self {
         let surface = &load.surface;
         let strip = pattern.zip(load.ratio());
@@ -224,7 +221,6 @@ impl LoadReport {
 
 /// Creates the records of all loads of `simulation`. `pattern` is given if the vertical plane is a section of it;
 /// `outside` holds, for each load, whether its friction was extrapolated.
-#[must_use]
 pub fn load_reports(simulation: &Simulation, pattern: Option<&Pattern>, outside: &[bool]) -> Vec<LoadReport> {
     let flags = outside.iter().copied().chain(std::iter::repeat(false));
     simulation.loads.iter().zip(flags).map(|(load, outside)| LoadReport::new(load, pattern, outside)).collect()
@@ -236,7 +232,6 @@ const SYNTHETIC_SURFACE: &str =
 
 /// Statements about the model that the solver does not make itself. `pattern` is given if the vertical plane is a
 /// section of it.
-#[must_use]
 pub fn model_notes(pattern: Option<&Pattern>) -> Vec<String> {
     let mut notes = Vec::new();
     if let Some(pattern) = pattern {
@@ -255,7 +250,6 @@ pub fn model_notes(pattern: Option<&Pattern>) -> Vec<String> {
 impl SimulationReport {
     /// Creates the record of the solved `scene` with its errors and corrected results. `outside` holds, for each load,
     /// whether its friction was extrapolated.
-    #[must_use]
     pub fn new(
         scene: &Scene,
         provenance: &Provenance,
@@ -292,7 +286,6 @@ impl SimulationReport {
     }
 
     /// Reasons to doubt the material or the results, one sentence each.
-    #[must_use]
     pub fn doubts(&self) -> Vec<String> {
         let blocks = unresolved(&self.results, self.block_um);
         self.material.doubts().chain(warnings(&self.results)).chain(blocks).collect()
@@ -349,14 +342,12 @@ impl LoadReport {
 }
 
 /// Lists `pressures_mpa`, all outside the measured range of friction; `None` if there are none.
-#[must_use]
 pub fn beyond_measured(pressures_mpa: &[f64]) -> Option<String> {
     let named: Vec<String> = pressures_mpa.iter().map(f64::to_string).collect();
     (!named.is_empty()).then(|| format!("at {} MPa {BEYOND_MEASURED}", named.join(", ")))
 }
 
 /// Like [`beyond_measured`], with the measured range, if there is one.
-#[must_use]
 pub fn beyond_measured_range(pressures_mpa: &[f64], measured_mpa: Option<[f64; 2]>) -> Option<String> {
     let range = measured_mpa.map_or_else(String::new, |range| format!(" ({})", measured_range(range)));
     beyond_measured(pressures_mpa).map(|words| words + &range)
@@ -367,7 +358,6 @@ const UNRESOLVED: f64 = 0.1;
 
 /// Describes at which loads blocks of `block_um` do not resolve the pattern, and a remedy; `None` if they do at all
 /// loads.
-#[must_use]
 pub fn unresolved(results: &[LoadReport], block_um: f64) -> Option<String> {
     let error = |load: &LoadReport| load.blocks_error().filter(|error| *error > UNRESOLVED);
     let named: Vec<String> =
@@ -382,7 +372,6 @@ pub fn unresolved(results: &[LoadReport], block_um: f64) -> Option<String> {
 }
 
 /// Warnings to be read before the results are used, one sentence each.
-#[must_use]
 pub fn warnings(results: &[LoadReport]) -> Vec<String> {
     let at = |test: &dyn Fn(&LoadReport) -> bool, text: &str| {
         let named: Vec<String> =

@@ -12,7 +12,6 @@ const MAX_LOADS: usize = 8;
 
 impl SimulationReport {
     /// Formats the report for the screen; [`Self::text`] has all details.
-    #[must_use]
     pub fn brief(&self) -> String {
         let line = |text: &str, indent: &str| wrapped(text, SCREEN_WIDTH, indent, 3) + "\n";
         let mut text = line(&self.heading(), "  ") + "\n" + &self.load_table().brief(MAX_LOADS);
@@ -47,7 +46,6 @@ impl SimulationReport {
     }
 
     /// Formats the report as text.
-    #[must_use]
     pub fn text(&self) -> String {
         let mut text = self.heading() + "\n";
         text += &notes(self.model.iter().map(String::as_str), &self.method);

@@ -14,25 +14,21 @@ pub struct Table {
 
 impl Table {
     /// Creates a table with this header.
-    #[must_use]
     pub fn new<'a>(header: impl IntoIterator<Item = &'a str>) -> Self {
         Self { rows: vec![header.into_iter().map(str::to_owned).collect()] }
     }
 
     /// Starts a table with one row per record; [`Records::column`] adds its columns.
-    #[must_use]
     pub fn of<T>(records: &[T]) -> Records<'_, T> {
         Records { records, table: Self { rows: vec![Vec::new(); records.len() + 1] } }
     }
 
     /// Names of the columns.
-    #[must_use]
     pub fn header(&self) -> &[String] {
         self.rows.first().map_or(&[], Vec::as_slice)
     }
 
     /// Cells below the header, row by row.
-    #[must_use]
     pub fn body(&self) -> &[Vec<String>] {
         self.rows.get(1..).unwrap_or_default()
     }
@@ -43,7 +39,6 @@ impl Table {
     }
 
     /// Formats the first `most` rows for the screen, and counts the others.
-    #[must_use]
     pub fn brief(&self, most: usize) -> String {
         let more = (self.rows.len() - 1).saturating_sub(most);
         let first = Self { rows: self.rows[..self.rows.len() - more].to_vec() };
@@ -66,7 +61,6 @@ impl<T> Records<'_, T> {
     }
 
     /// The table with the columns added so far.
-    #[must_use]
     pub fn table(self) -> Table {
         self.table
     }
@@ -92,7 +86,6 @@ impl fmt::Display for Table {
 
 /// Formats a number with `digits` decimals, or a dash if it is absent or not finite. A number that rounds to zero has
 /// no sign.
-#[must_use]
 pub fn fixed(value: Option<f64>, digits: usize) -> String {
     let Some(value) = value.filter(|value| value.is_finite()) else { return "-".to_owned() };
     let text = format!("{value:.digits$}");
@@ -103,7 +96,6 @@ pub fn fixed(value: Option<f64>, digits: usize) -> String {
 }
 
 /// Formats a number, followed by `+-` and its error if both are known, or a dash.
-#[must_use]
 pub fn with_error(value: impl Into<Option<f64>>, std: impl Into<Option<f64>>, digits: usize) -> String {
     let value = value.into().filter(|value| value.is_finite());
     let std = std.into().filter(|std| value.is_some() && std.is_finite());

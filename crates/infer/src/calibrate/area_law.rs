@@ -52,7 +52,6 @@ pub enum SurfaceWarning {
 
 impl SurfaceWarning {
     /// Checks a given rms slope against the range that maps are checked against.
-    #[must_use]
     pub fn check_slope(rms_slope: f64) -> Option<Self> {
         let [least, most] = limits::WARNED_SLOPE;
         (!(least..=most).contains(&rms_slope)).then(|| {
@@ -236,7 +235,6 @@ pub fn persson_curve(
 }
 
 /// Warnings about the table of an area law, one sentence each; each begins with the name of the warning.
-#[must_use]
 pub fn table_warnings(law: &AreaLaw) -> Vec<String> {
     let step = law.step().map(|(pressure_pa, factor)| {
         format!(
@@ -312,10 +310,6 @@ mod tests {
             assert_eq!(curve(&monitor).as_ref(), Ok(&solved));
             assert!(is_kept_as(&solved));
         }
-        let numbers = curve_numbers(&area_curve(&map, 0.43e9, &pressures_pa, 1e-6, &monitor).unwrap());
-        assert!(
-            known_curve(&pressures_pa[..2], &numbers).is_none() && known_curve(&pressures_pa, &numbers[1..]).is_none()
-        );
     }
 
     #[test]

@@ -42,7 +42,6 @@ pub struct WindowSpread {
 
 impl WindowSpread {
     /// Number of windows.
-    #[must_use]
     pub const fn count(&self) -> usize {
         self.per_side * self.per_side
     }
@@ -53,7 +52,6 @@ impl WindowSpread {
     /// Hurst exponent of 0.8, and for 93 to 99 % of 80 maps with 1
     /// (`intervals_of_windows_hold_the_law_of_many_surfaces`). Without this reduction and Student's factor, coverage
     /// was 66 to 79 %.
-    #[must_use]
     pub const fn independent(&self) -> usize {
         self.per_side
     }
@@ -61,7 +59,6 @@ impl WindowSpread {
     /// Standard errors of the factors of the whole map: the standard deviation over the windows, divided by the root of
     /// the number of [independent](Self::independent) windows, times the ratio of Student's t to the normal quantile,
     /// so that +- 1.96 standard errors have 95 % coverage.
-    #[must_use]
     pub fn factor_std(&self) -> Vec<f64> {
         let student = Confidence::PERCENT_95.student_t(self.count() - 1) / NORMAL_95;
         let scale = student / (self.independent() as f64).sqrt();
@@ -69,7 +66,6 @@ impl WindowSpread {
     }
 
     /// Describes how [`Self::factor_std`] follows from the windows.
-    #[must_use]
     pub fn statement(&self) -> String {
         format!(
             "factor_std: standard deviation of f among {} windows of the map, over the root of {} independent ones, \
@@ -81,7 +77,6 @@ impl WindowSpread {
 }
 
 /// Whether `map` is large enough for the default windows.
-#[must_use]
 pub fn takes_default_windows(map: &HeightMap) -> bool {
     map.rows().min(map.cols()) >= MIN_DEFAULT_SIDE
 }

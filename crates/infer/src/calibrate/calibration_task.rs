@@ -150,7 +150,6 @@ pub enum CalibrationError {
 
 impl CalibrationError {
     /// Key of the calibration file that the error is about, if there is one.
-    #[must_use]
     pub const fn field(&self) -> Option<&'static str> {
         match self {
             Self::AreaLaw(AreaLawError::Windows(_)) => Some("surface.windows"),
@@ -175,7 +174,6 @@ impl From<AreaLawError> for CalibrationError {
 
 impl CalibrationTask {
     /// Nominal pressure of a measurement, in pascals.
-    #[must_use]
     pub fn pressure_pa(&self, measured: &Measurement) -> f64 {
         // P = F / A
         measured.force_n / self.specimen_area_m2
@@ -183,7 +181,6 @@ impl CalibrationTask {
 
     /// Mean local `mu_s` / `mu_d` before the fit, from the measured static peaks that determine it; the assumed ratio
     /// if there are none.
-    #[must_use]
     pub fn local_static_over_dynamic(&self) -> f64 {
         let local = |flat: &Measurement| local_static_over_dynamic(flat.static_peak?.mu / flat.mu_dynamic);
         let shares: Vec<f64> = self.flat.iter().filter_map(local).collect();
@@ -194,7 +191,6 @@ impl CalibrationTask {
     }
 
     /// Relative standard deviation of Young's modulus, if known.
-    #[must_use]
     pub fn modulus_relative_std(&self) -> Option<f64> {
         Some(self.youngs_modulus_std_pa? / self.elastic.youngs_modulus_pa())
     }

@@ -10,7 +10,6 @@ const MAX_LISTED_PAIRS: usize = 3;
 
 /// Warns of samples of one texture whose ratios differ by more than the stated scatter between samples, least probable
 /// first.
-#[must_use]
 pub fn contradicting_samples(learned: &Discrepancy) -> Vec<String> {
     let found = learned.contradictions();
     let mut all: Vec<String> = found.iter().take(MAX_LISTED_PAIRS).map(|pair| warning(learned, pair)).collect();
@@ -23,7 +22,6 @@ pub fn contradicting_samples(learned: &Discrepancy) -> Vec<String> {
 }
 
 /// Whether a warning was made by [`contradicting_samples`].
-#[must_use]
 pub fn is_of_contradicting_samples(warning: &str) -> bool {
     warning.starts_with(NAME)
 }

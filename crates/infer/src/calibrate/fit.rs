@@ -124,7 +124,6 @@ impl Fit {
     const POOR_REDUCED_CHI_SQUARE: f64 = 3.0;
 
     /// Whether the model does not describe the measurements.
-    #[must_use]
     pub fn is_poor(&self) -> bool {
         self.degrees_of_freedom > 0 && self.chi_square > Self::POOR_REDUCED_CHI_SQUARE * self.degrees_of_freedom as f64
     }

@@ -32,25 +32,21 @@ pub struct Measurement {
 
 impl Measurement {
     /// Speed and humidity.
-    #[must_use]
     pub const fn condition(&self) -> Condition {
         Condition { speed_m_s: self.speed_m_s, humidity: self.humidity }
     }
 
     /// Whether `other` was measured at equal speed and humidity.
-    #[must_use]
     pub fn has_condition_of(&self, other: &Self) -> bool {
         self.condition().matches(&other.condition())
     }
 
     /// Whether `other` was measured at equal force, speed and humidity.
-    #[must_use]
     pub fn is_at(&self, other: &Self) -> bool {
         same_force(self.force_n, other.force_n) && self.has_condition_of(other)
     }
 
     /// Describes force, speed and humidity.
-    #[must_use]
     pub fn condition_in_words(&self) -> String {
         let [speed_mm_s, humidity_pct] = [SPEED_MM_S.from_si(self.speed_m_s), HUMIDITY_PCT.from_si(self.humidity)];
         format!("{} N, {speed_mm_s} mm/s, {humidity_pct} %", self.force_n)
@@ -64,7 +60,6 @@ pub(crate) fn same_force(a: f64, b: f64) -> bool {
 
 /// Splits the name of a parameter into quantity and measurement: `dynamic_mean 4` into `dynamic_mean` and the fourth of
 /// `measurements`. `None` if the name has no index.
-#[must_use]
 pub fn split_parameter_name<'a>(name: &'a str, measurements: &'a [Measurement]) -> Option<(&'a str, &'a Measurement)> {
     let (what, number) = name.rsplit_once(' ')?;
     Some((what, measurements.get(number.parse::<usize>().ok()?.checked_sub(1)?)?))
@@ -107,7 +102,6 @@ impl Coefficients {
     pub const ALL: [Self; 2] = [Self::Single, Self::PerCondition];
 
     /// The name used in files.
-    #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::Single => "single",
@@ -295,7 +289,6 @@ pub enum FitError {
 
 impl FitError {
     /// Index of the measurement that caused the error, from 1.
-    #[must_use]
     pub const fn measurement(&self) -> Option<usize> {
         match self {
             Self::Measurement { number, .. }
@@ -320,14 +313,12 @@ impl FitError {
 
 impl Problem {
     /// Nominal pressure of a measurement, in pascals.
-    #[must_use]
     pub fn pressure_pa(&self, measured: &Measurement) -> f64 {
         // P = F / A
         measured.force_n / self.specimen_area_m2
     }
 
     /// Whether a static peak was measured. Peaks require a second round, and one more run per peak with larger mu_s.
-    #[must_use]
     pub fn has_peaks(&self) -> bool {
         self.measurements.iter().any(|measured| measured.static_peak.is_some())
     }

@@ -264,7 +264,6 @@ fn five_digits(excess: f64) -> f64 {
 
 impl Fit {
     /// Mean over all measurements of dynamic friction over mu_d f(P), to five decimals; `None` without measurements.
-    #[must_use]
     pub fn mean_over_local_law(&self) -> Option<f64> {
         let sum: f64 = self.predictions.iter().map(|predicted| predicted.over_local_law).sum();
         (!self.predictions.is_empty()).then(|| five_digits(sum / self.predictions.len() as f64))
@@ -272,7 +271,6 @@ impl Fit {
 
     /// Covariance of the single fitted `dynamic_mean` and the logarithm of the area law's scale; `None` if the scale
     /// was not fitted or is undetermined.
-    #[must_use]
     pub fn scale_covariance(&self) -> Option<[[f64; 2]; 2]> {
         let place = |name: &str| self.parameters.iter().position(|parameter| parameter.name == name);
         let (mean, scale) = (place("dynamic_mean")?, place("area_law_scale_pa")?);

@@ -36,7 +36,6 @@ impl LawPressures {
     /// of its map.
     ///
     /// A stated threshold is inserted into [`DEFAULT_PRESSURES_MPA`]. Otherwise P0 is [`light_pressure_pa`].
-    #[must_use]
     pub fn new(stated_pa: Option<f64>, contact_modulus_pa: f64, rms_slope: f64, points: Option<usize>) -> Self {
         let threshold_pa = stated_pa.unwrap_or_else(|| light_pressure_pa(contact_modulus_pa, rms_slope, points));
         let mut pressures_pa: Vec<f64> = if stated_pa.is_some() {
@@ -56,7 +55,6 @@ impl LawPressures {
 
 /// Pressure at which A / P represents its limit for small loads, to three digits: P / (E* h'rms) = 0.01, or more if
 /// fewer than 400 points of the map would be in contact.
-#[must_use]
 pub fn light_pressure_pa(contact_modulus_pa: f64, rms_slope: f64, points: Option<usize>) -> f64 {
     let enough = points.map_or(0.0, |points| MIN_CONTACT_POINTS / (AREA_PER_LOAD * points as f64));
     significant(enough.clamp(SMALL_LOAD, MAX_SMALL_LOAD) * contact_modulus_pa * rms_slope, 3)

@@ -10,7 +10,6 @@ const PRESSURE_TOLERANCE: f64 = 1e-6;
 impl Selection {
     /// Selects the measurements of `task` on flat samples. If coefficients depend on the condition, these are the
     /// measurements at the selected conditions or next to them, and next to each pressure; otherwise all.
-    #[must_use]
     pub fn flat(&self, task: &CalibrationTask) -> Vec<Measurement> {
         if task.coefficients != Coefficients::PerCondition || self.conditions.is_empty() {
             return task.flat.clone();

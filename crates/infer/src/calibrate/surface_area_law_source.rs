@@ -36,7 +36,6 @@ pub enum AreaLawOrigin {
 
 impl AreaLawOrigin {
     /// The name used in files.
-    #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::Map => "map",
@@ -81,7 +80,6 @@ impl SurfaceFindings {
     }
 
     /// Whether the law depends on Young's modulus. A measured law does not, nor one whose scale was fitted to friction.
-    #[must_use]
     pub fn depends_on_modulus(&self) -> bool {
         !matches!(self.origin, Some(AreaLawOrigin::Measured | AreaLawOrigin::Fit))
     }

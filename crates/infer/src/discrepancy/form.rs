@@ -32,7 +32,6 @@ impl Form {
     /// Returns the forms with their prior weights, which sum to 1. No effect has as little as leaves the scatter
     /// of samples as stated after one trial. The other families have equal weight, except that the last one shares the
     /// weight of the edges with the second.
-    #[must_use]
     pub fn usual() -> Vec<(Self, f64)> {
         let family = |share: f64, members: Vec<Self>| {
             let each = share / members.len() as f64;
@@ -50,7 +49,6 @@ impl Form {
     }
 
     /// Evaluates the form for a texture, in units specific to the form.
-    #[must_use]
     pub fn value(&self, of: &Features) -> f64 {
         // 1 - exp(-x / x0)
         let reached = |x: f64, scale: f64| -libm::expm1(-x / scale);
@@ -65,7 +63,6 @@ impl Form {
     }
 
     /// Family of the form: the feature that it grows with.
-    #[must_use]
     pub const fn family(&self) -> &'static str {
         match self {
             Self::None => "no effect of the texture",
@@ -78,7 +75,6 @@ impl Form {
     }
 
     /// Family and scale.
-    #[must_use]
     pub fn name(&self) -> String {
         let um = |length_m: f64| (length_m * 1e9).round() / 1e3;
         match self {

@@ -20,7 +20,6 @@ impl Discrepancy {
     /// ```
     ///
     /// No effect differs from every form at a single texture.
-    #[must_use]
     pub fn identified(&self) -> Option<&'static str> {
         let forms = self.forms();
         let share =
@@ -33,7 +32,6 @@ impl Discrepancy {
     }
 
     /// Whether all trials have one texture, by areal density, edge length and depth.
-    #[must_use]
     pub fn has_one_texture(&self) -> bool {
         let features: [fn(&Features) -> f64; 3] = [|of| of.areal_density, |of| of.edge_1_m, |of| of.depth_m];
         !self.trials().is_empty() && features.iter().all(|of| self.range(&|own| libm::log(of(own))) <= APART)

@@ -4,7 +4,6 @@ use crate::discrepancy::{Component, Form, Prediction, information};
 
 impl Prediction {
     /// Families of forms with their weights, in the order of the forms.
-    #[must_use]
     pub fn families(&self) -> Vec<(&'static str, f64)> {
         let mut all: Vec<(&'static str, f64)> = Vec::new();
         for of in &self.components {
@@ -17,7 +16,6 @@ impl Prediction {
     }
 
     /// Prediction if the forms of `family` hold.
-    #[must_use]
     pub fn if_family(&self, family: &str) -> Self {
         let mut components = self.components.clone();
         components.retain(|of| of.form.family() == family);
@@ -27,7 +25,6 @@ impl Prediction {
     }
 
     /// Value number `to` minus value number `from`, as the one value of a prediction.
-    #[must_use]
     pub fn difference(&self, from: usize, to: usize) -> Self {
         let n = self.loads();
         let of = |of: &Component| {
@@ -40,7 +37,6 @@ impl Prediction {
 
     /// Information about the family of the form from measuring all values with the relative standard error `measured_std`,
     /// in bits; see [`information`].
-    #[must_use]
     pub fn family_bits(&self, measured_std: f64) -> f64 {
         information(self, measured_std, Form::family) / std::f64::consts::LN_2
     }

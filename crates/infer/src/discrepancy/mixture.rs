@@ -111,32 +111,27 @@ impl Discrepancy {
     }
 
     /// Returns the trials.
-    #[must_use]
     pub fn trials(&self) -> &[Trial] {
         &self.trials
     }
 
     /// Returns the reference pressures and speed.
-    #[must_use]
     pub const fn conditions(&self) -> Conditions {
         self.conditions
     }
 
     /// Returns the prior.
-    #[must_use]
     pub const fn hyperparameters(&self) -> &Hyperparameters {
         self.basis.hyper()
     }
 
     /// Returns the prior relative standard deviation of Young's modulus.
-    #[must_use]
     pub const fn modulus_relative_std(&self) -> f64 {
         self.basis.modulus_std()
     }
 
     /// Returns mean and standard deviation of lambda: 0 if local friction follows the nominal pressure, 1 if it follows
     /// the local pressure.
-    #[must_use]
     pub fn local_law(&self) -> (f64, f64) {
         let [_, place] = self.basis.globals();
         let [_, prior_std] = self.basis.global_stds();
@@ -153,7 +148,6 @@ impl Discrepancy {
     }
 
     /// Returns the forms with their weights.
-    #[must_use]
     pub fn forms(&self) -> Vec<FormWeight> {
         let weight = |form: Form, of: fn(&Member) -> f64| -> f64 {
             self.members.iter().filter(|member| member.form == form).map(of).sum()
@@ -167,7 +161,6 @@ impl Discrepancy {
     }
 
     /// Prepares predictions at `loads`.
-    #[must_use]
     pub fn at(&self, loads: &[Load]) -> Predictor {
         Predictor::new(&self.basis, &self.members, loads)
     }

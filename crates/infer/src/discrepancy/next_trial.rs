@@ -56,7 +56,6 @@ pub struct Candidate<'a> {
 
 impl Score {
     /// Value for the ranking of textures.
-    #[must_use]
     pub fn value(&self) -> f64 {
         self.chance + OF_CLOSENESS * self.closeness
     }
@@ -64,20 +63,17 @@ impl Score {
 
 impl Wanted {
     /// Accepted band of the logarithm of the true over the `modelled` ratio.
-    #[must_use]
     pub fn over(&self, modelled: &[f64]) -> [Vec<f64>; 2] {
         let log = |ends: &[f64]| ends.iter().zip(modelled).map(|(end, ratio)| libm::log(end / ratio)).collect();
         [log(&self.lower), log(&self.upper)]
     }
 
     /// Scores a texture with the given `prediction` and `modelled` ratios.
-    #[must_use]
     pub fn score(&self, prediction: &Prediction, modelled: &[f64]) -> Score {
         self.score_by(prediction, modelled, POINTS)
     }
 
     /// Scores with fewer points, to compare many textures.
-    #[must_use]
     pub fn rough_score(&self, prediction: &Prediction, modelled: &[f64]) -> Score {
         self.score_by(prediction, modelled, ROUGH_POINTS)
     }
@@ -136,7 +132,6 @@ fn closeness(prediction: &Prediction, [lower, upper]: &[Vec<f64>; 2]) -> f64 {
 /// Information about the kind of form, which `kind` names, from measuring a sample, in nats: the expected decrease of the
 /// entropy of the kinds' weights if each load is measured with the relative standard error `measured_std`. Seeded draws,
 /// with an error of a tenth of the result.
-#[must_use]
 pub fn information<K: PartialEq>(prediction: &Prediction, measured_std: f64, kind: impl Fn(&Form) -> K) -> f64 {
     let n = prediction.loads();
     let members: Vec<_> = prediction

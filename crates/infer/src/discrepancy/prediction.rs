@@ -136,7 +136,6 @@ impl Predictor {
 
     /// Predictor with only the members of greatest weight, which together have at least `share` of the weight. Its
     /// probabilities differ by at most 1 - `share`.
-    #[must_use]
     pub fn likeliest(&self, share: f64) -> Self {
         let mut members = self.members.clone();
         members.sort_by(|a, b| b.member.weight.total_cmp(&a.member.weight));
@@ -152,14 +151,12 @@ impl Predictor {
 
     /// Predicts a sample with the features `of`, made exactly, with the `sensitivity` of its modelled ratio to Young's
     /// modulus and the local law at each load. Includes the scatter of the sample.
-    #[must_use]
     pub fn predict(&self, of: &Features, sensitivity: &[Sensitivity]) -> Prediction {
         self.predict_made(of, sensitivity, &[])
     }
 
     /// Predicts ln(true ratio / modelled ratio as designed) of a sample with independent errors `shifts` of its
     /// dimensions, which change its modelled ratio and the discrepancy. First order in the shifts, per form.
-    #[must_use]
     pub fn predict_made(&self, of: &Features, sensitivity: &[Sensitivity], shifts: &[DimensionShift]) -> Prediction {
         let (modelled, covariance) = (&[][..], &[][..]);
         let of = Candidate { features: *of, modelled, sensitivity, covariance, dimension_shifts: shifts };
@@ -267,14 +264,12 @@ impl Predictor {
     }
 
     /// Predicts a sample of `candidate`.
-    #[must_use]
     pub fn of(&self, candidate: &Candidate<'_>) -> Prediction {
         self.of_candidate(candidate, false)
     }
 
     /// Predicts a sample of `candidate` with the discrepancy of the texture fixed so that the medians are `medians`: the
     /// uncertainty of modulus, local law, dimensions and the scatter of the sample remain.
-    #[must_use]
     pub fn of_known_form(&self, candidate: &Candidate<'_>, medians: &[f64]) -> Prediction {
         let mut found = self.of_candidate(candidate, true);
         found.components.iter_mut().for_each(|component| medians.clone_into(&mut component.mean));
@@ -287,7 +282,6 @@ impl Predictor {
 
     /// Predicts `samples` of one disc, which share its scatter and the errors of the material: first at all loads of the first
     /// one, then of the next. Marginals equal those of [`Self::of`].
-    #[must_use]
     pub fn on_one_disc(&self, samples: &[Candidate<'_>]) -> Prediction {
         let (n, all) = (self.loads.len(), samples.len() * self.loads.len());
         let factor = |of: &Candidate<'_>| {
@@ -315,7 +309,6 @@ impl Component {
 
 impl Prediction {
     /// Number of loads.
-    #[must_use]
     pub fn loads(&self) -> usize {
         self.components.first().map_or(0, |component| component.mean.len())
     }
@@ -330,7 +323,6 @@ impl Prediction {
     }
 
     /// Mean and standard deviation at `load`.
-    #[must_use]
     pub fn moments(&self, load: usize) -> (f64, f64) {
         let n = self.loads();
         let mean: f64 = self.components.iter().map(|of| of.weight * of.mean[load]).sum();
@@ -339,7 +331,6 @@ impl Prediction {
     }
 
     /// Probability of a value below `value` at `load`.
-    #[must_use]
     pub fn probability_below(&self, load: usize, value: f64) -> f64 {
         let below = |[weight, mean, std]: [f64; 3]| {
             let below = if std > 0.0 {
@@ -355,7 +346,6 @@ impl Prediction {
     }
 
     /// Quantile `p` at `load`.
-    #[must_use]
     pub fn quantile(&self, load: usize, p: f64) -> f64 {
         mixture_quantile(&self.at_load(load), p)
     }
@@ -368,7 +358,6 @@ impl Prediction {
     }
 
     /// Whether the median lies between `lower` and `upper` at every load.
-    #[must_use]
     pub fn has_medians_within(&self, lower: &[f64], upper: &[f64]) -> bool {
         (0..self.loads()).all(|load| {
             self.probability_below(load, lower[load]) <= 0.5 && self.probability_below(load, upper[load]) >= 0.5
@@ -376,7 +365,6 @@ impl Prediction {
     }
 
     /// Median at each load.
-    #[must_use]
     pub fn medians(&self) -> Vec<f64> {
         (0..self.loads()).map(|load| self.quantile(load, 0.5)).collect()
     }
@@ -393,7 +381,6 @@ impl Prediction {
     }
 
     /// Mean and covariance of the whole mixture.
-    #[must_use]
     pub fn mixed(&self) -> (Vec<f64>, Vec<f64>) {
         let n = self.loads();
         let mut mean = vec![0.0; n];

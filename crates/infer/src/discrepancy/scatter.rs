@@ -66,7 +66,6 @@ impl Discrepancy {
     }
 
     /// Posterior of the scatter of samples without a stated scatter.
-    #[must_use]
     pub fn scatter_weights(&self) -> Vec<ScatterWeight> {
         let of = |(std, prior): (f64, f64)| {
             let own = self.members().iter().filter(|member| member.scatter.to_bits() == std.to_bits());
@@ -76,13 +75,11 @@ impl Discrepancy {
     }
 
     /// Predictive standard deviation of the next sample of a texture: root mean square over all scatters.
-    #[must_use]
     pub fn sample_std(&self) -> f64 {
         self.scatter_weights().iter().map(|of| of.weight * of.std * of.std).sum::<f64>().sqrt()
     }
 
     /// Pairs of samples of one texture that differ by more than the stated scatter, the least probable first.
-    #[must_use]
     pub fn contradictions(&self) -> Vec<Contradiction> {
         let count = self.trials().len();
         let pairs = (0..count).flat_map(|second| (0..second).map(move |first| [first, second]));

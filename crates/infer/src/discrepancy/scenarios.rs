@@ -72,7 +72,6 @@ impl ResidualDraw {
 
 impl Scenarios {
     /// Draws `count` truths with a seed, each member in proportion to its weight.
-    #[must_use]
     pub fn new(discrepancy: &Discrepancy, count: usize, seed: u64) -> Self {
         let (basis, members) = (discrepancy.basis().clone(), discrepancy.members().to_vec());
         let p = basis.count();
@@ -113,7 +112,6 @@ impl Scenarios {
 
     /// Returns for each truth whether a sample of `candidate` is on target `wanted` at `loads`. Samples with different
     /// `number` are independent in dimensions and t, and share all other unknowns.
-    #[must_use]
     pub fn on_target(&self, candidate: &Candidate<'_>, loads: &[Load], wanted: &Wanted, number: usize) -> Vec<bool> {
         let [lower, upper] = wanted.over(candidate.modelled);
         let is_on = |value: &Vec<f64>| (0..loads.len()).all(|load| (lower[load]..=upper[load]).contains(&value[load]));
@@ -122,7 +120,6 @@ impl Scenarios {
 
     /// Logarithm of the true over the modelled ratio of a sample of `candidate`, at each of `loads` for each truth.
     /// `number` tells samples apart as in [`Scenarios::on_target`].
-    #[must_use]
     pub fn log_excesses(&self, candidate: &Candidate<'_>, loads: &[Load], number: usize) -> Vec<Vec<f64>> {
         let n = loads.len();
         let places: Vec<Place> = loads.iter().map(|load| self.basis.place(&candidate.features, load)).collect();

@@ -34,7 +34,6 @@ pub struct DimensionShift {
 
 impl DimensionShift {
     /// Transfers the error to a sample with the features `to`, which are near `from`.
-    #[must_use]
     pub fn about(&self, from: &Features, to: &Features) -> Self {
         let moved = |own: &Features| Features {
             areal_density: own.areal_density + to.areal_density - from.areal_density,
@@ -47,7 +46,6 @@ impl DimensionShift {
     }
 
     /// Change of ln h for a texture with the features `own`; 0 for a texture without cavities.
-    #[must_use]
     pub fn log_form(&self, form: &Form, own: &Features) -> f64 {
         let log = |of: &Features| libm::log(form.value(of));
         let change = match &self.below {
@@ -58,7 +56,6 @@ impl DimensionShift {
     }
 
     /// Mean of h over h as designed, to second order; 1 if only one side is known.
-    #[must_use]
     pub fn mean_form(&self, form: &Form, own: &Features) -> f64 {
         let mean = |below: &Features| 0.5 * (form.value(&self.above) + form.value(below)) / form.value(own);
         self.below.as_ref().map(mean).filter(|mean| mean.is_finite()).unwrap_or(1.0)
@@ -94,7 +91,6 @@ pub struct Sensitivity {
 
 impl Sensitivity {
     /// Sensitivity to Young's modulus only.
-    #[must_use]
     pub const fn of_modulus(modulus: f64) -> Self {
         Self { modulus, local_law: 0.0 }
     }
@@ -102,7 +98,6 @@ impl Sensitivity {
 
 impl Measured {
     /// ln(measured / modelled).
-    #[must_use]
     pub fn log_excess(&self) -> f64 {
         libm::log(self.measured / self.modelled)
     }

@@ -18,7 +18,6 @@ impl Engine {
     pub const EACH: [Self; 2] = [Self::Slurm, Self::HyperQueue];
 
     /// Name of the engine.
-    #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::Slurm => "slurm",

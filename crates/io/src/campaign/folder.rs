@@ -70,7 +70,6 @@ pub struct Folder {
 
 impl Folder {
     /// Opens the campaign in the folder `path` of `store`.
-    #[must_use]
     pub fn new(store: Arc<dyn Store>, path: &Path) -> Self {
         Self { store, path: path.to_owned() }
     }

@@ -106,7 +106,6 @@ impl Campaign {
     }
 
     /// Id of a task with this text that reads `inputs`, given as paths with hashes.
-    #[must_use]
     pub fn id(&self, text: &str, inputs: &BTreeMap<String, String>) -> String {
         let content = serde_json::json!([self.version, self.schema, self.kind, text, inputs]);
         hash(content.to_string().as_bytes())[..ID_DIGITS].to_owned()

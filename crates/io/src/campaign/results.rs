@@ -43,7 +43,6 @@ pub struct Counts {
 
 impl Counts {
     /// Describes the counts.
-    #[must_use]
     pub fn words(&self) -> String {
         let Self { done, refused, failed, missing } = self;
         let tasks = done + refused + failed + missing;
@@ -77,7 +76,6 @@ pub struct Results<'a> {
 
 impl<'a> Results<'a> {
     /// Creates an empty table.
-    #[must_use]
     pub fn new(campaign: &'a Campaign) -> Self {
         let own: Vec<&str> = match campaign.kind {
             Kind::Scene => SCENE_COLUMNS.to_vec(),
@@ -105,13 +103,11 @@ impl<'a> Results<'a> {
     }
 
     /// The table as CSV.
-    #[must_use]
     pub fn csv(&self) -> &str {
         &self.text
     }
 
     /// Number of tasks by outcome.
-    #[must_use]
     pub const fn counts(&self) -> Counts {
         self.counts
     }

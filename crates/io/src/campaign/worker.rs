@@ -67,13 +67,11 @@ pub struct Worker<'a> {
 
 impl<'a> Worker<'a> {
     /// Creates a worker with the contents of files in memory.
-    #[must_use]
     pub fn new(campaign: &'a Campaign, contents: Contents) -> Self {
         Self::with_store(campaign, Arc::new(InMemory(contents)))
     }
 
     /// Creates a worker that reads the contents of files from `store` by hash.
-    #[must_use]
     pub fn with_store(campaign: &'a Campaign, store: Source) -> Self {
         let given = HashedFiles::new(&campaign.inputs, store);
         Self { campaign, files: ReadOnce::new(Arc::new(given)) }

@@ -22,7 +22,6 @@ const MAX_STREAM_BYTES: u64 = 1 << 26;
 pub struct Disk;
 
 /// File source for readers.
-#[must_use]
 pub fn disk() -> Source {
     Arc::new(Disk)
 }

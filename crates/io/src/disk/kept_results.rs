@@ -35,14 +35,12 @@ pub struct KeptResults {
 impl KeptResults {
     /// Creates a cache of results of `build` in `folder`, with an approximate limit of `max_bytes`. The folder is
     /// created with the first result.
-    #[must_use]
     pub fn new(folder: PathBuf, build: &str, max_bytes: u64) -> Self {
         let build = hexadecimal(&Sha256::digest(build.as_bytes())[..4]);
         Self { folder, build, max_bytes, is_cleared: AtomicBool::new(false) }
     }
 
     /// The cache of the running program in the user's cache folder, as [`Self::for_program`].
-    #[must_use]
     pub fn for_this_program() -> Option<Self> {
         Self::for_program(&std::env::current_exe().ok()?, None)
     }
@@ -51,7 +49,6 @@ impl KeptResults {
     /// environment variable `SLIPGRID_CACHE`, otherwise `slipgrid` in the system's cache folder. `None` if
     /// `SLIPGRID_CACHE` is empty, or no folder is known. The build is identified by size and modification time of the
     /// program's file.
-    #[must_use]
     pub fn for_program(program: &Path, folder: Option<PathBuf>) -> Option<Self> {
         let named = |name: &str| std::env::var_os(name).filter(|value| !value.is_empty()).map(PathBuf::from);
         let folder = match folder.map_or_else(|| std::env::var_os("SLIPGRID_CACHE"), |folder| Some(folder.into())) {

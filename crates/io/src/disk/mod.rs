@@ -69,7 +69,6 @@ pub const UNFINISHED: (&str, &str) = (".slipgrid-", ".part");
 static WRITING: Mutex<usize> = Mutex::new(0);
 
 /// Blocks further writing, before the program ends; `None` while a file is unfinished or a result partially renamed.
-#[must_use]
 pub fn hold_writing() -> Option<MutexGuard<'static, usize>> {
     // A counter is complete even if a thread panicked.
     let writing = WRITING.lock().unwrap_or_else(PoisonError::into_inner);
@@ -120,14 +119,12 @@ pub fn put_unless(path: &Path, bytes: &[u8], is_cancelled: &dyn Fn() -> bool) ->
 }
 
 /// Parent folder of `path`.
-#[must_use]
 pub fn parent(path: &Path) -> &Path {
     path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
 /// Builder of temporary files and folders with unfinished names and the permissions `mode` before the user's mask;
 /// without `mode` they would be private.
-#[must_use]
 pub fn unfinished(mode: u32) -> tempfile::Builder<'static, 'static> {
     let mut builder = tempfile::Builder::new();
     builder.prefix(UNFINISHED.0).suffix(UNFINISHED.1);

@@ -50,7 +50,6 @@ pub struct Place<'a> {
 
 impl<'a> Place<'a> {
     /// The place given by `--output`.
-    #[must_use]
     pub const fn output(path: &'a Path) -> Self {
         Self { flag: "--output", path }
     }

@@ -50,13 +50,11 @@ impl ResultFolder {
     }
 
     /// The folder as given by the user.
-    #[must_use]
     pub fn path(&self) -> &Path {
         &self.path
     }
 
     /// Name of the design or scene whose result is in the folder now, if there is one.
-    #[must_use]
     pub fn earlier_name(&self) -> Option<String> {
         let record: serde_json::Value = serde_json::from_slice(&fs::read(self.path.join(RECORD)).ok()?).ok()?;
         record.get("name")?.as_str().map(str::to_owned)

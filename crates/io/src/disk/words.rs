@@ -1,7 +1,6 @@
 //! Words of a command line, as a shell takes them.
 
 /// Quotes `word` for a shell if it contains special characters.
-#[must_use]
 pub fn quoted_word(word: &str) -> String {
     let plain = |letter: char| letter.is_alphanumeric() || "/._-+,:@%".contains(letter);
     if cfg!(windows) {

@@ -23,7 +23,6 @@ const BEGINNINGS: [(&str, &[&str]); 8] = [
 ];
 
 /// Whether a file with the lower-case name `name` has a mark of slipgrid in `head`, its first [`HEAD`] bytes.
-#[must_use]
 pub fn has_mark(name: &str, head: &[u8]) -> bool {
     let text = String::from_utf8_lossy(head);
     if name.ends_with(".html") {

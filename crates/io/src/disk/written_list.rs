@@ -68,7 +68,6 @@ impl io::Write for HashWriter {
 }
 
 /// Formats `bytes` as hexadecimal digits.
-#[must_use]
 pub fn hexadecimal(bytes: &[u8]) -> String {
     bytes.iter().fold(String::new(), |mut text, byte| {
         // Writing to a string cannot fail.

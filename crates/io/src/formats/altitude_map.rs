@@ -93,7 +93,6 @@ pub fn read_for(
 }
 
 /// Diagnostic for an error while the map at `path` was prepared.
-#[must_use]
 pub fn refuse(path: &Path, error: &PreparationError) -> Diagnostic {
     let mut refused = Diagnostic::file(path, error.to_string());
     match error {
@@ -117,7 +116,6 @@ fn listed(warnings: &[MapWarning]) -> String {
 }
 
 /// Warnings of a doubtful area law, with advice on each.
-#[must_use]
 pub fn law_warnings(warnings: &[SurfaceWarning]) -> Vec<String> {
     let text = |warning: &SurfaceWarning| match warning {
         SurfaceWarning::Map(warning) => told(warning),
@@ -127,7 +125,6 @@ pub fn law_warnings(warnings: &[SurfaceWarning]) -> Vec<String> {
 }
 
 /// Text of a warning with advice.
-#[must_use]
 pub fn told(warning: &MapWarning) -> String {
     match warning.doubt {
         MapDoubt::Spikes => format!("{warning}; --despike, or despike = true in [surface], replaces them"),
@@ -190,7 +187,6 @@ const fn how_to_give(option: MapOption) -> &'static str {
 }
 
 /// Diagnostic for an error in the area law of the map at `path`; `None` if the computation was cancelled.
-#[must_use]
 pub fn refuse_law(path: &Path, error: &AreaLawError) -> Option<Diagnostic> {
     let mut refused = Diagnostic::file(path, error.to_string());
     match error {

@@ -129,7 +129,6 @@ impl Calibration {
     }
 
     /// Relative standard deviation of Young's modulus, if given.
-    #[must_use]
     pub fn modulus_relative_std(&self) -> Option<f64> {
         Some(self.youngs_modulus_std_pa? / self.elastic.youngs_modulus_pa())
     }
@@ -289,13 +288,11 @@ impl Calibration {
     }
 
     /// File position of `measurement` on a flat sample.
-    #[must_use]
     pub fn place(&self, measurement: &Measurement) -> Option<&Placed> {
         self.placed.iter().find(|placed| placed.measurement == *measurement)
     }
 
     /// Nominal pressure of a normal force on one specimen, in pascals.
-    #[must_use]
     pub fn pressure_pa(&self, force_n: f64) -> f64 {
         // P = F / A
         force_n / self.specimen_area_m2

@@ -299,13 +299,11 @@ impl Design {
     }
 
     /// Refuses the design as a whole.
-    #[must_use]
     pub fn refuse_whole(&self, reason: impl Into<String>) -> Diagnostic {
         self.refuse(&Refusal::new(TaskPart::Whole, reason))
     }
 
     /// Diagnostic at the file position of `refused`.
-    #[must_use]
     pub fn refuse(&self, refused: &Refusal) -> Diagnostic {
         let at = |place: &Range<usize>| self.document.refuse(place.clone(), refused.reason.clone());
         let whole = || Diagnostic::file(self.document.path(), refused.reason.clone());

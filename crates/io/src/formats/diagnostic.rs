@@ -41,13 +41,11 @@ impl Diagnostic {
     }
 
     /// Refuses a file as a whole.
-    #[must_use]
     pub fn file(path: &Path, reason: impl Into<String>) -> Self {
         Self { file: Some(path.into()), reason: reason.into(), ..Self::default() }
     }
 
     /// Refuses a flag of the command line.
-    #[must_use]
     pub fn flag(flag: &str, value: impl Into<Box<str>>, reason: impl Into<String>) -> Self {
         Self { key: Some(flag.into()), value: Some(value.into()), reason: reason.into(), ..Self::default() }
     }
@@ -70,7 +68,6 @@ const LONGEST_LINE: usize = 4000;
 
 /// Makes `text` safe for a terminal: escapes control characters and characters that change the direction of writing,
 /// and cuts the text after `most` letters.
-#[must_use]
 pub fn printable(text: &str, most: usize) -> String {
     let turns = |letter: char| matches!(letter, '\u{61c}' | '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
     let mut shown = String::new();
@@ -88,7 +85,6 @@ pub fn printable(text: &str, most: usize) -> String {
 }
 
 /// Makes every line of `text` safe for a terminal.
-#[must_use]
 pub fn printable_lines(text: &str) -> String {
     text.split('\n').map(|line| printable(line, LONGEST_LINE)).collect::<Vec<_>>().join("\n")
 }
@@ -120,7 +116,6 @@ impl fmt::Display for Diagnostic {
 }
 
 /// Candidate most similar to `name`, if any is similar enough.
-#[must_use]
 pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     // A quarter of the letters may differ, and at least two: `widht_um`, `spacing_mm`.
     let most = (name.chars().count() / 4).max(2);

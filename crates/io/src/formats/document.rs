@@ -77,49 +77,41 @@ impl Document {
     }
 
     /// Source of the files that this document names.
-    #[must_use]
     pub const fn source(&self) -> &Source {
         &self.source
     }
 
     /// Apparent kind of the document, from its tables.
-    #[must_use]
     pub fn kind(&self) -> Option<FileKind> {
         FileKind::of(&self.text)
     }
 
     /// A document from text that names no other file; `path` names it in messages.
-    #[must_use]
     pub fn new(path: impl Into<PathBuf>, text: impl Into<String>) -> Self {
         Self::within(&(Arc::new(NoFiles) as Source), path, text)
     }
 
     /// A document from text; the files that it names are read from `source`.
-    #[must_use]
     pub fn within(source: &Source, path: impl Into<PathBuf>, text: impl Into<String>) -> Self {
         Self { source: Arc::clone(source), path: path.into(), text: text.into(), kind: None }
     }
 
     /// Text of the document.
-    #[must_use]
     pub fn text(&self) -> &str {
         &self.text
     }
 
     /// The file's path, as the user named it.
-    #[must_use]
     pub fn path(&self) -> &Path {
         &self.path
     }
 
     /// Resolves a path in this document relative to the folder of the document.
-    #[must_use]
     pub fn resolve(&self, relative: &str) -> PathBuf {
         self.path.parent().map_or_else(|| PathBuf::from(relative), |folder| folder.join(relative))
     }
 
     /// File name without extension, for default output names.
-    #[must_use]
     pub fn stem(&self) -> String {
         self.path.file_stem().map_or_else(|| "result".to_owned(), |stem| stem.to_string_lossy().into_owned())
     }
@@ -133,7 +125,6 @@ impl Document {
     }
 
     /// Refuses the value at `span`.
-    #[must_use]
     pub fn refuse(&self, span: Range<usize>, reason: impl Into<String>) -> Diagnostic {
         Diagnostic {
             file: Some(self.path.as_path().into()),
@@ -163,7 +154,6 @@ impl Document {
     }
 
     /// Reports that `key` is missing in the table at `table`.
-    #[must_use]
     pub fn missing(&self, table: Range<usize>, key: &str) -> Diagnostic {
         // The document as a whole has no key.
         let outer = Some(&table).filter(|span| !span.is_empty() && **span != (0..self.text.len()));
@@ -216,7 +206,6 @@ impl Document {
     }
 
     /// Refuses a key of the table at `table`.
-    #[must_use]
     pub fn refuse_key(&self, table: &Range<usize>, error: &KeyError) -> Diagnostic {
         match &error.refusal {
             Refusal::Missing => self.missing(table.clone(), error.key),

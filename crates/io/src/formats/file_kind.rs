@@ -26,7 +26,6 @@ pub enum FileKind {
 
 impl FileKind {
     /// Apparent kind of `text`; `None` if there is no evidence or the evidence is contradictory.
-    #[must_use]
     pub fn of(text: &str) -> Option<Self> {
         if text.trim_start().starts_with('{') {
             let read: serde_json::Value = serde_json::from_str(text).ok()?;
@@ -62,7 +61,6 @@ impl FileKind {
     }
 
     /// Refuses the folder at `path`, and names the first file of this kind in it, if any.
-    #[must_use]
     pub fn refuse_folder(self, source: &Source, path: &Path) -> Diagnostic {
         let mut refused = Diagnostic::file(path, "is a folder").expected(self.expected());
         refused.suggestion = self.first_in(source, path).map(|inside| inside.display().to_string().into());
@@ -70,7 +68,6 @@ impl FileKind {
     }
 
     /// Description of the expected file for messages.
-    #[must_use]
     pub const fn expected(self) -> &'static str {
         match self {
             Self::Scene => "a scene file, with [material] and [load]",
@@ -83,7 +80,6 @@ impl FileKind {
     }
 
     /// Command that writes a starting file of this kind.
-    #[must_use]
     pub const fn written_by(self) -> &'static str {
         match self {
             Self::Scene => "slipgrid new scene",
@@ -96,7 +92,6 @@ impl FileKind {
     }
 
     /// Minimum content of an outermost table that a file of this kind must have; `None` if the key need not be a table.
-    #[must_use]
     pub fn needed_table(self, key: &str) -> Option<&'static str> {
         match (self, key) {
             (Self::Design, "target") => Some("quantity, pressure_mpa, and value with tolerance"),
@@ -112,7 +107,6 @@ impl FileKind {
     }
 
     /// Description of a file of this kind, and of the command that takes it.
-    #[must_use]
     pub const fn seems(self) -> &'static str {
         match self {
             Self::Scene => "seems to be a scene file, which `slipgrid simulate` takes",

@@ -101,7 +101,6 @@ fn from_columns([areal_density, edge_per_mm, lengths_um @ ..]: &[f64; 5]) -> Fea
 
 impl LearnedFile {
     /// Serialized form of `learned`.
-    #[must_use]
     pub fn new(learned: &Discrepancy) -> Self {
         let conditions = learned.conditions();
         let trial = |trial: &Trial| {

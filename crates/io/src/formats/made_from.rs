@@ -31,7 +31,6 @@ pub struct MadeFrom {
 impl MadeFrom {
     /// Record of the `calibration` from `path` for the material at `output`; `None` if no relative path leads from one
     /// to the other, or if a file cannot be read.
-    #[must_use]
     pub fn new(calibration: &Calibration, path: &Path, output: &Path, files: &Source) -> Option<Self> {
         let folder = output.parent().unwrap_or_else(|| Path::new(""));
         let name = |file: &Path| {
@@ -48,7 +47,6 @@ impl MadeFrom {
 
     /// Warns that the calibration of the material `document` has changed since; `None` if it has not changed, or no
     /// longer exists.
-    #[must_use]
     pub fn changed(&self, document: &Document) -> Option<Diagnostic> {
         let (files, path) = (document.source(), document.resolve(&self.calibration));
         files.entry(&path).ok().filter(|entry| *entry == Entry::File)?;

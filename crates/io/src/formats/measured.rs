@@ -68,7 +68,6 @@ pub struct Specimens {
 impl Placed {
     /// Converts the force from a face of `own` to the same pressure on a face of `specimens`; if `flat` samples were
     /// measured at nearly this pressure, to theirs.
-    #[must_use]
     pub(crate) fn on(&self, own: &Specimens, specimens: &Specimens, flat: &[Self]) -> Self {
         let mut row = self.clone();
         if own.area_m2 != specimens.area_m2 {
@@ -83,7 +82,6 @@ impl Placed {
     }
 
     /// A diagnostic that points at `key` of the measurement.
-    #[must_use]
     pub fn at(&self, key: &str, value: f64) -> Diagnostic {
         Diagnostic {
             line: Some(self.line),
@@ -94,7 +92,6 @@ impl Placed {
     }
 
     /// Describes the condition in words.
-    #[must_use]
     pub fn condition(&self) -> String {
         self.measurement.condition_in_words()
     }
@@ -195,7 +192,6 @@ pub fn check_partners(rows: &[Placed], written: &[Placed], flat: &[Placed]) -> R
 }
 
 /// Warns of `rows` of a patterned sample whose ratio to the friction of the `flat` sample is probably a mistake.
-#[must_use]
 pub fn doubtful_ratios(rows: &[Placed], flat: &[Placed]) -> Vec<Diagnostic> {
     let doubtful = |row: &Placed| {
         let partner = flat.iter().find(|other| other.measurement.is_at(&row.measurement))?;
@@ -231,7 +227,6 @@ pub fn refuse_repeated(rows: &[Placed]) -> Result<(), Diagnostic> {
 /// Warns of each of the `rows` that repeats the numbers of an earlier row or of one of `others`: a repeated measurement
 /// would differ by its scatter. Between two tables a single row may agree by chance, within the written digits, so two
 /// rows must agree.
-#[must_use]
 pub(crate) fn identical(others: &[Placed], rows: &[Placed]) -> Vec<Diagnostic> {
     let same = |place: usize| {
         let row = &rows[place];

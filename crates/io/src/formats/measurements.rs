@@ -195,7 +195,6 @@ pub fn parse(path: &Path, text: &str) -> Result<Vec<Placed>, Diagnostic> {
 }
 
 /// Writes the table as text, with `comment` above it.
-#[must_use]
 pub fn table(comment: &str, rows: &[Measurement]) -> String {
     let mut text = format!(
         "# {comment}\n{}\n",

@@ -151,7 +151,6 @@ pub const CAVITY_DEPTH: Plausible = Plausible {
 
 /// Warning of a relative humidity that is probably a fraction of 1: air in a room has 20 to 80 %. Zero stands for dry
 /// air.
-#[must_use]
 pub fn share_of_one(humidity_pct: f64) -> Option<String> {
     (humidity_pct > 0.0 && humidity_pct <= 1.0).then(|| {
         let meant = tidy(100.0 * humidity_pct);
@@ -183,7 +182,6 @@ const NEARLY_ALL: f64 = 0.9;
 
 /// Warning of friction coefficients that are nearly all above 1 and whose reciprocals are nearly all usual: friction
 /// force and normal force are probably exchanged.
-#[must_use]
 pub fn exchanged_forces(friction: &[f64]) -> Option<String> {
     let is_likely = |mu: &&f64| **mu > HIGH_FRICTION && 1.0 / **mu >= EXCHANGED[0] && 1.0 / **mu < EXCHANGED[1];
     let likely: Vec<f64> = friction.iter().filter(is_likely).map(|mu| 1.0 / mu).collect();
@@ -201,7 +199,6 @@ pub fn exchanged_forces(friction: &[f64]) -> Option<String> {
 }
 
 /// The probable intended unit of a `value` that a key's `quantity` does not accept.
-#[must_use]
 pub fn slip(quantity: Quantity, value: f64) -> Option<String> {
     let judged = [
         (slipgrid_base::units::FRICTION, FRICTION),
@@ -256,7 +253,6 @@ impl Plausible {
     }
 
     /// The probable intended unit, in which `value` is usual.
-    #[must_use]
     pub fn slip(&self, value: f64) -> Option<String> {
         let is_usual = |value: f64| value >= self.usual[0] && value <= self.usual[1];
         let (what, factor) = self.slips.iter().find(|(_, factor)| is_usual(value * factor))?;

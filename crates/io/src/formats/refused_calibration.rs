@@ -13,7 +13,6 @@ use crate::formats::surface::Surface;
 use slipgrid_base::units::{MODULUS_GPA, SPEED_MM_S, significant_to, tidy};
 
 /// Diagnostic for an error in the calibration at `path`; `None` if the input did not cause it.
-#[must_use]
 pub fn refuse(error: &CalibrationError, path: &Path, calibration: &Calibration) -> Option<Diagnostic> {
     let at_key = || Diagnostic { key: error.field().map(Into::into), ..Diagnostic::file(path, error.to_string()) };
     match (error, &calibration.surface) {

@@ -83,7 +83,6 @@ pub const DEFAULT_LAYER: Layer =
 pub const DEFAULT_SPECIMEN: Layer = Layer { thickness_m: Some(DEFAULT_THICKNESS_M), ..DEFAULT_LAYER };
 
 /// Layer of a file without `[sample]`.
-#[must_use]
 pub fn default_sample() -> Spanned<SampleFile> {
     SampleFile::default().into()
 }
@@ -224,7 +223,6 @@ impl SceneInput {
     }
 
     /// Diagnostic for an error of the solver, at the file position concerned and in the file's units.
-    #[must_use]
     pub fn refuse(&self, error: &SceneError) -> Diagnostic {
         let (places, layer) = (&self.places, &self.scene.layer);
         let um = |length_m: f64| LENGTH_UM.from_si(length_m);
@@ -284,7 +282,6 @@ impl SceneInput {
     }
 
     /// Diagnostic for an error of the solver, or of the pattern's layout on the specimen.
-    #[must_use]
     pub fn refuse_on_specimen(&self, error: &SpecimenError) -> Diagnostic {
         match error {
             SpecimenError::Scene(error) => self.refuse(error),

@@ -67,7 +67,6 @@ impl Files for NoFiles {
 }
 
 /// Whether `name` is `pattern`, in which every `*` stands for any letters.
-#[must_use]
 pub fn fits(name: &str, pattern: &str) -> bool {
     let parts: Vec<&str> = pattern.split('*').collect();
     let [first, middle @ .., last] = &parts[..] else { return name == pattern };

@@ -135,7 +135,6 @@ fn position_speed_off(condition: &TraceCondition, repeat: &Recorded) -> Option<S
 const FEWEST_LETTERS: usize = 4;
 
 /// Warns of each unused column of `file` whose title is similar to a known title of a quantity that no column holds.
-#[must_use]
 pub(crate) fn near_titles(file: &TraceFile, titles: &Titles) -> Vec<String> {
     let is_free = |channel: &Channel| !file.used.contains(channel) && !titles.has_title(*channel);
     let free: Vec<Channel> = Channel::ALL.into_iter().filter(is_free).collect();

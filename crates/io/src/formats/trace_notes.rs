@@ -6,7 +6,6 @@ use super::traces::ConditionTraces;
 
 /// Notes on conditions for a material's provenance. A note that concerns many conditions is written once, with the
 /// first of them.
-#[must_use]
 pub fn notes(conditions: &[ConditionTraces]) -> Vec<String> {
     let traces = conditions.iter().map(|traces| traces.traces.len()).sum();
     let of_traces = grouped(&of_traces(conditions), ("traces", traces));
@@ -18,7 +17,6 @@ pub fn notes(conditions: &[ConditionTraces]) -> Vec<String> {
 }
 
 /// Note on the missing part of the errors if no condition was measured more than once; `None` otherwise.
-#[must_use]
 pub fn unrepeated(conditions: &[ConditionTraces]) -> Option<String> {
     let is_alone = |traces: &ConditionTraces| traces.mean.count == 1 && traces.mean.mu_dynamic.freedom == 0;
     let alone = conditions.iter().filter(|traces| is_alone(traces)).count();

@@ -32,7 +32,6 @@ impl SurfaceKind {
     pub const ALL: [Self; 2] = [Self::Flat, Self::Patterned];
 
     /// Name used in files.
-    #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::Flat => "flat",
@@ -61,7 +60,6 @@ pub struct Export {
 
 impl Export {
     /// The whole file at `path`.
-    #[must_use]
     pub const fn whole(path: PathBuf) -> Self {
         Self { path, step: None }
     }
@@ -102,14 +100,12 @@ pub struct TraceCondition {
 
 impl TraceCondition {
     /// Whether `other` is a repeat: equal condition, sample and options.
-    #[must_use]
     pub fn is_repeated_by(&self, other: &Self) -> bool {
         let Self { files, excluded, order, .. } = other.clone();
         Self { files, excluded, order, ..self.clone() } == *other
     }
 
     /// Describes the sample: `flat sample`, or the name of a trial.
-    #[must_use]
     pub fn sample(&self) -> String {
         self.trial
             .as_ref()
@@ -132,7 +128,6 @@ pub struct TraceSetup {
 
 impl TraceSetup {
     /// Traces with known column titles; `effective_radius_m` in metres.
-    #[must_use]
     pub fn new(effective_radius_m: Option<f64>, specimens: u32, static_peak: bool) -> Self {
         Self { effective_radius_m, specimens, static_peak, titles: Titles::default() }
     }
@@ -165,7 +160,6 @@ pub struct ConditionTraces {
 
 impl ConditionTraces {
     /// Row of a table of measurements; its deviations describe the scatter between samples.
-    #[must_use]
     pub fn measurement(&self) -> Measurement {
         let (condition, mean) = (&self.condition, &self.mean);
         Measurement {
@@ -182,7 +176,6 @@ impl ConditionTraces {
     }
 
     /// Distance slid up to the middle of the averaging window, in metres.
-    #[must_use]
     pub fn sliding_m(&self) -> f64 {
         let [from_s, to_s] = self.condition.window_s;
         0.5 * (from_s + to_s) * self.condition.speed_m_s

@@ -65,7 +65,6 @@ pub struct TrialFile {
 
 impl TrialFile {
     /// Path of the measurement table, if any.
-    #[must_use]
     pub fn measurements(&self) -> Option<&str> {
         self.measurements.as_ref().map(|name| name.get_ref().as_str())
     }
@@ -76,7 +75,6 @@ impl TrialFile {
     }
 
     /// Conditions of the trial's own traces, if any.
-    #[must_use]
     pub fn traces(&self) -> Option<&[TraceConditionFile]> {
         self.traces.as_ref().map(|list| list.get_ref().as_slice())
     }
@@ -257,7 +255,6 @@ struct TemplateTrial<'a> {
 /// Template of `[[trial]]` tables for `patterns` on one `disc`, in the order of its sectors, to be added to a
 /// calibration and filled in; pending until they name their measurements. `densities` are the areal densities of the
 /// sectors as cut.
-#[must_use]
 pub fn sector_trials(disc: &str, patterns: &[Pattern], densities: &[f64]) -> String {
     let mut text = "# Trials of one disc, by slipgrid: add these to the calibration once it is cut. They are pending until each names its measurements.\n\
                     # Measure each sector alone: what presses the whole disc measures a mean of all sectors, which is a trial of none.\n\

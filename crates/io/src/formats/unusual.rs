@@ -23,7 +23,6 @@ use slipgrid_base::units::{
 };
 
 /// Warnings for the scene `file` of `document` besides those of its material, whose Young's modulus is `modulus_gpa`.
-#[must_use]
 pub fn of_scene(document: &Document, file: &SceneFile, modulus_gpa: f64) -> Vec<Diagnostic> {
     let mut told = Vec::new();
     let load = file.load.get_ref();
@@ -40,7 +39,6 @@ pub fn of_scene(document: &Document, file: &SceneFile, modulus_gpa: f64) -> Vec<
 }
 
 /// Accepted nominal pressures, `expected`, with the probable intended unit.
-#[must_use]
 pub fn with_slip(expected: &str, pressure_mpa: f64) -> String {
     GIVEN_PRESSURE.slip(pressure_mpa).map_or_else(|| expected.to_owned(), |slip| format!("{expected}; {slip}"))
 }
@@ -63,7 +61,6 @@ pub fn of_pressures(document: &Document, pressures: &Spanned<Numbers>, modulus_g
 }
 
 /// Warning of a speed so high that no run in time represents it at this pressure, with the accepted range.
-#[must_use]
 pub fn too_fast(elastic: &Elastic, pressure_pa: f64, speed_m_s: f64) -> Option<[String; 2]> {
     let most_m_s = max_run_speed_m_s(elastic, pressure_pa);
     (speed_m_s > most_m_s).then(|| {
@@ -91,7 +88,6 @@ pub fn of_speed(document: &Document, load: &LoadFile, scene: &Scene) -> Option<D
 
 /// Warning of rims of the pattern in `table` that are higher than lasers leave them, or narrower than two blocks, of which
 /// blocks resolve only the mean.
-#[must_use]
 pub fn of_rims(
     document: &Document,
     rim: Option<&Rim>,
@@ -130,7 +126,6 @@ fn of_share(document: &Document, humidity: &Number) -> Option<Diagnostic> {
 }
 
 /// Warnings for a material; zeros have a meaning of their own.
-#[must_use]
 pub fn of_material(document: &Document, file: &MaterialFile) -> Vec<Diagnostic> {
     let bulk = [(MODULUS, &file.youngs_modulus_gpa), (DENSITY, &file.density_g_cm3)];
     let mut told: Vec<Diagnostic> =

@@ -18,13 +18,11 @@ pub type Number = Spanned<f64>;
 pub type NumberList = Spanned<Vec<Number>>;
 
 /// A list without file positions, for files to be written.
-#[must_use]
 pub fn number_list(values: impl IntoIterator<Item = f64>) -> NumberList {
     Spanned::from(values.into_iter().map(Number::from).collect::<Vec<_>>())
 }
 
 /// One number for each entry of another list, without file positions, for files to be written.
-#[must_use]
 pub fn each(values: impl IntoIterator<Item = f64>) -> Spanned<Numbers> {
     Numbers::Each(values.into_iter().map(Number::from).collect()).into()
 }
@@ -143,7 +141,6 @@ pub fn check_count(document: &Document, pressures: &Spanned<Numbers>, most: usiz
 
 impl Numbers {
     /// Numbers as written.
-    #[must_use]
     pub fn written(&self) -> Vec<f64> {
         match self {
             Self::One(value) => vec![*value],
@@ -153,7 +150,6 @@ impl Numbers {
 }
 
 /// File position of number `place` of `values`; one number stands for all.
-#[must_use]
 pub fn number_span(values: &Spanned<Numbers>, place: usize) -> Range<usize> {
     match values.get_ref() {
         Numbers::Each(each) if place < each.len() => each[place].span(),

@@ -32,7 +32,6 @@ impl AreaLawOptions {
     /// Plans the curve for a surface with this rms slope; `points` is the number of points of the map.
     ///
     /// A(P0) is interpolated if the pressures extend beyond P0; otherwise P0 is solved as an additional pressure.
-    #[must_use]
     pub fn on_surface(self, rms_slope: f64, points: Option<usize>) -> AreaLawCurve {
         // E* = E / (1 - nu^2)
         let shrink = 1.0 - self.poisson_ratio * self.poisson_ratio;
@@ -66,7 +65,6 @@ impl AreaLawCurve {
     }
 
     /// Converts the curve to a request for the solver.
-    #[must_use]
     pub fn law(&self) -> AreaLawRequest<'_> {
         AreaLawRequest {
             contact_modulus_pa: self.contact_modulus_pa,
@@ -84,7 +82,6 @@ impl AreaLawCurve {
     }
 
     /// Reports on the map `name`, from the solutions `found` on its `surface` and at coarser pixels.
-    #[must_use]
     pub fn of_map(
         &self,
         name: &str,

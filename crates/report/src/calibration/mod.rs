@@ -24,7 +24,6 @@ use crate::trials::TrialsReport;
 const MAX_MEASUREMENTS: usize = 8;
 
 /// Formats the calibration as text, including the [`ledger`] of its trials.
-#[must_use]
 pub fn summary(
     calibration: &Calibration,
     task: &CalibrationTask,
@@ -54,7 +53,6 @@ pub fn summary(
 }
 
 /// Formats the calibration for the screen; [`summary`] has all details.
-#[must_use]
 pub fn brief(
     calibration: &Calibration,
     task: &CalibrationTask,

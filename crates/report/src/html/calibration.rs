@@ -61,7 +61,6 @@ pub struct Fitted<'a> {
 }
 
 /// Makes the page of a calibration, with the pictures in `outputs`.
-#[must_use]
 pub fn calibration(fitted: Fitted<'_>, outputs: &Outputs) -> String {
     let Fitted { calibration, task, outcome, ledger, sheet } = fitted;
     let mut page = Page::default();

@@ -17,7 +17,6 @@ use crate::uncertainty_budget::{self, UncertaintyBudget};
 
 /// Makes the page of a design from its `report`, the coefficients in `loads` and `area_law`, and the pictures and files in
 /// `outputs`; includes an explorer if `found`, the design of `report`, has one.
-#[must_use]
 pub fn design(
     report: &DesignReport,
     area_law: Option<&AreaLaw>,

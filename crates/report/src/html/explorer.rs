@@ -208,7 +208,6 @@ pub(super) fn explorer(page: &mut Page, found: &DesignOutcome, outputs: &Outputs
 }
 
 /// Makes the page of a task's designs before any search; `toml` is a scene of the initial design.
-#[must_use]
 pub fn exploration(found: &Explored, toml: String) -> String {
     let Explored { task, material, pattern, explorer, flat_mu, trials, .. } = found;
     let mut page = Page::alone();

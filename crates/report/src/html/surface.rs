@@ -34,7 +34,6 @@ const MEANINGS: [(&str, &str); 17] = [
 ];
 
 /// Makes the page of a map from its `report` and the pictures in `outputs`.
-#[must_use]
 pub fn surface(report: &SurfaceReport, outputs: &Outputs) -> String {
     let mut page = Page::default();
     let name = report.map.rsplit(['/', '\\']).next().unwrap_or_default();

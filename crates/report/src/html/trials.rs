@@ -43,7 +43,6 @@ const TERMS: [(&str, &str); 7] = [
 ];
 
 /// Makes the page of a ledger from its `report`, the `sheet` of its measurements and the pictures in `outputs`.
-#[must_use]
 pub fn trials(report: &TrialsReport, sheet: &FrictionSheet, outputs: &Outputs) -> String {
     let mut page = Page::default();
     let title = format!("{}: trials", report.name);

@@ -7,7 +7,6 @@ use slipgrid_surface::topography::{LengthUnit, MatrixStyle, MeanPeriod};
 const PERIOD_DECIMALS: u8 = 6;
 
 /// Formats the mean period as matrix text, which states whether the surface is `synthetic`.
-#[must_use]
 pub fn period_text(period: &MeanPeriod, synthetic: bool) -> String {
     let mut comments = period.description().to_vec();
     comments.extend(synthetic.then(|| "of a synthetic surface, not a measurement".to_owned()));
@@ -30,7 +29,6 @@ fn period_relief(period: &MeanPeriod) -> String {
 }
 
 /// Describes the mean period and the roughness that remains in it.
-#[must_use]
 pub fn period_note(period: &MeanPeriod) -> String {
     let map = &period.map;
     let side_um = |count: usize, pixel_m: f64| LENGTH_UM.from_si(count as f64 * pixel_m);

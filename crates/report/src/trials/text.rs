@@ -119,7 +119,6 @@ impl TrialsReport {
     }
 
     /// Formats the ledger as text.
-    #[must_use]
     pub fn text(&self) -> String {
         let mut text = self.heading() + "\n";
         self.warnings.iter().for_each(|warning| text += &format!("! {warning}\n"));
@@ -152,7 +151,6 @@ impl TrialsReport {
     }
 
     /// Formats the ledger for the screen; [`Self::text`] has all details.
-    #[must_use]
     pub fn brief(&self) -> String {
         let line = |text: &str, indent: &str| wrapped(text, SCREEN_WIDTH, indent, 2) + "\n";
         let mut text = line(&self.heading(), "  ") + &doubts_in_brief(&self.warnings);
@@ -181,7 +179,6 @@ impl TrialsReport {
     }
 
     /// Formats the ledger as CSV, one row per measured ratio.
-    #[must_use]
     pub fn csv(&self) -> String {
         let mut text = "trial,date,areal_density,edge_per_mm,width_um,spacing_um,depth_um,pressure_mpa,speed_mm_s,humidity_pct,measured_ratio,\
                         modelled_ratio,predicted_before,predicted_before_low_95,predicted_before_high_95,surprise_before,\

@@ -27,7 +27,6 @@ impl ContactArea {
 /// V. A. Yastrebov, G. Anciaux and J.-F. Molinari, Tribology International 114, 161 (2017): the corrected area is A -
 /// (pi - 1 + ln 2)/24 S d, where S is the length of the boundary between contact and open pixels and d the pixel size.
 /// On pixels of dx by dy each boundary edge of length dy stands for a width dx, so that every edge counts dx dy.
-#[must_use]
 pub(crate) fn contact_area(pressure: &[f64], cols: usize) -> ContactArea {
     let (mut pixels, mut edges) = (0_usize, 0_usize);
     let rows = pressure.len() / cols;

@@ -208,7 +208,6 @@ impl<'m> RoughContact<'m> {
     }
 
     /// p*, the pressure from which all of the map is in contact, in pascals.
-    #[must_use]
     pub fn full_contact_pressure_pa(&self) -> f64 {
         self.full_contact_pressure * self.pressure_unit_pa
     }

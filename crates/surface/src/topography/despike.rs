@@ -56,7 +56,6 @@ pub struct Spikes {
 
 impl Spikes {
     /// Number of points in all spikes.
-    #[must_use]
     pub fn points(&self) -> usize {
         self.list.iter().map(|spike| spike.points).sum()
     }

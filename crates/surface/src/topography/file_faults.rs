@@ -6,7 +6,6 @@ use crate::topography::{HeightMap, MapDoubt, MapWarning, limits};
 
 impl HeightMap {
     /// Warning on implausible pixel sides.
-    #[must_use]
     pub fn pixel_warning(&self) -> Option<MapWarning> {
         let pixel_m @ [x_m, y_m] = [self.dx_m(), self.dy_m()];
         let [least, most] = limits::WARNED_PIXEL_M;
@@ -23,7 +22,6 @@ impl HeightMap {
     }
 
     /// Warning on blocks of 3 x 3 or more zeros in the measured map, if no other height fills as many blocks.
-    #[must_use]
     pub fn zeros_warning(&self) -> Option<MapWarning> {
         let (rows, cols, heights_m) = (self.rows(), self.cols(), self.heights_m());
         let least = (limits::WARNED_ZEROS_SHARE * heights_m.len() as f64).ceil() as usize;

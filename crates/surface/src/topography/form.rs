@@ -21,7 +21,6 @@ impl Form {
     pub const ALL: [Self; 3] = [Self::Mean, Self::Plane, Self::SecondOrder];
 
     /// The name used in options.
-    #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::Mean => "mean",

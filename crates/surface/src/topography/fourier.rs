@@ -77,7 +77,6 @@ fn rounded<T: FftNum>(value: f64) -> T {
 
 impl<T: Precision> Fourier<T> {
     /// Transforms for maps of `rows` x `cols`, both at least 1.
-    #[must_use]
     pub fn new(rows: usize, cols: usize) -> Self {
         let (rows, cols) = (rows.max(1), cols.max(1));
         let (real, complex) = (T::real_plans(cols), T::complex_plans(rows));
@@ -108,13 +107,11 @@ impl<T: Precision> Fourier<T> {
     }
 
     /// Buffers for one running filter.
-    #[must_use]
     pub fn work(&self) -> FourierWork<'static, T> {
         self.work_watched(&Unwatched)
     }
 
     /// Buffers for one running filter that ends once `monitor` cancels; its output is then undefined.
-    #[must_use]
     pub fn work_watched<'m>(&self, monitor: &'m dyn Monitor) -> FourierWork<'m, T> {
         let Some(convolution) = &self.convolution else { return self.transform_work(monitor) };
         let columns = vec![T::zero(); convolution.scratch_len()];
@@ -141,7 +138,6 @@ impl<T: Precision> Fourier<T> {
     }
 
     /// The angular wave number |q| in rad/m of k waves along x and l along y, on pixels `dx_m` x `dy_m`.
-    #[must_use]
     pub fn wave_number(&self, k: usize, l: usize, dx_m: f64, dy_m: f64) -> f64 {
         // q = 2 pi (k / (rows dx), l / (cols dy))
         let qx = TAU * k as f64 / (self.rows as f64 * dx_m);
@@ -152,14 +148,12 @@ impl<T: Precision> Fourier<T> {
 
     /// The filter that multiplies each wave by `factor(|q|)`, q the angular wave number in rad/m on pixels
     /// of `dx_m` x `dy_m`; `mean` is the factor of the mean, q = 0.
-    #[must_use]
     pub fn multiplier(&self, dx_m: f64, dy_m: f64, mean: f64, factor: impl Fn(f64) -> f64) -> Multiplier<T> {
         self.wave_multiplier(|k, l| if k == 0 && l == 0 { mean } else { factor(self.wave_number(k, l, dx_m, dy_m)) })
     }
 
     /// The filter that multiplies the waves of +-k along x and +-l along y by `factor(k, l)`, k up to rows/2 and
     /// l up to cols/2.
-    #[must_use]
     pub fn wave_multiplier(&self, factor: impl Fn(usize, usize) -> f64) -> Multiplier<T> {
         let inverse_points = self.inverse_points();
         if let Some(convolution) = &self.convolution {

@@ -16,7 +16,6 @@ impl HeightMap {
     }
 
     /// Mean height of the points present, in metres.
-    #[must_use]
     pub fn mean_m(&self) -> f64 {
         let mut present = self.heights_m().iter().filter(|height| !height.is_nan());
         // Sums are relative to one of the heights, so that a constant map has exactly its height as mean.

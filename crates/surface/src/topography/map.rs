@@ -95,37 +95,31 @@ impl HeightMap {
     }
 
     /// Points along x.
-    #[must_use]
     pub const fn rows(&self) -> usize {
         self.rows
     }
 
     /// Points along y.
-    #[must_use]
     pub const fn cols(&self) -> usize {
         self.cols
     }
 
     /// Distance between rows, the pixel's side along x, in metres.
-    #[must_use]
     pub const fn dx_m(&self) -> f64 {
         self.dx_m
     }
 
     /// Distance between columns, the pixel's side along y, in metres.
-    #[must_use]
     pub const fn dy_m(&self) -> f64 {
         self.dy_m
     }
 
     /// Heights in metres, row by row, NaN where missing.
-    #[must_use]
     pub fn heights_m(&self) -> &[f64] {
         &self.height_m
     }
 
     /// Number of missing points.
-    #[must_use]
     pub fn missing(&self) -> usize {
         self.height_m.iter().filter(|height| height.is_nan()).count()
     }

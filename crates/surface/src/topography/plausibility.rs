@@ -35,7 +35,6 @@ pub enum MapDoubt {
 
 impl MapDoubt {
     /// Name of the warning.
-    #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::Spikes => "spikes",
@@ -168,7 +167,6 @@ impl HeightMap {
     }
 
     /// Warning on a part of sufficient size that lies far below the rest of a map whose form is removed.
-    #[must_use]
     pub fn hole_warning(&self) -> Option<MapWarning> {
         let (median_m, deviation_m) = self.robust()?;
         let most_m = median_m - limits::LOWERED_DEVIATIONS * deviation_m;
@@ -205,7 +203,6 @@ impl HeightMap {
     }
 
     /// Warning on missing points, if there are many.
-    #[must_use]
     pub fn missing_warning(&self) -> Option<MapWarning> {
         let (missing, points) = (self.missing(), self.heights_m().len());
         (missing as f64 > limits::WARNED_MISSING_SHARE * points as f64).then(|| MapWarning {

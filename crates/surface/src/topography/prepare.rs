@@ -229,13 +229,11 @@ impl PreparedMap {
     }
 
     /// How the map continues past its sides.
-    #[must_use]
     pub const fn sides(&self) -> Sides {
         if self.period { Sides::Periodic } else { Sides::Open }
     }
 
     /// Pixel size along the sliding direction, in metres.
-    #[must_use]
     pub const fn pixel_m(&self) -> f64 {
         self.map.dx_m()
     }

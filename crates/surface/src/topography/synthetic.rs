@@ -104,7 +104,6 @@ impl SelfAffine {
     }
 
     /// Description of the map for the header of a file or a report, one line per element.
-    #[must_use]
     pub fn description(&self) -> [String; 3] {
         [
             "synthetic self-affine map, not a measurement".to_owned(),

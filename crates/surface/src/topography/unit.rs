@@ -35,7 +35,6 @@ impl LengthUnit {
         [Self::Metre, Self::Centimetre, Self::Millimetre, Self::Micrometre, Self::Nanometre, Self::Picometre];
 
     /// The name used in files.
-    #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::Metre => "m",
@@ -48,7 +47,6 @@ impl LengthUnit {
     }
 
     /// Number of these units in a metre: a power of ten and therefore exact.
-    #[must_use]
     pub const fn per_metre(self) -> f64 {
         match self {
             Self::Metre => 1.0,
@@ -61,7 +59,6 @@ impl LengthUnit {
     }
 
     /// Converts `value` from this unit to metres, correctly rounded.
-    #[must_use]
     pub fn to_metres(self, value: f64) -> f64 {
         value / self.per_metre()
     }

@@ -21,7 +21,6 @@ pub struct MatrixStyle {
 impl HeightMap {
     /// Writes the map as matrix text with its size and unit in the header, which [`read_map`](crate::topography::read_map) can
     /// read: x runs along a line; missing points are written as NaN.
-    #[must_use]
     pub fn to_matrix_text(&self, style: &MatrixStyle) -> String {
         let mut text = String::with_capacity(self.heights_m().len() * (usize::from(style.decimals) + 6));
         // A line break in a comment or name must not turn its rest into data.

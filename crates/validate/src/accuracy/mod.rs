@@ -70,7 +70,6 @@ pub fn check_reference(base: &Scene) -> Result<(), SceneError> {
 const REFERENCE_STEP_S: f64 = 1e-9;
 
 /// Estimated wall time for comparing the methods of `size` on `base`, in seconds.
-#[must_use]
 pub fn expected_wall_s(size: Size, base: &Scene, seeds: u64) -> f64 {
     plan::methods(size, base).iter().map(|method| measure::expected_wall_s(method, base, seeds)).sum()
 }

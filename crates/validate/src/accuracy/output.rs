@@ -13,7 +13,6 @@ use super::plan::Family;
 const WITH_FRONT: [usize; 2] = [0, 2];
 
 /// Formats the comparison as Markdown.
-#[must_use]
 pub fn markdown(of: &Accuracy) -> String {
     let mut text = format!("# Speed against error ({})\n\n", of.size);
     of.model.iter().for_each(|statement| text += &format!("- {statement}\n"));
@@ -108,7 +107,6 @@ fn three_digits(value: f64) -> String {
 }
 
 /// Formats the methods as CSV, one line each.
-#[must_use]
 pub fn csv(of: &Accuracy) -> String {
     let mut text = String::from(
         "family,name,default_of,status,step_ns,site_updates,\

@@ -8,7 +8,6 @@ use super::rims;
 use super::tables::{self, Captioned, planforms};
 
 /// Makes the page of a validation from its `report` and the pictures in `outputs`.
-#[must_use]
 pub fn validation(report: &ValidationReport, outputs: &Outputs) -> String {
     let mut page = Page::default();
     let title = format!("{}: measured and modelled", report.name);

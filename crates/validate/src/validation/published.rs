@@ -10,7 +10,6 @@ use slipgrid_design::results::fixed;
 const SOURCE: &str = "J. Tribol. 144, 031704";
 
 /// Whether `source`, as named in a calibration, is the paper of the statements.
-#[must_use]
 pub fn is_published(source: &str) -> bool {
     source.contains(SOURCE)
 }

@@ -64,7 +64,6 @@ pub struct ValidationReport {
 
 impl ValidationReport {
     /// Whether square cavities are relevant for the compared samples: not if the samples were cut as grooves.
-    #[must_use]
     pub fn has_squares(&self) -> bool {
         self.cut_as.as_deref() != Some("groove")
     }

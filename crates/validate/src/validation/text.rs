@@ -6,7 +6,6 @@ use super::rims;
 use super::tables::{self, Captioned, planforms, solutions};
 
 /// Formats the report as text.
-#[must_use]
 pub fn text(report: &ValidationReport) -> String {
     let trial = report.trial.as_ref().map_or_else(String::new, |name| format!(", trial \"{name}\""));
     let mut text = format!("{} ({}){trial}\n", report.name, report.source);

@@ -7,7 +7,6 @@ use slipgrid_design::Advice;
 use crate::output::quoted;
 
 /// Default folder of results: out/NAME for designs/NAME.toml; out/design if NAME consists of dots.
-#[must_use]
 pub fn default_folder(design: &Path) -> PathBuf {
     let stem = design.file_name().map(Path::new).and_then(Path::file_stem);
     let named = stem.filter(|stem| !stem.to_string_lossy().trim_start_matches('.').is_empty());
@@ -16,14 +15,12 @@ pub fn default_folder(design: &Path) -> PathBuf {
 }
 
 /// Path of the study file, next to the folder of results: out/NAME.study.jsonl.
-#[must_use]
 pub fn study_path(folder: &Path) -> PathBuf {
     beside(folder, ".study.jsonl")
 }
 
 /// Message with the paths of the report and the laser's files in `folder`, and with the next steps; `command` does
 /// the same again.
-#[must_use]
 pub fn written(command: &str, calibration: Option<&Path>, folder: &Path, advice: &Advice) -> String {
     let at = |name: &str| quoted(&folder.join(name));
     let mut text = format!("\nreport  {}\n", at("report.html"));

@@ -31,7 +31,6 @@ const DELTA_RANGE: [f64; 2] = [0.5, 1.5];
 
 /// Approximate local `mu_s` / `mu_d` for a flat sample with this ratio of static peak to dynamic friction: linear
 /// interpolation of the values at 0.64 MPa on the default layer. `None` if the peak does not determine mu_s.
-#[must_use]
 pub fn local_static_over_dynamic(peak_over_dynamic: f64) -> Option<f64> {
     let excess = peak_over_dynamic - 1.0;
     let between = |pair: &[[f64; 2]]| {

@@ -54,7 +54,6 @@ pub struct Deviation {
 
 impl Deviation {
     /// Deviation of the flat surface's friction `mu_flat` at load number `load`.
-    #[must_use]
     pub fn of_flat(load: usize, mu_flat: f64, knowledge: &InputUncertainty) -> Self {
         let friction = knowledge.flat_friction.as_ref().and_then(|all| all.get(load));
         friction.map_or_else(Self::default, |variance| {
@@ -78,7 +77,6 @@ pub struct Deviations {
 
 impl Slopes {
     /// Cost of [`Self::new`]: two cells along each input, and five for the second order of the modulus, two at a time.
-    #[must_use]
     pub fn expense(scene: &Scene, knowledge: &InputUncertainty) -> Expense {
         let Some(pattern) = &scene.pattern else { return Expense::default() };
         let is_known = |variance: f64| variance > 0.0;
@@ -99,7 +97,6 @@ impl Slopes {
 
     /// Computes the slopes of `scene` along the inputs with errors in `knowledge`. The ratio of a flat scene is always
     /// 1.
-    #[must_use]
     pub fn new(scene: &Scene, knowledge: &InputUncertainty) -> Self {
         let has_law_errors = scene.area_law.as_ref().is_some_and(|law| law.factor_std().is_some());
         let count = scene.loads.len();
@@ -148,7 +145,6 @@ impl Slopes {
 
     /// g = d ln r / d ln E for modelled `ratios`, one per load; 0 if the error of the modulus is not known, or the law
     /// does not depend on it.
-    #[must_use]
     pub fn modulus_sensitivity(&self, ratios: &[f64], knowledge: &InputUncertainty) -> Vec<f64> {
         let moves = knowledge.scale.as_ref().is_some_and(|scale| !scale.is_fitted);
         let slopes = self.by_load.iter().map(|slope| slope.filter(|_| moves).map_or(0.0, |slope| slope.scale));
@@ -157,7 +153,6 @@ impl Slopes {
 
     /// Deviations at load number `load`, for a modelled `ratio` on a flat surface that slides at `mu_flat`; `None` if
     /// the slopes are not known. With a discrepancy in `knowledge`, ratio and friction are multiplied by its factor.
-    #[must_use]
     pub fn deviations(
         &self,
         load: usize,
@@ -269,7 +264,6 @@ impl ScaleShift {
     /// Shift for a normally distributed `deviation` with mean 0: the logarithm of the scale if it `is_fitted`,
     /// otherwise the relative error of Young's modulus. The modulus itself is normally distributed, E = E_0 (1 + x);
     /// below half of E_0 its logarithm is replaced by the tangent, so that no draw is negative.
-    #[must_use]
     pub fn off_by(deviation: f64, is_fitted: bool) -> Self {
         let log = if is_fitted {
             deviation

@@ -74,7 +74,6 @@ pub(crate) fn flat_friction(task: &CalibrationTask) -> Vec<CoefficientEstimate> 
 
 /// Computes f_c from the `area_law` and the measured `flat` friction under `condition`; `None` if c is the same at all
 /// loads, for example with one measurement.
-#[must_use]
 pub fn local_law(area_law: &AreaLaw, flat: &[CoefficientEstimate], condition: Option<&Condition>) -> Option<AreaLaw> {
     let coefficient = |known: &CoefficientEstimate| {
         let factor = known.pressure_pa.map_or(1.0, |pressure_pa| area_law.factor(pressure_pa));
@@ -132,7 +131,6 @@ pub fn with_local_law(scene: &Scene, law: &AreaLaw) -> Result<Scene, MaterialErr
 
 /// Change of the logarithm of the steady ratio of `pattern` in `scene` at each load if local friction follows the local
 /// pressure by `law`; 0 if a ratio cannot be computed.
-#[must_use]
 pub fn local_law_changes(scene: &Scene, pattern: &Pattern, law: &AreaLaw) -> Vec<f64> {
     let cell = steady_cell(scene, pattern);
     let by_law = with_local_law(&cell, law).map(|cell| SteadyCell::new(&cell).ratios(pattern)).unwrap_or_default();

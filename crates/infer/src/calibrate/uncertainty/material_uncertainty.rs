@@ -64,14 +64,12 @@ impl MaterialUncertainty {
     /// other. Fitted coefficients are independent. A value interpolated between two of them shares their errors and is
     /// no more accurate than they are. If one pair holds for all loads, or for all conditions, errors are fully
     /// correlated. `None` if the file has no standard errors for a condition.
-    #[must_use]
     pub fn friction_covariance(&self, pressures_pa: &[f64], conditions: &[Option<Condition>]) -> Option<Covariance> {
         covariance(&self.friction, pressures_pa, conditions)
     }
 
     /// Dynamic friction of the flat sample over steady friction at `pressures_pa`, interpolated linearly between
     /// measurements. `None` if the file has no values for the condition.
-    #[must_use]
     pub fn excess(&self, pressures_pa: &[f64], condition: Option<&Condition>) -> Option<Vec<f64>> {
         let known = &self.dynamic_over_steady;
         Some(shares(known, pressures_pa, condition)?.iter().map(|row| mean(row, known)).collect())
@@ -113,7 +111,6 @@ impl MaterialUncertainty {
 
     /// Relative standard deviation of Young's modulus (to first order that of its logarithm), if `area_law` depends on
     /// the modulus.
-    #[must_use]
     pub fn modulus_std(&self, area_law: Option<&AreaLaw>) -> Option<f64> {
         self.modulus_relative_std
             .filter(|std| *std > 0.0 && !self.law_is_fitted && !self.law_is_measured && area_law.is_some())
@@ -121,14 +118,12 @@ impl MaterialUncertainty {
 
     /// Law of friction under `condition` if the local coefficient follows the local pressure, see [`local_law`]; `None` if flat friction is
     /// not known to contradict the `area_law`.
-    #[must_use]
     pub fn local_law(&self, area_law: Option<&AreaLaw>, condition: Option<&Condition>) -> Option<AreaLaw> {
         let is_of_friction = self.law_is_fitted || self.law_is_measured;
         local_law(area_law.filter(|_| !is_of_friction)?, &self.flat_friction, condition)
     }
 
     /// Lists the errors that a material with this `area_law` does not state; `knowledge` holds the stated ones.
-    #[must_use]
     pub fn unknown(&self, knowledge: &InputUncertainty, area_law: Option<&AreaLaw>) -> Vec<&'static str> {
         let mut unknown = Vec::new();
         if knowledge.flat_friction.is_none() {

@@ -52,7 +52,6 @@ pub struct ScaleError {
 impl ScaleError {
     /// Error of Young's modulus with the standard deviation `log_std` of its logarithm. Flat friction, which is
     /// measured, is independent of it.
-    #[must_use]
     pub fn of_modulus(log_std: f64, loads: usize) -> Self {
         Self { is_fitted: false, variance: log_std * log_std, with_friction: vec![0.0; loads] }
     }
@@ -74,7 +73,6 @@ pub struct DiscrepancyAt {
 
 impl DiscrepancyAt {
     /// Converts `prediction` at each load.
-    #[must_use]
     pub fn each(prediction: &Prediction) -> Vec<Self> {
         let at = |(load, median): (usize, f64)| {
             let reach = |outside: f64| {
@@ -105,7 +103,6 @@ pub enum Source {
 
 impl Source {
     /// Name in reports.
-    #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::FlatFriction => "flat friction",

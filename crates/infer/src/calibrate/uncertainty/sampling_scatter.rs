@@ -22,7 +22,6 @@ pub struct SamplingScatter {
 ///
 /// with the friction F of a block, its deviate g, and the number n of blocks of the flat surface, which has the same
 /// deviates.
-#[must_use]
 pub fn sampling_scatter(load: &LoadOutcome, scatter: f64) -> SamplingScatter {
     let own = concentration(&load.surface);
     let flat = load.flat.as_ref().and_then(concentration_of_flat);

@@ -12,13 +12,11 @@ const SAME_THICKNESS: f64 = 0.01;
 
 impl Design {
     /// Statements about the specimen in which the design contradicts `calibration`, the source of its material.
-    #[must_use]
     pub fn contradictions(&self, calibration: &Calibration) -> Vec<Diagnostic> {
         self.thickness(calibration).into_iter().chain(self.holder(calibration)).collect()
     }
 
     /// Diagnostics that need the material: pressures that strain it too much, and a speed that no run in time can confirm.
-    #[must_use]
     pub fn material_told(&self) -> Vec<Diagnostic> {
         self.strained().into_iter().chain(self.too_fast()).collect()
     }

@@ -66,7 +66,6 @@ pub struct MeanPeriod {
 impl MeanPeriod {
     /// Description for the header of a file, one line each. The phrase "one period" marks the map as periodic for
     /// readers.
-    #[must_use]
     pub fn description(&self) -> [String; 3] {
         let um = |length_m: f64| crate::topography::write::rounded((length_m * 1e10).round() / 1e4);
         let sides_m = [self.map.rows() as f64 * self.map.dx_m(), self.map.cols() as f64 * self.map.dy_m()];

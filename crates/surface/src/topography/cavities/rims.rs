@@ -92,7 +92,6 @@ pub struct RimMetrology {
 
 impl RimMetrology {
     /// Height of the fitted rim at the distance `distance_m` from the edge at half depth, in metres; 0 without a rim.
-    #[must_use]
     pub fn fitted_m(&self, distance_m: f64) -> f64 {
         match (self.height_m, self.width_m, self.profile) {
             (Some(height), Some(width), Some(profile)) => {

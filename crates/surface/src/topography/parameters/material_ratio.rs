@@ -49,7 +49,6 @@ impl MaterialRatioCurve {
     }
 
     /// Height above the mean that the fraction `ratio` of the surface reaches or exceeds, in metres.
-    #[must_use]
     pub fn height_m(&self, ratio: f64) -> f64 {
         let last = self.descending_m.len() - 1;
         let place = ratio.clamp(0.0, 1.0) * last as f64;
@@ -59,14 +58,12 @@ impl MaterialRatioCurve {
     }
 
     /// Fraction of the surface above `height_m` (relative to the mean, in metres).
-    #[must_use]
     pub fn ratio(&self, height_m: f64) -> f64 {
         self.descending_m.partition_point(|&height| height > height_m) as f64 / self.descending_m.len() as f64
     }
 
     /// Core parameters from the equivalent line (ISO 25178-2, annex B): the least-squares line through the part of the
     /// curve that spans 40 % of the ratio and has the flattest secant (the first one if several are equally flat).
-    #[must_use]
     pub fn core(&self) -> CoreParameters {
         let step = 1.0 / (CLASSES - 1) as f64;
         let height: Vec<f64> = (0..CLASSES).map(|class| self.height_m(class as f64 * step)).collect();

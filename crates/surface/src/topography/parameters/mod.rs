@@ -18,13 +18,11 @@ use crate::topography::{HeightMap, MapError};
 
 impl HeightMap {
     /// Sa, the arithmetical mean height: mean of |h - mean h| over the points present, in metres.
-    #[must_use]
     pub fn sa_m(&self) -> f64 {
         self.mean_deviation(f64::abs)
     }
 
     /// Sq, the root mean square height: sqrt(mean of (h - mean h)^2) over the points present, in metres.
-    #[must_use]
     pub fn sq_m(&self) -> f64 {
         self.mean_deviation(|deviation| deviation * deviation).sqrt()
     }
@@ -60,7 +58,6 @@ impl HeightMap {
     /// that are both present; the map is not continued past its sides. It is below the spectral slope if waves are only
     /// a few pixels long, and is not affected by the step between opposite sides of a measured map. An axis without
     /// pairs of neighbours contributes zero.
-    #[must_use]
     pub fn rms_slope_finite_difference(&self) -> f64 {
         let (heights, cols) = (self.heights_m(), self.cols());
         let mean_square = |sum: f64, count: f64| if count > 0.0 { sum / count } else { 0.0 };
@@ -88,7 +85,6 @@ impl HeightMap {
 
     /// [`Self::rms_slope_finite_difference`] with its relative standard error, from the scatter of the logarithms of the
     /// slopes of `side` x `side` windows; `None` if fewer than two windows have a slope.
-    #[must_use]
     pub fn windowed_slope(&self, side: usize) -> (f64, Option<f64>) {
         let slopes = self.in_windows(side).flatten().map(|window| window.rms_slope_finite_difference());
         let logs: Vec<f64> = slopes.filter(|slope| *slope > 0.0).map(libm::log).collect();

@@ -97,7 +97,6 @@ impl MapFormat {
     pub const ALL: [Self; 7] = [Self::Matrix, Self::Xyz, Self::Gsf, Self::Npy, Self::Sdf, Self::Sur, Self::X3p];
 
     /// Name used in messages.
-    #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::Matrix => "matrix",
@@ -155,7 +154,6 @@ pub struct ReadMap {
 
 impl ReadMap {
     /// Whether the file states that the surface is synthetic.
-    #[must_use]
     pub fn is_synthetic(&self) -> bool {
         self.comments.iter().any(|comment| comment.to_ascii_lowercase().contains("synthetic"))
     }
