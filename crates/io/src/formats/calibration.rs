@@ -29,7 +29,7 @@ use super::traces::{self, ConditionTraces, SurfaceKind};
 use super::trials::{self, FlatSamples};
 use super::unusual;
 use crate::formats::altitude_map::{read_land, read_period};
-use crate::formats::plausible::{DENSITY, MODULUS};
+use crate::formats::plausible::{DENSITY, MODULUS, stiff_for_its_density};
 use crate::formats::source::Source;
 use crate::formats::{Diagnostic, Document, Spanned};
 use slipgrid_base::units::{
@@ -328,7 +328,9 @@ fn bulk_told(document: &Document, bulk: &BulkFile) -> Result<Vec<Diagnostic>, Di
     let told = judged.into_iter().filter_map(|(quantity, number)| {
         quantity.check(*number.get_ref(), || document.refuse(number.span(), "")).transpose()
     });
-    told.collect()
+    let stiff = stiff_for_its_density(modulus_gpa, *bulk.density_g_cm3.get_ref());
+    let stiff = stiff.map(|reason| Ok(document.refuse(bulk.youngs_modulus_gpa.span(), reason)));
+    told.chain(stiff).collect()
 }
 
 /// Reads the pattern and checks that one period fits on the specimen, because memory and time of the model's cell grow

@@ -53,6 +53,12 @@ impl Remarks {
 /// was measured, because forces are set in round numbers. Friction changes by at most a tenth of this difference.
 const SAME_PRESSURE: f64 = 0.01;
 
+/// If the highest pressure of a table, in MPa, is below this value, forces are probably in another unit: flat faces
+/// usually bear a higher pressure.
+const LOW_PRESSURE_MPA: f64 = 0.01;
+/// If the highest speed of a table, in mm/s, is below this value, speeds are probably in another unit.
+const LOW_SPEED_MM_S: f64 = 0.02;
+
 /// Maximum number of conditions that a message lists.
 const MAX_NAMED: usize = 4;
 
@@ -138,7 +144,8 @@ pub fn check(rows: &[Placed], specimens: &Specimens) -> Result<Vec<Diagnostic>, 
             }
         }
     }
-    told.extend(low_humidity(rows).into_iter().chain(high_friction(rows)).chain(collinear::check(rows)));
+    told.extend(low_force(rows, specimens).into_iter().chain(low_speed(rows)).chain(low_humidity(rows)));
+    told.extend(high_friction(rows).into_iter().chain(collinear::check(rows)));
     Ok(told)
 }
 
@@ -148,6 +155,33 @@ fn high_friction(rows: &[Placed]) -> Option<Diagnostic> {
     let row = rows.iter().max_by(|a, b| a.measurement.mu_dynamic.total_cmp(&b.measurement.mu_dynamic))?;
     let friction: Vec<f64> = rows.iter().map(|row| row.measurement.mu_dynamic).collect();
     Some(Diagnostic { reason: exchanged_forces(&friction)?, ..row.at("mu_dynamic", row.measurement.mu_dynamic) })
+}
+
+/// Row of the greatest force, if the forces in all `rows` are so low that they are probably in kN.
+fn low_force(rows: &[Placed], specimens: &Specimens) -> Option<Diagnostic> {
+    let row = rows.iter().max_by(|a, b| a.measurement.force_n.total_cmp(&b.measurement.force_n))?;
+    let force_n = row.measurement.force_n;
+    let pressure_mpa = PRESSURE_MPA.from_si(force_n / specimens.area_m2);
+    let is_usual = FORCE.judge(force_n) == Ok(None) && PRESSURE.judge(pressure_mpa) == Ok(None);
+    let slip = FORCE.greater(force_n).filter(|_| is_usual && pressure_mpa < LOW_PRESSURE_MPA)?;
+    let reason = format!(
+        "is the greatest of its table and presses the specimen with {} MPa, less than the {LOW_PRESSURE_MPA} MPa from which on most samples \
+         are measured; {slip}",
+        significant(pressure_mpa, 3)
+    );
+    Some(Diagnostic { reason, ..row.at("force_n", force_n) })
+}
+
+/// Row of the greatest speed, if the speeds in all `rows` are so low that they are probably in m/s.
+fn low_speed(rows: &[Placed]) -> Option<Diagnostic> {
+    let row = rows.iter().max_by(|a, b| a.measurement.speed_m_s.total_cmp(&b.measurement.speed_m_s))?;
+    let speed_mm_s = SPEED_MM_S.from_si(row.measurement.speed_m_s);
+    let is_usual = SPEED.judge(speed_mm_s) == Ok(None);
+    let slip = SPEED.greater(speed_mm_s).filter(|_| is_usual && speed_mm_s < LOW_SPEED_MM_S)?;
+    let reason = format!(
+        "is the greatest of its table, less than the {LOW_SPEED_MM_S} mm/s from which on most samples are measured; {slip}"
+    );
+    Some(Diagnostic { reason, ..row.at("speed_mm_s", speed_mm_s) })
 }
 
 /// Row of the greatest humidity, if nearly all `rows` have so little that humidities are probably fractions of 1.
@@ -270,6 +304,26 @@ mod tests {
             static_peak: None,
         };
         Placed { measurement, path: PathBuf::from("flat.csv"), line, sliding_m: None, order: None }
+    }
+
+    #[test]
+    fn forces_in_kilonewtons_and_speeds_in_metres_a_second_are_asked_about() {
+        let specimens = Specimens { area_m2: 78.5e-6, modulus_pa: 380e6 };
+        let said = |rows: &[Placed]| -> Vec<String> {
+            check(rows, &specimens).unwrap().iter().map(Diagnostic::to_string).collect()
+        };
+        let kilonewtons = said(&[row_of(0.05, 2e-3, 2), row_of(0.2, 0.4e-3, 3)]);
+        assert_eq!(kilonewtons.len(), 1, "{kilonewtons:?}");
+        assert!(kilonewtons[0].starts_with("flat.csv:3: force_n: 0.2 is the greatest of its table"), "{kilonewtons:?}");
+        assert!(kilonewtons[0].contains("0.00255 MPa") && kilonewtons[0].ends_with("in kN, that would be 200 N"));
+        let metres = said(&[row_of(50.0, 4e-6, 2), row_of(200.0, 2e-6, 3)]);
+        assert_eq!(metres.len(), 1, "{metres:?}");
+        assert!(metres[0].starts_with("flat.csv:2: speed_mm_s: 0.004 is the greatest of its table"), "{metres:?}");
+        assert!(metres[0].ends_with("in m/s, that would be 4 mm/s"), "{metres:?}");
+        // One usual row is sufficient; a small pin bears a small force.
+        assert_eq!(said(&[row_of(0.2, 4e-6, 2), row_of(50.0, 2e-3, 3)]), Vec::<String>::new());
+        let pin = Specimens { area_m2: 1e-6, ..specimens };
+        assert_eq!(check(&[row_of(0.2, 2e-3, 2)], &pin).unwrap(), []);
     }
 
     #[test]

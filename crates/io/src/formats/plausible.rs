@@ -149,6 +149,22 @@ pub const CAVITY_DEPTH: Plausible = Plausible {
     slips: OF_MICROMETRES,
 };
 
+/// Density in g/cm3 below which a solid is a polymer, an elastomer or wood: fibres, metals and minerals are denser in
+/// bulk.
+const LIGHT_G_CM3: f64 = 1.4;
+/// Highest known Young's modulus of light solids in GPa, along the grain of wood.
+const LIGHT_MODULUS_GPA: f64 = 20.0;
+
+/// Warning of a usual modulus that is too high for a solid of this density, with the probable unit.
+pub fn stiff_for_its_density(modulus_gpa: f64, density_g_cm3: f64) -> Option<String> {
+    let is_doubtful = density_g_cm3 < LIGHT_G_CM3 && modulus_gpa > LIGHT_MODULUS_GPA;
+    let usual = MODULUS.within([MODULUS.usual[0], LIGHT_MODULUS_GPA]);
+    let slip = usual.slip(modulus_gpa).filter(|_| is_doubtful && MODULUS.judge(modulus_gpa) == Ok(None))?;
+    Some(format!(
+        "is unusual: solids lighter than {LIGHT_G_CM3} g/cm3 have at most {LIGHT_MODULUS_GPA} GPa, and density_g_cm3 is {density_g_cm3}; {slip}"
+    ))
+}
+
 /// Warning of a relative humidity that is probably a fraction of 1: air in a room has 20 to 80 %. Zero stands for dry
 /// air.
 pub fn share_of_one(humidity_pct: f64) -> Option<String> {
@@ -258,6 +274,12 @@ impl Plausible {
         let (what, factor) = self.slips.iter().find(|(_, factor)| is_usual(value * factor))?;
         let unit = if self.unit.is_empty() { String::new() } else { format!(" {}", self.unit) };
         Some(format!("{what} would be {}{unit}", tidy(value * factor)))
+    }
+
+    /// The probable intended unit of a `value` that is too small: a unit in which it is greater, and usual.
+    pub fn greater(&self, value: f64) -> Option<String> {
+        let slips = self.slips.iter().filter(|(_, factor)| *factor > 1.0);
+        slips.map(|slip| Self { slips: std::slice::from_ref(slip), ..*self }).find_map(|one| one.slip(value))
     }
 
     /// Checks `value` for a calibration and returns a warning, if any; `place` gives file, line, key and value.
@@ -398,6 +420,19 @@ mod tests {
             said.contains("0.000001 to 1250 GPa, as rubber has") && said.contains("in MPa, that would be 5 GPa"),
             "{said}"
         );
+    }
+
+    #[test]
+    fn a_modulus_too_high_for_so_light_a_solid_is_asked_about() {
+        for (modulus_gpa, density_g_cm3, meant) in [(48.0, 1.21, "0.048"), (100.0, 0.95, "0.1"), (25.0, 1.15, "0.025")]
+        {
+            let said = stiff_for_its_density(modulus_gpa, density_g_cm3).unwrap();
+            assert!(said.ends_with(&format!("in MPa, that would be {meant} GPa")), "{said}");
+        }
+        // Polymers, wood, a fibre composite, magnesium; a value that is unusual for any solid gets one warning only.
+        for (modulus_gpa, density_g_cm3) in [(3.6, 1.3), (15.0, 0.6), (140.0, 1.55), (45.0, 1.74), (380.0, 0.9)] {
+            assert_eq!(stiff_for_its_density(modulus_gpa, density_g_cm3), None);
+        }
     }
 
     #[test]

@@ -15,7 +15,7 @@ use super::target::ConditionRangeFile;
 use super::values::{Number, Numbers, number_span};
 use crate::formats::plausible::{
     CAVITY_DEPTH, CAVITY_WIDTH, DENSITY, FRICTION, GIVEN_PRESSURE, MODULUS, Plausible, RIM_HEIGHT, SPEED, STRAIN,
-    exchanged_forces, share_of_one,
+    exchanged_forces, share_of_one, stiff_for_its_density,
 };
 use crate::formats::{Diagnostic, Document, Spanned};
 use slipgrid_base::units::{
@@ -130,6 +130,8 @@ pub fn of_material(document: &Document, file: &MaterialFile) -> Vec<Diagnostic> 
     let bulk = [(MODULUS, &file.youngs_modulus_gpa), (DENSITY, &file.density_g_cm3)];
     let mut told: Vec<Diagnostic> =
         bulk.into_iter().filter_map(|(quantity, value)| number(document, quantity, value)).collect();
+    let stiff = stiff_for_its_density(*file.youngs_modulus_gpa.get_ref(), *file.density_g_cm3.get_ref());
+    told.extend(stiff.map(|reason| document.refuse(file.youngs_modulus_gpa.span(), reason)));
     let friction = file.friction.get_ref();
     let tables = friction.conditions.iter().map(|table| (&table.get_ref().static_mean, &table.get_ref().dynamic_mean));
     let pairs: Vec<_> = tables.chain(friction.static_mean.as_ref().zip(friction.dynamic_mean.as_ref())).collect();
