@@ -65,13 +65,16 @@ impl Lock {
                 File::options().read(true).write(true).create(true).truncate(false).open(path).map_err(failed)?;
             let head = read_head(&mut file);
             if matches!(file.try_lock(), Err(TryLockError::WouldBlock)) {
-                return Err(lock.refuse(&head).into());
+                return Err(lock.refuse(&head.unwrap_or_default()).into());
             }
             // The last holder may have removed the file between opening and locking.
             if !is_there(&file, path) {
                 continue;
             }
-            if !head.is_empty() && !head.starts_with(MARK) {
+            let head = head.map_err(failed)?;
+            let mut words = head.split_whitespace();
+            let names_process = words.next() == Some(MARK) && words.next().is_some_and(|id| id.parse::<u32>().is_ok());
+            if !head.is_empty() && !names_process {
                 let refused = Diagnostic::file(path, "is no lock of slipgrid, and stands where one is to be");
                 return Err(refused.expected("another folder of results, or no such file").into());
             }
@@ -125,11 +128,10 @@ impl Lock {
 }
 
 /// The beginning of a lock file as text.
-fn read_head(file: &mut File) -> String {
+fn read_head(file: &mut File) -> io::Result<String> {
     let mut head = Vec::new();
-    // What cannot be read is no lock of slipgrid.
-    let _ = file.take(HEAD).read_to_end(&mut head);
-    String::from_utf8_lossy(&head).into_owned()
+    file.take(HEAD).read_to_end(&mut head)?;
+    Ok(String::from_utf8_lossy(&head).into_owned())
 }
 
 /// Whether `path` still refers to `file`.
@@ -175,9 +177,11 @@ mod tests {
             drop(Lock::new(&path).unwrap());
             assert!(!path.exists());
         }
-        fs::write(&path, "my notes").unwrap();
-        assert!(Lock::new(&path).unwrap_err().to_string().contains("is no lock of slipgrid"));
-        assert_eq!(fs::read_to_string(&path).unwrap(), "my notes");
+        for notes in ["my notes", "slipgrid is what I use"] {
+            fs::write(&path, notes).unwrap();
+            assert!(Lock::new(&path).unwrap_err().to_string().contains("is no lock of slipgrid"));
+            assert_eq!(fs::read_to_string(&path).unwrap(), notes);
+        }
     }
 
     #[test]
