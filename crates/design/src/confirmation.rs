@@ -47,7 +47,7 @@ pub fn confirming_scene(prepared: &PreparedTask, model: &SteadyModel<'_>, patter
     Scene { run, ..scene }.in_time()
 }
 
-/// Runs `scene` on `specimen`, or takes the result from the monitor's cache, as `next` does after `optimize`.
+/// Runs `scene` on `specimen`, or takes the result that an earlier command kept: `next` after `optimize` runs the same scene.
 ///
 /// # Errors
 /// [`SpecimenError`] where the specimen does not take the pattern.

@@ -117,7 +117,7 @@ impl Memory for InMemory {
 
 /// Returns the result of `compute`, of the given `kind`, which follows from `content` only. The result is read from the
 /// monitor's cache if it is there, and then advances the monitor by `share`; otherwise it is computed and stored. Errors are not
-/// stored, nor what may have been cut short because the monitor has cancelled.
+/// stored, nor what may have been cut short because the monitor has cancelled; a monitor that has cancelled must remain so.
 ///
 /// # Errors
 /// Those of `compute`.

@@ -7,7 +7,7 @@ use slipgrid_infer::calibrate::{CalibrationOutcome, CalibrationTask, Fit, Parame
 use super::static_friction::{StaticRow, rows};
 use crate::ReportError;
 use crate::charts::{self, Estimate};
-use slipgrid_base::units::{HUMIDITY_PCT, SPEED_MM_S, tidy};
+use slipgrid_base::units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, tidy};
 use slipgrid_design::results::{SCHEMA, Table, VERSION, fixed};
 
 /// Record of a fit, as in fit.json.
@@ -109,12 +109,18 @@ pub fn which_errors(outcome: &CalibrationOutcome) -> &'static str {
     }
 }
 
-/// All parameters with their intervals.
+/// All parameters with their intervals; pressures in MPa.
 pub fn parameter_table(outcome: &CalibrationOutcome) -> Table {
     let parameters = parameters(&outcome.fit);
-    let cell = |of: &ParameterReport, value: Option<f64>| fixed(value, if of.value.abs() > 100.0 { 0 } else { 4 });
+    let cell = |of: &ParameterReport, value: Option<f64>| match of.name.ends_with("_pa") {
+        true => fixed(value.map(|pa| PRESSURE_MPA.from_si(pa)), 3),
+        false => fixed(value, 4),
+    };
     let mut table = Table::of(&parameters);
-    table.column("parameter", |of| in_words(outcome, &of.name));
+    table.column("parameter", |of| match of.name.strip_suffix("_pa") {
+        Some(name) => format!("{name}, MPa"),
+        None => in_words(outcome, &of.name),
+    });
     table.column("value", |of| cell(of, Some(of.value)));
     table.column("+-", |of| cell(of, of.std_error));
     table.column("95 % from", |of| cell(of, of.interval_95[0]));

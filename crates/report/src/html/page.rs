@@ -303,7 +303,7 @@ impl Page {
                     thead {
                         tr {
                             @for (name, class) in table.header().iter().zip(&classes) {
-                                th scope="col" class=[class] { button type="button" { (Text(&own(name))) } }
+                                th scope="col" class=[class] { @if !name.is_empty() { button type="button" { (Text(&own(name))) } } }
                             }
                         }
                     } (NL)

@@ -205,8 +205,8 @@ fn details(page: &mut Page, report: &TrialsReport) {
     let rows = report.rows();
     page.part("The ledger", |page| {
         page.table(
-            "Ratios patterned over flat, dimensionless. Before: predicted by the trials before, with the interval of 95 %, the measurement's \
-             own errors included. Surprise: distance of the measured ratio from that prediction, in its standard deviations.",
+            "Ratios patterned over flat, dimensionless. Before: predicted by the trials before, those of the first trial by what is believed \
+             before any, with the interval of 95 %, the measurement's own errors included. Surprise: distance of the measured ratio from that prediction, in its standard deviations.",
             &report.ledger(false),
         );
         page.paragraph(MODELLED);

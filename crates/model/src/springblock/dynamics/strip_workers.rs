@@ -35,7 +35,7 @@ const PANICKED: u64 = u64::MAX;
 /// Polls of a word before a thread yields its core.
 ///
 /// A thread that had to yield polls half as often the next time: with more threads than cores the one that it waits for
-/// may need its core.
+/// may need its core. After a wait that ended while it polled, it polls twice as often again.
 #[derive(Debug)]
 struct Patience(u32);
 
