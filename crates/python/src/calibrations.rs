@@ -10,7 +10,7 @@ use slipgrid::formats::calibrated::{self, calibrate, learn};
 use slipgrid::formats::calibration::Calibration as Read;
 use slipgrid::formats::file_kind::FileKind;
 use slipgrid::formats::made_from::MadeFrom;
-use slipgrid::formats::material_uncertainty::read_known;
+use slipgrid::formats::material::read_known;
 use slipgrid::formats::scene::DEFAULT_SPECIMEN;
 use slipgrid::formats::written_material::material_toml;
 use slipgrid::formats::{Diagnostic, Document};
