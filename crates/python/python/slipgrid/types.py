@@ -418,7 +418,6 @@ class SurfaceTable(TypedDict, total=False):
     missing: Literal["fill", "refuse"]
     despike: bool
     form: Literal["mean", "plane", "second-order"]
-    level: bool
     threshold_mpa: float
     windows: int
 
