@@ -10,7 +10,8 @@
 //! so that an offset of the force sensor and a tilt of the sample along the stroke cancel.
 
 use super::time_series::{mean_between, median};
-use super::{MAX_OPPOSITE_SIGN, MIN_FRICTION, MIN_SAMPLES, TraceError, TraceFlag, no_friction, samples_between};
+use crate::checks::{MAX_OPPOSITE_SIGN, MIN_SAMPLES, no_friction, samples_between};
+use crate::{MIN_FRICTION, TraceError, TraceFlag};
 
 /// Default central fraction of every stroke that is used.
 pub const DEFAULT_STROKE_SHARE: f64 = 0.5;
