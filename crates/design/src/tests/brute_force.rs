@@ -1,27 +1,15 @@
 //! Brute-force checks of predicted chances against samples drawn and solved one by one.
 
 use crate::optimize::{DesignSpace, Quantity, Target, TargetPoint};
-use slipgrid_base::statistics::cholesky::{covariance_factor, dot};
+use slipgrid_base::statistics::cholesky::covariance_factor;
 use slipgrid_base::statistics::{Normals, normal_probability};
-use slipgrid_infer::discrepancy::{Candidate, Component, Features, Prediction, Scenarios, Sensitivity};
+use slipgrid_infer::discrepancy::{Candidate, Features, Scenarios, Sensitivity};
 use slipgrid_model::pattern::{Pattern, Planform};
 use slipgrid_model::springblock::Layer;
 
 use super::{contradicted, searched, steady, taught, three_tasks, trial};
 use crate::search::Search;
 use crate::slopes::slopes;
-
-/// Draws from the component of `prediction` that the normal deviate `which` selects, with deviates `z`, one per load.
-fn draw(prediction: &Prediction, which: f64, z: &[f64]) -> Vec<f64> {
-    let (n, share, mut reached) = (prediction.loads(), normal_probability(which), 0.0);
-    let is_picked = |of: &&Component| {
-        reached += of.weight;
-        share <= reached
-    };
-    let picked = prediction.components.iter().find(is_picked).or(prediction.components.last()).unwrap();
-    let factor = covariance_factor(&picked.covariance, n);
-    (0..n).map(|load| picked.mean[load] + dot(&factor[load * n..][..=load], z)).collect()
-}
 
 /// Share of `count` samples of a texture on target, each drawn and solved separately, and the predicted chance.
 fn drawn(search: &Search<'_>, lengths_m: [f64; 3], count: u32) -> (f64, f64) {
@@ -48,7 +36,7 @@ fn drawn(search: &Search<'_>, lengths_m: [f64; 3], count: u32) -> (f64, f64) {
         let which = normals.draw();
         let mut deviates = || -> Vec<f64> { (0..n).map(|_| normals.draw()).collect() };
         let (z, shared) = (deviates(), deviates());
-        let lacks = draw(&lacking, which, &z);
+        let lacks = lacking.draw(which, &z);
         let value = |load: usize| {
             let off: f64 = factor[load * n..=load * n + load].iter().zip(&shared).map(|(l, z)| l * z).sum();
             found.texture.ratio[load] * ratio[load] / designed[load] * (lacks[load] + off).exp()

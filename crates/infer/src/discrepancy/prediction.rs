@@ -380,6 +380,19 @@ impl Prediction {
         self.components.iter().map(of).sum()
     }
 
+    /// Draws from the component that the normal deviate `which` selects, with deviates `z`, one per load: the independent
+    /// judge of probabilities and quantiles.
+    pub fn draw(&self, which: f64, z: &[f64]) -> Vec<f64> {
+        let (n, share, mut reached) = (self.loads(), normal_probability(which), 0.0);
+        let is_picked = |of: &&Component| {
+            reached += of.weight;
+            share <= reached
+        };
+        let Some(picked) = self.components.iter().find(is_picked).or(self.components.last()) else { return Vec::new() };
+        let factor = covariance_factor(&picked.covariance, n);
+        (0..n).map(|load| picked.mean[load] + dot(&factor[load * n..][..=load], z)).collect()
+    }
+
     /// Mean and covariance of the whole mixture.
     pub fn mixed(&self) -> (Vec<f64>, Vec<f64>) {
         let n = self.loads();

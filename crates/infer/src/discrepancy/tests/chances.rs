@@ -1,10 +1,8 @@
 //! Chances of the mixture, by points, by draws and by truths.
 
-use slipgrid_base::statistics::cholesky::{covariance_factor, dot};
 use slipgrid_base::statistics::normal_probability;
 
 use super::*;
-use crate::discrepancy::{Component, Prediction};
 
 /// Features of a groove with a width larger by a twentieth, at equal pitch.
 fn wider(of: Features) -> Features {
@@ -109,18 +107,6 @@ fn samples_on_one_disc_are_off_together() {
     assert!(one.iter().zip(&other).filter(|(one, other)| one != other).count() < 10);
 }
 
-/// Draws from the component of `prediction` that the normal deviate `which` selects, with deviates `z`, one per load.
-fn draw(prediction: &Prediction, which: f64, z: &[f64]) -> Vec<f64> {
-    let (n, share, mut reached) = (prediction.loads(), normal_probability(which), 0.0);
-    let is_picked = |of: &&Component| {
-        reached += of.weight;
-        share <= reached
-    };
-    let picked = prediction.components.iter().find(is_picked).or(prediction.components.last()).unwrap();
-    let factor = covariance_factor(&picked.covariance, n);
-    (0..n).map(|load| picked.mean[load] + dot(&factor[load * n..][..=load], z)).collect()
-}
-
 /// Tests six correlated loads, as two speeds at three pressures: the chance of all loads never exceeds the chance of
 /// some, by the rule and by draws.
 #[test]
@@ -140,7 +126,7 @@ fn more_loads_are_never_likelier_within_their_bounds_than_fewer() {
             let within = (0..draws).filter(|_| {
                 let which = normals.draw();
                 let z: Vec<f64> = (0..n).map(|_| normals.draw()).collect();
-                draw(&prediction, which, &z).iter().all(|y| (-0.06..=0.02).contains(y))
+                prediction.draw(which, &z).iter().all(|y| (-0.06..=0.02).contains(y))
             });
             let drawn = within.count() as f64 / f64::from(draws);
             let share = prediction.probability_within(&lower, &upper);
