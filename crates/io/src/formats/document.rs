@@ -1,6 +1,7 @@
 //! TOML files with their text, so that every refusal can name a line.
 
 mod explain;
+mod tables_only;
 
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -10,6 +11,7 @@ use crate::formats::spanned::Spanned;
 use serde::de::DeserializeOwned;
 use toml::de::{DeTable, DeValue};
 
+use self::tables_only::TablesOnly;
 use super::file_kind::FileKind;
 use crate::formats::diagnostic::{Diagnostic, nearest};
 use crate::formats::plausible;
@@ -121,7 +123,8 @@ impl Document {
     /// # Errors
     /// [`Diagnostic`] for bad TOML, unknown and missing keys, and values of a wrong type.
     pub fn parse<T: DeserializeOwned>(&self) -> Result<T, Diagnostic> {
-        toml::from_str(&self.text).map_err(|error| self.explain(&error))
+        let read = toml::Deserializer::parse(&self.text).and_then(|reader| T::deserialize(TablesOnly(reader)));
+        read.map_err(|error| self.explain(&error))
     }
 
     /// Refuses the value at `span`.

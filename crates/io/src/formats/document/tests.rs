@@ -47,9 +47,13 @@ fn refusals_name_line_and_key() {
             "[[inner]]\nwidth_um = 1.0",
             "a.toml:1: inner: stands in double brackets, as one of a list; expected one table, [inner]",
         ),
-        ("inner = [1.5]", "a.toml:1: inner: [1.5] has the wrong type; expected a table"),
+        // A list could otherwise supply the fields of a structure in order.
+        ("inner = [1.5, 3]", "a.toml:1: inner: [1.5, 3] has the wrong type; expected a table"),
         ("inner = []", "a.toml:1: inner: has the wrong type; expected a table"),
-        ("others = [[2.5]]\ninner = { width_um = 1 }", "a.toml:1: others: [2.5] has the wrong type; expected a table"),
+        (
+            "inner = { width_um = 1 }\nothers = [[2.5, 3]]",
+            "a.toml:2: others: [2.5, 3] has the wrong type; expected a table",
+        ),
         ("inner = 3", "a.toml:1: inner: 3 has the wrong type; expected a table"),
         (
             "[inner]\nwidth_um = 1\ncount = -3",
