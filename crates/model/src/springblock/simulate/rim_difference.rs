@@ -10,7 +10,8 @@
 use crate::pattern::Pattern;
 
 use crate::springblock::{
-    CellOutcome, Dimension, Effect, Extent, Fidelity, LoadOutcome, Scene, Statements, SteadyCell, SurfaceOutcome,
+    CellOutcome, Dimension, Effect, Extent, Fidelity, LoadOutcome, Scene, Statements, Status, SteadyCell,
+    SurfaceOutcome,
 };
 
 /// Relative standard error of the effect of rims: ends carry more load than the cell, and with few cavities rims have a
@@ -27,9 +28,11 @@ pub struct RimDifference {
 pub struct CellDifference {
     /// Difference of the ratios.
     pub ratio: f64,
-    /// Peak pressure over that of the second cell.
+    /// Peak pressure over that of the second cell; 1 where one of them has none.
     pub peak: f64,
+    /// Difference of the clearances under the ceiling, in metres; 0 where one has none.
     pub clearance_m: f64,
+    /// Whether a pressure of the first cell exceeds the last one of the area law.
     pub is_extrapolated: bool,
 }
 
@@ -37,9 +40,11 @@ impl CellDifference {
     /// Computes `with` minus `without`; `None` unless both have a ratio.
     pub fn new(with: &CellOutcome, without: &CellOutcome) -> Option<Self> {
         let (of_with, of_without) = (&with.surface, &without.surface);
+        // Without friction there is a ratio, but no pressure to compare.
+        let is_peak = of_without.peak_pressure_pa > 0.0 && of_with.status == Status::Converged;
         Some(Self {
             ratio: with.ratio? - without.ratio?,
-            peak: of_with.peak_pressure_pa / of_without.peak_pressure_pa,
+            peak: if is_peak { of_with.peak_pressure_pa / of_without.peak_pressure_pa } else { 1.0 },
             clearance_m: of_with.clearance_m.zip(of_without.clearance_m).map_or(0.0, |(with, without)| with - without),
             is_extrapolated: of_with.area_law_extrapolated,
         })
