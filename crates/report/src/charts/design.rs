@@ -9,14 +9,13 @@ use slipgrid_design::{
     TradeOffGoal, percent,
 };
 use slipgrid_infer::discrepancy::Load;
+use slipgrid_model::material::Condition;
 use slipgrid_model::pattern::Pattern;
 
 use super::{
     Axis, Chart, ChartError, GREY, INK, Layer, Mark, PALETTE, PRECISION, Plot, RIGHT, Swatch, WIDTH, check, extremes,
 };
 
-/// Difference of speeds, relative, and of humidities up to which a trial was measured at the design condition.
-const SAME_CONDITION: f64 = 1e-6;
 /// Factor beyond the target's pressures up to which trials are drawn, so that they do not widen the plot.
 const BEYOND: f64 = 1.1;
 /// Opacity of the accepted band and of the sample intervals.
@@ -28,10 +27,8 @@ const CONDITION_STEP: f64 = 0.04;
 
 /// Whether a trial's `load` is at the design condition of `task`, if there is one.
 pub(crate) fn is_at_condition(task: &DesignTask, load: &Load) -> bool {
-    task.condition.is_none_or(|wanted| {
-        (load.speed_m_s / wanted.speed_m_s - 1.0).abs() < SAME_CONDITION
-            && (load.humidity - wanted.humidity).abs() < SAME_CONDITION
-    })
+    let own = Condition { speed_m_s: load.speed_m_s, humidity: load.humidity };
+    task.condition.is_none_or(|wanted| wanted.matches(&own))
 }
 
 /// Ratios measured in trials at the design condition, within the range of the target's pressures; none for other targets,

@@ -87,7 +87,7 @@ pub fn calibration(fitted: Fitted<'_>, outputs: &Outputs) -> String {
     );
     page.part("The fit", |page| fit(page, task, outcome, outputs));
     page.part("Contact and the area law", |page| {
-        page.picture_of(outputs, "area-law.svg", "Real contact area and the factor f against pressure. Edges of cavities see some times the highest nominal pressure");
+        page.picture_of(outputs, "area-law.svg", "Real contact area and the factor f against pressure. Edges of cavities see several times the highest nominal pressure");
         if let Some(law) = &outcome.surface.law {
             page.fold("The factors", |page| background::area_law(page, law));
         }

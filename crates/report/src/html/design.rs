@@ -228,7 +228,12 @@ fn trade_offs(page: &mut Page, found: &TradeOffsReport, outputs: &Outputs) {
     for (goal, words) in found.words.iter().enumerate() {
         table.column(words.clone(), |listed| plain(listed.goals.get(goal).map(|value| significant(*value, 3))));
     }
-    page.table("Some of the front, from one end to the other; trade-offs.csv has all.", &table.table());
+    let caption = if found.listed.len() < found.front {
+        "Some of the front, from one end to the other; trade-offs.csv has all."
+    } else {
+        "The front, from one end to the other."
+    };
+    page.table(caption, &table.table());
 }
 
 /// Adds the results of the confirming run at the target's pressures.

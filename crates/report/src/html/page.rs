@@ -23,7 +23,7 @@ const LARGEST_PICTURE: usize = 3_000_000;
 const MIN_TEXT_PX: f64 = 9.0;
 
 /// Beginnings of the names of files, with what such files hold.
-const FILES: [(&str, &str); 16] = [
+const FILES: [(&str, &str); 17] = [
     ("pattern.dxf", "cavities and outline for the laser, in mm"),
     ("pattern.svg", "drawing to scale, for people"),
     ("pattern.csv", "cavities with their positions"),
@@ -38,6 +38,7 @@ const FILES: [(&str, &str); 16] = [
     ("trade-offs", "designs compared by goals"),
     ("table.csv", "designs of a lattice"),
     ("timings.json", "seconds by stage"),
+    ("uncertainty.csv", "uncertainty budget"),
     ("corners.csv", "corners of cavities"),
     ("hatch.csv", "lines of the hatch"),
 ];
@@ -290,6 +291,8 @@ impl Page {
             let long = LONG.iter().find(|(short, _)| *short == words).map(|(_, long)| (*long).to_owned());
             long.unwrap_or_else(|| words.replace("+-", "±"))
         };
+        // Names and notes of users stay as they are; only a column of units has units.
+        let in_cell = |name: &str, cell: &str| if name == "unit" { own(cell) } else { cell.replace("+-", "±") };
         // Sentences are left-aligned and numbers right-aligned; each column is one or the other.
         let class = |column: usize| {
             let mut cells = rows.iter().filter_map(|row| row.get(column));
@@ -303,13 +306,17 @@ impl Page {
                     thead {
                         tr {
                             @for (name, class) in table.header().iter().zip(&classes) {
-                                th scope="col" class=[class] { @if !name.is_empty() { button type="button" { (Text(&own(name))) } } }
+                                th scope="col" class=[class] { button type="button" { (Text(&own(name))) } }
                             }
                         }
                     } (NL)
                     tbody { (NL)
                         @for row in rows {
-                            tr { @for (cell, class) in row.iter().zip(&classes) { td class=[class] { (Text(&own(cell))) } } } (NL)
+                            tr {
+                                @for ((cell, name), class) in row.iter().zip(table.header()).zip(&classes) {
+                                    td class=[class] { (Text(&in_cell(name, cell))) }
+                                }
+                            } (NL)
                         }
                     } (NL)
                 }

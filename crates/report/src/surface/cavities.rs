@@ -114,7 +114,7 @@ impl Cavities {
             ("wall angle", found.wall_angle_deg, tidy, 1, "deg"),
             ("floor Sq", found.floor_sq_m, um, 3, "um"),
         ];
-        let mut table = Table::new(["edges", "value", "+-", ""]);
+        let mut table = Table::new(["edges", "value", "+-", "unit"]);
         for (name, estimate, scale, decimals, unit) in all {
             let Some(Estimate { value, error }) = estimate else { continue };
             let [value, error] = [Some(value), error].map(|number| fixed(number.map(scale), decimals));
