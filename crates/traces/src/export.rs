@@ -286,8 +286,8 @@ impl<'a> Reader<'a, '_> {
                 None => return Err(ExportError::cell(number, column.name(), cell)),
             }
         }
-        let describe_missing = |column: &&Column| layout.requires(column) && row.get(column.channel).is_none();
-        let without = layout.columns.iter().flatten().filter(describe_missing).map(Column::name);
+        let is_lacking = |column: &&Column| layout.requires(column) && row.get(column.channel).is_none();
+        let without = layout.columns.iter().flatten().filter(is_lacking).map(Column::name);
         if self.tables.is_empty() {
             self.tables.push(Table::default());
         }

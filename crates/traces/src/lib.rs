@@ -143,7 +143,7 @@ impl Tangential {
 pub struct TraceChannels {
     /// Time of every sample, in seconds.
     pub time_s: Vec<f64>,
-    /// Time at which the trace begins on the clock of `time_s`, in seconds: the first row, even if this row describe_missing other
+    /// Time at which the trace begins on the clock of `time_s`, in seconds: the first row, even if this row lacks other
     /// numbers and is no sample.
     pub start_s: f64,
     /// Friction signal.

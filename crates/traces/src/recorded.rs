@@ -59,7 +59,7 @@ impl Row {
 pub(crate) struct Table {
     /// Numbers of each channel, in SI units: amounts of speeds, and NaN where a coefficient or a position is missing.
     values: [Vec<f64>; Channel::COUNT],
-    /// Time of the first row on the clock of the file, even if the row describe_missing other numbers.
+    /// Time of the first row on the clock of the file, even if the row lacks other numbers.
     start_s: Option<f64>,
     missing: MissingRows,
     repeated: usize,
@@ -108,6 +108,8 @@ impl Table {
             self.values[channel as usize].extend(match channel {
                 Channel::Speed | Channel::Revolutions => value.map(f64::abs),
                 Channel::Coefficient | Channel::Position => value.or(Some(f64::NAN)),
+                // They divide the rows and have no signal.
+                Channel::Repeat | Channel::Step => None,
                 _ => value,
             });
         }

@@ -14,7 +14,7 @@ pub enum TraceError {
          `Time [s]`", short(*pause_s)
     )]
     TooShort {
-        /// Last sample.
+        /// Time of the last sample, in seconds since the trace begins.
         end_s: f64,
         /// End of the window.
         window_end_s: f64,

@@ -95,7 +95,8 @@ pub fn read_limited(
         let limit = limit("share of the face that is cavity", "", FRACTION, Bound::AtMost(most));
         add(ConstraintQuantity::ArealDensity, Limit { loosest: 1.0, ..limit });
     }
-    if let (Some(most_s), Some(given)) = (read(&file.max_laser_time_s, TIME_S)?, &file.max_laser_time_s) {
+    if let Some(given) = &file.max_laser_time_s {
+        let most_s = document.number(given, TIME_S)?;
         needs_time(document, given, laser)?;
         add(ConstraintQuantity::LaserTime, limit("time under the laser", "s", TIME_S, Bound::AtMost(most_s)));
     }

@@ -118,12 +118,10 @@ pub fn read_run(
 /// # Errors
 /// [`Diagnostic`] for other numbers than 2 and 3.
 pub fn read_dimensions(document: &Document, dimensions: Option<&Spanned<u64>>) -> Result<Option<u8>, Diagnostic> {
-    match dimensions.map(Spanned::get_ref) {
-        None => Ok(None),
-        Some(2) => Ok(Some(2)),
-        Some(3) => Ok(Some(3)),
-        Some(_) => Err(document
-            .refuse(dimensions.map_or(0..0, Spanned::span), "dimensions do not exist here")
-            .expected("2 or 3")),
+    let Some(given) = dimensions else { return Ok(None) };
+    match given.get_ref() {
+        2 => Ok(Some(2)),
+        3 => Ok(Some(3)),
+        _ => Err(document.refuse(given.span(), "dimensions do not exist here").expected("2 or 3")),
     }
 }

@@ -51,8 +51,8 @@ impl Ablation {
     /// line.
     ///
     /// # Errors
-    /// [`ExportError::Refused`] for numbers that are not positive, for fewer than three different fluences, if depth does not increase with fluence or the fluence
-    /// used is below the threshold.
+    /// [`ExportError::Refused`] if a number is not positive, fewer than three fluences differ, depth does not increase with
+    /// fluence, or `fluence_j_cm2` lies below the threshold.
     pub fn fit(points: &[AblationPoint], fluence_j_cm2: f64) -> Result<Self, ExportError> {
         positive("fluence_j_cm2", fluence_j_cm2)?;
         let mut fluences = Vec::with_capacity(points.len());

@@ -170,7 +170,8 @@ impl Division {
     /// Lays out `patterns` on the sectors, in order.
     ///
     /// # Errors
-    /// [`ExportError::Refused`] if the number of patterns differs from that of sectors, and for a pattern that is too coarse; [`ExportError`] if a pattern cannot be laid out on the specimen.
+    /// [`ExportError::Refused`] if the number of patterns differs from that of sectors, and for a pattern that is too
+    /// coarse; [`ExportError`] if a pattern cannot be laid out on the specimen.
     pub fn lay(&self, patterns: &[Pattern]) -> Result<Vec<Sector>, ExportError> {
         if patterns.len() != self.count {
             return Err(wrong_count(patterns.len(), self.count));

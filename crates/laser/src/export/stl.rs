@@ -55,8 +55,8 @@ pub fn stl(layout: &Layout, laser: &Laser, heading: &Heading, to: &mut dyn Write
 /// Refuses sloping walls that the border cuts, and walls that meet above the floor.
 ///
 /// # Errors
-/// [`ExportError::Refused`], also for polygons and crossing grooves with a wall that
-/// ends above the floor; errors of [`Laser::check`].
+/// [`ExportError::Refused`] if the rim cuts leaning walls, and for polygons and crossing grooves with a wall that ends
+/// above the floor; errors of [`Laser::check`].
 pub fn check(layout: &Layout, laser: &Laser) -> Result<(), ExportError> {
     laser.check(layout.pattern())?;
     let inset_m = laser.floor_inset_m(layout.pattern().depth_m());

@@ -151,13 +151,15 @@ impl HeightMap {
         let Some(sa_without_m) = sa_m_without(Form::SecondOrder)? else { return Ok(None) };
         let Some(sa_m) = sa_m_without(Form::Plane)? else { return Ok(None) };
         let is_curved = sa_without_m < (1.0 - limits::FORM_SHARE) * sa_m && sa_m >= limits::WARNED_SQ_M[0];
-        let text = format!(
-            "Sa is {:.3} um, and {:.3} um without the least-squares surface of second order: the form of a curved specimen, which \
+        let text = || {
+            format!(
+                "Sa is {:.3} um, and {:.3} um without the least-squares surface of second order: the form of a curved specimen, which \
              counts as roughness (in a small map a long wave looks the same)",
-            sa_m * 1e6,
-            sa_without_m * 1e6
-        );
-        Ok(is_curved.then_some(MapWarning { doubt: MapDoubt::Curved, text }))
+                sa_m * 1e6,
+                sa_without_m * 1e6
+            )
+        };
+        Ok(is_curved.then(|| MapWarning { doubt: MapDoubt::Curved, text: text() }))
     }
 
     /// Median of the heights present, in metres.
