@@ -349,6 +349,8 @@ pub const MODULUS: &str = "Young's modulus";
 pub const FLAT_FRICTION: &str = Source::FlatFriction.name();
 /// Name of the input that says which pressure local friction follows.
 pub const LOCAL_LAW: &str = "local law";
+/// Name of the input that says how samples of one texture differ.
+pub const SCATTER: &str = "scatter between samples";
 
 struct Answers {
     above: Answer,

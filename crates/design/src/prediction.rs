@@ -8,7 +8,7 @@ use slipgrid_infer::discrepancy::{Prediction as Distribution, Predictor, Score, 
 
 use crate::as_cut::{CutTexture, Known, sums};
 use crate::band::Asked;
-use crate::inputs::{FLAT_FRICTION, InputEffect, LOCAL_LAW, MODULUS, Part};
+use crate::inputs::{FLAT_FRICTION, InputEffect, LOCAL_LAW, MODULUS, Part, SCATTER};
 
 /// Relative error of a measurement, for the information of a trial.
 pub const MEASURED_STD: f64 = 0.01;
@@ -159,6 +159,9 @@ impl Prediction {
             (all * all - rest * rest).max(0.0).sqrt()
         };
         add("model error", trials, ratio_std(&|load| added(&known, load)), (&known, own_ratio));
+        let alike = predictor.without_scatter().of(&self.texture.candidate());
+        let known_to = format!("{:.1} %", 100.0 * asked.learned.sample_std());
+        add(SCATTER, known_to, ratio_std(&|load| added(&alike, load)), (&alike, own_ratio));
         if modulus_std > 0.0 {
             // A texture chosen for zero slope scatters by the second order.
             let second = self.texture.parts.iter().position(|part| part.name == MODULUS);

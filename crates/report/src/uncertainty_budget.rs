@@ -24,8 +24,8 @@ const MIN_NOT_ATTRIBUTED: f64 = 1e-6;
 /// Explanation of the tables.
 pub(crate) const WORDS: &str = "Type A: by statistics of observations or of runs; type B: by other means. The standard uncertainty of an input is its effect \
      on the ratio. The sensitivity is 1 for a ratio, and flat friction for a coefficient. Degrees of freedom: ∞ for type B (GUM, G.4.3); a dash \
-     where the result does not hold the number. Not attributed: scatter \
-     between samples, correlations and a distribution that is not normal, which close the budget.";
+     where the result does not hold the number. Not attributed: \
+     correlations and a distribution that is not normal, which close the budget.";
 
 /// Budget of one quantity at one load.
 #[derive(Clone, Debug, PartialEq)]

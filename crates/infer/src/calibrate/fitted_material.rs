@@ -115,9 +115,10 @@ fn warnings(
     fit_warnings: Vec<String>,
 ) -> Vec<String> {
     // Warnings of the surface come first, because a caller may replace them by the messages for the map's file.
-    let mut warnings: Vec<String> = surface.warnings.iter().map(ToString::to_string).collect();
+    // What was given comes before what follows from it.
+    let mut warnings = task.doubts.clone();
+    warnings.extend(surface.warnings.iter().map(ToString::to_string));
     warnings.extend(fit_warnings);
-    warnings.extend(task.doubts.iter().cloned());
     warnings.extend(law.and_then(|_| load_dependence_warning(surface, task.elastic.youngs_modulus_pa(), by_condition)));
     // A measured law may rise, because it is not computed from contact area.
     let of_area = law.filter(|_| surface.origin != Some(AreaLawOrigin::Measured));

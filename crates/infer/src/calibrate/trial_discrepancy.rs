@@ -1,7 +1,7 @@
 //! Trials: samples that were cut and measured, and the discrepancy learned from them.
 
 use slipgrid_base::monitor::{Monitor, Part};
-use slipgrid_base::units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, counted, tidy};
+use slipgrid_base::units::{counted, tidy};
 use slipgrid_model::material::AreaLaw;
 use slipgrid_model::pattern::Pattern;
 use slipgrid_model::springblock::Dimension;
@@ -188,24 +188,14 @@ fn tidy_features(pattern: &Pattern) -> Features {
 
 /// Note on the trials for the material; `None` without measured trials.
 pub(crate) fn note(learned: &Discrepancy) -> Option<String> {
-    let trial = learned.trials().iter().rfind(|trial| !trial.measured.is_empty())?;
     let ratios: usize = learned.trials().iter().map(|trial| trial.measured.len()).sum();
-    let at = trial.measured.first()?;
-    let found = learned.at(&[at.load]).predict(&trial.features, &[at.sensitivity]);
-    let Load { pressure_pa, speed_m_s, humidity } = at.load;
-    Some(format!(
-        "trials: {} of {}. At the texture of \"{}\", {:.3} MPa, {} mm/s and {} % the true ratio is \
-         {:.3} times the modelled one (95 % of samples: {:.3} to {:.3}); [learned] keeps this apart from the physics",
-        counted(ratios, "measured ratio"),
-        counted(learned.trials().len(), "sample"),
-        trial.name,
-        PRESSURE_MPA.from_si(pressure_pa),
-        tidy(SPEED_MM_S.from_si(speed_m_s)),
-        tidy(HUMIDITY_PCT.from_si(humidity)),
-        found.quantile(0, 0.5).exp(),
-        found.quantile(0, 0.025).exp(),
-        found.quantile(0, 0.975).exp(),
-    ))
+    (ratios > 0).then(|| {
+        format!(
+            "trials: {} of {}; [learned] keeps what they say of the model apart from the physics",
+            counted(ratios, "measured ratio"),
+            counted(learned.trials().len(), "sample")
+        )
+    })
 }
 
 /// Pairs that are solved; others are interpolated.

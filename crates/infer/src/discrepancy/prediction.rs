@@ -149,6 +149,13 @@ impl Predictor {
         Self { members, ..self.clone() }
     }
 
+    /// Predictor of samples that do not scatter about the friction of their texture.
+    pub fn without_scatter(&self) -> Self {
+        let mut alike = self.clone();
+        alike.members.iter_mut().for_each(|own| own.member.scatter = 0.0);
+        alike
+    }
+
     /// Predicts a sample with the features `of`, made exactly, with the `sensitivity` of its modelled ratio to Young's
     /// modulus and the local law at each load. Includes the scatter of the sample.
     pub fn predict(&self, of: &Features, sensitivity: &[Sensitivity]) -> Prediction {

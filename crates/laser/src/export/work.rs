@@ -86,7 +86,8 @@ pub struct WorkSheet {
     pub greatest_line_distance_um: Option<f64>,
     /// Relation between the three line distances.
     pub line_distance_formula: Option<String>,
-    /// Overlap of lines at the nominal distance, as a fraction of the spot.
+    /// Overlap of neighbouring lines at their greatest distance inside a cavity, as a fraction of the spot; absent if one
+    /// line fills each cavity.
     pub line_overlap: Option<f64>,
     /// Number of lines on the specimen; absent for a mask.
     pub lines_on_specimen: Option<u64>,
@@ -194,7 +195,7 @@ impl WorkSheet {
         let [least_um, greatest_um] = [0, 1].map(|end| hatched.apart_m.map(|apart_m| micrometres(apart_m[end])));
         (self.least_line_distance_um, self.greatest_line_distance_um) = (least_um, greatest_um);
         self.line_distance_formula = Some(LINES_FORMULA.to_owned());
-        self.line_overlap = overlap(laser.line_distance_um());
+        self.line_overlap = overlap(greatest_um);
         if self.bursts_per_cavity.is_some() {
             self.exposures_of_a_point = hatched.exposures().map(rounded);
             self.exposures_of_a_point_formula = self.exposures_of_a_point.map(|_| EXPOSURES_FORMULA.to_owned());

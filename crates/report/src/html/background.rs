@@ -1,11 +1,14 @@
 //! Coefficients and area law of a material on a page.
 
-use slipgrid_base::units::PRESSURE_MPA;
+use slipgrid_base::units::{PRESSURE_MPA, significant};
 use slipgrid_design::results::Table;
 use slipgrid_model::material::AreaLaw;
 use slipgrid_model::springblock::Load;
 
 use super::page::{Page, number, percent, plain, with_error};
+
+/// Maximum number of rows of the area law's table.
+const MAX_FACTORS: usize = 24;
 
 /// Adds the local coefficients at `loads`, in order of pressure; a single row if all loads share them.
 pub(super) fn coefficients(page: &mut Page, loads: &[Load]) {
@@ -30,13 +33,21 @@ pub(super) fn coefficients(page: &mut Page, loads: &[Load]) {
 /// Adds the factors of the area law.
 pub(super) fn area_law(page: &mut Page, law: &AreaLaw) {
     let mut table = Table::new(["p in MPa", "f"]);
-    for (row, (pressure_pa, factor)) in law.pressures_pa().iter().zip(law.factors()).enumerate() {
+    let all = law.pressures_pa();
+    let step = all.len().div_ceil(MAX_FACTORS).max(1);
+    for (row, (pressure_pa, factor)) in all.iter().zip(law.factors()).enumerate() {
+        if row % step != 0 && row + 1 != all.len() {
+            continue;
+        }
         let std = law.factor_std().and_then(|all| all.get(row).copied());
-        table.row([plain(PRESSURE_MPA.from_si(*pressure_pa)), with_error(*factor, std, 4)]);
+        table.row([plain(significant(PRESSURE_MPA.from_si(*pressure_pa), 4)), with_error(*factor, std, 4)]);
     }
+    let shown = if step == 1 { "" } else { " The material file has every pressure." };
     page.table(
-        "The area law: local friction is the local coefficient times f at the local pressure p, dimensionless. ± is one standard error. \
-         f is 1 below the first pressure.",
+        &format!(
+            "The area law: local friction is the local coefficient times f at the local pressure p, dimensionless. ± is one standard \
+             error. f is 1 below the first pressure.{shown}"
+        ),
         &table,
     );
 }

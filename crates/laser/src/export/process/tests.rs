@@ -134,7 +134,9 @@ fn a_moving_spot_counts_lines_overlaps_and_passes() {
     input.laser = Laser { speed_mm_s: Some(4.6), hatch_um: Some(11.5), ..input.laser };
     let work = ProcessSheet::new(&layout, input).unwrap().work;
     // 4.6 mm/s at 1 kHz: a burst every 4.6 um, a fifth of the spot.
-    assert_eq!((work.pulse_distance_um, work.pulse_overlap, work.line_overlap), (Some(4.6), Some(0.8), Some(0.5)));
+    assert_eq!((work.pulse_distance_um, work.pulse_overlap), (Some(4.6), Some(0.8)));
+    // 107 um in ten gaps are 10.7 um each, which overlap by 1 - 10.7/23.
+    assert_eq!((work.greatest_line_distance_um, work.line_overlap), (Some(10.7), Some(0.534783)));
     // (pi/4) 23^2 / (4.6 11.5) = 2.5 pi; two bursts make 5.2 um, and one pass over lines 10.7 um apart makes more.
     let removal = work.removal.unwrap();
     assert_eq!((work.bursts_per_pass, removal.passes), (Some(7.85398), 1));
