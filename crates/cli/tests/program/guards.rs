@@ -187,7 +187,7 @@ fn the_same_run_writes_the_same_bytes_but_for_its_timings() {
         assert_eq!(one.len(), two.len());
     }
     let times = fs::read_to_string(place.path("two/timings.json")).unwrap();
-    for key in ["\"timings_s\"", "\"wall_s\"", "\"threads\": 2", "\"site_updates_per_s\""] {
+    for key in ["\"timings_s\"", "\"wall_s\"", "\"threads\"", "\"site_updates_per_s\""] {
         assert!(times.contains(key), "{key}: {times}");
     }
 }

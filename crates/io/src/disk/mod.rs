@@ -46,16 +46,20 @@ use crate::formats::Diagnostic;
 /// Maximum number of threads of a pool: more than the cores of a machine, and few enough to be created at once.
 pub const MAX_THREADS: usize = 1024;
 
+/// Number of cores that this process may use, at most [`MAX_THREADS`].
+pub fn cores() -> usize {
+    std::thread::available_parallelism().map_or(1, usize::from).min(MAX_THREADS)
+}
+
 /// Default number of threads: that in the environment variable `RAYON_NUM_THREADS`, otherwise the number of cores.
 ///
 /// # Errors
 /// [`Diagnostic`] if the environment variable is invalid or above [`MAX_THREADS`].
 pub fn default_threads() -> Result<usize, Diagnostic> {
     const VARIABLE: &str = "RAYON_NUM_THREADS";
-    let cores = std::thread::available_parallelism().map_or(1, usize::from).min(MAX_THREADS);
-    let Some(named) = std::env::var(VARIABLE).ok().filter(|text| !text.is_empty()) else { return Ok(cores) };
+    let Some(named) = std::env::var(VARIABLE).ok().filter(|text| !text.is_empty()) else { return Ok(cores()) };
     match named.parse() {
-        Ok(0) => Ok(cores),
+        Ok(0) => Ok(cores()),
         Ok(threads) if threads <= MAX_THREADS => Ok(threads),
         _ => Err(Diagnostic::flag(VARIABLE, named, "is no number of threads")
             .expected(format!("a whole number up to {MAX_THREADS}, or no such variable"))),
