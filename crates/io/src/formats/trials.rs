@@ -90,7 +90,7 @@ pub struct PriorFile {
     pressure_std: Option<f64>,
     /// Slope along P1 / P at each humidity, with P1 the lowest pressure, as of a film that bears a force; 0.08 when absent.
     inverse_pressure_std: Option<f64>,
-    /// Change for a speed e times as high; 0.05 when absent.
+    /// Change for a speed e = 2.72 times as high; 0.05 when absent.
     speed_std: Option<f64>,
     /// Change from one humidity to another at high pressures; 0.06 when absent.
     humidity_std: Option<f64>,

@@ -227,8 +227,11 @@ fn trade_offs(page: &mut Page, found: &TradeOffsReport, outputs: &Outputs) {
     table.column("width in µm", |listed| length_in_words(listed.design.width_um));
     table.column("spacing in µm", |listed| length_in_words(listed.design.spacing_um));
     table.column("depth in µm", |listed| length_in_words(listed.design.depth_um));
-    for (goal, words) in found.words.iter().enumerate() {
-        table.column(words.clone(), |listed| plain(listed.goals.get(goal).map(|value| significant(*value, 3))));
+    for (goal, (words, name)) in found.words.iter().zip(&found.goals).enumerate() {
+        table.column(words.clone(), |listed| match listed.goals.get(goal) {
+            Some(chance) if name == "chance" => chance_words(*chance),
+            value => plain(value.map(|value| significant(*value, 3))),
+        });
     }
     let caption = if found.listed.len() < found.front {
         "Some of the front, from one end to the other; trade-offs.csv has all."

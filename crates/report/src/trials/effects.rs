@@ -51,7 +51,7 @@ pub(super) fn effects(learned: &Discrepancy) -> Vec<EffectReport> {
     };
     let mut found = vec![effect(first, at, None)];
     let faster = Load { speed_m_s: at.speed_m_s * std::f64::consts::E, ..at };
-    found.push(effect("a speed e times as high".to_owned(), faster, Some(at)));
+    found.push(effect("a speed 2.72 times as high".to_owned(), faster, Some(at)));
     let heavier = Load { pressure_pa: 2.0 * at.pressure_pa, ..at };
     found.push(effect("twice the pressure".to_owned(), heavier, Some(at)));
     for humidity in humidities.iter().filter(|humidity| **humidity != at.humidity) {
