@@ -21,11 +21,6 @@ pub fn contradicting_samples(learned: &Discrepancy) -> Vec<String> {
     all
 }
 
-/// Whether a warning was made by [`contradicting_samples`].
-pub fn is_of_contradicting_samples(warning: &str) -> bool {
-    warning.starts_with(NAME)
-}
-
 fn warning(learned: &Discrepancy, pair: &Contradiction) -> String {
     let [first, second] = pair.trials.map(|trial| &learned.trials()[trial].name);
     let Contradiction { load, sample_std: [one, other], chi_square, ratios, .. } = *pair;
@@ -98,7 +93,6 @@ mod tests {
     #[test]
     fn pairs_are_named_with_what_is_said_of_their_scatter() {
         let [warning] = &contradicting_samples(&learned(&[0.0, -0.12], None))[..] else { panic!() };
-        assert!(is_of_contradicting_samples(warning) && !is_of_contradicting_samples("slope: of another kind"));
         for words in [
             "contradicting samples: \"cut-1\" and \"cut-2\" are of one texture within the errors of their dimensions",
             "differ by 12 % at 2.00 MPa, 5 mm/s and 45 %, where samples are said to scatter by 2.0 % (sample_std)",

@@ -95,7 +95,7 @@ pub mod uncertainty;
 
 pub use calibration::{LearnedSamples, learn_alone, run};
 pub use calibration_task::{CalibrationError, CalibrationTask, MapSurface, Selection, Surface};
-pub use contradicting_samples::{contradicting_samples, is_of_contradicting_samples};
+pub use contradicting_samples::contradicting_samples;
 pub use cut_sample::{CutSample, CutSpecimen, TrialsTask};
 pub use fit::{
     Fit, FittedPair, FittedRow, Parameter, Prediction, STATIC_OVER_DYNAMIC, fit_coefficients, planned_steps,

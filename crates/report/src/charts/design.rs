@@ -106,7 +106,7 @@ fn target_beside(title: &str, report: &DesignReport, measured: &[[f64; 2]]) -> R
     let legend = [
         (limits().next().is_some(), Swatch::Band(green, BAND), "accepted"),
         (has_samples, Swatch::Mark(Mark::Circle, vermilion), "expected"),
-        (!flat.is_empty(), Swatch::Line(GREY), "flat"),
+        (!flat.is_empty(), Swatch::Mark(Mark::Triangle, GREY), "flat"),
         (has_samples, Swatch::Band(vermilion, INTERVAL), "95 % of samples"),
         (has_model, Swatch::Mark(Mark::Ring, blue), "model alone"),
         (!measured.is_empty(), Swatch::Mark(Mark::Square, purple), "earlier trials"),
