@@ -114,6 +114,13 @@ fn exports() -> Vec<(&'static str, String, String)> {
             }),
         ),
         ("drift", changed(&|_, row| row[1] += 0.002 * row[0])),
+        ("sticks", changed(&|_, row| row[1] = 0.01 * row[0])),
+        ("a coefficient of 143", changed(&|_, row| row[1] *= 572.0)),
+        ("every row twice", plain(&good.iter().flat_map(|row| [*row; 2]).collect::<Vec<_>>())),
+        (
+            "at rest",
+            table("time_s,Fx,Fz,speed_mm_s", &good, |[t, mu, n]| format!("{t:.2},{:.4},{n:.3},0.00001", mu * n)),
+        ),
         ("stick-slip", changed(&|_, row| row[1] += 0.03 * (row[0] % 1.0 - 0.5))),
         ("another load", changed(&|_, row| row[2] *= 1.3)),
         ("short", plain(&good[..300])),
@@ -129,6 +136,8 @@ fn exports() -> Vec<(&'static str, String, String)> {
     let reciprocating = table("time_s,Fx,Fz", &good, back_and_forth);
     exports.push(("reciprocating", reciprocating.clone(), format!("{OPTIONS} --reciprocating")));
     exports.push(("reciprocating, not said", reciprocating, OPTIONS.to_owned()));
+    exports.push(("no static peak sought", plain(&good), format!("{OPTIONS} --no-static-peak")));
+    exports.push(("zero under load", plain(&good), format!("{OPTIONS} --zero-s 1,3")));
     exports.push(("window beyond", plain(&good), OPTIONS.replace("10,40", "30,60")));
     exports.push(("window backward", plain(&good), OPTIONS.replace("10,40", "40,10")));
     exports.push(("no radius", plain(&good), OPTIONS.replace("--effective-radius-mm 38.1", "")));
@@ -157,5 +166,13 @@ pub fn cases() -> Vec<Case> {
         place.record_folder("out", &mut record);
         record
     }));
+    for (name, files) in [("given twice", "@a.csv @a.csv"), ("copied", "@a.csv @b.csv")] {
+        cases.push(Case::new(name, true, move || {
+            let text = plain(&rows(1));
+            let mut record = Record::new();
+            Place::with(&[("a.csv", &text), ("b.csv", &text)]).run(&format!("traces {files} {OPTIONS}"), &mut record);
+            record
+        }));
+    }
     cases
 }

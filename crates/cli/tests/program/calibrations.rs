@@ -7,9 +7,6 @@ use crate::common::{CALIBRATION, FLAT, Place};
 use slipgrid_io::formats::Document;
 use slipgrid_io::formats::calibration::Calibration;
 
-const FLAGS: [&str; 8] =
-    ["--effective-radius-mm", "40", "--force-n", "50", "--speed-mm-s", "2", "--humidity-pct", "15"];
-
 /// Trace of 45 s at 50 Hz under 50 N and 40 mm with the friction `mu` of a time; the ripple depends on the seed.
 fn trace(seed: u32, mu: impl Fn(f64) -> f64) -> String {
     let mut text = "time_s,torque_nm,normal_force_n\n".to_owned();
@@ -23,147 +20,6 @@ fn trace(seed: u32, mu: impl Fn(f64) -> f64) -> String {
 
 fn rise(t: f64) -> f64 {
     1.0 - (-t / 0.1).exp()
-}
-
-fn run_in(t: f64) -> f64 {
-    rise(t) * (0.25 + 0.05 * (-t / 4.0).exp())
-}
-
-fn traces<'a>(files: &[&'a str], more: &[&'a str]) -> Vec<&'a str> {
-    [&["traces"], files, &FLAGS, more].concat()
-}
-
-#[test]
-fn run_in_is_no_static_peak_and_the_search_can_be_turned_off() {
-    let place = Place::with(&[
-        ("run-in.csv", &trace(1, run_in)),
-        ("peak.csv", &trace(2, |t| run_in(t) + if (0.38..0.42).contains(&t) { 0.08 } else { 0.0 })),
-    ]);
-    let told = place.succeed(&traces(&["run-in.csv"], &[]));
-    assert!(told.contains("run-in, no static peak"), "{told}");
-    place.succeed(&traces(&["run-in.csv"], &["-o", "slow"]));
-    let row = fs::read_to_string(place.path("slow/flat.csv")).unwrap();
-    assert!(row.lines().last().unwrap().ends_with(",,"), "{row}");
-    place.succeed(&traces(&["peak.csv"], &["-o", "sharp"]));
-    let row = fs::read_to_string(place.path("sharp/flat.csv")).unwrap();
-    assert!(
-        row.contains(": mu_static_std is ") && row.contains(", what sampling may have missed of the peak\n"),
-        "{row}"
-    );
-    assert!(!row.lines().last().unwrap().ends_with(",,"), "{row}");
-    let told = place.succeed(&traces(&["peak.csv"], &["--no-static-peak", "-o", "off"]));
-    assert!(!told.contains("run-in"), "{told}");
-    let row = fs::read_to_string(place.path("off/flat.csv")).unwrap();
-    assert!(row.lines().last().unwrap().ends_with(",,"), "{row}");
-}
-
-#[test]
-fn traces_that_cannot_be_used_are_refused_by_name() {
-    let flat = |t: f64| 0.25 * rise(t);
-    let good = trace(1, flat);
-    let twice: String = good.lines().flat_map(|line| [line, "\n", line, "\n"]).collect();
-    let still: String = good
-        .lines()
-        .map(|line| format!("{line},{}\n", if line.starts_with("time") { "speed_mm_s" } else { "0.001" }))
-        .collect();
-    let place = Place::with(&[
-        ("a.csv", &good),
-        ("copy.csv", &good),
-        ("b.csv", &trace(2, flat)),
-        ("thousand.csv", &trace(3, |t| 143.0 * rise(t))),
-        ("sticks.csv", &trace(4, |t| 0.01 * t)),
-        ("still.csv", &still),
-        ("twice.csv", &twice.replacen("time_s,torque_nm,normal_force_n\n", "", 1)),
-        ("psi.csv", &good.replace("normal_force_n", "Fz [psi]")),
-    ]);
-    for (files, says) in [
-        (&["a.csv", "a.csv"][..], "a.csv: is given twice"),
-        (&["a.csv", "./a.csv"], "a.csv: is given twice"),
-        (&["a.csv", "copy.csv"], "copy.csv: holds the 2251 samples of a.csv again"),
-        (&["thousand.csv"], "would be 0.143"),
-        (&["sticks.csv"], "the sample sticks or has not settled"),
-        (&["still.csv"], "the recorded speed is 0.0010 mm/s, of 2 mm/s: the sample does not slide"),
-        (&["psi.csv"], "psi.csv:1: Fz [psi]: has the unit \"psi\", which is not known"),
-    ] {
-        let message = place.refuse(&traces(files, &[]));
-        assert!(message.contains(says), "{message}");
-        assert_eq!(message.lines().count(), 1, "{message}");
-    }
-    // Every row twice: the same friction, told in one line.
-    let (once, twice) = (place.succeed(&traces(&["a.csv"], &[])), place.succeed(&traces(&["twice.csv"], &[])));
-    assert!(twice.contains("2251 of 4502 rows repeat the row before them"), "{twice}");
-    assert!(twice.lines().count() <= once.lines().count() + 1, "{twice}");
-    let mean = |told: &str| told.lines().find(|line| line.contains("mean of")).unwrap().to_owned();
-    assert_eq!(mean(&once), mean(&twice));
-}
-
-#[test]
-fn a_sample_that_slides_back_and_forth_is_read_by_its_strokes() {
-    // A crank at 1 Hz: friction has turned 0.05 s after each dead centre; the sensor shows 0.02 too much.
-    let of = |mu: f64, t: f64| mu * (20.0 * (std::f64::consts::TAU * t).sin()).clamp(-1.0, 1.0) + 0.02;
-    let friction = |t: f64| of(0.25, t);
-    let coefficients: String = trace(5, friction)
-        .lines()
-        .map(|line| {
-            let cells: Vec<&str> = line.split(',').collect();
-            let ratio =
-                cells[1].parse::<f64>().map_or("\u{b5} [-]".to_owned(), |torque| format!("{:.6}", torque / 2.0));
-            format!("{};{ratio}\n", cells[0])
-        })
-        .collect();
-    let place = Place::with(&[
-        ("crank.csv", &trace(5, friction)),
-        ("crank-2.csv", &trace(6, |t| of(0.252, t))),
-        ("cof.csv", &coefficients),
-    ]);
-    let refused = place.refuse(&traces(&["crank.csv"], &[]));
-    assert!(refused.contains("friction changes its sign") && refused.contains("--reciprocating"), "{refused}");
-    let of_first = |told: &str, file: &str| -> f64 {
-        let row = told.lines().find(|line| line.trim_start().starts_with(file)).unwrap();
-        row.split_whitespace().nth(1).unwrap().parse().unwrap()
-    };
-    let told = place.succeed(&traces(&["crank.csv"], &["--reciprocating", "-o", "crank"]));
-    assert!((of_first(&told, "crank.csv") - 0.25).abs() < 2e-4, "{told}");
-    assert!(told.contains("differ by an offset of +0.0200, 8 % of friction"), "{told}");
-    let cof = place.succeed(&traces(&["cof.csv"], &["--reciprocating"]));
-    assert!((of_first(&cof, "cof.csv") - of_first(&told, "crank.csv")).abs() < 2e-4, "{cof}");
-    assert!(cof.contains("no normal force is recorded"), "{cof}");
-    // The same from a calibration, with another part of the strokes; the part alone is refused.
-    let (head, _) = CALIBRATION.split_once("[measurements]").unwrap();
-    let condition =
-        "[[traces.condition]]\nforce_n = 50.0\nspeed_mm_s = 2.0\nhumidity_pct = 15.0\nfiles = [\"crank*.csv\"]\n";
-    let text = |keys: &str| format!("{head}[traces]\neffective_radius_mm = 40.0\n{keys}{condition}");
-    fs::write(place.path("c.toml"), text("reciprocating = true\nstroke_share = 0.7\n")).unwrap();
-    let told = place.succeed(&["traces", "c.toml"]);
-    assert!((of_first(&told, "crank.csv") - 0.25).abs() < 2e-4, "{told}");
-    // What a flag says of exports stands in the table.
-    for (flags, says) in [
-        (
-            &["--window-s", "10,20"][..],
-            "--window-s: is a flag for exports: of a calibration [traces] says this, in c.toml; expected window_s in",
-        ),
-        (&["--reciprocating"], "--reciprocating: is a flag for exports"),
-        (&["--specimens", "0"], "invalid value '0' for '--specimens <N>'"),
-        (&["--window-s", "-1,2"], "--window-s: is a flag for exports"),
-    ] {
-        let refused = place.refuse(&[&["traces", "c.toml"], flags].concat());
-        assert!(refused.contains(says), "{refused}");
-    }
-    let refused = place.refuse(&["traces", "c.toml", "crank.csv"]);
-    assert!(
-        refused.contains("c.toml: is a calibration file, and other files are given beside it; expected either"),
-        "{refused}"
-    );
-    let refused = place.refuse(&traces(&["crank.csv"], &["--reciprocating", "--window-s", "10,60"]));
-    assert!(refused.contains("or another window, window_s in [traces] or --window-s"), "{refused}");
-    for (keys, says) in [
-        ("stroke_share = 0.7\n", "stroke_share: 0.7 needs `reciprocating = true`"),
-        ("reciprocating = true\nstroke_share = 1.5\n", "expected a number above 0 up to 1"),
-    ] {
-        fs::write(place.path("c.toml"), text(keys)).unwrap();
-        let refused = place.refuse(&["traces", "c.toml"]);
-        assert!(refused.contains(says), "{refused}");
-    }
 }
 
 #[test]
@@ -269,26 +125,6 @@ fn conditions_and_trials_have_traces_of_their_own() {
 }
 
 #[test]
-fn one_export_named_twice_in_a_calibration_is_refused() {
-    let place = Place::with(&[("a-1.csv", &trace(1, |t| 0.25 * rise(t)))]);
-    let (head, _) = CALIBRATION.split_once("[measurements]").unwrap();
-    let condition = "[[traces.condition]]\nforce_n = 50.0\nspeed_mm_s = 2.0\nhumidity_pct = 15.0\n";
-    let text = format!("{head}[traces]\neffective_radius_mm = 40.0\n{condition}files = [\"a-1.csv\", \"a-*.csv\"]\n");
-    fs::write(place.path("c.toml"), &text).unwrap();
-    let message = place.refuse(&["traces", "c.toml"]);
-    assert!(message.contains("c.toml:17: traces.condition.files") && message.contains("as line 17 does"), "{message}");
-    fs::write(place.path("c.toml"), text.replace("\"a-1.csv\", ", "")).unwrap();
-    place.succeed(&["traces", "c.toml"]);
-    fs::create_dir(place.path("exports")).unwrap();
-    fs::write(place.path("c.toml"), text.replace("\"a-1.csv\", \"a-*.csv\"", "\"exports\"")).unwrap();
-    let message = place.refuse(&["traces", "c.toml"]);
-    assert!(message.contains("traces.condition.files: \"exports\" is a folder"), "{message}");
-    let off = text.replace("\"a-1.csv\", ", "").replace("[traces]\n", "[traces]\nstatic_peak = false\n");
-    fs::write(place.path("c.toml"), off).unwrap();
-    place.succeed(&["traces", "c.toml"]);
-}
-
-#[test]
 fn a_table_of_too_many_conditions_is_refused() {
     let header = FLAT.lines().next().unwrap();
     let rows: String = (1..=300).map(|i| format!("{i},2,15,0.248,0.002\n")).collect();
@@ -304,36 +140,6 @@ fn windows_that_a_map_does_not_hold_are_refused_in_the_file_that_asks_for_them()
     place.succeed(&["synthesize", "--pixels", "256", "-o", "map.asc"]);
     let message = place.refuse(&["calibrate", "c.toml", "-q"]);
     assert!(message.starts_with("error: c.toml: surface.windows: number of windows per side is 200"), "{message}");
-}
-
-#[test]
-fn what_is_merely_unusual_is_told() {
-    let place = Place::with(&[("flat.csv", FLAT)]);
-    let text = CALIBRATION.replace("youngs_modulus_gpa = 0.38", "youngs_modulus_gpa = 380.0");
-    let read =
-        Calibration::from_document(&Document::within(&slipgrid_io::disk::disk(), place.path("c.toml"), text)).unwrap();
-    assert!(
-        read.told.len() == 1 && read.told[0].contains("c.toml:4: material.youngs_modulus_gpa: 380.0 is unusual"),
-        "{:?}",
-        read.told
-    );
-    assert!(read.told[0].contains("in MPa, that would be 0.38 GPa"), "{:?}", read.told);
-    let usual =
-        Calibration::from_document(&Document::within(&slipgrid_io::disk::disk(), place.path("c.toml"), CALIBRATION))
-            .unwrap();
-    assert_eq!(usual.told, [""; 0]);
-    // A scene is told on stderr and solved.
-    fs::write(
-        place.path("s.toml"),
-        crate::common::SCENE.replace("youngs_modulus_gpa = 0.38", "youngs_modulus_gpa = 380.0"),
-    )
-    .unwrap();
-    let output = place.run(&["simulate", "s.toml"]);
-    let told = String::from_utf8(output.stderr).unwrap();
-    assert!(
-        output.status.success() && told.contains("warning: s.toml:2: material.youngs_modulus_gpa: 380.0 is unusual"),
-        "{told}"
-    );
 }
 
 #[test]

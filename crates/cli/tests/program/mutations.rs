@@ -4,7 +4,7 @@ use std::fs;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
-use crate::common::{CALIBRATION, DESIGN, FLAT, Place, SCENE};
+use crate::common::{CALIBRATION, DESIGN, Dice, FLAT, Place, SCENE};
 use slipgrid_io::formats::Document;
 use slipgrid_io::formats::calibration::Calibration;
 use slipgrid_io::formats::design::Design;
@@ -14,27 +14,6 @@ use slipgrid_io::formats::scene::SceneInput;
 use slipgrid_io::formats::traces::{Export, TraceSetup, parse_export};
 use slipgrid_surface::topography::{ReadOptions, read_map};
 use slipgrid_traces::{TraceOptions, analyse};
-
-/// Pseudorandom numbers (Steele, Lea and Flood, SPLITMIX64).
-struct Dice(u64);
-
-impl Dice {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    fn below(&mut self, limit: usize) -> usize {
-        (self.next() % limit.max(1) as u64) as usize
-    }
-
-    fn one_of<'a>(&mut self, all: &[&'a str]) -> &'a str {
-        all[self.below(all.len())]
-    }
-}
 
 /// Replacements of a value.
 const VALUES: [&str; 28] = [

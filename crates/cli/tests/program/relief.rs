@@ -33,7 +33,7 @@ fn the_mean_period_of_a_map_gives_the_friction_of_its_rims() {
         ("other.toml", &scene("relief = \"period.asc\"\n").replace("140.0", "160.0")),
         ("none.toml", &scene("relief = \"none.asc\"\n")),
     ]);
-    place.succeed(&MADE.split_whitespace().collect::<Vec<_>>());
+    place.succeed_line(MADE);
     place.succeed(&["surface", "sample.asc", "--cavities", "--period-out", "period.asc"]);
     let [flat, rims, relief] = ["flat.toml", "rims.toml", "relief.toml"].map(|name| ratios(&place, name));
     for ((flat, rims), relief) in flat.iter().zip(&rims).zip(&relief) {
@@ -77,7 +77,7 @@ fn a_calibration_compares_its_samples_with_their_measured_relief() {
         ("relief.toml", &patterned_calibration(&format!("{squares}relief = \"period.asc\"\n"))),
         ("flat.toml", &patterned_calibration(squares)),
     ]);
-    place.succeed(&MADE.split_whitespace().collect::<Vec<_>>());
+    place.succeed_line(MADE);
     place.succeed(&["surface", "sample.asc", "--cavities", "--period-out", "period.asc"]);
     let [relief, flat] = ["relief", "flat"].map(|name| place.log_excess(name));
     // ln(measured / modelled): what the rims of the map do is no longer the model's error.

@@ -21,7 +21,11 @@ fn templates_run_as_they_are() {
 
     // The design as it is, but on a short sample.
     let text = fs::read_to_string(place.path("design.toml")).unwrap();
-    let short = text.replace("diameter_mm = 10.0", "diameter_mm = 2.0").replace("tolerance = 0.02", "tolerance = 0.05");
+    let short = text
+        .replace("diameter_mm = 10.0", "diameter_mm = 2.0")
+        .replace("tolerance = 0.02", "tolerance = 0.05")
+        .replace("depth_um = [2.0, 50.0]", "depth_um = 10.4")
+        .replace("spacing_um = [40.0, 1000.0]", "spacing_um = [100.0, 300.0]");
     fs::write(place.path("short.toml"), short).unwrap();
     let output = place.run(&["optimize", "short.toml", "-o", "out"]);
     assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));

@@ -99,7 +99,8 @@ fn what_is_added_to_strips_is_among_the_errors() {
 fn designs_are_searched_in_the_specimen_as_thick_as_it_is() {
     let narrow = DESIGN.replace("[40.0, 400.0]", "400.0").replace("[40.0, 1000.0]", "820.0");
     let narrow = narrow.replace("[2.0, 50.0]", "46.8").replace("value = 0.9", "value = 0.85");
-    let narrow = narrow.replace("diameter_mm = 10.0", "diameter_mm = 3.0");
+    let narrow =
+        narrow.replace("diameter_mm = 10.0", "diameter_mm = 3.0").replace("block_um = 10.0", "block_um = 20.0");
     let place = Place::with(&[("thick.toml", &narrow.replace("layer_um = 200.0\n", ""))]);
     place.run(&["optimize", "thick.toml", "-o", "out", "--quiet"]);
     let design = fs::read_to_string(place.path("out").join("scene.toml")).unwrap();

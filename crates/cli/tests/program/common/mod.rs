@@ -278,6 +278,11 @@ impl Place {
         String::from_utf8(output.stdout).unwrap()
     }
 
+    /// Like [`Self::succeed`], for arguments separated by spaces.
+    pub fn succeed_line(&self, line: &str) -> String {
+        self.succeed(&line.split_whitespace().collect::<Vec<_>>())
+    }
+
     /// Message of a run that must refuse its input, with exit code 2 and nothing on stdout.
     pub fn refuse(&self, args: &[&str]) -> String {
         let output = self.run(args);
@@ -295,6 +300,27 @@ pub fn names(folder: &Path) -> Vec<String> {
     names.retain(|name| name != ".slipgrid-written");
     names.sort();
     names
+}
+
+/// Pseudorandom numbers (Steele, Lea and Flood, SPLITMIX64).
+pub struct Dice(pub u64);
+
+impl Dice {
+    pub fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    }
+
+    pub fn below(&mut self, limit: usize) -> usize {
+        (self.next() % limit.max(1) as u64) as usize
+    }
+
+    pub fn one_of<'a>(&mut self, all: &[&'a str]) -> &'a str {
+        all[self.below(all.len())]
+    }
 }
 
 /// Whether the tests were started with Ctrl-C ignored, as shells start background jobs. The program then ignores Ctrl-C
