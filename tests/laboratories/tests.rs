@@ -15,8 +15,6 @@ fn the_kept_page_is_what_laboratories_do() {
     }
 }
 
-mod ahead;
-
 /// Results of a few laboratories do not depend on the number of threads. The mixture needs fewer trials than the
 /// physics alone and not fewer than the generator, which needs not fewer than the known truth.
 #[test]
@@ -115,46 +113,5 @@ fn who_knows_how_laboratories_are_made_says_chances_that_come_true() {
             let error = (share * (1.0 - share) / (below.len() / LOADS) as f64).sqrt();
             assert!((inside - share).abs() < 3.0 * error, "{target:?}: {inside} of {share}, {error}");
         }
-    }
-}
-
-/// Number from an environment variable, for long studies.
-fn asked(name: &str, or: usize) -> usize {
-    std::env::var(name).ok().and_then(|text| text.parse().ok()).unwrap_or(or)
-}
-
-/// Prints the value of each part of the knowledge of [`Policy::Generator`]: a table of
-/// `tests/accuracy/laboratories.md`, which has 207 laboratories.
-#[test]
-#[ignore = "five seconds for each of LABORATORIES, 9 when absent"]
-#[expect(clippy::print_stdout, reason = "prints a table of tests/accuracy/laboratories.md")]
-fn what_each_thing_known_is_worth() {
-    let seed = asked("SEED", 1) as u64;
-    let options = Options { laboratories: asked("LABORATORIES", 9), seed, ..Options::default() };
-    let mut bench = Bench::new(&options, &Unwatched).unwrap();
-    let (all, inside) =
-        (Mechanism::ALL, [Mechanism::Density, Mechanism::Edge, Mechanism::Saturating, Mechanism::Depth]);
-    let nothing = Told { is_reached: false, is_missed: false };
-    for (name, mechanisms, sizes, told) in [
-        ("everything", all.as_slice(), Sizes::Own, Told::ALL),
-        ("not that the target is reached", &all, Sizes::Own, Told { is_reached: false, is_missed: true }),
-        ("neither, and broad sizes", &all, Sizes::Broad, nothing),
-        ("neither, and the mechanisms inside alone", &inside, Sizes::Own, nothing),
-        ("neither, both", &inside, Sizes::Broad, nothing),
-    ] {
-        bench.generator = Generator::new(&bench.textures, mechanisms, sizes);
-        bench.told = told;
-        let jobs = Job::of_reached_targets(&options, &[Policy::Generator]);
-        let count = jobs.len();
-        // Who is wrong about how laboratories are made may find that none can be the one at hand.
-        let (jobs, ways): (Vec<Job>, Vec<Way>) =
-            jobs.into_par_iter().filter_map(|job| Some((job, bench.way(job).ok()?))).unzip();
-        let is_right = sizes == Sizes::Own && mechanisms.len() == all.len();
-        assert!(jobs.len() == count || !is_right, "{name}: {} of {count}", jobs.len());
-        println!("{name}: {} of {count} ways", jobs.len());
-        let report = LaboratoriesReport::new(&options, bench.textures(), &jobs, &ways);
-        let lines = report.lines();
-        let is_own = |line: &&String| line.contains(Policy::Generator.name()) || line.starts_with("| all: ");
-        lines.iter().filter(is_own).for_each(|line| println!("{line}"));
     }
 }
