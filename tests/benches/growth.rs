@@ -125,7 +125,8 @@ fn contact() {
         "n",
         &[32, 64, 128, 256, 512, 1024, 2048, 4096, 8192],
         |pixels| {
-            let map = SelfAffine { pixels, ..SelfAffine::STAND_IN }.map().expect("a map");
+            let max_wave = SelfAffine::STAND_IN.max_wave.min(pixels as u32 / 2 - 1);
+            let map = SelfAffine { pixels, max_wave, ..SelfAffine::STAND_IN }.map().expect("a map");
             let options = SolveOptions { tolerance: 1e-6, ..SolveOptions::default() };
             Box::new(move || drop(black_box(area_curve(&map, 0.43e9, &[1.3e6], &options, &Unwatched))))
         },
