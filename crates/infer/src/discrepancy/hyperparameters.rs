@@ -1,44 +1,61 @@
 //! Prior of the discrepancy.
 
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
 use crate::discrepancy::{DiscrepancyError, Features, Form};
 
-/// Prior of the discrepancy. Standard deviations refer to the logarithm of the ratio at the reference texture.
-#[derive(Clone, Debug, PartialEq)]
+/// Prior of the discrepancy, before any measurement. Standard deviations refer to the logarithm of the ratio at the
+/// reference texture. The keys of a file are the standard deviations.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
 pub struct Hyperparameters {
     /// Texture at which every form is 1. Default: the published squares, the only texture with a published discrepancy,
     /// 0.19.
+    #[serde(skip)]
     pub reference: Features,
-    /// Standard deviation of alpha, as large as the published discrepancy.
+    // Of alpha, as large as the published discrepancy.
+    /// Size of the discrepancy at the published squares; 0.2 when absent.
     pub amplitude_std: f64,
-    /// Standard deviation of beta, along (P - P0) / P0. The published samples show no such trend from 0.6 to 2.5 MPa.
+    // Of beta. The published samples show no such trend from 0.6 to 2.5 MPa.
+    /// Slope along (P - P0) / P0, with P0 the mean measured pressure; 0.06 when absent.
     pub pressure_std: f64,
-    /// Standard deviation of gamma at any humidity, along P1 / P. A film of water, adhesion or a meniscus adds a force,
-    /// whose effect decreases with load.
+    // Of gamma. A film of water, adhesion or a meniscus adds a force, whose effect decreases with load.
+    /// Slope along P1 / P at each humidity, with P1 the lowest pressure, as of a film that bears a force; 0.08 when absent.
     pub inverse_pressure_std: f64,
-    /// Standard deviation of kappa, along ln(v / v0). The published samples show 0.036 +- 0.009.
+    // Of kappa, along ln(v / v0). The published samples show 0.036 +- 0.009.
+    /// Change for a speed e times as high; 0.05 when absent.
     pub speed_std: f64,
-    /// Standard deviation of eta at any humidity, with gamma at the lowest pressure together 0.1. The published samples
-    /// differ by 0.13 between 40 and 80 %.
+    // Of eta, with gamma at the lowest pressure together 0.1. The published samples differ by 0.13 between 40 and 80 %.
+    /// Change from one humidity to another at high pressures; 0.06 when absent.
     pub humidity_std: f64,
     /// Correlation length of eta and gamma in humidity, from 0 to 1: the correlation is exp(-|dH| / length).
+    #[serde(skip)]
     pub humidity_length: f64,
     /// Factors on all of these standard deviations, with weights that sum to 1: many mechanisms have a small effect.
+    #[serde(skip)]
     pub scales: Vec<(f64, f64)>,
     /// Standard deviations of c over that of alpha, with weights that sum to 1: deviation from a form, as a smooth
     /// function of the dimensions.
+    #[serde(skip)]
     pub residuals: Vec<(f64, f64)>,
     /// Correlation length of c in the logarithms of width, pitch and depth.
+    #[serde(skip)]
     pub residual_length: f64,
     /// Correlation length of c in the logarithm of pressure.
+    #[serde(skip)]
     pub residual_pressure_length: f64,
-    /// Standard deviation of t: between samples of one texture, as stated.
+    // Of t.
+    /// Scatter between samples of one texture, until trials show otherwise; 0.02 when absent.
     pub sample_std: f64,
     /// Factors on the stated scatter of samples, with weights that sum to 1: the stated scatter holds unless trials show
     /// more or less. The tail is heavy, so that any scatter is possible.
+    #[serde(skip)]
     pub scatters: Vec<(f64, f64)>,
-    /// Minimum standard error of a patterned measurement, relative to the measurement.
+    /// Minimum relative standard error of a measurement; 0.005 when absent.
     pub least_measured_std: f64,
     /// Forms with their weights, which sum to 1.
+    #[serde(skip)]
     pub forms: Vec<(Form, f64)>,
 }
 

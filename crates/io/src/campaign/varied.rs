@@ -27,9 +27,6 @@ pub(crate) const MAX_TASKS: usize = 1_000_000;
 /// One combination of values, by key.
 pub(crate) type Row = BTreeMap<String, Json>;
 
-/// A row of `[[list]]`: keys that vary together.
-type ListRow = BTreeMap<String, Spanned<Value>>;
-
 /// A value and its position in the file.
 struct Place {
     key: String,
@@ -55,7 +52,7 @@ impl<'a> Varied<'a> {
     pub(crate) fn new(
         document: &'a Document,
         grids: &[Spanned<GridFile>],
-        list: &[Spanned<ListRow>],
+        list: &[Spanned<BTreeMap<String, Spanned<Value>>>],
     ) -> Result<Self, Diagnostic> {
         let mut varied = Self { document, keys: Vec::new(), rows: vec![Row::new()], places: Vec::new() };
         for grid in grids {

@@ -3,12 +3,13 @@
 use crate::formats::spanned::Spanned;
 use schemars::JsonSchema;
 use serde::Deserialize;
+use slipgrid_infer::discrepancy::Hyperparameters;
 
 use super::pattern::PatternFile;
 use super::reporting::Reporting;
 use super::surface::SurfaceFile;
 use super::trace_table::TracesFile;
-use super::trials::{PriorFile, TrialFile};
+use super::trials::TrialFile;
 use super::values::{Number, NumberList};
 
 /// Calibration in the form of its file.
@@ -35,7 +36,7 @@ pub(crate) struct CalibrationFile {
     #[serde(default)]
     pub trial: Vec<Spanned<TrialFile>>,
     /// Prior standard deviations of ln(measured / modelled ratio), before any trial.
-    pub trial_prior: Option<Spanned<PriorFile>>,
+    pub trial_prior: Option<Spanned<Hyperparameters>>,
     /// Options of the fit.
     pub fit: Option<FitFile>,
     /// Statements for a report, which no computation uses.

@@ -4,10 +4,9 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use slipgrid_base::units::{HUMIDITY_PCT, LENGTH_UM, PRESSURE_MPA, SPEED_MM_S, tidy};
 use slipgrid_infer::discrepancy::{
-    Conditions, DimensionShift, Discrepancy, Features, Load, Measured, Sensitivity, Trial,
+    Conditions, DimensionShift, Discrepancy, Features, Hyperparameters, Load, Measured, Sensitivity, Trial,
 };
 
-use super::trials::PriorFile;
 use crate::formats::{Diagnostic, Document, Spanned};
 
 /// `[learned]` of a material file: the trials with model predictions that determine the discrepancy.
@@ -23,7 +22,7 @@ pub struct LearnedFile {
     /// Relative standard deviation of Young's modulus.
     modulus_relative_std: f64,
     /// Prior, before any trial.
-    prior: PriorFile,
+    prior: Hyperparameters,
     /// The trials that were learned from.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     trial: Vec<LearnedTrial>,
@@ -146,7 +145,7 @@ impl LearnedFile {
             lowest_pressure_mpa: PRESSURE_MPA.from_si(conditions.lowest_pressure_pa),
             reference_speed_mm_s: SPEED_MM_S.from_si(conditions.reference_speed_m_s),
             modulus_relative_std: learned.modulus_relative_std(),
-            prior: PriorFile::new(learned.hyperparameters()),
+            prior: learned.hyperparameters().clone(),
             trial: learned.trials().iter().map(trial).collect(),
         }
     }
@@ -224,7 +223,7 @@ impl LearnedFile {
             lowest_pressure_pa: tidy(PRESSURE_MPA.to_si(file.lowest_pressure_mpa)),
             reference_speed_m_s: tidy(SPEED_MM_S.to_si(file.reference_speed_mm_s)),
         };
-        Discrepancy::new(file.prior.read(), conditions, file.modulus_relative_std, trials)
+        Discrepancy::new(file.prior.clone(), conditions, file.modulus_relative_std, trials)
             .map_err(|error| refuse(error.to_string()))
     }
 }

@@ -80,65 +80,6 @@ impl TrialFile {
     }
 }
 
-/// `[trial_prior]`: prior before any measurement, where it differs from the defaults.
-#[derive(Clone, Debug, Default, Deserialize, Serialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct PriorFile {
-    /// Size of the discrepancy at the published squares; 0.2 when absent.
-    amplitude_std: Option<f64>,
-    /// Slope along (P - P0) / P0, with P0 the mean measured pressure; 0.06 when absent.
-    pressure_std: Option<f64>,
-    /// Slope along P1 / P at each humidity, with P1 the lowest pressure, as of a film that bears a force; 0.08 when absent.
-    inverse_pressure_std: Option<f64>,
-    /// Change for a speed e = 2.72 times as high; 0.05 when absent.
-    speed_std: Option<f64>,
-    /// Change from one humidity to another at high pressures; 0.06 when absent.
-    humidity_std: Option<f64>,
-    /// Scatter between samples of one texture, until trials show otherwise; 0.02 when absent.
-    sample_std: Option<f64>,
-    /// Minimum relative standard error of a measurement; 0.005 when absent.
-    least_measured_std: Option<f64>,
-}
-
-impl PriorFile {
-    /// Pairs each key with its hyperparameter.
-    fn values<'a>(&'a self, of: &'a mut Hyperparameters) -> [(Option<f64>, &'a mut f64); 7] {
-        [
-            (self.amplitude_std, &mut of.amplitude_std),
-            (self.pressure_std, &mut of.pressure_std),
-            (self.inverse_pressure_std, &mut of.inverse_pressure_std),
-            (self.speed_std, &mut of.speed_std),
-            (self.humidity_std, &mut of.humidity_std),
-            (self.sample_std, &mut of.sample_std),
-            (self.least_measured_std, &mut of.least_measured_std),
-        ]
-    }
-
-    /// Defaults with the stated numbers in their place.
-    pub fn read(&self) -> Hyperparameters {
-        let mut prior = Hyperparameters::default();
-        for (given, value) in self.values(&mut prior) {
-            if let Some(given) = given {
-                *value = given;
-            }
-        }
-        prior
-    }
-
-    /// Sets every key to the number in `prior`.
-    pub const fn new(prior: &Hyperparameters) -> Self {
-        Self {
-            amplitude_std: Some(prior.amplitude_std),
-            pressure_std: Some(prior.pressure_std),
-            inverse_pressure_std: Some(prior.inverse_pressure_std),
-            speed_std: Some(prior.speed_std),
-            humidity_std: Some(prior.humidity_std),
-            sample_std: Some(prior.sample_std),
-            least_measured_std: Some(prior.least_measured_std),
-        }
-    }
-}
-
 /// Flat samples of a calibration, with which its trials are compared.
 pub(crate) struct FlatSamples<'a> {
     /// Specimens of the flat samples.
@@ -161,7 +102,7 @@ pub(crate) struct FlatSamples<'a> {
 pub(crate) fn read_trials(
     document: &Document,
     trials: &[Spanned<TrialFile>],
-    prior: Option<&Spanned<PriorFile>>,
+    prior: Option<&Spanned<Hyperparameters>>,
     flat: &FlatSamples<'_>,
     first: Option<CutSample>,
     reader: &mut TraceReader<'_>,
@@ -229,7 +170,7 @@ pub(crate) fn read_trials(
             measured: rows.iter().map(|row| row.measurement).collect(),
         });
     }
-    let hyper = prior.map_or_else(Hyperparameters::default, |table| table.get_ref().read());
+    let hyper = prior.map_or_else(Hyperparameters::default, |table| table.get_ref().clone());
     // An invalid prior is refused at its table.
     Discrepancy::new(hyper.clone(), Conditions::default(), 0.0, Vec::new()).map_err(|error| {
         let span = prior.map_or(0..0, Spanned::span);
@@ -238,12 +179,7 @@ pub(crate) fn read_trials(
     Ok((TrialsTask { samples, prior: hyper }, read))
 }
 
-/// A pattern without the derived keys, which no file is asked for.
-#[derive(Serialize)]
-struct TemplateFile<'a> {
-    trial: [TemplateTrial<'a>; 1],
-}
-
+/// A `[[trial]]`, with a pattern without the derived keys, which no file is asked for.
 #[derive(Serialize)]
 struct TemplateTrial<'a> {
     name: String,
@@ -272,9 +208,9 @@ pub fn sector_trials(disc: &str, patterns: &[Pattern], densities: &[f64]) -> Str
             notes: format!("sector {number}, areal density as cut {:.2} %", 100.0 * density),
             pattern: table,
         };
-        let body = toml::to_string(&TemplateFile { trial: [trial] }).unwrap_or_default();
+        let body = toml::to_string(&trial).unwrap_or_default();
         let measurements = format!("# measurements = \"sector-{number}.csv\"\n\n[trial.pattern]");
-        text += &format!("\n{}", body.replacen("\n[trial.pattern]", &measurements, 1));
+        text += &format!("\n[[trial]]\n{}", body.replacen("\n[pattern]", &measurements, 1));
     }
     text
 }
