@@ -12,11 +12,12 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use slipgrid_base::units::{counted, tidy};
 use slipgrid_laser::export::{Laser, Removal, SpecimenRecord, Tolerances};
+use slipgrid_model::material::Provenance;
 use slipgrid_model::springblock::{Dimension, Extent, Fidelity};
 
 use crate::blocked::LiftedReport;
 use crate::prediction::{Prediction, SampleReport};
-use crate::results::{LoadReport, MaterialReport};
+use crate::results::LoadReport;
 use crate::search::Search;
 use crate::slopes::SlopeReport;
 use crate::table::TableReport;
@@ -108,7 +109,7 @@ pub struct DesignReport {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub measured_mpa: Option<[f64; 2]>,
     /// Material and its provenance.
-    pub material: MaterialReport,
+    pub material: Provenance,
     /// Specimen.
     pub specimen: SpecimenRecord,
     /// Laser.

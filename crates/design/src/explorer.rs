@@ -3,7 +3,7 @@
 
 use std::ops::Range;
 
-use crate::results::MaterialReport;
+use crate::results::material_doubts;
 use rayon::prelude::*;
 use slipgrid_base::monitor::Monitor;
 use slipgrid_base::statistics::{Axis, ResponseSurface, median};
@@ -130,8 +130,7 @@ impl Explored {
 
     /// Reasons to doubt the numbers, in words.
     pub fn doubts(&self) -> Vec<String> {
-        let material = MaterialReport::from(&self.material.material.provenance);
-        self.beyond_measured.clone().into_iter().chain(material.doubts()).collect()
+        self.beyond_measured.clone().into_iter().chain(material_doubts(&self.material.material.provenance)).collect()
     }
 }
 

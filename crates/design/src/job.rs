@@ -1,7 +1,7 @@
 //! Job of `optimize`, from a task to a design: the texture with the maximum chance of a sample on target, confirmed in
 //! time.
 
-use crate::results::{MaterialReport, VERSION, load_reports, measured_range, model_notes};
+use crate::results::{VERSION, load_reports, measured_range, model_notes};
 use slipgrid_base::monitor::{CachingMonitor, Monitor};
 use slipgrid_base::units::tidy;
 use slipgrid_laser::export::{Removal, burst_warnings};
@@ -211,7 +211,7 @@ fn reported(
         model: said.model,
         method: said.method,
         measured_mpa,
-        material: MaterialReport::from(&prepared.material.provenance),
+        material: prepared.material.provenance.clone(),
         specimen: (&task.specimen).into(),
         laser: task.laser,
         tolerances: task.assumed_tolerances(),

@@ -1,6 +1,6 @@
 //! Samples to cut next, as JSON and as text.
 
-use crate::results::{MaterialReport, SCREEN_WIDTH, doubt_in_brief, wrapped};
+use crate::results::{SCREEN_WIDTH, doubt_in_brief, material_doubts, wrapped};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use slipgrid_base::units::counted;
@@ -8,6 +8,7 @@ use slipgrid_base::units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, tidy};
 use slipgrid_infer::discrepancy::{Load, Prediction};
 
 use slipgrid_laser::export::{Laser, MEASURE_EACH_ALONE, Outline, Sector, SpecimenRecord, Tolerances};
+use slipgrid_model::material::Provenance;
 
 use crate::design_report::samples_table;
 use crate::learning_disc::LearningReport;
@@ -58,7 +59,7 @@ pub struct NextReport {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub beyond_measured: Option<String>,
     /// Material and its provenance.
-    pub material: MaterialReport,
+    pub material: Provenance,
     /// Specimen.
     pub specimen: SpecimenRecord,
     /// Laser.
@@ -198,7 +199,7 @@ impl NextReport {
     }
 
     fn material_doubts(&self) -> impl Iterator<Item = String> {
-        self.beyond_measured.clone().into_iter().chain(self.material.doubts())
+        self.beyond_measured.clone().into_iter().chain(material_doubts(&self.material))
     }
 
     fn laser_doubts(&self) -> impl Iterator<Item = String> {

@@ -2,12 +2,13 @@
 
 use std::borrow::Cow;
 
-use crate::results::{MaterialReport, VERSION};
+use crate::results::VERSION;
 use rayon::prelude::*;
 use slipgrid_base::monitor::Monitor;
 use slipgrid_base::units::tidy;
 use slipgrid_infer::discrepancy::{Features, Scenarios};
 use slipgrid_laser::export::{Division, MIN_PERIODS, Outline, Sector};
+use slipgrid_model::material::Provenance;
 use slipgrid_model::pattern::Pattern;
 
 use crate::DesignError;
@@ -59,7 +60,7 @@ pub struct NextTrials {
     /// Sectors of one specimen, if requested.
     pub sectors: Vec<Sector>,
     /// Material and its provenance.
-    pub material: MaterialReport,
+    pub material: Provenance,
 }
 
 /// Finds the samples of `task` to cut next. Stages of the monitor: "table", "search".
@@ -202,7 +203,7 @@ pub fn new_report(prepared: &PreparedTask, asked: &Asked, options: &NextOptions)
         own: Vec::new(),
         warnings: Vec::new(),
         beyond_measured: task.beyond_measured(&prepared.material, &prepared.outside),
-        material: MaterialReport::from(&prepared.material.provenance),
+        material: prepared.material.provenance.clone(),
         specimen: (&task.specimen).into(),
         laser: task.laser,
         tolerances: task.assumed_tolerances(),

@@ -1,9 +1,10 @@
 //! Stored results, with the parts that `export` needs.
 
-use crate::results::{MaterialReport, PatternReport};
+use crate::results::PatternReport;
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 use slipgrid_laser::export::{Laser, SpecimenRecord, Tolerances};
+use slipgrid_model::material::Provenance;
 
 use crate::next_report::NextReport;
 
@@ -20,7 +21,7 @@ pub struct StoredDesign {
     /// Design to export.
     pub design: PatternReport,
     /// Material of the design.
-    pub material: MaterialReport,
+    pub material: Provenance,
     /// Specimen to export.
     pub specimen: SpecimenRecord,
     /// Laser settings.

@@ -10,10 +10,11 @@ use slipgrid_laser::export::{
     Removal, Sector, SectorsSheet, Tolerances, check_stl, corners_csv, csv, dxf, dxf_of_sectors, gcode, hatch_csv,
     height_map, hpgl, stl, svg, svg_of_sectors,
 };
+use slipgrid_model::material::Provenance;
 use slipgrid_model::pattern::Pattern;
 
 use crate::Outputs;
-use slipgrid_design::results::{MaterialReport, SCHEMA, VERSION};
+use slipgrid_design::results::{SCHEMA, VERSION};
 use slipgrid_laser::export::Specimen;
 
 /// File formats of a design; [`LaserFile::described`] describes their content.
@@ -92,7 +93,7 @@ pub struct DrawingInput<'a> {
     /// Assumed manufacturing tolerances.
     pub tolerances: Option<Tolerances>,
     /// The material.
-    pub material: &'a MaterialReport,
+    pub material: &'a Provenance,
 }
 
 /// Format that cannot be written, and the reason.
@@ -272,7 +273,7 @@ fn process_input(input: &DrawingInput<'_>) -> ProcessInput {
     }
 }
 
-fn notes(material: &MaterialReport) -> Vec<&'static str> {
+fn notes(material: &Provenance) -> Vec<&'static str> {
     let note = "the area law behind this design rests on a synthetic surface";
     if material.synthetic_surface { vec![note] } else { Vec::new() }
 }

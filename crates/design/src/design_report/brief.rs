@@ -80,14 +80,15 @@ impl DesignReport {
 mod tests {
     use super::*;
     use crate::prediction::{Expected, ModelledRatio, SampleReport};
-    use crate::results::{LoadReport, MaterialReport};
+    use crate::results::LoadReport;
+    use slipgrid_model::material::Provenance;
 
     #[test]
     fn the_gravest_doubt_comes_first() {
         let mut report = DesignReport {
             violations: vec!["a land is too small".into()],
             laser_warnings: vec!["bursts are coarse".into()],
-            material: MaterialReport { warnings: vec!["the map is spiky".into()], ..MaterialReport::default() },
+            material: Provenance { warnings: vec!["the map is spiky".into()], ..Provenance::default() },
             confirmed: vec![LoadReport {
                 pressure_mpa: 2.6,
                 friction_extrapolated: true,
@@ -124,7 +125,7 @@ mod tests {
             name: "a name".into(),
             words: "cut a trial: 50 % chance that a cut sample is on target".into(),
             others: vec![sample.clone(); 3],
-            material: MaterialReport { warnings: (1..=6).map(doubt).collect(), ..MaterialReport::default() },
+            material: Provenance { warnings: (1..=6).map(doubt).collect(), ..Provenance::default() },
             sample,
             ..DesignReport::default()
         };

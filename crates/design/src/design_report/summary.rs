@@ -6,7 +6,8 @@ use super::DesignReport;
 use crate::blocked::LiftedReport;
 use crate::prediction::{Expected, LimitedBy, SampleReport, percent};
 use crate::results::{
-    Table, believed_interval, beyond_measured, beyond_measured_range, duration_in_words, fixed, length_in_words, notes,
+    Table, believed_interval, beyond_measured, beyond_measured_range, duration_in_words, fixed, length_in_words,
+    material_doubts, notes,
 };
 
 /// Factor beyond the measured pressures from which an extrapolated coefficient is the gravest doubt about the material.
@@ -161,7 +162,7 @@ impl DesignReport {
         let beyond = self.beyond_range();
         // Just beyond the measured loads the nearest coefficients hardly differ; far beyond them friction is a guess.
         let (far, near) = if self.is_far_beyond() { (beyond, None) } else { (None, beyond) };
-        before.into_iter().chain(far).chain(self.material.doubts()).chain(near).chain(after).collect()
+        before.into_iter().chain(far).chain(material_doubts(&self.material)).chain(near).chain(after).collect()
     }
 
     /// Doubts before and after those about the material: a design that breaks a limit, or a run without a valid result,
@@ -185,7 +186,7 @@ impl DesignReport {
     fn notes_text(&self) -> String {
         let mut text = "\n".to_owned();
         let [before, after] = self.other_doubts();
-        for doubt in before.into_iter().chain(self.material.doubts()).chain(after) {
+        for doubt in before.into_iter().chain(material_doubts(&self.material)).chain(after) {
             let _ = writeln!(text, "! {doubt}");
         }
         let stated = self.model.iter().map(String::as_str);

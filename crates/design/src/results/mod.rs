@@ -5,7 +5,7 @@
 //!
 //! | type | holds |
 //! |---|---|
-//! | [`PatternReport`], [`MaterialReport`] | inputs: texture, material |
+//! | [`PatternReport`] | texture |
 //! | [`SimulationReport`], [`LoadReport`] | results of a scene, and at one pressure |
 //! | [`ErrorsReport`], [`PressureErrors`], [`ErrorReport`] | errors of results, and their parts |
 //! | [`CorrectedReport`] | results corrected by the discrepancy of patterned samples |
@@ -41,8 +41,8 @@ pub use errors::{ErrorReport, ErrorsReport, PartsReport, PressureErrors};
 pub use notes::{ABOUT_MATERIAL, SCREEN_WIDTH, WHERE_ALL, doubt_in_brief, doubts_in_brief, notes, wrapped};
 pub use pattern::{PatternReport, duration_in_words, length_in_words};
 pub use simulation::{
-    LoadReport, MaterialReport, SimulationReport, beyond_measured, beyond_measured_range, load_reports, measured_range,
-    model_notes, unresolved, warnings,
+    LoadReport, SimulationReport, beyond_measured, beyond_measured_range, load_reports, material_doubts,
+    measured_range, model_notes, unresolved, warnings,
 };
 pub use table::{Records, Table, fixed, with_error};
 pub use timings::{TIMES, json_and_timings};

@@ -36,7 +36,7 @@ pub struct SimulationReport {
     #[serde(default)]
     pub method: Vec<String>,
     /// Material and its provenance.
-    pub material: MaterialReport,
+    pub material: Provenance,
     /// Texture; null for a flat scene.
     pub pattern: Option<PatternReport>,
     /// True if the vertical plane is a section of a planform that needs three dimensions.
@@ -68,45 +68,15 @@ pub struct SimulationReport {
     pub discrepancy: Option<CorrectedReport>,
 }
 
-/// Material and its provenance.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct MaterialReport {
-    /// Name of the material.
-    pub name: String,
-    /// Publication or laboratory that the values come from.
-    pub source: String,
-    /// True if the area law is computed from a synthetic surface.
-    pub synthetic_surface: bool,
-    /// Notes on how values were obtained.
-    pub notes: Vec<String>,
-    /// Warnings about the material, which make results doubtful.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub warnings: Vec<String>,
-}
-
-impl MaterialReport {
-    /// Reasons to doubt results computed with the material, one sentence each.
-    pub fn doubts(&self) -> impl Iterator<Item = String> {
-        let synthetic = self.synthetic_surface.then(|| SYNTHETIC_SURFACE.to_owned());
-        synthetic.into_iter().chain(self.warnings.iter().map(|words| format!("{ABOUT_MATERIAL}{words}")))
-    }
+/// Reasons to doubt results computed with `material`, one sentence each.
+pub fn material_doubts(material: &Provenance) -> impl Iterator<Item = String> {
+    let synthetic = material.synthetic_surface.then(|| SYNTHETIC_SURFACE.to_owned());
+    synthetic.into_iter().chain(material.warnings.iter().map(|words| format!("{ABOUT_MATERIAL}{words}")))
 }
 
 /// Formats the range of pressures at which friction was measured.
 pub fn measured_range([low_mpa, high_mpa]: [f64; 2]) -> String {
     format!("friction was measured from {low_mpa} to {high_mpa} MPa")
-}
-
-impl From<&Provenance> for MaterialReport {
-    fn from(provenance: &Provenance) -> Self {
-        Self {
-            name: provenance.name.clone(),
-            source: provenance.source.clone(),
-            synthetic_surface: provenance.synthetic_surface,
-            notes: provenance.notes.clone(),
-            warnings: provenance.warnings.clone(),
-        }
-    }
 }
 
 /// Results at one pressure.
@@ -268,7 +238,7 @@ impl SimulationReport {
             dimensions: scene.dimension().number(),
             model: [simulation.statements.model.clone(), model_notes(section)].concat(),
             method: simulation.statements.method.clone(),
-            material: provenance.into(),
+            material: provenance.clone(),
             pattern: pattern.map(PatternReport::from),
             section_model: section.is_some(),
             areal_density: pattern.map(|pattern| tidy(pattern.areal_density())),
@@ -288,7 +258,7 @@ impl SimulationReport {
     /// Reasons to doubt the material or the results, one sentence each.
     pub fn doubts(&self) -> Vec<String> {
         let blocks = unresolved(&self.results, self.block_um);
-        self.material.doubts().chain(warnings(&self.results)).chain(blocks).collect()
+        material_doubts(&self.material).chain(warnings(&self.results)).chain(blocks).collect()
     }
 }
 

@@ -46,8 +46,11 @@ pub use error::MaterialError;
 pub use friction::{ConditionFriction, END_MARGIN, Friction, FrictionAt, LocalFriction};
 pub use measured_law::Extrapolation;
 
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
 /// Origin of a material's values.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Provenance {
     /// Name of the material.
     pub name: String,
@@ -58,6 +61,7 @@ pub struct Provenance {
     /// Notes on how values were obtained and what was assumed, one sentence each.
     pub notes: Vec<String>,
     /// Reasons to doubt results; each begins with the name of the warning.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub warnings: Vec<String>,
 }
 

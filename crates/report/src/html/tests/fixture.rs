@@ -3,9 +3,10 @@
 use slipgrid_design::records::{
     GoalReport, LiftedReport, ListedDesign, SlopeReport, TableReport, TargetReport, Tolerance, TradeOffsReport,
 };
-use slipgrid_design::results::{LoadReport, MaterialReport, PatternReport};
+use slipgrid_design::results::{LoadReport, PatternReport};
 use slipgrid_design::{DesignReport, Expected, LimitedBy, ModelledRatio, SampleReport};
 use slipgrid_laser::export::{Ablation, Exposure, Laser, Removal};
+use slipgrid_model::material::Provenance;
 use slipgrid_model::pattern::TextureRecord;
 use slipgrid_model::springblock::{Correction, Effect};
 
@@ -94,7 +95,7 @@ pub fn report() -> DesignReport {
         }),
         seed: 1,
         model: vec!["two dimensions".into()],
-        material: MaterialReport {
+        material: Provenance {
             name: "m".into(),
             source: "s".into(),
             synthetic_surface: true,
