@@ -7,6 +7,7 @@ use serde::Serialize;
 use crate::charts::{self, AreaPoint, Estimate};
 use slipgrid_base::units::tidy;
 use slipgrid_design::results::{Table, fixed};
+use slipgrid_infer::calibrate::area_law_sampling::{Resolution, WindowSpread};
 
 mod curve;
 
@@ -63,53 +64,11 @@ pub struct AreaLawReport {
     /// Number of threads.
     pub threads: usize,
     /// Results of windows of the map, if requested.
-    pub windows: Option<WindowReport>,
+    pub windows: Option<WindowSpread>,
     /// Results at coarser pixels, if requested.
-    pub resolutions: Vec<ResolutionReport>,
+    pub resolutions: Vec<Resolution>,
     /// Results, one per pressure.
     pub results: Vec<AreaReport>,
-}
-
-/// Results of windows of the map; lists hold one number per pressure.
-#[derive(Clone, Debug, Serialize)]
-pub struct WindowReport {
-    /// Windows along a side.
-    pub per_side: usize,
-    /// Number of windows.
-    pub count: usize,
-    /// Pixels of a window along x.
-    pub rows: usize,
-    /// Pixels of a window along y.
-    pub columns: usize,
-    /// Method that makes a window periodic.
-    pub made_periodic: &'static str,
-    /// Relative error tolerance of the contact solver.
-    pub tolerance: f64,
-    /// Mean rms slope of the windows.
-    pub rms_slope_mean: f64,
-    /// Standard deviation of the rms slope among windows.
-    pub rms_slope_spread: f64,
-    /// Mean f of the windows, one per pressure.
-    pub factor_mean: Vec<f64>,
-    /// Standard deviation of f among windows, one per pressure: the uncertainty of a map of the window's size.
-    pub factor_spread: Vec<f64>,
-    /// Wall time in seconds.
-    pub wall_s: f64,
-}
-
-/// Area law at coarser pixels.
-#[derive(Clone, Debug, Serialize)]
-pub struct ResolutionReport {
-    /// Pixels averaged into one, along a side.
-    pub coarser: usize,
-    /// Side of the coarser pixel.
-    pub pixel_um: f64,
-    /// Spectral rms slope at the coarser pixels.
-    pub rms_slope: f64,
-    /// Relative error tolerance of the contact solver.
-    pub tolerance: f64,
-    /// f, one per pressure; null where the curve does not reach the threshold pressure.
-    pub factor: Option<Vec<f64>>,
 }
 
 /// Contact at one pressure.

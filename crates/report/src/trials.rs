@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use slipgrid_base::monitor::{Cancelled, Monitor};
 use slipgrid_base::units::{HUMIDITY_PCT, LENGTH_UM, PRESSURE_MPA, SPEED_MM_S, tidy};
 use slipgrid_design::results::{SCHEMA, VERSION};
-use slipgrid_infer::calibrate::{CutSample, Measurement, contradicting_samples};
+use slipgrid_infer::calibrate::{CutSample, LandEffect, Measurement, contradicting_samples};
 use slipgrid_infer::discrepancy::{Discrepancy, LeftOut, Surprise, leave_out};
 
 use crate::friction_sheet::{self, FrictionSheet};
@@ -21,7 +21,7 @@ mod text;
 
 pub use effects::EffectReport;
 pub use load_lines::LoadLineReport;
-pub use parts::{LandReport, PendingReport, ScatterReport};
+pub use parts::{PendingReport, ScatterReport};
 
 /// Metres per millimetre, for edge lengths per area.
 const PER_MM: f64 = 1e-3;
@@ -61,7 +61,7 @@ pub struct TrialsReport {
     pub effects: Vec<EffectReport>,
     /// Lands of trials that name a map of the cut sample.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub lands: Vec<LandReport>,
+    pub lands: Vec<LandEffect>,
     /// Lines of friction force against normal force.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub load_lines: Vec<LoadLineReport>,

@@ -109,8 +109,6 @@ pub struct SurfaceAreaLaw {
     pub warnings: Vec<SurfaceWarning>,
     /// Time for the whole map, in seconds of the monitor's clock.
     pub curve_s: f64,
-    /// Time for the windows, in seconds of the monitor's clock.
-    pub windows_s: f64,
 }
 
 /// Computes the contact area of `surface` at every pressure, the area law, and the spread of the law over windows of
@@ -148,13 +146,13 @@ pub fn surface_area_law(
         )));
     }
     let per_side = request.windows.unwrap_or(if takes_default_windows(&surface.map) { DEFAULT_WINDOWS } else { 0 });
-    let (mut windows, mut windows_s) = (None, 0.0);
+    let mut windows = None;
     if per_side >= 2 {
         let stage = Stage::new(monitor, "windows", None);
         let spread = window_spread(&surface.map, per_side, request, &stage);
-        windows_s = stage.finish();
+        let wall_s = stage.finish();
         check_cancelled()?;
-        windows = spread?;
+        windows = spread?.map(|spread| WindowSpread { wall_s, ..spread });
     }
     if windows.is_none() && request.windows.is_none() && !takes_default_windows(&surface.map) {
         let map = &surface.map;
@@ -171,7 +169,7 @@ pub fn surface_area_law(
     if let Some(windows) = &windows {
         law = law.and_then(|law| with_errors(law, &curve.points, &windows.factor_std()));
     }
-    Ok(SurfaceAreaLaw { curve, law, windows, warnings, curve_s, windows_s })
+    Ok(SurfaceAreaLaw { curve, law, windows, warnings, curve_s })
 }
 
 /// Adds the standard errors `factor_std`, one per point of `curve`, to the factors of the law.

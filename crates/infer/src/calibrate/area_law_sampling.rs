@@ -1,12 +1,13 @@
 //! Sampling errors of an area law: windows of the map, and coarser pixels.
 
-use slipgrid_base::monitor::Monitor;
+use serde::Serialize;
+use slipgrid_base::monitor::{Monitor, Part};
 use slipgrid_base::statistics::{Confidence, NORMAL_95, mean_and_std};
 use slipgrid_surface::contact::{ContactError, coarser, windows};
 use slipgrid_surface::topography::HeightMap;
 
 use crate::calibrate::area_law::{AreaLawRequest, area_curve, area_law};
-use slipgrid_base::monitor::Part;
+use slipgrid_base::units::LENGTH_UM;
 
 /// Default number of windows along each side.
 pub const DEFAULT_WINDOWS: usize = 2;
@@ -23,29 +24,34 @@ pub const MIN_DEFAULT_SIDE: usize = DEFAULT_WINDOWS * MIN_DEFAULT_PIXELS;
 pub const WINDOW_STATEMENT: &str =
     "each window is levelled and taken as its periodic component (Moisan), which continues itself across its sides";
 
-/// Area laws of the windows of a map, each computed separately.
-#[derive(Clone, Debug, PartialEq)]
+/// Area laws of the windows of a map, each computed separately; lists hold one number per requested pressure.
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct WindowSpread {
     /// Number of windows along each side.
     pub per_side: usize,
-    /// Number of points of a window along x and y.
-    pub pixels: [usize; 2],
-    /// Mean of f over the windows, one per requested pressure.
-    pub factor_mean: Vec<f64>,
-    /// Standard deviation of f over the windows.
-    pub factor_spread: Vec<f64>,
+    /// Number of windows.
+    pub count: usize,
+    /// Points of a window along x.
+    pub rows: usize,
+    /// Points of a window along y.
+    pub columns: usize,
+    /// Method that makes a window periodic.
+    pub made_periodic: &'static str,
+    /// Relative error tolerance of the contact solver.
+    pub tolerance: f64,
     /// Mean rms slope of the windows.
     pub rms_slope_mean: f64,
     /// Standard deviation of the rms slope over the windows.
     pub rms_slope_spread: f64,
+    /// Mean of f over the windows.
+    pub factor_mean: Vec<f64>,
+    /// Standard deviation of f over the windows: the uncertainty of a map of the window's size.
+    pub factor_spread: Vec<f64>,
+    /// Time for the windows, in seconds of the monitor's clock.
+    pub wall_s: f64,
 }
 
 impl WindowSpread {
-    /// Number of windows.
-    pub const fn count(&self) -> usize {
-        self.per_side * self.per_side
-    }
-
     /// Effective number of independent windows: the number along one side. Windows of a map share waves as long as the
     /// map, and levelling removes part of these from the map itself. Tested with 2 x 2 windows on maps whose longest
     /// waves are as long as the map: 95 % intervals covered the law of the surface for 95 to 96 % of 128 maps with a
@@ -60,7 +66,7 @@ impl WindowSpread {
     /// the number of [independent](Self::independent) windows, times the ratio of Student's t to the normal quantile,
     /// so that +- 1.96 standard errors have 95 % coverage.
     pub fn factor_std(&self) -> Vec<f64> {
-        let student = Confidence::PERCENT_95.student_t(self.count() - 1) / NORMAL_95;
+        let student = Confidence::PERCENT_95.student_t(self.count - 1) / NORMAL_95;
         let scale = student / (self.independent() as f64).sqrt();
         self.factor_spread.iter().map(|spread| spread * scale).collect()
     }
@@ -70,7 +76,7 @@ impl WindowSpread {
         format!(
             "factor_std: standard deviation of f among {} windows of the map, over the root of {} independent ones, \
              times Student's factor for 95 %; {WINDOW_STATEMENT}",
-            self.count(),
+            self.count,
             self.independent()
         )
     }
@@ -93,7 +99,6 @@ pub fn window_spread(
     monitor: &dyn Monitor,
 ) -> Result<Option<WindowSpread>, ContactError> {
     let windows = windows(map, per_side, monitor)?;
-    let pixels = [windows[0].rows(), windows[0].cols()];
     let mut factors = Vec::new();
     let mut slopes = Vec::new();
     let monitor = Part::new(monitor, 1.0 / windows.len() as f64);
@@ -112,24 +117,31 @@ pub fn window_spread(
     let [rms_slope_mean, rms_slope_spread] = mean_and_spread(&mut slopes.iter().copied());
     Ok(Some(WindowSpread {
         per_side,
-        pixels,
+        count: windows.len(),
+        rows: windows[0].rows(),
+        columns: windows[0].cols(),
+        made_periodic: WINDOW_STATEMENT,
+        tolerance: STATISTICS_TOLERANCE,
         factor_mean: statistics.iter().map(|pair| pair[0]).collect(),
         factor_spread: statistics.iter().map(|pair| pair[1]).collect(),
         rms_slope_mean,
         rms_slope_spread,
+        wall_s: 0.0,
     }))
 }
 
 /// Area law at a coarser lateral resolution.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Resolution {
     /// Number of points of the original map averaged into one point, along each side.
     pub coarser: usize,
-    /// Pixel along the sliding direction, in metres.
-    pub pixel_m: f64,
+    /// Pixel along the sliding direction.
+    pub pixel_um: f64,
     /// Rms slope at this resolution.
     pub rms_slope: f64,
-    /// f, one per requested pressure; `None` if the curve has no area law.
+    /// Relative error tolerance of the contact solver.
+    pub tolerance: f64,
+    /// f, one per requested pressure; null if the curve has no area law.
     pub factor: Option<Vec<f64>>,
 }
 
@@ -146,8 +158,9 @@ pub fn resolution(
     let blunt = coarser(map, factor)?;
     Ok(Resolution {
         coarser: factor,
-        pixel_m: blunt.dx_m(),
+        pixel_um: LENGTH_UM.from_si(blunt.dx_m()),
         rms_slope: blunt.rms_slope_spectral(monitor)?,
+        tolerance: STATISTICS_TOLERANCE,
         factor: factors_of(&blunt, request, monitor)?,
     })
 }

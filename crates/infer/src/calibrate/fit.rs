@@ -10,6 +10,8 @@ pub use layout::STATIC_OVER_DYNAMIC;
 
 pub use feasibility::{check_speeds, local_static_over_dynamic, planned_steps, seconds};
 
+use schemars::JsonSchema;
+use serde::Serialize;
 use slipgrid_base::monitor::{Monitor, Part};
 use slipgrid_model::material::AreaLaw;
 
@@ -74,24 +76,27 @@ pub struct Prediction {
 }
 
 /// A fitted parameter.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Parameter {
-    /// `dynamic_mean`, `static_mean` or `area_law_scale_pa`, followed by the index of the measurement if there are
-    /// several.
+    // `dynamic_mean`, `static_mean` or `area_law_scale_pa`.
+    /// Name, with the number of the measurement where each has a parameter of its own.
     pub name: String,
-    /// Fitted value.
+    /// Value of the best fit.
     pub value: f64,
-    /// Standard error from the curvature of chi-square; infinite if the data do not determine the parameter.
+    /// Standard error from the curvature of chi-square; null if infinite.
+    #[schemars(with = "Option<f64>")]
     pub std_error: f64,
     /// Lower and upper bound.
     pub bounds: [f64; 2],
-    /// Whether the value ended at a bound, so that the best value lies beyond it.
+    /// The value lies at a bound.
     pub at_bound: bool,
-    /// Profile likelihood: values of the parameter with the increase of chi-square, minimized over all other
-    /// parameters.
-    pub profile: Vec<[f64; 2]>,
-    /// Ends of the 95 % interval from the profile (an increase of 3.84); `None` for an end beyond the bounds.
+    // Where the profile has risen by 3.84.
+    /// Ends of the 95 % profile-likelihood interval; null where the interval reaches a bound.
+    #[serde(rename = "interval_95")]
     pub interval: [Option<f64>; 2],
+    // Minimized over all other parameters.
+    /// Profile: parameter value and increase of chi-square.
+    pub profile: Vec<[f64; 2]>,
 }
 
 /// Result of a fit.

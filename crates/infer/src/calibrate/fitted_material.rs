@@ -83,7 +83,7 @@ pub(crate) fn outcome(
     let mut notes = fit.notes.clone();
     notes.extend(surface.notes.iter().chain(&task.notes).cloned());
     notes.extend(note(&learned));
-    notes.extend(lands.iter().map(ToString::to_string));
+    notes.extend(lands.into_iter().map(|land| land.words));
     let contradicting = contradicting_samples(&learned);
     uncertainty.learned = Some(learned);
     if surface.synthetic {

@@ -11,8 +11,8 @@
 //!
 //! with g = d ln R / d ln E. The factor is 1 / q where area is in proportion to load, and 1 in full contact.
 
-use std::fmt;
-
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 use slipgrid_base::units::{PRESSURE_MPA, tidy};
 use slipgrid_model::material::AreaLaw;
 use slipgrid_surface::topography::HeightMap;
@@ -25,25 +25,31 @@ const WINDOWS: usize = 4;
 const LOG_STEP: f64 = 0.02;
 
 /// Rms slope of the land of a cut sample.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct LandSlope {
     /// Rms slope of the land, by differences of neighbouring heights.
     pub rms_slope: f64,
-    /// q: rms slope over that of the flat sample.
+    // q
+    /// Rms slope over that of the flat sample.
     pub over_flat: f64,
-    /// Standard error of ln q, from windows of both maps.
+    /// Standard error of the logarithm of `over_flat`, from windows of both maps.
     pub log_std: f64,
 }
 
-/// Effect of the land of a cut sample on its modelled ratios.
-#[derive(Clone, Debug, PartialEq)]
+/// Land of a cut sample, and its effect on the modelled ratios.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct LandEffect {
     /// Name of the trial.
     pub trial: String,
     /// Slope of the land.
+    #[serde(flatten)]
     pub slope: LandSlope,
-    /// Pressure in pascals, and factor on the modelled ratio, one per measured ratio.
-    pub factors: Vec<[f64; 2]>,
+    /// Nominal pressures of the measured ratios.
+    pub pressure_mpa: Vec<f64>,
+    /// Factor on the modelled ratio at each pressure.
+    pub factor: Vec<f64>,
+    /// Slope and effect in words.
+    pub words: String,
 }
 
 impl LandSlope {
@@ -82,9 +88,26 @@ impl LandSlope {
             let slope = |pressure_pa: f64| log_slope(law, pressure_pa);
             at.sensitivity.modulus =
                 tidy(at.sensitivity.modulus + slope(pressure_pa) - slope(pressure_pa / self.over_flat));
-            [pressure_pa, tidy(factor)]
+            [PRESSURE_MPA.from_si(pressure_pa), tidy(factor)]
         };
-        LandEffect { trial: trial.to_owned(), slope: *self, factors: measured.iter_mut().map(apply).collect() }
+        let factors: Vec<[f64; 2]> = measured.iter_mut().map(apply).collect();
+        let words = self.in_words(trial, &factors);
+        let (pressure_mpa, factor) = factors.into_iter().map(Into::<(f64, f64)>::into).unzip();
+        LandEffect { trial: trial.to_owned(), slope: *self, pressure_mpa, factor, words }
+    }
+
+    /// Describes the slope and the `factors` on the modelled ratios of `trial`, each after its pressure in MPa.
+    fn in_words(&self, trial: &str, factors: &[[f64; 2]]) -> String {
+        let Self { rms_slope, over_flat, log_std } = self;
+        let std = over_flat * log_std;
+        let slope =
+            format!("land of {trial}: rms slope {rms_slope:.3}, {over_flat:.2} +- {std:.2} times the flat sample's");
+        let by_pressure = |a: &&[f64; 2], b: &&[f64; 2]| a[0].total_cmp(&b[0]);
+        let ends = (factors.iter().min_by(by_pressure), factors.iter().max_by(by_pressure));
+        let (Some(first), Some(last)) = ends else { return slope };
+        let at = |[pressure_mpa, factor]: &[f64; 2]| format!("{factor:.3} at {pressure_mpa:.2} MPa");
+        let and = if last[0] > first[0] { format!(" and {}", at(last)) } else { String::new() };
+        format!("{slope}; this multiplies its modelled ratio by {}{and}", at(first))
     }
 }
 
@@ -101,25 +124,6 @@ fn log_slope(law: &AreaLaw, pressure_pa: f64) -> f64 {
     (f(LOG_STEP) - f(-LOG_STEP)) / (2.0 * LOG_STEP)
 }
 
-impl fmt::Display for LandEffect {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let LandSlope { rms_slope, over_flat, log_std } = self.slope;
-        write!(
-            f,
-            "land of {}: rms slope {rms_slope:.3}, {over_flat:.2} +- {:.2} times the flat sample's",
-            self.trial,
-            over_flat * log_std
-        )?;
-        let by_pressure = |a: &&[f64; 2], b: &&[f64; 2]| a[0].total_cmp(&b[0]);
-        let ends = (self.factors.iter().min_by(by_pressure), self.factors.iter().max_by(by_pressure));
-        let (Some(first), Some(last)) = ends else { return Ok(()) };
-        let at =
-            |[pressure_pa, factor]: &[f64; 2]| format!("{factor:.3} at {:.2} MPa", PRESSURE_MPA.from_si(*pressure_pa));
-        write!(f, "; this multiplies its modelled ratio by {}", at(first))?;
-        if last[0] > first[0] { write!(f, " and {}", at(last)) } else { Ok(()) }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -134,7 +138,7 @@ mod tests {
         let (mut measured, mut shifts) = ([at], Vec::new());
         let slope = LandSlope { rms_slope: 0.02, over_flat, log_std: 0.05 };
         let effect = slope.apply("cut", law, &mut measured, (&mut shifts, features));
-        assert!((effect.factors[0][1] - measured[0].modelled / 0.9).abs() < 1e-5);
+        assert!((effect.factor[0] - measured[0].modelled / 0.9).abs() < 1e-5);
         // The error of the slope is no error of the texture.
         assert_eq!(shifts[0].above, features);
         (measured[0], shifts.remove(0))

@@ -3,7 +3,7 @@
 use slipgrid_base::units::{LENGTH_UM, MODULUS_GPA, PRESSURE_MPA};
 use slipgrid_design::results::{SCHEMA, VERSION};
 use slipgrid_infer::calibrate::area_law::{AreaLawRequest, SurfaceAreaLaw, SurfaceWarning, area_law, persson_curve};
-use slipgrid_infer::calibrate::area_law_sampling::{Resolution, STATISTICS_TOLERANCE, WINDOW_STATEMENT};
+use slipgrid_infer::calibrate::area_law_sampling::{Resolution, WindowSpread};
 use slipgrid_infer::calibrate::light_pressure_pa;
 use slipgrid_io::formats::altitude_map::law_warnings;
 use slipgrid_io::formats::plausible::MODULUS;
@@ -11,7 +11,7 @@ use slipgrid_model::material::AreaLaw;
 use slipgrid_surface::contact::{AreaPoint, ContactError};
 use slipgrid_surface::topography::PreparedMap;
 
-use super::{AreaLawReport, AreaReport, ResolutionReport, WindowReport};
+use super::{AreaLawReport, AreaReport};
 
 /// Options of an area law.
 #[derive(Clone, Debug)]
@@ -90,13 +90,8 @@ impl AreaLawCurve {
         resolutions: &[Resolution],
     ) -> AreaLawReport {
         let first = self.first();
-        let coarser = |of: &Resolution| ResolutionReport {
-            coarser: of.coarser,
-            pixel_um: LENGTH_UM.from_si(of.pixel_m),
-            rms_slope: of.rms_slope,
-            tolerance: STATISTICS_TOLERANCE,
-            factor: of.factor.as_ref().map(|factor| factor[first..].to_vec()),
-        };
+        let requested = |factors: &[f64]| factors[first..].to_vec();
+        let coarser = |of: &Resolution| Resolution { factor: of.factor.as_deref().map(requested), ..of.clone() };
         let mut report = AreaLawReport {
             map: Some(name.to_owned()),
             synthetic_surface: surface.synthetic,
@@ -118,18 +113,10 @@ impl AreaLawCurve {
             for (point, std) in report.results.iter_mut().zip(spread.factor_std().split_off(first)) {
                 point.factor_std = Some(std);
             }
-            report.windows = Some(WindowReport {
-                per_side: spread.per_side,
-                count: spread.count(),
-                rows: spread.pixels[0],
-                columns: spread.pixels[1],
-                made_periodic: WINDOW_STATEMENT,
-                tolerance: STATISTICS_TOLERANCE,
-                rms_slope_mean: spread.rms_slope_mean,
-                rms_slope_spread: spread.rms_slope_spread,
-                factor_mean: spread.factor_mean[first..].to_vec(),
-                factor_spread: spread.factor_spread[first..].to_vec(),
-                wall_s: found.windows_s,
+            report.windows = Some(WindowSpread {
+                factor_mean: requested(&spread.factor_mean),
+                factor_spread: requested(&spread.factor_spread),
+                ..spread.clone()
             });
         }
         report

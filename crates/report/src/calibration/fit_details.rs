@@ -20,7 +20,7 @@ pub struct FitReport {
     /// Schema version of the record.
     pub schema: u32,
     /// Fitted parameters.
-    pub parameters: Vec<ParameterReport>,
+    pub parameters: Vec<Parameter>,
     /// Covariance of the parameters; null where the data do not determine it.
     pub covariance: Vec<Vec<Option<f64>>>,
     /// Sum of squared residuals, in standard deviations.
@@ -35,37 +35,17 @@ pub struct FitReport {
     pub static_friction: Vec<StaticRow>,
 }
 
-/// A fitted parameter.
-#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
-pub struct ParameterReport {
-    /// Name, with the number of the measurement where each has a parameter of its own.
-    pub name: String,
-    /// Value of the best fit.
-    pub value: f64,
-    /// Standard error from the curvature of chi-square; null if infinite.
-    pub std_error: Option<f64>,
-    /// Lower and upper bound.
-    pub bounds: [f64; 2],
-    /// The value lies at a bound.
-    pub at_bound: bool,
-    /// Ends of the 95 % profile-likelihood interval; null where the interval reaches a bound.
-    pub interval_95: [Option<f64>; 2],
-    /// Profile: parameter value and increase of chi-square.
-    pub profile: Vec<[f64; 2]>,
-}
-
-/// Reports the parameters of `fit`.
-fn parameters(fit: &Fit) -> Vec<ParameterReport> {
-    let report = |parameter: &Parameter| ParameterReport {
-        name: parameter.name.clone(),
+/// Parameters of `fit` without rounding errors.
+fn parameters(fit: &Fit) -> Vec<Parameter> {
+    let rounded = |parameter: &Parameter| Parameter {
         value: tidy(parameter.value),
-        std_error: finite(parameter.std_error),
+        std_error: tidy(parameter.std_error),
         bounds: parameter.bounds.map(tidy),
-        at_bound: parameter.at_bound,
-        interval_95: parameter.interval.map(|end| end.map(tidy)),
+        interval: parameter.interval.map(|end| end.map(tidy)),
         profile: parameter.profile.iter().map(|point| point.map(tidy)).collect(),
+        ..parameter.clone()
     };
-    fit.parameters.iter().map(report).collect()
+    fit.parameters.iter().map(rounded).collect()
 }
 
 fn finite(value: f64) -> Option<f64> {
@@ -112,7 +92,7 @@ pub fn which_errors(outcome: &CalibrationOutcome) -> &'static str {
 /// All parameters with their intervals; pressures in MPa.
 pub fn parameter_table(outcome: &CalibrationOutcome) -> Table {
     let parameters = parameters(&outcome.fit);
-    let cell = |of: &ParameterReport, value: Option<f64>| match of.name.ends_with("_pa") {
+    let cell = |of: &Parameter, value: Option<f64>| match of.name.ends_with("_pa") {
         true => fixed(value.map(|pa| PRESSURE_MPA.from_si(pa)), 3),
         false => fixed(value, 4),
     };
@@ -122,9 +102,9 @@ pub fn parameter_table(outcome: &CalibrationOutcome) -> Table {
         None => in_words(outcome, &of.name),
     });
     table.column("value", |of| cell(of, Some(of.value)));
-    table.column("+-", |of| cell(of, of.std_error));
-    table.column("95 % from", |of| cell(of, of.interval_95[0]));
-    table.column("to", |of| cell(of, of.interval_95[1]));
+    table.column("+-", |of| cell(of, Some(of.std_error)));
+    table.column("95 % from", |of| cell(of, of.interval[0]));
+    table.column("to", |of| cell(of, of.interval[1]));
     table.table()
 }
 

@@ -6,7 +6,7 @@ mod pictures;
 mod static_friction;
 
 pub use files::{FILES, files};
-pub use fit_details::{FitReport, ParameterReport, fit_json};
+pub use fit_details::{FitReport, fit_json};
 pub(crate) use fit_details::{in_words, parameter_table, which_errors};
 pub(crate) use pictures::flat_friction;
 pub use static_friction::StaticRow;
