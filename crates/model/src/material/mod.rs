@@ -54,13 +54,15 @@ use serde::{Deserialize, Serialize};
 pub struct Provenance {
     /// Name of the material.
     pub name: String,
-    /// Publication or laboratory.
+    /// Publication or laboratory that the values come from.
     pub source: String,
-    /// Whether the height map of the area law is synthetic.
+    /// True if the area law is computed from a synthetic surface.
     pub synthetic_surface: bool,
-    /// Notes on how values were obtained and what was assumed, one sentence each.
+    // One sentence each.
+    /// Notes on how values were obtained.
     pub notes: Vec<String>,
-    /// Reasons to doubt results; each begins with the name of the warning.
+    // Each begins with its name.
+    /// Warnings about the material, which make results doubtful.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub warnings: Vec<String>,
 }

@@ -5,10 +5,11 @@ use slipgrid_model::material::LocalFriction;
 use slipgrid_model::pattern::Pattern;
 use slipgrid_model::springblock::{Extent, Fidelity, RunOptions, Scene, Simulation, simulate};
 
+use super::laws::ScaledLaw;
 use super::laws::ScaledLaws;
 use super::model::{FlatPoint, knowledge, scene, squares};
 use super::ratios::{ModelledRatio, RatioReport};
-use super::report::{AreaTable, TimeReport, ValidationReport};
+use super::report::{TimeReport, ValidationReport};
 use super::tables::solutions;
 use super::{ValidationTask, page, rims};
 use crate::StudyError;
@@ -115,7 +116,7 @@ impl Figures<'_> {
             let row = given.pressure_mpa.iter().position(|&pressure| tidy(pressure) == threshold_mpa)?;
             Some([threshold_mpa, given.area_fraction[row]])
         });
-        let points = |table: &AreaTable| -> Vec<AreaPoint> {
+        let points = |table: &ScaledLaw| -> Vec<AreaPoint> {
             let point = |row: usize| AreaPoint {
                 pressure_mpa: given.pressure_mpa[row],
                 area_fraction: table.area_fraction[row],
@@ -309,7 +310,7 @@ pub fn beside_measured(
     charts::ratios(title, &pressure_mpa, &series)
 }
 
-fn areas_csv(tables: &[AreaTable]) -> String {
+fn areas_csv(tables: &[ScaledLaw]) -> String {
     let mut text = String::from("slope_factor,rms_slope,pressure_mpa,area_fraction,factor\n");
     for table in tables {
         let slope = table.rms_slope.map_or_else(String::new, |slope| slope.to_string());

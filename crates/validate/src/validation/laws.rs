@@ -1,5 +1,6 @@
 //! Area laws of a calibration's surface with scaled heights.
 
+use serde::Serialize;
 use slipgrid_infer::calibrate::area_law::{
     CONTACT_TOLERANCE, DEFAULT_PRESSURES_MPA, area_curve, area_law, persson_curve,
 };
@@ -8,7 +9,6 @@ use slipgrid_model::material::AreaLaw;
 use slipgrid_surface::contact::AreaPoint;
 
 use super::ValidationTask;
-use super::report::AreaTable;
 use crate::StudyError;
 use slipgrid_base::monitor::{Monitor, Stage};
 use slipgrid_base::units::{PRESSURE_MPA, tidy};
@@ -23,23 +23,30 @@ use slipgrid_io::formats::surface::Surface;
 /// Seed of the flat sample in the fit of a scale, as for `calibrate` and `trials`.
 const FIT_SEED: u64 = 1;
 
-/// Area law of the surface with all heights multiplied by one factor.
-#[derive(Clone, Debug, PartialEq)]
+/// Area law of the surface with all heights multiplied by one factor, and its contact area, one number per pressure; without
+/// a surface there are no pressures.
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ScaledLaw {
-    /// Factor of heights and therefore of slopes.
+    /// Factor of the surface's slopes.
     pub slope_factor: f64,
-    /// Rms slope of the scaled surface; `None` without a surface.
+    /// Rms slope; null without a surface.
     pub rms_slope: Option<f64>,
     /// Area law; `None` without a surface.
+    #[serde(skip)]
     pub law: Option<AreaLaw>,
-    /// Contact area of the law, pressures increasing; empty without a surface.
-    pub areas: Vec<AreaPoint>,
+    /// Nominal pressures, increasing.
+    pub pressure_mpa: Vec<f64>,
+    /// Real contact area over nominal area, corrected along its perimeter.
+    pub area_fraction: Vec<f64>,
+    /// The factor f.
+    pub factor: Vec<f64>,
 }
 
 impl ScaledLaw {
     /// Law without a surface, whatever the slope.
-    pub const fn without_surface(law: Option<AreaLaw>) -> Self {
-        Self { slope_factor: 1.0, rms_slope: None, law, areas: Vec::new() }
+    pub fn without_surface(law: Option<AreaLaw>) -> Self {
+        let none = Vec::new;
+        Self { slope_factor: 1.0, rms_slope: None, law, pressure_mpa: none(), area_fraction: none(), factor: none() }
     }
 }
 
@@ -59,22 +66,6 @@ impl ScaledLaws {
     pub fn given(&self) -> Option<&AreaLaw> {
         self.laws.iter().find(|law| law.slope_factor == 1.0)?.law.as_ref()
     }
-}
-
-/// Area and factor of every surface at the tabulated pressures.
-pub fn area_tables(laws: &[ScaledLaw]) -> Vec<AreaTable> {
-    let table = |scaled: &ScaledLaw| {
-        let (law, areas) = (scaled.law.as_ref()?, &scaled.areas);
-        Some(AreaTable {
-            slope_factor: scaled.slope_factor,
-            rms_slope: scaled.rms_slope,
-            pressure_mpa: areas.iter().map(|point| tidy(PRESSURE_MPA.from_si(point.pressure_pa))).collect(),
-            area_fraction: areas.iter().map(|point| point.area_fraction_corrected).collect(),
-            factor: areas.iter().map(|point| law.factor(point.pressure_pa)).collect(),
-        })
-    };
-    // A measured law has no contact area.
-    laws.iter().filter(|scaled| !scaled.areas.is_empty()).filter_map(table).collect()
 }
 
 /// Area laws of the surface of `task`, one per slope factor.
@@ -201,7 +192,14 @@ fn at_slopes(
 ) -> Result<Vec<ScaledLaw>, Diagnostic> {
     let at = |&slope_factor: &f64| {
         let (law, areas) = of(slope_factor)?;
-        Ok(ScaledLaw { slope_factor, rms_slope: Some(tidy(rms_slope * slope_factor)), law: Some(law), areas })
+        Ok(ScaledLaw {
+            slope_factor,
+            rms_slope: Some(tidy(rms_slope * slope_factor)),
+            pressure_mpa: areas.iter().map(|point| tidy(PRESSURE_MPA.from_si(point.pressure_pa))).collect(),
+            area_fraction: areas.iter().map(|point| point.area_fraction_corrected).collect(),
+            factor: areas.iter().map(|point| law.factor(point.pressure_pa)).collect(),
+            law: Some(law),
+        })
     };
     factors.iter().map(at).collect()
 }

@@ -32,7 +32,7 @@ use slipgrid_report::Outputs;
 
 use crate::StudyError;
 use figures::Figures;
-use laws::{ScaledLaw, ScaledLaws, area_tables, scaled_laws};
+use laws::{ScaledLaw, ScaledLaws, scaled_laws};
 use model::{Body, Case, FlatPoint, predict, squares};
 use ratios::{MeasuredLawRatio, MeasuredReport, ModelledRatio, Pair, RatioReport, pairs};
 use summary::Summary;
@@ -250,7 +250,8 @@ fn compare(
         statements: Vec::new(),
         published: Vec::new(),
         measured: self::pairs(calibration).iter().map(MeasuredReport::new).collect(),
-        area_laws: area_tables(&surface.laws),
+        // A measured law has no contact area.
+        area_laws: surface.laws.iter().filter(|scaled| !scaled.pressure_mpa.is_empty()).cloned().collect(),
         rims: None,
         in_time: None,
         wall_s: 0.0,

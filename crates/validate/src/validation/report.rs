@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use super::laws::ScaledLaw;
 use super::ratios::{MeasuredReport, RatioReport};
 use super::rims::RimsReport;
 use super::summary::Summary;
@@ -49,7 +50,7 @@ pub struct ValidationReport {
     /// Every condition measured on both samples, modelled or not.
     pub measured: Vec<MeasuredReport>,
     /// Area laws, one per slope factor.
-    pub area_laws: Vec<AreaTable>,
+    pub area_laws: Vec<ScaledLaw>,
     /// Ratios for rims of several heights at the condition of the first row; null if not requested.
     pub rims: Option<RimsReport>,
     /// Transient run at the highest load; null if none was made.
@@ -102,21 +103,6 @@ pub struct PublishedReport {
     pub source: String,
     /// Result of the source's tables and of the model.
     pub here: String,
-}
-
-/// Area law with its contact area, one number per pressure.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct AreaTable {
-    /// Factor of the surface's slopes.
-    pub slope_factor: f64,
-    /// Rms slope.
-    pub rms_slope: Option<f64>,
-    /// Nominal pressures.
-    pub pressure_mpa: Vec<f64>,
-    /// Real contact area over nominal area, corrected along its perimeter.
-    pub area_fraction: Vec<f64>,
-    /// The factor f.
-    pub factor: Vec<f64>,
 }
 
 /// Friction in time at one load, whole sample, from rest.

@@ -1,7 +1,8 @@
 //! Test fixture: records of a validation.
 
+use super::laws::ScaledLaw;
 use super::ratios::{MeasuredReport, ModelledRatio, RatioReport};
-use super::report::{AreaTable, PublishedReport, TimeReport, ValidationReport};
+use super::report::{PublishedReport, TimeReport, ValidationReport};
 use super::summary::Summary;
 use slipgrid_design::results::PatternReport;
 
@@ -74,9 +75,10 @@ pub fn report() -> ValidationReport {
         statements: vec!["the ratio is lower".into()],
         published: vec![PublishedReport { quantity: "q".into(), source: "s".into(), here: "h".into() }],
         measured: results.iter().map(|row| row.measured.clone()).collect(),
-        area_laws: vec![AreaTable {
+        area_laws: vec![ScaledLaw {
             slope_factor: 1.0,
             rms_slope: Some(0.2),
+            law: None,
             pressure_mpa: vec![0.5, 2.0],
             area_fraction: vec![0.01, 0.03],
             factor: vec![1.0, 0.75],

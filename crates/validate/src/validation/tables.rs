@@ -3,8 +3,9 @@
 use slipgrid_design::results::{Records, Table, with_error};
 use slipgrid_report::html::page::{number, percent, plain, yes_or_no};
 
+use super::laws::ScaledLaw;
 use super::ratios::{MeasuredLawRatio, MeasuredReport, ModelledRatio, RatioReport};
-use super::report::{AreaTable, PublishedReport, TimeReport, ValidationReport};
+use super::report::{PublishedReport, TimeReport, ValidationReport};
 
 /// Table with its caption.
 pub type Captioned = (String, Table);
@@ -194,12 +195,12 @@ pub fn published(published: &[PublishedReport]) -> Table {
 }
 
 /// Contact area and the factor f of every surface at the pressures of the first of `tables`.
-pub fn areas(tables: &[AreaTable]) -> Captioned {
+pub fn areas(tables: &[ScaledLaw]) -> Captioned {
     let pressures_mpa = tables.first().map_or(&[][..], |table| &table.pressure_mpa);
     let rows: Vec<(usize, &f64)> = pressures_mpa.iter().enumerate().collect();
     let mut table = Table::of(&rows);
     table.column("P in MPa", |(_, pressure_mpa)| plain(**pressure_mpa));
-    for AreaTable { slope_factor, area_fraction, factor, .. } in tables {
+    for ScaledLaw { slope_factor, area_fraction, factor, .. } in tables {
         for (name, values) in [("area", area_fraction), ("f", factor)] {
             table.column(format!("{name}, slope x {slope_factor}"), |(row, _)| number(values.get(*row).copied(), 4));
         }
