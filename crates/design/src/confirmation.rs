@@ -28,9 +28,9 @@ pub fn confirming_scene(prepared: &PreparedTask, model: &SteadyModel<'_>, patter
     let task = &prepared.task;
     let at_rest = RunOptions {
         fidelity: Fidelity::Dynamic,
-        extent: if task.strip { Extent::Strip } else { Extent::Sample },
-        seed: task.seed,
-        dimensions: task.dimensions,
+        extent: if task.search.strip { Extent::Strip } else { Extent::Sample },
+        seed: task.search.seed,
+        dimensions: task.search.dimensions,
         ..RunOptions::default()
     }
     .on_specimen(task.space.texture());
@@ -67,8 +67,8 @@ pub fn confirm(
     monitor: &dyn Monitor,
 ) -> Result<Confirmed, DesignError> {
     let task = &prepared.task;
-    let scene = confirming_scene(prepared, model, pattern, task.from_rest);
-    let mut run = match known.filter(|_| !task.from_rest) {
+    let scene = confirming_scene(prepared, model, pattern, task.search.from_rest);
+    let mut run = match known.filter(|_| !task.search.from_rest) {
         Some(run) => run.clone(),
         None => run_in_time(&scene, &task.specimen, monitor)?,
     };

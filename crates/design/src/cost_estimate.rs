@@ -46,7 +46,7 @@ pub fn announce(
     let space = &prepared.task.space;
     let Ok(pattern) = space.middle() else { return Ok(()) };
     let cell = model.cell(&pattern, false);
-    let confirmed = confirming_scene(prepared, model, &pattern, prepared.task.from_rest);
+    let confirmed = confirming_scene(prepared, model, &pattern, prepared.task.search.from_rest);
     // An invalid design in the middle of the bounds does not make other designs invalid.
     if cell.validate().is_err() || confirmed.validate().is_err() {
         return Ok(());
@@ -70,7 +70,7 @@ pub fn announce(
     let threads = rayon::current_num_threads() as f64;
     let largest = widest.as_ref().map(|widest| model.cell(widest, false)).filter(|scene| scene.validate().is_ok());
     let bytes = cell_expense(largest.as_ref().unwrap_or(&cell)).bytes * threads;
-    let longest = widest.map(|widest| confirming_scene(prepared, model, &widest, prepared.task.from_rest));
+    let longest = widest.map(|widest| confirming_scene(prepared, model, &widest, prepared.task.search.from_rest));
     let run = expense(&confirmed);
     // Cost of a cell grows with the square of the pitch; the texture found is equally likely on either side of the
     // geometric mean.

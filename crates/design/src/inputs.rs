@@ -301,7 +301,7 @@ impl<'a> Inputs<'a> {
             each.map(|((above, below), own)| std * (above - below) / (step.step * own)).collect()
         };
         if self.uncertainty.rim().is_some() {
-            let std_m = self.tolerances.rim_height_std_m;
+            let std_m = self.tolerances.rim_height_std_m();
             let laid = self.still.lay(design)?;
             let at = |by_m: f64| self.still.answer_made(&with_rim_off(design, by_m), &laid);
             // One-sided, upwards, if the rims are lower than one standard deviation.

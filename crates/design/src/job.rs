@@ -85,7 +85,7 @@ fn every_step(
     monitor: &dyn Monitor,
 ) -> Result<DesignOutcome, DesignError> {
     let started_s = monitor.seconds();
-    let budget = TimeBudget::new(monitor, task.max_seconds);
+    let budget = TimeBudget::new(monitor, task.search.max_seconds);
     let prepared = &PreparedTask::new(task)?;
     let mut timings = Timings::default();
     let mut outcome = with_table(prepared, None, Some(cache), (budget, monitor), &mut timings, |search, timings| {
@@ -146,7 +146,7 @@ fn reported(
     let others = others.iter().skip(1).map(|of| sample(of).beside(&own)).collect();
     timings.trade_offs = monitor.seconds() - beside_s;
     monitor.heed()?;
-    let lattice = task.table.then(|| Lattice::new(search));
+    let lattice = task.search.table.then(|| Lattice::new(search));
     monitor.heed()?;
     let exploring_s = monitor.seconds();
     let explorer = task.explorer.then(|| Explorer::new(search, best, Some(&confirmed))).flatten();
@@ -215,7 +215,7 @@ fn reported(
         specimen: (&task.specimen).into(),
         laser: task.laser,
         tolerances: task.assumed_tolerances(),
-        seed: task.seed,
+        seed: task.search.seed,
         ..DesignReport::default()
     };
     let PreparedTask { task, material, uncertainty, loads, .. } = prepared.clone();

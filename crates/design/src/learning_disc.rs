@@ -25,7 +25,7 @@ use crate::results::{SCREEN_WIDTH, Table, believed, wrapped};
 use crate::search::{Search, is_same};
 use crate::session::with_table;
 use crate::steps::Steps;
-use crate::task::{DesignTask, FurtherDirections};
+use crate::task::{DesignTask, FurtherDirections, SearchOptions};
 use crate::time_budget::TimeBudget;
 use crate::timings::Timings;
 
@@ -207,8 +207,12 @@ fn tasks(task: &DesignTask) -> Result<Vec<PreparedTask>, DesignError> {
         let [width_m, spacing_m, depth_m] = task.space.lengths_m();
         let space = DesignSpace::new(texture, width_m, spacing_m, depth_m);
         let space = space.map_err(|error| DesignError::refused(error.to_string()))?;
-        let dimensions = task.dimensions.filter(|_| texture == *task.space.texture());
-        PreparedTask::new(&DesignTask { space, dimensions, ..one.clone() })
+        let dimensions = task.search.dimensions.filter(|_| texture == *task.space.texture());
+        PreparedTask::new(&DesignTask {
+            space,
+            search: SearchOptions { dimensions, ..one.search.clone() },
+            ..one.clone()
+        })
     };
     [false, true].into_iter().map(of).collect()
 }

@@ -124,8 +124,8 @@ pub use slipgrid_laser::specimen::{SpecimenError, simulate_on};
 pub use slipgrid_model::springblock::Expense;
 pub use stored_result::{StoredDesign, StoredError};
 pub use task::{
-    ConstraintQuantity, DEFAULT_SPEED_M_S, DesignTask, FurtherDirections, KnownMaterial, MAX_STRAIN, TradeOffGoal,
-    TradeOffsWanted, check_pressures, loads,
+    ConstraintQuantity, DEFAULT_SPEED_M_S, DesignTask, FurtherDirections, KnownMaterial, MAX_STRAIN, SearchOptions,
+    TradeOffGoal, TradeOffsWanted, check_pressures, loads,
 };
 pub use trade_offs::{Compared, TradeOff};
 pub use whole_steps::lattice;

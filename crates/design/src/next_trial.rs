@@ -207,7 +207,7 @@ pub fn new_report(prepared: &PreparedTask, asked: &Asked, options: &NextOptions)
         specimen: (&task.specimen).into(),
         laser: task.laser,
         tolerances: task.assumed_tolerances(),
-        seed: task.seed,
+        seed: task.search.seed,
     }
 }
 

@@ -40,7 +40,7 @@ impl PreparedTask {
         material.provenance.notes.extend(interpolated);
         let (loads, outside) = task.loads(&material)?;
         let further = operating_conditions::further(&task, &material)?;
-        if task.table {
+        if task.search.table {
             whole_steps::check(&task)?;
         }
         Ok(Self { task, material, uncertainty, loads, outside, further })

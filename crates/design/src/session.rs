@@ -38,7 +38,7 @@ pub fn with_table<T>(
 ) -> Result<T, DesignError> {
     let PreparedTask { task, material, uncertainty, loads, further, .. } = prepared;
     let began_s = monitor.seconds();
-    let run = RunOptions { fidelity: Fidelity::Steady, dimensions: task.dimensions, ..RunOptions::default() };
+    let run = RunOptions { fidelity: Fidelity::Steady, dimensions: task.search.dimensions, ..RunOptions::default() };
     let scene = task.flat_scene(material, loads.clone(), run);
     let elsewhere: Vec<&[Load]> = further.iter().map(|at| &at.loads[..]).collect();
     let model = SteadyModel::new(&scene, &elsewhere, &task.directions.different_deg, &task.space);
@@ -60,7 +60,7 @@ pub fn with_table<T>(
     let models = Models::new(&model, uncertainty, &conditions_of(task, further))?;
     let inputs = Inputs::new(task, uncertainty, &model, further)?;
     let face = Some(task.specimen).filter(|_| division.is_none());
-    let beyond = BeyondCells { model: &model, face, count: asked.count, seed: task.seed };
+    let beyond = BeyondCells { model: &model, face, count: asked.count, seed: task.search.seed };
 
     let before_s = monitor.seconds() - began_s;
     let stage = budget.stage_of_share("table", SEARCH_SHARE);

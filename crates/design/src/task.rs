@@ -2,6 +2,8 @@
 
 use crate::optimize::{Constraints, DesignSpace, Target, Tolerances};
 use crate::results::beyond_measured_range;
+use schemars::JsonSchema;
+use serde::Deserialize;
 use slipgrid_base::units::{LENGTH_UM, PRESSURE_MPA, in_digits, tidy};
 use slipgrid_infer::calibrate::uncertainty::MaterialUncertainty;
 use slipgrid_laser::export::{Laser, Specimen, Tolerances as SheetTolerances, laser_time_s};
@@ -71,24 +73,41 @@ pub struct DesignTask {
     pub layer: Layer,
     /// Sliding speed of the confirming run, in m/s.
     pub speed_m_s: f64,
-    /// Seed of the search and of local coefficients.
-    pub seed: u64,
-    /// Time limit of the job in seconds; no limit when absent.
-    pub max_seconds: Option<f64>,
-    /// Whether to compute every design of a lattice.
-    pub table: bool,
+    /// Solver options and time limit.
+    pub search: SearchOptions,
     /// Whether to compute predictions for all designs within the bounds, for interactive pages.
     pub explorer: bool,
-    /// Whether confirming runs start from an unloaded layer at rest, which also gives static friction.
-    pub from_rest: bool,
-    /// Whether designs in space are confirmed on a strip of the specimen, in place of a cell.
-    pub strip: bool,
-    /// Dimensions of the model, 2 or 3; chosen by the texture when absent.
-    pub dimensions: Option<u8>,
     /// Scatter of the mean dimensions of samples about the design; zero when absent.
     pub tolerances: Option<Tolerances>,
     /// Goals of the trade-offs; none when absent.
     pub trade_offs: Option<TradeOffsWanted>,
+}
+
+/// Solver options and time limit of a design.
+#[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct SearchOptions {
+    /// Seed of the local coefficients; 1 when absent.
+    pub seed: u64,
+    // In seconds.
+    /// Time limit of the whole job; no limit when absent.
+    pub max_seconds: Option<f64>,
+    /// Also write the predictions for every design of whole blocks and bursts to `table.csv`; false when absent.
+    pub table: bool,
+    /// Start the confirming run from an unloaded layer at rest, with static friction; false when absent.
+    pub from_rest: bool,
+    /// Confirm designs in space on a strip of the specimen with its ends and margins, along the row of cavities through
+    /// its middle, instead of on one cell; takes minutes instead of seconds; false when absent.
+    pub strip: bool,
+    /// 2 solves in the vertical plane, 3 in space; the planform decides when absent.
+    #[schemars(with = "Option<u64>")]
+    pub dimensions: Option<u8>,
+}
+
+impl Default for SearchOptions {
+    fn default() -> Self {
+        Self { seed: 1, max_seconds: None, table: false, from_rest: false, strip: false, dimensions: None }
+    }
 }
 
 /// Material with its uncertainty.
@@ -198,8 +217,9 @@ impl DesignTask {
 
     /// Assumed manufacturing tolerances, as written to files for the laser.
     pub fn assumed_tolerances(&self) -> Option<SheetTolerances> {
-        let std_m = self.tolerances?.std_m;
-        let [width_um, spacing_um, depth_um] = std_m.map(|std_m| (std_m > 0.0).then(|| tidy(LENGTH_UM.from_si(std_m))));
+        let Tolerances { width_std_um, spacing_std_um, depth_std_um, .. } = self.tolerances?;
+        let given = |std_um: f64| Some(tidy(std_um)).filter(|std_um| *std_um > 0.0);
+        let [width_um, spacing_um, depth_um] = [width_std_um, spacing_std_um, depth_std_um].map(given);
         let basis = SCATTER_BASIS.to_owned();
         [width_um, spacing_um, depth_um].iter().any(Option::is_some).then_some(SheetTolerances {
             width_um,
@@ -240,13 +260,8 @@ impl DesignTask {
             specimen,
             layer,
             speed_m_s: DEFAULT_SPEED_M_S,
-            seed: 1,
-            max_seconds: None,
-            table: false,
+            search: SearchOptions::default(),
             explorer: false,
-            from_rest: false,
-            strip: false,
-            dimensions: None,
             tolerances: None,
             trade_offs: None,
         }

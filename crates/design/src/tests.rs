@@ -128,7 +128,7 @@ fn searched<T>(task: &DesignTask, then: impl FnOnce(&Search<'_>) -> T) -> T {
 /// Tasks of grooves with no, one and three trials.
 fn three_tasks() -> [DesignTask; 3] {
     let mut task = task(Planform::Groove);
-    let scatter = Tolerances { std_m: [4e-6, 6e-6, 0.8e-6], ..Tolerances::default() };
+    let scatter = Tolerances { width_std_um: 4.0, spacing_std_um: 6.0, depth_std_um: 0.8, ..Tolerances::default() };
     task.tolerances = Some(scatter);
     let points = [0.65e6, 2.6e6].map(|pressure_pa| TargetPoint { pressure_pa, value: 0.87 });
     task.target = Target::new(Quantity::Ratio, points.to_vec(), 0.03).unwrap();
@@ -405,7 +405,7 @@ fn ratios_that_are_predicted_are_those_of_the_specimen() {
     let material = &task.material.as_ref().unwrap().material;
     let pattern = Some(found.patterns[0]);
     let ratios = |extent, specimen: Option<&slipgrid_laser::export::Specimen>| {
-        let run = RunOptions { extent, refine: true, seed: task.seed, ..RunOptions::default() };
+        let run = RunOptions { extent, refine: true, seed: task.search.seed, ..RunOptions::default() };
         let run = if specimen.is_some() { run.from_sliding() } else { run };
         let scene = Scene { pattern, ..task.flat_scene(material, task.loads(material).unwrap().0, run) };
         // Time adds the effect of even sliding, at any speed.

@@ -57,7 +57,7 @@ pub fn lattice(design: &DesignTask) -> (Vec<Pattern>, [f64; 3]) {
 /// # Errors
 /// [`DesignError`] for models in space, and tables of too many designs or none.
 pub fn check(design: &DesignTask) -> Result<(), DesignError> {
-    if !Dimension::of(design.dimensions, design.space.texture()).is_cheap_per_design() {
+    if !Dimension::of(design.search.dimensions, design.space.texture()).is_cheap_per_design() {
         return Err(DesignError::refused(
             "a table takes the vertical plane: in space it would take hours, which a campaign with work = \"table\" spreads over machines",
         ));

@@ -65,7 +65,7 @@ pub fn drawing(found: &DesignOutcome) -> DrawingInput<'_> {
     DrawingInput {
         name: &found.task.name,
         version: VERSION,
-        seed: found.task.seed,
+        seed: found.task.search.seed,
         pattern: found.pattern,
         outline: found.task.specimen,
         laser: found.task.laser,

@@ -206,7 +206,7 @@ pub fn draw_next(found: &NextTrials, task: &DesignTask) -> Result<Vec<Outputs>, 
     let input = |name, pattern: &Pattern| DrawingInput {
         name,
         version: VERSION,
-        seed: task.seed,
+        seed: task.search.seed,
         pattern: *pattern,
         outline: task.specimen,
         laser: task.laser,

@@ -1,5 +1,8 @@
 //! Uncertainty of a design's dimensions and of the model's parameters.
 
+use schemars::JsonSchema;
+use serde::Deserialize;
+use slipgrid_base::units::LENGTH_UM;
 use slipgrid_model::pattern::Pattern;
 
 use crate::optimize::SearchError;
@@ -13,21 +16,37 @@ const VANISHING: f64 = 1e-12;
 /// Standard deviations of the dimensions as made about the designed ones: normal, of the mean over a whole sample.
 /// Scatter of the cavities within one sample is excluded: friction averages over the cavities, and their scatter enters
 /// only through the curvature of friction.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
 pub struct Tolerances {
-    /// Standard deviations of width, spacing and depth, in metres.
-    pub std_m: [f64; AXES],
-    /// Correlation of width and spacing: -1 where the pitch is exact.
+    /// Standard deviation of a sample's mean width; 0 when absent.
+    pub width_std_um: f64,
+    /// Standard deviation of a sample's mean spacing; 0 when absent.
+    pub spacing_std_um: f64,
+    /// Standard deviation of a sample's mean depth; 0 when absent.
+    pub depth_std_um: f64,
+    // A height below the land counts as equally far above it, so that the rim heights of a design without rims are
+    // half-normal.
+    /// Standard deviation of the mean height of a sample's rims; 0 when absent.
+    pub rim_height_std_um: f64,
+    /// Correlation of width and spacing, -1 where the pitch is exact; 0 when absent.
     pub width_spacing_correlation: f64,
-    /// Standard deviation of the mean rim height of a sample, in metres. A height below the land counts as equally far
-    /// above it, so that the rim heights of a design without rims are half-normal.
-    pub rim_height_std_m: f64,
 }
 
 impl Tolerances {
+    /// Standard deviations of width, spacing and depth, in metres.
+    pub fn std_m(&self) -> [f64; AXES] {
+        [self.width_std_um, self.spacing_std_um, self.depth_std_um].map(|std_um| LENGTH_UM.to_si(std_um))
+    }
+
+    /// Standard deviation of the mean rim height of a sample, in metres.
+    pub fn rim_height_std_m(&self) -> f64 {
+        LENGTH_UM.to_si(self.rim_height_std_um)
+    }
+
     /// Nonzero independent errors of width, spacing and depth, each of one standard deviation, in metres.
     pub fn independent_m(&self) -> Vec<[f64; AXES]> {
-        let [width, spacing, depth] = self.std_m;
+        let [width, spacing, depth] = self.std_m();
         let correlation = self.width_spacing_correlation;
         // Rows of the factor's transpose: spacing = rho s z_1 + sqrt(1 - rho^2) s z_2
         let free = (1.0 - correlation * correlation).max(0.0).sqrt();
@@ -53,7 +72,8 @@ impl Uncertainty {
     /// [`SearchError::OutOfRange`] for a negative or infinite standard deviation, a correlation beyond -1 to 1, or a
     /// matrix that is no covariance.
     pub fn new(tolerances: &Tolerances, parameter_covariance: &[Vec<f64>]) -> Result<Self, SearchError> {
-        for value in tolerances.std_m.into_iter().chain([tolerances.rim_height_std_m]) {
+        let (std_m, rim_height_std_m) = (tolerances.std_m(), tolerances.rim_height_std_m());
+        for value in std_m.into_iter().chain([rim_height_std_m]) {
             if !(value.is_finite() && value >= 0.0) {
                 let (quantity, expected) = ("standard deviation of a dimension", "a number that is not negative");
                 return Err(SearchError::OutOfRange { quantity, value, expected });
@@ -69,19 +89,19 @@ impl Uncertainty {
             let (quantity, expected) = ("entries in a row of the covariance", "a square matrix");
             return Err(SearchError::OutOfRange { quantity, value: row.len() as f64, expected });
         }
-        let has_rim = tolerances.rim_height_std_m > 0.0;
+        let has_rim = rim_height_std_m > 0.0;
         let inputs = AXES + count + usize::from(has_rim);
         let mut covariance = vec![vec![0.0; inputs]; inputs];
-        for (axis, std_m) in tolerances.std_m.iter().enumerate() {
+        for (axis, std_m) in std_m.iter().enumerate() {
             covariance[axis][axis] = std_m * std_m;
         }
-        let shared = correlation * tolerances.std_m[0] * tolerances.std_m[1];
+        let shared = correlation * std_m[0] * std_m[1];
         (covariance[0][1], covariance[1][0]) = (shared, shared);
         for (row, entries) in parameter_covariance.iter().enumerate() {
             covariance[AXES + row][AXES..AXES + count].copy_from_slice(entries);
         }
         if has_rim {
-            covariance[inputs - 1][inputs - 1] = tolerances.rim_height_std_m.powi(2);
+            covariance[inputs - 1][inputs - 1] = rim_height_std_m.powi(2);
         }
         factorized(&covariance)?;
         Ok(Self { covariance, has_rim })
@@ -169,7 +189,8 @@ mod tests {
     use super::*;
 
     fn tolerances(std_um: [f64; AXES], width_spacing_correlation: f64) -> Tolerances {
-        Tolerances { std_m: std_um.map(|std_um| std_um * 1e-6), width_spacing_correlation, rim_height_std_m: 0.0 }
+        let [width_std_um, spacing_std_um, depth_std_um] = std_um;
+        Tolerances { width_std_um, spacing_std_um, depth_std_um, rim_height_std_um: 0.0, width_spacing_correlation }
     }
 
     #[test]
@@ -199,13 +220,13 @@ mod tests {
 
     #[test]
     fn the_height_of_rims_is_the_last_input_and_independent_of_the_others() {
-        let made = Tolerances { rim_height_std_m: 5e-8, ..tolerances([8.0, 13.0, 1.3], -1.0) };
+        let made = Tolerances { rim_height_std_um: 5e-2, ..tolerances([8.0, 13.0, 1.3], -1.0) };
         let known = Uncertainty::new(&made, &[vec![4e-4]]).unwrap();
         assert_eq!((known.inputs(), known.rim()), (5, Some(4)));
         assert!((known.std(4) - 5e-8).abs() < 1e-22 && (0..4).all(|other| known.covariance[4][other] == 0.0));
         let exact = Uncertainty::new(&tolerances([8.0, 13.0, 1.3], -1.0), &[vec![4e-4]]).unwrap();
         assert_eq!((exact.inputs(), exact.rim()), (4, None));
-        let bad = Tolerances { rim_height_std_m: -1e-8, ..Tolerances::default() };
+        let bad = Tolerances { rim_height_std_um: -1e-2, ..Tolerances::default() };
         assert!(matches!(Uncertainty::new(&bad, &[]), Err(SearchError::OutOfRange { .. })));
     }
 

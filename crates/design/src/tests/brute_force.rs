@@ -18,7 +18,7 @@ fn drawn(search: &Search<'_>, lengths_m: [f64; 3], count: u32) -> (f64, f64) {
     let (model, n) = (search.models.own, search.asked.loads.len());
     let laid = model.lay(&pattern).unwrap();
     let designed = model.steady(&pattern).unwrap().ratio;
-    let std_m = search.task.tolerances.unwrap_or_default().std_m;
+    let std_m = search.task.tolerances.unwrap_or_default().std_m();
     let factor = covariance_factor(&found.texture.covariance, n);
     let mut normals = Normals::new(3);
     let mut hits = 0;

@@ -204,7 +204,7 @@ fn check(kind: Kind, source: &Source, path: &Path, text: &str, monitor: &dyn Mon
             if let Some(path) = &design.calibration {
                 let task = &design.task;
                 let calibration = Calibration::read(source, path)?;
-                calibration.task(source, (task.layer, task.seed), Selection::default(), monitor)?;
+                calibration.task(source, (task.layer, task.search.seed), Selection::default(), monitor)?;
             }
         }
     }

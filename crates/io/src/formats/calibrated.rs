@@ -78,7 +78,7 @@ pub fn complete_by(
     task.loads(&measured).map_err(|refused| design.refuse(&refused))?;
     let conditions = task.condition.iter().chain(&task.also_at).copied().collect();
     let selection = Selection { conditions, pressures_pa: task.pressures_pa() };
-    let asked = calibration.task(files, (task.layer, task.seed), selection, monitor)?;
+    let asked = calibration.task(files, (task.layer, task.search.seed), selection, monitor)?;
     // The design sets the block size, so an error in the number of blocks is not reported as one of the calibration.
     if let Err(CalibrationError::Scene(error)) = sample_bytes(&asked) {
         return Err(design.refuse(&task.refuse_samples(&error)).into());

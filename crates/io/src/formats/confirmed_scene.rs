@@ -56,8 +56,9 @@ pub fn steady_scene(
     loads: &[Load],
     pattern: &Pattern,
 ) -> Result<String, UnwritableScene> {
-    let extent = if task.strip { Extent::Strip } else { Extent::Sample };
-    let run = RunOptions { seed: task.seed, dimensions: task.dimensions, extent, ..RunOptions::default() };
+    let extent = if task.search.strip { Extent::Strip } else { Extent::Sample };
+    let run =
+        RunOptions { seed: task.search.seed, dimensions: task.search.dimensions, extent, ..RunOptions::default() };
     DesignScene { task, known, pattern, loads, speed_m_s: task.speed_m_s, run: &run }.to_toml()
 }
 

@@ -8,9 +8,10 @@ use std::path::{Path, PathBuf};
 
 use schemars::JsonSchema;
 use serde::Deserialize;
+use slipgrid_base::key_error::KeyError;
 use slipgrid_base::units::{LENGTH_UM, MODULUS_GPA, PRESSURE_MPA, TIME_S};
-use slipgrid_design::optimize::{Constraints, DesignSpace};
-use slipgrid_design::{DesignTask, Refusal, TaskPart};
+use slipgrid_design::optimize::{Constraints, DesignSpace, Tolerances};
+use slipgrid_design::{DesignTask, Refusal, SearchOptions, TaskPart};
 use slipgrid_laser::export::SpecimenRecord;
 use slipgrid_model::material::ConditionRange;
 use slipgrid_model::pattern::{Pattern, Texture};
@@ -20,15 +21,14 @@ use read::{read_date, read_limits, read_material_input, read_ranges, whole_steps
 
 use super::file_kind::FileKind;
 use super::laser::{LaserFile, check_fits, read_laser, read_specimen, unmeasured_fluence};
-use super::limits::{LimitsFile, TolerancesFile, read_limited, read_tolerances};
+use super::limits::{LimitsFile, check_tolerances, read_limited};
 use super::material::MaterialFile;
 use super::pattern::{TextureFile, read_directions, read_texture, require_section};
-use super::run::read_dimensions;
 use super::scene::{SampleFile, check_face, default_sample, read_layer};
 use super::target::{ConditionRangeFile, TargetFile, read_target};
 use super::trade_offs::{Given, TradeOffsFile, read_trade_offs};
 use super::unusual;
-use super::values::{Number, Numbers, PathOr, number_span, range};
+use super::values::{Numbers, PathOr, number_span, range};
 use crate::formats::source::Source;
 use crate::formats::{Diagnostic, Document, Spanned};
 
@@ -66,10 +66,10 @@ pub(crate) struct DesignFile {
     #[serde(default = "default_sample")]
     sample: Spanned<SampleFile>,
     /// Solver options and time limit.
-    #[serde(default)]
-    search: SearchFile,
+    #[serde(default = "usual_search")]
+    search: Spanned<SearchOptions>,
     /// Scatter of the mean dimensions from sample to sample; without this table the chance leaves it out.
-    tolerances: Option<TolerancesFile>,
+    tolerances: Option<Spanned<Tolerances>>,
     /// Table of Pareto-optimal designs: no other design is better in every goal.
     trade_offs: Option<Spanned<TradeOffsFile>>,
 }
@@ -77,6 +77,11 @@ pub(crate) struct DesignFile {
 /// Default texture: grooves across the sliding direction.
 fn plain_texture() -> Spanned<TextureFile> {
     TextureFile::default().into()
+}
+
+/// Default options of a search.
+fn usual_search() -> Spanned<SearchOptions> {
+    SearchOptions::default().into()
 }
 
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
@@ -88,24 +93,6 @@ struct BoundsFile {
     spacing_um: Spanned<Numbers>,
     /// Depth of a cavity: minimum and maximum, or one number.
     depth_um: Spanned<Numbers>,
-}
-
-#[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-struct SearchFile {
-    /// Seed of the local coefficients; 1 when absent.
-    seed: Option<u64>,
-    /// Time limit of the whole job; no limit when absent.
-    max_seconds: Option<Number>,
-    /// Also write the predictions for every design of whole blocks and bursts to `table.csv`; false when absent.
-    table: Option<bool>,
-    /// Start the confirming run from an unloaded layer at rest, with static friction; false when absent.
-    from_rest: Option<bool>,
-    /// Confirm designs in space on a strip of the specimen with its ends and margins, along the row of cavities through
-    /// its middle, instead of on one cell; takes minutes instead of seconds; false when absent.
-    strip: Option<Spanned<bool>>,
-    /// 2 solves in the vertical plane, 3 in space; the planform decides when absent.
-    dimensions: Option<Spanned<u64>>,
 }
 
 /// A design read from its file: the task, and the file positions of its parts.
@@ -191,31 +178,34 @@ impl Design {
                 .expected(format!("depths below {layer_um} um")));
         }
         let largest_m = [width_m[1], spacing_m[1], depth_m[1]];
-        let tolerances =
-            file.tolerances.as_ref().map(|table| read_tolerances(&document, table, largest_m)).transpose()?;
-        let texture = match file.tolerances.as_ref().and_then(|table| table.rim_height_std_um.as_ref()) {
-            Some(std) if *std.get_ref() > 0.0 => {
+        file.tolerances.iter().try_for_each(|table| check_tolerances(&document, table, largest_m))?;
+        let texture = match &file.tolerances {
+            Some(table) if table.get_ref().rim_height_std_um > 0.0 => {
                 // A rim of zero mean height may still scatter in height.
                 let rim = file.pattern.get_ref().record.rim();
                 let rim = rim.map_err(|error| document.refuse_key(&file.pattern.span(), &error))?;
                 texture.with_rim(rim.ok_or_else(|| {
                     document
-                        .refuse(std.span(), "is of rims that [pattern] does not have")
+                        .refuse(
+                            document.value_span(&table.span(), "rim_height_std_um"),
+                            "is of rims that [pattern] does not have",
+                        )
                         .expected("rim_height_um and rim_width_um in [pattern], or no such key")
                 })?)
             }
             _ => texture,
         };
         let directions = read_directions(&document, file.pattern.get_ref(), &texture, &specimen)?;
-        let dimensions = read_dimensions(&document, file.search.dimensions.as_ref())?;
+        let search = read_search(&document, &file.search)?;
         let turned = directions.different_deg.iter().filter_map(|deg| texture.with_sliding_angle_deg(*deg).ok());
         let each: Vec<Texture> = std::iter::once(texture).chain(turned).collect();
-        if dimensions.is_some_and(|asked| !Dimension::numbered(asked).sees_face()) {
+        if search.dimensions.is_some_and(|asked| !Dimension::numbered(asked).sees_face()) {
             let table = || (file.pattern.get_ref(), file.pattern.span());
             each.iter().try_for_each(|texture| require_section(&document, table(), texture))?;
         }
         // One model serves all directions: if one direction must be solved in space, all are.
-        let dimensions = dimensions.or_else(|| (each.len() > 1).then(|| Dimension::required_for(&each).number()));
+        let dimensions =
+            search.dimensions.or_else(|| (each.len() > 1).then(|| Dimension::required_for(&each).number()));
         let limits = &file.limits;
         let laser = read_laser(&document, file.laser.as_ref(), (&limits.depth_per_burst_um, &limits.min_land_um))?;
         let depth_m = whole_steps(depth_m, &laser);
@@ -242,6 +232,7 @@ impl Design {
             PathOr::Path(path) => Some(document.resolve(path)),
             PathOr::Table(_) => None,
         };
+        check_strip(&document, &file.search, &each, dimensions)?;
         let (ranges, places): (Vec<ConditionRange>, Vec<Range<usize>>) = ranges.into_iter().unzip();
         let task = DesignTask {
             name: file.name.clone().unwrap_or_else(|| document.stem()),
@@ -252,13 +243,8 @@ impl Design {
             constraints: Constraints { limits, quantities },
             quantities: measures,
             laser,
-            seed: file.search.seed.unwrap_or(1),
-            max_seconds: document.optional(file.search.max_seconds.as_ref(), TIME_S)?,
-            table: file.search.table.unwrap_or(false),
-            from_rest: file.search.from_rest.unwrap_or(false),
-            strip: read_strip(&document, &file, &each, dimensions)?,
-            dimensions,
-            tolerances,
+            search: SearchOptions { dimensions, ..search },
+            tolerances: file.tolerances.map(Spanned::into_inner),
             trade_offs,
             ..DesignTask::without_material(target, space, specimen, layer)
         };
@@ -330,27 +316,42 @@ impl Design {
     }
 }
 
-/// Reads whether a strip confirms the design; possible for models in space that slide along or across the rows.
-fn read_strip(
+/// Checks the numbers of the options of a search.
+fn read_search(document: &Document, table: &Spanned<SearchOptions>) -> Result<SearchOptions, Diagnostic> {
+    let search = table.get_ref();
+    let time = search.max_seconds.map_or(Ok(0.0), |time_s| KeyError::number("max_seconds", time_s, TIME_S));
+    let dimensions = match search.dimensions {
+        None | Some(2 | 3) => Ok(()),
+        Some(_) => Err(KeyError::rule("dimensions", "dimensions do not exist here", "2 or 3")),
+    };
+    time.and(dimensions).map_err(|error| document.refuse_key(&table.span(), &error))?;
+    Ok(search.clone())
+}
+
+/// Refuses a strip that confirms the design, except of models in space that slide along or across the rows.
+fn check_strip(
     document: &Document,
-    file: &DesignFile,
+    search: &Spanned<SearchOptions>,
     textures: &[Texture],
     dimensions: Option<u8>,
-) -> Result<bool, Diagnostic> {
-    let Some(strip) = file.search.strip.as_ref().filter(|strip| *strip.get_ref()) else { return Ok(false) };
+) -> Result<(), Diagnostic> {
+    if !search.get_ref().strip {
+        return Ok(());
+    }
+    let strip = document.value_span(&search.span(), "strip");
     let is_in_space = dimensions.map_or_else(|| Dimension::required_for(textures), Dimension::numbered).sees_face();
     if !is_in_space {
         return Err(document
-            .refuse(strip.span(), "is of designs in space: in the plane all strips of the specimen are solved")
+            .refuse(strip, "is of designs in space: in the plane all strips of the specimen are solved")
             .expected("false"));
     }
     if textures.iter().any(Texture::slides_aslant) {
         return Err(document
             .refuse(
-                strip.span(),
+                strip,
                 "is of patterns that slide along their rows or across them: others repeat at no distance across",
             )
             .expected("false"));
     }
-    Ok(true)
+    Ok(())
 }

@@ -117,7 +117,7 @@ pub fn read_run(
 ///
 /// # Errors
 /// [`Diagnostic`] for other numbers than 2 and 3.
-pub fn read_dimensions(document: &Document, dimensions: Option<&Spanned<u64>>) -> Result<Option<u8>, Diagnostic> {
+fn read_dimensions(document: &Document, dimensions: Option<&Spanned<u64>>) -> Result<Option<u8>, Diagnostic> {
     let Some(given) = dimensions else { return Ok(None) };
     match given.get_ref() {
         2 => Ok(Some(2)),

@@ -53,13 +53,13 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     }
     goes_on_with(args.resuming(console.no_cache));
 
-    design.task.table |= args.table;
+    design.task.search.table |= args.table;
     design.task.explorer = !args.no_explorer;
     complete(&mut design, console)?;
     heed()?;
     let calibrated_s = started.elapsed().as_secs_f64();
     let mut task = design.task.clone();
-    task.max_seconds = task.max_seconds.map(|most_s| (most_s - calibrated_s).max(0.0));
+    task.search.max_seconds = task.search.max_seconds.map(|most_s| (most_s - calibrated_s).max(0.0));
     let mut study = StudyFile::new(places::study_path(&folder), args.resume);
     let found = slipgrid_design::run(&task, &mut study, &Job::new(console));
     let mut found = found.map_err(|error| refused(error, &design, Some(&study)))?;
