@@ -3,7 +3,7 @@
 use crate::optimize::{Constraints, DesignSpace, Target, Tolerances};
 use crate::results::beyond_measured_range;
 use schemars::JsonSchema;
-use serde::Deserialize;
+use serde::{Deserialize, Deserializer};
 use slipgrid_base::units::{LENGTH_UM, PRESSURE_MPA, in_digits, tidy};
 use slipgrid_infer::calibrate::uncertainty::MaterialUncertainty;
 use slipgrid_laser::export::{Laser, Specimen, Tolerances as SheetTolerances, laser_time_s};
@@ -101,7 +101,13 @@ pub struct SearchOptions {
     pub strip: bool,
     /// 2 solves in the vertical plane, 3 in space; the planform decides when absent.
     #[schemars(with = "Option<u64>")]
+    #[serde(deserialize_with = "read_dimensions")]
     pub dimensions: Option<u8>,
+}
+
+/// Reads a number of dimensions, of which only 2 and 3 exist.
+fn read_dimensions<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<u8>, D::Error> {
+    u64::deserialize(deserializer).map(|number| Some(u8::try_from(number).unwrap_or(u8::MAX)))
 }
 
 impl Default for SearchOptions {

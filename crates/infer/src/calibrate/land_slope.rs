@@ -36,7 +36,7 @@ pub struct LandSlope {
     pub log_std: f64,
 }
 
-/// Land of a cut sample, and its effect on the modelled ratios.
+/// Land of a trial, and its effect on the modelled ratios.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct LandEffect {
     /// Name of the trial.

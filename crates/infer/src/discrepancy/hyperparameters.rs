@@ -24,7 +24,7 @@ pub struct Hyperparameters {
     /// Slope along P1 / P at each humidity, with P1 the lowest pressure, as of a film that bears a force; 0.08 when absent.
     pub inverse_pressure_std: f64,
     // Of kappa, along ln(v / v0). The published samples show 0.036 +- 0.009.
-    /// Change for a speed e times as high; 0.05 when absent.
+    /// Change for a speed e = 2.72 times as high; 0.05 when absent.
     pub speed_std: f64,
     // Of eta, with gamma at the lowest pressure together 0.1. The published samples differ by 0.13 between 40 and 80 %.
     /// Change from one humidity to another at high pressures; 0.06 when absent.

@@ -4,7 +4,6 @@ use std::path::PathBuf;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use slipgrid_design::results::PatternReport;
 use slipgrid_infer::calibrate::{CutSample, CutSpecimen, TrialsTask};
 use slipgrid_infer::discrepancy::{Conditions, Discrepancy, Hyperparameters};
 use slipgrid_model::pattern::Pattern;
@@ -179,13 +178,13 @@ pub(crate) fn read_trials(
     Ok((TrialsTask { samples, prior: hyper }, read))
 }
 
-/// A `[[trial]]`, with a pattern without the derived keys, which no file is asked for.
+/// A `[[trial]]` to be filled in.
 #[derive(Serialize)]
 struct TemplateTrial<'a> {
     name: String,
     disc: &'a str,
     notes: String,
-    pattern: toml::Table,
+    pattern: PatternFile,
 }
 
 /// Template of `[[trial]]` tables for `patterns` on one `disc`, in the order of its sectors, to be added to a
@@ -199,15 +198,13 @@ pub fn sector_trials(disc: &str, patterns: &[Pattern], densities: &[f64]) -> Str
         .to_owned();
     for (place, (pattern, density)) in patterns.iter().zip(densities).enumerate() {
         let number = place + 1;
-        // Keys of a pattern without derived ones; a table of numbers and texts always has a TOML form.
-        let mut table = toml::Table::try_from(PatternReport::from(pattern)).unwrap_or_default();
-        table.retain(|key, _| key != "areal_density" && key != "section_density");
         let trial = TemplateTrial {
             name: format!("{disc}, sector {number}"),
             disc,
             notes: format!("sector {number}, areal density as cut {:.2} %", 100.0 * density),
-            pattern: table,
+            pattern: PatternFile::from(pattern),
         };
+        // Numbers and texts always have a TOML form.
         let body = toml::to_string(&trial).unwrap_or_default();
         let measurements = format!("# measurements = \"sector-{number}.csv\"\n\n[trial.pattern]");
         text += &format!("\n[[trial]]\n{}", body.replacen("\n[pattern]", &measurements, 1));

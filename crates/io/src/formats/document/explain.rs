@@ -48,7 +48,6 @@ impl Document {
             ("f64", "a number"),
             ("u64", "a whole number not below zero"),
             ("u32", "a whole number not below zero"),
-            ("u8", "a whole number not below zero"),
             ("usize", "a whole number not below zero"),
             ("boolean", "true or false"),
             ("a boolean", "true or false"),
