@@ -81,7 +81,7 @@ impl Calibration {
             Ok::<_, Diagnostic>((origin, read))
         })??;
         if !origin.is_copy {
-            warn_all(py, &read.told)?;
+            warn_all(py, &read.stated.notes)?;
         }
         Ok(Self { inputs: origin.inputs(&read.inputs), read, origin })
     }
@@ -92,13 +92,13 @@ impl Calibration {
     }
 
     fn __repr__(&self) -> String {
-        format!("<slipgrid.Calibration {:?}>", self.read.name)
+        format!("<slipgrid.Calibration {:?}>", self.read.stated.name)
     }
 
     /// Warnings about the calibration, one sentence each.
     #[getter]
     fn warnings(&self) -> Vec<String> {
-        self.read.told.clone()
+        self.read.stated.notes.clone()
     }
 
     /// Fits local coefficients to the flat samples and learns from trials. Returns fit.json and the material file as well.
@@ -120,7 +120,7 @@ impl Calibration {
         })??;
         let of_material = &found.outcome.material.provenance.warnings;
         warn_all(py, of_material)?;
-        let warnings = [self.read.told.clone(), of_material.clone()].concat();
+        let warnings = [self.read.stated.notes.clone(), of_material.clone()].concat();
         Ok((records, (text, warnings, self.inputs.clone()), found))
     }
 
@@ -130,10 +130,10 @@ impl Calibration {
         let sample = (DEFAULT_SPECIMEN, SEED);
         let report = watched(py, progress, |watch| {
             let (task, learned) = learn(&self.read, &self.origin.path, &self.origin.source(), sample, watch)?;
-            let (name, samples) = (&self.read.name, &task.trials.samples);
+            let (name, samples) = (&self.read.stated.name, &task.trials.samples);
             let report =
                 TrialsReport::new(name, &task.flat, samples, &learned.discrepancy, watch)?.with_pending(&learned);
-            Ok::<_, calibrated::Failure>(report.with_warnings(self.read.doubts.clone()))
+            Ok::<_, calibrated::Failure>(report.with_warnings(self.read.stated.doubts.clone()))
         })??;
         warn_all(py, &report.warnings)?;
         Ok([json(&report).map_err(failed)?, report.text()])

@@ -73,7 +73,7 @@ impl Design {
         let calibration = read_calibration(&read, &files)?;
         if let Some(calibration) = &calibration {
             // Warnings may explain a failure of the computation, and are given first.
-            watch.warn(calibration.told.iter().cloned());
+            watch.warn(calibration.stated.notes.iter().cloned());
             complete_by(&mut read, calibration, &files, watch)?;
         }
         *known() = Some((read.clone(), calibration.clone()));
@@ -82,7 +82,7 @@ impl Design {
 
     /// Warnings about the design and its input files; `completed` is the design with its material.
     fn told(&self, completed: &Read, calibration: Option<&Calibration>) -> Vec<String> {
-        let of_material = calibration.map(|calibration| calibration.told.clone()).unwrap_or_default();
+        let of_material = calibration.map(|calibration| calibration.stated.notes.clone()).unwrap_or_default();
         let found = calibration.map(|calibration| [completed.contradictions(calibration), completed.material_told()]);
         let found = found.into_iter().flatten().flatten().map(|told| told.to_string());
         self.warnings().into_iter().chain(of_material).chain(found).collect()
@@ -262,7 +262,7 @@ impl Design {
         let (report, warnings) = watched(py, progress, |watch| {
             let (read, calibration) = self.completed(watch)?;
             let mut warnings = self.told(&read, calibration.as_ref());
-            let samples = calibration.map_or_else(Vec::new, |calibration| calibration.trials.samples);
+            let samples = calibration.map_or_else(Vec::new, |calibration| calibration.stated.trials.samples);
             let pending = samples.iter().filter(|cut| cut.measured.is_empty()).map(|cut| cut.pattern).collect();
             let options = NextOptions { count, pending, own, ..NextOptions::default() };
             let found = next_trials(&read.task, &options, watch).map_err(|error| undesigned(error, &self.read))?;

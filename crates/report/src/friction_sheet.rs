@@ -47,11 +47,11 @@ struct Measured {
 impl FrictionSheet {
     /// Makes the sheet of `calibration`.
     pub fn new(calibration: &Calibration) -> Self {
-        let modulus_std = calibration.youngs_modulus_std_pa.map(|pa| tidy(MODULUS_GPA.from_si(pa)));
-        let modulus = tidy(MODULUS_GPA.from_si(calibration.elastic.youngs_modulus_pa()));
+        let modulus_std = calibration.stated.youngs_modulus_std_pa.map(|pa| tidy(MODULUS_GPA.from_si(pa)));
+        let modulus = tidy(MODULUS_GPA.from_si(calibration.stated.elastic.youngs_modulus_pa()));
         let modulus = modulus_std.map_or_else(|| format!("{modulus} GPa"), |std| format!("{modulus} ± {std} GPa"));
-        let density = tidy(DENSITY_G_CM3.from_si(calibration.elastic.density_kg_m3()));
-        let area_mm2 = fixed(Some(1e6 * calibration.specimen_area_m2), 2);
+        let density = tidy(DENSITY_G_CM3.from_si(calibration.stated.elastic.density_kg_m3()));
+        let area_mm2 = fixed(Some(1e6 * calibration.stated.specimen_area_m2), 2);
         let thickness = calibration.thickness_m.map(|m| format!("{} mm", tidy(LENGTH_MM.from_si(m))));
         let stated = calibration.reporting.clone();
         let measured = measured(calibration);
@@ -74,8 +74,8 @@ impl FrictionSheet {
         let speed = spans(|row| SPEED_MM_S.from_si(row.of.speed_m_s));
         let tables = "the tables of [measurements], or [traces]";
         let items = [
-            ("Test", "pair of materials", Some(calibration.name.clone()), "name"),
-            ("Test", "source", Some(calibration.source.clone()), "source"),
+            ("Test", "pair of materials", Some(calibration.stated.name.clone()), "name"),
+            ("Test", "source", Some(calibration.stated.source.clone()), "source"),
             ("Test", "standard or procedure", stated.standard, "standard in [reporting]"),
             ("Test", "laboratory and date", stated.laboratory, "laboratory in [reporting]"),
             ("Test", "apparatus", stated.apparatus, "apparatus in [reporting]"),
@@ -111,8 +111,8 @@ impl FrictionSheet {
             ("Observations", "wear, transfer, noise", stated.observations, "observations in [reporting]"),
         ];
         let mut sheet = Self {
-            name: calibration.name.clone(),
-            textures: textures(&calibration.trials.samples),
+            name: calibration.stated.name.clone(),
+            textures: textures(&calibration.stated.trials.samples),
             friction: friction(&measured),
             ..Self::default()
         };
@@ -204,7 +204,7 @@ fn measured(calibration: &Calibration) -> Vec<Measured> {
             repeats: traces.map(|traces| traces.mean.count),
         }
     };
-    let area_m2 = calibration.specimen_area_m2;
+    let area_m2 = calibration.stated.specimen_area_m2;
     let is_measured_by = |traces: &&ConditionTraces, measured: &Measurement| {
         let own = traces.measurement();
         own.condition() == measured.condition() && own.mu_dynamic == measured.mu_dynamic
@@ -214,6 +214,7 @@ fn measured(calibration: &Calibration) -> Vec<Measured> {
         calibration.traces.iter().find(|traces| own(traces) && is_measured_by(traces, measured))
     };
     let mut rows: Vec<Measured> = calibration
+        .stated
         .flat
         .iter()
         .zip(&calibration.placed)
@@ -224,7 +225,7 @@ fn measured(calibration: &Calibration) -> Vec<Measured> {
         rows.extend(patterned.map(|of| row("patterned", area_m2, of, of_tables(SurfaceKind::Patterned, of), None)));
     }
     let has_first = calibration.pattern.is_some() && !calibration.patterned.is_empty();
-    for (place, cut) in calibration.trials.samples.iter().enumerate() {
+    for (place, cut) in calibration.stated.trials.samples.iter().enumerate() {
         let area_m2 = cut.specimen.face.map_or(area_m2, |face| face.outline.area_m2());
         let own = |of: &Measurement| match has_first && place == 0 {
             true => of_tables(SurfaceKind::Patterned, of),

@@ -69,7 +69,7 @@ fn checked(path: &Path, text: &str) -> Value {
     let read: Result<Vec<Value>, Diagnostic> = match kind {
         Some(FileKind::Design) => Design::from_document(document()).map(|read| read.told.iter().map(message).collect()),
         Some(FileKind::Calibration) => Calibration::from_document(&document())
-            .map(|read| read.told.into_iter().chain(read.doubts).map(remark).collect()),
+            .map(|read| read.stated.notes.into_iter().chain(read.stated.doubts).map(remark).collect()),
         Some(FileKind::Scene) => document()
             .parse::<SceneFile>()
             .and_then(|file| SceneInput::from_file(document(), &file, Overrides::default()).map(|_| Vec::new())),

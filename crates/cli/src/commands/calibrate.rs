@@ -28,7 +28,7 @@ pub fn run(args: &CalibrateArgs, console: &mut Console<'_>) -> Result<u8, CliErr
     let report = args.report.as_ref().map(|path| Place { flag: "--report", path });
     let report = report.map(|place| ResultFolder::open(place, &names, &read.inputs)).transpose()?;
     // Warnings may explain a fit that fails after minutes, and are printed first.
-    console.warn(&read.told);
+    console.warn(&read.stated.notes);
     let sample = (DEFAULT_SPECIMEN, DEFAULT_SEED);
     let (task, outcome) =
         calibrate(&read, &args.calibration, &disk(), sample, Selection::default(), &Job::new(console))?;

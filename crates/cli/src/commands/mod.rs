@@ -58,7 +58,7 @@ pub fn run(command: &Command, console: &mut Console<'_>) -> Result<u8, CliError>
 /// calibration are printed before any computation, because they may explain its failure.
 fn complete(design: &mut Design, console: &mut Console<'_>) -> Result<Option<Calibration>, CliError> {
     let Some(calibration) = read_calibration(design, &disk())? else { return Ok(None) };
-    console.warn(&calibration.told);
+    console.warn(&calibration.stated.notes);
     console.warn(&design.contradictions(&calibration));
     complete_by(design, &calibration, &disk(), &Job::new(console))?;
     console.warn(&design.material_told());

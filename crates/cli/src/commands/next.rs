@@ -33,7 +33,7 @@ pub fn run(args: &NextArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
     let folder = open(args.output.as_ref(), if is_disc { &FILES_OF_DISC } else { &FILES }, &design.inputs)?;
     let own = args.candidate.iter().map(|text| design.candidate(text)).collect::<Result<_, _>>()?;
     let calibration = complete(&mut design, console)?;
-    let samples = calibration.map_or_else(Vec::new, |calibration| calibration.trials.samples);
+    let samples = calibration.map_or_else(Vec::new, |calibration| calibration.stated.trials.samples);
     let discs = samples.iter().filter_map(|cut| cut.disc.clone()).collect();
     let pending = samples.iter().filter(|cut| cut.measured.is_empty()).map(|cut| cut.pattern).collect();
     let (count, one_disc, learn) = (args.count.into(), args.one_disc, args.learn);

@@ -17,16 +17,17 @@ use slipgrid_io::disk::disk;
 /// Compares every trial with the model and reports.
 pub fn run(args: &TrialsArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
     let calibration = Calibration::read(&disk(), &args.calibration)?;
-    console.warn(&calibration.told);
+    console.warn(&calibration.stated.notes);
     let names = ["trials.*", "report.html", "result.json", "timings.json", friction_sheet::FILE, linked_data::FILE];
     let folder = open(args.output.as_ref(), &names, &calibration.inputs)?;
     let sample = (DEFAULT_SPECIMEN, DEFAULT_SEED);
     let job = Job::new(console);
     let (task, learned) = learn(&calibration, &args.calibration, &disk(), sample, &job)?;
-    let report = TrialsReport::new(&calibration.name, &task.flat, &task.trials.samples, &learned.discrepancy, &job)?
-        .with_pending(&learned)
-        .with_lands(&learned.lands)
-        .with_warnings(calibration.doubts.clone());
+    let report =
+        TrialsReport::new(&calibration.stated.name, &task.flat, &task.trials.samples, &learned.discrepancy, &job)?
+            .with_pending(&learned)
+            .with_lands(&learned.lands)
+            .with_warnings(calibration.stated.doubts.clone());
     if let Some(folder) = &folder {
         console.keep(&report.files(&FrictionSheet::new(&calibration))?, folder)?;
     }

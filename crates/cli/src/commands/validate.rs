@@ -44,8 +44,8 @@ pub fn run(args: &ValidateArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     let slope_factors = slope_factors(&args.slope_factors)?;
     let sliding_m = Some(checked("--sliding-um", args.sliding_um, TRAVEL_UM)?).filter(|sliding_m| *sliding_m > 0.0);
     let mut calibration = Calibration::read(&disk(), &args.calibration)?;
-    console.warn(&calibration.told);
-    let own = calibration.pattern.filter(|_| !validation::is_published(&calibration.source));
+    console.warn(&calibration.stated.notes);
+    let own = calibration.pattern.filter(|_| !validation::is_published(&calibration.stated.source));
     let mut compared = None;
     let patterns = match calibration.compared_trial(&args.calibration, args.trial.as_deref())?.cloned() {
         None => patterns(args, own)?,

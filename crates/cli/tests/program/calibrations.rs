@@ -72,8 +72,8 @@ fn conditions_and_trials_have_traces_of_their_own() {
         "{head}[measurements]\nflat = \"out/flat.csv\"\n{tail}[[trial]]\nname = \"pilot\"\nmeasurements = \"out/trial-1-measured.csv\"\n{pattern}"
     );
     let tables = read(tables).unwrap();
-    assert_eq!((own.trials.samples.len(), own.trials.samples[0].measured.len()), (1, 2));
-    for (own, table) in own.trials.samples[0].measured.iter().zip(&tables.trials.samples[0].measured) {
+    assert_eq!((own.stated.trials.samples.len(), own.stated.trials.samples[0].measured.len()), (1, 2));
+    for (own, table) in own.stated.trials.samples[0].measured.iter().zip(&tables.stated.trials.samples[0].measured) {
         assert!((own.mu_dynamic - table.mu_dynamic).abs() < 1e-6 && own.speed_m_s == table.speed_m_s);
     }
     // A table [traces] without conditions says how those of a trial are read.
@@ -81,7 +81,7 @@ fn conditions_and_trials_have_traces_of_their_own() {
         "{head}[measurements]\nflat = \"out/flat.csv\"\n[traces]\neffective_radius_mm = 40.0\n{tail}{}",
         trial("")
     );
-    assert_eq!(read(setup.clone()).unwrap().trials, own.trials);
+    assert_eq!(read(setup.clone()).unwrap().stated.trials, own.stated.trials);
     // A share of strokes is that of a trial that alone turns.
     let share = setup.replace("radius_mm = 40.0\n", "radius_mm = 40.0\nstroke_share = 0.4\n");
     assert_eq!(read(share).unwrap().traces[1].condition.stroke_share, Some(0.4));
@@ -92,10 +92,10 @@ fn conditions_and_trials_have_traces_of_their_own() {
     let split =
         |more: &str| text("").replace(&condition("trial.traces", "2.0", "cut-1.csv\", \"cut-2.csv", ""), &each(more));
     assert_ne!(split(""), text(""));
-    assert_eq!(read(split("")).unwrap().trials, own.trials);
+    assert_eq!(read(split("")).unwrap().stated.trials, own.stated.trials);
     let flats = text("").replace("files = [\"a-*.csv\"]", "files = [\"a-1.csv\"]")
         + "[[traces.condition]]\nforce_n = 50.0\nspeed_mm_s = 2.0\nhumidity_pct = 15.0\nfiles = [\"a-2.csv\"]\n";
-    assert_eq!(read(flats).unwrap().flat[0], own.flat[0]);
+    assert_eq!(read(flats).unwrap().stated.flat[0], own.stated.flat[0]);
     let two = condition("traces.condition", "2.0", "a-1.csv\", \"cut-1.csv", "")
         + &condition("traces.condition", "2.0", "a-2.csv\", \"cut-2.csv", "window_s = [20.0, 40.0]\n");
     let windows = format!("{head}[traces]\neffective_radius_mm = 40.0\n{two}{tail}").replace("per-condition", "single");

@@ -125,10 +125,10 @@ fn read_kept(text: String) -> Option<KnownMaterial> {
 
 /// Material as measured, before the fit.
 fn as_measured(calibration: &Calibration) -> Result<Material, Failure> {
-    let Calibration { flat, specimen_area_m2, coefficients, relative_std, .. } = calibration;
+    let CalibrationTask { flat, specimen_area_m2, coefficients, relative_std, .. } = &calibration.stated;
     let friction = measured_friction(flat, *specimen_area_m2, *coefficients, *relative_std)
         .map_err(|error| Failure::Failed(error.to_string()))?;
-    Ok(Material { elastic: calibration.elastic, friction, area_law: None, provenance: Provenance::default() })
+    Ok(Material { elastic: calibration.stated.elastic, friction, area_law: None, provenance: Provenance::default() })
 }
 
 /// Runs the `calibration` from `path` for a sample with this layer and seed, as far as `selection` needs it.

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use slipgrid_base::monitor::Monitor;
 use slipgrid_infer::calibrate::{
-    CalibrationTask, Coefficients, CutSample, MapSurface, Measurement, Selection, Surface as LawSource, TrialsTask,
+    CalibrationTask, Coefficients, CutSample, MapSurface, Measurement, Selection, Surface as LawSource,
     flat_friction_law,
 };
 use slipgrid_laser::export::Specimen;
@@ -42,51 +42,27 @@ pub const DEFAULT_POISSON_RATIO: f64 = 1.0 / 3.0;
 /// A calibration ready to be fitted.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Calibration {
-    /// Name of the pair of materials.
-    pub name: String,
-    /// Publication or laboratory.
-    pub source: String,
-    /// Young's modulus and density.
-    pub elastic: Elastic,
-    /// Standard deviation of Young's modulus, in pascals.
-    pub youngs_modulus_std_pa: Option<f64>,
-    /// Poisson's ratio of the contact computation.
-    pub poisson_ratio: f64,
+    /// Task of what the file states; [`Calibration::task`] adds the surface, the layer, the seed and the selection.
+    pub stated: CalibrationTask,
     /// Source of the area law.
     pub surface: Surface,
-    /// Stated pressure P0 up to which friction is proportional to load, in pascals; `None` for the limit of small loads.
-    pub threshold_pa: Option<f64>,
-    /// Area of one specimen's face, in square metres.
-    pub specimen_area_m2: f64,
     /// Thickness of the specimen, in metres, if stated.
     pub thickness_m: Option<f64>,
     /// How the specimen is held, if stated.
     pub holder: Option<Holder>,
-    /// Measurements on flat samples.
-    pub flat: Vec<Measurement>,
     /// Measurements on patterned samples; empty without any.
     pub patterned: Vec<Measurement>,
     /// Traces from which the measurements were read, if any.
     pub traces: Vec<ConditionTraces>,
     /// Pattern of the patterned samples, if the file names it.
     pub pattern: Option<Pattern>,
-    /// Samples that were cut and measured, with that of `pattern` first, and the prior.
-    pub trials: TrialsTask,
     /// Bounds of the area law's scale E* h'rms, in pascals, if no surface is given and the scale is fitted.
     pub area_law_scale_pa: Option<[f64; 2]>,
     /// Measured flat friction as the law of local pressure, if the calibration uses it as such. The shape is the mean
     /// over the conditions that were measured at several pressures.
     pub measured_law: Option<AreaLaw>,
-    /// Coefficients that are fitted.
-    pub coefficients: Coefficients,
-    /// Scatter of the local coefficients, which no mean value identifies.
-    pub relative_std: f64,
     /// File positions of the measurements on flat samples, in the order of the files.
     pub placed: Vec<Placed>,
-    /// Unusual inputs, one sentence each.
-    pub told: Vec<String>,
-    /// Measured numbers that are probably mistakes, one sentence each.
-    pub doubts: Vec<String>,
     /// Tables that the file names: of flat samples, patterned samples and trials.
     pub tables: Vec<PathBuf>,
     /// Files from which the calibration was read.
@@ -110,7 +86,7 @@ impl Calibration {
     /// # Errors
     /// [`Diagnostic`] if there is no ratio to compare, or if no measured trial has the name.
     pub fn compared_trial(&self, path: &Path, name: Option<&str>) -> Result<Option<&CutSample>, Diagnostic> {
-        let mut measured = self.trials.samples.iter().filter(|cut| !cut.measured.is_empty());
+        let mut measured = self.stated.trials.samples.iter().filter(|cut| !cut.measured.is_empty());
         let Some(name) = name else {
             let first = measured.next().filter(|_| self.patterned.is_empty());
             if self.patterned.is_empty() && first.is_none() {
@@ -130,7 +106,7 @@ impl Calibration {
 
     /// Relative standard deviation of Young's modulus, if given.
     pub fn modulus_relative_std(&self) -> Option<f64> {
-        Some(self.youngs_modulus_std_pa? / self.elastic.youngs_modulus_pa())
+        Some(self.stated.youngs_modulus_std_pa? / self.stated.elastic.youngs_modulus_pa())
     }
 
     /// Reads a calibration from a document.
@@ -199,30 +175,39 @@ impl Calibration {
                 .chain(trials.samples.iter().filter_map(|cut| cut.map.clone()))
                 .collect(),
             reporting: file.reporting.clone().unwrap_or_default(),
-            name: file.name,
-            source: file.source,
-            elastic,
-            youngs_modulus_std_pa: document.optional(bulk.youngs_modulus_std_gpa.as_ref(), MODULUS_STD_GPA)?,
-            poisson_ratio: document.optional(bulk.poisson_ratio.as_ref(), POISSON)?.unwrap_or(DEFAULT_POISSON_RATIO),
+            stated: CalibrationTask {
+                name: file.name,
+                source: file.source,
+                elastic,
+                youngs_modulus_std_pa: document.optional(bulk.youngs_modulus_std_gpa.as_ref(), MODULUS_STD_GPA)?,
+                poisson_ratio: document
+                    .optional(bulk.poisson_ratio.as_ref(), POISSON)?
+                    .unwrap_or(DEFAULT_POISSON_RATIO),
+                surface: LawSource::None,
+                threshold_pa,
+                specimen_area_m2: specimens.area_m2,
+                flat: placed.iter().map(|row| row.measurement).collect(),
+                trials,
+                coefficients,
+                relative_std: document
+                    .optional(fit.and_then(|fit| fit.relative_std.as_ref()), RELATIVE_STD)?
+                    .unwrap_or(DEFAULT_RELATIVE_STD),
+                static_over_dynamic: DEFAULT_STATIC_OVER_DYNAMIC,
+                layer: DEFAULT_LAYER,
+                seed: 1,
+                selection: Selection::default(),
+                notes: remarks.told.iter().map(Diagnostic::to_string).collect(),
+                doubts: remarks.warnings().into_iter().chain(once).collect(),
+            },
             surface,
-            threshold_pa,
-            specimen_area_m2: specimens.area_m2,
             thickness_m: stated.thickness_m,
             holder: stated.holder,
-            flat: placed.iter().map(|row| row.measurement).collect(),
             patterned: patterned.iter().map(|row| row.measurement).collect(),
             traces,
             pattern,
-            trials,
             area_law_scale_pa,
             measured_law,
-            coefficients,
-            relative_std: document
-                .optional(fit.and_then(|fit| fit.relative_std.as_ref()), RELATIVE_STD)?
-                .unwrap_or(DEFAULT_RELATIVE_STD),
             placed,
-            told: remarks.told.iter().map(Diagnostic::to_string).collect(),
-            doubts: remarks.warnings().into_iter().chain(once).collect(),
         })
     }
 
@@ -238,35 +223,15 @@ impl Calibration {
         monitor: &dyn Monitor,
     ) -> Result<CalibrationTask, Diagnostic> {
         let surface = self.read_surface(files, monitor)?;
-        let mut trials = self.trials.clone();
+        let mut task = CalibrationTask { layer, seed, selection, ..self.stated.clone() };
         if let (Surface::Map { options, .. }, LawSource::Map(flat)) = (&self.surface, &surface) {
-            for cut in &mut trials.samples {
+            for cut in &mut task.trials.samples {
                 cut.land =
                     cut.map.as_ref().map(|map| read_land(files, map, options, &flat.map, monitor)).transpose()?;
             }
         }
-        let mut notes = self.told.clone();
-        notes.extend(traces::notes(&self.traces));
-        Ok(CalibrationTask {
-            name: self.name.clone(),
-            source: self.source.clone(),
-            elastic: self.elastic,
-            youngs_modulus_std_pa: self.youngs_modulus_std_pa,
-            poisson_ratio: self.poisson_ratio,
-            surface,
-            threshold_pa: self.threshold_pa,
-            specimen_area_m2: self.specimen_area_m2,
-            flat: self.flat.clone(),
-            trials,
-            coefficients: self.coefficients,
-            relative_std: self.relative_std,
-            static_over_dynamic: DEFAULT_STATIC_OVER_DYNAMIC,
-            layer,
-            seed,
-            selection,
-            notes,
-            doubts: self.doubts.clone(),
-        })
+        task.notes.extend(traces::notes(&self.traces));
+        Ok(CalibrationTask { surface, ..task })
     }
 
     /// Source of the area law, with the maps read.
@@ -295,7 +260,7 @@ impl Calibration {
     /// Nominal pressure of a normal force on one specimen, in pascals.
     pub fn pressure_pa(&self, force_n: f64) -> f64 {
         // P = F / A
-        force_n / self.specimen_area_m2
+        force_n / self.stated.specimen_area_m2
     }
 }
 

@@ -35,8 +35,8 @@ pub fn files(
         if calibration.traces.is_empty() { Outputs::default() } else { crate::traces::files(&calibration.traces)? };
     outputs.add("fit.json", fit_json(task, outcome)?);
     outputs.add("profiles.csv", fit_details::profiles(&outcome.fit));
-    outputs.add("residuals.svg", fit_details::residuals(&calibration.name, outcome)?);
-    let title = format!("{}: friction of flat samples", calibration.name);
+    outputs.add("residuals.svg", fit_details::residuals(&calibration.stated.name, outcome)?);
+    let title = format!("{}: friction of flat samples", calibration.stated.name);
     outputs.add("flat-friction.svg", pictures::flat_friction(&title, task, outcome)?);
     if let Some(picture) = pictures::area_law(task, outcome)? {
         outputs.add("area-law.svg", picture);

@@ -30,7 +30,7 @@ pub fn summary(
     outcome: &CalibrationOutcome,
     ledger: Option<&TrialsReport>,
 ) -> String {
-    let mut text = format!("{} ({})\n", calibration.name, calibration.source);
+    let mut text = format!("{} ({})\n", calibration.stated.name, calibration.stated.source);
     for warning in &outcome.material.provenance.warnings {
         text += &format!("! {warning}\n");
     }
@@ -61,7 +61,7 @@ pub fn brief(
 ) -> String {
     let line = |text: &str| wrapped(text, SCREEN_WIDTH, "  ", 2) + "\n";
     let provenance = &outcome.material.provenance;
-    let mut text = line(&format!("{} ({})", calibration.name, calibration.source));
+    let mut text = line(&format!("{} ({})", calibration.stated.name, calibration.stated.source));
     text += &format!("\n  flat samples\n{}\n", flat_samples(task, outcome).brief(MAX_MEASUREMENTS));
     text += &doubts_in_brief(&provenance.warnings);
     text += &ledger.map_or_else(String::new, |ledger| line(&format!("- {}", ledger.learned_in_words())));
@@ -119,8 +119,13 @@ pub fn ledger(
 ) -> Result<Option<TrialsReport>, Cancelled> {
     let learned = outcome.uncertainty.learned.as_ref().filter(|learned| !learned.trials().is_empty());
     let Some(learned) = learned else { return Ok(None) };
-    let ledger =
-        TrialsReport::new(&calibration.name, &calibration.flat, &calibration.trials.samples, learned, monitor)?;
+    let ledger = TrialsReport::new(
+        &calibration.stated.name,
+        &calibration.stated.flat,
+        &calibration.stated.trials.samples,
+        learned,
+        monitor,
+    )?;
     // The material's warnings, which the calibration prints, already include the ledger's warnings.
     Ok(Some(TrialsReport { warnings: Vec::new(), ..ledger }))
 }

@@ -64,7 +64,7 @@ pub struct Fitted<'a> {
 pub fn calibration(fitted: Fitted<'_>, outputs: &Outputs) -> String {
     let Fitted { calibration, task, outcome, ledger, sheet } = fitted;
     let mut page = Page::default();
-    let title = format!("{}: calibration", calibration.name);
+    let title = format!("{}: calibration", calibration.stated.name);
     page.title(&title);
     page.beside_picture(
         |page| {
@@ -99,7 +99,7 @@ pub fn calibration(fitted: Fitted<'_>, outputs: &Outputs) -> String {
     page.part("What was measured", |page| traces(page, outputs));
     trials::statements(&mut page, sheet);
     page.part("How every value was obtained", |page| {
-        page.paragraph(&format!("Source: {}.", calibration.source));
+        page.paragraph(&format!("Source: {}.", calibration.stated.source));
         page.fold("Notes", |page| {
             page.list(&outcome.material.provenance.notes.iter().map(|note| sentence(note)).collect::<Vec<_>>())
         });

@@ -91,7 +91,7 @@ impl Figures<'_> {
         let mut scene = scene(body, self.surface.given(), pattern, &[self.heaviest])?;
         scene.run = RunOptions { fidelity, extent, ..RunOptions::default() };
         for load in &mut scene.loads {
-            let (mean, relative_std) = (load.friction.dynamic_mean(), self.task.calibration.relative_std);
+            let (mean, relative_std) = (load.friction.dynamic_mean(), self.task.calibration.stated.relative_std);
             load.friction = LocalFriction::new(STATIC_OVER_DYNAMIC * mean, mean, relative_std)
                 .map_err(|error| body.refuse(&error))?;
         }
@@ -111,7 +111,7 @@ impl Figures<'_> {
         let shown = given.pressure_mpa.iter().take_while(|&&pressure| pressure < peak_mpa).count() + 1;
         let shown = shown.clamp(2.min(given.pressure_mpa.len()), given.pressure_mpa.len());
         let stated_mpa =
-            self.task.calibration.threshold_pa.map(|threshold_pa| tidy(PRESSURE_MPA.from_si(threshold_pa)));
+            self.task.calibration.stated.threshold_pa.map(|threshold_pa| tidy(PRESSURE_MPA.from_si(threshold_pa)));
         let at_threshold = stated_mpa.and_then(|threshold_mpa| {
             let row = given.pressure_mpa.iter().position(|&pressure| tidy(pressure) == threshold_mpa)?;
             Some([threshold_mpa, given.area_fraction[row]])

@@ -78,7 +78,7 @@ pub fn scaled_laws(
     monitor: &dyn Monitor,
 ) -> Result<ScaledLaws, StudyError> {
     let (path, calibration, factors) = (task.path, task.calibration, &task.slope_factors);
-    let contact_modulus_pa = calibration.elastic.contact_modulus_pa(calibration.poisson_ratio);
+    let contact_modulus_pa = calibration.stated.elastic.contact_modulus_pa(calibration.stated.poisson_ratio);
     let refuse = |error: &dyn std::fmt::Display| Diagnostic::file(path, error.to_string());
     let law = |points: &[AreaPoint], threshold_pa: f64| {
         area_law(points, threshold_pa)
@@ -89,7 +89,7 @@ pub fn scaled_laws(
         synthetic: false,
         notes: vec![note.to_owned()],
     };
-    let stated_pa = calibration.threshold_pa;
+    let stated_pa = calibration.stated.threshold_pa;
     match &calibration.surface {
         Surface::None if calibration.area_law_scale_pa.is_some() => fitted_laws(task, source, monitor),
         Surface::None => Ok(without_surface(
@@ -151,7 +151,7 @@ pub fn scaled_laws(
 fn fitted_laws(task: &ValidationTask<'_>, source: &Source, monitor: &dyn Monitor) -> Result<ScaledLaws, StudyError> {
     // The fit uses flat samples only, so that trials are removed.
     let mut flat = task.calibration.clone();
-    flat.trials.samples.clear();
+    flat.stated.trials.samples.clear();
     let sample = (DEFAULT_SPECIMEN, FIT_SEED);
     let (_, found) = calibrate(&flat, task.path, source, sample, Selection::default(), monitor)?;
     let refuse = |error: &dyn std::fmt::Display| {
@@ -165,7 +165,7 @@ fn fitted_laws(task: &ValidationTask<'_>, source: &Source, monitor: &dyn Monitor
             .into());
     };
     let scale_pa = scale.value;
-    let rms_slope = scale_pa / flat.elastic.contact_modulus_pa(flat.poisson_ratio);
+    let rms_slope = scale_pa / flat.stated.elastic.contact_modulus_pa(flat.stated.poisson_ratio);
     let pressures_pa = DEFAULT_PRESSURES_MPA.map(|pressure_mpa| PRESSURE_MPA.to_si(pressure_mpa));
     let laws = at_slopes(&task.slope_factors, rms_slope, |slope_factor| {
         let areas = persson_curve(1.0, slope_factor * scale_pa, &pressures_pa).map_err(|error| refuse(&error))?;

@@ -51,6 +51,7 @@ pub fn ratios(
 /// Laws of the flat measurements at the condition of `measured`; none if they have a single pressure.
 fn laws(calibration: &Calibration, measured: &Measurement) -> Vec<(Extrapolation, AreaLaw)> {
     let mut rows: Vec<[f64; 2]> = calibration
+        .stated
         .flat
         .iter()
         .filter(|other| other.has_condition_of(measured))

@@ -73,7 +73,7 @@ impl ValidationTask<'_> {
 
     /// Compared sample: the trial, otherwise the first sample.
     fn cut(&self) -> Option<&CutSample> {
-        let mut samples = self.calibration.trials.samples.iter();
+        let mut samples = self.calibration.stated.trials.samples.iter();
         match &self.trial {
             Some(name) => samples.find(|cut| cut.name == *name),
             None => samples.next().filter(|_| self.calibration.pattern.is_some()),
@@ -83,7 +83,7 @@ impl ValidationTask<'_> {
     /// Layer of the published simulations if these are compared; for all other samples the whole specimen, as in
     /// `calibrate`, `trials` and designs.
     fn layer(&self) -> Layer {
-        let is_published = self.trial.is_none() && is_published(&self.calibration.source);
+        let is_published = self.trial.is_none() && is_published(&self.calibration.stated.source);
         if is_published {
             return DEFAULT_LAYER;
         }
@@ -94,7 +94,7 @@ impl ValidationTask<'_> {
     fn body(&self) -> Body<'_> {
         Body {
             path: self.path,
-            elastic: self.calibration.elastic,
+            elastic: self.calibration.stated.elastic,
             modulus_relative_std: self.calibration.modulus_relative_std(),
             layer: self.layer(),
         }
@@ -234,8 +234,8 @@ fn compare(
         program: "slipgrid",
         version: VERSION,
         schema: SCHEMA,
-        name: calibration.name.clone(),
-        source: calibration.source.clone(),
+        name: calibration.stated.name.clone(),
+        source: calibration.stated.source.clone(),
         trial: task.trial.clone(),
         cut_as: task.cut_as().map(|planform| planform.to_string()),
         thickness_mm: task.layer().thickness_m.map(|thickness_m| LENGTH_MM.from_si(thickness_m)),

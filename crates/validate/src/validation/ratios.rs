@@ -132,7 +132,7 @@ pub fn pairs(calibration: &Calibration) -> Vec<Pair> {
         };
         Some(Pair { point, flat: *flat, patterned: *patterned })
     };
-    calibration.flat.iter().filter_map(pair).collect()
+    calibration.stated.flat.iter().filter_map(pair).collect()
 }
 
 impl MeasuredReport {
