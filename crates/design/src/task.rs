@@ -3,13 +3,13 @@
 use crate::optimize::{Constraints, DesignSpace, Target, Tolerances};
 use crate::results::beyond_measured_range;
 use schemars::JsonSchema;
-use serde::{Deserialize, Deserializer};
+use serde::Deserialize;
 use slipgrid_base::units::{LENGTH_UM, PRESSURE_MPA, in_digits, tidy};
 use slipgrid_infer::calibrate::uncertainty::MaterialUncertainty;
 use slipgrid_laser::export::{Laser, Specimen, Tolerances as SheetTolerances, laser_time_s};
 use slipgrid_model::material::{Condition, ConditionRange, Friction, Material, MaterialError};
 use slipgrid_model::pattern::Pattern;
-use slipgrid_model::springblock::{Layer, Load, RunOptions, Scene, SceneError};
+use slipgrid_model::springblock::{Layer, Load, RunOptions, Scene, SceneError, read_dimensions};
 
 use crate::error::{Refusal, TaskPart};
 
@@ -103,11 +103,6 @@ pub struct SearchOptions {
     #[schemars(with = "Option<u64>")]
     #[serde(deserialize_with = "read_dimensions")]
     pub dimensions: Option<u8>,
-}
-
-/// Reads a number of dimensions, of which only 2 and 3 exist.
-fn read_dimensions<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<u8>, D::Error> {
-    u64::deserialize(deserializer).map(|number| Some(u8::try_from(number).unwrap_or(u8::MAX)))
 }
 
 impl Default for SearchOptions {

@@ -8,6 +8,7 @@
 //! |---|---|
 //! | [`Quantity`] | a unit with its factor and range; formatted for error messages |
 //! | [`LENGTH_UM`], [`PRESSURE_MPA`] and others | one quantity for each kind of key |
+//! | [`LengthUm`], [`SpeedMmS`] and others | serde forms of numbers in SI units |
 //! | [`tidy`] | removes rounding errors of unit conversions |
 //! | [`counted`] | number and noun, in the plural where it must be |
 //!
@@ -21,6 +22,10 @@
 //! assert!(!PRESSURE_MPA.accepts(2.6e6));
 //! assert_eq!(PRESSURE_MPA.to_string(), "a number above 0 up to 100000 MPa");
 //! ```
+
+mod in_files;
+
+pub use in_files::{HumidityPct, InFiles, LengthUm, SpeedMmS, StepNs};
 
 use std::fmt;
 

@@ -7,13 +7,12 @@ use slipgrid_model::springblock::{Extent, Load, RunOptions};
 
 use crate::formats::friction::FrictionFile;
 use crate::formats::learned::LearnedFile;
-use crate::formats::material::{AreaLawFile, ConditionFile, MaterialFile};
+use crate::formats::material::{AreaLawFile, MaterialFile};
 use crate::formats::pattern::PatternFile;
-use crate::formats::run::RunFile;
 use crate::formats::scene::{LoadFile, SampleFile, SceneFile};
 use crate::formats::values::{Numbers, PathOr, each, number_list};
 use crate::formats::written_material::flat_friction;
-use slipgrid_base::units::{HUMIDITY_PCT, LENGTH_MM, LENGTH_UM, MODULUS_GPA, PRESSURE_MPA, SPEED_MM_S, tidy};
+use slipgrid_base::units::{LENGTH_MM, LENGTH_UM, MODULUS_GPA, PRESSURE_MPA, SPEED_MM_S, tidy};
 use slipgrid_design::results::{SCHEMA, VERSION};
 use slipgrid_design::{DesignTask, KnownMaterial};
 use slipgrid_infer::discrepancy::Discrepancy;
@@ -75,11 +74,7 @@ impl DesignScene<'_> {
             name: Some(task.name.clone()),
             schema: Some(SCHEMA.into()),
             // The discrepancy depends on the condition.
-            condition: task.condition.filter(|_| self.learned().is_some()).map(|condition| {
-                let speed_mm_s = SPEED_MM_S.from_si(condition.speed_m_s).into();
-                let humidity_pct = HUMIDITY_PCT.from_si(condition.humidity).into();
-                ConditionFile { speed_mm_s, humidity_pct }.into()
-            }),
+            condition: task.condition.filter(|_| self.learned().is_some()).map(Into::into),
             material: PathOr::Table(Box::new(self.material()?)).into(),
             pattern: Some(PatternFile::from(self.pattern).into()),
             specimen: Some(SpecimenRecord::from(&task.specimen).into()),
@@ -96,19 +91,12 @@ impl DesignScene<'_> {
                 speed_mm_s: Some(SPEED_MM_S.from_si(self.speed_m_s).into()),
             }
             .into(),
-            run: RunFile {
-                fidelity: Some(name(run.fidelity.name())),
-                // A sample in space is run as one cell.
-                extent: Some(name(if run.extent == Extent::Strip { Extent::Strip } else { Extent::Sample }.name())),
-                seed: Some(run.seed),
-                sliding_um: Some(um(run.sliding_m)),
-                mu_stderr: run.mu_stderr.map(Into::into),
-                warm_start: run.warm_start.then_some(true),
-                dimensions: run.dimensions.map(|dimensions| u64::from(dimensions).into()),
-                draws: (run.draws > 1).then(|| run.draws.into()),
-                refine: run.refine.then_some(true),
-                ..RunFile::default()
-            },
+            // A sample in space is run as one cell.
+            run: RunOptions {
+                extent: if run.extent == Extent::Strip { Extent::Strip } else { Extent::Sample },
+                ..*run
+            }
+            .into(),
         };
         let body = toml::to_string(&file)?;
         Ok(format!("# Scene of the confirming run, by slipgrid {VERSION}: slipgrid simulate scene.toml\n{body}"))

@@ -8,6 +8,7 @@ use slipgrid_model::material::{Condition, ConditionFriction, Friction, LocalFric
 
 use super::values::{Number, NumberList, Numbers, for_each, increasing};
 use crate::formats::{Diagnostic, Document, Spanned};
+use slipgrid_base::key_error::KeyError;
 use slipgrid_base::units::{EXCESS, FRICTION, FRICTION_STD, HUMIDITY_PCT, PRESSURE_MPA, RELATIVE_STD, SPEED_MM_S};
 
 /// Default scatter of the local coefficients: 5 %, as in the paper.
@@ -84,6 +85,18 @@ pub struct FlatFrictionTable {
     pub pressure_mpa: NumberList,
     /// Dynamic friction at each pressure.
     pub mu_dynamic: Spanned<Numbers>,
+}
+
+/// Checks the numbers of a condition.
+///
+/// # Errors
+/// [`Diagnostic`] for numbers out of range.
+pub fn check_condition(document: &Document, table: &Spanned<Condition>) -> Result<Condition, Diagnostic> {
+    let condition = *table.get_ref();
+    KeyError::number("speed_mm_s", SPEED_MM_S.from_si(condition.speed_m_s), SPEED_MM_S)
+        .and(KeyError::number("humidity_pct", HUMIDITY_PCT.from_si(condition.humidity), HUMIDITY_PCT))
+        .map_err(|error| document.refuse_key(&table.span(), &error))?;
+    Ok(condition)
 }
 
 /// Reads a condition.

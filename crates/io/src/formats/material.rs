@@ -91,16 +91,6 @@ pub struct AreaLawFile {
     pub area_fraction: Option<NumberList>,
 }
 
-/// Speed and humidity that select coefficients.
-#[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct ConditionFile {
-    /// Sliding speed.
-    pub speed_mm_s: Number,
-    /// Relative humidity.
-    pub humidity_pct: Number,
-}
-
 impl MaterialFile {
     /// File of a material without what is known besides elasticity, friction and provenance.
     pub(crate) fn new(elastic: &Elastic, provenance: &Provenance, friction: FrictionFile) -> Self {

@@ -5,15 +5,15 @@ use std::ops::Range;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use slipgrid_model::material::{Condition, Material, MaterialError};
-use slipgrid_model::springblock::{Layer, MAX_BLOCKS, MAX_ROWS, Scene, SceneError, Simulation};
+use slipgrid_model::springblock::{Layer, MAX_BLOCKS, MAX_ROWS, RunOptions, Scene, SceneError, Simulation};
 
 use super::file_kind::FileKind;
-use super::friction::read_condition;
+use super::friction::check_condition;
 use super::laser::read_specimen;
-use super::material::{ConditionFile, MaterialFile, read_referenced};
+use super::material::{MaterialFile, read_referenced};
 use super::pattern::{PatternFile, check_depth, read_pattern, require_section};
 use super::relief::read_relief;
-use super::run::{Overrides, RunFile, read_run};
+use super::run::{Overrides, read_run};
 use super::stated_specimen::read_holder;
 use super::unusual::{self, with_slip};
 use super::values::{MAX_PRESSURES, Number, Numbers, PathOr, check_count, distinct_pressures, number_span};
@@ -36,7 +36,7 @@ pub struct SceneFile {
     /// Schema of the file; 1 when absent.
     pub schema: Option<Spanned<u32>>,
     /// Selects coefficients of a material that has them per condition.
-    pub condition: Option<Spanned<ConditionFile>>,
+    pub condition: Option<Spanned<Condition>>,
     /// Material table, or path of a material file.
     pub material: Spanned<PathOr<MaterialFile>>,
     /// Texture; absent for a flat surface.
@@ -49,8 +49,8 @@ pub struct SceneFile {
     /// Loads and speed.
     pub load: Spanned<LoadFile>,
     /// Solver options.
-    #[serde(default)]
-    pub run: RunFile,
+    #[serde(default = "default_run")]
+    pub run: Spanned<RunOptions>,
 }
 
 /// The modelled layer in the form of a file.
@@ -81,6 +81,11 @@ pub const DEFAULT_LAYER: Layer =
 
 /// Layer of the paper as the lowest part of a specimen of the paper's thickness; the default of files.
 pub const DEFAULT_SPECIMEN: Layer = Layer { thickness_m: Some(DEFAULT_THICKNESS_M), ..DEFAULT_LAYER };
+
+/// Options of a file without `[run]`.
+fn default_run() -> Spanned<RunOptions> {
+    RunOptions::default().into()
+}
 
 /// Layer of a file without `[sample]`.
 pub fn default_sample() -> Spanned<SampleFile> {
@@ -145,8 +150,7 @@ impl SceneInput {
     pub fn from_file(document: Document, file: &SceneFile, overrides: Overrides) -> Result<Self, Diagnostic> {
         document.check_schema(file.schema.as_ref())?;
         let (KnownMaterial { mut material, uncertainty }, mut told) = read_referenced(&document, &file.material)?;
-        let condition = file.condition.as_ref().map(Spanned::get_ref);
-        let condition = condition.map(|at| read_condition(&document, &at.speed_mm_s, &at.humidity_pct)).transpose()?;
+        let condition = file.condition.as_ref().map(|at| check_condition(&document, at)).transpose()?;
         material.provenance.notes.extend(material.friction.interpolation(condition.as_ref()));
         let specimen = file.specimen.as_ref().map(|table| read_specimen(&document, table)).transpose()?;
         let pattern = file.pattern.as_ref().map(|pattern| read_pattern(&document, pattern)).transpose()?;
@@ -178,13 +182,14 @@ impl SceneInput {
         let (loads, friction_extrapolated) = loads(&material.friction, &pressures_pa, condition.as_ref())
             .map_err(|error| document.refuse(asked, error.to_string()))?;
         let place = |number: Option<&Number>| number.map(Spanned::span);
-        let sample = file.sample.get_ref();
+        let (options, sample) = (file.run.span(), file.sample.get_ref());
+        let of_run = |key| Some(document.value_span(&options, key)).filter(|place| *place != options);
         let texture = file.pattern.as_ref().map(Spanned::get_ref);
         let places = Places {
             block: place(sample.block_um.as_ref()),
             width: place(texture.map(|pattern| &pattern.width_um)),
-            step: place(file.run.step_ns.as_ref()),
-            travel: place(file.run.sliding_um.as_ref()),
+            step: of_run("step_ns"),
+            travel: of_run("sliding_um"),
         };
         // A flat specimen is represented by its strip, and one period has no rim.
         let specimen = specimen.filter(|_| pattern.is_some() && run.extent.has_ends());
@@ -207,15 +212,13 @@ impl SceneInput {
         let modulus_gpa = MODULUS_GPA.from_si(scene.elastic.youngs_modulus_pa());
         told.extend(unusual::of_scene(&document, file, modulus_gpa));
         told.extend(unusual::of_speed(&document, file.load.get_ref(), &scene));
+        let extent = of_run("extent");
         let input =
             Self { scene, material, uncertainty, condition, specimen, friction_extrapolated, told, document, places };
-        if let Some(extent) = file.run.extent.as_ref().filter(|_| input.scene.is_strip_aslant()) {
+        if let Some(extent) = extent.filter(|_| input.scene.is_strip_aslant()) {
             return Err(input
                 .document
-                .refuse(
-                    extent.span(),
-                    "asks for a strip of a pattern that slides aslant, and repeats at no distance across",
-                )
+                .refuse(extent, "asks for a strip of a pattern that slides aslant, and repeats at no distance across")
                 .expected("\"cell\", or a sliding direction along or across the rows"));
         }
         input.scene.validate().map_err(|error| input.refuse(&error))?;

@@ -19,14 +19,17 @@ use crate::formats::plausible::{
 };
 use crate::formats::{Diagnostic, Document, Spanned};
 use slipgrid_base::units::{
-    LENGTH_UM, MODULUS_GPA, PRESSURE_MPA, SPEED_MM_S, in_digits, significant, significant_to, tidy,
+    HUMIDITY_PCT, LENGTH_UM, MODULUS_GPA, PRESSURE_MPA, SPEED_MM_S, in_digits, significant, significant_to, tidy,
 };
 
 /// Warnings for the scene `file` of `document` besides those of its material, whose Young's modulus is `modulus_gpa`.
 pub fn of_scene(document: &Document, file: &SceneFile, modulus_gpa: f64) -> Vec<Diagnostic> {
     let mut told = Vec::new();
     let load = file.load.get_ref();
-    told.extend(file.condition.as_ref().and_then(|at| of_share(document, &at.get_ref().humidity_pct)));
+    told.extend(file.condition.as_ref().and_then(|at| {
+        let humidity_pct = HUMIDITY_PCT.from_si(at.get_ref().humidity);
+        of_share(document, &Spanned::new(document.value_span(&at.span(), "humidity_pct"), humidity_pct))
+    }));
     told.extend(load.speed_mm_s.as_ref().and_then(|speed| number(document, SPEED, speed)));
     told.extend(of_pressures(document, &load.pressure_mpa, modulus_gpa));
     if let Some(pattern) = &file.pattern {

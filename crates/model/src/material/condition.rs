@@ -1,11 +1,22 @@
 //! Conditions of a measurement other than its load, and interpolation between them.
 
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use slipgrid_base::units::{HumidityPct, InFiles, SpeedMmS};
+
 /// Sliding speed and humidity: the conditions of a measurement other than pressure.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
 pub struct Condition {
-    /// Sliding speed, in m/s.
+    // In m/s.
+    /// Sliding speed.
+    #[serde(rename = "speed_mm_s", with = "SpeedMmS")]
+    #[schemars(with = "f64")]
     pub speed_m_s: f64,
-    /// Relative humidity, from 0 to 1.
+    // From 0 to 1.
+    /// Relative humidity.
+    #[serde(rename = "humidity_pct", with = "HumidityPct")]
+    #[schemars(with = "f64")]
     pub humidity: f64,
 }
 

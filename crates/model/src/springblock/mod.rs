@@ -86,7 +86,9 @@ pub use outcome::{
     Correction, DynamicCost, Effect, InterfacePoint, LoadOutcome, Simulation, Statements, Status, SurfaceOutcome,
     TracePoint,
 };
-pub use scene::{Extent, Fidelity, Holder, Layer, Load, MAX_BLOCKS, MAX_DRAWS, MAX_ROWS, RunOptions, Scene, Springs};
+pub use scene::{
+    Extent, Fidelity, Holder, Layer, Load, MAX_BLOCKS, MAX_DRAWS, MAX_ROWS, RunOptions, Scene, Springs, read_dimensions,
+};
 pub use simulate::{
     BlockRefinement, Expense, TILT_RELATIVE_ERROR, add_tilt, block_refinement, bounded, can_refine, cell_expense,
     expense, planned_steps, simulate, simulate_specimen, simulate_strip, steady_face_bytes, steady_face_ratios,

@@ -2,13 +2,18 @@
 
 use std::sync::Arc;
 
+use schemars::JsonSchema;
+use serde::{Deserialize, Deserializer, Serialize};
+use slipgrid_base::units::{InFiles, LengthUm, StepNs};
+
 use crate::material::{AreaLaw, Elastic, LocalFriction};
 use crate::pattern::{Pattern, ReliefMap, Texture};
 
 use crate::springblock::{Dimension, SceneError, run_speed_m_s, warm_travel_m};
 
 /// Physical model and time integration scheme.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
 pub enum Fidelity {
     /// Equilibrium with every contact block sliding, without time.
     Steady,
@@ -33,7 +38,8 @@ impl Fidelity {
 }
 
 /// Part of the specimen that is modelled.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
 pub enum Extent {
     /// One period of the pattern with periodic sides.
     Cell,
@@ -64,7 +70,8 @@ impl Extent {
 }
 
 /// Force law of a spring.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
 pub enum Springs {
     /// F = k e (e . (u_j - u_i)): small displacements.
     Linear,
@@ -142,41 +149,73 @@ impl Load {
 }
 
 /// Options that control how a scene is solved.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
 pub struct RunOptions {
-    /// Physical model.
+    /// Method of solution: `steady`, `dynamic` or `reference`; `steady` when absent.
     pub fidelity: Fidelity,
-    /// Part of the specimen that is modelled.
+    /// `cell`, one period; `sample`, the whole specimen; or `strip`, a strip of it in space, one period wide with periodic sides and with two
+    /// ends; `cell` when absent. On a `[specimen]` that is solved in space, a sample is one cell, and a strip the row of cavities through
+    /// its middle.
     pub extent: Extent,
-    /// Seed of the local coefficients.
+    /// Seed of the local coefficients; 1 when absent.
     pub seed: u64,
-    /// Planned travel of the bulk in a dynamic run, in metres. A run whose mu is not stationary by then continues up to
-    /// four times as far, or twenty times if `mu_stderr` is set.
+    // In metres. A run whose mu is not stationary by then continues up to four times as far, or twenty times if
+    // `mu_stderr` is set.
+    /// Planned travel of the bulk in dynamic runs; 2 when absent.
+    #[serde(rename = "sliding_um", with = "LengthUm")]
+    #[schemars(with = "f64")]
     pub sliding_m: f64,
-    /// Whether contact is unilateral, so that a block under tension leaves the counterface.
+    /// A block under tension leaves the counterface instead of being pinned; false when absent.
+    #[serde(skip_serializing)]
     pub liftoff: bool,
-    /// Relative standard error of dynamic mu; a dynamic run continues until it is reached.
+    /// Relative standard error of mu at which a dynamic run may end; without it no such error is sought.
     pub mu_stderr: Option<f64>,
-    /// Time step, in seconds; `None` selects the default of the fidelity.
+    // In seconds.
+    /// Time step; without it 0.34 sqrt(m/k) for `dynamic`, which is 6 ns for the published polymer in blocks of 10 um, and 1 ns for
+    /// `reference`.
+    #[serde(rename = "step_ns", with = "StepNs", skip_serializing)]
+    #[schemars(with = "Option<f64>")]
     pub step_s: Option<f64>,
-    /// Damping frequency gamma in units of sqrt(k/m).
+    /// Damping frequency over sqrt(k/m); 0.01 when absent.
+    #[serde(skip_serializing)]
     pub damping: f64,
-    /// Whether a dynamic run starts from a layer sheared as in sliding instead of from an unloaded layer. Blocks start
-    /// at rest, each at a random phase of its stick-slip cycle; if they started in steady sliding, stick-slip would set
-    /// in only after micrometres.
+    // Blocks start at rest, each at a random phase of its stick-slip cycle; if they started in steady sliding,
+    // stick-slip would set in only after micrometres.
+    /// Start dynamic runs from the sheared steady equilibrium; false when absent.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub warm_start: bool,
-    /// Spring law of dynamic runs; `None` selects linear for `dynamic` and exact for `reference`.
+    /// `linear` springs, for small displacements, or `exact` springs; without it the fidelity decides.
+    #[serde(skip_serializing)]
     pub springs: Option<Springs>,
-    /// 2 for the vertical plane along the sliding direction, 3 for a cell in space, steady or dynamic. `None` selects
-    /// the dimension by the pattern.
+    /// 2 solves in the vertical plane, 3 in space; the planform decides when absent, and a strip is solved in space.
+    #[schemars(with = "Option<u64>")]
+    #[serde(deserialize_with = "read_dimensions")]
     pub dimensions: Option<u8>,
-    /// Number of dynamic runs with the seeds `seed`, `seed` + 1 and so on. Their mean is reported, with a standard
-    /// error from their scatter.
+    // With the seeds `seed`, `seed` + 1 and so on. Their mean is reported, with a standard error from their scatter.
+    /// Surfaces with independent coefficients in dynamic runs, 1 to 64; 1 when absent.
+    #[serde(skip_serializing_if = "is_one")]
     pub draws: u64,
-    /// Whether ratios are extrapolated to vanishing blocks. Steady cells in smaller blocks give the correction in the
-    /// vertical plane, and cells of similar grooves give it for cavities in space. If the correction is impossible, the
-    /// statements of the simulation give the reason.
+    // If the correction is impossible, the statements of the simulation give the reason.
+    /// Extrapolate ratios to vanishing block size from steady cells in smaller blocks; false when absent. Applies in
+    /// the vertical plane. In space it applies without rims, through smaller cells and the changes found in similar
+    /// grooves, if such cells are affordable, if cavities are at least two of their blocks deep, and if the error
+    /// decreases. Otherwise ratios remain those of the blocks of `[sample]`, and the result's model states the reason.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub refine: bool,
+}
+
+/// Reads a number of dimensions, of which only 2 and 3 exist.
+///
+/// # Errors
+/// Errors of `deserializer`.
+pub fn read_dimensions<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<u8>, D::Error> {
+    u64::deserialize(deserializer).map(|number| Some(u8::try_from(number).unwrap_or(u8::MAX)))
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde asks by reference")]
+const fn is_one(count: &u64) -> bool {
+    *count == 1
 }
 
 /// Relative standard error of dynamic friction at which a run from sliding ends.

@@ -18,6 +18,14 @@ impl Document {
             refused.suggestion = nearest(written, quoted[1..].iter().copied()).map(Into::into);
             return refused.expected(format!("one of {}", quoted[1..].join(", ")));
         }
+        if message.starts_with("unknown variant") && !quoted.is_empty() {
+            let mut refused = self.refuse(span, "is not known");
+            refused.suggestion = nearest(quoted[0], quoted[1..].iter().copied()).map(Into::into);
+            let known: Vec<String> = quoted[1..].iter().map(|name| format!("\"{name}\"")).collect();
+            return refused.expected(known.join(" or "));
+        }
+        // The parser's words for a value of another type than a name.
+        let message = if message.starts_with("wanted ") { "invalid type, expected a string" } else { message };
         // Errors of records name their key first.
         if let Some((key, message)) = message.strip_prefix('`').and_then(|message| message.split_once("`: ")) {
             return self.explain_value(self.value_span(&span, key), message);
