@@ -137,7 +137,8 @@ pub struct FurtherDirections {
 }
 
 /// Quantity to minimize in trade-offs.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum TradeOffGoal {
     /// Chance that a cut sample is on target, which is maximized.
     Chance,
@@ -154,22 +155,6 @@ pub enum TradeOffGoal {
 }
 
 impl TradeOffGoal {
-    /// All trade-off goals.
-    pub const ALL: [Self; 6] =
-        [Self::Chance, Self::Misfit, Self::LaserTime, Self::Volume, Self::PeakPressure, Self::Spread];
-
-    /// The name used in files.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Chance => "chance",
-            Self::Misfit => "misfit",
-            Self::LaserTime => "laser_time",
-            Self::Volume => "volume",
-            Self::PeakPressure => "peak_pressure",
-            Self::Spread => "spread",
-        }
-    }
-
     /// Column name, with the unit.
     pub const fn column(self) -> &'static str {
         match self {

@@ -1,5 +1,6 @@
 //! Input of a fit: measurements on flat samples and known properties of the material.
 
+use serde::Deserialize;
 use slipgrid_base::units::{HUMIDITY_PCT, MODULUS_GPA, PRESSURE_MPA, SPEED_MM_S, significant, significant_to, tidy};
 use slipgrid_model::material::{AreaLaw, Condition, Elastic, MaterialError};
 use slipgrid_model::springblock::{Layer, SceneError};
@@ -89,25 +90,13 @@ impl AreaLawScale {
 }
 
 /// Kind of fit.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Coefficients {
     /// One pair for all measurements.
     Single,
     /// One pair for each load, speed and humidity.
     PerCondition,
-}
-
-impl Coefficients {
-    /// All kinds of fit.
-    pub const ALL: [Self; 2] = [Self::Single, Self::PerCondition];
-
-    /// The name used in files.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Single => "single",
-            Self::PerCondition => "per-condition",
-        }
-    }
 }
 
 /// Input of a fit.

@@ -128,10 +128,7 @@ impl Calibration {
         let threshold = file.surface.as_ref().and_then(|surface| surface.get_ref().threshold_mpa.as_ref());
         let threshold_pa = document.optional(threshold, PRESSURE_MPA)?;
         let fit = file.fit.as_ref();
-        let coefficients =
-            fit.and_then(|fit| fit.coefficients.as_ref()).map_or(Ok(Coefficients::PerCondition), |name| {
-                document.choice(name, &Coefficients::ALL, Coefficients::name)
-            })?;
+        let coefficients = fit.and_then(|fit| fit.coefficients).unwrap_or(Coefficients::PerCondition);
         let stated = StatedSpecimen::read(document, &file.specimen, None)?;
         let outline = stated.specimen.outline;
         let specimens = Specimens { area_m2: area_m2(&outline), modulus_pa: elastic.youngs_modulus_pa() };

@@ -3,10 +3,12 @@
 use crate::formats::spanned::Spanned;
 use schemars::JsonSchema;
 use serde::Deserialize;
+use slipgrid_infer::calibrate::Coefficients;
 use slipgrid_infer::discrepancy::Hyperparameters;
 
 use super::pattern::PatternFile;
 use super::reporting::Reporting;
+use super::stated_specimen::ForceIs;
 use super::surface::SurfaceFile;
 use super::trace_table::TracesFile;
 use super::trials::TrialFile;
@@ -101,7 +103,8 @@ pub(crate) struct MeasurementsFile {
     pub samples: Option<Spanned<u64>>,
     /// `per_sample` if forces in the tables press one specimen, `total` if they press all of them; needed with several
     /// `samples`.
-    pub force_is: Option<Spanned<String>>,
+    #[schemars(with = "Option<String>")]
+    pub force_is: Option<ForceIs>,
 }
 
 /// Options of the fit.
@@ -109,7 +112,8 @@ pub(crate) struct MeasurementsFile {
 #[serde(deny_unknown_fields)]
 pub(crate) struct FitFile {
     /// `per-condition`, or `single`: one pair for all loads, speeds and humidities; `per-condition` when absent.
-    pub coefficients: Option<Spanned<String>>,
+    #[schemars(with = "Option<String>")]
+    pub coefficients: Option<Coefficients>,
     /// Bounds of the area law's scale E* h'rms, which is then fitted; only without `[surface]` and with `single`
     /// coefficients.
     pub area_law_scale_mpa: Option<NumberList>,

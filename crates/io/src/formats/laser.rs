@@ -34,7 +34,8 @@ pub struct LaserFile {
     pub(crate) wall_taper_deg: Option<Number>,
     /// `hatch` marks lines inside each contour, `mask` exposes whole contours, one with each burst; `hatch` when
     /// absent.
-    exposure: Option<Spanned<String>>,
+    #[schemars(with = "Option<String>")]
+    exposure: Option<Exposure>,
     /// Fluence used, with `[laser.ablation]`.
     fluence_j_cm2: Option<Number>,
     /// Measured depths per burst, to which d = delta ln(F / F_th) is fitted, in place of `limits.depth_per_burst_um`.
@@ -82,7 +83,6 @@ pub fn read_laser(
     {
         return Err(document.refuse(spot.span(), "is the spot of no laser").expected(expected));
     }
-    let exposure = file.exposure.as_ref().map(|name| document.choice(name, &EXPOSURES, exposure_name)).transpose()?;
     let laser = Laser {
         wavelength_nm: copied(file.wavelength_nm.as_ref())?,
         spot_um,
@@ -92,7 +92,7 @@ pub fn read_laser(
         speed_mm_s: copied(file.speed_mm_s.as_ref())?,
         hatch_um: length(file.hatch_um.as_ref())?,
         wall_taper_deg: document.optional(file.wall_taper_deg.as_ref(), WALL_TAPER_DEG)?,
-        exposure,
+        exposure: file.exposure,
         ..of_limits
     };
     let laser = with_ablation(document, laser, table, limits.0.as_ref())?;
@@ -122,15 +122,6 @@ fn unlike_spot(document: &Document, table: &Spanned<LaserFile>, error: &ExportEr
 
 /// Relative tolerance for rounding.
 const EXACT: f64 = 1e-9;
-
-const EXPOSURES: [Exposure; 2] = [Exposure::Hatch, Exposure::Mask];
-
-const fn exposure_name(exposure: Exposure) -> &'static str {
-    match exposure {
-        Exposure::Hatch => "hatch",
-        Exposure::Mask => "mask",
-    }
-}
 
 /// Returns the laser with the depth per burst that its fluence gives.
 fn with_ablation(

@@ -1,5 +1,6 @@
 //! Specimens of a calibration and of its trials: face, rim, thickness, holder, and the force that each of several bears.
 
+use serde::Deserialize;
 use slipgrid_infer::calibrate::CutSpecimen;
 use slipgrid_laser::export::{Outline, Specimen, SpecimenRecord};
 use slipgrid_model::springblock::{Holder, MAX_ROWS};
@@ -157,21 +158,11 @@ pub(crate) fn outline_told(
 pub const MAX_SPECIMENS: u32 = 100;
 
 /// Meaning of a force in a table where a holder has several specimens.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum ForceIs {
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(crate) enum ForceIs {
     PerSample,
     Total,
-}
-
-impl ForceIs {
-    const ALL: [Self; 2] = [Self::PerSample, Self::Total];
-
-    const fn name(self) -> &'static str {
-        match self {
-            Self::PerSample => "per_sample",
-            Self::Total => "total",
-        }
-    }
 }
 
 /// Reads the number of specimens in a holder.
@@ -193,7 +184,6 @@ pub(crate) fn read_count(document: &Document, given: &Spanned<u64>) -> Result<u3
 pub(crate) fn sharing_force(document: &Document, table: Option<&Spanned<MeasurementsFile>>) -> Result<u32, Diagnostic> {
     let Some(table) = table else { return Ok(1) };
     let MeasurementsFile { samples, force_is, .. } = table.get_ref();
-    let force_is = force_is.as_ref().map(|name| document.choice(name, &ForceIs::ALL, ForceIs::name)).transpose()?;
     let count = samples.as_ref().map(|given| read_count(document, given)).transpose()?;
     match (samples, count, force_is) {
         (None, _, Some(ForceIs::Total)) => {

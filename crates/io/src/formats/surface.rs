@@ -48,11 +48,13 @@ pub struct SurfaceFile {
     /// Value of joined points: `mean` of the points or `pick` the first; `mean` when absent.
     decimate_by: Option<Spanned<String>>,
     /// Treatment of points that were not measured: `fill` them, or `refuse` the map; `fill` when absent.
-    missing: Option<Spanned<String>>,
+    #[schemars(with = "Option<String>")]
+    missing: Option<Missing>,
     /// Replace spikes by the median of the neighbouring points; false when absent.
     despike: Option<bool>,
     /// Form that is subtracted: `mean`, `plane` or `second-order`; `plane` when absent.
-    form: Option<Spanned<String>>,
+    #[schemars(with = "Option<String>")]
+    form: Option<Form>,
     /// P0, up to which friction counts as proportional to load; without it f is A/P over its limit at small loads.
     pub threshold_mpa: Option<Number>,
     /// Windows along each side, whose scatter gives the errors of the law: 0 or 1 for none; without the key 2, if the
@@ -177,16 +179,9 @@ fn options(document: &Document, file: &SurfaceFile) -> Result<MapOptions, Diagno
         decimation: decimation(document, file)?,
         ..ReadOptions::default()
     };
-    let missing = file.missing.as_ref().map(|name| {
-        document.choice(name, &[Missing::Fill, Missing::Refuse], |one| match one {
-            Missing::Fill => "fill",
-            Missing::Refuse => "refuse",
-        })
-    });
-    let form = file.form.as_ref().map(|name| document.choice(name, &Form::ALL, Form::name)).transpose()?;
     let how = Preparation {
-        form: form.unwrap_or_default(),
-        missing: missing.transpose()?.unwrap_or_default(),
+        form: file.form.unwrap_or_default(),
+        missing: file.missing.unwrap_or_default(),
         despike: file.despike.unwrap_or(false),
     };
     Ok(MapOptions { read, how })

@@ -20,7 +20,8 @@ const DEFAULT_DESIGNS_WITH_SPREAD: usize = 400;
 #[serde(deny_unknown_fields)]
 pub struct TradeOffsFile {
     /// Two or three of `chance`, `misfit`, `laser_time`, `volume`, `peak_pressure` and `spread` (with `[tolerances]`).
-    goals: Spanned<Vec<Spanned<String>>>,
+    #[schemars(with = "Vec<String>")]
+    goals: Spanned<Vec<Spanned<TradeOffGoal>>>,
     /// Designs compared at first; 1000 when absent, 400 with `spread`.
     designs: Option<Spanned<u64>>,
 }
@@ -50,12 +51,11 @@ pub fn read_trade_offs(
     let file = table.get_ref();
     let mut goals: Vec<TradeOffGoal> = Vec::new();
     for name in file.goals.get_ref() {
-        let goal = document.choice(name, &TradeOffGoal::ALL, TradeOffGoal::name)?;
-        if goals.contains(&goal) {
+        if goals.contains(name.get_ref()) {
             return Err(document.refuse(name.span(), "stands there twice").expected("each goal once"));
         }
-        needs(document, name, goal, given)?;
-        goals.push(goal);
+        needs(document, name, given)?;
+        goals.push(*name.get_ref());
     }
     if !(2..=3).contains(&goals.len()) {
         let reason = format!("has {} goals", goals.len());
@@ -81,9 +81,9 @@ pub fn read_trade_offs(
 }
 
 /// Refuses a goal that needs inputs that the design does not give.
-fn needs(document: &Document, name: &Spanned<String>, goal: TradeOffGoal, given: &Given<'_>) -> Result<(), Diagnostic> {
+fn needs(document: &Document, name: &Spanned<TradeOffGoal>, given: &Given<'_>) -> Result<(), Diagnostic> {
     let refuse = |reason: &str, expected: String| Err(document.refuse(name.span(), reason).expected(expected));
-    match goal {
+    match name.get_ref() {
         TradeOffGoal::LaserTime => {
             let missing = missing_for_time(given.laser);
             if !missing.is_empty() {

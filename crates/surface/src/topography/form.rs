@@ -1,11 +1,13 @@
 //! Form removal: subtracts the shape of a specimen and its tilt under the instrument.
 
+use serde::Deserialize;
 use slipgrid_base::monitor::Monitor;
 
 use crate::topography::{HeightMap, MapError};
 
 /// Shape fitted by least squares to the points present, and subtracted.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Form {
     /// The mean height.
     Mean,

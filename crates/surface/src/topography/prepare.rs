@@ -1,5 +1,6 @@
 //! Prepares a map as read for computation: fills missing points, removes spikes and form.
 
+use serde::Deserialize;
 use slipgrid_base::monitor::Monitor;
 
 use crate::topography::{
@@ -12,7 +13,8 @@ use crate::topography::{
 const PERIOD_STEP_RATIO: f64 = 1.5;
 
 /// Treatment of missing points.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Missing {
     /// Missing points are filled by the smoothest surface.
     #[default]
