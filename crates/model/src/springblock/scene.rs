@@ -167,18 +167,18 @@ pub struct RunOptions {
     #[schemars(with = "f64")]
     pub sliding_m: f64,
     /// A block under tension leaves the counterface instead of being pinned; false when absent.
-    #[serde(skip_serializing)]
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub liftoff: bool,
     /// Relative standard error of mu at which a dynamic run may end; without it no such error is sought.
     pub mu_stderr: Option<f64>,
     // In seconds.
     /// Time step; without it 0.34 sqrt(m/k) for `dynamic`, which is 6 ns for the published polymer in blocks of 10 um, and 1 ns for
     /// `reference`.
-    #[serde(rename = "step_ns", with = "StepNs", skip_serializing)]
+    #[serde(rename = "step_ns", with = "StepNs")]
     #[schemars(with = "Option<f64>")]
     pub step_s: Option<f64>,
     /// Damping frequency over sqrt(k/m); 0.01 when absent.
-    #[serde(skip_serializing)]
+    #[serde(skip_serializing_if = "is_usual_damping")]
     pub damping: f64,
     // Blocks start at rest, each at a random phase of its stick-slip cycle; if they started in steady sliding,
     // stick-slip would set in only after micrometres.
@@ -186,7 +186,6 @@ pub struct RunOptions {
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub warm_start: bool,
     /// `linear` springs, for small displacements, or `exact` springs; without it the fidelity decides.
-    #[serde(skip_serializing)]
     pub springs: Option<Springs>,
     /// 2 solves in the vertical plane, 3 in space; the planform decides when absent, and a strip is solved in space.
     #[schemars(with = "Option<u64>")]
@@ -211,6 +210,14 @@ pub struct RunOptions {
 /// Errors of `deserializer`.
 pub fn read_dimensions<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<u8>, D::Error> {
     u64::deserialize(deserializer).map(|number| Some(u8::try_from(number).unwrap_or(u8::MAX)))
+}
+
+/// Usual damping frequency in units of sqrt(k/m).
+const USUAL_DAMPING: f64 = 0.01;
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde asks by reference")]
+fn is_usual_damping(damping: &f64) -> bool {
+    *damping == USUAL_DAMPING
 }
 
 #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde asks by reference")]
@@ -262,7 +269,7 @@ impl Default for RunOptions {
             liftoff: false,
             mu_stderr: None,
             step_s: None,
-            damping: 0.01,
+            damping: USUAL_DAMPING,
             warm_start: false,
             springs: None,
             dimensions: None,
