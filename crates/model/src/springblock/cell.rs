@@ -299,7 +299,7 @@ mod tests {
     use crate::material::LocalFriction;
     use crate::pattern::Planform;
     use crate::pattern::{Rim, RimProfile};
-    use crate::springblock::scene::RunOptions;
+    use crate::springblock::RunOptions;
     use crate::springblock::tests::samples;
 
     fn model() -> SteadyCell {

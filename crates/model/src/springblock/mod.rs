@@ -66,6 +66,7 @@ mod face;
 mod lattice;
 mod outcome;
 mod rims;
+mod run_options;
 mod scene;
 mod simulate;
 mod space;
@@ -86,9 +87,8 @@ pub use outcome::{
     Correction, DynamicCost, Effect, InterfacePoint, LoadOutcome, Simulation, Statements, Status, SurfaceOutcome,
     TracePoint,
 };
-pub use scene::{
-    Extent, Fidelity, Holder, Layer, Load, MAX_BLOCKS, MAX_DRAWS, MAX_ROWS, RunOptions, Scene, Springs, read_dimensions,
-};
+pub use run_options::{Extent, Fidelity, RunOptions, Springs, read_dimensions};
+pub use scene::{Holder, Layer, Load, MAX_BLOCKS, MAX_DRAWS, MAX_ROWS, Scene};
 pub use simulate::{
     BlockRefinement, Expense, TILT_RELATIVE_ERROR, add_tilt, block_refinement, bounded, can_refine, cell_expense,
     expense, planned_steps, simulate, simulate_specimen, simulate_strip, steady_face_bytes, steady_face_ratios,

@@ -135,8 +135,8 @@ fn scale_refinement((found, of_groove): (BlockRefinement, Vec<f64>), own: &[Opti
 mod tests {
     use super::*;
     use crate::pattern::Texture;
+    use crate::springblock::RunOptions;
     use crate::springblock::cell::SteadyCell;
-    use crate::springblock::scene::RunOptions;
     use crate::springblock::simulate::block_refinement;
     use crate::springblock::{Layer, tests::samples};
 

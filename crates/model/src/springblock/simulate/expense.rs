@@ -302,9 +302,9 @@ mod tests {
 
     use super::*;
     use crate::springblock::Unwatched;
-    use crate::springblock::scene::{Layer, RunOptions};
     use crate::springblock::simulate::simulate;
     use crate::springblock::tests::samples;
+    use crate::springblock::{Layer, RunOptions};
 
     fn scene(fidelity: Fidelity, extent: Extent, block_m: f64) -> Scene {
         let run = RunOptions { fidelity, extent, ..RunOptions::default() };

@@ -298,8 +298,8 @@ fn average_on_parts(patches: &[Patch]) -> [f64; PARTS] {
 mod tests {
     use super::*;
     use crate::springblock::face::Strip;
-    use crate::springblock::scene::{Layer, Load, RunOptions};
     use crate::springblock::tests::samples;
+    use crate::springblock::{Layer, Load, RunOptions};
     use crate::springblock::{Unwatched, steady_face_ratios};
 
     /// Strips across a disc of radius 1.

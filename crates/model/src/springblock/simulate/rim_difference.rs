@@ -130,10 +130,10 @@ pub fn add_yielding(scene: &Scene, pattern: &Pattern, loads: &mut [LoadOutcome],
 mod tests {
     use super::*;
     use crate::pattern::{Rim, RimProfile};
+    use crate::springblock::RunOptions;
     use crate::springblock::columns::{sample, with_relief};
     use crate::springblock::lattice::Lattice;
     use crate::springblock::outcome::Status;
-    use crate::springblock::scene::RunOptions;
     use crate::springblock::steady::{SteadyLoad, SteadyModel};
     use crate::springblock::tests::samples;
 

@@ -293,9 +293,9 @@ mod tests {
 
     use super::*;
     use crate::springblock::Unwatched;
-    use crate::springblock::scene::{Fidelity, Layer, Load, RunOptions};
     use crate::springblock::simulate;
     use crate::springblock::tests::samples;
+    use crate::springblock::{Fidelity, Layer, Load, RunOptions};
 
     /// A warm dynamic run of squares `width_um` wide with a pitch of 120 um in a layer of 60 um.
     fn scene(width_um: f64, friction: LocalFriction) -> Scene {

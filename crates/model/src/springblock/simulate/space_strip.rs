@@ -217,9 +217,9 @@ mod tests {
     use super::*;
     use crate::springblock::Unwatched;
     use crate::springblock::outcome::{Effect, InterfacePoint, Status};
-    use crate::springblock::scene::{Extent, Fidelity, Layer, RunOptions};
     use crate::springblock::simulate::simulate;
     use crate::springblock::tests::samples;
+    use crate::springblock::{Extent, Fidelity, Layer, RunOptions};
 
     fn scene(pattern: Pattern, dimensions: u8, fidelity: Fidelity) -> Scene {
         let run = RunOptions {
