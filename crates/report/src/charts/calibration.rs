@@ -199,6 +199,52 @@ pub fn area_law(
 mod tests {
     use super::*;
 
+    fn series(label: &str, mu: f64) -> FlatSeries {
+        let at = |pressure_mpa: f64, value: f64| (pressure_mpa, Estimate { value, error: Some(0.002) });
+        let measured = vec![at(0.65, mu), at(2.6, mu + 0.02)];
+        FlatSeries {
+            label: label.to_owned(),
+            measured,
+            modelled: vec![(0.65, (mu + 0.001).into()), (2.6, (mu + 0.019).into())],
+        }
+    }
+
+    #[test]
+    fn every_condition_has_its_marks_and_its_name() {
+        let all = [series("2 mm/s, 15 %", 0.25), series("2 mm/s, 40 %", 0.3)];
+        let svg = flat_friction("t", &all).unwrap();
+        // Two marks and two rings per condition, two marks and one ring in the legend; none is drawn at zero.
+        assert_eq!(svg.matches("<circle").count(), 2 * (2 + 2) + 2 + 1);
+        for text in ["2 mm/s, 15 %", "2 mm/s, 40 %", "fitted model", "0.26"] {
+            assert!(svg.contains(&format!("\n{text}\n")), "{text}");
+        }
+        assert!(!svg.contains("\n0.00\n"));
+        assert!(flat_friction("t", &[]).is_err());
+    }
+
+    #[test]
+    fn every_residual_has_its_mark_and_its_name() {
+        let residual = |label: &str, value| (label.to_owned(), Estimate { value, error: Some(0.002) });
+        let svg = residuals("t", &[residual("50 N", 0.001), residual("100 N", -0.002)]).unwrap();
+        assert_eq!(svg.matches("<circle").count(), 3);
+        assert!(svg.contains("\n1 50 N\n") && svg.contains("\n2 100 N\n"));
+        assert!(matches!(residuals("t", &[]), Err(ChartError::Empty { .. })));
+    }
+
+    #[test]
+    fn absent_ratios_are_left_out() {
+        let some = |value| Some(Estimate { value, error: Some(0.02) });
+        let measured = [some(0.93), None, some(0.74)];
+        let modelled = [some(0.97), some(0.92), some(0.83)];
+        let series = [("measured".to_owned(), measured.to_vec()), ("modelled".to_owned(), modelled.to_vec())];
+        let svg = ratios("Ratios", &[0.65, 1.3, 2.6], &series).unwrap();
+        // The first series has circles: two marks and one in the legend.
+        assert_eq!(svg.matches("<circle").count(), 3);
+        for text in ["measured", "modelled", "0.65", "1.3", "2.6"] {
+            assert!(svg.contains(&format!("\n{text}\n")), "{text}");
+        }
+    }
+
     fn points(rows: [[f64; 3]; 4]) -> Vec<AreaPoint> {
         let point = |[pressure_mpa, area_fraction, factor]: [f64; 3]| AreaPoint {
             pressure_mpa,

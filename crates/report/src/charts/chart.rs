@@ -281,6 +281,17 @@ mod tests {
     }
 
     #[test]
+    fn without_a_title_a_picture_is_narrow() {
+        let svg = |title| {
+            let line = Layer::Line(vec![[0.0, 0.0], [1.0, 1.0]], PALETTE[0], 1.0);
+            let axis = Axis::over("", [0.0, 1.0]);
+            Chart::new(title, 400.0, Vec::new()).plot(axis.clone(), axis, [line]).svg().unwrap()
+        };
+        assert!(svg("t").starts_with("<svg width=\"900\" height=\"400\""));
+        assert!(svg("").starts_with("<svg width=\"480\" height=\"400\""));
+    }
+
+    #[test]
     fn thinning_keeps_extremes_and_short_lines_whole() {
         let points: Vec<[f64; 2]> = (0..100_000).map(|i| [f64::from(i) * 1e-3, f64::from(i * 7919 % 1000)]).collect();
         let kept = thinned(&points);

@@ -330,6 +330,8 @@ pub fn mechanisms(name: &str, learning: &LearningReport) -> Result<String, Chart
 mod tests {
     use super::*;
     use crate::html::tests::fixture::report;
+    use slipgrid_design::{MechanismReport, SectorRatios, TradeOffsWanted};
+    use slipgrid_model::pattern::Planform;
 
     fn drawn(report: &DesignReport) -> Result<String, ChartError> {
         target_beside("Target", report, &[])
@@ -361,10 +363,92 @@ mod tests {
     }
 
     #[test]
+    fn conditions_stand_side_by_side() {
+        let mut both = report();
+        let bars = |report: &DesignReport| drawn(report).unwrap().matches("<polygon").count();
+        let once = bars(&both);
+        both.sample.expected.extend(both.sample.expected.clone());
+        assert_eq!(bars(&both), once + 2);
+        let svg = drawn(&both).unwrap();
+        let circles: Vec<&str> = svg.split("<circle ").skip(1).filter_map(|rest| rest.split(' ').next()).collect();
+        assert!(circles.iter().collect::<BTreeSet<_>>().len() >= 5, "{circles:?}");
+    }
+
+    #[test]
+    fn bands_may_be_open_and_goals_have_none() {
+        let mut open = report();
+        (open.target.value, open.target.lowest) = (None, vec![None; 2]);
+        let svg = drawn(&open).unwrap();
+        assert!(svg.contains("\naccepted\n") && svg.contains("<polygon"));
+        open.target.highest = vec![None; 2];
+        let svg = drawn(&open).unwrap();
+        assert!(!svg.contains("accepted") && svg.contains("\n95 % of samples\n"));
+    }
+
+    #[test]
     fn a_target_without_points_is_refused() {
         assert!(matches!(drawn(&DesignReport::default()), Err(ChartError::Empty { .. })));
         let mut odd = report();
         odd.sample.expected[0].median = f64::NAN;
         assert!(matches!(drawn(&odd), Err(ChartError::NotFinite { .. })));
+    }
+
+    #[test]
+    fn every_design_of_the_front_and_the_chosen_one_are_drawn() {
+        let design = |width_um: f64| Pattern::new(Planform::Groove, width_um * 1e-6, 1e-4, 1e-5).unwrap();
+        let known = |width_um: f64, goals: [f64; 3]| TradeOff { design: design(width_um), goals: goals.to_vec() };
+        let front = vec![known(40.0, [0.1, 300.0, 5.0]), known(50.0, [1.0, 30.0, 6.0]), known(60.0, [10.0, 3.0, 4.0])];
+        let goals = vec![TradeOffGoal::Misfit, TradeOffGoal::LaserTime, TradeOffGoal::PeakPressure];
+        let wanted = TradeOffsWanted { goals: goals.clone(), designs: 4 };
+        let mut compared = Compared { wanted, front, dominated: vec![known(70.0, [5.0, 400.0, 9.0])] };
+        let svg = trade_offs("a", &compared, &design(50.0)).unwrap();
+        // Each of the two panels has three dots of the front, one dot behind them, and a diamond; the legend has a square, a circle and a diamond.
+        assert_eq!(svg.matches("<rect").count(), 1 + 2 * 3);
+        assert_eq!(svg.matches("h0").count(), 2);
+        let titles: Vec<&str> = goals.iter().map(|goal| goal.words()).collect();
+        for text in
+            ["a: trade-offs", "no other beats it in every goal", "chosen", "missed beyond"].iter().chain(&titles)
+        {
+            assert!(svg.contains(&format!("\n{text}\n")), "{text}");
+        }
+        (compared.front, compared.dominated) = (Vec::new(), Vec::new());
+        assert!(matches!(trade_offs("a", &compared, &design(50.0)), Err(ChartError::Empty { .. })));
+    }
+
+    #[test]
+    fn every_mechanism_is_a_row_and_wide_intervals_end_at_the_frame() {
+        let at = |ratio: f64, interval_95| RatioPrediction {
+            pressure_mpa: 2.6,
+            speed_mm_s: 2.0,
+            humidity_pct: 40.0,
+            modelled: 1.0,
+            ratio,
+            interval_95,
+        };
+        let row = |name: &str, median: f64| MechanismReport {
+            mechanism: name.to_owned(),
+            weight: 0.5,
+            error_quotient: None,
+            loads: vec![SectorRatios {
+                ratios: [at(median, [0.5, 7.0]), at(1.0, [0.9, 1.1])],
+                quotient: at(1.0, [0.9, 1.1]),
+            }],
+        };
+        let learning = |mechanisms| LearningReport {
+            bits: 0.0,
+            open_bits: 0.0,
+            why: String::new(),
+            second_disc: String::new(),
+            textures: Vec::new(),
+            load: 0,
+            mechanisms,
+        };
+        let svg = mechanisms("t", &learning(vec![row("areal density", 0.8), row("edges", 0.7)])).unwrap();
+        // Two rows of three marks; names stand once.
+        assert_eq!((svg.matches("<circle").count(), svg.matches("areal density").count()), (6, 1));
+        let near = |text: &str| svg.find(text).unwrap();
+        assert!(near("\nsector 1\n") < near("\nsector 2\n"));
+        assert!(matches!(mechanisms("t", &learning(Vec::new())), Err(ChartError::Empty { .. })));
+        assert!(matches!(mechanisms("t", &learning(vec![row("b", f64::NAN)])), Err(ChartError::NotFinite { .. })));
     }
 }

@@ -235,6 +235,33 @@ mod tests {
     }
 
     #[test]
+    fn loops_are_lines_against_position() {
+        let turn = |i: u32| 0.1 * f64::from(i);
+        let points: Vec<[f64; 2]> = (0..200).map(|i| [turn(i).cos(), turn(i).sin().signum() * 0.3]).collect();
+        let svg = friction_loops("t", &[Series { label: "one", points }]).unwrap();
+        // A line in the plot and one in the legend, drawn in the first colour.
+        assert!(svg.matches("#0072B2").count() == 2 && svg.contains("\nposition (mm)\n"));
+        assert!(matches!(friction_loops("t", &[]), Err(ChartError::Empty { .. })));
+    }
+
+    #[test]
+    fn window_means_and_peaks_are_drawn() {
+        let points: Vec<[f64; 2]> = (0..90).map(|i| [0.5 * f64::from(i), 0.25]).collect();
+        let repeat = |static_peak| RepeatTrace {
+            series: Series { label: "one <1>", points: points.clone() },
+            mu_dynamic: 0.25,
+            static_peak,
+        };
+        let chart = |repeats: &[RepeatTrace<'_>]| tribometer("t", [10.0, 40.0], repeats);
+        let with = chart(&[repeat(Some([0.5, 0.31]))]).unwrap();
+        assert_eq!(with.matches("<circle").count(), 2);
+        assert!(with.contains("\none &lt;1&gt;\n") && with.contains("\naveraging window\n"));
+        assert_eq!(chart(&[repeat(None)]).unwrap().matches("<circle").count(), 0);
+        assert!(matches!(chart(&[]), Err(ChartError::Empty { .. })));
+        assert!(matches!(chart(&[repeat(Some([f64::NAN, 0.3]))]), Err(ChartError::NotFinite { .. })));
+    }
+
+    #[test]
     fn lines_break_over_cavities() {
         let points = [[5.0, 1.0], [15.0, 2.0], [25.0, 3.0], [65.0, 3.0], [75.0, 2.0]];
         let surfaces = [Series { label: "patterned", points: points.to_vec() }];

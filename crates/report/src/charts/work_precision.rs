@@ -217,6 +217,30 @@ fn free_place(mark: [f64; 2], width: f64, frame: Frame, taken: &[Frame]) -> (Fra
 mod tests {
     use super::*;
 
+    fn point(label: &str, family: usize, wall_s: f64, error_pct: f64) -> WorkPoint<'_> {
+        WorkPoint { label, family, wall_s, error_pct, at_most: false, on_front: false, is_default: false }
+    }
+
+    #[test]
+    fn every_method_has_a_mark_and_a_label() {
+        let points = vec![
+            WorkPoint { on_front: true, is_default: true, ..point("fast", 0, 1e-3, 1.0) },
+            WorkPoint { on_front: true, at_most: true, ..point("good", 1, 1.0, 0.01) },
+            point("neither", 0, 2.0, 0.0),
+        ];
+        let drawn = |points| {
+            let panel = WorkPrecisionPanel { error_title: "error (%)".to_owned(), points, resolution_pct: 0.02 };
+            work_precision("Speed against error", &["circles", "squares"], &[panel], 30.0)
+        };
+        let svg = drawn(points).unwrap();
+        // Two marks and a ring, and as many in the legend: one circle and a ring.
+        assert_eq!(svg.matches("<circle").count(), 5);
+        for text in ["fast", "good", "neither", "reference", "circles", "squares"] {
+            assert!(svg.contains(&format!("\n{text}\n")), "{text}");
+        }
+        assert!(matches!(drawn(Vec::new()), Err(ChartError::Empty { .. })));
+    }
+
     #[test]
     fn labels_of_neighbours_do_not_cover_each_other() {
         let frame = [0.0, 0.0, 400.0, 300.0];

@@ -18,6 +18,38 @@ fn page_of(report: &DesignReport, outputs: &Outputs) -> String {
     design(report, Some(&law), &loads, outputs, None)
 }
 
+#[test]
+fn grooves_that_cross_are_given_by_both_directions() {
+    let said = |angle_deg, crossing_angle_deg| {
+        let mut report = report();
+        let texture = &mut report.sample.design.texture;
+        (texture.angle_deg, texture.crossing_angle_deg) = (angle_deg, crossing_angle_deg);
+        page_of(&report, &Outputs::default())
+    };
+    let turned = "<th scope=\"row\">grooves turned by</th><td>";
+    for (first, crossing, words) in [
+        (Some(15.0), Some(60.0), Some("15 degrees, crossed by grooves turned by 75 degrees")),
+        (None, Some(90.0), Some("0 degrees, crossed by grooves turned by 90 degrees")),
+        (Some(30.0), None, Some("30 degrees")),
+        (None, None, None),
+    ] {
+        let page = said(first, crossing);
+        let found = page.split_once(turned).map(|(_, rest)| rest.split_once('<').unwrap().0);
+        assert_eq!(found, words, "{first:?} {crossing:?}");
+        assert!(page.matches(turned).count() <= 1);
+    }
+}
+
+#[test]
+fn bounds_that_a_texture_rests_on_are_a_next_step() {
+    let said = |at_bounds: &[&str]| {
+        let at_bounds = at_bounds.iter().map(|bound| (*bound).to_owned()).collect();
+        page_of(&DesignReport { advice: "trial".into(), at_bounds, ..report() }, &Outputs::default())
+    };
+    assert!(said(&["the greatest spacing, 1000 um"]).contains("the texture rests on the greatest spacing, 1000 µm."));
+    assert!(!said(&[]).contains("widen the bounds"));
+}
+
 /// Tags that are opened but not closed, or closed but not opened.
 fn unbalanced(page: &str) -> Vec<String> {
     const VOID: [&str; 2] = ["meta", "!DOCTYPE"];
@@ -58,21 +90,42 @@ fn a_page_holds_every_number_with_its_error_and_asks_the_network_for_nothing() {
     assert_eq!(unbalanced(&page), Vec::<String>::new());
     for said in [
         "<h1>a &lt;b&gt; &amp; &quot;c&quot;</h1>",
+        "<p class=\"date\">2026-11-22</p>",
         "<p class=\"headline\">Cut a trial: 16 % chance that a cut sample is on target.</p>",
         "aria-label=\"16 % chance that a cut sample is on target\"",
+        "<li><a href=\"#doubts\">at 2.6 MPa cavities close</a></li>",
+        "At 2.6 MPa a cut sample is expected to have a ratio to flat friction of 0.791 (95 % of samples: 0.702 to 0.880). Accepted: 0.820 to 0.840.",
         "<a href=\"process.toml\">process.toml</a>",
         "<th scope=\"row\">time under the laser</th><td>13.0 s</td>",
         "model error<small> known from one trial; if known exactly: 40 % chance</small>",
         "<div style=\"width:100.0%\"></div></div><b>0.040</b>",
+        "accepted: half the width of the target",
+        "the altitude map is synthetic, not measured",
+        "<li>1 trial</li>",
+        "<li>Young's modulus known to 8.0 %</li>",
+        "not modelled: recast rims, plasticity",
+        ">expected</button>",
+        ">model alone</button>",
         "<td>0.832 ± 0.012</td>",
         "<td>0.702 to 0.880</td>",
         "<td>0.820 to 0.840</td>",
         "<td>-3.50</td>",
         "<td>40 %</td>",
         "0.791 (0.702 to 0.880)",
+        "4321 designs were compared",
+        "1820 nodes, 3 of them without an answer",
+        "Of 40 designs 7 are not beaten",
         "<td>0.9637 ± 0.0002</td>",
         "<td>no_onset</td>",
         "<td>0.3100</td>",
+        "standard deviation of 5.0 %",
+        "The material is doubtful: spikes: 5 points stand alone.",
+        "At 2.6 MPa cavities close",
+        "<a href=\"scene.toml\">scene.toml</a>: the confirming run, for slipgrid simulate",
+        "Add it as [[trial]] to the calibration of this material.",
+        "Make the material file anew: slipgrid calibrate",
+        "prefers-color-scheme:dark",
+        "@media print",
     ] {
         assert!(page.contains(said), "{said}");
     }
@@ -105,6 +158,20 @@ fn the_page_says_what_the_text_says() {
         let words = super::page::micrometres(doubt[1..].trim_end_matches('.'));
         assert!(page.contains(&words), "{doubt}");
     }
+}
+
+#[test]
+fn a_load_beyond_those_measured_stands_before_what_is_expected() {
+    let mut found = report();
+    assert!(!found.summary().contains("outside the measured range"));
+    found.confirmed[1].friction_extrapolated = true;
+    found.measured_mpa = Some([0.7, 1.4]);
+    let text = found.summary();
+    let said = "\n! at 2.6 MPa outside the measured range: the nearest measurement's coefficients were taken (friction was measured from \
+                0.7 to 1.4 MPa)\n";
+    let (place, table) = (text.find(said).unwrap_or_else(|| panic!("{text}")), text.find("95 % of samples").unwrap());
+    assert!(place < table && text.matches("outside the measured range").count() == 1, "{text}");
+    assert!(page_of(&found, &Outputs::default()).contains("outside the measured range"));
 }
 
 #[test]
