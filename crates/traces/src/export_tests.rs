@@ -140,6 +140,13 @@ fn empty_cells_at_the_end_of_a_line_are_cells_whatever_separates_them() {
 fn refusals_name_line_and_column() {
     for (text, line, column, reason) in [
         ("", None, None, "has no line that names its columns"),
+        (
+            "a,b,c\n1,2,3\n",
+            Some(1),
+            None,
+            "`a,b,c` looks most like the titles of columns, but none is the time, and none is the friction force or the torque \
+             or the friction coefficient, and none is the normal force",
+        ),
         ("1,2,3\n1,2,3\n", None, None, "has no line that names its columns"),
         ("time,Tz,Fz\n", None, None, "has no rows"),
         ("time,Tz,Fz\n0,,2\n1,NaN,2\n", Some(2), Some("Tz"), "none of the 2 rows below the header has a number"),
@@ -157,8 +164,15 @@ fn refusals_name_line_and_column() {
             None,
             "no column is the friction force or the torque or the friction coefficient; not known are `Temp`",
         ),
+        (
+            "time,cof,mu\n0,1,2\n",
+            Some(1),
+            None,
+            "the columns `cof`, `mu` are each the friction coefficient, and differ first in line 2",
+        ),
         ("time,Tz,Fz,Fx\n0,1,2,3\n", Some(1), None, "`Tz` is a torque and `Fx` a friction force"),
         ("time;Tz;Fz\ns;bananas;N\n0;1;2\n", Some(2), Some("Tz"), "has the unit \"bananas\", which is not known"),
+        ("time [s];Tz [Nm];Fz [psi]\n0;1;2\n", Some(1), Some("Fz [psi]"), "has the unit \"psi\", which is not known"),
     ] {
         let refused = parsed(text).unwrap_err();
         assert_eq!((refused.line, refused.column.as_deref(), refused.reason.as_str()), (line, column, reason));

@@ -68,6 +68,22 @@ fn torque_over_force_and_radius_is_friction() {
 }
 
 #[test]
+fn recorded_signs_are_turned_and_said() {
+    let mut both = good();
+    torque(&mut both).iter_mut().for_each(|t| *t = -*t);
+    let found = analyse(&both, &OPTIONS).unwrap();
+    assert_eq!(said(&found.flags), ["friction is recorded as negative and was turned"]);
+    both.normal_force_n.iter_mut().for_each(|force| *force = -*force);
+    let turned = analyse(&both, &OPTIONS).unwrap();
+    assert_eq!(
+        said(&turned.flags),
+        ["the normal force is recorded as negative and was turned", "friction is recorded as negative and was turned"]
+    );
+    let straight = analyse(&good(), &OPTIONS).unwrap();
+    assert_eq!((turned.window, found.window), (straight.window, straight.window));
+}
+
+#[test]
 fn bad_traces_are_refused_by_name() {
     let refused = |found: Result<TraceFindings, TraceError>, says: &str| {
         let error = found.unwrap_err().to_string();
@@ -78,13 +94,17 @@ fn bad_traces_are_refused_by_name() {
         spoil(&mut channels);
         analyse(&channels, &OPTIONS)
     };
+    refused(spoiled(&|c| torque(c).iter_mut().for_each(|t| *t = t.min(1.43))), "the torque stands at 1.43 in");
     refused(spoiled(&|c| torque(c).fill(1.5)), "in 601 samples of the window");
+    refused(spoiled(&|c| c.time_s[500] = 124.0), "the clock goes back at sample 501");
     assert!(matches!(
         spoiled(&|c| c.time_s[400..].iter_mut().for_each(|t| *t += 2.0)),
         Err(TraceError::Gap { from_s, to_s }) if (from_s - 19.95).abs() < 1e-9 && (to_s - 22.0).abs() < 1e-9
     ));
     refused(spoiled(&|c| c.normal_force_n.fill(0.0)), "the normal force falls to 0 N");
+    refused(spoiled(&|c| c.normal_force_n[600..].fill(1.0)), "the normal force falls to 1 N at 30.00 s");
     refused(spoiled(&|c| torque(c)[500..].iter_mut().for_each(|t| *t = -*t)), "(300 of 601 samples are against");
+    refused(spoiled(&|c| c.normal_force_n.iter_mut().for_each(|f| *f *= 3.0)), "expected about 150 N");
     refused(spoiled(&|c| torque(c)[7] = f64::NAN), "sample 8: torque is NaN");
     refused(spoiled(&|c| torque(c).truncate(800)), "torque has 800 samples");
     let mut short = good();

@@ -107,7 +107,7 @@ mod tests {
     use crate::export::Outline;
     use crate::export::layout::every_kind;
     use crate::export::stream::text;
-    use slipgrid_model::pattern::Pattern;
+    use slipgrid_model::pattern::{Pattern, Texture};
 
     #[test]
     fn reads_back_to_the_same_cavities_within_a_nanometre() {
@@ -140,6 +140,18 @@ mod tests {
             assert_eq!(read, layout.cavities());
             assert_eq!(lines.next(), None);
         }
+    }
+
+    #[test]
+    fn columns_say_what_a_cavity_has() {
+        let header = |texture: Texture| {
+            let pattern = Pattern::new(texture, 130e-6, 370e-6, 20e-6).unwrap();
+            csv_header(&Layout::new(pattern, Outline::Disc { diameter_m: 10e-3 }).unwrap())
+        };
+        let groove = Texture::new(Planform::Groove);
+        assert!(header(Planform::Disc.into()).contains(",diameter_mm,depth_um"));
+        assert!(header(groove.with_groove_angle_deg(10.0).unwrap()).contains(",length_mm,angle_deg,depth_um"));
+        assert_eq!(header(groove), header(Planform::Rectangle.into()));
     }
 
     #[test]

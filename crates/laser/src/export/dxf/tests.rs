@@ -190,6 +190,20 @@ fn the_arrow_turns_with_the_sliding_direction_off_the_specimen_and_within_the_ex
 }
 
 #[test]
+fn comments_say_what_the_planform_leaves_open() {
+    let comment = |texture: Texture| {
+        let text = drawn(&layout(texture, Outline::Disc { diameter_m: 10e-3 }), &HEADING);
+        text.lines().find(|line| line.starts_with("Pattern: ")).unwrap().to_owned()
+    };
+    assert!(comment(Planform::Square.into()).starts_with("Pattern: square, width 131.235 um, spacing 370.000 um"));
+    let long = Texture::new(Planform::Rectangle).with_length_m(288.8e-6).unwrap();
+    let staggered = long.with_arrangement(slipgrid_model::pattern::Arrangement::Staggered).unwrap();
+    assert!(comment(staggered).starts_with("Pattern: rectangle, staggered, length 288.800 um, width"));
+    let turned = Texture::new(Planform::Groove).with_groove_angle_deg(30.0).unwrap();
+    assert!(comment(turned).starts_with("Pattern: groove, turned by 30 degrees from lying across x, width"));
+}
+
+#[test]
 fn comments_stay_one_line_of_ascii() {
     let heading = Heading { name: "µ\n  0\nEOF", version: "0.0.0", notes: &["synthetic surface"] };
     let text = drawn(&layout(Planform::Groove, Outline::Disc { diameter_m: 10e-3 }), &heading);

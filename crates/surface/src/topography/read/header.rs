@@ -379,6 +379,15 @@ mod tests {
     }
 
     #[test]
+    fn sizes_and_units_are_understood() {
+        let read = header(&["# Channel: Topography", "# Width: 1.5 mm", "# Height: 1e3 \u{b5}m", "# Value units: nm"]);
+        let read = read.unwrap();
+        assert_eq!((read.width_m, read.height_m), (Some(1.5e-3), Some(1e-3)));
+        assert_eq!(read.value(), Some(LengthUnit::Nanometre.into()));
+        assert_eq!(read.comments.len(), 4);
+    }
+
+    #[test]
     fn headers_of_spip_are_in_nanometres() {
         let lines =
             ["# File Format = ASCII", "# x-pixels = 4", "# y-pixels = 3", "# x-length = 2000", "# y-length = 1500.5"];
