@@ -76,6 +76,27 @@ fn what_is_wrong_with_a_map_stands_in_every_result_that_rests_on_it() {
 }
 
 #[test]
+fn a_doubtful_ratio_and_a_doubtful_map_are_each_said_once() {
+    let place = place(&[("spiked.asc", &spiked(SPIKE_NM))]);
+    let pattern = "[pattern]\nplanform = \"groove\"\nwidth_um = 130.0\nspacing_um = 370.0\ndepth_um = 5.2\n";
+    let calibration = CALIBRATION
+        .replace("persson_rms_slope = 0.0137", "map = \"spiked.asc\"")
+        .replace("flat = \"flat.csv\"", "flat = \"flat.csv\"\npatterned = \"patterned.csv\"");
+    std::fs::write(place.path("calibration.toml"), calibration + pattern).unwrap();
+    std::fs::write(place.path("patterned.csv"), FLAT.replace("0.248", "1.2")).unwrap();
+    place.succeed(&["calibrate", "calibration.toml", "-o", "material.toml"]);
+    let material: toml::Table = std::fs::read_to_string(place.path("material.toml")).unwrap().parse().unwrap();
+    let told: Vec<&str> = material["warnings"].as_array().unwrap().iter().map(|told| told.as_str().unwrap()).collect();
+    let count = |start: &str| told.iter().filter(|told| told.starts_with(start)).count();
+    assert_eq!((count("measured ratio: "), count("spikes: ")), (1, 1), "{told:?}");
+    assert!(told[0].starts_with("measured ratio: "), "{told:?}");
+    assert!(
+        told.iter()
+            .any(|told| told.starts_with("spikes: ") && told.ends_with("despike = true in [surface], replaces them"))
+    );
+}
+
+#[test]
 fn a_law_that_rises_above_one_and_slopes_of_no_surface_are_refused() {
     // Ten points as high as a hair carry the light loads: f rises with the pressure.
     let high = |row: usize, col: usize, height: f64| {

@@ -114,7 +114,6 @@ fn warnings(
     by_condition: &[(Condition, Vec<FittedRow>)],
     fit_warnings: Vec<String>,
 ) -> Vec<String> {
-    // Warnings of the surface come first, because a caller may replace them by the messages for the map's file.
     // What was given comes before what follows from it.
     let mut warnings = task.doubts.clone();
     warnings.extend(surface.warnings.iter().map(ToString::to_string));

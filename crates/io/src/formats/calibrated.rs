@@ -151,8 +151,11 @@ pub fn calibrate(
 /// Runs `task` and adds advice to warnings of a doubtful map.
 fn outcome(task: &CalibrationTask, monitor: &dyn Monitor) -> Result<CalibrationOutcome, CalibrationError> {
     let mut outcome = slipgrid_infer::calibrate::run(task, monitor)?;
-    let warnings = &mut outcome.material.provenance.warnings;
-    warnings.splice(..outcome.surface.warnings.len(), law_warnings(&outcome.surface.warnings));
+    let of_surface = &outcome.surface.warnings;
+    for (warning, told) in of_surface.iter().map(ToString::to_string).zip(law_warnings(of_surface)) {
+        let own = outcome.material.provenance.warnings.iter_mut().find(|own| **own == warning);
+        own.into_iter().for_each(|own| told.clone_into(own));
+    }
     Ok(outcome)
 }
 
