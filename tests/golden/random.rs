@@ -1,19 +1,17 @@
 //! Random parameters in a reproducible sequence.
 
-/// Random number generator with a fixed seed (Steele, Lea and Flood, SPLITMIX64).
-pub struct Random(u64);
+use slipgrid_base::statistics::SplitMix64;
+
+/// Random number generator with a fixed seed.
+pub struct Random(SplitMix64);
 
 impl Random {
     pub fn new(seed: u64) -> Self {
-        Self(seed)
+        Self(SplitMix64(seed))
     }
 
     pub fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
+        self.0.bits()
     }
 
     /// Random number from 0 up to 1.
@@ -33,6 +31,6 @@ impl Random {
     }
 
     pub fn choose<'a, T: ?Sized>(&mut self, choices: &[&'a T]) -> &'a T {
-        choices[(self.next() % choices.len() as u64) as usize]
+        choices[self.0.below(choices.len())]
     }
 }

@@ -1,5 +1,5 @@
 //! Statistics for several crates: normal deviates and their distribution, chi-square, medians, standard deviations,
-//! Student's t, response surfaces of three lengths, kriging, and small dense linear systems.
+//! random bits, Student's t, response surfaces of three lengths, kriging, and small dense linear systems.
 //!
 //! ```
 //! use slipgrid_base::statistics::{Confidence, mean_and_std, median, upper_median};
@@ -15,6 +15,7 @@ mod normal;
 mod normal_distribution;
 mod response_surface;
 mod sample;
+mod split_mix;
 mod student;
 mod synthetic_noise;
 
@@ -24,5 +25,6 @@ pub use normal::Normals;
 pub use normal_distribution::{BoxRule, mixture_quantile, normal_probability, normal_quantile};
 pub use response_surface::{Axis, ResponseSurface};
 pub use sample::{mean_and_std, median, upper_median};
+pub use split_mix::{SplitMix64, splitmix64};
 pub use student::{Confidence, NORMAL_95};
 pub use synthetic_noise::Noise;

@@ -54,3 +54,35 @@ impl InFiles for SpeedMmS {
 impl InFiles for HumidityPct {
     const QUANTITY: Quantity = HUMIDITY_PCT;
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    #[derive(Debug, PartialEq, Serialize, Deserialize)]
+    struct Run {
+        #[serde(rename = "length_um", with = "LengthUm")]
+        length_m: f64,
+        #[serde(rename = "step_ns", with = "StepNs", default)]
+        step_s: Option<f64>,
+        #[serde(rename = "speed_mm_s", with = "SpeedMmS")]
+        speed_m_s: f64,
+        #[serde(rename = "humidity_pct", with = "HumidityPct")]
+        humidity: f64,
+    }
+
+    #[test]
+    fn numbers_of_files_are_read_in_si_units_and_written_as_they_were() {
+        let file = json!({"length_um": 0.3, "step_ns": 6.7, "speed_mm_s": 2.3, "humidity_pct": 29.0});
+        let run: Run = serde_json::from_value(file.clone()).unwrap();
+        assert_eq!(run, Run { length_m: 0.3 / 1e6, step_s: Some(6.7 / 1e9), speed_m_s: 2.3 / 1e3, humidity: 0.29 });
+        assert_eq!(serde_json::to_value(&run).unwrap(), file);
+        let without = json!({"length_um": 1e7, "speed_mm_s": 1e5, "humidity_pct": 100.0});
+        let run: Run = serde_json::from_value(without).unwrap();
+        assert_eq!(run.step_s, None);
+        // The ends of the ranges stay within them.
+        assert!(LENGTH_UM.accepts(LENGTH_UM.from_si(run.length_m)) && HUMIDITY_PCT.accepts(HUMIDITY_PCT.from_si(1.0)));
+        assert!(SPEED_MM_S.accepts(SPEED_MM_S.from_si(run.speed_m_s)));
+    }
+}

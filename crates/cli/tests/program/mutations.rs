@@ -4,7 +4,8 @@ use std::fs;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
-use crate::common::{CALIBRATION, DESIGN, Dice, FLAT, Place, SCENE};
+use crate::common::{CALIBRATION, DESIGN, FLAT, Place, SCENE};
+use slipgrid_base::statistics::SplitMix64;
 use slipgrid_io::formats::Document;
 use slipgrid_io::formats::calibration::Calibration;
 use slipgrid_io::formats::design::Design;
@@ -70,19 +71,19 @@ const PIECES: [&str; 18] = [
 ];
 
 /// Applies one to four random changes to `text`.
-fn spoil(text: &str, dice: &mut Dice) -> Vec<u8> {
+fn spoil(text: &str, dice: &mut SplitMix64) -> Vec<u8> {
     let mut bytes = text.as_bytes().to_vec();
     for _ in 0..=dice.below(4) {
         let at = dice.below(bytes.len() + 1);
         match dice.below(9) {
-            0 if at < bytes.len() => bytes[at] = dice.next() as u8,
+            0 if at < bytes.len() => bytes[at] = dice.bits() as u8,
             1 => bytes.truncate(at),
             2 => {
                 let end = (at + dice.below(12)).min(bytes.len());
                 bytes.drain(at..end);
             }
             3 => {
-                bytes.splice(at..at, dice.one_of(&PIECES).bytes());
+                bytes.splice(at..at, PIECES[dice.below(PIECES.len())].bytes());
             }
             _ => bytes = spoil_line(&bytes, dice),
         }
@@ -91,7 +92,7 @@ fn spoil(text: &str, dice: &mut Dice) -> Vec<u8> {
 }
 
 /// Removes, doubles or moves a line, or replaces its value.
-fn spoil_line(bytes: &[u8], dice: &mut Dice) -> Vec<u8> {
+fn spoil_line(bytes: &[u8], dice: &mut SplitMix64) -> Vec<u8> {
     let mut lines: Vec<Vec<u8>> = bytes.split(|&byte| byte == b'\n').map(<[u8]>::to_vec).collect();
     let (line, other) = (dice.below(lines.len()), dice.below(lines.len()));
     match dice.below(8) {
@@ -101,7 +102,7 @@ fn spoil_line(bytes: &[u8], dice: &mut Dice) -> Vec<u8> {
         1 => lines.insert(other, lines[line].clone()),
         2 => lines.swap(line, other),
         _ => {
-            let value = dice.one_of(&VALUES).as_bytes();
+            let value = VALUES[dice.below(VALUES.len())].as_bytes();
             let text = lines[line].clone();
             let equals = text.iter().position(|&byte| byte == b'=');
             lines[line] = match equals {
@@ -139,7 +140,7 @@ fn judge<T>(read: Result<T, String>, spoiled: &[u8]) -> bool {
 
 /// Damages `text` `times` times; returns how many results were accepted.
 fn spoil_all<T>(text: &str, times: usize, seed: u64, read: impl Fn(&str, &[u8]) -> Result<T, String>) -> usize {
-    let mut dice = Dice(seed);
+    let mut dice = SplitMix64(seed);
     let mut accepted = 0;
     for _ in 0..times {
         let spoiled = spoil(text, &mut dice);
@@ -267,7 +268,7 @@ fn the_program_answers_spoiled_files_or_refuses_them() {
 , "notes": []
 }}"#;
     let place = Place::with(&[]);
-    let mut dice = Dice(7);
+    let mut dice = SplitMix64(7);
     let mut codes = [0; 2];
     for _ in 0..400 {
         // JSON has colons where TOML has equals signs.

@@ -6,14 +6,15 @@ use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-use crate::common::{DESIGN, Dice, Place, small};
+use crate::common::{DESIGN, Place, small};
+use slipgrid_base::statistics::SplitMix64;
 
 /// Replacements of a number.
 const VALUES: [&str; 14] =
     ["-5", "0", "1e300", "-1e300", "1e999", "NaN", "null", "\"a\"", "[]", "{}", "1e-300", "0.5,0.5", "[0.9]", "true"];
 
 /// Damages one line of `study`.
-fn spoil(study: &str, dice: &mut Dice) -> Vec<u8> {
+fn spoil(study: &str, dice: &mut SplitMix64) -> Vec<u8> {
     let mut lines: Vec<Vec<u8>> = study.lines().map(|line| line.as_bytes().to_vec()).collect();
     let place = dice.below(lines.len());
     let other = lines[dice.below(study.lines().count())].clone();
@@ -63,7 +64,7 @@ fn a_spoiled_study_is_refused_by_its_line_or_used_and_never_ends_the_program() {
     assert_eq!(code, 0, "{message}");
     let good = fs::read_to_string(&study).unwrap();
     assert!(good.lines().count() > 8, "{good}");
-    let mut dice = Dice(3);
+    let mut dice = SplitMix64(3);
     let (mut refused, mut used) = (0, 0);
     for _ in 0..300 {
         let spoiled = spoil(&good, &mut dice);

@@ -21,6 +21,7 @@ use crate::disk::WriteError;
 use crate::formats::Diagnostic;
 use crate::formats::source::{Entry, Files, Source, read_text};
 use slipgrid_base::monitor::{Monitor, Stage};
+use slipgrid_base::statistics::SplitMix64;
 
 use crate::campaign::CampaignError;
 use crate::campaign::plan::Planned;
@@ -265,14 +266,11 @@ impl Folder {
     }
 }
 
-/// Shuffles `items` in an order that depends on `seed` only (Fisher and Yates; Steele, Lea and Flood 2014, SplitMix64).
+/// Shuffles `items` in an order that depends on `seed` only (Fisher and Yates).
 fn shuffle<T>(items: &mut [T], seed: u64) {
-    let mut state = seed;
+    let mut random = SplitMix64(seed);
     for last in (1..items.len()).rev() {
-        state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mixed = (state ^ (state >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        items.swap(last, ((mixed ^ (mixed >> 31)) % (last as u64 + 1)) as usize);
+        items.swap(last, random.below(last + 1));
     }
 }
 

@@ -92,8 +92,8 @@ pub(crate) fn median(heights: &[f64], monitor: &dyn Monitor) -> Result<Option<f6
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::topography::synthetic::splitmix64;
     use slipgrid_base::monitor::Unwatched;
+    use slipgrid_base::statistics::splitmix64;
 
     #[test]
     fn every_place_is_that_of_a_plain_sort() {

@@ -302,27 +302,6 @@ pub fn names(folder: &Path) -> Vec<String> {
     names
 }
 
-/// Pseudorandom numbers (Steele, Lea and Flood, SPLITMIX64).
-pub struct Dice(pub u64);
-
-impl Dice {
-    pub fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    pub fn below(&mut self, limit: usize) -> usize {
-        (self.next() % limit.max(1) as u64) as usize
-    }
-
-    pub fn one_of<'a>(&mut self, all: &[&'a str]) -> &'a str {
-        all[self.below(all.len())]
-    }
-}
-
 /// Whether the tests were started with Ctrl-C ignored, as shells start background jobs. The program then ignores Ctrl-C
 /// as well, and there is nothing to test.
 pub fn ignores_ctrl_c() -> bool {

@@ -3,8 +3,8 @@
 use std::f64::consts::TAU;
 
 use super::RimProfile;
-use crate::topography::synthetic::splitmix64;
 use crate::topography::{HeightMap, MapError};
+use slipgrid_base::statistics::splitmix64;
 
 /// Shape of the cavities in plan view.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]

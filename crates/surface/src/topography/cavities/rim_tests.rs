@@ -2,8 +2,8 @@ use slipgrid_base::monitor::Unwatched;
 
 use super::*;
 use crate::topography::form::Form;
-use crate::topography::synthetic::splitmix64;
 use crate::topography::{HeightMap, SelfAffine};
+use slipgrid_base::statistics::splitmix64;
 
 /// Cavities 60 um wide, 5.2 um deep and 140 um apart, for maps of 2 um pixels, 1.024 mm wide.
 const PATTERN: CutPattern = CutPattern {

@@ -16,7 +16,7 @@ use super::heights::Heights;
 use super::kriging::{Kriging, Shape, Variogram};
 use super::share::share_of_edge;
 use super::{Estimate, RimProfile};
-use crate::topography::synthetic::splitmix64;
+use slipgrid_base::statistics::splitmix64;
 
 /// Number of points between two checks for cancellation.
 const CANCEL_CHECK_INTERVAL: usize = 1 << 14;

@@ -1,5 +1,6 @@
 //! Surfaces of any size, made from a seed.
 
+use slipgrid_base::statistics::splitmix64;
 use slipgrid_surface::topography::HeightMap;
 use slipgrid_surface::topography::fourier::Fourier;
 
@@ -35,10 +36,7 @@ const PLATEAU_NOISE_M: f64 = 2e-9;
 
 /// Number `n` of the SplitMix64 generator for `seed`, identical on every machine.
 pub fn random(seed: u64, n: u64) -> u64 {
-    let mut z = (seed << 40).wrapping_add(n + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    z ^ (z >> 31)
+    splitmix64((seed << 40).wrapping_add(n).wrapping_mul(0x9e37_79b9_7f4a_7c15))
 }
 
 impl Surface<'_> {
