@@ -7,6 +7,9 @@ use crate::common::{CALIBRATION, FLAT, Place};
 use slipgrid_io::formats::Document;
 use slipgrid_io::formats::calibration::Calibration;
 
+const FLAGS: [&str; 8] =
+    ["--effective-radius-mm", "40", "--force-n", "50", "--speed-mm-s", "2", "--humidity-pct", "15"];
+
 /// Trace of 45 s at 50 Hz under 50 N and 40 mm with the friction `mu` of a time; the ripple depends on the seed.
 fn trace(seed: u32, mu: impl Fn(f64) -> f64) -> String {
     let mut text = "time_s,torque_nm,normal_force_n\n".to_owned();
@@ -20,6 +23,94 @@ fn trace(seed: u32, mu: impl Fn(f64) -> f64) -> String {
 
 fn rise(t: f64) -> f64 {
     1.0 - (-t / 0.1).exp()
+}
+
+fn run_in(t: f64) -> f64 {
+    rise(t) * (0.25 + 0.05 * (-t / 4.0).exp())
+}
+
+fn traces<'a>(files: &[&'a str], more: &[&'a str]) -> Vec<&'a str> {
+    [&["traces"], files, &FLAGS, more].concat()
+}
+
+#[test]
+fn a_table_says_what_sampling_may_have_missed_of_a_static_peak() {
+    let place = Place::with(&[
+        ("run-in.csv", &trace(1, run_in)),
+        ("peak.csv", &trace(2, |t| run_in(t) + if (0.38..0.42).contains(&t) { 0.08 } else { 0.0 })),
+    ]);
+    place.succeed(&traces(&["peak.csv"], &["-o", "sharp"]));
+    let row = fs::read_to_string(place.path("sharp/flat.csv")).unwrap();
+    assert!(
+        row.contains(": mu_static_std is ") && row.contains(", what sampling may have missed of the peak\n"),
+        "{row}"
+    );
+    assert!(!row.lines().last().unwrap().ends_with(",,"), "{row}");
+    // Neither run-in nor what is not sought is a peak.
+    for (file, flag) in [("run-in.csv", &[][..]), ("peak.csv", &["--no-static-peak"])] {
+        let told = place.succeed(&traces(&[file], &[&["-o", "none"], flag].concat()));
+        assert_eq!(told.contains("run-in, no static peak"), flag.is_empty(), "{told}");
+        let row = fs::read_to_string(place.path("none/flat.csv")).unwrap();
+        assert!(row.lines().last().unwrap().ends_with(",,"), "{row}");
+    }
+}
+
+#[test]
+fn one_export_by_two_paths_is_given_twice() {
+    let place = Place::with(&[("a.csv", &trace(1, |t| 0.25 * rise(t)))]);
+    let message = place.refuse(&traces(&["a.csv", "./a.csv"], &[]));
+    assert!(message.contains("a.csv: is given twice") && message.lines().count() == 1, "{message}");
+}
+
+#[test]
+fn a_sample_that_slides_back_and_forth_is_read_by_its_strokes() {
+    // A crank at 1 Hz: friction has turned 0.05 s after each dead centre; the sensor shows 0.02 too much.
+    let of = |mu: f64, t: f64| mu * (20.0 * (std::f64::consts::TAU * t).sin()).clamp(-1.0, 1.0) + 0.02;
+    let friction = |t: f64| of(0.25, t);
+    let coefficients: String = trace(5, friction)
+        .lines()
+        .map(|line| {
+            let cells: Vec<&str> = line.split(',').collect();
+            let ratio =
+                cells[1].parse::<f64>().map_or("\u{b5} [-]".to_owned(), |torque| format!("{:.6}", torque / 2.0));
+            format!("{};{ratio}\n", cells[0])
+        })
+        .collect();
+    let place = Place::with(&[
+        ("crank.csv", &trace(5, friction)),
+        ("crank-2.csv", &trace(6, |t| of(0.252, t))),
+        ("cof.csv", &coefficients),
+    ]);
+    let of_first = |told: &str, file: &str| -> f64 {
+        let row = told.lines().find(|line| line.trim_start().starts_with(file)).unwrap();
+        row.split_whitespace().nth(1).unwrap().parse().unwrap()
+    };
+    let told = place.succeed(&traces(&["crank.csv"], &["--reciprocating", "-o", "crank"]));
+    assert!((of_first(&told, "crank.csv") - 0.25).abs() < 2e-4, "{told}");
+    assert!(told.contains("differ by an offset of +0.0200, 8 % of friction"), "{told}");
+    let cof = place.succeed(&traces(&["cof.csv"], &["--reciprocating"]));
+    assert!((of_first(&cof, "cof.csv") - of_first(&told, "crank.csv")).abs() < 2e-4, "{cof}");
+    assert!(cof.contains("no normal force is recorded"), "{cof}");
+    // The same from a calibration, with another part of the strokes; the part alone is refused.
+    let (head, _) = CALIBRATION.split_once("[measurements]").unwrap();
+    let condition =
+        "[[traces.condition]]\nforce_n = 50.0\nspeed_mm_s = 2.0\nhumidity_pct = 15.0\nfiles = [\"crank*.csv\"]\n";
+    let text = |keys: &str| format!("{head}[traces]\neffective_radius_mm = 40.0\n{keys}{condition}");
+    fs::write(place.path("c.toml"), text("reciprocating = true\nstroke_share = 0.7\n")).unwrap();
+    let told = place.succeed(&["traces", "c.toml"]);
+    assert!((of_first(&told, "crank.csv") - 0.25).abs() < 2e-4, "{told}");
+    let refused = place.refuse(&["traces", "c.toml", "--window-s", "-1,2"]);
+    assert!(refused.contains("--window-s: is a flag for exports"), "{refused}");
+    let refused = place.refuse(&traces(&["crank.csv"], &["--reciprocating", "--window-s", "10,60"]));
+    assert!(refused.contains("or another window, window_s in [traces] or --window-s"), "{refused}");
+    for (keys, says) in [
+        ("stroke_share = 0.7\n", "stroke_share: 0.7 needs `reciprocating = true`"),
+        ("reciprocating = true\nstroke_share = 1.5\n", "expected a number above 0 up to 1"),
+    ] {
+        fs::write(place.path("c.toml"), text(keys)).unwrap();
+        let refused = place.refuse(&["traces", "c.toml"]);
+        assert!(refused.contains(says), "{refused}");
+    }
 }
 
 #[test]
@@ -125,6 +216,26 @@ fn conditions_and_trials_have_traces_of_their_own() {
 }
 
 #[test]
+fn one_export_named_twice_in_a_calibration_is_refused() {
+    let place = Place::with(&[("a-1.csv", &trace(1, |t| 0.25 * rise(t)))]);
+    let (head, _) = CALIBRATION.split_once("[measurements]").unwrap();
+    let condition = "[[traces.condition]]\nforce_n = 50.0\nspeed_mm_s = 2.0\nhumidity_pct = 15.0\n";
+    let text = format!("{head}[traces]\neffective_radius_mm = 40.0\n{condition}files = [\"a-1.csv\", \"a-*.csv\"]\n");
+    fs::write(place.path("c.toml"), &text).unwrap();
+    let message = place.refuse(&["traces", "c.toml"]);
+    assert!(message.contains("c.toml:17: traces.condition.files") && message.contains("as line 17 does"), "{message}");
+    fs::write(place.path("c.toml"), text.replace("\"a-1.csv\", ", "")).unwrap();
+    place.succeed(&["traces", "c.toml"]);
+    fs::create_dir(place.path("exports")).unwrap();
+    fs::write(place.path("c.toml"), text.replace("\"a-1.csv\", \"a-*.csv\"", "\"exports\"")).unwrap();
+    let message = place.refuse(&["traces", "c.toml"]);
+    assert!(message.contains("traces.condition.files: \"exports\" is a folder"), "{message}");
+    let off = text.replace("\"a-1.csv\", ", "").replace("[traces]\n", "[traces]\nstatic_peak = false\n");
+    fs::write(place.path("c.toml"), off).unwrap();
+    place.succeed(&["traces", "c.toml"]);
+}
+
+#[test]
 fn a_table_of_too_many_conditions_is_refused() {
     let header = FLAT.lines().next().unwrap();
     let rows: String = (1..=300).map(|i| format!("{i},2,15,0.248,0.002\n")).collect();
@@ -140,6 +251,37 @@ fn windows_that_a_map_does_not_hold_are_refused_in_the_file_that_asks_for_them()
     place.succeed(&["synthesize", "--pixels", "256", "-o", "map.asc"]);
     let message = place.refuse(&["calibrate", "c.toml", "-q"]);
     assert!(message.starts_with("error: c.toml: surface.windows: number of windows per side is 200"), "{message}");
+}
+
+#[test]
+fn what_is_merely_unusual_is_told() {
+    let place = Place::with(&[("flat.csv", FLAT)]);
+    let text = CALIBRATION.replace("youngs_modulus_gpa = 0.38", "youngs_modulus_gpa = 380.0");
+    let read =
+        Calibration::from_document(&Document::within(&slipgrid_io::disk::disk(), place.path("c.toml"), text)).unwrap();
+    assert!(
+        read.stated.notes.len() == 1
+            && read.stated.notes[0].contains("c.toml:4: material.youngs_modulus_gpa: 380.0 is unusual"),
+        "{:?}",
+        read.stated.notes
+    );
+    assert!(read.stated.notes[0].contains("in MPa, that would be 0.38 GPa"), "{:?}", read.stated.notes);
+    let usual =
+        Calibration::from_document(&Document::within(&slipgrid_io::disk::disk(), place.path("c.toml"), CALIBRATION))
+            .unwrap();
+    assert_eq!(usual.stated.notes, [""; 0]);
+    // A scene is told on stderr and solved.
+    fs::write(
+        place.path("s.toml"),
+        crate::common::SCENE.replace("youngs_modulus_gpa = 0.38", "youngs_modulus_gpa = 380.0"),
+    )
+    .unwrap();
+    let output = place.run(&["simulate", "s.toml"]);
+    let told = String::from_utf8(output.stderr).unwrap();
+    assert!(
+        output.status.success() && told.contains("warning: s.toml:2: material.youngs_modulus_gpa: 380.0 is unusual"),
+        "{told}"
+    );
 }
 
 #[test]

@@ -19,6 +19,24 @@ fn timeless(mut value: Value) -> Value {
 }
 
 #[test]
+fn the_interface_of_cavities_in_space_is_drawn_from_above() {
+    let disc = SCENE.replace("\"groove\"", "\"disc\"\narrangement = \"staggered\"\nsliding_angle_deg = 30.0");
+    let groove = format!("{SCENE}dimensions = 3\n");
+    let place = Place::with(&[("disc.toml", &disc), ("groove.toml", SCENE), ("groove3.toml", &groove)]);
+    let solve = |scene: &str| json(&place.succeed(&["simulate", scene, "--json", "-o", "out"]));
+    let ratio = |result: &Value| result["results"][1]["ratio"].as_f64().unwrap();
+    let (plane, space) = (solve("groove.toml"), solve("groove3.toml"));
+    assert!((ratio(&plane) - ratio(&space)).abs() < 1e-9);
+    solve("disc.toml");
+    let interface = fs::read_to_string(place.path("out").join("interface.csv")).unwrap();
+    assert_eq!(interface.lines().next().unwrap(), "load_mpa,surface,x_um,y_um,pressure_mpa,friction_mpa");
+    // From above, with its colour scale.
+    let map = fs::read_to_string(place.path("out").join("interface-2.6mpa.svg")).unwrap();
+    assert_eq!(map.matches("<image ").count(), 2);
+    assert!(map.contains("MPa") && map.contains("sliding direction, 30° from x") && map.contains("y (µm)"));
+}
+
+#[test]
 fn square_cavities_in_two_dimensions_are_a_section_model() {
     let square = format!("{}dimensions = 2\n", SCENE.replace("\"groove\"", "\"square\""));
     let place = Place::with(&[("scene.toml", &square), ("groove.toml", SCENE)]);
@@ -114,7 +132,7 @@ fn a_synthetic_map_and_its_area_law() {
 fn an_area_law_states_its_uncertainty() {
     let place = Place::with(&[]);
     place.succeed(&["synthesize", "--pixels", "128", "--waves", "4:16", "-o", "map.asc"]);
-    let list = ["area-law", "map.asc", "--pressures-mpa", "0.3,0.7,2.6", "--json"];
+    let list = ["area-law", "map.asc", "--pressures-mpa", "0.3,0.7,2.6", "--resolutions", "--json", "-o", "law"];
     let list = [&list[..], &["--threshold-mpa", "0.7"]].concat();
     let law = json(&place.succeed(&list));
     let points = law["results"].as_array().unwrap();
@@ -125,6 +143,35 @@ fn an_area_law_states_its_uncertainty() {
     assert!(std > 0.0 && (std / spread - 3.182_446 / 1.959_964 / 2.0_f64.sqrt()).abs() < 1e-6);
     assert_eq!((&law["windows"]["count"], &law["windows"]["rows"]), (&Value::from(4), &Value::from(64)));
     assert!(points[2]["area_error"].as_f64().unwrap() < 1e-4);
+    // Coarser pixels see less slope, and so a lower f.
+    let (slope, factor) = (law["rms_slope"].as_f64().unwrap(), points[2]["factor"].as_f64().unwrap());
+    for coarse in law["resolutions"].as_array().unwrap() {
+        assert!(coarse["rms_slope"].as_f64().unwrap() < slope);
+        assert!(coarse["factor"][2].as_f64().unwrap() < factor);
+    }
+    assert_eq!(law["resolutions"][1]["pixel_um"], 4.0 * law["pixel_um"].as_f64().unwrap());
+    let svg = std::fs::read_to_string(place.path("law").join("area-law.svg")).unwrap();
+    assert!(svg.contains("standard error"));
+
+    let alone =
+        ["area-law", "map.asc", "--pressures-mpa", "0.7,2.6", "--windows", "1", "--json", "--threshold-mpa", "0.7"];
+    let alone = json(&place.succeed(&alone));
+    assert_eq!(alone["results"][1]["factor"], points[2]["factor"]);
+    assert!(alone["windows"].is_null() && alone["results"][1]["factor_std"].is_null());
+
+    let theory = ["area-law", "--persson-rms-slope", "0.0137", "--pressures-mpa", "0.7,2.6", "--json"];
+    let theory = json(&place.succeed(&theory));
+    assert!(theory["map"].is_null() && theory["sa_um"].is_null());
+    let area =
+        |mpa: f64| slipgrid_surface::contact::closed_form::persson_area_fraction(mpa * 1e6, 427.5e6, 0.0137).unwrap();
+    // P0 is a small load, 0.01 E* h'rms = 0.0586 MPa.
+    assert_eq!(theory["threshold_mpa"], 0.0586);
+    let expected = area(2.6) / area(0.0586) * 0.0586 / 2.6;
+    assert!((theory["results"][1]["factor"].as_f64().unwrap() - expected).abs() < 1e-12);
+    // With another threshold P0 = 2.6 MPa nothing falls short of proportionality.
+    let late =
+        ["area-law", "--persson-rms-slope", "0.0137", "--pressures-mpa", "0.7,2.6", "--threshold-mpa", "2.6", "--json"];
+    assert_eq!(json(&place.succeed(&late))["results"][1]["factor"], 1.0);
 }
 
 #[test]
@@ -184,6 +231,73 @@ fn measured_ratios_are_tabulated() {
 }
 
 #[test]
+fn a_validation_goes_to_a_folder_and_says_what_it_rests_on() {
+    let calibration = CALIBRATION
+        .replace("persson_rms_slope = 0.0137", "map = \"map.asc\"\nthreshold_mpa = 0.7")
+        .replace("flat = \"flat.csv\"", "flat = \"flat.csv\"\npatterned = \"patterned.csv\"");
+    let heavy = "200,2,15,0.278,0.001\n";
+    let place = Place::with(&[
+        ("calibration.toml", &calibration),
+        ("flat.csv", &format!("{FLAT}{heavy}")),
+        ("patterned.csv", &format!("{FLAT}{heavy}").replace("0.248", "0.208").replace("0.278", "0.224")),
+    ]);
+    place.succeed(&["synthesize", "--pixels", "32", "--waves", "2:8", "-o", "map.asc"]);
+    // A run of ten nanometres ends before sliding sets in: a trace, and no mean.
+    let printed = place.succeed(&["validate", "calibration.toml", "--sliding-um", "0.01", "-o", "out"]);
+    for said in
+        ["synthetic", "Nothing was tuned", "20 um is modelled, 5.2 um was measured", "with squares", "slope x 0.5"]
+    {
+        assert!(printed.contains(said), "{said}: {printed}");
+    }
+    let folder = place.path("out");
+    let pictures = ["area-law.svg", "friction.svg", "interface-end.svg", "interface-squares.svg", "interface.svg"];
+    let mut expected = vec!["area-law.csv", "friction.csv", "interface.csv", "ratios.csv", "ratios.svg", "report.html"];
+    expected.extend(pictures);
+    expected.extend(["result.json", "rims.csv", "rims.svg", "timings.json"]);
+    expected.sort_unstable();
+    assert_eq!(names(&folder), expected);
+    let table = fs::read_to_string(folder.join("ratios.csv")).unwrap();
+    // Two conditions at three slopes and at the measured depth.
+    assert_eq!(table.lines().count(), 1 + 2 * 4);
+    let result = json(&fs::read_to_string(folder.join("result.json")).unwrap());
+    assert_eq!(result["synthetic_surface"], true);
+    assert!(fs::read_to_string(folder.join("ratios.svg")).unwrap().contains("(synthetic surface)"));
+    // The page holds every picture, every measurement with its deviation, and what time integration found.
+    let page = fs::read_to_string(folder.join("report.html")).unwrap();
+    assert_eq!(page.matches("<figure>").count(), pictures.len() + 3);
+    for said in [
+        "0.278 ± 0.001",
+        "0.224 ± 0.001",
+        "no_onset",
+        "altitude map behind the area law is synthetic",
+        "Nothing was tuned",
+        "What rims of unknown height can and cannot explain",
+    ] {
+        assert!(page.contains(said), "{said}");
+    }
+    // Grooves and squares without rims, and with four heights of two widths, at both pressures.
+    assert_eq!(fs::read_to_string(folder.join("rims.csv")).unwrap().lines().count(), 1 + 2 * 9 * 2);
+    let rims = result["rims"]["rows"].as_array().unwrap();
+    let first = |height: f64| {
+        let row = rims.iter().find(|row| row["planform"] == "square" && row["rim_height_um"] == height).unwrap();
+        row["ratio"][0].as_f64().unwrap()
+    };
+    assert!(first(0.0) > first(0.1) && first(0.1) > first(0.5), "{rims:?}");
+    // The source is another one: nothing that the LDPE paper says stands here.
+    assert_eq!(result["published"], Value::Array(Vec::new()));
+    assert_eq!(result["in_time"]["mu_flat"], Value::Null);
+    // f(P0) = 1, and f = [A(P)/A(P0)] / [P/P0] of the areas listed beside it.
+    let law = &result["area_laws"][1];
+    let at = |key: &str, mpa: f64| {
+        let pressures = law["pressure_mpa"].as_array().unwrap();
+        let row = pressures.iter().position(|pressure| pressure.as_f64() == Some(mpa)).unwrap();
+        law[key][row].as_f64().unwrap()
+    };
+    let factor = at("area_fraction", 2.6) / at("area_fraction", 0.7) * (0.7 / 2.6);
+    assert!((at("factor", 2.6) - factor).abs() < 1e-9 && at("factor", 0.7) == 1.0, "{factor}");
+}
+
+#[test]
 fn a_dynamic_run_says_from_when_it_averaged() {
     let scene = SCENE
         .replace("[0.65, 2.6]", "2.6")
@@ -234,6 +348,16 @@ fn a_page_explores_a_design_or_a_material_before_any_search() {
         place.succeed(&["explore", file, "-o", page]);
         let text = std::fs::read_to_string(place.path(page)).unwrap();
         assert!(text.contains("id=\"explorer-data\""), "{page}");
+        let said = [
+            "What is expected of a cut sample of any design within the bounds",
+            " is interpolated between computed designs: of ",
+        ];
+        assert_eq!(said.into_iter().find(|said| !text.contains(said)), None, "{page}");
+        assert!(text.contains("no files belong to it") && !text.contains("files beside this page"), "{page}");
+        // What there is not is not spoken of; flat friction is known.
+        assert_eq!(text.contains("chance on target"), page == "explore.html", "{page}");
+        assert!(page == "explore.html" || !text.contains("Hatched"), "{page}");
+        assert!(text.contains("\"flat_mu\":[0.27") || page == "explore.html", "{page}");
     }
     // A folder takes the page, which is the same when it is written again.
     let text = std::fs::read_to_string(place.path("explore.html")).unwrap();
@@ -247,6 +371,20 @@ fn a_page_explores_a_design_or_a_material_before_any_search() {
     let refused = place.run(&["explore", "conditions.toml"]);
     let said = String::from_utf8_lossy(&refused.stderr).into_owned();
     assert!(said.contains("conditions.toml: ") && said.contains("--speed-mm-s"), "{said}");
+    let said = |args: &[&str]| {
+        let ended = place.run(&[&["explore", "-o", "r.html"], args].concat());
+        assert_eq!(ended.status.code(), Some(2), "{args:?}");
+        String::from_utf8_lossy(&ended.stderr).into_owned()
+    };
+    let at = |speed: &'static str, humidity: &'static str| ["--speed-mm-s", speed, "--humidity-pct", humidity];
+    // What stands in a file or in a flag is refused there, and no condition is asked for in its place.
+    std::fs::write(place.path("high.toml"), material.replace("0.27", "27")).unwrap();
+    let high = said(&["high.toml"]);
+    assert!(high.contains("high.toml:5: friction.dynamic_mean: 27") && !high.contains("--speed-mm-s"), "{high}");
+    let own = format!("condition = {{ speed_mm_s = 2.0, humidity_pct = 50.0 }}\n{}", small());
+    std::fs::write(place.path("own.toml"), own).unwrap();
+    let own = said(&[&["own.toml"], &at("2", "50")[..]].concat());
+    assert!(own.contains("its own speed"), "{own}");
     // Reports have the explorer, unless it is left out.
     place.run(&["optimize", "design.toml", "-o", "without", "--no-explorer"]);
     assert!(!std::fs::read_to_string(place.path("without/report.html")).unwrap().contains("explorer-data"));

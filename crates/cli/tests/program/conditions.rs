@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use crate::common::{Place, free, number, result, short, trusted};
+use crate::common::{CALIBRATION, Place, free, number, result, short, trusted};
 use serde_json::Value;
 
 /// Condition of the material: speed in mm/s, humidity in percent, mean local dynamic coefficient.
@@ -143,7 +143,7 @@ fn a_ratio_target_and_a_peak_pressure_hold_at_the_worst_condition() {
         ("low-first.toml", &limited(FIRST)),
         ("low-both.toml", &limited(&both)),
     ]);
-    place.succeed(&["optimize", "both.toml"]);
+    place.succeed(&["optimize", "both.toml", "--table"]);
     let found = result(&place, "out/both");
     assert!(at(&found).len() == 2 && at(&found).iter().all(is_within), "{found}");
     // Between them ratios lie between: the ends of a range of friction stand for it.
@@ -152,6 +152,8 @@ fn a_ratio_target_and_a_peak_pressure_hold_at_the_worst_condition() {
     for mean in [0.2, 0.25, 0.3, 0.35, 0.4, 0.45] {
         assert!((ends[0]..=ends[1]).contains(&of(mean)), "{mean} {} {ends:?}", of(mean));
     }
+    let table = fs::read_to_string(place.path("out/both/table.csv")).unwrap();
+    assert!(table.starts_with("width_um,spacing_um,depth_um,ratio_at_2.6_mpa,ratio_at_2.6_mpa_2_mm_s_80_pct,"));
 
     // Pressures are highest where friction is: the limit holds there.
     for file in ["low-first.toml", "low-both.toml"] {
@@ -214,4 +216,49 @@ fn a_range_is_the_list_of_its_conditions_and_each_humidity_has_its_own_discrepan
         assert!(own.len() == 3 && own.iter().all(|factor| (factor - own[0]).abs() < 2e-3), "{own:?}");
     }
     assert!((humid[0] / dry[0] - 0.73 / 0.81).abs() < 0.05 && humid[0] < dry[0] - 0.04, "{dry:?} {humid:?}");
+}
+
+#[test]
+fn a_calibration_takes_in_every_condition_of_a_range() {
+    let calibration =
+        CALIBRATION.replace("flat = \"flat.csv\"", "flat = \"flat.csv\"\npatterned = \"patterned.csv\"").replace(
+            "[fit]",
+            "[pattern]\nplanform = \"groove\"\nwidth_um = 130.0\nspacing_um = 370.0\ndepth_um = 20.0\n[fit]",
+        );
+    // At 5 mm/s nothing is needed: the range ends before.
+    let table = |dry: f64, humid: f64| {
+        let mut text = "force_n,speed_mm_s,humidity_pct,mu_dynamic,mu_dynamic_std\n".to_owned();
+        for (humidity, mu) in [(15, 0.25 * dry), (80, 0.28 * humid)] {
+            for (force, more) in [(100, 0.99), (150, 1.0), (205, 1.01)] {
+                text += &format!("{force},2,{humidity},{},0.0025\n", mu * more);
+            }
+        }
+        text + &format!("205,5,15,{},0.0025\n", 0.3 * dry)
+    };
+    let text = free(&design("quantity = \"ratio\"\nvalue = 0.8\ntolerance = 0.08", &[(2.0, 15.0, 0.27)], ""));
+    let (from, to) = (text.find("[material]").unwrap(), text.find("[target]").unwrap());
+    let named = format!("{}{}", &text[..from], &text[to..]);
+    let with = |humidity: &str| {
+        let header = format!(
+            "name = \"test design\"\nmaterial = \"c.toml\"\ncondition = {{ speed_mm_s = 2.0, humidity_pct = {humidity} }}\n"
+        );
+        named.replace("name = \"test design\"\n", &header)
+    };
+    let place = Place::with(&[
+        ("a.toml", &with("[15.0, 80.0]")),
+        ("outside.toml", &with("[15.0, 81.0]")),
+        ("c.toml", &calibration),
+        ("flat.csv", &table(1.0, 1.0)),
+        ("patterned.csv", &table(0.9, 0.8)),
+    ]);
+    let message = place.refuse(&["optimize", "outside.toml"]);
+    assert!(message.contains("outside.toml:3: condition: ") && message.contains("2 mm/s at 81 %"), "{message}");
+    place.succeed(&["optimize", "a.toml"]);
+    let found = result(&place, "out/a");
+    assert_eq!((found["trials"].as_u64(), at(&found).len()), (Some(1), 2));
+    // Measured ratios are 0.9 at 15 % and 0.8 at 80 %; modelled ones hardly differ.
+    let [dry, humid] = factors(&found)[..] else { panic!("{found}") };
+    assert!((humid / dry / (0.8 / 0.9) - 1.0).abs() < 0.05, "{dry} {humid}");
+    let flat = number(&found["confirmed"][0]["mu_flat"]);
+    assert!((flat / (0.25 * 1.01) - 1.0).abs() < 0.02, "{flat}");
 }

@@ -22,7 +22,13 @@ fn press(run: &Child) {
 /// Starts the program, presses Ctrl-C after `after_s` seconds, and waits; `None` if the run had ended by itself.
 fn interrupted(place: &Place, args: &[&str], after_s: f64) -> Option<Output> {
     let mut run = start(place, args);
-    std::thread::sleep(Duration::from_secs_f64(after_s));
+    let started = Instant::now();
+    while started.elapsed().as_secs_f64() < after_s {
+        if run.try_wait().unwrap().is_some() {
+            return None;
+        }
+        std::thread::sleep(Duration::from_millis(5));
+    }
     if run.try_wait().unwrap().is_some() {
         return None;
     }
@@ -115,7 +121,7 @@ fn every_stage_of_a_design_ends_and_names_what_goes_on() {
     }
     let place = Place::with(&[("discs.toml", &discs())]);
     let mut stages = Vec::new();
-    for after_s in [0.2, 0.6, 1.5, 3.0] {
+    for after_s in [0.2, 0.6, 1.5, 3.0, 8.0, 20.0, 60.0] {
         let Some(output) = interrupted(&place, &["optimize", "discs.toml", "-o", "out"], after_s) else { break };
         let message = told(&place, &output);
         if message.contains("answers of the search's model are kept in out.study.jsonl") {
@@ -125,6 +131,27 @@ fn every_stage_of_a_design_ends_and_names_what_goes_on() {
         stages.push(message);
     }
     assert!(stages.iter().any(|message| message.contains("--resume")), "{stages:?}");
+}
+
+#[test]
+fn the_command_that_is_named_goes_on() {
+    if crate::common::ignores_ctrl_c() {
+        return;
+    }
+    let place = Place::with(&[("design.toml", DESIGN)]);
+    let output = interrupted(&place, &["optimize", "design.toml", "-o", "out"], 0.4);
+    let kept = output.map(|output| told(&place, &output)).filter(|message| message.contains("--resume"));
+    if let Some(message) = kept {
+        let (before, _) = message.split_once(" answers of the search's model").unwrap();
+        let answers = before.split_whitespace().next_back().unwrap();
+        let again = place.run(&["optimize", "design.toml", "-o", "out", "--resume"]);
+        let said = String::from_utf8_lossy(&again.stderr).into_owned();
+        // No design lies within the one per cent that is asked for.
+        assert!(
+            matches!(again.status.code(), Some(0 | 3)) && said.contains(&format!("took over {answers} answers")),
+            "{message}{said}"
+        );
+    }
 }
 
 #[test]
@@ -172,4 +199,36 @@ fn a_second_one_ends_at_once() {
     // One signal where the system took both for one; either way it ends.
     assert_eq!(output.status.code(), Some(130));
     assert!(!place.path("out").exists());
+}
+
+#[test]
+fn files_are_whole_or_absent_whenever_it_is_pressed() {
+    if crate::common::ignores_ctrl_c() {
+        return;
+    }
+    let result = r#"{"name": "x", "version": "0", "seed": 1, "design": {"width_um": 40.0, "spacing_um": 50.0,
+        "depth_um": 5.2, "planform": "square", "areal_density": 0.1, "section_density": 0.1}, "laser": {"spot_um": 23.0},
+        "specimen": {"shape": "disc", "diameter_mm": 20.0},
+        "material": {"name": "", "source": "", "synthetic_surface": false, "notes": []}}"#;
+    let place = Place::with(&[("result.json", result)]);
+    let args = ["export", "result.json", "--format", "dxf,svg,csv,corners,hatch,plt,stl", "-o", "out"];
+    let started = Instant::now();
+    place.succeed(&args);
+    let whole_s = started.elapsed().as_secs_f64();
+    let files = crate::common::names(&place.path("out"));
+    for moment in 1..6 {
+        std::fs::remove_dir_all(place.path("out")).unwrap();
+        if let Some(output) = interrupted(&place, &args, whole_s * f64::from(moment) / 6.0)
+            && output.status.code() == Some(130)
+        {
+            let message = String::from_utf8_lossy(&output.stderr).into_owned();
+            assert!(message.contains("interrupted"), "{message}");
+        }
+        if place.path("out").exists() {
+            assert_eq!(crate::common::names(&place.path("out")), files);
+        } else {
+            std::fs::create_dir(place.path("out")).unwrap();
+        }
+        assert!(place.names().iter().all(|name| !name.contains(".part")), "{:?}", place.names());
+    }
 }

@@ -42,6 +42,7 @@ fn a_trial_moves_what_is_expected_and_says_what_to_do() {
     let place = Place::with(&[
         ("without.toml", &of(near, "")),
         ("with.toml", &of(near, TRIAL)),
+        ("met.toml", &of("value = 0.78\ntolerance = 0.02", TRIAL)),
         // Measured at another pressure, it is no sample on target, and speaks for those nearby.
         (
             "series.toml",
@@ -68,6 +69,15 @@ fn a_trial_moves_what_is_expected_and_says_what_to_do() {
     // The run in time is the model alone.
     let [modelled, confirmed] = ["/modelled/0/ratio", "/confirmed/0/ratio"].map(|at| number(with.pointer(at).unwrap()));
     assert!((modelled - confirmed).abs() < 1e-6, "{modelled} {confirmed}");
+
+    let told = place.succeed(&["optimize", "met.toml"]);
+    let found = result(&place, "out/met");
+    let plain = told.split_whitespace().collect::<Vec<_>>().join(" ");
+    let words = "nothing need be cut: trial \"first\" (width/spacing/depth 80/120/10 um) already meets the target; the likeliest other texture has a chance of ";
+    assert!(found["advice"] == "trial_meets_it" && plain.contains(words), "{told}");
+    assert!(fs::read_to_string(place.path("out/met/report.html")).unwrap().contains("already meets the target"));
+    let next = json(&place.succeed(&["next", "met.toml", "--json"]));
+    assert_eq!((&next["advice"], &next["words"]), (&found["advice"], &found["words"]));
 
     let told = place.succeed(&["optimize", "series.toml"]);
     let found = result(&place, "out/series");

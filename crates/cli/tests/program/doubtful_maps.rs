@@ -47,6 +47,54 @@ fn spiked(high: f64) -> impl Fn(usize, usize, f64) -> f64 {
     }
 }
 
+fn law<'a>(map: &'a str, flags: &[&'a str]) -> Vec<&'a str> {
+    [&["area-law", map, "--pressures-mpa", "0.3,0.7,2.6", "--windows", "1"][..], flags].concat()
+}
+
+#[test]
+fn spikes_are_named_by_surface_and_area_law_and_removed_when_asked() {
+    let place = place(&[("spiked.asc", &spiked(SPIKE_NM))]);
+    let clean = json(&place.succeed(&["surface", "clean.asc", "--json"]));
+    assert!(clean.get("warnings").is_none(), "{}", clean["warnings"]);
+    let slope = |result: &Value| result["parameters"]["rms_slope"].as_f64().unwrap();
+
+    let found = json(&place.succeed(&["surface", "spiked.asc", "--json"]));
+    let warnings = strings(&found["warnings"]);
+    assert!(warnings[0].starts_with("spikes: 5 points in 4 places stand alone"), "{warnings:?}");
+    assert!(warnings[0].contains("rows 20 to 90, columns 0 to 8") && warnings[0].contains("--despike"), "{warnings:?}");
+    assert!(slope(&found) > 1.3 * slope(&clean));
+    let text = place.succeed(&["surface", "spiked.asc"]);
+    assert!(text.contains("\n! spikes: 5 points"), "{text}");
+
+    let despiked = json(&place.succeed(&["surface", "spiked.asc", "--despike", "--json"]));
+    assert!(despiked.get("warnings").is_none());
+    assert!(strings(&despiked["model"]).iter().any(|note| note.starts_with("despiked: 5 points in 4 places")));
+    assert!((slope(&despiked) / slope(&clean) - 1.0).abs() < 0.01, "{} {}", slope(&despiked), slope(&clean));
+    let untouched = json(&place.succeed(&["surface", "clean.asc", "--despike", "--json"]));
+    assert!(strings(&untouched["model"]).contains(&"despiked: no spikes were found"));
+    assert_eq!(untouched["parameters"], clean["parameters"]);
+
+    let said = json(&place.succeed(&law("spiked.asc", &["--json"])));
+    assert!(strings(&said["warnings"])[0].starts_with("spikes: 5 points"), "{said}");
+    assert!(place.succeed(&law("spiked.asc", &[])).contains("\n! spikes: 5 points"));
+    let [clean, despiked] = [law("clean.asc", &["--json"]), law("spiked.asc", &["--despike", "--json"])]
+        .map(|args| json(&place.succeed(&args)));
+    assert!(despiked.get("warnings").is_none() && clean.get("warnings").is_none());
+    let factor = |law: &Value| law["results"][2]["factor"].as_f64().unwrap();
+    assert!((factor(&despiked) / factor(&clean) - 1.0).abs() < 0.01, "{} {}", factor(&despiked), factor(&clean));
+}
+
+#[test]
+fn zeros_in_place_of_points_and_pixels_of_two_units_are_named() {
+    let zeros = |row: usize, col: usize, height: f64| if row < 8 && col < 8 { 0.0 } else { height };
+    let place = place(&[("zeros.asc", &zeros)]);
+    let found = json(&place.succeed(&["surface", "zeros.asc", "--json"]));
+    assert!(strings(&found["warnings"])[0].starts_with("zeros: 64 of 9216 points are exactly 0 in blocks"), "{found}");
+    let oblong = ["surface", "clean.asc", "--pixel-um", "0.5", "--pixel-y-um", "500", "--json"];
+    let found = json(&place.succeed(&oblong));
+    assert!(strings(&found["warnings"])[0].starts_with("pixels: pixels of 0.5 x 500 um are implausible"), "{found}");
+}
+
 #[test]
 fn what_is_wrong_with_a_map_stands_in_every_result_that_rests_on_it() {
     let place = place(&[("spiked.asc", &spiked(SPIKE_NM))]);
@@ -114,6 +162,53 @@ fn a_law_that_rises_above_one_and_slopes_of_no_surface_are_refused() {
         let said = place.refuse(&args);
         assert!(said.starts_with(message), "{args:?}: {said}");
     }
+    let said = place.refuse(&["area-law", "high.asc", "--windows", "1"]);
+    assert!(said.contains("spikes: ") && said.contains("--despike"), "{said}");
+    assert!(place.refuse(&["area-law", "metres.asc"]).contains("unit of heights: Sq is"));
+    place.succeed(&["area-law", "high.asc", "--windows", "1", "--despike", "--json"]);
+    std::fs::write(
+        place.path("calibration.toml"),
+        CALIBRATION.replace("persson_rms_slope = 0.0137", "map = \"high.asc\""),
+    )
+    .unwrap();
+    assert!(place.refuse(&["calibrate", "calibration.toml"]).contains("the area law means nothing"));
+    let said = place.refuse(&["surface", "metres.asc", "-o", "out"]);
+    assert!(said.contains("expected a slope from 1e-7 to 10: see the units of heights (--height-unit"), "{said}");
+    assert!(!place.path("out").exists());
+    // A surface without heights is one, and one that is steeper than those that slide is warned of.
+    place.succeed(&["surface", "flat.asc"]);
+    let steep = |_: usize, _: usize, height: f64| 100.0 * height;
+    let place = self::place(&[("steep.asc", &steep)]);
+    let text = place.succeed(&["surface", "steep.asc"]);
+    assert!(text.contains("\n! slope: the rms slope is 3.00e0"), "{text}");
+}
+
+#[test]
+fn maps_that_are_hardly_there_are_told_or_refused() {
+    let seen = |least: usize| {
+        move |row: usize, col: usize, height: f64| {
+            // Squares of 32 x 32 pixels, one third or less of each side seen.
+            if row % 32 < least && col % 32 < least { height } else { f64::NAN }
+        }
+    };
+    let place = place(&[("tenth.asc", &seen(11)), ("hundredth.asc", &seen(4)), ("most.asc", &seen(31))]);
+    let missing = |map: &str| {
+        let found = json(&place.succeed(&["surface", map, "--json"]));
+        strings(&found["warnings"])
+            .iter()
+            .find(|warning| warning.starts_with("missing points"))
+            .map(|w| (*w).to_owned())
+    };
+    assert!(missing("tenth.asc").unwrap().starts_with("missing points: 88 % of the map (8127 of 9216 points)"));
+    assert_eq!(missing("most.asc"), None);
+    for command in ["surface", "area-law"] {
+        let said = place.refuse(&[command, "hundredth.asc"]);
+        assert!(said.starts_with("error: hundredth.asc: 9072 of 9216 points are missing"), "{said}");
+    }
+    let law =
+        ["area-law", "tenth.asc", "--windows", "1", "--pressures-mpa", "0.7,2.6", "--threshold-mpa", "0.7", "--json"];
+    let law = json(&place.succeed(&law));
+    assert!(strings(&law["warnings"])[0].starts_with("missing points: 88 %"), "{law}");
 }
 
 #[test]

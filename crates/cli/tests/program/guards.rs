@@ -33,6 +33,26 @@ fn inputs_and_what_others_wrote_are_not_replaced() {
     }
     assert_eq!(contents(), before);
     assert_eq!(names(&place.path("job")), ["scene.toml"]);
+    // What begins as a file of slipgrid is none.
+    place.succeed(&[&MAP[..], &["-o", "own.asc"]].concat());
+    fs::create_dir(place.path("others")).unwrap();
+    for (name, text, args) in [
+        (
+            "pattern.svg",
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"100mm\"><!-- mine --></svg>",
+            vec!["optimize", "d.toml"],
+        ),
+        ("section.csv", "x_um,height_um\n0,1\n", vec!["surface", "own.asc"]),
+        ("interface.csv", "load_mpa,surface,x_um,pressure_mpa,friction_mpa\nmine\n", vec!["simulate", "s.toml"]),
+        ("table.csv", "task,due,who\nbuy laser,2026-12-01,me\n", vec!["optimize", "d.toml", "--table"]),
+        ("process.toml", "# Process sheet. Mine\n", vec!["optimize", "d.toml"]),
+    ] {
+        fs::write(place.path("others").join(name), text).unwrap();
+        let message = place.refuse(&[&args[..], &["-o", "others"]].concat());
+        assert!(message.contains(&format!("others holds {name}, which was not written by slipgrid")), "{message}");
+        assert_eq!(fs::read_to_string(place.path("others").join(name)).unwrap(), text);
+        fs::remove_file(place.path("others").join(name)).unwrap();
+    }
     // Files that are not in the way are nobody's concern.
     place.succeed(&["simulate", "s.toml", "-o", "job"]);
     fs::write(place.path("job/result.json"), "{\"mine\": 1}").unwrap();
@@ -103,8 +123,28 @@ fn what_stands_in_the_way_is_said_before_anything_is_computed() {
 }
 
 #[test]
-fn designs_that_do_not_fit_on_the_specimen_are_no_answer() {
+fn a_design_that_no_specimen_takes_is_refused_before_the_search() {
     let place = Place::with(&[]);
+    for (from, to, says) in [
+        (
+            "diameter_mm = 10.0",
+            "diameter_mm = 0.03",
+            "widths do not fit whole on the specimen, whose extent is 0.03 mm",
+        ),
+        (
+            "shape = \"disc\"\ndiameter_mm = 10.0",
+            "shape = \"rectangle\"\nlength_mm = 10000.0\nwidth_mm = 10000.0",
+            "cavities fit on the specimen: expected at most 10000000",
+        ),
+    ] {
+        let squares = small().replace("\"groove\"", "\"square\"").replace("[search]", "[search]\ndimensions = 2");
+        fs::write(place.path("d.toml"), squares.replace("diameter_mm = 1.0", "diameter_mm = 10.0").replace(from, to))
+            .unwrap();
+        let message = place.refuse(&["optimize", "d.toml"]);
+        assert!(message.contains("specimen") && message.contains(says), "{message}");
+        assert_eq!(place.names(), ["d.toml"]);
+    }
+    // Where only some designs fit, the others are no answer.
     fs::write(place.path("d.toml"), small().replace("diameter_mm = 1.0", "diameter_mm = 0.07")).unwrap();
     let code = place.run(&["optimize", "d.toml"]).status.code();
     assert!(matches!(code, Some(0 | 3 | 4)), "{code:?}");

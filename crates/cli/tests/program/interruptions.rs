@@ -49,6 +49,29 @@ fn a_full_disk_is_said_and_leaves_nothing() {
 }
 
 #[test]
+fn a_place_that_takes_no_files_is_refused_at_once() {
+    // Not even a superuser makes files there.
+    if !fs::exists("/proc/self").unwrap_or(false) {
+        return;
+    }
+    let place = Place::with(&[("scene.toml", SCENE), ("result.json", &result())]);
+
+    for command in [
+        vec!["simulate", "scene.toml", "-o", "/proc/out"],
+        vec!["export", "result.json", "-o", "/proc/out"],
+        vec!["synthesize", "--pixels", "32", "--waves", "2:8", "-o", "/proc/out"],
+    ] {
+        let output = place.run(&command);
+        let message = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(1), "{message}");
+        assert!(message.starts_with("error: /proc/out: cannot be written: "), "{message}");
+    }
+    assert_eq!(place.names(), ["result.json", "scene.toml"]);
+    // A folder that holds a result stands for it.
+    assert_eq!(place.succeed(&["export", ".", "--format", "csv"]).trim(), "./pattern.csv");
+}
+
+#[test]
 fn a_device_is_written_to_and_not_replaced() {
     if !fs::exists("/dev/full").unwrap_or(false) {
         return;

@@ -62,6 +62,47 @@ fn a_design_is_found_confirmed_and_written_for_a_laser() {
     }
 }
 
+/// Exports a result made by hand, so that no solver is involved.
+#[test]
+fn every_planform_can_be_exported() {
+    let result = |texture: &str| {
+        format!(
+            r#"{{"name": "by hand", "version": "0", "seed": 1, "design": {{"width_um": 130.0, "spacing_um": 370.0,
+            "depth_um": 5.2, {texture}, "areal_density": 0.1, "section_density": 0.1}}, "laser": {{}},
+            "specimen": {{"shape": "disc", "diameter_mm": 10.0}},
+            "material": {{"name": "", "source": "", "synthetic_surface": false, "notes": []}}}}"#
+        )
+    };
+    for (texture, says) in [
+        (r#""planform": "disc", "arrangement": "staggered""#, "Pattern: disc, staggered, width 130.000 um"),
+        (r#""planform": "groove", "angle_deg": 30.0"#, "Pattern: groove, turned by 30 degrees from lying across x"),
+        (r#""planform": "square", "sliding_angle_deg": 45.0"#, "Sliding direction: 45 degrees from x"),
+        (
+            r#""planform": "rectangle", "length_um": 200.0, "spacing_across_um": 50.0"#,
+            "Pattern: rectangle, length 200.000 um, spacing across 50.000 um",
+        ),
+    ] {
+        let place = Place::with(&[("result.json", &result(texture))]);
+        place.succeed(&["export", "result.json", "--format", "dxf,svg,csv,process", "-o", "laser"]);
+        let drawing = fs::read_to_string(place.path("laser/pattern.dxf")).unwrap();
+        assert!(drawing.contains(says), "{texture}");
+        // Two circles at least: the outline and a disc.
+        assert_eq!(drawing.matches("\nCIRCLE\n").count() > 1, texture.contains("disc"));
+    }
+    for (texture, says) in [
+        (
+            r#""planform": "groove", "arrangement": "staggered""#,
+            r#"design.arrangement: "staggered" has no meaning for planform "groove""#,
+        ),
+        (r#""planform": "disc", "sliding_angle_deg": 200.0"#, "design.sliding_angle_deg: 200.0 is out of range"),
+        (r#""planform": "rectangle", "length_um": -1.0"#, "design.length_um: -1.0 is out of range"),
+    ] {
+        let place = Place::with(&[("result.json", &result(texture))]);
+        let message = place.refuse(&["export", "result.json", "--format", "dxf", "-o", "laser"]);
+        assert!(message.starts_with(&format!("error: result.json: {says}")), "{message}");
+    }
+}
+
 #[test]
 fn a_mask_has_contours_and_no_lines() {
     let result = |exposure: &str| {
@@ -74,6 +115,15 @@ fn a_mask_has_contours_and_no_lines() {
         )
     };
     let place = Place::with(&[("mask.json", &result("mask")), ("hatch.json", &result("hatch"))]);
+    for (format, what) in [("gcode", "G-code"), ("hatch", "hatch.csv")] {
+        let said = place.refuse(&["export", "mask.json", "--format", format, "-o", "refused"]);
+        assert!(
+            said.contains(&format!("{what} holds the lines of a spot, but a mask exposes whole cavities")),
+            "{said}"
+        );
+        assert!(said.contains("--format dxf, plt or corners") && !place.path("refused").exists(), "{said}");
+    }
+    // The others are written, and what is not is said with the reason of each.
     let some = place.run(&["export", "mask.json", "--format", "gcode,dxf,hatch,csv", "-o", "some"]);
     let said = String::from_utf8_lossy(&some.stderr).into_owned();
     assert_eq!(some.status.code(), Some(1), "{said}");

@@ -1,9 +1,14 @@
 //! Polygons and crossing grooves from the input file to the laser's file.
 
 use std::fs;
+use std::path::Path;
 
 use crate::common::{Place, SCENE, json, small};
 use serde_json::Value;
+
+fn shipped(name: &str) -> String {
+    fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../../designs").join(name)).unwrap()
+}
 
 /// Scene of coarse blocks with the lines `keys` instead of the planform.
 fn scene(keys: &str) -> String {
@@ -16,6 +21,45 @@ fn scene(keys: &str) -> String {
 fn simulated(place: &Place, text: &str) -> Value {
     fs::write(place.path("a.toml"), text).unwrap();
     json(&place.succeed(&["simulate", "a.toml", "--json"]))
+}
+
+#[test]
+fn hexagons_of_a_drawing_are_those_of_a_list_of_vertices() {
+    let place = Place::with(&[]);
+    // Coarser, and with nothing behind the layer: in a second.
+    let coarse = shipped("scene-hexagon.toml").replace("block_um = 20.0", "block_um = 20.0\nlayer_um = 40.0");
+    fs::write(place.path("scene-hexagon.toml"), coarse.replace("depth_um = 20.0", "depth_um = 15.0")).unwrap();
+    fs::write(place.path("hexagon.svg"), shipped("hexagon.svg")).unwrap();
+    let drawn = json(&place.succeed(&["simulate", "scene-hexagon.toml", "--json"]));
+    assert_eq!((drawn["dimensions"].as_u64(), drawn["pattern"]["vertices_um"].as_array().unwrap().len()), (Some(3), 6));
+    // Hexagons within hexagons one pitch apart.
+    assert!((drawn["areal_density"].as_f64().unwrap() - (100.0_f64 / 160.0).powi(2)).abs() < 1e-9);
+    let ratios = |told: &Value| -> Vec<f64> {
+        told["results"].as_array().unwrap().iter().map(|load| load["ratio"].as_f64().unwrap()).collect()
+    };
+    assert!(ratios(&drawn)[1] < 0.95 && ratios(&drawn)[1] < ratios(&drawn)[0], "{drawn}");
+    // The same by a list of vertices at another scale, and by a DXF drawing.
+    let corners: Vec<[f64; 2]> = (0..6)
+        .map(|k| (f64::from(k) * 60.0 + 30.0_f64).to_radians())
+        .map(|angle| [7.0 * angle.cos(), 7.0 * angle.sin()])
+        .collect();
+    let list = format!("vertices_um = {}", serde_json::to_string(&corners).unwrap());
+    let vertices: String = corners.iter().map(|[x, y]| format!("0\nVERTEX\n8\nHEX\n10\n{x}\n20\n{y}\n")).collect();
+    let dxf =
+        format!("0\nSECTION\n2\nENTITIES\n0\nPOLYLINE\n8\nHEX\n66\n1\n70\n1\n{vertices}0\nSEQEND\n0\nENDSEC\n0\nEOF\n");
+    fs::write(place.path("hexagon.dxf"), dxf).unwrap();
+    for other in [list.as_str(), "outline = \"hexagon.dxf\"\noutline_layer = \"HEX\""] {
+        let text = fs::read_to_string(place.path("scene-hexagon.toml"))
+            .unwrap()
+            .lines()
+            .map(|line| if line.starts_with("outline") { other } else { line })
+            .collect::<Vec<_>>()
+            .join("\n");
+        let told = simulated(&place, &text);
+        for (a, b) in ratios(&drawn).iter().zip(ratios(&told)) {
+            assert!((a - b).abs() < 1e-12, "{a} {b}");
+        }
+    }
 }
 
 #[test]
@@ -33,6 +77,35 @@ fn plain_planforms_as_polygons_and_crossings_as_they_should_be() {
     for keys in ["sliding_angle_deg = 90", "angle_deg = 25\nsliding_angle_deg = 25"] {
         let same = ratio(&format!("planform = \"crosshatch\"\n{keys}"));
         assert!((same - found).abs() < 1e-9, "{keys}: {same} {found}");
+    }
+}
+
+#[test]
+fn crossing_grooves_are_searched_confirmed_and_exported() {
+    let place = Place::with(&[]);
+    let keys = "\"crosshatch\"\nangle_deg = -30.0\ncrossing_angle_deg = 60.0";
+    let text = small().replace("\"groove\"", keys).replace("spot_um = 23.0", "spot_um = 23.0\nspeed_mm_s = 100.0");
+    // Grooves that cross take more than half of the face.
+    let text = text.replace("value = 0.9", "value = [0.8, 0.65]");
+    fs::write(place.path("crossed.toml"), text).unwrap();
+    place.succeed(&["optimize", "crossed.toml", "-o", "out"]);
+    let result = json(&fs::read_to_string(place.path("out/result.json")).unwrap());
+    let design = &result["design"];
+    let [width, spacing] = ["width_um", "spacing_um"].map(|key| design[key].as_f64().unwrap());
+    let density = 1.0 - (spacing / (width + spacing)).powi(2);
+    assert!((design["areal_density"].as_f64().unwrap() - density).abs() < 1e-9);
+    assert_eq!((design["crossing_angle_deg"].as_f64(), result["dimensions"].as_u64()), (Some(60.0), Some(3)));
+    let process = fs::read_to_string(place.path("out/process.toml")).unwrap();
+    assert!(
+        process.contains("crossing_angle_deg = 60.0") && process.contains("crossings are marked once"),
+        "{process}"
+    );
+    // The confirming run is a scene that reads back.
+    place.succeed(&["simulate", "out/scene.toml", "--json"]);
+    let formats = "dxf,svg,csv,process,plt,gcode,corners,hatch,png,stl";
+    place.succeed(&["export", "out/result.json", "--format", formats, "-o", "files"]);
+    for name in ["pattern.gcode", "removed.stl", "height-map.png", "corners.csv"] {
+        assert!(fs::metadata(place.path("files").join(name)).unwrap().len() > 500, "{name}");
     }
 }
 

@@ -53,8 +53,43 @@ fn a_spoilt_repeat_is_named_everywhere_and_can_be_left_out() {
     let told = place.succeed(&["traces", "c.toml"]);
     assert!(told.contains("mean of 2  0.3065") && told.contains("sp-3.txt left out by `exclude`"), "{told}");
     assert!(!told.contains("spoilt"), "{told}");
+    for (exclude, says) in [
+        ("exclude = [\"sp-4.txt\"]\n", "\"sp-4.txt\" leaves out none of the files"),
+        ("exclude = [\"sp-*.txt\"]\n", "is left out as a whole"),
+    ] {
+        fs::write(place.path("c.toml"), calibration("", exclude)).unwrap();
+        let refused = place.refuse(&["traces", "c.toml"]);
+        assert!(refused.contains(says), "{refused}");
+    }
     let pair = place.succeed(&[&["traces", "sp-1.txt", "sp-3.txt"], &FLAGS[..]].concat());
     assert!(pair.contains("36 % above the 0.3050 of sp-1.txt: one of the two may be spoilt"), "{pair}");
+}
+
+#[test]
+fn titles_of_ones_own_are_given_in_the_calibration() {
+    let header = HEADER.replace("Reibkraft", "F_tan").replace("Normalkraft", "F_norm");
+    let place = Place::with(&[("sp-1.txt", &run(&header, 1, 0.304)), ("sp-2.txt", &run(&header, 2, 0.306))]);
+    let refused = place.refuse(&[&["traces", "sp-1.txt"], &FLAGS[..]].concat());
+    let proposed = "columns = { friction_force = \"...\", normal_force = \"...\" }";
+    assert!(
+        refused.contains("sp-1.txt:1: `t [s];x [mm];F_tan [N];F_norm [N]`") && refused.contains(proposed),
+        "{refused}"
+    );
+    let columns = "columns = { friction_force = \"F_tan\", normal_force = \"F_norm\" }\n";
+    fs::write(place.path("c.toml"), calibration(columns, "")).unwrap();
+    let told = place.succeed(&["traces", "c.toml"]);
+    assert!(told.contains("mean of 2  0.3050"), "{told}");
+    for (columns, says) in [
+        (
+            "columns = { normal_force = \"F_norm [psi]\" }\n",
+            "normal_force: \"F_norm [psi]\" has the unit \"psi\", which is not known",
+        ),
+        ("columns = { normal_force = \"-\" }\n", "normal_force: \"-\" is no title"),
+    ] {
+        fs::write(place.path("c.toml"), calibration(columns, "")).unwrap();
+        let refused = place.refuse(&["traces", "c.toml"]);
+        assert!(refused.contains(says), "{refused}");
+    }
 }
 
 #[test]
@@ -70,6 +105,93 @@ fn a_stated_speed_that_the_position_does_not_have_is_told() {
         let told = told(file, speed);
         assert!(!told.contains("position"), "{told}");
     }
+}
+
+#[test]
+fn an_offset_of_all_traces_is_told_once() {
+    // Strokes of half a second, with an offset of the sensor of 12 to 14 % of friction.
+    let strokes = |seed: u32, offset: f64| {
+        let mut text = "time_s,friction_force_n,normal_force_n\n".to_owned();
+        for i in 0..=4500 {
+            let t = 0.01 * f64::from(i);
+            let side = if (2.0 * t + 1e-6).floor() % 2.0 == 0.0 { 1.0 } else { -1.0 };
+            let ripple = 1e-3 * (1.7 * f64::from(i * (seed + 3))).sin();
+            writeln!(text, "{t:.3},{:.5},60.0", (0.3 * (1.0 + 1e-3 * f64::from(seed)) * side + ripple + offset) * 60.0)
+                .unwrap();
+        }
+        text
+    };
+    let place = Place::with(&[
+        ("sp-1.txt", &strokes(1, 0.036)),
+        ("sp-2.txt", &strokes(2, 0.039)),
+        ("sp-3.txt", &strokes(3, 0.042)),
+        ("c.toml", &calibration("reciprocating = true\n", "")),
+    ]);
+    for command in [&["traces", "c.toml", "-o", "out"][..], &["calibrate", "c.toml", "-o", "m.toml"]] {
+        let told = place.succeed(command);
+        assert!(told.contains("3 of 3 traces, the first of them flat sample, "), "{told}");
+        assert_eq!(told.matches("there and back").count(), 1, "{told}");
+    }
+    // Each trace keeps its own in the table.
+    assert_eq!(fs::read_to_string(place.path("out/traces.csv")).unwrap().matches("there and back").count(), 3);
+}
+
+#[test]
+fn a_column_with_a_slip_of_the_pen_in_its_title_is_named_with_the_title_that_is_meant() {
+    let of = |title: &str| run(&HEADER.replace("x [mm]", title), 1, 0.305);
+    let place = Place::with(&[("slip.txt", &of("Positon (mm)")), ("wear.txt", &of("Wear (mm)"))]);
+    let told = |file: &str| place.succeed(&[&["traces", file], &FLAGS[..]].concat());
+    let slip = told("slip.txt");
+    assert!(slip.contains("slip.txt: the column `Positon (mm)` is not used: "), "{slip}");
+    assert!(slip.contains("near to `position`"), "{slip}");
+    let wear = told("wear.txt");
+    assert!(!wear.contains("not used"), "{wear}");
+}
+
+#[test]
+fn a_stretch_without_numbers_is_named_with_its_column_and_times() {
+    // The row of 0.05 n s is in line n + 2.
+    let without = |rows: std::ops::Range<usize>, word: &str| {
+        let whole = run(HEADER, 1, 0.305);
+        let row = |(n, line): (usize, &str)| {
+            let mut cells: Vec<&str> = line.split(';').collect();
+            if rows.contains(&n) {
+                cells[2] = word;
+            }
+            cells.join(";") + "\n"
+        };
+        let (header, lines) = whole.split_once('\n').unwrap();
+        format!("{header}\n{}", lines.lines().enumerate().map(row).collect::<String>())
+    };
+    let place = Place::with(&[
+        ("middle.txt", &without(400..600, "NaN")),
+        ("end.txt", &without(500..901, "")),
+        ("most.txt", &without(5..900, "NaN")),
+        ("all.txt", &without(0..901, "---")),
+        ("few.txt", &without(400..405, "NaN")),
+    ]);
+    let flags = |file: &'static str| [&["traces", file], &FLAGS[..]].concat();
+    for (file, says) in [
+        (
+            "middle.txt",
+            "middle.txt:402: Reibkraft [N]: 200 of 901 rows have no number from 20.00 to 29.95 s (lines 402 to 601), and friction is \
+             averaged from 10 to 40 s: ",
+        ),
+        ("end.txt", "end.txt:502: Reibkraft [N]: 401 of 901 rows have no number from 25.00 to 45.00 s"),
+        ("most.txt", "most.txt:7: Reibkraft [N]: 895 of 901 rows have no number from 0.25 to 44.95 s"),
+        ("all.txt", "all.txt:2: Reibkraft [N]: none of the 901 rows below the header has a number; expected"),
+    ] {
+        let refused = place.refuse(&flags(file));
+        assert!(refused.contains(says), "{refused}");
+        assert!(!refused.contains("Time [s]") && refused.contains("; expected "), "{refused}");
+    }
+    let told = place.succeed(&flags("few.txt"));
+    assert!(
+        told.contains(
+            "5 of 901 rows have no number in Reibkraft [N] from 20.00 to 20.20 s (lines 402 to 406): left out"
+        ),
+        "{told}"
+    );
 }
 
 /// Export of a run under `force_n` that starts with the head unloaded; its friction and normal force are 0.3 N and 2.4
@@ -121,4 +243,40 @@ fn an_offset_before_touchdown_is_told_at_all_forces_and_zero_s_removes_it() {
     }
     let by_flag = place.succeed(&[&["traces", "z-60.txt", "--zero-s", "0,3"], &FLAGS[..]].concat());
     assert!(by_flag.contains("mean of 1  0.2500"), "{by_flag}");
+    for (keys, more, says) in [
+        (
+            "zero_s = [2.0, 1.0]\n",
+            "",
+            "c.toml:12: traces.zero_s: [2.0, 1.0] is no span of time; expected two increasing times before",
+        ),
+        ("zero_s = [1.0]\n", "", "c.toml:12: traces.zero_s: [1.0] is no span of time"),
+        ("zero_s = [0.0, nan]\n", "", "c.toml:12: traces.zero_s: nan is out of range; expected"),
+        ("zero_s = [-1.0, 2.0]\n", "", "c.toml:12: traces.zero_s: -1.0 is out of range; expected"),
+        (
+            "zero_s = [0.0, 12.0]\n",
+            "",
+            "c.toml:12: traces.zero_s: [0.0, 12.0] reaches into the averaging window, which begins at 10 s; expected a span before",
+        ),
+        (
+            "",
+            "zero_s = [50.0, 60.0]\n",
+            "c.toml:17: traces.condition.zero_s: [50.0, 60.0] reaches into the averaging window",
+        ),
+        (
+            "zero_s = [0.0, 4.5]\n",
+            "",
+            "z-60.txt: the normal force is 11.39991 N at 4.15 s, within the zero from 0 to 4.5 s, of 62.40 N in the window: expected",
+        ),
+        (
+            "zero_s = [0.0, 0.1]\n",
+            "",
+            "z-60.txt: the zero from 0 to 0.1 s holds 3 samples, one every 0.05 s: expected a zero_s",
+        ),
+    ] {
+        fs::write(place.path("c.toml"), text(keys, more)).unwrap();
+        let refused = place.refuse(&["traces", "c.toml"]);
+        assert!(refused.contains(says), "{says}\n{refused}");
+    }
+    let refused = place.refuse(&[&["traces", "z-60.txt", "--zero-s", "3,0"], &FLAGS[..]].concat());
+    assert!(refused.contains("--zero-s: 3,0 is no span of time; expected two increasing times, 0,2"), "{refused}");
 }

@@ -2,10 +2,14 @@
 
 use std::fs;
 
-use crate::common::{DESIGN, Place, THREE_FORCES, number, patterned_calibration};
+use crate::common::{DESIGN, Place, SCENE, THREE_FORCES, number, patterned_calibration};
 use serde_json::Value;
 
 const RIMS: &str = "rim_height_um = 0.1\nrim_width_um = 20.0\nrim_profile = \"flat\"\n";
+
+fn scene(rims: &str) -> String {
+    SCENE.replace("depth_um = 20.0\n", &format!("depth_um = 20.0\n{rims}"))
+}
 
 /// Design of a short sample at one pressure.
 fn design(rims: &str, tolerances: &str) -> String {
@@ -19,6 +23,90 @@ fn design(rims: &str, tolerances: &str) -> String {
         .replace("[40.0, 1000.0]", "[80.0, 300.0]")
         .replace("planform = \"groove\"\n", &format!("planform = \"groove\"\n{rims}"));
     format!("{text}{tolerances}")
+}
+
+fn simulated(place: &Place, name: &str) -> Value {
+    serde_json::from_str(&place.succeed(&["simulate", name, "--json"])).unwrap()
+}
+
+#[test]
+fn a_scene_says_its_rims_and_one_of_no_height_is_none() {
+    let flat = scene("rim_height_um = 0\nrim_width_um = 20.0\n");
+    let (with, without) = (scene(RIMS), scene(""));
+    let place = Place::with(&[("with.toml", &with), ("without.toml", &without), ("flat.toml", &flat)]);
+    assert!(place.succeed(&["simulate", "with.toml"]).contains("flat rims 0.1 um high, 20 um wide"));
+    let (with, without) = (simulated(&place, "with.toml"), simulated(&place, "without.toml"));
+    // The higher the load, the more a rim is pressed into the land.
+    let change = |row: usize| number(&with["results"][row]["ratio"]) - number(&without["results"][row]["ratio"]);
+    assert!(-0.2 < change(0) && change(0) < change(1) && change(1) < -5e-3, "{} {}", change(0), change(1));
+
+    // Not even a key of a rim of no height is written.
+    for name in ["flat", "without"] {
+        place.succeed(&["simulate", &format!("{name}.toml"), "-o", name]);
+    }
+    let bytes = |name: &str| fs::read(place.path(name).join("result.json")).unwrap();
+    assert_eq!(bytes("flat"), bytes("without"));
+}
+
+#[test]
+fn rims_flatten_where_the_material_yields() {
+    let yields = |mpa: &str| {
+        scene(RIMS).replace("density_g_cm3 = 0.9", &format!("density_g_cm3 = 0.9\nyield_pressure_mpa = {mpa}"))
+    };
+    let (soft, hard) = (yields("5.0"), yields("1000"));
+    let place = Place::with(&[
+        ("soft.toml", &soft),
+        ("hard.toml", &hard),
+        ("never.toml", &scene(RIMS)),
+        ("bad.toml", &yields("-1")),
+    ]);
+    let [soft, hard, never] = ["soft.toml", "hard.toml", "never.toml"].map(|name| simulated(&place, name));
+    for row in 0..2 {
+        let of = |result: &Value, key: &str| number(&result["results"][row][key]);
+        assert_eq!(of(&hard, "ratio"), of(&never, "ratio"));
+        let (own, elastic) = (of(&soft, "ratio"), of(&never, "ratio"));
+        // At 0.65 MPa nothing bears 5 MPa; at 2.6 MPa what rims and edges no longer carry the land between does.
+        assert!(if row == 0 { own == elastic } else { own > elastic + 1e-4 }, "{own} {elastic}");
+        assert!(of(&soft, "peak_pressure_mpa") <= 5.0 * (1.0 + 1e-9), "{soft}");
+    }
+    assert!(
+        soft["model"].to_string().contains("flatten for good at 5 MPa, in the order of the loads"),
+        "{}",
+        soft["model"]
+    );
+    let refused = place.refuse(&["simulate", "bad.toml"]);
+    assert!(refused.contains("material.yield_pressure_mpa") && refused.contains("-1"), "{refused}");
+}
+
+#[test]
+fn rims_that_mean_nothing_are_refused_and_narrow_ones_told() {
+    let narrow = scene("rim_height_um = 0.1\nrim_width_um = 10.0\n");
+    let place = Place::with(&[("narrow.toml", &narrow)]);
+    let told = String::from_utf8(place.run(&["simulate", "narrow.toml"]).stderr).unwrap();
+    let warned = "warning: narrow.toml:16: pattern.rim_width_um: 10.0 is narrower than two blocks of 10 um";
+    assert!(told.contains(warned) && told.contains("expected block_um = 5 or less"), "{told}");
+    for (rims, refused) in [
+        ("rim_height_um = 0.1\n", "x.toml:15: pattern.rim_height_um: 0.1 stands without a width"),
+        ("rim_width_um = 20\nrim_profile = \"flat\"\n", "x.toml:15: pattern.rim_width_um: 20 stands without a height"),
+        ("rim_height_um = 0.1\nrim_width_um = 20\nrim_heights_um = [[1, 2]]\n", "x.toml:17: pattern.rim_heights_um"),
+        (
+            "rim_heights_um = [[5, 1], [4, 2]]\nrim_width_um = 20\n",
+            "x.toml:15: pattern.rim_heights_um: [[5, 1], [4, 2]] has a depth of 4 um",
+        ),
+        ("rim_height_um = 0.1\nrim_width_um = 20\nrim_profile = \"square\"\n", "\"round\" or \"flat\" or \"ramp\""),
+        ("rim_height_um = 2000\nrim_width_um = 20\n", "expected a number from 0 up to 1000 um"),
+    ] {
+        fs::write(place.path("x.toml"), scene(rims)).unwrap();
+        let message = place.refuse(&["simulate", "x.toml"]);
+        assert!(message.contains(refused), "{rims}: {message}");
+    }
+    let unknown = design("", "[tolerances]\nrim_height_std_um = 0.02\n");
+    fs::write(place.path("d.toml"), unknown).unwrap();
+    let message = place.refuse(&["optimize", "d.toml"]);
+    assert!(
+        message.contains("tolerances.rim_height_std_um: 0.02 is of rims that [pattern] does not have"),
+        "{message}"
+    );
 }
 
 #[test]

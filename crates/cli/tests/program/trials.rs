@@ -6,6 +6,9 @@ use std::fs;
 
 use crate::common::{CALIBRATION, DESIGN, Place, SCENE, correction};
 use serde_json::Value;
+use slipgrid_base::units::LENGTH_STD_UM;
+use slipgrid_io::disk::disk;
+use slipgrid_io::formats::calibration::Calibration;
 
 /// Forces, in newtons, with pressures of 0.64 to 2.55 MPa on the disc, and the flat sample's friction.
 const FORCES_N: [f64; 3] = [50.0, 100.0, 200.0];
@@ -151,6 +154,49 @@ fn several_samples_complement_each_other_and_those_that_are_pending() {
     assert_eq!((after["pending"].as_u64(), after["trials"].as_u64()), (Some(1), Some(0)));
     assert_ne!(lengths(&after["samples"][0]), lengths(&alone["samples"][0]));
     assert!(after["one_on_target"].as_f64().unwrap() >= chances(&alone)[0] - 0.02, "{after}");
+}
+
+/// Two samples of one texture whose measurements contradict each other are reported once.
+#[test]
+fn samples_of_one_texture_that_contradict_each_other_are_named_once() {
+    let place = place();
+    let mut calibration = CALIBRATION.to_owned();
+    for (name, ratio) in [("cut-1", 0.84), ("cut-2", 0.98)] {
+        let file = format!("{name}.csv");
+        fs::write(place.path(&file), table([ratio; 3])).unwrap();
+        calibration += &trial(name, [150.0, 300.0, 12.0], &format!("measurements = \"{file}\"\n"));
+    }
+    fs::write(place.path("pair.toml"), calibration).unwrap();
+    for command in ["calibrate", "trials"] {
+        let said = place.succeed(&[command, "pair.toml", "-o", command]);
+        assert_eq!(said.matches("contradicting samples: \"cut-1\" and \"cut-2\"").count(), 1, "{said}");
+    }
+}
+
+/// A ratio requires a flat sample at the same force, speed and humidity; rows without one are reported.
+#[test]
+fn rows_of_a_trial_without_a_flat_partner_are_named() {
+    let calibration = format!("{CALIBRATION}\n{}", trial("A", [100.0, 200.0, 10.4], "measurements = \"a.csv\"\n"));
+    let rows = table([0.9; 3]);
+    let place = Place::with(&[
+        ("flat.csv", &table([1.0; 3])),
+        ("calibration.toml", &calibration),
+        ("a.csv", &rows.replace("\n100,2,", "\n141,2,")),
+    ]);
+    let output = place.run(&["trials", "calibration.toml"]);
+    let told = String::from_utf8(output.stderr).unwrap();
+    assert!(
+        output.status.success()
+            && told.contains("a.csv:3: force_n: 141 has no flat sample beside it, measured at 141 N, 2 mm/s, 15 %"),
+        "{told}"
+    );
+    fs::write(place.path("a.csv"), rows.replace(",2,15,", ",2,40,")).unwrap();
+    let output = place.run(&["trials", "calibration.toml"]);
+    let told = String::from_utf8(output.stderr).unwrap();
+    assert!(
+        output.status.code() == Some(2) && told.contains("a.csv:2") && told.contains("50 N, 2 mm/s, 15 %"),
+        "{told}"
+    );
 }
 
 /// A misplaced decimal point in a measurement is reported with the resulting ratio and a correction.
@@ -303,6 +349,17 @@ fn a_sample_that_slides_as_it_was_confirmed_lacks_nothing() {
     }
 }
 
+/// A pending sample is predicted at the conditions of the flat measurements.
+#[test]
+fn a_pending_sample_stands_in_the_ledger_with_what_is_predicted() {
+    let calibration = format!("{CALIBRATION}\n{}", trial("to come", [100.0, 200.0, 10.4], ""));
+    let place = Place::with(&[("flat.csv", &table([1.0; 3])), ("calibration.toml", &calibration)]);
+    let said = place.succeed(&["trials", "calibration.toml", "-o", "ledger"]);
+    assert!(said.contains("pending: cut and not yet measured") && said.contains("to come    0.333"), "{said}");
+    let page = fs::read_to_string(place.path("ledger/report.html")).unwrap();
+    assert!(page.contains("Pending: cut and not yet measured"));
+}
+
 /// Trials on specimens of another size are matched by pressure: a pin of 2 mm radius needs 0.16 times the force of a
 /// disc of 5 mm radius, and forces are set in round numbers.
 #[test]
@@ -376,4 +433,24 @@ fn sectors_of_one_disc_are_drawn_and_become_trials() {
     assert_eq!(learned.matches("disc = \"three cuts, disc 1\"").count(), 3, "{learned}");
     let ledger: Value = serde_json::from_str(&place.succeed(&["trials", "calibration.toml", "--json"])).unwrap();
     assert_eq!(ledger["trials"][2]["disc"], "three cuts, disc 1");
+}
+
+#[test]
+fn a_pattern_states_the_errors_of_its_dimensions() {
+    let place = Place::with(&[("flat.csv", &table([1.0; 3])), ("patterned.csv", &table([0.95, 0.94, 0.93]))]);
+    let named = CALIBRATION.replace("flat = \"flat.csv\"", "flat = \"flat.csv\"\npatterned = \"patterned.csv\"");
+    let lengths = "planform = \"groove\"\nwidth_um = 130.0\nspacing_um = 370.0\ndepth_um = 5.2\n";
+    let read = |keys: &str| {
+        fs::write(place.path("c.toml"), format!("{named}[pattern]\n{lengths}{keys}")).unwrap();
+        Calibration::read(&disk(), &place.path("c.toml"))
+    };
+    let stds_m = |keys: &str| read(keys).unwrap().stated.trials.samples[0].dimensions_std_m;
+    assert_eq!(stds_m(""), [0.0; 3]);
+    let expected = [8.0, 13.0, 1.3].map(|um| LENGTH_STD_UM.to_si(um));
+    assert_eq!(stds_m("width_std_um = 8.0\nspacing_std_um = 13.0\ndepth_std_um = 1.3\n"), expected);
+    let refused = read("depth_std_um = 5.0\n").unwrap_err().to_string();
+    assert!(
+        refused.contains("pattern.depth_std_um: 5.0 is more than a third of the measured depth, 5.2 um"),
+        "{refused}"
+    );
 }

@@ -1,6 +1,6 @@
 //! Unusual values are warned of before a run that they may cause to be refused.
 
-use crate::common::{CALIBRATION, DESIGN, Place, small};
+use crate::common::{CALIBRATION, DESIGN, Place, SCENE, small};
 
 /// Table with forces of 0.6 and 1 N entered in kN, and friction with its two forces exchanged.
 const SLIPS: &str =
@@ -27,6 +27,23 @@ fn slips_of_units_and_columns_are_told_before_a_run_is_refused() {
         assert_eq!(message.matches(EXCHANGED).count(), 1, "{message}");
     }
     assert!(!place.refuse(&["calibrate", "c.toml", "-q"]).contains("warning"));
+}
+
+#[test]
+fn a_material_whose_coefficients_are_all_above_1_is_asked_about() {
+    let high = |text: &str| {
+        text.replace("static_mean = 0.30", "static_mean = 2.8").replace("dynamic_mean = 0.27", "dynamic_mean = 2.5")
+    };
+    let place = Place::with(&[("s.toml", &high(SCENE)), ("usual.toml", SCENE), ("d.toml", &high(&small()))]);
+    let says = "in each other's place, friction would be 0.4";
+    let told = |args: &[&str]| String::from_utf8(place.run(args).stderr).unwrap();
+    let simulated = told(&["simulate", "s.toml"]);
+    assert!(simulated.contains("warning: s.toml:6: material.friction.dynamic_mean: 2.5 is unusual"), "{simulated}");
+    assert!(simulated.contains(says), "{simulated}");
+    assert!(!told(&["simulate", "usual.toml"]).contains("warning"));
+    let designed = told(&["optimize", "d.toml"]);
+    assert!(designed.contains("warning: d.toml:7: material.friction.dynamic_mean: 2.5 is unusual"), "{designed}");
+    assert!(designed.contains(says), "{designed}");
 }
 
 #[test]

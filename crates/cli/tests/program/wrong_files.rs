@@ -63,6 +63,27 @@ fn a_folder_in_place_of_a_file() {
 }
 
 #[test]
+fn an_empty_file_and_a_missing_table_are_said_with_the_command_that_writes_one() {
+    let cut = DESIGN.find("[target]").unwrap()..DESIGN.find("[bounds]").unwrap();
+    let without_target = DESIGN.replace(&DESIGN[cut], "");
+    let place = Place::with(&[("empty.toml", "# nothing\n"), ("design.toml", &without_target)]);
+    for (args, file, writes) in [
+        (&["optimize", "empty.toml"][..], "empty.toml: holds no keys", "`slipgrid new design`"),
+        (&["simulate", "empty.toml"], "empty.toml: holds no keys", "`slipgrid new scene`"),
+        (&["calibrate", "empty.toml"], "empty.toml: holds no keys", "`slipgrid new calibration`"),
+        (&["campaign", "plan", "empty.toml", "-o", "out"], "empty.toml: holds no keys", "base = \"scene.toml\""),
+        (
+            &["optimize", "design.toml"],
+            "design.toml:1: target: is missing; expected a table [target]",
+            "`slipgrid new design`",
+        ),
+    ] {
+        let message = place.refuse(args);
+        assert!(message.starts_with(&format!("error: {file}")) && message.contains(writes), "{message}");
+    }
+}
+
+#[test]
 #[cfg(unix)]
 fn a_file_without_an_end_is_refused() {
     let place = Place::with(&[]);
