@@ -40,7 +40,7 @@ pub use trials::{NextArgs, TrialsArgs};
         slipgrid calibrate calibration/ldpe-cast-iron/calibration.toml -o ldpe.toml"
 )]
 pub struct Arguments {
-    /// Threads, at most as many as cores; all cores by default. Results do not depend on it
+    /// Threads, 1 to 1024, of which no more than cores are started; all cores by default. Results do not depend on it
     #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=MAX_THREADS as u64))]
     pub threads: Option<u64>,
     /// Recompute everything. Without this flag, contact areas, fits and runs of earlier commands are reused from the

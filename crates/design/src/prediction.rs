@@ -3,6 +3,7 @@
 use crate::results::PatternReport;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use slipgrid_base::statistics::NORMAL_95;
 use slipgrid_base::units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, tidy};
 use slipgrid_infer::discrepancy::{Prediction as Distribution, Predictor, Score, Sensitivity, information};
 
@@ -136,7 +137,7 @@ impl Prediction {
     }
 
     /// Inputs that limit the chance, sorted by decreasing chance without them: for each the resulting standard deviation
-    /// of the ratio, and the chance if the input were known to equal its current value.
+    /// of the ratio, and the chance if the input were known to equal its current value, or if samples did not scatter.
     pub fn limited_by(&self, asked: &Asked, predictor: &Predictor, modulus_std: f64) -> Vec<LimitedBy> {
         let (n, sensitivity) = (self.texture.ratio.len(), &self.texture.sensitivity);
         let medians = self.medians();
@@ -153,15 +154,28 @@ impl Prediction {
             trials => format!("known from {trials} trials"),
         };
         let known = predictor.of_known_form(&self.texture.candidate(), &self.distribution.medians());
-        // Contribution to the total scatter: sqrt(s^2 - s_without^2).
+        // Normal errors add their variances: sqrt(s^2 - s_without^2) of the moments.
         let added = |without: &Distribution, load: usize| {
             let [all, rest] = [&self.distribution, without].map(|of| of.moments(load).1);
             (all * all - rest * rest).max(0.0).sqrt()
         };
-        add("model error", trials, ratio_std(&|load| added(&known, load)), (&known, own_ratio));
+        // The model's error and the scatter are mixtures, whose moments are ruled by rare large members and would exceed the
+        // interval that is stated. They count by how much they widen it: s = R (exp q_97.5 - exp q_2.5) / (2 1.96).
+        let width = |of: &Distribution, load: usize| {
+            let [low, high] = [0.025, 0.975].map(|share| of.quantile(load, share).exp());
+            own_ratio[load] * (high - low) / (2.0 * NORMAL_95)
+        };
+        let widening = |without: &Distribution| -> Vec<f64> {
+            let of = |load| {
+                let [all, rest] = [&self.distribution, without].map(|of| width(of, load));
+                tidy((all * all - rest * rest).max(0.0).sqrt())
+            };
+            (0..n).map(of).collect()
+        };
+        add("model error", trials, widening(&known), (&known, own_ratio));
         let alike = predictor.without_scatter().of(&self.texture.candidate());
-        let known_to = format!("{:.1} %", 100.0 * asked.learned.sample_std());
-        add(SCATTER, known_to, ratio_std(&|load| added(&alike, load)), (&alike, own_ratio));
+        let known_to = "as samples of one texture differ".to_owned();
+        add(SCATTER, known_to, widening(&alike), (&alike, own_ratio));
         if modulus_std > 0.0 {
             // A texture chosen for zero slope scatters by the second order.
             let second = self.texture.parts.iter().position(|part| part.name == MODULUS);
@@ -301,9 +315,10 @@ pub struct LimitedBy {
     pub input: String,
     /// Accuracy of the input, in words.
     pub known_to: String,
-    /// Standard deviation of the ratio by this input alone, one per load.
+    /// Standard deviation of the ratio by this input alone, one per load; of the model's error and of the scatter between
+    /// samples, by how much they widen the 95 % interval, over 1.96.
     pub std: Vec<f64>,
-    /// Chance if the input were known exactly.
+    /// Chance without the error of this input.
     pub chance_if_known: f64,
 }
 

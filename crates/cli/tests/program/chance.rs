@@ -52,7 +52,7 @@ fn the_chance_comes_first_with_what_is_expected_and_what_limits_it() {
         (&"known to 21 %".into(), &"made to 6 um".into())
     );
     assert!(limits.iter().all(|limit| number(&limit["std"][0]) > 0.0), "{limits:?}");
-    assert!(told.contains("limited mostly by model error (no trial yet): exactly known, "), "{told}");
+    assert!(told.contains("limited mostly by model error (no trial yet): without it, "), "{told}");
     // A texture made to 6 um scatters by six times what its median changes along a micrometre, and by what the model lacks more or less of there.
     let slopes = found["slopes"].as_array().unwrap();
     let slope = slopes.iter().find(|slope| slope["dimension"] == "width_um").unwrap();

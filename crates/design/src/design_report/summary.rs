@@ -76,7 +76,7 @@ impl DesignReport {
     /// Main limit of the chance, in words.
     pub fn limit_in_words(&self) -> Option<String> {
         let LimitedBy { input, known_to, chance_if_known, .. } = self.limit()?;
-        Some(format!("limited mostly by {input} ({known_to}): exactly known, {} chance", percent(*chance_if_known)))
+        Some(format!("limited mostly by {input} ({known_to}): without it, {} chance", percent(*chance_if_known)))
     }
 
     /// Quantity of the expected values.

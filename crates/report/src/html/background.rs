@@ -42,7 +42,7 @@ pub(super) fn area_law(page: &mut Page, law: &AreaLaw) {
         let std = law.factor_std().and_then(|all| all.get(row).copied());
         table.row([plain(significant(PRESSURE_MPA.from_si(*pressure_pa), 4)), with_error(*factor, std, 4)]);
     }
-    let shown = if step == 1 { "" } else { " The material file has every pressure." };
+    let shown = if step == 1 { "" } else { " Some pressures are left out." };
     page.table(
         &format!(
             "The area law: local friction is the local coefficient times f at the local pressure p, dimensionless. ± is one standard \

@@ -144,7 +144,7 @@ fn limited_by(page: &mut Page, report: &DesignReport) {
     table.column("how well it is known", |limit| micrometres(&limit.known_to));
     table.column("standard deviation", |limit| number(limit.std.get(last).copied(), 4));
     if report.sample.chance.is_some() {
-        table.column("chance if it were known exactly", |limit| chance_words(limit.chance_if_known));
+        table.column("chance without it", |limit| chance_words(limit.chance_if_known));
     }
     page.table(
         &format!(

@@ -194,7 +194,7 @@ fn limits(page: &mut Page, report: &DesignReport, found: Option<&DesignOutcome>)
                     div class="input" {
                         span {
                             (Text(&limit.input)) small { " " (Text(&limit.known_to))
-                                @if raises(limit) { "; if known exactly: " (percent(limit.chance_if_known)) " chance" }
+                                @if raises(limit) { "; without it: " (percent(limit.chance_if_known)) " chance" }
                             }
                         }
                         div { div style=(bar(std(limit))) {} } b { (number(std(limit), 3)) }

@@ -97,7 +97,7 @@ fn a_page_holds_every_number_with_its_error_and_asks_the_network_for_nothing() {
         "At 2.6 MPa a cut sample is expected to have a ratio to flat friction of 0.791 (95 % of samples: 0.702 to 0.880). Accepted: 0.820 to 0.840.",
         "<a href=\"process.toml\">process.toml</a>",
         "<th scope=\"row\">time under the laser</th><td>13.0 s</td>",
-        "model error<small> known from one trial; if known exactly: 40 % chance</small>",
+        "model error<small> known from one trial; without it: 40 % chance</small>",
         "<div style=\"width:100.0%\"></div></div><b>0.040</b>",
         "accepted: half the width of the target",
         "the altitude map is synthetic, not measured",
@@ -194,7 +194,7 @@ fn a_goal_alone_has_neither_chance_nor_tolerance() {
     assert!(page.contains(
         "Goal: the least standard deviation of the ratio over its mean. Expected 0.1000, model alone 0.1100."
     ));
-    for absent in [">accepted<", "against what is accepted", "if known exactly", "class=\"odds\"", "Accepted:"] {
+    for absent in [">accepted<", "against what is accepted", "without it: ", "class=\"odds\"", "Accepted:"] {
         assert!(!page.contains(absent), "{absent}");
     }
     assert!(page.contains("What limits it"));
