@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use slipgrid_infer::calibrate::{CutSample, CutSpecimen, TrialsTask};
-use slipgrid_infer::discrepancy::{Conditions, Discrepancy, Hyperparameters};
+use slipgrid_infer::discrepancy::{Conditions, Discrepancy, DiscrepancyError, Hyperparameters};
 use slipgrid_model::pattern::Pattern;
 
 use super::calibration::read_fitting_pattern;
@@ -22,6 +22,7 @@ use super::unusual;
 use super::values::Number;
 use crate::formats::dimension_error;
 use crate::formats::{Diagnostic, Document, Spanned};
+use slipgrid_base::key_error::KeyError;
 use slipgrid_base::units::RELATIVE_STD;
 
 /// `[[trial]]`: a sample that was cut; pending until it has measurements or traces.
@@ -170,10 +171,14 @@ pub(crate) fn read_trials(
         });
     }
     let hyper = prior.map_or_else(Hyperparameters::default, |table| table.get_ref().clone());
-    // An invalid prior is refused at its table.
     Discrepancy::new(hyper.clone(), Conditions::default(), 0.0, Vec::new()).map_err(|error| {
         let span = prior.map_or(0..0, Spanned::span);
-        document.refuse(span, error.to_string())
+        match error {
+            DiscrepancyError::Hyperparameter { name, expected, .. } => {
+                document.refuse_key(&span, &KeyError::rule(name, "is out of range", expected))
+            }
+            other => document.refuse(span, other.to_string()),
+        }
     })?;
     Ok((TrialsTask { samples, prior: hyper }, read))
 }

@@ -10,28 +10,24 @@ impl Document {
     pub(super) fn explain(&self, error: &toml::de::Error) -> Diagnostic {
         let span = error.span().unwrap_or(0..0);
         let message = error.message();
-        let quoted: Vec<&str> = message.split('`').skip(1).step_by(2).collect();
-        if message.starts_with("unknown field") && !quoted.is_empty() {
-            let written = quoted[0];
+        if let Some((written, known)) = unknown(message, "field") {
             let mut refused = self.refuse(self.value_span(&span, written), "is not a known key");
             refused.value = None;
-            refused.suggestion = nearest(written, quoted[1..].iter().copied()).map(Into::into);
-            return refused.expected(format!("one of {}", quoted[1..].join(", ")));
+            refused.suggestion = nearest(written, known.iter().copied()).map(Into::into);
+            return refused.expected(format!("one of {}", known.join(", ")));
         }
-        if message.starts_with("unknown variant") && !quoted.is_empty() {
+        if let Some((written, known)) = unknown(message, "variant") {
             let mut refused = self.refuse(span, "is not known");
-            refused.suggestion = nearest(quoted[0], quoted[1..].iter().copied()).map(Into::into);
-            let known: Vec<String> = quoted[1..].iter().map(|name| format!("\"{name}\"")).collect();
+            refused.suggestion = nearest(written, known.iter().copied()).map(Into::into);
+            let known: Vec<String> = known.iter().map(|name| format!("\"{name}\"")).collect();
             return refused.expected(known.join(" or "));
         }
-        // The parser's words for a value of another type than a name.
-        let message = if message.starts_with("wanted ") { "invalid type, expected a string" } else { message };
         // Errors of records name their key first.
         if let Some((key, message)) = message.strip_prefix('`').and_then(|message| message.split_once("`: ")) {
             return self.explain_value(self.value_span(&span, key), message);
         }
-        if message.starts_with("missing field") && !quoted.is_empty() {
-            return self.missing(span, quoted[0]);
+        if let Some(key) = message.strip_prefix("missing field `") {
+            return self.missing(span, key.trim_end_matches('`'));
         }
         if message.starts_with("duplicate key") {
             return self.duplicate(span);
@@ -108,6 +104,13 @@ impl Document {
             "one line with this key in its table"
         })
     }
+}
+
+/// Name that serde refused in `message` as an unknown `kind`, and the known names. The name may hold any letter.
+fn unknown<'a>(message: &'a str, kind: &str) -> Option<(&'a str, Vec<&'a str>)> {
+    let (written, known) =
+        message.strip_prefix("unknown ")?.strip_prefix(kind)?.strip_prefix(" `")?.rsplit_once("`, expected ")?;
+    Some((written, known.split('`').skip(1).step_by(2).collect()))
 }
 
 /// Replaces `code` where it occurs as a separate word.

@@ -1,12 +1,14 @@
-//! Deserializer wrapper that refuses lists in place of tables. Derived readers would also take the fields of a
-//! structure, in order, from a list.
+//! Deserializer wrapper that refuses lists in place of tables, and tables in place of names. Derived readers would also
+//! take the fields of a structure, in order, from a list, and a name as the key of an empty table.
 
 use std::fmt;
 
-use serde::de::{DeserializeSeed, Deserializer, EnumAccess, Error, MapAccess, SeqAccess, Unexpected, Visitor};
+use serde::de::value::StrDeserializer;
+use serde::de::{DeserializeSeed, Deserializer, Error, MapAccess, SeqAccess, Unexpected, Visitor};
 use serde::forward_to_deserialize_any;
 
-/// Wraps a deserializer, a seed or a visitor, and refuses lists where a structure is read.
+/// Wraps a deserializer, a seed or a visitor, and refuses lists where a structure is read. Enumerations are read from
+/// names alone.
 pub struct TablesOnly<T>(pub T);
 
 /// A visitor, and whether it reads a structure.
@@ -47,11 +49,11 @@ impl<'de, D: Deserializer<'de>> Deserializer<'de> for TablesOnly<D> {
 
     fn deserialize_enum<V: Visitor<'de>>(
         self,
-        name: &'static str,
+        _: &'static str,
         variants: &'static [&'static str],
         visitor: V,
     ) -> Result<V::Value, D::Error> {
-        self.0.deserialize_enum(name, variants, Reader::of_any(visitor))
+        self.0.deserialize_any(NameReader { visitor, variants })
     }
 
     forward_to_deserialize_any! {
@@ -129,9 +131,24 @@ impl<'de, V: Visitor<'de>> Visitor<'de> for Reader<V> {
     fn visit_map<A: MapAccess<'de>>(self, table: A) -> Result<V::Value, A::Error> {
         self.visitor.visit_map(TablesOnly(table))
     }
+}
 
-    fn visit_enum<A: EnumAccess<'de>>(self, named: A) -> Result<V::Value, A::Error> {
-        self.visitor.visit_enum(named)
+/// A visitor that reads one of `variants` from its name.
+struct NameReader<V> {
+    visitor: V,
+    variants: &'static [&'static str],
+}
+
+impl<'de, V: Visitor<'de>> Visitor<'de> for NameReader<V> {
+    type Value = V::Value;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let names: Vec<String> = self.variants.iter().map(|name| format!("\"{name}\"")).collect();
+        f.write_str(&names.join(" or "))
+    }
+
+    fn visit_str<E: Error>(self, name: &str) -> Result<V::Value, E> {
+        self.visitor.visit_enum(StrDeserializer::new(name))
     }
 }
 

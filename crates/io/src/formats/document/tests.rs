@@ -9,6 +9,14 @@ use super::*;
 struct Outer {
     inner: Inner,
     others: Option<Vec<Inner>>,
+    side: Option<Side>,
+}
+
+#[derive(serde::Deserialize, Debug)]
+#[serde(rename_all = "lowercase")]
+enum Side {
+    Left,
+    Right,
 }
 
 #[derive(serde::Deserialize, Debug)]
@@ -59,6 +67,16 @@ fn refusals_name_line_and_key() {
             "[inner]\nwidth_um = 1\ncount = -3",
             "a.toml:3: inner.count: -3 is out of range; expected a whole number not below zero",
         ),
+        // A name is not the key of an empty table.
+        ("side = { left = {} }", "a.toml:1: side: has the wrong type; expected \"left\" or \"right\""),
+        ("side = 3", "a.toml:1: side: 3 has the wrong type; expected \"left\" or \"right\""),
+        (
+            "side = \"lft\"",
+            "a.toml:1: side: \"lft\" is not known; expected \"left\" or \"right\" (did you mean `left`?)",
+        ),
+        // A name with the marks that messages are quoted by.
+        ("side = \"a`b`c\"", "a.toml:1: side: \"a`b`c\" is not known; expected \"left\" or \"right\""),
+        ("\"a`b\" = 1", "a.toml:1: a`b: is not a known key; expected one of inner, others, side"),
     ] {
         assert_eq!(refused(text), message);
     }
