@@ -10,7 +10,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
-use slipgrid::disk::MAX_THREADS;
+use slipgrid::disk::{MAX_THREADS, cores};
 
 use crate::counts::{shown, to_count};
 
@@ -88,7 +88,8 @@ pub fn pool(_busy: &Busy) -> PyResult<Arc<ThreadPool>> {
     Ok(made)
 }
 
-/// Sets the number of threads to `count`, or to the number of cores if `count` is None. Results do not depend on it.
+/// Sets the number of threads to `count`, of which no more than cores are started, or to the number of cores if `count`
+/// is None. Results do not depend on it.
 #[pyfunction]
 #[pyo3(signature = (count=None))]
 pub fn set_threads(py: Python<'_>, count: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
@@ -100,7 +101,8 @@ pub fn set_threads(py: Python<'_>, count: Option<&Bound<'_, PyAny>>) -> PyResult
     let count = count.map(accepted).transpose()?;
     let _busy = Busy::new(py)?;
     let mut pool = POOL.lock().unwrap_or_else(PoisonError::into_inner);
-    *pool = Pool { wanted: count.unwrap_or(0), made: None };
+    // Threads beyond the cores would only wait for each other.
+    *pool = Pool { wanted: count.map_or(0, |count| count.min(cores())), made: None };
     Ok(())
 }
 

@@ -39,8 +39,8 @@ _Told = tuple[str, list[str], list[Path]]
 _Copied = tuple[bool, Mapping[str, bytes]]
 
 def set_threads(count: int | None = None) -> None:
-    """Sets the number of threads to `count`, or to the number of cores if `count` is None. Results do not depend on it.
-    More than 1024 are refused."""
+    """Sets the number of threads to `count`, of which no more than cores are started, or to the number of cores if `count`
+    is None. Results do not depend on it. More than 1024 are refused."""
 
 def set_cache(library: _Path, is_on: bool, folder: _Path | None) -> None:
     """Keeps results of the library in the file `library` from now on: in the process, and in `folder` or where the environment says;
