@@ -109,7 +109,16 @@ fn a_hidden_rim_is_on_target_within_three_cuts() {
     let ledger = place.succeed(&["trials", "calibration.toml", "-o", "ledger"]);
     assert!(ledger.contains("cut-1") && ledger.contains("predicted by the trials before it"), "{ledger}");
     let names = crate::common::names(&place.path("ledger"));
-    assert_eq!(names, ["report.html", "result.json", "timings.json", "trials.csv", "trials.svg"]);
+    let expected = [
+        "friction-sheet.md",
+        "report.html",
+        "result.json",
+        "result.jsonld",
+        "timings.json",
+        "trials.csv",
+        "trials.svg",
+    ];
+    assert_eq!(names, expected);
     let read: Value = serde_json::from_str(&fs::read_to_string(place.path("ledger/result.json")).unwrap()).unwrap();
     let before = &read["trials"][0]["measured"][0]["before"];
     let [low, high] = [0, 1].map(|end| before["interval_95"][end].as_f64().unwrap());
