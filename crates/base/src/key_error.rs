@@ -1,4 +1,5 @@
-//! Refused keys of records: a record is read without positions, and the document that holds it finds the line by the key.
+//! Errors of refused keys of records. A record is read without file positions; the reader of the file finds the line by
+//! the key.
 
 use std::fmt;
 
@@ -20,7 +21,7 @@ pub enum Refusal {
     OutOfRange {
         /// Number in the unit of the key.
         value: f64,
-        /// Quantity with its range.
+        /// Quantity of the key, with its unit and range.
         quantity: Quantity,
     },
     /// The name is not known.
@@ -30,24 +31,24 @@ pub enum Refusal {
         /// Known names.
         known: Vec<&'static str>,
     },
-    /// The key is absent, and others need it.
+    /// The key is absent, but other keys need it.
     Missing,
     /// The value contradicts a rule.
     Rule {
-        /// What is wrong, as the end of a sentence that begins with key and value.
+        /// Reason, as the end of a sentence that begins with key and value.
         reason: String,
-        /// What would be accepted.
+        /// Accepted values in words, if known.
         expected: Option<String>,
     },
 }
 
 impl KeyError {
-    /// Refusal by a rule.
+    /// Creates the refusal of `key` for `reason`, with the `expected` values in words.
     pub fn rule(key: &'static str, reason: impl Into<String>, expected: impl Into<String>) -> Self {
         Self { key, refusal: Refusal::Rule { reason: reason.into(), expected: Some(expected.into()) } }
     }
 
-    /// Refusal for an `error` of the types that the record converts to, as by [`Refusal::from_error`].
+    /// Creates the refusal of `key` for the `error` of a type that its value converts to, by [`Refusal::from_error`].
     pub fn from_error(key: &'static str, error: &dyn fmt::Display) -> Self {
         Self { key, refusal: Refusal::from_error(error) }
     }
@@ -60,7 +61,8 @@ impl KeyError {
         Refusal::number(value, quantity).map_err(|refusal| Self { key, refusal })
     }
 
-    /// Selects the one of `all` that the value of `key` names.
+    /// Selects the element of `all` that has the name `name`, the value of `key`; `name_of` gives the name of an
+    /// element.
     ///
     /// # Errors
     /// Error of [`Refusal::choice`].
@@ -75,7 +77,7 @@ impl KeyError {
 }
 
 impl Refusal {
-    /// Refusal for an `error`; what is accepted follows after ": expected".
+    /// Creates a refusal from the message of `error`, in which the accepted values follow after ": expected ".
     pub fn from_error(error: &dyn fmt::Display) -> Self {
         let words = error.to_string();
         match words.split_once(": expected ") {
@@ -87,22 +89,22 @@ impl Refusal {
     /// Converts the number `value` to SI units.
     ///
     /// # Errors
-    /// [`Refusal::OutOfRange`] if it is not finite or outside the range of `quantity`.
+    /// [`Refusal::OutOfRange`] if `value` is not finite or outside the range of `quantity`.
     pub fn number(value: f64, quantity: Quantity) -> Result<f64, Self> {
         if quantity.accepts(value) { Ok(quantity.to_si(value)) } else { Err(Self::OutOfRange { value, quantity }) }
     }
 
-    /// Selects the one of `all` that is called `name`.
+    /// Selects the element of `all` whose name, as `name_of` gives it, is `name`.
     ///
     /// # Errors
-    /// [`Refusal::UnknownName`] if there is none.
+    /// [`Refusal::UnknownName`] if no element has this name.
     pub fn choice<T: Copy>(name: &str, all: &[T], name_of: impl Fn(T) -> &'static str) -> Result<T, Self> {
         let found = all.iter().copied().find(|one| name_of(*one) == name);
         let known = || all.iter().map(|one| name_of(*one)).collect();
         found.ok_or_else(|| Self::UnknownName { name: name.to_owned(), known: known() })
     }
 
-    /// What would be accepted, if known.
+    /// Accepted values in words; `None` if unknown.
     pub fn expected(&self) -> Option<String> {
         match self {
             Self::OutOfRange { quantity, .. } => Some(quantity.to_string()),

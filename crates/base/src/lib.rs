@@ -1,12 +1,12 @@
-//! Ground of the other crates: progress and cancelling, units, statistics, and Fourier transforms.
+//! Foundations of the other crates: progress and cancellation, units, statistics, and Fourier transforms.
 //!
 //! | module | content |
 //! |---|---|
 //! | [`monitor`] | progress, cancellation, and the cache of a job |
 //! | [`units`] | units of files and their conversion |
-//! | [`statistics`] | draws, quantiles, and linear algebra |
-//! | [`fft`] | real Fourier transforms |
-//! | [`key_error`] | refused keys of records |
+//! | [`statistics`] | random numbers, distributions, interpolation, and linear algebra |
+//! | [`fft`] | Fourier transforms, and filters of maps |
+//! | [`key_error`] | errors of refused keys of records |
 
 pub mod fft;
 pub mod key_error;

@@ -27,16 +27,18 @@ use pulp::{Simd, WithSimd};
 use crate::fft::number::{Number, vectorized};
 use crate::fft::splits::{LANES, ROOTS, TILE, filter_tile, radix_2, radix_4, transpose};
 
-/// Real and imaginary parts.
+/// Real and imaginary parts of complex numbers.
 type Parts<'a, V> = (&'a mut [V], &'a mut [V]);
 
-/// Bytes of the columns that are transformed together; their number is clamped to the range given by the next two
-/// constants.
+/// Size in bytes of the columns that are transformed together; it determines their number.
 const BLOCK_BYTES: usize = 1 << 20;
+/// Minimum number of columns that are transformed together.
 const MIN_BLOCK_COLUMNS: usize = 32;
+/// Maximum number of columns that are transformed together.
 const MAX_BLOCK_COLUMNS: usize = 128;
-/// Numbers in the rows processed between two checks for cancellation.
+/// Approximate count of numbers that are processed between two checks for cancellation, in whole rows.
 const NUMBERS_PER_CHECK: usize = 1 << 15;
+/// Minimum number of rows of a map.
 const MIN_ROWS: usize = 8;
 
 /// Plan of a filter for maps of one size; see the module documentation.
@@ -44,31 +46,33 @@ const MIN_ROWS: usize = 8;
 pub struct Convolution<T> {
     rows: usize,
     cols: usize,
-    /// c, c^2 and c^3 for every block; block q of a level is a remainder modulo a factor of y^4m - c^4.
+    /// Real and imaginary parts of c, c^2 and c^3 by block; a block is a remainder modulo y^4m - c^4.
     roots: Vec<[[T; 2]; 3]>,
-    /// `roots` rearranged for the splits in tiles, one block per lane: a block of 16 numbers, then four blocks of 4.
+    /// `roots` in the order of the splits in tiles: per lane, the block of 16 numbers, then its four blocks of 4.
     tile_roots: Vec<T>,
-    /// Wave along y, up to cols/2, of each number of a row.
+    /// Wave number along y, from 0 to cols/2, of each number of a row.
     waves_along_y: Vec<u32>,
 }
 
-/// Factors of the waves of a filter.
+/// Factors by which a filter multiplies the waves.
 #[derive(Clone, Copy)]
 pub enum Factors<'a, T> {
-    /// All of them, from [`Convolution::factors`].
+    /// All factors, as [`Convolution::factors`] returns them.
     Stored(&'a [T]),
-    /// `factor(k, l)` as in [`Convolution::factors`], computed while the filter runs: slower, without memory.
+    /// Function `factor(k, l)` as in [`Convolution::factors`], called while the filter runs: slower, but takes no
+    /// memory.
     Computed(&'a dyn Fn(usize, usize) -> f64),
 }
 
-/// Wave of block q among the splits of y^n - 1, as a fraction of all waves: the bits of q mirrored at the binary point.
+/// Wave number of block `block` in the splits of y^n - 1, as a fraction of n: the bits of `block` mirrored at the
+/// binary point.
 fn wave_fraction(block: usize) -> f64 {
     (block as u64).reverse_bits() as f64 / 2f64.powi(64)
 }
 
-/// Returns c, c^2 and c^3 for block q.
+/// Real and imaginary parts of c, c^2 and c^3 for block `block`, a remainder modulo y^4m - c^4.
 fn roots<T: Number>(block: usize) -> [[T; 2]; 3] {
-    // c = exp(2 pi i share/4)
+    // c = exp(2 pi i fraction / 4)
     [1.0, 2.0, 3.0].map(|power| {
         let (sin, cos) = libm::sincos(power * wave_fraction(block) * std::f64::consts::FRAC_PI_2);
         [cos, sin].map(T::round_from)
@@ -109,7 +113,7 @@ impl<T: Number> Convolution<T> {
         (BLOCK_BYTES / (self.rows * size_of::<T>())).clamp(MIN_BLOCK_COLUMNS, MAX_BLOCK_COLUMNS)
     }
 
-    /// Length of the scratch buffer that a filter needs.
+    /// Length of the scratch buffer that a filter needs, in numbers.
     pub fn scratch_len(&self) -> usize {
         (self.rows * self.width()).max(3 * self.cols)
     }
@@ -127,7 +131,7 @@ impl<T: Number> Convolution<T> {
         factors
     }
 
-    /// Writes the factors of wave `k` along x to `row`; `waves` is scratch space of the same length.
+    /// Writes the factors of the waves with `k` periods along x to `row`; `waves` is scratch space of the same length.
     fn row_factors(&self, k: usize, factor: impl Fn(usize, usize) -> f64, waves: &mut [T], row: &mut [T]) {
         // A complex remainder stands for two waves, so the inverse transform halves it.
         let multiplicity = if k == 0 || 2 * k == self.rows { 1.0 } else { 2.0 };
@@ -136,7 +140,7 @@ impl<T: Number> Convolution<T> {
         row.iter_mut().zip(&self.waves_along_y).for_each(|(value, &l)| *value = waves[l as usize]);
     }
 
-    /// Factors of row number `row`, which holds wave `k` along x, stored or in `computed`.
+    /// Factors of row number `row`, which holds the waves with `k` periods along x: stored, or computed in `computed`.
     fn factors_at<'f>(
         &self,
         (row, k): (usize, usize),
@@ -153,7 +157,7 @@ impl<T: Number> Convolution<T> {
         }
     }
 
-    /// Waves along x in the order in which the rows store them: two real rows, then complex rows.
+    /// Numbers of periods along x in the order in which the rows store the waves: two real rows, then complex rows.
     fn waves(&self) -> impl Iterator<Item = usize> {
         let rows = self.rows;
         let complex = self.complex_row_counts().flat_map(move |half| {
@@ -166,14 +170,14 @@ impl<T: Number> Convolution<T> {
         [0, rows / 2].into_iter().chain(complex)
     }
 
-    /// Number of rows of each complex remainder: the real parts, then the imaginary parts. It also is the index of its
-    /// first row.
+    /// Number of rows of each complex remainder, real parts before imaginary parts; it is also the index of the
+    /// remainder's first row.
     fn complex_row_counts(&self) -> impl Iterator<Item = usize> {
         (1..self.rows.ilog2()).map(|power| 1 << power)
     }
 }
 
-/// One application of a filter.
+/// Application of a filter to a map.
 pub(crate) struct Filter<'a, T> {
     pub(crate) plan: &'a Convolution<T>,
     pub(crate) input: &'a [T],
@@ -268,7 +272,7 @@ impl<T: Number> WithSimd for Filter<'_, T> {
 }
 
 impl<T: Number> Convolution<T> {
-    /// Transforms `columns`, rows of equal length, after their first split.
+    /// Transforms `columns`, stored as rows of equal length, after the first split of real numbers.
     #[inline(always)]
     fn columns_forward<S: Simd>(&self, simd: S, columns: &mut [T]) {
         let vectors = T::vectors_mut::<S>(columns);
@@ -306,7 +310,7 @@ impl<T: Number> Convolution<T> {
         }
     }
 
-    /// Filters one row of complex numbers: transform, `factor`, inverse transform.
+    /// Filters one row of complex numbers: transform, multiplication by `factor`, inverse transform.
     #[inline(always)]
     fn row<S: Simd>(&self, simd: S, re: &mut [T], im: &mut [T], factor: &[T]) {
         let length = self.cols / LANES;
@@ -323,8 +327,8 @@ impl<T: Number> Convolution<T> {
         self.split_rows(simd, (T::vectors_mut::<S>(re), T::vectors_mut::<S>(im)), (length, 0), true);
     }
 
-    /// Splits `length` rows of complex numbers, block `first` of their level, down to single rows, or joins them if
-    /// `back`.
+    /// Splits a block of `length` rows of complex numbers, number `first` of its level, down to single rows, or joins
+    /// single rows if `back`.
     #[inline(always)]
     fn split_rows<S: Simd>(&self, simd: S, (re, im): Parts<'_, T::V<S>>, (length, first): (usize, usize), back: bool) {
         let levels = length.ilog2().div_ceil(2);

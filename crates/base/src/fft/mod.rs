@@ -1,9 +1,9 @@
 //! Plans of discrete Fourier transforms in single and double precision, and filters of maps whose sides are powers of
 //! two.
 //!
-//! The transforms of rustfft are generic over the number type. A crate that plans one compiles all of them, for every
-//! vector width, which took half of the build time of `slipgrid-surface`. This module compiles them once per
-//! precision; other crates hold them behind pointers, as rustfft itself does.
+//! The transforms of rustfft are generic over the number type. A crate that plans one transform compiles all of them,
+//! for every vector width, which took half of the build time of `slipgrid-surface`. This module compiles the transforms
+//! once per precision; other crates hold them behind pointers, as rustfft itself does.
 //!
 //! ```
 //! use slipgrid_base::fft::{Complex, Precision};
@@ -57,9 +57,9 @@ pub trait Precision: Number {
     /// Plans transforms of complex rows of `length` numbers; `length` is at least 1.
     fn complex_plans(length: usize) -> ComplexPlans<Self>;
 
-    /// Multiplies every wave of the input by its factor and writes the result to `output`.
+    /// Multiplies every Fourier component of the map `input` by its factor, and writes the resulting map to `output`.
     ///
-    /// `input` has the map, row by row; `scratch` has at least [`Convolution::scratch_len`] numbers. If
+    /// Maps are stored row by row; `scratch` has at least [`Convolution::scratch_len`] numbers. If
     /// `should_continue` returns false, the filter stops and `output` is incomplete.
     fn filter(
         plan: &Convolution<Self>,

@@ -1,4 +1,4 @@
-//! Numbers in vectors of the widest instruction set of the machine.
+//! Arithmetic in vectors of the widest instruction set of the machine.
 
 use pulp::{Simd, WithSimd};
 use realfft::FftNum;
@@ -16,11 +16,11 @@ pub trait Number: FftNum {
     fn vectors_mut<S: Simd>(numbers: &mut [Self]) -> &mut [Self::V<S>];
     /// Vector with `value` in every lane.
     fn splat<S: Simd>(simd: S, value: Self) -> Self::V<S>;
-    /// a + b
+    /// Sum a + b in every lane.
     fn sum<S: Simd>(simd: S, a: Self::V<S>, b: Self::V<S>) -> Self::V<S>;
-    /// a - b
+    /// Difference a - b in every lane.
     fn difference<S: Simd>(simd: S, a: Self::V<S>, b: Self::V<S>) -> Self::V<S>;
-    /// a b
+    /// Product a b in every lane.
     fn product<S: Simd>(simd: S, a: Self::V<S>, b: Self::V<S>) -> Self::V<S>;
 }
 

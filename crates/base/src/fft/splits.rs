@@ -4,8 +4,9 @@ use pulp::Simd;
 
 use crate::fft::number::Number;
 
-/// Side of a tile.
+/// Side of a tile, which is a square block of numbers.
 pub(crate) const LANES: usize = 16;
+/// Length of a tile: 16 x 16 numbers.
 pub(crate) const TILE: usize = LANES * LANES;
 /// Numbers per four-way split of a tile: real and imaginary parts of c, c^2 and c^3 for each lane.
 pub(crate) const ROOTS: usize = 6 * LANES;
@@ -26,13 +27,13 @@ impl<T: Number, S: Simd> Clone for Wide<T, S> {
 impl<T: Number, S: Simd> Copy for Wide<T, S> {}
 
 impl<T: Number, S: Simd> Wide<T, S> {
-    /// Vector with the same number in every lane.
+    /// Vector with the complex number re + i im in every lane.
     #[inline(always)]
     pub(crate) fn splat(s: S, [re, im]: [T; 2]) -> Self {
         Self { re: T::splat(s, re), im: T::splat(s, im) }
     }
 
-    /// a c
+    /// Complex product a c, with a = `self`.
     #[inline(always)]
     fn times(self, s: S, c: Self) -> Self {
         Self {
@@ -41,7 +42,7 @@ impl<T: Number, S: Simd> Wide<T, S> {
         }
     }
 
-    /// a c*, c* the conjugate
+    /// Complex product a c*, with a = `self` and c* the conjugate of c.
     #[inline(always)]
     fn times_conjugate(self, s: S, c: Self) -> Self {
         Self {
@@ -50,31 +51,31 @@ impl<T: Number, S: Simd> Wide<T, S> {
         }
     }
 
-    /// a with each lane times its real factor
+    /// Multiplies each lane by its real factor.
     #[inline(always)]
     fn scaled(self, s: S, factor: T::V<S>) -> Self {
         Self { re: T::product(s, self.re, factor), im: T::product(s, self.im, factor) }
     }
 
-    /// a + b
+    /// Complex sum a + b, with a = `self`.
     #[inline(always)]
     fn plus(self, s: S, b: Self) -> Self {
         Self { re: T::sum(s, self.re, b.re), im: T::sum(s, self.im, b.im) }
     }
 
-    /// a - b
+    /// Complex difference a - b, with a = `self`.
     #[inline(always)]
     fn minus(self, s: S, b: Self) -> Self {
         Self { re: T::difference(s, self.re, b.re), im: T::difference(s, self.im, b.im) }
     }
 
-    /// a + i b
+    /// a + i b, with a = `self` and the imaginary unit i.
     #[inline(always)]
     fn plus_i_times(self, s: S, b: Self) -> Self {
         Self { re: T::difference(s, self.re, b.im), im: T::sum(s, self.im, b.re) }
     }
 
-    /// a - i b
+    /// a - i b, with a = `self` and the imaginary unit i.
     #[inline(always)]
     fn minus_i_times(self, s: S, b: Self) -> Self {
         Self { re: T::sum(s, self.re, b.im), im: T::difference(s, self.im, b.re) }
@@ -95,7 +96,7 @@ impl<T: Number, S: Simd> Wide<T, S> {
         ]
     }
 
-    /// Inverse of [`Self::split`], times four.
+    /// Inverse of [`Self::split`], multiplied by four.
     #[inline(always)]
     fn join(s: S, [a, b, c, d]: [Self; 4], roots: [Self; 3]) -> [Self; 4] {
         let (even, odd) = (a.plus(s, b), a.minus(s, b));
@@ -151,7 +152,7 @@ fn quarters<V>(all: &mut [V], count: usize) -> [&mut [V]; 4] {
     [a, b, c, &mut rest[..count]]
 }
 
-/// Splits one remainder into four, or joins four if `back`.
+/// Splits one remainder into four by `Wide::split`, or joins four into one if `back`.
 #[inline(always)]
 pub(crate) fn radix_4<T: Number, S: Simd>(
     s: S,
@@ -168,7 +169,7 @@ pub(crate) fn radix_4<T: Number, S: Simd>(
     }
 }
 
-/// Splits one remainder into two by y^2m - c^2 = (y^m - c)(y^m + c), or joins two if `back`.
+/// Splits one remainder into two by y^2m - c^2 = (y^m - c)(y^m + c), with c = `root`, or joins two into one if `back`.
 #[inline(always)]
 pub(crate) fn radix_2<T: Number, S: Simd>(s: S, re: &mut [T::V<S>], im: &mut [T::V<S>], root: [T; 2], back: bool) {
     let c = Wide::<T, S>::splat(s, root);
@@ -187,7 +188,7 @@ pub(crate) fn radix_2<T: Number, S: Simd>(s: S, re: &mut [T::V<S>], im: &mut [T:
     }
 }
 
-/// Roots of vector `lane`; each root has `row` vectors.
+/// Loads c, c^2 and c^3 for vector number `lane` of a row of a tile; a row has `row` vectors.
 #[inline(always)]
 fn roots_at<T: Number, S: Simd>(roots: &[T::V<S>], row: usize, lane: usize) -> [Wide<T, S>; 3] {
     let at = |n: usize| n * row + lane;
@@ -198,7 +199,8 @@ fn roots_at<T: Number, S: Simd>(roots: &[T::V<S>], row: usize, lane: usize) -> [
     ]
 }
 
-/// Filters a tile, which has one remainder of [`LANES`] numbers per column: all splits, `factor`, all joins.
+/// Filters a tile, which has one remainder of [`LANES`] numbers per column: all splits, multiplication by `factor`, all
+/// joins.
 #[inline(always)]
 pub(crate) fn filter_tile<T: Number, S: Simd>(
     s: S,
@@ -245,7 +247,7 @@ pub(crate) fn transpose<T: Number>(tile: &mut [T; TILE]) {
     rotate(&turned, tile);
 }
 
-/// Moves number n of quarter m to place m of group n.
+/// Moves number n of quarter m to place m of group n of four numbers.
 #[inline(always)]
 fn rotate<T: Copy>(from: &[T; TILE], to: &mut [T; TILE]) {
     let (low, high) = from.split_at(TILE / 2);

@@ -10,20 +10,21 @@ use sha2::{Digest, Sha256};
 
 use crate::monitor::Monitor;
 
-/// Cache of results by the content from which they follow. A cached result is bit-identical to the computed one.
+/// Cache of results, each stored under a key of all inputs that determine it. A cached result is bit-identical to the
+/// computed one.
 pub trait Memory: Sync {
-    /// Returns the value stored under `key`.
+    /// Returns the value stored under `key`; `None` if there is none.
     fn recall(&self, key: &Key) -> Option<Vec<u8>>;
 
     /// Stores `value` under `key`. A value that cannot be stored is computed again later.
     fn keep(&self, key: &Key, value: &[u8]);
 }
 
-/// Version of keys and of the bytes kept under them. Raise it where a kept value changes its form or its meaning while its content stays: results
-/// under other versions are then computed again.
+/// Version of keys and of the values stored under them. Increase it when the form or meaning of a stored value changes
+/// while the content that its key hashes does not: results of other versions are then computed again.
 const SCHEMA: &[u8] = b"slipgrid key 2";
 
-/// Key of a result: its kind, and a hash of everything from which it follows.
+/// Key of a result: its kind, and a hash of all inputs that determine it.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Key(String);
 
@@ -46,7 +47,7 @@ impl Key {
         Self(format!("{kind}-{hex}"))
     }
 
-    /// Letters, digits and a hyphen, suitable as a file name.
+    /// Text of the key: letters, digits and a hyphen, suitable as a file name.
     pub fn name(&self) -> &str {
         &self.0
     }
@@ -115,9 +116,10 @@ impl Memory for InMemory {
     }
 }
 
-/// Returns the result of `compute`, of the given `kind`, which follows from `content` only. The result is read from the
-/// monitor's cache if it is there, and then advances the monitor by `share`; otherwise it is computed and stored. Errors are not
-/// stored, nor what may have been cut short because the monitor has cancelled; a monitor that has cancelled must remain so.
+/// Returns the result of `compute`, which must depend on `content` only. `kind` and `content` are the key of the result
+/// in the monitor's cache. A result found there advances the monitor by `share`; otherwise it is computed and stored.
+/// Errors are not stored, nor is any result once the monitor has cancelled, since it may be incomplete; such a monitor
+/// must remain cancelled.
 ///
 /// # Errors
 /// Those of `compute`.

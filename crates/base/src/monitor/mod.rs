@@ -32,16 +32,16 @@ pub use memory::{InMemory, Key, Memory, cached};
 
 /// Progress, cancellation and time. All methods have defaults, so that a monitor implements only what it needs.
 pub trait Monitor: Sync {
-    /// The stage `name` begins; [`Monitor::advance`] counts from 0 again.
+    /// Reports that the stage `name` begins; [`Monitor::advance`] counts from 0 again.
     fn stage(&self, _name: &str) {}
 
     /// Describes the current work within the stage.
     fn detail(&self, _text: &str) {}
 
-    /// The current stage has ended.
+    /// Reports that the current stage has ended.
     fn stage_ended(&self) {}
 
-    /// The fraction `share` of the stage's work, 0 to 1, was done since the last call.
+    /// Reports that the fraction `share` of the stage's work, 0 to 1, was done since the last call.
     fn advance(&self, _share: f64) {}
 
     /// Whether to stop; called many times per second by any thread.
@@ -62,10 +62,10 @@ pub trait Monitor: Sync {
         0.0
     }
 
-    /// A message for the user while the work continues.
+    /// Shows a message to the user while the work continues.
     fn note(&self, _text: &str) {}
 
-    /// `results` complete results are stored at `place`, and are safe from later failures.
+    /// Reports that `results` complete results are stored at `place`, safe from later failures.
     fn kept(&self, _place: &Path, _results: usize) {}
 
     /// Cache of earlier results; results do not depend on it.
@@ -92,13 +92,14 @@ pub struct Stage<'a> {
 }
 
 impl<'a> Stage<'a> {
-    /// Begins the stage `name` of `job`, with the time limit `until_s` on the job's clock.
+    /// Begins the stage `name` of `job`; it may last until the job's clock shows `until_s` seconds, `None` without a
+    /// limit.
     pub fn new(job: &'a dyn Monitor, name: &str, until_s: Option<f64>) -> Self {
         job.stage(name);
         Self { job, started_s: job.seconds(), until_s }
     }
 
-    /// Whether the time limit is reached.
+    /// Whether the time limit of the stage is reached; false without a limit.
     pub fn is_out_of_time(&self) -> bool {
         self.until_s.is_some_and(|until_s| self.job.seconds() >= until_s)
     }
@@ -110,7 +111,7 @@ impl<'a> Stage<'a> {
     }
 }
 
-/// Methods that a part of a job forwards unchanged.
+/// Implements the methods of `Monitor` that a part of a job forwards unchanged to its field `$to`.
 macro_rules! forwarded {
     ($to:ident) => {
         fn stage(&self, name: &str) {
@@ -180,14 +181,14 @@ impl Monitor for Part<'_> {
     }
 }
 
-/// A monitor that adds a cache to another monitor without one.
+/// A monitor that forwards to another monitor, and adds a cache if that monitor has none.
 pub struct CachingMonitor<'a> {
     inner: &'a dyn Monitor,
     own: InMemory,
 }
 
 impl<'a> CachingMonitor<'a> {
-    /// Wraps `inner` and adds a cache in memory if it has none.
+    /// Wraps `inner`, and adds a cache in memory if `inner` has none.
     pub fn new(inner: &'a dyn Monitor) -> Self {
         Self { inner, own: InMemory::default() }
     }

@@ -1,6 +1,7 @@
 //! Chi-square distribution.
 
-/// Probability that the sum of the squares of `degrees` normal deviates is at least `chi_square`; 1 for zero degrees.
+/// Probability Q(n) that the sum of the squares of n = `degrees` independent standard normal deviates is at least
+/// x = `chi_square`; 1 for zero degrees.
 ///
 /// ```text
 /// Q(n + 2) = Q(n) + (x / 2)^(n / 2) exp(-x / 2) / Gamma(n / 2 + 1),     Q(0) = 0,     Q(1) = erfc(sqrt(x / 2))

@@ -2,7 +2,7 @@
 //! matrix is stored row by row in a slice of n^2 numbers.
 
 /// Computes the lower triangular factor L of `matrix` = L L^T, n x n. A pivot that is zero within rounding gives a
-/// column of zeros; `None` for a negative pivot.
+/// column of zeros; `None` if a pivot is negative or NaN.
 pub fn cholesky(matrix: &[f64], n: usize) -> Option<Vec<f64>> {
     let mut is_definite = true;
     let factor = factor(matrix, n, |left, own| {
@@ -23,8 +23,8 @@ pub fn covariance_factor(covariance: &[f64], n: usize) -> Vec<f64> {
     factor(covariance, n, |left, variance| left > COVARIANCE_ROUNDING * variance)
 }
 
-/// Factor of `matrix`, with a column of zeros where `is_pivot` is false for the remaining pivot and the original
-/// diagonal entry.
+/// Computes the lower triangular factor of `matrix`, with a column of zeros where `is_pivot`, called with the remaining
+/// pivot and the original diagonal entry, is false.
 fn factor(matrix: &[f64], n: usize, mut is_pivot: impl FnMut(f64, f64) -> bool) -> Vec<f64> {
     let mut factor = vec![0.0; n * n];
     for row in 0..n {
@@ -44,7 +44,7 @@ fn factor(matrix: &[f64], n: usize, mut is_pivot: impl FnMut(f64, f64) -> bool) 
     factor
 }
 
-/// Replaces b by L^-1 b.
+/// Replaces the vector b in `values` by L^-1 b, with the lower triangular matrix L = `factor`, n x n.
 pub fn solve_lower(factor: &[f64], n: usize, values: &mut [f64]) {
     for row in 0..n {
         let known: f64 = (0..row).map(|k| factor[row * n + k] * values[k]).sum();
@@ -52,7 +52,7 @@ pub fn solve_lower(factor: &[f64], n: usize, values: &mut [f64]) {
     }
 }
 
-/// Replaces b by L^-T b.
+/// Replaces the vector b in `values` by L^-T b, with the lower triangular matrix L = `factor`, n x n.
 pub fn solve_upper(factor: &[f64], n: usize, values: &mut [f64]) {
     for row in (0..n).rev() {
         let known: f64 = (row + 1..n).map(|k| factor[k * n + row] * values[k]).sum();
@@ -60,18 +60,18 @@ pub fn solve_upper(factor: &[f64], n: usize, values: &mut [f64]) {
     }
 }
 
-/// ln det(L L^T).
+/// Natural logarithm of the determinant of L L^T, with the lower triangular matrix L = `factor`, n x n.
 pub fn log_determinant(factor: &[f64], n: usize) -> f64 {
     (0..n).map(|row| 2.0 * libm::log(factor[row * n + row])).sum()
 }
 
-/// Replaces b by (L L^T)^-1 b.
+/// Replaces the vector b in `values` by (L L^T)^-1 b, with the lower triangular matrix L = `factor`, n x n.
 pub fn solve(factor: &[f64], n: usize, values: &mut [f64]) {
     solve_lower(factor, n, values);
     solve_upper(factor, n, values);
 }
 
-/// Whether a factor is regular, which means that it has no column of zeros.
+/// Whether a triangular factor is regular: no entry of its diagonal is zero.
 pub fn is_regular(factor: &[f64], n: usize) -> bool {
     (0..n).all(|row| factor[row * n + row] > 0.0)
 }

@@ -5,8 +5,8 @@ use crate::statistics::cholesky::{cholesky, is_regular, solve};
 /// Added to the diagonal of the covariance matrix, so that close neighbours leave it regular.
 const NUGGET: f64 = 1e-12;
 
-/// Interpolator of quantities that are known at common places: exact at these places, and their mean far from all of
-/// them.
+/// Interpolator of quantities that are known at common places: exact at these places; far from all places, each
+/// quantity tends to a weighted mean of its known values.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Kriging<const D: usize> {
     range: f64,
@@ -21,13 +21,14 @@ struct Quantity {
 }
 
 impl<const D: usize> Kriging<D> {
-    /// Interpolates `quantities`, each known at all `places`, with the correlation length `range`; zero without places.
+    /// Interpolates `quantities`, each with a value at every one of `places`; `range` is the correlation length, in the
+    /// unit of the places. Without places, interpolated quantities are zero.
     pub fn new(range: f64, places: Vec<[f64; D]>, quantities: Vec<Vec<f64>>) -> Self {
         let n = places.len();
         let nugget = |i: usize, j: usize| if i == j { NUGGET } else { 0.0 };
         let covariances: Vec<f64> =
             (0..n * n).map(|e| covariance(&places[e / n], &places[e % n], range) + nugget(e / n, e % n)).collect();
-        // If two places coincide, the quantities are replaced by their mean.
+        // If the matrix is singular within rounding, the quantities are replaced by their mean.
         let factor = cholesky(&covariances, n).filter(|factor| n > 0 && is_regular(factor, n));
         let solved = |factor: &[f64], mut right: Vec<f64>| {
             solve(factor, n, &mut right);
@@ -47,7 +48,8 @@ impl<const D: usize> Kriging<D> {
         Self { range, places, quantities }
     }
 
-    /// Quantities at `place`: d(t) = m + sum `w_i` C(t, `t_i`).
+    /// Interpolates the quantities at `place`: d(t) = m + sum `w_i` C(t, `t_i`), with the mean m, the weights `w_i`,
+    /// the covariance C, and the places `t_i` of the known values.
     pub fn at(&self, place: &[f64; D]) -> Vec<f64> {
         let near: Vec<f64> = self.places.iter().map(|known| covariance(known, place, self.range)).collect();
         let interpolate = |quantity: &Quantity| {
@@ -66,7 +68,7 @@ fn square<const D: usize>(left: &[f64; D], right: &[f64; D]) -> f64 {
     left.iter().zip(right).map(|(left, right)| (left - right).powi(2)).sum()
 }
 
-/// Matern covariance of smoothness 3/2: (1 + sqrt(3) r / L) exp(-sqrt(3) r / L).
+/// Matern covariance of smoothness 3/2, (1 + sqrt(3) r / L) exp(-sqrt(3) r / L), with the distance r and L = `range`.
 fn covariance<const D: usize>(left: &[f64; D], right: &[f64; D], range: f64) -> f64 {
     let r = (3.0 * square(left, right)).sqrt() / range;
     (1.0 + r) * libm::exp(-r)

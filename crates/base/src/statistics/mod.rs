@@ -1,5 +1,5 @@
 //! Statistics for several crates: normal deviates and their distribution, chi-square, medians, standard deviations,
-//! random bits, Student's t, response surfaces of three lengths, kriging, and small dense linear systems.
+//! random integers, Student's t, response surfaces of three lengths, kriging, and small dense linear systems.
 //!
 //! ```
 //! use slipgrid_base::statistics::{Confidence, mean_and_std, median, upper_median};

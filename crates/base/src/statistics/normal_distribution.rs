@@ -3,9 +3,9 @@
 use std::ops::Range;
 use std::sync::LazyLock;
 
-/// Maximum distance of p from one half for the central approximation of the quantile.
+/// Maximum distance of the probability p from one half for the central approximation of the quantile.
 const CENTRAL: f64 = 0.425;
-/// Value of sqrt(-ln p) above which the approximation of the far tail is used.
+/// Value of sqrt(-ln p), p the probability in the tail, above which the approximation of the far tail is used.
 const FAR: f64 = 5.0;
 
 /// Probability that a standard normal deviate is below `x`.
@@ -112,9 +112,9 @@ const FAR_BOTTOM: [f64; 8] = [
     2.044_263_103_389_939_8e-15,
 ];
 
-/// Newton iteration for the quantile of a mixture: maximum number of steps, and the error of the probability at which
-/// it ends, which is that of the tables.
+/// Maximum number of Newton steps for the quantile of a mixture.
 const MAX_STEPS: usize = 100;
+/// Error of the probability at which the Newton iteration for the quantile of a mixture ends: that of the tables.
 const MAX_OFF: f64 = 5e-9;
 
 /// Quantile of a mixture of normal distributions at the probability `p`. Each of `parts` has a weight, a mean and a
@@ -122,7 +122,7 @@ const MAX_OFF: f64 = 5e-9;
 pub fn mixture_quantile(parts: &[[f64; 3]], p: f64) -> f64 {
     let tables: &Tables = &TABLES;
     let z = normal_quantile(p);
-    // It lies between the least and the greatest of the parts' own, and about the mean of them.
+    // The quantile lies between the smallest and the largest quantile of the parts, near their mean.
     let (mut low, mut high, mut value) = (f64::INFINITY, f64::NEG_INFINITY, 0.0);
     for [weight, mean, std] in parts {
         let own = mean + z * std;
@@ -148,7 +148,7 @@ pub fn mixture_quantile(parts: &[[f64; 3]], p: f64) -> f64 {
         } else {
             high = value
         }
-        // Newton's step; half the interval where it leads out of that.
+        // Newton's step; the middle of the interval if the step leads out of the interval.
         let next = value - off / density;
         let next = if low < next && next < high { next } else { f64::midpoint(low, high) };
         if next == value {
@@ -159,20 +159,21 @@ pub fn mixture_quantile(parts: &[[f64; 3]], p: f64) -> f64 {
     if parts.is_empty() { f64::NAN } else { value }
 }
 
-/// Table of probabilities from -END to END: number of nodes per unit of x, and END, beyond which the probability is
-/// less than 1e-15.
+/// Number of nodes of the table of probabilities per unit of x.
 const PER_UNIT: f64 = 32.0;
+/// End of the table of probabilities, which covers x from -END to END: the probability beyond is less than 1e-15.
 const END: f64 = 8.0;
-/// Table of quantiles: number of nodes, and minimum tabulated probability. More nodes or a smaller minimum would cost
-/// memory for digits that no chance shows.
+/// Number of intervals of the table of quantiles. More would cost memory for digits that no printed chance shows.
 const QUANTILES: usize = 1024;
+/// Minimum probability of the table of quantiles. A smaller minimum would cost memory as well.
 const MIN_TABULATED: f64 = 0.02;
 
-/// Interpolated probabilities and quantiles for [`BoxRule`], which needs millions of them; they take a sixth of the
-/// time of the functions above.
+/// Tables that interpolate probabilities and quantiles for [`BoxRule`], which needs millions of values: a lookup takes
+/// a sixth of the time of [`normal_probability`] or [`normal_quantile`].
 struct Tables {
     /// Probabilities at the nodes, each with its slope per node distance.
     probability: Vec<[f64; 2]>,
+    /// Quantiles at the nodes, each with its slope per node distance.
     quantile: Vec<[f64; 2]>,
 }
 
@@ -193,8 +194,8 @@ static TABLES: LazyLock<Tables> = LazyLock::new(|| {
     }
 });
 
-/// Coefficients of the cubic Hermite polynomial between the nodes around `along`, which counts nodes from the first,
-/// and the position between these nodes, from 0 to 1.
+/// Coefficients by increasing power of the cubic Hermite polynomial between the two nodes around `along`, a distance
+/// from the first node in node distances, and the position between these two nodes, from 0 to 1.
 fn cubic(nodes: &[[f64; 2]], along: f64) -> ([f64; 4], f64) {
     // Within the nodes: the cast is exact.
     let place = (along as usize).min(nodes.len() - 2);
@@ -205,20 +206,20 @@ fn cubic(nodes: &[[f64; 2]], along: f64) -> ([f64; 4], f64) {
     ([from, slope_from, rise - slope_from - third, third], along - place as f64)
 }
 
-/// Interpolates the values and slopes `nodes` by cubic Hermite polynomials at `along`, which counts nodes from the
-/// first.
+/// Interpolates the values and slopes `nodes` by cubic Hermite polynomials at `along`, a distance from the first node
+/// in node distances.
 fn interpolate(nodes: &[[f64; 2]], along: f64) -> f64 {
     let ([c0, c1, c2, c3], t) = cubic(nodes, along);
     c0 + t * (c1 + t * (c2 + t * c3))
 }
 
 impl Tables {
-    /// [`normal_probability`] to 4e-9.
+    /// Interpolates [`normal_probability`] with an error of at most 4e-9.
     fn probability(&self, x: f64) -> f64 {
         interpolate(&self.probability, (x.clamp(-END, END) + END) * PER_UNIT)
     }
 
-    /// [`normal_probability`] to 4e-9, and its derivative, the density, to 2e-6.
+    /// Interpolates [`normal_probability`] with an error of at most 4e-9, and the density with one of 2e-6.
     fn probability_and_density(&self, x: f64) -> [f64; 2] {
         if x.abs() >= END {
             return [if x < 0.0 { 0.0 } else { 1.0 }, 0.0];
@@ -227,7 +228,7 @@ impl Tables {
         [c0 + t * (c1 + t * (c2 + t * c3)), PER_UNIT * (c1 + t * (2.0 * c2 + 3.0 * t * c3))]
     }
 
-    /// [`normal_quantile`] to 1e-7.
+    /// Interpolates [`normal_quantile`] with an error of at most 1e-7.
     fn quantile(&self, p: f64) -> f64 {
         if (MIN_TABULATED..=1.0 - MIN_TABULATED).contains(&p) {
             interpolate(&self.quantile, p * QUANTILES as f64)
@@ -241,11 +242,12 @@ impl Tables {
 /// 141) on the points frac(k sqrt(p)) of a Richtmyer lattice.
 #[derive(Clone, Debug)]
 pub struct BoxRule {
-    /// Square roots of different primes, one for each component except the first; two equal ones would correlate.
+    /// Square roots of different primes, one per component except the first; equal roots would correlate two
+    /// components.
     roots: Vec<f64>,
 }
 
-/// Distance of `end` from the mean in standard deviations; of an exact value, of standard deviation 0, infinite.
+/// Distance of `end` from the mean in standard deviations; infinite for an exact value, which has `std` 0.
 fn standardized(end: f64, mean: f64, std: f64) -> f64 {
     if std > 0.0 {
         (end - mean) / std
@@ -256,11 +258,11 @@ fn standardized(end: f64, mean: f64, std: f64) -> f64 {
     }
 }
 
-/// Number of points that [`BoxRule`] takes at once: none waits for the lookups of another.
+/// Number of points that [`BoxRule`] evaluates together, so that no point waits for the table lookups of another.
 const LANES: usize = BoxRule::LANES;
 
 impl BoxRule {
-    /// Points cost the least in multiples of this number.
+    /// Number of points that are evaluated together; a multiple of this number costs least per point.
     pub const LANES: usize = 4;
 
     /// Creates the rule for vectors of `n` components.
@@ -271,9 +273,9 @@ impl BoxRule {
         Self { roots: primes.take(n.saturating_sub(1)).map(|prime| f64::from(prime).sqrt()).collect() }
     }
 
-    /// Probability as the mean over `points` of the lattice. `factor` is the lower triangular factor L of the
-    /// covariance L L^T, n x n, row by row; rows of zeros are exact components. For a mixture, give its terms
-    /// consecutive `points`: their errors are then independent, as if the sum were one integral.
+    /// Probability that a normal vector lies between `lower` and `upper`, as the mean over `points` of the lattice.
+    /// `factor` is the lower triangular factor L of the covariance L L^T, n x n, row by row; rows of zeros are exact
+    /// components. For a mixture, give consecutive `points` to the terms, so that their errors are independent.
     pub fn probability(&self, mean: &[f64], factor: &[f64], [lower, upper]: [&[f64]; 2], points: Range<usize>) -> f64 {
         let n = mean.len();
         if n == 0 {

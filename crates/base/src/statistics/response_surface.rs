@@ -8,9 +8,9 @@
 /// Nodes of one length: positive and evenly spaced in the logarithm.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Axis {
-    /// Minimum length.
+    /// Minimum length, in any unit.
     pub from: f64,
-    /// Maximum length.
+    /// Maximum length, in the unit of `from`.
     pub to: f64,
     /// Number of nodes: one for a fixed length, otherwise at least [`Axis::MIN_NODES`].
     pub nodes: usize,
@@ -25,7 +25,7 @@ impl Axis {
         Self { from, to, nodes: if to > from { nodes.max(Self::MIN_NODES) } else { 1 } }
     }
 
-    /// Length at a node.
+    /// Length at the node with index `node`.
     pub fn at(&self, node: usize) -> f64 {
         if self.nodes == 1 {
             self.from
@@ -39,7 +39,8 @@ impl Axis {
         if self.nodes == 1 { 1 } else { self.nodes + 2 }
     }
 
-    /// First and last node around `length`: equal at a node; those at the end outside the axis.
+    /// Indices of the nodes below and above `length`; equal at a node, and outside the axis, where both are the end
+    /// node.
     fn around(&self, length: f64) -> [usize; 2] {
         if self.nodes == 1 {
             return [0; 2];
@@ -50,8 +51,8 @@ impl Axis {
         [(place + 1e-9).floor() as usize, (place - 1e-9).ceil() as usize]
     }
 
-    /// Index of the first of the four coefficients that contribute at `length`, and their weights; constant outside the
-    /// axis.
+    /// Index of the first of the four coefficients that contribute at `length`, and the weights of the four; outside
+    /// the axis, those at its end.
     fn weights(&self, length: f64) -> (usize, [f64; 4]) {
         if self.nodes == 1 {
             return (0, [1.0, 0.0, 0.0, 0.0]);
@@ -70,7 +71,8 @@ impl Axis {
         (first, weights.map(|weight| weight / 6.0))
     }
 
-    /// Matrix that converts values at the nodes into coefficients, as rows: the inverse of the splines at the nodes.
+    /// Rows of the matrix that converts values at the nodes, between two zeros for the end conditions, into
+    /// coefficients: the inverse of the matrix of the splines at the nodes.
     fn inverse(&self) -> Vec<Vec<f64>> {
         let count = self.coefficients();
         let mut left = vec![vec![0.0; count]; count];
@@ -110,12 +112,13 @@ impl Axis {
 pub struct ResponseSurface {
     axes: [Axis; 3],
     outputs: usize,
-    /// First axis slowest, outputs fastest.
+    /// B-spline coefficients; the index of the first axis varies slowest, the index of the output fastest.
     coefficients: Vec<f64>,
 }
 
 impl ResponseSurface {
-    /// Interpolates `values` at the nodes of `axes`: first axis slowest, the `outputs` of a node side by side.
+    /// Interpolates `values` at the nodes of `axes`; the first axis varies slowest, and the `outputs` values of a node
+    /// are adjacent.
     pub fn through(axes: [Axis; 3], outputs: usize, values: Vec<f64>) -> Self {
         let mut coefficients = values;
         // One axis after the other; `before` counts the slower indices, `after` the faster ones.
@@ -152,12 +155,12 @@ impl ResponseSurface {
         self.outputs
     }
 
-    /// All coefficients, first axis slowest, outputs fastest.
+    /// All B-spline coefficients; the index of the first axis varies slowest, the index of the output fastest.
     pub fn coefficients(&self) -> &[f64] {
         &self.coefficients
     }
 
-    /// Lengths of the nodes, first axis slowest.
+    /// Lengths of all nodes of `axes`; the first axis varies slowest.
     pub fn nodes(axes: &[Axis; 3]) -> Vec<[f64; 3]> {
         let [first, second, third] = axes;
         let for_first = |a: usize| (0..second.nodes).flat_map(move |b| (0..third.nodes).map(move |c| [a, b, c]));
@@ -174,7 +177,7 @@ impl ResponseSurface {
         })
     }
 
-    /// Outputs at three lengths; constant beyond the ends of an axis.
+    /// Interpolates the outputs at `lengths`; beyond the ends of an axis they are constant.
     pub fn at(&self, lengths: &[f64; 3]) -> Vec<f64> {
         let [(a, u), (b, v), (c, w)] = std::array::from_fn(|axis| self.axes[axis].weights(lengths[axis]));
         let [_, rows, columns] = self.axes.map(|axis| axis.coefficients());

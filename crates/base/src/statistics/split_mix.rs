@@ -11,7 +11,7 @@ pub const fn splitmix64(state: u64) -> u64 {
     z ^ (z >> 31)
 }
 
-/// The generator, which begins at the state that it holds.
+/// The generator, with its state; the initial state is the seed.
 #[derive(Clone, Copy, Debug)]
 pub struct SplitMix64(pub u64);
 

@@ -1,4 +1,4 @@
-//! Student's t.
+//! Quantiles of Student's t distribution.
 
 /// The 97.5 % quantile of the standard normal distribution.
 pub const NORMAL_95: f64 = 1.959_964;
@@ -6,9 +6,9 @@ pub const NORMAL_95: f64 = 1.959_964;
 /// A two-sided confidence level.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Confidence {
-    /// Normal quantile of the level.
+    /// Two-sided quantile of the standard normal distribution at this level.
     normal: f64,
-    /// Quantiles of Student's t for few degrees of freedom, from 1.
+    /// Two-sided quantiles of Student's t for the first degrees of freedom: 1, 2 and so on.
     few: &'static [f64],
 }
 

@@ -1,4 +1,4 @@
-//! Serde forms of numbers in SI units, which files have in units of their own.
+//! Serde adapters for numbers that are in SI units in memory and in other units in files.
 //!
 //! `#[serde(rename = "length_um", with = "LengthUm")] length_m: f64` reads and writes micrometres. Ranges are checked by
 //! readers, which know the lines of a file.
@@ -7,9 +7,9 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::{HUMIDITY_PCT, LENGTH_UM, Quantity, SPEED_MM_S, STEP_NS};
 
-/// Unit of a number or of an optional number in files.
+/// Serde adapter for a number, or an optional number, whose unit in files is not the SI unit.
 pub trait InFiles {
-    /// Quantity with the unit.
+    /// Quantity with the unit of files.
     const QUANTITY: Quantity;
 
     /// Reads a number and converts it to SI units.
@@ -30,13 +30,13 @@ pub trait InFiles {
     }
 }
 
-/// Micrometres for metres.
+/// Metres in memory, micrometres in files.
 pub struct LengthUm;
-/// Nanoseconds for seconds.
+/// Seconds in memory, nanoseconds in files.
 pub struct StepNs;
-/// Millimetres per second for metres per second.
+/// Metres per second in memory, millimetres per second in files.
 pub struct SpeedMmS;
-/// Per cent for shares from 0 to 1.
+/// Fractions from 0 to 1 in memory, per cent in files.
 pub struct HumidityPct;
 
 impl InFiles for LengthUm {

@@ -8,9 +8,9 @@
 //! |---|---|
 //! | [`Quantity`] | a unit with its factor and range; formatted for error messages |
 //! | [`LENGTH_UM`], [`PRESSURE_MPA`] and others | one quantity for each kind of key |
-//! | [`LengthUm`], [`SpeedMmS`] and others | serde forms of numbers in SI units |
+//! | [`LengthUm`], [`SpeedMmS`] and others | serde adapters between SI units and units of files |
 //! | [`tidy`] | removes rounding errors of unit conversions |
-//! | [`counted`] | number and noun, in the plural where it must be |
+//! | [`counted`] | number and noun, in the plural if required |
 //!
 //! This module does not depend on keys or files.
 //!
@@ -75,19 +75,19 @@ impl Quantity {
         })
     }
 
-    /// Rounds `si` as it is read back from a file with 12 digits.
+    /// Returns the number that is read back after `si` was written to a file with 12 digits.
     pub fn as_written(&self, si: f64) -> f64 {
         self.to_si(self.from_si(si))
     }
 
-    /// This quantity with zero as the minimum.
+    /// This quantity with zero as the accepted minimum.
     #[must_use]
     pub const fn or_zero(mut self) -> Self {
         (self.min, self.above) = (0.0, false);
         self
     }
 
-    /// This quantity with another maximum.
+    /// This quantity with the maximum `max`, in the file's unit.
     #[must_use]
     pub const fn at_most(mut self, max: f64) -> Self {
         self.max = max;
@@ -106,13 +106,13 @@ impl fmt::Display for Quantity {
 /// Lengths of patterns and layers: from a picometre, far below an atom, to 10 m, which detects metres given instead of
 /// micrometres.
 pub const LENGTH_UM: Quantity = Quantity::new(Scale::Over(1e6), "um", 1e-6, false, 1e7);
-/// Sides of pixels: no map has pixels below a ten-thousandth of a nanometre.
+/// Sides of pixels, from a ten-thousandth of a nanometre: no map has smaller pixels.
 pub const PIXEL_UM: Quantity = Quantity { min: 1e-7, above: false, ..LENGTH_UM };
 /// Standard deviations of lengths.
 pub const LENGTH_STD_UM: Quantity = LENGTH_UM.or_zero();
-/// Heights of rims, and their scatter.
+/// Heights of rims, and standard deviations of these heights.
 pub const RIM_HEIGHT_UM: Quantity = LENGTH_UM.or_zero().at_most(1000.0);
-/// Correlations.
+/// Correlation coefficients, from -1 to 1.
 pub const CORRELATION: Quantity = Quantity::new(Scale::Times(1.0), "", -1.0, false, 1.0);
 /// Lengths of specimens, from a nanometre.
 pub const LENGTH_MM: Quantity = Quantity::new(Scale::Over(1e3), "mm", 1e-6, false, 1e4);
@@ -134,40 +134,40 @@ pub const SPEED_MM_S: Quantity = Quantity::new(Scale::Over(1e3), "mm/s", 0.0, tr
 pub const HUMIDITY_PCT: Quantity = Quantity::new(Scale::Over(1e2), "%", 0.0, false, 100.0);
 /// Normal forces.
 pub const FORCE_N: Quantity = Quantity::new(Scale::Times(1.0), "N", 0.0, true, 1e7);
-/// Friction coefficients.
+/// Friction coefficients, from above 0 to 10.
 pub const FRICTION: Quantity = Quantity::new(Scale::Times(1.0), "", 0.0, true, 10.0);
 /// Standard deviations of friction coefficients.
 pub const FRICTION_STD: Quantity = Quantity::new(Scale::Times(1.0), "", 0.0, false, 10.0);
 /// Relative scatter of the local coefficients; above one half the negative tail of the Gaussian matters.
 pub const RELATIVE_STD: Quantity = Quantity::new(Scale::Times(1.0), "", 0.0, false, 0.5);
-/// Factors of the area law.
+/// Factors f(P) of the area law, dimensionless.
 pub const FACTOR: Quantity = Quantity::new(Scale::Times(1.0), "", 0.0, false, 10.0);
-/// Standard errors of the factors.
+/// Standard errors of the area law's factors.
 pub const FACTOR_STD: Quantity = Quantity::new(Scale::Times(1.0), "", 0.0, false, 10.0);
-/// Real contact area fractions.
+/// Fractions of the nominal area that are in real contact, from 0 to 1.
 pub const FRACTION: Quantity = Quantity::new(Scale::Times(1.0), "", 0.0, false, 1.0);
-/// Dynamic over steady friction.
+/// Ratios of dynamic to steady friction.
 pub const EXCESS: Quantity = Quantity::new(Scale::Times(1.0), "", 0.1, true, 10.0);
 /// Friction ratios, patterned over flat.
 pub const RATIO: Quantity = Quantity::new(Scale::Times(1.0), "", 0.0, true, 5.0);
-/// Half-widths of targets, and requested standard errors.
+/// Half-widths of target bands, and requested standard errors of friction coefficients.
 pub const TOLERANCE: Quantity = Quantity::new(Scale::Times(1.0), "", 0.0, true, 1.0);
 /// Fractions of a stroke, above zero.
 pub const STROKE_SHARE: Quantity = Quantity::new(Scale::Times(1.0), "", 0.0, true, 1.0);
-/// Weights in means.
+/// Weights of values in a mean.
 pub const WEIGHT: Quantity = Quantity::new(Scale::Times(1.0), "", 0.0, true, 1e6);
 /// Rms slopes of surfaces: below the minimum all surfaces are in full contact, above the maximum none has been
 /// measured.
 pub const SLOPE: Quantity = Quantity::new(Scale::Times(1.0), "", 1e-7, false, 10.0);
-/// Damping frequency over sqrt(k/m).
+/// Damping frequency over sqrt(k/m), k the stiffness of a spring and m the mass of a block.
 pub const DAMPING: Quantity = Quantity::new(Scale::Times(1.0), "", 0.0, false, 2.0);
-/// Times of a test.
+/// Times in a friction test.
 pub const TIME_S: Quantity = Quantity::new(Scale::Times(1.0), "s", 0.0, false, 1e6);
 /// Time steps.
 pub const STEP_NS: Quantity = Quantity::new(Scale::Over(1e9), "ns", 0.0, true, 1e6);
 /// Poisson's ratios of an isotropic solid.
 pub const POISSON: Quantity = Quantity::new(Scale::Times(1.0), "", -1.0, true, 0.5);
-/// Angles of grooves, which are equal after a rotation by 180 degrees.
+/// Angles of grooves: a rotation by 180 degrees changes nothing.
 pub const GROOVE_ANGLE_DEG: Quantity = Quantity::new(Scale::Times(1.0), "degrees", -90.0, false, 90.0);
 /// Angles between two families of grooves.
 pub const CROSSING_ANGLE_DEG: Quantity = Quantity::new(Scale::Times(1.0), "degrees", 10.0, false, 90.0);
@@ -175,7 +175,7 @@ pub const CROSSING_ANGLE_DEG: Quantity = Quantity::new(Scale::Times(1.0), "degre
 pub const SLIDING_ANGLE_DEG: Quantity = Quantity::new(Scale::Times(1.0), "degrees", -180.0, false, 180.0);
 /// Angles of walls from vertical.
 pub const WALL_TAPER_DEG: Quantity = Quantity::new(Scale::Times(1.0), "degrees", 0.0, false, 80.0);
-/// Positive numbers of the laser in their units; below a millionth there is no effect.
+/// Positive laser settings, each in its own unit; a value below a millionth has no effect.
 pub const POSITIVE: Quantity = Quantity::new(Scale::Times(1.0), "", 1e-6, false, 1e12);
 
 /// Rounds `value` to 12 significant digits, which removes rounding errors of unit conversions.
