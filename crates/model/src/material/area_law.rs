@@ -5,12 +5,12 @@ use crate::material::error::{increasing, not_negative, positive, same_length};
 /// 031704.
 pub const THRESHOLD_PRESSURE_PA: f64 = 0.7e6;
 
-/// Factor f(p) by which friction falls short of proportionality to pressure: f = [A(p)/A(P0)] / [p/P0] above P0, with
-/// the real contact area fraction A, and 1 up to P0.
+/// Area factor f(p) of the friction traction mu f(p) p at the local pressure p: f = [A(p)/A(P0)] / [p/P0] above the
+/// threshold pressure P0, with the real contact area fraction A, and 1 up to P0.
 ///
 /// The published "linear from 0.7 MPa" is interpreted as the line through the origin, not as the tangent at P0. f is
-/// interpolated linearly between tabulated pressures, and is 1 below the first. Above the last, the area stays
-/// constant, so that f falls as 1/p ([`AreaLaw::is_extrapolated`]).
+/// interpolated linearly between tabulated pressures, and is 1 below the first. Above the last tabulated pressure, the
+/// area stays constant, so that f falls as 1/p ([`AreaLaw::is_extrapolated`]).
 #[derive(Clone, Debug, PartialEq)]
 pub struct AreaLaw {
     pressure_pa: Vec<f64>,
@@ -21,10 +21,11 @@ pub struct AreaLaw {
     factor_std: Option<Vec<f64>>,
 }
 
-/// p f(p) = constant + linear p + quadratic p^2 for pressures from `from_pa` to `to_pa`, in pascals.
+/// Interval of an [`AreaLaw`] as a polynomial: p f(p) = constant + linear p + quadratic p^2 for local pressures p from
+/// `from_pa` to `to_pa`, in pascals.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Piece {
-    /// First pressure of the interval.
+    /// Start of the interval, included.
     pub from_pa: f64,
     /// End of the interval, not included.
     pub to_pa: f64,
@@ -42,15 +43,15 @@ impl Piece {
         Self { from_pa: 0.0, to_pa: f64::INFINITY, constant_pa: 0.0, linear: 1.0, quadratic_per_pa: 0.0 };
 }
 
-/// Maximum factor of a valid law. The counting error of contact points lets f exceed 1 by 0.07 if only some hundred
-/// points touch (a slope of 0.5 on 128 x 128 points). A larger excess comes from a few points that carry the load of
-/// the others.
+/// Maximum area factor f of a valid law. The counting error of contact points lets f exceed 1 by 0.07 if only some
+/// hundred points touch (a slope of 0.5 on 128 x 128 points). A larger excess comes from a few points that carry most
+/// of the load.
 pub const MAX_FACTOR: f64 = 1.1;
-/// Excess of f over 1 that is attributed to the error of the contact computation.
+/// Maximum f whose excess over 1 is attributed to the error of the contact computation.
 const ROUNDED_FACTOR: f64 = 1.002;
 
-/// Relative width of the ramp that replaces a step, so that f is continuous and a block pushed across the step has an
-/// equilibrium on it.
+/// Width of the ramp that replaces a step of f, relative to the pressure of the step. f is then continuous, and a block
+/// pushed across the step has an equilibrium on the ramp.
 const STEP_WIDTH: f64 = 1e-3;
 /// Deviation of the first factor from 1 that does not count as a step.
 const STEP_TOLERANCE: f64 = 1e-6;
@@ -61,7 +62,7 @@ impl AreaLaw {
     ///
     /// # Errors
     /// [`MaterialError`] if the table is empty, its columns differ in length, pressures do not increase from a positive
-    /// first one, or a factor is negative.
+    /// first pressure, or a factor is negative.
     pub fn new(mut pressure_pa: Vec<f64>, mut factor: Vec<f64>) -> Result<Self, MaterialError> {
         const TABLE: &str = "area law";
         increasing(TABLE, &pressure_pa)?;
@@ -80,10 +81,11 @@ impl AreaLaw {
 
     /// Sets the standard errors of the factors, one per tabulated pressure; f is not changed.
     ///
-    /// The point that [`AreaLaw::new`] inserts for a step is exact.
+    /// The point that [`AreaLaw::new`] inserts for a step gets the standard error 0.
     ///
     /// # Errors
-    /// [`MaterialError`] if the number of standard errors differs from that of the pressures, or one is negative.
+    /// [`MaterialError`] if the number of standard errors differs from that of the pressures, or a standard error is
+    /// negative.
     pub fn with_factor_std(mut self, mut factor_std: Vec<f64>) -> Result<Self, MaterialError> {
         const QUANTITY: &str = "standard error of a factor of the area law";
         let stepped = match self.pressure_pa[..] {
@@ -101,8 +103,8 @@ impl AreaLaw {
         Ok(self)
     }
 
-    /// Computes the law from a curve of real contact area fraction against pressure, with the threshold `threshold_pa`,
-    /// at the pressures of the curve above it.
+    /// Computes the law from a curve of real contact area fraction against pressure. The law is tabulated at the
+    /// threshold P0 = `threshold_pa` and at the pressures of the curve above it.
     ///
     /// A(P0) is interpolated linearly if `threshold_pa` is not tabulated.
     ///
@@ -140,13 +142,13 @@ impl AreaLaw {
         Self::new(law_pressure_pa, factor)
     }
 
-    /// f at the local pressure `pressure_pa`; 1 for tensile or zero pressure.
+    /// Area factor f at the local pressure `pressure_pa`; 1 for tensile or zero pressure.
     pub fn factor(&self, pressure_pa: f64) -> f64 {
         self.factor_near(pressure_pa, &mut 0)
     }
 
-    /// f at `pressure_pa`, like [`AreaLaw::factor`], but starts with the interval `near` of the previous call. This is
-    /// much faster if pressures change slowly.
+    /// Like [`AreaLaw::factor`], but first tries `near`, the index of the interval of the previous call, and updates
+    /// it. This is much faster if pressures change slowly.
     #[inline]
     pub fn factor_near(&self, pressure_pa: f64, near: &mut usize) -> f64 {
         let (p, f) = (&self.pressure_pa, &self.factor);
@@ -169,7 +171,7 @@ impl AreaLaw {
         self.pressure_pa.partition_point(|&tabulated| tabulated <= pressure_pa).max(1) - 1
     }
 
-    /// The interval of the law that contains `pressure_pa`, as a polynomial of the limiting traction p f(p).
+    /// Polynomial of p f(p), the friction traction per unit coefficient, on the interval that contains `pressure_pa`.
     pub fn piece(&self, pressure_pa: f64) -> Piece {
         let (p, f) = (&self.pressure_pa, &self.factor);
         let last = p.len() - 1;
@@ -202,16 +204,16 @@ impl AreaLaw {
         pressure_pa > self.pressure_pa[self.pressure_pa.len() - 1]
     }
 
-    /// Pressure and value of the largest f, if it exceeds 1 by more than rounding. Such a law has more friction per
-    /// load than at light loads, which contact area cannot explain.
+    /// Pressure, in pascals, and value of the largest f; `None` unless it exceeds 1 by more than rounding. Such a law
+    /// has more friction per load there than at light loads, which contact area cannot explain.
     pub fn above_one(&self) -> Option<(f64, f64)> {
         let largest =
             self.pressure_pa.iter().copied().zip(self.factor.iter().copied()).max_by(|a, b| a.1.total_cmp(&b.1));
         largest.filter(|&(_, factor)| factor > ROUNDED_FACTOR)
     }
 
-    /// First tabulated pressure and factor of a step from 1, if the law has one ([`AreaLaw::new`] makes a step of a
-    /// first factor other than 1).
+    /// Pressure, in pascals, and factor at the end of the step from f = 1 with which the law begins; `None` if the
+    /// first factor given to [`AreaLaw::new`] was 1.
     pub fn step(&self) -> Option<(f64, f64)> {
         match (&self.pressure_pa[..], &self.factor[..]) {
             ([before, first, ..], [one, factor, ..]) if *before == first * (1.0 - STEP_WIDTH) && *one == 1.0 => {
@@ -237,7 +239,7 @@ impl AreaLaw {
     }
 }
 
-/// Linear interpolation between two points.
+/// Value at `at` of the line through the points (`x[0]`, `y[0]`) and (`x[1]`, `y[1]`).
 fn interpolate(x: &[f64], y: &[f64], at: f64) -> f64 {
     let t = (at - x[0]) / (x[1] - x[0]);
     y[0] + t * (y[1] - y[0])

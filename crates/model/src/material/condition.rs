@@ -21,12 +21,12 @@ pub struct Condition {
 }
 
 impl Condition {
-    /// Whether both numbers agree to one part in a million.
+    /// Whether speed and humidity agree with those of `other` to one part in a million.
     pub fn matches(&self, other: &Self) -> bool {
         close(self.speed_m_s, other.speed_m_s) && close(self.humidity, other.humidity)
     }
 
-    /// Whether both match, or neither is known.
+    /// Whether the two conditions match, or both are unknown (`None`).
     pub fn is_same(one: Option<&Self>, other: Option<&Self>) -> bool {
         match (one, other) {
             (Some(one), Some(other)) => one.matches(other),
@@ -48,10 +48,10 @@ pub(crate) fn round(value: f64) -> f64 {
     (value * 1e9).round() / 1e9
 }
 
-/// Measured conditions around `wanted` with their weights, which sum to 1. A measured condition has the weight 1.
-/// Otherwise interpolation is linear in ln(speed) between the nearest speeds at one humidity, and linear in humidity
-/// between the nearest humidities at which this is possible. `None` outside the measured range: there is no
-/// extrapolation.
+/// Measured conditions from which `wanted` is interpolated, with weights that sum to 1. If `wanted` itself was
+/// measured, its weight is 1. Otherwise interpolation is linear in ln(speed) between the nearest speeds at one
+/// humidity, and linear in humidity between the nearest humidities at which this is possible. `None` outside the
+/// measured range: there is no extrapolation.
 pub fn between(measured: &[Condition], wanted: &Condition) -> Option<Vec<(Condition, f64)>> {
     let mut humidities: Vec<f64> = measured.iter().map(|condition| condition.humidity).collect();
     humidities.sort_by(f64::total_cmp);
@@ -76,7 +76,8 @@ pub fn between(measured: &[Condition], wanted: &Condition) -> Option<Vec<(Condit
     Some(all.collect())
 }
 
-/// Indices of the neighbours of `wanted` among increasing values, with their weights.
+/// Indices of the neighbours of `wanted` in the increasing `places`, with their weights in linear interpolation; `None`
+/// outside `places`.
 fn bracket(places: &[f64], wanted: f64) -> Option<Vec<(usize, f64)>> {
     if let Some(place) = places.iter().position(|place| close(*place, wanted)) {
         return Some(vec![(place, 1.0)]);

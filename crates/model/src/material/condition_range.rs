@@ -8,8 +8,8 @@ use crate::material::condition::{Condition, between, close};
 use crate::material::friction::unknown_condition;
 use crate::material::{Friction, MaterialError};
 
-/// Relative shift of a speed off the end of the measurements at one humidity: far more than the tolerance of equal
-/// speeds, and too small to change friction.
+/// Relative shift of a speed past the end of the measured speeds at one humidity: far larger than the tolerance of
+/// equal speeds, and too small to change friction.
 const SPEED_SHIFT: f64 = 1e-4;
 /// Tolerance for equal weights of measured conditions.
 const WEIGHT_TOLERANCE: f64 = 1e-9;
@@ -53,19 +53,20 @@ impl ConditionRange {
         self.humidity
     }
 
-    /// Distinct corners of the range: minimum speed and humidity first.
+    /// Distinct corners of the range, ordered by increasing speed and then by increasing humidity.
     pub fn corners(&self) -> Vec<Condition> {
         let (speeds, humidities) = (places(self.speed_m_s, &[]), places(self.humidity, &[]));
         lattice(&speeds, &humidities).into_iter().flatten().collect()
     }
 
-    /// Conditions among which coefficients, interpolated between `measured` ones, are minimum and maximum over the
-    /// range at any pressure: the corners, and measured speeds and humidities inside the range. Where the measured
-    /// speeds of one humidity end inside the range, coefficients at other humidities jump; both sides are included,
-    /// with the open side shifted by the fraction `SPEED_SHIFT`. Distinct, with the speed varying slowest.
+    /// Conditions that include the minimum and the maximum over the range of coefficients interpolated between
+    /// `measured` conditions, at any pressure: the corners, and measured speeds and humidities inside the range. Where
+    /// the measured speeds of one humidity end inside the range, coefficients at other humidities jump; both sides are
+    /// included, with the open side shifted by the fraction `SPEED_SHIFT`. The conditions are distinct, and the speed
+    /// varies slowest.
     ///
     /// # Errors
-    /// A corner of the range that is not between measured conditions.
+    /// A condition of the range, usually a corner, that is not between measured conditions.
     pub fn extremes(&self, measured: &[Condition]) -> Result<Vec<Condition>, Condition> {
         if let Some(outside) = self.corners().into_iter().find(|corner| between(measured, corner).is_none()) {
             return Err(outside);
@@ -116,11 +117,11 @@ impl ConditionRange {
 }
 
 impl Friction {
-    /// Conditions of `range` among which the coefficients are minimum and maximum at any pressure
+    /// Conditions that include the minimum and the maximum of the coefficients over `range` at any pressure
     /// ([`ConditionRange::extremes`]); the corners if coefficients do not depend on the condition.
     ///
     /// # Errors
-    /// [`MaterialError`] with a condition of the range that is not between measured ones.
+    /// [`MaterialError`] with a condition of the range that is not between measured conditions.
     pub fn extremes(&self, range: &ConditionRange) -> Result<Vec<Condition>, MaterialError> {
         let measured = self.measured();
         if measured.is_empty() {
@@ -129,8 +130,9 @@ impl Friction {
         range.extremes(&measured).map_err(|outside| unknown_condition(self.table(), Some(&outside)))
     }
 
-    /// Selects the one of `conditions` that represents `range`: the measured one with the most pressures, then the one
-    /// nearest to the middle of the range in ln(v) and humidity, then the first. `None` if there are none.
+    /// Selects the condition among `conditions` that represents `range`: the one measured at the most pressures; among
+    /// equals the nearest to the middle of the range in ln(v) and humidity, then the first. `None` if `conditions` is
+    /// empty.
     pub fn primary(&self, range: &ConditionRange, conditions: &[Condition]) -> Option<Condition> {
         let measured = self.measured();
         let pressures = |condition: &Condition| measured.iter().filter(|own| own.matches(condition)).count();
@@ -149,13 +151,13 @@ impl Friction {
         conditions.iter().min_by(rank).copied()
     }
 
-    /// Conditions of the coefficients, once per pressure.
+    /// Conditions at which coefficients were measured, repeated for each pressure.
     fn measured(&self) -> Vec<Condition> {
         self.table().iter().filter_map(|row| row.condition).collect()
     }
 }
 
-/// Speeds at which the measurements at a humidity begin or end.
+/// Minimum and maximum measured speed, in m/s, at the humidity of each measured condition.
 fn speed_ends(measured: &[Condition]) -> Vec<f64> {
     let at = |humidity: f64| {
         measured.iter().filter(move |other| close(other.humidity, humidity)).map(|other| other.speed_m_s)
@@ -166,7 +168,7 @@ fn speed_ends(measured: &[Condition]) -> Vec<f64> {
         .collect()
 }
 
-/// Distinct values: both ends of a range and the `known` values strictly inside, increasing.
+/// Both ends of a range and the `known` values strictly inside it, distinct and increasing.
 fn places([lowest, highest]: [f64; 2], known: &[f64]) -> Vec<f64> {
     let is_inside =
         |place: &f64| *place > lowest && *place < highest && !close(*place, lowest) && !close(*place, highest);
@@ -177,13 +179,13 @@ fn places([lowest, highest]: [f64; 2], known: &[f64]) -> Vec<f64> {
     places
 }
 
-/// All combinations of `speeds` and `humidities`, by speed.
+/// All combinations of `speeds`, in m/s, and `humidities`: one row per speed.
 fn lattice(speeds: &[f64], humidities: &[f64]) -> Vec<Vec<Condition>> {
     let at = |speed_m_s: f64| humidities.iter().map(move |&humidity| Condition { speed_m_s, humidity }).collect();
     speeds.iter().map(|&speed_m_s| at(speed_m_s)).collect()
 }
 
-/// Weights of all measured conditions in `wanted`; `None` outside the measured range.
+/// Weight of each condition of `measured` in the interpolation of `wanted`; `None` outside the measured range.
 fn weights_in(measured: &[Condition], wanted: &Condition) -> Option<Vec<f64>> {
     let mut shares = vec![0.0; measured.len()];
     for (own, share) in between(measured, wanted)? {
@@ -195,7 +197,8 @@ fn weights_in(measured: &[Condition], wanted: &Condition) -> Option<Vec<f64>> {
     Some(shares)
 }
 
-/// Whether the second of three weights lies on the line between the others.
+/// Whether the weights `here`, at the coordinate `at`, are interpolated linearly between `before` at `from` and `after`
+/// at `to`.
 fn is_between([before, here, after]: [&Vec<f64>; 3], [from, at, to]: [f64; 3]) -> bool {
     let t = (at - from) / (to - from);
     let is_on_line =

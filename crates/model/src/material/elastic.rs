@@ -1,8 +1,8 @@
 use crate::material::MaterialError;
 use crate::material::error::positive;
 
-/// Elastic constants and density of an isotropic solid. Poisson's ratio belongs to the model: it is fixed by the
-/// lattice, and is an argument for the half-space.
+/// Elastic constants and density of an isotropic solid. Poisson's ratio is not included: the lattice fixes it, and
+/// functions for the half-space take it as an argument.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Elastic {
     youngs_modulus_pa: f64,
@@ -33,7 +33,7 @@ impl Elastic {
         self.density_kg_m3
     }
 
-    /// A solid with Young's modulus multiplied by `factor`.
+    /// Returns the solid with Young's modulus multiplied by `factor`.
     ///
     /// # Errors
     /// See [`Self::new`].
@@ -44,10 +44,11 @@ impl Elastic {
         })
     }
 
-    /// Sets the pressure at which rims are flattened permanently; `None` for elastic rims.
+    /// Sets the contact pressure, in pascals, at which heights of the face (rims or a measured relief) are flattened
+    /// permanently; `None` for an elastic solid.
     ///
     /// # Errors
-    /// [`MaterialError`] unless it is positive and finite.
+    /// [`MaterialError`] unless the pressure is positive and finite.
     pub fn with_yield_pressure_pa(self, yield_pressure_pa: Option<f64>) -> Result<Self, MaterialError> {
         let checked = yield_pressure_pa.map(|value_pa| positive("yield pressure", value_pa)).transpose()?;
         Ok(Self { yield_pressure_pa: checked, ..self })

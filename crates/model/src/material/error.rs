@@ -10,7 +10,7 @@ impl MaterialError {
     }
 }
 
-/// Checks that `table` has one value for each pressure.
+/// Checks that the table named `table` has as many values as pressures.
 pub(crate) fn same_length(table: &str, pressures: usize, values: usize) -> Result<(), MaterialError> {
     if pressures == values {
         return Ok(());
@@ -18,7 +18,7 @@ pub(crate) fn same_length(table: &str, pressures: usize, values: usize) -> Resul
     Err(MaterialError(format!("{table}: {pressures} pressures but {values} values")))
 }
 
-/// Checks that `value` is finite and positive.
+/// Returns `value` if it is finite and positive, and an error that names `quantity` otherwise.
 pub(crate) fn positive(quantity: &str, value: f64) -> Result<f64, MaterialError> {
     if value.is_finite() && value > 0.0 {
         Ok(value)
@@ -27,7 +27,7 @@ pub(crate) fn positive(quantity: &str, value: f64) -> Result<f64, MaterialError>
     }
 }
 
-/// Checks that `value` is finite and not negative.
+/// Returns `value` if it is finite and not negative, and an error that names `quantity` otherwise.
 pub(crate) fn not_negative(quantity: &str, value: f64) -> Result<f64, MaterialError> {
     if value.is_finite() && value >= 0.0 {
         Ok(value)
@@ -36,7 +36,7 @@ pub(crate) fn not_negative(quantity: &str, value: f64) -> Result<f64, MaterialEr
     }
 }
 
-/// Checks that `pressures_pa` are finite, not negative and strictly increasing.
+/// Checks that `pressures_pa` has values that are finite, not negative and strictly increasing.
 pub(crate) fn increasing(table: &str, pressures_pa: &[f64]) -> Result<(), MaterialError> {
     if pressures_pa.is_empty() {
         return Err(MaterialError(format!("{table}: the table is empty")));

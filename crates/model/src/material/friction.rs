@@ -3,7 +3,7 @@ use crate::material::condition::{Condition, between, round};
 use crate::material::error::{not_negative, positive};
 
 /// Means and scatter of the local friction coefficients. Each contact block draws mu_s = static_mean (1 + s g1) and
-/// mu_d = dynamic_mean (1 + s g2), with standard normal g1 and g2.
+/// mu_d = dynamic_mean (1 + s g2), with the relative standard deviation s and standard normal g1 and g2.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LocalFriction {
     static_mean: f64,
@@ -39,7 +39,7 @@ impl LocalFriction {
         self.relative_std
     }
 
-    /// Interpolates linearly to `other`, with `t` from 0 to 1.
+    /// Interpolates linearly from `self` at `t` = 0 to `other` at `t` = 1.
     fn interpolate(&self, other: &Self, t: f64) -> Self {
         let mix = |a: f64, b: f64| a + t * (b - a);
         Self {
@@ -76,7 +76,8 @@ pub enum Friction {
 pub struct FrictionAt {
     /// The coefficients.
     pub friction: LocalFriction,
-    /// Whether the pressure is outside the measured range, so that the nearest measurement was used.
+    /// Whether the pressure is outside the measured range by more than [`END_MARGIN`]. Coefficients outside the range
+    /// are those of the nearest measured pressure.
     pub outside_measured_range: bool,
 }
 
@@ -84,8 +85,8 @@ impl Friction {
     /// Coefficients at `pressure_pa` under `condition` (ignored by [`Friction::Single`]).
     ///
     /// # Errors
-    /// [`MaterialError`] if the coefficients depend on the
-    /// condition and it is missing or outside the measured ones.
+    /// [`MaterialError`] if the coefficients depend on the condition and `condition` is missing or outside the measured
+    /// range.
     pub fn at(&self, pressure_pa: f64, condition: Option<&Condition>) -> Result<FrictionAt, MaterialError> {
         let table = match self {
             Self::Single(friction) => return Ok(FrictionAt { friction: *friction, outside_measured_range: false }),
@@ -115,7 +116,7 @@ impl Friction {
         mixed.ok_or_else(|| unknown_condition(table, condition))
     }
 
-    /// Coefficients by condition and pressure; empty for a single pair.
+    /// One row of coefficients per measured condition and pressure; empty for [`Friction::Single`].
     pub(crate) fn table(&self) -> &[ConditionFriction] {
         match self {
             Self::Single(_) => &[],
@@ -123,9 +124,9 @@ impl Friction {
         }
     }
 
-    /// Minimum and maximum pressure at which coefficients were measured under `condition`; between measured conditions,
-    /// the pressures that all of them cover. `None` for a single pair, for unknown conditions, and if the conditions
-    /// have no pressure in common.
+    /// Minimum and maximum pressure, in pascals, at which coefficients were measured under `condition`. If `condition`
+    /// is interpolated, this is the range that all contributing conditions cover. `None` for [`Friction::Single`], for
+    /// unknown conditions, and if the conditions have no pressure in common.
     pub fn measured_pressures_pa(&self, condition: Option<&Condition>) -> Option<[f64; 2]> {
         let measured: Vec<Condition> = self.table().iter().filter_map(|row| row.condition).collect();
         let about: Vec<Option<Condition>> = if measured.is_empty() {
@@ -145,7 +146,7 @@ impl Friction {
         (common[0] <= common[1]).then_some(common)
     }
 
-    /// Describes the measured conditions from which coefficients under `condition` are interpolated; `None` without
+    /// Sentence on the measured conditions from which coefficients under `condition` are interpolated; `None` without
     /// interpolation.
     pub fn interpolation(&self, condition: Option<&Condition>) -> Option<String> {
         let Self::PerCondition(table) = self else { return None };
@@ -160,9 +161,9 @@ impl Friction {
     }
 }
 
-/// Relative distance from an end of the measured range up to which a pressure counts as that end. A coefficient that
-/// changes by 20 % over a factor of four in pressure, as that of the published polymer does, changes by 0.7 % over this
-/// distance, which is less than its standard error.
+/// Distance beyond an end of the measured pressures, relative to the pressure, up to which a pressure still counts as
+/// measured. A coefficient that changes by 20 % over a factor of four in pressure, like that of the published polymer,
+/// changes by 0.7 % over this distance, which is less than its standard error.
 pub const END_MARGIN: f64 = 0.05;
 
 /// Coefficients at a pressure, from the `rows` of one condition; `None` without rows.

@@ -1,9 +1,10 @@
 //! Measured flat friction as the law of local friction: mu(p) = mu_flat(P = p).
 //!
-//! In the area law, friction of a contact grows less than its load, because real contact area does. If flat friction
-//! nevertheless rises with nominal pressure, the fitted mu_d rises with load. The alternative interpretation of these
-//! measurements is that friction depends on local pressure as it does on nominal pressure. Under the edges of cavities
-//! friction is then higher instead of lower. Flat samples alone cannot distinguish the two interpretations.
+//! In the area law, friction of a contact grows less than its load, because real contact area grows less than load. If
+//! flat friction nevertheless rises with nominal pressure, the fitted mu_d rises with load. The alternative
+//! interpretation of these measurements is that friction depends on local pressure as it does on nominal pressure.
+//! Under the edges of cavities friction is then higher instead of lower. Flat samples alone cannot distinguish the two
+//! interpretations.
 
 use crate::material::error::{positive, same_length};
 use crate::material::{AreaLaw, MaterialError};
@@ -30,17 +31,18 @@ impl Extrapolation {
     }
 }
 
-/// Maximum tabulated local pressure, in pascals; no polymer carries more.
+/// Maximum tabulated local pressure, in pascals; no polymer carries a higher pressure.
 const MAX_PRESSURE_PA: f64 = 1e9;
 /// Number of tabulated pressures above the last measured one, in geometric progression.
 const EXTRAPOLATED_POINTS: u32 = 64;
 
 impl AreaLaw {
-    /// Computes the factors f(p) = mu(p) / mu(P1) from flat friction `mu_flat` measured at the increasing pressures
-    /// `pressure_pa`: linear between measurements, 1 below the first, and by `extrapolation` above the last.
+    /// Computes the factors f(p) = mu(p) / mu(P1), P1 being the first pressure, from flat friction `mu_flat` measured
+    /// at the increasing pressures `pressure_pa`: linear between measurements, 1 below the first, and by
+    /// `extrapolation` above the last.
     ///
     /// # Errors
-    /// [`MaterialError`] if pressures do not increase from a positive one, or a coefficient is not positive.
+    /// [`MaterialError`] if pressures do not increase from a positive first pressure, or a coefficient is not positive.
     pub fn from_flat_friction(
         pressure_pa: &[f64],
         mu_flat: &[f64],

@@ -1,7 +1,7 @@
 //! Material data for a friction model: elastic constants, local friction coefficients, the area law, and their
 //! provenance.
 //!
-//! The friction traction of a sliding block with the local pressure `p` is
+//! The friction traction of a sliding block with the local dynamic coefficient `mu_d` and the local pressure `p` is
 //!
 //! ```text
 //! friction traction = mu_d f(p) p
@@ -14,7 +14,7 @@
 //! |---|---|
 //! | [`Elastic`] | Young's modulus and density |
 //! | [`LocalFriction`] | means and scatter of the local coefficients |
-//! | [`Friction`] | one pair for all loads, or coefficients per condition |
+//! | [`Friction`] | one pair of coefficients for all loads, or coefficients per condition |
 //! | [`AreaLaw`] | factor f(p) |
 //! | [`Provenance`] | origin of the values, and whether the surface is synthetic |
 //!

@@ -3,14 +3,16 @@
 use crate::material::error::positive;
 use crate::material::{AreaLaw, MaterialError};
 
-/// A first interval narrower than this fraction of its pressure is a step, which does not show the curvature of the
-/// area.
+/// Width of the first tabulated interval, relative to its pressure, below which the interval is a step. A step does not
+/// show the curvature of the contact area.
 const MAX_STEP_WIDTH: f64 = 1e-2;
 
-/// Maximum pressure, relative to the threshold, that is used to extrapolate g below the threshold.
+/// Maximum pressure, relative to the threshold, of a point of the parabola that extrapolates area per load below the
+/// threshold; if points are further apart, the extrapolation is linear.
 const MAX_CURVATURE_RATIO: f64 = 3.0;
 
-/// Extrapolation of g below the threshold: value at the threshold, slope and curvature.
+/// Extrapolation of g(P) = A(P) / P, relative to the threshold P0, to pressures below P0: g = value + slope x +
+/// curvature x^2 with x = P - P0, in pascals.
 struct ThresholdExtrapolation {
     value: f64,
     slope: f64,
@@ -18,7 +20,7 @@ struct ThresholdExtrapolation {
 }
 
 impl ThresholdExtrapolation {
-    /// Fits the extrapolation to a table with at least two pressures.
+    /// Fits the extrapolation to the factors `f` at the pressures `p`, in pascals; there are at least two.
     fn fit(p: &[f64], f: &[f64]) -> Self {
         let straight = Self { value: f[0], slope: (f[1] - f[0]) / (p[1] - p[0]), curvature: 0.0 };
         let nearest = |wanted: f64| {
@@ -34,8 +36,8 @@ impl ThresholdExtrapolation {
         Self { value: f[0], slope: first - curvature * (p[a] - p[0]), curvature }
     }
 
-    /// g at the distance `by` from the threshold, negative below it. Beyond the vertex of the parabola contact area is
-    /// proportional to load.
+    /// g at the pressure P0 + `by`; `by` is in pascals and negative below the threshold. Beyond the vertex of the
+    /// parabola g is constant: contact area is proportional to load.
     fn value_at(&self, by: f64) -> f64 {
         let turns = -self.slope / (2.0 * self.curvature);
         let by = if turns.is_finite() && turns < 0.0 && self.curvature < 0.0 { by.max(turns) } else { by };
@@ -44,14 +46,14 @@ impl ThresholdExtrapolation {
 }
 
 impl AreaLaw {
-    /// Area law of the same surface with Young's modulus multiplied by `factor`, and the same threshold P0. Contact
+    /// Area law of the same surface with Young's modulus multiplied by c = `factor`, and the same threshold P0. Contact
     /// area depends on P / E only, A(P; c E) = A(P / c; E), so that
     ///
     /// f(P; c E) = [A(P / c) / A(P0 / c)] / [P / P0] = g(P / c) / g(P0 / c),   g(P) = A(P) / P.
     ///
     /// g equals f above the threshold. Below it, where a law has no data, g is extrapolated by the parabola through the
-    /// threshold and the tabulated pressures nearest to 1.5 and 2 times it, or linearly from the first two if the table
-    /// is too coarse. A law that begins with a step is scaled along P by c.
+    /// threshold and the tabulated pressures nearest to 1.5 and 2 times the threshold, or linearly from the first two
+    /// if the table is too coarse. A law that begins with a step is scaled along P by c.
     ///
     /// # Errors
     /// [`MaterialError`] unless `factor` is positive and finite.
@@ -84,8 +86,8 @@ impl AreaLaw {
         Self::new(pressure_pa, factors)
     }
 
-    /// Adds `deviates` standard errors to all factors, limited to 0; returns the law itself if they are not known.
-    /// Shifting all factors to the same side is the worst case.
+    /// Adds `deviates` standard errors to all factors, which are kept at 0 or above; returns the law itself if standard
+    /// errors are not known. Shifting all factors to the same side is the worst case.
     pub fn with_factors_off_by(&self, deviates: f64) -> Self {
         let Some(std) = self.factor_std() else { return self.clone() };
         let factors = self.factors().iter().zip(std).map(|(f, std)| (f + deviates * std).max(0.0)).collect();

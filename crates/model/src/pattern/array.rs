@@ -23,9 +23,8 @@ impl Pattern {
     /// default [`Texture`].
     ///
     /// # Errors
-    /// [`PatternError::Refused`] if a length is not positive and finite, if hexagonal
-    /// rows of squares or rectangles are closer than the length of these, or if polygons in hexagonal rows overlap or
-    /// extend over two rows.
+    /// [`PatternError::Refused`] if a length is not positive and finite, if hexagonal rows of squares or rectangles are
+    /// closer together than a cavity is long, or if polygons in hexagonal rows overlap or extend over two rows.
     pub fn new(texture: impl Into<Texture>, width_m: f64, spacing_m: f64, depth_m: f64) -> Result<Self, PatternError> {
         let pattern = Self {
             texture: texture.into(),
@@ -96,7 +95,7 @@ impl Pattern {
     }
 
     /// Gap between two neighbouring rows, along y, in metres; `None` for grooves. Negative if hexagonal rows of discs
-    /// interlock.
+    /// or polygons interlock.
     pub fn spacing_across_m(&self) -> Option<f64> {
         if self.texture.arrangement() == Arrangement::Hexagonal {
             return Some(HEXAGONAL_ROW_RATIO * self.pitch_m() - self.length_m()?);
@@ -120,8 +119,8 @@ impl Pattern {
 
     /// Sides along x and y of the smallest rectangular periodic cell, in metres. A staggered or hexagonal cell holds
     /// two rows. Grooves do not vary along y: their cell is given as a square, although any length along y is valid.
-    /// Grooves that cross at an angle c have the cell p / cos(c/2) by p / sin(c/2), in which they cross twice, or p by
-    /// p for a right angle.
+    /// Grooves of pitch p that cross at an angle c have the cell p / cos(c/2) by p / sin(c/2), in which they cross
+    /// twice, or p by p for a right angle.
     pub fn cell_m(&self) -> [f64; 2] {
         let pitch_m = self.pitch_m();
         if let Some(half) = self.oblique_half_angle() {
@@ -134,7 +133,7 @@ impl Pattern {
         [pitch_m, self.pitch_across_m().map_or(pitch_m, |pitch_across_m| rows * pitch_across_m)]
     }
 
-    /// Half the angle between obliquely crossing grooves, in radians.
+    /// Half the angle between obliquely crossing grooves, in radians; `None` for other patterns.
     fn oblique_half_angle(&self) -> Option<f64> {
         self.texture.oblique_half_angle_deg().map(f64::to_radians)
     }
@@ -175,16 +174,16 @@ impl Pattern {
     /// Fraction, from 0 to 1, of the rectangle `[x0_m, x1_m] x [y0_m, y1_m]` that is covered by cavities.
     ///
     /// The rectangle is given in the pattern's axes, whose origin is the centre of a cavity, and may have any position
-    /// and size. A solver whose first cavity is centred at (a, b) passes its rectangles shifted by (-a, -b), and
-    /// therefore chooses the position of its blocks. The fraction is computed in closed form and is continuous in the
-    /// rectangle and in every dimension of the pattern. Values within 1e-12 of 0 or 1 are rounded, so that blocks
+    /// and size. A solver whose first cavity is centred at (a, b) passes its rectangles shifted by (-a, -b), and can
+    /// therefore place its blocks anywhere. The fraction is computed in closed form and is continuous in the sides of
+    /// the rectangle and in every dimension of the pattern. Values within 1e-12 of 0 or 1 are rounded, so that blocks
     /// without an edge are exactly 0 or 1. An empty or non-finite rectangle has the fraction 0.
     pub fn coverage(&self, x0_m: f64, x1_m: f64, y0_m: f64, y1_m: f64) -> f64 {
         snap_fraction(self.coverage_within(0.0, [x0_m, x1_m], [y0_m, y1_m]))
     }
 
-    /// Fraction of a rectangle that is within the Euclidean distance `distance_m` of a cavity, at most half of the
-    /// narrowest land.
+    /// Fraction of a rectangle that lies in a cavity or within the Euclidean distance `distance_m` of one. `distance_m`
+    /// must be at most half of the narrowest land.
     pub(crate) fn coverage_within(&self, distance_m: f64, x_m: [f64; 2], y_m: [f64; 2]) -> f64 {
         let Some(area_m2) = proper_area_m2(x_m, y_m) else { return 0.0 };
         let cell_m = self.cell_m();
@@ -286,7 +285,7 @@ impl Pattern {
     }
 
     /// Mean length of a cavity along y over the distance between rows; 1 for grooves, and (1 - (1 - w/p)^2) / (w/p) for
-    /// crossing grooves.
+    /// crossing grooves of width w and pitch p.
     fn share_across(&self) -> f64 {
         if self.planform() == Planform::Crosshatch {
             return 2.0 - self.section_density();
@@ -300,8 +299,8 @@ impl Pattern {
         mean * (length_m / pitch_across_m)
     }
 
-    /// Smallest distance between two cavities, in metres: the narrowest land. It is exact for polygons, whichever
-    /// neighbour is nearest, and equals the spacing for crossing grooves.
+    /// Smallest distance between two cavities, in metres: the width of the narrowest land. It is exact for polygons,
+    /// whichever neighbour is nearest, and equals the spacing for grooves.
     pub fn least_land_m(&self) -> f64 {
         let (Some(length_m), Some(spacing_across_m)) = (self.length_m(), self.spacing_across_m()) else {
             return self.spacing_m;
@@ -368,7 +367,7 @@ impl Pattern {
             .map(move |angle_deg| Self { texture: pattern.texture.family(angle_deg), ..pattern })
     }
 
-    /// Grooves across the sliding direction with this section and these rims.
+    /// Grooves across the sliding direction with the width, spacing, depth and rims of this pattern.
     #[must_use]
     pub fn as_groove(mut self) -> Self {
         self.texture = Texture::new(Planform::Groove).with_rim(self.texture.rim().copied());
@@ -385,14 +384,14 @@ fn rows_overlap(pitch_across_m: f64, length_m: f64) -> PatternError {
     ))
 }
 
-/// Area of a rectangle; `None` if it is empty or not finite.
+/// Area of a rectangle, in square metres; `None` if it is zero, negative or not finite.
 fn proper_area_m2([x0_m, x1_m]: [f64; 2], [y0_m, y1_m]: [f64; 2]) -> Option<f64> {
     // Products and quotients of lengths below 1e-150 m would underflow.
     let area_m2 = (x1_m - x0_m) * (y1_m - y0_m);
     (x1_m > x0_m && y1_m > y0_m && area_m2.is_finite() && area_m2 > 0.0).then_some(area_m2)
 }
 
-/// Rounds a fraction within 1e-12 of 0 or 1.
+/// Rounds a fraction within 1e-12 of 0 or 1 to that value.
 fn snap_fraction(share: f64) -> f64 {
     const ROUNDING: f64 = 1e-12;
     if share < ROUNDING {

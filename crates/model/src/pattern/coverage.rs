@@ -10,7 +10,8 @@ use crate::pattern::geometry::edges;
 pub(crate) enum Shape<'a> {
     /// A strip that is infinite along y.
     Strip { width_m: f64 },
-    /// `width_m` along x and `length_m` along y, with quarter discs of radius `corner_m` at its corners.
+    /// A rectangle, `width_m` along x and `length_m` along y, with corners rounded to quarter discs of radius
+    /// `corner_m`.
     Rectangle { width_m: f64, length_m: f64, corner_m: f64 },
     /// A disc.
     Disc { diameter_m: f64 },
@@ -20,14 +21,15 @@ pub(crate) enum Shape<'a> {
     Pieces { pieces: &'a [[[f64; 2]; 2]], scale_m: f64, extents_m: [f64; 2] },
 }
 
-/// Equal shapes at `centre_m` plus integer multiples of `cell_m`.
+/// Positions of equal shapes: `centre_m` plus integer multiples of `cell_m` along x and y.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Sublattice {
     pub(crate) centre_m: [f64; 2],
     pub(crate) cell_m: [f64; 2],
 }
 
-/// Area of the rectangle `x_m` by `y_m` that is covered by the shapes of `sublattice`, which do not overlap.
+/// Area, in square metres, of the rectangle `x_m` by `y_m` that is covered by copies of `shape` at the positions of
+/// `sublattice`; the copies do not overlap.
 pub(crate) fn covered_area(shape: Shape<'_>, sublattice: &Sublattice, x_m: [f64; 2], y_m: [f64; 2]) -> f64 {
     let [cell_x_m, cell_y_m] = sublattice.cell_m;
     let [centre_x_m, centre_y_m] = sublattice.centre_m;
@@ -70,7 +72,8 @@ pub(crate) fn covered_area(shape: Shape<'_>, sublattice: &Sublattice, x_m: [f64;
     area_m2
 }
 
-/// Splits `interval_m` into whole periods (a count and the first period) and the remainder.
+/// Splits `interval_m` into whole periods, given as their number and the first of them, and the remainder, with the
+/// number 1.
 fn pieces(interval_m: [f64; 2], period_m: f64) -> impl Iterator<Item = (f64, [f64; 2])> {
     let [low_m, high_m] = interval_m;
     let periods = ((high_m - low_m) / period_m).floor();
@@ -78,8 +81,8 @@ fn pieces(interval_m: [f64; 2], period_m: f64) -> impl Iterator<Item = (f64, [f6
     (periods > 0.0).then_some((periods, [low_m, low_m + period_m])).into_iter().chain([rest])
 }
 
-/// `interval_m`, at most a period long, relative to the centre of each shape of extent `extent_m` that may reach into
-/// it.
+/// Coordinates of the ends of `interval_m`, at most a period long, relative to the centre of each shape of extent
+/// `extent_m` that overlaps it.
 fn near(interval_m: [f64; 2], centre_m: f64, period_m: f64, extent_m: f64) -> impl Iterator<Item = [f64; 2]> {
     let [low_m, high_m] = interval_m.map(|end_m| end_m - centre_m);
     let first = ((low_m - extent_m / 2.0) / period_m).ceil();
@@ -90,7 +93,7 @@ fn near(interval_m: [f64; 2], centre_m: f64, period_m: f64, extent_m: f64) -> im
     })
 }
 
-/// Length of the intersection of the interval with [-extent/2, extent/2].
+/// Length of the intersection of the interval with [-extent/2, extent/2], in metres.
 fn overlap([low_m, high_m]: [f64; 2], extent_m: f64) -> f64 {
     let half_m = extent_m / 2.0;
     (high_m.min(half_m) - low_m.max(-half_m)).max(0.0)
@@ -118,7 +121,7 @@ fn area_within(
     boundary.map(below).sum::<f64>().max(0.0)
 }
 
-/// Mean of a linearly varying height, clamped to [0, max].
+/// Mean of a height that varies linearly from `one` to `other` and is clamped to [0, max].
 fn mean_clamped([one, other]: [f64; 2], max: f64) -> f64 {
     let (low, high) = (one.min(other), one.max(other));
     if high <= 0.0 {
@@ -166,7 +169,8 @@ fn quadrant_sides([low, high]: [f64; 2]) -> [[f64; 2]; 2] {
     [[low.max(0.0), high.max(0.0)], [(-high).max(0.0), (-low).max(0.0)]]
 }
 
-/// Area of the disc within the rectangle `x` by `y`, whose ends are not negative.
+/// Area of the intersection of a disc about the origin with the rectangle `x` by `y`, whose coordinates are not
+/// negative.
 fn quarter_disc_area(radius: f64, [x0, x1]: [f64; 2], [y0, y1]: [f64; 2]) -> f64 {
     if y0 >= radius || x0 >= radius || x1 <= x0 || y1 <= y0 {
         return 0.0;

@@ -3,7 +3,7 @@ use crate::pattern::Planform;
 /// Reason why a texture or a pattern was refused.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum PatternError {
-    /// Cavities of this planform do not have the property.
+    /// A property was set that cavities of the planform do not have.
     #[error("{property} has no meaning for planform \"{planform}\": expected {expected}")]
     NoSuchProperty {
         /// `a length`, `an outline`, `a spacing across`, `a staggered arrangement`, `a groove angle` or `a crossing angle`.
@@ -19,7 +19,7 @@ pub enum PatternError {
     Refused(String),
 }
 
-/// Checks that `value_m` is a positive, finite length.
+/// Returns `value_m` if it is a positive, finite length, and an error that names `quantity` otherwise.
 pub(crate) fn length(quantity: &str, value_m: f64) -> Result<f64, PatternError> {
     if value_m.is_finite() && value_m > 0.0 {
         return Ok(value_m);

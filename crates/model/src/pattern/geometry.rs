@@ -1,12 +1,12 @@
 //! Points, segments and polygons in the plane.
 
-/// Edges of a closed polygon, in order.
+/// Edges of a closed polygon, in order, each as its start and end.
 pub fn edges(vertices: &[[f64; 2]]) -> impl Iterator<Item = ([f64; 2], [f64; 2])> + '_ {
     let next = vertices.iter().skip(1).chain(vertices.first());
     vertices.iter().copied().zip(next.copied())
 }
 
-/// Twice the area of a closed polygon, positive if it runs anticlockwise.
+/// Twice the area of a closed polygon, positive if its vertices run anticlockwise.
 pub(crate) fn doubled_area(vertices: &[[f64; 2]]) -> f64 {
     edges(vertices).map(|([xa, ya], [xb, yb])| xa * yb - xb * ya).sum()
 }
@@ -33,7 +33,7 @@ pub(crate) fn meet([a, b]: [[f64; 2]; 2], [c, d]: [[f64; 2]; 2]) -> bool {
         || (sides[3] == 0.0 && within(b, [c, d]))
 }
 
-/// Distance of a point from the segment from `a` to `b`, which may coincide.
+/// Distance of the point `at` from the segment from `a` to `b`; `a` and `b` may coincide.
 pub fn point_to_segment(at: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
     let along = [b[0] - a[0], b[1] - a[1]];
     let from = [at[0] - a[0], at[1] - a[1]];

@@ -19,9 +19,10 @@ pub(crate) struct Grown {
     length: f64,
 }
 
-/// Deviation of a chord from its arc, divided by the radius.
+/// Maximum deviation of a chord from its arc, divided by the radius.
 const MAX_SAGITTA: f64 = 1e-4;
-/// Tolerance for rounding, as a fraction of the distance, when a boundary is tested for its distance from the outline.
+/// Tolerance for rounding, as a fraction of the offset distance, in the test whether a point of the shifted boundary is
+/// that far from the outline.
 const ROUNDING: f64 = 1e-9;
 
 /// A piece of the shifted boundary, before parts too close to the outline are removed.
@@ -32,9 +33,9 @@ struct ShiftedPiece {
 }
 
 impl Polygon {
-    /// Computes all points within `distance` of the polygon; the distance is divided by the extent along x. Time is
+    /// Computes the region of all points within `distance`, in units of the extent along x, of the polygon. Time is
     /// proportional to the square of the number of corners: two milliseconds for a hundred. A distance that is not
-    /// positive returns the outline itself.
+    /// positive and finite returns the outline itself.
     pub(crate) fn grown(&self, distance: f64) -> Grown {
         let vertices = self.vertices();
         if !(distance > 0.0 && distance.is_finite()) {
@@ -80,13 +81,13 @@ impl Grown {
         &self.pieces
     }
 
-    /// Extents of the bounding box.
+    /// Extents of the bounding box along x and y, divided by the outline's extent along x.
     pub(crate) fn extents(&self) -> [f64; 2] {
         [1.0 + 2.0 * self.distance, self.length + 2.0 * self.distance]
     }
 }
 
-/// Edges shifted outwards, and arcs about convex corners as chords.
+/// Edges shifted outwards by `distance`, and arcs about convex corners as chords.
 fn shifted_boundary(vertices: &[[f64; 2]], distance: f64) -> Vec<ShiftedPiece> {
     let normals: Vec<[f64; 2]> = edges(vertices)
         .map(|(a, b)| {
@@ -121,7 +122,7 @@ fn shifted_boundary(vertices: &[[f64; 2]], distance: f64) -> Vec<ShiftedPiece> {
     found
 }
 
-/// Position along the first segment, from 0 to 1, at which the second segment crosses it.
+/// Position along the first segment, between 0 and 1, at which the second segment crosses it; `None` if it does not.
 fn crossing([a, b]: [[f64; 2]; 2], [c, d]: [[f64; 2]; 2]) -> Option<f64> {
     let (along, across) = ([b[0] - a[0], b[1] - a[1]], [d[0] - c[0], d[1] - c[1]]);
     let from = [c[0] - a[0], c[1] - a[1]];

@@ -1,7 +1,7 @@
 use crate::pattern::Pattern;
 use crate::pattern::error::um;
 
-/// Rounding tolerance of a depth, as a fraction.
+/// Relative tolerance for rounding when a depth is compared with the depth at which walls meet.
 const ROUNDING: f64 = 1e-9;
 
 /// Limits of the laser; absent limits are not applied.
@@ -13,7 +13,7 @@ pub struct ManufacturingLimits {
     pub spot_m: Option<f64>,
     /// Depth removed by the smallest exposure (a burst, or a pass over lines), in metres; depths are multiples of it.
     pub depth_per_burst_m: Option<f64>,
-    /// Horizontal extent of a sloping wall over its height; opposite walls must not meet above the floor.
+    /// Horizontal extent of a sloping wall over its height. Opposite walls must not meet above the floor of the cavity.
     pub wall_slope: Option<f64>,
 }
 
@@ -58,7 +58,7 @@ impl LimitViolation {
 }
 
 impl ManufacturingLimits {
-    /// Limits that `pattern` violates; empty if the laser can make it.
+    /// Limits that `pattern` violates; empty if the laser can make the pattern.
     pub fn violations(&self, pattern: &Pattern) -> Vec<LimitViolation> {
         let mut broken = Vec::new();
         if let Some(min_land_m) = self.min_land_m

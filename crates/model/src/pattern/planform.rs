@@ -3,8 +3,8 @@ use std::fmt;
 /// Shape of a cavity seen from above. Its sides lie along the pattern's axes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Planform {
-    /// A groove along the pattern's y axis, as long as the surface. Across the sliding direction, it corresponds to the
-    /// two-dimensional model.
+    /// A groove along the pattern's y axis, as long as the surface. Grooves across the sliding direction correspond to
+    /// the two-dimensional model.
     Groove,
     /// A square.
     Square,
@@ -36,7 +36,7 @@ impl Planform {
         }
     }
 
-    /// Whether cavities are grooves, which have no ends.
+    /// Whether cavities are grooves, crossing or not; grooves have no ends.
     pub const fn is_grooves(self) -> bool {
         matches!(self, Self::Groove | Self::Crosshatch)
     }

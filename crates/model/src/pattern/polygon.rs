@@ -13,11 +13,11 @@ use crate::pattern::geometry::{contains, cross, doubled_area, edges, meet, point
 /// scale and read again is bit-identical.
 ///
 /// Outlines are interned for the lifetime of the program, because a search copies patterns by the thousand. A program
-/// reads a few outlines of some kilobytes at most.
+/// reads only a few outlines, each of some kilobytes at most.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Polygon(&'static InternedOutline);
 
-/// Data of an interned outline.
+/// Vertices of an outline 1 wide along x, and quantities derived from them.
 #[derive(Debug, PartialEq)]
 struct InternedOutline {
     vertices: Vec<[f64; 2]>,
@@ -101,7 +101,8 @@ impl Polygon {
         Ok(Self::interned(normal, length))
     }
 
-    /// Interns the outline with these vertices.
+    /// Interns the outline of normalized `vertices` with the extent `length` along y, or returns the copy that is
+    /// already interned.
     fn interned(vertices: Vec<[f64; 2]>, length: f64) -> Self {
         let mut known = INTERNED.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(found) = known.iter().find(|known| known.0.vertices == vertices) {
@@ -139,15 +140,15 @@ impl Polygon {
         edges(self.vertices()).map(|([xa, ya], [xb, yb])| (xb - xa).hypot(yb - ya)).sum()
     }
 
-    /// Narrowest width divided by the extent along x: the smaller of the smallest distance between two parallel
-    /// supporting lines, and, for a concave outline, of its narrowest neck. A neck is a straight line inside the
-    /// outline from a concave corner to the opposite side that is shorter than all lines next to it. Tapering corners
-    /// are not counted as narrow.
+    /// Narrowest width divided by the extent along x: the smallest distance between two parallel supporting lines or,
+    /// if smaller, the width of the narrowest neck of a concave outline. A neck is a straight line inside the outline
+    /// from a concave corner to the opposite side that is shorter than all lines next to it. Tapering corners are not
+    /// counted as narrow.
     pub fn least_extent(&self) -> f64 {
         self.0.least_extent
     }
 
-    /// Whether a point, divided by the extent along x, lies inside.
+    /// Whether the point `at`, in units of the extent along x, lies inside.
     pub fn contains(&self, at: [f64; 2]) -> bool {
         contains(self.vertices(), at)
     }
@@ -175,15 +176,15 @@ impl Polygon {
     }
 }
 
-/// Number of grid bits below the larger extent.
+/// Coordinates are multiples of 2^-`GRID_BITS` of the larger extent, which is rounded up to a power of two.
 const GRID_BITS: i32 = 44;
-/// Reason to refuse corners on one line, or nearly so.
+/// Error message for corners that lie on one line, or nearly so.
 const NO_AREA: &str = "the outline encloses no area: expected corners that do not lie on one line";
-/// Minimum of twice the area over the area of the bounding box.
+/// Minimum ratio of twice the area of an outline to the area of its bounding box.
 const MIN_AREA: f64 = 1e-9;
 
 /// Scales vertices to a bounding box about the origin that is 1 wide, and rounds them to the grid. Returns the vertices
-/// and the extent along y; `None` if they have no extent.
+/// and the extent along y; `None` if an extent is zero or not finite, or one is more than a million times the other.
 fn normalized(vertices: &[[f64; 2]]) -> Option<(Vec<[f64; 2]>, f64)> {
     let range = |axis: usize| {
         vertices
@@ -210,7 +211,7 @@ fn normalized(vertices: &[[f64; 2]]) -> Option<(Vec<[f64; 2]>, f64)> {
     Some((vertices.iter().map(normal).collect(), 2.0 * half))
 }
 
-/// Indices of two edges that meet other than in a common corner.
+/// Indices of two edges that meet other than in a common corner; `None` if no edges do.
 fn meeting_edges(vertices: &[[f64; 2]]) -> Option<[usize; 2]> {
     let count = vertices.len();
     let corner = |k: usize| vertices[k % count];
@@ -230,7 +231,7 @@ fn meeting_edges(vertices: &[[f64; 2]]) -> Option<[usize; 2]> {
     None
 }
 
-/// See [`Polygon::least_extent`].
+/// Narrowest width of the outline with these vertices, as in [`Polygon::least_extent`].
 fn least_extent(vertices: &[[f64; 2]]) -> f64 {
     // The narrowest supporting strip has an edge of the convex hull on one side. Other vertex pairs with all vertices
     // on one side are harmless.
@@ -313,8 +314,9 @@ fn symmetries(vertices: &[[f64; 2]], length: f64) -> Symmetries {
 }
 
 impl Symmetries {
-    /// Whether sliding at `other_deg` from x is equivalent to sliding at `angle_deg` by one of these symmetries. The
-    /// lattice has reflections across x and y, and rotations by 90 degrees if `is_square_lattice`.
+    /// Whether one of these symmetries maps sliding at `angle_deg` from x to sliding at `other_deg`, within
+    /// `tolerance_deg`. The arrangement of cavities has reflections across x and y, and rotations by 90 degrees if
+    /// `is_square_lattice`.
     pub(crate) fn maps_direction(
         &self,
         angle_deg: f64,

@@ -24,7 +24,7 @@ pub struct TextureRecord {
     /// bounding box.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub vertices_um: Option<Vec<[f64; 2]>>,
-    /// Gap between rows; as along the row when absent.
+    /// Gap between rows; equal to the gap along the row when absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub spacing_across_um: Option<f64>,
     /// `square`, `staggered` or `hexagonal`; `square` when absent.
@@ -40,7 +40,8 @@ pub struct TextureRecord {
     /// Angle of the sliding direction from the specimen's x axis; 0 when absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sliding_angle_deg: Option<f64>,
-    /// Height of the rims at the edges of cavities, for any depth; no rims when neither this nor the next is given.
+    /// Height of the rims at the edges of cavities, for any depth; no rims when neither `rim_height_um` nor
+    /// `rim_heights_um` is given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rim_height_um: Option<f64>,
     /// Pairs of cavity depth and rim height, in ascending order.
@@ -57,14 +58,15 @@ pub struct TextureRecord {
     pub rim_height_std_um: Option<f64>,
 }
 
-/// Keys that give the height of a rim.
+/// Text of error messages: the keys that give the height of a rim.
 const HEIGHTS: &str = "rim_height_um, or rim_heights_um = [[depth, height], ...], beside it";
-/// Planforms with rows that may be arranged.
+/// Text of error messages: the planforms whose rows can be arranged.
 const WITH_ROWS: &str = "planform = \"square\", \"rectangle\", \"disc\" or \"polygon\", or no such key";
 
 impl TextureRecord {
-    /// Converts the texture of cavities `width_m` wide. The planform is always written, the crossing angle of a crosshatch
-    /// and the profile of rims, too; other properties only if they differ from their default.
+    /// Writes `texture`, with cavities `width_m` wide, as keys. The planform, the length of rectangles, the outline of
+    /// polygons, the crossing angle of a crosshatch and the profile of rims are always written, other properties only
+    /// if they differ from their default.
     pub fn new(texture: &Texture, width_m: f64) -> Self {
         let um = |length_m: f64| LENGTH_UM.from_si(length_m);
         let turned = |angle_deg: f64| (angle_deg != 0.0).then(|| tidy(angle_deg));
@@ -92,7 +94,8 @@ impl TextureRecord {
         }
     }
 
-    /// Converts the keys to a texture. `drawn` is the outline of a polygon in place of `vertices_um`.
+    /// Converts the keys to a texture. `drawn`, the outline of a polygon from a drawing, replaces `vertices_um` if
+    /// given.
     ///
     /// # Errors
     /// [`KeyError`] if a name is unknown, a number is out of range, or the planform does not use a key.
@@ -209,12 +212,12 @@ impl From<&Pattern> for TextureRecord {
     }
 }
 
-/// Converts the number of an optional key to SI units.
+/// Converts the number of the optional key `key` to SI units; `None` if the key is absent.
 fn si(key: &'static str, value: Option<f64>, quantity: Quantity) -> Result<Option<f64>, KeyError> {
     value.map(|value| KeyError::number(key, value, quantity)).transpose()
 }
 
-/// Converts pairs of depth and height to metres.
+/// Checks pairs of depth and height in um, and converts them to metres.
 fn heights_m(pairs: &[Vec<f64>]) -> Result<Vec<[f64; 2]>, KeyError> {
     const KEY: &str = "rim_heights_um";
     let refuse = |reason: String, expected: &str| Err(KeyError::rule(KEY, reason, expected));
@@ -237,7 +240,7 @@ fn heights_m(pairs: &[Vec<f64>]) -> Result<Vec<[f64; 2]>, KeyError> {
     Ok(read)
 }
 
-/// Corners of an outline at its width, in um, with 15 digits, which identify the outline exactly.
+/// Corners, in um, of `outline` scaled to the width `width_m`, with 15 digits, which identify the outline exactly.
 fn vertices_um(outline: Polygon, width_m: f64) -> Vec<[f64; 2]> {
     let written = |share: f64| {
         let at_um = share * LENGTH_UM.from_si(width_m);

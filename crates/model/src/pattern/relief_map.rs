@@ -3,37 +3,37 @@
 use crate::pattern::error::{length, um};
 use crate::pattern::{Pattern, PatternError};
 
-/// Points deeper than this fraction of the cavity's depth belong to its wall: they carry no load and are excluded from
-/// means. Points next to a wall, where instruments and averaging blend heights, are raised to at least the height of
-/// the land beyond.
+/// Depth, as a fraction of the cavity's depth, beyond which a point of the map belongs to a wall of the cavity. Such
+/// points carry no load and are excluded from means. Points next to a wall, where instruments and averaging blend
+/// heights, are raised to at least the mean height of the land around them.
 const WALL_DEPTH: f64 = 0.1;
 /// Maximum relative deviation of the sides of a map from those of the pattern's cell.
 const MAX_MISFIT: f64 = 0.02;
-/// Minimum fraction of the map's cavity that lies in the pattern's, and vice versa.
+/// Minimum fraction of the map's cavity that lies in the pattern's cavity, and vice versa.
 const MIN_OVERLAP: f64 = 0.5;
 
-/// Mismatch between the cavities of map and pattern, as a fraction of the map, from which on width and spacing may be
-/// exchanged.
+/// Mismatch between the cavities of map and pattern, as a fraction of the map's area, above which a pattern with width
+/// and spacing exchanged is tried.
 const EXCHANGED_MISFIT: f64 = 0.1;
 
-/// Overlap of the cavities of a map and of a pattern, as fractions of the map.
+/// Overlap of the cavities of a map and of a pattern, as fractions of the map's area.
 #[derive(Clone, Copy, Debug)]
 struct Overlap {
-    /// Fraction of the map's cavity.
+    /// Fraction that is cavity in the map.
     map: f64,
-    /// Fraction of the pattern's cavity.
+    /// Fraction that is cavity in the pattern.
     pattern: f64,
-    /// Fraction that belongs to both.
+    /// Fraction that is cavity in both.
     both: f64,
 }
 
 impl Overlap {
-    /// Whether each cavity covers the greater part of the other.
+    /// Whether each cavity covers at least half of the other.
     fn is_one_cavity(self) -> bool {
         self.both >= MIN_OVERLAP * self.map && self.both >= MIN_OVERLAP * self.pattern
     }
 
-    /// Fraction that belongs to one cavity only.
+    /// Fraction that is cavity in the map or in the pattern, but not in both.
     fn misfit(self) -> f64 {
         self.map + self.pattern - 2.0 * self.both
     }
@@ -53,8 +53,7 @@ impl ReliefMap {
     /// positive towards the counterface.
     ///
     /// # Errors
-    /// [`PatternError::Refused`] for invalid sides, [`PatternError::Refused`] unless there is a finite height
-    /// for every pixel.
+    /// [`PatternError::Refused`] for invalid sides, or unless there is a finite height for every pixel.
     pub fn new(sides_m: [f64; 2], pixels: [usize; 2], heights_m: Vec<f64>) -> Result<Self, PatternError> {
         for side_m in sides_m {
             length("side of the relief", side_m)?;
@@ -68,7 +67,7 @@ impl ReliefMap {
         Ok(Self { sides_m, pixels, heights_m })
     }
 
-    /// Sides of the period along x and y, in metres.
+    /// Sides of the mapped period along x and y, in metres.
     pub const fn sides_m(&self) -> [f64; 2] {
         self.sides_m
     }
@@ -83,9 +82,8 @@ impl ReliefMap {
     /// Aligns the map with `pattern`: a map of grooves is transposed if its grooves run along x.
     ///
     /// # Errors
-    /// [`PatternError::Refused`] if the map has a cavity that is not where the pattern has one; a map without
-    /// cavities, for example of rims only, is accepted. [`PatternError::Refused`] if the map's cavity matches
-    /// the pattern with width and spacing exchanged.
+    /// [`PatternError::Refused`] if the map has a cavity that is not where the pattern has one, or that matches the
+    /// pattern with width and spacing exchanged. A map without cavities, for example of rims only, is accepted.
     pub fn along(self, pattern: &Pattern) -> Result<Self, PatternError> {
         if pattern.is_uniform_along_y() {
             let own = if self.variation(1) > self.variation(0) { self.turned() } else { self };
@@ -98,8 +96,8 @@ impl ReliefMap {
         Err(elsewhere(if self.turned().has_cavity_of(pattern) { turned } else { "" }))
     }
 
-    /// Whether the map's cavity, if it has one, matches that of `pattern`; an error if it matches the pattern with
-    /// width and spacing exchanged.
+    /// Whether the map has no cavity or one that matches the cavity of `pattern`; an error if it matches the pattern
+    /// with width and spacing exchanged.
     fn is_accepted(&self, pattern: &Pattern) -> Result<bool, PatternError> {
         let Some(own) = self.overlap(pattern) else { return Ok(true) };
         let [width_m, spacing_m] = [pattern.width_m(), pattern.spacing_m()];
@@ -119,7 +117,7 @@ impl ReliefMap {
         Ok(own.is_one_cavity())
     }
 
-    /// Variance, in square metres, of the mean heights of the lines across `axis`.
+    /// Variance, in square metres, of the mean heights of the lines of pixels across `axis` (0 for x, 1 for y).
     fn variation(&self, axis: usize) -> f64 {
         let [nx, ny] = self.pixels;
         let count = self.pixels[axis];
@@ -131,7 +129,7 @@ impl ReliefMap {
         means.iter().map(|own| (own - mean).powi(2)).sum::<f64>() / count as f64
     }
 
-    /// Whether the map has no cavity, or one that matches that of `pattern`.
+    /// Whether the map has no cavity, or one that matches the cavity of `pattern`.
     fn has_cavity_of(&self, pattern: &Pattern) -> bool {
         self.overlap(pattern).is_none_or(Overlap::is_one_cavity)
     }
@@ -161,11 +159,11 @@ impl ReliefMap {
         Some(sums)
     }
 
-    /// Computes the relief of the lands between the cavities of `pattern`; the map is stretched to its cell.
+    /// Computes the relief of the lands between the cavities of `pattern`; the map is stretched to the pattern's cell.
     ///
     /// # Errors
-    /// [`PatternError::Refused`] if the sides of map and cell differ by more than 2 %; along y only if cavities
-    /// have ends there.
+    /// [`PatternError::Refused`] if the sides of map and cell differ by more than 2 %. Sides along y are not compared
+    /// for grooves, which are uniform along y.
     pub fn lands(&self, pattern: &Pattern) -> Result<LandRelief, PatternError> {
         let mut cell_m = pattern.cell_m();
         if pattern.is_uniform_along_y() {
@@ -224,28 +222,29 @@ impl ReliefMap {
     }
 }
 
-/// Error for a map whose cavity is not where the pattern has its own.
+/// Error for a map whose cavity is not where the pattern has a cavity; `remark` is appended.
 fn elsewhere(remark: &str) -> PatternError {
     let expected = "expected one period with a cavity in its middle";
     PatternError::Refused(format!("the cavity of the relief is not where the pattern has its own: {expected}{remark}"))
 }
 
-/// Number of cumulative sums per point of [`LandRelief`].
+/// Number of cumulative sums per pixel corner in [`LandRelief`]: area, and area times height, first without and then
+/// with the walls of cavities.
 const SUM_COUNT: usize = 4;
 
-/// Relief of the lands of a pattern.
+/// Heights of the lands of a pattern, as cumulative sums from which means over rectangles are computed.
 #[derive(Clone, Debug)]
 pub struct LandRelief {
     pixels: [usize; 2],
     pixel_m: [f64; 2],
-    /// Corner of the map in the pattern's axes.
+    /// Corner of the map with the lowest x and y, in the pattern's axes, in metres.
     from_m: [f64; 2],
     sums: Vec<[f64; SUM_COUNT]>,
 }
 
 impl LandRelief {
     /// Mean height, in metres, of the land in the rectangle `x_m` by `y_m` in the pattern's axes, of any size, without
-    /// the walls of cavities; 0 without land.
+    /// the walls of cavities unless all land is wall; 0 without land.
     pub fn mean_m(&self, x_m: [f64; 2], y_m: [f64; 2]) -> f64 {
         let [x, y] = [(x_m, 0), (y_m, 1)]
             .map(|(ends_m, axis)| ends_m.map(|at_m| (at_m - self.from_m[axis]) / self.pixel_m[axis]));
@@ -262,7 +261,7 @@ impl LandRelief {
         }
     }
 
-    /// Cumulative sums from the map's corner to (x, y), in pixels, of the periodically repeated map.
+    /// Cumulative sums of the periodically repeated map from the map's corner to (`x`, `y`), in pixels.
     fn sum_to(&self, x: f64, y: f64) -> [f64; SUM_COUNT] {
         let [nx, ny] = self.pixels.map(|count| count as f64);
         let (a, b) = ((x / nx).floor(), (y / ny).floor());
@@ -273,7 +272,8 @@ impl LandRelief {
         std::array::from_fn(|n| a * b * whole[n] + a * column[n] + b * row[n] + part[n])
     }
 
-    /// Cumulative sums within the map; heights are constant in each pixel.
+    /// Cumulative sums from the map's corner to the point (`x`, `y`) within the map, in pixels; heights are constant in
+    /// each pixel.
     fn within(&self, x: f64, y: f64) -> [f64; SUM_COUNT] {
         let [nx, ny] = self.pixels;
         // Both are within the map, so that the casts are exact.

@@ -6,7 +6,8 @@
 //! r(d) = h phi(d / w),     phi(s) = 1 (flat), 1 - s (ramp), 1 - s^2 (round), sin(pi s) (half-sine),     0 <= s <= 1
 //! ```
 //!
-//! Between two cavities closer than two widths, the rims end half-way, so that each point belongs to the nearest edge.
+//! Between two cavities closer than two rim widths, the rims end half-way, so that each point belongs to the nearest
+//! edge.
 
 use std::f64::consts::PI;
 use std::fmt;
@@ -17,13 +18,13 @@ use crate::pattern::error::{length, um};
 /// Maximum height of a rim, in metres.
 const MAX_HEIGHT_M: f64 = 1e-3;
 
-/// Profile of a rim from the edge of its cavity outward.
+/// Profile of a rim against s, the distance from the edge of its cavity over the rim's width, from 0 to 1.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum RimProfile {
     /// Parabola with its crest at the edge: 1 - s^2.
     #[default]
     Round,
-    /// Constant height up to the width.
+    /// Constant height up to s = 1.
     Flat,
     /// Linear fall: 1 - s.
     Ramp,
@@ -47,7 +48,8 @@ impl RimProfile {
         }
     }
 
-    /// Height relative to the maximum, at the distance `s` from the edge over the rim's width; 0 outside 0 to 1.
+    /// Height over the maximum height at `s`, the distance from the edge over the rim's width; 0 unless `s` is within 0
+    /// to 1.
     pub fn height(self, s: f64) -> f64 {
         match self {
             _ if !(0.0..=1.0).contains(&s) => 0.0,
@@ -58,7 +60,7 @@ impl RimProfile {
         }
     }
 
-    /// Integral of [`Self::height`] from the edge to `s`.
+    /// Integral of [`Self::height`] from 0, the edge, to `s`.
     pub fn integral(self, s: f64) -> f64 {
         let s = s.clamp(0.0, 1.0);
         match self {
@@ -81,7 +83,7 @@ impl RimProfile {
         self.integral_m(width_m, from_m, to_m) / (to_m - from_m)
     }
 
-    /// Negative slope at `s`.
+    /// Negative derivative of [`Self::height`] at `s`, from 0 to 1.
     pub(super) fn fall(self, s: f64) -> f64 {
         match self {
             Self::Round => 2.0 * s,
@@ -110,10 +112,10 @@ pub struct Rim {
 }
 
 impl Rim {
-    /// Maximum number of depths with given heights.
+    /// Maximum number of depths for which a height can be given.
     pub const MAX_HEIGHTS: usize = 8;
 
-    /// Creates a rim of `height_m` at the edge of the cavity and `width_m` wide, independent of the cavity's depth.
+    /// Creates a rim with the maximum height `height_m` and the width `width_m`, independent of the cavity's depth.
     ///
     /// # Errors
     /// [`PatternError::Refused`] unless the height is between 0 and 1 mm and the width positive.
@@ -155,7 +157,7 @@ impl Rim {
         Ok(self)
     }
 
-    /// Raises all heights by `by_m`, in metres, limited to 0 to 1 mm.
+    /// Adds `by_m` to all heights and limits the sums to 0 to 1 mm.
     #[must_use]
     pub fn raised(mut self, by_m: f64) -> Self {
         for [_, height_m] in &mut self.heights_m[..self.known] {
@@ -164,7 +166,7 @@ impl Rim {
         self
     }
 
-    /// Multiplies all heights by `factor`, limited to 0 to 1 mm.
+    /// Multiplies all heights by `factor` and limits the products to 0 to 1 mm.
     #[must_use]
     pub fn times(mut self, factor: f64) -> Self {
         for [_, height_m] in &mut self.heights_m[..self.known] {
@@ -178,7 +180,7 @@ impl Rim {
         self.height_std_m > 0.0 || self.heights_m().iter().any(|[_, height_m]| *height_m > 0.0)
     }
 
-    /// Height above the land at the edge of a cavity of depth `depth_m`, in metres.
+    /// Maximum height of the rim of a cavity of depth `depth_m` above the land, in metres.
     pub fn height_m(&self, depth_m: f64) -> f64 {
         let known = self.heights_m();
         let after = known.partition_point(|[at_m, _]| *at_m <= depth_m);
@@ -199,8 +201,8 @@ impl Rim {
         self.width_m
     }
 
-    /// Largest block, in metres, of which `block_m` is a multiple and two fit into the rim, so that the blocks resolve
-    /// its profile.
+    /// Largest block size, in metres, that divides `block_m` and is at most half the rim's width, so that the blocks
+    /// resolve the profile.
     pub fn block_m(&self, block_m: f64) -> f64 {
         // A rim of two blocks within rounding has two blocks.
         block_m / (2.0 * block_m / self.width_m - 1e-9).ceil().max(1.0)

@@ -2,7 +2,8 @@
 
 use crate::pattern::{Pattern, Planform, RimProfile};
 
-/// Nodes and weights on [0, 1] of the Gauss-Legendre rule with 8 points, first half; the others are symmetric.
+/// Nodes and weights on [0, 1] of the 8-point Gauss-Legendre rule, first half; the other nodes are 1 - node, with equal
+/// weights.
 const GAUSS_LEGENDRE: [[f64; 2]; 4] = [
     [0.019_855_071_751_231_9, 0.050_614_268_145_188_1],
     [0.101_666_761_293_186_6, 0.111_190_517_226_687_2],
@@ -11,13 +12,14 @@ const GAUSS_LEGENDRE: [[f64; 2]; 4] = [
 ];
 
 impl Pattern {
-    /// Height of the rims at the edges of the cavities, in metres; 0 without rims.
+    /// Maximum height of the rims of the cavities above the land, in metres; 0 without rims.
     pub fn rim_height_m(&self) -> f64 {
         self.texture().rim().map_or(0.0, |rim| rim.height_m(self.depth_m()))
     }
 
     /// Mean relative height, from 0 to 1, of the rims on the land within the rectangle `[x0_m, x1_m] x [y0_m, y1_m]`,
-    /// given as for [`Self::coverage`]; 0 without land. Continuous in the rectangle and in every dimension.
+    /// given as for [`Self::coverage`]; 0 without land. Continuous in the sides of the rectangle and in every dimension
+    /// of the pattern.
     ///
     /// A rim is the region of all points within its width of the cavity, by Euclidean distance. It is as wide around a
     /// corner as along an edge, so that the corners of a square's rim are quarter discs.
@@ -54,8 +56,8 @@ impl Pattern {
         (mean / land).clamp(0.0, 1.0)
     }
 
-    /// Distances from a cavity at which the area within them, in the rectangle `x_m` by `y_m`, is not smooth: where the
-    /// offset outlines pass the sides and corners of the rectangle.
+    /// Distances d, in metres, at which the area within d of a cavity, inside the rectangle `x_m` by `y_m`, is not a
+    /// smooth function of d: the offset outlines pass sides or corners of the rectangle there.
     fn kinks_m(&self, x_m: [f64; 2], y_m: [f64; 2]) -> Vec<f64> {
         let (cell_m, half_m) = (self.cell_m(), [Some(self.width_m()), self.length_m()].map(|m| m.map(|m| 0.5 * m)));
         let mut kinks_m = Vec::new();

@@ -20,10 +20,10 @@ pub struct Texture {
     rim: Option<Rim>,
 }
 
-/// At smaller angles the cell of two families of grooves is longer than eleven pitches.
+/// Minimum angle between crossing grooves; at smaller angles their cell is longer than eleven pitches.
 const MIN_CROSSING_ANGLE_DEG: f64 = 10.0;
 const RIGHT_ANGLE_DEG: f64 = 90.0;
-/// Grooves at 90 and -90 degrees are equal.
+/// Maximum groove angle; grooves at 90 and -90 degrees are equal.
 const MAX_GROOVE_ANGLE_DEG: f64 = 90.0;
 const MAX_SLIDING_ANGLE_DEG: f64 = 180.0;
 
@@ -92,8 +92,8 @@ impl Texture {
     /// Sets the gap between neighbouring rows along y, in metres.
     ///
     /// # Errors
-    /// [`PatternError::NoSuchProperty`] for grooves, [`PatternError::Refused`] for a hexagonal arrangement,
-    /// [`PatternError::Refused`] unless positive.
+    /// [`PatternError::NoSuchProperty`] for grooves, [`PatternError::Refused`] for a hexagonal arrangement or unless
+    /// positive.
     pub fn with_spacing_across_m(mut self, spacing_across_m: f64) -> Result<Self, PatternError> {
         if self.planform.is_grooves() {
             return self.refuse("a spacing across", "another planform, or no spacing across");
@@ -108,8 +108,8 @@ impl Texture {
     /// Sets the arrangement of rows.
     ///
     /// # Errors
-    /// [`PatternError::NoSuchProperty`] for grooves, which have no rows; [`PatternError::Refused`] if a spacing
-    /// across was set.
+    /// [`PatternError::NoSuchProperty`] for grooves, which have no rows; [`PatternError::Refused`] for hexagonal rows
+    /// if a spacing across was set.
     pub fn with_arrangement(mut self, arrangement: Arrangement) -> Result<Self, PatternError> {
         if self.planform.is_grooves() && arrangement != Arrangement::Square {
             let property = if arrangement == Arrangement::Staggered {
@@ -126,8 +126,8 @@ impl Texture {
         Ok(self)
     }
 
-    /// Sets the orientation of grooves (of the first family for crossing grooves), anticlockwise from lying across X:
-    /// for sliding along X they are transversal at 0 and longitudinal at 90 degrees.
+    /// Sets the angle of grooves (of the first family for crossing grooves), anticlockwise from the direction across X:
+    /// for sliding along X, grooves are transversal at 0 and longitudinal at 90 degrees.
     ///
     /// # Errors
     /// [`PatternError::NoSuchProperty`] for other planforms, [`PatternError::Refused`] outside -90 to 90
@@ -156,7 +156,7 @@ impl Texture {
         self
     }
 
-    /// Rim of every cavity, if there is one.
+    /// Rim of every cavity; `None` without rims.
     pub const fn rim(&self) -> Option<&Rim> {
         self.rim.as_ref()
     }
@@ -190,8 +190,8 @@ impl Texture {
         self.arrangement
     }
 
-    /// Angle of the grooves (of the first family for crossing grooves) from lying across the specimen's X axis, in
-    /// degrees; 0 for other planforms.
+    /// Angle of the grooves (of the first family for crossing grooves), anticlockwise from the direction across the
+    /// specimen's X axis, in degrees; 0 for other planforms.
     pub const fn groove_angle_deg(&self) -> f64 {
         self.groove_angle_deg
     }
@@ -219,7 +219,8 @@ impl Texture {
         Self { groove_angle_deg, sliding_angle_deg: self.sliding_angle_deg, ..Self::new(Planform::Groove) }
     }
 
-    /// Half the angle between the families of crossing grooves if the axes lie halfway between them, in degrees.
+    /// Half the angle between the families of obliquely crossing grooves, whose axes lie halfway between them, in
+    /// degrees; `None` for other textures.
     pub(crate) fn oblique_half_angle_deg(&self) -> Option<f64> {
         self.crossing_angle_deg()
             .filter(|&crossing_deg| crossing_deg != RIGHT_ANGLE_DEG)
@@ -254,7 +255,7 @@ impl Texture {
     }
 
     /// Whether the sliding direction is neither along rows nor across them, so that the pattern is not periodic across
-    /// it.
+    /// the sliding direction.
     pub fn slides_aslant(&self) -> bool {
         self.sliding_direction().iter().all(|part| part.abs() > MIN_COMPONENT)
     }
@@ -266,8 +267,8 @@ impl Texture {
 
     /// Whether friction for sliding at `other_deg` from X equals that for this texture's direction by symmetry.
     /// Cavities are symmetric under rotation by 180 degrees, so that both directions along a line are equivalent.
-    /// Directions reflected at the texture's axes are equivalent as well, and those reflected at the diagonal for
-    /// squares and discs with equal spacings. For a polygon only the symmetries of its outline count.
+    /// Directions reflected at the texture's axes are equivalent as well, and so are directions reflected at the
+    /// diagonal for squares and discs with equal spacings. For a polygon only the symmetries of its outline count.
     pub fn slides_alike(&self, other_deg: f64) -> bool {
         const SAME_DEG: f64 = 1e-9;
         let is_square_lattice = self.arrangement == Arrangement::Square && self.spacing_across_m.is_none();
@@ -283,7 +284,8 @@ impl Texture {
         (folded_deg(self.sliding_angle_deg) - folded_deg(other_deg)).abs() < SAME_DEG
     }
 
-    /// Whether all vertical sections along the sliding direction are equal: true only for grooves across it.
+    /// Whether all vertical sections along the sliding direction are equal: true only for grooves across the sliding
+    /// direction.
     pub fn is_one_section(&self) -> bool {
         self.planform == Planform::Groove && self.sliding_direction()[1] == 0.0
     }
@@ -295,7 +297,7 @@ impl From<Planform> for Texture {
     }
 }
 
-/// Error for a spacing across in a hexagonal arrangement, which determines it.
+/// Error for a given spacing across in a hexagonal arrangement, which determines the spacing.
 fn hexagonal_rows() -> PatternError {
     let refused = "rows of a hexagonal arrangement are sqrt(3)/2 of a pitch apart: expected no spacing across";
     PatternError::Refused(refused.to_owned())
@@ -321,7 +323,7 @@ pub fn folded_deg(angle_deg: f64, has_square_symmetry: bool) -> f64 {
     if has_square_symmetry { acute_deg.min(90.0 - acute_deg) } else { acute_deg }
 }
 
-/// (cos a, sin a), exact at multiples of a right angle and equal on all platforms.
+/// (cos a, sin a) for the angle a = `angle_deg`, exact at multiples of a right angle and equal on all platforms.
 fn unit_vector(angle_deg: f64) -> [f64; 2] {
     let quarters = (angle_deg / 90.0).round();
     let rest = (angle_deg - 90.0 * quarters).to_radians();

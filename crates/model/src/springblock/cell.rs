@@ -20,16 +20,17 @@ use crate::springblock::{
 /// Memory per column and explicit row of a cell in space, in bytes: three displacement fields, their spectra, condensed
 /// matrices, and a share of the stored search directions.
 const BYTES_PER_BLOCK: f64 = 1200.0;
-/// Maximum memory of a cell in space and of a cell in the plane, in bytes, for equations of all blocks.
+/// Maximum memory of a cell in space if several cells are solved at the same time, in bytes.
 const MAX_SPACE_BYTES: f64 = (1_u64 << 30) as f64;
+/// Like [`MAX_SPACE_BYTES`], for a cell in the plane, whose equations may include all blocks.
 const MAX_PLANE_BYTES: f64 = 4.0 * MAX_SPACE_BYTES;
 
 /// Steady sliding of one periodic cell with mean coefficients, in the vertical plane along the sliding direction or in
 /// space.
 ///
 /// The flat surface needs no solve: a uniform layer carries the nominal pressure P everywhere and slides at mu_d f(P),
-/// so that ratio = mu / (mu_d f(P)). If the scene gives the thickness of the specimen, the cell is as thick as the
-/// specimen; the rows above the layer are condensed and add no cost.
+/// so that ratio = mu / (mu_d f(P)), with the area factor f. If the scene gives the thickness of the specimen, the cell
+/// is as thick as the specimen; the rows above the layer are condensed and add no cost.
 #[derive(Clone, Debug)]
 pub struct SteadyCell {
     dimension: Dimension,
@@ -39,16 +40,17 @@ pub struct SteadyCell {
     loads: Vec<Load>,
     liftoff: bool,
     relief: Option<Arc<ReliefMap>>,
-    /// Sum of the unbalanced forces over the load at which a solve in space ends.
+    /// Tolerance: a solve in space ends when the sum of the magnitudes of unbalanced forces, over the load, is no
+    /// larger.
     tolerance: f64,
 }
 
 /// Result of a pattern under one load.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CellOutcome {
-    /// The patterned surface.
+    /// Outcome of the patterned surface.
     pub surface: SurfaceOutcome,
-    /// Friction coefficient of the flat surface; `None` if its friction vanishes.
+    /// Friction coefficient of the flat surface; `None` without load or if its friction vanishes.
     pub mu_flat: Option<f64>,
     /// Friction of the patterned over that of the flat surface; `None` without load or friction, or if the solve did
     /// not converge.
@@ -70,7 +72,8 @@ impl CellOutcome {
 impl SteadyCell {
     /// Creates the cell of `scene`; options of time integration are ignored.
     ///
-    /// The scene's dimension applies; otherwise the pattern decides, and without a pattern the cell is plane.
+    /// The dimension is the one that the scene requests, otherwise the one that its pattern needs; without a pattern
+    /// the cell is in the plane.
     pub fn new(scene: &Scene) -> Self {
         let asked = scene.run.dimensions;
         let flat_dimension = || asked.map_or(Dimension::Plane, Dimension::numbered);
@@ -97,8 +100,8 @@ impl SteadyCell {
         }
     }
 
-    /// Sets the tolerance of solves in space: the sum of the unbalanced forces over the load, 1e-10 by default. A
-    /// tolerance of 1e-7 saves about a third of the time.
+    /// Sets the tolerance of solves in space for the sum of the magnitudes of unbalanced forces over the load, 1e-10 by
+    /// default. A tolerance of 1e-7 saves about a third of the time.
     #[must_use]
     pub fn balanced_to(self, tolerance: f64) -> Self {
         Self { tolerance, ..self }
@@ -113,8 +116,9 @@ impl SteadyCell {
         matches!(self.dimension, Dimension::Space)
     }
 
-    /// Number of draws of local coefficients that give a cell of `pattern` at least `contacts` contact blocks in total.
-    /// In the vertical plane it is 1, because a sample there already averages over many blocks.
+    /// Number of draws of local coefficients, at most [`MAX_DRAWS`], that give a cell of `pattern` at least `contacts`
+    /// contact blocks in total. In the vertical plane it is 1, because a sample there already averages over many
+    /// blocks.
     pub fn draws(&self, pattern: &Pattern, contacts: f64) -> u64 {
         if !self.is_spatial() {
             return 1;
@@ -126,8 +130,7 @@ impl SteadyCell {
         (contacts / (columns * (1.0 - pattern.areal_density()))).ceil().clamp(1.0, MAX_DRAWS as f64) as u64
     }
 
-    /// Number of columns of the cell of `pattern` along x and y, as whole numbers; 1 along y for grooves and in the
-    /// plane.
+    /// Number of columns of the cell of `pattern` along x and y, whole numbers; 1 along y for grooves and in the plane.
     pub fn columns(&self, pattern: &Pattern) -> [f64; 2] {
         if self.is_spatial() {
             return SpaceLattice::columns_of(pattern, self.layer.block_m);
@@ -152,7 +155,7 @@ impl SteadyCell {
         if self.is_spatial() { MAX_SPACE_BYTES } else { MAX_PLANE_BYTES }
     }
 
-    /// Estimated upper bound of the multiplications that [`Self::solve`] needs in the plane.
+    /// Estimated upper bound of the number of multiplications that [`Self::solve`] needs in the plane.
     pub(crate) fn products(&self, pattern: &Pattern) -> f64 {
         let (condensed, _) = cell_condensing_cost(pattern, self.layer.block_m);
         if self.layer.is_backed() {
@@ -167,16 +170,16 @@ impl SteadyCell {
         (pattern.pitch_m() / self.layer.block_m).ceil() as usize * Rims::periods(pattern)
     }
 
-    /// Whether the cell of `pattern` in space consists of whole cubes.
+    /// Whether the cell of `pattern` in space consists of whole cubic blocks.
     pub(crate) fn is_plain(&self, pattern: &Pattern) -> bool {
         SpaceLattice::cell(pattern, self.layer.block_m, self.layer.rows()).is_plain()
     }
 
     /// Solves steady sliding on `pattern`; returns one outcome per load.
     ///
-    /// In the plane the condensed equations of the cavity are used where they apply and are cheaper, otherwise those of
-    /// [`Self::solve_all_blocks`]; both agree to rounding. In space the cell is condensed once, and the solution of one
-    /// load starts the next.
+    /// In the plane condensed equations are used where they apply and take fewer operations, otherwise the equations of
+    /// [`Self::solve_all_blocks`]; both agree to rounding. In space the cell is condensed once, and the solution at one
+    /// load is the initial guess for the next.
     pub fn solve(&self, pattern: &Pattern) -> Vec<CellOutcome> {
         self.solve_heeding(pattern, &Unwatched)
     }
@@ -261,7 +264,7 @@ impl SteadyCell {
 
     /// Returns the ratios of [`Self::solve`] only.
     ///
-    /// A closed cavity does not make the ratio `None`, although the result is invalid there: the model lets the ceiling
+    /// A closed cavity does not make the ratio `None`, although the result is then invalid: the model lets the ceiling
     /// pass through the counterface. Check `surface.cavity_closed` of [`Self::solve`].
     pub fn ratios(&self, pattern: &Pattern) -> Vec<Option<f64>> {
         self.ratios_heeding(pattern, &Unwatched)

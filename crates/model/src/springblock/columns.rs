@@ -5,7 +5,7 @@
 //! other edges lie where the pattern puts them, so that a column may be covered in part. A sample has a length of whole
 //! blocks, and its columns are fitted to the edges: each land and each cavity is divided into the nearest whole number
 //! n of columns, whose common width differs from l by at most l/(2 n). The depth is kept in fractions of a row, the
-//! relief as the mean over the land part of a column's face.
+//! relief (heights of rims or of a measured face) as the mean over the land part of a column's face.
 
 use crate::pattern::{Pattern, ReliefMap, Texture};
 
@@ -46,7 +46,7 @@ impl Column {
 /// last bit.
 const WHOLE_TOLERANCE: f64 = 1e-9;
 
-/// Rounds `blocks` to a whole number if it differs from it by rounding only.
+/// Rounds `blocks` to a whole number if the difference is only a rounding error.
 fn round_if_whole(blocks: f64) -> f64 {
     if (blocks - blocks.round()).abs() < WHOLE_TOLERANCE * blocks.max(1.0) { blocks.round() } else { blocks }
 }
@@ -57,7 +57,7 @@ fn columns_in(blocks: f64) -> usize {
     blocks.round().max(1.0) as usize
 }
 
-/// A pattern measured in lattice spacings.
+/// Width, spacing and depth of a pattern, in lattice spacings.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Period {
     width: f64,
@@ -95,10 +95,12 @@ pub fn flat(count: usize) -> Vec<Column> {
     vec![Column::land(1.0); count]
 }
 
-/// Cells with fewer columns whose length is not a whole number of blocks are repeated. Stretching changes the length by
-/// at most half a column, which then keeps the stiffness of every spring positive.
+/// Minimum number of columns of a cell whose length is not a whole number of blocks; shorter cells are repeated.
+/// Stretching to fit changes the length by at most half a column, which then keeps the stiffness of every spring
+/// positive.
 const MIN_STRETCHED_COLUMNS: f64 = 8.0;
-/// Smaller covered or uncovered fractions of a column are neglected, because nothing would support such a block.
+/// Minimum covered or uncovered fraction of a column; smaller fractions are rounded away, because nothing would support
+/// such a block.
 const MIN_COVERAGE: f64 = 1e-6;
 
 /// Returns the number of periods, the number of columns and the column width of a cell `blocks` lattice spacings long.
@@ -112,7 +114,7 @@ pub fn divide(blocks: f64) -> (usize, usize, f64) {
     (periods as usize, columns as usize, periods * blocks / columns)
 }
 
-/// Rounds a fraction of a column to 0 or 1 if it is closer than [`MIN_COVERAGE`].
+/// Rounds a fraction of a column to 0 or 1 if it is within [`MIN_COVERAGE`] of that value.
 pub fn round_share(share: f64) -> f64 {
     if share > 1.0 - MIN_COVERAGE {
         1.0
@@ -126,7 +128,7 @@ pub fn round_share(share: f64) -> f64 {
 /// Divides one period of `pattern` into columns.
 ///
 /// Several periods are taken if the period is not a whole number of blocks and has fewer than 8 columns, or if the rims
-/// have different heights. A first cavity of c columns in m columns has floor((m - c)/2) columns before it.
+/// have different heights. If the first cavity has c of m columns, floor((m - c)/2) columns precede it.
 pub fn cell(pattern: &Pattern, block_m: f64) -> Vec<Column> {
     cell_with_map(pattern, block_m, None)
 }
@@ -156,8 +158,8 @@ pub fn cell_with_map(pattern: &Pattern, block_m: f64, map: Option<&ReliefMap>) -
     with_measured_relief(columns, pattern, block_m, map, edge)
 }
 
-/// Sets the relief of `columns` from the map `map` of the lands of `pattern`, if there is one. The left edge of a
-/// cavity lies at `edge` lattice spacings.
+/// Sets the relief of `columns` from `map`, a map of a face with `pattern`; without a map, `columns` remain as they
+/// are. The left edge of a cavity lies `edge` lattice spacings from the left end.
 fn with_measured_relief(
     mut columns: Vec<Column>,
     pattern: &Pattern,
@@ -182,8 +184,9 @@ fn with_measured_relief(
 
 /// Divides the whole specimen, `length` lattice spacings long, into columns.
 ///
-/// The specimen begins with half a land like a cell, and the last period is cut off at the end. The remaining part of
-/// the last piece is divided like the others; a sliver is added to the piece before it.
+/// The specimen begins with half a land, like a cell, and its end cuts the last period. The rest of the last land or
+/// cavity is divided into columns like the others; a sliver narrower than [`MIN_PIECE_WIDTH`] is added to the piece
+/// before it.
 pub fn sample(pattern: &Pattern, block_m: f64, length: usize) -> Vec<Column> {
     sample_with_map(pattern, block_m, length, None)
 }
@@ -217,9 +220,9 @@ pub fn sample_with_map(pattern: &Pattern, block_m: f64, length: usize, map: Opti
 
 /// Divides a strip of the specimen's face, `length` lattice spacings long, into columns.
 ///
-/// `cavities` are disjoint intervals in ascending order, `depth` rows deep. Each land and each cavity is divided into
-/// the nearest whole number of columns. A land narrower than [`MIN_PIECE_WIDTH`] is merged with the adjacent cavities,
-/// a narrower cavity with the land.
+/// `cavities` are disjoint intervals in ascending order, in lattice spacings, `depth` rows deep. Each land and each
+/// cavity is divided into the nearest whole number of columns. A land narrower than [`MIN_PIECE_WIDTH`] is merged with
+/// the adjacent cavities, a narrower cavity with the land.
 pub fn strip(length: f64, cavities: &[[f64; 2]], depth: f64) -> Vec<Column> {
     let cavity = Column::cavity(1.0, round_if_whole(depth));
     let mut columns: Vec<Column> = Vec::new();
@@ -242,8 +245,8 @@ pub fn strip(length: f64, cavities: &[[f64; 2]], depth: f64) -> Vec<Column> {
     columns
 }
 
-/// Like [`strip`], on whole blocks for time integration: every edge lies on the nearest block boundary; a cavity is at
-/// least one block wide and one row deep, and leaves at least one of the `rows` rows above it.
+/// Like [`strip`], on whole blocks for time integration: every edge lies on the nearest block boundary. A cavity is at
+/// least one block wide and one row deep, and at least one of the `rows` rows remains above it.
 pub fn whole_strip(length: f64, cavities: &[[f64; 2]], depth: f64, rows: usize) -> Vec<Column> {
     let columns = columns_in(round_if_whole(length));
     let deepest = (rows.max(2) - 1) as f64;
@@ -258,8 +261,8 @@ pub fn whole_strip(length: f64, cavities: &[[f64; 2]], depth: f64, rows: usize) 
     whole
 }
 
-/// Sets the relief of `columns`, each entirely land or entirely cavity, from the map `map` of `pattern`, or from the
-/// rims of its cavities if there is no map.
+/// Sets the relief of `columns`, each entirely land or entirely cavity, from `map`, a map of a face with `pattern`, or
+/// from the rims of the pattern if there is no map.
 pub fn with_relief(mut columns: Vec<Column>, pattern: &Pattern, block_m: f64, map: Option<&ReliefMap>) -> Vec<Column> {
     if map.is_some() {
         let edge = columns.iter().take_while(|column| column.is_land()).map(|column| column.width).sum();
@@ -288,11 +291,12 @@ pub fn with_relief(mut columns: Vec<Column>, pattern: &Pattern, block_m: f64, ma
     columns
 }
 
-/// Minimum width of a piece in lattice spacings. Springs along the axes have positive stiffness for widths between
-/// 1/sqrt(3) and sqrt(3) lattice spacings.
+/// Minimum width of a land or a cavity with columns of its own, in lattice spacings. Springs along the axes have
+/// positive stiffness for widths between 1/sqrt(3) and sqrt(3) lattice spacings.
 const MIN_PIECE_WIDTH: f64 = 0.6;
 
-/// Appends a piece, cut off at `left` lattice spacings.
+/// Appends a last piece of columns like `column`, cut off after `left` lattice spacings; a sliver is merged with the
+/// piece before it.
 fn clip(columns: &mut Vec<Column>, column: Column, left: f64) {
     if left >= MIN_PIECE_WIDTH || columns.is_empty() {
         let count = columns_in(left);
@@ -308,8 +312,8 @@ fn clip(columns: &mut Vec<Column>, column: Column, left: f64) {
     columns.extend(std::iter::repeat_n(Column { width: total / count as f64, ..last }, count));
 }
 
-/// Returns the pattern whose dimensions are the nearest whole numbers of blocks, for time integration. Each is at least
-/// one block, and the depth leaves at least one row.
+/// Returns the pattern whose width, spacing and depth are the nearest whole numbers of blocks, for time integration.
+/// Each is at least one block, and the depth leaves at least one of the `rows` rows.
 ///
 /// # Errors
 /// The errors of [`Pattern::new`]; none occur for a positive block size.

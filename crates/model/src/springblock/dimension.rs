@@ -13,8 +13,8 @@ pub enum Dimension {
 }
 
 impl Dimension {
-    /// Returns the dimension for patterns of `texture`: `asked` if it is given, otherwise plane if all sections of the
-    /// texture are the same.
+    /// Returns the dimension for patterns of `texture`: `asked` if it is given, otherwise the plane if all sections of
+    /// the texture are equal, and space if not.
     pub fn of(asked: Option<u8>, texture: &Texture) -> Self {
         asked.map_or_else(|| Self::required_for([texture]), Self::numbered)
     }
@@ -24,7 +24,7 @@ impl Dimension {
         if textures.into_iter().all(Texture::is_one_section) { Self::Plane } else { Self::Space }
     }
 
-    /// Converts from the number 2 or 3.
+    /// Converts from a number of dimensions: 3 is space, every other number the plane.
     pub const fn numbered(number: u8) -> Self {
         if number == 3 { Self::Space } else { Self::Plane }
     }
@@ -49,13 +49,14 @@ impl Dimension {
         matches!(self, Self::Plane)
     }
 
-    /// Whether the model includes the whole interface, with the land between rows of cavities. The plane model has one
-    /// line along the sliding direction.
+    /// Whether the model includes the whole interface, with the land between rows of cavities. The interface of the
+    /// plane model is one line along the sliding direction.
     pub const fn sees_face(self) -> bool {
         matches!(self, Self::Space)
     }
 
-    /// Returns `pattern` if this dimension represents only one section of a planform that has different sections.
+    /// Returns `pattern` if its sections differ and this dimension, the plane, represents only one of them; `None`
+    /// otherwise.
     pub fn section_of(self, pattern: &Pattern) -> Option<&Pattern> {
         Some(pattern).filter(|pattern| !self.sees_face() && !pattern.texture().is_one_section())
     }

@@ -3,16 +3,16 @@
 use crate::material::LocalFriction;
 use slipgrid_base::statistics::{Normals, normal_probability};
 
-/// Range of the phase of a block in its stick-slip cycle: 0 at the dynamic and 1 at the static coefficient.
+/// Range of the phase of a block in its stick-slip cycle: 0 at the dynamic and 1 at the static coefficient of friction.
 ///
 /// A block starts to slip at 1 and by symmetry stops at -1 or above. The lower end is raised to -0.75, which gives the
 /// mean phase of 0.13 observed in runs of the flat sample.
 const PHASES: [f64; 2] = [-0.75, 1.0];
-/// Separates the random numbers of the phases from those of the coefficients.
+/// Combined with the seed by exclusive or, so that the random numbers of phases differ from those of coefficients.
 const OTHER_NUMBERS: u64 = 0x5851_F42D_4C95_7F2D;
 
-/// Local friction coefficients of one column: mu_s = mean_s (1 + s g1), mu_d = mean_d (1 + s g2), with g1, g2 standard
-/// normal.
+/// Local friction coefficients of one column: mu_s = mean_s (1 + s g1), mu_d = mean_d (1 + s g2), with the relative
+/// standard deviation s and standard normal g1, g2.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Coefficients {
     /// Static coefficient mu_s of the column's contact block.
@@ -28,8 +28,8 @@ impl Coefficients {
     }
 }
 
-/// Draws the coefficients of `count` columns, left to right. Cavities draw too, so that a flat and a patterned surface
-/// have the same coefficients. A pair with a nonpositive coefficient is drawn again.
+/// Draws the coefficients of `count` columns, left to right. Columns in cavities get coefficients too, so that a flat
+/// and a patterned surface have the same draws. A pair with a nonpositive coefficient is drawn again.
 pub fn draw(friction: &LocalFriction, seed: u64, count: usize) -> Vec<Coefficients> {
     let mut normals = Normals::new(seed);
     let std = friction.relative_std();
@@ -68,8 +68,8 @@ pub fn random_phase_friction(coefficients: &[Coefficients], seed: u64) -> Vec<f6
         .collect()
 }
 
-/// Like [`random_phase_friction`] for `count` blocks with mean coefficients; returns friction over the mean dynamic
-/// coefficient.
+/// Like [`random_phase_friction`] for `count` blocks that all have the mean coefficients; returns the friction
+/// coefficients divided by the mean dynamic coefficient.
 pub fn random_phase_mean_friction(friction: &LocalFriction, seed: u64, count: usize) -> Vec<f64> {
     let (static_mu, dynamic_mu) = (friction.static_mean(), friction.dynamic_mean());
     let frictions = random_phase_friction(&vec![Coefficients { static_mu, dynamic_mu }; count], seed);

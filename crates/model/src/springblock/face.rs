@@ -30,7 +30,7 @@ impl Strip {
     }
 }
 
-/// Face of a specimen with its cavities as they are laid out.
+/// Face of a specimen with the layout of its cavities, divided into strips.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Face {
     strips: Vec<Strip>,
@@ -38,12 +38,12 @@ pub struct Face {
 }
 
 impl Face {
-    /// Creates a face of `strips`. `cavity_share` is the exact area fraction of cavities, from 0 to 1, which the strips
-    /// only sample.
+    /// Creates a face of `strips`. `cavity_share` is the exact area fraction of cavities on the face, from 0 to less
+    /// than 1; the strips only sample this fraction.
     ///
     /// # Errors
-    /// [`SceneError::OutOfRange`] without strips, for nonpositive lengths, and for cavities out of order or outside
-    /// their strip.
+    /// [`SceneError::OutOfRange`] without strips, for a cavity fraction out of range, nonpositive lengths, and cavities
+    /// out of order or outside their strip.
     pub fn new(strips: Vec<Strip>, cavity_share: f64) -> Result<Self, SceneError> {
         let refuse = |quantity, value, expected| Err(SceneError::OutOfRange { quantity, value, expected });
         if strips.is_empty() {
@@ -75,18 +75,19 @@ impl Face {
         &self.strips
     }
 
-    /// Area fraction of cavities.
+    /// Area fraction of cavities on the face.
     pub const fn cavity_share(&self) -> f64 {
         self.cavity_share
     }
 
-    /// Cavity fraction of the face over that of a section of `pattern`, D / D_cell: the ratio of the friction
-    /// reductions of the face and of a periodic cell.
+    /// Cavity fraction D of the face over the cavity fraction D_cell of a section of `pattern`. The friction reductions
+    /// of the face and of a periodic cell have this ratio.
     pub fn share_of(&self, pattern: &Pattern) -> f64 {
         self.cavity_share / pattern.section_density()
     }
 
-    /// Strip for the dynamic run: the longest strip with cavities, the first among equals.
+    /// Strip for the dynamic run: the longest strip with cavities, or the longest strip if none has cavities; the first
+    /// among equals.
     pub(crate) fn longest(&self) -> &Strip {
         let textured = |strip: &Strip| !strip.cavities_m.is_empty();
         let better = |a: &Strip, b: &Strip| (textured(a), a.length_m) > (textured(b), b.length_m);

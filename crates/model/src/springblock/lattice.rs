@@ -3,8 +3,8 @@
 //! Rows j = 0..ny count from the counterface up, columns i = 0..nx along the sliding direction. The rigid bulk is row
 //! ny. Lengths are in lattice spacings l, stiffness in k = 3/4 E l, mass in m = rho l^3.
 //!
-//! Springs between two neighbouring columns with centres w l apart represent an isotropic plane-stress sheet with nu =
-//! 1/3 on cells of w x 1:
+//! Springs between two neighbouring columns, whose centres are w l apart, represent an isotropic plane-stress sheet
+//! with nu = 1/3 on cells of w x 1:
 //!
 //! ```text
 //! diagonal   k_d = (k/2) (w^2 + 1) / (2 w)
@@ -31,24 +31,25 @@ pub struct Lattice {
 /// fraction itself (an infinite constant).
 const CEILING_COMPLIANCE: f64 = 3.0;
 
-/// Springs with a smaller share are left out; their effect on the ratio is equally small.
+/// Minimum stiffness share: springs with a smaller share are left out; their effect on the ratio is equally small.
 const MIN_SHARE: f64 = 1e-4;
 
 /// Stiffness of the springs of a block of which the fraction `presence` exists, relative to a whole block.
 ///
-/// It is 0 and 1 at the ends, so that whole rows are unchanged. In between it is c y / (1 + c - y) with y the presence
-/// and c [`CEILING_COMPLIANCE`]: a strip of stiffness s displaces its surroundings of compliance 1/c by s / (s + c),
-/// which becomes linear in y.
+/// It is 0 without a block and 1 for a whole block, so that whole rows are unchanged. In between it is c y / (1 + c -
+/// y) with y the presence and c [`CEILING_COMPLIANCE`]: a strip of stiffness s displaces its surroundings of compliance
+/// 1/c by s / (s + c), which becomes linear in y.
 pub fn stiffness_share(presence: f64) -> f64 {
     let share = CEILING_COMPLIANCE * presence / (1.0 + CEILING_COMPLIANCE - presence);
     if share < MIN_SHARE { 0.0 } else { share }
 }
 
-/// Present fraction of the connection between two blocks from which cavities remove rectangles of `covered` x `deep`.
+/// Present fraction of the connection between two blocks. Cavities remove the fraction `covered` of the width by the
+/// fraction `deep` of the height from each of the two blocks.
 ///
-/// The connection lacks the union of the two rectangles, laid over each other. Its presence is the smaller of the two
-/// presences if the blocks are in one row or in columns covered alike, and the product if one block lacks width and the
-/// other lacks height.
+/// The connection lacks the union of the two removed rectangles, superposed. Its presence is the smaller of the
+/// presences of the two blocks if these are in one row or in columns with equal coverage, and the product if one block
+/// lacks width and the other lacks height.
 pub fn joint_presence(covered: [f64; 2], deep: [f64; 2]) -> f64 {
     let both = covered[0].min(covered[1]) * deep[0].min(deep[1]);
     1.0 - (covered[0] * deep[0] + covered[1] * deep[1] - both)
@@ -57,35 +58,38 @@ pub fn joint_presence(covered: [f64; 2], deep: [f64; 2]) -> f64 {
 /// Stiffness in units of k of the tie that holds a block to the counterface if a fraction `share`, between 0 and 1, of
 /// the block touches it: free at 0 and pinned at 1.
 ///
-/// The compliance is (1 - a)/a with a the share, minus half of the additional compliance of the block's springs, which
-/// the `presence` weakens. This makes friction nearly linear in the width: on 100 patterns 100 to 400 um wide, up to
-/// 1000 um apart and 10 to 40 um deep, changes per 1 um differ from those of a smooth curve by at most 3.2e-4 of the
-/// ratio, half of them by less than 4.5e-5; with (1 - a)/a alone by 8.9e-4 and 9.1e-5.
+/// The compliance is (1 - a)/a, a being `share`, minus half of the additional compliance of the block's springs, which
+/// are weakened because only the fraction `presence` of the block exists. This makes friction nearly linear in the
+/// width: on 100 patterns 100 to 400 um wide, up to 1000 um apart and 10 to 40 um deep, changes per 1 um differ from
+/// those of a smooth curve by at most 3.2e-4 of the ratio, half of them by less than 4.5e-5; with (1 - a)/a alone by
+/// 8.9e-4 and 9.1e-5.
 pub fn tie(share: f64, presence: f64) -> f64 {
     1.0 / ((1.0 - share) / share - 0.5 * (1.0 / stiffness_share(presence) - 1.0))
 }
 
-/// Stiffness of the horizontal, the diagonal and the vertical springs in units of k between columns `w` apart.
+/// Stiffness of the horizontal, the diagonal and the vertical springs, in units of k, between columns whose centres are
+/// `w` lattice spacings apart.
 pub fn springs(w: f64) -> [f64; 3] {
     // k_x = (k/2) (3 - w^2) / w, k_d = (k/2) (w^2 + 1) / (2 w), k_y = (k/2) (3 - 1/w^2) w
     [0.5 * (3.0 / w - w), 0.25 * (w + 1.0 / w), 0.5 * (3.0 * w - 1.0 / w)]
 }
 
-/// A spring between block `a` and block `b`, or the bulk if `b` is absent.
+/// A spring between block `a` and block `b`, or between block `a` and the rigid bulk if `b` is `None`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bond {
     /// Column and row of the first end.
     pub a: (usize, usize),
     /// Column and row of the second end; `None` for the rigid bulk.
     pub b: Option<(usize, usize)>,
-    /// Vector from a to b at rest, in lattice spacings.
+    /// Vector from `a` to `b` at rest, in lattice spacings.
     pub rest: [f64; 2],
     /// Stiffness in units of k.
     pub stiffness: f64,
 }
 
 impl Bond {
-    /// Entries (xx, xy, yy) of the stiffness matrix k e e^T of the linear spring, in units of k.
+    /// Entries xx, xy and yy of the matrix `stiffness` e e^T of the linear spring, with the unit vector e along `rest`,
+    /// in units of k.
     pub fn linear(&self) -> [f64; 3] {
         let [x, y] = self.rest;
         let scale = self.stiffness / (x * x + y * y);
@@ -124,12 +128,12 @@ impl Lattice {
         self.columns.iter().map(|column| column.width).sum()
     }
 
-    /// Columns of the blocks that touch the counterface, at least in part.
+    /// Indices of the columns that touch the counterface, at least in part.
     pub fn contacts(&self) -> impl Iterator<Item = usize> + '_ {
         (0..self.nx()).filter(|&i| self.contact_share(i) > 0.0)
     }
 
-    /// Fraction of the width of column `i` that touches the counterface: 0 in a cavity and where the block has no
+    /// Fraction of the width of column `i` that touches the counterface: 0 in a cavity, and if the lowest block has no
     /// springs.
     pub fn contact_share(&self, i: usize) -> f64 {
         if self.is_attached(i, 0) { 1.0 - self.columns[i].coverage } else { 0.0 }
@@ -171,12 +175,12 @@ impl Lattice {
         self.columns.iter().any(|column| column.relief != 0.0)
     }
 
-    /// Column to the right of `i`, if there is one.
+    /// Column to the right of `i`; `None` at the right end.
     fn right_of(&self, i: usize) -> Option<usize> {
         if i + 1 < self.nx() { Some(i + 1) } else { self.periodic.then_some(0) }
     }
 
-    /// Column to the left of `i`, if there is one.
+    /// Column to the left of `i`; `None` at the left end.
     fn left_of(&self, i: usize) -> Option<usize> {
         if i > 0 { Some(i - 1) } else { self.periodic.then_some(self.nx() - 1) }
     }
@@ -196,15 +200,15 @@ impl Lattice {
         }
     }
 
-    /// Number of rows into which a cavity reaches, at least in part.
+    /// Number of rows that cavities occupy, at least in part.
     pub fn cavity_rows(&self) -> usize {
         let deepest = self.columns.iter().map(|column| column.cavity_rows).fold(0.0, f64::max);
         (deepest.ceil() as usize).min(self.rows)
     }
 
-    /// Visits every spring of the flat layer with its present share, including springs to the bulk, in a fixed order:
-    /// column by column, row by row. With `cavities` only springs that start near a cavity are visited: in its rows,
-    /// and in its columns or the columns next to them.
+    /// Visits every spring of the flat layer, with the share of its stiffness that remains, including springs to the
+    /// bulk, in a fixed order: column by column, row by row. With `cavities` only springs that start near a cavity are
+    /// visited: in the rows of the cavity, and in its columns or the columns next to them.
     fn visit_bonds(&self, cavities: bool, mut visit: impl FnMut(Bond, f64)) {
         let rows = if cavities { self.cavity_rows() } else { self.rows };
         for i in 0..self.nx() {
@@ -259,8 +263,8 @@ impl Lattice {
         });
     }
 
-    /// Mass of block (i, j) in units of m: a quarter for each of its adjacent cells, at least 1/4; 0 where there is no
-    /// block. A cell counts if its four corners exist; the bulk above exists.
+    /// Mass of block (i, j) in units of m: a quarter for each adjacent square of the mesh whose four corners exist, at
+    /// least 1/4; 0 where there is no block. The bulk above the last row counts as existing.
     pub fn mass(&self, i: usize, j: usize) -> f64 {
         let there = |i: usize, j: usize| j >= self.rows || self.presence(i, j) > 0.0;
         if !there(i, j) {

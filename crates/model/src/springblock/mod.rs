@@ -9,7 +9,8 @@
 //! F_friction = mu_d f(p) F_n,     p = F_n / l^2
 //! ```
 //!
-//! and the friction coefficient of the surface is the sum of friction over the sum of normal force.
+//! with the local dynamic coefficient mu_d, the area factor f, the normal force F_n and the lattice spacing l. The
+//! friction coefficient of the surface is the sum of friction over the sum of normal force.
 //!
 //! | type | role |
 //! |---|---|
@@ -19,7 +20,7 @@
 //! | [`Face`], [`Strip`], [`simulate_specimen`] | whole specimens as they are cut, strip by strip |
 //! | [`simulate_strip`] | a row of cavities in space with both ends of the specimen |
 //! | [`Simulation`], [`LoadOutcome`], [`SurfaceOutcome`] | results, with a [`Status`] |
-//! | [`Dimension`] | plane or space, and the consequences |
+//! | [`Dimension`] | plane or space, and properties that depend on the choice |
 //! | [`SteadyCell`], [`CellOutcome`] | steady ratio of many patterns, in the plane or in space, for searches |
 //! | [`SpaceLattice`], [`SpaceSteadyModel`] | one cell in space: geometry, pressures and displacements |
 //! | [`expense`], [`bounded`] | estimated cost of a scene, and its limits |

@@ -69,13 +69,14 @@ pub struct InterfacePoint {
     /// Position along the pattern's y axis from the corner of the cell, in metres; 0 in the vertical plane.
     pub y_m: f64,
     /// Normal pressure, positive in compression, in pascals. For dynamic runs it is the mean from three fifths of the
-    /// planned travel on, or from the last judgement at which a longer run was not stationary.
+    /// planned travel on or, if the run was extended, from the last check at which mu was not yet stationary.
     pub pressure_pa: f64,
-    /// Friction traction, positive against sliding, in pascals. For dynamic runs it is a mean like the pressure.
+    /// Friction traction, positive against sliding, in pascals. For dynamic runs it is a mean over the same time as the
+    /// pressure.
     pub friction_pa: f64,
 }
 
-/// One sample of the recorded friction coefficient.
+/// Friction coefficient over one recording interval of a dynamic run.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TracePoint {
     /// Time since the drive started, in seconds.
@@ -102,9 +103,9 @@ pub struct DynamicCost {
 pub struct SurfaceOutcome {
     /// How the run ended.
     pub status: Status,
-    /// Dynamic friction coefficient; `None` if the status gives a reason.
+    /// Dynamic friction coefficient; `None` if there is none, for the reason that the status gives.
     pub mu_dynamic: Option<f64>,
-    /// Standard error of `mu_dynamic` from the time average and the loss to waves; `None` for steady runs.
+    /// Standard error of `mu_dynamic` due to averaging over time and the loss to waves; `None` for steady runs.
     pub mu_dynamic_stderr: Option<f64>,
     /// Friction relative to that of the same normal forces with every block sliding, minus one; dynamic runs only. It
     /// is positive if sticking blocks hold more than sliding friction, and negative if waves reduce friction
@@ -142,7 +143,7 @@ pub struct SurfaceOutcome {
 }
 
 impl SurfaceOutcome {
-    /// Outcome of a surface that was not solved, with the reason `status` and unloaded contact blocks at the positions
+    /// Outcome of a surface that was not solved, for the reason `status`, with unloaded contact blocks at the positions
     /// `x_m`.
     pub(crate) fn unsolved(status: Status, x_m: impl Iterator<Item = f64>) -> Self {
         let at = |x_m| InterfacePoint { x_m, y_m: 0.0, pressure_pa: 0.0, friction_pa: 0.0 };
@@ -151,9 +152,9 @@ impl SurfaceOutcome {
 
     /// Outcome of steady sliding.
     ///
-    /// `normal` and `friction` are forces on the contact blocks in any unit, `status` is that of the solve, `interface`
-    /// has the pressures, of which `peak_pressure_pa` is the largest over a whole block, and `clearance_m` is the
-    /// minimum height of a ceiling.
+    /// `normal` and `friction` are forces on the contact blocks in any unit; `status` is the status of the solve;
+    /// `interface` has the pressures; `peak_pressure_pa` is their maximum, averaged over a whole block; `clearance_m`
+    /// is the minimum height of a ceiling above the counterface.
     pub(crate) fn from_steady_forces(
         status: Status,
         [normal, friction]: [&[f64]; 2],
@@ -184,10 +185,11 @@ impl SurfaceOutcome {
     }
 }
 
-/// Largest pressure of contact blocks that touch on the fraction `share` of a block each, averaged over a whole block.
+/// Maximum pressure, in pascals, averaged over a whole block, on an `interface` whose contact blocks each touch on the
+/// fraction `share` of a block.
 ///
 /// At an edge the pressure is singular, so that a narrow part of a block has a higher pressure than a whole block,
-/// however narrow it is. `neighbours` returns the contact blocks next to one.
+/// however narrow it is. `neighbours` returns the indices of the contact blocks next to a given one.
 pub(crate) fn peak_over_whole_blocks<I: IntoIterator<Item = usize>>(
     interface: &[InterfacePoint],
     share: &[f64],
@@ -208,34 +210,37 @@ pub(crate) fn peak_over_whole_blocks<I: IntoIterator<Item = usize>>(
     (0..interface.len()).map(pressure_over_block).fold(0.0, f64::max)
 }
 
-/// Share from which a block counts as whole, except for rounding.
+/// Touching fraction from which a block counts as whole: 1 less rounding.
 const WHOLE_SHARE: f64 = 1.0 - 1e-9;
 
 /// Effect that the solved blocks leave out, and that a [`Correction`] adds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum Effect {
-    /// Dimensions that are no whole blocks, in a dynamic run: the difference of the steady cells.
+    /// Dimensions that are not whole numbers of blocks, in a dynamic run: the difference between the steady cells with
+    /// exact and with rounded dimensions.
     #[serde(rename = "whole blocks")]
     WholeBlocks,
-    /// Rims of a strip, or their yielding: the difference of the steady cells with and without.
+    /// Rims of a strip, or yielding of rims: the difference between the steady cells with and without this effect.
     #[serde(rename = "rims")]
     Rims,
-    /// Layout of the specimen, replaced by strips that sample its face, by one strip or by a cell.
+    /// Layout of cavities on the specimen, which the solved strips or the solved cell represent only approximately.
     #[serde(rename = "layout on the specimen")]
     Layout,
     /// Sliding in time instead of steady sliding.
     #[serde(rename = "sliding in time")]
     Time,
-    /// Specimen behind the layer that was solved: the difference of the steady cells.
+    /// Specimen behind the layer that was solved: the difference between the steady cells of the whole thickness and of
+    /// the layer.
     #[serde(rename = "specimen behind the layer")]
     Behind,
-    /// Tilt of the pressure by friction, on a specimen whose holder prevents rotation. Of this effect all is included
-    /// with a rigid holder, and half with an unknown one. Its error is fully correlated between the loads of a specimen:
-    /// if the tilt exceeds its mean, all ratios change in the direction of the correction.
+    /// Tilt of the pressure by friction, on a specimen whose holder prevents rotation. All of the effect is included
+    /// with a rigid holder, half of it with an unknown holder. Its error is fully correlated between the loads of a
+    /// specimen: if the tilt exceeds its mean, all ratios change in the direction of the correction.
     #[serde(rename = "tilt of the pressure")]
     Tilt,
-    /// Size of the blocks. The change is that to smaller blocks, 0 without refinement; the error is half of the estimated
-    /// difference from vanishing blocks, which the true one hardly exceeds, at the load where it is largest.
+    /// Size of the blocks. The change is the step to smaller blocks, 0 without refinement; the error is half of the
+    /// largest estimated difference from vanishing blocks at this and nearby loads, which the true difference hardly
+    /// exceeds.
     #[serde(rename = "size of blocks")]
     Blocks,
 }
@@ -271,31 +276,33 @@ pub struct Correction {
 pub struct LoadOutcome {
     /// Nominal pressure, in pascals.
     pub pressure_pa: f64,
-    /// Surface with the scene's pattern. Its dynamic friction is the ratio times that of the flat surface.
+    /// Surface with the scene's pattern. Its dynamic friction is the ratio times the dynamic friction of the flat
+    /// surface.
     pub surface: SurfaceOutcome,
     /// Flat surface with the same settings; `None` for a flat scene.
     pub flat: Option<SurfaceOutcome>,
     /// Standard error of the solved ratio; `None` for steady runs.
     pub ratio_stderr: Option<f64>,
-    /// Ratio of the blocks that were solved.
+    /// Friction of the patterned over that of the flat surface for the solved blocks, before corrections; `None` if it
+    /// is undefined.
     pub(crate) solved: Option<f64>,
-    /// At most one for each effect, in the order in which they were added.
+    /// Corrections, at most one for each effect, in the order in which they were added.
     pub(crate) corrections: Vec<Correction>,
 }
 
 impl LoadOutcome {
-    /// Dynamic friction coefficient, patterned over flat: that of the solved blocks plus all corrections. `None` for a
-    /// flat scene, or if one of the two is absent.
+    /// Dynamic friction coefficient of the patterned over that of the flat surface: the ratio of the solved blocks plus
+    /// all corrections. `None` for a flat scene, or if one of the two coefficients is absent.
     pub fn ratio(&self) -> Option<f64> {
         Some(self.solved? + self.corrections.iter().map(|correction| correction.change).sum::<f64>())
     }
 
-    /// Changes of the ratio by all that the solved blocks leave out.
+    /// Changes of the ratio by the effects that the solved blocks leave out.
     pub fn corrections(&self) -> &[Correction] {
         &self.corrections
     }
 
-    /// Change of the ratio by `effect`, if it was added.
+    /// Change of the ratio by `effect`; `None` if it was not added.
     pub fn correction(&self, effect: Effect) -> Option<&Correction> {
         self.corrections.iter().find(|correction| correction.effect == effect)
     }
@@ -306,8 +313,8 @@ impl LoadOutcome {
         std::iter::once(&self.surface).chain(&self.flat).all(|surface| means.contains(&surface.status))
     }
 
-    /// Adds the `change` by `effect` with the standard error `std`, if known, in place of an earlier one by the same
-    /// effect. Does nothing without a ratio.
+    /// Adds the `change` of the ratio by `effect` with the standard error `std`, if known; it replaces an earlier
+    /// change by this effect. Does nothing without a ratio.
     pub(crate) fn correct(&mut self, effect: Effect, change: f64, std: impl Into<Option<f64>>) {
         if self.solved.is_some() {
             self.corrections.retain(|correction| correction.effect != effect);
@@ -316,8 +323,8 @@ impl LoadOutcome {
         }
     }
 
-    /// Scales the friction reduction, all changes and errors to a face with the cavity fraction `share` of that of the
-    /// solved one, with the standard error `std` of doing so, if known.
+    /// Scales the friction reduction 1 - r, with the ratio r, all changes and errors to a face whose cavity fraction is
+    /// `share` times that of the solved blocks. `std` is the standard error of the scaling, if known.
     ///
     /// ```text
     /// 1 - r = share (1 - r_solved),     r - r_solved = (share - 1) (r_solved - 1)
@@ -333,7 +340,7 @@ impl LoadOutcome {
         }
     }
 
-    /// Removes the ratio: without one of its corrections it would mean something else.
+    /// Removes the ratio and its corrections, because without a missing correction the ratio would be misleading.
     pub(crate) fn remove_ratio(&mut self) {
         self.solved = None;
         self.corrections.clear();
@@ -377,7 +384,8 @@ pub struct Simulation {
 }
 
 impl Simulation {
-    /// Maximum pressure under the blocks over all loads.
+    /// Maximum local pressure on the patterned surface (or the flat surface of a flat scene) over all loads, in
+    /// pascals.
     pub fn peak_pressure_pa(&self) -> f64 {
         self.loads.iter().map(|load| load.surface.peak_pressure_pa).fold(0.0, f64::max)
     }

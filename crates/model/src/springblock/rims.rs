@@ -1,7 +1,8 @@
 //! Heights of the rims along a section of the face, in lattice spacings.
 //!
 //! A column is raised by the mean of the rim's height over its land, in closed form, so that the relief is continuous
-//! in every length. If heights vary from rim to rim, edge number k of n has the height
+//! in every length. If heights vary from rim to rim, with the mean h and the standard deviation s, edge number k of n
+//! has the height
 //!
 //! ```text
 //! h_k = max(0, h + s z_k),     z_k: the n mid-quantiles of the normal distribution, scaled to unit variance
@@ -27,7 +28,7 @@ const GOLDEN: f64 = 0.618_033_988_749_894_9;
 pub struct Rims {
     rim: Rim,
     block_m: f64,
-    /// Heights before and after each cavity, in lattice spacings times [`PLANE_STRAIN`].
+    /// Heights of the rims before and after each cavity, in lattice spacings times [`PLANE_STRAIN`].
     heights: Vec<f64>,
 }
 
@@ -45,18 +46,19 @@ impl Rims {
         Some(Self { rim, block_m, heights })
     }
 
-    /// Height of the rim before cavity number `cavity`, in the unit of [`crate::springblock::columns::Column::relief`].
+    /// Height of the rim before cavity number `cavity`, in lattice spacings times [`PLANE_STRAIN`], as in
+    /// [`crate::springblock::columns::Column::relief`].
     pub fn before(&self, cavity: usize) -> f64 {
         self.heights[2 * cavity % self.heights.len()]
     }
 
-    /// Height of the rim after cavity number `cavity`.
+    /// Height of the rim after cavity number `cavity`, in the unit of [`Self::before`].
     pub fn after(&self, cavity: usize) -> f64 {
         self.heights[(2 * cavity + 1) % self.heights.len()]
     }
 
-    /// Integral of the relief over the intersection of `column`, given by its two sides, with the land `land`.
-    /// `heights` are those of the rims at the left and right edge of the land, if present.
+    /// Integral of the relief over the intersection of `column` with the land `land`, each given by its two sides, in
+    /// lattice spacings. `heights` are the heights of the rims at the left and right edge of the land, if present.
     pub fn integral(&self, column: [f64; 2], land: [f64; 2], heights: [Option<f64>; 2]) -> f64 {
         // Rims of opposite edges end half-way between them.
         let middle = match heights {
@@ -77,7 +79,8 @@ impl Rims {
         left + right
     }
 
-    /// Mean relief of the land in `column` for periodic cavities from m pitch to m pitch + width.
+    /// Mean relief of the land in `column`, given by its two sides, with cavities from m `pitch` to m `pitch` + `width`
+    /// for all integers m. All lengths are in lattice spacings.
     pub fn mean(&self, column: [f64; 2], [width, pitch]: [f64; 2]) -> f64 {
         let (mut integral, mut land) = (0.0, 0.0);
         // Lands that overlap the column follow cavity number `first` and later ones.
@@ -97,7 +100,7 @@ impl Rims {
     }
 }
 
-/// Whether the rims of `pattern` have different heights.
+/// Whether the rims of `pattern` differ in height.
 fn scatters(pattern: &Pattern) -> bool {
     pattern.texture().rim().is_some_and(|rim| rim.height_std_m() > 0.0)
 }
@@ -111,7 +114,7 @@ pub fn cells(pattern: &Pattern) -> [usize; 2] {
     }
 }
 
-/// Heights of `count` rims of `pattern` in blocks of `block_m`; `None` if there are no rims.
+/// Heights of `count` rims of `pattern`, in lattice spacings `block_m`; `None` if there are no rims.
 pub fn heights(pattern: &Pattern, block_m: f64, count: usize) -> Option<Vec<f64>> {
     let rim = pattern.texture().rim().filter(|_| count > 0)?;
     let (height_m, std_m) = (rim.height_m(pattern.depth_m()), rim.height_std_m());

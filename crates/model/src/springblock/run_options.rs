@@ -15,7 +15,8 @@ pub enum Fidelity {
     Steady,
     /// Time integration by the fastest scheme with a measured error.
     Dynamic,
-    /// The paper's scheme: classical Runge-Kutta of order 4, 1 ns, exact spring law.
+    /// Scheme of Balestra et al., J. Tribol. 144, 031704: classical Runge-Kutta of order 4, steps of 1 ns, exact spring
+    /// law.
     Reference,
 }
 
@@ -69,9 +70,9 @@ impl Extent {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Springs {
-    /// F = k e (e . (u_j - u_i)): small displacements.
+    /// For small displacements u: F = k e (e . (u_j - u_i)), with the unit vector e along the spring at rest.
     Linear,
-    /// F = k (r - l) (r_j - r_i) / r: geometrically exact.
+    /// Geometrically exact: F = k (r - l) (r_j - r_i) / r, with the length r of the spring and its length l at rest.
     Exact,
 }
 
@@ -100,8 +101,8 @@ pub struct RunOptions {
     pub extent: Extent,
     /// Seed of the local coefficients; 1 when absent.
     pub seed: u64,
-    // In metres. A run whose mu is not stationary by then continues up to four times as far, or twenty times if
-    // `mu_stderr` is set.
+    // In metres. A run whose mu is not stationary after this travel continues up to four times as far, or twenty times
+    // if `mu_stderr` is set.
     /// Planned travel of the bulk in dynamic runs; 2 when absent.
     #[serde(rename = "sliding_um", with = "LengthUm")]
     #[schemars(with = "f64")]
@@ -144,7 +145,7 @@ pub struct RunOptions {
     pub refine: bool,
 }
 
-/// Reads a number of dimensions, of which only 2 and 3 exist.
+/// Reads a number of dimensions. Numbers above 255 become 255; validation of the scene refuses all but 2 and 3.
 ///
 /// # Errors
 /// Errors of `deserializer`.
@@ -152,7 +153,7 @@ pub fn read_dimensions<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Opt
     u64::deserialize(deserializer).map(|number| Some(u8::try_from(number).unwrap_or(u8::MAX)))
 }
 
-/// Usual damping frequency in units of sqrt(k/m).
+/// Default damping frequency in units of sqrt(k/m).
 const USUAL_DAMPING: f64 = 0.01;
 
 #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde asks by reference")]
@@ -165,19 +166,20 @@ const fn is_one(count: &u64) -> bool {
     *count == 1
 }
 
-/// Relative standard error of dynamic friction at which a run from sliding ends.
+/// Relative standard error of dynamic friction at which a run of [`RunOptions::from_sliding`] ends.
 const MEAN_STDERR: f64 = 0.001;
 
 impl RunOptions {
-    /// Options of a dynamic run for mean friction only: it starts near sliding and ends when the mean is known to a
-    /// thousandth.
+    /// Options of a dynamic run for mean friction only, which starts near sliding and ends when the relative standard
+    /// error of the mean is 0.001.
     #[must_use]
     pub const fn from_sliding(self) -> Self {
         Self { fidelity: Fidelity::Dynamic, warm_start: true, mu_stderr: Some(MEAN_STDERR), ..self }
     }
 
-    /// Options for a specimen with patterns of `texture`: in the plane strip by strip, also for other sliding
-    /// directions of the texture; in space one cell, or the requested strip.
+    /// Options for a specimen with patterns of `texture`. In the plane the dimension is fixed, so that the specimen is
+    /// solved strip by strip for other sliding directions of the texture as well. In space a whole sample becomes one
+    /// cell; a requested strip remains.
     #[must_use]
     pub fn on_specimen(self, texture: &Texture) -> Self {
         match Dimension::of(self.dimensions, texture) {
@@ -189,7 +191,7 @@ impl RunOptions {
         }
     }
 
-    /// Whether a cell in space supports these options.
+    /// Whether cells and strips in space support these options.
     pub(crate) fn has_space(&self) -> bool {
         match self.fidelity {
             Fidelity::Steady => true,

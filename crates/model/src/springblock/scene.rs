@@ -34,16 +34,16 @@ impl Holder {
 pub struct Layer {
     /// Length of the specimen along the sliding direction, in metres.
     pub length_m: f64,
-    /// Height of the elastic layer whose blocks are modelled individually, in metres: in scenes with ends and in
+    /// Height, in metres, of the elastic layer whose blocks are modelled individually in scenes with ends and in
     /// dynamic runs.
     pub height_m: f64,
     /// Distance between neighbouring blocks, the lattice spacing l, in metres.
     pub block_m: f64,
     /// Thickness of the specimen between the counterface and the rigid bulk, in metres. Steady cells are solved over
-    /// the whole thickness; for strips with ends and for dynamic runs, the effect on the steady cell is added. `None`
-    /// puts the rigid bulk directly above the layer.
+    /// the whole thickness; for scenes with ends and for dynamic runs, the effect of the thickness on the ratio of the
+    /// steady cell is added. `None` puts the rigid bulk directly above the layer.
     pub thickness_m: Option<f64>,
-    /// How the specimen is held; `None` if unknown. It has no effect without the thickness.
+    /// How the specimen is held; `None` if unknown. The holder has no effect without the thickness.
     pub holder: Option<Holder>,
 }
 
@@ -52,12 +52,13 @@ pub struct Layer {
 pub struct Load {
     /// Load over the specimen's nominal area, in pascals.
     pub pressure_pa: f64,
-    /// Local friction coefficients at this load.
+    /// Local friction coefficients at this pressure.
     pub friction: LocalFriction,
 }
 
 impl Load {
-    /// Friction coefficient of an infinite flat layer in steady sliding: mu_d f(P), with f = 1 without an area law.
+    /// Friction coefficient of an infinite flat layer in steady sliding: mu_d f(P), with the pressure P and the area
+    /// factor f; f = 1 without an area law.
     pub fn flat_mu(&self, area_law: Option<&AreaLaw>) -> f64 {
         self.friction.dynamic_mean() * area_law.map_or(1.0, |law| law.factor(self.pressure_pa))
     }
@@ -72,7 +73,7 @@ pub struct Scene {
     pub area_law: Option<AreaLaw>,
     /// Texture; `None` is a flat surface.
     pub pattern: Option<Pattern>,
-    /// Measured heights of the textured face over one period, instead of rims.
+    /// Measured heights of the textured face over one period, used instead of rims.
     pub relief: Option<Arc<ReliefMap>>,
     /// The modelled layer.
     pub layer: Layer,
@@ -90,7 +91,7 @@ impl Layer {
         whole(self.height_m / self.block_m)
     }
 
-    /// Number of rows of blocks over the whole thickness, at least that of the layer.
+    /// Number of rows of blocks over the whole thickness, at least [`Self::rows`].
     pub fn thick_rows(&self) -> usize {
         self.thickness_m.map_or(0, |thickness_m| whole(thickness_m / self.block_m)).max(self.rows())
     }
@@ -106,20 +107,20 @@ impl Layer {
         Self { thickness_m: None, holder: None, ..self }
     }
 
-    /// Number of blocks in a section along the sliding direction, not rounded.
+    /// Number of blocks of the layer in a section along the sliding direction, not rounded.
     pub fn blocks(&self) -> f64 {
         (self.length_m / self.block_m) * (self.height_m / self.block_m)
     }
 
-    /// Number of columns of blocks over the whole specimen.
+    /// Number of columns of blocks along the whole specimen.
     pub fn columns(&self) -> usize {
         whole(self.length_m / self.block_m)
     }
 }
 
 impl Scene {
-    /// Returns the scene at the speed of a dynamic run that represents it, limited by its lightest load
-    /// ([`run_speed_m_s`]).
+    /// Returns the scene with the sliding speed of a dynamic run that represents it; the lightest load limits this
+    /// speed ([`run_speed_m_s`]).
     #[must_use]
     pub fn slowed(mut self) -> Self {
         let lightest_pa = self.loads.iter().map(|load| load.pressure_pa).fold(f64::INFINITY, f64::min);
@@ -127,8 +128,8 @@ impl Scene {
         self
     }
 
-    /// Returns the scene for a dynamic run that represents it: at the speed of [`Self::slowed`], with the travel that a
-    /// run from the sheared layer needs.
+    /// Returns the scene for a dynamic run that represents it: at the speed of [`Self::slowed`] and, for a warm start,
+    /// with the travel that a run from the sheared layer needs.
     #[must_use]
     pub fn in_time(self) -> Self {
         let mut scene = self.slowed();
@@ -148,26 +149,28 @@ fn whole(ratio: f64) -> usize {
 
 /// Maximum number of blocks of a layer, which keeps the memory of a whole lattice below 24 GiB.
 pub const MAX_BLOCKS: f64 = 4e7;
-/// Maximum number of rows of blocks over the thickness of a specimen: rounding errors of the total shear grow with its
-/// square.
+/// Maximum number of rows of blocks over the thickness of a specimen: rounding errors of the total shear grow with the
+/// square of this number.
 pub const MAX_ROWS: f64 = 1e5;
-/// Maximum number of draws of one scene: the standard error falls only with the square root.
+/// Maximum number of draws of local coefficients for one scene: the standard error falls only with the square root of
+/// this number.
 pub const MAX_DRAWS: u64 = 64;
-/// Minimum pitch in blocks: springs between columns closer than l/sqrt(3) would have negative stiffness.
+/// Minimum pitch in lattice spacings l: springs between columns closer than l/sqrt(3) would have negative stiffness.
 const MIN_PITCH: f64 = 1.2;
-/// Relative tolerance within which a ratio counts as a whole number of blocks.
+/// Relative tolerance within which a length over the block size counts as a whole number of blocks.
 const WHOLE_BLOCKS_TOLERANCE: f64 = 1e-6;
 
 impl Scene {
-    /// Dimension in which the scene is solved: the requested one, otherwise the one that the pattern needs if the scene
-    /// is a steady or dynamic cell. Other scenes, and flat layers, are solved in the vertical plane.
+    /// Dimension in which the scene is solved: the requested dimension, otherwise the dimension that the pattern needs
+    /// if a cell or a strip in space can solve the scene. Other scenes, and flat layers, are solved in the vertical
+    /// plane.
     pub fn dimension(&self) -> Dimension {
         let is_open = self.run.dimensions.is_none() && !self.has_spatial_cell();
         let pattern = self.pattern.as_ref().filter(|_| !is_open);
         pattern.map_or(Dimension::Plane, |pattern| Dimension::of(self.run.dimensions, pattern.texture()))
     }
 
-    /// Pattern of the scene, if only a section of it is solved.
+    /// Pattern of the scene if only one section of the pattern is solved; `None` otherwise.
     pub fn section(&self) -> Option<&Pattern> {
         self.dimension().section_of(self.pattern.as_ref()?)
     }
@@ -288,7 +291,7 @@ impl Scene {
         relief.lands(pattern).map(|_| ()).map_err(SceneError::Relief)
     }
 
-    /// Whether the face of the pattern has height variations.
+    /// Whether the face has height variations: rims or a measured relief.
     pub fn is_raised(&self) -> bool {
         self.relief.is_some() || self.pattern.as_ref().is_some_and(|pattern| pattern.texture().rim().is_some())
     }

@@ -54,12 +54,12 @@ const MAX_FACTOR_BYTES: f64 = 8.0 * (1_u64 << 30) as f64;
 /// Number of columns that represent a uniform periodic layer.
 const UNIFORM_COLUMNS: usize = 3;
 
-/// Value of the largest magnitude, the first among equals; 0 for no values.
+/// Value with the largest magnitude, the first among equals; 0 for no values.
 fn widest(values: impl Iterator<Item = f64>) -> f64 {
     values.fold(0.0, |widest: f64, value| if value.abs() > widest.abs() { value } else { widest })
 }
 
-/// Solves `scene` at every load, together with the flat surface if it has a pattern.
+/// Solves `scene` at every load, and the flat surface for comparison if the scene has a pattern.
 ///
 /// Loads and surfaces run in parallel on rayon's current pool; the result does not depend on the
 /// number of threads.
@@ -109,7 +109,7 @@ fn simulate_laid(
     Ok((simulation, share))
 }
 
-/// Result for a cancelled simulation: no outcome at any load.
+/// Result of a cancelled simulation: every surface has the status [`Status::Cancelled`].
 fn cancelled(scene: &Scene) -> Simulation {
     let unsolved = || SurfaceOutcome::unsolved(Status::Cancelled, std::iter::empty());
     let loads = scene.loads.iter().map(|load| compare(load, unsolved(), Some(unsolved()))).collect();
@@ -117,9 +117,9 @@ fn cancelled(scene: &Scene) -> Simulation {
 }
 
 /// Ratios of the steady cell of `scene` at every load as in [`simulate`], without error estimates, which take several
-/// more cells. With [`crate::springblock::RunOptions::refine`] they are extrapolated to vanishing blocks if this takes cells of at
-/// most half a second in the vertical plane. `None` for a load that did not converge. They are taken from the monitor's
-/// cache if it has them.
+/// more cells. With [`crate::springblock::RunOptions::refine`] the ratios are those of smaller blocks if no cell for
+/// this takes more than half a second in the vertical plane. `None` for a load that did not converge, and for a flat
+/// scene. Ratios in the monitor's cache are not computed again.
 ///
 /// # Errors
 /// [`SceneError`] if the scene is invalid.
@@ -149,7 +149,8 @@ pub fn steady_ratios(scene: &Scene, monitor: &dyn Monitor) -> Result<Vec<Option<
     })
 }
 
-/// Like [`simulate`] for the layer only, without the thickness correction.
+/// Like [`simulate`] without the corrections for yielding, thickness, tilt and refinement: strips and dynamic runs have
+/// the layer only.
 fn over_layer(scene: &Scene, strip: Option<&Strip>, monitor: &dyn Monitor) -> Result<Simulation, SceneError> {
     let solved = &thick_layer::solver_scene(scene);
     if let Some(pattern) = scene.pattern.as_ref().filter(|_| scene.dimension() == Dimension::Space) {
@@ -184,7 +185,8 @@ pub fn planned_steps(scene: &Scene) -> u64 {
     Plan::new(scene, scene.run.step_s.unwrap_or(Scheme::default_step_s(scene))).total()
 }
 
-/// Columns of the scene's own surface and of the flat surface for comparison.
+/// Columns of the scene's own surface, with `pattern`, and of the flat surface for comparison; the latter is `None`
+/// without a pattern.
 fn surfaces(scene: &Scene, pattern: Option<&Pattern>) -> (Vec<Column>, Option<Vec<Column>>) {
     let (block_m, whole) = (scene.layer.block_m, scene.layer.columns());
     let map = scene.relief.as_deref();
@@ -207,13 +209,13 @@ fn lattice(scene: &Scene, columns: Vec<Column>) -> Lattice {
     Lattice::new(columns, scene.layer.rows(), scene.run.extent == Extent::Cell)
 }
 
-/// Refuses equations that take too many `bytes` of memory; returns the bytes.
+/// Returns `bytes` if equations of that size may be solved, and [`SceneError::TooLarge`] above [`MAX_FACTOR_BYTES`].
 fn require_memory(bytes: f64) -> Result<f64, SceneError> {
     let most_bytes = MAX_FACTOR_BYTES;
     if bytes > most_bytes { Err(SceneError::TooLarge { bytes, most_bytes }) } else { Ok(bytes) }
 }
 
-/// Refuses equations of steady sliding that do not fit in memory.
+/// Refuses steady sliding of a lattice with `columns` columns if the equations of all blocks take too much memory.
 fn affordable(scene: &Scene, columns: usize, periodic: bool) -> Result<(), SceneError> {
     require_memory(factor_bytes(columns, scene.layer.rows(), periodic)).map(|_| ())
 }
@@ -225,9 +227,9 @@ fn all_affordable(scene: &Scene, lattices: &[Lattice]) -> Result<(), SceneError>
 
 /// Model of steady sliding of one surface.
 enum Steady {
-    /// Equations of all blocks.
+    /// Equations of all blocks of the layer.
     Blocks(SteadyModel),
-    /// Cell of a thick specimen.
+    /// Cell over the whole thickness of the specimen.
     Thick(ThickModel),
     /// Cell whose face has height variations.
     Raised(Lattice, RaisedModel),
@@ -375,7 +377,7 @@ fn dynamic(scene: &Scene, monitor: &dyn Monitor) -> Result<Simulation, SceneErro
     Ok(Simulation { statements, loads })
 }
 
-/// Steady ratio of the pattern minus that of its nearest whole blocks, by load.
+/// Steady ratio of the pattern minus the ratio of the pattern `nearest`, rounded to whole blocks, by load.
 fn off_lattice_corrections(scene: &Scene, nearest: Option<&Pattern>) -> Result<Vec<f64>, SceneError> {
     let none = vec![0.0; scene.loads.len()];
     let (Some(pattern), Some(nearest)) = (&scene.pattern, nearest) else { return Ok(none) };
@@ -392,13 +394,13 @@ fn off_lattice_corrections(scene: &Scene, nearest: Option<&Pattern>) -> Result<V
     Ok(differences(&exact, &whole))
 }
 
-/// Differences by load; 0 if a steady ratio is missing and no correction is possible.
+/// `exact` minus `whole` by load; 0 if a steady ratio is missing, so that no correction is possible.
 fn differences(exact: &[Option<f64>], whole: &[Option<f64>]) -> Vec<f64> {
     exact.iter().zip(whole).map(|(exact, whole)| exact.zip(*whole).map_or(0.0, |(e, w)| e - w)).collect()
 }
 
-/// Estimated difference of the ratios `own` of steady plane cells from the limit of vanishing blocks
-/// ([`blocks::block_error`]).
+/// Estimated difference of the ratios `own` of steady plane cells from the limit of vanishing blocks, by load
+/// ([`blocks::block_error`]); `None` if other block sizes are impossible or too expensive.
 fn discretization_error(scene: &Scene, pattern: &Pattern, own: &[Option<f64>]) -> Option<Vec<f64>> {
     blocks::block_error(scene, own, |scene| blocks::plane_ratios(scene, pattern, blocks::MAX_PRODUCTS))
 }

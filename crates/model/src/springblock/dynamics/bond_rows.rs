@@ -9,26 +9,28 @@ use pulp::{Simd, WithSimd};
 use crate::springblock::Springs;
 use slipgrid_base::fft::vectorized;
 
-/// Number of columns whose forces stay in the first-level cache while the four kinds of springs of a row are evaluated.
+/// Number of columns of a row that are evaluated together, so that their forces stay in the first-level cache for all
+/// four kinds of springs.
 const CHUNK: usize = 128;
 
-/// Directions of the springs that belong to a block: right, up, and up to either side.
+/// Vectors at rest, in lattice spacings, of the four kinds of springs that belong to a block: to the right, up, up
+/// right, and up left.
 pub const KINDS: [[f64; 2]; 4] = [[1.0, 0.0], [0.0, 1.0], [1.0, 1.0], [-1.0, 1.0]];
 
-/// Springs between a block and its right and upper neighbours on a uniform mesh, with or without a periodic side.
+/// Springs between every block and its right and upper neighbours on a uniform mesh, with or without periodic sides.
 ///
-/// The forces on a block are summed in an order that does not depend on its position, in rows of up to [`CHUNK`]
-/// columns.
+/// In rows of up to [`CHUNK`] columns, the order in which the forces on a block are summed does not depend on the
+/// position of the block.
 #[derive(Clone, Debug)]
 pub struct BondRows {
     columns: usize,
     law: Springs,
-    /// Stiffness by kind and block number j * nx + i; 0 if there is no spring. In the last row upward springs end at
-    /// the bulk.
+    /// Stiffness in units of k by kind of spring ([`KINDS`]) and block number j * nx + i; 0 if there is no spring. In
+    /// the last row upward springs end at the bulk.
     stiffness: [Vec<f64>; 4],
-    /// Displacement of the bulk, repeated over a row.
+    /// Displacement of the bulk, x and y in units of l, repeated for every column.
     bulk: [Vec<f64>; 2],
-    /// Scratch space for the forces of one kind of springs on the bulk.
+    /// Scratch space, by column, for the forces x and y of springs to the bulk.
     on_bulk: [Vec<f64>; 2],
 }
 
@@ -40,12 +42,13 @@ impl BondRows {
         Self { columns, law, stiffness, bulk: row(), on_bulk: row() }
     }
 
-    /// Adds the spring of kind `kind` of block `block`.
+    /// Adds a spring of the kind `KINDS[kind]` to the block number `block`; `stiffness` is in units of k.
     pub fn add(&mut self, kind: usize, block: usize, stiffness: f64) {
         self.stiffness[kind][block] += stiffness;
     }
 
-    /// Returns the sum of the vertical forces of the bulk's springs on the layer at the displacements `u`.
+    /// Returns the sum of the vertical forces on the layer of the springs to the bulk, in units of k l, at the
+    /// displacements `u` of the blocks and `bulk` of the bulk.
     pub fn pull(&mut self, u: &[Vec<f64>; 2], bulk: [f64; 2]) -> f64 {
         self.place_bulk(bulk);
         match self.law {
@@ -54,7 +57,8 @@ impl BondRows {
         }
     }
 
-    /// Adds all spring forces at the displacements `u` to `forces`.
+    /// Adds the forces of all springs on the blocks to `forces`, in units of k l, at the displacements `u` of the
+    /// blocks and `bulk` of the bulk.
     pub fn evaluate(&mut self, u: &[Vec<f64>; 2], bulk: [f64; 2], forces: &mut [Vec<f64>; 2]) {
         self.place_bulk(bulk);
         match self.law {
@@ -70,7 +74,8 @@ impl BondRows {
     }
 }
 
-/// Computes the forces of springs of one kind on their first ends at `a`; their second ends are at `b`.
+/// Overwrites `x_forces` and `y_forces` with the forces of springs of the kind `KINDS[kind]` on their first ends; `a`
+/// and `b` are the displacements of the first and of the second ends.
 #[inline(always)]
 fn forces_of<const EXACT: bool>(
     kind: usize,

@@ -6,7 +6,7 @@
 use super::bond_rows::{BondRows, KINDS};
 use crate::springblock::{Lattice, Springs};
 
-/// One spring; its ends are block numbers j * nx + i.
+/// A spring between the blocks `a` and `b`, which have the numbers j * nx + i; the bulk has the number nx * ny.
 #[derive(Clone, Copy, Debug)]
 struct Spring {
     a: usize,
@@ -16,16 +16,19 @@ struct Spring {
     stiffness: f64,
 }
 
+/// Springs and masses of a lattice, with the spring forces of the last evaluation.
 #[derive(Clone, Debug)]
 pub struct Bonds {
     law: Springs,
     rows: BondRows,
-    /// Springs that are not in `rows`.
+    /// Springs between blocks that do not fit the uniform mesh of `rows`.
     springs: Vec<Spring>,
+    /// Springs to the bulk that do not fit the uniform mesh of `rows`.
     to_bulk: Vec<Spring>,
-    /// Derivative of the vertical force on the bulk with respect to its height, for linear springs.
+    /// Vertical stiffness of all springs to the bulk, in units of k, for linear springs.
     slope: f64,
     mass: Vec<f64>,
+    /// Vertical displacement of the bulk, in units of l.
     height: f64,
     forces: [Vec<f64>; 2],
     /// All springs, for evaluation one by one.
@@ -33,9 +36,10 @@ pub struct Bonds {
     all: Vec<Spring>,
 }
 
-/// Vertical imbalance of the bulk over the load that counts as rounding.
+/// Newton step of the bulk's height that counts as rounding, relative to the height or, if that is larger, to the load
+/// over the stiffness of the springs to the bulk.
 const BALANCE_TOLERANCE: f64 = 1e-15;
-/// Maximum of Newton steps for the bulk's height. Two or three are needed, since the springs are nearly linear.
+/// Maximum number of Newton steps for the bulk's height. Two or three are needed, since the springs are nearly linear.
 const MAX_NEWTON_STEPS: usize = 20;
 
 impl Bonds {
@@ -78,17 +82,18 @@ impl Bonds {
         bonds
     }
 
-    /// Inverse mass of every block; 0 where there is no block.
+    /// Inverse mass of every block in units of 1/m, by block number j * nx + i; 0 where there is no block.
     pub fn inverse_mass(&self) -> Vec<f64> {
         self.mass.iter().map(|mass| if *mass > 0.0 { 1.0 / mass } else { 0.0 }).collect()
     }
 
-    /// Spring forces of the last evaluation, x and y.
+    /// Spring forces on every block at the last evaluation, x and y in units of k l, by block number j * nx + i.
     pub const fn forces(&self) -> &[Vec<f64>; 2] {
         &self.forces
     }
 
-    /// Evaluates the forces at the displacements `u`, with the bulk at `bulk_x` and at the height that balances `load`.
+    /// Evaluates the spring forces at the displacements `u` of the blocks, with the bulk at `bulk_x` and at the height
+    /// that balances `load`.
     pub fn evaluate(&mut self, u: &[Vec<f64>; 2], bulk_x: f64, load: f64) {
         self.balance_bulk(u, bulk_x, load);
         let [fx, fy] = &mut self.forces;
@@ -112,7 +117,7 @@ impl Bonds {
         }
     }
 
-    /// Finds the bulk's height H by Newton's method: the sum of the vertical forces of its springs is -load.
+    /// Finds the bulk's height by Newton's method: the vertical forces of its springs on the layer sum to -`load`.
     fn balance_bulk(&mut self, u: &[Vec<f64>; 2], bulk_x: f64, load: f64) {
         let slope = self.slope;
         for _ in 0..MAX_NEWTON_STEPS {

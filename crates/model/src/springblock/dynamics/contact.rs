@@ -5,10 +5,10 @@
 //! pressure and the direction of slip.
 //!
 //! The leapfrog has forces at whole steps and velocities at half steps. A block released at one instant therefore gets
-//! half a kick for the half step after it. A block whose velocity reverses at an instant is placed where it turns, v^2
-//! / (2 a) further on. The length of a slip then has an error of second order in the step. A whole kick at the start
-//! and a stop at the instant would make it longer by 1 / cos(theta / 2), theta the phase of a step, and shorter by up
-//! to (theta / 4)^2.
+//! half a kick for the half step after it. A block whose velocity v reverses at an instant, with the deceleration a, is
+//! placed where it turns, v^2 / (2 a) further on. The length of a slip then has an error of second order in the step. A
+//! whole kick at the start and a stop at the instant would make the slip longer by the factor 1 / cos(theta / 2), with
+//! the phase theta of a step, and shorter by up to (theta / 4)^2 of its length.
 
 use crate::material::{AreaLaw, Piece};
 
@@ -29,7 +29,8 @@ impl<'a> LocalLaw<'a> {
         Self { area_law, unit_pressure_pa }
     }
 
-    /// Returns the interval of normal forces around `normal` in which friction per unit coefficient is one polynomial.
+    /// Returns the interval of normal forces around `normal` in which friction per unit coefficient is one polynomial,
+    /// with this polynomial; forces are in units of `unit_pressure_pa` l^2.
     pub fn piece(&self, normal: f64) -> GripPiece {
         let unit_pa = self.unit_pressure_pa;
         let piece = self.area_law.map_or(Piece::PROPORTIONAL, |law| law.piece(normal * unit_pa));
@@ -42,7 +43,8 @@ impl<'a> LocalLaw<'a> {
         }
     }
 
-    /// Computes f(p) F_n, the friction per unit coefficient. `near` caches the interval of the law's table.
+    /// Computes f(p) F_n, the friction per unit coefficient, at the normal force `normal`. `near` caches the interval
+    /// in the table of the area law.
     fn grip(&self, normal: f64, near: &mut usize) -> f64 {
         match self.area_law {
             Some(law) => normal * law.factor_near(normal * self.unit_pressure_pa, near),
@@ -51,7 +53,8 @@ impl<'a> LocalLaw<'a> {
     }
 }
 
-/// Polynomial f(p) F_n = constant + linear F_n + quadratic F_n^2 for normal forces from `from` up to `to`.
+/// Friction per unit coefficient, f(p) F_n = constant + linear F_n + quadratic F_n^2, for normal forces F_n from `from`
+/// up to `to`. f is the area factor at the pressure p; forces are in units of `unit_pressure_pa` l^2.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GripPiece {
     pub from: f64,
@@ -62,7 +65,7 @@ pub struct GripPiece {
 }
 
 impl GripPiece {
-    /// Computes f(p) F_n at the normal force `normal`.
+    /// Computes the friction per unit coefficient, f(p) F_n, at the normal force `normal`.
     pub fn grip(&self, normal: f64) -> f64 {
         self.constant + normal * (self.linear + normal * self.quadratic)
     }
@@ -82,7 +85,7 @@ pub enum Motion {
 /// One contact block with `H` horizontal degrees of freedom: 1 in the plane, 2 in space. Forces are in units of k l.
 #[derive(Clone, Copy, Debug)]
 pub struct ContactBlock<const H: usize> {
-    /// Local coefficients.
+    /// Local friction coefficients of the block.
     pub coefficients: Coefficients,
     /// State of motion.
     pub motion: Motion,
@@ -92,30 +95,31 @@ pub struct ContactBlock<const H: usize> {
     pub column: usize,
     /// Vertical displacement at which the block touches the counterface: the height of its face, in lattice spacings.
     pub face: f64,
-    /// Normal force, positive in compression, at the last force evaluation.
+    /// Normal force at the last force evaluation, positive in compression, in units of k l.
     pub normal: f64,
-    /// Friction, as a resistance to motion along each axis, at the last force evaluation.
+    /// Friction along each axis at the last force evaluation, as a resistance to motion, in units of k l.
     pub friction: [f64; H],
-    /// mu_d f(p) F_n at the last force evaluation: the friction of the block if it slides.
+    /// Friction of the block if it slides, mu_d f(p) F_n, at the last force evaluation, in units of k l.
     pub sliding: f64,
 }
 
-/// Coefficients and forces of a leapfrog step of one contact block.
+/// Coefficients and forces of a leapfrog step of one contact block. Forces are in units of k l, displacements in units
+/// of l.
 #[derive(Clone, Copy, Debug)]
 pub struct StepFactors<const H: usize> {
     /// Fraction of the velocity that remains after damping.
     pub kept: f64,
-    /// Displacement per step caused by a unit force.
+    /// Displacement of the block in one step under a unit force.
     pub kick: f64,
-    /// Horizontal spring forces.
+    /// Horizontal spring force on the block, along each axis.
     pub force: [f64; H],
-    /// Vertical spring force, minus the normal force on the counterface.
+    /// Vertical spring force on the block, positive upward; the normal force on the counterface is its negative.
     pub lift: f64,
-    /// Direction of the drive.
+    /// Unit vector of the drive.
     pub drive: [f64; H],
 }
 
-/// The friction law along `H` axes.
+/// Friction on a contact block that moves along `H` horizontal axes.
 pub trait Slide<const H: usize> {
     /// Whether friction up to `threshold` holds a block at rest against `force`.
     fn is_held(force: [f64; H], threshold: f64) -> bool;
@@ -156,7 +160,8 @@ impl<const H: usize> ContactBlock<H> {
         }
     }
 
-    /// Sets the height of the face and the vertical displacement; the block is lifted if the displacement is larger.
+    /// Sets the height of the face, and lifts the block if its vertical displacement `height` is larger; both are in
+    /// lattice spacings.
     pub fn place(&mut self, face: f64, height: f64) {
         self.face = face;
         if height > face {
@@ -176,8 +181,9 @@ impl<const H: usize> ContactBlock<H> {
     /// Moves a block vertically under unilateral contact: lifts blocks under tension, moves lifted blocks, and stops
     /// blocks that reach the counterface.
     ///
-    /// `fall` is the vertical displacement of the last step, `force` the vertical spring force. Returns the height
-    /// after the step if the block was lifted at `height`.
+    /// `height` is the vertical displacement before the step, `fall` the change of the vertical displacement in the
+    /// last step, which is updated, and `force` the vertical spring force. Returns the vertical displacement after the
+    /// step if the block is lifted, otherwise `None`.
     pub fn move_detached(
         &mut self,
         height: f64,
@@ -291,6 +297,7 @@ impl Slide<1> for ContactBlock<1> {
     }
 }
 
+/// Sums over contact blocks, in units of k l.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ContactSums {
     /// Friction, positive against the drive.
@@ -309,7 +316,7 @@ impl ContactSums {
         self.friction.is_finite() && self.normal.is_finite()
     }
 
-    /// Adds the sums of another part of the row.
+    /// Adds the sums over other contact blocks.
     pub fn add(&mut self, other: Self) {
         self.friction += other.friction;
         self.across += other.across;
@@ -324,7 +331,7 @@ impl ContactSums {
     }
 }
 
-/// Force on one contact block, instantaneous or averaged.
+/// Force on one contact block, instantaneous or averaged, in units of k l.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ContactForce {
     /// Normal force, positive in compression.
@@ -338,7 +345,7 @@ pub struct ContactForce {
 pub struct ContactRow<'a> {
     /// Contact blocks, left to right.
     pub blocks: Vec<ContactBlock<1>>,
-    /// Cached intervals of the law's table, one per block.
+    /// Cached index of an interval in the table of the area law, for each block.
     near: Vec<usize>,
     law: LocalLaw<'a>,
 }
@@ -350,7 +357,8 @@ impl<'a> ContactRow<'a> {
         Self { near: vec![0; blocks.len()], blocks, law }
     }
 
-    /// Sets the face height and the vertical displacement of every block, given by column.
+    /// Sets the face height of every block and lifts the blocks above it. `face_and_height` returns the face height and
+    /// the vertical displacement in a column, in lattice spacings.
     pub fn place(&mut self, face_and_height: impl Fn(usize) -> [f64; 2]) {
         for block in &mut self.blocks {
             let [face, height] = face_and_height(block.column);
@@ -371,7 +379,7 @@ impl<'a> ContactRow<'a> {
         }
     }
 
-    /// Resets the record of slipped blocks, since the bulk begins to move.
+    /// Marks every block as not slipped, at the start of the bulk's motion.
     pub fn begin_drive(&mut self) {
         for block in &mut self.blocks {
             block.has_slipped = false;
@@ -383,7 +391,7 @@ impl<'a> ContactRow<'a> {
         self.blocks.iter().all(|block| block.has_slipped)
     }
 
-    /// Forces on the blocks at the last force evaluation.
+    /// Forces on the blocks at the last force evaluation, left to right.
     pub fn forces(&self) -> Vec<ContactForce> {
         let force = |block: &ContactBlock<1>| ContactForce { normal: block.normal, friction: block.friction[0] };
         self.blocks.iter().map(force).collect()
@@ -431,8 +439,8 @@ impl<'a> ContactRow<'a> {
         sums
     }
 
-    /// Friction on block `number` that slides in `direction` at the vertical spring force `force_y`, as a resistance to
-    /// positive motion.
+    /// Friction on block `number` if it slides in `direction` (1 or -1) at the vertical spring force `force_y`:
+    /// positive if it resists motion in the positive direction.
     pub fn sliding_friction(&mut self, number: usize, direction: f64, force_y: f64) -> f64 {
         let law = self.law;
         let block = &mut self.blocks[number];
@@ -444,10 +452,10 @@ impl<'a> ContactRow<'a> {
     }
 }
 
-/// Distance from the current instant to the point where the block stops, v^2 / (2 a).
+/// Distance v^2 / (2 a) that a block still moves from the current instant until it stops.
 ///
-/// The velocity times the step falls from `before` to `after`, which is not positive, around the instant: v = (before +
-/// after) / 2 and a = before - after.
+/// The velocity times the step falls from `before` to `after` around the instant: v = (before + after) / 2 and a =
+/// before - after. The distance is 0 unless `before` is positive and `after` is not.
 pub fn stopping_distance(before: f64, after: f64) -> f64 {
     if before > 0.0 && after <= 0.0 { (before + after).powi(2) / (8.0 * (before - after)) } else { 0.0 }
 }

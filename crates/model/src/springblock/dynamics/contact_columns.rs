@@ -2,30 +2,32 @@
 
 use super::contact::GripPiece;
 
-/// Data of every column as a structure of arrays.
+/// Friction law and kick of the contact block in every column, as a structure of arrays. Forces are in units of k l.
 #[derive(Clone, Debug)]
 pub struct ContactColumns {
-    /// Constant term of the friction per unit coefficient, constant + linear F_n + quadratic F_n^2.
+    /// Constant term of the friction per unit coefficient, constant + linear F_n + quadratic F_n^2, with the normal
+    /// force F_n.
     pub constant: Vec<f64>,
-    /// Linear coefficient.
+    /// Coefficient of F_n in the friction per unit coefficient.
     pub linear: Vec<f64>,
-    /// Quadratic coefficient.
+    /// Coefficient of F_n^2 in the friction per unit coefficient.
     pub quadratic: Vec<f64>,
     /// Lower end of the interval of normal forces in which the polynomial holds, above zero. Infinity excludes a block
     /// from the vectorized pass.
     pub from: Vec<f64>,
-    /// Upper end of the interval.
+    /// Upper end of the interval of normal forces in which the polynomial holds.
     pub to: Vec<f64>,
     /// Threshold friction coefficient of a block at rest.
     pub starting_mu: Vec<f64>,
     /// Friction coefficient of a sliding block.
     pub dynamic_mu: Vec<f64>,
-    /// Displacement per step caused by a unit force.
+    /// Displacement of the block in one step under a unit force.
     pub kick: Vec<f64>,
 }
 
 impl ContactColumns {
-    /// Creates columns without contact blocks, which the pass treats as at rest without forces.
+    /// Creates columns without contact blocks, which the vectorized pass treats as blocks at rest without forces.
+    /// `kick` is the displacement in one step under a unit force, by column.
     pub fn without_blocks(kick: Vec<f64>) -> Self {
         let count = kick.len();
         let zero = || vec![0.0; count];
@@ -41,14 +43,15 @@ impl ContactColumns {
         }
     }
 
-    /// Puts a block at column `i`, excluded from the pass until its interval of the law is known.
+    /// Puts a block with these friction coefficients at column `i`. The vectorized pass excludes it until its interval
+    /// of the friction law is set.
     pub fn set_block(&mut self, i: usize, starting_mu: f64, dynamic_mu: f64) {
         self.from[i] = f64::INFINITY;
         self.starting_mu[i] = starting_mu;
         self.dynamic_mu[i] = dynamic_mu;
     }
 
-    /// Returns the polynomial of column `i`.
+    /// Returns the polynomial of the friction law in column `i`, with its interval.
     pub fn piece(&self, i: usize) -> GripPiece {
         GripPiece {
             from: self.from[i],
@@ -59,7 +62,7 @@ impl ContactColumns {
         }
     }
 
-    /// Sets the polynomial of column `i`, which includes it in the pass.
+    /// Sets the polynomial of the friction law in column `i`, which includes the column in the vectorized pass.
     pub fn set_piece(&mut self, i: usize, piece: GripPiece) {
         self.from[i] = piece.from.max(f64::MIN_POSITIVE);
         self.to[i] = piece.to;

@@ -12,30 +12,31 @@ use super::stencil::fixed_sum;
 use super::sweep::Kick;
 use slipgrid_base::fft::vectorized;
 
-/// Contact blocks with `H` horizontal degrees of freedom and their velocities: of a strip in the plane, or of a cell in
-/// space, whose arrays are stored row by row, each row padded to whole cache lines.
+/// The contact blocks of a strip in the plane, with `H` = 1 horizontal degree of freedom, or of a cell in space, with
+/// `H` = 2, and their velocities. Arrays of a cell are stored row by row, each row padded to whole cache lines.
 #[derive(Clone, Debug)]
 pub struct ContactVectors<'a, const H: usize> {
     blocks: Vec<ContactBlock<H>>,
     law: LocalLaw<'a>,
     drive: [f64; H],
-    /// Index into `blocks` by column; meaningful for contact columns only.
+    /// Index into `blocks` by column; `usize::MAX` for a column without a contact block.
     number: Vec<usize>,
     columns: ContactColumns,
-    /// Horizontal velocities times the step, by column.
+    /// Horizontal velocities times the time step along each axis, by column, in units of l.
     velocity: [Vec<f64>; H],
     normal: Vec<f64>,
     friction: [Vec<f64>; H],
-    /// mu_d f(p) F_n.
+    /// Friction mu_d f(p) F_n of each block if it slides, by column, in units of k l.
     sliding: Vec<f64>,
-    /// 1 for a block that the pass leaves to the scalar law, otherwise 0.
+    /// By column, 1 for a block that the vectorized pass leaves to the scalar friction law, otherwise 0.
     unhandled: Vec<f64>,
     /// Number of blocks that have not slipped since the drive began.
     not_slipped: usize,
 }
 
 impl<'a, const H: usize> ContactVectors<'a, H> {
-    /// Creates contacts from `blocks` at rest; their columns index `inverse_mass`, which fills whole cache lines.
+    /// Creates the contacts from `blocks` at rest, driven along the unit vector `drive`. `inverse_mass` has one value
+    /// for each column, padded to whole cache lines.
     pub fn new(
         blocks: Vec<ContactBlock<H>>,
         law: LocalLaw<'a>,
@@ -69,8 +70,8 @@ impl<'a, const H: usize> ContactVectors<'a, H> {
         }
     }
 
-    /// Sets the face height and the vertical displacement of every block, given by column; call it before the first
-    /// step.
+    /// Sets the face height of every block and lifts the blocks above it. `face_and_height` returns the face height and
+    /// the vertical displacement in a column, in units of l. Call it before the first step.
     pub fn place(&mut self, face_and_height: impl Fn(usize) -> [f64; 2]) {
         for block in &mut self.blocks {
             let [face, height] = face_and_height(block.column);
@@ -78,7 +79,7 @@ impl<'a, const H: usize> ContactVectors<'a, H> {
         }
     }
 
-    /// Resets the record of slipped blocks, since the bulk begins to move.
+    /// Marks every block as not slipped, at the start of the bulk's motion.
     pub fn begin_drive(&mut self) {
         for block in &mut self.blocks {
             block.has_slipped = false;
@@ -93,7 +94,8 @@ impl<'a, const H: usize> ContactVectors<'a, H> {
         self.not_slipped == 0
     }
 
-    /// Normal force (negative under tension) and friction along each axis of every block at the last force evaluation.
+    /// Normal force, negative under tension, and friction along each axis of every block at the last force evaluation,
+    /// in units of k l.
     pub fn vectors(&self) -> impl Iterator<Item = (f64, [f64; H])> + '_ {
         self.blocks.iter().map(|block| {
             let i = block.column;
@@ -105,17 +107,17 @@ impl<'a, const H: usize> ContactVectors<'a, H> {
         })
     }
 
-    /// Normal force and friction against the drive of every block.
+    /// Normal force and friction against the drive of every block at the last force evaluation, in units of k l.
     pub fn forces(&self) -> impl Iterator<Item = ContactForce> + '_ {
         self.vectors().map(|(normal, friction)| ContactForce { normal, friction: along(self.drive, friction) })
     }
 
-    /// Horizontal displacements of the last step along each axis, by column.
+    /// Horizontal displacements in the last step along each axis, by column, in units of l.
     pub fn velocity(&self) -> [&[f64]; H] {
         self.velocity.each_ref().map(Vec::as_slice)
     }
 
-    /// Blocks excluded from the pass, which include all that are lifted or under tension.
+    /// Blocks that the vectorized pass excludes; they include all blocks that are lifted or under tension.
     pub fn scalar_blocks(&mut self) -> impl Iterator<Item = &mut ContactBlock<H>> {
         let from = &self.columns.from;
         self.blocks.iter_mut().filter(|block| from[block.column] == f64::INFINITY)
@@ -133,8 +135,9 @@ where
     ContactBlock<H>: Slide<H>,
     for<'p> Pass<'p, H>: WithSimd<Output = bool>,
 {
-    /// Applies one leapfrog kick for the spring forces `force` and `lift`, given by column; returns the sums over all
-    /// blocks.
+    /// Updates friction and velocities for one leapfrog step under the horizontal spring forces `force` and the
+    /// vertical ones `lift`, given by column; `kept` is the fraction of the velocity that remains after damping.
+    /// Returns the sums over all blocks.
     #[inline(never)]
     pub fn kick(&mut self, force: [&[f64]; H], lift: &[f64], kept: f64) -> ContactSums {
         let unhandled = vectorized(Pass {
@@ -168,7 +171,8 @@ where
         }
     }
 
-    /// Applies the scalar law to a block that the pass left. Kept out of line because it is rare.
+    /// Applies the scalar friction law to the block in column `i`, which the vectorized pass left. Not inlined, because
+    /// such blocks are rare.
     #[inline(never)]
     fn kick_block(&mut self, i: usize, force: [f64; H], lift: f64, kept: f64) {
         let Self { blocks, law, columns, .. } = self;
@@ -205,7 +209,8 @@ where
     }
 }
 
-/// The pass over blocks that continue as before. Its output tells whether blocks were left to the scalar law.
+/// The vectorized pass over the blocks whose motion continues as before. Returns whether it left any block to the
+/// scalar friction law.
 pub struct Pass<'a, const H: usize> {
     pub columns: &'a ContactColumns,
     pub velocity: &'a mut [Vec<f64>; H],

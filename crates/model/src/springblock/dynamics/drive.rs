@@ -10,33 +10,36 @@ use crate::springblock::{
     Dimension, DynamicCost, InterfacePoint, Layer, Load, Monitor, RunOptions, Scene, Status, SurfaceOutcome,
 };
 
-/// Number of recording intervals of the planned run.
+/// Number of recording intervals in the planned travel.
 const BINS: u64 = 2000;
 /// Number of steps between two checks of the monitor.
 const STEPS_PER_MONITOR_CHECK: u64 = 64;
-/// Fraction of the planned travel after which the interface is sampled.
+/// Fraction of the planned travel from which on the contact forces are averaged for the interface.
 const INTERFACE_FROM: f64 = 0.6;
-/// Maximum length of a run over the planned travel, for runs whose mu is not yet stationary.
+/// Maximum travel of a run as a multiple of the planned travel, for runs that continue until mu is stationary.
 const MAX_EXTENSION: u64 = 4;
-/// Like [`MAX_EXTENSION`], for runs that continue until their standard error is small enough.
+/// Maximum travel of a run as a multiple of the planned travel, for runs that continue until a requested standard error
+/// of mu is reached.
 pub const MAX_EXTENSION_FOR_STDERR: u64 = 20;
 /// Maximum loss of friction to waves, relative to sliding friction, that counts as an error of the mean. A run with a
-/// greater loss is [`Status::SlidingWaves`].
+/// greater loss has the status [`Status::SlidingWaves`].
 pub const WAVE_DEFICIT: f64 = 0.01;
-/// Time after the rest for which a run without motion is observed, in seconds.
+/// Time after the rest under load for which a run at zero speed is observed, in seconds.
 const REST_OBSERVATION_S: f64 = 20e-6;
 /// Maximum number of time steps of one run; longer runs are refused. A whole sample of 20,000 blocks takes about an
-/// hour for that number; the paper's run has a quarter of a million steps.
+/// hour for this number of steps; the paper's run has a quarter of a million.
 pub const MAX_STEPS: u64 = 100_000_000;
 /// Minimum averaging time in periods of the layer's first shear mode. That mode alone makes mu oscillate by a tenth,
 /// and a mean over n periods deviates by up to 1/(pi n) of the amplitude.
 const MIN_PERIODS: f64 = 10.0;
 
-/// Minimum planned length of a warm run, in periods of the layer's first shear mode and in slips of a block.
+/// Minimum planned travel of a warm run, which starts from the sheared layer, in periods of the layer's first shear
+/// mode.
 ///
 /// With the usual layer the mean is then known to 0.1 %, and the ratio of two surfaces with the same coefficients is
 /// off by 0.03 % (`the_confirming_run_is_as_long_as_its_error_asks_for`).
 const WARM_PERIODS: f64 = 12.5;
+/// Minimum planned travel of a warm run, in slips of a block; see `WARM_PERIODS`.
 const WARM_SLIPS: f64 = 12.5;
 
 /// Shear modulus of the plane lattice, G = 3 E / 8, in pascals.
@@ -50,25 +53,27 @@ pub fn shear_period_s(elastic: &Elastic, height_m: f64) -> f64 {
     4.0 * height_m / (shear_modulus_pa(elastic) / elastic.density_kg_m3()).sqrt()
 }
 
-/// Maximum speed of even sliding in units of P / sqrt(E rho); found as described at [`run_speed_m_s`].
+/// Maximum speed of sliding without waves along the contact, in units of P / sqrt(E rho), with the pressure P, Young's
+/// modulus E and the density rho; found as described at [`run_speed_m_s`].
 const EVEN_SLIDING_SPEED: f64 = 0.01;
-/// Maximum ratio between a sliding speed and the speed of the run that represents it.
+/// Maximum ratio of a sliding speed to the lower speed of the dynamic run that represents it.
 const MAX_SPEED_RATIO: f64 = 10.0;
 
 /// Speed of a dynamic run that represents sliding at `speed_m_s` under the pressure `pressure_pa`, in m/s.
 ///
-/// This is the given speed or, if it is up to ten times as fast, the maximum speed of even sliding,
+/// This is `speed_m_s`, but at most the maximum speed of even sliding, without waves along the contact,
 ///
 /// ```text
 /// v = 0.01 P / sqrt(E rho)
 /// ```
 ///
-/// Sliding at more than ten times that speed is run at its own speed.
+/// with the pressure P, Young's modulus E and the density rho. Sliding at more than ten times v is run at its own
+/// speed.
 ///
-/// At higher speeds waves run along the contact. Their amplitude depends on the damping, and they reduce the friction
-/// of a flat surface more than that of a patterned surface, whose lands are shorter. For PEEK under 1 MPa the flat
-/// sample loses 0.5, 1.5 and 2.0 % at 1, 2 and 2.7 times this speed compared with a sixth of it, and the ratio of a
-/// groove rises by 0.003, 0.012 and 0.017. From three times this speed on, waves dominate ([`Status::SlidingWaves`]).
+/// Above v, waves run along the contact. Their amplitude depends on the damping, and they reduce the friction of a flat
+/// surface more than that of a patterned surface, whose lands are shorter. For PEEK under 1 MPa the flat sample loses
+/// 0.5, 1.5 and 2.0 % at 1, 2 and 2.7 times v compared with v/6, and the ratio of a groove rises by 0.003, 0.012 and
+/// 0.017. From 3 v on, waves dominate ([`Status::SlidingWaves`]).
 pub fn run_speed_m_s(elastic: &Elastic, pressure_pa: f64, speed_m_s: f64) -> f64 {
     if is_too_fast(elastic, pressure_pa, speed_m_s) {
         speed_m_s
@@ -77,18 +82,20 @@ pub fn run_speed_m_s(elastic: &Elastic, pressure_pa: f64, speed_m_s: f64) -> f64
     }
 }
 
-/// Whether sliding at `speed_m_s` under `pressure_pa` is too fast for a dynamic run: waves dominate, whatever the run's
-/// mean.
+/// Whether sliding at `speed_m_s` under `pressure_pa` is too fast for a dynamic run: more than ten times as fast as
+/// even sliding, so that waves dominate.
 pub fn is_too_fast(elastic: &Elastic, pressure_pa: f64, speed_m_s: f64) -> bool {
     speed_m_s > max_run_speed_m_s(elastic, pressure_pa)
 }
 
-/// Maximum sliding speed that a dynamic run under `pressure_pa` represents, in m/s: ten times that of even sliding.
+/// Maximum sliding speed that a dynamic run under `pressure_pa` represents, in m/s: ten times that of
+/// [`even_speed_m_s`].
 pub fn max_run_speed_m_s(elastic: &Elastic, pressure_pa: f64) -> f64 {
     MAX_SPEED_RATIO * even_speed_m_s(elastic, pressure_pa)
 }
 
-/// Maximum speed of even sliding under `pressure_pa`, v = 0.01 P / sqrt(E rho), in m/s.
+/// Maximum speed of even sliding, without waves along the contact, under the pressure P = `pressure_pa`: v = 0.01 P /
+/// sqrt(E rho), in m/s.
 pub fn even_speed_m_s(elastic: &Elastic, pressure_pa: f64) -> f64 {
     EVEN_SLIDING_SPEED * pressure_pa / (elastic.youngs_modulus_pa() * elastic.density_kg_m3()).sqrt()
 }
@@ -99,8 +106,8 @@ pub fn even_speed_m_s(elastic: &Elastic, pressure_pa: f64) -> f64 {
 /// u = max(12.5 T v, 12.5 d),     d = 2 (mu_s - mu_d) f(P) P l / E
 /// ```
 ///
-/// T is the period of the layer's first shear mode ([`shear_period_s`]) and d the slip of a block of size l, the
-/// largest over `loads`.
+/// T is the period of the layer's first shear mode ([`shear_period_s`]), v the sliding speed, and d the slip of a block
+/// of size l, the largest over `loads`; f is the area factor at the pressure P.
 pub fn warm_travel_m(
     (elastic, area_law): (&Elastic, Option<&AreaLaw>),
     layer: &Layer,
@@ -137,12 +144,14 @@ impl Plan {
         Self { preparation: steps_in(preparation_s), travel: steps_in(travel_s).max(1) }
     }
 
-    /// Steps between two judgements of a run that is longer than planned: a tenth of the planned travel.
+    /// Number of steps between two checks for convergence of a run that is longer than planned: a tenth of the planned
+    /// travel.
     fn tenth(&self) -> u64 {
         (self.travel / 10).max(1)
     }
 
-    /// Steps from step `steps` until the monitor is checked, the bulk begins to move, or the run is judged.
+    /// Number of steps from step `steps` until the monitor is checked, the bulk begins to move, or the run is checked
+    /// for convergence.
     fn steps_to_next_event(&self, steps: u64) -> u64 {
         let to_turn = match steps.checked_sub(self.preparation) {
             None => self.preparation - steps,
@@ -171,13 +180,14 @@ pub struct Drive<'a> {
     pub evaluations_per_step: u64,
     /// Share of this run in all work, for the progress report.
     pub share: f64,
-    /// Relative standard error of dynamic mu at which the run may end after the planned travel.
+    /// Relative standard error of dynamic mu at which the run may end after the planned travel; `None` if none is
+    /// requested.
     pub stderr_share: Option<f64>,
     /// Number of blocks in the lattice.
     pub blocks: u64,
     /// Period of the layer's first shear mode in units of sqrt(m/k).
     pub shear_period: f64,
-    /// Time of the monitor's clock when the run was set up.
+    /// Time of the monitor's clock when the run was set up, in seconds.
     pub started_s: f64,
 }
 
@@ -189,18 +199,19 @@ pub struct RunResult {
     /// Mean of mu over the stationary window, if there is one.
     pub mean: Option<WindowMean>,
     pub cost: DynamicCost,
-    /// Forces on the contact blocks at the last instant.
+    /// Forces on the contact blocks at the end of the run, in units of k l.
     pub last: Vec<ContactForce>,
 }
 
-/// Reason not to run `scene` under `load` in steps of `step_s` seconds, if there is one.
+/// Status with which a run of `scene` under `load` in steps of `step_s` seconds is refused; `None` if it can run.
 pub fn refusal(scene: &Scene, load: &Load, step_s: f64) -> Option<Status> {
     let is_too_long = Plan::new(scene, step_s).total() > MAX_STEPS;
     let no_load = (load.pressure_pa == 0.0).then_some(Status::NoLoad);
     no_load.or(is_too_long.then_some(Status::TooManySteps))
 }
 
-/// Outcome of a run with contact blocks at `centres_m` that was refused with `status` before its first step.
+/// Outcome of a run that was refused with `status` before its first step; `centres_m` are the positions of the contact
+/// blocks along x and y, in metres.
 pub fn refused_outcome(status: Status, step_s: f64, centres_m: impl Iterator<Item = [f64; 2]>) -> SurfaceOutcome {
     let cost = DynamicCost { steps: 0, dt_s: step_s, site_updates: 0, wall_s: 0.0 };
     let at = |[x_m, y_m]: [f64; 2]| InterfacePoint { x_m, y_m, pressure_pa: 0.0, friction_pa: 0.0 };
@@ -209,7 +220,7 @@ pub fn refused_outcome(status: Status, step_s: f64, centres_m: impl Iterator<Ite
 }
 
 impl Drive<'_> {
-    /// Runs `engine` from the start to the end.
+    /// Runs `engine` through load, rest and travel, until mu has converged, a limit is reached, or `monitor` cancels.
     pub fn run(&self, engine: &mut impl Engine, monitor: &dyn Monitor) -> RunResult {
         let plan = Plan::new(self.scene, self.step_s);
         let Plan { preparation, travel: planned } = plan;
@@ -285,15 +296,15 @@ impl Drive<'_> {
         RunResult { status, recorder, mean, cost, last }
     }
 
-    /// Whether the speed is too high for even sliding. Damping above the default may suppress waves, so the limit does
-    /// not apply to it.
+    /// Whether the speed is too high for a dynamic run at this pressure. Damping above the default may suppress waves,
+    /// so that no speed is too high then.
     fn is_too_fast(&self) -> bool {
         let run = &self.scene.run;
         run.damping <= RunOptions::default().damping
             && is_too_fast(&self.scene.elastic, self.pressure_pa, self.scene.speed_m_s)
     }
 
-    /// Judges a run by its mean: converged, or the reason to continue.
+    /// Returns the status of a run with the mean `mean`: converged, or the reason to continue.
     fn judge(&self, mean: Option<&WindowMean>) -> Status {
         match mean {
             None => Status::NoOnset,
@@ -312,7 +323,7 @@ impl Drive<'_> {
 }
 
 impl RunResult {
-    /// Converts the run to an outcome; `centres_m` are the positions of the contact blocks along x and y.
+    /// Converts the run to an outcome; `centres_m` are the positions of the contact blocks along x and y, in metres.
     pub fn outcome(
         &self,
         scene: &Scene,

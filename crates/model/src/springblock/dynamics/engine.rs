@@ -1,4 +1,4 @@
-//! Interface between integrators and the drive.
+//! Interface of the integrators, through which a run drives them.
 
 use super::contact::{ContactForce, ContactRow, ContactSums};
 use super::protocol::Protocol;
@@ -9,9 +9,9 @@ pub struct Setup<'a> {
     pub contact: ContactRow<'a>,
     /// Load and motion of the bulk.
     pub protocol: Protocol,
-    /// Time step.
+    /// Time step in units of sqrt(m/k).
     pub time_step: f64,
-    /// Damping frequency gamma.
+    /// Damping frequency gamma in units of sqrt(k/m): the damping force on a block is -gamma m v.
     pub damping: f64,
     /// Whether contact is unilateral, so that blocks may lift.
     pub liftoff: bool,
@@ -22,10 +22,10 @@ pub trait Engine {
     /// Starts the drive: blocks that slipped under the rising load no longer count as slipped.
     fn begin_drive(&mut self);
 
-    /// Takes one step; returns the sums over the contact row at its beginning.
+    /// Takes one step; returns the sums over the contact row at the beginning of the step.
     fn step(&mut self) -> ContactSums;
 
-    /// Takes one step, or two if that is faster; returns the sums of each.
+    /// Takes one step, or two if that is faster; returns the sums over the contact row for each step.
     ///
     /// The state between the two steps is not accessible. No second step follows if the first sums are not finite.
     fn one_or_two_steps(&mut self) -> (ContactSums, Option<ContactSums>) {
@@ -35,7 +35,7 @@ pub trait Engine {
     /// Whether every contact block has slipped since the drive began.
     fn all_have_slipped(&self) -> bool;
 
-    /// Forces on the contact blocks at the last force evaluation, left to right.
+    /// Forces on the contact blocks at the last force evaluation, left to right; in space x varies fastest.
     fn contact_forces(&mut self) -> Vec<ContactForce>;
 
     /// Stops worker threads; no step may follow.
@@ -44,7 +44,8 @@ pub trait Engine {
 
 /// An integrator of a plane lattice.
 pub trait PlaneEngine: Engine {
-    /// Sets the initial displacements in units of l, by (i, j), with every block at rest.
+    /// Sets the initial displacements, x and y in units of l, which `displacement` returns for column i and row j, with
+    /// every block at rest.
     fn start_sheared(&mut self, displacement: &dyn Fn(usize, usize) -> [f64; 2]);
 
     /// Vertical displacement of block (i, j) in units of l.

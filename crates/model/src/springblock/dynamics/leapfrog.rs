@@ -4,8 +4,9 @@
 //! v+ = [(1 - g dt/2) v- + dt F/m] / (1 + g dt/2),   u+ = u + dt v+
 //! ```
 //!
+//! The velocities v- and v+ are those before and after the force F, g is the damping frequency, and dt the time step.
 //! Velocities are stored times dt. The scheme is symplectic without damping and friction and of order 2; it is stable
-//! for dt < 2/omega_max. Units: k = 1, l = 1, m = 1.
+//! for dt < 2/omega_max, with the largest eigenfrequency omega_max. Units: k = 1, l = 1, m = 1.
 
 use super::bonds::Bonds;
 use super::contact::{ContactForce, ContactRow, ContactSums};
@@ -32,13 +33,13 @@ fn move_vertically(
     }
 }
 
-/// Leapfrog that evaluates springs one by one: for exact springs, and as the reference for the stencil in tests.
+/// Leapfrog with the spring forces of [`Bonds`]: for exact springs, and as the reference for the stencil in tests.
 #[derive(Clone, Debug)]
 pub struct BondLeapfrog<'a> {
     bonds: Bonds,
     nx: usize,
     displacement: [Vec<f64>; 2],
-    /// Velocities times the step.
+    /// Velocities times the time step, x and y in units of l.
     velocity: [Vec<f64>; 2],
     contact: ContactRow<'a>,
     protocol: Protocol,
@@ -51,7 +52,7 @@ pub struct BondLeapfrog<'a> {
 }
 
 impl<'a> BondLeapfrog<'a> {
-    /// Creates the integrator with a lattice at rest.
+    /// Creates the integrator with `lattice` at rest.
     pub fn new(lattice: &Lattice, springs: Springs, setup: Setup<'a>) -> Self {
         let Setup { contact, protocol, time_step, damping, liftoff } = setup;
         let bonds = Bonds::new(lattice, springs);

@@ -3,7 +3,7 @@
 //! | module | content |
 //! |---|---|
 //! | `scales` | units: l, k, m |
-//! | `protocol` | ramp, rest, drive |
+//! | `protocol` | pressure ramp, rest under load, motion of the bulk |
 //! | `contact` | friction law of a contact block, contact row of the plane |
 //! | `bonds`, `bond_rows` | forces of linear or exact springs, row by row |
 //! | `real` | single and double precision |
@@ -16,10 +16,11 @@
 //! | `strip_workers` | several threads on one lattice |
 //! | `strip_leapfrog`, `leapfrog`, `runge_kutta` | integrators |
 //! | `stability` | largest eigenfrequency |
-//! | `recorder` | history and averages |
+//! | `recorder` | history of mu, its mean and standard error |
 //! | `stationary` | start of the stationary part of a record |
+//! | `engine` | interface of the integrators |
 //! | `drive` | one run of an integrator |
-//! | `run_cache` | cached runs |
+//! | `run_cache` | cache of dynamic runs |
 //! | `run` | one run in the plane |
 //! | `space` | cells in space |
 

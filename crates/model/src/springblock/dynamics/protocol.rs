@@ -11,13 +11,13 @@ pub const REST_S: f64 = 10e-6;
 /// Load and bulk position as functions of time, in the units of [`super::scales::Scales`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Protocol {
-    /// Duration of the ramp.
+    /// Duration of the pressure ramp, in units of sqrt(m/k).
     pub ramp: f64,
-    /// Time at which the bulk starts to move.
+    /// Time at which the bulk starts to move, in units of sqrt(m/k).
     pub start: f64,
-    /// Full load: pressure times length, in units of k.
+    /// Full load on the bulk, in units of k l.
     pub load: f64,
-    /// Speed of the bulk.
+    /// Speed of the bulk, in units of l sqrt(k/m).
     pub speed: f64,
 }
 
@@ -30,12 +30,12 @@ impl Protocol {
         Self { ramp, start, load, speed: scene.speed_m_s * scales.time_s / scales.length_m }
     }
 
-    /// Load on the bulk at `time`.
+    /// Load on the bulk at `time`, in units of k l.
     pub fn load(&self, time: f64) -> f64 {
         if time >= self.ramp { self.load } else { self.load * (time / self.ramp).max(0.0) }
     }
 
-    /// Horizontal displacement of the bulk at `time`.
+    /// Horizontal displacement of the bulk at `time`, in units of l.
     pub fn bulk_x(&self, time: f64) -> f64 {
         self.speed * (time - self.start).max(0.0)
     }

@@ -24,13 +24,13 @@ pub trait Real: Pod + Default + PartialEq + Debug + Send + Sync {
 
     /// Vector with `value`, rounded, in every lane.
     fn splat<S: Simd>(simd: S, value: f64) -> Self::Vector<S>;
-    /// a + b
+    /// Lane-wise a + b.
     fn add<S: Simd>(simd: S, a: Self::Vector<S>, b: Self::Vector<S>) -> Self::Vector<S>;
-    /// a - b
+    /// Lane-wise a - b.
     fn sub<S: Simd>(simd: S, a: Self::Vector<S>, b: Self::Vector<S>) -> Self::Vector<S>;
-    /// a b
+    /// Lane-wise a b.
     fn mul<S: Simd>(simd: S, a: Self::Vector<S>, b: Self::Vector<S>) -> Self::Vector<S>;
-    /// a b + c; a must be a power of two, so that fused and separate operations give the same result.
+    /// Lane-wise a b + c; a must be a power of two, so that fused and separate operations give the same result.
     fn scale_add<S: Simd>(simd: S, a: Self::Vector<S>, b: Self::Vector<S>, c: Self::Vector<S>) -> Self::Vector<S>;
 
     /// Views the beginning of `values` as vectors; a remainder is left out.
@@ -107,17 +107,17 @@ pub const LINE_BYTES: usize = 64;
 real!(f64, f64s, splat_f64s, add_f64s, sub_f64s, mul_f64s, mul_add_e_f64s, as_simd_f64s, as_mut_simd_f64s);
 real!(f32, f32s, splat_f32s, add_f32s, sub_f32s, mul_f32s, mul_add_e_f32s, as_simd_f32s, as_mut_simd_f32s);
 
-/// Rounds `columns` up to a whole number of cache lines, in values.
+/// Rounds the number of values `columns` up to a multiple of the number in a cache line.
 pub const fn whole_lines<R: Real>(columns: usize) -> usize {
     columns.next_multiple_of(R::LINE)
 }
 
-/// Maximum force above the contact row over that on the contact row for a state in equilibrium: such forces are not
-/// much above the rounding error of deviations.
+/// Maximum ratio of the largest force above the contact row to that on the contact row, for a state that counts as in
+/// equilibrium: smaller forces are not much above the rounding error of deviations.
 const EQUILIBRIUM: f64 = 1e-6;
 
-/// Whether displacements may be stored as deviations from a state with the largest forces `inside`, above the contact
-/// row, and `at_contact`. Deviations neglect the former.
+/// Whether displacements may be stored as deviations from a state whose largest spring forces are `inside` above the
+/// contact row and `at_contact` on it. Deviations neglect the forces above the contact row.
 pub fn is_in_equilibrium(inside: f64, at_contact: f64) -> bool {
     inside <= EQUILIBRIUM * at_contact
 }
@@ -128,7 +128,7 @@ pub struct AddForces<'a, R> {
     pub force: &'a [R],
     /// Forces in the base state.
     pub base_force: &'a [f64],
-    /// Their sum.
+    /// Sum of `force` and `base_force`.
     pub total: &'a mut [f64],
 }
 
@@ -143,10 +143,10 @@ impl<R: Real> WithSimd for AddForces<'_, R> {
     }
 }
 
-/// Moves contact blocks by `velocity` and writes their positions to a row of the moving frame, which is displaced by
-/// `carried`.
+/// Moves contact blocks by `velocity` and writes their displacements relative to the moving frame to `row`.
+/// Displacements are in units of l.
 pub struct PlaceContacts<'a, R> {
-    /// Displacements in the frame at rest.
+    /// Displacements in the frame at rest, updated by the step.
     pub place: &'a mut [f64],
     /// Displacements during this step.
     pub velocity: &'a [f64],

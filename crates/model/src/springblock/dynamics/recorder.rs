@@ -6,13 +6,13 @@ use super::engine::Engine;
 use super::stationary::stationary_from;
 use crate::springblock::TracePoint;
 
-/// Number of batches in the window. Fewer batches make the error estimate noisy; more make batches short compared with
-/// the correlation time of the friction force (two microseconds, the period of the layer's shear mode).
+/// Number of batches in the averaging window. Fewer batches make the error estimate noisy; more make batches short
+/// compared with the correlation time of the friction force (two microseconds, the period of the layer's shear mode).
 const BATCHES: usize = 20;
-/// Number of steps between two samples of the interface.
+/// Number of steps between two samples of the contact forces for the mean interface.
 const INTERFACE_EVERY: u64 = 64;
 
-/// Sums over one recording interval.
+/// Contact sums added over the steps of one recording interval, in units of k l.
 #[derive(Clone, Copy, Debug, Default)]
 struct Bin {
     friction: f64,
@@ -27,19 +27,19 @@ impl Bin {
     }
 }
 
-/// Mean of mu over a window.
+/// Mean friction coefficient over the averaging window of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WindowMean {
-    /// Mean of mu.
+    /// Mean friction coefficient.
     pub mu: f64,
     /// Standard error of `mu`.
     pub stderr: f64,
-    /// Mean friction perpendicular to the drive over the normal force.
+    /// Mean friction perpendicular to the drive, divided by the mean normal force.
     pub mu_across: f64,
     /// Friction relative to that of the same normal forces with every block sliding, minus one; `None` if sliding has
     /// no friction.
     pub excess: Option<f64>,
-    /// Start of the first batch after the start of the drive, in units of sqrt(m/k).
+    /// Time from the start of the drive to the first batch, in units of sqrt(m/k).
     pub from: f64,
     /// Whether at most half of the record since the start of the drive was left out.
     pub is_stationary: bool,
@@ -64,8 +64,9 @@ pub struct Recorder {
 }
 
 impl Recorder {
-    /// Creates a record with `steps_per_bin` steps per interval. Averages cover at least
-    /// `min_time`, in units of sqrt(m/k). The interface is sampled from interval `interface_from_bin` on.
+    /// Creates an empty record with `steps_per_bin` steps of the length `time_step` per interval. Averages cover at
+    /// least the time `min_time`; both times are in units of sqrt(m/k). The interface is sampled from interval
+    /// `interface_from_bin` on.
     pub fn new(steps_per_bin: u64, time_step: f64, min_time: f64, interface_from_bin: usize) -> Self {
         Self {
             steps_per_bin,
@@ -82,7 +83,7 @@ impl Recorder {
         }
     }
 
-    /// Records one step.
+    /// Records the contact sums `sums` of one step, and queries `engine` where needed.
     pub fn record(&mut self, sums: ContactSums, engine: &mut impl Engine) {
         self.current_bin.friction += sums.friction;
         self.current_bin.across += sums.across;
@@ -106,7 +107,7 @@ impl Recorder {
         }
     }
 
-    /// Number of steps until the record next queries the engine, that step included.
+    /// Number of steps until [`Self::record`] next queries the engine, including the step with the query.
     pub fn steps_to_next_query(&self) -> u64 {
         if self.has_onset() { INTERFACE_EVERY - self.steps % INTERFACE_EVERY } else { 1 }
     }
@@ -130,20 +131,21 @@ impl Recorder {
         self.interface_from_bin = self.bins.len();
     }
 
-    /// Whether every contact block has slipped.
+    /// Whether every contact block has slipped since the drive began.
     pub fn has_onset(&self) -> bool {
         self.onset_bin.is_some()
     }
 
-    /// Largest mu until every contact block has slipped.
+    /// Largest friction coefficient until every contact block has slipped; `None` before that.
     pub fn peak_mu(&self) -> Option<f64> {
         (self.has_onset() && self.peak_mu.is_finite()).then_some(self.peak_mu)
     }
 
-    /// Mean of mu over the stationary part after the onset, with a standard error from batch means.
+    /// Mean friction coefficient over the stationary part of the record after every contact block has slipped, with a
+    /// standard error from batch means.
     ///
-    /// `None` until two bins per batch follow the onset. A record that becomes stationary too late is averaged over its
-    /// end.
+    /// `None` until the record has two bins per batch after that. A record that becomes stationary too late is averaged
+    /// over its end.
     pub fn window_mean(&self) -> Option<WindowMean> {
         let sliding = self.bins.get(self.onset_bin? + 1..)?;
         if sliding.len() < 2 * BATCHES {
@@ -177,7 +179,7 @@ impl Recorder {
         mu.is_finite().then_some(WindowMean { mu, stderr, mu_across, excess, from, is_stationary })
     }
 
-    /// Mean forces on every contact block over the window; `last` if the interface was never sampled.
+    /// Mean forces on every contact block over the samples since the last restart; `last` if there are none.
     pub fn interface(&self, last: &[ContactForce]) -> Vec<ContactForce> {
         let samples = self.interface_samples as f64;
         if self.interface_samples == 0 {
@@ -194,7 +196,7 @@ impl Recorder {
         self.steps_per_bin as f64 * self.time_step
     }
 
-    /// mu against time, one point per bin; `unit_time_s` converts from units of sqrt(m/k).
+    /// Friction coefficient against time, one point per bin; `unit_time_s` is the unit of time sqrt(m/k) in seconds.
     pub fn trace(&self, unit_time_s: f64) -> Vec<TracePoint> {
         let per_bin = self.bin_time() * unit_time_s;
         self.bins

@@ -1,8 +1,9 @@
-//! Data of a sweep: coefficients of rows and displacements of blocks.
+//! Data of the sweeps over a strip: coefficients of rows and displacements of blocks.
 
 use super::real::{LINE_BYTES, Real, whole_lines};
 
-/// Stiffness of the springs of one block in units of k: along the axes and along the diagonals.
+/// Stiffness in units of k of the eight springs of one block, by direction: east is the sliding direction, north points
+/// from the counterface to the bulk.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Springs8 {
     pub east: f64,
@@ -34,8 +35,8 @@ pub struct Site {
     pub inverse_mass: f64,
 }
 
-/// Coefficients of a row: one array per spring with one entry per column, padded with zeros to whole cache lines.
-/// Coefficients of diagonal springs are halved.
+/// Spring stiffnesses and inverse masses of a row: one array per spring with one entry per column, padded with zeros to
+/// whole cache lines. Stiffnesses of diagonal springs are halved.
 #[derive(Clone, Debug, Default)]
 pub struct RowCoefficients<R> {
     pub east: Vec<R>,
@@ -50,7 +51,7 @@ pub struct RowCoefficients<R> {
 }
 
 impl<R: Real> RowCoefficients<R> {
-    /// Transposes the blocks of a row.
+    /// Creates the coefficients of a row from its blocks `sites`, in the order of the columns.
     pub fn new(sites: &[Site]) -> Self {
         let column = |f: fn(&Site) -> f64| {
             let mut values: Vec<R> = sites.iter().map(f).map(R::round_from).collect();
@@ -101,20 +102,21 @@ impl<R: Real> Plane<R> {
     }
 }
 
-/// Displacements of the blocks of a strip, x and y, at the current time and one step before or after it.
+/// Displacements of the blocks of a strip along x and y, in units of l, at the current time and one step before or
+/// after it.
 #[derive(Clone, Debug)]
 pub struct Field<R> {
     pub nx: usize,
     pub ny: usize,
     pub stride: usize,
     pub now: [Plane<R>; 2],
-    /// Displacements one step earlier. A sweep overwrites them with those one step later; then [`Field::swap`] makes
-    /// these current.
+    /// Displacements one step earlier. A sweep overwrites them with those one step later, which [`Field::swap`] then
+    /// makes current.
     pub other: [Plane<R>; 2],
 }
 
 impl<R: Real> Field<R> {
-    /// Creates a strip at rest.
+    /// Creates a strip of `nx` columns and `ny` rows at rest.
     pub fn at_rest(nx: usize, ny: usize) -> Self {
         // An odd number of cache lines per row spreads the rows over the sets of the cache.
         let stride = ((nx + 2).div_ceil(R::LINE) | 1) * R::LINE;
@@ -128,7 +130,7 @@ impl<R: Real> Field<R> {
         R::LINE + j * self.stride + i
     }
 
-    /// Makes the displacements that a sweep has written the current ones.
+    /// Makes the displacements that a sweep has written to `other` current, by exchanging `now` and `other`.
     pub fn swap(&mut self) {
         std::mem::swap(&mut self.now, &mut self.other);
     }

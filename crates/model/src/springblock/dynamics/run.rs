@@ -1,4 +1,4 @@
-//! One dynamic run: creates the integrator, drives it through the protocol, and returns the outcome.
+//! One dynamic run in the plane: creates the integrator, drives it through the protocol, and returns the outcome.
 
 use std::sync::OnceLock;
 
@@ -25,18 +25,18 @@ use crate::springblock::{
 /// pi/sqrt(5) of these units, four steps. At 8 ns dynamic mu is 0.08 % too low, at 10 ns, with five steps for two
 /// slips, 0.1 % too high.
 const LEAPFROG_STEP: f64 = 0.3376;
-/// Step of the reference integration, in seconds (paper).
+/// Time step of the reference integration, in seconds, as in the paper.
 const REFERENCE_STEP_S: f64 = 1e-9;
 /// Largest eigenfrequency times the step at the stability limit of the leapfrog.
 const LEAPFROG_LIMIT: f64 = 2.0;
 /// Largest eigenfrequency times the step at the stability limit of the classical Runge-Kutta method.
 const RUNGE_KUTTA_LIMIT: f64 = 2.828;
-/// Integration scheme of a scene and its step.
+/// Integration scheme of a scene, and its time step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scheme {
-    /// Spring law.
+    /// Force law of the springs.
     pub springs: Springs,
-    /// Runge-Kutta method of order 4 instead of the leapfrog.
+    /// Whether the Runge-Kutta method of order 4 replaces the leapfrog.
     pub runge_kutta: bool,
     /// Time step, in seconds.
     pub step_s: f64,
@@ -79,7 +79,7 @@ fn is_unilateral(scene: &Scene, lattice: &Lattice) -> bool {
     scene.run.liftoff || lattice.is_raised()
 }
 
-/// Default step of a dynamic run of `scene`, in seconds.
+/// Default time step of a dynamic run of `scene`, in seconds: in space if `is_spatial`, otherwise in the plane.
 pub fn default_step_s(scene: &Scene, is_spatial: bool) -> f64 {
     if is_spatial {
         SPACE_STEP * Scales::space(&scene.elastic, scene.layer.block_m).time_s
@@ -88,7 +88,7 @@ pub fn default_step_s(scene: &Scene, is_spatial: bool) -> f64 {
     }
 }
 
-/// A run of one surface under one load.
+/// A dynamic run of one surface under one load.
 pub struct DynamicRun<'a> {
     pub scene: &'a Scene,
     pub load: &'a Load,
@@ -102,9 +102,9 @@ pub struct DynamicRun<'a> {
     pub threads: usize,
     /// Share of this run in all work, for the progress report.
     pub share: f64,
-    /// Seed of the local coefficients.
+    /// Random seed of the local friction coefficients.
     pub seed: u64,
-    /// Relative standard error of dynamic mu at which the run may end.
+    /// Relative standard error of dynamic mu at which the run may end; `None` if none is requested.
     pub stderr_share: Option<f64>,
 }
 
@@ -156,8 +156,8 @@ impl DynamicRun<'_> {
         self.lattice.contacts().map(|column| [(column as f64 + 0.5) * self.scene.layer.block_m, 0.0])
     }
 
-    /// Displacements in units of l, by row and column, of the layer in equilibrium with sliding friction, every block
-    /// at a random phase of its stick-slip cycle.
+    /// Displacements x and y in units of l, by row and column, of the layer in equilibrium with sliding friction, every
+    /// block at a random phase of its stick-slip cycle.
     fn sheared_displacements(&self) -> Vec<[f64; 2]> {
         let model = self.steady.get_or_init(|| SteadyModel::for_scene(self.scene, self.lattice.clone()));
         let drawn = draws::draw(&self.load.friction, self.seed, self.lattice.nx());
@@ -168,8 +168,8 @@ impl DynamicRun<'_> {
         })
     }
 
-    /// Initial displacements by row and column: those of sliding for a warm start, otherwise those of an unloaded layer
-    /// that touches with its highest point; `None` for an unloaded flat layer.
+    /// Initial displacements x and y in units of l, by row and column: those of sliding for a warm start, otherwise
+    /// those of an unloaded layer that touches with its highest point; `None` for an unloaded flat layer.
     fn start(&self) -> Option<Vec<[f64; 2]>> {
         if self.scene.run.warm_start {
             return Some(self.sheared_displacements());
@@ -179,8 +179,8 @@ impl DynamicRun<'_> {
         self.lattice.is_raised().then(|| vec![[0.0, highest]; self.lattice.nx() * self.lattice.ny()])
     }
 
-    /// Drives `engine`, which begins at the displacements `start` if they are given; the run was set up at `started_s` of
-    /// the monitor's clock.
+    /// Drives `engine`, which begins at the displacements `start` if they are given. `started_s` is the time of the
+    /// monitor's clock, in seconds, at which the run was set up.
     fn drive(
         &self,
         mut engine: impl PlaneEngine,

@@ -8,7 +8,8 @@ use crate::springblock::{Scene, SurfaceOutcome};
 
 /// Returns the outcome of `run` from the monitor's cache or by running it.
 ///
-/// `content` must determine the outcome; it is the cache key. `share` is the share of the run in all work.
+/// `content` must determine the outcome; it is the cache key. `share` is the share of the run in all work. Outcomes of
+/// unfinished runs are not cached.
 pub fn cached_run(
     monitor: &dyn Monitor,
     content: &dyn Debug,

@@ -15,7 +15,7 @@ use super::protocol::Protocol;
 use crate::springblock::{Lattice, Springs};
 use slipgrid_base::fft::vectorized;
 
-/// Positions and velocities, x and y, by block number j * nx + i.
+/// Displacements and velocities, x and y, by block number j * nx + i.
 #[derive(Clone, Debug)]
 struct State {
     u: [Vec<f64>; 2],
@@ -53,17 +53,18 @@ impl State {
     }
 }
 
+/// Runge-Kutta integrator with its state.
 #[derive(Clone, Debug)]
 pub struct RungeKutta<'a> {
     bonds: Bonds,
     nx: usize,
     state: State,
     stage: State,
-    /// Slope of the contact row.
+    /// Time derivative of the state of the contact row.
     slope: State,
     next: State,
     contact: ContactRow<'a>,
-    /// Direction of slip of every contact block in this step; 0 at rest.
+    /// Direction in which every contact block slips, or would slip, in this step: 1 or -1; 0 without friction.
     direction: Vec<f64>,
     protocol: Protocol,
     inverse_mass: Vec<f64>,
@@ -71,13 +72,13 @@ pub struct RungeKutta<'a> {
     time_step: f64,
     steps: u64,
     liftoff: bool,
-    /// Work since the start.
+    /// Work of drive, friction and damping since the start, in units of k l^2.
     #[cfg(test)]
     ledger: tests::Ledger,
 }
 
 impl<'a> RungeKutta<'a> {
-    /// Creates the integrator with a lattice at rest.
+    /// Creates the integrator with `lattice` at rest.
     pub fn new(lattice: &Lattice, springs: Springs, setup: Setup<'a>) -> Self {
         let Setup { contact, protocol, time_step, damping, liftoff } = setup;
         let bonds = Bonds::new(lattice, springs);
@@ -103,7 +104,7 @@ impl<'a> RungeKutta<'a> {
         }
     }
 
-    /// Computes the slope of the contact row at `stage` from the forces just evaluated.
+    /// Computes the time derivative of the contact row at `stage` from the forces just evaluated.
     fn find_slope(&mut self) {
         let Self { bonds, stage, slope, contact, direction, inverse_mass, damping, .. } = self;
         let [force_x, force_y] = bonds.forces();
@@ -137,8 +138,8 @@ impl<'a> RungeKutta<'a> {
 }
 
 impl RungeKutta<'_> {
-    /// Adds `weight` times the slope of the rows above the contact row to `next`, and moves these rows of `stage` by
-    /// `ahead`.
+    /// Adds `weight` times the time derivative of the rows above the contact row to `next`, and sets these rows of
+    /// `stage` to `state` plus `ahead` times the derivative.
     fn advance_above(&mut self, weight: f64, ahead: f64) {
         let Self { bonds, nx, state, stage, next, inverse_mass, damping, .. } = self;
         for c in 0..2 {
@@ -156,7 +157,7 @@ impl RungeKutta<'_> {
     }
 }
 
-/// One stage for the displacements and velocities of free blocks, in one pass.
+/// One Runge-Kutta stage for the displacements and velocities of blocks above the contact row, in one pass.
 struct Advance<'a> {
     weight: f64,
     ahead: f64,

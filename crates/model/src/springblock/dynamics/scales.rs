@@ -2,31 +2,31 @@
 
 use crate::material::Elastic;
 
-/// SI values of the units.
+/// SI values of the units of the time integration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scales {
-    /// l, in metres.
+    /// Unit of length l, the lattice spacing, in metres.
     pub length_m: f64,
-    /// sqrt(m/k), in seconds.
+    /// Unit of time sqrt(m/k), in seconds.
     pub time_s: f64,
-    /// k/l, in pascals: pressure of a unit force on one block.
+    /// Unit of pressure k/l, in pascals: the pressure of the unit force k l on the face l^2 of one block.
     pub pressure_pa: f64,
 }
 
 impl Scales {
-    /// Units of a lattice of the vertical plane with the spacing `block_m`.
+    /// Creates the units of a lattice in the vertical plane with blocks `block_m` metres apart.
     pub fn new(elastic: &Elastic, block_m: f64) -> Self {
         // k = 3/4 E l
         Self::from_pressure_unit(0.75 * elastic.youngs_modulus_pa(), elastic, block_m)
     }
 
-    /// Units of a lattice in space with the spacing `block_m`.
+    /// Creates the units of a lattice in space with blocks `block_m` metres apart.
     pub fn space(elastic: &Elastic, block_m: f64) -> Self {
         // k = 2/5 E l
         Self::from_pressure_unit(0.4 * elastic.youngs_modulus_pa(), elastic, block_m)
     }
 
-    /// Creates the units for k/l = `pressure_pa`.
+    /// Creates the units for the unit of pressure k/l = `pressure_pa`, in pascals.
     fn from_pressure_unit(pressure_pa: f64, elastic: &Elastic, block_m: f64) -> Self {
         // m = rho l^3: m/k = rho l^2 / (k/l)
         Self { length_m: block_m, time_s: block_m * (elastic.density_kg_m3() / pressure_pa).sqrt(), pressure_pa }

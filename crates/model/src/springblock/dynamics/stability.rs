@@ -31,8 +31,8 @@ pub fn largest_frequency(lattice: &Lattice, liftoff: bool) -> f64 {
     })
 }
 
-/// Largest eigenfrequency of a system with the inverse root masses `weight`, which are 0 for removed blocks and pinned
-/// directions. `forces` computes the spring forces at given displacements.
+/// Largest eigenfrequency of a system whose unknowns have the inverse square roots of masses `weight`, which are 0 for
+/// removed blocks and pinned directions. `forces` computes the spring forces at given displacements.
 ///
 /// Lanczos recursion on M^-1/2 K M^-1/2; the largest eigenvalue of its tridiagonal matrix is found by bisection on
 /// Sturm counts.

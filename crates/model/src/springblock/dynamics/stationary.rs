@@ -1,7 +1,7 @@
 //! Start of the stationary part of a record: the marginal standard error rule.
 //!
-//! From a record y_1 ... y_n of group means, the first d* means are left out, such that the standard error of the mean
-//! of the others is smallest,
+//! From a record y_1 ... y_n of group means, the first d* means are left out, where d* minimizes the standard error of
+//! the mean of the remaining ones,
 //!
 //! ```text
 //! d* = arg min_d  1/(n - d)^2  sum_{i > d} (y_i - mean_{i > d})^2,
@@ -12,7 +12,7 @@
 
 /// Number of values in a group.
 const GROUP: usize = 5;
-/// Minimum number of groups kept; a decision needs twice as many.
+/// Minimum number of groups that remain; a record with fewer than twice as many is too short for a decision.
 const MIN_GROUPS: usize = 8;
 /// Relative noise level below which changes are ignored, so that a record that only drifts by rounding is stationary.
 const NOISE_LEVEL: f64 = 1e-4;
@@ -35,7 +35,7 @@ pub fn stationary_from(record: &[f64], min_values: usize) -> Option<usize> {
         squares += step * (value - mean);
         let noise = NOISE_LEVEL * mean;
         let marginal = (squares + n * noise * noise) / (n * n);
-        // Among equal errors take the one that keeps most values.
+        // Among equal errors prefer the start that leaves out the fewest values.
         if kept as usize >= min_values && best.is_none_or(|(min_values, _)| marginal <= min_values) {
             best = Some((marginal, first));
         }

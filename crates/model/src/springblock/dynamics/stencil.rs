@@ -1,9 +1,9 @@
 //! Division of a lattice into strips of columns, with the coefficients of its linear springs.
 //!
-//! Inside, coefficients are constant; rows at the counterface or at a cavity, and the two free sides, have a
-//! coefficient per spring. The rows of a strip are close enough together for the translation buffer and the caches.
-//! Strips are also the unit of work of threads. The division depends on the lattice only, and sums are computed strip
-//! by strip, so that results do not depend on the number of threads. Units: k = 1, l = 1, m = 1.
+//! Inside, coefficients are constant; rows at the counterface or at a cavity, and the two free sides, have individual
+//! coefficients for every spring. The rows of a strip are close enough together for the translation buffer and the
+//! caches. Strips are also the unit of work of threads. The division depends on the lattice only, and sums are computed
+//! strip by strip, so that results do not depend on the number of threads. Units: k = 1, l = 1, m = 1.
 
 use std::ops::Range;
 
@@ -14,10 +14,13 @@ use super::rows::{Field, INSIDE, RowCoefficients, Site};
 use crate::springblock::Lattice;
 use slipgrid_base::fft::vectorized;
 
-/// Maximum number of columns of a strip: twenty rows of them fill a sixth of a second-level cache.
+/// Maximum number of columns of a strip, apart from rounding to whole cache lines: twenty rows of this length fill a
+/// sixth of a second-level cache.
 const STRIP_COLUMNS: usize = 256;
 
-/// Vertical balance of the bulk: sum over the top blocks of [yy (H - u_y) + xy (X - u_x)] = -load.
+/// Vertical balance of the bulk: sum over the top blocks of [yy (H - u_y) + xy (X - u_x)] = -load, with the
+/// displacements (X, H) of the bulk and (u_x, u_y) of a block. The fields are sums of spring coefficients over the top
+/// blocks, in units of k.
 #[derive(Clone, Copy, Debug)]
 pub struct BulkBalance {
     yy: f64,
@@ -25,29 +28,30 @@ pub struct BulkBalance {
 }
 
 impl BulkBalance {
-    /// Height of the bulk at the horizontal displacement `bulk_x` under `load`; `top_row_force` is the sum of
-    /// [`StripStencil::top_row_force`] over the strips.
+    /// Vertical displacement of the bulk, in units of l, at the horizontal displacement `bulk_x` under `load`;
+    /// `top_row_force` is the sum of [`StripStencil::top_row_force`] over the strips.
     pub fn height(&self, top_row_force: f64, bulk_x: f64, load: f64) -> f64 {
         (top_row_force - self.xy * bulk_x - load) / self.yy
     }
 }
 
-/// Coefficients of one strip.
+/// Spring stiffnesses and masses of one strip.
 #[derive(Clone, Debug)]
 pub struct StripStencil<R> {
     /// Columns of the strip in the lattice.
     pub columns: Range<usize>,
-    /// Rows with a coefficient per spring, from the counterface up.
+    /// Rows with individual coefficients for every spring, from the counterface up.
     pub general: Vec<RowCoefficients<R>>,
-    /// Blocks at a free side in the rows above the general rows, by column of the strip.
+    /// For each free side, the column in the strip, and the blocks in the rows above the general rows, upward.
     pub sides: Vec<(usize, Vec<Site>)>,
     to_bulk_yy: Vec<f64>,
-    /// Columns at free sides, whose springs to the bulk do not balance horizontally.
+    /// Columns at free sides, with the xy coefficient in units of k of their springs to the bulk, whose horizontal
+    /// forces do not cancel.
     to_bulk_xy: Vec<(usize, f64)>,
 }
 
 impl<R: Real> StripStencil<R> {
-    /// Vertical force of the top row on the bulk at zero displacement of the bulk.
+    /// Vertical force of the top row on the bulk at zero displacement of the bulk, in units of k l.
     pub fn top_row_force(&self, field: &Field<R>) -> f64 {
         let top = field.index(0, field.ny - 1);
         let row = |component: usize| &field.now[component].rows()[top..][..field.nx];
@@ -56,7 +60,7 @@ impl<R: Real> StripStencil<R> {
     }
 }
 
-/// First columns of the strips of `nx` columns, followed by `nx`.
+/// First column of each strip of a lattice with `nx` columns, followed by `nx`.
 fn cuts<R: Real>(nx: usize) -> Vec<usize> {
     let strips = nx.div_ceil(STRIP_COLUMNS);
     // Strips have whole cache lines, except for the last one.
@@ -65,7 +69,8 @@ fn cuts<R: Real>(nx: usize) -> Vec<usize> {
     cuts
 }
 
-/// Divides a lattice of whole blocks of equal width into strips.
+/// Divides a lattice of whole blocks of equal width into strips; returns their coefficients and the balance of the
+/// bulk.
 pub fn strips<R: Real>(lattice: &Lattice) -> (Vec<StripStencil<R>>, BulkBalance) {
     let (nx, ny) = (lattice.nx(), lattice.ny());
     let mut sites = vec![Site::default(); nx * ny];
@@ -128,7 +133,7 @@ pub fn strips<R: Real>(lattice: &Lattice) -> (Vec<StripStencil<R>>, BulkBalance)
     (strips, balance)
 }
 
-/// Number of partial sums of long sums, independent of the vector width.
+/// Number of partial sums of a long sum: fixed, so that the result does not depend on the vector width.
 const PARTS: usize = 16;
 
 struct WeightedSum<'a, R>(&'a [f64], &'a [R]);
@@ -150,7 +155,7 @@ impl<R: Real> WithSimd for WeightedSum<'_, R> {
     }
 }
 
-/// Sum of a[i] b[i], independent of the vector width.
+/// Sum of a[i] b[i] in double precision; the order of additions does not depend on the vector width.
 fn weighted_sum<R: Real>(a: &[f64], b: &[R]) -> f64 {
     vectorized(WeightedSum(a, b))
 }
@@ -174,7 +179,7 @@ impl<R: Real> WithSimd for FixedSum<'_, R> {
     }
 }
 
-/// Sum of `values` in double precision, independent of the vector width.
+/// Sum of `values` in double precision; the order of additions does not depend on the vector width.
 pub fn fixed_sum<R: Real>(values: &[R]) -> f64 {
     vectorized(FixedSum(values))
 }

@@ -10,26 +10,26 @@ use super::stencil::StripStencil;
 use super::sweep::{ContactRowForces, InsideRows, Kick, MoveRow, RowForces, move_side_block};
 use slipgrid_base::fft::vectorized;
 
-/// Position of the bulk and of the moving frame in a step.
+/// Positions of the bulk and of the moving frame in a step.
 #[derive(Clone, Copy, Debug)]
 pub struct BulkPosition {
-    /// Horizontal displacement of the bulk.
+    /// Horizontal displacement of the bulk relative to the moving frame, in units of l.
     pub x: f64,
-    /// Vertical displacement of the bulk.
+    /// Vertical displacement of the bulk, in units of l.
     pub height: f64,
-    /// Displacement of the moving frame after the step.
+    /// Displacement of the moving frame after the step, in units of l.
     pub carried: f64,
 }
 
-/// Base state from which displacements deviate: in equilibrium except for the contact row, in a frame that moves with
-/// the bulk.
+/// Base state from which the stored displacements deviate: every block above the contact row is in equilibrium.
+/// Deviations are relative to a frame that moves with the bulk.
 #[derive(Clone, Debug)]
 pub struct Base {
-    /// Spring forces on the contact row, horizontal and vertical, by column.
+    /// Spring forces on the contact row, horizontal and vertical, by column, in units of k l.
     pub force: [Vec<f64>; 2],
-    /// Vertical displacements of the contact row, by column.
+    /// Vertical displacements of the contact row, by column, in units of l.
     pub height: Vec<f64>,
-    /// Displacement of the frame per step.
+    /// Displacement of the moving frame per step, in units of l.
     pub carried: f64,
 }
 
@@ -46,15 +46,16 @@ pub struct Strip<'a, R> {
     field: Field<R>,
     contact: ContactVectors<'a, 1>,
     kick: Kick,
-    /// Decrease of the frame's velocity by damping.
+    /// Drag of the moving frame, from [`Kick::drag`].
     drag: f64,
     liftoff: bool,
-    /// Vertical displacements of lifted contact blocks in the last step, by column.
+    /// Vertical displacements of lifted contact blocks in the last step, by column, in units of l.
     fall: Vec<f64>,
     force: [Vec<R>; 2],
     at_sides: Vec<[f64; 2]>,
-    /// Displacements of the contact row in the frame at rest, and spring forces on it, in double precision.
+    /// Displacements of the contact row from the base state, x and y, in the frame at rest and in double precision.
     contact_place: [Vec<f64>; 2],
+    /// Spring forces on the contact row, x and y, in double precision.
     contact_force: [Vec<f64>; 2],
     base: Base,
 }
@@ -109,12 +110,13 @@ impl<'a, R: Real> Strip<'a, R> {
         &self.contact
     }
 
-    /// Resets the record of slipped blocks, since the bulk begins to move.
+    /// Marks every block as not slipped, at the start of the bulk's motion.
     pub fn begin_drive(&mut self) {
         self.contact.begin_drive();
     }
 
-    /// Sets the initial displacements, by column of the lattice and row, with every block at rest.
+    /// Sets the initial displacements, x and y in units of l, which `displacement` returns for a column of the lattice
+    /// and a row, with every block at rest.
     pub fn start(&mut self, displacement: &dyn Fn(usize, usize) -> [f64; 2]) {
         for j in 0..self.field.ny {
             for i in 0..self.field.nx {
@@ -131,7 +133,7 @@ impl<'a, R: Real> Strip<'a, R> {
         }
     }
 
-    /// Switches to displacements that are deviations from the state `base`, given by column of the lattice, in a moving
+    /// Sets the state `base`, given by column of the lattice, from which the stored displacements deviate in a moving
     /// frame.
     pub fn set_base(&mut self, base: &Base) {
         let (columns, padded) = (self.stencil.columns.clone(), whole_lines::<R>(self.field.nx));
@@ -146,25 +148,25 @@ impl<'a, R: Real> Strip<'a, R> {
             carried: base.carried,
         };
         self.drag = self.kick.drag(base.carried);
-        // Offset of the frame one step earlier.
+        // Displacement relative to the frame one step earlier.
         let (first, stride, nx) = (self.field.index(0, 0), self.field.stride, self.field.nx);
         for row in self.field.other[0].rows_mut()[first..].chunks_mut(stride).take(self.field.ny) {
             row[..nx].fill(R::round_from(base.carried));
         }
     }
 
-    /// Vertical force of the top row on the bulk at zero displacement of the bulk.
+    /// Vertical force of the top row on the bulk at zero displacement of the bulk, in units of k l.
     pub fn top_row_force(&self) -> f64 {
         self.stencil.top_row_force(&self.field)
     }
 
-    /// Displacements of block (i, j); i counts within the strip.
+    /// Displacements, x and y in units of l, of the block in column i of the strip and row j.
     pub fn displacement(&self, i: usize, j: usize) -> [f64; 2] {
         let at = self.field.index(i, j);
         [0, 1].map(|component: usize| self.field.now[component].rows()[at].to_f64())
     }
 
-    /// Makes the strip periodic, if it is a whole period.
+    /// Sets the images beyond both sides to the columns at the opposite sides, for a strip that is a whole period.
     pub fn join_sides(&mut self) {
         let (first, nx, stride) = (self.field.index(0, 0), self.field.nx, self.field.stride);
         for plane in &mut self.field.now {
@@ -176,7 +178,7 @@ impl<'a, R: Real> Strip<'a, R> {
         }
     }
 
-    /// Number of values that a neighbour needs: both displacements of one side's column.
+    /// Number of values that a neighbouring strip needs: both displacements of all blocks in the column at one side.
     pub const fn edge_len(&self) -> usize {
         2 * self.field.ny
     }
@@ -210,8 +212,8 @@ impl<'a, R: Real> Strip<'a, R> {
         }
     }
 
-    /// Takes one step; returns the sums over the strip's contact blocks at its beginning. The images of the neighbours'
-    /// columns must be up to date.
+    /// Takes one step; returns the sums over the contact blocks of the strip at the beginning of the step. The images
+    /// of the neighbours' columns must be up to date.
     pub fn step(&mut self, bulk: BulkPosition) -> ContactSums {
         self.place_bulk(bulk);
         let Self { stencil, field, contact, kick, drag, force: [force_x, force_y], .. } = self;

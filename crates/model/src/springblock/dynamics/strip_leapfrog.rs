@@ -4,8 +4,9 @@
 //! u_after = u + kept (u - u_before) + kick F/m,  kept = (1 - g dt/2) / (1 + g dt/2),  kick = dt^2 / (1 + g dt/2)
 //! ```
 //!
-//! It needs one force evaluation per step, and damping is implicit. It is symplectic without damping and friction, of
-//! order 2, and stable for dt < 2/omega_max. Units: k = 1, l = 1, m = 1.
+//! Here g is the damping frequency and dt the time step. The scheme needs one force evaluation per step, and damping is
+//! implicit. It is symplectic without damping and friction, of order 2, and stable for dt < 2/omega_max, with the
+//! largest eigenfrequency omega_max. Units: k = 1, l = 1, m = 1.
 //!
 //! A run that starts from sliding in equilibrium stores deviations from that state, in the frame of the bulk, in single
 //! precision, which halves memory traffic and arithmetic. Deviations are as small as slips, about a hundredth of the
@@ -32,14 +33,16 @@ pub struct StripLeapfrog<'scope, 'env, 'a, R> {
     /// Strips before the first step; the workers own them afterwards.
     strips: Vec<Strip<'a, R>>,
     strip_workers: Option<StripWorkers<'scope, 'a, R>>,
-    /// Scope in which other threads may be started, and the number of threads including the caller's.
+    /// Scope in which other threads may be started, and the maximum number of threads including the thread of the
+    /// caller.
     threads: Option<(&'scope Scope<'scope, 'env>, usize)>,
     balance: BulkBalance,
     protocol: Protocol,
     time_step: f64,
     steps: u64,
     periodic: bool,
-    /// Base state from which displacements deviate, by row and column; empty if displacements start at zero.
+    /// Displacements of the base state, x and y in units of l, by row and column, from which the stored ones deviate;
+    /// empty if displacements start at zero.
     base: Vec<[f64; 2]>,
     columns: usize,
 }
@@ -55,8 +58,9 @@ impl<'scope, 'a: 'scope> StripLeapfrog<'scope, '_, 'a, f64> {
 impl<'scope, 'a: 'scope> StripLeapfrog<'scope, '_, 'a, f32> {
     /// Creates the integrator with a lattice of whole blocks in the sliding state `base`.
     ///
-    /// `base` has displacements by row and column in equilibrium under the load of `setup`. The bulk moves at the speed
-    /// of `setup` from the first step on. Returns `None` if unbalanced forces remain above the contact row.
+    /// `base` has displacements in units of l, by row and column, in equilibrium under the load of `setup`. The bulk
+    /// moves at the speed of `setup` from the first step on. Returns `None` if unbalanced forces remain above the
+    /// contact row.
     pub fn from_sliding(lattice: &Lattice, setup: Setup<'a>, base: &[[f64; 2]]) -> Option<Self> {
         let Setup { protocol, time_step, damping, .. } = setup;
         let mut sliding = Self::with_kick(lattice, setup, Kick::new(time_step, damping).rounded::<f32>());
@@ -96,14 +100,14 @@ impl<'scope, 'env, 'a: 'scope, R: Real> StripLeapfrog<'scope, 'env, 'a, R> {
         Self { strips, strip_workers: None, threads, balance, protocol, time_step, steps: 0, periodic, base, columns }
     }
 
-    /// Allows up to `threads` threads of `scope`, including the caller's.
+    /// Allows up to `threads` threads of `scope`, including the thread of the caller.
     #[must_use]
     pub fn with_threads(self, scope: &'scope Scope<'scope, 'env>, threads: usize) -> Self {
         Self { threads: Some((scope, threads)), ..self }
     }
 
-    /// Displacements of block (i, j), x and y. Before [`Engine::finish`] only blocks in the caller's own strips have
-    /// values.
+    /// Displacements of block (i, j), x and y in units of l. Before [`Engine::finish`] only blocks in the caller's own
+    /// strips have values.
     pub fn displacement(&self, i: usize, j: usize) -> [f64; 2] {
         let strips = self.strip_workers.as_ref().map_or(&self.strips[..], StripWorkers::own);
         let strip = strips.iter().find(|strip| strip.columns().contains(&i));
@@ -114,8 +118,8 @@ impl<'scope, 'env, 'a: 'scope, R: Real> StripLeapfrog<'scope, 'env, 'a, R> {
         }
     }
 
-    /// Displacement of the moving frame after `steps` steps: that of the bulk if displacements deviate from sliding,
-    /// otherwise zero.
+    /// Displacement of the moving frame after `steps` steps, in units of l: that of the bulk if displacements deviate
+    /// from sliding, otherwise zero.
     fn carried(&self, steps: u64) -> f64 {
         if self.base.is_empty() { 0.0 } else { self.protocol.bulk_x(steps as f64 * self.time_step) }
     }

@@ -1,10 +1,10 @@
 //! Several threads on one lattice: each advances its own strips, in lockstep.
 //!
-//! For each command the leader computes the bulk's position, posts it together with the columns at its strips' sides,
-//! and increments the command counter. The other threads read it, execute the command, post their results, and report.
-//! There is one exchange per step, through a board of atomic words without locks; strips share only what their
-//! neighbours need. Sums are posted strip by strip and added in the order of the strips, so that results equal those of
-//! one thread to the last bit.
+//! For each command the leader computes the bulk's position, posts the position and the columns at the sides of its
+//! strips, and increments the command counter. The other threads see the new count, execute the command, post their
+//! results, and report. There is one exchange per step, through a board of atomic words without locks; strips share
+//! only what their neighbours need. Sums are posted strip by strip and added in the order of the strips, so that
+//! results equal those of one thread to the last bit.
 
 use std::hint::spin_loop;
 use std::panic::resume_unwind;
@@ -29,19 +29,21 @@ impl Command {
     const ALL: [Self; 4] = [Self::Step, Self::BeginDrive, Self::PostForces, Self::Finish];
 }
 
-/// Value of `done` of a thread that panicked: beyond every command, so that the leader does not wait for the thread.
+/// Value in `Board::done` of a thread that panicked: larger than every command number, so that the leader does not wait
+/// for the thread.
 const PANICKED: u64 = u64::MAX;
 
-/// Polls of a word before a thread yields its core.
+/// Number of times that a thread polls a word before it yields its core.
 ///
-/// A thread that had to yield polls half as often the next time: with more threads than cores the one that it waits for
-/// may need its core. After a wait that ended while it polled, it polls twice as often again.
+/// A thread that had to yield polls half as often in the next wait: with more threads than cores, the thread that it
+/// waits for may need its core. A thread whose wait ended while it polled polls twice as often in the next wait.
 #[derive(Debug)]
 struct Patience(u32);
 
 impl Patience {
-    /// Polls while every thread has a core: more than any wait for a step takes then.
+    /// Maximum number of polls: more than any wait for a step takes if every thread has a core.
     const MOST: u32 = 4000;
+    /// Minimum number of polls.
     const LEAST: u32 = 1;
 
     fn wait_until(&mut self, condition: impl Fn() -> bool) {
@@ -73,21 +75,22 @@ impl Number {
     }
 }
 
-/// Data that a strip posts.
+/// Results of a strip that other threads read.
 #[derive(Debug)]
 struct StripBoard {
-    /// Columns at the left and right sides, after even and after odd steps: a thread may post the next step while
-    /// another still reads the last.
+    /// Displacements in the columns at the left and right sides, after even and after odd steps: a thread may post the
+    /// next step while another still reads the last.
     edges: [[Vec<Number>; 2]; 2],
     top_row_force: Number,
     friction: Number,
     normal: Number,
     sliding: Number,
     all_have_slipped: AtomicU64,
-    /// Normal force and friction of every contact block.
+    /// Normal force and friction of every contact block, in units of k l.
     forces: Vec<[Number; 2]>,
 }
 
+/// Words that all threads share: the command, the position of the bulk, and the results of the strips.
 #[derive(Debug)]
 struct Board {
     strips: Vec<StripBoard>,
@@ -97,9 +100,9 @@ struct Board {
     carried: Number,
     /// Current command, an index into [`Command::ALL`].
     command: AtomicU64,
-    /// Number of the current command.
+    /// Sequence number of the current command; 0 before the first.
     command_number: AtomicU64,
-    /// Number of the last command that each other thread has completed.
+    /// Sequence number of the last completed command of each thread except the leader.
     done: Vec<AtomicU64>,
 }
 
@@ -142,7 +145,7 @@ impl Board {
         strip.edge(Side::Right, |at, value| right[at].post(value));
     }
 
-    /// Sets the images of the columns next to strip `number` to their state after step `step`.
+    /// Copies the columns next to strip `number`, in their state after step `step`, to their images in `strip`.
     fn join<R: Real>(&self, number: usize, strip: &mut Strip<R>, step: u64) {
         let count = self.strips.len();
         if count == 1 && self.periodic {
@@ -178,7 +181,7 @@ impl Board {
         }
     }
 
-    /// Executes a command on `strips`, of which the first has the number `first`; `step` counts steps.
+    /// Executes a command on `strips`, the first of which has the number `first`; `step` counts the steps taken.
     fn work<R: Real>(&self, command: Command, first: usize, strips: &mut [Strip<R>], step: &mut u64) {
         *step += u64::from(command == Command::Step);
         for (number, strip) in (first..).zip(strips) {
@@ -192,7 +195,7 @@ impl Board {
     }
 }
 
-/// The leader's own strips, and the threads that own the others.
+/// The strips of the leader, which is the thread of the caller, and the threads that own the other strips.
 #[derive(Debug)]
 pub struct StripWorkers<'scope, 'a, R> {
     board: Arc<Board>,
@@ -204,7 +207,8 @@ pub struct StripWorkers<'scope, 'a, R> {
 }
 
 impl<'scope, 'a: 'scope, R: Real> StripWorkers<'scope, 'a, R> {
-    /// Distributes `strips` over the caller's thread and, if `threads` is given, up to that many threads in total.
+    /// Distributes `strips` over the thread of the caller and threads in the scope of `threads`, in total up to the
+    /// number in `threads`; only the thread of the caller is used if `threads` is `None`.
     pub fn new(
         mut strips: Vec<Strip<'a, R>>,
         periodic: bool,
@@ -228,7 +232,7 @@ impl<'scope, 'a: 'scope, R: Real> StripWorkers<'scope, 'a, R> {
         Self { board, own: strips, others, patience: Patience(Patience::MOST), command_number: 0, step: 0 }
     }
 
-    /// Issues a command, executes the leader's part, and waits for the other threads.
+    /// Issues a command, executes it on the strips of the leader, and waits for the other threads.
     fn issue(&mut self, command: Command) {
         self.command_number += 1;
         let number = Command::ALL.iter().position(|known| *known == command).unwrap_or(0);
@@ -251,7 +255,7 @@ impl<'scope, 'a: 'scope, R: Real> StripWorkers<'scope, 'a, R> {
         }
     }
 
-    /// Stops all threads after one has panicked, and resumes its panic.
+    /// Stops all threads after a thread has panicked, and resumes its panic.
     fn resume_worker_panic(&mut self) {
         self.stop_workers();
         for other in self.others.drain(..) {
@@ -261,12 +265,12 @@ impl<'scope, 'a: 'scope, R: Real> StripWorkers<'scope, 'a, R> {
         }
     }
 
-    /// Vertical force of all top rows on the bulk at zero displacement of the bulk.
+    /// Vertical force of the top rows of all strips on the bulk at zero displacement of the bulk, in units of k l.
     pub fn top_row_force(&self) -> f64 {
         self.board.strips.iter().map(|strip| strip.top_row_force.read()).sum()
     }
 
-    /// Takes one step; returns the sums over the contact row at its beginning.
+    /// Takes one step with the bulk at `bulk`; returns the sums over the contact row at the beginning of the step.
     pub fn step(&mut self, bulk: BulkPosition) -> ContactSums {
         self.board.bulk_x.post(bulk.x);
         self.board.bulk_height.post(bulk.height);
@@ -307,14 +311,14 @@ impl<'scope, 'a: 'scope, R: Real> StripWorkers<'scope, 'a, R> {
         }
     }
 
-    /// Strips of the leader: all strips after [`StripWorkers::finish`].
+    /// Strips of the leader; after [`StripWorkers::finish`] these are all strips.
     pub fn own(&self) -> &[Strip<'a, R>] {
         &self.own
     }
 }
 
 impl<R> StripWorkers<'_, '_, R> {
-    /// Issues the last command without waiting.
+    /// Issues the command to finish, without waiting for the threads.
     fn stop_workers(&self) {
         let number = Command::ALL.len() - 1;
         self.board.command.store(number as u64, Ordering::Relaxed);
@@ -330,7 +334,7 @@ impl<R> Drop for StripWorkers<'_, '_, R> {
     }
 }
 
-/// Reports completed commands to the leader, and a panic when it is dropped unfinished.
+/// Reports the completed commands of a thread to the leader, and a panic if it is dropped before the last command.
 struct WorkerGuard<'a> {
     last: &'a AtomicU64,
     has_finished: bool,
@@ -344,7 +348,8 @@ impl Drop for WorkerGuard<'_> {
     }
 }
 
-/// Main loop of the other threads: executes commands until the last one.
+/// Main loop of a thread other than the leader: executes commands on `strips`, the first of which has the number
+/// `first`, until the command to finish; returns the strips.
 fn run_worker<'a, R: Real>(
     board: &Board,
     thread: usize,

@@ -1,6 +1,7 @@
-//! One leapfrog step for the blocks of a strip, from the displacements now and one step before.
+//! One leapfrog step for the blocks of a strip, from the current displacements and those one step earlier.
 //!
-//! Velocities are not stored. With w = u - u_before, the displacement of the last step,
+//! Velocities are not stored. With the factors `kept` and `kick` of `Kick` and the displacement of the last step, w = u
+//! - u_before,
 //!
 //! ```text
 //! u_after = u + kept w + kick F/m + drag,  drag = -(1 - kept) v dt
@@ -28,19 +29,20 @@ use super::rows::{Field, Plane, RowCoefficients, Site, Springs8};
 pub struct Kick {
     /// Fraction of the velocity that remains after damping.
     pub kept: f64,
-    /// Displacement per step of a unit mass caused by a unit force.
+    /// Displacement of a unit mass in one step under a unit force, in units with k = l = m = 1.
     pub kick: f64,
 }
 
 impl Kick {
-    /// Factors for steps of `time_step` with the damping frequency `damping`, taken implicitly.
+    /// Creates the factors for steps of the length `time_step` with implicit damping of the frequency `damping`, in
+    /// units with k = l = m = 1.
     pub fn new(time_step: f64, damping: f64) -> Self {
         let half = 0.5 * damping * time_step;
         Self { kept: (1.0 - half) / (1.0 + half), kick: time_step * time_step / (1.0 + half) }
     }
 
-    /// Rounds the factors such that 1 + kept - n kick with a small integer n has no rounding error in the precision
-    /// `R`. A rigid translation of the layer then causes no force.
+    /// Rounds the factors to multiples of the epsilon of `R`, so that 1 + kept - n kick with a small integer n has no
+    /// rounding error in this precision. A rigid translation of the layer then causes no force.
     #[must_use]
     pub fn rounded<R: Real>(self) -> Self {
         let unit = R::EPSILON;
@@ -48,23 +50,27 @@ impl Kick {
         Self { kept: round(self.kept), kick: round(self.kick) }
     }
 
-    /// Decrease of the velocity of a frame that moves by `carried` per step, caused by damping.
+    /// Drag of a frame that moves by `carried` per step: the displacement -(1 - kept) `carried` that damping adds in
+    /// each step to displacements relative to this frame.
     pub fn drag(&self, carried: f64) -> f64 {
         -(1.0 - self.kept) * carried
     }
 }
 
-/// Moves all blocks from row `from` up, which must be inside blocks; [`move_side_block`] corrects those at free sides.
-/// Vector lanes beyond the last column overwrite the padding, which the caller restores.
+/// Takes one step of all blocks in the rows from `from` up. They must have the springs and the mass of a block inside
+/// the lattice, except for blocks at free sides, which [`move_side_block`] computes. Vector lanes beyond the last
+/// column overwrite the padding, which the caller restores.
 pub struct InsideRows<'a, R> {
     pub field: &'a mut Field<R>,
     pub from: usize,
     pub kick: Kick,
+    /// Drag of the moving frame along x, from `Kick::drag`.
     pub drag: f64,
 }
 
-/// Sums and differences along a row, shared by the rows above and below: s = (x_E + x_W), then x_E + x_W +- (y_E - y_W)
-/// and y_E + y_W +- (x_E - x_W).
+/// Sums and differences of the displacements x and y of the east (E) and west (W) neighbours of a block, shared by the
+/// rows above and below: `along` = x_E + x_W, `x_plus` and `x_minus` = x_E + x_W +- (y_E - y_W), `y_plus` and `y_minus`
+/// = y_E + y_W +- (x_E - x_W).
 struct RowSums<V> {
     along: V,
     x_plus: V,
@@ -73,7 +79,8 @@ struct RowSums<V> {
     y_minus: V,
 }
 
-/// Values of a plane shifted to the west, unshifted, and shifted to the east, as vectors.
+/// Views of a plane as vectors. At the index of a block they have the values of the west neighbour, the block itself,
+/// and the east neighbour.
 #[derive(Clone, Copy)]
 pub struct Views<'a, V> {
     pub west: &'a [V],
@@ -155,7 +162,8 @@ impl<R: Real> WithSimd for InsideRows<'_, R> {
     }
 }
 
-/// Spring forces on row `row`, which has a coefficient per spring, by column.
+/// Computes the spring forces on the blocks of row `row`, by column, with individual coefficients for every spring.
+/// Forces are in units of k l.
 pub struct RowForces<'a, R> {
     pub coefficients: &'a RowCoefficients<R>,
     pub field: &'a Field<R>,
@@ -202,7 +210,8 @@ impl<R: Real> WithSimd for RowForces<'_, R> {
     }
 }
 
-/// Spring forces on the contact row while all its blocks stay on the counterface: y = 0, no springs below.
+/// Computes the spring forces on the contact row, in units of k l, while all its blocks stay on the counterface:
+/// vertical displacements are 0, and there are no springs below.
 pub struct ContactRowForces<'a, R> {
     pub coefficients: &'a RowCoefficients<R>,
     pub field: &'a Field<R>,
@@ -236,17 +245,19 @@ impl<R: Real> WithSimd for ContactRowForces<'_, R> {
     }
 }
 
-/// Moves a row of blocks with `D` displacements each by given forces.
+/// Takes one step of a row of blocks with `D` displacement components each under the forces `force`.
 pub struct MoveRow<'a, R, const D: usize> {
     pub inverse_mass: &'a [R],
+    /// Current displacements.
     pub now: &'a [Plane<R>; D],
-    /// Displacements one step earlier, replaced by those one step later.
+    /// Displacements one step earlier, replaced by the displacements one step later.
     pub other: &'a mut [Plane<R>; D],
-    /// Number of columns of the row, and index of the first.
+    /// Number of columns of the row.
     pub columns: usize,
+    /// Index of the first column of the row in [`Plane::rows`].
     pub start: usize,
     pub kick: Kick,
-    /// Drag by axis.
+    /// Drag of the moving frame along each axis, from `Kick::drag`.
     pub drag: [f64; D],
     pub force: [&'a [R]; D],
 }
@@ -275,8 +286,8 @@ impl<R: Real, const D: usize> WithSimd for MoveRow<'_, R, D> {
     }
 }
 
-/// Returns the displacements one step later of the block (i, j) at a free side. `field` must still have the earlier
-/// displacements of the block.
+/// Returns the displacements of the block (i, j) at a free side after the step, x and y in units of l. `field` must
+/// still contain the displacements of this block one step earlier.
 pub fn move_side_block<R: Real>(site: &Site, field: &Field<R>, [i, j]: [usize; 2], kick: Kick, drag: f64) -> [f64; 2] {
     let Kick { kept, kick } = kick;
     let k: &Springs8 = &site.springs;

@@ -1,8 +1,8 @@
-//! Mean of outcomes that differ in their draws of local coefficients only.
+//! Mean of outcomes that differ only in their draws of local coefficients.
 
 use crate::springblock::{Correction, DynamicCost, InterfacePoint, LoadOutcome, Status, SurfaceOutcome, TracePoint};
 
-/// Mean of the `draws` of one load; `None` for no draws.
+/// Mean of the outcomes `draws` under one load, each with its own draw of local coefficients; `None` for no outcome.
 pub fn mean(mut draws: Vec<LoadOutcome>) -> Option<LoadOutcome> {
     if draws.len() < 2 {
         return draws.pop();
@@ -23,7 +23,7 @@ pub fn mean(mut draws: Vec<LoadOutcome>) -> Option<LoadOutcome> {
     })
 }
 
-/// `correction` with the mean change of those `draws` that have it.
+/// Returns `correction` with the mean change by its effect over the `draws` that have such a correction.
 fn mean_correction(correction: Correction, draws: &[LoadOutcome]) -> Correction {
     let changes = draws.iter().filter_map(|draw| draw.correction(correction.effect)).map(|same| same.change);
     Correction { change: average(&changes.collect::<Vec<f64>>()), ..correction }
@@ -38,8 +38,9 @@ fn average(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64
 }
 
-/// Standard error of the mean of `values`, each with its own error: from their scatter, which includes the own errors,
-/// but not less than from the own errors alone, since the scatter of a few values is uncertain.
+/// Standard error of the mean of `values`, whose standard errors are `errors`; `None` if either is missing. The scatter
+/// of the values includes these errors; as the scatter of a few values is uncertain, the result is at least that from
+/// `errors` alone.
 fn standard_error(values: Option<&[f64]>, errors: Option<&[f64]>) -> Option<f64> {
     let (values, errors) = (values?, errors?);
     let (n, mean) = (values.len() as f64, average(values));
@@ -84,7 +85,7 @@ fn cost(draws: &[&SurfaceOutcome]) -> Option<DynamicCost> {
     })
 }
 
-/// Mean forces on every contact block; all draws have the same contact blocks.
+/// Mean pressure and friction on every contact block; all draws have the same contact blocks.
 fn interface(draws: &[&SurfaceOutcome]) -> Vec<InterfacePoint> {
     let mean_at = |number: usize, value: fn(&InterfacePoint) -> f64| {
         draws.iter().filter_map(|draw| draw.interface.get(number)).map(value).sum::<f64>() / draws.len() as f64

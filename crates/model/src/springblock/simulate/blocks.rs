@@ -31,29 +31,30 @@ use crate::springblock::{Dimension, Effect, LoadOutcome, Monitor, Scene, Simulat
 
 /// Range of plausible orders of convergence.
 const ORDERS: [f64; 2] = [0.5, 2.0];
-/// Number of tails in the estimate.
+/// Factor of the tail, the remainder after the last block size, in the estimate.
 const TAIL_FACTOR: f64 = 1.5;
-/// Remainder after the finest blocks in units of the last difference, if lands are raised.
+/// Remainder after the finest blocks in units of the last difference d_2, if lands are raised.
 ///
 /// With this value the error over its standard error has a root mean square of 1.15, 1.02, 0.87 and 0.69 at 0.3, 0.65,
 /// 1.3 and 2.6 MPa on 28 random grooves with rims 10 to 60 um wide and 0.05 to 1 um high, in blocks of 20, 10 and 5 um.
 const RAISED_REMAINDER: f64 = 1.5;
-/// Factor of the last difference plus tail if the ratio is that of the finest blocks: on 40 random patterns the
-/// estimate is not below the error in 95 % of cases.
+/// Factor of |d_2| + tail in the estimate for refined ratios, which are those of the finest blocks: on 40 random
+/// patterns the estimate is not below the error in 95 % of cases.
 const FINEST_FACTOR: f64 = 2.0;
-/// Minimum depth of a cavity in finest blocks for an estimate of the remainder.
+/// Minimum depth of a cavity, in units of the finest blocks, for an estimate of the remainder.
 const MIN_DEPTH_BLOCKS: f64 = 2.0;
-/// Block sizes relative to the layer's blocks.
+/// Block sizes for refined ratios, relative to the layer's blocks, in the order in which they are solved.
 const FACTORS: [f64; 6] = [1.0, 0.5, 0.25, 0.125, 0.0625, 0.03125];
-/// Number of sizes used for cavities that are [`MIN_DEPTH_BLOCKS`] deep in the last of them.
+/// Number of block sizes for cavities that are at least [`MIN_DEPTH_BLOCKS`] deep in the last of these sizes.
 const DEEP_LEVELS: usize = 4;
-/// Maximum multiplications of one steady plane cell for error estimates: half a second.
+/// Maximum number of multiplications of one steady plane cell for error estimates: half a second.
 pub const MAX_PRODUCTS: f64 = 2e9;
-/// Maximum multiplications of one steady plane cell for refined ratios: some seconds.
+/// Maximum number of multiplications of one steady plane cell for refined ratios: some seconds.
 pub const MAX_REFINEMENT_PRODUCTS: f64 = 2e10;
 
-/// Reasons why ratios were not refined.
+/// Reason why ratios were not refined: the monitor cancelled.
 pub const CANCELLED: &str = "the run was cancelled";
+/// Reason why ratios were not refined: too few block sizes, or no error estimate in the scene's own blocks.
 const UNKNOWN: &str = "how far they are from those of vanishing blocks is not known";
 
 /// Effect of smaller blocks on a steady cell.
@@ -63,15 +64,16 @@ pub struct BlockRefinement {
     pub factor: f64,
     /// Ratios in the finest blocks minus those in the layer's blocks, by load.
     pub shifts: Vec<f64>,
-    /// Upper bound, with 95 % probability, of the difference of the ratios in the finest blocks from the limit of
-    /// vanishing blocks, by load.
+    /// Upper bound, with 95 % probability, of the difference of the ratios in the finest blocks from those of vanishing
+    /// blocks, by load.
     pub errors: Vec<f64>,
 }
 
-/// Effect of smaller blocks on the ratios of `scene`, by cells of at most `most` multiplications.
+/// Effect of smaller blocks on the ratios of `scene`, from steady cells that each take at most `most` multiplications.
 ///
 /// In space smaller cells and grooves are used, together with the ratios `own` of the scene's cell. `None` without a
-/// pattern, if fewer than two finer sizes are possible, and in space with rims.
+/// pattern, if fewer than two finer sizes are possible, if a cell has no ratio, and in space with rims or a measured
+/// relief.
 pub fn block_refinement(scene: &Scene, own: &[Option<f64>], most: f64) -> Option<BlockRefinement> {
     refinement(scene, scene.pattern.as_ref()?, own, most, &Unwatched).ok()
 }
@@ -81,8 +83,8 @@ pub fn can_refine(scene: &Scene, pattern: &Pattern) -> bool {
     scene.dimension() == Dimension::Plane || has_flat_face(scene, pattern)
 }
 
-/// Effect of smaller blocks on `scene` with `pattern`, by cells of at most `most` multiplications; `own` are the
-/// scene's ratios, needed for cells in space.
+/// Effect of smaller blocks on `scene` with `pattern`, from steady cells that each take at most `most` multiplications,
+/// or the reason why there is no result. `own` are the scene's ratios, which only cells in space need.
 pub fn refinement(
     scene: &Scene,
     pattern: &Pattern,
@@ -101,8 +103,8 @@ pub type Ratios = Option<Vec<Option<f64>>>;
 
 /// Estimated differences of the ratios of `scene` from the limit of vanishing blocks, by load.
 ///
-/// `own` are the ratios in the scene's own blocks; `ratios` computes them in other blocks, or returns `None` if that is
-/// too expensive. Returns `None` if two other sizes are not possible.
+/// `own` are the ratios in the scene's own blocks; `ratios` computes ratios in other blocks, or returns `None` if they
+/// are too expensive. Returns `None` if two other sizes are not possible, or if a ratio is missing.
 pub fn block_error(scene: &Scene, own: &[Option<f64>], ratios: impl Fn(&Scene) -> Ratios) -> Option<Vec<f64>> {
     let by = |factor: f64| with_block_factor(scene, factor).and_then(|scene| ratios(&scene));
     let own = Some(own.to_vec());
@@ -123,8 +125,8 @@ pub fn block_error(scene: &Scene, own: &[Option<f64>], ratios: impl Fn(&Scene) -
     (0..fine.len()).map(at).collect::<Option<Vec<f64>>>().map(|errors| largest_near(&errors, 1))
 }
 
-/// Estimate for cells in space with rims, from a groove with the same edge length per area. `None` without rims, and if
-/// the cavities are so dense that the groove would have no land.
+/// Error estimate like [`block_error`] for cells in space with rims, from a groove with equal edge length per area.
+/// `None` without rims, and if the cavities are so dense that the groove would have no land.
 pub fn edge_groove_error(scene: &Scene, pattern: &Pattern) -> Option<Vec<f64>> {
     let groove = edge_groove(pattern)?;
     let mut plane = Scene { pattern: Some(groove), ..scene.clone() };
@@ -133,21 +135,23 @@ pub fn edge_groove_error(scene: &Scene, pattern: &Pattern) -> Option<Vec<f64>> {
     block_error(&plane, &ratios(&plane)?, ratios)
 }
 
-/// Groove across the sliding direction with the width, depth and rims of `pattern` and the same edge length per area.
+/// Groove across the sliding direction with the width, depth and rims of `pattern` and equal edge length per area;
+/// `None` without rims or land.
 fn edge_groove(pattern: &Pattern) -> Option<Pattern> {
     let rim = pattern.texture().rim().filter(|rim| rim.stands())?;
     let spacing_m = 2.0 / pattern.edge_per_area_1_m() - pattern.width_m();
     Pattern::new(Texture::new(Planform::Groove).with_rim(*rim), pattern.width_m(), spacing_m, pattern.depth_m()).ok()
 }
 
-/// Adds the discretization errors to `loads`, whose cavity fraction is `share` times that of a period, from those of a
-/// steady cell.
+/// Adds discretization errors to `loads`, whose cavity fraction is `share` times that of a period. `errors` are those
+/// of a steady cell; without them nothing is added.
 pub fn set_errors(loads: &mut [LoadOutcome], errors: Option<&[f64]>, share: f64) {
     let none = vec![0.0; loads.len()];
     errors.into_iter().for_each(|errors| set_changes(loads, &none, errors, share));
 }
 
-/// Adds the changes `shifts` to smaller blocks with the `errors` that remain; both are of a steady cell.
+/// Adds the changes `shifts` of a steady cell due to smaller blocks, with the `errors` that remain, both scaled by
+/// `share`.
 fn set_changes(loads: &mut [LoadOutcome], shifts: &[f64], errors: &[f64], share: f64) {
     for ((load, shift), error) in loads.iter_mut().zip(shifts).zip(errors) {
         // The true difference hardly exceeds the estimate, which is taken as two standard errors.
@@ -155,7 +159,8 @@ fn set_changes(loads: &mut [LoadOutcome], shifts: &[f64], errors: &[f64], share:
     }
 }
 
-/// Error estimate from the differences of three sizes; the own size has the index `first`.
+/// Error estimate from the two differences between the ratios in three block sizes; the scene's own size has the index
+/// `first`, 0 for the largest.
 fn error(differences: [f64; 2], first: usize) -> f64 {
     let [before, last] = differences.map(f64::abs);
     if last == 0.0 {
@@ -181,7 +186,7 @@ fn largest_near(errors: &[f64], reach: usize) -> Vec<f64> {
     (0..errors.len()).map(|load| near(load).iter().copied().fold(0.0, f64::max)).collect()
 }
 
-/// Remainder after the last of two differences.
+/// Estimated remainder after the last of two differences between successive block sizes (the tail).
 fn tail([before, last]: [f64; 2]) -> f64 {
     if last == 0.0 {
         return 0.0;
@@ -190,15 +195,15 @@ fn tail([before, last]: [f64; 2]) -> f64 {
     last.abs() / (order.exp2() - 1.0)
 }
 
-/// Ratios of steady plane cells of `pattern`; `None` if a cell takes more than `most` multiplications.
+/// Ratios of the steady plane cell of `pattern` by load; `None` if it takes `most` multiplications or more.
 pub fn plane_ratios(scene: &Scene, pattern: &Pattern, most: f64) -> Ratios {
     let model = SteadyCell::with_dimension(scene, Dimension::Plane);
     (model.products(pattern) < most).then(|| model.ratios(pattern))
 }
 
 /// Refines the ratios of `simulation`, whose cavity fraction is `share` times that of a period, by the effect of
-/// smaller blocks on the steady cell, if `scene` requests it and the error decreases. Adds a statement, or the reason
-/// why not. Once `monitor` has cancelled, the simulation becomes a cancelled one.
+/// smaller blocks on the steady cell, if `scene` requests it and the error decreases. Adds a statement on the
+/// refinement, or the reason why there is none. Once `monitor` has cancelled, the simulation becomes a cancelled one.
 pub fn refine(scene: &Scene, pattern: &Pattern, share: f64, simulation: &mut Simulation, monitor: &dyn Monitor) {
     if !scene.run.refine {
         return;
@@ -246,7 +251,8 @@ pub fn apply_refinement(
     }
 }
 
-/// Returns the refinement `found` if it reduces the error of `loads`, whose blocks are `block_m`.
+/// Returns the refinement `found` if it reduces the error of `loads`, which were solved in blocks of `block_m`, and the
+/// reason to refuse it otherwise.
 fn require_improvement(
     loads: &[LoadOutcome],
     found: BlockRefinement,
@@ -267,8 +273,8 @@ fn um(length_m: f64) -> f64 {
     (length_m * 1e9).round() / 1e3
 }
 
-/// Effect of the finest possible blocks in the vertical plane, and the ratios in the blocks of `scene`; or the reason
-/// why there is none.
+/// Effect of the finest possible blocks in the vertical plane, and the ratios in the blocks of `scene`, by load; or the
+/// reason why there is no result.
 pub fn refine_in_plane(
     scene: &Scene,
     pattern: &Pattern,
@@ -320,7 +326,8 @@ pub fn refine_in_plane(
     Ok((BlockRefinement { factor, shifts, errors }, levels.swap_remove(0)))
 }
 
-/// Returns `scene` in blocks `factor` times as large; `None` if they do not divide the layer or the thickness.
+/// Returns `scene` in blocks `factor` times as large; `None` if these do not divide the height of the layer or make the
+/// scene invalid.
 pub fn with_block_factor(scene: &Scene, factor: f64) -> Option<Scene> {
     let mut other = scene.clone();
     other.layer.block_m *= factor;

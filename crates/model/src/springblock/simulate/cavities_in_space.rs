@@ -1,18 +1,20 @@
 //! Effect of smaller blocks on cells in space, estimated from smaller cells and from grooves.
 //!
 //! Cells in space are too expensive in blocks of a fraction of a shallow cavity's depth; grooves in the vertical plane
-//! are not. A groove across the sliding direction with the width, the depth and the area fraction of the cavities has
-//! edges that carry load alike, so that the friction reduction in blocks of size l has the same relative error:
+//! are not. The edges of a groove across the sliding direction with the width, the depth and the area fraction of the
+//! cavities carry load like the edges of the cavities, so that both friction reductions 1 - r in blocks of size l have
+//! the same relative error:
 //!
 //! ```text
 //! 1 - r(0) = (1 - r(l)) (1 - r_groove(0)) / (1 - r_groove(l))
 //! ```
 //!
-//! A turned groove is similar to a groove of its width and spacing; at edges along the sliding direction friction does
-//! not tilt the pressure, which changes the effect of blocks by a tenth. For crossing grooves the error of the formula
-//! may exceed the correction; its standard error covers this and decreases with the correction. The formula therefore
-//! starts from the smallest blocks in which a cell in space takes a second, a half or a quarter of the layer's blocks.
-//! Rims and measured reliefs are not refined, because the blocks that touch depend on their heights.
+//! A groove that is not across the sliding direction is compared with a transversal groove of equal width and spacing;
+//! at edges along the sliding direction friction does not tilt the pressure, which changes the effect of blocks by a
+//! tenth. For crossing grooves the error of the formula may exceed the correction; its standard error covers this and
+//! decreases with the correction. The formula therefore starts from the smallest blocks, a half or a quarter of the
+//! layer's blocks, in which a cell in space takes at most a second. Rims and measured reliefs are not refined, because
+//! the blocks that touch depend on their heights.
 
 use crate::pattern::{Pattern, Planform};
 
@@ -20,10 +22,10 @@ use super::blocks::{BlockRefinement, CANCELLED, MAX_PRODUCTS, refine_in_plane, w
 use super::space::MAX_ESTIMATED_BYTES;
 use crate::springblock::{Dimension, Monitor, Scene, SteadyCell};
 
-/// Standard error of the formula as a fraction of the largest shift
+/// Standard error of ratios from the formula of this module, as a fraction of their largest change by smaller blocks
 /// (`grooves_tell_what_smaller_blocks_change_of_cavities_in_space`); rarely exceeded.
 const RELATIVE_ERROR: f64 = 0.5;
-/// Multiplications in the plane that take as long as one column of a cell in space.
+/// Number of multiplications in the plane that take as long as one column of a cell in space.
 const COLUMN_PRODUCTS: f64 = 2e6;
 /// Block sizes of smaller cells in space relative to the layer's blocks, smallest first.
 const SIZES: [f64; 2] = [0.25, 0.5];
@@ -35,7 +37,8 @@ pub fn has_flat_face(scene: &Scene, pattern: &Pattern) -> bool {
     pattern.texture().rim().is_none() && scene.relief.is_none()
 }
 
-/// Returns the groove across the sliding direction that is similar to `pattern`.
+/// Returns the groove across the sliding direction with the width, depth and area fraction of cavities of `pattern`;
+/// `None` if it would have no land.
 fn similar_groove(pattern: &Pattern) -> Option<Pattern> {
     let width_m = pattern.width_m();
     let spacing_m = match pattern.planform() {
@@ -46,8 +49,9 @@ fn similar_groove(pattern: &Pattern) -> Option<Pattern> {
     Pattern::new(Planform::Groove, width_m, spacing_m, pattern.depth_m()).ok()
 }
 
-/// Effect of smaller blocks on the ratios `own` of cells of `scene` with `pattern` in space: by smaller cells in space
-/// if one takes no longer than `most` multiplications in the plane, and from there on by grooves.
+/// Effect of smaller blocks on the ratios `own` of cells of `scene` with `pattern` in space, or the reason why there is
+/// no result. Cells in smaller blocks are solved in space if one takes no longer than `most` multiplications in the
+/// plane; the effect of still smaller blocks is that on grooves.
 pub fn refined_by_grooves(
     scene: &Scene,
     pattern: &Pattern,
@@ -74,8 +78,8 @@ pub fn refined_by_grooves(
     Ok(scale_refinement(refine_groove(scene, &groove, most, monitor)?, own))
 }
 
-/// Whether a cell in space of `scene` with `pattern` takes no longer than `most` multiplications in the plane, and
-/// little memory.
+/// Whether a cell in space of `scene` with `pattern` takes no longer than `most` multiplications in the plane, and less
+/// memory than [`MAX_ESTIMATED_BYTES`].
 fn is_cheap(scene: &Scene, pattern: &Pattern, most: f64) -> bool {
     let cell = SteadyCell::with_dimension(scene, Dimension::Space);
     let [nx, ny] = cell.columns(pattern);
@@ -83,7 +87,7 @@ fn is_cheap(scene: &Scene, pattern: &Pattern, most: f64) -> bool {
 }
 
 /// Returns the ratios `own` plus the change from the steady cells of `scene` to those of `finer`; `None` if a cell has
-/// no ratio.
+/// no ratio at a load.
 fn refine_by_cells(
     scene: &Scene,
     finer: &Scene,
@@ -100,8 +104,8 @@ fn refine_by_cells(
     own.iter().zip(finer.into_iter().zip(coarse)).map(moved).collect()
 }
 
-/// Effect of smaller blocks on `groove`, by steady cells of at most `most` multiplications, and its ratios in the
-/// blocks of `scene`.
+/// Effect of smaller blocks on `groove`, from steady plane cells that each take at most `most` multiplications, and the
+/// ratios of the groove in the blocks of `scene`; or the reason why there is no result.
 fn refine_groove(
     scene: &Scene,
     groove: &Pattern,
@@ -113,7 +117,8 @@ fn refine_groove(
     refine_in_plane(&plane, groove, most, monitor)
 }
 
-/// Scales the refinement `found` of a groove to the ratios `own`, in proportion to the friction reductions.
+/// Scales the refinement `found` of a groove with the ratios `of_groove` to cells with the ratios `own`, in proportion
+/// to the friction reductions.
 fn scale_refinement((found, of_groove): (BlockRefinement, Vec<f64>), own: &[Option<f64>]) -> BlockRefinement {
     // (1 - r) / (1 - r_groove) in blocks of this size
     let scale: Vec<f64> = own

@@ -14,7 +14,8 @@ pub fn model_of(scene: &Scene, lattice: &SpaceLattice) -> SpaceSteadyModel {
     SpaceSteadyModel::new(lattice.clone(), scene.layer.block_m, stiffness_pa, scene.run.liftoff)
 }
 
-/// Solves steady sliding of `model` at each load with the column coefficients `drawn`, given by load.
+/// Solves steady sliding of `model` along the unit vector `direction` at each load, with the dynamic coefficients
+/// `drawn`, one list of all columns per load.
 pub fn solve_drawn(
     scene: &Scene,
     model: &SpaceSteadyModel,
@@ -39,18 +40,18 @@ pub fn solve_drawn(
     model.solve_all(&loads, monitor)
 }
 
-/// Steady ratios of a lattice over its flat counterpart, with mean coefficients and with the draws of dynamic runs. The
-/// difference is the effect of the draw.
+/// Steady friction of a lattice over that of its flat counterpart, with mean local coefficients and with the
+/// coefficients drawn for dynamic runs. The difference is the effect of the draw.
 pub struct SteadyRatios {
     /// Ratios with mean coefficients, by load.
     mean: Vec<Option<f64>>,
-    /// Ratios by draw and load.
+    /// Ratios with drawn coefficients, by draw and load.
     drawn: Vec<Vec<Option<f64>>>,
 }
 
 impl SteadyRatios {
-    /// Solves a patterned and a flat lattice; `None` for a face with height variations, on which every draw has other
-    /// contacts.
+    /// Solves a patterned and a flat lattice; `None` for a face with height variations, on which other blocks touch for
+    /// every draw.
     pub fn new(
         scene: &Scene,
         lattices: [&SpaceLattice; 2],
@@ -89,8 +90,8 @@ impl SteadyRatios {
         Some(Self { mean: each.next()?, drawn: each.collect() })
     }
 
-    /// Ratios at the load `load` with mean coefficients and with draw number `draw`; `None` if one of the draws has no
-    /// ratio.
+    /// Ratios at load number `load` with mean coefficients and with draw number `draw`, in this order; `None` if the
+    /// ratio with mean coefficients or that of any draw is missing.
     pub fn get(&self, load: usize, draw: usize) -> Option<(f64, f64)> {
         let all: Option<Vec<f64>> = self.drawn.iter().map(|drawn| drawn.get(load).copied().flatten()).collect();
         Some((self.mean.get(load).copied().flatten()?, *all?.get(draw)?))

@@ -19,45 +19,52 @@ use crate::springblock::{
     Dimension, Extent, Fidelity, MAX_STEPS, Scene, SceneError, SpaceLattice, Springs, SteadyCell,
 };
 
-/// Seconds per block and force evaluation: linear and exact springs in the plane, and springs in space.
+/// Seconds per block and force evaluation with linear springs in the plane.
 const LINEAR_S: f64 = 1.6e-9;
+/// Seconds per block and force evaluation with exact springs in the plane.
 const EXACT_S: f64 = 14e-9;
+/// Seconds per block and force evaluation in space.
 const SPACE_S: f64 = 7e-9;
-/// Seconds per product of a band factorization, and per factor entry of a solution.
+/// Seconds per multiplication of a band factorization.
 const PRODUCT_S: f64 = 2e-10;
+/// Seconds per entry of the factor in a linear solution.
 const ENTRY_S: f64 = 5e-10;
-/// Memory per point of the interface and load, including its part of the report, in bytes.
+/// Memory per contact block of the interface and per load, including its part of the report, in bytes.
 const BYTES_PER_POINT: f64 = 150.0;
-/// Number of linear solutions per load.
+/// Number of linear solutions per load of a steady solve in the plane.
 const SOLUTIONS: f64 = 15.0;
 /// Seconds per column, explicit row and load of a cell in space in a search: the median over cells of squares, discs
 /// and crossing grooves of 4 to 200 columns per side is 1.3e-6.
 const SEARCHED_COLUMN_S: f64 = 2e-6;
-/// Seconds per direction, column and explicit row of the solver in space, and the factor for cells with a side of fewer
-/// than `THIN_SIDE` columns, whose short and long transforms are slower per number. Rounded to the slow side of squares of
-/// 100 to 650 columns per side, and of a cell of 15 by 30,004.
+/// Seconds per search direction, column and explicit row of the solver in space, rounded to the slow side of measured
+/// cells with 100 to 650 columns per side.
 const SPACE_COLUMN_S: f64 = 7.5e-8;
+/// Number of columns along a side below which a cell in space is thin.
 const THIN_SIDE: f64 = 24.0;
+/// Factor on [`SPACE_COLUMN_S`] for thin cells, whose short and long transforms are slower per number: from a cell of
+/// 15 by 30,004.
 const THIN_FACTOR: f64 = 2.9;
-/// Factor for faces with rims or other height variations.
+/// Factor on the time of a cell in space whose face has rims or other height variations.
 const RAISED_FACTOR: f64 = 2.0;
-/// Seconds per number for the orthogonalization of a new image against an older one.
+/// Seconds per number for orthogonalizing the image of a new search direction against that of an older direction.
 const ORTHOGONAL_S: f64 = 6e-10;
-/// Number of directions for the first load, a + b sqrt(n) for a cavity whose narrowest width is n blocks: cavities of 3,
-/// 30, 60 and 125 blocks take 22, 30, 46 and 63. Later loads take the fraction `LATER_LOADS` of it while all directions are kept.
+/// Coefficients a, b of the number of search directions for the first load, a + b sqrt(n) for a cavity whose narrowest
+/// width is n blocks: cavities of 3, 30, 60 and 125 blocks take 22, 30, 46 and 63.
 const DIRECTIONS: [f64; 2] = [12.0, 4.0];
+/// Number of search directions for a later load over that for the first load, as long as all directions are stored.
 const LATER_LOADS: f64 = 0.4;
-/// Numbers per column for each stored direction: unknowns, image and normal force of the column, and those of a cavity
-/// above it.
+/// Numbers stored per column for each search direction: unknown, image and normal force.
 const NUMBERS_PER_COLUMN: f64 = 3.0;
+/// Further numbers stored per column in a cavity for each search direction.
 const NUMBERS_PER_CAVITY: f64 = 6.0;
 /// Memory per column and explicit row of a cell in space besides the stored directions, in bytes: displacements,
 /// spectra and condensed matrices.
 const CELL_BYTES_PER_BLOCK: f64 = 500.0;
-/// Maximum time on one core, in seconds: a month.
+/// Maximum estimated time on one core, in seconds: a month.
 const MAX_CORE_S: f64 = 30.0 * 86_400.0;
-/// Memory per block of a dynamic run, and of a dynamic run in space with its warm start, in bytes.
+/// Memory per block of a dynamic run in the plane, in bytes.
 const BYTES_PER_BLOCK: f64 = 200.0;
+/// Memory per block of a dynamic run in space with its warm start, in bytes.
 const SPACE_BYTES_PER_BLOCK: f64 = 900.0;
 
 /// Estimated cost of solving a scene.
@@ -119,7 +126,8 @@ fn expense_on_threads(scene: &Scene, threads: f64) -> Expense {
     }
 }
 
-/// Columns of the scene's own surface in the vertical plane, and of its flat counterpart.
+/// Numbers of columns of the scene's own surface in the vertical plane and of its flat counterpart; the latter is
+/// `None` without a pattern.
 fn surfaces(scene: &Scene) -> [Option<usize>; 2] {
     let whole = scene.layer.columns();
     match (&scene.pattern, scene.run.extent) {
@@ -134,7 +142,7 @@ fn surfaces(scene: &Scene) -> [Option<usize>; 2] {
     }
 }
 
-/// Steady sliding in the plane: one factorization per surface, at the same time.
+/// Cost of steady sliding in the plane: one factorization per surface, at the same time on two threads.
 fn plane(scene: &Scene, threads: f64) -> Expense {
     let (rows, is_cell, loads) = (scene.layer.rows(), scene.run.extent == Extent::Cell, scene.loads.len() as f64);
     let (mut core_s, mut bytes) = (0.0, 0.0);
@@ -155,7 +163,7 @@ fn plane(scene: &Scene, threads: f64) -> Expense {
     Expense { core_s, wall_s: core_s / threads.min(2.0), bytes }
 }
 
-/// Plane cells for error estimates: in other block sizes, and over the whole thickness and the layer alone.
+/// Cost of the plane cells for error estimates: in other block sizes, and over the whole thickness and the layer alone.
 fn plane_error_estimate_cells(scene: &Scene, threads: f64) -> Expense {
     let Some(pattern) = &scene.pattern else { return Expense::default() };
     let cell = |sized: &Scene| {
@@ -182,7 +190,8 @@ fn strip_columns(scene: &Scene, pattern: &Pattern) -> f64 {
     scene.layer.columns() as f64 * if pattern.texture().slides_along_rows() { ny } else { nx }
 }
 
-/// Steady sliding in space: a cell or a strip with its loads one after the other, and the cells for error estimates.
+/// Cost of steady sliding in space: a cell or a strip with its loads one after the other, and the cells for error
+/// estimates.
 fn space(scene: &Scene, threads: f64) -> Expense {
     let Some(pattern) = &scene.pattern else { return Expense::default() };
     let (cell, error_estimate_cells) = (space_cell(scene, pattern), error_estimate_cells(scene, pattern, threads));
@@ -201,7 +210,8 @@ fn space(scene: &Scene, threads: f64) -> Expense {
     cell.then(error_estimate_cells)
 }
 
-/// Number of directions of the solver in space for each load of `scene`, in blocks of `factor` times its own.
+/// Number of search directions of the solver in space for each load of `scene`, in blocks `factor` times as large as
+/// those of the scene.
 fn directions(scene: &Scene, pattern: &Pattern, factor: f64) -> Vec<f64> {
     let narrowest_m = pattern.length_m().map_or_else(|| pattern.width_m(), |length_m| length_m.min(pattern.width_m()));
     let blocks = narrowest_m / (factor * scene.layer.block_m);
@@ -211,7 +221,7 @@ fn directions(scene: &Scene, pattern: &Pattern, factor: f64) -> Vec<f64> {
     (0..scene.loads.len()).map(|load| if load == 0 { first } else { later }).collect()
 }
 
-/// One steady cell in space at all loads.
+/// Cost of one steady cell in space at all loads.
 fn space_cell(scene: &Scene, pattern: &Pattern) -> Expense {
     let [nx, ny] = SpaceLattice::columns_of(pattern, scene.layer.block_m);
     let (columns, each) = (nx * ny, directions(scene, pattern, 1.0));
@@ -228,7 +238,8 @@ fn space_cell(scene: &Scene, pattern: &Pattern) -> Expense {
     Expense { core_s, wall_s: core_s, bytes }
 }
 
-/// Cells in space for error estimates: in other block sizes, and over the whole thickness and the layer alone.
+/// Cost of the cells in space for error estimates: in other block sizes, and over the whole thickness and the layer
+/// alone.
 fn error_estimate_cells(scene: &Scene, pattern: &Pattern, threads: f64) -> Expense {
     let is_told =
         |sized: &Scene| SteadyCell::with_dimension(sized, Dimension::Space).bytes(pattern) < MAX_ESTIMATED_BYTES;
@@ -246,7 +257,7 @@ fn error_estimate_cells(scene: &Scene, pattern: &Pattern, threads: f64) -> Expen
     sizes.then(correction)
 }
 
-/// Dynamic runs: one for each surface, load and draw.
+/// Cost of dynamic runs, one for each surface, load and draw, and in space of the steady cells for error estimates.
 fn in_time(scene: &Scene, is_spatial: bool, threads: f64) -> Expense {
     let rows = scene.layer.rows();
     let columns: Vec<f64> = match (&scene.pattern, is_spatial) {

@@ -4,22 +4,23 @@
 //! cavities. A specimen several millimetres thick also deforms above the margin, which evens out the pressure. A strip
 //! of the face is cut in the middle of its first and its last cavity into pieces that are periodic if mirrored at their
 //! sides. The middle piece has cavities of width w and lands of width g. An end piece with a margin of width m is half
-//! a cell of (w, 2 m); if a cavity of width v is cut by the strip's end, it is half a cell of (2 v, g). The excess
-//! compliance of each piece compared with solid is
+//! a cell with cavity w and land 2 m; if the strip's end cuts a cavity to the width v, the end piece is half a cell
+//! with cavity 2 v and land g. The excess compliance of each piece compared with solid is
 //!
 //! ```text
 //! C = E (1/k_cell - 1/k_solid),     k: mean pressure over descent of the bulk
 //! ```
 //!
 //! The pressure p(x) is that under an elastic body of the specimen's thickness on the foundation C(x) ([`body`]). The
-//! ratio of the face is the mean of the friction of steady cells at their local pressure,
+//! ratio r of the face, with the strips s of width w_s, the area A and the nominal pressure P, follows from the
+//! friction of steady cells at their local pressure,
 //!
 //! ```text
 //! r = sum_s w_s int p mu_cell(p) dx / (P mu_flat(P) A)
 //! ```
 //!
-//! For the layer alone, with a rigid bulk, the result is more uneven. The difference of the two results is added to the
-//! ratio of strips of the layer.
+//! For the layer alone, with a rigid bulk, the pressure is more uneven. The difference between the two ratios is added
+//! to the ratio of strips of the layer.
 
 pub mod body;
 
@@ -39,17 +40,17 @@ pub const RELATIVE_ERROR: f64 = 0.15;
 /// Maximum step, in units of the nominal pressure, between pressures at which the friction of cells is solved; friction
 /// is interpolated linearly.
 const PRESSURE_STEP: f64 = 0.25;
-/// Compliance of solid pieces over the height of the body, nearly zero.
+/// Excess compliance C of solid pieces, as a fraction of the height of the body; exactly it would be zero.
 pub const SOLID_COMPLIANCE: f64 = 1e-4;
-/// Minimum number of columns and rows of the cells that determine compliances; the rows are as high as a period is
-/// long.
+/// Maximum number of columns and minimum number of rows of the cells that determine compliances of a thick specimen.
+/// Such a cell is at least as high as its period is long.
 const COMPLIANCE_COLUMNS: f64 = 24.0;
-/// Widths of cavities and lands that differ by less, in metres, count as equal.
+/// Unit of [`CellWidths`], in metres: widths of cavities and lands that differ by less count as equal.
 const WIDTH_UNIT_M: f64 = 1e-8;
 
-/// Widths of the cavity and the land of a cell, in units of [`WIDTH_UNIT_M`].
+/// Widths of the cavity and of the land of a cell, in this order, in units of [`WIDTH_UNIT_M`].
 type CellWidths = (u64, u64);
-/// Widths for a strip without cavities.
+/// Key of solid parts, in a strip without cavities.
 const SOLID: CellWidths = (0, 0);
 
 /// Part of a strip that is periodic if mirrored at its sides.
@@ -63,7 +64,7 @@ fn widths(cavity_m: f64, land_m: f64) -> CellWidths {
     (units(cavity_m), units(land_m))
 }
 
-/// A strip of the face, cut into pieces from left to right; without pieces if it has no cavity.
+/// A strip of the face, cut into pieces from left to right; there are no pieces if the strip has no cavity.
 struct CutStrip {
     pieces: Vec<Piece>,
     width_m: f64,
@@ -116,10 +117,10 @@ pub fn excess_compliance_m(scene: &Scene, pattern: &Pattern) -> Option<f64> {
     Some(soft.compliance_m[1] * pattern.areal_density() / groove.areal_density())
 }
 
-/// A cell with given widths of cavity and land.
+/// A groove with given widths of cavity and land, with its compliances.
 struct Cell {
     pattern: Pattern,
-    /// Excess compliance C of the layer alone and of the specimen, in metres.
+    /// Excess compliance C, in metres, in the layer alone and in the whole specimen.
     compliance_m: [f64; 2],
 }
 
@@ -139,7 +140,8 @@ impl Cell {
     }
 }
 
-/// Excess compliance C of the cell of `pattern`, with `rows` rows of blocks of `block_m`.
+/// Excess compliance C, in metres, of the cell of `pattern` with `rows` rows of blocks of `block_m`; `None` if the rows
+/// cannot hold the cavity or C is not positive.
 fn compliance_m(pattern: &Pattern, block_m: f64, rows: usize) -> Option<f64> {
     let height_m = rows as f64 * block_m;
     if pattern.depth_m() >= height_m - block_m {
@@ -153,7 +155,7 @@ fn compliance_m(pattern: &Pattern, block_m: f64, rows: usize) -> Option<f64> {
     (compliance_m.is_finite() && compliance_m > 0.0).then_some(compliance_m)
 }
 
-/// Part of the face with its pressure relative to the nominal pressure.
+/// Part of the face with uniform pressure, which is given relative to the nominal pressure.
 pub struct LoadShare {
     widths: CellWidths,
     area_m2: f64,
@@ -161,7 +163,7 @@ pub struct LoadShare {
 }
 
 impl LoadShare {
-    /// Creates a part of `area_m2` without cavities under `pressure`.
+    /// Creates a part of `area_m2` without cavities, under `pressure` times the nominal pressure.
     pub const fn solid(area_m2: f64, pressure: f64) -> Self {
         Self { widths: SOLID, area_m2, pressure }
     }
@@ -209,7 +211,7 @@ pub fn difference(scene: &Scene, pattern: &Pattern, face: &Face, monitor: &dyn M
 }
 
 /// Pressures on parts of the strips under an elastic body as thick as the specimen of `scene`, or as its layer if no
-/// thickness is given; all strips have the same rigid back.
+/// thickness is given. One rigid back carries all strips. `None` if a strip has no solution.
 fn load_shares(scene: &Scene, strips: &[CutStrip], cells: &BTreeMap<CellWidths, Cell>) -> Option<Vec<LoadShare>> {
     let (height_m, place) = scene.layer.thickness_m.map_or((scene.layer.height_m, 0), |thickness_m| (thickness_m, 1));
     let solid_m = SOLID_COMPLIANCE * height_m;
@@ -234,7 +236,7 @@ fn load_shares(scene: &Scene, strips: &[CutStrip], cells: &BTreeMap<CellWidths, 
     Some(normalized(each?.into_iter().flatten().collect()))
 }
 
-/// Scales the pressures of `parts` to a mean of 1.
+/// Scales the pressures of `parts` so that their mean over the area is 1.
 pub fn normalized(mut parts: Vec<LoadShare>) -> Vec<LoadShare> {
     let area_m2: f64 = parts.iter().map(|part| part.area_m2).sum();
     let mean = parts.iter().map(|part| part.area_m2 * part.pressure).sum::<f64>() / area_m2;
@@ -242,7 +244,8 @@ pub fn normalized(mut parts: Vec<LoadShare>) -> Vec<LoadShare> {
     parts
 }
 
-/// Reduction of the face's ratio by the cells of `parts` at each load; `None` once `monitor` has cancelled.
+/// Friction reduction 1 - r of the face, which consists of `parts`, at each load; a load is `None` if a cell has no
+/// friction. Returns `None` once `monitor` has cancelled.
 fn friction_reduction(
     scene: &Scene,
     cells: &BTreeMap<CellWidths, Cell>,
@@ -268,8 +271,8 @@ fn friction_reduction(
     Some(scene.loads.iter().enumerate().map(at).collect())
 }
 
-/// Friction force of `parts` at each load, sum of A p mu(p), in newtons. All parts are cells of the pattern `cell`,
-/// solved in the given dimension, or solid if `cell` is `None`.
+/// Friction force of `parts` at each load, the sum of area A times p mu(p), in newtons; `None` if a cell has no
+/// friction. All parts are cells of the pattern `cell`, solved in the given dimension, or solid if `cell` is `None`.
 fn parts_friction(
     scene: &Scene,
     cell: Option<(&Pattern, Dimension)>,
@@ -280,20 +283,22 @@ fn parts_friction(
     (0..scene.loads.len()).map(|place| friction.force(place, parts.iter().copied())).collect()
 }
 
-/// Friction of cells of one pattern, or of solid parts, as a function of pressure.
+/// Friction coefficient of cells of one pattern, or of solid parts, as a function of pressure.
 pub struct CellFriction<'a> {
     loads: &'a [Load],
-    /// Solved pressures relative to the nominal pressure: the lowest, the step, and the number of steps.
+    /// Lowest solved pressure relative to the nominal pressure.
     least: f64,
+    /// Distance between solved pressures, relative to the nominal pressure.
     step: f64,
+    /// Number of such steps; there is one more solved pressure.
     steps: usize,
-    /// Friction coefficients by load and pressure.
+    /// Friction coefficients, ordered by load and then by pressure; `None` without a solution.
     mu: Vec<Option<f64>>,
 }
 
 impl<'a> CellFriction<'a> {
-    /// Solves for the loads of `scene` over the range of pressures of `parts`. Solves stop without a result when
-    /// `monitor` cancels.
+    /// Solves cells of the pattern `cell`, or solid parts, at the loads of `scene` over the range of pressures of
+    /// `parts`. Solves stop without a result when `monitor` cancels.
     pub fn new<'b>(
         scene: &'a Scene,
         cell: Option<(&Pattern, Dimension)>,

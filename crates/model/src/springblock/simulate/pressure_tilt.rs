@@ -1,11 +1,11 @@
 //! Change of the ratio by friction that tilts the pressure of a specimen.
 //!
-//! Friction at the face and the pull of the holder at the back, at the distance of the thickness H, form a couple mu P
-//! A H. If the holder prevents rotation, face and back each carry half of it. On a rectangle the pressure is that under
-//! an elastic body of the same length and height ([`Body`]), on a foundation with the compliance of the patterned face:
-//! linear if the specimen is much higher than long, otherwise with peaks at the ends that are about as wide as the
-//! specimen is high. On strips of any length L, on a face of area A and second moment I about its middle across the
-//! sliding direction, the pressure is
+//! Friction at the face, of area A under the pressure P, and the pull of the holder at the back, at the distance of the
+//! thickness H, form a couple mu P A H. If the holder prevents rotation, face and back each carry half of the couple.
+//! On a rectangle the pressure is that under an elastic body of the same length and height ([`Body`]), on a foundation
+//! with the compliance of the patterned face: linear if the specimen is much higher than long, otherwise with peaks at
+//! the ends that are about as wide as the specimen is high. On strips of any length L, the longest being L_longest, on
+//! a face with the second moment of area I about its middle across the sliding direction, the pressure is
 //!
 //! ```text
 //! p(x) = P (p_0(2 x / L) + s f(2 x / L) L / L_longest),     s: so that int (p - P) x dA = mu P A H / 2
@@ -19,9 +19,10 @@
 //! r = int p mu_cell(p) dA / int p mu_flat(p) dA,     change: r(p) - r(p_0)
 //! ```
 //!
-//! The ratio includes a part of the change, with a standard error that is fully correlated between loads ([`Included`]).
-//! If the holder is rigid, it is the whole change, known to [`RELATIVE_ERROR`]. A holder that lets the specimen align
-//! itself removes the tilt. If the holder is unknown, any fraction of the change from none to all is equally likely.
+//! The ratio includes a part of the change, with a standard error that is fully correlated between loads
+//! ([`Included`]). With a rigid holder it is the whole change, known to [`RELATIVE_ERROR`]. A holder that lets the
+//! specimen align itself removes the tilt. If the holder is unknown, any fraction of the change from none to all is
+//! equally likely.
 
 use crate::pattern::Pattern;
 
@@ -36,24 +37,24 @@ use crate::springblock::{
 /// Relative standard error of the computed change of the ratio, for specimens some tens of periods long
 /// (`it_changes_ratios_as_all_blocks_of_a_specimen_say`).
 pub const RELATIVE_ERROR: f64 = 0.3;
-/// Number of parts of a strip with one pressure each.
+/// Number of equal parts along a strip, each with one pressure.
 const PARTS: usize = 16;
-/// Relative change of pressure below which no statement is made.
+/// Change of pressure, relative to the nominal pressure, below which no statement is made.
 const MIN_STATED_CHANGE: f64 = 0.01;
 
-/// Part of the change that a ratio includes.
+/// Part of the change by the tilt that a ratio includes.
 #[derive(Clone, Copy, Debug, Default)]
 struct Included {
-    /// Mean fraction of the change.
+    /// Mean of the included fraction of the change.
     mean: f64,
-    /// Standard error of the ratio over the change.
+    /// Standard error of the ratio, as a fraction of the change.
     std: f64,
-    /// Clause of the statement on the tilt.
+    /// Last clause of the statement on the tilt.
     words: &'static str,
 }
 
 impl Included {
-    /// Returns the part for a specimen in `holder`; `None` if the pressure does not tilt.
+    /// Returns the included part for a specimen in `holder`; `None` if the pressure does not tilt.
     const fn new(holder: Option<Holder>) -> Option<Self> {
         match holder {
             // The fraction is uniformly distributed from 0 to 1: sqrt((1 + RELATIVE_ERROR^2) / 3 - mean^2).
@@ -71,17 +72,18 @@ impl Included {
 }
 
 /// Rectangular part of the face: width across and length along the sliding direction, in metres. The pressure tilts
-/// about its middle.
+/// about the middle of the rectangle.
 pub type Rectangle = [f64; 2];
 
 /// Effect of a tilt of the pressure.
 #[derive(Clone, Debug, Default)]
 pub struct PressureTilt {
-    /// Largest change of the pressure of a flat specimen on a part of the face, relative to the nominal pressure.
+    /// Largest change by friction of the pressure on a part of the face of a flat specimen, relative to the nominal
+    /// pressure.
     max_change: f64,
-    /// Whether the change exceeds the pressure, so that a part of the face lifts.
+    /// Whether the change exceeds the pressure without friction, so that a part of the face lifts.
     is_lifted: bool,
-    /// Change of the ratio of the cell, by load.
+    /// Whole change of the ratio by the tilt, by load; `None` without an equilibrium.
     changes: Vec<Option<f64>>,
     included: Included,
 }
@@ -154,7 +156,8 @@ impl PressureTilt {
         Self::for_face(&flat, &without_rim(pattern), face, share, monitor)
     }
 
-    /// Adds the shifts to the ratios of `loads`, and a statement to `statements`.
+    /// Adds the included part of the change, with its standard error, to the ratio of each load, and a statement to
+    /// `statements`.
     pub fn add(&self, loads: &mut [LoadOutcome], statements: &mut Statements) {
         for (load, change) in loads.iter_mut().zip(&self.changes) {
             let Some(change) = change else { continue };
@@ -177,8 +180,8 @@ impl PressureTilt {
     }
 }
 
-/// Adds the effect of a tilt of the pressure to the ratios of `simulation`, which has cells of `scene` with `pattern`.
-/// `face` is that of the specimen, with a cavity fraction of `share` times that of a period.
+/// Adds the effect of a tilt of the pressure to the ratios of `simulation`, which are those of cells of `scene` with
+/// `pattern`. `face` is the face of the specimen; its cavity fraction is `share` times that of a period.
 pub fn add_tilt(
     simulation: &mut Simulation,
     scene: &Scene,
@@ -191,11 +194,11 @@ pub fn add_tilt(
     tilt.add(&mut simulation.loads, &mut simulation.statements);
 }
 
-/// Shifts of the ratios of cells of `scene` with `pattern` by a tilt of the pressure, by load.
+/// Mean changes of the ratios of cells of `scene` with `pattern` by a tilt of the pressure, by load.
 ///
-/// `face` is that of the specimen, with a cavity fraction of `share` times that of a period. A load is `None` if a cell
-/// has no equilibrium, if the scene does not give the thickness, if the specimen aligns itself, or once `monitor` has
-/// cancelled.
+/// `face` is the face of the specimen; its cavity fraction is `share` times that of a period. A load is `None` if a
+/// cell has no equilibrium, if the scene does not give the thickness, if the specimen aligns itself, or once `monitor`
+/// has cancelled.
 pub fn tilt_shifts(
     scene: &Scene,
     pattern: &Pattern,
@@ -220,14 +223,15 @@ struct HeldSpecimen<'a> {
     rectangles: &'a [Rectangle],
     height_m: f64,
     area_m2: f64,
-    /// Body in the plane, as long as a rectangle with the same second moment.
+    /// Body in the plane, as long as a rectangle with the area and the second moment of the face.
     body: Body,
-    /// Pressures without friction.
+    /// Pressures without friction on the parts of a strip, relative to the nominal pressure.
     frictionless: [f64; PARTS],
 }
 
 impl<'a> HeldSpecimen<'a> {
-    /// Creates a specimen `height_m` thick on a foundation of `compliance_m`; `None` without a face or a height.
+    /// Creates a specimen `height_m` thick on a foundation with the compliance `compliance_m`; `None` without a face or
+    /// a height.
     fn new(rectangles: &'a [Rectangle], height_m: f64, compliance_m: f64) -> Option<Self> {
         let sum =
             |of: &dyn Fn(f64) -> f64| rectangles.iter().map(|[width_m, length_m]| width_m * of(*length_m)).sum::<f64>();
@@ -271,7 +275,7 @@ impl<'a> HeldSpecimen<'a> {
 /// Pressures on a specimen relative to the nominal pressure.
 struct TiltedPressure {
     parts: Vec<LoadShare>,
-    /// Largest change of pressure by friction before lifting, and whether a part lifts.
+    /// Largest change of pressure by friction, before negative pressures are set to zero.
     max_change: f64,
     is_lifted: bool,
 }

@@ -1,7 +1,8 @@
 //! Effect of rims on the strips of a specimen: the effect on the steady cell in proportion to the cavity fraction.
 //!
 //! Contact that opens and closes makes the equations of a strip nonlinear, which is expensive for a whole face. Rims
-//! act near their own cavities only, so that the cell gives their effect:
+//! act near their own cavities only, so that the cell gives their effect on the ratio r of a face with the cavity
+//! fraction D, with D_cell for the cell:
 //!
 //! ```text
 //! r = r_strips + (r_cell,rims - r_cell) D / D_cell
@@ -18,7 +19,8 @@ use crate::springblock::{
 /// different weight (`rims_add_to_a_strip_what_they_add_to_the_cell`).
 const RELATIVE_ERROR: f64 = 0.02;
 
-/// Differences with rims minus without, by load.
+/// Differences between steady cells with and without rims, or with and without yielding of rims, by load; empty without
+/// rims.
 pub struct RimDifference {
     each: Vec<Option<CellDifference>>,
 }
@@ -28,11 +30,11 @@ pub struct RimDifference {
 pub struct CellDifference {
     /// Difference of the ratios.
     pub ratio: f64,
-    /// Peak pressure over that of the second cell; 1 where one of them has none.
+    /// Peak pressure of the first cell over that of the second; 1 if either has none.
     pub peak: f64,
-    /// Difference of the clearances under the ceiling, in metres; 0 where one has none.
+    /// Difference of the clearances under the ceiling, in metres; 0 if either cell has none.
     pub clearance_m: f64,
-    /// Whether a pressure of the first cell exceeds the last one of the area law.
+    /// Whether a pressure of the first cell exceeds the last pressure of the area law.
     pub is_extrapolated: bool,
 }
 
@@ -50,12 +52,12 @@ impl CellDifference {
         })
     }
 
-    /// Computes the differences by load.
+    /// Computes the differences between the outcomes `with` and `without`, by load.
     pub fn of_loads(with: &[CellOutcome], without: &[CellOutcome]) -> Vec<Option<Self>> {
         with.iter().zip(without).map(|(with, without)| Self::new(with, without)).collect()
     }
 
-    /// Adds all but the ratio to `surface`.
+    /// Applies the changes of peak pressure, clearance and extrapolation to `surface`, but not that of the ratio.
     pub fn add_to(&self, surface: &mut SurfaceOutcome) {
         surface.peak_pressure_pa *= self.peak;
         surface.clearance_m = surface.clearance_m.map(|clearance_m| clearance_m + self.clearance_m);
@@ -82,7 +84,8 @@ impl RimDifference {
         Self { each: CellDifference::of_loads(&with, &without) }
     }
 
-    /// Adds the differences to `loads`, whose cavity fraction is `share` times that of a period.
+    /// Adds the differences to `loads`, whose cavity fraction is `share` times that of a period; a load without a
+    /// difference loses its ratio.
     pub fn add(&self, share: f64, loads: &mut [LoadOutcome]) {
         for (load, difference) in loads.iter_mut().zip(&self.each) {
             let Some(difference) = difference else {
@@ -95,7 +98,7 @@ impl RimDifference {
         }
     }
 
-    /// Statement on the rims of strips.
+    /// Sentence on the effect of rims on strips, for the statements of a simulation.
     pub fn statement() -> String {
         format!(
             "rims add to the strips what they add to the steady cell, known to {:.0} %; the interface is that of the cavities alone",

@@ -8,7 +8,7 @@ use super::{averaging, compare};
 use crate::springblock::dynamics::{DynamicRun, Scheme, cache_key_settings, cached_run};
 use crate::springblock::{Effect, Lattice, LoadOutcome, Monitor, Scene, SceneError, SteadyModel, SurfaceOutcome};
 
-/// Result of dynamic runs.
+/// Outcomes of dynamic runs by load, averaged over draws, and the integration scheme of the scene's own surface.
 pub struct RunResults {
     pub loads: Vec<LoadOutcome>,
     pub scheme: Scheme,
@@ -16,8 +16,8 @@ pub struct RunResults {
 
 /// Runs `lattices`, a surface and its flat counterpart if there is one, at every load.
 ///
-/// `steady` caches the equations of steady sliding by lattice; runs that start from sliding create them. `corrections`
-/// are added to the ratio, by load.
+/// `steady` caches the equations of steady sliding, one entry per lattice; runs with a warm start create them.
+/// `corrections`, by load, are added to the ratios as [`Effect::WholeBlocks`].
 pub fn run_all(
     scene: &Scene,
     lattices: &[Lattice],
@@ -51,7 +51,8 @@ pub fn run_all(
     Ok(RunResults { loads: collect(scene, surfaces, outcomes, corrected), scheme: schemes[0] })
 }
 
-/// Returns all `schemes`, or the error of the one with the smallest stability limit, which is stable on all lattices.
+/// Returns all `schemes`, or the error with the smallest stability limit: a step within that limit is stable on all
+/// lattices.
 fn require_stable(schemes: Vec<Result<Scheme, SceneError>>) -> Result<Vec<Scheme>, SceneError> {
     let limit_s = |refused: &SceneError| match refused {
         SceneError::UnstableStep { limit_s, .. } => *limit_s,
@@ -67,13 +68,13 @@ pub const fn seed_of(scene: &Scene, draw: usize) -> u64 {
 }
 
 /// Relative standard error of dynamic mu at which the run of one draw may end, such that the mean of all draws has the
-/// requested error.
+/// requested error; `None` if no error is requested.
 pub fn stderr_share(scene: &Scene) -> Option<f64> {
     scene.run.mu_stderr.map(|wanted| wanted * (scene.run.draws as f64).sqrt())
 }
 
-/// Combines runs, ordered by load, draw and surface with the patterned one first, to one record per load. `correct`
-/// corrects the outcome of each load and draw.
+/// Combines runs, ordered by load, draw and surface with the patterned one first, to one record per load. `correct` is
+/// called with the index of the load, that of the draw, and their outcome, which it may change.
 pub fn collect(
     scene: &Scene,
     surfaces: usize,

@@ -17,17 +17,19 @@ use crate::springblock::{
     SteadyCell, Strip, SurfaceOutcome,
 };
 
-/// Maximum number of blocks of a cell: the springs, from which the step limit is computed, then take up to 4 GiB.
+/// Maximum number of blocks of a dynamic cell or strip: the springs, from which the step limit is computed, then take
+/// up to 4 GiB.
 const MAX_BLOCKS: f64 = 1e7;
-/// Maximum memory of a steady cell for error estimates, in bytes; such a cell takes a second.
+/// Maximum memory of a steady cell for error estimates, in bytes; a cell of this size takes a second.
 pub const MAX_ESTIMATED_BYTES: f64 = 1e8;
-/// Columns along each axis of the flat layer whose largest eigenfrequency represents every flat layer: even, so that
-/// the shortest waves fit.
+/// Number of columns along each axis of the flat layer whose largest eigenfrequency represents every flat layer; even,
+/// so that the shortest waves fit.
 const FLAT_COLUMNS: usize = 8;
-/// Memory per block of a warm start, in bytes: displacements of all rows, as unknowns and as spectra.
+/// Memory per block for the warm start of a dynamic run, in bytes: displacements of all rows, as unknowns and as
+/// spectra.
 const WARM_BYTES_PER_BLOCK: f64 = 500.0;
 
-/// A pattern in space, and the strip of a specimen with its cavities if there is one.
+/// A pattern in space and, optionally, a strip of a specimen with its own cavities.
 #[derive(Clone, Copy)]
 pub struct StripLayout<'a> {
     pub pattern: &'a Pattern,
@@ -35,7 +37,7 @@ pub struct StripLayout<'a> {
 }
 
 impl StripLayout<'_> {
-    /// Returns the strip that `scene` requests, made of the cells `cell`; `None` if it requests one cell.
+    /// Returns the strip that `scene` requests, made of copies of `cell`; `None` if the scene requests one cell.
     fn strip(self, scene: &Scene, cell: impl FnOnce() -> SpaceLattice) -> Option<SpaceStrip> {
         (scene.run.extent == Extent::Strip).then(|| SpaceStrip::new(scene, self.pattern, &cell(), self.strip))
     }
@@ -121,8 +123,8 @@ pub fn steady_loads(scene: &Scene, pattern: &Pattern, monitor: &dyn Monitor) -> 
 }
 
 /// Estimated differences of the ratios `own` of steady cells in space from the limit of vanishing blocks
-/// ([`blocks::block_error`]); `None` once `monitor` has cancelled. Results are cached, so that a run that confirms a
-/// prediction does not repeat them.
+/// ([`blocks::block_error`]), by load; `None` if other block sizes are too expensive, and once `monitor` has cancelled.
+/// Results are cached, so that a run that confirms a prediction does not repeat them.
 fn discretization_error(
     scene: &Scene,
     pattern: &Pattern,
@@ -227,7 +229,8 @@ pub fn dynamic(scene: &Scene, layout: StripLayout, monitor: &dyn Monitor) -> Res
     Ok(Simulation { statements, loads })
 }
 
-/// Steady ratio of the pattern minus that of its nearest whole blocks, by load.
+/// Steady ratio `exact` of the pattern minus the ratio of the lattice `whole`, rounded to whole blocks, by load; 0 if
+/// one is missing.
 fn corrections(
     cell: &SteadyCell,
     pattern: &Pattern,

@@ -11,22 +11,23 @@ use super::statements::few_periods;
 use super::{compare, require_memory, steady_coefficients};
 use crate::springblock::{LoadOutcome, Monitor, Scene, SceneError, SpaceLattice, Strip, SurfaceOutcome};
 
-/// Prime factors for which Fourier transforms are fast; the number of lines including the gap has no others.
+/// Prime factors for which Fourier transforms are fast. The number of lines of a strip, including the gap between its
+/// ends, has no other prime factors.
 const FACTORS: [usize; 6] = [2, 3, 5, 7, 11, 13];
-/// Minimum width of a whole cavity relative to the widest one.
+/// Minimum width of a whole cavity relative to the widest cavity; narrower cavities are cut by an end of the strip.
 const WHOLE_CAVITY: f64 = 1.0 - 1e-6;
-/// Memory per block of a steady solution, in bytes: displacements of all rows, spectra, and stored directions.
+/// Memory per block of a steady solution, in bytes: displacements of all rows, spectra, and stored search directions.
 pub const BYTES_PER_BLOCK: f64 = 800.0;
 
-/// A strip and its flat counterpart, along y of their lattices.
+/// A strip and its flat counterpart, which extend along y of their lattices.
 pub struct SpaceStrip {
     /// Lattice with cavities, and flat lattice.
     pub lattices: [SpaceLattice; 2],
     /// Unit vector of the sliding direction in the axes of the lattices.
     pub direction: [f64; 2],
-    /// Whether y of the lattices is x of the pattern.
+    /// Whether the y axis of the lattices is the x axis of the pattern.
     is_transposed: bool,
-    /// Length in periods, if the strip has cavities from end to end.
+    /// Length in periods; `None` if the cavities are those of a layout.
     periods: Option<f64>,
     /// Cavity fraction of the strip over that of its cells.
     pub relative_cavity_share: f64,
@@ -34,7 +35,7 @@ pub struct SpaceStrip {
 
 impl SpaceStrip {
     /// Creates the strip of `scene` with `pattern`, which repeats `cell` over the length of the cavities of `layout`.
-    /// Without a layout the strip begins with a cell like its lattice, and the last cell is cut off.
+    /// Without a layout the strip begins with a whole cell, and its end cuts the last cell.
     pub fn new(scene: &Scene, pattern: &Pattern, cell: &SpaceLattice, layout: Option<&Strip>) -> Self {
         let [along_x, along_y] = pattern.sliding_direction();
         let is_transposed = pattern.texture().slides_along_rows();
@@ -73,7 +74,7 @@ impl SpaceStrip {
         }
     }
 
-    /// Converts an outcome on a lattice to the axes of the pattern.
+    /// Converts an outcome on a lattice of the strip from the axes of the lattice to the axes of the pattern.
     pub fn to_pattern_axes(&self, outcome: &mut SurfaceOutcome) {
         if !self.is_transposed {
             return;
@@ -86,7 +87,8 @@ impl SpaceStrip {
         outcome.mu_across = outcome.mu_across.map(|across| -across);
     }
 
-    /// Statement that the cavity fraction differs from that of a period of `pattern`, if it does.
+    /// Statement that the cavity fraction differs from that of a period of `pattern`; `None` if it does not, and for a
+    /// layout.
     pub fn few_periods_statement(&self, pattern: &Pattern) -> Option<String> {
         few_periods(self.periods?, cavity_share(&self.lattices[0]), pattern.areal_density())
     }
@@ -97,7 +99,7 @@ impl SpaceStrip {
         [self.lattices[0].face_columns() / across, across]
     }
 
-    /// Statement on the strip.
+    /// Sentence on the size of the strip, for the statements of a simulation.
     pub fn statement(&self) -> String {
         let [along, across] = self.columns();
         format!(
@@ -113,11 +115,11 @@ fn cavity_share(lattice: &SpaceLattice) -> f64 {
     1.0 - bears / lattice.face_columns() as f64
 }
 
-/// Assignment of the lines of a strip to lines of cells.
+/// Assignment of the lines of a strip (rows of columns across its length) to lines of cells.
 struct CellLines {
-    /// First line of a cell.
+    /// Line of the strip, possibly negative, at which the first cell begins.
     first: isize,
-    /// Lines that belong to cells.
+    /// Lines of the strip that belong to cells.
     lines: Range<isize>,
     /// Number of lines of a cell.
     period: isize,
@@ -127,8 +129,8 @@ struct CellLines {
 
 impl CellLines {
     /// Assigns the lines of the strip `layout`, with lines of `line_m`: as many cells as the strip has whole cavities,
-    /// centred on these, so that a cell whose length differs from the period loses no cavity. Cells continue up to an
-    /// end that cuts a cavity. There are none without cavities.
+    /// centred on these cavities, so that none is lost if the length of a cell differs from the period. Cells continue
+    /// up to an end that cuts a cavity. Without cavities there are no cells.
     fn new(layout: &Strip, line_m: f64, cell: &SpaceLattice) -> Self {
         let [nx, ny] = cell.columns();
         let mut of_cavities = (0..ny).filter(|j| (0..nx).any(|i| cell.is_cavity(i, *j)));
@@ -150,8 +152,8 @@ impl CellLines {
         Self { first, lines: from..to, period, lands }
     }
 
-    /// Lines of land between the ends of a strip of `lines` and the adjacent cavities; `None` at an end that cuts a
-    /// cavity.
+    /// Numbers of lines of land at the first and at the last end of a strip of `lines` lines, up to the adjacent
+    /// cavity; `None` at an end that cuts a cavity.
     fn walls(&self, lines: usize) -> [Option<usize>; 2] {
         let Range { start, end } = self.lines;
         let before = (start > isize::MIN).then(|| start + self.lands[0]);
@@ -167,7 +169,8 @@ impl CellLines {
     }
 }
 
-/// Number of lines to remove after `lines`: at least one, and such that Fourier transforms of the total are fast.
+/// Number of lines in the gap that separates the ends of a strip of `lines` lines in a periodic lattice: at least one,
+/// and such that Fourier transforms over the total are fast.
 pub fn gap_after(lines: usize) -> usize {
     let is_quick = |mut count: usize| {
         for factor in FACTORS {
@@ -180,7 +183,7 @@ pub fn gap_after(lines: usize) -> usize {
     (1..).find(|gap| is_quick(lines + gap)).unwrap_or(1)
 }
 
-/// Solves steady sliding of the strip and its flat counterpart, with the local coefficients that are drawn.
+/// Solves steady sliding of the strip and its flat counterpart at each load, with randomly drawn local coefficients.
 ///
 /// # Errors
 /// [`SceneError::TooLarge`] if the equations do not fit in memory.
@@ -202,7 +205,8 @@ fn steady_bytes(lattice: &SpaceLattice) -> f64 {
     (nx * ny * (lattice.rows() + 1)) as f64 * BYTES_PER_BLOCK
 }
 
-/// Solves steady sliding on `lattice` at each load, with the local coefficients that are drawn.
+/// Solves steady sliding on `lattice` along the unit vector `direction` at each load, with randomly drawn local
+/// coefficients.
 fn solve(scene: &Scene, lattice: &SpaceLattice, direction: [f64; 2], monitor: &dyn Monitor) -> Vec<SurfaceOutcome> {
     let [nx, ny] = lattice.columns();
     let drawn = scene.loads.iter().map(|load| steady_coefficients(scene, load, nx * ny)).collect();

@@ -1,8 +1,8 @@
 //! A specimen as it is cut: the sum of the strips of its face along the sliding direction.
 //!
-//! All strips are attached to one rigid bulk and descend by the same distance. With the width w_s, the length L_s and
-//! the stiffness per length k_s of strip s, the pressures P_s and the friction of the face under the nominal pressure P
-//! are
+//! All strips are attached to one rigid bulk and descend by the same distance d. With the width w_s, the length L_s and
+//! the stiffness per length k_s of strip s, the pressures P_s and the friction coefficient mu of the face under the
+//! nominal pressure P are
 //!
 //! ```text
 //! P_s = k_s d,     sum w_s L_s P_s = P sum w_s L_s,     mu = sum w_s L_s P_s mu_s / (P sum w_s L_s)
@@ -15,8 +15,8 @@
 //! very nearly proportional to it, so that the ratio to the flat face is taken as 1 - (1 - r) D / D_strips. The
 //! deviation of the strips from this proportion is the sampling error.
 //!
-//! Only one strip, the longest, is run dynamically, on whole blocks. Its change from steady to dynamic sliding is
-//! applied to the others:
+//! Only one strip, the longest, is run dynamically, on whole blocks. Its change of the ratio from steady to dynamic
+//! sliding is applied to the face, scaled with the cavity fraction D over D_1, that of this strip:
 //!
 //! ```text
 //! r = r_steady + (r_dynamic,1 - r_steady,1) D / D_1
@@ -40,8 +40,8 @@ use strips::{STRIP_HEIGHTS, SteadyFace};
 pub use strips::{min_wall_m, without_slivers};
 use timed_strip::TimedStrip;
 
-/// Simulates `scene` with its pattern laid out on `face`, together with the flat face. Loads and strips run in parallel
-/// on rayon's current pool; the result does not depend on the number of threads.
+/// Simulates `scene` with its pattern laid out on `face`, and the flat face for comparison. Loads and strips run in
+/// parallel on rayon's current pool; the result does not depend on the number of threads.
 ///
 /// # Errors
 /// [`SceneError`] if the scene is invalid or has no pattern, or if the strips do not fit in memory.
@@ -73,12 +73,12 @@ fn validated_pattern(scene: &Scene) -> Result<Pattern, SceneError> {
     })
 }
 
-/// Returns `scene` for strips: the layer without the thickness.
+/// Returns `scene` without the thickness of the specimen, as strips are solved: the layer alone.
 fn without_thickness(scene: &Scene) -> Scene {
     Scene { layer: scene.layer.alone(), ..scene.clone() }
 }
 
-/// Steady sliding of a specimen, with all corrections except the change by time.
+/// Steady sliding of a specimen, with all corrections except the change from steady to dynamic sliding.
 struct SteadySpecimen<'a> {
     scene: &'a Scene,
     face: &'a Face,
@@ -122,7 +122,7 @@ impl<'a> SteadySpecimen<'a> {
         Ok((!monitor.cancelled()).then_some(found))
     }
 
-    /// Returns the result with the change of the dynamic run `timed`.
+    /// Returns the result, with the change from steady to dynamic sliding of `timed`, the dynamic run, if there is one.
     fn result(&self, timed: Option<&TimedStrip>, monitor: &dyn Monitor) -> Simulation {
         let Self { scene, face, pattern, .. } = self;
         let (mut loads, mut statements) = timed.map_or_else(
@@ -192,8 +192,8 @@ pub fn steady_face_bytes(scene: &Scene, pattern: &Pattern, face: &Face) -> Resul
     strips::face_bytes(&without_thickness(scene).layer, pattern, face)
 }
 
-/// Steady ratios of the face by load, including the thickness of the scene, without error estimates; all `None` once
-/// `monitor` has cancelled.
+/// Steady ratios of `face` by load, including the effect of the specimen's thickness, without error estimates; all
+/// `None` once `monitor` has cancelled.
 ///
 /// # Errors
 /// [`SceneError`] if the strips do not fit in memory.
@@ -217,8 +217,8 @@ pub fn steady_face_ratios(
     Ok(loads.iter().map(|load| load.ratio()).collect())
 }
 
-/// Change of the ratio of `face` from steady to dynamic sliding at each load of `scene`, which defines the run of the
-/// longest strip; `None` if that run has no mean.
+/// Change of the ratio of `face` from steady to dynamic sliding at each load, from a dynamic run of the longest strip
+/// with the options of `scene`; `None` if that run has no mean.
 ///
 /// # Errors
 /// The errors of [`simulate_specimen`].

@@ -5,16 +5,16 @@ use crate::pattern::Pattern;
 use crate::springblock::dynamics::{Plan, Scheme};
 use crate::springblock::{Column, Extent, MAX_STEPS, Scene, Statements, columns};
 
-/// Typical change of the ratio from steady to dynamic sliding at mm/s over the cavity fraction: 0.7 to 2.2 % on eight
-/// grooves at three loads, largest at light loads and in shallow cavities (`what_time_adds_to_ratios` of the validation
-/// tests).
+/// Typical change of the ratio from steady to dynamic sliding, at speeds of mm/s, divided by the cavity fraction: 0.7
+/// to 2.2 % on eight grooves at three loads, largest at light loads and in shallow cavities (`what_time_adds_to_ratios`
+/// of the validation tests).
 const TIME_CHANGE: f64 = 0.015;
 
-/// Statement on cells.
+/// Statement on the extent of a periodic cell.
 pub const PERIODIC_CELL: &str = "cell: one period with periodic sides, as nothing asked for depends on the ends";
 /// Statement on steady runs at zero speed.
 pub const SPEED_ZERO: &str = "speed 0: the limit of vanishing speed, in which every contact block still slides";
-/// Statement on cells that are not whole blocks.
+/// Statement on cells whose dimensions are not whole numbers of blocks.
 pub const STRETCHED_CELL: &str = "dimensions that are no whole blocks: the cell in whole columns stretched to fit, edges and depth blended between blocks";
 
 pub fn describe_steady(scene: &Scene) -> String {
@@ -27,7 +27,7 @@ pub fn describe_steady(scene: &Scene) -> String {
     )
 }
 
-/// Reason why `pattern` is solved in space.
+/// Clause on the reason why `pattern` is solved in space.
 pub fn space_reason(scene: &Scene, pattern: &Pattern) -> String {
     if scene.run.dimensions == Some(3) {
         return "as asked for".to_owned();
@@ -48,7 +48,7 @@ pub fn describe_scheme(scene: &Scene, scheme: &Scheme) -> String {
     )
 }
 
-/// Adds statements on refused runs and on a bulk at rest.
+/// Adds statements on runs refused for too many steps of `step_s` and on a bulk at rest.
 pub fn describe_protocol(scene: &Scene, step_s: f64, statements: &mut Statements) {
     let steps = Plan::new(scene, step_s).total();
     if steps > MAX_STEPS {
@@ -62,7 +62,7 @@ pub fn describe_protocol(scene: &Scene, step_s: f64, statements: &mut Statements
     }
 }
 
-/// Adds a statement on the start of a warm run; `body` names the sheared body.
+/// Adds a statement on the start of a run if it is a warm start; `body` names the sheared body.
 pub fn describe_start(scene: &Scene, body: &str, statements: &mut Statements) {
     if scene.run.warm_start {
         statements.method(format!(
@@ -98,7 +98,7 @@ pub fn describe_extent(scene: &Scene, statements: &mut Statements) {
     ));
 }
 
-/// Statement on the modulus for face heights in the plane; empty for a flat face.
+/// Clause on the elastic modulus that applies to face heights in the plane; empty for a flat face.
 pub fn modulus_of_heights(scene: &Scene) -> &'static str {
     if scene.is_raised() { "; rims and heights press as in plane strain, E / (1 - nu^2) at nu = 1/4" } else { "" }
 }
@@ -107,7 +107,8 @@ pub fn modulus_of_heights(scene: &Scene) -> &'static str {
 /// as much.
 const MIN_STATED_DIFFERENCE: f64 = 0.01;
 
-/// Statement on a specimen of few periods whose cavity fraction differs from that of the pattern.
+/// Statement on a specimen of few periods whose cavity fraction differs from that of the pattern; `None` if it does
+/// not.
 fn describe_periods(scene: &Scene) -> Option<String> {
     let pattern = scene.pattern.as_ref().filter(|_| scene.run.extent.has_ends())?;
     let columns = columns::sample(pattern, scene.layer.block_m, scene.layer.columns());
@@ -116,7 +117,8 @@ fn describe_periods(scene: &Scene) -> Option<String> {
     few_periods(scene.layer.length_m / pattern.pitch_m(), share, pattern.section_density())
 }
 
-/// Statement on a specimen of `periods` periods with the cavity fraction `share`, if that of a period, `own`, differs.
+/// Statement on a specimen of `periods` periods with the cavity fraction `share`; `None` if `own`, the cavity fraction
+/// of a period, hardly differs.
 pub fn few_periods(periods: f64, share: f64, own: f64) -> Option<String> {
     ((share - own).abs() > MIN_STATED_DIFFERENCE).then(|| {
         format!(

@@ -7,8 +7,8 @@
 //! r = r_layer + (r_cell,thick - r_cell,layer) D / D_period
 //! ```
 //!
-//! with the area fractions D of cavities on the face and in a period. A scene that does not give the thickness gets no
-//! correction, but a statement on the effect of a thick specimen.
+//! with the area fractions D of cavities on the face and in a period. If a scene does not give the thickness, no
+//! correction is made, but a statement on the effect of a thick specimen.
 
 use crate::pattern::Pattern;
 
@@ -19,39 +19,41 @@ use crate::springblock::{
     CellOutcome, Dimension, Effect, Extent, Face, Fidelity, Layer, LoadOutcome, Monitor, Scene, Statements, SteadyCell,
 };
 
-/// Standard error of the ratio of a dynamic run from adding the difference of steady cells.
+/// Standard error of the ratio of a dynamic run due to adding the difference of steady cells.
 ///
 /// It is the root mean square difference from runs of the thick layer itself, over ten textures
 /// (`a_thick_layer_in_time_is_a_thin_one_and_the_steady_difference`). The largest difference, 0.0025, occurs where
-/// cavities are closest: stick-slip raises friction by half as much again over a layer of 800 um as over one of 200 um,
-/// at any time step.
+/// cavities are closest: there stick-slip raises friction 1.5 times as much over a layer of 800 um as over a layer of
+/// 200 um, at any time step.
 const DYNAMIC_ERROR: f64 = 0.0012;
-/// Standard error of the ratio of a strip with ends of the length [`REFERENCE_LENGTH_M`]; inversely proportional to the
-/// length for shorter strips (`ends_hardly_change_what_is_behind_the_layer`).
+/// Standard error of the ratio of a strip with ends that is at least [`REFERENCE_LENGTH_M`] long; for shorter strips it
+/// is inversely proportional to the length (`ends_hardly_change_what_is_behind_the_layer`).
 const END_ERROR: f64 = 0.001;
+/// Length of a strip, in metres, below which [`END_ERROR`] is increased.
 const REFERENCE_LENGTH_M: f64 = 10e-3;
-/// Maximum of these errors as a fraction of the friction reduction by the pattern: without a reduction there is no
-/// error.
+/// Maximum standard error of the correction as a fraction of the friction reduction by the pattern: without a reduction
+/// there is no error.
 const RELATIVE_ERROR: f64 = 0.1;
-/// Thickness beyond the layer in periods that is equivalent to a half-space: the effect of a period decays as exp(-4
-/// pi) over its length.
+/// Thickness beyond the layer, in periods, that is equivalent to a half-space: the effect of a period decays by exp(-4
+/// pi) over the length of one period.
 const THICK_PERIODS: f64 = 4.0;
-/// Minimum blocks per period for which cells in space are compared in blocks of twice the size.
+/// Minimum number of blocks per period for which cells in space are compared in blocks of twice the size.
 const COARSE_PERIOD: f64 = 8.0;
 
-/// Differences between a thick cell and the layer alone, by load.
+/// Differences between the steady cell of a thick specimen and that of the layer alone, by load.
 #[derive(Clone, Debug)]
 pub struct ThickLayerCorrection {
     layer: Layer,
     /// Whether the solved ratios already include the thickness.
     is_solved: bool,
-    /// Standard error of the correction due to the ends of strips, and the relative standard error of the correction.
+    /// Standard error of the correction due to the ends of strips.
     end_error: f64,
+    /// Relative standard error of the correction due to load sharing; 0 for cells.
     relative_error: f64,
     each: Vec<Option<CellDifference>>,
 }
 
-/// Returns `scene` for its solver: only steady cells keep the thickness.
+/// Returns `scene` as its solver takes it: with the thickness for steady cells, without it for others.
 pub fn solver_scene(scene: &Scene) -> Scene {
     let layer = if is_cell(scene) { scene.layer } else { scene.layer.alone() };
     Scene { layer, ..scene.clone() }
@@ -63,7 +65,8 @@ fn is_cell(scene: &Scene) -> bool {
 }
 
 impl ThickLayerCorrection {
-    /// Computes the differences for `scene` with `pattern`.
+    /// Computes the differences for `scene` with `pattern`. If the scene gives no thickness, they are those of a very
+    /// thick specimen.
     pub fn new(scene: &Scene, pattern: &Pattern, monitor: &dyn Monitor) -> Self {
         let mut thick = Self::comparison_scene(scene, pattern);
         let extent_m =
@@ -97,14 +100,14 @@ impl ThickLayerCorrection {
         cell
     }
 
-    /// Scales the ratios to a face with the cavity fraction `share` of that of a period.
+    /// Scales the differences of the ratios to a face whose cavity fraction is `share` times that of a period.
     pub fn scaled(mut self, share: f64) -> Self {
         self.each.iter_mut().flatten().for_each(|each| each.ratio *= share);
         self
     }
 
     /// Computes the differences for a specimen with `face` and cavities of `pattern`. If the scene gives the thickness,
-    /// the strips share the load as the elastic specimen determines, with flat lands ([`load_sharing`]).
+    /// the load is distributed over the strips as under the elastic specimen, with flat lands ([`load_sharing`]).
     pub fn for_face(scene: &Scene, pattern: &Pattern, face: &Face, monitor: &dyn Monitor) -> Self {
         if !scene.layer.is_backed() {
             return Self::new(scene, pattern, monitor).scaled(face.share_of(pattern));
@@ -120,8 +123,8 @@ impl ThickLayerCorrection {
         correction
     }
 
-    /// Adds the differences to `loads` if the scene gives the thickness and the loads do not include it, and adds
-    /// `tilt`; appends statements on both to `statements`. `is_in_time` tells whether the loads are dynamic.
+    /// Adds the differences and `tilt` to `loads` if the scene gives the thickness and the loads do not include its
+    /// effect; appends statements on both to `statements`. `is_in_time` tells whether the loads are dynamic.
     pub fn apply(&self, is_in_time: bool, tilt: &PressureTilt, loads: &mut [LoadOutcome], statements: &mut Statements) {
         let is_added = self.layer.is_backed() && !self.is_solved;
         let open = (if is_in_time { DYNAMIC_ERROR } else { 0.0 }).hypot(self.end_error);
@@ -177,7 +180,7 @@ fn cells(scene: &Scene, pattern: &Pattern, monitor: &dyn Monitor) -> Vec<CellOut
     if model.bytes(pattern) > MAX_FACTOR_BYTES { Vec::new() } else { model.solve_heeding(pattern, monitor) }
 }
 
-/// Adds `difference` with the standard error `open` to `load`.
+/// Adds `difference` to `load`, with the standard error `open`, limited by [`RELATIVE_ERROR`].
 fn add(difference: &CellDifference, open: f64, load: &mut LoadOutcome) {
     if let Some(ratio) = load.ratio() {
         let std = open.min(RELATIVE_ERROR * (1.0 - ratio - difference.ratio).abs());

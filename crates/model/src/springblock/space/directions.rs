@@ -1,9 +1,9 @@
 //! Generalized conjugate residuals with stored search directions (S. C. Eisenstat, H. C. Elman, M. H. Schultz, SIAM J.
 //! Numer. Anal. 20, 345, 1983).
 //!
-//! The images of the directions p_k are A p_k = sum_i R_ik q_i with orthonormal q_i and an upper triangle R. The
-//! minimum residual over the span of all directions takes one scalar product each, and the corresponding step one
-//! solution with R:
+//! The images of the directions p_k under the operator A are A p_k = sum_i R_ik q_i with orthonormal q_i and an upper
+//! triangle R. The minimum residual r over the span of all directions takes one scalar product for each direction, and
+//! the corresponding step of the unknowns x one solution with R:
 //!
 //! ```text
 //! c_i = q_i.r,     r <- r - sum c_i q_i,     R y = c,     x <- x + sum y_k p_k
@@ -17,31 +17,32 @@ use multiversion::multiversion;
 /// Search directions of a linear operator, their images, and the normal forces that depend on them linearly.
 #[derive(Clone, Debug, Default)]
 pub struct Directions {
-    /// p, scaled such that its image had unit length.
+    /// Search directions p, scaled such that the image of each had unit length before orthogonalization.
     steps: Vec<Vec<f64>>,
-    /// Normal forces due to p.
+    /// Normal forces due to each of the scaled search directions.
     normals: Vec<Vec<f64>>,
-    /// q
+    /// Orthonormal images q.
     images: Vec<Vec<f64>>,
-    /// Columns of R.
+    /// Columns of the upper triangle R, which gives the images A p_k = sum_i R_ik q_i.
     factor: Vec<Vec<f64>>,
 }
 
 /// One search direction.
 #[derive(Clone, Debug)]
 pub struct Direction {
-    /// p
+    /// Step p of the unknowns.
     pub step: Vec<f64>,
-    /// A p
+    /// Image A p of the step under the linear operator A.
     pub image: Vec<f64>,
-    /// Normal forces due to p.
+    /// Normal forces due to the step.
     pub normal: Vec<f64>,
 }
 
 /// Images that retain less than this fraction of their length after orthogonalization are linearly dependent to
 /// rounding.
 const DEPENDENCE_TOLERANCE: f64 = 1e-13;
-/// Fraction of its length that an image must retain for one pass of orthogonalization to leave it orthogonal to 1e-14.
+/// Minimum fraction of its length that an image must retain in one pass of orthogonalization to be orthogonal to 1e-14
+/// after it; otherwise a second pass follows.
 const MIN_RETAINED_SHARE: f64 = 0.1;
 /// Number of vectors subtracted in one pass, which reads the target vector once.
 const BATCH: usize = 4;
@@ -85,7 +86,7 @@ impl Directions {
         true
     }
 
-    /// Subtracts the projection of `values` on each image; returns the coefficients c.
+    /// Subtracts the projection of `values` on each image; returns the coefficient of each image.
     pub fn project_out(&self, values: &mut [f64]) -> Vec<f64> {
         let mut shares = Vec::with_capacity(self.images.len());
         for images in self.images.chunks(BATCH) {
@@ -104,7 +105,7 @@ impl Directions {
         shares
     }
 
-    /// Like [`Self::project_out`] for the last direction only.
+    /// Like [`Self::project_out`] for the last direction only; `None` if there is none.
     pub fn project_out_last(&self, values: &mut [f64]) -> Option<f64> {
         let image = self.images.last()?;
         let share = dot(image, values);
@@ -112,7 +113,7 @@ impl Directions {
         Some(share)
     }
 
-    /// Moves `unknowns` and `normal` by the step whose image is the sum of `shares` times the first images.
+    /// Moves `unknowns` and `normal` by the step whose image is the sum of `shares` times the first stored images.
     pub fn advance(&self, shares: &[f64], unknowns: &mut [f64], normal: &mut [f64]) {
         // R y = c
         let mut y = shares.to_vec();
@@ -137,7 +138,7 @@ impl Directions {
     }
 }
 
-/// Computes a -= sum of shares b, in the order of the shares.
+/// Subtracts `shares[n]` times `b[n]` from `a` for each n, in this order.
 #[multiversion(targets("x86_64+avx512f", "x86_64+avx2"))]
 fn subtract_four(a: &mut [f64], shares: [f64; BATCH], b: [&[f64]; BATCH]) {
     let [p, q, r, s] = b;
@@ -153,7 +154,7 @@ fn total(sums: &[f64; LANES]) -> f64 {
     ((sums[0] + sums[4]) + (sums[1] + sums[5])) + ((sums[2] + sums[6]) + (sums[3] + sums[7]))
 }
 
-/// Scalar products of each of `a` with b, identical to [`dot`].
+/// Scalar product of each of `a` with `b`, identical to that of [`dot`].
 #[multiversion(targets("x86_64+avx512f", "x86_64+avx2"))]
 fn dot_four(a: [&[f64]; BATCH], b: &[f64]) -> [f64; BATCH] {
     let mut sums = [[0.0; LANES]; BATCH];
@@ -174,7 +175,7 @@ fn dot_four(a: [&[f64]; BATCH], b: &[f64]) -> [f64; BATCH] {
     })
 }
 
-/// a . b
+/// Scalar product of `a` and `b`.
 #[multiversion(targets("x86_64+avx512f", "x86_64+avx2"))]
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     let mut sums = [0.0; LANES];
@@ -188,12 +189,12 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     total(&sums) + rest
 }
 
-/// |a|
+/// Euclidean norm of `a`.
 pub fn norm(a: &[f64]) -> f64 {
     dot(a, a).sqrt()
 }
 
-/// a -= share b
+/// Subtracts `share` times `b` from `a`.
 #[multiversion(targets("x86_64+avx512f", "x86_64+avx2"))]
 fn subtract(a: &mut [f64], share: f64, b: &[f64]) {
     for (a, b) in a.iter_mut().zip(b) {

@@ -8,8 +8,8 @@
 //!
 //! u_0 is uniform compression under the load, G the response of the flat layer ([`super::layer`]), and R the stiffness
 //! of the missing springs. w is the vertical displacement of blocks of row 0 that the counterface does not hold, or
-//! holds in part by a spring kappa, and t is the friction on the contacts. The unknowns are therefore few: forces on
-//! the blocks around the cavities, and one friction force per contact.
+//! holds in part by a spring kappa; N is the normal force on a block and t the friction on the contacts. The unknowns
+//! are therefore few: forces on the blocks around the cavities, and one friction force per contact.
 //!
 //! A removed block has no unknown. All of its springs are missing, so that its row of R equals that of the flat layer
 //! K:
@@ -32,18 +32,19 @@ use crate::springblock::lattice::tie;
 /// A spring that is missing, or weaker by `stiffness`, between blocks of which at least one exists.
 #[derive(Clone, Copy, Debug)]
 struct Link {
-    /// Indices of blocks a and b in the support; [`ABSENT`] for a removed block.
+    /// Indices in `Interface::support` of the blocks at both ends; [`ABSENT`] for a removed block.
     ends: [usize; 2],
-    /// Offsets of the x components of the two blocks.
+    /// Offsets of the x components of the two blocks in the fields of the flat layer.
     places: [usize; 2],
     direction: [f64; 3],
     stiffness: f64,
 }
 
-/// Minimum fraction of a block's stiffness in the preconditioner; weaker connections are not part of the solid.
+/// Minimum remaining fraction of a block's stiffness, by which the preconditioner divides; springs with a smaller share
+/// are not part of the lattice.
 const MIN_LEFT: f64 = 1e-4;
 
-/// Index of a block that is not in the support.
+/// Index of a block that is removed or has no missing spring, and therefore is not in `Interface::support`.
 const ABSENT: usize = usize::MAX;
 
 /// A block of row 0 that exists.
@@ -51,11 +52,12 @@ const ABSENT: usize = usize::MAX;
 pub struct Surface {
     /// Column indices along x and y.
     pub column: [usize; 2],
-    /// Fraction of the area that touches the counterface.
+    /// Fraction of the area of the column that touches the counterface.
     pub contact_share: f64,
-    /// Index among the blocks with an unknown height, and the stiffness of the tie.
+    /// Index among the blocks with an unknown height, and the stiffness in units of k of the tie to the face; `None`
+    /// for a block that the counterface holds.
     free: Option<(usize, f64)>,
-    /// Index among the contacts.
+    /// Index among the contacts; `None` for a block that does not touch.
     pub contact: Option<usize>,
     /// Whether the block is a contact that has lifted off the counterface.
     lifted: bool,
@@ -63,26 +65,26 @@ pub struct Surface {
     yields: bool,
     /// Height of the face, in lattice spacings.
     pub relief: f64,
-    /// Stiffness of the tie to the face if the block touches in part; 0 if it touches fully.
+    /// Stiffness in units of k of the tie to the face if the block touches in part; 0 if it touches fully.
     tie: f64,
-    /// Stiffness of the springs upward plus that of the tie.
+    /// Vertical stiffness in units of k of the springs upward plus that of the tie.
     pivot: f64,
 }
 
 impl Surface {
-    /// Stiffness of the tie to the face while the height is unknown.
+    /// Stiffness of the tie to the face if the block has an unknown height, otherwise 0; in units of k.
     fn own_tie(&self) -> f64 {
         self.free.map_or(0.0, |(_, tie)| tie)
     }
 
-    /// Height of the face of a yielding block at the height `height`; higher than the block by the deformation of the
-    /// tie.
+    /// Height of the face of a yielding block whose own height is `height`: the face is higher by the deformation of
+    /// the tie. Heights are in units of P l^2 / k.
     fn flattened(&self, height: f64, face: Face) -> f64 {
         if self.tie > 0.0 { height + face.limit * self.contact_share / self.tie } else { height }
     }
 }
 
-/// Patterned interface of a lattice.
+/// Equations of the patterned interface of a lattice: cavities and contacts below a flat layer.
 #[derive(Clone, Debug)]
 pub struct Interface {
     columns: [usize; 2],
@@ -92,37 +94,40 @@ pub struct Interface {
     explicit: usize,
     layer: FlatLayer,
     weakened: Vec<Link>,
-    /// Offsets of the x components of the blocks with a missing spring.
+    /// Offsets, in the fields of the flat layer, of the x components of the blocks with a missing spring.
     support: Vec<usize>,
-    /// For each force of the support: stiffness of the flat layer over the remaining stiffness.
+    /// For each force on the blocks of `support`: stiffness of the flat layer over the remaining stiffness.
     softness: Vec<f64>,
     surface: Vec<Surface>,
     /// Columns of the contacts, by contact index.
     touching: Vec<usize>,
     /// Indices into `surface` of the blocks with an unknown height.
     free: Vec<usize>,
-    /// Lines whose displacements are needed, indexed by component field times ny + j.
+    /// Whether the displacements on a line along x are needed, by component field times ny + j.
     wanted: Vec<bool>,
     stencil: Stencil,
-    /// Compression of one row under unit pressure: force per block column over 3/2 of a spring.
+    /// Compression of one row under the nominal pressure, in units of P l^2 / k: the area of a column over the vertical
+    /// stiffness of its springs upward.
     compression: f64,
 }
 
-/// Forces of the springs upward from row 0 of the flat layer: N = sum k e_z e.(u_a - u_b).
+/// Forces of the springs upward from row 0 of the flat layer: N = sum k e_z e.(u_a - u_b), with the unit vector e of a
+/// spring and the displacements u_a and u_b of its lower and upper ends.
 #[derive(Clone, Copy, Debug, Default)]
 struct Stencil {
-    /// sum k e_z^2
+    /// Sum of k e_z^2 over all springs upward.
     rise: f64,
-    /// k e_z^2 of the vertical spring, and of the ones along x and along y.
+    /// k e_z^2 of the vertical spring, of a spring inclined along x, and of a spring inclined along y.
     vertical: [f64; 3],
-    /// k e_z e_x of the spring along x, k e_z e_y of the spring along y.
+    /// k e_z e_x of the spring inclined along x, and k e_z e_y of the spring inclined along y.
     aslant: [f64; 2],
 }
 
-/// State of a face that is independent of the unknowns.
+/// Scale of the heights of a face, and limit of its forces, under the current load.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Face {
-    /// Factor of the heights of the face: 1 over the unit of displacement of the current load.
+    /// Factor that converts heights of the face from lattice spacings to units of P l^2 / k: 1 over the unit of
+    /// displacement of the current load.
     pub raise: f64,
     /// Normal force on a whole column at which it yields, in units of P l^2.
     pub limit: f64,
@@ -130,13 +135,14 @@ pub struct Face {
 
 /// Elastic response to the unknowns, and the displacements from which it was computed.
 pub struct Response {
-    /// Displacements of the explicit rows.
+    /// Displacements of the explicit rows in units of P l^2 / k: three component fields for each row; x varies fastest.
     pub fields: Vec<f64>,
-    /// R u, then the imbalance of free blocks over their stiffness.
+    /// Forces R u of the missing springs, then for each block with an unknown height the vertical imbalance over the
+    /// stiffness `pivot`.
     pub linear: Vec<f64>,
-    /// Normal force by contact.
+    /// Normal force by contact, in units of P l^2.
     pub normal: Vec<f64>,
-    /// Downward force of each column.
+    /// Downward force on the block of row 0 in each column, in units of P l^2.
     pressed: Vec<f64>,
     workspace: Workspace,
 }
@@ -149,7 +155,7 @@ impl Interface {
         Self::with_rows(lattice, (lattice.changed_rows() + 1).max(2))
     }
 
-    /// Like [`Self::new`], with explicit displacements of all rows and of the bulk, everywhere.
+    /// Like [`Self::new`], but with all displacements explicit: those of all rows and of the bulk, everywhere.
     pub fn uncondensed(lattice: &SpaceLattice) -> Self {
         let mut interface = Self::with_rows(lattice, lattice.rows() + 1);
         interface.wanted.fill(true);
@@ -227,8 +233,9 @@ impl Interface {
 
     /// Computes the diagonal preconditioner.
     ///
-    /// The effect of a force on a block of the support on its own residual is nearly the remaining fraction of the
-    /// block's stiffness, because every spring of a loaded block of the layer takes about the same share of the load:
+    /// A force on a block with a missing spring changes its own residual by nearly the remaining fraction of the
+    /// block's stiffness, because every spring of a loaded block of the layer takes about the same share of the load.
+    /// With the stiffness K of the flat layer:
     ///
     /// ```text
     /// (I - R G)_ii = ((K - R) G)_ii ~ (K - R)_ii / K_ii
@@ -256,7 +263,7 @@ impl Interface {
         residual.iter_mut().zip(&self.softness).for_each(|(residual, softness)| *residual *= softness);
     }
 
-    /// Finds the existing blocks of row 0, and the springs that press them down.
+    /// Finds the existing blocks of row 0, and the forces of the springs that press them down.
     fn find_surface(&mut self, lattice: &SpaceLattice) {
         let [nx, ny] = self.columns;
         for (j, i) in (0..ny).flat_map(|j| (0..nx).map(move |i| (j, i))) {
@@ -329,8 +336,8 @@ impl Interface {
         interface
     }
 
-    /// Converts the `unknowns` of `other`, which differs in its lifted contacts, to those of this interface, on a face
-    /// with heights times `raise`.
+    /// Converts the `unknowns` of `other`, which differs in its lifted and yielding contacts, to those of this
+    /// interface; `raise` converts face heights to units of P l^2 / k.
     pub fn convert_unknowns(&self, other: &Self, unknowns: &[f64], raise: f64) -> Vec<f64> {
         let (forces, rest) = unknowns.split_at(3 * self.support.len());
         let (heights, friction) = rest.split_at(other.free.len());
@@ -350,7 +357,7 @@ impl Interface {
         }
     }
 
-    /// Sets the face heights of yielding contacts to their heights in `unknowns` under `face`.
+    /// Sets the face heights of yielding contacts to the heights to which they are pressed in `unknowns` under `face`.
     pub fn flatten(&mut self, unknowns: &[f64], face: Face) {
         let heights = &unknowns[3 * self.support.len()..];
         for surface in self.surface.iter_mut().filter(|surface| surface.yields) {
@@ -360,7 +367,7 @@ impl Interface {
         }
     }
 
-    /// Height of the face of each yielding contact under `face`; `None` for other contacts.
+    /// Height of the face of each yielding contact under `face`, in units of P l^2 / k; `None` for other contacts.
     pub fn yielding<'a>(&'a self, unknowns: &'a [f64], face: Face) -> impl Iterator<Item = Option<f64>> + 'a {
         let heights = &unknowns[3 * self.support.len()..];
         let contacts = self.surface.iter().filter(|surface| surface.contact.is_some());
@@ -369,7 +376,7 @@ impl Interface {
         })
     }
 
-    /// Height in `unknowns` of each lifted contact; `None` for other contacts.
+    /// Height in `unknowns` of each lifted contact, in units of P l^2 / k; `None` for other contacts.
     pub fn lifted<'a>(&'a self, unknowns: &'a [f64]) -> impl Iterator<Item = Option<f64>> + 'a {
         let heights = &unknowns[3 * self.support.len()..];
         let contacts = self.surface.iter().filter(|surface| surface.contact.is_some());

@@ -21,12 +21,12 @@ pub struct SpaceLattice {
     columns: [usize; 2],
     rows: usize,
     spacing: [f64; 2],
-    /// Covered fraction of every column, i fastest.
+    /// Fraction of every column that cavities cover; x varies fastest.
     coverage: Vec<f64>,
-    /// Depth of the cavities in rows.
+    /// Depth of the cavities, in rows.
     depth: f64,
-    /// Mean height of the land of every column, positive towards the counterface, in lattice spacings, i fastest; empty
-    /// for a flat face.
+    /// Mean height of the land of every column, positive towards the counterface, in lattice spacings; x varies
+    /// fastest. Empty for a flat face.
     relief: Vec<f64>,
     /// Number of lines of columns at the end of y that are removed from the face to the bulk, which leaves two free
     /// ends.
@@ -40,34 +40,35 @@ pub struct SpaceBond {
     pub a: [usize; 3],
     /// Columns and row of the upper end; the row above the top one is the bulk.
     pub b: [usize; 3],
-    /// Spring of a flat layer.
+    /// Kind of the spring, with its stiffness in a flat layer.
     pub spring: Spring,
-    /// Fraction of the flat layer's stiffness, in [0, 1].
+    /// Fraction of the stiffness in a flat layer that the spring has, in [0, 1].
     pub share: f64,
 }
 
 /// Tolerance within which a depth counts as a whole number of blocks, for rounding errors of divisions.
 const WHOLE_TOLERANCE: f64 = 1e-9;
 impl SpaceLattice {
-    /// Number of columns along x and y of a cell of `pattern` in blocks of `block_m`.
+    /// Number of columns along x and y of a cell of `pattern` in blocks `block_m` metres apart.
     pub fn columns_of(pattern: &Pattern, block_m: f64) -> [f64; 2] {
         let cell_m = repeated_cell_m(pattern);
         let along_y = if pattern.is_uniform_along_y() { 1.0 } else { divide(cell_m[1] / block_m).1 as f64 };
         [divide(cell_m[0] / block_m).1 as f64, along_y]
     }
 
-    /// Creates a flat layer.
+    /// Creates a flat layer of `columns` columns along x and y and `rows` rows.
     pub fn flat(columns: [usize; 2], rows: usize) -> Self {
         Self::of_cubes(columns, rows, vec![0.0; columns[0] * columns[1]], 0.0)
     }
 
-    /// Creates a cell of cubes with cavities `depth` rows deep and the covered fractions `coverage` by column, i
+    /// Creates a cell of cubes with cavities `depth` rows deep and the covered fractions `coverage` by column; x varies
     /// fastest. At depth 0 covered blocks are whole but do not touch.
     pub(super) const fn of_cubes(columns: [usize; 2], rows: usize, coverage: Vec<f64>, depth: f64) -> Self {
         Self { columns, rows, spacing: [1.0; 2], coverage, depth, relief: Vec::new(), gap: 0 }
     }
 
-    /// Creates one period of `pattern` in blocks of `block_m` with `rows` rows. Grooves take one column along y.
+    /// Creates the cell of `pattern` with `rows` rows of blocks `block_m` metres apart: one period, or several if a
+    /// short period is not a whole number of blocks or its rims differ. Grooves take one column along y.
     pub fn cell(pattern: &Pattern, block_m: f64, rows: usize) -> Self {
         Self::cell_with_map(pattern, block_m, rows, None)
     }
@@ -130,7 +131,7 @@ impl SpaceLattice {
         Self { spacing: [1.0; 2], coverage, depth, ..self.clone() }
     }
 
-    /// Repeats the cell `count` times along y.
+    /// Returns the cell repeated `count` times along y.
     pub fn repeated_along_y(&self, count: usize) -> Self {
         let columns = [self.columns[0], self.columns[1] * count];
         Self { columns, coverage: self.coverage.repeat(count), relief: self.relief.repeat(count), ..self.clone() }
@@ -151,7 +152,7 @@ impl SpaceLattice {
         Self { columns: [nx, lines + gap], coverage, relief, gap, ..self.clone() }
     }
 
-    /// Exchanges x and y.
+    /// Returns the lattice with x and y exchanged.
     pub fn transposed(&self) -> Self {
         let [nx, ny] = self.columns;
         let turned = |values: &[f64]| -> Vec<f64> {
@@ -165,7 +166,8 @@ impl SpaceLattice {
         Self { columns: [ny, nx], spacing: [b, a], coverage, relief, ..self.clone() }
     }
 
-    /// Sets the relief of the columns towards the counterface, in lattice spacings, i fastest.
+    /// Sets the mean land height of each column, positive towards the counterface, in lattice spacings; x varies
+    /// fastest.
     #[must_use]
     pub fn with_relief(self, relief: Vec<f64>) -> Self {
         Self { relief, ..self }
@@ -181,7 +183,7 @@ impl SpaceLattice {
         self.rows
     }
 
-    /// Distance of columns along x and y, in lattice spacings.
+    /// Distance between neighbouring columns along x and y, in lattice spacings.
     pub const fn spacing(&self) -> [f64; 2] {
         self.spacing
     }
@@ -201,7 +203,7 @@ impl SpaceLattice {
         self.relief.iter().any(|height| *height != 0.0)
     }
 
-    /// Maximum height of the land, positive towards the counterface, in lattice spacings.
+    /// Maximum height of the land, positive towards the counterface, in lattice spacings; 0 for a flat face.
     pub fn highest(&self) -> f64 {
         let land = self.relief.iter().zip(&self.coverage).filter(|(_, coverage)| **coverage < 1.0);
         land.map(|(height, _)| *height).reduce(f64::max).unwrap_or(0.0)
@@ -269,8 +271,8 @@ impl SpaceLattice {
         (self.depth - k as f64).clamp(0.0, 1.0)
     }
 
-    /// Present fraction of the stiffness of a spring between blocks `a` and `b`. The bulk, the row above the top one,
-    /// is whole over the face.
+    /// Fraction of the stiffness in a flat layer that a spring between blocks `a` and `b` has. The bulk, the row above
+    /// the top row, is whole over the face.
     pub fn spring_share(&self, a: [usize; 3], b: [usize; 3]) -> f64 {
         if self.is_cut(a[1]) || self.is_cut(b[1]) {
             return 0.0;
@@ -308,7 +310,7 @@ impl SpaceLattice {
         self.visit_bonds(true, visit);
     }
 
-    /// Existing springs from block (i, j, 0) upward.
+    /// Existing springs from block (i, j, 0) to the row above.
     pub fn upward(&self, i: usize, j: usize) -> impl Iterator<Item = SpaceBond> + '_ {
         let a = [i, j, 0];
         springs(self.spacing).into_iter().skip(LEVEL).filter_map(move |spring| {
@@ -318,7 +320,7 @@ impl SpaceLattice {
         })
     }
 
-    /// Other end of the spring of kind `spring` at `a`.
+    /// Indices of the block at the other end of the spring of kind `spring` at `a`.
     fn neighbour(&self, a: [usize; 3], spring: &Spring) -> [usize; 3] {
         let wrap = |at: usize, step: isize, count: usize| (at + count).wrapping_add_signed(step) % count;
         [
@@ -349,14 +351,14 @@ impl SpaceLattice {
     }
 }
 
-/// Sides of the rectangular cell of `pattern` that contains the rims it needs, in metres.
+/// Side lengths along x and y, in metres, of the rectangular cell of `pattern` that contains all the rims it needs.
 fn repeated_cell_m(pattern: &Pattern) -> [f64; 2] {
     let (cell_m, cells) = (pattern.cell_m(), rims::cells(pattern));
     [0, 1].map(|axis| cell_m[axis] * cells[axis] as f64)
 }
 
-/// Heights of the columns with the given `sides`, in the axes of the pattern, for a cell of `periods` periods; empty
-/// without rims.
+/// Mean heights in lattice spacings of the columns with the sides `sides` (x from, x to, y from, y to, in metres in the
+/// axes of the pattern), for a cell of `periods` periods; empty without rims.
 fn relief(pattern: &Pattern, block_m: f64, periods: [usize; 2], sides: impl Iterator<Item = [f64; 4]>) -> Vec<f64> {
     let centres_m: Vec<[f64; 2]> = pattern.centres_m().collect();
     let cell_m = pattern.cell_m();

@@ -1,7 +1,7 @@
 //! Exact displacements of a flat layer under forces on its lowest rows, by Fourier transforms.
 //!
-//! A flat layer under a rigid massless bulk is uniform along x and y: for the wave number q its equations are block
-//! tridiagonal over the rows, with 3 x 3 blocks
+//! A flat layer under a rigid massless bulk is uniform along x and y: for the wave number q the equations of its rows
+//! k, with the displacements u_k and the forces f_k, are block tridiagonal with 3 x 3 blocks
 //!
 //! ```text
 //! C^T u_{k-1} + D_k u_k + C u_{k+1} = f_k
@@ -14,7 +14,7 @@
 //! S_k = D_k - C S_{k+1}^-1 C^T,
 //! ```
 //!
-//! is done once per cell size; the rows above the cavities are represented by their S. In row 0 the vertical
+//! is done once per cell size; the rows above the cavities are represented by their S_k. In row 0 the vertical
 //! displacement is prescribed (zero on the counterface) instead of the force. The bulk is another row that moves only
 //! vertically and only as a whole (q = 0); its balance is that of the load.
 //!
@@ -32,13 +32,14 @@ use slipgrid_base::fft::{Complex, ComplexToReal, Fft, Precision, RealToComplex};
 
 use super::springs::{LEVEL, springs};
 
-/// Relative change of S_k^-1 from row to row below which it equals that of a half-space: a few rounding errors.
+/// Relative change of the inverses S_k^-1 of the elimination from row to row below which the layer above counts as a
+/// half-space: a few rounding errors.
 const HALF_SPACE_TOLERANCE: f64 = 1e-15;
 
 /// Symmetric 3 x 3 matrix: xx, xy, xz, yy, yz, zz.
 type Symmetric = [f64; 6];
 
-/// C at one wave number: the diagonal, and the couplings of x and y with z.
+/// Matrix C that couples neighbouring rows at one wave number: the diagonal, and the couplings of x and y with z.
 #[derive(Clone, Copy, Debug)]
 struct Coupling {
     xx: f64,
@@ -71,18 +72,19 @@ impl std::fmt::Debug for FlatLayer {
     }
 }
 
-/// Number of lines transformed along x before the results are stored, so that the values of a wave fill cache lines.
+/// Number of lines that are transformed along x before their spectra are stored, so that the values of one wave number
+/// fill cache lines.
 const BATCH: usize = 16;
 
 /// Work space of [`FlatLayer::respond`].
 pub struct Workspace {
     /// Range of needed lines of each component field.
     lines: Vec<Range<usize>>,
-    /// Index of the first needed line of each field in the stored lines of a wave along x.
+    /// Index of the first needed line of each component field in the stored lines of one wave number q_x.
     starts: Vec<usize>,
-    /// Needed lines of all fields, for each wave along x.
+    /// Needed lines of all component fields, for each wave number q_x.
     spectra: Vec<Complex<f64>>,
-    /// All fields of one wave along x.
+    /// All component fields at one wave number q_x, each over all lines along y.
     column: Vec<Complex<f64>>,
     transformed: Vec<Complex<f64>>,
     scratch: Vec<Complex<f64>>,
@@ -90,8 +92,8 @@ pub struct Workspace {
 }
 
 impl FlatLayer {
-    /// Condenses a layer of `rows` rows over `columns` columns, `spacing` apart, to its `explicit` lowest rows, from 1
-    /// to rows + 1; the row above the top one is the bulk.
+    /// Condenses a layer of `rows` rows over `columns` columns, `spacing` lattice spacings apart, to its `explicit`
+    /// lowest rows, from 1 to rows + 1; the row above the top row is the bulk.
     pub fn new(columns: [usize; 2], spacing: [f64; 2], rows: usize, explicit: usize) -> Self {
         let [nx, ny] = columns;
         let (half, pairs) = (nx / 2 + 1, ny / 2 + 1);
@@ -115,7 +117,7 @@ impl FlatLayer {
         layer
     }
 
-    /// Block elimination at the wave number `q`.
+    /// Eliminates the rows from the bulk down at the wave number `q`, which has the index `number`.
     fn condense(&mut self, number: usize, q: [f64; 2], spacing: [f64; 2], rows: usize) {
         let kinds = springs(spacing);
         // Within a row: sum k e e^T 2 (1 - cos q.d); upward and downward: sum k e e^T each.
@@ -185,7 +187,8 @@ impl FlatLayer {
         }
     }
 
-    /// Allocates work space for [`Self::respond`]. Only `lines` of each component field may carry a force or be needed.
+    /// Allocates work space for [`Self::respond`]. Only the lines `lines` of each component field may carry a force or
+    /// be needed.
     pub fn workspace(&self, lines: Vec<Range<usize>>) -> Workspace {
         let [nx, ny] = self.columns;
         let half = nx / 2 + 1;
@@ -214,9 +217,9 @@ impl FlatLayer {
 
     /// Replaces forces by displacements in `fields`.
     ///
-    /// `fields` has three components of each explicit row, each of nx x ny values, x fastest. The vertical component of
-    /// row 0 is a displacement on input and output. Lines whose entry in `wanted` (component field times ny + j) is
-    /// false are set to zero instead.
+    /// `fields` has the three components of each explicit row, each of nx x ny values; x varies fastest. The vertical
+    /// component of row 0 is a displacement on input and output. Lines whose entry in `wanted` (component field times
+    /// ny + j) is false are set to zero instead.
     pub fn respond(&self, fields: &mut [f64], wanted: &[bool], workspace: &mut Workspace) {
         let [nx, ny] = self.columns;
         let (half, pairs) = (nx / 2 + 1, ny / 2 + 1);
@@ -254,7 +257,7 @@ impl FlatLayer {
         self.transform_back(fields, wanted, workspace);
     }
 
-    /// Transforms the lines of `fields` along x; returns which fields have forces.
+    /// Transforms the needed lines of `fields` along x; returns for each component field whether it has forces.
     fn transform_lines(&self, fields: &[f64], workspace: &mut Workspace) -> Vec<bool> {
         let [nx, ny] = self.columns;
         let half = nx / 2 + 1;
@@ -325,12 +328,12 @@ impl FlatLayer {
     }
 }
 
-/// The condensed layer for the waves of one q_x with q_y >= 0.
+/// The condensed layer at all wave numbers q_y >= 0 of one q_x.
 struct Waves<'a> {
     inverses: &'a [Symmetric],
     lowest: &'a [[f64; 5]],
     couplings: &'a [Coupling],
-    /// Number of waves along y of either sign.
+    /// Number of wave numbers q_y of either sign, which is the number of lines along y.
     lines: usize,
 }
 
@@ -382,7 +385,7 @@ fn sweep(waves: &Waves, column: &mut [Complex<f64>]) {
 }
 
 /// Loads u_x, u_y, -i u_z of a wave and of its mirror image, whose u_y changes sign, from the row that begins at
-/// `start`.
+/// `start`. The other arguments are the number of lines and the indices of the wave and of the mirror image.
 #[inline(always)]
 fn load(column: &[Complex<f64>], start: usize, [count, number, mirror]: [usize; 3]) -> [Pair; 3] {
     let at = |c: usize| [column[start + c * count + number], column[start + c * count + mirror]];
@@ -394,7 +397,7 @@ fn load(column: &[Complex<f64>], start: usize, [count, number, mirror]: [usize; 
     ]
 }
 
-/// Inverse of [`load`].
+/// Stores u_x, u_y, -i u_z of a wave and of its mirror image: the inverse of [`load`].
 #[inline(always)]
 fn store(column: &mut [Complex<f64>], start: usize, [count, number, mirror]: [usize; 3], [x, y, z]: &[Pair; 3]) {
     let place = |c: usize, number: usize| start + c * count + number;
@@ -422,7 +425,7 @@ fn times(a: Pair, factor: f64) -> Pair {
 }
 
 impl Coupling {
-    /// C u
+    /// Returns C u, with C = `self`.
     #[inline(always)]
     fn times(&self, u: &[Pair; 3]) -> [Pair; 3] {
         [
@@ -432,7 +435,7 @@ impl Coupling {
         ]
     }
 
-    /// C^T u
+    /// Returns C^T u, with C = `self`.
     #[inline(always)]
     fn transposed_times(&self, u: &[Pair; 3]) -> [Pair; 3] {
         [
@@ -442,7 +445,7 @@ impl Coupling {
         ]
     }
 
-    /// C M C^T
+    /// Returns C M C^T, with C = `self` and M = `m`.
     fn condensed(&self, m: &Symmetric) -> Symmetric {
         let rows = [[self.xx, 0.0, self.xz], [0.0, self.yy, self.yz], [-self.xz, -self.yz, self.zz]];
         let full = [[m[0], m[1], m[2]], [m[1], m[3], m[4]], [m[2], m[4], m[5]]];

@@ -1,6 +1,6 @@
 //! The periodic cell in space. A cubic mesh of blocks with springs to the 6 nearest and the 12 face-diagonal
-//! neighbours, all of stiffness k = 2/5 E l, is isotropic with nu = 1/4. In plane strain this equals plane stress at
-//! nu/(1 - nu) = 1/3: for a groove across the sliding direction it is the lattice of the vertical plane.
+//! neighbours, all of stiffness k = 2/5 E l, is isotropic with nu = 1/4. In plane strain it is equivalent to plane
+//! stress at nu/(1 - nu) = 1/3: for a groove across the sliding direction it is the lattice of the vertical plane.
 //!
 //! | type | role |
 //! |---|---|

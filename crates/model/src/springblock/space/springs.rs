@@ -12,7 +12,7 @@
 //!
 //! All stiffnesses are 1 for a = b = 1, the cubic lattice.
 
-/// One kind of spring.
+/// One kind of spring of the lattice in space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spring {
     /// Offset of the other end: columns along x, columns along y, and rows.
@@ -32,13 +32,13 @@ impl Spring {
     }
 }
 
-/// Number of springs within a row, one of each opposite pair.
+/// Number of springs that belong to a block within its row: one of each opposite pair.
 pub const LEVEL: usize = 4;
-/// Number of springs to the row above.
+/// Number of springs that connect a block to the row above.
 pub const UPWARD: usize = 5;
 
-/// The nine springs that belong to a block, with columns `a` x `b` spacings apart: first those within its row, then
-/// those upward.
+/// Returns the nine springs that belong to a block, with columns `a` x `b` lattice spacings apart: first those within
+/// the row of the block, then those upward.
 pub fn springs([a, b]: [f64; 2]) -> [Spring; LEVEL + UPWARD] {
     let (aa, bb) = (a * a, b * b);
     let k_x = (b / a) * (3.0 - aa / bb - aa);

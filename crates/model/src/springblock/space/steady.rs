@@ -1,9 +1,9 @@
-//! Steady sliding of the cell in space.
+//! Steady sliding of a cell in space.
 //!
-//! The equations of [`super::interface`] are linear except for friction, t = mu f(p) max(N, 0), which is only weakly
+//! The equations of [`super::interface`] are linear except for the friction t = mu f(p) max(N, 0), which is only weakly
 //! nonlinear. They are solved by the chord method: with the slope of friction at the nominal pressure the linear
 //! operator is the same for all iterations and loads, and its search directions serve all of them
-//! ([`super::directions`]). Where chords do not contract (lands that tilt, steep laws) tangents replace them.
+//! ([`super::directions`]). Where chords do not contract (lands that tilt, steep area laws), tangents replace them.
 
 mod contacts;
 
@@ -17,32 +17,33 @@ use super::lattice::SpaceLattice;
 use crate::springblock::outcome::peak_over_whole_blocks;
 use crate::springblock::{InterfacePoint, Load, Monitor, Status, SurfaceOutcome, Unwatched};
 
-/// Default of the sum of unbalanced forces over the load at which a solve has converged.
+/// Default tolerance: a solve has converged if the sum of the magnitudes of the unbalanced forces, over the load, is no
+/// larger.
 pub(crate) const TOLERANCE: f64 = 1e-10;
-/// Linear residual relative to its start at which friction is evaluated again. A chord step reduces the residual by
-/// about as much.
+/// Ratio of the linear residual to that at the start of a chord step at which friction is evaluated again. A chord step
+/// reduces the residual by about as much.
 const LINEAR_TOLERANCE: f64 = 0.03;
-/// Reduction of the residual below which a chord is replaced by a tangent.
+/// Ratio of successive residuals above which tangents replace chords.
 const CONTRACTION: f64 = 0.5;
-/// Maximum number of directions for one load.
+/// Maximum number of search directions for one load.
 pub(crate) const MAX_DIRECTIONS: usize = 600;
 /// Maximum number of evaluations of friction for one load.
 const MAX_EVALUATIONS: usize = 100;
-/// Maximum number of stored directions: more cost memory and time, fewer lose information.
+/// Maximum number of stored search directions: more cost memory and time, fewer lose information.
 pub(crate) const MAX_STORED_DIRECTIONS: usize = 160;
 /// Relative step of the finite difference for the slope of friction.
 const SLOPE_STEP: f64 = 1e-6;
 /// Maximum number of rounds of lifting and landing blocks in unilateral contact.
 const MAX_CONTACT_ROUNDS: usize = 60;
 
-/// One load on a [`SpaceSteadyModel`].
+/// A load, friction coefficients and an area law, for which a [`SpaceSteadyModel`] is solved.
 #[derive(Clone, Copy, Debug)]
 pub struct SpaceLoad<'a> {
     /// Nominal pressure, in pascals.
     pub pressure_pa: f64,
-    /// Local dynamic coefficient.
+    /// Local dynamic friction coefficient.
     pub dynamic_mu: f64,
-    /// Coefficient of each contact over `dynamic_mu`, in the order of contacts; `None` means 1.
+    /// Friction coefficient of each contact over `dynamic_mu`, in the order of the contacts; `None` means 1.
     pub relative_mu: Option<&'a [f64]>,
     /// Area law; `None` is Amontons-Coulomb friction.
     pub area_law: Option<&'a AreaLaw>,
@@ -51,7 +52,7 @@ pub struct SpaceLoad<'a> {
 }
 
 impl<'a> SpaceLoad<'a> {
-    /// Creates `load` with its mean dynamic coefficient, sliding along `direction`.
+    /// Converts `load` to a load with its mean dynamic friction coefficient, sliding along the unit vector `direction`.
     pub(crate) fn with_mean_friction(load: &Load, area_law: Option<&'a AreaLaw>, direction: [f64; 2]) -> Self {
         let dynamic_mu = load.friction.dynamic_mean();
         Self { pressure_pa: load.pressure_pa, dynamic_mu, relative_mu: None, area_law, direction }
@@ -70,7 +71,8 @@ pub struct SpaceSteadyModel {
     interface: Interface,
 }
 
-/// Unknowns and quantities that depend on them linearly. Forces are in units of P l^2, displacements in P l^2 / k.
+/// Unknowns of the cell, and quantities that depend on them linearly. Forces are in units of P l^2, displacements in P
+/// l^2 / k.
 #[derive(Clone, Debug)]
 struct State {
     unknowns: Vec<f64>,
@@ -92,11 +94,11 @@ struct Solver<'a> {
     slope: Vec<f64>,
     /// Direction of friction in the linear operator.
     along: [f64; 2],
-    /// Factor of the face heights and yield limit for the current load; zero for a flat face.
+    /// Scale of the face heights and yield force for the current load; zero for a flat face.
     face: Face,
-    /// Sum of the unbalanced forces over the load at which an iteration ends.
+    /// Sum of the magnitudes of the unbalanced forces, over the load, at which an iteration ends.
     tolerance: f64,
-    /// Whether the slopes are tangents at the current load.
+    /// Whether `slope` has the tangents at the current load, not the chords at the nominal pressure.
     tangent: bool,
 }
 
@@ -108,7 +110,7 @@ struct End {
 }
 
 impl SpaceSteadyModel {
-    /// Condenses `lattice`, whose blocks are `block_m` apart.
+    /// Condenses `lattice`, whose blocks are `block_m` metres apart.
     ///
     /// With `liftoff` contact is unilateral and blocks under tension leave the counterface; this is always so on a face
     /// with height variations.
@@ -119,19 +121,21 @@ impl SpaceSteadyModel {
         Self { lattice, block_m, youngs_modulus_pa, liftoff, yield_pressure_pa: None, tolerance: TOLERANCE, interface }
     }
 
-    /// Sets the pressure in pascals at which face heights flatten plastically, in the order of loads.
+    /// Sets the pressure in pascals at which the heights of the face yield; `None` keeps them elastic. Yielded contacts
+    /// remain flattened for the following loads.
     #[must_use]
     pub fn yielding_at(self, yield_pressure_pa: Option<f64>) -> Self {
         Self { yield_pressure_pa, ..self }
     }
 
-    /// Sets the sum of unbalanced forces over the load at which a solve ends.
+    /// Sets the tolerance: a solve ends if the sum of the magnitudes of the unbalanced forces, over the load, is no
+    /// larger.
     #[must_use]
     pub fn balanced_to(self, tolerance: f64) -> Self {
         Self { tolerance, ..self }
     }
 
-    /// Lattice of this configuration.
+    /// Lattice of the model.
     pub const fn lattice(&self) -> &SpaceLattice {
         &self.lattice
     }
@@ -146,14 +150,15 @@ impl SpaceSteadyModel {
         Solver::new(self).outcome(load)
     }
 
-    /// Solves steady sliding under each of `loads` until `monitor` cancels; the solution of one load starts the next.
+    /// Solves steady sliding under each of `loads` until `monitor` cancels; each solution is the start for the next
+    /// load.
     pub fn solve_all(&self, loads: &[SpaceLoad], monitor: &dyn Monitor) -> Vec<SurfaceOutcome> {
         let mut solver = Solver { monitor, ..Solver::new(self) };
         loads.iter().map(|load| solver.outcome(load)).collect()
     }
 
-    /// Displacements in units of l for steady sliding under `load`, by block number (k ny + j) nx + i. The bulk comes
-    /// last as row `rows`, at x = y = 0. Values of removed blocks are meaningless.
+    /// Displacements x, y and z in units of l for steady sliding under `load`, by block number (k ny + j) nx + i. The
+    /// bulk comes last as row `rows`, at x = y = 0. Values of removed blocks are meaningless.
     pub fn displacements(&self, load: &SpaceLoad) -> Vec<[f64; 3]> {
         let [nx, ny] = self.lattice.columns();
         let plane = nx * ny;
@@ -176,13 +181,14 @@ impl SpaceSteadyModel {
             .collect()
     }
 
-    /// Unit of displacement in units of l: P l^2 / (k l) = P / (2/5 E).
+    /// Unit of displacement of a steady solution, P l^2 / k, in units of l: P / (2/5 E).
     fn displacement_unit(&self, pressure_pa: f64) -> f64 {
         pressure_pa / (0.4 * self.youngs_modulus_pa)
     }
 
-    /// Friction on contact `number`, with the contact share `share`, at the normal force `normal`. In unilateral
-    /// contact tension is transient until the block lifts, so friction continues below zero without a kink.
+    /// Friction on contact `number` with the contact share `share` at the normal force `normal`, both forces in units
+    /// of P l^2. In unilateral contact, blocks under tension are lifted in a later round; until then friction is
+    /// continued to negative values, so that it stays smooth.
     fn friction(&self, load: &SpaceLoad, number: usize, share: f64, normal: f64) -> f64 {
         let normal = if self.liftoff { normal } else { normal.max(0.0) };
         // p = F_n / (a l^2), forces in units of P l^2
@@ -192,12 +198,13 @@ impl SpaceSteadyModel {
         load.dynamic_mu * relative_mu * factor * normal
     }
 
-    /// Contact shares of the contacts, in their order.
+    /// Contact shares, the fractions of the columns' areas that touch, in the order of the contacts.
     fn shares(&self) -> impl Iterator<Item = f64> + '_ {
         self.interface.surface().iter().filter(|s| s.contact.is_some()).map(|s| s.contact_share)
     }
 
-    /// Minimum height of a ceiling above the counterface, in blocks.
+    /// Minimum height of a cavity's ceiling above the counterface at the displacements `displacement`, in lattice
+    /// spacings; `None` if there is no cavity.
     fn clearance(&self, pressure_pa: f64, displacement: &[f64]) -> Option<f64> {
         let unit = self.displacement_unit(pressure_pa);
         let [nx, ny] = self.lattice.columns();
@@ -236,7 +243,7 @@ impl<'a> Solver<'a> {
         solver
     }
 
-    /// Recomputes the residual and the normal forces from the unknowns, and the needed displacements.
+    /// Recomputes the residual, the normal forces and the needed displacements from the unknowns.
     fn observe(&mut self) {
         let interface = &self.interface;
         let heights = interface.elastic_unknowns() - interface.free();
@@ -264,7 +271,7 @@ impl<'a> Solver<'a> {
         (residual, size)
     }
 
-    /// Applies the linear operator to `step`; returns the image and the normal forces.
+    /// Applies the linear operator to `step`; returns `step` with its image and the normal forces.
     fn apply(&mut self, step: Vec<f64>) -> Direction {
         let interface = &self.interface;
         let elastic = interface.elastic_unknowns();
@@ -281,8 +288,8 @@ impl<'a> Solver<'a> {
         Direction { step, image, normal: self.response.normal.clone() }
     }
 
-    /// Moves the state by the images' coefficients `shares` that were projected out of its residual; `residual` is the
-    /// rest.
+    /// Moves the state by the step whose image was projected out of the residual, with the coefficients `shares` of the
+    /// stored images; `residual` is the rest of the residual.
     fn advance(&mut self, shares: &[f64], residual: &[f64]) {
         let State { unknowns, elastic, normal } = &mut self.state;
         self.directions.advance(shares, unknowns, normal);
@@ -310,8 +317,9 @@ impl<'a> Solver<'a> {
         self.directions.clear();
     }
 
-    /// Solves for equilibrium under `load`. In unilateral contact lifts blocks under tension and lands blocks below the
-    /// counterface until none changes; if blocks have lifted, also returns the solver with the lifted contacts.
+    /// Solves for equilibrium under `load`. In unilateral contact lifts blocks under tension and lands lifted blocks
+    /// below the counterface until no block changes; if blocks have lifted, also returns the solver with the lifted
+    /// contacts.
     fn equilibrate(&mut self, load: &SpaceLoad) -> (End, Option<Self>) {
         if self.model.lattice.is_raised() {
             return (self.equilibrate_raised(load), None);
@@ -424,7 +432,7 @@ impl<'a> Solver<'a> {
         lifted.as_ref().unwrap_or(self).outcome_of(load, &end)
     }
 
-    /// Contact blocks with the normal and the friction force that `forces` returns for their index.
+    /// Contact blocks with the normal and the friction force, in units of P l^2, that `forces` returns for their index.
     fn points(&self, load: &SpaceLoad, forces: impl Fn(usize) -> (f64, f64)) -> Vec<InterfacePoint> {
         let (spacing, block_m, area) = (self.model.lattice.spacing(), self.model.block_m, self.interface.column_area());
         let contacts = self.interface.surface().iter().filter(|surface| surface.contact.is_some());

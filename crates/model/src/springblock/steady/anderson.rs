@@ -2,12 +2,13 @@
 
 /// Number of stored steps. More cost memory and conditioning, fewer cost iterations; 3 to 8 perform alike here.
 const DEPTH: usize = 6;
-/// Growth of the residual in one step that clears the memory, because the secants are misleading.
+/// Factor of growth of the residual in one step above which the stored steps are discarded, because the secants are
+/// misleading.
 const GROWTH: f64 = 4.0;
 /// Relative regularization of the normal equations of the secants.
 const RIDGE: f64 = 1e-14;
 
-/// Memory of the last steps.
+/// Memory of the last steps of x and of the residual g(x) - x.
 pub struct Anderson {
     steps: Vec<Vec<f64>>,
     residual_steps: Vec<Vec<f64>>,
@@ -40,7 +41,7 @@ impl Anderson {
         self.last = Some((x.to_vec(), residual.clone()));
         self.last_norm = norm;
 
-        // x+ = x + r - (dX + dR) gamma, gamma minimizing |r - dR gamma|
+        // x+ = x + r - (dX + dR) gamma, where gamma minimizes |r - dR gamma|
         let gamma = self.least_squares(&residual);
         for i in 0..self.size {
             let correction: f64 =
@@ -49,7 +50,7 @@ impl Anderson {
         }
     }
 
-    /// Coefficients of the secants from the regularized normal equations, by Cholesky elimination.
+    /// Coefficients gamma of the stored steps from the regularized normal equations, by Cholesky elimination.
     fn least_squares(&self, residual: &[f64]) -> Vec<f64> {
         let m = self.residual_steps.len();
         let products = |a| self.residual_steps.iter().map(|b| dot(a, b)).collect();

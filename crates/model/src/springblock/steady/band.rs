@@ -67,7 +67,7 @@ impl BandFactor {
 /// read once for all of them.
 pub const BATCH: usize = 4;
 
-/// Right-looking elimination; returns false if a pivot is not positive.
+/// Factors the matrix in place by right-looking elimination; returns false if a pivot is not positive.
 #[multiversion(targets("x86_64+avx512f", "x86_64+avx2"))]
 fn eliminate(rows: &mut [f64], order: usize, half_bandwidth: usize) -> bool {
     let stride = half_bandwidth + 1;
@@ -101,7 +101,7 @@ fn eliminate(rows: &mut [f64], order: usize, half_bandwidth: usize) -> bool {
 /// Number of partial sums in a fixed order, so that the result does not depend on the vector width.
 const LANES: usize = 8;
 
-/// Forward and backward substitution.
+/// Solves by forward and backward substitution; `x` holds the right-hand side on entry.
 #[multiversion(targets("x86_64+avx512f", "x86_64+avx2"))]
 fn substitute(rows: &[f64], half_bandwidth: usize, x: &mut [f64]) {
     let stride = half_bandwidth + 1;

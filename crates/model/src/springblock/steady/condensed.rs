@@ -37,8 +37,8 @@ pub struct CondensedModel {
 struct CondensedCell {
     response: Condensed,
     ceilings: Vec<Ceiling>,
-    /// Affine map from the inputs to the unknowns, y = Y T + y_0, by rows: Y, then y_0. The inputs are T and then,
-    /// where they are inputs, the heights.
+    /// Affine map from the inputs to the unknowns: for each unknown, the coefficients of the inputs and a constant.
+    /// Inputs are the friction forces T and, on a face with heights, the heights of the contacts.
     unknowns: Vec<f64>,
 }
 
@@ -47,12 +47,13 @@ struct CondensedCell {
 struct Ceiling {
     /// Depth of the cavity, in rows.
     depth: f64,
-    /// Coefficients of the height over the unknowns, the inputs, and 1.
+    /// Coefficients of the vertical displacement, in units of P l^2 / k: those of the unknowns, those of the inputs,
+    /// and a constant.
     height: Vec<f64>,
 }
 
-/// Estimated upper bounds of the multiplications and additions, and of the memory in bytes, for condensing a cell of
-/// `columns` columns, of which cavities `depth` rows deep cover `covered`.
+/// Returns estimated upper bounds of the number of multiplications and additions, and of the memory in bytes, for
+/// condensing a cell of `columns` columns, of which cavities `depth` rows deep cover `covered`.
 pub fn condensing_cost(columns: f64, covered: f64, depth: f64) -> (f64, f64) {
     let (half, fields, m) = (columns / 2.0 + 1.0, 2.0 * (depth + 2.0), columns);
     // Blocks of the ceiling, twice if it exists in part, and of the walls.
@@ -63,13 +64,15 @@ pub fn condensing_cost(columns: f64, covered: f64, depth: f64) -> (f64, f64) {
     (products, 8.0 * (2.0 * half * half + 2.0 * fields * fields * columns + width * (n + 4.0 * blocks)))
 }
 
-/// N = N_0 + A T, plus K z if the face has heights z.
+/// Normal forces of the contacts as a function of their friction forces T: N = N_0 + A T, plus K z if the face has the
+/// heights z.
 #[derive(Clone, Debug)]
 pub(super) struct Condensed {
     pub(super) contacts: Vec<Contact>,
     pub(super) load: f64,
     /// -A by columns, then -K.
     pub(super) influence: Vec<f64>,
+    /// N_0 by contact, in units of P l^2.
     pub(super) at_rest: Vec<f64>,
 }
 
@@ -94,8 +97,9 @@ impl LinearResponse for Condensed {
 }
 
 impl CondensedModel {
-    /// Condenses `lattice`, whose blocks are `block_m` apart. Returns `None` if the lattice is not periodic with equal
-    /// columns, if cavities reach the top row, or if the band matrix of all blocks takes fewer operations.
+    /// Condenses `lattice`, whose blocks are `block_m` metres apart. Returns `None` if the lattice is not periodic with
+    /// equal columns, if cavities reach the top row, if the equations are singular, or if the band matrix of all blocks
+    /// takes fewer operations.
     pub fn new(lattice: &Lattice, block_m: f64, youngs_modulus_pa: f64, liftoff: bool) -> Option<Self> {
         let equations = Equations::for_lattice(lattice, &[], false)?;
         let products = equations.products(lattice);
@@ -106,7 +110,8 @@ impl CondensedModel {
         Some(Self { block_m, youngs_modulus_pa, liftoff, cell })
     }
 
-    /// Like [`Self::new`] at any cost, with the contact blocks of the columns `lifted` off the counterface.
+    /// Like [`Self::new`] for any number of operations, with the contact blocks of the columns `lifted` off the
+    /// counterface.
     pub(super) fn with_lifted(
         lattice: &Lattice,
         block_m: f64,
@@ -123,7 +128,8 @@ impl CondensedModel {
         Some(Self { block_m, youngs_modulus_pa, liftoff, cell })
     }
 
-    /// Like [`Self::new`] at any cost, with the heights of the face as inputs, as needed by [`super::raised`].
+    /// Like [`Self::new`] for any number of operations, with the heights of the face as inputs, as needed by
+    /// [`super::raised`].
     pub(super) fn with_raised_face(lattice: &Lattice, block_m: f64, youngs_modulus_pa: f64) -> Option<Self> {
         let cell = Arc::new(Equations::for_lattice(lattice, &[], true)?.condense(lattice)?);
         Some(Self { block_m, youngs_modulus_pa, liftoff: true, cell })
@@ -155,7 +161,8 @@ impl CondensedModel {
         observe(self.contacts(), self.block_m, load, state, clearance)
     }
 
-    /// Height in units of P l^2 / k of every lifted contact, in the order of the contacts; `None` for other contacts.
+    /// Vertical displacement in units of P l^2 / k of every lifted contact, in the order of the contacts; `None` for
+    /// other contacts.
     pub(super) fn heights(&self, state: &Equilibrium) -> Vec<Option<f64>> {
         let unknowns = self.unknowns(&state.friction);
         let of_lifted = |contact: &Contact| contact.lifted.then(|| unknowns[contact.dof]);
@@ -177,13 +184,14 @@ impl CondensedModel {
         Some(self.observe(load, &state))
     }
 
-    /// Unknowns for `inputs`: friction forces, then heights where they are inputs.
+    /// Values of the unknowns for `inputs`: friction forces, then the heights of the face if they are inputs.
     fn unknowns(&self, inputs: &[f64]) -> Vec<f64> {
         let count = inputs.len();
         self.cell.unknowns.chunks_exact(count + 1).map(|row| dot(&row[..count], inputs) + row[count]).collect()
     }
 
-    /// Minimum height of a ceiling above the counterface, in blocks.
+    /// Minimum height of a cavity's ceiling above the counterface for `inputs`, in lattice spacings; `None` if there is
+    /// no ceiling.
     fn clearance(&self, pressure_pa: f64, inputs: &[f64]) -> Option<f64> {
         let unit = displacement_unit(pressure_pa, PLANE_STRAIN * self.youngs_modulus_pa);
         let affine = |row: &[f64]| dot(&row[..inputs.len()], inputs) + row[inputs.len()];

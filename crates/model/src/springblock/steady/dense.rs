@@ -74,7 +74,7 @@ pub fn add_times(target: &mut [f64], factor: f64, row: &[f64]) {
     target.iter_mut().zip(row).for_each(|(target, value)| *target += factor * value);
 }
 
-/// Computes `target` = e . (a - b) from the rows of the x and z components.
+/// Computes `target` = e . (a - b) from the rows of the x and z components of a and b.
 #[multiversion(targets("x86_64+avx512f", "x86_64+avx2"))]
 pub fn elongation(target: &mut [f64], e: [f64; 2], [ax, az]: [&[f64]; 2], [bx, bz]: [&[f64]; 2]) {
     let ends = ax.iter().zip(az).zip(bx.iter().zip(bz));

@@ -1,12 +1,14 @@
 //! Response of a flat periodic layer of equal columns, in closed form.
 //!
-//! At the wave number q its equations are block tridiagonal over the rows, with 2 x 2 blocks
+//! At the wave number q the equations of its rows k, with the displacements u_k and the forces f_k, are block
+//! tridiagonal with 2 x 2 blocks
 //!
 //! ```text
 //! C^T u_{k-1} + D_k u_k + C u_{k+1} = f_k
 //! ```
 //!
-//! which are real for (u_x, -i u_z), because the lattice equals its own mirror image. Elimination from the bulk down,
+//! which are real for (u_x, -i u_z), because the lattice equals its own mirror image. With the response G_kl of row k
+//! to forces on row l, elimination from the bulk down,
 //!
 //! ```text
 //! S_k = D_k - C S_{k+1}^-1 C^T,     u_k = S_k^-1 f_k + T_k u_{k-1},     T_k = -S_k^-1 C^T
@@ -20,11 +22,12 @@
 use super::dense::subtract_products;
 use crate::springblock::lattice::springs;
 
-/// Relative change of S_k^-1 from row to row below which it equals that of a half-space: twice the rounding error.
+/// Relative change of the inverses S_k^-1 of the elimination from row to row below which the layer above counts as a
+/// half-space: twice the rounding error.
 const HALF_SPACE_TOLERANCE: f64 = 4e-16;
 
-/// Number of rows above the explicit rows from which their uniform shear, which does not decay, is computed in closed
-/// form.
+/// Number of rows above the explicit rows beyond which the uniform shear of these rows, which does not decay with
+/// height, is computed in closed form instead of row by row.
 const MIN_SERIES_ROWS: usize = 100;
 
 /// Symmetric 2 x 2 matrix: xx, xz, zz.
@@ -34,22 +37,24 @@ type Square = [f64; 4];
 
 /// Responses of the lowest rows of a flat layer to unit inputs on these rows.
 ///
-/// Field 2 k is row k along x, field 2 k + 1 is row k vertically. Inputs are forces and outputs are displacements,
-/// except for field 1, the vertical one of row 0: its input is a displacement and its output the required force.
+/// Field 2 k is the x component of row k, field 2 k + 1 the vertical component. Inputs are forces and outputs are
+/// displacements, except for field 1, the vertical component of row 0: its input is a displacement and its output the
+/// required force.
 pub struct FlatLayer {
     columns: usize,
     fields: usize,
-    /// By output, then input: the output in column 0 for the input in columns 0..nx, stored twice in a row.
+    /// Responses by output field, then input field: the output in column 0 for a unit input in each of the columns
+    /// 0..nx, stored twice, so that columns that pass the periodic side are consecutive.
     responses: Vec<f64>,
 }
 
 /// Elimination at one wave number.
 struct Elimination {
-    /// S_k^-1 by row; rows from 1 are used.
+    /// Inverse S_k^-1 of the matrix of each row k after elimination of the rows above; entry 0 is not used.
     inverses: Vec<Symmetric>,
-    /// T_k by row; rows from 1 are used.
+    /// T_k = -S_k^-1 C^T, which gives u_k from u_{k-1}, by row k; entry 0 is not used.
     transfer: Vec<Square>,
-    /// S_0
+    /// S_0, the matrix of row 0 after elimination of all rows above.
     lowest: Symmetric,
 }
 
@@ -105,7 +110,8 @@ impl FlatLayer {
         layer
     }
 
-    /// Stores the response for offsets 0..=nx/2, which is even or odd in the offset, and its reciprocal.
+    /// Stores the response `sums` for the column offsets 0..=nx/2, which is even or odd in the offset, and the
+    /// reciprocal response of field `input` to field `out`.
     fn set(&mut self, out: usize, input: usize, sums: &[f64], sign: f64, odd: bool) {
         let nx = self.columns;
         let mirrored = if odd { -sign } else { sign };
@@ -140,7 +146,7 @@ impl FlatLayer {
 }
 
 impl Elimination {
-    /// Eliminates from the bulk down, at the wave number with the given sine and cosine.
+    /// Eliminates from the bulk down, at the wave number with the given sine and cosine; it is zero if `uniform`.
     fn eliminate(&mut self, (sin, cos): (f64, f64), uniform: bool, w: f64, rows: usize, explicit: usize) {
         let [horizontal, diagonal, vertical] = springs(w);
         // k e e^T of a diagonal: e = (w, 1) / sqrt(w^2 + 1)
@@ -185,7 +191,8 @@ impl Elimination {
         }
     }
 
-    /// Calls `put` with the responses of row k to inputs on row l for k >= l, l slowest, numbered consecutively.
+    /// Calls `put` with the response of row k to inputs on row l for every pair k >= l, numbered consecutively; k
+    /// varies fastest.
     fn respond(&self, explicit: usize, put: &mut impl FnMut(usize, Square)) {
         let [xx, xz, zz] = self.lowest;
         let inverse = 1.0 / xx;

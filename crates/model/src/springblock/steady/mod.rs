@@ -1,10 +1,11 @@
 //! Equilibrium with every contact block sliding.
 //!
-//! Linear elasticity makes the normal forces N an affine function of the friction forces T on the contact blocks. The
-//! bulk's height balances the load. Steady sliding is the fixed point of
+//! Linear elasticity makes the normal forces N an affine function of the friction forces T on the contact blocks,
+//! positive against sliding. The bulk's height balances the load. With the area factor f, steady sliding is the fixed
+//! point of
 //!
 //! ```text
-//! T = -mu_d f(p(N(T))) max(N(T), 0)
+//! T = mu_d f(p(N(T))) max(N(T), 0)
 //! ```
 //!
 //! The stiffness matrix, its factorization and the response to the bulk depend on the geometry only: one
@@ -43,20 +44,20 @@ use system::{Contact, Raised, System};
 pub use system::{band_products, factor_bytes};
 pub use thick::ThickModel;
 
-/// Change of the friction forces relative to the load at which the solve has converged. The error of mu is about as
-/// large; 1e-8 is required.
+/// Sum of the magnitudes of the changes of the friction forces in one evaluation of the fixed-point map, over the load,
+/// at which the solve has converged. The error of mu is about as large; 1e-8 is required.
 const TOLERANCE: f64 = 1e-11;
 /// Maximum number of evaluations of the fixed-point map.
 const MAX_ITERATIONS: usize = 300;
 /// Maximum number of rounds of lifting and landing blocks in unilateral contact.
 const MAX_CONTACT_ROUNDS: usize = 60;
 
-/// One load on a [`SteadyModel`].
+/// A load, friction coefficients and an area law, for which a [`SteadyModel`] is solved.
 #[derive(Clone, Copy, Debug)]
 pub struct SteadyLoad<'a> {
     /// Nominal pressure, in pascals.
     pub pressure_pa: f64,
-    /// Local dynamic coefficient of every column, cavity or not.
+    /// Local dynamic friction coefficient of every column, cavity or not.
     pub dynamic_mu: &'a [f64],
     /// Area law; `None` is Amontons-Coulomb friction.
     pub area_law: Option<&'a AreaLaw>,
@@ -76,12 +77,13 @@ pub struct SteadyModel {
 trait LinearResponse {
     /// Contact blocks, left to right.
     fn contacts(&self) -> &[Contact];
-    /// Load over P l^2: the length over l.
+    /// Load in units of P l^2, which is the length of the lattice in units of l.
     fn load(&self) -> f64;
     /// Number of displacements that [`Self::respond`] computes.
     fn order(&self) -> usize;
-    /// Computes displacements and normal forces (positive in compression) under the nominal load and the friction
-    /// forces `friction` (positive against sliding) on the contacts, with the bulk at x = 0.
+    /// Computes displacements, in units of P l^2 / k, and normal forces (positive in compression) under the nominal
+    /// load and the friction forces `friction` (positive against sliding) on the contacts, with the bulk at x = 0.
+    /// Forces are in units of P l^2.
     fn respond(&self, friction: &[f64], displacement: &mut [f64], normal: &mut [f64]);
     /// Like [`Self::respond`] for several loads, possibly faster than one after the other; results are identical.
     fn respond_each(&self, each: &mut [Response<'_>]) {
@@ -111,7 +113,7 @@ struct Equilibrium {
 }
 
 impl SteadyModel {
-    /// Assembles and factors `lattice`, whose blocks are `block_m` apart.
+    /// Assembles and factors the elastic equations of `lattice`, whose blocks are `block_m` metres apart.
     ///
     /// With `liftoff` contact is unilateral and blocks under tension leave the counterface.
     pub fn new(lattice: Lattice, block_m: f64, youngs_modulus_pa: f64, liftoff: bool) -> Self {
@@ -128,7 +130,8 @@ impl SteadyModel {
         &self.lattice
     }
 
-    /// Force per length for a unit descent of the bulk without friction, in units of k.
+    /// Vertical force on the bulk for its unit descent without friction, in units of k, over the length of the lattice
+    /// in units of l.
     pub fn stiffness_per_length(&self) -> f64 {
         self.system.bulk_stiffness() / self.system.load()
     }
@@ -151,8 +154,8 @@ impl SteadyModel {
         loads.iter().zip(&states).map(|(load, state)| self.observe(load, state)).collect()
     }
 
-    /// Lifts blocks under tension and lands those below the counterface, or below the heights of the face, until none
-    /// changes.
+    /// Solves steady sliding in unilateral contact: lifts blocks under tension and lands lifted blocks that are below
+    /// the height of their face, until no block changes.
     fn solve_unilateral(&self, load: &SteadyLoad) -> Equilibrium {
         // r in units of P l^2 / k
         let scale = 1.0 / displacement_unit(load.pressure_pa, self.youngs_modulus_pa);
@@ -191,7 +194,8 @@ impl SteadyModel {
         }
     }
 
-    /// Displacements in units of l for steady sliding under `load`, by block number j * nx + i, with the bulk at x = 0.
+    /// Displacements x and y in units of l for steady sliding under `load`, by block number j * nx + i, with the bulk
+    /// at x = 0.
     pub fn displacements(&self, load: &SteadyLoad) -> Vec<[f64; 2]> {
         let (nx, ny) = (self.lattice.nx(), self.lattice.ny());
         if load.pressure_pa == 0.0 || self.system.contacts().is_empty() {
@@ -216,7 +220,8 @@ impl SteadyModel {
         observe(self.system.contacts(), self.block_m, load, state, clearance)
     }
 
-    /// Minimum height of a ceiling above the counterface, in blocks.
+    /// Minimum height of a cavity's ceiling above the counterface at the displacements `displacement`, in lattice
+    /// spacings; `None` if there is no ceiling.
     fn clearance(&self, pressure_pa: f64, displacement: &[f64]) -> Option<f64> {
         let unit = displacement_unit(pressure_pa, PLANE_STRAIN * self.youngs_modulus_pa);
         let (columns, rows) = (self.lattice.columns(), self.lattice.ny());
@@ -230,7 +235,7 @@ impl SteadyModel {
     }
 }
 
-/// Unit of displacement in units of l: P l^2 / (k l) = P / (3/4 E).
+/// Unit of displacement of a steady solution, P l^2 / k, in units of l: P / (3/4 E).
 fn displacement_unit(pressure_pa: f64, youngs_modulus_pa: f64) -> f64 {
     pressure_pa / (0.75 * youngs_modulus_pa)
 }
@@ -240,8 +245,8 @@ fn unloaded(contacts: &[Contact], block_m: f64) -> SurfaceOutcome {
     SurfaceOutcome::unsolved(Status::NoLoad, contacts.iter().map(|contact| contact.centre * block_m))
 }
 
-/// Converts the forces of `state` on `contacts` to an outcome; `clearance` is the minimum height of a ceiling, in
-/// blocks.
+/// Converts the forces of `state` on `contacts` to an outcome; `clearance` is the minimum height of a cavity's ceiling,
+/// in lattice spacings.
 fn observe(
     contacts: &[Contact],
     block_m: f64,
@@ -285,7 +290,7 @@ fn observe(
     }
 }
 
-/// Solves for the fixed point of the friction forces.
+/// Solves for the fixed point of the friction forces under `load`.
 fn iterate(system: &impl LinearResponse, load: &SteadyLoad) -> Equilibrium {
     let mut iteration = Iteration::new(system, load);
     while iteration.is_open() {
@@ -327,7 +332,7 @@ struct Iteration<'a> {
 }
 
 impl<'a> Iteration<'a> {
-    /// Starts with friction forces from the nominal pressure.
+    /// Starts from the friction forces at the nominal pressure without an area law.
     fn new(system: &impl LinearResponse, load: &'a SteadyLoad<'a>) -> Self {
         let contacts = system.contacts();
         let share = |contact: &Contact| {
@@ -355,7 +360,8 @@ impl<'a> Iteration<'a> {
         Response { friction: &self.friction, displacement: &mut self.displacement, normal: &mut self.normal }
     }
 
-    /// Computes the image of the friction forces, and their distance from it over the load.
+    /// Computes `image` from the normal forces, and `residual`, the sum of the magnitudes of `image` - `friction` over
+    /// the load.
     fn evaluate(&mut self, system: &impl LinearResponse) {
         for (number, (image, &normal)) in self.image.iter_mut().zip(&self.normal).enumerate() {
             *image = newton::friction_at(system, self.load, number, normal);

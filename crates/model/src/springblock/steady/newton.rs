@@ -1,15 +1,15 @@
-//! Newton's method for steady sliding if the fixed-point iteration does not converge: lands that tilt, laws that fall
-//! steeply.
+//! Newton's method for steady sliding, used if the fixed-point iteration does not converge, as for lands that tilt and
+//! area laws that fall steeply.
 //!
-//! Normal forces N = N0 + A T are affine in the friction forces T. The equations
+//! Normal forces N = N0 + A T are affine in the friction forces T, which are positive against sliding. The equations
 //!
 //! ```text
 //! R(T) = T - g(N0 + A T) = 0,     g = mu_d f(p) max(N, 0)
 //! ```
 //!
 //! are piecewise smooth; their Jacobian I - g' A uses the slope of the current piece. Steps are halved until |R|
-//! decreases. A takes one solution of the elastic equations per contact, so the method is used only if the cheaper one
-//! has failed.
+//! decreases. A takes one solution of the elastic equations per contact, so the method is used only if the cheaper
+//! iteration has failed.
 
 use super::LinearResponse;
 use super::SteadyLoad;
@@ -18,12 +18,13 @@ use super::SteadyLoad;
 const MAX_STEPS: usize = 60;
 /// Maximum number of halvings of a step.
 const MAX_HALVINGS: usize = 12;
-/// Maximum number of contacts; the dense Jacobian becomes too expensive beyond it.
+/// Maximum number of contacts, beyond which the dense Jacobian becomes too expensive and the method is not tried.
 pub const MAX_CONTACTS: usize = 1500;
-/// Relative step of the finite difference for the slope of g, far below the width of a law's steps.
+/// Relative step of the finite difference for the slope of friction against normal force, far below the width of the
+/// steps of an area law.
 const SLOPE_STEP: f64 = 1e-7;
 
-/// Friction on contact number `number` at the normal force `normal`, in units of P l^2.
+/// Friction on contact number `number` at the normal force `normal`, both in units of P l^2; 0 for a lifted contact.
 pub fn friction_at(system: &impl LinearResponse, load: &SteadyLoad, number: usize, normal: f64) -> f64 {
     let contact = &system.contacts()[number];
     let normal = if contact.lifted { 0.0 } else { normal.max(0.0) };
@@ -32,15 +33,15 @@ pub fn friction_at(system: &impl LinearResponse, load: &SteadyLoad, number: usiz
     load.dynamic_mu[contact.column] * factor * normal
 }
 
-/// Slope of [`friction_at`] above the normal force `normal`.
+/// Derivative of [`friction_at`] with respect to the normal force, one-sided from `normal` upward.
 pub fn friction_slope(system: &impl LinearResponse, load: &SteadyLoad, number: usize, normal: f64) -> f64 {
     let ahead = normal + SLOPE_STEP * normal.abs().max(SLOPE_STEP);
     let at = |normal: f64| friction_at(system, load, number, normal);
     (at(ahead) - at(normal)) / (ahead - normal)
 }
 
-/// Improves `friction` until |R| over the load is at most `tolerance`; leaves it unchanged if that fails. Returns the
-/// number of Newton steps.
+/// Improves the friction forces `friction` by Newton's method until the sum of the magnitudes of the residuals R, over
+/// the load, is at most `tolerance`; leaves them unchanged if that fails. Returns the number of Newton steps.
 pub fn improve(system: &impl LinearResponse, load: &SteadyLoad, friction: &mut Vec<f64>, tolerance: f64) -> usize {
     let n = friction.len();
     if n == 0 || n > MAX_CONTACTS {
@@ -55,7 +56,7 @@ pub fn improve(system: &impl LinearResponse, load: &SteadyLoad, friction: &mut V
     steps
 }
 
-/// The equations R(T) = 0.
+/// The equations R(T) = T - g(N0 + A T) = 0 of the friction forces T.
 struct Equations<'a, S> {
     system: &'a S,
     load: &'a SteadyLoad<'a>,
@@ -64,7 +65,8 @@ struct Equations<'a, S> {
 }
 
 impl<S: LinearResponse> Equations<'_, S> {
-    /// Returns R at `friction` and the normal forces `normal`, and |R| over the load.
+    /// Returns the residuals R at the friction forces `friction` and the normal forces `normal`, and the sum of their
+    /// magnitudes over the load.
     fn residual(&self, friction: &[f64], normal: &[f64]) -> (Vec<f64>, f64) {
         let of = |c: usize| friction[c] - friction_at(self.system, self.load, c, normal[c]);
         let r: Vec<f64> = (0..friction.len()).map(of).collect();
@@ -72,7 +74,7 @@ impl<S: LinearResponse> Equations<'_, S> {
         (r, norm)
     }
 
-    /// Direction of Newton's step for the residual `r`; `None` if the Jacobian is singular.
+    /// Newton's step of the friction forces for the residuals `r`; `None` if the Jacobian is singular.
     fn direction(&self, r: &[f64], normal: &[f64]) -> Option<Vec<f64>> {
         let n = r.len();
         // J = I - g' A
@@ -116,7 +118,7 @@ impl<S: LinearResponse> Equations<'_, S> {
     }
 }
 
-/// N0 and A of N = N0 + A T.
+/// Normal forces N = N0 + A T as a function of the friction forces T: N0, and A by rows.
 struct Influence {
     at_rest: Vec<f64>,
     matrix: Vec<f64>,

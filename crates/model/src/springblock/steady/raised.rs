@@ -28,7 +28,7 @@ const MAX_STEPS: usize = 40;
 const MAX_SINGLE_STEPS: usize = 4;
 /// Maximum number of halvings of a step that does not decrease the residual.
 const MAX_HALVINGS: usize = 10;
-/// Relative force or gap that counts as zero.
+/// Violation of a contact condition that counts as zero: a force or a gap over the scale of forces or heights.
 const ROUNDING: f64 = 1e-12;
 
 /// Model of a cell whose face has height variations.
@@ -60,7 +60,7 @@ pub struct FaceHistory {
     relief: Vec<f64>,
 }
 
-/// States of the contacts, and the unknowns.
+/// Contact states, normal forces in units of P l^2, and heights in units of P l^2 / k, by contact.
 struct State {
     touch: Vec<ContactStatus>,
     normal: Vec<f64>,
@@ -71,19 +71,19 @@ struct State {
 struct Contacts<'a> {
     model: &'a CondensedModel,
     load: &'a SteadyLoad<'a>,
-    /// r in units of P l^2 / k.
+    /// Height r of the face of each contact, in units of P l^2 / k.
     relief: Vec<f64>,
     /// Normal forces at which contacts yield, in units of P l^2.
     cap: Vec<f64>,
-    /// Scale of the heights: the largest difference of two of them, at least the compression of the layer. Scale of the
-    /// forces: their mean.
+    /// Scale of the heights, in units of P l^2 / k: the largest difference of two face heights, at least 1.
     height_scale: f64,
+    /// Scale of the forces, in units of P l^2: the mean normal force.
     force_scale: f64,
 }
 
 impl RaisedModel {
-    /// Condenses `lattice`, whose blocks are `block_m` apart; `None` if the lattice is not periodic with equal columns,
-    /// if its cavities reach the top row, or if the equations are singular.
+    /// Condenses `lattice`, whose blocks are `block_m` metres apart; `None` if the lattice is not periodic with equal
+    /// columns, if its cavities reach the top row, or if the equations are singular.
     pub fn new(lattice: &Lattice, block_m: f64, elastic: Elastic) -> Option<Self> {
         let condensed = CondensedModel::with_raised_face(lattice, block_m, elastic.youngs_modulus_pa())?;
         let relief = condensed.contacts().iter().map(|contact| lattice.columns()[contact.column].relief).collect();
@@ -137,7 +137,8 @@ impl RaisedModel {
 }
 
 impl Contacts<'_> {
-    /// Solves from `state` on; returns status, number of steps and residual.
+    /// Solves the contact conditions, starting from `state`; returns the status, the number of steps, and the residual
+    /// over the load.
     fn solve(&self, state: &mut State) -> (Status, usize, f64) {
         let m = state.touch.len();
         let mut residual = self.residual(state);
@@ -170,7 +171,7 @@ impl Contacts<'_> {
         (Status::NotConverged, most, size(&residual) / self.model.response().load)
     }
 
-    /// N - N_0 - A T - K z
+    /// Residual N - N_0 - A T - K z of the normal forces N, by contact, in units of P l^2.
     fn residual(&self, state: &State) -> Vec<f64> {
         let response = self.model.response();
         let m = state.touch.len();
@@ -184,7 +185,8 @@ impl Contacts<'_> {
         residual
     }
 
-    /// Newton's step: of N for contacts that are on, of z for the others.
+    /// Newton's step, by contact: of the normal force for contacts that are on, of the height for the others; `None` if
+    /// the equations are singular.
     fn direction(&self, state: &State, residual: &[f64]) -> Option<Vec<f64>> {
         let response = self.model.response();
         let m = state.touch.len();
@@ -217,8 +219,8 @@ impl Contacts<'_> {
     }
 
     /// Switches contacts that violate their condition: lifts contacts under tension, lands those below the face, lets
-    /// those above the limit yield, and makes yielding contacts above their face elastic. With `single` only the worst
-    /// one switches. Returns whether any switched.
+    /// those above their yield force yield, and makes yielding contacts above their face elastic. With `single` only
+    /// the contact with the largest violation switches. Returns whether any switched.
     fn switch(&self, state: &mut State, single: bool) -> bool {
         // Violation of the condition, and the next state of the contact.
         let broken = |c: usize| {

@@ -21,7 +21,8 @@ pub struct Contact {
     pub tie: Option<f64>,
 }
 
-/// Contribution of one spring to the normal force on a contact: N += coefficients . (u_contact - u_other).
+/// Contribution of one spring to the normal force N on a contact: kxy (x_contact - x_other) + kyy (y_contact -
+/// y_other), with displacements x and y, is added to N. `other` is the index of an unknown; `None` for the bulk.
 #[derive(Clone, Copy, Debug)]
 struct Support {
     contact: usize,
@@ -38,13 +39,13 @@ pub struct System {
     contacts: Vec<Contact>,
     supports: Vec<Support>,
     factor: Option<BandFactor>,
-    /// Load over P l^2: the length over l.
+    /// Load in units of P l^2, which is the length of the lattice in units of l.
     load: f64,
-    /// Force on every unknown for a unit rise of the bulk.
+    /// Force on every unknown for a unit rise of the bulk, in units of k.
     coupling: Vec<f64>,
-    /// Displacement for a unit rise of the bulk.
+    /// Displacements of the unknowns for a unit rise of the bulk.
     bulk_response: Vec<f64>,
-    /// Vertical force on the bulk for its own unit rise, with the unknowns fixed.
+    /// Vertical force on the bulk for its own unit rise, with the unknowns fixed, in units of k.
     bulk_stiffness: f64,
     /// Response to the heights of the face; `None` for a flat face.
     relief: Option<Relief>,
@@ -54,7 +55,7 @@ pub struct System {
 #[derive(Clone, Debug)]
 struct Relief {
     displacement: Vec<f64>,
-    /// Vertical force on the bulk due to the heights of pinned contacts.
+    /// Vertical force on the bulk, in units of k l, due to the heights of pinned contacts.
     pull: f64,
 }
 
@@ -77,14 +78,15 @@ pub fn factor_bytes(columns: usize, rows: usize, periodic: bool) -> f64 {
     8.0 * (2 * columns * rows) as f64 * row as f64
 }
 
-/// Multiplications and additions for factoring a periodic lattice of `columns` columns.
+/// Number of multiplications and additions for factoring a periodic lattice of `columns` columns and `rows` rows.
 pub fn band_products(columns: usize, rows: usize) -> f64 {
     let half_bandwidth = half_bandwidth(columns, rows, true) as f64;
     (2 * columns * rows) as f64 * half_bandwidth * half_bandwidth
 }
 
 impl System {
-    /// Assembles and factors `lattice`. Contact blocks are pinned vertically, except for those of the columns `lifted`.
+    /// Assembles and factors `lattice`. Contact blocks are pinned vertically, or tied if they touch in part, except for
+    /// those of the columns `lifted`.
     pub fn new(lattice: &Lattice, lifted: &[usize]) -> Self {
         let (nx, rows) = (lattice.nx(), lattice.ny());
         let position = column_order(nx, lattice.is_periodic());
@@ -225,7 +227,7 @@ impl System {
         2 * (self.position[i] * self.rows + j)
     }
 
-    /// Vertical force on the bulk for its own unit rise, with the blocks following without friction.
+    /// Vertical force on the bulk for its own unit rise, with the blocks following without friction, in units of k.
     pub fn bulk_stiffness(&self) -> f64 {
         // c0 - b . u_b
         let give: f64 = self.coupling.iter().zip(&self.bulk_response).map(|(b, u)| b * u).sum();

@@ -1,6 +1,6 @@
 //! Steady sliding of a cell of a thick specimen.
 //!
-//! The equations of all blocks would have as many rows as the specimen is thick. Those around the cavities
+//! The equations of all blocks would have as many rows as the specimen is thick. The equations around the cavities
 //! ([`super::condensed`]) do not depend on the thickness, because the layer above them is represented by the response
 //! of a flat layer. Lifted blocks, which a thin layer leaves to the equations of all blocks, are therefore unknowns
 //! here.
@@ -21,7 +21,7 @@ pub struct ThickModel {
 }
 
 impl ThickModel {
-    /// Condenses `lattice`, a periodic lattice of equal columns whose blocks are `block_m` apart.
+    /// Condenses `lattice`, a periodic lattice of equal columns whose blocks are `block_m` metres apart.
     ///
     /// With `liftoff` contact is unilateral and blocks under tension leave the counterface.
     pub fn new(lattice: Lattice, block_m: f64, youngs_modulus_pa: f64, liftoff: bool) -> Self {
@@ -49,8 +49,8 @@ impl ThickModel {
         model.observe(load, &state)
     }
 
-    /// Lifts blocks under tension and lands those below the counterface until none changes, starting from `state` of
-    /// `model`, in which all contacts touch.
+    /// Lifts blocks under tension and lands lifted blocks below the counterface until no block changes, starting from
+    /// `state` of `model`, in which all contacts touch.
     fn solve_unilateral(&self, model: &CondensedModel, mut state: Equilibrium, load: &SteadyLoad) -> SurfaceOutcome {
         let mut model = model.clone();
         let mut lifted: Vec<usize> = Vec::new();

@@ -40,8 +40,8 @@ impl SpaceBonds {
         &self.mass
     }
 
-    /// Computes the spring forces on every block and, last, on the bulk. `displacement` contains the blocks and the
-    /// bulk.
+    /// Computes the spring forces on every block and, last, on the bulk, in units of k l. `displacement` contains the
+    /// blocks and, last, the bulk.
     pub fn forces(&self, displacement: &[[f64; 3]], force: &mut [[f64; 3]]) {
         force.fill([0.0; 3]);
         for Link { ends: [a, b], direction } in &self.links {
@@ -55,7 +55,8 @@ impl SpaceBonds {
         }
     }
 
-    /// Sets the height of the bulk in `displacement` such that its springs carry `load`; the bulk's x and y are given.
+    /// Sets the vertical displacement of the bulk in `displacement` such that its springs carry `load`; the bulk's x
+    /// and y are given.
     pub fn balance(&self, displacement: &mut [[f64; 3]], load: f64) {
         // sum over springs to the bulk of e_z (e . (u_bulk - u_a)) = -load, linear in the height
         let (mut top_row_force, mut stiffness) = (0.0, 0.0);

@@ -7,12 +7,13 @@ use super::super::rows::Plane;
 
 /// Number of sets of a first-level cache.
 const SETS: usize = 64;
-/// Rows whose length is a multiple of this number of cache lines share an eighth of the sets or less.
+/// Row length in cache lines whose multiples are avoided: rows of such lengths share an eighth of the cache sets or
+/// fewer.
 const MEETING: usize = 8;
-/// Distance in cache sets between neighbouring layers, which leaves room for that many rows in a sweep along y.
+/// Minimum distance in cache sets between neighbouring layers, which leaves room for that many rows in a sweep along y.
 const APART: usize = 12;
 
-/// Displacements x, y and z at the current time and one step before or after it.
+/// Displacements x, y and z in units of l, at the current time and one step before or after it.
 ///
 /// Column i of row j (along y) of layer k is at `LINE + k * layer + (j + 1) * stride + i`. The row before row 0 and the
 /// row after the last contain images of the rows at the opposite side; the values next to a row's columns are images
@@ -25,16 +26,16 @@ pub struct Field<R> {
     pub stride: usize,
     pub layer: usize,
     pub now: [Plane<R>; 3],
-    /// Displacements one step earlier. A sweep overwrites them with those one step later; then [`Field::swap`] makes
-    /// these current.
+    /// Displacements one step earlier. A sweep overwrites them with those one step later, which [`Field::swap`] then
+    /// makes current.
     pub other: [Plane<R>; 3],
 }
 
 impl<R: Real> Field<R> {
-    /// Creates a cell of nx x ny columns and nz rows at rest.
+    /// Creates a cell of nx x ny columns and nz layers at rest.
     pub fn at_rest([nx, ny]: [usize; 2], nz: usize) -> Self {
-        // Rows with a multiple of this number of cache lines would share a few sets of the cache. No other padding is
-        // added, because every line is read.
+        // Rows with a multiple of `MEETING` cache lines would share a few sets of the cache. No other padding is added,
+        // because every line is read.
         let own = (nx + 2).div_ceil(R::LINE);
         let stride = (own + usize::from(own.is_multiple_of(MEETING))) * R::LINE;
         // Likewise, keep the layer size away from multiples of 64 lines, which would share the same sets of the
@@ -54,13 +55,13 @@ impl<R: Real> Field<R> {
         R::LINE + k * self.layer + (j + 1) * self.stride + i
     }
 
-    /// Displacements of block (i, j, k).
+    /// Displacements of block (i, j, k), x, y and z in units of l.
     pub fn displacement(&self, [i, j, k]: [usize; 3]) -> [f64; 3] {
         let at = self.index(i, j, k);
         [0, 1, 2].map(|component: usize| self.now[component].rows()[at].to_f64())
     }
 
-    /// Places block (i, j, k) at rest.
+    /// Sets the displacement of block (i, j, k) at both instants, so that the block is at rest.
     pub fn place(&mut self, [i, j, k]: [usize; 3], displacement: [f64; 3]) {
         let at = self.index(i, j, k);
         for (component, u) in displacement.into_iter().enumerate() {
@@ -69,14 +70,15 @@ impl<R: Real> Field<R> {
         }
     }
 
-    /// Sets the positions one step earlier to `back` behind the base state, so that every block moves with the frame.
+    /// Sets all displacements one step earlier to `back` along x and y, the displacement of the moving frame per step:
+    /// relative to the frame, blocks at rest then move backwards.
     pub fn offset_previous(&mut self, back: [f64; 2]) {
         for (plane, back) in self.other.iter_mut().zip(back) {
             plane.rows_mut().fill(R::round_from(back));
         }
     }
 
-    /// Places the bulk.
+    /// Sets the current displacement of the bulk.
     pub fn place_bulk(&mut self, displacement: [f64; 3]) {
         let from = self.index(0, 0, self.nz) - self.stride - 1;
         for (plane, u) in self.now.iter_mut().zip(displacement) {
@@ -114,7 +116,8 @@ impl<R: Real> Field<R> {
         }
     }
 
-    /// Fills the images of the first and the last row of `layers`, whose ends must have been filled.
+    /// Fills the image rows before the first and after the last row of each of `layers`. Call it after the images at
+    /// the ends of the rows have been filled.
     pub fn join_ends(&mut self, layers: Range<usize>) {
         let Self { nx, ny, stride, layer, other, .. } = self;
         for values in other.iter_mut().map(Plane::rows_mut) {
@@ -127,7 +130,7 @@ impl<R: Real> Field<R> {
         }
     }
 
-    /// Makes the displacements that a sweep has written the current ones.
+    /// Makes the displacements that a sweep has written to `other` current, by exchanging `now` and `other`.
     pub fn swap(&mut self) {
         std::mem::swap(&mut self.now, &mut self.other);
     }

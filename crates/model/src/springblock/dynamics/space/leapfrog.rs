@@ -23,16 +23,16 @@ use slipgrid_base::fft::vectorized;
 /// Initial data of the leapfrog besides the lattice. Units: k = 1, l = 1, m = 1.
 #[derive(Clone, Debug)]
 pub struct SpaceSetup<'a> {
-    /// Coefficients of all columns, x fastest.
+    /// Local friction coefficients by column; x varies fastest.
     pub coefficients: &'a [Coefficients],
     pub law: LocalLaw<'a>,
     /// Load and motion of the bulk.
     pub protocol: Protocol,
     /// Unit vector of the sliding direction.
     pub direction: [f64; 2],
-    /// Time step.
+    /// Time step in units of sqrt(m/k).
     pub time_step: f64,
-    /// Damping frequency gamma.
+    /// Damping frequency gamma in units of sqrt(k/m): the damping force on a block is -gamma m v.
     pub damping: f64,
     /// Whether contact is unilateral, so that blocks may lift.
     pub liftoff: bool,
@@ -47,7 +47,7 @@ const TILE: usize = 10;
 /// step needs them.
 const SLAB: usize = 4;
 
-/// Forces on a row or on the whole contact layer.
+/// Components x, y and z of the forces on, or of the displacements of, a row or the whole contact layer.
 type Forces<R> = [Vec<R>; 3];
 
 /// Leapfrog integrator with its state.
@@ -55,8 +55,9 @@ type Forces<R> = [Vec<R>; 3];
 pub struct SpaceLeapfrog<'a, R> {
     stencil: Stencil<R>,
     field: Field<R>,
-    /// Number of lines along y that belong to the face, and whether the cell has free ends along y.
+    /// Number of lines of columns along y that belong to the face.
     lines: usize,
+    /// Whether the cell has free ends along y.
     has_ends: bool,
     contact: ContactVectors<'a, 2>,
     protocol: Protocol,
@@ -65,18 +66,19 @@ pub struct SpaceLeapfrog<'a, R> {
     time_step: f64,
     steps: u64,
     liftoff: bool,
-    /// Vertical displacements of lifted contact blocks in the last step.
+    /// Vertical displacements of lifted contact blocks in the last step, by column, in units of l.
     fall: Vec<f64>,
     row_force: Forces<R>,
-    /// Displacements of the contact layer in the frame at rest, and spring forces on it, in double precision.
+    /// Displacements of the contact layer from the base state, in the frame at rest and in double precision.
     contact_place: Forces<f64>,
+    /// Spring forces on the contact layer, in double precision.
     contact_force: Forces<f64>,
-    /// Spring forces on the contact layer in the base state.
+    /// Spring forces on the contact layer in the base state, in units of k l.
     base_force: Forces<f64>,
-    /// Base state from which displacements deviate, x fastest, then y, then upward; empty if displacements start at
-    /// zero.
+    /// Displacements of the base state in units of l, from which the stored ones deviate; x varies fastest, then y,
+    /// then the layer. Empty if displacements start at zero.
     base: Vec<[f64; 3]>,
-    /// Decrease of the frame's velocity by damping.
+    /// Drag of the moving frame along x and y, from [`Kick::drag`].
     drag: [f64; 2],
 }
 
@@ -115,7 +117,7 @@ impl<'a> SpaceLeapfrog<'a, f32> {
                 base[place] = *force;
             }
         }
-        // Offset of the frame one step earlier.
+        // Displacement relative to the frame one step earlier.
         let carried = direction.map(|part| part * protocol.speed * time_step);
         sliding.field.offset_previous(carried);
         sliding.drag = carried.map(|carried| sliding.kick.drag(carried));
@@ -159,7 +161,8 @@ impl<'a, R: Real> SpaceLeapfrog<'a, R> {
         }
     }
 
-    /// Sets the initial displacements in units of l, by (i, j, k), with every block at rest.
+    /// Sets the initial displacements, in units of l, which `displacement` returns for block (i, j, k), with every
+    /// block at rest.
     pub fn start_sheared(&mut self, displacement: &dyn Fn([usize; 3]) -> [f64; 3]) {
         let Field { nx, ny, nz, .. } = self.field;
         for (k, j, i) in (0..nz).flat_map(|k| (0..ny).flat_map(move |j| (0..nx).map(move |i| (k, j, i)))) {
@@ -186,7 +189,7 @@ impl<'a, R: Real> SpaceLeapfrog<'a, R> {
         });
     }
 
-    /// Displacements of block (i, j, k).
+    /// Displacements of block (i, j, k), x, y and z in units of l.
     pub fn displacement(&self, [i, j, k]: [usize; 3]) -> [f64; 3] {
         let deviation = self.field.displacement([i, j, k]);
         let Field { nx, ny, .. } = self.field;
@@ -196,8 +199,8 @@ impl<'a, R: Real> SpaceLeapfrog<'a, R> {
         std::array::from_fn(|c| base[c] + deviation[c] + carried[c])
     }
 
-    /// Displacement of the moving frame after `steps` steps: that of the bulk if displacements deviate from sliding,
-    /// otherwise zero.
+    /// Displacement of the moving frame along x and y after `steps` steps, in units of l: that of the bulk if
+    /// displacements deviate from sliding, otherwise zero.
     fn carried(&self, steps: u64) -> [f64; 2] {
         let travel = if self.base.is_empty() { 0.0 } else { self.protocol.bulk_x(steps as f64 * self.time_step) };
         self.direction.map(|part| part * travel)
@@ -208,7 +211,8 @@ impl<'a, R: Real> SpaceLeapfrog<'a, R> {
         &self.contact
     }
 
-    /// Displacements of the bulk that balance the load at the beginning of step number `step`.
+    /// Displacements x, y and z of the bulk relative to the moving frame, in units of l, at the beginning of step
+    /// number `step`; z balances the load.
     fn bulk(&self, step: u64) -> [f64; 3] {
         let time = step as f64 * self.time_step;
         let Field { nx, nz, .. } = self.field;
@@ -287,7 +291,7 @@ impl<'a, R: Real> SpaceLeapfrog<'a, R> {
         }
     }
 
-    /// Moves `layers` except the contact layer.
+    /// Takes one step of `layers` except the contact layer.
     fn step_inside(&mut self, layers: Range<usize>) {
         let Self { stencil, field, kick, row_force: force, drag, .. } = self;
         let [drag_x, drag_y] = *drag;
@@ -334,7 +338,7 @@ impl<'a, R: Real> SpaceLeapfrog<'a, R> {
     }
 }
 
-/// Vertical displacement of contact column `column` in the base state.
+/// Vertical displacement of contact column `column` in the base state `base`, in units of l; 0 without a base state.
 fn base_height(base: &[[f64; 3]], column: usize) -> f64 {
     base.get(column).map_or(0.0, |base| base[2])
 }
@@ -350,9 +354,9 @@ impl<R: Real> Engine for SpaceLeapfrog<'_, R> {
         sums
     }
 
-    /// The second step follows the first from the top down, one layer behind it. The layers that it reads are then
-    /// still in the second-level cache, into which cells of 40 x 40 columns and more do not fit, and those that it
-    /// overwrites are no longer needed.
+    /// The second step follows the first from the top down, one layer behind it. The layers that the second step reads
+    /// are then still in the second-level cache, into which cells of 40 x 40 columns and more do not fit, and the
+    /// layers that it overwrites are no longer needed.
     fn one_or_two_steps(&mut self) -> (ContactSums, Option<ContactSums>) {
         let (top, step) = (self.field.nz, self.steps);
         let mut upper = top;

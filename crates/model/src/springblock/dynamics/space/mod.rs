@@ -1,12 +1,12 @@
-//! Time integration of the cell in space.
+//! Time integration of a cell in space.
 //!
 //! | module | content |
 //! |---|---|
 //! | `bonds` | forces spring by spring, as a reference |
 //! | `field` | displacements at two instants |
-//! | `stencil` | rows of inside blocks, and rows with a coefficient per spring |
+//! | `stencil` | rows of inside blocks, and rows with individual coefficients per spring |
 //! | `sweep` | one step for a row, in vectors |
-//! | `slip` | friction as a vector on contact blocks |
+//! | `slip` | friction on contact blocks that move along x and y |
 //! | `leapfrog` | the integrator |
 //! | `run` | one run of one cell |
 

@@ -1,4 +1,4 @@
-//! One dynamic run of one cell in space.
+//! One dynamic run of one cell or strip in space.
 
 use super::super::contact::LocalLaw;
 use super::super::drive::{Drive, refusal, refused_outcome};
@@ -12,13 +12,13 @@ use crate::springblock::{
     Load, Monitor, Scene, SceneError, SpaceLattice, SpaceLoad, SpaceSteadyModel, Status, SurfaceOutcome, draws,
 };
 
-/// Default step in units of sqrt(m/k), k = 2/5 E l: 4 ns for the published polymer at l = 10 um, two fifths of the
+/// Default time step in units of sqrt(m/k), k = 2/5 E l: 4 ns for the published polymer at l = 10 um, two fifths of the
 /// stability limit.
 pub const SPACE_STEP: f64 = 0.1644;
 /// Largest eigenfrequency times the step at the stability limit of the leapfrog.
 const LEAPFROG_LIMIT: f64 = 2.0;
 
-/// Time step of the leapfrog on a cell.
+/// Time step of the leapfrog on a cell, and its stability limit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SpaceScheme {
     /// Time step, in seconds.
@@ -28,7 +28,7 @@ pub struct SpaceScheme {
 }
 
 impl SpaceScheme {
-    /// Returns the step that `scene` requests on `lattice`.
+    /// Returns the time step that `scene` requests, and the stability limit on `lattice`.
     ///
     /// # Errors
     /// [`SceneError::UnstableStep`] if the step exceeds the stability limit.
@@ -77,7 +77,7 @@ pub fn largest_frequency(lattice: &SpaceLattice, liftoff: bool) -> f64 {
     })
 }
 
-/// A run of one cell under one load.
+/// A dynamic run of one cell or strip in space under one load.
 #[derive(Clone, Copy)]
 pub struct SpaceRun<'a> {
     pub scene: &'a Scene,
@@ -86,13 +86,13 @@ pub struct SpaceRun<'a> {
     pub lattice: &'a SpaceLattice,
     /// Unit vector of the sliding direction.
     pub direction: [f64; 2],
-    /// Integration scheme.
+    /// Time step and its stability limit.
     pub scheme: SpaceScheme,
     /// Share of this run in all work, for the progress report.
     pub share: f64,
-    /// Seed of the local coefficients.
+    /// Random seed of the local friction coefficients.
     pub seed: u64,
-    /// Relative standard error of dynamic mu at which the run may end.
+    /// Relative standard error of dynamic mu at which the run may end; `None` if none is requested.
     pub stderr_share: Option<f64>,
 }
 
@@ -164,7 +164,7 @@ impl SpaceRun<'_> {
     }
 
     /// Displacements in units of l of the cell in equilibrium with sliding friction, every block at a random phase of
-    /// its stick-slip cycle: x fastest, then y, then upward.
+    /// its stick-slip cycle. x varies fastest, then y, then the layer.
     fn sheared(&self) -> Vec<[f64; 3]> {
         let Self { scene, load, lattice, .. } = *self;
         let mean = SpaceLoad::with_mean_friction(load, scene.area_law.as_ref(), self.direction);
@@ -175,7 +175,7 @@ impl SpaceRun<'_> {
         model.displacements(&SpaceLoad { relative_mu: Some(&phases), ..mean })
     }
 
-    /// Centres of the contact blocks, x fastest, in metres.
+    /// Centres of the contact blocks along x and y, in metres; x varies fastest.
     fn centres_m(&self) -> impl Iterator<Item = [f64; 2]> + '_ {
         let [nx, ny] = self.lattice.columns();
         (0..nx * ny)

@@ -8,10 +8,11 @@
 //! v' = free - kick R d,   free = kept v + kick F,   d = (v + v') / |v + v'| = (v + free) / |v + free|,
 //! ```
 //!
-//! Friction R d is opposite to the mean of the two velocities, of second order in the step, and dissipates R |v + v'|/2
-//! in every step. A step ends at rest if v' would have no component along v, since friction could stop the block within
-//! the step. Starts and stops occur as in the plane; for motion along one axis these formulas are those of the plane.
-//! The vectorized pass computes the same for all blocks that continue as before.
+//! The friction R d, with the resistance R = mu_d f(p) F_n, is opposite to the mean of the two velocities, of second
+//! order in the step, and dissipates R |v + v'|/2 in every step. A step ends at rest if v' would have no component
+//! along v, since friction could stop the block within the step. Starts and stops occur as in the plane; for motion
+//! along one axis these formulas are those of the plane. The vectorized pass computes the same for all blocks that
+//! continue as before.
 
 use pulp::{Simd, WithSimd};
 

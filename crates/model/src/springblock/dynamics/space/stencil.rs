@@ -1,4 +1,4 @@
-//! Division of a cell into rows of inside blocks and rows with a coefficient per spring.
+//! Division of a cell into rows of inside blocks and rows with individual coefficients for every spring.
 //!
 //! Units: k = 1, l = 1, m = 1.
 
@@ -35,8 +35,8 @@ pub const STEPS: [[isize; 3]; SPRINGS] = [
     [0, 1, -1],
 ];
 
-/// Coefficients of a row: one array per spring with one entry per column, padded with zeros to whole cache lines.
-/// Coefficients of diagonal springs are halved.
+/// Spring stiffnesses and inverse masses of a row: for each spring one entry per column, padded with zeros to whole
+/// cache lines. Stiffnesses of diagonal springs are halved.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RowCoefficients<R> {
     springs: Vec<R>,
@@ -44,7 +44,8 @@ pub struct RowCoefficients<R> {
 }
 
 impl<R: Real> RowCoefficients<R> {
-    /// Coefficients of all springs in the order of [`STEPS`], columns fastest.
+    /// Stiffnesses of all springs in units of k, in the order of [`STEPS`]; columns vary fastest. Those of diagonals
+    /// are halved.
     #[inline(always)]
     pub fn springs(&self) -> &[R] {
         &self.springs
@@ -84,7 +85,7 @@ fn spring(lattice: &SpaceLattice, [i, j, k]: [usize; 3], step: [isize; 3]) -> f6
     lattice.spring_share([i, j, k], [wrap(i, step[0], nx), wrap(j, step[1], ny), above])
 }
 
-/// A row with a coefficient per spring.
+/// A row with individual coefficients for every spring.
 #[derive(Clone, Debug)]
 pub struct GeneralRow<R> {
     /// Index along y.
@@ -93,6 +94,7 @@ pub struct GeneralRow<R> {
     pub coefficients: Arc<RowCoefficients<R>>,
 }
 
+/// Division of a cell into general rows, with individual coefficients, and rows of inside blocks.
 #[derive(Clone, Debug)]
 pub struct Stencil<R> {
     /// General rows by layer, from the counterface up; all rows of the lowest layer are general.

@@ -1,4 +1,4 @@
-//! One leapfrog step for the rows of a cell in space, from the displacements now and one step before.
+//! One leapfrog step for the rows of a cell in space, from the current displacements and those one step earlier.
 //!
 //! Springs of stiffness k connect a block with its 6 nearest and 12 face-diagonal neighbours. In each coordinate plane
 //! the diagonals form two pairs, rising and falling, whose forces are shared by the two components of that plane:
@@ -8,7 +8,8 @@
 //! F_a = (rising + falling)/2 - 2 a,  F_b = (rising - falling)/2 - 2 b
 //! ```
 //!
-//! The own displacement of a block contributes -6 k in every component.
+//! a and b are the displacement components in the plane, NE, SW, NW and SE the diagonal neighbours. The displacement u
+//! of a block itself contributes -6 k u to its force.
 
 use std::ops::Range;
 
@@ -19,40 +20,43 @@ use super::super::sweep::{Kick, Views};
 use super::field::Field;
 use super::stencil::{RowCoefficients, SPRINGS};
 
-/// Moves rows that consist of inside blocks, in a `layer` other than the lowest. Vector lanes beyond the last column
-/// overwrite images, which the caller restores.
+/// Takes one step of the rows `rows`, which have only inside blocks, in a `layer` other than the lowest. Vector lanes
+/// beyond the last column overwrite images, which the caller restores.
 pub struct InsideRows<'a, R> {
     pub field: &'a mut Field<R>,
     pub layer: usize,
     pub rows: Range<usize>,
     pub kick: Kick,
-    /// Decrease of the frame's velocity by damping, along x and y.
+    /// Drag of the moving frame along x and y, from [`Kick::drag`].
     pub drag: [f64; 2],
 }
 
-/// Contributions of a row to the forces on the next two rows. A sweep along y meets each row as north, centre and
-/// south.
+/// Contributions of a row to the forces on the row itself and on the next row along y. A sweep along y meets each row
+/// first as north neighbour, then as centre, then as south neighbour.
 #[derive(Clone, Copy)]
 struct Row<V> {
-    /// x + y at the south west and x - y at the south east, seen from the next row.
+    /// x + y of the west neighbours, which are south west of the next row.
     south_west: V,
+    /// x - y of the east neighbours, which are south east of the next row.
     south_east: V,
-    /// x_E + x_W
+    /// Sum of x of the east and west neighbours.
     along: V,
-    /// y - z above and y + z below, seen from the next row.
+    /// y - z of the upper neighbours, for the next row.
     above: V,
+    /// y + z of the lower neighbours, for the next row.
     below: V,
-    /// z above and below.
+    /// z of the upper neighbours.
     z_above: V,
+    /// z of the lower neighbours.
     z_below: V,
     y: V,
 }
 
-/// Contributions of a row to the row before it, towards the north east, the north west, above and below; and to the
-/// rows after it.
+/// Contributions of a row to the forces on the previous row along y, through the springs to the north east, the north
+/// west, up north and down north, and to those on the row itself and the next row.
 type RowContributions<V> = ([V; 4], Row<V>);
 
-/// Computes the contributions of the row at `at` and of its neighbours above and below.
+/// Computes the contributions of the row at the vector index `at`, with the rows `below` and `above` it.
 #[inline(always)]
 fn row_contributions<S: Simd, R: Real>(
     simd: S,
@@ -82,7 +86,7 @@ fn row_contributions<S: Simd, R: Real>(
     (pulls, left)
 }
 
-/// Sum and difference of the forces of a rising and a falling pair of diagonals.
+/// Sum and difference of the forces of two rising and of two falling diagonals.
 #[inline(always)]
 fn sum_and_difference<S: Simd, R: Real>(
     simd: S,
@@ -94,7 +98,7 @@ fn sum_and_difference<S: Simd, R: Real>(
     [R::add(simd, rising, falling), R::sub(simd, rising, falling)]
 }
 
-/// Coefficients of a step: factors of u, of u_before and of the force, and one half.
+/// Factors in a leapfrog step of the displacement, of the previous displacement and of the force, and one half.
 #[derive(Clone, Copy)]
 struct Step<V> {
     stay: V,
@@ -104,7 +108,8 @@ struct Step<V> {
 }
 
 impl<V: Copy> Step<V> {
-    /// stay u - kept u_before + kick (straight + diagonals/2), plus the drag along an axis that has one.
+    /// Returns the displacement after the step: stay u - kept u_before + kick (straight + diagonals/2), plus `drag`
+    /// along an axis that has one. u is the current and u_before the previous displacement.
     #[inline(always)]
     fn after<S: Simd, R: Real<Vector<S> = V>>(
         &self,
@@ -185,7 +190,8 @@ impl<R: Real> WithSimd for InsideRows<'_, R> {
     }
 }
 
-/// Spring forces on row `row` of `layer`, which has a coefficient per spring, by column.
+/// Computes the spring forces on row `row` of `layer`, by column, with individual coefficients for every spring. Forces
+/// are in units of k l.
 pub struct RowForces<'a, R> {
     pub coefficients: &'a RowCoefficients<R>,
     pub field: &'a Field<R>,
@@ -194,19 +200,20 @@ pub struct RowForces<'a, R> {
     pub force: [&'a mut [R]; 3],
 }
 
-/// k (value - own)
+/// Returns k (value - own), the force of a spring along an axis.
 #[inline(always)]
 fn stretch<S: Simd, R: Real>(simd: S, k: R::Vector<S>, value: R::Vector<S>, own: R::Vector<S>) -> R::Vector<S> {
     R::mul(simd, k, R::sub(simd, value, own))
 }
 
-/// k times the sum of the elongations of two components, along a rising diagonal.
+/// Returns k times the sum of the differences `values` - `own` of two components, the force of a rising diagonal.
 #[inline(always)]
 fn rise<S: Simd, R: Real>(simd: S, k: R::Vector<S>, values: [R::Vector<S>; 2], own: [R::Vector<S>; 2]) -> R::Vector<S> {
     R::mul(simd, k, R::add(simd, R::sub(simd, values[0], own[0]), R::sub(simd, values[1], own[1])))
 }
 
-/// k times the difference of the elongations of two components, along a falling diagonal.
+/// Returns k times the first minus the second difference `values` - `own` of two components, the force of a falling
+/// diagonal.
 #[inline(always)]
 fn fall<S: Simd, R: Real>(simd: S, k: R::Vector<S>, values: [R::Vector<S>; 2], own: [R::Vector<S>; 2]) -> R::Vector<S> {
     R::mul(simd, k, R::sub(simd, R::sub(simd, values[0], own[0]), R::sub(simd, values[1], own[1])))

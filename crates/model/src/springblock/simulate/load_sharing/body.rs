@@ -13,16 +13,18 @@
 use crate::springblock::steady::{BandFactor, BandMatrix};
 
 const POISSON_RATIO: f64 = 1.0 / 3.0;
-/// Maximum size of elements at the ends of a piece, and of all elements, over the height of the body.
+/// Maximum size of the elements at the ends of a piece, over the height of the body.
 const FINE: f64 = 1.0 / 350.0;
+/// Maximum size of any element, over the height of the body.
 const COARSE: f64 = 1.0 / 7.0;
-/// Minimum number of elements in a piece.
+/// Minimum number of elements in a piece: the elements at its ends are at most the length of the piece over this
+/// number.
 const MIN_ELEMENTS: f64 = 4.0;
-/// Ratio of the sizes of an element and its neighbour that is nearer to an end.
+/// Size of an element over the size of its neighbour nearer to the end of the piece.
 const GROWTH: f64 = 1.4;
-/// Relative change of the displacements below which the iteration for friction has converged, and its maximum number of
-/// iterations.
+/// Change of the displacements, over the descent of the back, below which the iteration for friction has converged.
 const SETTLED: f64 = 1e-9;
+/// Maximum number of iterations for friction.
 const MAX_ROUNDS: usize = 100;
 
 /// Part of the face with a uniform foundation.
@@ -34,14 +36,14 @@ pub struct Foundation {
     pub compliance_m: f64,
 }
 
-/// Pressure on a part of the face.
+/// Part of the face with uniform pressure.
 #[derive(Clone, Copy, Debug)]
 pub struct Patch {
-    /// Index of the piece to which the patch belongs.
+    /// Index of the piece of the foundation to which the patch belongs.
     pub piece: usize,
     /// Length, in metres.
     pub length_m: f64,
-    /// Pressure relative to the mean of the whole face.
+    /// Pressure relative to the mean pressure on the whole face.
     pub pressure: f64,
 }
 
@@ -50,7 +52,7 @@ pub struct Patch {
 pub struct FacePressure {
     /// Patches from left to right; their lengths sum to that of the face.
     pub patches: Vec<Patch>,
-    /// Mean pressure over Young's modulus per descent of the back, per metre.
+    /// Mean pressure over Young's modulus, per metre of descent of the back.
     pub stiffness_per_m: f64,
 }
 
@@ -63,10 +65,10 @@ pub fn face_pressure(pieces: &[Foundation], height_m: f64) -> Option<FacePressur
 pub struct Body {
     factor: BandFactor,
     unknowns: usize,
-    /// Nodes of the face: index of the displacement along x, which the one along z follows, and the spring of the
-    /// foundation.
+    /// Nodes of the face: index of the unknown of the displacement along x, the next one being that along z, and
+    /// stiffness of the foundation's spring over Young's modulus.
     face: Vec<(usize, f64)>,
-    /// Elements of the face: piece, length and compliance.
+    /// Elements of the face: index of the piece, and length and compliance in metres.
     across: Vec<(usize, f64, f64)>,
 }
 
@@ -109,8 +111,8 @@ impl Body {
         Some(Self { factor: matrix.factor()?, unknowns: mesh.unknowns(), face, across })
     }
 
-    /// Pressure when the counterface drags the face along x with the friction coefficient `mu`; `None` if friction
-    /// allows no equilibrium.
+    /// Pressure when the counterface drags the face along x with the friction coefficient `mu`; `None` if the iteration
+    /// finds no equilibrium with friction.
     pub fn pressure(&self, mu: f64) -> Option<FacePressure> {
         // Relative to the back, the counterface rises by 1: a node carries k (1 - u_z) and the friction mu k (1 - u_z).
         let mut risen = vec![0.0; self.face.len()];
@@ -145,14 +147,14 @@ impl Body {
     }
 }
 
-/// Lengths of elements that fill `length_m`, graded from `fine` at both ends.
+/// Lengths of elements that fill `length_m`: `fine` at both ends, growing to at most `most` in the middle.
 fn graded(length_m: f64, fine: f64, most: f64) -> impl Iterator<Item = f64> {
     let half = one_sided(0.5 * length_m, fine, most);
     let back: Vec<f64> = half.iter().rev().copied().collect();
     half.into_iter().chain(back)
 }
 
-/// Lengths of elements that fill `length_m`, graded from `fine` at the beginning.
+/// Lengths of elements that fill `length_m`: `fine` at the beginning, growing to at most `most`.
 fn one_sided(length_m: f64, fine: f64, most: f64) -> Vec<f64> {
     let mut elements = Vec::new();
     let (mut filled, mut next) = (0.0, fine.min(length_m));
@@ -165,7 +167,8 @@ fn one_sided(length_m: f64, fine: f64, most: f64) -> Vec<f64> {
     elements
 }
 
-/// Mesh of rectangles with the given lengths and heights; nodes of the back are fixed.
+/// Mesh of rectangles with the lengths `across` and the heights `up`, in metres, from the face to the back; nodes of
+/// the back are fixed.
 struct Mesh {
     across: Vec<f64>,
     up: Vec<f64>,
@@ -176,8 +179,8 @@ impl Mesh {
         2 * (self.across.len() + 1) * self.up.len()
     }
 
-    /// Index of the displacement along x of the node in column `i` and row `j`, which the one along z follows; `None`
-    /// at the back.
+    /// Index of the unknown of the displacement along x of the node in column `i` and row `j`, the next one being that
+    /// along z; `None` at the back.
     fn unknown(&self, i: usize, j: usize) -> Option<usize> {
         (j < self.up.len()).then(|| 2 * (i * self.up.len() + j))
     }
@@ -202,8 +205,8 @@ impl Mesh {
     }
 }
 
-/// Stiffness matrix of a rectangle over Young's modulus. The order is: nodes counterclockwise from the lower left, each
-/// with x and z.
+/// Stiffness matrix of a rectangle of sides a = `length` and b = `height`, divided by Young's modulus. The order is:
+/// nodes counterclockwise from the lower left, each with x and z.
 ///
 /// ```text
 /// K = sum over the Gauss points of B^T D B a b / 4,     D = 1 / (1 - nu^2) [1 nu 0; nu 1 0; 0 0 (1 - nu) / 2]
@@ -232,7 +235,8 @@ fn points() -> [[f64; 2]; 4] {
     [[-at, -at], [at, -at], [at, at], [-at, at]]
 }
 
-/// Strains xx, zz and xz at `point` of a rectangle due to unit displacements of its nodes.
+/// Strains xx, zz and xz at the point (`x`, `z`) of a rectangle, each coordinate from -1 to 1, due to unit
+/// displacements of its nodes.
 fn strains([x, z]: [f64; 2], length: f64, height: f64) -> [[f64; 3]; 8] {
     let corners: [[f64; 2]; 4] = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
     let mut strains = [[0.0; 3]; 8];

@@ -15,14 +15,14 @@ use crate::springblock::{
 ///
 /// If a strip is longer, both ends are solved, half of that length each, and the part between is replaced by periodic
 /// cells. The effect of an end decays within one height, so that the error of the ratio is below 1e-5
-/// (`strips_are_their_ends_and_cells_between_them`). If cavities are not whole blocks, those of a whole strip have
-/// different positions relative to the blocks; those of the cell have one position, with a known effect of smaller
-/// blocks (`cells_between_ends_take_strips_to_smaller_blocks`).
+/// (`strips_are_their_ends_and_cells_between_them`). If cavities are not whole blocks, the cavities of a whole strip
+/// have different positions relative to the blocks; the cavity of the cell has one position, with a known effect of
+/// smaller blocks (`cells_between_ends_take_strips_to_smaller_blocks`).
 pub const STRIP_HEIGHTS: f64 = 15.0;
 /// Minimum width of land at the end of a strip that a lattice resolves, in blocks.
 const MIN_END_BLOCKS: f64 = 2.0;
 
-/// Part of the face that is solved on one lattice.
+/// Part of the face that is solved on one lattice, with its equations.
 pub struct Piece {
     band: usize,
     /// Area that the piece represents, in square metres.
@@ -34,15 +34,15 @@ pub struct Piece {
     pressure_share: f64,
 }
 
-/// Steady sliding of the whole face with mean coefficients.
+/// Outcomes of steady sliding of the whole face with mean coefficients, by load.
 pub struct SteadyFace {
     pub loads: Vec<LoadOutcome>,
     /// Number of strips that were shortened by whole periods.
     pub shortened: usize,
 }
 
-/// Removes whole periods from a `strip` longer than [`STRIP_HEIGHTS`]; returns the rest and the removed length, in
-/// metres.
+/// Removes whole periods from a `strip` longer than [`STRIP_HEIGHTS`] layer heights; returns the rest and the removed
+/// length, in metres.
 pub fn shortened(strip: &Strip, layer: &Layer) -> (Strip, f64) {
     let most_m = STRIP_HEIGHTS * layer.height_m;
     let cavities = &strip.cavities_m;
@@ -70,13 +70,13 @@ pub fn shortened(strip: &Strip, layer: &Layer) -> (Strip, f64) {
     (Strip { length_m: strip.length_m - out_m, cavities_m: ends.collect(), ..strip.clone() }, out_m)
 }
 
-/// Minimum width of land between a cavity and an end of a strip; narrower land is removed.
+/// Minimum width, in metres, of land between a cavity and an end of a strip; narrower land is removed.
 pub fn min_wall_m(depth_m: f64, block_m: f64) -> f64 {
     depth_m.max(MIN_END_BLOCKS * block_m)
 }
 
 /// Removes land between a cavity and the ends of `strip` that is narrower than [`min_wall_m`]. On such a slender wall
-/// friction raises the pressure, which raises friction, and there is no equilibrium.
+/// friction raises the pressure, higher pressure raises friction, and there is no equilibrium.
 pub fn without_slivers(mut strip: Strip, depth_m: f64, block_m: f64) -> Strip {
     let least_m = min_wall_m(depth_m, block_m);
     let length_m = strip.length_m;
@@ -89,10 +89,11 @@ pub fn without_slivers(mut strip: Strip, depth_m: f64, block_m: f64) -> Strip {
     strip
 }
 
-/// Part of a face before it is solved: band of its strip, area, area of its cavities, and lattice.
+/// Part of a face before it is solved: index of the band of its strip, area and cavity area in square metres, and
+/// lattice.
 type Planned = (usize, f64, f64, Lattice);
 
-/// Divides `face` into parts in blocks of `layer`; also returns the number of strips that were shortened.
+/// Divides `face` into parts with the blocks of `layer`; also returns the number of strips that were shortened.
 fn planned(layer: &Layer, pattern: &Pattern, face: &Face) -> (Vec<Planned>, usize) {
     let (block_m, rows) = (layer.block_m, layer.rows());
     let blocks = |strip: &Strip| -> Vec<[f64; 2]> {
@@ -122,22 +123,22 @@ fn planned(layer: &Layer, pattern: &Pattern, face: &Face) -> (Vec<Planned>, usiz
     (planned, count)
 }
 
-/// Refuses parts of a face whose equations together do not fit in memory; returns their memory in bytes.
+/// Returns the memory, in bytes, of the equations of all parts `planned`; refuses them if they do not fit in memory.
 fn affordable(planned: &[Planned]) -> Result<f64, SceneError> {
     let bytes = |(.., lattice): &Planned| factor_bytes(lattice.nx(), lattice.ny(), lattice.is_periodic());
     require_memory(planned.iter().map(bytes).sum())
 }
 
-/// Memory of the equations of `face` in blocks of `layer`, in bytes.
+/// Memory of the equations of `face` with the blocks of `layer`, in bytes.
 ///
 /// # Errors
-/// [`SceneError::TooLarge`], as for the solve.
+/// [`SceneError::TooLarge`], as in [`SteadyFace::new`].
 pub fn face_bytes(layer: &Layer, pattern: &Pattern, face: &Face) -> Result<f64, SceneError> {
     affordable(&planned(layer, &without_rim(pattern), face).0)
 }
 
 impl SteadyFace {
-    /// Solves the face; `None` once `monitor` has cancelled.
+    /// Solves `face`; `None` once `monitor` has cancelled.
     pub fn new(
         scene: &Scene,
         rims: &RimDifference,
@@ -180,14 +181,15 @@ impl SteadyFace {
     }
 }
 
-/// Solves steady sliding on `model` at each load of `scene`, at `share` times its pressure, with its mean coefficient.
+/// Solves steady sliding on `model` at each load of `scene`, with `share` times the pressure and the mean coefficient
+/// of the load.
 pub fn solve(scene: &Scene, model: &SteadyModel, share: f64) -> Vec<SurfaceOutcome> {
     let columns = model.lattice().nx();
     let of_load = |load: &Load| vec![load.friction.dynamic_mean(); columns];
     solve_drawn(scene, model, share, &scene.loads.iter().map(of_load).collect::<Vec<_>>())
 }
 
-/// Like [`solve`] with the column coefficients `dynamic_mu`, one row per load.
+/// Like [`solve`] with the dynamic coefficients `dynamic_mu`: per load a list with one value per column.
 pub fn solve_drawn<'a>(
     scene: &'a Scene,
     model: &SteadyModel,
@@ -203,9 +205,9 @@ pub fn solve_drawn<'a>(
     model.solve_all(&loads)
 }
 
-/// The flat face, which is uniform except for the ends of its strips.
+/// The flat face, on which friction is uniform except near the ends of its strips.
 pub struct FlatFace {
-    /// Model of the longest strip, flat.
+    /// Model of the longest strip without cavities, shortened to [`STRIP_HEIGHTS`] layer heights.
     model: SteadyModel,
     length_m: f64,
     /// Width of all strips, each with two ends, over the area of the face, per metre.
@@ -223,7 +225,8 @@ impl FlatFace {
         Self { model, length_m, ends_per_m: sum(|strip| strip.width_m) / sum(Strip::area_m2) }
     }
 
-    /// Solves the flat face under each load: a pair of ends reduces friction equally on every strip.
+    /// Solves the flat face under each load: the two ends of a strip change its friction force per width equally on
+    /// every strip.
     fn solve(&self, scene: &Scene) -> Vec<SurfaceOutcome> {
         let of_load = |(load, own): (&Load, SurfaceOutcome)| {
             let uniform = load.flat_mu(scene.area_law.as_ref());
@@ -266,8 +269,9 @@ fn face_load(
     outcome
 }
 
-/// Ratio of the face to the flat face of `flat_mu`, and the standard error of sampling it by strips, from the
-/// deviations of the bands from a friction reduction proportional to their cavities.
+/// Friction ratio of the face to the flat face with the coefficient `flat_mu`, and the standard error of sampling the
+/// face by strips, from the deviations of the bands from a friction reduction proportional to their cavities; `None`
+/// without a ratio.
 fn face_ratio(face: &Face, pieces: &[Piece], surfaces: &[SurfaceOutcome], flat_mu: Option<f64>) -> Option<(f64, f64)> {
     let flat_mu = flat_mu.filter(|mu| *mu != 0.0)?;
     let area_m2: f64 = pieces.iter().map(|piece| piece.area_m2).sum();

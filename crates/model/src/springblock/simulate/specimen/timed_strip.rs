@@ -14,10 +14,10 @@ use crate::springblock::{
     SurfaceOutcome, columns, draws,
 };
 
-/// Maximum number of columns of the dynamic strip: the published specimen has 996.
+/// Maximum number of columns of the strip that is run dynamically: the published specimen has 996.
 const MAX_TIMED_COLUMNS: f64 = 1200.0;
-/// Relative standard error of applying the change by time of one strip to strips with other lengths and cavities, which
-/// deviate by no more (`strips_follow_the_longest_in_time`).
+/// Relative standard error of applying the change from steady to dynamic sliding of one strip to strips with other
+/// lengths and cavities, which deviate by no more (`strips_follow_the_longest_in_time`).
 pub const TIME_CHANGE_ERROR: f64 = 0.5;
 
 /// Dynamic run of the longest strip of a face.
@@ -67,19 +67,20 @@ impl TimedStrip {
         Ok(Self { loads, added, share, statements })
     }
 
-    /// D / `D_1`
+    /// Cavity fraction of `face` over that of the strip, D / `D_1`; 0 if the strip has no cavity.
     fn relative_share(&self, face: &Face) -> f64 {
         if self.share > 0.0 { face.cavity_share() / self.share } else { 0.0 }
     }
 
-    /// Change of the ratio of `face`, by load.
+    /// Change of the ratio of `face` from steady to dynamic sliding, by load; `None` if the run has no trusted mean.
     pub fn change_on(&self, face: &Face) -> Vec<Option<f64>> {
         let share = self.relative_share(face);
         let each = self.added.iter().zip(&self.loads);
         each.map(|(added, load)| added.filter(|_| load.is_trusted()).map(|added| added * share)).collect()
     }
 
-    /// Adds the change by time to the `steady` outcomes of `face`; also returns the statements.
+    /// Adds the change from steady to dynamic sliding to the `steady` outcomes of `face`; returns the outcomes and the
+    /// statements on the run.
     pub fn apply(&self, face: &Face, steady: &[LoadOutcome]) -> (Vec<LoadOutcome>, Statements) {
         let share = self.relative_share(face);
         // With a single strip there is no other strip to apply the change to.
@@ -105,8 +106,9 @@ impl TimedStrip {
         (loads, statements)
     }
 
-    /// Statement on lands at the border of the face that carry more than 2 % more pressure than the strip. The
-    /// narrowest lands carry the highest pressure, so a limit of the peak pressure must not rely on the strip alone.
+    /// Statement on lands at the border of the face that carry more than 2 % more pressure than the strip; `None`
+    /// without such lands. The narrowest lands carry the highest pressure, so a limit of the peak pressure must not
+    /// rely on the strip alone.
     fn pressed_harder(&self, steady: &[LoadOutcome]) -> Option<String> {
         let peak_pa = |load: &LoadOutcome| load.surface.peak_pressure_pa;
         // A strip without a mean has no pressures to compare.
@@ -121,7 +123,7 @@ impl TimedStrip {
     }
 }
 
-/// Part of `strip` that is run dynamically: a strip that is too long ends in the middle of a land.
+/// Part of `strip` that is run dynamically: a strip that is too long is cut in the middle of a land.
 fn timed_strip(strip: &Strip, block_m: f64) -> Strip {
     let most_m = MAX_TIMED_COLUMNS * block_m;
     if strip.length_m <= most_m {
@@ -133,7 +135,7 @@ fn timed_strip(strip: &Strip, block_m: f64) -> Strip {
     Strip { length_m, cavities_m, ..strip.clone() }
 }
 
-/// Lattices of the strip and its flat counterpart on whole blocks.
+/// Lattices of the strip and of its flat counterpart, in this order, on whole blocks.
 pub fn timed_lattices(scene: &Scene, pattern: &Pattern, strip: &Strip) -> Vec<Lattice> {
     let (block_m, rows) = (scene.layer.block_m, scene.layer.rows());
     let cavities: Vec<[f64; 2]> = strip.cavities_m.iter().map(|ends_m| ends_m.map(|at_m| at_m / block_m)).collect();
@@ -143,9 +145,9 @@ pub fn timed_lattices(scene: &Scene, pattern: &Pattern, strip: &Strip) -> Vec<La
     [own, flat].into_iter().map(|columns| Lattice::new(columns, rows, false)).collect()
 }
 
-/// Steady ratio of the first lattice, a strip, over the second, its flat counterpart, with the coefficients drawn by
-/// the dynamic runs, by load. `models` caches the equations; missing ones are created. The friction of the flat lattice
-/// is stored in the monitor's cache.
+/// Steady friction of the first lattice, a strip, over that of the second, its flat counterpart, by load, with the
+/// coefficients drawn for the dynamic runs, averaged over draws; `None` without a ratio. `models` caches the equations;
+/// missing ones are created. The friction of the flat lattice is stored in the monitor's cache.
 pub fn drawn_ratios(
     scene: &Scene,
     lattices: &[Lattice],
@@ -171,7 +173,7 @@ pub fn drawn_ratios(
     (0..count).map(ratio).collect()
 }
 
-/// Steady friction of `model` by draw and load; NaN if there is none.
+/// Steady friction coefficients of `model`, ordered by draw and then by load; NaN without a solution.
 fn drawn_friction(scene: &Scene, model: &SteadyModel) -> Vec<f64> {
     let of_draw = |draw: usize| {
         let of_load = |load: &Load| {

@@ -15,7 +15,7 @@ impl Interface {
         }
     }
 
-    /// Range of lines of a component field that carry forces or are needed.
+    /// Range of lines along y in which the component field `field` carries forces or is needed.
     fn lines(&self, field: usize) -> Range<usize> {
         let ny = self.columns[1];
         // Row 0 carries friction; other rows carry forces on the needed lines only.
@@ -27,7 +27,8 @@ impl Interface {
         first..wanted.iter().rposition(|wanted| *wanted).map_or(first, |last| last + 1)
     }
 
-    /// Computes the linear response to `unknowns`, with friction along `direction`, where displacements are needed.
+    /// Computes the linear response to `unknowns`, with friction along `direction`; displacements are computed where
+    /// they are needed.
     pub fn respond(&self, unknowns: &[f64], direction: [f64; 2], response: &mut Response) {
         self.load_fields(unknowns, direction, 0.0, &mut response.fields);
         self.layer.respond(&mut response.fields, &self.wanted, &mut response.workspace);
@@ -49,7 +50,7 @@ impl Interface {
         self.observe(face, response);
     }
 
-    /// Sets the input of the layer: forces, and the heights of row 0.
+    /// Sets `fields` to the input of the flat layer: forces, and the heights of row 0.
     fn load_fields(&self, unknowns: &[f64], direction: [f64; 2], raise: f64, fields: &mut [f64]) {
         let [nx, ny] = self.columns;
         let plane = nx * ny;
@@ -82,7 +83,8 @@ impl Interface {
         }
     }
 
-    /// Computes R u, normal forces and imbalances from the displacements in `response`.
+    /// Computes the forces R u of the missing springs, normal forces and imbalances from the displacements in
+    /// `response`.
     fn observe(&self, face: Face, response: &mut Response) {
         let plane = self.columns[0] * self.columns[1];
         let Response { fields, linear, normal, pressed, .. } = response;
@@ -118,7 +120,7 @@ impl Interface {
         }
     }
 
-    /// Computes the downward force of the flat layer above on the blocks of row 0.
+    /// Computes the downward force of the flat layer above on the blocks of row 0, by column.
     fn press(&self, fields: &[f64], pressed: &mut [f64]) {
         let [nx, ny] = self.columns;
         let plane = nx * ny;

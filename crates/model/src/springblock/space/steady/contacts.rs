@@ -4,7 +4,7 @@ use super::*;
 
 /// Maximum number of rounds of switching contacts on a face with height variations.
 const MAX_RAISED_ROUNDS: usize = 200;
-/// Tolerance as [`TOLERANCE`] while the contact states still change.
+/// Tolerance that replaces [`TOLERANCE`], if larger, while the contact states still change.
 const ROUGH_TOLERANCE: f64 = 1e-4;
 
 impl Solver<'_> {
@@ -63,7 +63,7 @@ impl Solver<'_> {
         End { status: Status::NotConverged, residual, directions }
     }
 
-    /// Next state of the contacts: which are lifted, and which yield.
+    /// Next state of the contacts, in their order: whether each is lifted, and whether it yields.
     pub(super) fn next_contacts(&self) -> (Vec<bool>, Vec<bool>) {
         let contacts = self.interface.surface().iter().filter(|surface| surface.contact.is_some());
         let unknowns = &self.state.unknowns;
@@ -82,7 +82,7 @@ impl Solver<'_> {
             .unzip()
     }
 
-    /// Switches to the contact states `lifted` and `yields`, keeping the state where possible.
+    /// Switches to the contact states `lifted` and `yields`, given by contact, and keeps the unknowns where possible.
     pub(super) fn switch(&mut self, lifted: &[bool], yields: &[bool]) {
         let mut interface = self.model.interface.with_contacts(lifted, yields);
         interface.copy_heights(&self.interface);

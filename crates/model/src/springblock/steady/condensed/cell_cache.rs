@@ -1,5 +1,5 @@
-//! Cache of condensed cells. One texture is solved for several moduli, area laws and measurements, on which its
-//! equations do not depend.
+//! Cache of condensed cells. One texture is solved for several moduli, area laws and measurements, on which the
+//! condensed equations do not depend.
 
 use std::cell::RefCell;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
@@ -7,9 +7,9 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use super::CondensedCell;
 use crate::springblock::Lattice;
 
-/// Minimum multiplications for an entry in the shared cache: some milliseconds.
+/// Minimum number of multiplications of a cell for an entry in the shared cache: they take some milliseconds.
 pub const MIN_SHARED_PRODUCTS: f64 = 1e7;
-/// Maximum number of numbers in the shared cache: 64 MB.
+/// Maximum number of f64 values in the shared cache: 64 MB.
 const MAX_NUMBERS: usize = 8 << 20;
 
 thread_local! {
@@ -38,13 +38,13 @@ pub fn get_or_condense_per_thread(
 /// Result of condensing a cell, empty while it is being condensed.
 type CacheEntry = Arc<OnceLock<Option<Arc<CondensedCell>>>>;
 
-/// Cache of condensed cells, the most recently used last, with the maximum number of numbers.
+/// Cache of condensed cells, the most recently used last, with the maximum number of f64 values in it.
 pub struct CellCache {
     made: Mutex<Vec<(Lattice, CacheEntry)>>,
     max_numbers: usize,
 }
 
-/// Cache of this process.
+/// Cache that all threads of this process share.
 pub static SHARED_CACHE: CellCache = CellCache::with_capacity(MAX_NUMBERS);
 
 impl CellCache {

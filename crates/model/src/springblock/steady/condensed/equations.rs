@@ -9,35 +9,35 @@ use super::{Ceiling, Condensed, CondensedCell, cell_cache};
 use crate::springblock::Lattice;
 use crate::springblock::lattice::Bond;
 
-/// Typical number of evaluations of N over a few loads.
+/// Typical number of evaluations of the normal forces for a few loads, for the estimate of operations.
 const EVALUATIONS: f64 = 40.0;
 
 /// Marks an absent index.
 const NONE: usize = usize::MAX;
 
-/// Consecutive columns of a field of the flat layer that are inputs.
+/// Consecutive columns in which one field of the flat layer is an unknown or an input of the cell.
 #[derive(Clone, Copy, Debug)]
 struct Run {
     field: usize,
     first: usize,
     count: usize,
-    /// Index of the first one in a row of coefficients.
+    /// Index of the first of these columns in a row of coefficients.
     place: usize,
 }
 
-/// Layout of the unknowns and inputs, before anything is computed.
+/// Layout of the unknowns and inputs of a condensed cell, before any coefficient is computed.
 pub struct Equations {
     nx: usize,
     explicit: usize,
     contacts: Vec<Contact>,
     missing: Vec<Bond>,
-    /// Index of block j nx + i among the blocks with a missing spring.
+    /// Index of block j nx + i among the blocks with a missing spring; [`NONE`] for other blocks.
     number: Vec<usize>,
     /// Blocks with a missing spring: column and row.
     blocks: Vec<(usize, usize)>,
-    /// Index of the unknown by field and column.
+    /// Index of the unknown by field of the flat layer and column; [`NONE`] where there is no unknown.
     unknown_at: Vec<usize>,
-    /// Field and column of each unknown.
+    /// Field of the flat layer and column of each unknown.
     unknowns: Vec<(usize, usize)>,
     runs: Vec<Run>,
     /// Index of the face height in a row of coefficients, by column; [`NONE`] if it is not an input.
@@ -48,7 +48,8 @@ pub struct Equations {
 
 impl Equations {
     /// Creates the layout for a periodic lattice of equal columns whose cavities leave at least one row, with the
-    /// columns `lifted` off the counterface. With `raised` the heights of the face at the contacts are inputs.
+    /// columns `lifted` off the counterface; `None` for another lattice. With `raised` the heights of the face at the
+    /// contacts are inputs.
     pub fn for_lattice(lattice: &Lattice, lifted: &[usize], raised: bool) -> Option<Self> {
         let width = lattice.columns().first()?.width;
         let explicit = (lattice.cavity_rows() + 1).max(2);
@@ -131,8 +132,8 @@ impl Equations {
         Self { nx, explicit, contacts, missing, number, blocks, unknown_at, unknowns, runs, height_at, tied_heights }
     }
 
-    /// Multiplications and additions for condensing and for the iterations. The substitutions of the band solver, which
-    /// are as many, are not counted for either method.
+    /// Number of multiplications and additions for condensing and for the iterations. The substitutions of the band
+    /// solver, which are as many, are not counted for either method.
     pub fn products(&self, lattice: &Lattice) -> f64 {
         let [n, m, missing] = [self.unknowns.len(), self.contacts.len(), self.missing.len()].map(|count| count as f64);
         let (half, fields) = (lattice.nx() as f64 / 2.0, 2.0 * self.explicit as f64);
@@ -140,17 +141,18 @@ impl Equations {
         elimination + 8.0 * missing * (n + m) + fields * fields / 2.0 * half * half + EVALUATIONS * m * m
     }
 
-    /// Number of inputs: friction forces, and heights where they are inputs.
+    /// Number of inputs: friction forces, and the heights of the face if they are inputs.
     fn inputs(&self) -> usize {
         self.contacts.len() + self.height_at.iter().filter(|place| **place != NONE).count()
     }
 
-    /// Number of entries of a row of coefficients: unknowns, inputs, 1.
+    /// Number of entries of a row of coefficients: one for each unknown and input, and a constant.
     fn width(&self) -> usize {
         self.unknowns.len() + self.inputs() + 1
     }
 
-    /// Sets the coefficients of field `out` in `column`, without uniform compression.
+    /// Sets `row` to the coefficients of the output field `out` of the flat layer in `column`, without uniform
+    /// compression.
     fn gather(&self, layer: &FlatLayer, out: usize, column: usize, row: &mut [f64]) {
         for place in &self.tied_heights {
             row[*place] = 0.0;
@@ -167,7 +169,7 @@ impl Equations {
         }
     }
 
-    /// Sets the coefficients of the displacement `field` in `column`.
+    /// Sets `row` to the coefficients of the displacement `field` in `column`, with uniform compression.
     fn displacement(&self, layer: &FlatLayer, field: usize, column: usize, row: &mut [f64]) {
         let last = row.len() - 1;
         if field == 1 {
@@ -185,7 +187,8 @@ impl Equations {
         }
     }
 
-    /// Coefficients of R u, two rows for each block with a missing spring.
+    /// Coefficients of the forces R u, with the stiffness R of the missing springs: a horizontal and a vertical row for
+    /// each block with a missing spring.
     fn missing_forces(&self, lattice: &Lattice, layer: &FlatLayer) -> Vec<f64> {
         let width = self.width();
         let mut displacements = vec![0.0; 2 * self.blocks.len() * width];
@@ -226,8 +229,8 @@ impl Equations {
         }
     }
 
-    /// Condenses the cell to N_0, A, the ceilings, and the unknowns as functions of T; `None` if the equations are
-    /// singular.
+    /// Condenses the cell to the response of the normal forces, the ceilings, and the unknowns as functions of the
+    /// inputs; `None` if the equations are singular.
     pub fn condense(self, lattice: &Lattice) -> Option<CondensedCell> {
         let w = lattice.columns().first()?.width;
         let layer = &FlatLayer::new(lattice.nx(), w, lattice.ny(), self.explicit);
