@@ -5,13 +5,14 @@ use std::ops::Range;
 
 use multiversion::multiversion;
 
-/// Points along a side of a block. Sides of fewer than [`SHORT_SIDE`] points have blocks of one point.
+/// Number of points along a side of a block, if the side of the map has at least [`SHORT_SIDE`] points.
 const BLOCK: usize = 4;
+/// Number of points below which a side of the map has blocks of one point.
 const SHORT_SIDE: usize = 16;
-/// sqrt(4/5), the weight of a block of five points; see `two_grids`.
+/// Weight of a block of five points, sqrt(4/5); see `two_grids`.
 const LONG_BLOCK_WEIGHT: f32 = 0.894_427_2;
 
-/// One side of the map, divided into blocks. The first `long_blocks` blocks have one point more than the others.
+/// One side of the map, divided into blocks of `block` points; the first `long_blocks` blocks have one point more.
 #[derive(Clone, Debug)]
 pub(crate) struct Side {
     pub(crate) points: usize,
@@ -40,10 +41,10 @@ impl Side {
         if n < self.long_blocks { LONG_BLOCK_WEIGHT } else { 1.0 }
     }
 
-    /// Sums over the blocks of one row of blocks.
+    /// Writes to `sums` the weighted sum of the points in each block of one row of blocks.
     ///
-    /// `input` has the map rows of that row of blocks, `weight` is their weight. `column_sums` is scratch space of one
-    /// map row. `sums` receives one sum per block.
+    /// `input` holds the map rows of this row of blocks, and `weight` is their weight. `column_sums` is scratch space
+    /// of one map row.
     pub(crate) fn sum(&self, input: &[f32], weight: f32, column_sums: &mut [f32], sums: &mut [f32]) {
         column_sums.fill(0.0);
         let mut fours = input.chunks_exact(4 * self.points);
@@ -66,7 +67,8 @@ impl Side {
         sum_blocks(others.as_chunks::<BLOCK>().0, other_sums);
     }
 
-    /// Writes each block's value of `values` to all points of the block in `expanded`, one map row, times `weight`.
+    /// Fills the map row `expanded` with the value in `values` of each point's block, times `weight` and the weight of
+    /// the block along this side.
     pub(crate) fn expand(&self, values: &[f32], weight: f32, expanded: &mut [f32]) {
         if self.block == 1 {
             expanded.copy_from_slice(values);
@@ -81,7 +83,7 @@ impl Side {
         scale(expanded, weight);
     }
 
-    /// Factor by which the value at a neighbour counts.
+    /// Factor on the stencil weight of a neighbour along this side, 1 on sides of three points or more.
     ///
     /// On a side of two points both neighbours are the same point, so each counts half. On a side of one point the
     /// neighbour is the point itself and counts nothing.
@@ -93,16 +95,16 @@ impl Side {
         }
     }
 
-    /// cos(2 pi k/n), the factor of the wave `k` for the mean of the two neighbours along this side.
+    /// cos(2 pi k/n) on a side of n points: the mean of the two neighbours along this side is a wave of `k` periods
+    /// times this factor.
     pub(crate) fn neighbour_cosine(&self, k: usize) -> f64 {
         (TAU * k as f64 / self.points as f64).cos()
     }
 
-    /// Straight line through `factor` at a quarter and at half of the waves, as a function of c =
-    /// [`Self::neighbour_cosine`].
+    /// Fits a straight line in c = [`Self::neighbour_cosine`] to `factor(k)` at k = n/4 and k = n/2 on a side of n
+    /// points.
     ///
-    /// Returns the value at c = 0 and the slope. A side without a coarse grid returns the value at a quarter of the
-    /// waves and slope 0.
+    /// Returns the value at c = 0 and the slope. A side with blocks of one point returns `factor(n/4)` and slope 0.
     pub(crate) fn fit_line(&self, factor: impl Fn(usize) -> f64) -> [f64; 2] {
         let [quarter, half] = [self.points / 4, self.points / 2];
         let (at_quarter, at_half) = (factor(quarter), factor(half));
@@ -114,7 +116,7 @@ impl Side {
     }
 }
 
-/// Multiplies by a block weight, which is 1 for most blocks.
+/// Multiplies `values` by a block weight, which is 1 for most blocks.
 fn scale(values: &mut [f32], weight: f32) {
     if weight != 1.0 {
         values.iter_mut().for_each(|value| *value *= weight);

@@ -28,7 +28,7 @@ pub struct AreaPoint {
 pub struct AreaCurve {
     /// One point per pressure, in the order of the requested pressures.
     pub points: Vec<AreaPoint>,
-    /// The pressure from which all of the map is in contact, in pascals.
+    /// Lowest nominal pressure at which all of the map is in contact, in pascals.
     pub full_contact_pressure_pa: f64,
 }
 
@@ -69,7 +69,7 @@ pub fn area_curve(
     Ok(AreaCurve { points, full_contact_pressure_pa: contact.full_contact_pressure_pa() })
 }
 
-/// Computes one point of the curve in buffers from the pool.
+/// Computes one point of the curve, in buffers from one of `pools`.
 fn area_point(
     contact: &RoughContact<'_>,
     pressure_pa: f64,

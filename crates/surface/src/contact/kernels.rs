@@ -7,7 +7,7 @@ use multiversion::multiversion;
 
 use crate::contact::rough_contact::Heights;
 
-/// Number of partial sums.
+/// Number of partial sums of each sum; fixed, so that every vector instruction set gives the same result.
 const LANES: usize = 8;
 type Lanes = [f64; LANES];
 
@@ -40,7 +40,7 @@ fn dot_lanes(a: &[f32], b: &[f32], sum: &mut Lanes) {
     }
 }
 
-/// Sums over the positive pressures of a field level + f.
+/// Sums over the points with positive pressure, the pressure being a level plus a fluctuation f.
 pub(crate) struct PositiveSums {
     pub(crate) sum: f64,
     /// Number of points with positive pressure.
@@ -66,7 +66,7 @@ pub(crate) fn sum_positive(fluctuation: &[f64], level: f64, every: usize) -> Pos
 
 /// Statistics of a gap field.
 pub(crate) struct GapStatistics {
-    /// Mean gap over the points with p > 0.
+    /// Mean gap over the points with pressure p > 0.
     pub(crate) shift: f64,
     pub(crate) lowest: f64,
     /// Scalar product of gap and pressure.
@@ -111,7 +111,7 @@ impl GapSums {
     }
 }
 
-/// Statistics of the gap u - h.
+/// Computes the statistics of the gap u - h, with the displacement u and the height h.
 #[multiversion(targets("x86_64+avx512f", "x86_64+avx2"))]
 pub(crate) fn measure_gap(pressure: &[f64], displacement: &[f64], heights: Heights<'_>) -> GapStatistics {
     let mut sums = GapSums::new();
@@ -140,7 +140,7 @@ fn measure_gap_lanes(
     sums.add(pressure, &gap[..pressure.len()]);
 }
 
-/// Computes g = u - h - shift.
+/// Computes the gap g = u - h - `shift`, with the displacement u and the height h.
 #[multiversion(targets("x86_64+avx512f", "x86_64+avx2"))]
 pub(crate) fn compute_gap(gap: &mut [f32], displacement: &[f64], heights: Heights<'_>, shift: f64) {
     for ((g, &u), &h) in gap.iter_mut().zip(displacement).zip(heights.in_metres()) {
@@ -164,9 +164,9 @@ pub(crate) fn masked_gap(residual: &mut [f32], pressure: &[f64], gap: &[f32], sh
 pub(crate) struct ResidualProducts {
     /// Mean of z over free points.
     pub(crate) mean: f64,
-    /// z . r
+    /// z . r, with the residual r.
     pub(crate) z_r: f64,
-    /// z . r_previous
+    /// z . r_previous, with the residual of the previous iteration.
     pub(crate) z_r_previous: f64,
 }
 
@@ -239,7 +239,8 @@ fn add_products(sums: &mut ResidualSums, preconditioned: &[f32], residual: &[f32
     sums.add_lanes(z, r, before);
 }
 
-/// Computes d = -(z - mean) + beta d on free points and 0 elsewhere; returns r . d.
+/// Updates the direction, d = -(z - `mean`) + `beta` d on free points and 0 elsewhere; returns r . d, with the residual
+/// r.
 #[multiversion(targets("x86_64+avx512f", "x86_64+avx2"))]
 pub(crate) fn update_direction(
     direction: &mut [f32],
@@ -280,8 +281,8 @@ pub(crate) struct StepSums {
     pub(crate) count: f64,
 }
 
-/// Computes p = p + step d, minus `excess` on free points, and sets negative pressures to zero. `change` receives the
-/// change of each pressure.
+/// Updates the pressures, p = p + `step` d, minus `excess` on free points, and sets negative pressures to zero.
+/// `change` receives the change of each pressure.
 #[multiversion(targets("x86_64+avx512f", "x86_64+avx2"))]
 pub(crate) fn advance(pressure: &mut [f64], direction: &[f32], change: &mut [f32], step: f64, excess: f64) -> StepSums {
     let (mut sum, mut number) = ([0.0; LANES], [0.0; LANES]);
@@ -354,7 +355,7 @@ pub(crate) fn scale(pressure: &mut [f64], change: &mut [f32], share: f64) {
     }
 }
 
-/// Undoes the share `share` of the change `change`, p = max(p - share c, 0); returns the sum of p.
+/// Undoes the share `share` of the change c in `change`, p = max(p - share c, 0); returns the sum of the pressures p.
 #[multiversion(targets("x86_64+avx512f", "x86_64+avx2"))]
 pub(crate) fn step_back(pressure: &mut [f64], change: &[f32], share: f64) -> f64 {
     let mut sum = 0.0;
@@ -365,7 +366,7 @@ pub(crate) fn step_back(pressure: &mut [f64], change: &[f32], share: f64) -> f64
     sum
 }
 
-/// Computes g = g - shift + `share` K c and the statistics of the new gap.
+/// Updates the gap, g = g - `shift` + `share` K c, where `image` is K c; returns the statistics of the new gap.
 #[multiversion(targets("x86_64+avx512f", "x86_64+avx2"))]
 pub(crate) fn update_gap(gap: &mut [f32], image: &[f32], pressure: &[f64], shift: f64, share: f64) -> GapStatistics {
     let mut sums = GapSums::new();

@@ -7,7 +7,8 @@
 //! g = u - h + const >= 0,   p >= 0,   p g = 0,   mean p = P,   u_q = 2/(E* |q|) p_q
 //! ```
 //!
-//! with E* = E/(1 - nu^2); the last equation holds in Fourier space. The real contact area is where p > 0.
+//! with the displacement u, the nominal pressure P and E* = E/(1 - nu^2); the last equation holds for each wave vector
+//! q in Fourier space. The real contact area is where p > 0.
 //!
 //! | item | role |
 //! |---|---|

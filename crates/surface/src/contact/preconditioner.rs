@@ -25,10 +25,10 @@ use multiversion::multiversion;
 
 use crate::contact::two_grids::{Near, TwoGrids, TwoGridsWork};
 
-/// t in units of 1/Q(0), Q(0) the centre of the kernel.
+/// Relaxation factor t in units of 1/Q(0), where Q(0) is the convolution kernel Q at its centre.
 const RELAXATION: f64 = 1.3;
 
-/// Preconditioner for maps of one size.
+/// Approximate inverse of the compliance on the free points of maps of one size.
 #[derive(Clone, Debug)]
 pub(crate) struct Preconditioner {
     stiffness: TwoGrids,
@@ -54,10 +54,11 @@ impl Preconditioner {
         self.stiffness.work()
     }
 
-    /// Computes z into `extended`; only its values on free points, where `residual` is not zero, are meaningful.
+    /// Computes the preconditioned residual z into `extended`; only the values on free points, where `residual` is not
+    /// zero, are meaningful.
     ///
-    /// `fill` writes the residual, one range of points after the other. `inspect` receives each finished range: points, z,
-    /// residual.
+    /// `fill` writes the residual, one range of points after the other. `inspect` receives each finished range of
+    /// points with z and the residual there.
     pub(crate) fn apply(
         &self,
         residual: &mut [f32],
@@ -84,7 +85,8 @@ impl Preconditioner {
     }
 }
 
-/// Sets v = r on free points and v - t (Q v) elsewhere, and overwrites Q v with v.
+/// Sets `extended`, v, to the residual r on free points and to v - t (Q v) elsewhere, and overwrites `stiff`, Q v, with
+/// the new v.
 #[multiversion(targets("x86_64+avx512f", "x86_64+avx2"))]
 fn relax(stiff: &mut [f32], extended: &mut [f32], residual: &[f32], relaxation: f32) {
     for ((stiff, v), &r) in stiff.iter_mut().zip(extended).zip(residual) {

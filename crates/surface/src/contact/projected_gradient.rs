@@ -29,14 +29,14 @@ use crate::contact::{Monitor, kernels};
 /// Number of recent energies among which the highest bounds the next one: 10 as in the paper of Birgin, Martínez and
 /// Raydan.
 const ENERGY_MEMORY: usize = 10;
-/// A step must reach this share of the decrease that the gradient predicts.
+/// Share of the decrease predicted by the gradient that a step must reach.
 const SUFFICIENT_DECREASE: f64 = 1e-4;
-/// The shorter of the two step lengths is used if it is below this share of the longer one. Shares of 0.3 to 0.8 need
-/// the same number of iterations within a tenth.
+/// The shorter of the two Barzilai-Borwein step lengths is used if it is below this share of the longer one. Shares of
+/// 0.3 to 0.8 need the same number of iterations within a tenth.
 const SHORT_STEP_SHARE: f64 = 0.5;
-/// Number of recent short step lengths of which the shortest is used.
+/// Number of recent short step lengths; if a short step length is used, it is the smallest of these.
 const STEP_MEMORY: usize = 6;
-/// Maximum of Newton steps for the level of a projection; about five are needed.
+/// Maximum number of Newton steps for the level c of a projection max(v + c, 0); about five are needed.
 const MAX_LEVEL_STEPS: usize = 100;
 
 struct State<'a> {
@@ -45,13 +45,13 @@ struct State<'a> {
     fourier_pairs: usize,
     load: f64,
     pressure: Vec<f64>,
-    /// u = K p
+    /// Displacement u = K p.
     displacement: Vec<f64>,
     gap: GapStatistics,
     direction: Vec<f64>,
-    /// K d
+    /// Displacement K d that belongs to the direction d.
     image: Vec<f64>,
-    /// Level c of the last projection, max(v + c, 0).
+    /// Level c of the last projection, max(v + c, 0) of the values v.
     level: f64,
     step_length: f64,
     recent_short_lengths: VecDeque<f64>,
@@ -60,14 +60,14 @@ struct State<'a> {
 }
 
 impl State<'_> {
-    /// Computes u = K p and the gap statistics.
+    /// Computes the displacement u = K p and the gap statistics.
     fn refresh(&mut self) {
         self.contact.displace(&self.pressure, &mut self.displacement, &mut self.work);
         self.fourier_pairs += 1;
         self.gap = measure_gap(&self.pressure, &self.displacement, self.contact.heights);
     }
 
-    /// Computes d = project(p - t g) - p.
+    /// Computes the direction d = project(p - t g) - p from the gap g with the step length t.
     fn find_direction(&mut self) {
         let Self { contact, load, pressure, displacement, direction, level, step_length, .. } = self;
         for (((d, p), u), h) in direction.iter_mut().zip(&*pressure).zip(&*displacement).zip(contact.heights.iter()) {
@@ -108,7 +108,8 @@ impl State<'_> {
         true
     }
 
-    /// Sets t = d.d / d.Kd, or the smallest recent d.Kd / Kd.Kd if the latest is far smaller than the former.
+    /// Sets the step length to d.d / d.Kd. If the latest short length, d.Kd / Kd.Kd with the mean of K d removed, is
+    /// below [`SHORT_STEP_SHARE`] of this, sets the smallest recent short length instead.
     fn update_step_length(&mut self, sums: &Sums) {
         let long = sums.d_d / sums.d_kd;
         let short = sums.d_kd / (sums.kd_kd - sums.kd * sums.kd / sums.moved);
@@ -127,15 +128,17 @@ fn push_recent(values: &mut VecDeque<f64>, value: f64, memory: usize) {
     values.truncate(memory);
 }
 
-/// Scalar products of a direction d and its image K d.
+/// Scalar products of a direction d, its image K d and the gap.
 #[derive(Default)]
 struct Sums {
     slope: f64,
     d_d: f64,
     d_kd: f64,
-    /// Square, sum and number of points of K d where d is not zero.
+    /// Scalar product of K d with itself over the points where d is not zero.
     kd_kd: f64,
+    /// Sum of K d over these points.
     kd: f64,
+    /// Number of points where d is not zero.
     moved: f64,
 }
 
@@ -152,8 +155,8 @@ impl Sums {
     }
 }
 
-/// Replaces `values` by the nearest nonnegative values with the sum `load` > 0, max(v + c, 0). Returns c; the search
-/// begins at `start`.
+/// Replaces the values v by the nearest nonnegative values with the sum `load` > 0, which are max(v + c, 0). Returns c;
+/// the search for c begins at `start`.
 fn project(values: &mut [f64], load: f64, start: f64) -> f64 {
     let highest = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let mut level = start;
@@ -181,7 +184,7 @@ fn project(values: &mut [f64], load: f64, start: f64) -> f64 {
 }
 
 /// Solves for the normalized mean pressure `nominal` > 0. The counts of iterations and of Fourier pairs continue from
-/// those that conjugate gradients spent.
+/// those that conjugate gradients spent; the four fields are buffers as long as the map.
 pub(crate) fn minimize(
     contact: &RoughContact<'_>,
     nominal: f64,

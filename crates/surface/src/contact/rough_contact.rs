@@ -56,16 +56,18 @@ pub struct ContactState {
     pub convergence: Convergence,
 }
 
-/// Moduli for which nothing overflows, in pascals.
+/// Contact moduli for which nothing overflows, in pascals.
 const MODULUS_RANGE_PA: std::ops::RangeInclusive<f64> = 1e-3..=1e15;
+/// Nominal pressures for which nothing overflows, in pascals.
 const PRESSURE_RANGE_PA: std::ops::RangeInclusive<f64> = 0.0..=1e15;
 
-/// Heights of a map in units of their rms, mean 0; computed where they are read, so that no second map is kept.
+/// Heights of a map in units of their rms, with mean 0. They are computed on each read, so that no second map is
+/// stored.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Heights<'m> {
     heights_m: &'m [f64],
     mean_m: f64,
-    /// Sq; infinite for a flat map, whose heights are all 0.
+    /// Root mean square height Sq, in metres; infinite for a flat map, whose normalized heights are all 0.
     unit_m: f64,
 }
 
@@ -102,33 +104,34 @@ impl<'m> Heights<'m> {
 /// Contact problem of a rough elastic half-space against a rigid plane, normalized.
 ///
 /// Heights are in units of Sq and pressures in units of E* Sq q1/2, where q1 is the smallest wave number of the map.
-/// Therefore A(P; s h) = A(P/s; h) holds to rounding: one curve of the normalized map serves every Sa and E*.
+/// Therefore the area fraction A at the pressure P obeys A(P; s h) = A(P/s; h) to rounding if the heights h are scaled
+/// by s: one curve of the normalized map serves every Sa and E*.
 ///
-/// Beside the map it takes 2 bytes a pixel, and each running solve 29, or 41 where a side is not a power of two: few
-/// fields are kept that a transform can give back.
+/// Beside the map this takes 2 bytes per pixel, and each running solve 29, or 41 if a side is not a power of two:
+/// fields that a transform can recompute are mostly not stored.
 #[derive(Clone, Debug)]
 pub struct RoughContact<'m> {
     pub(crate) cols: usize,
     pub(crate) fourier: Fourier,
     pub(crate) fourier_single: Fourier<f32>,
     waves: Waves,
-    /// Multiplier of u = K p: q1/q for each wave, 0 for the mean.
+    /// Multiplier of u = K p: q1/q for each wave number q, 0 for the mean.
     pub(crate) compliance_single: Multiplier<f32>,
-    /// Cheap approximation of the compliance on two grids.
+    /// Cheap approximation of the compliance K on two grids.
     pub(crate) compliance_two_grids: TwoGrids,
-    /// Approximate inverse of K on free points, from q/q1 for each wave and 1/2 for the mean.
+    /// Approximate inverse of the compliance K on free points, from q/q1 for each wave and 1/2 for the mean.
     pub(crate) preconditioner: Preconditioner,
     pub(crate) heights: Heights<'m>,
     height_unit_m: f64,
     pressure_unit_pa: f64,
-    /// Normalized pressure of full contact p*.
+    /// Normalized pressure p* of full contact.
     full_contact_pressure: f64,
 }
 
-/// Factors of waves with k periods along x and l along y.
+/// Stiffness and compliance of waves with k periods along x and l along y, in normalized units.
 #[derive(Clone, Copy, Debug)]
 struct Waves {
-    /// First wave number along x and along y over q1.
+    /// Smallest wave numbers along x and along y, in units of q1, the smaller one.
     first: [f64; 2],
 }
 
@@ -138,13 +141,13 @@ impl Waves {
         (qx * qx + qy * qy).sqrt()
     }
 
-    /// p_q = E* q/2 u_q. The mean displacement of a half-space is arbitrary; its stiffness is set to half that of the
-    /// first wave.
+    /// Stiffness q/q1 of a wave, from p_q = (E* q/2) u_q. The mean displacement of a half-space is arbitrary; its
+    /// stiffness is set to half that of the first wave.
     fn stiffness(self, k: usize, l: usize) -> f64 {
         if k == 0 && l == 0 { 0.5 } else { self.wave_number(k, l) }
     }
 
-    /// u_q = 2/(E* q) p_q, which in normalized units is q1/q.
+    /// Compliance q1/q of a wave, from u_q = 2/(E* q) p_q; 0 for the mean.
     fn compliance(self, k: usize, l: usize) -> f64 {
         if k == 0 && l == 0 { 0.0 } else { 1.0 / self.wave_number(k, l) }
     }
@@ -196,18 +199,19 @@ impl<'m> RoughContact<'m> {
         Ok(contact)
     }
 
-    /// u = K p
+    /// Computes the displacement u = K p, in normalized units.
     pub(crate) fn displace(&self, pressure: &[f64], displacement: &mut [f64], work: &mut FourierWork<'_>) {
         self.fourier.filter_unstored(pressure, |k, l| self.waves.compliance(k, l), displacement, work);
     }
 
-    /// Computes the pressure that flattens the surface, minus its mean; `height` is overwritten.
+    /// Writes to `flattening` the deviation from the mean of the pressure that flattens the surface, in units of
+    /// `pressure_unit_pa`; `height` is work space.
     pub(crate) fn flatten(&self, height: &mut [f64], flattening: &mut [f64], work: &mut FourierWork<'_>) {
         height.iter_mut().zip(self.heights.iter()).for_each(|(height, h)| *height = h);
         self.fourier.filter_unstored(height, |k, l| self.waves.stiffness(k, l), flattening, work);
     }
 
-    /// p*, the pressure from which all of the map is in contact, in pascals.
+    /// Pressure p* from which all of the map is in contact, in pascals.
     pub fn full_contact_pressure_pa(&self) -> f64 {
         self.full_contact_pressure * self.pressure_unit_pa
     }
@@ -294,7 +298,7 @@ impl<'m> RoughContact<'m> {
         })
     }
 
-    /// Returns the area of a solution and its estimated error.
+    /// Returns the contact area of a solution and the estimated error of its fractions.
     pub(crate) fn area(&self, outcome: &Outcome) -> (ContactArea, f64) {
         let area = contact_area(&outcome.pressure, self.cols);
         // Without an earlier state the whole area counts as uncertain.
@@ -304,7 +308,7 @@ impl<'m> RoughContact<'m> {
     }
 }
 
-/// Checks the pressure and the tolerance of a solve.
+/// Checks that the pressure and the tolerance of a solve lie in their ranges.
 pub(crate) fn check(pressure_pa: f64, options: &SolveOptions) -> Result<(), ContactError> {
     require_within("pressure", pressure_pa, PRESSURE_RANGE_PA, "a pressure from 0 to 1e15 Pa")?;
     require_within("tolerance", options.tolerance, 1e-15..=1.0, "a number from 1e-15 to 1")?;

@@ -1,6 +1,7 @@
 //! Projected, preconditioned conjugate gradients.
 //!
-//! The contact problem of an elastic half-space on a rigid plane is a quadratic program,
+//! The contact problem of an elastic half-space on a rigid plane is a quadratic program for the pressures p, with the
+//! compliance K and the heights h,
 //!
 //! ```text
 //! minimize  p.Kp/2 - p.h   over  p >= 0,  mean p = P
@@ -44,13 +45,13 @@ use crate::contact::rough_contact::{Convergence, RoughContact, SolveOptions};
 use crate::contact::two_grids::TwoGridsWork;
 use crate::contact::{Monitor, kernels, projected_gradient};
 
-/// Normalized solution.
+/// Solution, in the normalized units of [`RoughContact`].
 pub(crate) struct Outcome {
     pub(crate) pressure: Vec<f64>,
-    /// u = K p
+    /// Displacement u = K p.
     pub(crate) displacement: Vec<f64>,
     pub(crate) convergence: Convergence,
-    /// Area when the residual first fell below [`AREA_DECADE`] times the tolerance.
+    /// Contact area when the residual first fell to [`AREA_DECADE`] times the tolerance.
     pub(crate) area_before: Option<ContactArea>,
 }
 
@@ -82,31 +83,36 @@ fn zeros<T: Copy + Default>(pool: &mut Vec<Vec<T>>, points: usize) -> Vec<T> {
 
 /// Ratio of residual to tolerance at which the area is recorded, for the estimate of its error.
 pub(crate) const AREA_DECADE: f64 = 10.0;
-/// Load over the sum of pressures below which pressures are scaled instead of lowered.
+/// Load over the sum of pressures below which pressures are scaled instead of lowered, because lowering would lose the
+/// load to rounding.
 const MIN_LOAD_SHARE: f64 = 1e-9;
-/// Relative load error that a step may leave to the next step.
+/// Relative error of the load that a step may leave to the next step.
 const NEGLIGIBLE_SHARE: f64 = 1e-2;
-/// A step is undone in part if less than this share of it would have been best.
+/// A step is shortened afterwards if less than this share of it would have given the least energy.
 const OVERSHOOT_SHARE: f64 = 0.5;
-/// Maximum of Newton steps for the level of the initial pressures; a dozen are needed.
+/// Maximum number of Newton steps for the level c of the initial pressures max(c + f, 0); a dozen are needed.
 const MAX_LEVEL_STEPS: usize = 50;
-/// The level is found first on every 16th group of points, which is cheaper.
+/// The level of the initial pressures is first found on every 16th group of eight points, which is cheaper.
 const SAMPLED_EVERY: usize = 16;
-/// Relative load error at which the search for the level ends; scaling removes the rest.
+/// Newton step of the level of the initial pressures, over the nominal pressure, at which the search ends; scaling
+/// removes the remaining error of the load.
 const NEGLIGIBLE_LOAD_ERROR: f64 = 1e-3;
 
-/// Growth of the residual in one iteration that restarts the directions.
+/// Factor by which the residual must grow in one iteration to restart the search directions.
 const RESTART_GROWTH: f64 = 2.0;
-/// Residual at which the gap is first recomputed in double precision: single precision rounds it by a few 1e-7.
+/// Residual at which the gap is first recomputed in double precision: single precision rounds the gap by a few 1e-7.
 const FIRST_REFRESH: f64 = 1e-5;
-/// The gap is recomputed again when the residual has fallen by this factor since the last time.
+/// Fraction of the residual at the last recomputation to which the residual must fall before the gap is recomputed
+/// again.
 const NEXT_REFRESH: f64 = 1e-5;
 
 /// Number of iterations within which the residual must halve. In solves that converge it halves within 12 iterations,
-/// in one of 500 within 56. An iteration of `projected_gradient` costs about as much.
+/// in one of 500 such solves within 56. An iteration of `projected_gradient` costs about as much as one of conjugate
+/// gradients.
 const MAX_STALLED_ITERATIONS: usize = 30;
 
-/// Residual |sum (g - min g) p| / (sum p Sq), Sq = 1, plus the relative error of the load.
+/// Residual of a state: |sum (g - min g) p| / (`load` Sq) with gap g, pressures p and Sq = 1, plus the relative error
+/// of `sum`, the sum of the pressures.
 pub(crate) fn relative_error(gap: &GapStatistics, sum: f64, load: f64) -> f64 {
     ((gap.work - gap.lowest * sum) / load).abs() + (sum / load - 1.0).abs()
 }
@@ -136,39 +142,41 @@ pub(crate) fn lower_to_mean(fluctuation: &[f64], nominal: f64, pressure: &mut [f
     pressure.iter_mut().for_each(|pressure| *pressure *= scale);
 }
 
-/// Iteration state; every field is as long as the map.
+/// State of the iteration; every vector is as long as the map.
 struct State<'a> {
     contact: &'a RoughContact<'a>,
     work: FourierWork<'a>,
     work_single: FourierWork<'a, f32>,
     two_grids_work: TwoGridsWork,
     fourier_pairs: usize,
-    /// Required sum of p.
+    /// Required sum of the pressures.
     load: f64,
-    /// p
+    /// Pressures p.
     pressure: Vec<f64>,
-    /// Sum of p, its change in the last step, and the number of points with positive pressure.
+    /// Sum of the pressures.
     sum: f64,
+    /// Change of `sum` in the last step.
     sum_change: f64,
+    /// Number of points with positive pressure.
     positive_count: f64,
     shared: Shared,
     /// True if the gap was computed from K p in double precision.
     is_exact: bool,
-    /// g, up to the constant `gap_statistics.shift`.
+    /// Gap g, plus the constant `gap_statistics.shift`.
     gap: Vec<f32>,
     gap_statistics: GapStatistics,
-    /// r: the gap on free points, 0 elsewhere. The residual of a free point is never 0.
+    /// Residual r: the gap on free points, 0 elsewhere. The residual of a free point is never 0.
     residual: Vec<f32>,
     direction: Vec<f32>,
 }
 
-/// Memory of one number in double precision a point: u = K p from `refresh` until the next iteration begins; then two
-/// fields in single precision. A solve that converges returns u before another iteration begins.
+/// Memory of one double-precision number per point. It holds u = K p from `refresh` until the next iteration begins,
+/// then two single-precision fields. A solve that converges returns u before another iteration begins.
 struct Shared(Vec<f64>);
 
 impl Shared {
-    /// `change` and `image`: z before masking and the new residual while directions are preconditioned; later c, the
-    /// change of the pressures, and K c.
+    /// Two single-precision fields: z before masking and the new residual while directions are preconditioned; later
+    /// the change c of the pressures and K c.
     fn change_and_image(&mut self) -> [&mut [f32]; 2] {
         let points = self.0.len();
         let (change, image) = bytemuck::cast_slice_mut(&mut self.0).split_at_mut(points);
@@ -213,7 +221,7 @@ impl<'a> State<'a> {
         state
     }
 
-    /// Computes g = g + K c after the pressures have changed by c.
+    /// Updates the gap, g = g + K c, after the pressures have changed by c.
     fn apply_compliance(&mut self) {
         let Self { contact, shared, work_single, .. } = self;
         let [change, image] = shared.change_and_image();
@@ -222,14 +230,15 @@ impl<'a> State<'a> {
         self.update_gap(1.0);
     }
 
-    /// Computes g = g + `share` K c, minus the previous mean.
+    /// Updates the gap, g = g + `share` K c, and subtracts the previous mean gap under pressure.
     fn update_gap(&mut self, share: f64) {
         let Self { gap, shared, pressure, gap_statistics, .. } = self;
         let [_, image] = shared.change_and_image();
         *gap_statistics = kernels::update_gap(gap, image, pressure, gap_statistics.shift, share);
     }
 
-    /// Computes u = K p and g = u - h minus its mean under pressure, in double precision until g is rounded.
+    /// Computes the displacement u = K p, and the gap g = u - h minus its mean under pressure, in double precision
+    /// until g is rounded.
     fn refresh(&mut self) {
         let Self { contact, pressure, shared: Shared(displacement), work, gap, .. } = self;
         contact.displace(pressure, displacement, work);
@@ -244,7 +253,7 @@ impl<'a> State<'a> {
         relative_error(&self.gap_statistics, self.sum, self.load)
     }
 
-    /// Computes r on free points and z = K^-1 r, approximately.
+    /// Computes the residual r on free points and the approximation z of K^-1 r; returns their scalar products.
     fn precondition(&mut self) -> ResidualProducts {
         let Self { contact, pressure, gap, gap_statistics, residual: before, shared, two_grids_work, .. } = self;
         let [preconditioned, residual] = shared.change_and_image();
@@ -265,7 +274,8 @@ impl<'a> State<'a> {
         sums.products()
     }
 
-    /// Computes d = -z + beta d.
+    /// Updates the search direction, d = -(z - `mean`) + `beta` d on free points; returns slope and curvature of the
+    /// energy along it.
     fn update_direction(&mut self, mean: f64, beta: f64) -> Direction {
         let Self { contact, shared, residual, direction, two_grids_work, .. } = self;
         let [preconditioned, _] = shared.change_and_image();
@@ -277,8 +287,8 @@ impl<'a> State<'a> {
         Direction { slope, curvature }
     }
 
-    /// Takes a step: p + step d without negative pressures, with the load restored, and the gap. Returns false if the
-    /// load is not finite.
+    /// Takes the step p + `step` d, sets negative pressures to zero, restores the load and updates the gap. Returns
+    /// false if the sum of the pressures is not a positive finite number.
     fn advance(&mut self, step: f64) -> bool {
         let excess = (self.sum - self.load) / self.positive_count;
         let Self { load, pressure, direction, shared, .. } = self;
@@ -303,8 +313,8 @@ impl<'a> State<'a> {
         true
     }
 
-    /// Goes back to the least energy along the last change of the pressures if that is far from the current state.
-    /// Returns whether it did.
+    /// Goes back to the state of least energy along the last change of the pressures, if this state lies before the
+    /// fraction [`OVERSHOOT_SHARE`] of the change. Returns whether it did.
     fn line_search_back(&mut self) -> bool {
         // E(s) = E(1) - (1 - s) g.c + (1 - s)^2 c.Kc/2
         let [change, image] = self.shared.change_and_image();
@@ -322,9 +332,9 @@ impl<'a> State<'a> {
 
 /// Slope and curvature of the energy along the direction.
 struct Direction {
-    /// r . d
+    /// Slope r . d, with the residual r and the direction d.
     slope: f64,
-    /// d . K d, approximately
+    /// Curvature d . K d, approximately.
     curvature: f64,
 }
 
@@ -334,7 +344,7 @@ enum Ending {
     NoProgress,
 }
 
-/// Solves for the normalized mean pressure `nominal` > 0.
+/// Solves for the normalized mean pressure `nominal` > 0; if conjugate gradients stall, by projected gradients.
 pub(crate) fn minimize(
     contact: &RoughContact<'_>,
     nominal: f64,

@@ -32,7 +32,8 @@ struct Stencil {
 }
 
 impl Stencil {
-    /// Values of the kernel whose transform is `stiffness`: (1/N) sum of stiffness cos(q x).
+    /// Returns the stencil that has the values of a kernel at a point and its neighbours; the Fourier transform of the
+    /// kernel is `stiffness`, and its values are (1/N) sum of stiffness cos(q x) over N waves.
     fn from_kernel(rows: &Side, cols: &Side, stiffness: impl Fn(usize, usize) -> f64) -> Self {
         let [mut centre, mut next_row, mut next_column, mut corner] = [0.0; 4];
         let row_cosines: Vec<f64> = (0..=rows.points / 2).map(|k| rows.neighbour_cosine(k)).collect();
@@ -59,15 +60,16 @@ impl Stencil {
         }
     }
 
-    /// Fits a stencil whose transform is bilinear in the cosines of the two sides and equals `factor` at a quarter and
-    /// at half of the waves.
+    /// Fits a stencil whose transform is bilinear in the cosines of the two sides and equals `factor` at n/4 and n/2
+    /// periods along sides of n points.
     fn from_short_waves(rows: &Side, cols: &Side, factor: impl Fn(usize, usize) -> f64) -> Self {
         let along = |part: usize| rows.fit_line(|k| cols.fit_line(|l| factor(k, l))[part]);
         let ([centre, by_row], [by_column, by_both]) = (along(0), along(1));
         Self { centre, next_row: by_row / 2.0, next_column: by_column / 2.0, corner: by_both / 4.0 }
     }
 
-    /// Transform of the stencil for a wave with the neighbour cosines `cos_x` and `cos_y`.
+    /// Fourier transform of the stencil at a wave; `cos_x` and `cos_y` are [`Side::neighbour_cosine`], cos(2 pi k/n),
+    /// along both sides.
     fn factor(&self, cos_x: f64, cos_y: f64) -> f64 {
         let neighbours = 2.0 * (self.next_row * cos_x + self.next_column * cos_y);
         self.centre + neighbours + 4.0 * self.corner * cos_x * cos_y
@@ -94,7 +96,8 @@ pub(crate) enum Near {
     ShortWaves,
 }
 
-/// The approximation A = N + B^T C B for maps of one size.
+/// Approximation N + B^T C B of a convolution A on maps of one size: a stencil N, sums B over blocks, and a convolution
+/// C on the coarse grid of the blocks.
 #[derive(Clone, Debug)]
 pub(crate) struct TwoGrids {
     rows: Side,
@@ -115,8 +118,9 @@ pub(crate) struct TwoGridsWork {
     expanded: Vec<f32>,
     /// Sum of the rows before and after the current row.
     neighbours: Vec<f32>,
-    /// First row, and the row before the current one, saved because `apply` overwrites its input.
+    /// First map row, saved because `apply` overwrites its input.
     first: Vec<f32>,
+    /// Map row before the current one, saved for the same reason.
     before: Vec<f32>,
     /// Result rows of one row of blocks.
     result: Vec<f32>,
@@ -128,7 +132,7 @@ impl TwoGrids {
     pub(crate) fn new(rows: usize, cols: usize, near: Near, factor: impl Fn(usize, usize) -> f64) -> Self {
         let (rows, cols) = (Side::new(rows), Side::new(cols));
         let coarse = Fourier::new(rows.blocks, cols.blocks);
-        // B B^T is the identity divided by this.
+        // B B^T is the identity divided by this number.
         let blocks_per_point = 1.0 / (rows.block * cols.block) as f64;
         let rest = |stencil: Stencil, k: usize, l: usize| {
             (factor(k, l) - stencil.factor(rows.neighbour_cosine(k), cols.neighbour_cosine(l))) * blocks_per_point
@@ -163,19 +167,19 @@ impl TwoGrids {
         }
     }
 
-    /// Value of the kernel at its centre.
+    /// Weight of the point itself in the stencil: for [`Near::Kernel`], the value of the kernel at its centre.
     pub(crate) fn centre(&self) -> f64 {
         self.stencil.centre
     }
 
-    /// Points in the rows of block row `n`.
+    /// Indices of the points in block row `n`.
     fn block_points(&self, n: usize) -> Range<usize> {
         let rows = self.rows.block_points(n);
         rows.start * self.cols.points..rows.end * self.cols.points
     }
 
-    /// Computes the block sums of `values`, which [`Self::apply`] needs, after `fill` has written one range of points
-    /// after the other.
+    /// Fills `values` by calls of `fill` for one range of points after the other, and computes the block sums that
+    /// [`Self::apply`] needs.
     pub(crate) fn gather(
         &self,
         values: &mut [f32],
@@ -192,9 +196,9 @@ impl TwoGrids {
 
     /// Computes A `values`, one row of blocks after the other.
     ///
-    /// `update` receives the range of points, A `values` there, and `values` there, and may overwrite both. The block
-    /// sums of the former are kept for the next call. Requires the block sums of `values` from [`Self::gather`] or from
-    /// the previous call.
+    /// `update` receives a range of points, the values of A `values` there, and those of `values`, and may overwrite
+    /// both. The block sums of A `values`, as overwritten, are kept for the next call. Requires the block sums of
+    /// `values` from [`Self::gather`] or from the previous call.
     pub(crate) fn apply(
         &self,
         values: &mut [f32],
@@ -223,7 +227,8 @@ impl TwoGrids {
         }
     }
 
-    /// Computes `values` . A `values`, after `fill` has written one range of points after the other.
+    /// Fills `values` by calls of `fill` for one range of points after the other, and returns the scalar product of
+    /// `values` and A `values`.
     pub(crate) fn energy(
         &self,
         values: &mut [f32],
@@ -232,7 +237,7 @@ impl TwoGrids {
     ) -> f64 {
         let Self { rows, cols, stencil, coarse, remainder } = self;
         let mut energy = 0.0;
-        // Each row with itself and twice with the row before it; by symmetry the row after counts there.
+        // Each row counts with itself and twice with the row before it; by symmetry this includes the row after it.
         let mut near_energy = |row: &[f32], before: &[f32], work: &mut TwoGridsWork| {
             let TwoGridsWork { expanded, neighbours, result, .. } = work;
             sum_rows(neighbours, before, before);
@@ -266,7 +271,7 @@ fn sum_rows(sums: &mut [f32], before: &[f32], after: &[f32]) {
     }
 }
 
-/// Computes one row of N x + `added`, where `neighbours` is the sum of the rows before and after it.
+/// Computes one row of N x + `added` for the stencil N; `neighbours` is the sum of the rows before and after `row`.
 #[multiversion(targets("x86_64+avx512f", "x86_64+avx2"))]
 fn apply_stencil(output: &mut [f32], row: &[f32], neighbours: &[f32], added: &[f32], stencil: Stencil) {
     let [centre, next_row, next_column, corner] =

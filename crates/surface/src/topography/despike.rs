@@ -18,14 +18,15 @@ use slipgrid_base::statistics::upper_median;
 /// Ratio of the standard deviation of a normal distribution to the median of its absolute values.
 pub(crate) const ROBUST_DEVIATION: f64 = 1.4826;
 
-/// Largest number of points, spread evenly over the map, that are compared with their medians to find T: enough for an
-/// error of 1 % in T.
+/// Largest number of points, spread evenly over the map, that are compared with their medians to find the threshold T:
+/// enough for an error of 1 % in T.
 const MAX_SAMPLED: usize = 1 << 14;
-/// Fewest differences from which T is found.
+/// Fewest differences of heights from their medians from which the threshold T is found.
 const MIN_SAMPLED: usize = 64;
-/// Differences below this fraction of the range of heights are rounding errors.
+/// Fraction of the range of heights up to which differences count as rounding errors.
 const ROUNDING: f64 = 1e-9;
-/// If most differences vanish, T is found from the others if they are more than this fraction.
+/// If most differences vanish, the threshold T is found from the others, provided that they are more than this
+/// fraction.
 const MIN_UNEQUAL_SHARE: f64 = 0.01;
 /// Points between two checks for cancellation.
 const CANCEL_CHECK_INTERVAL: usize = 1 << 12;
@@ -39,11 +40,11 @@ const MAX_DESCRIBED: usize = 3;
 pub struct Spike {
     /// Row of the cluster's point farthest from the median of its surroundings.
     pub row: usize,
-    /// Column of that point.
+    /// Column of the cluster's point farthest from the median of its surroundings.
     pub col: usize,
     /// Number of points in the cluster.
     pub points: usize,
-    /// Height of that point above the median of its surroundings (negative if below), in metres.
+    /// Height of the farthest point above the median of its surroundings (negative if below), in metres.
     pub height_m: f64,
 }
 
@@ -79,7 +80,8 @@ impl fmt::Display for Spikes {
             count_with_noun(self.points(), "point"),
             count_with_noun(self.list.len(), "place"),
             if self.points() == 1 { "s" } else { "" },
-            // Files list rows along x, this module columns: the indices are exchanged to match the file.
+            // A row of a file runs along x, as a column does in this module: the indices are exchanged to match the
+            // file.
             extent(|spike| spike.col),
             extent(|spike| spike.row)
         )?;
@@ -142,7 +144,7 @@ impl HeightMap {
         }
     }
 
-    /// Median of the points present around `node`; NaN if there are none.
+    /// Median of the points present in the 5 x 5 square around `node`, without `node` itself; NaN if there are none.
     fn median_about(&self, node: usize) -> f64 {
         let mut around = Vec::with_capacity((2 * SPIKE_REACH + 1).pow(2));
         self.for_each_neighbour(node, SPIKE_REACH, |other| {
@@ -192,7 +194,7 @@ impl HeightMap {
         present > MIN_SPIKE_NEIGHBOURS && 2 * below.max(above) > present - 1
     }
 
-    /// Clusters of suspects of the current map that are spikes.
+    /// Clusters of suspect points in the current map that are spikes.
     fn spike_clusters(&self, threshold_m: f64, monitor: &dyn Monitor) -> Result<Vec<Cluster>, Cancelled> {
         let heights = self.heights_m();
         let mut suspects: Vec<usize> = Vec::new();
@@ -229,7 +231,7 @@ impl HeightMap {
         Ok(clusters)
     }
 
-    /// `nodes` as a cluster, if it is a spike.
+    /// Returns the cluster of the points `nodes` if it is a spike.
     fn spike(&self, nodes: Vec<usize>, threshold_m: f64) -> Option<Cluster> {
         if nodes.len() > MAX_SPIKE_POINTS {
             return None;
@@ -255,7 +257,8 @@ impl HeightMap {
     }
 }
 
-/// T from the `differences` of heights from their medians; those up to `rounding_m` are taken as rounding errors.
+/// Threshold T from the `differences` of heights from their medians, in metres; differences up to `rounding_m` are
+/// taken as rounding errors. `None` if there are too few differences.
 fn threshold_m(differences: &mut [f64], rounding_m: f64) -> Option<f64> {
     if differences.len() < MIN_SAMPLED {
         return None;

@@ -58,7 +58,7 @@ pub enum MapError {
     /// The points present do not determine the form to be removed.
     #[error("the {points} heights present do not determine a {form}: expected more, spread over the map")]
     FormUndetermined {
-        /// The form.
+        /// Name of the form.
         form: &'static str,
         /// Points present.
         points: usize,
@@ -113,9 +113,9 @@ pub enum MapOption {
 pub struct NotGiven {
     /// Name of the quantity.
     pub what: &'static str,
-    /// Way to supply it.
+    /// Way to supply the quantity.
     pub expected: &'static str,
-    /// Option that supplies it.
+    /// Option that supplies the quantity.
     pub option: MapOption,
 }
 
@@ -181,7 +181,7 @@ pub enum ReadError {
         value: String,
         /// Text accepted.
         expected: &'static str,
-        /// The other quantities missing.
+        /// Needed quantities that the file lacks.
         missing: Vec<NotGiven>,
     },
     /// A matrix whose sides and counts give elongated pixels, mostly because rows are missing.
@@ -231,7 +231,7 @@ pub enum ReadError {
 }
 
 impl ReadError {
-    /// A source that could not be read at `line`.
+    /// Error for a source that could not be read at `line`.
     pub(crate) fn source(line: usize, error: &std::io::Error) -> Self {
         Self::Refused(format!("line {line}: reading failed: {error}"))
     }
@@ -257,7 +257,7 @@ pub(crate) fn plain(value: f64) -> String {
     }
 }
 
-/// A length in micrometres, to six digits.
+/// Formats a length in micrometres, to six digits.
 fn um(length_m: f64) -> String {
     significant(length_m * 1e6, 6)
 }

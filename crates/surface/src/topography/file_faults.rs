@@ -5,7 +5,7 @@ use crate::topography::error::significant;
 use crate::topography::{HeightMap, MapDoubt, MapWarning, limits};
 
 impl HeightMap {
-    /// Warning on implausible pixel sides.
+    /// Warning on implausible pixel sides; `None` if they are plausible.
     pub fn pixel_warning(&self) -> Option<MapWarning> {
         let pixel_m @ [x_m, y_m] = [self.dx_m(), self.dy_m()];
         let [least, most] = limits::WARNED_PIXEL_M;

@@ -31,7 +31,7 @@ impl Form {
         }
     }
 
-    /// Number of terms; a form uses the first ones of [`terms`].
+    /// Number of terms of the form, which are the first ones of [`terms`].
     const fn count(self) -> usize {
         match self {
             Self::Mean => 1,
@@ -41,7 +41,7 @@ impl Form {
     }
 }
 
-/// Terms of the largest form.
+/// Number of terms of the largest form.
 const TERMS: usize = 6;
 /// A pivot of the normal equations below this fraction of its diagonal element means that the points do not determine
 /// the form.
@@ -54,24 +54,25 @@ pub(crate) struct FittedForm {
     count: usize,
 }
 
-/// Legendre polynomials: nearly orthogonal over a full map, which keeps the equations well conditioned.
+/// Legendre polynomials of the coordinates u along x and v along y: nearly orthogonal over a full map, which keeps the
+/// equations well conditioned.
 fn terms(u: f64, v: f64) -> [f64; TERMS] {
     [1.0, u, v, 0.5 * (3.0 * u * u - 1.0), u * v, 0.5 * (3.0 * v * v - 1.0)]
 }
 
-/// Coordinate of line `index` of `count`, from -1 to 1.
+/// Coordinate of row or column `index` out of `count`, from -1 to 1.
 fn place(index: usize, count: usize) -> f64 {
     2.0 * index as f64 / (count - 1) as f64 - 1.0
 }
 
 impl FittedForm {
-    /// Height of the form at row `i` and column `j` of `map`.
+    /// Height of the form at row i and column j of `map`, in metres.
     fn height_m(&self, [i, j]: [usize; 2], map: &HeightMap) -> f64 {
         let (u, v) = (place(i, map.rows()), place(j, map.cols()));
         terms(u, v)[..self.count].iter().zip(&self.coefficient).map(|(term, factor)| term * factor).sum()
     }
 
-    /// Heights of the form at all points of `map`; ends once `monitor` cancels.
+    /// Heights of the form at all points of `map`, in metres; ends once `monitor` cancels.
     fn heights_m(&self, map: &HeightMap, monitor: &dyn Monitor) -> Result<Vec<f64>, MapError> {
         let mut heights_m = Vec::with_capacity(map.heights_m().len());
         for i in 0..map.rows() {
@@ -81,7 +82,7 @@ impl FittedForm {
         Ok(heights_m)
     }
 
-    /// Heights of `map` minus the form; ends once `monitor` cancels.
+    /// Heights of `map` minus the form, in metres; ends once `monitor` cancels.
     pub(crate) fn above_m(&self, map: &HeightMap, monitor: &dyn Monitor) -> Result<Vec<f64>, MapError> {
         let mut above_m = self.heights_m(map, monitor)?;
         for (above, height) in above_m.iter_mut().zip(map.heights_m()) {

@@ -36,7 +36,7 @@ pub struct Fourier<T: FftNum = f64> {
     row_inverse: Arc<dyn ComplexToReal<T>>,
     column_forward: Arc<dyn Fft<T>>,
     column_inverse: Arc<dyn Fft<T>>,
-    /// Filters for sides that are powers of two.
+    /// Filter for large sides that are powers of two; `None` for other sides.
     convolution: Option<Arc<Convolution<T>>>,
 }
 
@@ -56,7 +56,7 @@ pub struct FourierWork<'m, T = f64> {
     /// One real row.
     row: Vec<T>,
     scratch: Vec<Complex<T>>,
-    /// A few columns of a convolution.
+    /// Scratch space for a few columns of a convolution.
     columns: Vec<T>,
     monitor: &'m dyn Monitor,
 }
@@ -70,13 +70,13 @@ pub struct Multiplier<T = f64> {
     factor: Vec<T>,
 }
 
-/// Rounds `value`, which never fails.
+/// Rounds `value` to the precision of `T`.
 fn rounded<T: FftNum>(value: f64) -> T {
     T::from_f64(value).unwrap_or_else(T::zero)
 }
 
 impl<T: Precision> Fourier<T> {
-    /// Transforms for maps of `rows` x `cols`, both at least 1.
+    /// Prepares transforms for maps of `rows` x `cols` points; a side of 0 counts as 1.
     pub fn new(rows: usize, cols: usize) -> Self {
         let (rows, cols) = (rows.max(1), cols.max(1));
         let (real, complex) = (T::real_plans(cols), T::complex_plans(rows));
@@ -91,12 +91,12 @@ impl<T: Precision> Fourier<T> {
         }
     }
 
-    /// Columns of the half spectrum.
+    /// Number of columns of the half spectrum.
     fn columns(&self) -> usize {
         self.cols / 2 + 1
     }
 
-    /// Distance between columns of the half spectrum in memory.
+    /// Distance between columns of the half spectrum in memory, in complex numbers.
     fn stride(&self) -> usize {
         self.rows + COLUMN_PADDING
     }
@@ -111,7 +111,7 @@ impl<T: Precision> Fourier<T> {
         self.work_watched(&Unwatched)
     }
 
-    /// Buffers for one running filter that ends once `monitor` cancels; its output is then undefined.
+    /// Buffers for one running filter that ends once `monitor` cancels; the filter's output is then undefined.
     pub fn work_watched<'m>(&self, monitor: &'m dyn Monitor) -> FourierWork<'m, T> {
         let Some(convolution) = &self.convolution else { return self.transform_work(monitor) };
         let columns = vec![T::zero(); convolution.scratch_len()];
@@ -279,7 +279,7 @@ impl<T: Precision> Fourier<T> {
 
 impl Fourier {
     /// Computes sum over all waves except the mean of weight(|q|) |h_q|^2, with the Fourier coefficient h_q = (1/N) sum
-    /// h exp(-i q x) and q in rad/m on pixels of `dx_m` x `dy_m`.
+    /// h exp(-i q x) over N points and q in rad/m on pixels with the sides `pixel_m` along x and y.
     ///
     /// # Errors
     /// [`Cancelled`] once `monitor` cancels.
@@ -296,8 +296,9 @@ impl Fourier {
         Ok(sum / (points * points))
     }
 
-    /// Calls `visit(|q|, twins, |sum h exp(-i q x)|^2)` for every wave except the mean. Of a wave and its mirror image
-    /// only one is visited, with `twins` = 2.
+    /// Calls `visit(|q|, twins, |sum h exp(-i q x)|^2)` for every wave except the mean, with q in rad/m on pixels of
+    /// `dx_m` x `dy_m`. Of a wave and its mirror image (-k, -l) one is visited, with `twins` = 2; if l is 0 or the
+    /// Nyquist wave, both are, with `twins` = 1.
     pub(crate) fn visit_waves(
         &self,
         input: &[f64],
@@ -322,8 +323,7 @@ impl Fourier {
         Ok(())
     }
 
-    /// Autocorrelation of the map, summed over one period:
-    /// map(t) = sum over x of map(x) map(x + t).
+    /// Replaces `map` by its autocorrelation, summed over one period: map(t) = sum over x of map(x) map(x + t).
     pub(crate) fn autocorrelate(&self, map: &mut [f64], monitor: &dyn Monitor) -> Result<(), Cancelled> {
         let work = &mut self.transform_work(monitor);
         self.rows_forward(map, work)?;

@@ -7,7 +7,7 @@ use crate::topography::MapError;
 pub const MAX_POINTS: usize = 1 << 28;
 /// Range of pixel sides, in metres: wide enough for any surface, narrow enough that squares of slopes stay finite.
 const PIXEL_RANGE_M: std::ops::RangeInclusive<f64> = 1e-13..=1e3;
-/// Largest height, in metres.
+/// Largest magnitude of a height, in metres.
 const MAX_HEIGHT_M: f64 = 1e3;
 
 /// Heights on a regular grid: `rows` along x, `cols` along y, row by row, NaN where missing.
@@ -26,8 +26,8 @@ pub struct HeightMap {
     height_m: Vec<f64>,
 }
 
-/// Heights are serialised as their bits: results are cached under the bytes of a map, and decimal digits take twenty
-/// times as long.
+/// Writes heights as the hexadecimal digits of their bits: the keys of cached results are computed from this text, and
+/// decimal digits take twenty times as long.
 impl fmt::Debug for HeightMap {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { rows, cols, dx_m, dy_m, height_m } = self;
@@ -49,7 +49,7 @@ pub(crate) fn check_grid(rows: usize, cols: usize) -> Result<(), MapError> {
     Ok(())
 }
 
-/// Checks one side of a pixel.
+/// Checks that `value`, a side of a pixel in metres, lies in the accepted range.
 pub(crate) fn check_pixel(quantity: &'static str, value: f64) -> Result<(), MapError> {
     if PIXEL_RANGE_M.contains(&value) {
         Ok(())
@@ -82,8 +82,8 @@ impl HeightMap {
         Ok(Self { rows, cols, dx_m, dy_m, height_m })
     }
 
-    /// The `side` x `side` windows of equal size, in row order; an error for a window without heights or of a single line. Rows
-    /// and columns that do not fill a window are dropped.
+    /// Divides the map into `side` x `side` windows of equal size, in row order; a window without heights or with a
+    /// single row or column is an error. Rows and columns that do not fill a window are dropped.
     pub(crate) fn in_windows(&self, side: usize) -> impl Iterator<Item = Result<Self, MapError>> + '_ {
         let (rows, cols) = (self.rows / side, self.cols / side);
         (0..side * side).map(move |window| {
@@ -94,12 +94,12 @@ impl HeightMap {
         })
     }
 
-    /// Points along x.
+    /// Number of points along x.
     pub const fn rows(&self) -> usize {
         self.rows
     }
 
-    /// Points along y.
+    /// Number of points along y.
     pub const fn cols(&self) -> usize {
         self.cols
     }
@@ -127,7 +127,7 @@ impl HeightMap {
     /// Refuses a map with missing points.
     ///
     /// # Errors
-    /// [`MapError::MissingPoints`] with their number.
+    /// [`MapError::MissingPoints`] with the number of missing points.
     pub fn require_complete(&self) -> Result<(), MapError> {
         match self.missing() {
             0 => Ok(()),
@@ -163,7 +163,7 @@ impl HeightMap {
         Self { rows: cols, cols: rows, dx_m: self.dy_m, dy_m: self.dx_m, height_m }
     }
 
-    /// Heights, for the operations of this module that keep them valid.
+    /// Heights in metres, for operations of this module that keep the map valid.
     pub(crate) fn heights_mut(&mut self) -> &mut [f64] {
         &mut self.height_m
     }

@@ -11,10 +11,10 @@
 //! | [`HeightMap`] | a valid map in metres: parameters, form removal, filling of missing points, writing |
 //! | [`read_map`], [`ReadOptions`] | a map from what instruments write ([`MapFormat`]), whole, cropped or decimated |
 //! | [`PreparedMap`], [`Preparation`] | a map made ready for computation: filled, without spikes and form, as one period |
-//! | [`periodic_component`], [`side_step_ratio`] | a period of a map that is none, and how far it is from one |
-//! | [`Form`], [`Filling`], [`Plane`] | what form removal, filling and levelling do |
-//! | [`MapWarning`], [`limits`], [`Spikes`] | what makes a map doubtful, within which limits, and single points gone wrong |
-//! | [`HeightParameters`], [`CorrelationLengths`] | Sa to Sz; Sal and Str; [`HeightMap::sdq`] and [`HeightMap::sdr`] |
+//! | [`periodic_component`], [`side_step_ratio`] | a map's periodic component, and the step across its sides |
+//! | [`Form`], [`Filling`] | shapes that form removal subtracts; statistics of filling missing points |
+//! | [`MapWarning`], [`limits`], [`Spikes`] | warnings about doubtful maps, their limits, and single wrong points |
+//! | [`HeightParameters`], [`CorrelationLengths`] | Sa to Sz; Sal and Str; Sdr is [`HeightMap::sdr`] |
 //! | [`MaterialRatioCurve`], [`CoreParameters`] | bearing curve; Sk, Spk, Svk, Smr1, Smr2 |
 //! | [`SpectrumBin`] | the radial power spectrum in m^4 |
 //! | [`CavityMetrology`], [`RimMetrology`] | width, spacing and depth of cavities with their spread; rims, walls, floors |
@@ -22,7 +22,7 @@
 //! | [`SelfAffine`], [`CutPattern`] | synthetic self-affine maps and cavities, the same on every platform |
 //! | [`Fourier`](fourier::Fourier) | the periodic transform behind spectral parameters and contact solvers |
 //!
-//! This module knows nothing of contact and opens no files.
+//! This module does not depend on contact computations and opens no files.
 //!
 //! ```
 //! use slipgrid_surface::topography::{ReadOptions, read_map};

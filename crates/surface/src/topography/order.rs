@@ -8,12 +8,12 @@ use slipgrid_base::monitor::{Cancelled, Monitor};
 const CANCEL_CHECK_INTERVAL: usize = 1 << 16;
 /// Number of parts that are sorted one at a time.
 const PARTS: usize = 64;
-/// Size of the sample that brackets an order statistic, and the distance of the brackets from the expected position in
-/// the sample: six standard deviations.
+/// Size of the sample that brackets an order statistic.
 const SAMPLE: usize = 4096;
+/// Distance of the brackets from the expected position in the sample: six standard deviations.
 const SAMPLE_MARGIN: usize = 192;
-/// Sampled positions are this fraction of the map apart (modulo 1): evenly over the rows, and out of step with the
-/// columns.
+/// Distance between successive sampled positions over the length of the map, modulo 1: the positions lie evenly over
+/// the rows, and out of step with the columns.
 const GOLDEN_RATIO: f64 = 0.618_033_988_749_895;
 
 /// Sorted sample of `count` of the `heights`, or of all if there are fewer.

@@ -53,9 +53,9 @@ impl MapDoubt {
 /// A warning about a map. It is displayed with its name in front of the text.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MapWarning {
-    /// What is doubtful.
+    /// Property of the map that is doubtful.
     pub doubt: MapDoubt,
-    /// Its amount, and what it means for numbers computed from the map.
+    /// Amount of the doubtful property, and its meaning for numbers computed from the map.
     pub text: String,
 }
 
@@ -69,11 +69,12 @@ impl fmt::Display for MapWarning {
 pub(crate) struct FoundSpikes {
     pub(crate) spikes: Spikes,
     pub(crate) warning: MapWarning,
-    /// Whether they change the slope or the highest point enough to matter.
+    /// Whether the spikes change the slope or the highest point enough to matter.
     pub(crate) matter: bool,
 }
 
-/// Whether spikes matter that change rms slope and highest point from those `without` to those `with` them.
+/// Whether spikes change a map enough to matter, from its rms slope and the height of its highest point above the
+/// median, in metres, `with` and `without` the spikes.
 fn matter(with: [f64; 2], without: [f64; 2]) -> bool {
     (with[0] / without[0] - 1.0).abs() > limits::SPIKE_SLOPE || with[1] > (1.0 + limits::SPIKE_PEAK) * without[1]
 }
@@ -89,7 +90,8 @@ fn slope_text(rms_slope: f64) -> String {
     )
 }
 
-/// Unit that heights or pixels were probably in, judged by the usual slope of surfaces.
+/// Text on the power of a thousand by which heights must be multiplied to give a slope that is usual for surfaces;
+/// empty if there is none.
 fn other_unit(rms_slope: f64) -> String {
     const USUAL: [f64; 2] = [3e-3, 0.6];
     let factors = [(1e3, "1000 times"), (1e6, "a million times"), (1e-3, "a thousandth"), (1e-6, "a millionth")];
@@ -136,7 +138,8 @@ impl HeightMap {
         Ok(Some(FoundSpikes { spikes, warning, matter: matter(with, without) }))
     }
 
-    /// Warning on a second-order form, if it explains most of the heights left by the least-squares plane.
+    /// Warning on a second-order form, if it explains more than [`limits::FORM_SHARE`] of the Sa left by the
+    /// least-squares plane.
     ///
     /// # Errors
     /// [`Cancelled`] once `monitor` cancels.
@@ -217,8 +220,8 @@ impl HeightMap {
         })
     }
 
-    /// Warnings on heights and slope of a map whose form is removed; `rms_slope` is its rms slope. As many raised points
-    /// as points of spikes are no debris.
+    /// Warnings on heights and slope of a map whose form is removed; `rms_slope` is its rms slope. Raised points count
+    /// as debris only if they are more than `spike_points`, the number of points in spikes.
     pub(crate) fn height_warnings(&self, rms_slope: f64, spike_points: usize) -> Vec<MapWarning> {
         let outside = |value: f64, [least, most]: [f64; 2]| !(least..=most).contains(&value);
         let sq_m = self.sq_m();
@@ -236,7 +239,7 @@ impl HeightMap {
         self.raised(spike_points).into_iter().chain(unit).chain(slope).collect()
     }
 
-    /// Warning on patches that stand far above the rest, if they are few.
+    /// Warning on patches that stand far above the rest, if they are few, but more than `spike_points` points.
     fn raised(&self, spike_points: usize) -> Option<MapWarning> {
         let (median_m, deviation_m) = self.robust()?;
         let least_m = limits::RAISED_DEVIATIONS * deviation_m;
@@ -256,16 +259,16 @@ impl HeightMap {
     }
 }
 
-/// Number of points from which medians are taken; larger maps are sampled.
+/// Largest number of points from which medians are taken; larger maps are sampled.
 const MAX_SAMPLED: usize = 1 << 18;
 
 impl HeightMap {
-    /// Heights from which medians over the map are taken.
+    /// Heights, in metres, from which medians over the map are taken.
     fn sampled_heights_m(&self) -> Vec<f64> {
         self.sampled(MAX_SAMPLED).map(|node| self.heights_m()[node]).filter(|height| !height.is_nan()).collect()
     }
 
-    /// Nodes from which medians over the map are taken: `most` of them, evenly over the map.
+    /// Nodes from which medians over the map are taken: at most about `most` of them, evenly over the map.
     pub(crate) fn sampled(&self, most: usize) -> impl Iterator<Item = usize> {
         let points = self.heights_m().len();
         let stride = (1..).find(|stride| points / (stride * stride) <= most).unwrap_or(1);

@@ -8,8 +8,8 @@ use crate::topography::{
     periodic_component, side_step_ratio,
 };
 
-/// Largest ratio of the rms step across opposite sides to that between neighbours at which a map is taken as one
-/// period. A period has about 1, a piece of a smooth surface many times that.
+/// Largest ratio of the rms step across opposite sides to the rms step between neighbours at which a map is taken as
+/// one period. A period has about 1, a piece of a smooth surface many times that.
 const PERIOD_STEP_RATIO: f64 = 1.5;
 
 /// Treatment of missing points.
@@ -71,7 +71,8 @@ pub struct PreparedMap {
     pub is_component: bool,
     /// The file's format.
     pub format: MapFormat,
-    /// Form that was subtracted; the mean for a period, which a plane would open.
+    /// Form that was subtracted; only the mean for a period, because a plane would leave a step where the period
+    /// closes.
     pub form: Form,
     /// Missing points of the file, row by row; empty if none are missing.
     pub filled: Vec<bool>,
@@ -109,7 +110,7 @@ impl PreparedMap {
         PreparationError::ImpossibleSlope { rms_slope: self.rms_slope, warnings: self.warnings }
     }
 
-    /// Fills missing points of a map as read and removes its form.
+    /// Prepares a map as read: removes spikes if requested, fills missing points and removes the form.
     ///
     /// # Errors
     /// [`PreparationError`] if points are missing although this is not allowed, if nearly all are missing, if the

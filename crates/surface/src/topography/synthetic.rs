@@ -33,7 +33,7 @@ pub struct SelfAffine {
     pub seed: u32,
 }
 
-/// Largest wave number that fits in the key of a phase.
+/// Largest number of waves per side that fits in the key from which a phase is computed.
 const MAX_WAVES: u32 = 32_767;
 
 impl SelfAffine {
@@ -147,7 +147,7 @@ impl SelfAffine {
         Ok(())
     }
 
-    /// Amplitude 2 sqrt(C) exp(i phi) of the wave (kx, ky); `None` outside the band.
+    /// Real and imaginary part of the amplitude 2 sqrt(C) exp(i phi) of the wave (kx, ky); `None` outside the band.
     fn coefficient(&self, kx: i64, ky: i64) -> Option<(f64, f64)> {
         let square = kx * kx + ky * ky;
         let band = i64::from(self.min_wave).pow(2)..=i64::from(self.max_wave).pow(2);
@@ -160,7 +160,8 @@ impl SelfAffine {
         Some((amplitude * libm::cos(phase), amplitude * libm::sin(phase)))
     }
 
-    /// phi = 2 pi (z >> 11) 2^-53, z = m(m(key)), key = seed << 32 | (kx + 32768) << 16 | (ky + 32768)
+    /// Phase of the wave (kx, ky): phi = 2 pi (z >> 11) 2^-53 with z = m(m(key)), m a step of splitmix64, and key =
+    /// seed << 32 | (kx + 32768) << 16 | (ky + 32768).
     fn phase(&self, kx: i64, ky: i64) -> f64 {
         // |kx|, |ky| <= 32767, so that both sums lie in 1..=65535.
         let key = u64::from(self.seed) << 32 | ((kx + 32_768) as u64) << 16 | (ky + 32_768) as u64;

@@ -4,21 +4,21 @@ use std::str::FromStr;
 /// A unit of length, as named in files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum LengthUnit {
-    /// m
+    /// Metre, `m`.
     Metre,
-    /// cm
+    /// Centimetre, `cm`.
     Centimetre,
-    /// mm
+    /// Millimetre, `mm`.
     Millimetre,
-    /// um (also with the micro sign or the Greek letter)
+    /// Micrometre, `um` (also with the micro sign or the Greek letter).
     Micrometre,
-    /// nm
+    /// Nanometre, `nm`.
     Nanometre,
-    /// pm
+    /// Picometre, `pm`.
     Picometre,
 }
 
-/// Accepted names.
+/// Names of the accepted units, as a literal for `concat!`.
 macro_rules! unit_names {
     () => {
         "m, cm, mm, um, nm, pm"

@@ -65,7 +65,7 @@ pub(crate) fn rounded(value: f64) -> f64 {
     format!("{value:.11e}").parse().unwrap_or(value)
 }
 
-/// A length in millimetres, or in metres if millimetres would lose a digit.
+/// Formats a length in millimetres, or in metres if millimetres would lose a digit.
 fn length(length_m: f64) -> String {
     let length_mm = rounded(length_m * 1e3);
     if LengthUnit::Millimetre.to_metres(length_mm) == length_m {

@@ -15,15 +15,16 @@ pub(super) struct Chord {
     pub(super) region: u32,
     /// Index of the line: a column for chords along x, a row for chords along y.
     pub(super) line: usize,
-    /// Positions where the height crosses the threshold, in pixels; `None` if the map ends first.
+    /// Start: position where the height crosses the threshold, in pixels; `None` if the map ends first.
     pub(super) from: Option<f64>,
+    /// End: position where the height crosses the threshold again, in pixels; `None` if the map ends first.
     pub(super) to: Option<f64>,
 }
 
 /// Labelled regions of a grid; 0 is no region, labels start at 1.
 pub(super) struct Regions {
     pub(super) label: Vec<u32>,
-    /// Number of points of each region, from label 1 on.
+    /// Number of points of each region, by label; 0 for label 0.
     pub(super) points: Vec<usize>,
     rows: usize,
     cols: usize,
@@ -31,7 +32,8 @@ pub(super) struct Regions {
 
 impl Regions {
     /// Finds regions of points at or below `threshold` that are connected along sides. Regions smaller than
-    /// `smallest_share` of the mean size are dropped; the mean is taken over points.
+    /// `smallest_share` of the mean size are dropped; the mean is weighted with the number of points, so that specks
+    /// hardly change it.
     pub(super) fn find(
         height: &[f64],
         cols: usize,
@@ -55,7 +57,7 @@ impl Regions {
             let left = if n % cols > 0 { label[n - 1] } else { 0 };
             label[n] = match (above, left) {
                 (0, 0) => {
-                    // At most 2^26 points: the cast is exact.
+                    // At most 2^28 points: the cast is exact.
                     parent.push(parent.len() as u32);
                     parent.len() as u32 - 1
                 }

@@ -11,11 +11,11 @@ use super::found::Found;
 /// Minimum number of land patches for crossing grooves, for a region that reaches all sides of the map: one crossing
 /// leaves four.
 const MIN_PATCHES: usize = 4;
-/// Minimum covered fraction of a line within a groove along it.
+/// Minimum fraction of a line that lies in cavities for the line to lie within a groove along it.
 const IN_GROOVE: f64 = 0.9;
-/// Fraction of a strip that is left out on either side, for walls.
+/// Fraction of a strip that is left out on either side, to exclude walls.
 const WALL: f64 = 0.1;
-/// Minimum number of lines of a strip for a recommendation.
+/// Minimum number of lines of a strip for the strip to be recommended.
 const MIN_LINES: usize = 8;
 
 /// Crossing grooves on a map.
@@ -23,8 +23,8 @@ const MIN_LINES: usize = 8;
 pub struct Crossing {
     /// Number of land patches between the grooves.
     pub patches: usize,
-    /// First and last row, and first and last column, of the widest strip between two grooves along it; `None` if no
-    /// groove runs along the rows, or along the columns.
+    /// First and last row of the widest strip between two grooves along the rows, and first and last column of the
+    /// widest strip between two grooves along the columns; `None` if there is no such strip.
     pub strips: [Option<[usize; 2]>; 2],
 }
 
@@ -50,7 +50,7 @@ impl fmt::Display for Crossing {
 }
 
 impl Crossing {
-    /// Looks for crossing grooves among the regions of `found`.
+    /// Returns the crossing grooves among the regions of `found`, if there are any.
     pub(super) fn of(found: &Found, monitor: &dyn Monitor) -> Result<Option<Self>, Cancelled> {
         let crosses = |region: &usize| [0, 1].iter().all(|&axis| found.along[axis][*region].reaches_across());
         let crossing = (1..=found.regions.count()).filter(crosses).max_by_key(|&region| found.regions.points[region]);
@@ -73,7 +73,8 @@ impl Crossing {
     }
 }
 
-/// Widest strip between lines within a groove; `share` is the covered fraction of each line.
+/// First and last line of the widest strip between two grooves along the lines; `share` is the fraction of each line
+/// that lies in cavities. `None` if there are no two grooves, or the strip is too narrow.
 fn strip(share: &[f64]) -> Option<[usize; 2]> {
     let in_groove: Vec<usize> = (0..share.len()).filter(|&line| share[line] >= IN_GROOVE).collect();
     // The strip has grooves on both sides.

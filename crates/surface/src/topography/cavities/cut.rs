@@ -25,13 +25,13 @@ pub struct CutRim {
     pub height_m: f64,
     /// Distance from the upper end of the wall to the end of the rim, in metres; at most half of the spacing.
     pub width_m: f64,
-    /// Shape of the outward decrease.
+    /// Shape of the decrease of the height from the wall outward.
     pub profile: RimProfile,
     /// Standard deviation of the heights from cavity to cavity, in metres.
     pub height_std_m: f64,
 }
 
-/// Pattern of cavities. The map begins with half a spacing of land; its sides clip cavities.
+/// Pattern of cavities. The map begins with half a spacing of land; the sides of the map clip cavities.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CutPattern {
     /// Shape in plan view.
@@ -42,8 +42,8 @@ pub struct CutPattern {
     pub spacing_m: f64,
     /// Depth, in metres.
     pub depth_m: f64,
-    /// Horizontal extent of a wall from the surface to the floor, in metres, at least one pixel. The wall of a cavity
-    /// of depth d has the slope atan(d/wall).
+    /// Horizontal extent of a wall from the surface to the floor, in metres; less than a pixel counts as a pixel. The
+    /// wall of a cavity of depth d is inclined by atan(d/wall).
     pub wall_m: f64,
     /// Standard deviation of the widths, in metres.
     pub width_std_m: f64,

@@ -4,18 +4,19 @@ use slipgrid_base::monitor::{Cancelled, Monitor};
 
 use super::components::{Axis, Chord};
 
-/// Number of lines on either side over which a straight edge is fitted.
+/// Number of pixel lines on either side over which a straight edge is fitted.
 const LINES: usize = 3;
-/// Maximum lateral offset of a point from the normal of its nearest edge point, relative to its distance and in pixels.
-/// Points with a greater offset are in front of a corner.
+/// Maximum lateral offset of a point from the normal of its nearest edge point, relative to the distance from the edge;
+/// [`ASIDE_PIXELS`] are added. Points with a greater offset are in front of a corner.
 const ASIDE: f64 = 0.35;
+/// Part of the maximum lateral offset that does not depend on the distance, in pixels.
 const ASIDE_PIXELS: f64 = 0.75;
 
 /// Point on the edge of a cavity where a line of the map crosses it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct EdgePoint {
     pub(super) region: u32,
-    /// Axis of the line, 0 or 1.
+    /// Axis along which the line runs, 0 for x and 1 for y.
     pub(super) axis: usize,
     /// Whether the line leaves the cavity here.
     pub(super) behind: bool,
@@ -40,7 +41,8 @@ pub(super) struct Edges {
 
 impl Edges {
     /// Finds the edges at the ends of `chords`. Along an axis only edges mostly across it are used; positions are
-    /// fitted by a straight line through the neighbouring lines. `counts` tells which regions have edges along an axis.
+    /// fitted by a straight line through the chord ends on neighbouring lines. `counts` tells which regions have edges
+    /// along an axis.
     pub(super) fn find(
         chords: &[Vec<Chord>; 2],
         counts: impl Fn(usize, u32) -> bool,
@@ -60,7 +62,7 @@ impl Edges {
             }
             for (behind, ends) in [false, true].into_iter().zip(&ends) {
                 for (region, ends) in ends.iter().enumerate() {
-                    // At most 2^26 regions: the cast is exact.
+                    // At most 2^28 regions: the cast is exact.
                     let region = region as u32;
                     if counts(axis, region) {
                         points.extend(
@@ -74,8 +76,8 @@ impl Edges {
         Ok(Self { points, nearest, cols, pixel_m })
     }
 
-    /// Returns the edge point in front of which point `n` of the map lies, and its distance from the edge, positive
-    /// outside of the cavity, in metres; `None` in front of corners and without an edge.
+    /// Returns the index of the edge point in front of which point `n` of the map lies, and the distance of the point
+    /// from the edge in metres, positive outside of the cavity; `None` in front of corners and without an edge.
     pub(super) fn distance_m(&self, n: usize) -> Option<(usize, f64)> {
         let number = self.nearest[n] as usize;
         let edge = self.points.get(number)?;
@@ -94,8 +96,8 @@ impl EdgePoint {
     }
 }
 
-/// Edge points of a sequence of chord ends (line, position), with normals towards larger positions; no point where the
-/// edge is more along the axis than across it.
+/// Edge points of a sequence of chord ends (index of the line, position in pixels), with normals towards larger
+/// positions; no point where the edge is more along the axis than across it.
 fn along(ends: &[(usize, f64)], axis: usize, pixel_m: [f64; 2]) -> impl Iterator<Item = EdgePoint> {
     (0..ends.len()).filter_map(move |number| {
         let (line, place) = ends[number];
@@ -191,7 +193,7 @@ fn nearest(
     Ok(nearest)
 }
 
-/// Axes by index.
+/// The axes, in the order of their indices: 0 for x, 1 for y.
 pub(super) const AXES: [Axis; 2] = [Axis::X, Axis::Y];
 
 #[cfg(test)]

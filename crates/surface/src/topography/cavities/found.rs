@@ -23,7 +23,7 @@ pub(super) struct Found {
     pub(super) regions: Regions,
     /// Chords along x and y that end at each cavity's own half depth.
     pub(super) chords: [Vec<Chord>; 2],
-    /// Statistics of each region's chords.
+    /// Statistics of each region's chords along x and y, by label.
     pub(super) along: [Vec<Along>; 2],
     pub(super) floors: Vec<Option<Floor>>,
     /// Points in the middle thirds of cavities.
@@ -113,8 +113,8 @@ impl Found {
         self.regions.cols()
     }
 
-    /// Whether a region counts along an axis: it ends within the map along the axis, and across the axis it is whole or
-    /// a groove.
+    /// Whether a region counts along an axis: the region ends within the map along the axis, and across the axis it is
+    /// whole or a groove.
     pub(super) fn counts(&self, axis: usize, region: usize) -> bool {
         let across = &self.along[1 - axis][region];
         self.along[axis][region].is_within() && (across.is_within() || across.runs_through())
@@ -126,7 +126,8 @@ impl Found {
         self.counts(axis, region) || self.along[1 - axis][region].runs_through()
     }
 
-    /// Pairs that face each other along an axis on any line, and the land between them on each line, in pixels.
+    /// Pairs of regions that face each other along an axis on any line, and the land between them on each line, in
+    /// pixels.
     pub(super) fn gaps(&self, axis: usize) -> BTreeMap<[u32; 2], Vec<f64>> {
         let mut gaps: BTreeMap<[u32; 2], Vec<f64>> = BTreeMap::new();
         for pair in self.chords[axis].windows(2) {
@@ -139,8 +140,8 @@ impl Found {
         gaps
     }
 
-    /// Pairs of neighbours that face each other along an axis on most lines of both, and the land between them, in
-    /// metres. Cavities cut by the map's sides are left out if any other pair remains.
+    /// Pairs of regions that face each other along an axis on at least half of the lines of both, and the land between
+    /// them, in metres. Cavities cut by the map's sides are left out if any other pair remains.
     pub(super) fn neighbours(&self, axis: usize) -> Vec<([u32; 2], f64)> {
         let mut gaps = self.gaps(axis);
         gaps.retain(|pair, gaps| {
@@ -156,8 +157,8 @@ impl Found {
             .collect()
     }
 
-    /// Centre of every region along an axis, from label 1 on: the median of the middles of its chords, in metres; NaN
-    /// if the map's sides cut all chords.
+    /// Centre of every region along an axis, by label: the median of the middles of its chords, in metres; NaN if the
+    /// map's sides cut all chords.
     pub(super) fn centers_m(&self, axis: usize) -> Vec<f64> {
         let mut middles = vec![Vec::new(); self.regions.count() + 1];
         for chord in &self.chords[axis] {
@@ -187,10 +188,11 @@ pub(super) fn length(chord: &Chord) -> Option<f64> {
 /// Chord statistics of a region along one axis.
 #[derive(Clone, Default)]
 pub(super) struct Along {
+    /// Lengths of the chords that the map does not cut off, in pixels.
     pub(super) lengths: Vec<f64>,
-    /// Number of lines that meet the region, and numbers of lines on which the map cuts it off at the start and at the
-    /// end.
+    /// Number of lines that meet the region.
     pub(super) lines: usize,
+    /// Number of lines on which the map cuts off the region at the start, and number of those at the end.
     cut: [usize; 2],
 }
 
@@ -213,17 +215,17 @@ impl Along {
         along
     }
 
-    /// Whether the region ends within the map.
+    /// Whether the region ends within the map on at least [`Self::WITHIN`] of its lines.
     pub(super) fn is_within(&self) -> bool {
         self.lengths.len() as f64 >= Self::WITHIN * self.lines as f64
     }
 
-    /// Whether the region reaches both sides of the map.
+    /// Whether the region reaches both sides of the map on at least one line each.
     pub(super) fn reaches_across(&self) -> bool {
         self.cut.iter().all(|&cut| cut > 0)
     }
 
-    /// Whether the region runs through the whole map.
+    /// Whether the map cuts off the region at both ends on at least [`Self::WITHIN`] of its lines, as a groove.
     pub(super) fn runs_through(&self) -> bool {
         self.cut.iter().all(|&cut| cut as f64 >= Self::WITHIN * self.lines as f64)
     }

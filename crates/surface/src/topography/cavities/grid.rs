@@ -9,25 +9,28 @@ use slipgrid_model::pattern::Arrangement;
 use super::found::Found;
 use super::{Estimate, Spread};
 
-/// Minimum fraction of pairs in neighbouring rows that are shifted by half a pitch, and the tolerance of that shift in
-/// pitches.
+/// Minimum fraction of pairs in neighbouring rows that are shifted by half a pitch, if rows are staggered.
 const MAX_PAIRS: f64 = 0.8;
+/// Maximum deviation of the shift of such a pair from half a pitch, in pitches.
 const MAX_OFF_HALF: f64 = 0.15;
-/// Maximum drift of a row from its axis, in pitches.
+/// Maximum offset of neighbours in a row across the row, in pitches.
 const MAX_DRIFT: f64 = 0.1;
-/// Maximum shift of a cavity against a neighbour in the next row, in pitches.
+/// Maximum shift of a cavity along the rows against a neighbour in the next row, in pitches.
 const MAX_PAIR_OFFSET: f64 = 0.75;
 /// Maximum relative deviation of the distance of two rows from the typical one.
 const MAX_ROW_OFF: f64 = 0.25;
-/// Distance of hexagonal rows over their pitch, sqrt(3)/2, and the relative tolerance of a measured one.
+/// Distance of hexagonal rows over their pitch, sqrt(3)/2.
 const HEXAGONAL: f64 = 0.866_025_4;
+/// Maximum relative deviation of the measured distance of rows from that of hexagonal rows.
 const MAX_OFF_HEXAGONAL: f64 = 0.02;
-/// Minimum rotation that is reported: it changes a length by 0.02 %.
+/// Minimum rotation that is reported, in degrees: it changes a length by 0.02 %.
 const MIN_TURN_DEG: f64 = 1.0;
-/// Minimum rotation in standard errors, and maximum difference of the rotations along x and y over their mean.
+/// Minimum rotation that is reported, in standard errors.
 const MIN_ERRORS: f64 = 4.0;
+/// Maximum difference of the rotations along x and along y over their mean.
 const MAX_SHEAR: f64 = 0.25;
-/// Maximum area between neighbours over the map area per cavity; it is two for second neighbours.
+/// Maximum area of the parallelogram between neighbours along x and along y, over the map area per cavity; it is two
+/// for second neighbours.
 const MAX_CELL: f64 = 1.5;
 
 /// Rows of which every second one is shifted by half a pitch.
@@ -79,7 +82,7 @@ pub(super) struct Grid {
 }
 
 impl Grid {
-    /// Collects the whole cavities of `found`, with the widths of regions.
+    /// Collects the whole cavities of `found`; `width_m` gives the widths of a region along x and y.
     pub(super) fn of(found: &Found, width_m: impl Fn(usize) -> [Option<f64>; 2]) -> Self {
         let centers_m = [0, 1].map(|axis| found.centers_m(axis));
         let regions = &found.regions;
@@ -89,7 +92,7 @@ impl Grid {
         for region in (1..=regions.count()).filter(is_whole) {
             let [Some(x_m), Some(y_m)] = width_m(region) else { continue };
             let center_m = [0, 1].map(|axis| centers_m[axis][region]);
-            // At most 2^26 regions: the cast is exact.
+            // At most 2^28 regions: the cast is exact.
             whole.insert(region as u32, Whole { center_m, width_m: [x_m, y_m] });
             points += regions.points[region];
         }
@@ -147,8 +150,8 @@ impl Grid {
         Some((StaggeredRows { along_y: along == 1, arrangement }, spacing))
     }
 
-    /// Rotation of a rectangular grid on the map, from x towards y; `None` if it is not rotated, or if cavities do not
-    /// face their neighbours along both axes.
+    /// Rotation of a rectangular grid on the map, in degrees from x towards y; `None` if it is not rotated, or if
+    /// cavities do not face their neighbours along both axes.
     pub(super) fn turned_deg(&self) -> Option<Estimate> {
         let apart_m = |[one, other]: &[Whole; 2]| [0, 1].map(|axis| other.center_m[axis] - one.center_m[axis]);
         let mut turns = [(0.0, 0.0); 2];

@@ -7,12 +7,12 @@ use super::rims::{MIN_STRETCHES, Stretch};
 
 /// Rim heights of all edge segments for one profile and width.
 pub(super) struct Heights {
-    /// Region, side, weight and height of each segment, in order along the edges.
+    /// Region, side, length (the weight) and rim height of each segment, both in metres, in order along the edges.
     stretches: Vec<(u32, (usize, bool), f64, f64)>,
     mean_m: f64,
-    /// Variance of a segment about its cavity, times its weight and `inflation`.
+    /// Variance of a segment's height about the mean of its cavity, times the segment's length and `inflation`, in m^3.
     unit_variance: f64,
-    /// Factor by which a mean of neighbouring segments scatters more than one of independent segments.
+    /// Factor by which the variance of a mean over neighbouring segments exceeds that of independent segments.
     inflation: f64,
 }
 
@@ -44,7 +44,7 @@ impl Heights {
         heights
     }
 
-    /// Weight, mean and number of segments by `key`.
+    /// Total length and mean rim height, both in metres, and number of segments by `key`.
     fn grouped<K: Ord>(&self, key: impl Fn(&(u32, (usize, bool), f64, f64)) -> K) -> BTreeMap<K, (f64, f64, usize)> {
         let mut groups: BTreeMap<K, (f64, f64, usize)> = BTreeMap::new();
         for stretch in &self.stretches {
@@ -59,7 +59,8 @@ impl Heights {
         groups
     }
 
-    /// Standard error of the mean: from segments about their cavities, or from cavities if these scatter more.
+    /// Standard error of the mean rim height, from segments about their cavities, or from cavities if these scatter
+    /// more.
     pub(super) fn error_m(&self) -> f64 {
         let total: f64 = self.stretches.iter().map(|stretch| stretch.2).sum();
         let within = self.unit_variance / total;
@@ -81,7 +82,7 @@ impl Heights {
             .collect()
     }
 
-    /// Standard deviation between cavities.
+    /// Standard deviation of rim heights between cavities, in metres; `None` if the scatter cannot be estimated.
     pub(super) fn std_m(&self) -> Option<Estimate> {
         let cavities: Vec<_> = self.grouped(|&(region, ..)| region).into_values().collect();
         if self.unit_variance == 0.0 && self.stretches.len() == cavities.len() {
@@ -93,7 +94,7 @@ impl Heights {
         beyond_noise(square, cavities.len().checked_sub(1)?, noise)
     }
 
-    /// Standard deviation between the sides of a cavity.
+    /// Standard deviation of rim heights between the sides of a cavity, in metres; `None` below four segments per side.
     pub(super) fn side_std_m(&self) -> Option<Estimate> {
         let sides = self.grouped(|&(region, side, ..)| (region, side));
         // Sides with two or more segments show the noise of their mean.
@@ -122,8 +123,8 @@ impl Heights {
     }
 }
 
-/// Standard deviation from a sum of squares with `free` degrees of freedom, minus the variance of the noise, and its
-/// error.
+/// Standard deviation, and its error, from a sum of squares with `free` degrees of freedom after subtracting the
+/// variance `noise`; `None` without degrees of freedom.
 fn beyond_noise(square: f64, free: usize, noise: f64) -> Option<Estimate> {
     if free == 0 {
         return None;

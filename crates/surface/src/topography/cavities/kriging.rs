@@ -56,13 +56,13 @@ impl Variogram {
     }
 }
 
-/// Generalized least squares of level + slope x + h f for profiles over bins with the noise of a variogram (universal
-/// kriging). Waves longer than a profile give it a slope, which is the same for all cavities of a pattern whose pitch
-/// matches the waves; therefore the slope is fitted with the level.
+/// Generalized least squares of level + slope x + h f, with the height h of a shape f, for profiles over bins with the
+/// noise of a variogram (universal kriging). Waves longer than a profile give it a slope, which is the same for all
+/// cavities of a pattern whose pitch matches the waves; therefore the slope is fitted with the level.
 pub(super) struct Kriging {
     /// Lower Cholesky factor of the covariance, row by row.
     factor: Vec<Vec<f64>>,
-    /// Constant, whitened.
+    /// Constant 1, whitened.
     ones: Vec<f64>,
     /// Constant and slope, whitened and orthonormalized.
     drift: Vec<Vec<f64>>,
@@ -120,7 +120,7 @@ impl Kriging {
         Some(kriging)
     }
 
-    /// L^-1 z
+    /// Whitens a profile z: returns L^-1 z, with the Cholesky factor L of the covariance.
     pub(super) fn whiten(&self, profile: &[f64]) -> Vec<f64> {
         let mut white = Vec::with_capacity(profile.len());
         for (row, &value) in self.factor.iter().zip(profile) {
@@ -131,7 +131,7 @@ impl Kriging {
         white
     }
 
-    /// Removes constant and slope.
+    /// Removes constant and slope from a whitened profile.
     fn strip(&self, whitened: &mut [f64]) {
         for direction in &self.drift {
             let share = dot(whitened, direction);
@@ -149,13 +149,13 @@ impl Kriging {
         Shape { square: if square > 1e-9 * whole { square } else { 0.0 }, whitened }
     }
 
-    /// Returns h of a prepared profile, and the decrease of the sum of squares.
+    /// Returns the height h of `shape` in the whitened profile `ready`, and the decrease of the sum of squares by it.
     pub(super) fn height(&self, shape: &Shape, ready: &[f64]) -> (f64, f64) {
         let product = dot(&shape.whitened, ready);
         (product / shape.square, product * product / shape.square)
     }
 
-    /// Weights a with h = sum of a z.
+    /// Weights a with which a profile z has the height h = sum of a z.
     pub(super) fn weights(&self, shape: &Shape) -> Vec<f64> {
         // L^T a = f/(f f)
         let mut weights: Vec<f64> = shape.whitened.iter().map(|value| value / shape.square).collect();
@@ -169,7 +169,7 @@ impl Kriging {
         weights
     }
 
-    /// Level of `profile`.
+    /// Level of `profile`, its generalized least-squares mean.
     pub(super) fn level(&self, profile: &[f64]) -> f64 {
         dot(&self.whiten(profile), &self.ones) / dot(&self.ones, &self.ones)
     }

@@ -8,20 +8,21 @@ use crate::topography::{HeightMap, MapError};
 
 /// Number of histogram classes for the separation of land and cavities.
 const CLASSES: usize = 1024;
-/// Fraction of the heights at either end that is excluded from the histogram, for spikes.
+/// Fraction of the heights at either end that does not determine the range of the histogram, because of spikes.
 const SPIKES: f64 = 1e-3;
 /// Number of heights between two checks for cancellation.
 const CANCEL_CHECK_INTERVAL: usize = 1 << 16;
-/// Minimum distance of the two means in standard deviations within groups: a uniform ramp has 3.5, a Gaussian 2.7.
+/// Minimum distance of the means of the two groups of heights, in standard deviations within groups: a uniform ramp has
+/// 3.5, a Gaussian 2.7.
 const MIN_SEPARATION: f64 = 4.0;
 /// Maximum number of rounds of fitting the form to the land and finding the land again.
 const MAX_ROUNDS: usize = 20;
 
 /// Heights above the land, and the separation of land and cavities.
 pub(super) struct Land {
-    /// Heights above the fitted land, NaN where missing.
+    /// Heights above the fitted land, row by row, NaN where missing.
     pub(super) height_m: Vec<f64>,
-    /// Threshold half-way between the land and the floors.
+    /// Threshold half-way between the land and the floors, as a height above the land.
     pub(super) threshold_m: f64,
     /// Whether a point is land away from cavities.
     pub(super) is_land: Vec<bool>,
@@ -159,7 +160,7 @@ fn groups(height_m: &[f64], monitor: &dyn Monitor) -> Result<Groups, MapError> {
     })
 }
 
-/// Points in a cavity, or within `margin` pixels of a cavity along both axes.
+/// Whether each point lies in a cavity, or within `margin` pixels of a cavity along both axes.
 fn near(
     height_m: &[f64],
     cols: usize,

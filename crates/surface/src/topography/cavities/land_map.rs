@@ -20,7 +20,7 @@ impl HeightMap {
         Self::new(self.rows(), self.cols(), self.dx_m(), self.dy_m(), heights)
     }
 
-    /// Finds the cavities, and whether each point is land away from cavities and beyond their rims.
+    /// Finds the cavities; also returns whether each point is land away from cavities and beyond their rims.
     pub(super) fn found_land(&self, form: Form, monitor: &dyn Monitor) -> Result<(Found, Vec<bool>), MapError> {
         let (found, Sought { edges, rim, .. }) = Sought::with_rims(Found::find(self, form, monitor)?, monitor)?;
         let rim_end_m = rim.width_m.map_or(0.0, |width| rim.start_m + width.value);
@@ -29,7 +29,7 @@ impl HeightMap {
     }
 }
 
-/// Land away from cavities and beyond their rims.
+/// Whether each point is land away from cavities and more than `rim_end_m` from their edges.
 fn far_land(found: &Found, edges: &Edges, rim_end_m: f64, monitor: &dyn Monitor) -> Result<Vec<bool>, Cancelled> {
     let beyond = |n: usize| edges.distance_m(n).is_none_or(|(_, distance_m)| distance_m > rim_end_m);
     let mut far = Vec::with_capacity(found.land.is_land.len());

@@ -56,7 +56,7 @@ pub use slipgrid_model::pattern::RimProfile;
 use crate::topography::form::Form;
 use crate::topography::{HeightMap, MapError};
 
-/// Size relative to the mean size below which a region is a speck.
+/// Size relative to the mean size below which a region is a speck, not a cavity.
 const SPECK: f64 = 0.1;
 /// Fraction of a width that is excluded on either side of an edge, from the land and from the floor.
 const MARGIN: f64 = 1.0 / 3.0;
@@ -79,7 +79,7 @@ impl Spread {
     }
 }
 
-/// A quantity with its standard error, both in the unit given by the suffix of its name.
+/// A quantity with its standard error, both in the unit given by the suffix of the field's name.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimate {
     /// Estimated value.
@@ -100,9 +100,9 @@ impl Estimate {
 /// A detected cavity.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cavity {
-    /// Centroid of its area along x and y, in metres.
+    /// Centroid of the cavity's area along x and y, in metres.
     pub center_m: [f64; 2],
-    /// Width along x and y, the diameter for round cavities, in metres; `None` if the map's sides cut it.
+    /// Width along x and y, the diameter for round cavities, in metres; `None` if the map's sides cut the cavity.
     pub width_m: [Option<f64>; 2],
     /// Depth, in metres; `None` if no floor was measured.
     pub depth_m: Option<f64>,
@@ -110,9 +110,10 @@ pub struct Cavity {
     pub area_m2: f64,
     /// Mean height of the rim along the edge, in metres; `None` if no cavity has a rim, and at the map's sides.
     pub rim_height_m: Option<Estimate>,
-    /// Slope of the wall between 20 % and 80 % of the depth, in degrees from the horizontal.
+    /// Slope of the wall between 20 % and 80 % of the depth, in degrees from the horizontal; `None` if it was not
+    /// measured.
     pub wall_angle_deg: Option<f64>,
-    /// Root mean square height of the floor's middle third about its plane, in metres.
+    /// Root mean square height of the floor's middle third about its plane, in metres; `None` if it was not measured.
     pub floor_sq_m: Option<f64>,
 }
 
@@ -135,7 +136,7 @@ pub struct CavityMetrology {
     pub depth: Option<Spread>,
     /// Area fraction of the map below half depth.
     pub area_fraction: f64,
-    /// Half depth below the land, in metres.
+    /// Distance of half depth below the land, in metres.
     pub threshold_m: f64,
     /// Root mean square height of the land about its form, in metres.
     pub land_sq_m: f64,
@@ -171,15 +172,15 @@ impl HeightMap {
 
 /// Quantities measured along the edges of cavities.
 struct Sought {
-    /// Whether each region, from label 1 on, ends within the map along an axis.
+    /// Whether each region, by label, ends within the map along an axis.
     counts: Vec<bool>,
-    /// Width of each region along x and y.
+    /// Width of each region along x and y, by label.
     width_m: Vec<[Option<f64>; 2]>,
     spacing: [Option<Spread>; 2],
     edges: Edges,
     walls: Walls,
     rim: RimMetrology,
-    /// Rim heights by region.
+    /// Rim heights by region, in metres.
     rim_heights: BTreeMap<u32, Estimate>,
 }
 
@@ -265,7 +266,7 @@ fn measure(found: &Found, sought: Sought, monitor: &dyn Monitor) -> Result<Cavit
                 width_m: width_m(region),
                 depth_m: measured(found.floors[region].map(|floor| floor.depth_m)),
                 area_m2: points * pixel_m[0] * pixel_m[1],
-                // At most 2^26 regions: the cast is exact.
+                // At most 2^28 regions: the cast is exact.
                 rim_height_m: sought.rim_heights.get(&(region as u32)).copied(),
                 wall_angle_deg: measured(sought.walls.angle_deg[region]),
                 floor_sq_m: measured(sought.walls.floor_sq_m[region]),

@@ -11,7 +11,7 @@ use super::pitch::pitches_m;
 use crate::topography::form::Form;
 use crate::topography::{HeightMap, MapError};
 
-/// Minimum number of whole cavities.
+/// Minimum number of whole cavities, or of grooves.
 const LEAST: usize = 2;
 /// Maximum deviation of a centre from its lattice position, in pitches; at half a pitch it would belong to another
 /// position.
@@ -117,7 +117,8 @@ impl HeightMap {
     }
 }
 
-/// Lines of a region's chords along an axis, and the middles of the chords, in metres from the first pixel's centre.
+/// For each complete chord of `region` along `axis`: index of its pixel line, and its middle in metres from the first
+/// pixel's centre.
 fn middles(found: &Found, axis: usize, region: usize) -> Vec<(f64, f64)> {
     let chords = found.chords[axis].iter().filter(|chord| chord.region as usize == region);
     chords
@@ -128,7 +129,7 @@ fn middles(found: &Found, axis: usize, region: usize) -> Vec<(f64, f64)> {
         .collect()
 }
 
-/// Least-squares line y = a + b x.
+/// Fits the least-squares line y = a + b x to `points`; returns `[a, b]`.
 fn line(points: &[(f64, f64)]) -> [f64; 2] {
     let count = points.len() as f64;
     let [x, y] = points.iter().fold([0.0; 2], |[sx, sy], (x, y)| [sx + x / count, sy + y / count]);
@@ -138,7 +139,7 @@ fn line(points: &[(f64, f64)]) -> [f64; 2] {
     [y - slope * x, slope]
 }
 
-/// Sums of the heights in each cell of a period.
+/// Weighted sum of heights in metres, sum of weights, and sum of the weights of land, for each pixel of a period.
 struct Cells {
     sum: Vec<f64>,
     weight: Vec<f64>,
@@ -150,8 +151,8 @@ impl Cells {
         Self { sum: vec![0.0; count], weight: vec![0.0; count], land: vec![0.0; count] }
     }
 
-    /// Adds the bilinearly interpolated height at a position in pixels from the first point's centre; missing points
-    /// are left out.
+    /// Adds to `cell` the bilinearly interpolated height at a position in pixels from the first point's centre; missing
+    /// points are left out.
     fn add(&mut self, cell: usize, found: &Found, is_land: &[bool], place: [f64; 2]) {
         let rows = found.land.height_m.len() / found.cols();
         let inside = |place: f64, count: usize| (0.0..=(count - 1) as f64).contains(&place);
@@ -171,7 +172,7 @@ impl Cells {
         }
     }
 
-    /// Mean heights above the land, and the root mean square height of the land.
+    /// Mean heights above the land, and the root mean square height of the land, both in metres.
     fn mean(self) -> (Vec<f64>, Option<f64>) {
         let mut height_m: Vec<f64> = self
             .sum
@@ -191,14 +192,14 @@ impl Cells {
     }
 }
 
-/// Number of pixels per pitch, and the pixel size that makes it a whole number.
+/// Number of pixels per pitch, and the pixel size, in metres, for which this number is whole.
 fn pixels(pitch_m: f64, pixel_m: f64) -> (usize, f64) {
     // A pitch lies within the map: the cast is exact.
     let count = ((pitch_m / pixel_m).round() as usize).max(2);
     (count, pitch_m / count as f64)
 }
 
-/// Mean period of grooves across `axis`.
+/// Mean period of grooves whose widths lie along `axis`.
 fn of_grooves(
     found: &Found,
     is_land: &[bool],

@@ -7,8 +7,8 @@ use super::found::Found;
 /// Maximum deviation of the shift of neighbours in staggered rows from half a pitch, in pitches.
 const MAX_OFF_HALF: f64 = 0.1;
 
-/// Pitches along both axes, in metres, of the cavities `whole` with the given centres; `None` if no neighbours
-/// determine one.
+/// Pitches along both axes, in metres, of the cavities `whole` with the given centres; `None` for an axis along which
+/// no neighbours determine the pitch.
 ///
 /// The pitch along an axis is the distance of neighbours that face each other along it. In staggered rows wide cavities
 /// hide the ones behind them; then the pitch is twice the distance along the axis between neighbours in successive

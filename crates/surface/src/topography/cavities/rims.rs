@@ -22,8 +22,9 @@ use slipgrid_base::statistics::splitmix64;
 const CANCEL_CHECK_INTERVAL: usize = 1 << 14;
 /// Maximum number of bins of a profile.
 const MAX_BINS: usize = 160;
-/// Minimum number of bins and of segments for the detection of a rim.
+/// Minimum number of bins for the detection of a rim.
 const MIN_BINS: usize = 5;
+/// Minimum number of edge segments for the detection of a rim.
 pub(super) const MIN_STRETCHES: usize = 4;
 /// Number of parts of a bin in which the positions of points are recorded, since edges cross pixels at arbitrary
 /// positions.
@@ -33,11 +34,12 @@ const MIN_COVERED: f64 = 0.3;
 /// Minimum height of a rim in standard errors: without a rim, the best of a hundred profiles and widths rarely reaches
 /// 3.5.
 const MIN_SIGNIFICANCE: f64 = 4.0;
-/// Minimum width of a rim in the search, and of a rim whose height is reported, in bins; for narrower rims only the
-/// product of height and width is determined.
+/// Minimum width of a rim in the search, in bins.
 const MIN_WIDTH: f64 = 2.0;
+/// Minimum width of a rim whose height is reported, in bins; for narrower rims only the product of height and width is
+/// determined.
 const MIN_TOLD_WIDTH: f64 = 4.0;
-/// Maximum width over the reach of the profile; relief that continues to its end is land.
+/// Maximum width of a rim over the reach of the profile; relief that continues to the profile's end is land.
 const MAX_WIDTH: f64 = 0.75;
 /// Step of the trial widths, in bins.
 const WIDTH_STEP: f64 = 0.25;
@@ -45,8 +47,9 @@ const WIDTH_STEP: f64 = 0.25;
 const MODEL_ERROR: f64 = 0.02;
 /// Nominal width for the height of an undetected rim, over the width of the cavity.
 const NOMINAL_WIDTH: f64 = 0.1;
-/// Number of bootstrap draws, and minimum number of cavities for drawing cavities instead of segments.
+/// Number of bootstrap draws.
 const DRAWS: u64 = 120;
+/// Minimum number of cavities at which the bootstrap draws cavities instead of segments.
 const MANY_CAVITIES: usize = 8;
 
 /// Mean height at a distance from the edge.
@@ -56,7 +59,7 @@ pub struct EdgeHeight {
     pub distance_m: f64,
     /// Mean height above the land, in metres.
     pub height_m: f64,
-    /// Standard error from the scatter between edge segments, in metres; 0 for a single one.
+    /// Standard error from the scatter between edge segments, in metres; 0 for a single segment.
     pub error_m: f64,
 }
 
@@ -86,7 +89,7 @@ pub struct RimMetrology {
     pub share_of_edge: Option<Estimate>,
     /// Distance from the edge at half depth to the upper end of the wall, where the rim begins, in metres.
     pub start_m: f64,
-    /// Mean profile, from one pixel beyond the wall on.
+    /// Mean heights against the distance from the edge, from one pixel beyond the wall on.
     pub edge_profile: Vec<EdgeHeight>,
 }
 
@@ -107,18 +110,18 @@ pub(super) struct Scene<'a> {
     pub(super) edges: &'a Edges,
     /// Heights above the form, NaN where missing.
     pub(super) height_m: &'a [f64],
-    /// Region labels, 0 for none.
+    /// Label of each point's region, 0 for none.
     pub(super) label: &'a [u32],
-    /// Half depth; lower points outside of cavities are specks.
+    /// Height of half depth; lower points outside of cavities are specks.
     pub(super) threshold_m: f64,
-    /// Whether each region's edges count.
+    /// Whether the edges of each region, by label, are used.
     pub(super) counts: &'a [bool],
     pub(super) pixel_m: [f64; 2],
-    /// Start of the rim.
+    /// Distance from the edge at half depth to the start of the rim.
     pub(super) start_m: f64,
-    /// Width of a cavity.
+    /// Mean width of the cavities, the smaller of those along x and y.
     pub(super) width_m: f64,
-    /// Land between two cavities, if known.
+    /// Mean land between cavities, the smaller of those along x and y, if known.
     pub(super) spacing_m: Option<f64>,
 }
 
@@ -128,14 +131,15 @@ impl Scene<'_> {
         self.pixel_m[0].max(self.pixel_m[1])
     }
 
-    /// Reach of profiles from the edge: half-way to the next cavity, at most two widths.
+    /// Reach of profiles from the edge, in metres: half-way to the next cavity, at most two widths and [`MAX_BINS`]
+    /// bins.
     pub(super) fn reach_m(&self) -> f64 {
         let beyond_m = self.start_m + self.bin_m() + MAX_BINS as f64 * self.bin_m();
         self.spacing_m.map_or(f64::INFINITY, |spacing_m| 0.5 * spacing_m).min(2.0 * self.width_m).min(beyond_m)
     }
 
-    /// Calls `take` with edge point, distance and height of every measured point on land in front of an edge that
-    /// counts.
+    /// Calls `take` with the index of the edge point, the distance from the edge and the height, both in metres, for
+    /// every measured point on land in front of an edge that counts.
     pub(super) fn for_land(
         &self,
         monitor: &dyn Monitor,
@@ -161,19 +165,21 @@ impl Scene<'_> {
 /// An edge segment with its mean profile.
 pub(super) struct Stretch {
     pub(super) region: u32,
-    /// Side of the region: axis and end.
+    /// Side of the region: axis, and whether lines leave the region on this side.
     pub(super) side: (usize, bool),
     pub(super) length_m: f64,
-    /// Height minus the mean over all segments, by bin; 0 if nothing was measured.
+    /// Height minus the mean over all segments, by known bin, in metres; 0 if nothing was measured.
     pub(super) residual: Vec<f64>,
 }
 
 /// Mean profile and its segments, in order along the edges.
 struct Profile {
     stretches: Vec<Stretch>,
-    /// Known bins, with their mean distance and height.
+    /// Indices of the known bins.
     bins: Vec<usize>,
+    /// Mean distance from the edge in each known bin.
     distance_m: Vec<f64>,
+    /// Mean height in each known bin.
     mean_m: Vec<f64>,
     /// Fraction of each bin's points in each of its parts, and their mean distance beyond the wall, in metres.
     parts: Vec<Vec<[f64; 2]>>,
@@ -255,7 +261,7 @@ impl Profile {
         Ok(Self { stretches, bins, distance_m, mean_m, parts })
     }
 
-    /// Semivariances of the segments about their mean, at lags from one bin on.
+    /// Semivariances of the segments about their mean, in square metres, at lags from one bin on.
     fn semivariances(&self) -> Vec<f64> {
         let count = self.stretches.len() as f64;
         (1..=self.bins.len() / 2)
@@ -272,7 +278,7 @@ impl Profile {
             .collect()
     }
 
-    /// Standard error of the mean at a bin.
+    /// Standard error of the mean height in the known bin `bin`, in metres.
     fn error_m(&self, bin: usize) -> f64 {
         let count = self.stretches.len() as f64;
         let total: f64 = self.stretches.iter().map(|stretch| stretch.length_m).sum();
@@ -281,14 +287,14 @@ impl Profile {
     }
 }
 
-/// A trial profile and width.
+/// A trial rim: profile, width, and the shape prepared for the fit.
 struct Candidate {
     profile: RimProfile,
     width_m: f64,
     shape: Shape,
 }
 
-/// Measures the rims; also returns each region's rim height with its error.
+/// Measures the rims; also returns the rim height of each region, by label, with its error in metres.
 pub(super) fn measure(
     scene: &Scene<'_>,
     monitor: &dyn Monitor,
@@ -401,7 +407,8 @@ impl Fit {
         profile.parts.iter().map(|parts| parts.iter().map(mean).sum()).collect()
     }
 
-    /// Returns the candidate with positive height that decreases the squares most, and its height.
+    /// Returns the candidate with positive height that decreases the squares of the whitened profile `ready` most, and
+    /// its height in metres.
     fn best(&self, ready: &[f64]) -> Option<(&Candidate, f64)> {
         let mut best: Option<(&Candidate, f64)> = None;
         let mut most = 0.0;
@@ -415,8 +422,8 @@ impl Fit {
     }
 }
 
-/// Standard deviations of height and width over bootstrap draws of cavities, or of segments if there are few cavities.
-/// They include the error from the selection of profile and width (B. Efron, Ann. Stat. 7, 1).
+/// Standard deviations of height and width, in metres, over bootstrap draws of cavities, or of segments if there are
+/// few cavities. They include the error from the selection of profile and width (B. Efron, Ann. Stat. 7, 1).
 fn bootstrap(profile: &Profile, fit: &Fit, monitor: &dyn Monitor) -> Result<[f64; 2], Cancelled> {
     let mut regions: Vec<u32> = profile.stretches.iter().map(|stretch| stretch.region).collect();
     regions.dedup();
@@ -438,7 +445,7 @@ fn bootstrap(profile: &Profile, fit: &Fit, monitor: &dyn Monitor) -> Result<[f64
         let (mut length_m, mut sums) = (0.0, vec![0.0; profile.bins.len()]);
         for turn in 0..units.len() as u64 {
             let bits = splitmix64(splitmix64(draw << 32 | turn));
-            // At most 2^26 segments: the bias of the remainder is negligible.
+            // At most 2^28 segments: the bias of the remainder is negligible.
             let (unit_m, unit) = &units[(bits % units.len() as u64) as usize];
             length_m += unit_m;
             for (sum, term) in sums.iter_mut().zip(unit) {

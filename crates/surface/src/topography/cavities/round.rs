@@ -11,7 +11,7 @@ use slipgrid_base::statistics::median;
 use super::Spread;
 use super::found::Found;
 
-/// Ratio sqrt(1 - 1/4) over sqrt(1 - 1/100).
+/// Median chord of an ellipse over the 90 % quantile of its chords: sqrt(1 - 1/4) over sqrt(1 - 1/100).
 const ROUND_RATIO: f64 = 0.870_388;
 /// Maximum deviation from [`ROUND_RATIO`]: half of the difference to a square.
 const MAX_DEPARTURE: f64 = 0.06;
@@ -20,8 +20,8 @@ const QUANTILE: f64 = 0.9;
 /// Minimum number of chords along an axis for the detection of a shape.
 const MIN_CHORDS: usize = 8;
 
-/// Diameters of a region along both axes if it is round, in metres: those of the ellipse with its area and its ratio of
-/// median chords.
+/// Diameters of a region along both axes, in metres, if it is round: those of the ellipse with the region's area and
+/// ratio of median chords. `None` if it is not round.
 fn diameters_m(found: &Found, region: usize) -> Option<[f64; 2]> {
     let mut medians_m = [0.0; 2];
     let mut area_m2 = 0.0;
@@ -49,7 +49,8 @@ fn diameters_m(found: &Found, region: usize) -> Option<[f64; 2]> {
     Some([mean_m * aspect, mean_m / aspect])
 }
 
-/// Diameters of every region, from label 1 on, if most whole regions are round; otherwise `None`.
+/// Diameters of every region by label, along both axes in metres, if most whole regions are round; otherwise `None`. An
+/// entry is `None` if the region is not round.
 pub(super) fn diameters(found: &Found) -> Option<Vec<Option<[f64; 2]>>> {
     let regions = 0..=found.regions.count();
     let whole = regions.clone().filter(|&region| region > 0 && [0, 1].iter().all(|&axis| found.counts(axis, region)));
@@ -59,8 +60,8 @@ pub(super) fn diameters(found: &Found) -> Option<Vec<Option<[f64; 2]>>> {
     (2 * round > whole.count()).then_some(diameters)
 }
 
-/// Land between neighbours along `axis`: the distance of their centres minus their mean diameter. Cavities cut by the
-/// map's sides have no diameter and are left out.
+/// Land between neighbours along `axis`, in metres: the distance of their centres minus their mean diameter. Cavities
+/// cut by the map's sides have no diameter and are left out. `None` without neighbours.
 pub(super) fn spacing(found: &Found, axis: usize, diameters_m: &[Option<[f64; 2]>]) -> Option<Spread> {
     let centers_m = found.centers_m(axis);
     let gap_m = |([one, other], _): ([u32; 2], f64)| {

@@ -14,7 +14,7 @@ const MAX_ERROR: f64 = 0.25;
 /// Number of trial fractions.
 const STEPS: u32 = 200;
 
-/// Sum of heights in a band of distances from an edge.
+/// Sum and number of heights in a band of distances from an edge.
 #[derive(Clone, Copy, Default)]
 struct Band {
     sum_m: f64,
@@ -33,8 +33,8 @@ impl Band {
 }
 
 /// Fraction of pieces of edge whose relief, core minus the land beyond, exceeds half of a rim's. The same bands moved
-/// outward onto the land give the rate of false decisions by roughness. `None` if there is no land for them, or if the
-/// rate is too high.
+/// outward onto the land give the rate of false decisions by roughness. `None` if there is no land for the moved bands,
+/// or if the error of the fraction exceeds [`MAX_ERROR`].
 pub(super) fn share_of_edge(
     scene: &Scene<'_>,
     profile: RimProfile,
@@ -53,8 +53,8 @@ pub(super) fn share_of_edge(
     Ok(share_of(scene, &sums, mean, width_m))
 }
 
-/// Bands of distances from the edge: core of the rim, land beyond it, and both moved outward onto the land. Also
-/// returns the mean of the rim's profile over its core.
+/// Bands of distances from the edge, in metres: core of the rim, land beyond it, and both moved outward onto the land.
+/// Also returns the mean over the core of a rim of height 1. `None` if there is no land for the moved bands.
 fn bands_m(scene: &Scene<'_>, profile: RimProfile, width_m: f64) -> Option<([[f64; 2]; 4], f64)> {
     let bin_m = scene.bin_m();
     // Core of the profile in steps of a hundredth.
@@ -74,7 +74,8 @@ fn bands_m(scene: &Scene<'_>, profile: RimProfile, width_m: f64) -> Option<([[f6
     Some(([core_m, base_m, core_m.map(|m| m + moved_m), base_m.map(|m| m + moved_m)], mean))
 }
 
-/// Fraction from the sums of heights in each band at every edge point.
+/// Fraction of the edges with a rim, from the sums of heights in each band at every edge point; `mean` is the mean over
+/// the core of a rim of height 1.
 fn share_of(scene: &Scene<'_>, sums: &[[Band; 4]], mean: f64, width_m: f64) -> Option<Estimate> {
     // Pieces of edge are as long as the rim is wide.
     let piece_m = width_m.max(MIN_PIECE * scene.bin_m());

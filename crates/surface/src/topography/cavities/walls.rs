@@ -7,16 +7,17 @@ use super::found::Found;
 
 /// Fractions of the depth between which a wall's slope is measured.
 const SHARES: [f64; 2] = [0.2, 0.8];
-/// Number of bins per larger side of a pixel.
+/// Number of bins of wall profiles per larger side of a pixel.
 const BINS_PER_PIXEL: f64 = 2.0;
 /// Number of pixels outward from the edge at half depth that wall profiles include.
 const OUTWARD_PIXELS: f64 = 3.0;
 /// Minimum number of points of a floor for the fit of a plane.
 const MIN_FLOOR: f64 = 12.0;
 
-/// Measurements on walls and floors, by region.
+/// Measurements on walls and floors, by label of the region.
 pub(super) struct Walls {
-    /// Distance from the edge at half depth to the upper end of the wall, in metres, over all cavities.
+    /// Distance from the edge at half depth to the upper end of the wall, in metres, from the mean profile of all
+    /// cavities.
     pub(super) top_m: f64,
     pub(super) angle_deg: Vec<Option<f64>>,
     pub(super) floor_sq_m: Vec<Option<f64>>,
@@ -77,7 +78,7 @@ pub(super) fn measure(
     Ok(Walls { top_m: top_m.max(bin_m), angle_deg, floor_sq_m: floors_sq_m(found, monitor)? })
 }
 
-/// Mean distances and depth fractions, from outside in.
+/// Number of points, and sums of their distances in metres and depth fractions, by bin from outside in.
 #[derive(Clone, Default)]
 struct Profile {
     bins: Vec<[f64; 3]>,
@@ -93,7 +94,8 @@ impl Profile {
         }
     }
 
-    /// Distances at which the mean depth fraction first exceeds each of [`SHARES`].
+    /// Distances from the edge, in metres, at which the mean depth fraction first exceeds each of [`SHARES`]; `None` if
+    /// it does not exceed both.
     fn crossings_m(&self) -> Option<[f64; 2]> {
         let known: Vec<[f64; 2]> = self
             .bins
@@ -112,7 +114,8 @@ impl Profile {
     }
 }
 
-/// Root mean square height of each region's middle third about its least-squares plane.
+/// Root mean square height of each region's middle third about its least-squares plane, in metres; `None` if the points
+/// do not determine the plane.
 fn floors_sq_m(found: &Found, monitor: &dyn Monitor) -> Result<Vec<Option<f64>>, Cancelled> {
     let points = || {
         let labels = found.regions.label.iter().zip(&found.middle).enumerate();

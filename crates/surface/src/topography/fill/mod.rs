@@ -21,7 +21,7 @@ pub struct Filling {
     pub iterations: usize,
     /// Norm of the residual relative to its initial value.
     pub residual: f64,
-    /// Whether the residual is below 1e-10; if not, the limit on iterations was reached and the heights are
+    /// Whether the residual is at most 1e-10; if not, the limit on iterations was reached and the heights are
     /// approximate.
     pub converged: bool,
 }
@@ -37,7 +37,7 @@ struct Holes {
     multigrid: Multigrid,
     rows: usize,
     cols: usize,
-    /// 1/dx^2 and 1/dy^2, divided by their sum.
+    /// Weights of neighbours along x and along y: 1/dx^2 and 1/dy^2, divided by their sum.
     weight: [f64; 2],
 }
 
@@ -51,7 +51,8 @@ impl Holes {
         &self.multigrid.levels[0]
     }
 
-    /// Sum over the neighbours of unknown `n` of w (h - h_neighbour), with known neighbours counted as zero.
+    /// Sum of w (h - h_neighbour) over the neighbours of unknown `n`, with the heights h in `height`, the weights w,
+    /// and known neighbours counted as zero.
     fn stiffness(&self, n: usize, height: &[f64]) -> f64 {
         let level = self.finest();
         let (node, [across, along]) = (level.cell[n] as usize, self.weight);
@@ -97,7 +98,7 @@ impl HeightMap {
     /// are. At the map's sides the surface has zero normal slope. Ends once `monitor` cancels; the filled heights must
     /// then not be used.
     pub fn fill_missing(&mut self, monitor: &dyn Monitor) -> Filling {
-        // The indices fit in a u32: a map has at most 2^26 points.
+        // The indices fit in a u32: a map has at most 2^28 points.
         let missing: Vec<u32> =
             self.heights_m().iter().enumerate().filter(|(_, h)| h.is_nan()).map(|(n, _)| n as u32).collect();
         if missing.is_empty() {
@@ -120,8 +121,9 @@ impl HeightMap {
     }
 }
 
-/// Solves sum over neighbours of w (h - h_neighbour) = 0 at each missing point by preconditioned conjugate gradients.
-/// The missing points hold the mean in `height`, so that the sum over all neighbours is that over the known ones.
+/// Solves sum over neighbours of w (h - h_neighbour) = 0 at each missing point by preconditioned conjugate gradients;
+/// returns the heights relative to `mean_m`. The missing points hold `mean_m` in `height`, so that the sum over all
+/// neighbours is that over the known ones.
 fn solve(holes: &mut Holes, height: &[f64], mean_m: f64, monitor: &dyn Monitor) -> (Vec<f64>, Filling) {
     let count = holes.nodes().len();
     let mut residual: Vec<f64> = (0..count).map(|n| holes.known_neighbour_sum(n, height, mean_m)).collect();

@@ -16,8 +16,8 @@ const MAX_COARSEST_UNKNOWNS: usize = 32;
 const COARSEST_SWEEPS: usize = 8;
 /// Ratio of the couplings along the two axes from which only the strongly coupled axis is coarsened.
 const STRONG: f32 = 3.0;
-/// Corrections from the coarser level in a cycle. Two corrections on a quarter of the unknowns cost half a sweep of
-/// this level.
+/// Number of corrections from the coarser level in a cycle. Two corrections on a quarter of the unknowns cost half a
+/// sweep of this level.
 const CORRECTIONS: usize = 2;
 
 /// Unknowns of one level, row by row, so that the right neighbour of unknown n is n + 1.
@@ -27,20 +27,23 @@ pub(super) struct Level {
     cols: usize,
     /// Cell of each unknown, row by row.
     pub(super) cell: Vec<u32>,
-    /// Neighbours in the next and previous rows; [`NONE`] where the neighbour is not an unknown.
+    /// Neighbour of each unknown in the previous row; [`NONE`] where the neighbour is not an unknown.
     pub(super) up: Vec<u32>,
+    /// Neighbour of each unknown in the next row; [`NONE`] where the neighbour is not an unknown.
     pub(super) down: Vec<u32>,
-    /// Weights of the right neighbour and of the one in the next row; 0 where the neighbour is not an unknown.
+    /// Weight of the right neighbour; 0 where the neighbour is not an unknown.
     weight_right: Vec<f32>,
+    /// Weight of the neighbour in the next row; 0 where the neighbour is not an unknown.
     weight_down: Vec<f32>,
-    /// Sum of the weights of the neighbours with known height.
+    /// Sum of the weights of the neighbours with known height, for each unknown.
     anchor: Vec<f32>,
-    /// Nominal weights across and along the rows.
+    /// Weights of neighbours across and along the rows on a complete grid of this level.
     nominal: [f32; 2],
     /// Unknown of the next coarser level that contains each unknown.
     parent: Vec<u32>,
-    /// Approximate solution, and right side.
+    /// Approximate solution.
     pub(super) solution: Vec<f32>,
+    /// Right side b of the equations.
     pub(super) right_side: Vec<f32>,
 }
 
@@ -109,7 +112,7 @@ impl Level {
         n > 0 && self.has_right(n - 1)
     }
 
-    /// The next coarser level. Sets `parent` of this level's unknowns.
+    /// Builds the next coarser level and sets `parent` of this level's unknowns.
     fn coarser(&mut self) -> Self {
         let [across, along] = self.nominal;
         let size = if across > STRONG * along {
@@ -165,7 +168,8 @@ impl Level {
         coarse
     }
 
-    /// Weighted sum of the neighbours of unknown `n`, and the sum of all its weights.
+    /// Weighted sum of the solution over the neighbours of unknown `n`, and the sum of all weights, including those of
+    /// known heights.
     fn weighted_neighbours(&self, n: usize) -> (f32, f32) {
         let (mut sum, mut weights) = (0.0, self.anchor[n]);
         let mut add = |neighbour: usize, weight: f32| {
@@ -198,7 +202,7 @@ impl Level {
     }
 }
 
-/// Fraction of the anchor weights of a cell's points that the cell keeps.
+/// Fraction of the weights of known heights (`anchor`) of a cell's points that the coarser cell keeps.
 const ANCHOR: f32 = 0.5;
 
 /// All levels, the finest first.

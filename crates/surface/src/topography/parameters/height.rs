@@ -19,7 +19,7 @@ pub struct HeightParameters {
     pub sp_m: f64,
     /// Sv, depth of the deepest pit below the mean, in metres.
     pub sv_m: f64,
-    /// Sz = Sp + Sv, in metres.
+    /// Sz, maximum height Sp + Sv, in metres.
     pub sz_m: f64,
 }
 

@@ -5,7 +5,7 @@ use slipgrid_base::monitor::{Cancelled, Monitor};
 use crate::topography::HeightMap;
 use crate::topography::order::descending;
 
-/// Number of points along the curve at which its flattest part is sought.
+/// Number of points along the material ratio curve at which its flattest part is sought.
 const CLASSES: usize = 10_000;
 /// Range of the material ratio to which the equivalent line is fitted.
 const EQUIVALENT_LINE: f64 = 0.4;
@@ -17,7 +17,7 @@ pub struct MaterialRatioCurve {
     descending_m: Vec<f64>,
 }
 
-/// Parameters of a surface's core.
+/// Parameters of a surface's core, from the material ratio curve (ISO 25178-2).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CoreParameters {
     /// Sk, core height, in metres.

@@ -17,11 +17,11 @@ const MAX_CORRELATED: usize = 1 << 23;
 /// Autocorrelation lengths of a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CorrelationLengths {
-    /// Sal, the smallest distance at which the autocorrelation falls to the threshold, in metres; `None` if it does not
-    /// fall to it within half the map in any direction.
+    /// Sal, the smallest distance at which the autocorrelation falls to 0.2 of its value at zero distance, in metres;
+    /// `None` if it does not fall so far within half the map in any direction.
     pub sal_m: Option<f64>,
-    /// Largest such distance, in metres; `None` if the autocorrelation does not fall to the threshold within half the
-    /// map in some direction.
+    /// Largest distance over all directions at which the autocorrelation first falls to 0.2 of its value at zero
+    /// distance, in metres; `None` if it does not fall so far within half the map in some direction.
     pub slowest_m: Option<f64>,
     /// Str = Sal / largest distance, 1 for an isotropic surface; `None` if the largest distance is `None`.
     pub str_ratio: Option<f64>,
@@ -31,7 +31,7 @@ pub struct CorrelationLengths {
     pub block: usize,
 }
 
-/// Threshold of ISO 25178-3.
+/// Fraction of the autocorrelation at zero distance at which Sal and Str are read, from ISO 25178-3.
 const CORRELATION_THRESHOLD: f64 = 0.2;
 
 /// Continuation of the map past its sides.
@@ -96,11 +96,11 @@ fn lengths(map: &HeightMap, sides: Sides, block: usize, monitor: &dyn Monitor) -
 
 /// Autocorrelation at displacements of up to half the map.
 struct Correlation {
-    /// Row by row, with displacements along x and y from 0 upwards and the negative ones at the end.
+    /// Autocorrelation, row by row; displacements along x and y run from 0 upwards, with the negative ones at the end.
     value: Vec<f64>,
-    /// Size of the table.
+    /// Numbers of rows and columns of `value`.
     size: [usize; 2],
-    /// Largest displacement, in pixels.
+    /// Largest displacements along x and y, in pixels.
     most: [usize; 2],
     pixel_m: [f64; 2],
 }
@@ -163,7 +163,8 @@ impl Correlation {
         sum
     }
 
-    /// Distance at which the value first falls to `level` in the direction `angle` (from x towards y), in metres.
+    /// Distance at which the autocorrelation first falls to `level` in the direction `angle` (radians from x towards
+    /// y), in metres; `None` if it does not fall so far within half the map.
     fn decay(&self, angle: f64, level: f64) -> Option<f64> {
         let step_m = self.pixel_m[0].min(self.pixel_m[1]) / STEPS_PER_PIXEL;
         let (step_x, step_y) = (angle.cos() * step_m / self.pixel_m[0], angle.sin() * step_m / self.pixel_m[1]);

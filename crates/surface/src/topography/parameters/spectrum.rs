@@ -25,7 +25,8 @@ pub struct SpectrumBin {
     pub waves: f64,
 }
 
-/// A short wave is shorter than this many pixels of the longer side: twice the shortest wave that both axes resolve.
+/// Wavelength below which a wave is short, in pixels of the longer side: twice the shortest wave that both axes
+/// resolve.
 const SHORT_WAVE_PIXELS: f64 = 4.0;
 /// If short waves hold at least this fraction of the squared slope, the pixel size limits the slope.
 pub const LIMITED_BY_PIXELS: f64 = 0.4;
@@ -35,7 +36,7 @@ pub const LIMITED_BY_PIXELS: f64 = 0.4;
 pub struct ShortWaves {
     /// Upper limit of the wavelengths counted, in metres: four pixels of the longer side.
     pub below_m: f64,
-    /// Fraction of the squared slope that these waves contribute.
+    /// Fraction of the squared slope contributed by waves shorter than `below_m`.
     pub slope_share: f64,
 }
 
@@ -44,8 +45,8 @@ const BINS_PER_DECADE: f64 = 10.0;
 
 impl HeightMap {
     /// Spectrum in ten rings per decade, from the longest wave of the map to the shortest that both axes resolve; rings
-    /// without waves are omitted. With open `sides` heights are multiplied by (1 + cos(pi r/R))/2 within the largest
-    /// circle in the map, scaled to mean square 1 (Hann's window).
+    /// without waves are omitted. With open `sides` heights at the distance r from the middle are multiplied by (1 +
+    /// cos(pi r/R))/2 within the largest circle in the map, of radius R, scaled to mean square 1 (Hann's window).
     ///
     /// # Errors
     /// [`MapError::MissingPoints`] unless the map is complete; [`MapError::Cancelled`] once `monitor` has cancelled.
@@ -59,8 +60,8 @@ impl HeightMap {
         self.radial_spectrum_between(&edges, sides, monitor)
     }
 
-    /// Fraction of the squared slope in waves that are short relative to the map's pixels, with the whole spectrum of
-    /// the map taken as one period:
+    /// Fraction of the squared rms slope s^2 in waves that are short relative to the map's pixels, with the whole
+    /// spectrum h(q) of the map taken as one period:
     ///
     /// ```text
     /// s^2 = sum of q^2 |h(q)|^2
@@ -134,7 +135,7 @@ impl HeightMap {
     }
 }
 
-/// Multiplies the map by the Hann window about its middle.
+/// Multiplies the heights by the Hann window about the middle of the map, scaled to mean square 1.
 fn fade(
     height: &mut [f64],
     [rows, cols]: [usize; 2],

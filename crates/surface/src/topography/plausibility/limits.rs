@@ -10,7 +10,8 @@ pub const SPIKE_REACH: usize = 2;
 /// Largest number of points of a spike: the largest minority of 5 x 5. Larger clusters are features of the surface
 /// or debris.
 pub const MAX_SPIKE_POINTS: usize = 12;
-/// Fewest other points that must be present around a point for it to be judged: as many as around a corner of the map.
+/// Fewest other points that must be present around a point for it to be judged as a spike: as many as around a corner
+/// of the map.
 pub const MIN_SPIKE_NEIGHBOURS: usize = 8;
 /// Standard deviations (1.4826 times the median absolute deviation) above the median height beyond which a point is
 /// debris. Heights of a worn or machined surface reach 4 or 5, those of a normally distributed one of 67 million
@@ -38,18 +39,21 @@ pub const FORM_SHARE: f64 = 1.0 / 3.0;
 pub const WARNED_MISSING_SHARE: f64 = 0.1;
 /// Fraction of missing points above which a map is refused.
 pub const MAX_MISSING_SHARE: f64 = 0.9;
-/// Rms slopes of sliding surfaces: polished metal has 1e-3 to 1e-2, ground or laser-textured surfaces 0.1 to 0.5. A
-/// smaller slope means a wafer or a wrong unit of height (too large); above the upper limit the elastic contact
-/// theory of small slopes no longer holds.
+/// Rms slopes outside which a warning is given. Of sliding surfaces polished metal has 1e-3 to 1e-2, ground or
+/// laser-textured surfaces have 0.1 to 0.5. A smaller slope than the lower limit means a wafer or a wrong unit of
+/// height (too large); above the upper limit the elastic contact theory of small slopes no longer holds.
 pub const WARNED_SLOPE: [f64; 2] = [1e-4, 1.0];
-/// Pixel sides in metres: from half the distance of two atoms to sizes visible to the eye.
+/// Pixel sides, in metres, outside which a warning is given: half the distance of two atoms, and a size visible to the
+/// eye.
 pub const WARNED_PIXEL_M: [f64; 2] = [1e-10, 1e-3];
-/// Ratio of a pixel's sides: profile scans reach 10; sides that differ by a factor of a thousand are in two units.
+/// Ratio of a pixel's sides above which a warning is given: profile scans reach 10; sides that differ by a factor of a
+/// thousand are in two units.
 pub const WARNED_PIXEL_RATIO: f64 = 12.0;
-/// Fraction of points that are zeros next to zeros from which a warning is given; fewer may be a flat part of the
+/// Fraction of points that are exactly zero from which blocks of zeros cause a warning; fewer may be a flat part of the
 /// surface.
 pub const WARNED_ZEROS_SHARE: f64 = 1e-3;
-/// Slopes at which the area law is meaningless: full contact at any load, or walls of 84 degrees on average.
+/// Rms slopes outside which the area law is meaningless: below, contact is full at any load; above, walls are 84
+/// degrees steep on average.
 pub const POSSIBLE_SLOPE: [f64; 2] = [1e-7, 10.0];
-/// Sq of sliding surfaces in metres: from the size of an atom to relief visible to the eye.
+/// Sq, in metres, outside which a warning is given: the size of an atom, and relief visible to the eye.
 pub const WARNED_SQ_M: [f64; 2] = [1e-10, 1e-4];

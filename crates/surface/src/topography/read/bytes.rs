@@ -59,7 +59,7 @@ pub(crate) fn array<const N: usize>(bytes: &[u8]) -> [u8; N] {
     array
 }
 
-/// Refuses a header of `format` that is longer than in any map, `most_bytes`.
+/// Error for a header of `format` that is longer than `most_bytes`, more than the header of any map takes.
 pub(super) fn header_too_long(format: &'static str, most_bytes: usize) -> ReadError {
     ReadError::Refused(format!("{format}: the header is longer than {most_bytes} bytes"))
 }
@@ -72,7 +72,7 @@ pub(super) fn unreadable(format: &'static str, error: &dyn std::fmt::Display) ->
     ReadError::Refused(format!("{format}: cannot be read: {reason}"))
 }
 
-/// Fills `buffer` as far as the source reaches.
+/// Fills `buffer` as far as the source reaches; returns the number of bytes read.
 fn fill(source: &mut impl Read, buffer: &mut [u8], format: &'static str) -> Result<usize, ReadError> {
     let mut filled = 0;
     while filled < buffer.len() {

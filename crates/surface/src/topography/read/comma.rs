@@ -31,7 +31,8 @@ impl DecimalSign {
         if is_comma { Self::Given } else { Self::Open }
     }
 
-    /// Returns `text`, the line `line`, with decimal points.
+    /// Returns `text`, on line number `line`, with decimal points; refuses decimal points once decimal commas were
+    /// recognised.
     pub(super) fn with_points<'t>(&mut self, text: &'t str, line: usize) -> Result<Cow<'t, str>, ReadError> {
         match self {
             Self::Given => return Ok(text.replace(',', ".").into()),

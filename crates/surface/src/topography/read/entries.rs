@@ -6,7 +6,7 @@ use super::scale::Scale;
 use crate::topography::unit::unit_names;
 use crate::topography::{LengthUnit, ReadError};
 
-/// A length with its unit, such as `1.5 mm`, in metres.
+/// Parses a length with its unit, such as `1.5 mm`; returns it in metres.
 pub(super) fn length(line: usize, key: &'static str, value: &str) -> Result<f64, ReadError> {
     let refused = || ReadError::Header {
         line,
@@ -17,7 +17,7 @@ pub(super) fn length(line: usize, key: &'static str, value: &str) -> Result<f64,
     stated_length(value).map(|length| length.to_metres(1.0)).ok_or_else(refused)
 }
 
-/// A length, if `value` begins with a number.
+/// Parses a length with its unit; `None` unless `value` begins with a number.
 pub(super) fn stated_length(value: &str) -> Option<Scale> {
     Scale::parse(value).filter(|_| value.trim().starts_with(|c: char| c.is_ascii_digit() || "+.".contains(c)))
 }
@@ -32,7 +32,7 @@ pub(super) fn rounding(value: &str) -> f64 {
     number(digits).map_or(0.0, |amount| 0.5 * unit / amount)
 }
 
-/// A length given in nanometres, in metres.
+/// Parses a length given in nanometres; returns it in metres.
 pub(super) fn nanometres(line: usize, key: &'static str, value: &str) -> Result<f64, ReadError> {
     Ok(LengthUnit::Nanometre.to_metres(positive(line, key, value)?))
 }

@@ -51,7 +51,7 @@ fn refused(format: &str, export: &str) -> ReadError {
     ReadError::Refused(format!("this is a {format}, which is not read: export {export}"))
 }
 
-/// Recognises the unsupported format of a file that begins with `start`, and refuses it.
+/// Error that names the unsupported format of a file that begins with `start`; `None` if the format is not recognised.
 pub(super) fn of(start: &[u8]) -> Option<ReadError> {
     // Two or three letters may also begin a text; the formats identified by them also contain bytes that no text has.
     let is_binary = start.iter().any(|&byte| byte < 9);
@@ -62,7 +62,7 @@ pub(super) fn of(start: &[u8]) -> Option<ReadError> {
     known.or_else(|| is_plu(start).then(|| refused("Sensofar surface (.plu)", SENSOFAR)))
 }
 
-/// Recognises the unsupported format of a zip archive with files of these `names`, and refuses it.
+/// Error that names the unsupported format of a zip archive with files of these `names`.
 pub(super) fn archive_of(names: impl Iterator<Item = impl AsRef<str>>) -> ReadError {
     let names: Vec<String> = names.map(|name| name.as_ref().to_lowercase()).collect();
     let holds = |part: &str| names.iter().any(|name| name == part || part.starts_with('.') && name.ends_with(part));
@@ -71,8 +71,8 @@ pub(super) fn archive_of(names: impl Iterator<Item = impl AsRef<str>>) -> ReadEr
     refused(format, export)
 }
 
-/// A `.plu` file has no signature; it begins with a date and time, such as `Thu May 10 10:17:24 2007`, padded with
-/// zeros to 128 bytes.
+/// Whether a file that begins with `start` is a `.plu` file, which has no signature; it begins with a date and time,
+/// such as `Thu May 10 10:17:24 2007`, padded with zeros to 128 bytes.
 fn is_plu(start: &[u8]) -> bool {
     const MIN_DATE: usize = 14;
     let length = start.iter().position(|&byte| byte == 0).unwrap_or(start.len());

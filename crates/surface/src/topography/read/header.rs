@@ -21,27 +21,29 @@ pub(crate) struct Header {
     side_m: Option<f64>,
     /// Sides of a pixel along x and y, in metres.
     pub(super) pixel_m: [Option<f64>; 2],
-    /// Relative rounding errors of width and height.
+    /// Relative rounding errors of height and width.
     pub(super) rounding: [f64; 2],
     value_unit: Option<Scale>,
     /// Length that a height value of 1 represents, used if no unit is stated.
     value_factor: Option<Scale>,
     pub(super) lateral: Option<Scale>,
-    /// The first line was that of SPIP; other programs use the same words with other units.
+    /// Whether the header has the line `File Format = ASCII` of SPIP; other programs use the same words with other
+    /// units.
     spip: bool,
-    /// The file is a CSV export of a Keyence microscope.
+    /// Whether the file is a CSV export of a Keyence microscope.
     pub(super) keyence: bool,
-    /// Column titles x, y and z were found.
+    /// Whether column titles x, y and z were found.
     pub(super) titled: bool,
-    /// Number of lines of the matrix, and of values on each.
+    /// Number of lines of the matrix, and number of values on each line.
     pub(super) pixels: [Option<u64>; 2],
     /// Comment lines without their comment mark.
     pub(super) comments: Vec<String>,
-    /// Lengths without unit, with their line, until the unit of x and y is known.
+    /// Lengths without unit, until the unit of x and y is known: key, length, line number and header word.
     unitless: Vec<(Key, f64, usize, String)>,
-    /// Lines with a comma that may be decimal or a thousands separator, with the error for each.
+    /// Comments with a comma that may be decimal or a thousands separator: text, line number, and error if it is not
+    /// decimal.
     ambiguous: Vec<(String, usize, ReadError)>,
-    /// Unused lines that state a unit or a scale.
+    /// Unused lines that state a unit or a scale: line number and text.
     unused: Vec<(usize, String)>,
 }
 
@@ -155,7 +157,8 @@ impl Header {
         Ok(true)
     }
 
-    /// An entry of a SPIP header: lengths in nanometres; heights in their unit or, without unit, multiplied by Bit2nm.
+    /// Reads an entry of a SPIP header: lengths in nanometres; heights in their unit or, without unit, multiplied by
+    /// Bit2nm. Returns whether it was used.
     fn spip_entry(&mut self, key: &str, value: &str, line: usize) -> Result<bool, ReadError> {
         match key {
             "x-pixels" => self.pixels[1] = Some(whole(line, "x-pixels", value)?),
@@ -173,9 +176,9 @@ impl Header {
         Ok(true)
     }
 
-    /// A line of a Keyence export, recognised by its form because its words can be in any language and encoding: a key
-    /// and a length with unit is the pixel size, a key and a unit is the unit of heights, and the first whole numbers
-    /// below the pixel size are the counts of columns and lines.
+    /// Reads a line of a Keyence export, recognised by its form because its words can be in any language and encoding:
+    /// a key and a length with unit is the pixel size, a key and a unit is the unit of heights, and the first whole
+    /// numbers below the pixel size are the counts of columns and lines.
     pub(super) fn keyence_line(&mut self, text: &str) {
         let delimiter = Delimiter::of(text);
         let fields: Vec<&str> = delimiter.fields(text).collect();
@@ -216,8 +219,8 @@ impl Header {
         Ok(())
     }
 
-    /// Uses the steps of the axes along and across lines as pixel sides, if no size is given otherwise and the unit is
-    /// known.
+    /// Uses the steps of the axes along and across lines, in the unit of x and y, as pixel sides, if no size is given
+    /// otherwise and the unit is known.
     pub(super) fn set_pixel_from_axes(&mut self, steps: [f64; 2], lateral: Option<Scale>) {
         if let Some(lateral) = lateral.or(self.lateral)
             && !self.is_sized()
@@ -234,7 +237,8 @@ impl Header {
         }
     }
 
-    /// Length that a height value of 1 represents; a unit has precedence over a factor.
+    /// Length that a height value of 1 represents; a unit has precedence over a factor. `None` if the header states
+    /// neither.
     pub(super) fn value(&self) -> Option<Scale> {
         self.value_unit.or(self.value_factor)
     }

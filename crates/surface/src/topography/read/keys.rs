@@ -67,7 +67,7 @@ const WORDS: [(Key, &str); 12] = [
 ];
 
 impl Key {
-    /// The key for a header word, in any case, with `-`, `_` or blanks between its parts.
+    /// Finds the key for a header word, in any case, with `-`, `_` or blanks between its parts; `None` for other words.
     pub(super) fn of(word: &str) -> Option<Self> {
         let word = plain(word);
         WORDS.iter().find(|(_, words)| words.split(',').any(|known| plain(known) == word)).map(|(key, _)| *key)
@@ -91,7 +91,7 @@ const SCALE_WORDS: &str =
 const OTHER_WORDS: &str =
     "offset,origin,position,distance,speed,cutoff,cut-off,filter,wavelength,radius,range,min,max,image size";
 
-/// Largest number of words in a name.
+/// Largest number of words in the name of a value; longer texts are remarks.
 const MAX_NAME_WORDS: usize = 4;
 
 /// Whether a line that was not understood seems to state a unit or a scale; `is_length` tells whether its value is a

@@ -4,10 +4,10 @@ use std::io::{BufRead, Read};
 
 use crate::topography::ReadError;
 
-/// Longest line: fits a row of the largest map with 30 characters per height.
+/// Longest line, in bytes: fits a row of half a million heights of 30 characters.
 const MAX_LINE_BYTES: usize = 1 << 24;
 
-/// Numbered lines without their line ends.
+/// Reads a text line by line and counts the lines.
 pub(crate) struct Lines<R> {
     source: R,
     line: usize,
@@ -172,7 +172,7 @@ pub(crate) fn height(field: &str) -> Option<Option<f64>> {
     number(field).map(Some)
 }
 
-/// Parses a finite number.
+/// Parses a finite number; `None` for any other text.
 pub(crate) fn number(field: &str) -> Option<f64> {
     field.parse().ok().filter(|value: &f64| value.is_finite())
 }

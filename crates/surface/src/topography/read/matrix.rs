@@ -223,7 +223,8 @@ impl MatrixReader {
         }
     }
 
-    /// Quantities given neither by the header nor by the caller; `grid_m` is the pixel as far as the text is read.
+    /// Quantities given neither by the header nor by the caller; `grid_m` are the pixel sides that the text read so far
+    /// gives.
     fn missing_quantities(grid_m: [Option<f64>; 2], header: &Header, options: &ReadOptions) -> Vec<NotGiven> {
         let unit = options.height_unit.is_none() && header.value().is_none();
         let pixel = options.pixel_m.is_none() && grid_m.contains(&None);
@@ -236,7 +237,8 @@ impl MatrixReader {
         Self::missing_quantities(header.grid_m(1, 1), header, options)
     }
 
-    /// Pixel sides for `rows` lines; refused if rows seem to be missing.
+    /// Distances between lines and between the points of a line, in metres, for `rows` lines; refused if rows seem to
+    /// be missing.
     fn grid_m(&self, rows: usize, header: &Header) -> Result<[Option<f64>; 2], ReadError> {
         let grid_m = header.grid_m(rows, self.cols);
         // Counts stated in the header were compared already.
@@ -252,7 +254,7 @@ impl MatrixReader {
         }
     }
 
-    /// The header's values, for `rows` counted rows.
+    /// Values that the header states, with its sides divided among `rows` rows.
     pub(super) fn stated_values(&self, rows: usize, header: &Header) -> StatedValues {
         // Rows behind a crop are not counted if the pixel size is given.
         let is_counted = self.window.is_whole() || header.pixels[0].is_some();
@@ -275,12 +277,12 @@ impl MatrixReader {
     }
 }
 
-/// Logarithm of the ratio of a pixel's sides.
+/// Magnitude of the natural logarithm of the ratio of a pixel's sides.
 fn log_aspect_ratio([dx_m, dy_m]: [f64; 2]) -> f64 {
     (dx_m / dy_m).ln().abs()
 }
 
-/// Whether these pixel sides count as square for readers of a header that gives the sides of a whole map.
+/// Whether pixels of `dx_m` x `dy_m` count as square for readers of a header that gives the sides of a whole map.
 pub(crate) fn is_square(dx_m: f64, dy_m: f64) -> bool {
     log_aspect_ratio([dx_m, dy_m]) <= SQUARE_TOLERANCE
 }

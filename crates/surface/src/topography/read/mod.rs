@@ -1,6 +1,6 @@
 //! Reads altitude maps from the formats that instruments write. The format is recognised by content, not by name.
 //!
-//! | format | told by | sizes and units |
+//! | format | recognised by | sizes and units |
 //! |---|---|---|
 //! | [`Matrix`](MapFormat::Matrix) text, also CSV | anything else | lines as `# Width: 1 mm`, `# Value units: m` (Gwyddion, in any language), `# x-length = 1e6` (SPIP), `Pixel size: 1 um`, or by option |
 //! | Keyence CSV, as a matrix | `ImageDataCsv` above the data | in the header |
@@ -20,10 +20,10 @@
 //! comments, in UTF-8 or Latin-1, and so are lines above the data that name a value, such as `Operator: Anna`; both may
 //! state sizes and units.
 //!
-//! Lines of a matrix, which instruments call x, run along this module's y (the file's width); the first line is x = 0.
-//! Points x y z keep their axes. Only the heights kept by [`ReadOptions::crop`] and [`ReadOptions::decimation`] are
-//! held in memory, except for points x y z, the archive of an X3P and the packed stream of a compressed `.sur`. Sizes
-//! stated by a file are checked and memory is never reserved for them: memory grows with the heights that arrive.
+//! The points of a line of a matrix follow each other along x, and the lines along y, as in instrument software. Points
+//! x y z keep their axes. Only the heights kept by [`ReadOptions::crop`] and [`ReadOptions::decimation`] are held in
+//! memory, except for points x y z, the archive of an X3P and the packed stream of a compressed `.sur`. Sizes stated by
+//! a file are checked and memory is never reserved for them: memory grows with the heights that arrive.
 
 mod bytes;
 mod comma;
@@ -68,9 +68,10 @@ const MAX_COMMENT_CHARS: usize = 300;
 /// Number of bytes from which the format is recognised.
 const SIGNATURE_BYTES: usize = 64;
 /// Heights per packed byte above which packed data are refused as a decompression bomb, if there are more than
-/// [`HARMLESS_HEIGHTS`]. Measured heights keep at least one bit of noise each, so a map takes at most 64 times its
+/// [`HARMLESS_HEIGHTS`]. Measured heights have at least one bit of noise each, so a map takes at most 64 times its
 /// file, or 8 MiB.
 const MAX_HEIGHTS_PER_BYTE: u64 = 8;
+/// Number of heights up to which packed data are not refused as a decompression bomb.
 const HARMLESS_HEIGHTS: u64 = 1 << 20;
 
 /// File format of a map.
@@ -146,7 +147,7 @@ pub struct ReadMap {
     pub whole: bool,
     /// Format recognised or given.
     pub format: MapFormat,
-    /// The first comment lines, without their comment mark, and other text from a header.
+    /// The first comment lines, without their comment mark, and other texts of the header.
     pub comments: Vec<String>,
     /// Notes for the user on how the file was interpreted.
     pub notes: Vec<String>,
@@ -214,14 +215,14 @@ fn format_of(start: &[u8]) -> Result<Option<MapFormat>, ReadError> {
     Ok(Some(format))
 }
 
-/// Stores a comment, within the limits.
+/// Stores a comment, unless [`MAX_COMMENTS`] are stored, cut to [`MAX_COMMENT_CHARS`].
 fn keep_comment(comments: &mut Vec<String>, comment: &str) {
     if comments.len() < MAX_COMMENTS && !comment.is_empty() {
         comments.push(comment.chars().take(MAX_COMMENT_CHARS).collect());
     }
 }
 
-/// Refuses `packed` bytes that expand to far more heights, of `bytes_each`, than measured data do.
+/// Refuses `packed` bytes that expand to far more heights than measured data do; a height takes `bytes_each` bytes.
 fn check_expansion(format: &'static str, heights: u64, bytes_each: u64, packed: u64) -> Result<(), ReadError> {
     if heights > HARMLESS_HEIGHTS && heights / MAX_HEIGHTS_PER_BYTE > packed {
         return Err(bomb(format, heights.saturating_mul(bytes_each), packed, MAX_HEIGHTS_PER_BYTE * bytes_each));
@@ -229,7 +230,7 @@ fn check_expansion(format: &'static str, heights: u64, bytes_each: u64, packed: 
     Ok(())
 }
 
-/// Refuses data that expand from `packed` to `unpacked` bytes, by more than the factor `most`.
+/// Error for data that expand from `packed` to `unpacked` bytes, by more than the factor `most`.
 fn bomb(format: &'static str, unpacked: u64, packed: u64, most: u64) -> ReadError {
     ReadError::Refused(format!(
         "{format}: what is packed in {packed} bytes unpacks to {unpacked} bytes: expected at most {most} times as many"

@@ -1,6 +1,6 @@
 //! NumPy array (`.npy`, versions 1 to 3): a magic string, the length of the header, the header as a Python dictionary
-//! of `descr`, `fortran_order` and `shape`, then the numbers. The first index runs along this module's x. The file has
-//! no pixel size and no unit.
+//! of `descr`, `fortran_order` and `shape`, then the numbers. The second index runs along x, the first along y. The
+//! file has no pixel size and no unit.
 
 use std::io::Read;
 
@@ -115,7 +115,7 @@ fn number(header: &str) -> Result<(Number, bool), ReadError> {
     Ok((number, order))
 }
 
-/// Number of rows and columns.
+/// Lengths of the array along its first and second index.
 fn shape(header: &str) -> Result<[u64; 2], ReadError> {
     let value = entry(header, "shape").unwrap_or_default();
     let refuse = || refused("shape", excerpt(value), "two whole numbers, for instance (512, 512)");

@@ -31,7 +31,7 @@ impl StatedValues {
         Self { pixel_m, height_unit: height_unit.map(Scale::from), lateral_unit: lateral_unit.map(Scale::from) }
     }
 
-    /// Notes on `options` that differ from these values of the file, one sentence each.
+    /// Notes on `options` that differ from the values that the file states, one sentence each.
     pub(super) fn notes(&self, options: &ReadOptions, format: MapFormat) -> Vec<String> {
         // Rounded to a picometre, which hides the rounding of the file's sides divided by the number of pixels.
         let um = |side_m: f64| (1e12 * side_m).round() / 1e6;

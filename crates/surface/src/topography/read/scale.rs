@@ -13,7 +13,8 @@ pub(crate) struct Scale {
     unit: LengthUnit,
 }
 
-/// Names of further units than those of [`LengthUnit`], in lower case and parted by blanks, each with its factor and unit.
+/// Names of further units than those of [`LengthUnit`], in lower case and separated by blanks, each with its factor and
+/// unit.
 const NAMES: [(&str, f64, LengthUnit); 8] = [
     ("angstrom angstroms å ångström ångstrom", 100.0, LengthUnit::Picometre),
     ("nanometer nanometers nanometre nanometres", 1.0, LengthUnit::Nanometre),
@@ -59,7 +60,7 @@ impl Scale {
         Self { factor: factor * self.factor, ..self }
     }
 
-    /// Parses a scale: a unit, or a positive number and a unit, optionally per count or pixel.
+    /// Parses a scale: a unit, or a positive number and a unit, optionally per count or pixel; `None` for other texts.
     pub(super) fn parse(text: &str) -> Option<Self> {
         let text = header_length(text.trim());
         let digits = text.find(|c: char| !(c.is_ascii_digit() || "+-.eE".contains(c))).unwrap_or(text.len());
@@ -76,7 +77,7 @@ impl Scale {
         Some(unit.times(amount))
     }
 
-    /// The unit with the given name.
+    /// The unit with the given name; `None` if it is not known.
     fn named(name: &str) -> Option<Self> {
         let name = LETTERS.iter().fold(name.trim().to_owned(), |name, (letters, plain)| name.replace(letters, plain));
         if let Ok(unit) = name.parse() {

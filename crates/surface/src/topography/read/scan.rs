@@ -69,14 +69,15 @@ impl Scan {
         })
     }
 
-    /// Coordinates along x and y, if all lines are complete, and the heights.
+    /// Coordinates along x and along y, and the heights in the order of the file, all in the file's units; `None`
+    /// unless all lines are complete.
     pub(super) fn grid(&self) -> Option<([&[f64]; 2], &[f64])> {
         let whole = self.z.len() == self.slow.len() * self.fast.len();
         let along = if self.x_is_slow { [&self.slow[..], &self.fast] } else { [&self.fast[..], &self.slow] };
         whole.then_some((along, &self.z))
     }
 
-    /// Index of the point at row i and column j.
+    /// Index of the point at row i and column j of the map, in the order of the file.
     pub(super) fn place(&self, i: usize, j: usize) -> usize {
         if self.x_is_slow { i * self.fast.len() + j } else { j * self.fast.len() + i }
     }

@@ -35,7 +35,7 @@ pub(super) fn read(mut source: impl BufRead, options: &ReadOptions) -> Result<Re
     if kind == b'a' { read_text(source, options) } else { read_binary(source, options) }
 }
 
-/// Entries common to both headers.
+/// Entries common to the text header and the binary header.
 struct Header {
     points: u64,
     profiles: u64,
@@ -138,7 +138,7 @@ struct Entries {
 }
 
 impl Entries {
-    /// Stores the entry in `text`; returns whether it was one.
+    /// Stores the entry in `text`; returns whether `text` was an entry.
     fn take(&mut self, text: &str) -> Result<bool, ReadError> {
         let Some((key, value)) = text.split_once('=') else { return Ok(false) };
         let value = value.trim();

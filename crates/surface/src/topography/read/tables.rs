@@ -14,8 +14,8 @@ const SAME_STEP: f64 = 0.1;
 const MAX_STEP_DEVIATION: f64 = 0.05;
 /// Largest number of different steps of one coordinate: along a line, back to the next line, and one due to rounding.
 const MAX_DISTINCT_STEPS: usize = 3;
-/// If the rows rise by more than this fraction of the first row's rise, the map is a tilted plane and its first row not
-/// an axis.
+/// If the second row rises by more than this fraction of the first row's rise, the map is a tilted plane and its first
+/// row not an axis.
 const MAX_SLOPE: f64 = 0.5;
 
 /// Changes of a column from line to line.
@@ -99,7 +99,7 @@ impl CoordinateListCheck {
 /// Steps of the axes above and to the left of a matrix.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Axes {
-    /// Step along lines, and from line to line.
+    /// Step along lines, and step from line to line, in the unit of the file.
     pub(super) steps: [f64; 2],
     delimiter: Delimiter,
 }
@@ -154,7 +154,7 @@ fn numbers(row: &str) -> Vec<f64> {
     Delimiter::of(row).fields(row).map(value).collect()
 }
 
-/// The step of `values`, if they are equally spaced.
+/// The step of `values`, if they are equally spaced and at least [`MIN_STEPS`].
 fn step(values: &[f64]) -> Option<f64> {
     let (first, last) = (*values.first()?, *values.last()?);
     let step = (last - first) / (values.len() - 1) as f64;

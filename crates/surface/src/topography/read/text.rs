@@ -16,7 +16,7 @@ use crate::topography::error::significant;
 
 /// Bytes at the beginning of a text that are searched for the name of its format.
 const MAX_SIGNATURE_BYTES: u64 = 2048;
-/// First words of a CSV export of Keyence software, the same in every language.
+/// Beginning of a CSV export of Keyence software, the same in every language.
 const KEYENCE: &str = "ImageDataCsv";
 
 enum Data {
@@ -46,7 +46,7 @@ struct Text {
 }
 
 impl Text {
-    /// Reads a line; returns whether more are needed.
+    /// Reads a line; returns whether more lines are needed.
     fn take(&mut self, row: &str, line: usize) -> Result<bool, ReadError> {
         let (text, before_data) = (row.trim(), self.data.is_none() && self.held.is_none());
         if text.is_empty() && !row.is_empty() {
@@ -112,7 +112,7 @@ impl Text {
         })
     }
 
-    /// Adds the errors that would follow to a refused decimal comma.
+    /// Adds the quantities that are missing, too, to an error on a decimal comma; other errors stay as they are.
     fn with_all_that_is_missing(&self, error: ReadError) -> ReadError {
         match &self.data {
             Some(Data::Matrix(_)) => error.with_missing(MatrixReader::missing(&self.header, &self.options)),

@@ -28,7 +28,7 @@ pub(super) fn order_of(start: &[u8]) -> Option<Order> {
 }
 
 impl<R: BufRead> Utf16<R> {
-    /// Reads `source` in this byte order.
+    /// Creates a reader of `source` in the byte order `order`.
     pub(super) const fn new(source: R, order: Order) -> Self {
         Self { source, order, half: None, decoded: Vec::new(), taken: 0 }
     }

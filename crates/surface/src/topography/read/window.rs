@@ -45,15 +45,18 @@ pub struct Decimation {
 /// Receives the heights of a file row by row and keeps only the part requested.
 #[derive(Debug)]
 pub(crate) struct Window {
-    /// Number of rows of the file, if known before reading, and of columns.
+    /// Number of rows of the file, if known before reading.
     file_rows: Option<usize>,
+    /// Number of columns of the file.
     file_cols: usize,
-    /// Range kept: first index and one past the last.
+    /// Rows kept: first index, and one past the last.
     rows: [usize; 2],
+    /// Columns kept: first index, and one past the last.
     cols: [usize; 2],
     decimation: Decimation,
-    /// Position of the next height.
+    /// Row of the next height in the file.
     row: usize,
+    /// Column of the next height in the file.
     col: usize,
     /// Sum and number of the heights of each block in the current rows.
     block: Vec<(f64, u32)>,
@@ -249,7 +252,7 @@ impl Window {
 
     /// The map of a file of lines of heights: points of a line follow each other along x, lines along y. Heights are
     /// converted by `to_metres`, which must be linear; `pixel_m` are the distances between lines and between the points
-    /// of a line.
+    /// of a line, before decimation.
     pub(crate) fn finish_lines(
         self,
         pixel_m: [f64; 2],
@@ -259,7 +262,7 @@ impl Window {
     }
 
     /// The map in the order received. Heights are converted by `to_metres`, which must be linear; `pixel_m` are the
-    /// distances between rows and between columns.
+    /// distances between rows and between columns, before decimation.
     pub(crate) fn finish(mut self, pixel_m: [f64; 2], to_metres: impl Fn(f64) -> f64) -> Result<HeightMap, ReadError> {
         if self.rows[1] != usize::MAX && self.row < self.rows[1] {
             return Err(outside("rows", self.rows[0], self.rows[1] - self.rows[0], self.row as u64));
@@ -273,7 +276,7 @@ impl Window {
     }
 }
 
-/// Refuses a crop of `count` rows or columns from `first` on, which reaches beyond the `available` ones.
+/// Error for a crop of `count` rows or columns from `first` on, which reaches beyond the `available` ones.
 fn outside(axis: &str, first: usize, count: usize, available: u64) -> ReadError {
     let last = first.saturating_add(count.saturating_sub(1));
     ReadError::Refused(format!("the crop takes {axis} {first} to {last}: the file has {available} {axis}, from 0"))
@@ -303,7 +306,7 @@ impl HeightMap {
     }
 }
 
-/// A part of a map in memory, and whether it is the whole map.
+/// Crops and decimates a map in memory; also returns whether every pixel of the map is in the result.
 pub(super) fn window_of(
     map: HeightMap,
     crop: Option<Crop>,

@@ -10,13 +10,13 @@ use super::window::{Crop, Window};
 use super::{MapFormat, ReadMap, ReadOptions, keep_comment};
 use crate::topography::{LengthUnit, ReadError};
 
-/// First words of the format.
+/// Beginning of a file in this format.
 pub(super) const MAGIC: &str = "Wyko ASCII Data File Format";
 const FORMAT: &str = "Wyko ASCII";
 /// Names of the blocks that hold heights.
 const HEIGHT_BLOCKS: [&str; 4] = ["RAW_DATA", "RAW DATA", "SAMPLE_DATA", "OPD"];
 
-/// Values of the entries.
+/// Values of the entries above the heights.
 #[derive(Default)]
 struct Header {
     /// Number of points along x and along y.
@@ -64,8 +64,8 @@ impl Header {
         Err(refused("RAW_DATA", "", "a block of heights"))
     }
 
-    /// Length that a height value of 1 represents; the third number of the first line tells whether heights are in
-    /// nanometres.
+    /// Length that a height value of 1 represents; the second number after the format's name on the first line tells
+    /// whether heights are in nanometres.
     fn scale(&self) -> Result<Scale, ReadError> {
         let flags = self.comments.first().and_then(|first| first.strip_prefix(MAGIC)).unwrap_or_default();
         if flags.split_whitespace().nth(1) == Some("1") {

@@ -18,13 +18,14 @@ use super::{MapFormat, ReadMap, ReadOptions, bomb, check_expansion};
 use crate::topography::{LengthUnit, ReadError};
 
 pub(super) const MAGIC: &[u8] = b"PK\x03\x04";
-/// Largest archive. It is held in memory because its directory is at the end.
+/// Largest archive, in bytes. It is held in memory because its directory is at the end.
 const MAX_ARCHIVE_BYTES: u64 = 1 << 29;
 /// Largest index: a few hundred thousand heights fit as text; larger maps use a binary file.
 const MAX_INDEX_BYTES: u64 = 1 << 24;
-/// An index that expands to more than this many times its packed size, and to more than these bytes, is refused as a
-/// decompression bomb. Digits of heights pack to a third, the tags around them to a twentieth.
+/// Ratio of unpacked to packed size above which an index is refused as a decompression bomb, if it is larger than
+/// [`HARMLESS_INDEX_BYTES`]. Digits of heights pack to a third, the tags around them to a twentieth.
 const MAX_INDEX_EXPANSION: u64 = 60;
+/// Unpacked size up to which an index is not refused as a decompression bomb.
 const HARMLESS_INDEX_BYTES: u64 = 1 << 20;
 
 pub(super) fn read(mut source: impl Read, options: &ReadOptions) -> Result<ReadMap, ReadError> {
@@ -138,7 +139,7 @@ impl Places {
         Self { index: found.and_then(|name| names.get(name)).copied(), folder, names }
     }
 
-    /// The file that the index calls `path`.
+    /// Position in the archive of the file that the index calls `path`; refused if there is no such file.
     fn find(&self, path: &str) -> Result<usize, ReadError> {
         let plain = plain(path);
         let found = self.names.get(&format!("{}{plain}", self.folder)).or_else(|| self.names.get(&plain));
@@ -153,7 +154,7 @@ fn plain(name: &str) -> String {
     name.split('/').filter(|part| !matches!(*part, "" | ".")).collect::<Vec<_>>().join("/")
 }
 
-/// The file of the archive with the heights that `index` names.
+/// The file of the archive, at position `place`, with the heights that `index` describes; refused if its size is wrong.
 fn data_entry<'a, 'b>(
     archive: &'a mut Archive<'b>,
     place: usize,
@@ -165,7 +166,7 @@ fn data_entry<'a, 'b>(
     Ok(file)
 }
 
-/// A file of the archive that must unpack to `needed` bytes.
+/// The file at position `place` of the archive; refused unless it unpacks to `needed` bytes.
 fn sized_entry<'a, 'b>(
     archive: &'a mut Archive<'b>,
     place: usize,

@@ -32,7 +32,7 @@ pub(super) enum Heights {
 pub(super) struct Index {
     pub(super) rows: u64,
     pub(super) cols: u64,
-    /// Axes x, y and z.
+    /// Increments of the axes x, y and z.
     pub(super) increment_m: [f64; 3],
     pub(super) offset_z_m: f64,
     pub(super) number: Number,

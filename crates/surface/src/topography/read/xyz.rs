@@ -149,7 +149,8 @@ impl XyzReader {
     }
 }
 
-/// Grid of a scan without missing points, and its heights in metres.
+/// Grid of a scan without missing points along x and y, and its heights in metres, row by row; `None` if lines are
+/// incomplete or not equally spaced.
 fn from_scan(scan: &Scan, unit: Scale) -> Option<([GridLines; 2], Vec<f64>)> {
     let ([x, y], z) = scan.grid()?;
     let along_x = GridLines::find("x", x.iter().copied()).ok()?;
@@ -163,7 +164,7 @@ fn from_scan(scan: &Scan, unit: Scale) -> Option<([GridLines; 2], Vec<f64>)> {
     Some(([along_x, along_y], height_m))
 }
 
-/// Grid of points in any order, and its heights in metres, NaN where there is no point.
+/// Grid of points in any order along x and y, and its heights in metres, row by row, NaN where there is no point.
 fn from_points(points: &[Point], unit: Scale) -> Result<([GridLines; 2], Vec<f64>), ReadError> {
     let along_x = GridLines::find("x", points.iter().map(|point| point.x))?;
     let along_y = GridLines::find("y", points.iter().map(|point| point.y))?;
@@ -210,7 +211,7 @@ struct GridLines {
 }
 
 impl GridLines {
-    /// The grid on which the `coordinates` lie.
+    /// The grid on which the `coordinates` lie; refused if all are equal. `axis` is their name for the message.
     fn find(axis: &'static str, coordinates: impl Iterator<Item = f64>) -> Result<Self, ReadError> {
         let mut sorted: Vec<f64> = coordinates.collect();
         sorted.sort_unstable_by(f64::total_cmp);
@@ -244,7 +245,7 @@ impl GridLines {
         order.iter().all(|&n| n != usize::MAX).then_some(order)
     }
 
-    /// Index of the grid line on which `value` lies.
+    /// Index of the grid line on which `value` lies; refused if it lies between lines.
     fn index(&self, axis: &'static str, value: f64, line: usize) -> Result<usize, ReadError> {
         let steps = (value - self.first) / self.step;
         let nearest = steps.round();

@@ -12,7 +12,7 @@ use super::xyz::XyzReader;
 use super::{MapFormat, ReadMap, ReadOptions, keep_comment};
 use crate::topography::{LengthUnit, MapOption, NotGiven, ReadError};
 
-/// First words of both formats.
+/// Beginnings of files in the two formats.
 pub(super) const MAGIC: [&str; 2] = ["Zygo XYZ Data File", "Zygo ASCII Data File"];
 const FORMAT: &str = "Zygo text";
 /// Largest number of lines above the first `#`; usual writers have 13 or 14.
@@ -25,10 +25,11 @@ const MIN_INVALID_PHASE: f64 = 2_147_483_640.0;
 /// Lines above the data.
 struct Header {
     lines: Vec<String>,
-    /// The line with the size of the phase data, the first with four numbers only; the number of lines above it depends
-    /// on the writer.
+    /// Index of the line with the size of the phase data, the first line with four numbers only; the number of lines
+    /// above it depends on the writer.
     size: usize,
-    /// The line with scale factor, wavelength and camera resolution: the next with at least seven numbers.
+    /// Index of the line with scale factor, wavelength and camera resolution: the next line with at least seven
+    /// numbers.
     optics: usize,
 }
 
@@ -58,7 +59,7 @@ impl Header {
         Ok(Self { lines, size, optics })
     }
 
-    /// The number at a position of a line, both counted from 0, if it is accepted.
+    /// The number at `line` and `place` in the line, both counted from 0; refused unless `accepts` it.
     fn number(
         &self,
         field: &'static str,
