@@ -3,8 +3,9 @@
 use super::correlated_noise::{LineErrors, line_errors};
 use super::time_series::{line_through, mean_between};
 
-/// Largest number of batches into which the window is cut. More batches resolve the correlation of the noise better.
+/// Maximum number of batches into which the window is cut. More batches resolve the correlation of the noise better.
 const MAX_BATCHES: usize = 20;
+/// Minimum number of batches, even if samples are few.
 const MIN_BATCHES: usize = 10;
 /// Minimum number of samples in a batch.
 const MIN_SAMPLES_PER_BATCH: usize = 2;
@@ -20,22 +21,23 @@ const MIN_SAMPLES_PER_BATCH: usize = 2;
 /// % at a third. Coverage is 86 % for two processes at once, one with a hundredth of the window as its correlation time
 /// and four times the variance of another with a sixth.
 ///
-/// An oscillation averages out in every batch if its period is within some per cent of a batch (a twentieth of the
-/// window) or of a whole fraction of one. The incomplete last period then shifts the mean by at most a hundredth of the
-/// amplitude, and the stated error may be half of this shift.
+/// An oscillation averages out in every batch if its period is within some per cent of the length of a batch (a
+/// twentieth of the window) or of a whole fraction of this length. The incomplete last period then shifts the mean by
+/// at most a hundredth of the amplitude, and the stated error may be half of this shift.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WindowMean {
     /// Mean over time of the friction coefficient.
     pub mu: f64,
-    /// Standard error of the mean, from the batch means about their line.
+    /// Standard error of the mean, from the deviations of the batch means from the line through them.
     pub stderr: f64,
-    /// Change of mu over the window, from the line through the batch means.
+    /// Change of the friction coefficient over the window, from the line through the batch means.
     pub drift: f64,
     /// Standard error of `drift`.
     pub drift_stderr: f64,
 }
 
-/// Computes mean and drift of `mu` over `window_s`. Samples are weighted by the time that they cover.
+/// Computes mean and drift of `mu` over `window_s`, with their errors. Samples are weighted by the time that they
+/// cover.
 pub fn window_mean(time_s: &[f64], mu: &[f64], window_s: [f64; 2]) -> WindowMean {
     let [from, to] = window_s;
     let length = to - from;

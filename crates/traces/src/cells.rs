@@ -1,9 +1,9 @@
-//! Cells of tables, as instruments and spreadsheets of different locales write them.
+//! Parsing of table cells, as written by instruments and spreadsheets of different locales.
 
 /// Separators that a table may use, in the order in which they are looked for in its header.
 pub const SEPARATORS: [char; 3] = ['\t', ';', ','];
 
-/// Returns the separator of a table with this header line.
+/// Returns the separator of a table with this header line; `None` for a line without a separator.
 pub fn separator(header: &str) -> Option<char> {
     SEPARATORS.into_iter().find(|&separator| header.contains(separator))
 }
@@ -28,8 +28,8 @@ pub fn unquoted(cell: &str) -> &str {
     cell.trim_matches('"').trim()
 }
 
-/// Parses the number in a cell. A decimal comma is accepted where commas are not the separator, or where the cell is
-/// quoted.
+/// Parses the number in a cell; `None` if the cell is no finite number. A decimal comma is accepted if commas are not
+/// the separator, or if the cell is quoted.
 pub fn number_in(cell: &str, separator: char) -> Option<f64> {
     let bare = unquoted(cell);
     if let Ok(value) = bare.parse::<f64>() {
@@ -47,7 +47,7 @@ pub fn number_in(cell: &str, separator: char) -> Option<f64> {
 pub struct Written {
     /// Line, from 1.
     pub line: u32,
-    /// Column, in the numbering of the caller.
+    /// Index of the column, in the numbering of the caller.
     pub column: usize,
     /// The number, without quotes.
     pub number: String,
@@ -62,8 +62,8 @@ pub struct DecimalSigns {
 }
 
 impl DecimalSigns {
-    /// Records a cell that holds a number. Returns the first number with a point and the reason why it is ambiguous, as
-    /// soon as the table also has a number with a decimal comma.
+    /// Records a cell that holds a number, at `[line, column]`. As soon as the table has numbers with a decimal comma
+    /// and with a point, returns the first number with a point and the reason why it is ambiguous.
     pub fn take(&mut self, cell: &str, [line, column]: [u32; 2]) -> Option<(&Written, String)> {
         let bare = unquoted(cell);
         let first = if bare.contains(',') {

@@ -16,7 +16,7 @@ pub enum Channel {
     NormalForce,
     /// Sliding speed.
     Speed,
-    /// Revolutions per time.
+    /// Rotational speed.
     Revolutions,
     /// Relative humidity.
     Humidity,
@@ -24,16 +24,16 @@ pub enum Channel {
     Repeat,
     /// Number of the step of the test.
     Step,
-    /// Position along the sliding path, or sliding distance; ignored if its unit is not known.
+    /// Position along the sliding path, or sliding distance; ignored if the unit is not known.
     Position,
 }
 
-/// The titles and units of a channel.
+/// Titles and units of a channel.
 struct ChannelData {
     title: &'static str,
     /// Titles, reduced to lower-case letters and digits and parted by blanks.
     names: &'static str,
-    /// Titles that count only if no column has one of `names`: set points, and the distance next to the position.
+    /// Titles that count only if no column has a title in `names`: set points, and the distance next to the position.
     secondary: &'static str,
     /// Spellings of units, parted by blanks, with their factors to SI; the first is assumed where no unit is given.
     units: &'static [(&'static str, f64)],
@@ -205,17 +205,17 @@ impl Channel {
         matches!(self, Self::Time | Self::Torque | Self::FrictionForce | Self::Coefficient | Self::NormalForce)
     }
 
-    /// Titles of such a column, reduced to lower-case letters and digits.
+    /// Titles of a column that holds this channel, reduced to lower-case letters and digits.
     pub fn names(self) -> std::str::SplitWhitespace<'static> {
         self.data().names.split_whitespace()
     }
 
-    /// Titles that are used where no column has one of [`Channel::names`], for example set points.
+    /// Titles that count only if no column has a title of [`Channel::names`], for example those of set points.
     pub fn secondary_names(self) -> std::str::SplitWhitespace<'static> {
         self.data().secondary.split_whitespace()
     }
 
-    /// The key in `columns` that gives this channel a custom title.
+    /// Key in `columns` of a `[traces]` table that gives this channel a custom title.
     pub fn key(self) -> String {
         match self {
             Self::Repeat => "repeat".to_owned(),
@@ -229,7 +229,7 @@ impl Channel {
         self.data().title
     }
 
-    /// Units of the channel, as messages list them.
+    /// Units of the channel, as listed in messages.
     pub const fn unit_words(self) -> &'static str {
         self.data().unit_words
     }
@@ -239,7 +239,8 @@ impl Channel {
         self.data().units
     }
 
-    /// Factor from `unit`, reduced to its letters, to SI.
+    /// Factor from `unit`, which is reduced to its letters, to the SI unit; `None` if the unit is unknown. Humidity
+    /// becomes a fraction, and rotational speed revolutions per second.
     pub(crate) fn factor(self, unit: &str) -> Option<f64> {
         // `mm/sec` means `mm/s`.
         let short = unit.strip_suffix("sec").map(|start| format!("{start}s"));
@@ -247,7 +248,8 @@ impl Channel {
         self.units().iter().find(|(names, _)| names.split(' ').any(|name| name == unit)).map(|(_, factor)| *factor)
     }
 
-    /// Factor for numbers without a unit. NaN for a position, because a title such as `x` may mean any quantity.
+    /// Factor to the SI unit for numbers without a unit. NaN for a position, because a title such as `x` may mean any
+    /// quantity.
     pub(crate) const fn usual_factor(self) -> f64 {
         if matches!(self, Self::Position) { f64::NAN } else { self.units()[0].1 }
     }

@@ -5,20 +5,23 @@ use std::ops::Range;
 use crate::time_series::median;
 use crate::{Tangential, TraceChannels, TraceError, TraceFlag, TraceOptions};
 
-/// Minimum number of samples in the window for a mean: two in each batch that its error is estimated from.
+/// Minimum number of samples in the window for a mean: two in each of the batches from which the error of the mean is
+/// estimated.
 pub(crate) const MIN_SAMPLES: usize = 20;
-/// A pause between samples longer than this many sampling intervals is a gap.
+/// A pause between samples counts as a gap if it is longer than this many sampling intervals.
 const GAP_FACTOR: f64 = 10.0;
-/// A gap longer than this fraction of the window cannot be interpolated.
+/// Maximum length of a gap, as a fraction of the window; a longer gap cannot be interpolated.
 const MAX_GAP_OVER_WINDOW: f64 = 0.02;
-/// Up to this fraction of samples with the opposite sign is attributed to noise.
+/// Maximum fraction of samples with the opposite sign that is attributed to noise.
 pub(crate) const MAX_OPPOSITE_SIGN: f64 = 0.05;
-/// A sensor is saturated if this many samples in a row equal its extreme value,
+/// A sensor counts as saturated if at least this many samples in a row equal its extreme value.
 const MIN_SATURATED_RUN: usize = 5;
-/// unless the values are rounded to so few levels that this happens by chance.
+/// Maximum number of different values in the window at which saturation is not tested, because equal values then occur
+/// in a row by chance; a value that never changes is refused all the same.
 const MAX_COARSE_LEVELS: usize = 10;
 
-/// Refuses channels of different lengths, numbers that are not finite, a clock that goes back, and options without a meaning.
+/// Refuses channels of different lengths or with too few samples, numbers that are not finite, a clock that goes back,
+/// and options out of range.
 pub(crate) fn check_channels(channels: &TraceChannels, options: &TraceOptions) -> Result<(), TraceError> {
     let time_s = &channels.time_s;
     let name = channels.tangential.name();
@@ -77,12 +80,12 @@ pub(crate) fn check_channels(channels: &TraceChannels, options: &TraceOptions) -
     Ok(())
 }
 
-/// Refuses a clock that goes back at `sample`, from 1; `likely` says why.
+/// Creates the error for a clock that goes back at `sample`, counted from 1; `likely` states the likely cause.
 fn clock_back(sample: usize, [from_s, to_s]: [f64; 2], likely: &str) -> TraceError {
     TraceError::Refused(format!("the clock goes back at sample {sample}: from {from_s} s to {to_s} s{likely}"))
 }
 
-/// Refuses a mean friction of almost nothing.
+/// Creates the error for a mean friction coefficient of almost zero.
 pub(crate) fn no_friction(mu: f64) -> TraceError {
     TraceError::Refused(format!(
         "friction is {mu:.6} in the window, as of a sample that does not slide: expected torque or friction force \
@@ -90,7 +93,7 @@ pub(crate) fn no_friction(mu: f64) -> TraceError {
     ))
 }
 
-/// Indices of the samples within a time span.
+/// Indices of the samples within a time span, including its ends.
 pub(crate) fn samples_between(time_s: &[f64], [from, to]: [f64; 2]) -> Range<usize> {
     time_s.partition_point(|&t| t < from)..time_s.partition_point(|&t| t <= to)
 }
@@ -113,12 +116,13 @@ pub(crate) fn window_samples(time_s: &[f64], window_s: [f64; 2]) -> Result<Range
     Ok(inside)
 }
 
-/// Median sampling interval; for a coarse clock, the interval between its ticks.
+/// Median sampling interval, in the unit of `time_s`; for a coarse clock, the interval between its ticks. Zero if all
+/// times are equal.
 pub(crate) fn sampling_interval(time_s: &[f64]) -> f64 {
     median(time_s.windows(2).map(|pair| pair[1] - pair[0]).filter(|pause| *pause > 0.0).collect())
 }
 
-/// Flags pauses of the clock; refuses one that takes too much of the window.
+/// Flags gaps between samples; refuses a gap that takes too much of the window.
 pub(crate) fn find_gaps(time_s: &[f64], window_s: [f64; 2]) -> Result<Vec<TraceFlag>, TraceError> {
     let usual = sampling_interval(time_s);
     let (mut longest, mut count) = ([0.0, 0.0], 0);
@@ -177,7 +181,7 @@ pub(crate) fn check_saturation(
     Ok(())
 }
 
-/// The extreme value that occurs many times in a row, and how often it occurs in total.
+/// Maximum or minimum of `values`, if it occurs many times in a row, and how often it occurs in total.
 fn run_at_extreme(values: &[f64]) -> Option<(f64, usize)> {
     let extremes = [f64::max as fn(f64, f64) -> f64, f64::min]
         .map(|extreme| values.iter().copied().reduce(extreme).unwrap_or(f64::NAN));
@@ -188,7 +192,8 @@ fn run_at_extreme(values: &[f64]) -> Option<(f64, usize)> {
     })
 }
 
-/// Changes the sign of friction that is recorded as negative; returns whether it was.
+/// Changes the sign of friction that is recorded as negative; returns whether it was. Refuses friction that changes its
+/// sign in the window.
 pub(crate) fn correct_sign(time_s: &[f64], mu: &mut [f64], window_s: [f64; 2]) -> Result<bool, TraceError> {
     let inside = samples_between(time_s, window_s);
     let window = &mu[inside];

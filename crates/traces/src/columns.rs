@@ -1,4 +1,4 @@
-//! Columns of a tribometer export: recognition of titles and units.
+//! Recognition of the columns of a tribometer export by titles and units.
 
 use crate::cells::unquoted;
 pub use crate::channels::Channel;
@@ -15,7 +15,7 @@ pub struct UnknownUnit {
 }
 
 impl UnknownUnit {
-    /// Reason for the refusal, and the units that are accepted.
+    /// Returns the reason for the refusal, and the units that are accepted.
     pub fn words(&self) -> [String; 2] {
         let (unit, title) = (&self.unit, self.channel.title());
         let letters = unit_letters(unit);
@@ -29,7 +29,7 @@ impl UnknownUnit {
     }
 }
 
-/// Priority of a column; of several columns of a channel the one with the first priority is used.
+/// Priority of a column: of several columns of a channel, the first in this order is used.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Priority {
     /// Title given in `columns`.
@@ -40,7 +40,7 @@ pub(crate) enum Priority {
     Secondary,
 }
 
-/// A column that is used.
+/// A recognized column of a table.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Column {
     /// Quantity that the column holds.
@@ -90,13 +90,13 @@ impl Column {
     }
 }
 
-/// Characters in front of a unit: brackets, slash and underscore.
+/// Characters in front of a unit in a title: brackets, slash and underscore.
 const UNIT_MARKS: [char; 5] = ['[', '(', '{', '/', '_'];
 
-/// Title which says that no column holds a channel.
+/// Custom title which says that no column holds a channel.
 pub const NO_COLUMN: &str = "none";
 
-/// Custom titles of columns, in addition to the known ones.
+/// Custom titles of columns; channels without a custom title are recognized by the known titles.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Titles(Vec<Title>);
 
@@ -108,14 +108,14 @@ struct Title {
     /// Letters of the title without a unit in brackets or after a slash.
     letters: String,
     factor: f64,
-    /// Index, from 1, among several columns with this title.
+    /// Index, from 1, of the column that is meant among several columns with this title.
     number: Option<usize>,
 }
 
 impl Titles {
-    /// Adds `title` as the custom title of `channel`; the known titles of the channel are ignored from then on. A unit
-    /// in the title applies to columns without a unit; without it the first of [`Channel::unit_words`] is assumed. `#2`
-    /// at the end means the second column with this title. [`NO_COLUMN`] says that no column holds the channel.
+    /// Adds `title` as the custom title of `channel`, whose known titles are then ignored. A unit in the title applies
+    /// to columns without a unit; if neither has a unit, the first of [`Channel::unit_words`] is assumed. `#2` at the
+    /// end means the second column with this title. [`NO_COLUMN`] says that no column holds the channel.
     ///
     /// # Errors
     /// [`UnknownUnit`] if the unit in brackets is not known.
@@ -156,8 +156,8 @@ impl Titles {
         self.0.iter().any(|title| title.channel == channel && !title.whole.is_empty())
     }
 
-    /// Candidate names within a title: the whole, and the text before each bracket, slash or underscore; letters and
-    /// digits only.
+    /// Candidate names within a title: the whole title, and the text before each bracket, slash or underscore; reduced
+    /// to lower-case letters and digits.
     pub fn letters_of(title: &str) -> Vec<String> {
         let written = unquoted(title);
         let cuts = written.char_indices().filter(|(_, letter)| UNIT_MARKS.contains(letter)).map(|(at, _)| at);
@@ -176,7 +176,8 @@ impl Titles {
         }
     }
 
-    /// Recognizes a name: its channel, the factor of its default unit, and its priority.
+    /// Recognizes a name: returns its channel, the factor of its default unit to SI, and its priority; `None` if it is
+    /// unknown.
     fn meaning(&self, name: &str) -> Option<(Channel, f64, Priority)> {
         let letters = letters(name);
         if letters.is_empty() {
@@ -196,7 +197,8 @@ impl Titles {
         (!self.has_title(known)).then(|| (known, known.usual_factor(), priority))
     }
 
-    /// Index, from 1, of the column that is meant among several with the custom title of `channel`.
+    /// Index, from 1, of the column that is meant among several columns with the custom title of `channel`; `None` for
+    /// any.
     fn number(&self, channel: Channel) -> Option<usize> {
         self.0.iter().find(|title| title.channel == channel)?.number
     }

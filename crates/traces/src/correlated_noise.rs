@@ -1,9 +1,9 @@
 //! Standard errors of the mean and of the slope of values with correlated noise.
 //!
 //! The means over the parts of a window are modelled as a line plus noise with the covariance exp(-|t| / tau). A window
-//! of a few tens of tau determines tau badly. Therefore the variances are averaged over a set of correlation times,
+//! of a few tens of tau determines tau badly. Therefore the variances are averaged over a set of correlation times tau,
 //! each weighted by its restricted likelihood, which does not depend on the line and on the noise amplitude (D. A.
-//! Harville, J. Am. Stat. Assoc. 72, 320, 1977).
+//! Harville, J. Am. Stat. Assoc. 72, 320, 1977). The standard error is e:
 //!
 //! ```text
 //! e^2 = sum_tau w_tau v_tau R_tau / (n - 2),     w_tau ~ prior_tau |C|^-1/2 |X^T C^-1 X|^-1/2 R_tau^-(n-2)/2
@@ -15,14 +15,14 @@
 
 use slipgrid_base::statistics::cholesky::{cholesky, log_determinant, solve_lower};
 
-/// Correlation times as a fraction of the window, in addition to 0 (white noise). Beyond the last, noise cannot be told
-/// from a drift.
+/// Correlation times as fractions of the window, in addition to 0 (white noise). Noise with a longer correlation time
+/// cannot be distinguished from a drift.
 const CORRELATION_TIMES: [f64; 6] = [0.01, 0.02, 0.04, 0.08, 0.16, 0.32];
-/// Prior weight of each correlation time relative to white noise, so that all of them together weigh as much as white
+/// Prior weight of each correlation time relative to white noise, such that all of them together weigh as much as white
 /// noise.
 const CORRELATED_PRIOR: f64 = 1.0 / 6.0;
 
-/// Standard errors of the mean of evenly spaced values, and of their change over `values.len()` steps.
+/// Standard errors of the mean of evenly spaced values, and of the change of their line over `values.len()` steps.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LineErrors {
     /// Standard error of the mean.
@@ -33,7 +33,7 @@ pub struct LineErrors {
 
 /// Weight and errors for one correlation time.
 struct Hypothesis {
-    /// Log of the weight, up to a constant.
+    /// Natural logarithm of the weight, up to a constant.
     log_weight: f64,
     /// Squared standard errors of mean and change.
     squares: [f64; 2],
@@ -93,8 +93,8 @@ fn hypothesis(values: &[f64], correlation_time: f64, log_prior: f64) -> Option<H
     })
 }
 
-/// Covariances of the means over `n` equal parts of the unit interval, by the distance between the parts, for noise
-/// with the covariance exp(-|t| / tau) / (2 tau), whose integral is 1.
+/// Covariances of the means over `n` equal parts of the unit interval, indexed by the distance between two parts, for
+/// noise with the covariance exp(-|t| / tau) / (2 tau), whose integral is 1.
 fn covariances(n: usize, tau: f64) -> Vec<f64> {
     let count = n as f64;
     if tau == 0.0 {

@@ -1,9 +1,9 @@
-//! Tribometer exports: tables with the names, units, separators and decimal signs of the instrument.
+//! Reader of tribometer exports: tables with the names, units, separators and decimal signs of the instrument.
 //!
 //! A file holds one or several tables, each below a line of titles; other lines of the instrument may surround them. A
 //! new repeat begins with each table, with a new number in a column of repeats, with a line such as `Run # 2`, and
 //! where the clock restarts. Steps are numbered by a column or by lines such as `Step No. 2`; [`ExportOptions::step`]
-//! selects one of them.
+//! selects one step.
 
 use crate::cells::{DecimalSigns, cut, number_in, separator, unquoted};
 use crate::columns::{Channel, Column, Titles, columns};
@@ -14,7 +14,7 @@ use crate::missing_numbers::Longest;
 pub use crate::recorded::Recorded;
 use crate::recorded::{Row, Table};
 
-/// Repeats of one file.
+/// Repeats of one export file, and the columns that were used.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TraceFile {
     /// Repeats in the order of the file.
@@ -28,8 +28,8 @@ pub struct TraceFile {
 /// Options for reading exports.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ExportOptions<'a> {
-    /// Distance from the axis to the centre of a specimen, in metres; needed for a torque, and to convert revolutions
-    /// to a speed.
+    /// Distance from the axis to the centre of a specimen, in metres; needed for a torque, and to convert rotational
+    /// speed to sliding speed.
     pub effective_radius_m: Option<f64>,
     /// Custom titles of columns; `None` for the known titles only.
     pub titles: Option<&'a Titles>,
@@ -40,14 +40,14 @@ pub struct ExportOptions<'a> {
 
 /// Prefixes of comment lines.
 const COMMENTS: [&str; 4] = ["#", "%", "//", "\"#"];
-/// The clock has restarted if it falls back to the first 1 % of its span.
+/// The clock has restarted if time falls back to the first 1 % of the span so far.
 const CLOCK_ANEW: f64 = 0.01;
-/// Rows that must precede a restart of the clock. Columns that are not times fall back sooner.
+/// Minimum number of rows before a restart of the clock. Columns that are not times fall back sooner.
 const MIN_ROWS_OF_CLOCK: usize = 20;
-/// Largest number of summary lines (sums, means) below the last row: lines as long as a row, with words instead of a
+/// Maximum number of summary lines (sums, means) below the last row: lines as long as a row, with words instead of a
 /// time.
 const MAX_SUMMARY_LINES: usize = 10;
-/// Largest number of steps that a message lists.
+/// Maximum number of steps that a message lists.
 const MAX_LISTED_STEPS: usize = 12;
 
 /// Parses the text of an export.
@@ -85,8 +85,8 @@ fn has_content(line: &str) -> bool {
     !start.is_empty() && !COMMENTS.iter().any(|mark| start.starts_with(mark))
 }
 
-/// Titles of the first table in the text of an export, each with the quantity that it is taken for; of a text without known titles,
-/// the cells above the first row of numbers. Empty if there is no table.
+/// Titles of the first table in the text of an export, each with the channel that is recognized. Without known titles,
+/// the cells above the first row of numbers are returned. Empty if there is no table.
 pub fn titles_in(text: &str, titles: &Titles) -> Vec<(String, Option<Channel>)> {
     let lines = text.trim_start_matches('\u{feff}').lines();
     let mut above = None;
@@ -107,7 +107,7 @@ pub fn titles_in(text: &str, titles: &Titles) -> Vec<(String, Option<Channel>)> 
     Vec::new()
 }
 
-/// State of the trace that is being read.
+/// State of the trace that is being read: its run and step, its clock and its rows.
 #[derive(Clone, Copy)]
 struct Current {
     run: Option<f64>,
@@ -119,7 +119,7 @@ struct Current {
     is_ordered: bool,
 }
 
-/// Number of a step, and the line of its first row.
+/// Number of a step, and the line number of its first row.
 type NumberedStep = (f64, u32);
 
 /// Reads a file line by line.
@@ -130,13 +130,14 @@ struct Reader<'a, 'o> {
     has_table: bool,
     unused: Vec<String>,
     used: Vec<Channel>,
-    /// Numbers of run and step from the last marker lines.
+    /// Number of the run from the last marker line.
     run: Option<f64>,
+    /// Number of the step from the last marker line.
     step: Option<f64>,
     /// Whether a header or a marker line came since the last row.
     is_apart: bool,
     current: Option<Current>,
-    /// Number of traces traces_begun so far, including those that are skipped.
+    /// Number of traces begun so far, including those that are skipped.
     traces_begun: u32,
     tables: Vec<Table>,
     signs: DecimalSigns,
@@ -149,8 +150,8 @@ struct Reader<'a, 'o> {
 }
 
 impl<'a> Reader<'a, '_> {
-    /// Begins a table with the titles `cells` in line `number`. Returns how many of the lines `below` belong to the
-    /// head.
+    /// Begins a table with the separator and titles `cells` in line `number`. Returns how many of the lines `below`
+    /// belong to the header.
     fn begin_table(
         &mut self,
         number: u32,
@@ -219,7 +220,7 @@ impl<'a> Reader<'a, '_> {
         Ok(true)
     }
 
-    /// Whether a column that is needed holds words.
+    /// Whether a cell of a needed column holds words.
     fn has_words_for_numbers(&self, cells: &[&str]) -> bool {
         let Some(layout) = &self.layout else { return false };
         let is_word = |cell: &str| number_in(cell, layout.separator).is_none() && !is_missing(cell);
@@ -228,7 +229,7 @@ impl<'a> Reader<'a, '_> {
         needed.into_iter().any(|(_, cell)| is_word(cell))
     }
 
-    /// Finds whether the row in line `number` continues the current trace or begins another one.
+    /// Assigns the row in line `number` to the current trace, or begins another trace.
     fn assign_row(&mut self, number: u32, time_s: Option<f64>, run: Option<f64>, step: Option<f64>) {
         if let Some(step) = step.filter(|step| !self.steps.iter().any(|(known, _)| known == step)) {
             self.steps.push((step, number));
@@ -318,7 +319,7 @@ impl<'a> Reader<'a, '_> {
         Ok(())
     }
 
-    /// The error for a text line between or instead of rows.
+    /// Creates the error for a text line between or instead of rows.
     fn text_error(&self, (number, line): Line<'_>, is_long: bool) -> ExportError {
         let Some(layout) = &self.layout else { return ExportError::at(Some(number), "is no row", "numbers") };
         let cells = cut(line, layout.separator);
@@ -381,7 +382,7 @@ impl<'a> Reader<'a, '_> {
 }
 
 impl Current {
-    /// Whether a row at `time_s` restarts the clock.
+    /// Whether a row at `time_s` restarts the clock; a change of step needs only a time that goes back.
     fn restarts_clock(&self, time_s: f64, changes_step: bool) -> bool {
         let is_back = time_s <= self.start_s + CLOCK_ANEW * (self.last_s - self.start_s);
         let has_run = self.is_ordered && self.rows >= MIN_ROWS_OF_CLOCK;
@@ -389,7 +390,7 @@ impl Current {
     }
 }
 
-/// The number in column `at` of a row, in SI units.
+/// The number in column `at` of a row, in SI units; `None` if the cell holds no number.
 fn number_at(layout: &Layout<'_>, at: usize, cells: &[&str]) -> Option<f64> {
     let number = number_in(cells.get(at)?, layout.separator)?;
     layout.columns[at].as_ref().map(|column| column.to_si(number))
@@ -399,7 +400,7 @@ fn short_line(number: u32, found: usize, expected: usize) -> ExportError {
     ExportError::at(Some(number), format!("has {found} values"), format!("{expected}, as the header line"))
 }
 
-/// The error for a table without a sample; `rows` are the rows with missing numbers.
+/// Creates the error for a table without a sample; `rows` is the longest run of rows with missing numbers.
 fn no_sample(rows: Option<Longest>) -> ExportError {
     let Some(Longest { rows, columns, lines: [first, _], .. }) = rows else {
         return ExportError::at(None, "has no rows", "samples below the header");
@@ -409,7 +410,7 @@ fn no_sample(rows: Option<Longest>) -> ExportError {
     ExportError { column: Some(columns.join(", ")), ..ExportError::at(Some(first), reason, expected) }
 }
 
-/// Refuses a table that mixes decimal commas and points; `line` is the line of `cells`.
+/// Refuses a table that mixes decimal commas and points; `line` is the line number of `cells`.
 fn check_signs(layout: &Layout<'_>, cells: &[&str], line: u32, signs: &mut DecimalSigns) -> Result<(), ExportError> {
     for ((column, cell), at) in layout.columns.iter().zip(cells).zip(0..) {
         let is_read = column.as_ref().is_some_and(|column| !layout.may_hold_words(column));

@@ -24,13 +24,13 @@ impl ExportError {
         Self { line, column: None, value: None, reason: reason.into(), expected: expected.into() }
     }
 
-    /// A column with an unknown unit.
+    /// Creates the error for a column with an unknown unit in line `line`.
     pub(crate) fn unit(line: u32, unknown: &UnknownUnit) -> Self {
         let [reason, expected] = unknown.words();
         Self { column: Some(unknown.name.clone()), ..Self::at(Some(line), reason, expected) }
     }
 
-    /// A cell that is not a number.
+    /// Creates the error for a cell of `column` in line `line` that is not a number.
     pub(crate) fn cell(line: u32, column: &str, cell: &str) -> Self {
         Self {
             column: Some(column.to_owned()),

@@ -3,24 +3,25 @@
 use super::time_series::median;
 use super::{Tangential, TraceChannels, TraceOptions, samples_between, sampling_interval, zero};
 
-/// Number of loops of friction against position.
+/// Number of loops of friction against position that `friction_loops` returns.
 const LOOPS: usize = 2;
-/// Minimum number of turns for a lag.
+/// Minimum number of turns of the position, and of sign changes of friction, for a lag.
 const MIN_TURNS: usize = 5;
-/// The position is at its end while it is within this fraction of the stroke from its extreme.
+/// The position counts as at the end of a stroke within this fraction of the stroke from its extreme.
 const STROKE_END_FRACTION: f64 = 0.01;
 
-/// Delay of friction behind the position.
+/// Delay of the sign changes of friction behind the turns of the position.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lag {
-    /// Lag in seconds; negative if friction changes its sign before the position turns.
+    /// Lag, in seconds; negative if friction changes its sign before the position turns.
     pub lag_s: f64,
     /// Median duration of a stroke, in seconds.
     pub stroke_s: f64,
 }
 
-/// Median lag of friction behind `position_m` within `window_s` (seconds since the trace begins). `None` if there are
-/// too few turns, if the position was not recorded, or if the lag is below two sampling intervals.
+/// Median lag of friction behind the position within `window_s` (seconds since the trace begins). `position_m` has one
+/// value per sample, in metres. `None` if there are too few turns, if the position was not recorded, or if the lag is
+/// below two sampling intervals.
 pub fn lag_of_friction(channels: &TraceChannels, position_m: &[f64], window_s: [f64; 2]) -> Option<Lag> {
     let friction = channels.tangential.values();
     if position_m.len() != friction.len() || friction.len() != channels.time_s.len() {
@@ -49,8 +50,9 @@ pub fn lag_of_friction(channels: &TraceChannels, position_m: &[f64], window_s: [
     (lag_s.abs() > 2.0 * sampling_interval(time_s)).then_some(Lag { lag_s, stroke_s })
 }
 
-/// Position in metres and recorded coefficient, with its sign, of the last loops within the averaging window; empty if the
-/// position was not recorded, if there are too few strokes, or if `options` names a zero of the sensors that is refused.
+/// Pairs of position, in metres, and friction coefficient with its recorded sign, in the last two loops within the
+/// averaging window. Empty if the position was not recorded, if there are too few strokes, or if the zero of the
+/// sensors in `options` is refused.
 pub fn friction_loops(channels: &TraceChannels, position_m: &[f64], options: &TraceOptions) -> Vec<[f64; 2]> {
     if position_m.len() != channels.tangential.values().len() || position_m.len() != channels.time_s.len() {
         return Vec::new();
@@ -81,7 +83,8 @@ pub fn friction_loops(channels: &TraceChannels, position_m: &[f64], options: &Tr
     all.filter_map(|(at, mu)| Some([position_m[at], mu.filter(|mu| mu.is_finite())?])).collect()
 }
 
-/// Indices at which `values` cross the middle of their range and then exceed it by a quarter of the range.
+/// Indices at which `values` cross the middle of their range before they exceed it by a quarter of the range on the
+/// other side. The range is that between the quantiles of 5 and 95 %.
 fn crossings(time_s: &[f64], values: &[f64]) -> Vec<usize> {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
@@ -104,7 +107,8 @@ fn crossings(time_s: &[f64], values: &[f64]) -> Vec<usize> {
     found
 }
 
-/// Time at which the position is at its end between two crossings of its middle.
+/// Time of a turn, in seconds: the middle of the time that the position spends at its end between two crossings of its
+/// middle, at the indices `from` and `to`.
 fn turning_time(time_s: &[f64], position: &[f64], from: usize, to: usize) -> f64 {
     let middle = (position[from] + position[to]) / 2.0;
     let distance = |at: &usize| (position[*at] - middle).abs();

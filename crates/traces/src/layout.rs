@@ -1,12 +1,12 @@
-//! Columns of a table: selection of the columns that are used, and refusal of headers.
+//! Selection of the columns of a table that are used, and refusal of headers.
 
 use crate::cells::{cut, number_in, separator, unquoted};
 use crate::columns::{Channel, Column, Priority, Titles, columns, may_be_force, needed_columns};
 use crate::export_error::ExportError;
 
-/// Hint for messages: place of custom titles, and the list of known ones.
+/// Hint for messages: where custom titles are given, and where known titles are listed.
 const TITLES_HINT: &str = "in [traces]; see reference/trace-columns.md";
-/// Two columns hold the same quantity if their amounts differ by at most this fraction of the largest amount. Friction
+/// Two columns hold the same quantity if their absolute values differ by at most this fraction of the maximum. Friction
 /// is not known more precisely.
 const COLUMN_TOLERANCE: f64 = 1e-3;
 
@@ -25,8 +25,8 @@ pub(crate) struct Layout<'a> {
     pub(crate) has_units: bool,
 }
 
-/// Splits `line` if it is a header: it names at least two needed columns. The third may be missing, which gives a
-/// better message later.
+/// Returns the separator and the titles in `line`, if it is a header: it names at least two of the needed columns
+/// (time, friction, normal force). The third may be missing, which gives a better message later.
 pub(crate) fn header<'a>(line: &'a str, titles: &Titles) -> Option<(char, Vec<&'a str>)> {
     let separator = separator(line)?;
     let mut cells = cut(line, separator);
@@ -41,7 +41,8 @@ pub(crate) fn is_missing(cell: &str) -> bool {
 }
 
 impl<'a> Layout<'a> {
-    /// Selects the columns of a table with these titles in line `number`; `below` are the lines after it.
+    /// Selects the columns of a table with `titles` in line `number`. `below` are the lines after it, `own` the custom
+    /// titles; without `has_radius`, a torque is refused.
     ///
     /// # Errors
     /// [`ExportError`] for unknown units, missing columns, and several columns of a channel that differ.
@@ -90,7 +91,7 @@ impl<'a> Layout<'a> {
         self.columns.iter().position(|column| column.as_ref().is_some_and(|column| column.channel == channel))
     }
 
-    /// Whether a torque or a force was recorded, so that a coefficient was computed from it by the instrument.
+    /// Whether a torque or a friction force was recorded, so that the instrument computed a coefficient from it.
     fn has_force(&self) -> bool {
         self.find(Channel::Torque).or_else(|| self.find(Channel::FrictionForce)).is_some()
     }
@@ -127,7 +128,7 @@ impl<'a> Layout<'a> {
         Ok(())
     }
 
-    /// Keeps the friction channel that has a custom title. A coefficient is kept as a check.
+    /// Keeps only the friction channel that has a custom title, if any; a coefficient is kept as a check.
     fn select_friction(&mut self, number: u32) -> Result<(), ExportError> {
         let own: Vec<&Column> =
             self.columns.iter().flatten().filter(|column| column.priority == Priority::Custom).collect();
@@ -150,7 +151,8 @@ impl<'a> Layout<'a> {
         Ok(())
     }
 
-    /// Keeps one of several columns of `channel`.
+    /// Keeps one of several columns of `channel`, or none of an optional channel whose columns differ; refuses needed
+    /// columns that differ. `rows` are the lines below the header.
     fn select_column(
         &mut self,
         channel: Channel,
@@ -177,7 +179,7 @@ impl<'a> Layout<'a> {
         Ok(())
     }
 
-    /// The error for several columns of a channel that differ first in line `differ`.
+    /// Creates the error for several columns of `channel` that differ first in line `differ`.
     fn ambiguous_columns(&self, channel: Channel, number: u32, several: &[usize], differ: u32) -> ExportError {
         let names: Vec<&str> = several.iter().map(|&at| unquoted(self.titles[at])).collect();
         let listed: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
@@ -236,8 +238,8 @@ impl<'a> Layout<'a> {
     }
 }
 
-/// Selects one of the columns `several` if all hold the same amounts in `rows`; a column with signs is preferred to one
-/// with amounts.
+/// Selects one of the columns `several`, given by index, if all hold equal absolute values in `rows`; a column with
+/// signs is preferred to one with absolute values.
 ///
 /// # Errors
 /// The first line in which two of the columns differ.
@@ -273,7 +275,8 @@ fn same_columns(layout: &Layout<'_>, several: &[usize], rows: &[Line<'_>], own: 
     Ok(several[*filled.iter().find(has_signs).unwrap_or(&first)])
 }
 
-/// Describes the missing channels, and the titles that would be recognized.
+/// Describes the missing channels, and the titles that would be recognized. Each entry of `lacking` lists channels of
+/// which one is needed.
 fn describe_missing(lacking: &[&[Channel]], titles: &Titles) -> [String; 2] {
     let title =
         |channels: &[Channel]| channels.iter().map(|channel| channel.title()).collect::<Vec<_>>().join(" or the ");
@@ -290,7 +293,7 @@ fn describe_missing(lacking: &[&[Channel]], titles: &Titles) -> [String; 2] {
     ]
 }
 
-/// The error for a file without a header; it shows the line that looks most like one.
+/// Creates the error for a file without a header; it shows the line that looks most like a header.
 pub(crate) fn no_header<'a>(lines: impl Iterator<Item = Line<'a>>, titles: &Titles) -> ExportError {
     let cells = |line: &'a str| separator(line).map(|mark| (mark, cut(line, mark)));
     let is_numbers = |line: &'a str| {

@@ -4,14 +4,14 @@
 //! | item | role |
 //! |---|---|
 //! | [`export::parse`], [`export::TraceFile`] | parse the text of an instrument's export into repeats |
-//! | [`columns`], [`columns::Titles`] | titles and units of columns, and custom titles |
+//! | [`columns`], [`columns::Titles`] | recognition of columns, and custom titles |
 //! | [`cells`] | cells of a table with any separator and decimal sign |
 //! | [`TraceChannels`], [`TraceOptions`] | recorded channels, and options for the analysis |
 //! | [`analyse`], [`TraceFindings`] | friction against time with mean, static peak, stick-slip and flags |
 //! | [`TraceError`], [`TraceFlag`] | reasons for refusing a trace, and warnings about an accepted one |
-//! | [`TraceOptions::stroke_share`] | reciprocating sliding: friction in the middle of every stroke |
-//! | [`TraceOptions::zero_s`] | zero of the sensors, read before touchdown |
-//! | [`speed_of_position`], [`lag_of_friction`] | speed from a recorded position, and lag of friction behind it |
+//! | [`TraceOptions::stroke_share`] | friction in the middle of every stroke, for reciprocating sliding |
+//! | [`TraceOptions::zero_s`] | time span before touchdown, for the zero of the sensors |
+//! | [`speed_of_position`], [`lag_of_friction`] | speed from a recorded position, lag of friction behind it |
 //! | [`average`], [`Repeats`] | means over the repeats of a condition |
 //! | [`moderate`] | scatter of repeats, pooled over conditions |
 //! | [`odd_repeats`], [`OddRepeat`] | outliers among repeats |
@@ -20,8 +20,9 @@
 //! mu(t) = M(t) / (N(t) r_eff)   for a torque M,     mu(t) = F(t) / N(t)   for a friction force F
 //! ```
 //!
-//! The mean over the window is the dynamic friction. It is taken over time, because samples need not be even. This
-//! crate opens no files and knows nothing of calibrations.
+//! with the normal force N and the distance r_eff from the axis to the centre of a specimen. The mean of mu over the
+//! averaging window is the dynamic friction. It is taken over time, because samples need not be even. This crate opens
+//! no files and knows nothing of calibrations.
 //!
 //! In the example, a sample sticks for a second while the drive loads it to 0.3, then slides at 0.25 with a ripple that
 //! averages out over whole periods:
@@ -94,20 +95,21 @@ use checks::{
 };
 use static_peak::before_window;
 
-/// A sample carries no load if its normal force is below this fraction of the median in the window.
+/// A sample of the trace counts as unloaded if its normal force is below this fraction of the median in the window.
 const UNLOADED_FRACTION: f64 = 0.5;
-/// A friction coefficient below this value means that nothing slides: a hundredth of the lowest dry friction of solids.
+/// Minimum mean friction coefficient of a specimen that slides: a hundredth of the lowest dry friction of solids.
 const MIN_FRICTION: f64 = 1e-4;
-/// Change of friction over the window, relative to the mean, from which the sample does not slide steadily. A sample
-/// that sticks throughout is loaded linearly, which gives 2 (t2 - t1) / (t2 + t1), or 1.2 over the default window.
+/// Maximum change of friction over the window, relative to the mean, in steady sliding. A specimen that sticks
+/// throughout is loaded linearly, which gives 2 (t2 - t1) / (t2 + t1) for a window from t1 to t2, or 1.2 for the
+/// default window.
 const MAX_DRIFT: f64 = 0.6;
-/// Largest distance, in metres, that a drive moves between two slips: the elastic deformation of arm and specimen
-/// before they slip. Tribometers deform by 1 um to 1 mm, sleds on a cord by some millimetres.
+/// Maximum distance, in metres, that a drive moves between two slips: the elastic deformation of arm and specimen
+/// before a slip. Tribometers deform by 1 um to 1 mm, sleds on a cord by some millimetres.
 const MAX_SLIP_M: f64 = 0.01;
-/// Drift over the window that is flagged, relative to the mean,
+/// Drift of friction over the window, relative to the mean, above which it is flagged.
 const FLAGGED_DRIFT: f64 = 0.02;
-/// if it also exceeds this many standard errors. Noise does so in less than 2 % of traces with correlation times up to
-/// a fifteenth of the window, and in 3 % at a sixth.
+/// Number of standard errors that a flagged drift must also exceed. Noise exceeds it in less than 2 % of traces with
+/// correlation times up to a fifteenth of the window, and in 3 % at a sixth.
 const FLAGGED_DRIFT_STDERRS: f64 = 3.0;
 
 /// Recorded friction signal.
@@ -122,7 +124,7 @@ pub enum Tangential {
 }
 
 impl Tangential {
-    /// Values of the signal, whatever its quantity.
+    /// Values of the signal, in the unit of its quantity.
     pub fn values(&self) -> &[f64] {
         match self {
             Self::TorqueNm(values) | Self::ForceN(values) | Self::Coefficient(values) => values,
@@ -143,8 +145,8 @@ impl Tangential {
 pub struct TraceChannels {
     /// Time of every sample, in seconds.
     pub time_s: Vec<f64>,
-    /// Time at which the trace begins on the clock of `time_s`, in seconds: the first row, even if this row lacks other
-    /// numbers and is no sample.
+    /// Time of the first row on the clock of `time_s`, in seconds: the beginning of the trace, even if this row lacks
+    /// other numbers and is no sample.
     pub start_s: f64,
     /// Friction signal.
     pub tangential: Tangential,
@@ -153,8 +155,8 @@ pub struct TraceChannels {
 }
 
 impl TraceChannels {
-    /// Sums of squares of the channels, bit by bit: nearly unique, to detect a trace that is given twice. Only the
-    /// first number depends on the start of the clock.
+    /// Bits of the sums of squares of time, friction signal and normal force, in this order: nearly unique, to detect a
+    /// trace that is given twice. Only the first number depends on the start of the clock.
     pub fn fingerprint(&self) -> [u64; 3] {
         [&self.time_s, self.tangential.values(), &self.normal_force_n]
             .map(|values| values.iter().map(|value| value * value).sum::<f64>().to_bits())
@@ -170,15 +172,15 @@ pub struct TraceOptions {
     pub effective_radius_m: f64,
     /// Nominal normal force on the whole sample holder, in newtons, if known.
     pub nominal_force_n: Option<f64>,
-    /// Sliding speed, in m/s; it distinguishes a static peak from run-in.
+    /// Sliding speed, in m/s, by which a static peak is distinguished from run-in.
     pub speed_m_s: f64,
     /// Whether to look for a static peak and for run-in.
     pub static_peak: bool,
     /// Central fraction of every stroke that is used in reciprocating sliding, above 0 up to 1; `None` for sliding in
-    /// one direction. In strokes neither static peak nor stick-slip is looked for.
+    /// one direction. If given, neither static peak nor stick-slip is looked for.
     pub stroke_share: Option<f64>,
-    /// Span before touchdown, in seconds since the trace begins. The mean normal force and friction force (or torque)
-    /// over the span are subtracted as the zero of the sensors; `None` subtracts nothing.
+    /// Start and end of a span before touchdown, in seconds since the trace begins. The mean normal force and friction
+    /// force (or torque) over the span are subtracted as the zero of the sensors; `None` subtracts nothing.
     pub zero_s: Option<[f64; 2]>,
 }
 
@@ -188,9 +190,10 @@ pub const DEFAULT_WINDOW_S: [f64; 2] = [10.0, 40.0];
 /// Results of the analysis of a trace.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TraceFindings {
-    /// Time of every loaded sample, in seconds since the trace begins.
+    /// Time of every loaded sample, in seconds since the trace begins; in reciprocating sliding, of every pair of
+    /// successive strokes (of every stroke if the sign was not recorded).
     pub time_s: Vec<f64>,
-    /// Friction coefficient at these times, positive against the motion.
+    /// Friction coefficient at each time in `time_s`, positive against the motion.
     pub mu: Vec<f64>,
     /// Averaging window, in seconds since the trace begins.
     pub window_s: [f64; 2],
@@ -198,13 +201,13 @@ pub struct TraceFindings {
     pub window: WindowMean,
     /// Static peak, if friction stands out at the onset of sliding.
     pub static_peak: Option<TracePeak>,
-    /// Stick-slip in the window.
+    /// Stick-slip in the window, if there is any.
     pub stick_slip: Option<StickSlip>,
     /// Median normal force in the window, in newtons.
     pub normal_force_n: f64,
-    /// Number of samples in the window.
+    /// Number of recorded samples in the window.
     pub samples: usize,
-    /// Warnings.
+    /// Warnings about the trace.
     pub flags: Vec<TraceFlag>,
 }
 

@@ -1,4 +1,4 @@
-//! Load of a trace: whether it acts, and whether it agrees with the nominal one.
+//! Checks of the normal force of a trace: whether it acts, and whether it agrees with the nominal force.
 
 use std::ops::Range;
 
@@ -6,19 +6,21 @@ use super::time_series::median;
 use super::trace_errors::short;
 use super::{Tangential, TraceChannels, TraceError, TraceFlag, TraceOptions, UNLOADED_FRACTION};
 
-/// Relative deviation of the mean normal force from the nominal one that is flagged, and that is refused.
+/// Relative deviations of the mean normal force from the nominal force above which it is flagged (first) and refused
+/// (second).
 const LOAD_TOLERANCES: (f64, f64) = (0.05, 0.5);
-/// Relative standard deviation of the normal force that is flagged.
+/// Maximum relative standard deviation of the normal force that is not flagged.
 const MAX_LOAD_VARIATION: f64 = 0.05;
 /// A column counts as the normal force if its mean is within 10 % of the nominal force.
 const FORCE_MATCH_TOLERANCE: f64 = 0.1;
-/// Units that are mistaken for newtons, in newtons.
+/// Units of force that are mistaken for newtons, with their values in newtons.
 const UNITS: [(&str, f64); 5] = [("kN", 1e3), ("mN", 1e-3), ("kgf", 9.806_65), ("gf", 9.806_65e-3), ("uN", 1e-6)];
 
-/// Checks the load. Returns the median normal force in the window, and whether it is recorded as negative.
+/// Checks the load. Returns the median normal force in the window, in newtons and positive, and whether it is recorded
+/// as negative.
 ///
 /// # Errors
-/// [`TraceError`] if the load is lost within the window, or is far from the nominal one.
+/// [`TraceError`] if the load is lost within the window, or is far from the nominal force.
 pub fn check_load(
     channels: &TraceChannels,
     time_s: &[f64],
@@ -67,7 +69,8 @@ pub fn check_load(
     Ok((median_n, turned))
 }
 
-/// Likely cause of a normal force `found_n` instead of `nominal_n`, as the end of a message; empty if there is none.
+/// Describes the likely cause of a normal force `found_n` instead of `nominal_n`, as the end of a message; empty if no
+/// cause is known.
 fn likely_cause(tangential: &Tangential, inside: &Range<usize>, found_n: f64, nominal_n: f64) -> String {
     let matches_nominal = |force_n: f64| (force_n / nominal_n - 1.0).abs() <= FORCE_MATCH_TOLERANCE;
     if matches_nominal(found_n) {

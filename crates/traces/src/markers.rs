@@ -1,23 +1,23 @@
 //! Lines of an export that number the table below them, for example `Step No. 2` or `Run # 1`.
 
-/// Number given by a marker line.
+/// Number given by a marker line: a line that numbers the table below it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Marker {
-    /// A run, repeated under equal conditions.
+    /// Number of a run, which is repeated under equal conditions.
     Run(f64),
-    /// A step of a test.
+    /// Number of a step of a test.
     Step(f64),
 }
 
-/// First words of a line that numbers a step.
+/// Words, one of which begins a line that numbers a step.
 const STEP_WORDS: [&str; 4] = ["step", "schritt", "segment", "sequence"];
-/// First word of a line that numbers a run.
+/// Word that begins a line that numbers a run.
 const RUN_WORD: &str = "run";
 
 /// Words that may stand between the first word and the number.
 const NUMBER_WORDS: [&str; 3] = ["number", "no", "nr"];
 
-/// Parses a line that numbers the table below it.
+/// Parses a line that numbers the table below it; `None` for other lines.
 pub(crate) fn marker(line: &str) -> Option<Marker> {
     let is_sign = |letter: char| letter.is_whitespace() || ".:#=;,\"".contains(letter);
     let line = line.trim_start_matches(is_sign).to_lowercase();

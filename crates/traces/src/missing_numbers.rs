@@ -2,7 +2,7 @@
 
 use crate::TraceError;
 
-/// Consecutive rows without a number in a needed column.
+/// A run of consecutive rows without a number in a needed column.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Longest {
     /// Number of rows.
@@ -20,14 +20,14 @@ pub struct Longest {
 pub struct Missing {
     /// Number of rows without a number in a needed column.
     pub rows: usize,
-    /// Number of rows in all.
+    /// Number of all rows of the repeat.
     pub of: usize,
-    /// The longest run of such rows; times are seconds since the trace begins.
+    /// The longest run of rows with missing numbers; times are seconds since the trace begins.
     pub longest: Longest,
 }
 
 impl Missing {
-    /// Describes the missing numbers; `of_column` adds the columns in which they are missing.
+    /// Describes the missing numbers; with `of_column`, also the columns in which they are missing.
     pub fn words(&self, of_column: bool) -> String {
         let Longest { rows, columns, lines: [first, last], time_s } = &self.longest;
         let columns = if of_column { format!(" in {}", columns.join(", ")) } else { String::new() };
@@ -38,8 +38,8 @@ impl Missing {
         format!("{count} of {} rows {are} no number{columns}{all}{times} ({lines})", self.of)
     }
 
-    /// Explains that a trace was refused with `error` because of the missing rows, and says what would be accepted.
-    /// `None` if the rows do not explain the error.
+    /// Explains that a trace was refused with `error` because of the missing rows, and states what would be accepted,
+    /// in this order. `None` if the rows do not explain the error. The window is given in seconds.
     pub fn explains(&self, error: &TraceError, [from_s, to_s]: [f64; 2]) -> Option<[String; 2]> {
         let reaches =
             |from: f64, to: f64| self.longest.time_s.is_none_or(|time_s| time_s[0] <= to && time_s[1] >= from);
@@ -67,7 +67,7 @@ pub(crate) struct MissingRows {
 }
 
 impl MissingRows {
-    /// Adds the row in line `number`, which is `without` a number in these columns.
+    /// Adds the row in line `number`; `without` are the needed columns in which it has no number.
     pub(crate) fn add<'a>(&mut self, number: u32, time_s: Option<f64>, without: impl Iterator<Item = &'a str>) {
         self.rows += 1;
         let current = self.current.get_or_insert_with(|| Longest {
@@ -102,7 +102,8 @@ impl MissingRows {
         self.longest
     }
 
-    /// The result for a repeat whose clock begins at `start_s` and which has `whole` complete rows.
+    /// Returns the result for a repeat whose clock begins at `start_s`, in seconds, and which has `whole` complete
+    /// rows; `None` if no row lacks numbers.
     pub(crate) fn found(self, start_s: f64, whole: usize) -> Option<Missing> {
         let rows = self.rows;
         let mut longest = self.longest()?;

@@ -4,13 +4,14 @@ use super::time_series::{median, sample_noise};
 
 /// Travel between two samples is trusted from 5 quantization steps of the position on.
 const MIN_QUANTIZATION_STEPS: f64 = 5.0;
-/// Samples are compared over at most a fiftieth of the window, so that the comparison does not span a turn.
+/// Minimum number of comparison intervals in the window: samples are compared over at most a fiftieth of it, so that no
+/// comparison spans a turn.
 const MIN_STEPS_PER_WINDOW: usize = 50;
-/// In reciprocating sliding, rates above this fraction of the fastest belong to the middle of a stroke.
+/// Minimum speed in the middle of a stroke, in reciprocating sliding, as a fraction of the fastest (the 98 % quantile).
 const MID_STROKE_SPEED: f64 = 0.5;
 
 /// Estimates the speed from a recorded position, in m/s: the median of |dx/dt| over the samples from `from_s` to
-/// `to_s`, in seconds since `start_s` on the clock of `time_s`. In reciprocating sliding only rates in the middle of
+/// `to_s`, in seconds since `start_s` on the clock of `time_s`. In reciprocating sliding only speeds in the middle of
 /// the strokes count. Returns `None` if the position was not recorded, does not change, or is too coarse. Values that
 /// are not finite are skipped; surplus elements of the longer slice are ignored.
 pub fn speed_of_position(

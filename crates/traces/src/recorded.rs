@@ -8,16 +8,16 @@ use crate::{Tangential, TraceChannels};
 /// One recorded repeat.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Recorded {
-    /// Index of the repeat in the file, from 1.
+    /// Number of the repeat in the file, from 1.
     pub number: usize,
     /// Time, friction and normal force.
     pub channels: TraceChannels,
     /// Friction coefficient computed by the instrument at every sample, next to a torque or friction force; NaN where
     /// it is missing, empty without such a column.
     pub coefficient: Vec<f64>,
-    /// Mean amount of the recorded sliding speed, in m/s, if there is such a column.
+    /// Mean absolute value of the recorded sliding speed, in m/s, if there is such a column.
     pub speed_m_s: Option<f64>,
-    /// Mean recorded humidity, 0 to 1, if there is such a column.
+    /// Mean recorded relative humidity, 0 to 1, if there is such a column.
     pub humidity: Option<f64>,
     /// Recorded position at every sample, in metres; NaN where it is missing, empty without such a column with a unit.
     pub position_m: Vec<f64>,
@@ -30,8 +30,8 @@ pub struct Recorded {
 }
 
 impl Recorded {
-    /// Median amount of the instrument's friction coefficient from `from_s` to `to_s`, in seconds since the trace
-    /// begins.
+    /// Median absolute value of the friction coefficient computed by the instrument, from `from_s` to `to_s`, in
+    /// seconds since the trace begins; `None` without such values.
     pub fn usual_coefficient(&self, [from_s, to_s]: [f64; 2]) -> Option<f64> {
         let times = self.channels.time_s.iter().map(|t| t - self.channels.start_s);
         let inside = times.zip(&self.coefficient).filter(|(t, mu)| *t >= from_s && *t <= to_s && mu.is_finite());
@@ -40,7 +40,7 @@ impl Recorded {
     }
 }
 
-/// Values of a row by channel, in SI units.
+/// Values of a row by channel, in SI units; `None` where a number is missing.
 #[derive(Clone, Default, PartialEq)]
 pub(crate) struct Row([Option<f64>; Channel::COUNT]);
 
@@ -57,7 +57,8 @@ impl Row {
 /// Samples of a repeat while it is read.
 #[derive(Default)]
 pub(crate) struct Table {
-    /// Numbers of each channel, in SI units: amounts of speeds, and NaN where a coefficient or a position is missing.
+    /// Numbers of each channel, in SI units: absolute values of speeds, and NaN where a coefficient or a position is
+    /// missing.
     values: [Vec<f64>; Channel::COUNT],
     /// Time of the first row on the clock of the file, even if the row lacks other numbers.
     start_s: Option<f64>,
@@ -69,7 +70,8 @@ pub(crate) struct Table {
 }
 
 impl Table {
-    /// A new table; `clock_restarts_in_line` is given if it begins because the clock restarts.
+    /// Creates a table. `clock_restarts_in_line` is the line of its first row, if the table begins because the clock
+    /// restarts.
     pub(crate) fn restarted_by_clock(clock_restarts_in_line: Option<u32>) -> Self {
         Self { clock_restarts_in_line, ..Self::default() }
     }
@@ -78,7 +80,7 @@ impl Table {
         self.values[Channel::Time as usize].is_empty()
     }
 
-    /// Whether any row was added, complete or not.
+    /// Whether any row was added, with or without missing numbers.
     pub(crate) const fn has_rows(&self) -> bool {
         self.has_rows
     }
@@ -88,7 +90,8 @@ impl Table {
         self.missing.longest()
     }
 
-    /// Adds the row in line `number`, or counts it as missing if it is `without` a number in needed columns.
+    /// Adds the row in line `number`. A row without a time, or with columns in `without`, the needed columns that lack
+    /// a number, is counted as missing instead.
     pub(crate) fn push<'a>(&mut self, number: u32, row: &Row, without: impl Iterator<Item = &'a str>) {
         let mut without = without.peekable();
         self.has_rows = true;
@@ -108,14 +111,15 @@ impl Table {
             self.values[channel as usize].extend(match channel {
                 Channel::Speed | Channel::Revolutions => value.map(f64::abs),
                 Channel::Coefficient | Channel::Position => value.or(Some(f64::NAN)),
-                // They divide the rows and have no signal.
+                // These numbers divide the rows and hold no signal.
                 Channel::Repeat | Channel::Step => None,
                 _ => value,
             });
         }
     }
 
-    /// Converts the table into a trace with this `number` in the file; `radius_m` converts revolutions to a speed.
+    /// Converts the table into a trace with this `number` in the file; `radius_m` converts rotational speed to sliding
+    /// speed.
     pub(crate) fn recorded(mut self, number: usize, radius_m: f64) -> Recorded {
         let mut of = |channel: Channel| std::mem::take(&mut self.values[channel as usize]);
         let mean = |values: &[f64]| {

@@ -1,38 +1,38 @@
-//! Repeats of a condition: means and standard deviations.
+//! Means and standard deviations over the repeats of a condition.
 
 use slipgrid_base::statistics::{Confidence, mean_and_std};
 
 use super::{TraceFindings, TracePeak};
 
-/// Deviation of a repeat from the mean of the others, relative to the mean, below which it is not odd. Friction
-/// scatters by some per cent.
+/// Minimum deviation of an odd repeat from the mean of the other repeats, relative to this mean. Friction scatters by
+/// some per cent.
 const MIN_ODD_DEVIATION: f64 = 0.05;
-/// Relative difference of two repeats that is reported. Two repeats do not show which of them is odd.
+/// Minimum relative difference of two repeats that is reported. Two repeats do not show which of them is odd.
 const MIN_PAIR_DIFFERENCE: f64 = 0.1;
-/// A difference of this many standard errors is not noise.
+/// Number of standard errors that a difference between repeats must exceed to count as significant.
 const NOISE_STDERRS: f64 = 4.0;
 /// Confidence of the prediction interval for another sample.
 const PREDICTION_CONFIDENCE: Confidence = Confidence::PERCENT_95;
 
-/// A repeat that differs from the others of its condition.
+/// A repeat that differs significantly from the other repeats of its condition.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OddRepeat {
     /// Index of the repeat, from 0.
     pub index: usize,
     /// Mean dynamic friction of the other repeats.
     pub others: f64,
-    /// Deviation from `others`, relative to `others`.
+    /// Deviation of the repeat from `others`, relative to `others`.
     pub relative: f64,
-    /// Range of the other repeats, relative to their mean; `None` if there is only one other.
+    /// Range of the other repeats, relative to their mean; `None` if there is only one other repeat.
     pub others_differ: Option<f64>,
 }
 
-/// Finds repeats whose dynamic friction differs from that of the others. `values` are pairs of dynamic friction and its
-/// standard error.
+/// Finds repeats whose dynamic friction differs from that of the other repeats. `values` are pairs of dynamic friction
+/// and its standard error, one per repeat.
 ///
-/// Among three or more repeats, one is odd if it lies outside the 95 % prediction interval of the others (Student's t),
-/// and also differs from their mean by more than 5 % and by more than noise. Of two repeats the second is returned if
-/// they differ by more than 10 % of their mean and by more than noise. A single repeat is never odd.
+/// Among three or more repeats, a repeat is odd if it lies outside the 95 % prediction interval of the others
+/// (Student's t), and also differs from their mean by more than 5 % and by more than noise. Of two repeats the second
+/// is returned if they differ by more than 10 % of their mean and by more than noise. A single repeat is never odd.
 pub fn odd_repeats(values: &[(f64, f64)]) -> Vec<OddRepeat> {
     let odd = |index: usize| {
         let (mu, error) = values[index];
@@ -76,14 +76,15 @@ pub struct MeanStd {
 }
 
 impl MeanStd {
-    /// Standard deviation for the prediction of another sample from `count` repeats: that of the normal distribution
-    /// whose 95 % interval equals that of Student's t:
+    /// Standard deviation for the prediction of another sample from n = `count` repeats with the standard deviation s =
+    /// `std` and nu = `freedom`. It is that of the normal distribution whose 95 % interval equals that of Student's t:
     ///
     /// ```text
     /// s sqrt(1 + 1/n) t_95(nu) / 1.96
     /// ```
     ///
-    /// Without degrees of freedom t is undefined, and the factor is left out; the result is then a lower bound.
+    /// t_95(nu) is the quantile of Student's t for the 95 % interval. Without degrees of freedom it is undefined, and
+    /// its factor is left out; the result is then a lower bound.
     pub fn predictive_std(&self, count: usize) -> f64 {
         let student = if self.freedom == 0 {
             1.0
@@ -103,7 +104,8 @@ pub struct Repeats {
     pub mu_dynamic: MeanStd,
     /// Static friction, with the scatter of repeats only; `None` unless every repeat shows a peak.
     pub mu_static: Option<MeanStd>,
-    /// Standard deviation of what sampling may have missed of the peaks, in addition to the scatter.
+    /// Standard deviation of the part of the peaks that sampling may have missed, in addition to the scatter; `None`
+    /// unless every repeat shows a peak.
     pub mu_static_missed: Option<f64>,
     /// Number of repeats that show a static peak.
     pub peaks: usize,
@@ -114,13 +116,13 @@ pub struct Repeats {
 }
 
 impl Repeats {
-    /// Standard deviation for the dynamic friction of another sample; see [`MeanStd::predictive_std`].
+    /// Standard deviation for predicting the dynamic friction of another sample; see [`MeanStd::predictive_std`].
     pub fn mu_dynamic_predictive_std(&self) -> f64 {
         self.mu_dynamic.predictive_std(self.count)
     }
 
-    /// Standard deviation for the static friction of another sample, including what sampling may have missed; `None`
-    /// unless every repeat shows a peak.
+    /// Standard deviation for predicting the static friction of another sample, including the part of peaks that
+    /// sampling may have missed; `None` unless every repeat shows a peak.
     pub fn mu_static_predictive_std(&self) -> Option<f64> {
         Some(self.mu_static?.predictive_std(self.count).hypot(self.mu_static_missed?))
     }
@@ -147,7 +149,7 @@ pub fn average(repeats: &[TraceFindings]) -> Option<Repeats> {
     })
 }
 
-/// Largest number of degrees of freedom that the scatter of other conditions adds.
+/// Maximum number of degrees of freedom that the scatter of other conditions adds.
 const MAX_PRIOR_FREEDOM: usize = 4;
 
 /// Shrinks the standard deviation at each condition toward the relative scatter of the other conditions, for dynamic
@@ -157,10 +159,11 @@ const MAX_PRIOR_FREEDOM: usize = 4;
 /// s^2 = (nu_0 (s_0 mu)^2 + nu s_own^2) / (nu_0 + nu),   nu = n - 1,   s_0^2 = sum nu_j (s_j/mu_j)^2 / sum nu_j over the others
 /// ```
 ///
-/// with nu_0 = sum nu_j, at most four (moderated variances as in G. K. Smyth, Stat. Appl. Genet. Mol. Biol. 3, 3,
-/// 2004). Two or three repeats may agree by chance, and a fit weighted by 1/s^2 would then treat such a condition as
-/// nearly exact. The standard deviation of a single repeat, which says nothing about scatter, is never lowered. The
-/// degrees of freedom become nu_0 + nu.
+/// with the mean friction mu and the number n of repeats of a condition, sums over the other conditions j, and nu_0 =
+/// sum nu_j, at most four (moderated variances as in G. K. Smyth, Stat. Appl. Genet. Mol. Biol. 3, 3, 2004). Two or
+/// three repeats may agree by chance, and a fit weighted by 1/s^2 would then treat such a condition as nearly exact.
+/// The standard deviation of a single repeat, which says nothing about scatter, is never lowered. The degrees of
+/// freedom become nu_0 + nu.
 pub fn moderate(conditions: &mut [&mut Repeats]) {
     shrink_deviations(conditions.iter_mut().map(|repeats| &mut repeats.mu_dynamic).collect());
     shrink_deviations(conditions.iter_mut().filter_map(|repeats| repeats.mu_static.as_mut()).collect());
@@ -184,7 +187,7 @@ fn shrink_deviations(mut all: Vec<&mut MeanStd>) {
     }
 }
 
-/// Mean and standard deviation of values with standard errors.
+/// Mean and standard deviation of pairs of a value and its standard error.
 fn mean_std(values: &[(f64, f64)]) -> MeanStd {
     let count = values.len() as f64;
     let (mean, between) = mean_and_std(values.iter().map(|(value, _)| *value)).unwrap_or((f64::NAN, None));
@@ -192,8 +195,8 @@ fn mean_std(values: &[(f64, f64)]) -> MeanStd {
     MeanStd { mean, std: between.unwrap_or(0.0).max(within), freedom: values.len().saturating_sub(1) }
 }
 
-/// Standard deviation of what sampling may have missed of `peaks`. Sampling reads every peak too low; with a triggered
-/// recording it misses an equal amount in each repeat, so that the scatter does not show it. The missed amount of
+/// Standard deviation of the part of `peaks` that sampling may have missed. Sampling reads every peak too low; with a
+/// triggered recording it misses an equal part in each repeat, so that the scatter does not show it. The missed part of
 /// several repeats is taken as uniformly distributed.
 fn missed(peaks: &[TracePeak]) -> f64 {
     if let [peak] = peaks {

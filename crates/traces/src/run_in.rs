@@ -2,30 +2,33 @@
 //!
 //! Friction with correlated noise differs between any two times. A change counts as run-in only if the mean over a
 //! first part after the onset differs from the settled friction (the mean over the second half of the time before the
-//! window) by more than means over parts of equal length scatter within the window. The scatter of such means includes
-//! the correlation of the noise.
+//! window) by more than such means scatter by noise. This scatter is that of means over parts of equal length within
+//! the window, which includes the correlation of the noise.
 
 use slipgrid_base::statistics::Confidence;
 
 use super::time_series::{line_through, mean_between};
 
-/// Length of the longest first part, as a fraction of the time before the window, and of the window.
+/// Maximum length of the first part, as fractions of the time before the window and of the window; the shorter of both
+/// is used.
 const MAX_PART: [f64; 2] = [1.0 / 4.0, 1.0 / 8.0];
-/// Number of halvings of the first part that are tried, because run-in may be over soon.
+/// Number of lengths of the first part that are tried, each half of the previous one, because run-in may be over soon.
 const HALVINGS: i32 = 4;
 /// Minimum number of sampling intervals in a part.
 const MIN_INTERVALS: f64 = 3.0;
-/// Confidence of each test. With all parts tested, fewer than 5 % of traces without run-in are reported to have it.
+/// Confidence of the test of each length. With all lengths tested, fewer than 5 % of traces without run-in are reported
+/// to have it.
 const CONFIDENCE: Confidence = Confidence::PERCENT_99_5;
-/// Minimum change, relative to friction.
+/// Minimum change of friction in run-in, relative to the settled friction.
 const MIN_RELATIVE: f64 = 0.01;
 
 /// A slow change of friction before the window.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RunIn {
-    /// Change from the first part after the onset to the settled friction; negative if friction falls.
+    /// Change of the friction coefficient from the first part after the onset to the settled friction; negative if
+    /// friction falls.
     pub change: f64,
-    /// `change` over the settled friction.
+    /// `change` as a fraction of the settled friction.
     pub relative: f64,
     /// Middle of the first part, in seconds since the trace begins.
     pub from_s: f64,
@@ -52,7 +55,8 @@ impl RunIn {
     }
 }
 
-/// Finds run-in between `from_s` and the window. The settled friction is the mean over the second half of this time.
+/// Finds run-in between `from_s` and the window; `None` if there is no significant change. `pause_s` is the sampling
+/// interval; times are in seconds since the trace begins.
 pub fn find_run_in(time_s: &[f64], mu: &[f64], from_s: f64, window_s: [f64; 2], pause_s: f64) -> Option<RunIn> {
     let (before_s, length_s) = (window_s[0] - from_s, window_s[1] - window_s[0]);
     let longest_s = (MAX_PART[0] * before_s).min(MAX_PART[1] * length_s);

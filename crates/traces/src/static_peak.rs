@@ -11,50 +11,54 @@
 use super::run_in::{RunIn, find_run_in};
 use super::time_series::{highest, median, median_of_three, sample_noise};
 
-/// The peak stands out by at least this multiple of the noise
+/// Minimum height of a static peak, in standard deviations of the noise.
 const MIN_SIGNAL_TO_NOISE: f64 = 5.0;
-/// and by at least this fraction of the friction after it.
+/// Minimum height of a static peak, relative to the friction after it.
 const MIN_RELATIVE: f64 = 0.01;
-/// Friction must have fallen within this fraction of the time between the peak and the window.
+/// Friction after the peak must have fallen within this fraction of the time from the peak to the window.
 const SETTLING_FRACTION: f64 = 0.5;
 /// Slip within which a static peak is over, in metres: several times the memory distance of dry friction.
 const ONSET_SLIP_M: f64 = 100e-6;
-/// The slip takes at least this many sampling intervals; a coarser trace cannot resolve it.
+/// Minimum duration of the onset slip, in sampling intervals; a coarser trace cannot resolve it.
 const MIN_INTERVALS: f64 = 3.0;
-/// Minimum ratio of the fall within this slip to the fall within the next one. A steady fall, as in run-in, has 1 to
-/// 1.5; an exponential fall has 4 if it reaches 1/e after 80 % of the slip.
+/// Minimum ratio of the fall within the onset slip to the fall within the next slip of equal length. A steady fall, as
+/// in run-in, has 1 to 1.5; an exponential fall has 4 if it reaches 1/e after 80 % of the slip.
 const MIN_FALL_RATIO: f64 = 4.0;
 /// Minimum ratio of the peak's height to that of the highest similar peak during steady sliding, because correlated
-/// noise falls as promptly.
+/// noise falls as fast.
 const MIN_HEIGHT_RATIO: f64 = 1.25;
-/// Slips per interval in which the highest value of steady sliding is looked for.
+/// Length, in onset slips, of the intervals of steady sliding in each of which the highest value is looked for.
 const SLIPS_PER_PEAK: f64 = 3.0;
-/// Fewer samples near the top mean that sampling may have blunted the peak.
+/// Minimum number of samples near the top; with fewer, sampling may have cut off the peak.
 const MIN_SAMPLES_AT_TOP: usize = 3;
-/// A sample slides above the first fraction of steady friction, and rests below the second.
+/// The specimen slides if friction exceeds this fraction of steady friction.
 const SLIDING_FRACTION: f64 = 0.5;
+/// The specimen rests if friction is below this fraction of steady friction.
 const RESTING_FRACTION: f64 = 0.1;
-/// Friction still rises while the drive loads elastic parts: at least by [`MIN_RISE`] of steady friction within this
-/// many slips, and within at least [`MIN_SAMPLES_PER_RISE`] samples. A slower rise is not elastic loading, because it
-/// would need more than a centimetre of the drive.
+/// Friction still rises while the drive loads elastic parts if it gains [`MIN_RISE`] of steady friction within this
+/// many onset slips, and within at least [`MIN_SAMPLES_PER_RISE`] samples. A slower rise is not elastic loading,
+/// because it would need more than a centimetre of travel of the drive.
 const SLIPS_PER_RISE: f64 = 2.0;
+/// Minimum number of samples within which a continued rise is looked for.
 const MIN_SAMPLES_PER_RISE: usize = 5;
+/// Minimum rise, relative to steady friction, for friction that still rises.
 const MIN_RISE: f64 = 0.02;
 
-/// Friction at the onset of sliding.
+/// Static peak: the highest friction at the onset of sliding.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TracePeak {
-    /// Highest friction at the onset, without single outliers.
+    /// Highest friction coefficient at the onset; single outliers do not count.
     pub mu: f64,
-    /// Standard deviation of `mu`: `noise` and `missed` combined.
+    /// Standard deviation of `mu`: root of the sum of squares of `noise` and `missed`.
     pub std: f64,
-    /// Standard deviation of the sample noise.
+    /// Standard deviation of the noise of single readings.
     pub noise: f64,
-    /// Amount that sampling may have missed: the smaller change to the neighbouring samples, or the only one.
+    /// Height that sampling may have missed: the smaller change of friction to the neighbouring samples, or the only
+    /// one.
     pub missed: f64,
     /// Time of the peak, in seconds since the trace begins.
     pub time_s: f64,
-    /// Number of samples in the upper quarter of the height above the friction that follows.
+    /// Number of samples in the upper quarter of the peak's height above the friction that follows.
     pub samples_at_top: usize,
 }
 
@@ -82,7 +86,7 @@ struct UpToWindow<'a> {
     smooth: Vec<f64>,
     /// Number of samples before the window.
     before: usize,
-    /// Standard deviation of the sample noise while the sample slides.
+    /// Standard deviation of the noise of single readings while the specimen slides.
     noise: f64,
     /// Mean friction in the window.
     steady: f64,
@@ -100,7 +104,8 @@ struct Onset {
     end: usize,
 }
 
-/// Finds static peak and run-in before a window whose mean friction is `steady`; `pause_s` is the sampling interval.
+/// Finds static peak and run-in before a window with the limits `window_s` and the mean friction `steady`. Times are in
+/// seconds since the trace begins; `pause_s` is the sampling interval.
 pub fn before_window(
     time_s: &[f64],
     mu: &[f64],
@@ -137,13 +142,15 @@ pub fn before_window(
 }
 
 impl UpToWindow<'_> {
-    /// The last sample before the window within `seconds` after `sample`, but at least `fewest` samples later.
+    /// Index of the last sample before the window within `seconds` after `sample`, or of a later one, at least `fewest`
+    /// samples after `sample`.
     fn within(&self, sample: usize, seconds: f64, fewest: usize) -> usize {
         let to = self.time_s.partition_point(|&t| t <= self.time_s[sample] + seconds);
         (to - 1).max(sample + fewest).min(self.before - 1)
     }
 
-    /// The onset of sliding; the first sample if the trace begins while the sample slides.
+    /// Finds the onset of sliding; `slip_s` is the duration of the onset slip. The onset is the first sample if the
+    /// trace begins while the specimen slides; `None` if friction never reaches the level of sliding.
     fn onset(&self, slip_s: f64) -> Option<Onset> {
         let ahead = |sample: usize| self.within(sample, SLIPS_PER_RISE * slip_s, MIN_SAMPLES_PER_RISE);
         let slides = SLIDING_FRACTION * self.steady;
@@ -165,7 +172,7 @@ impl UpToWindow<'_> {
         fall >= (MIN_SIGNAL_TO_NOISE * self.noise).max(MIN_RELATIVE * over.abs())
     }
 
-    /// The highest sample, if it is the end of the rise and no outlier.
+    /// Index of the highest sample, if it is the end of the rise and no outlier.
     fn end_of_rise(&self, onset: Onset, to: usize, smooth: f64) -> Option<usize> {
         let mu = self.mu;
         let top = highest(mu, onset.first.saturating_sub(1)..to + 1);
@@ -176,7 +183,7 @@ impl UpToWindow<'_> {
         (ends && own > smooth + noise).then_some(top)
     }
 
-    /// The static peak at the onset.
+    /// Finds the static peak at the onset; `None` if no peak stands out. `slip_s` is the duration of the onset slip.
     fn peak(&self, onset: Onset, slip_s: f64) -> Option<TracePeak> {
         let Self { time_s, mu, before, noise, .. } = *self;
         let to = self.within(onset.end, slip_s, MIN_INTERVALS as usize);
@@ -223,7 +230,7 @@ impl UpToWindow<'_> {
         })
     }
 
-    /// The largest height, in the window, of friction above its level one to two slips (of `slip_s` seconds) later.
+    /// Maximum height of friction in the window above its level one to two onset slips (of `slip_s` seconds) later.
     fn highest_later(&self, slip_s: f64) -> f64 {
         let at = |time: f64| self.time_s.partition_point(|&t| t < time);
         let (mut most, mut from) = (0.0_f64, self.before);

@@ -2,44 +2,45 @@
 //!
 //! Correlated noise turns up and down as well, and among a few turns its falls may be short by chance. But every
 //! stationary Gaussian noise is statistically equal forwards and backwards in time: falls and rises then have equal
-//! distributions of durations, and the rank sum of the falls has a known distribution. Stick-slip is an oscillation for
-//! which this hypothesis is rejected. Other oscillations are reported if their periods are regular, and are taken for
-//! noise otherwise.
+//! distributions of durations, and the rank sum of the durations of falls has a known distribution. Stick-slip is an
+//! oscillation for which this hypothesis is rejected. Other oscillations are reported if their periods are regular, and
+//! are taken for noise otherwise.
 
 use super::time_series::{median, median_of_three, sample_noise};
 
-/// A reversal must exceed this multiple of the sample noise (the range of three thousand samples of white noise is
-/// about seven)
+/// Minimum height of a reversal, in standard deviations of the sample noise (the range of three thousand samples of
+/// white noise is about seven).
 const NOISE_FACTOR: f64 = 8.0;
-/// and this fraction of the mean, because smaller ones do not matter.
+/// Minimum height of a reversal, relative to mean friction, because smaller ones do not matter.
 const MIN_RELATIVE: f64 = 0.01;
 /// Minimum number of slips in the window.
 const MIN_SLIPS: usize = 4;
 /// Maximum ratio of the durations of a fall and a rise in stick-slip.
 const MAX_FALL_OVER_RISE: f64 = 0.5;
-/// Falls must be shorter than rises by this many standard deviations of their rank sum, which happens by chance in 1 %
-/// of cases; four falls that are all shorter than four rises just reach it.
+/// Minimum number of standard deviations, in stick-slip, by which the rank sum of falls is below that expected for
+/// equal falls and rises. Noise exceeds it in 1 % of cases; four falls that are all shorter than four rises just reach
+/// it.
 const MIN_RANK_DEVIATION: f64 = 2.3;
 /// Maximum spread of the periods of a regular oscillation, relative to the median. Periods of noise spread by half.
 const MAX_PERIOD_SPREAD: f64 = 0.15;
-/// Periods needed to call an oscillation regular.
+/// Minimum number of periods of a regular oscillation.
 const MIN_PERIODS: usize = 7;
 
 /// Repeated slips, or another oscillation of friction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StickSlip {
-    /// Median drop of mu in a slip.
+    /// Median drop of the friction coefficient in a slip.
     pub amplitude: f64,
     /// Median time from slip to slip, in seconds.
     pub period_s: f64,
-    /// Spread of the periods, in seconds.
+    /// Spread of the periods, in seconds: half the range of their middle two thirds.
     pub period_spread_s: f64,
     /// Number of slips in the window.
     pub slips: usize,
     /// Ratio of the median durations of falls and rises.
     pub fall_over_rise: f64,
-    /// Number of standard deviations by which the rank sum of the falls is below the one expected for equal falls and
-    /// rises.
+    /// Number of standard deviations by which the rank sum of the durations of falls is below that expected for equal
+    /// falls and rises.
     pub arrow: f64,
 }
 
@@ -55,7 +56,7 @@ impl StickSlip {
     }
 }
 
-/// Finds the oscillation in a window, if there is one. `mean` is the mean of `mu`.
+/// Finds the oscillation in a window; `None` if there are too few reversals. `mean` is the mean of `mu`.
 pub fn oscillation(time_s: &[f64], mu: &[f64], mean: f64) -> Option<StickSlip> {
     let threshold = (NOISE_FACTOR * sample_noise(mu)).max(MIN_RELATIVE * mean.abs());
     // A slope over the window would lengthen all rises, or all falls.
@@ -100,8 +101,8 @@ fn without_slope(time_s: &[f64], mut values: Vec<f64>) -> Vec<f64> {
     values
 }
 
-/// Number of standard deviations by which the rank sum of `falls` is below the one expected if falls and rises have
-/// equal durations (Mann and Whitney).
+/// Number of standard deviations by which the rank sum of `falls` is below that expected if falls and rises have equal
+/// durations (Mann and Whitney). Both are durations in seconds.
 fn arrow(falls: &[f64], rises: &[f64]) -> f64 {
     let mut sorted = rises.to_vec();
     sorted.sort_by(f64::total_cmp);
@@ -124,7 +125,7 @@ fn spread(values: &[f64]) -> f64 {
     (at(5.0 / 6.0).unwrap_or(0.0) - at(1.0 / 6.0).unwrap_or(0.0)) / 2.0
 }
 
-/// Indices of crests and troughs, alternating, that are at least `threshold` apart.
+/// Indices of crests and troughs, alternating, whose values differ by at least `threshold`.
 fn reversals(values: &[f64], threshold: f64) -> Vec<usize> {
     let mut turns = Vec::new();
     let (mut low, mut high) = (0, 0);

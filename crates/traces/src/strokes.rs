@@ -15,24 +15,24 @@ use crate::{MIN_FRICTION, TraceError, TraceFlag};
 
 /// Default central fraction of every stroke that is used.
 pub const DEFAULT_STROKE_SHARE: f64 = 0.5;
-/// A stroke begins where friction exceeds this fraction of its usual amount with the new sign.
+/// A stroke begins where friction, with the new sign, exceeds this fraction of its usual magnitude.
 const STROKE_START_FRACTION: f64 = 0.5;
 /// Minimum number of samples in the middle of a stroke.
 const MIN_SAMPLES_PER_STROKE: usize = 4;
-/// Relative deviation of a stroke's duration from the median that is flagged.
+/// Maximum relative deviation of a stroke's duration from the median that is not flagged.
 const MAX_DURATION_DEVIATION: f64 = 0.3;
-/// Offset between the two directions, relative to friction, that is flagged.
+/// Maximum offset of friction between the two directions, relative to friction, that is not flagged.
 const MAX_STROKE_OFFSET: f64 = 0.05;
 
-/// A stroke: beginning and end, in seconds, and mean friction with its sign.
+/// A stroke: beginning and end, in seconds since the trace begins, and mean friction coefficient with its sign.
 struct Stroke {
     from_s: f64,
     to_s: f64,
     mu: f64,
 }
 
-/// Returns times and friction: one value per pair of successive strokes, or one per stroke if the sign was not
-/// recorded.
+/// Returns times, in seconds since the trace begins, and friction coefficients: one per pair of successive strokes, or
+/// one per stroke if the sign was not recorded. `share` is the central fraction of a stroke that is used.
 pub(super) fn friction_of_strokes(
     time_s: &[f64],
     mu: &[f64],
@@ -90,7 +90,8 @@ pub(super) fn friction_of_strokes(
     Ok((times, friction))
 }
 
-/// Finds the complete strokes of a trace; a stroke that is cut off by an end of the trace is left out.
+/// Finds the complete strokes of a trace; a stroke that is cut off by an end of the trace is left out. `middle` and
+/// `usual` are the middle of the friction loop and half its width; without signs, zero and the median friction.
 fn strokes(
     time_s: &[f64],
     mu: &[f64],

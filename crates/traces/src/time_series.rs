@@ -1,11 +1,11 @@
-//! Time series with uneven samples.
+//! Statistics of time series with uneven samples.
 
 use std::ops::Range;
 
 use slipgrid_base::statistics::upper_median;
 
-/// Mean over the time from `from` to `to` of the linear interpolation of the samples. Outside the samples the nearest
-/// value is used.
+/// Mean of `values` over the time from `from` to `to`, interpolated linearly between samples. Outside the samples the
+/// nearest value is used.
 pub fn mean_between(time_s: &[f64], values: &[f64], from: f64, to: f64) -> f64 {
     let at = |t: f64| {
         let next = time_s.partition_point(|&sample| sample <= t);
@@ -32,7 +32,7 @@ pub fn mean_between(time_s: &[f64], values: &[f64], from: f64, to: f64) -> f64 {
 pub struct Line {
     /// Mean of the values.
     pub mean: f64,
-    /// Change over `values.len()` steps.
+    /// Change of the line over as many steps as there are values.
     pub change: f64,
     /// Residual variance about the line.
     pub variance: f64,
@@ -56,7 +56,7 @@ pub fn highest(values: &[f64], range: Range<usize>) -> usize {
     range.clone().fold(range.start, |best, i| if values[i] > values[best] { i } else { best })
 }
 
-/// Median, the upper one for an even count; zero for no values.
+/// Median, the upper median for an even count; zero for no values.
 pub fn median(mut values: Vec<f64>) -> f64 {
     upper_median(&mut values).unwrap_or(0.0)
 }

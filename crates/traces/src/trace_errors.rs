@@ -16,9 +16,9 @@ pub enum TraceError {
     TooShort {
         /// Time of the last sample, in seconds since the trace begins.
         end_s: f64,
-        /// End of the window.
+        /// End of the window, in seconds since the trace begins.
         window_end_s: f64,
-        /// Sampling interval.
+        /// Sampling interval, in seconds.
         pause_s: f64,
     },
     /// The window has too few samples for a mean with an error.
@@ -28,19 +28,19 @@ pub enum TraceError {
         short(*pause_s)
     )]
     TooFewSamples {
-        /// Samples in the window.
+        /// Number of samples in the window.
         found: usize,
-        /// Samples needed.
+        /// Number of samples needed.
         expected: usize,
-        /// Sampling interval.
+        /// Sampling interval, in seconds.
         pause_s: f64,
     },
     /// Samples are missing inside the window.
     #[error("no samples from {from_s:.2} to {to_s:.2} s, inside the averaging window")]
     Gap {
-        /// Last sample before the gap.
+        /// Time of the last sample before the gap, in seconds since the trace begins.
         from_s: f64,
-        /// First sample after the gap.
+        /// Time of the first sample after the gap, in seconds since the trace begins.
         to_s: f64,
     },
     /// Any other reason; the text says what was found and what was expected.
@@ -48,7 +48,7 @@ pub enum TraceError {
     Refused(String),
 }
 
-/// Rounds to three digits.
+/// Rounds to three significant digits, for messages.
 pub(crate) fn short(value: f64) -> f64 {
     format!("{value:.2e}").parse().unwrap_or(value)
 }
@@ -56,7 +56,7 @@ pub(crate) fn short(value: f64) -> f64 {
 /// Warning about a trace that was accepted. Times are seconds since the trace begins.
 #[derive(Clone, Debug, PartialEq)]
 pub enum TraceFlag {
-    /// No load was recorded; the friction coefficient is the instrument's own.
+    /// No normal force was recorded; the friction coefficient is that of the instrument.
     LoadNotRecorded,
     /// The sensor was saturated before the window, so no static peak is taken.
     PeakSaturated {
@@ -67,14 +67,14 @@ pub enum TraceFlag {
     ZeroOff(SensorZero),
     /// The readings before touchdown were subtracted.
     ZeroTaken(SensorZero),
-    /// Friction of strokes there and back differs by an offset.
+    /// Friction differs between strokes there and back, by a constant offset.
     StrokesDiffer {
-        /// Half of the sum of friction there and back.
+        /// Offset of the friction coefficient: half of the sum of friction there and back, with signs.
         offset: f64,
-        /// The offset over friction.
+        /// The offset as a fraction of the mean friction.
         relative: f64,
     },
-    /// Strokes there and back have the same sign.
+    /// Friction of strokes there and back has the same sign, so that the sign was not recorded.
     SignNotRecorded,
     /// Anything else; the text says what is odd.
     Odd(String),

@@ -1,4 +1,4 @@
-//! Zero of the sensors: their readings before touchdown, while the sample hangs free.
+//! Zero of the sensors: readings before touchdown, while the sample hangs free.
 //!
 //! An offset of the normal force enters every friction coefficient, more so at small loads, and makes friction seem to
 //! depend on load.
@@ -12,14 +12,16 @@ use super::{Tangential, TraceChannels, TraceError, UNLOADED_FRACTION, samples_be
 
 /// Minimum number of samples for a zero.
 const MIN_ZERO_SAMPLES: usize = 5;
-/// A sample is after touchdown if its normal force differs from the zero by this fraction of the load in the window.
+/// A sample of the trace is after touchdown if its normal force differs from the zero by this fraction of the load in
+/// the window.
 const TOUCHDOWN_FRACTION: f64 = 0.1;
-/// Sensor offset that is reported, relative to the reading in the window: half of the best accuracy of friction,
+/// Minimum sensor offset that is reported, relative to the reading in the window: half of the best accuracy of
+/// friction.
 const MIN_OFFSET: f64 = 0.002;
-/// if it also exceeds this many standard errors.
+/// Number of standard errors that a reported offset must also exceed.
 const NOISE_STDERRS: f64 = 4.0;
-/// Maximum difference between the two halves of the span, relative to the mean, for a constant offset. A slow loading
-/// has 1.
+/// Maximum difference between the two halves of the span, relative to the mean over the span, for a constant offset. A
+/// load that rises slowly from zero has 1.
 const MAX_HALF_DIFFERENCE: f64 = 0.25;
 
 /// Readings of the sensors before touchdown.
@@ -27,11 +29,11 @@ const MAX_HALF_DIFFERENCE: f64 = 0.25;
 pub struct SensorZero {
     /// Beginning and end of the span, in seconds since the trace begins.
     pub span_s: [f64; 2],
-    /// Mean normal force, in newtons.
+    /// Mean normal force over the span, in newtons.
     pub force_n: f64,
     /// Friction channel: `torque` or `friction force`.
     pub channel: &'static str,
-    /// Mean of the friction channel, in `unit`.
+    /// Mean of the friction channel over the span, in `unit`.
     pub tangential: f64,
     /// `N m` for a torque, `N` for a force.
     pub unit: &'static str,
@@ -44,7 +46,7 @@ impl fmt::Display for SensorZero {
     }
 }
 
-/// Refuses a zero of which only the instrument's coefficient was recorded.
+/// Creates the error for a zero if only the friction coefficient of the instrument was recorded.
 pub fn of_coefficient() -> TraceError {
     TraceError::Refused(
         "the export has a friction coefficient and neither torque nor friction force, so no zero can be subtracted: expected one of \
@@ -53,7 +55,7 @@ pub fn of_coefficient() -> TraceError {
     )
 }
 
-/// Refuses a zero where no load was recorded that shows touchdown.
+/// Creates the error for a zero if no normal force was recorded, which would show touchdown.
 pub fn of_stated_load() -> TraceError {
     TraceError::Refused(
         "no normal force is recorded, so that touchdown is not known and no zero can be subtracted: expected no zero_s"
@@ -61,8 +63,9 @@ pub fn of_stated_load() -> TraceError {
     )
 }
 
-/// Subtracts the mean readings over `span_s` from `channels`. `inside` are the samples of the window; `time_s` counts
-/// from the beginning of the trace.
+/// Subtracts the mean readings over `span_s` from `channels`; returns the result and the zero. `inside` are the samples
+/// of the window, which begins at `window_from_s`; all times but those in `channels` are in seconds since the trace
+/// begins.
 ///
 /// # Errors
 /// [`TraceError`] if the span is invalid, has too few samples or is under load, or if friction is a coefficient.
@@ -123,8 +126,8 @@ pub fn subtract(
 }
 
 /// Finds a significant sensor offset in a trace that begins before touchdown, by one rule for all loads. The first half
-/// of the time before the force reaches half of the load is used; it is halved until it holds no part of a slow
-/// loading. `None` if only a coefficient was recorded.
+/// of the time before the force reaches half of the load is used; this span is halved until it holds no part of a slow
+/// loading. `None` without such an offset, or if only a coefficient was recorded.
 pub fn find_offset(channels: &TraceChannels, time_s: &[f64], inside: &Range<usize>) -> Option<SensorZero> {
     let channel = zero_channel(&channels.tangential)?;
     let usual = |values: &[f64]| median(values[inside.clone()].to_vec());
@@ -147,8 +150,8 @@ pub fn find_offset(channels: &TraceChannels, time_s: &[f64], inside: &Range<usiz
     (is_off(&channels.normal_force_n, zero.force_n) || is_off(tangential, zero.tangential)).then_some(zero)
 }
 
-/// Whether `values` with this `mean` show a constant offset, compared with the `usual` reading in the window, and not a
-/// rise.
+/// Whether `values` with the mean `mean` show a constant offset, not a rise, that is significant compared with the
+/// reading `usual` in the window.
 fn is_offset(values: &[f64], mean: f64, usual: f64) -> bool {
     let count = values.len() as f64;
     let stderr = (values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (count - 1.0) / count).sqrt();
@@ -162,7 +165,7 @@ fn is_offset(values: &[f64], mean: f64, usual: f64) -> bool {
     is_steady && mean.abs() > (MIN_OFFSET * usual.abs()).max(NOISE_STDERRS * stderr)
 }
 
-/// Name and unit of the friction channel, if it has a zero.
+/// Name and unit of the friction channel; `None` for a coefficient, which has no zero.
 const fn zero_channel(tangential: &Tangential) -> Option<(&'static str, &'static str)> {
     match tangential {
         Tangential::TorqueNm(_) => Some((tangential.name(), "N m")),
