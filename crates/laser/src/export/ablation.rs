@@ -1,7 +1,7 @@
-//! Depth removed by one burst as a function of fluence: d = delta ln(F / F_th).
+//! Depth d removed by one burst as a function of the fluence F: d = delta ln(F / F_th).
 //!
-//! Beer-Lambert absorption with a threshold: fluence decays as exp(-z / delta), and material is removed where it
-//! exceeds F_th. The straight line in ln F is fitted by least squares.
+//! The law is Beer-Lambert absorption with a threshold: at the depth z fluence has decayed as exp(-z / delta), and
+//! material is removed where it exceeds F_th. The straight line of d against ln F is fitted by least squares.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -45,10 +45,10 @@ pub struct Ablation {
 }
 
 impl Ablation {
-    /// Fits the law to `points` and evaluates it at `fluence_j_cm2`.
+    /// Fits the ablation law to `points` and evaluates it at `fluence_j_cm2`.
     ///
-    /// If all points have standard deviations, standard errors follow from these, otherwise from the scatter about the
-    /// line.
+    /// If all points have standard deviations, these give the weights and the standard errors; otherwise weights are
+    /// equal, and standard errors follow from the scatter about the line.
     ///
     /// # Errors
     /// [`ExportError::Refused`] if a number is not positive, fewer than three fluences differ, depth does not increase with

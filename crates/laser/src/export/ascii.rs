@@ -8,10 +8,10 @@ const DIAERESIS: char = '\u{308}';
 /// Other combining accents, which follow their letters.
 const ACCENTS: std::ops::RangeInclusive<char> = '\u{300}'..='\u{36f}';
 
-/// Plain letters and signs, each with those that differ from it by an accent or a stroke.
+/// Groups of letters and signs, parted by blanks: a plain one, and those that differ from it by an accent or a stroke.
 const ACCENTED: &str = "aàáâãāăą cçćĉċč dďđð eèéêëēĕėęě gĝğġģ hĥħ iìíîïĩīĭįı jĵ kķ lĺļľŀł nñńņňŉ oòóôõōŏő rŕŗř sśŝşšș tţťŧț uùúûũūŭůűų \
     wŵ yýÿŷ zźżž -\u{2010}\u{2011}–—\u{2212} '‘’‚′ \"“”„″«»";
-/// Letters and signs with other spellings, in which `_` is a blank; capitals are spelt accordingly.
+/// Letters and signs with their spellings, in which `_` is a blank; capitals are spelt accordingly.
 const SPELLINGS: &str = "ä=ae ö=oe ü=ue ß=ss å=aa æ=ae ø=oe œ=oe þ=th ĳ=ij ŋ=ng ĸ=q ſ=s İ=I µ=u α=alpha β=beta γ=gamma δ=delta ε=epsilon \
     ζ=zeta η=eta θ=theta ι=iota κ=kappa λ=lambda μ=u ν=nu ξ=xi ο=omicron π=pi ρ=rho σ=sigma ς=sigma τ=tau υ=upsilon \
     φ=phi χ=chi ψ=psi ω=omega °=_deg ±=+- ×=x ·=. ÷=/ …=... ≤=<= ≥=>= ≈=~ ¼=1/4 ½=1/2 ¾=3/4 €=EUR ©=(c) ®=(R) ™=(TM) \

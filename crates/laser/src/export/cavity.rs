@@ -11,7 +11,7 @@ use crate::export::{Outline, left_of};
 pub struct Cavity {
     /// Position of the centre along x, from the specimen's centre, in metres.
     pub centre_x_m: f64,
-    /// Position of the centre along y, in metres.
+    /// Position of the centre along y, from the specimen's centre, in metres.
     pub centre_y_m: f64,
     /// Extent along the pattern's x axis, in metres; the diameter of a disc.
     pub width_m: f64,
@@ -23,7 +23,7 @@ pub struct Cavity {
     pub planform: Planform,
     /// Outline that cuts the cavity, if the cavity crosses the border of the specimen.
     pub cut_by: Option<Outline>,
-    /// Outline of a polygon, whose bounding box has the extents `width_m` and `length_m`.
+    /// Outline of a polygonal cavity, whose bounding box has the extents `width_m` and `length_m`.
     pub(crate) face: Option<Face>,
     /// For a groove of the second family, the crossing grooves that are cut out of it.
     pub(crate) crossed_by: Option<Crossing>,
@@ -39,7 +39,7 @@ pub enum Boundary {
         /// Radius, in metres.
         radius_m: f64,
     },
-    /// A polygon: a cavity, or the remaining part of one that is cut. Arcs are replaced by chords that deviate by at most
+    /// A polygon: a cavity, or the remaining part of a cut cavity. Arcs are replaced by chords that deviate by at most
     /// 10 nm.
     Polygon {
         /// Corners as `[x, y]`, anticlockwise, in metres.
@@ -66,7 +66,8 @@ impl Boundary {
 }
 
 impl Cavity {
-    /// Outline of the cavity: one boundary, or one per part if the border or other grooves cut it.
+    /// Outline of the cavity: one boundary, or one per part if the border or other grooves cut the cavity; none if
+    /// nothing remains.
     pub fn boundaries(&self) -> Vec<Boundary> {
         let clipped = |polygon: Vec<[f64; 2]>| match &self.cut_by {
             None => vec![polygon],
@@ -98,8 +99,8 @@ impl Cavity {
         self.is_plain() && self.crossed_by.is_none() && self.planform != Planform::Disc
     }
 
-    /// Shrinks the cavity to the points at least `wall_m` from its walls and `rim_m` from the border that cuts it;
-    /// `None` if there are none. A width of zero is kept as a line.
+    /// Shrinks the cavity to the points at least `wall_m` from its walls and `rim_m` from the border that cuts it, in
+    /// metres; `None` if there are none. A cavity as wide as twice `wall_m` becomes a line.
     pub fn inset(&self, wall_m: f64, rim_m: f64) -> Option<Self> {
         let less = |extent_m: f64| {
             // Within rounding, a cavity as wide as the inset keeps its middle line.
@@ -116,8 +117,8 @@ impl Cavity {
         Some(Self { width_m: less(self.width_m)?, length_m: less(self.length_m)?, cut_by, face, crossed_by, ..*self })
     }
 
-    /// Distance of a point inside to the nearest wall, in metres; negative outside. The border of the specimen is not a
-    /// wall.
+    /// Distance from a point to the nearest wall, in metres; negative outside the walls. The border of the specimen is
+    /// not a wall, but the distance is minus infinity beyond a border that cuts the cavity.
     pub fn wall_distance_m(&self, [x_m, y_m]: [f64; 2]) -> f64 {
         let at_m = [x_m, y_m];
         let (x_m, y_m) = (x_m - self.centre_x_m, y_m - self.centre_y_m);
@@ -137,9 +138,9 @@ impl Cavity {
         }
     }
 
-    /// Points at which a line first enters and last leaves the walls of the cavity, measured along the line in metres.
-    /// The line runs along the unit vector `along`, `at_m` to its left from the specimen's centre; the border of the
-    /// specimen is not a wall. `None` if the line misses the cavity.
+    /// Positions along a line, in metres, at which it first enters and last leaves the walls of the cavity. The line
+    /// runs along the unit vector `along`, `at_m` to the left of the specimen's centre; the border of the specimen is
+    /// not a wall. `None` if the line misses the cavity.
     pub(crate) fn chord_m(&self, along: [f64; 2], at_m: f64) -> Option<[f64; 2]> {
         if let Some(face) = &self.face {
             let spans_m = face.spans_m(along, at_m);
@@ -157,8 +158,8 @@ impl Cavity {
         Some([of_centre(along) - high_m, of_centre(along) - low_m])
     }
 
-    /// Corners of the rectangle, or of the square around a disc, as `[x, y]` in metres, anticlockwise from the lower
-    /// left one in the cavity's axes.
+    /// Corners of the rectangle, or of the square around a disc, as `[x, y]` in metres, anticlockwise; the first is the
+    /// lower left corner in the cavity's axes.
     pub fn corners_m(&self) -> [[f64; 2]; 4] {
         let (half_width_m, half_length_m) = (self.width_m / 2.0, self.length_m / 2.0);
         let [cosine, sine] = self.orientation;
@@ -180,12 +181,14 @@ impl Cavity {
         Some([near_m.max(0.0), far_m])
     }
 
-    /// Whether every line along x crosses the cavity at most once, with floor everywhere between its walls.
+    /// Whether the cavity is neither a polygon nor cut by the border: every line along x then crosses it at most once,
+    /// with floor everywhere between the walls.
     pub(crate) fn is_plain(&self) -> bool {
         self.cut_by.is_none() && self.face.is_none()
     }
 
-    /// Area, in square metres. If walls slope and the border cuts a polygon, the walls are treated as planes.
+    /// Area seen from above, in square metres. For a polygon that `inset` shrinks and the border cuts, walls are
+    /// shifted as planes.
     pub fn area_m2(&self) -> f64 {
         if let (Some(face), None) = (&self.face, &self.cut_by) {
             return face.area_m2();
@@ -199,7 +202,7 @@ impl Cavity {
         }
     }
 
-    /// Whether the sides lie along x and y.
+    /// Whether the sides of the cavity lie along x and y.
     pub fn is_aligned(&self) -> bool {
         self.orientation == [1.0, 0.0]
     }

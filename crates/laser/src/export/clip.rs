@@ -1,4 +1,4 @@
-//! Clipping of convex cavities to the specimen's outline: polygons and discs about the origin, in closed form.
+//! Clipping of convex cavities to the specimen's outline, centred on the origin, in closed form.
 //!
 //! Polygons run anticlockwise. The part of a polygon inside a disc is bounded by its edges and by anticlockwise arcs;
 //! the part outside by its edges and by clockwise arcs. Arcs are replaced by chords that deviate by at most
@@ -11,7 +11,7 @@ use crate::export::Outline;
 /// Maximum deviation of a chord from its arc, in metres: a hundredth of the positioning accuracy of a laser.
 pub(crate) const ARC_SAGITTA_M: f64 = 1e-8;
 
-/// Pieces with a smaller area are rounding errors, in square metres: a square nanometre.
+/// Minimum area of a part, in square metres, a square nanometre; smaller parts are rounding errors.
 const MIN_AREA_M2: f64 = 1e-18;
 
 type Polygon = Vec<[f64; 2]>;
@@ -38,8 +38,8 @@ pub(crate) fn without_slivers(mut parts: Vec<Polygon>) -> Vec<Polygon> {
     parts
 }
 
-/// Parts of a convex polygon outside another convex polygon, which is given by `sides`: points x with n x <= d for each
-/// (n, d). The parts are convex and do not overlap.
+/// Parts of a convex polygon outside another convex polygon, which is given by `sides`: unit normals n and distances d
+/// in metres, with n x <= d for all points x inside. The parts are convex and do not overlap.
 pub(crate) fn outside_sides(polygon: Polygon, sides: &[([f64; 2], f64)]) -> Vec<Polygon> {
     let (mut parts, mut left) = (Vec::new(), polygon);
     for &([nx, ny], limit_m) in sides {
@@ -74,7 +74,7 @@ pub(crate) fn circle([x_m, y_m]: [f64; 2], radius_m: f64) -> Polygon {
         .collect()
 }
 
-/// The border and the hole of a ring as polygons, in metres.
+/// Border of `outline`, and the hole of a ring, as polygons, in metres.
 pub(crate) fn rims(outline: &Outline) -> Vec<Vec<[f64; 2]>> {
     match *outline {
         Outline::Disc { diameter_m } => vec![circle([0.0; 2], diameter_m / 2.0)],
@@ -88,7 +88,7 @@ pub(crate) fn rims(outline: &Outline) -> Vec<Vec<[f64; 2]>> {
     }
 }
 
-/// Number of chords for an arc of `angle`, at least one.
+/// Number of chords for an arc of `angle` radians, at least one.
 fn chords(angle: f64, radius_m: f64) -> usize {
     // s = R (1 - cos(a/2)), a the angle of one chord.
     let one = 2.0 * libm::acos((1.0 - ARC_SAGITTA_M / radius_m).clamp(-0.5, 1.0));
@@ -100,7 +100,8 @@ pub(crate) fn at([xa, ya]: [f64; 2], [xb, yb]: [f64; 2], t: f64) -> [f64; 2] {
     [xa + t * (xb - xa), ya + t * (yb - ya)]
 }
 
-/// Part of the edge from `a` to `b` inside the disc of `radius_m`, as fractions of the edge.
+/// Part of the edge from `a` to `b` inside the disc of `radius_m` about the origin, as fractions of the edge; `None` if
+/// no part is inside.
 pub(crate) fn chord_in_disc(a: [f64; 2], b: [f64; 2], radius_m: f64) -> Option<[f64; 2]> {
     // |a + t (b - a)|^2 = R^2
     let along = [b[0] - a[0], b[1] - a[1]];
@@ -127,7 +128,8 @@ fn contains_origin(polygon: &[[f64; 2]]) -> bool {
     !polygon.is_empty() && edges(polygon).all(|([xa, ya], [xb, yb])| xa * yb - xb * ya > 0.0)
 }
 
-/// Part of a segment inside a convex polygon given by `sides`, as fractions of the segment; `None` if there is none.
+/// Part of the segment from `a` to `b` inside a convex polygon, as fractions of the segment; `None` if no part is
+/// inside. `sides` are the unit normals of the polygon and the distances of the sides from the origin, in metres.
 pub(crate) fn within_sides([a, b]: [[f64; 2]; 2], sides: &[([f64; 2], f64)]) -> Option<[f64; 2]> {
     let (mut from, mut to) = (0.0_f64, 1.0_f64);
     for &([nx, ny], limit_m) in sides {
@@ -143,15 +145,16 @@ pub(crate) fn within_sides([a, b]: [[f64; 2]; 2], sides: &[([f64; 2], f64)]) -> 
     (from < to).then_some([from, to])
 }
 
-/// Points of a circle closer than this fraction of its radius are equal: between them there is no arc, rather than a
-/// full turn.
+/// Points of a circle closer than this fraction of its radius count as equal: the arc between them is empty, not a full
+/// turn.
 const EQUAL_POINT_TOLERANCE: f64 = 1e-9;
 
 fn is_one_point(a: [f64; 2], b: [f64; 2], radius_m: f64) -> bool {
     (a[0] - b[0]).hypot(a[1] - b[1]) <= EQUAL_POINT_TOLERANCE * radius_m
 }
 
-/// Appends the points of the arc between `from` and `to`, without these two.
+/// Appends the points of the arc between `from` and `to` on the circle of `radius_m` about the origin, without these
+/// two.
 pub(crate) fn push_arc(out: &mut Polygon, from: [f64; 2], to: [f64; 2], radius_m: f64, anticlockwise: bool) {
     if is_one_point(from, to, radius_m) {
         return;
@@ -166,7 +169,7 @@ pub(crate) fn push_arc(out: &mut Polygon, from: [f64; 2], to: [f64; 2], radius_m
     }
 }
 
-/// Part of a polygon at most `limit_m` along the unit vector `normal`.
+/// Part of a polygon on the side x nx + y ny <= `limit_m`, in metres; `[nx, ny]` is a unit vector.
 pub(crate) fn within_side(polygon: &[[f64; 2]], [nx, ny]: [f64; 2], limit_m: f64) -> Polygon {
     let beyond = |[x, y]: [f64; 2]| x * nx + y * ny - limit_m;
     let mut kept = Vec::with_capacity(polygon.len() + 1);
@@ -182,7 +185,7 @@ pub(crate) fn within_side(polygon: &[[f64; 2]], [nx, ny]: [f64; 2], limit_m: f64
     kept
 }
 
-/// Part of a convex polygon inside the disc.
+/// Part of a convex polygon inside the disc of `radius_m` about the origin.
 fn within_disc(polygon: &[[f64; 2]], radius_m: f64) -> Polygon {
     let mut kept: Polygon = Vec::with_capacity(polygon.len() + 8);
     // Point where the boundary left the disc, and the corner inside at which the previous edge ended. If this corner
@@ -221,7 +224,7 @@ fn within_disc(polygon: &[[f64; 2]], radius_m: f64) -> Polygon {
     kept
 }
 
-/// Parts of a polygon outside the disc.
+/// Parts of a polygon outside the disc of `radius_m` about the origin.
 pub(crate) fn outside_disc(polygon: &[[f64; 2]], radius_m: f64) -> Vec<Polygon> {
     // Runs of the boundary outside the disc: each starts where it leaves the disc and ends where it enters.
     let mut runs: Vec<Polygon> = Vec::new();
@@ -260,8 +263,9 @@ pub(crate) fn outside_disc(polygon: &[[f64; 2]], radius_m: f64) -> Vec<Polygon> 
     join_runs(&runs, clockwise, |part, from, to| push_arc(part, from, to, radius_m, false))
 }
 
-/// Joins runs along a border into closed polygons: from the end of each run to the start with the smallest distance
-/// `away`, which may be its own start. `push_between` appends the border between the two.
+/// Joins runs, parts of a polygon's boundary, along a border into closed polygons: from the end of each run to the
+/// start of a run with the smallest distance `away` along the border, which may be the start of this run.
+/// `push_between` appends the border between end and start.
 pub(crate) fn join_runs(
     runs: &[Polygon],
     away: impl Fn([f64; 2], [f64; 2]) -> f64,

@@ -1,7 +1,7 @@
-//! Clipping of polygons that need not be convex to the specimen's outline.
+//! Clipping of polygons, also concave ones, to the specimen's outline.
 //!
-//! The parts of the polygon's boundary inside the outline are joined along the outline anticlockwise, each end to the
-//! next start, in any order, as in [`crate::export::clip`].
+//! The parts of the polygon's boundary inside the outline (runs) are joined along the outline anticlockwise, from the
+//! end of each run to the next start of a run, as in [`crate::export::clip`].
 
 use std::f64::consts::TAU;
 
@@ -35,7 +35,7 @@ pub(crate) fn clip_simple(polygon: &[[f64; 2]], outline: &Outline) -> Vec<Polygo
 }
 
 impl Rim {
-    /// Part of the edge from `a` to `b` inside the border, as fractions of the edge.
+    /// Part of the edge from `a` to `b` inside the border, as fractions of the edge; `None` if no part is inside.
     fn chord(self, a: [f64; 2], b: [f64; 2]) -> Option<[f64; 2]> {
         match self {
             Self::Disc { radius_m } => chord_in_disc(a, b, radius_m),
@@ -58,7 +58,7 @@ impl Rim {
         }
     }
 
-    /// Appends the corners of the border between two of its points, anticlockwise, without these points.
+    /// Appends the corners of the border between its points `from` and `to`, anticlockwise, without these points.
     fn push_between(self, out: &mut Polygon, from: [f64; 2], to: [f64; 2]) {
         match self {
             Self::Disc { radius_m } => push_arc(out, from, to, radius_m, true),
@@ -80,7 +80,8 @@ impl Rim {
     }
 }
 
-/// Angle about the origin from one point to another; a full turn within rounding is zero.
+/// Angle about the origin from one point to another, anticlockwise in radians, from 0 to 2 pi; a full turn within
+/// rounding is zero.
 fn anticlockwise(from: [f64; 2], to: [f64; 2]) -> f64 {
     let turn = (libm::atan2(to[1], to[0]) - libm::atan2(from[1], from[0])).rem_euclid(TAU);
     if turn > TAU - 1e-12 { 0.0 } else { turn }

@@ -1,23 +1,23 @@
 //! Crossing of two families of grooves.
 //!
-//! The intersection belongs to the first family. The second family consists of the remaining parts of its grooves
-//! between those of the first, so that areas add up, contours do not overlap, and nothing is marked twice.
+//! The intersection belongs to the first family. The second family consists of the parts of its grooves between the
+//! grooves of the first family, so that areas add up, contours do not overlap, and nothing is marked twice.
 
 use crate::export::clip::{outside_sides, within_sides};
 use crate::export::face::interval_outside;
 use crate::export::{Cavity, Layout, Line};
 
-/// Grooves of the first family, as they cut a groove of the second.
+/// Grooves of the first family, which are cut out of a groove of the second.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Crossing {
-    /// The first family on this specimen.
+    /// Layout of the first family on the specimen.
     pub(crate) grooves: Layout,
-    /// Additional distance kept from the walls of the first family, in metres; may be negative.
+    /// Distance by which the grooves of the first family are widened on each side, in metres; negative if narrowed.
     pub(crate) grown_m: f64,
 }
 
 impl Crossing {
-    /// Parts of a convex polygon between the grooves, as convex polygons.
+    /// Parts of a convex polygon outside the grooves of the first family, as convex polygons.
     pub(crate) fn outside(&self, polygon: Vec<[f64; 2]>) -> Vec<Vec<[f64; 2]>> {
         let grooves = self.reaching(&polygon);
         let mut parts = vec![polygon];
@@ -39,7 +39,7 @@ impl Crossing {
         parts
     }
 
-    /// Parts of a line between the grooves.
+    /// Parts of a line outside the grooves of the first family.
     pub(crate) fn parts_of(&self, line: Line) -> Vec<Line> {
         let [from, to] = line;
         let at = |share: f64| [0, 1].map(|axis| from[axis] + share * (to[axis] - from[axis]));
@@ -51,7 +51,7 @@ impl Crossing {
         shares.into_iter().map(|share: [f64; 2]| share.map(at)).collect()
     }
 
-    /// Grooves that may contain some of the points.
+    /// Grooves of the first family that may contain some of the points.
     fn reaching(&self, points: &[[f64; 2]]) -> Vec<Cavity> {
         let pattern = self.grooves.pattern();
         let [cosine, sine] = pattern.texture().orientation();
@@ -65,7 +65,7 @@ impl Crossing {
         (first..=last).flat_map(|column| self.grooves.uncut_grooves(column)).flatten().collect()
     }
 
-    /// Sides of a groove including the additional distance: unit normals and distances from the origin.
+    /// Sides of a groove widened by `grown_m`: unit normals, and distances from the origin along them, in metres.
     fn sides(&self, groove: &Cavity) -> [([f64; 2], f64); 4] {
         let [cosine, sine] = groove.orientation;
         let side = |normal: [f64; 2], half_m: f64| {

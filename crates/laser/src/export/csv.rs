@@ -1,4 +1,4 @@
-//! CSV files of the cavities, their corners, and the lines that mark them.
+//! CSV files of cavities, of their corners, and of marking lines.
 
 use std::fmt::Write as _;
 use std::io::{self, Write};
@@ -8,7 +8,8 @@ use slipgrid_model::pattern::Planform;
 use crate::export::number::COORDINATE_DECIMALS;
 use crate::export::{Layout, MICROMETRE_DECIMALS, Marking, decimal, degrees, flush_full, flush_rest, push_decimal};
 
-/// Header line of the cavity table. Cavities turned from x and y have an angle, discs a diameter.
+/// Header line of the table that [`csv`] writes. Cavities whose sides do not lie along x and y have an angle, discs a
+/// diameter.
 pub fn csv_header(layout: &Layout) -> &'static str {
     let texture = layout.pattern().texture();
     match (texture.planform(), texture.groove_angle_deg()) {
@@ -19,10 +20,10 @@ pub fn csv_header(layout: &Layout) -> &'static str {
     }
 }
 
-/// Writes one line per cavity in the order of the layout, counted from 1: width along x and length along y, both turned
-/// by the angle, anticlockwise; in millimetres from the specimen's centre, rounded to one nanometre. `bursts` is per
-/// cavity, and empty if unknown. Lengths are those before the border cuts the cavity, and those of the bounding box for
-/// a polygon; see [`corners_csv`] for corners.
+/// Writes one row per cavity in the order of the layout, counted from 1, with lengths in millimetres from the
+/// specimen's centre, rounded to one nanometre. Width is along x and length along y, both turned by the angle,
+/// anticlockwise. `bursts` is the number per cavity, empty if unknown. Lengths are those before the border cuts the
+/// cavity, and those of the bounding box for a polygon; see [`corners_csv`] for corners.
 ///
 /// # Errors
 /// Errors of the writer `to`.
@@ -55,8 +56,9 @@ pub fn csv(layout: &Layout, bursts: Option<u32>, to: &mut dyn Write) -> io::Resu
     flush_rest(&mut out, to)
 }
 
-/// Writes one line per corner, anticlockwise: `index` of the cavity as in [`csv`], and `part` if the border cuts it
-/// into several. Complete round cavities are written as polygons.
+/// Writes one row per corner, anticlockwise: `index` of the cavity as in [`csv`], `part` of the cavity from 1 (several
+/// if the border or other grooves cut it), `corner` from 1, and position in millimetres. Complete round cavities are
+/// written as polygons.
 ///
 /// # Errors
 /// Errors of the writer `to`.
@@ -74,7 +76,8 @@ pub fn corners_csv(layout: &Layout, to: &mut dyn Write) -> io::Result<()> {
     flush_rest(&mut out, to)
 }
 
-/// Writes one line per line of `marking`, in marking order: start and end of the path of the spot's centre.
+/// Writes one row per marking line, in marking order: `index` of the cavity as in [`csv`], number of the line in the
+/// cavity from 1, and start and end of the path of the spot's centre, in millimetres.
 ///
 /// # Errors
 /// Errors of the writer `to`.
@@ -90,7 +93,7 @@ pub fn hatch_csv(layout: &Layout, marking: &Marking, to: &mut dyn Write) -> io::
     flush_rest(&mut out, to)
 }
 
-/// Appends counts and lengths in millimetres, without an end of line.
+/// Appends `counts`, and `lengths_m` in millimetres, without an end of line.
 fn push_row(out: &mut String, counts: &[usize], lengths_m: &[f64]) {
     for (place, count) in counts.iter().enumerate() {
         let _ = write!(out, "{}{count}", if place > 0 { "," } else { "" });

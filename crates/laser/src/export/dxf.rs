@@ -1,8 +1,8 @@
 //! AutoCAD R12 (AC1009) drawings in ASCII, the dialect that all laser controllers read.
 //!
-//! Autodesk, "Drawing Interchange and File Formats", Release 12: group codes in a field of three, one value per line,
-//! sections HEADER, TABLES, BLOCKS, ENTITIES. R12 has no variable for units, which are therefore stated in comments
-//! (group 999).
+//! Format: Autodesk, "Drawing Interchange and File Formats", Release 12. A group code in a field of three characters
+//! and a value stand on alternate lines; sections are HEADER, TABLES, BLOCKS and ENTITIES. R12 has no variable for
+//! units, which are therefore stated in comments (group 999).
 
 mod of_sectors;
 
@@ -20,7 +20,7 @@ pub use of_sectors::{LAYER_MARK, dxf_of_sectors, sector_layer};
 
 /// Layer of the specimen's outline.
 pub const LAYER_OUTLINE: &str = "OUTLINE";
-/// Layer of the cavities, the only one for the laser.
+/// Layer of the cavities, the only layer that the laser marks.
 pub const LAYER_CAVITIES: &str = "CAVITIES";
 /// Layer of the arrow that shows the sliding direction, outside the specimen.
 pub const LAYER_SLIDING_DIRECTION: &str = "SLIDING_DIRECTION";
@@ -32,7 +32,7 @@ pub const LAYER_ORIGIN: &str = "ORIGIN";
 const LAYERS: [(&str, &str); 4] =
     [(LAYER_OUTLINE, "7"), (LAYER_CAVITIES, "1"), (LAYER_SLIDING_DIRECTION, "5"), (LAYER_ORIGIN, "3")];
 
-/// Maximum length of a comment: R12 lines hold 255 characters, and some readers fewer.
+/// Maximum length of a comment, in characters: R12 lines hold 255, and some readers fewer.
 const MAX_COMMENT_LENGTH: usize = 200;
 
 /// Writes the layout as an R12 drawing in millimetres, rounded to one nanometre. The origin is the specimen's centre,
@@ -91,7 +91,7 @@ fn half_extents_mm(outline: &Outline) -> (f64, f64) {
     (extent_x_m * 500.0, extent_y_m * 500.0)
 }
 
-/// Properties of the texture other than the planform, if they are not the default; each part begins with a comma.
+/// Describes properties of the texture that are not the default, without the planform; each part begins with a comma.
 fn texture_words(pattern: &Pattern) -> String {
     let texture = pattern.texture();
     let mut words = String::new();
@@ -114,7 +114,7 @@ fn texture_words(pattern: &Pattern) -> String {
     words
 }
 
-/// An arrow along the sliding direction below the specimen, in millimetres.
+/// Arrow along the sliding direction below the specimen, in millimetres.
 struct Arrow {
     half_length_mm: f64,
     height_mm: f64,
@@ -129,7 +129,7 @@ impl Arrow {
         Self { half_length_mm, height_mm: -half_y_mm - half_length_mm / 2.0 - up_mm, direction }
     }
 
-    /// Half the width of the head.
+    /// Half the width of the arrow head, in millimetres.
     fn barb_mm(&self) -> f64 {
         self.half_length_mm / 5.0
     }
@@ -138,7 +138,7 @@ impl Arrow {
         self.height_mm - self.half_length_mm * self.direction[1].abs() - self.barb_mm()
     }
 
-    /// Shaft and the two lines of the head.
+    /// Shaft and the two lines of the arrow head, each as start and end `[x, y]`, in millimetres.
     fn lines_mm(&self) -> [[[f64; 2]; 2]; 3] {
         let [cosine, sine] = self.direction;
         let at = |along: f64, across: f64| {
@@ -150,7 +150,7 @@ impl Arrow {
     }
 }
 
-/// Writes group codes and values.
+/// Collects the group codes and values of a drawing.
 struct Writer {
     out: String,
 }
@@ -257,7 +257,7 @@ impl Writer {
         self.out.push('\n');
     }
 
-    /// Writes coordinates with the codes `code`, `code` + 10, `code` + 20.
+    /// Writes x, y and z, as far as given, with the group codes `code`, `code` + 10 and `code` + 20.
     fn point(&mut self, code: u16, coordinates: &[f64]) {
         for (group, &value) in (code..).step_by(10).zip(coordinates) {
             self.real(group, value);
@@ -308,7 +308,7 @@ impl Writer {
         self.real(40, radius_mm);
     }
 
-    /// A closed polyline.
+    /// Writes a closed polyline.
     fn polygon(&mut self, layer: &str, corners_mm: &[[f64; 2]]) {
         self.entity("POLYLINE", layer);
         // Vertices follow; elevation; closed.

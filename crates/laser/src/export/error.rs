@@ -19,19 +19,19 @@ pub enum ExportError {
     TooManyCavities {
         /// Estimated number of cavities.
         cavities: f64,
-        /// Maximum number.
+        /// Maximum number of cavities.
         most: usize,
     },
     /// The laser cannot make a pattern, or a setting is out of range.
     #[error("{what} of {} um is {relation} {limit}, {} um", tidy(*value_um), tidy(*limit_um))]
     BeyondLaser {
-        /// Quantity that is out of range.
+        /// Name of the quantity that is out of range.
         what: &'static str,
         /// Value of the quantity, in um.
         value_um: f64,
-        /// `above` or `below`.
+        /// `above` or `below`: side of the limit on which the value lies.
         relation: &'static str,
-        /// Name of the limit.
+        /// Name of the limit, for example `spot_um`.
         limit: &'static str,
         /// The limit, in um.
         limit_um: f64,
@@ -57,13 +57,13 @@ pub enum ExportError {
 }
 
 impl ExportError {
-    /// A number out of range, in the unit of `quantity`.
+    /// Creates the error for a number out of range; `value` is in the unit that the name `quantity` states.
     pub(crate) fn out_of_range(quantity: &str, value: f64, expected: &str) -> Self {
         Self::Refused(format!("{quantity} is {}: expected {expected}", tidy(value)))
     }
 }
 
-/// Checks that `value` is finite and positive.
+/// Returns `value` if it is finite and positive; otherwise an error that names `quantity`.
 pub(crate) fn positive(quantity: &str, value: f64) -> Result<f64, ExportError> {
     if value.is_finite() && value > 0.0 {
         return Ok(value);
@@ -71,12 +71,12 @@ pub(crate) fn positive(quantity: &str, value: f64) -> Result<f64, ExportError> {
     Err(ExportError::out_of_range(quantity, value, "a positive number"))
 }
 
-/// Rounds to 6 digits for messages, because derived lengths have many digits.
+/// Rounds to 6 significant digits for messages, because derived lengths have many digits.
 pub(crate) fn tidy(value: f64) -> f64 {
     format!("{value:.5e}").parse().unwrap_or(value)
 }
 
-/// A length in millimetres for messages.
+/// Converts metres to millimetres, rounded for messages.
 pub(crate) fn mm(length_m: f64) -> f64 {
     tidy(length_m * 1e3)
 }

@@ -1,9 +1,10 @@
-//! Face of a cavity whose outline is a polygon.
+//! Area of a polygonal cavity seen from above.
 
 use slipgrid_model::pattern::Polygon;
 use slipgrid_model::pattern::geometry::{contains, edges, point_to_segment};
 
-/// An outline with size and position, restricted to points at a minimum distance from its walls.
+/// Polygonal cavity seen from above: outline, size and position, restricted to points at a minimum distance from the
+/// walls.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Face {
     pub(crate) outline: Polygon,
@@ -14,7 +15,8 @@ pub(crate) struct Face {
     pub(crate) inset_m: f64,
 }
 
-/// Number of lines, between two heights at which the walls met by a line change, that are used to integrate the area.
+/// Number of lines per interval of the midpoint rule for the area. Intervals end at the heights at which the length of
+/// a line within the walls may jump.
 const INTEGRATION_LINES: u32 = 24;
 /// Rounding tolerance of an inset, as a fraction.
 const ROUNDING: f64 = 1e-9;
@@ -26,8 +28,8 @@ impl Face {
         self.outline.vertices().iter().map(|[x, y]| [x_m + x * self.width_m, y_m + y * self.width_m]).collect()
     }
 
-    /// Corners of the face whose walls are shifted inwards as planes, one for each corner of the outline; `None` if a
-    /// wall vanishes.
+    /// Corners of the cavity after each wall has moved inwards by `inset_m` as a plane, in metres, one for each corner
+    /// of the outline; `None` if a wall vanishes or walls cross.
     pub(crate) fn inner_corners_m(&self) -> Option<Vec<[f64; 2]>> {
         let corners = self.corners_m();
         if self.inset_m == 0.0 {
@@ -57,7 +59,7 @@ impl Face {
         ((0..count).all(keeps_direction) && Polygon::new(&moved).is_ok()).then_some(moved)
     }
 
-    /// Area at the minimum distance from the walls, in square metres.
+    /// Area of the points at least `inset_m` from the walls, in square metres.
     pub(crate) fn area_m2(&self) -> f64 {
         if self.inset_m == 0.0 {
             return self.outline.area() * self.width_m * self.width_m;
@@ -78,15 +80,15 @@ impl Face {
         heights_m.windows(2).map(between).sum()
     }
 
-    /// Distance of a point to the nearest shifted wall, in metres; negative outside.
+    /// Distance from a point to the nearest wall, minus `inset_m`, in metres; negative outside.
     pub(crate) fn wall_distance_m(&self, at_m: [f64; 2]) -> f64 {
         let corners = self.corners_m();
         let nearest_m = edges(&corners).map(|(a, b)| point_to_segment(at_m, a, b)).fold(f64::INFINITY, f64::min);
         (if contains(&corners, at_m) { nearest_m } else { -nearest_m }) - self.inset_m
     }
 
-    /// Intervals of a line inside the shifted walls, in metres along the line and ascending. The line runs along the
-    /// unit vector `along`, `at_m` to its left from the origin.
+    /// Intervals of a line at least `inset_m` inside the walls, in metres along the line and ascending. The line runs
+    /// along the unit vector `[dx, dy]`, `at_m` to the left of the origin.
     pub(crate) fn spans_m(&self, [dx, dy]: [f64; 2], at_m: f64) -> Vec<[f64; 2]> {
         let turned: Vec<[f64; 2]> =
             self.corners_m().iter().map(|[x, y]| [x * dx + y * dy, y * dx - x * dy - at_m]).collect();
@@ -103,19 +105,19 @@ impl Face {
     }
 }
 
-/// Parts of one interval outside another.
+/// Parts of the interval from `from` to `to` outside the interval from `low` to `high`.
 pub(crate) fn interval_outside([from, to]: [f64; 2], [low, high]: [f64; 2]) -> impl Iterator<Item = [f64; 2]> {
     let parts = if high <= from || low >= to { [[from, to], [0.0, 0.0]] } else { [[from, low], [high, to]] };
     parts.into_iter().filter(|[from, to]| to > from)
 }
 
-/// Position at which the edge crosses the axis v = 0.
+/// Position u at which the edge between two points (u, v) crosses the axis v = 0, in metres; `None` if it does not.
 fn crossing_m([ua, va]: [f64; 2], [ub, vb]: [f64; 2]) -> Option<f64> {
     ((va <= 0.0) != (vb <= 0.0)).then(|| ua - va / (vb - va) * (ub - ua))
 }
 
-/// Interval of the axis v = 0 closer than `reach` to the edge: inside the discs about its ends or the rectangle along
-/// it.
+/// Interval of the axis v = 0 that is closer than `reach` to the edge from `a` to `b`, points (u, v) in metres: inside
+/// the discs about its ends or the rectangle along it. `None` if there is none.
 fn interval_near_m(a: [f64; 2], b: [f64; 2], reach: f64) -> Option<[f64; 2]> {
     if a[1].min(b[1]) >= reach || a[1].max(b[1]) <= -reach {
         return None;

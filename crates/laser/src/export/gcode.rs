@@ -1,7 +1,7 @@
 //! G-code for controllers with a laser mode: G1 marks, G0 jumps with the laser off.
 //!
-//! NIST RS274/NGC version 3 words; `M4 S` is power that follows speed, as in the laser mode of Grbl 1.1. Millimetres,
-//! absolute, origin at the specimen's centre.
+//! Words follow NIST RS274/NGC version 3; `M4 S` is power that follows speed, as in the laser mode of Grbl 1.1.
+//! Coordinates are absolute, in millimetres from the specimen's centre.
 
 use std::io::{self, Write};
 
@@ -11,10 +11,10 @@ use crate::export::{
     sliding_direction,
 };
 
-/// Full power in Grbl's default configuration.
+/// Value of `S` for full power in Grbl's default configuration.
 const FULL_POWER: u32 = 1000;
 
-/// Settings of a program.
+/// Settings of a G-code program: lines, speed and number of passes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GcodePlan {
     marking: Marking,
@@ -34,7 +34,7 @@ impl GcodePlan {
     }
 }
 
-/// Writes the program for `layout`.
+/// Writes the G-code program that marks the cavities of `layout`.
 ///
 /// # Errors
 /// Errors of the writer `to`.
@@ -68,7 +68,7 @@ pub fn gcode(layout: &Layout, plan: &GcodePlan, heading: &Heading, to: &mut dyn 
     flush_rest(&mut out, to)
 }
 
-/// Comments are enclosed in parentheses, and hold printable ASCII; inner parentheses become brackets.
+/// Appends a comment in parentheses, in printable ASCII; inner parentheses become brackets.
 fn comment(out: &mut String, text: &str) {
     out.push('(');
     out.push_str(&ascii(text).replace('(', "[").replace(')', "]"));

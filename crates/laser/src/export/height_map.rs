@@ -1,22 +1,24 @@
 //! Height map of the surface as 16-bit grey PNG, white at the face and black at the floor.
 //!
-//! PNG, third edition (W3C): the chunk pHYs states the pixel size, and tEXt the meaning of black and white. The first
-//! row has the largest y. Each pixel holds the depth at its middle.
+//! Format: PNG, third edition (W3C). The chunk pHYs states the pixel size, and tEXt the meaning of black and white. The
+//! first row has the largest y. Each pixel holds the depth at its middle.
 
 use std::io::{self, Write};
 
 use crate::export::{Cavity, ExportError, Heading, Laser, Layout, ascii, tidy};
 
-/// Maximum number of pixels along a side.
+/// Maximum number of pixels along a side of the map.
 pub const MAX_PIXELS: u32 = 32_768;
-/// Default number of pixels along the longer side, and across a cavity.
+/// Maximum number of pixels along the longer side of the map, if no pixel size is given.
 const DEFAULT_PIXELS: f64 = 4096.0;
+/// Maximum number of pixels across the smallest extent of a cavity, if no pixel size is given.
 const PIXELS_PER_CAVITY: f64 = 16.0;
-/// White is the face, black the depth of the cavities.
+/// Pixel value of the face, white.
 const FACE: u16 = u16::MAX;
+/// Pixel value of the floor of cavities, black.
 const FLOOR: u16 = 0;
 
-/// Raster of a height map.
+/// Raster of a height map: size of a pixel, number of pixels, and slope of walls.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HeightMap {
     pixel_m: f64,
@@ -57,7 +59,8 @@ impl HeightMap {
         self.pixel_m
     }
 
-    /// Depth at the middle of a pixel relative to that of the cavities, 0 to 1; row 0 has the largest y.
+    /// Depth at the middle of a pixel as a fraction of the depth of the cavities: 0 on the face, 1 on the floor. Row 0
+    /// has the largest y.
     pub fn depth(&self, layout: &Layout, column: u32, row: u32) -> f64 {
         let (x_m, y_m) = (self.x_m(column), self.y_m(row));
         // Where grooves cross, the larger depth counts.
@@ -66,8 +69,8 @@ impl HeightMap {
         if inside_m >= 0.0 { self.depth_inside(layout, inside_m) } else { 0.0 }
     }
 
-    /// Pixels of a row as written to the file. Equal to [`HeightMap::depth`] for each pixel, but each cell of the
-    /// lattice is looked up once, and walls are tested only where the row meets them.
+    /// Fills `heights` with the pixels of a row as written to the file: `height` of [`HeightMap::depth`], but faster,
+    /// because each cell of the lattice is looked up once, and walls are tested only where the row meets them.
     fn row(&self, layout: &Layout, row: u32, heights: &mut [u16]) {
         heights.fill(FACE);
         let y_m = self.y_m(row);
@@ -82,7 +85,7 @@ impl HeightMap {
         }
     }
 
-    /// Lowers the pixels of the row at `y_m` that lie in a cavity.
+    /// Lowers the pixels of the row at `y_m` that lie in `cavity`.
     fn cut(&self, layout: &Layout, cavity: &Cavity, y_m: f64, heights: &mut [u16]) {
         let Some([from_m, to_m]) = cavity.chord_m([1.0, 0.0], y_m) else { return };
         // One more pixel on either side; the wall distance decides whether these lie inside.
@@ -105,19 +108,19 @@ impl HeightMap {
         }
     }
 
-    /// Relative depth, 0 to 1, at the distance `inside_m` from the nearest wall.
+    /// Depth at the distance `inside_m` from the nearest wall, as a fraction of the depth of the cavities.
     fn depth_inside(&self, layout: &Layout, inside_m: f64) -> f64 {
         let slope_m = self.slope * layout.pattern().depth_m();
         // The wall falls by d over the distance d tan(taper).
         if slope_m > 0.0 { (inside_m / slope_m).min(1.0) } else { 1.0 }
     }
 
-    /// Middle of a pixel along x.
+    /// x of the middle of the pixels in `column`, in metres from the specimen's centre.
     fn x_m(&self, column: u32) -> f64 {
         (f64::from(column) + 0.5 - f64::from(self.size[0]) / 2.0) * self.pixel_m
     }
 
-    /// Middle of a pixel along y.
+    /// y of the middle of the pixels in `row`, in metres from the specimen's centre.
     fn y_m(&self, row: u32) -> f64 {
         (f64::from(self.size[1]) / 2.0 - f64::from(row) - 0.5) * self.pixel_m
     }

@@ -1,8 +1,8 @@
 //! HP-GL/2 plots (PLT), which marking software imports.
 //!
-//! Hewlett-Packard, "HP-GL/2 and HP RTL Reference Guide": a plotter unit is 0.025 mm, and coordinates may have
-//! decimals. They do here; a reader that keeps only integers moves edges by up to 12.5 um. Pen 1 draws the specimen,
-//! pen 2 the contours of the cavities, pen 3 the lines that fill them.
+//! Format: Hewlett-Packard, "HP-GL/2 and HP RTL Reference Guide". A plotter unit is 0.025 mm, and coordinates may have
+//! decimals. This writer uses decimals; a reader that keeps only integers moves edges by up to 12.5 um. Pen 1 draws the
+//! specimen, pen 2 the contours of the cavities, pen 3 the lines that fill them.
 
 use std::io::{self, Write};
 
@@ -14,7 +14,7 @@ const UNITS_PER_M: f64 = 40_000.0;
 /// Decimals of a plotter unit: a quarter of a nanometre.
 const DECIMALS: usize = 5;
 
-/// Writes the layout as a plot whose origin is the specimen's centre, including the lines of `marking` if given.
+/// Writes the layout as a plot whose origin is the specimen's centre, with the lines of `marking` if given.
 ///
 /// # Errors
 /// Errors of the writer `to`.

@@ -6,7 +6,7 @@ use slipgrid_model::pattern::{ManufacturingLimits, Pattern};
 
 use crate::export::{Ablation, ExportError, positive, tidy};
 
-/// Exposure of a cavity.
+/// Method by which the laser exposes a cavity.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Exposure {
@@ -59,19 +59,18 @@ pub struct Laser {
     pub ablation: Option<Ablation>,
 }
 
-/// Maximum taper: walls with a larger one meet at a very small depth.
+/// Maximum wall taper, in degrees: walls with a larger taper meet at a very small depth.
 const MAX_TAPER_DEG: f64 = 80.0;
 
-/// Tolerance, in um, of a depth against a multiple of passes or bursts. Depths are printed to a hundredth of a
-/// micrometre.
+/// Tolerance of a depth against a multiple of the depth step, in um. Depths are printed to a hundredth of a micrometre.
 const STEP_TOLERANCE_UM: f64 = 0.005 + 1e-9;
 
 impl Laser {
-    /// Checks each parameter, and the distances of lines and pulses against the spot.
+    /// Checks each parameter, and that the distances of lines and of pulses do not exceed the spot.
     ///
     /// # Errors
-    /// [`ExportError::BeyondLaser`] if lines are farther apart than the spot is wide;
-    /// [`ExportError::PulsesApart`] if pulses are; [`ExportError::Refused`] for other numbers out of range.
+    /// [`ExportError::BeyondLaser`] if lines are farther apart than the spot is wide; [`ExportError::PulsesApart`] if
+    /// pulses are farther apart; [`ExportError::Refused`] for other numbers out of range.
     pub fn validate(&self) -> Result<(), ExportError> {
         for (quantity, value) in [
             ("wavelength_nm", self.wavelength_nm),
@@ -127,10 +126,10 @@ impl Laser {
         ablation: None,
     };
 
-    /// Refuses a pattern that is too fine for the laser; the error names the limit.
+    /// Checks that `pattern` is not too fine for the laser; the error names the limit.
     ///
     /// # Errors
-    /// [`ExportError::BeyondLaser`]; errors of [`Laser::validate`].
+    /// [`ExportError::BeyondLaser`] for a pattern that is too fine; errors of [`Laser::validate`].
     pub fn check(&self, pattern: &Pattern) -> Result<(), ExportError> {
         self.validate()?;
         let extent_um = pattern.least_extent_m() * 1e6;
@@ -169,30 +168,30 @@ impl Laser {
     }
 
     /// Mean number of bursts that reach a point in one pass over an infinite hatch. `None` for a mask, and if spot,
-    /// speed or repetition rate are missing: cavities are then made spot by spot.
+    /// speed or repetition rate are missing: depth then comes from bursts on spots, not from passes.
     pub fn bursts_per_pass(&self) -> Option<f64> {
         let spot_um = self.spot_um.filter(|_| !self.is_mask())?;
         // n = (pi / 4) s^2 / (p h)
         Some(std::f64::consts::FRAC_PI_4 * spot_um * spot_um / (self.pulse_distance_um()? * self.line_distance_um()?))
     }
 
-    /// Depth of the smallest exposure, in um: one pass over an infinite hatch if cavities are hatched, otherwise one
-    /// burst. Depths of designs are multiples of it; [`crate::export::Removal`] plans the passes inside a cavity. `None`
-    /// without a depth per burst.
+    /// Depth of the smallest exposure, in um: one pass over an infinite hatch if passes over lines give the depth,
+    /// otherwise one burst. Depths of designs are multiples of this step; [`crate::export::Removal`] plans the passes
+    /// inside a cavity. `None` without a depth per burst.
     pub fn depth_step_um(&self) -> Option<f64> {
         Some(self.depth_per_burst_um? * self.bursts_per_pass().unwrap_or(1.0))
     }
 
-    /// Relative standard error of the depth per burst, if it was fitted against fluence.
+    /// Relative standard error of the depth per burst; `None` unless the depth was fitted against fluence.
     pub fn depth_per_burst_std(&self) -> Option<f64> {
         let std = self.ablation.map(|law| law.depth_per_burst_stderr_um / law.depth_per_burst_um);
         std.filter(|std| *std > 0.0)
     }
 
-    /// Refuses a depth that is not a multiple of passes or bursts.
+    /// Checks that a depth is a multiple of the depth of a pass or burst, within 0.005 um.
     ///
     /// # Errors
-    /// [`ExportError::Refused`].
+    /// [`ExportError::Refused`] for any other depth.
     pub fn check_depth(&self, depth_m: f64) -> Result<(), ExportError> {
         let Some(step_um) = self.depth_step_um() else { return Ok(()) };
         let (depth_um, steps) = (depth_m * 1e6, (depth_m * 1e6 / step_um).round().max(1.0));
@@ -218,23 +217,23 @@ impl Laser {
         ManufacturingLimits { depth_per_burst_m, ..Default::default() }.bursts(depth_m)
     }
 
-    /// Distance between pulses along a line, in um.
+    /// Distance between pulses along a line, in um; `None` without speed or repetition rate.
     pub fn pulse_distance_um(&self) -> Option<f64> {
         // p = v / f
         self.speed_mm_s.zip(self.repetition_hz).map(|(speed_mm_s, repetition_hz)| speed_mm_s * 1e3 / repetition_hz)
     }
 
-    /// Distance between lines, in um.
+    /// Nominal distance between lines, in um: the hatch, or the spot if no hatch is given; `None` without both.
     pub fn line_distance_um(&self) -> Option<f64> {
         self.hatch_um.or(self.spot_um)
     }
 
-    /// Distance of the floor's edge from the cavity's edge, in metres.
+    /// Horizontal distance from the edge of a cavity of `depth_m` to the edge of its floor, in metres.
     pub fn floor_inset_m(&self, depth_m: f64) -> f64 {
         depth_m * self.slope()
     }
 
-    /// Horizontal extent of a wall over its height.
+    /// Tangent of the wall taper: horizontal extent of a wall divided by its height; 0 for vertical walls.
     pub fn slope(&self) -> f64 {
         self.wall_taper_deg.map_or(0.0, |taper_deg| libm::tan(taper_deg.to_radians()))
     }

@@ -4,7 +4,7 @@ use crate::export::crossing::Crossing;
 use crate::export::face::Face;
 use crate::export::{Boundary, Cavity, ExportError, Outline};
 
-/// Maximum number of cavities: a DXF file of them takes about 2.5 GB.
+/// Maximum number of cavities of a layout: a DXF file of so many takes about 2.5 GB.
 pub const MAX_CAVITIES: usize = 10_000_000;
 
 /// Fraction of a pitch by which a cavity may cross the outline and still count as inside: more than rounding errors,
@@ -15,20 +15,21 @@ const FIT_TOLERANCE: f64 = 1e-9;
 ///
 /// One cavity lies at the specimen's centre and the others on the pattern's lattice around it: row j at y = j times the
 /// pitch across, with cavities at x = i times the pitch, or at x = (i + 1/2) times the pitch in odd rows of a staggered
-/// arrangement; grooves at i times the pitch along their x axis. On a ring the lattice is the same. Cavities are
-/// ordered by rows from the smallest y, and within a row from the smallest x; grooves from the smallest of their x. If
-/// two families of grooves cross, the second comes after the first and excludes it, so that no area is counted twice.
+/// arrangement. Grooves lie at i times the pitch along the pattern's x axis, which is at right angles to them. A ring
+/// has the same lattice, centred in the hole. Cavities are ordered by rows from the smallest y, and within a row from
+/// the smallest x; grooves by position along the pattern's x axis. If two families of grooves cross, the second comes
+/// after the first and excludes the area of the first, so that no area is counted twice.
 ///
-/// [`Layout::new`] lays out complete cavities only: a cavity that crosses the border is left out, a groove is the
-/// longest rectangle of its width that fits inside the border (on a ring one on each side of the hole), and a groove
+/// [`Layout::new`] lays out complete cavities only. A cavity that crosses the border is left out. A groove is the
+/// longest rectangle of its width that fits inside the border (on a ring, one on each side of the hole); a groove
 /// shorter than its width is left out. [`Layout::clipped`] lays out all cavities that reach onto the specimen and cuts
-/// them at its border.
+/// them at the border.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Layout {
     pattern: Pattern,
     outline: Outline,
     is_clipped: bool,
-    /// Largest index of columns and rows, which run from minus to plus this value; grooves have no rows.
+    /// Largest index of columns and of rows, which run from minus to plus this value; grooves have no rows.
     reach: [i64; 2],
     cavities: usize,
     cavity_area_m2: f64,
@@ -37,8 +38,8 @@ pub struct Layout {
 /// One cell of the pattern's lattice.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Cell {
-    /// Cavities in the cell: at most one, or up to two parts of a groove on a ring, for each family; for polygons in
-    /// interlocking rows also the neighbours.
+    /// Cavities in the cell: at most one, or for each family of grooves up to two parts of a groove on a ring. For
+    /// polygons in interlocking rows also the neighbours.
     pub(crate) cavities: [Option<Cavity>; 5],
     /// End of the cell towards larger x, at the y of the query, in metres.
     pub(crate) end_x_m: f64,
@@ -53,12 +54,12 @@ enum Position {
 }
 
 impl Layout {
-    /// Lays out complete cavities of `pattern` on `outline`. Time is proportional to the number of lattice points.
+    /// Lays out complete cavities of `pattern` on `outline`. Computing time is proportional to the number of lattice
+    /// points.
     ///
     /// # Errors
-    /// [`ExportError::Refused`] if the outline has no extent or too large a hole,
-    /// [`ExportError::NoCavityFits`] if it is smaller than a cavity, [`ExportError::TooManyCavities`] for more than
-    /// [`MAX_CAVITIES`].
+    /// [`ExportError::Refused`] if the outline has no extent or too large a hole, [`ExportError::NoCavityFits`] if no
+    /// cavity fits on it, [`ExportError::TooManyCavities`] for more than [`MAX_CAVITIES`].
     pub fn new(pattern: Pattern, outline: Outline) -> Result<Self, ExportError> {
         Self::laid_out(pattern, outline, false)
     }
@@ -71,7 +72,7 @@ impl Layout {
         Self::laid_out(pattern, outline, true)
     }
 
-    /// Checks whether `pattern` can be laid out on `outline`, without a complete layout.
+    /// Checks whether `pattern` can be laid out on `outline`, without computing the complete layout.
     ///
     /// # Errors
     /// See [`Layout::new`].
@@ -107,8 +108,8 @@ impl Layout {
         Ok(layout)
     }
 
-    /// Number of complete rectangles or discs, if the layout holds nothing else; otherwise `None`. A search calls this
-    /// for thousands of designs with up to a thousand places each, and no list is made.
+    /// Number of complete rectangles or discs, if the layout holds nothing else; otherwise `None`. Cavities are counted
+    /// without a list, because a search lays out thousands of designs with up to a thousand lattice points each.
     fn whole_cavities(&self) -> Option<usize> {
         let length_m =
             self.pattern.length_m().filter(|_| !self.is_clipped && self.pattern.texture().outline().is_none())?;
@@ -126,7 +127,7 @@ impl Layout {
         Some((-rows..=rows).map(in_row).sum())
     }
 
-    /// The layout without counting its cavities.
+    /// Creates the layout without counting cavities: their number and area are 0.
     fn planned(pattern: Pattern, outline: Outline, is_clipped: bool) -> Result<Self, ExportError> {
         outline.validate()?;
         let [extent_x_m, extent_y_m] = outline.extents_m();
@@ -152,7 +153,7 @@ impl Layout {
         &self.pattern
     }
 
-    /// The specimen's outline.
+    /// Outline of the specimen.
     pub const fn outline(&self) -> &Outline {
         &self.outline
     }
@@ -177,8 +178,8 @@ impl Layout {
         self.cavity_area_m2 * self.pattern.depth_m()
     }
 
-    /// Fraction of the specimen's face that is cavity: close to the areal density of the pattern, and below it if
-    /// complete cavities leave the border untextured.
+    /// Fraction of the specimen's face that is cavity. It differs from the areal density of the infinite pattern at the
+    /// border; on a face of many periods it is lower if complete cavities leave the border untextured.
     pub fn areal_density(&self) -> f64 {
         self.cavity_area_m2 / self.outline.area_m2()
     }
@@ -188,7 +189,8 @@ impl Layout {
         self.families().into_iter().flat_map(|(family, crossing)| family.family_cavities(crossing))
     }
 
-    /// Layouts of each family of crossing grooves with the grooves that cross it; otherwise the layout alone.
+    /// Layout of each family of crossing grooves, with the first family for the second, which it cuts; for other
+    /// planforms only this layout.
     fn families(&self) -> Vec<(Self, Option<Crossing>)> {
         if self.pattern.planform() != Planform::Crosshatch {
             return vec![(*self, None)];
@@ -199,7 +201,8 @@ impl Layout {
         families.into_iter().zip(crossings).collect()
     }
 
-    /// Cavities of one family.
+    /// Cavities of one family of grooves, or of a layout without families, in order. `crossed_by` are the grooves that
+    /// cut the family.
     fn family_cavities(self, crossed_by: Option<Crossing>) -> impl Iterator<Item = Cavity> {
         let [columns, rows] = self.reach;
         let rows = self.pattern.length_m().map_or(0, |_| rows);
@@ -215,12 +218,13 @@ impl Layout {
             .filter(|cavity| cavity.crossed_by.is_none() || !cavity.boundaries().is_empty())
     }
 
-    /// Grooves at `column` as rectangles, longer than the specimen if its border cuts them.
+    /// Grooves at `column` as complete rectangles: of a clipped layout one rectangle longer than the specimen,
+    /// otherwise those that `groove` returns.
     pub(crate) fn uncut_grooves(&self, column: i64) -> [Option<Cavity>; 2] {
         if self.is_clipped { [Some(Cavity { cut_by: None, ..self.strip(column) }), None] } else { self.groove(column) }
     }
 
-    /// The lattice cell that contains the point.
+    /// Returns the lattice cell that contains the point; for crossing grooves, the cells of both families together.
     pub(crate) fn cell(&self, [x_m, y_m]: [f64; 2]) -> Cell {
         if self.pattern.planform() == Planform::Crosshatch {
             let mut cell = Cell { cavities: [None; 5], end_x_m: f64::INFINITY };
@@ -266,7 +270,7 @@ impl Layout {
         Cell { cavities, end_x_m: (column + shift + 0.5) * pitch_m }
     }
 
-    /// The cavity as laid out: complete, cut, or absent.
+    /// Returns the cavity as laid out: complete or cut at the border; `None` if it is left out.
     fn place(&self, cavity: Cavity) -> Option<Cavity> {
         match self.position_of(&cavity) {
             Position::Inside => Some(cavity),
@@ -278,7 +282,7 @@ impl Layout {
         }
     }
 
-    /// Position of a disc, or of a rectangle with its sides along x and y, relative to border and hole.
+    /// Position of a polygon, of a disc, or of a rectangle with sides along x and y, relative to border and hole.
     fn position_of(&self, cavity: &Cavity) -> Position {
         let slack_m = FIT_TOLERANCE * self.pattern.pitch_m();
         let (x_m, y_m) = (cavity.centre_x_m.abs(), cavity.centre_y_m.abs());
@@ -341,7 +345,7 @@ impl Layout {
         }
     }
 
-    /// The groove at `column` pitches along its x axis, between two positions along its y axis.
+    /// Groove at `column` pitches along the pattern's x axis, between two positions along the groove, in metres.
     fn groove_between(&self, column: i64, [low_m, high_m]: [f64; 2]) -> Cavity {
         let orientation = self.pattern.texture().orientation();
         let [cosine, sine] = orientation;
@@ -359,15 +363,16 @@ impl Layout {
         }
     }
 
-    /// The groove at `column`, longer than the specimen, to be cut at its border.
+    /// Groove at `column`, longer than the specimen, to be cut at the border.
     fn strip(&self, column: i64) -> Cavity {
         let [extent_x_m, extent_y_m] = self.outline.extents_m();
         let half_m = extent_x_m.hypot(extent_y_m);
         Cavity { cut_by: Some(self.outline), ..self.groove_between(column, [-half_m, half_m]) }
     }
 
-    /// Grooves at `column` pitches along their x axis, by increasing y: one, or one on either side of the hole of a
-    /// ring. Grooves shorter than their width are left out.
+    /// Grooves at `column` pitches along the pattern's x axis, by increasing position along the groove: one, or one on
+    /// each side of the hole of a ring. Grooves shorter than their width are left out; a clipped layout has one groove,
+    /// as long as its parts on the specimen.
     fn groove(&self, column: i64) -> [Option<Cavity>; 2] {
         let (width_m, pitch_m) = (self.pattern.width_m(), self.pattern.pitch_m());
         let slack_m = FIT_TOLERANCE * pitch_m;
@@ -398,7 +403,7 @@ impl Layout {
     }
 }
 
-/// Number of the places 0..`places` that are `inside`; all inside places come first.
+/// Counts the indices in 0..`places` for which `inside` holds, by bisection; these indices must come first.
 fn count_before(places: i64, inside: impl Fn(i64) -> bool) -> usize {
     let (mut least, mut most) = (0, places);
     while least < most {
@@ -408,7 +413,8 @@ fn count_before(places: i64, inside: impl Fn(i64) -> bool) -> usize {
     usize::try_from(least).unwrap_or(0)
 }
 
-/// Error for a specimen without a cavity: the extent that is too small, or the diameter of a disc.
+/// Creates the error for a specimen on which no cavity fits, with the extent that is too small and the extent that is
+/// needed.
 fn no_cavity_fits(pattern: &Pattern, outline: &Outline) -> ExportError {
     let (width_m, length_m) = (pattern.width_m(), pattern.length_m().unwrap_or(pattern.width_m()));
     let [extent_x_m, extent_y_m] = outline.extents_m();

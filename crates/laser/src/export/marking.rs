@@ -1,12 +1,12 @@
 //! Lines that the spot follows.
 //!
-//! A hatch fills a cavity with lines along its longer side (along x for equal sides), in alternating directions. The
-//! spot's edge, not its centre, ends on the cavity's edge, so that lines lie half a spot inside. A mask needs only the
-//! contour. Where grooves cross, lines of the second family end before the walls of the first, at the distance at which
-//! the round ends of neighbouring lines meet and no wall remains between them:
+//! A hatch fills a cavity with lines along its longer side (along the pattern's x axis for equal sides), in alternating
+//! directions. The edge of the spot, not its centre, reaches the edge of the cavity, so that lines lie half a spot
+//! inside. A mask needs only the contour. Where grooves cross, lines of the second family end at a distance d before
+//! the walls of the first, at which the round ends of neighbouring lines meet and no wall remains between them:
 //!
 //! ```text
-//! d = sqrt((s/2)^2 - (h / (2 sin a))^2)      s the spot, h the distance of lines, a the angle of the families
+//! d = sqrt((s/2)^2 - (h / (2 sin a))^2)      s: spot diameter, h: distance of lines, a: angle of the families
 //! ```
 
 use slipgrid_model::pattern::geometry::edges;
@@ -17,25 +17,26 @@ use crate::export::{Boundary, Cavity, ExportError, Exposure, Laser};
 /// A straight path of the spot's centre, from start to end, in metres.
 pub type Line = [[f64; 2]; 2];
 
-/// Method for marking cavities.
+/// Settings for marking cavities: exposure, radius of the spot and distance between lines.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Marking {
     exposure: Exposure,
-    /// Radius of the spot, in metres.
+    /// Radius of the spot, in metres, by which lines lie inside the edge of a cavity; 0 for a mask.
     inset_m: f64,
     distance_m: f64,
 }
 
-/// Rounding tolerance of the line distance, as a fraction.
+/// Rounding tolerance of the number of line distances that fit across a cavity.
 const ROUNDING: f64 = 1e-6;
-/// Length relative to that of the polygon from which on an edge is a straight side, and not a chord of an arc.
+/// Minimum length of an edge, relative to the extent of its polygon along the lines, for a straight side; shorter edges
+/// may be chords of an arc.
 const MIN_SIDE_RATIO: f64 = 0.25;
 
 impl Marking {
     /// Creates the marking for `laser`.
     ///
     /// # Errors
-    /// [`ExportError::Refused`] if a hatch lacks the spot; errors of [`Laser::validate`].
+    /// [`ExportError::Refused`] for a hatch without a spot diameter; errors of [`Laser::validate`].
     pub fn new(laser: &Laser) -> Result<Self, ExportError> {
         laser.validate()?;
         let exposure = laser.exposure.unwrap_or_default();
@@ -47,7 +48,7 @@ impl Marking {
         Ok(Self { exposure, inset_m, distance_m })
     }
 
-    /// Creates the marking for `what`, a file of lines that a spot follows.
+    /// Creates the marking for a file of lines that a spot follows; `what` names the file in the error.
     ///
     /// # Errors
     /// [`ExportError::Refused`] for a mask, whose contours would be marked as lines; errors of [`Self::new`].
@@ -73,13 +74,14 @@ impl Marking {
         if cavity.length_m > cavity.width_m { [-sine, cosine] } else { [cosine, sine] }
     }
 
-    /// Lines of a cavity in marking order; empty if the cavity is smaller than the spot.
+    /// Lines of a cavity in marking order; empty if the cavity is smaller than the spot. For a mask, the edges of the
+    /// cavity.
     pub fn lines(&self, cavity: &Cavity) -> Vec<Line> {
         self.fill(cavity).0
     }
 
-    /// Lines of a cavity, and the distances between neighbouring lines, in metres: one for each part of the cavity with
-    /// several lines, at most the requested distance. A mask has no distances.
+    /// Returns the lines of a cavity, and the distance between neighbouring lines in each part of the cavity that has
+    /// several lines, in metres. Distances are at most the nominal one; a mask has none.
     pub(crate) fn fill(&self, cavity: &Cavity) -> (Vec<Line>, Vec<f64>) {
         if self.exposure == Exposure::Mask {
             return (cavity.boundaries().iter().flat_map(contour).collect(), Vec::new());
@@ -109,7 +111,7 @@ impl Marking {
         (lines, apart_m)
     }
 
-    /// Distance before the walls of the crossing grooves at which the lines of `cavity` end, in metres.
+    /// Distance, in metres, at which the lines of `cavity` end before the walls of the crossing grooves.
     fn end_before_m(&self, cavity: &Cavity, crossing: &Crossing) -> f64 {
         let [[cosine, sine], [x, y]] = [cavity.orientation, crossing.grooves.pattern().texture().orientation()];
         let half_apart_m = 0.5 * self.distance_m / (cosine * y - sine * x).abs();
@@ -117,8 +119,9 @@ impl Marking {
         ((self.inset_m - half_apart_m) * (self.inset_m + half_apart_m)).max(0.0).sqrt()
     }
 
-    /// Fills a polygon with evenly spaced lines from one edge to the other, including both, where the spot fits inside
-    /// the walls and on the specimen. Returns the distance between lines if there are several.
+    /// Fills a polygonal cavity with evenly spaced lines along `[dx, dy]`, including both outermost positions of the
+    /// spot, where the spot fits inside the walls and on the specimen. Returns the distance between lines, in metres,
+    /// if there are several.
     fn hatch_face(&self, inner: &Cavity, [dx, dy]: [f64; 2], lines: &mut Vec<Line>) -> Option<f64> {
         let face = inner.face.as_ref()?;
         let across = face.corners_m().into_iter().map(|[x, y]| y * dx - x * dy);
@@ -142,8 +145,8 @@ impl Marking {
         (gaps > 0.0).then(|| across_m / gaps)
     }
 
-    /// Fills a rectangle with evenly spaced lines from one edge to the other, including both. Returns the distance
-    /// between lines if there are several.
+    /// Fills a rectangle with evenly spaced lines along `[dx, dy]`, from one edge to the other, including both. Returns
+    /// the distance between lines, in metres, if there are several.
     fn hatch_rectangle(&self, inner: &Cavity, [dx, dy]: [f64; 2], lines: &mut Vec<Line>) -> Option<f64> {
         let (along_m, across_m) = (inner.length_m.max(inner.width_m), inner.length_m.min(inner.width_m));
         let gaps = (across_m / self.distance_m - ROUNDING).ceil().max(0.0);
@@ -158,9 +161,9 @@ impl Marking {
         (gaps > 0.0).then(|| across_m / gaps)
     }
 
-    /// Fills a polygon with evenly spaced lines. The first line lies on the outermost edge if this edge runs along the
-    /// lines, as in clipped grooves, and otherwise half a distance from the outermost point, where a line would have no
-    /// length. Returns the distance between lines if there are several.
+    /// Fills a polygon with evenly spaced lines along `[dx, dy]`. The first line lies on the outermost edge if this
+    /// edge runs along the lines, as in clipped grooves, and otherwise half a line distance from the outermost point,
+    /// where a line would have no length. Returns the distance between lines, in metres, if there are several.
     fn hatch_polygon(&self, polygon: &[[f64; 2]], [dx, dy]: [f64; 2], lines: &mut Vec<Line>) -> Option<f64> {
         let turned: Vec<[f64; 2]> = polygon.iter().map(|[x, y]| [x * dx + y * dy, y * dx - x * dy]).collect();
         let extent = |axis: usize| {

@@ -1,9 +1,9 @@
 //! Files for a laser, from a pattern and the outline of a specimen.
 //!
-//! A [`Layout`] places cavities on the specimen, complete or cut at the border: one at its centre, the others at x = i
-//! pitch and y = j pitch across, with odd rows shifted by half a pitch in staggered arrangements, and grooves at any
-//! angle. x is the sliding direction unless the texture has a sliding angle. With N cavities of area a and depth d on a
-//! face of area A,
+//! A [`Layout`] places cavities on the specimen, complete or cut at the border: one at the centre, the others at x = i
+//! times the pitch and y = j times the pitch across, with odd rows shifted by half a pitch in staggered arrangements;
+//! grooves may have any angle. x is the sliding direction unless the texture has a sliding angle. With cavities of area
+//! a and depth d on a face of area A,
 //!
 //! ```text
 //! areal density = sum a / A        volume = d sum a
@@ -16,15 +16,15 @@
 //! | [`Layout`], [`Cavity`], [`Boundary`] | cavities on the face, computed one by one in a fixed order |
 //! | [`Division`], [`Sector`] | several patterns on one specimen, one per sector |
 //! | [`Heading`] | name, version and notes of a drawing |
-//! | [`Laser`], [`Ablation`], [`Exposure`] | the laser, its depth per burst against fluence, hatch or mask |
+//! | [`Laser`], [`Ablation`], [`Exposure`] | parameters of the laser, depth per burst against fluence, hatch or mask |
 //! | [`Marking`], [`Line`] | lines that the spot follows |
 //! | [`Removal`] | depth removed by passes over the lines, and the number of passes for a depth |
-//! | [`laser_warnings`], [`burst_warnings`] | deviations of the made cavities from the design |
+//! | [`laser_warnings`], [`burst_warnings`] | deviations of the cut cavities from the design |
 //! | [`dxf`], [`dxf_of_sectors`] | drawing for the laser, AutoCAD R12 |
 //! | [`svg`], [`svg_of_sectors`] | drawing to scale, for people |
 //! | [`hpgl`] | plot for marking software, HP-GL/2 |
 //! | [`gcode`], [`GcodePlan`] | program for controllers with a laser mode |
-//! | [`csv`], [`corners_csv`], [`hatch_csv`] | tables of the cavities, their corners, the lines |
+//! | [`csv`], [`corners_csv`], [`hatch_csv`] | tables of cavities, of their corners, and of marking lines |
 //! | [`height_map`], [`HeightMap`] | surface as a 16-bit PNG |
 //! | [`stl`], [`check_stl`] | removed volume as closed solids |
 //! | [`ProcessSheet`], [`ProcessInput`], [`WorkSheet`], [`Tolerances`], [`MaterialNote`] | process sheet for the operator of the laser, as TOML |

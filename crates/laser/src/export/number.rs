@@ -32,7 +32,7 @@ pub(crate) fn decimal(value: f64, decimals: usize) -> String {
     out
 }
 
-/// Rounds `value` to `decimals` decimals, to the nearest double, which prints without a tail of nines.
+/// Rounds `value` to the double nearest to its `decimals` decimals, which prints without a tail of nines.
 pub(crate) fn round_decimals(value: f64, decimals: usize) -> f64 {
     decimal(value, decimals).parse().unwrap_or(value)
 }

@@ -1,7 +1,7 @@
 use crate::export::{ExportError, mm, positive};
 
-/// Sliding face of the specimen, centred on the origin of its axes x and y. x is the sliding direction unless the
-/// texture has a sliding angle.
+/// Outline of the sliding face of a specimen, centred on the origin of its axes x and y. x is the sliding direction
+/// unless the texture has a sliding angle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Outline {
     /// A round face.
@@ -78,7 +78,7 @@ impl Outline {
         }
     }
 
-    /// Distance of the outer border from the centre along the unit vector `direction`, in metres.
+    /// Distance from the centre to the outer border along the unit vector `direction`, in metres.
     pub(crate) fn rim_m(&self, direction: [f64; 2]) -> f64 {
         let [half_x_m, half_y_m] = self.extents_m().map(|extent_m| extent_m / 2.0);
         match self {
@@ -102,7 +102,7 @@ impl Outline {
         }
     }
 
-    /// Whether a point lies on the face.
+    /// Whether a point, in metres, lies on the face.
     pub(crate) fn contains(&self, [x_m, y_m]: [f64; 2]) -> bool {
         match *self {
             Self::Disc { diameter_m } => x_m.hypot(y_m) <= diameter_m / 2.0,
@@ -122,8 +122,9 @@ impl Outline {
         }
     }
 
-    /// Chord of the line at the distance `offset_m` along the unit vector `normal`: its ends, in metres along `normal`
-    /// turned by 90 degrees anticlockwise, ignoring a hole. `None` outside the face.
+    /// Chord that the outer border cuts from a line: positions of its ends along the line, in metres; `None` outside
+    /// the face. The line has the unit normal `[cosine, sine]` and the distance `offset_m` from the centre along the
+    /// normal; it runs along the normal turned by 90 degrees anticlockwise.
     pub(crate) fn chord_m(&self, [cosine, sine]: [f64; 2], offset_m: f64) -> Option<[f64; 2]> {
         match *self {
             Self::Disc { diameter_m } | Self::Ring { outer_diameter_m: diameter_m, .. } => {
@@ -143,7 +144,7 @@ impl Outline {
     }
 
     /// Intervals of a line on the face, in metres along the line and ascending: one, two next to a hole, or none. The
-    /// line runs along the unit vector `along`, `at_m` to its left from the centre.
+    /// line runs along the unit vector `along`, `at_m` to the left of the centre.
     pub(crate) fn chords_along_m(&self, along: [f64; 2], at_m: f64) -> Vec<[f64; 2]> {
         // The normal turned anticlockwise points backwards.
         let Some([low_m, high_m]) = self.chord_m(left_of(along), at_m) else { return Vec::new() };
@@ -156,12 +157,13 @@ impl Outline {
         vec![[from_m, -half_m], [half_m, to_m]]
     }
 
-    /// Length of the line through the centre along the unit vector `along`, from border to border, in metres.
+    /// Length of the line through the centre along the unit vector `along`, from border to border, in metres, including
+    /// a hole.
     pub fn length_along_m(&self, along: [f64; 2]) -> f64 {
         2.0 * self.rim_m(along)
     }
 
-    /// The name used in files.
+    /// Name of the shape in files.
     pub const fn name(&self) -> &'static str {
         match self {
             Self::Disc { .. } => "disc",

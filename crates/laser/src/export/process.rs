@@ -10,7 +10,7 @@ use crate::export::{
     lattice, micrometres, millimetres, positive, round_decimals, round_digits,
 };
 
-/// Effects that no model of slipgrid contains, for a pattern with or without rims; listed on every process sheet.
+/// Effects that no model of slipgrid contains, for a pattern with or without rims; process sheets list them.
 pub const fn not_modelled(has_rim: bool) -> [&'static str; 5] {
     let of_lasering = if has_rim {
         "roughening of the surface by lasering"
@@ -20,7 +20,7 @@ pub const fn not_modelled(has_rim: bool) -> [&'static str; 5] {
     [of_lasering, "plasticity", "viscoelasticity", "heating", "wear"]
 }
 
-/// Origin of the rims on a process sheet.
+/// Origin of the rim dimensions, as stated on a process sheet.
 const RIM_BASIS: &str = "what the design assumes: the laser's real rims have to be measured";
 
 /// Standard deviations of the mean dimensions of a cut sample that the design assumes; absent ones are omitted.
@@ -41,7 +41,7 @@ pub struct Tolerances {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MaterialNote {
-    /// Name.
+    /// Name of the material.
     pub name: String,
     /// Source of the measurements.
     pub source: String,
@@ -49,18 +49,18 @@ pub struct MaterialNote {
     pub synthetic_surface: bool,
 }
 
-/// Input of a process sheet other than the layout.
+/// Data for a process sheet in addition to the layout.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ProcessInput {
     /// Name of the design.
     pub name: String,
     /// Version of the program that made the design.
     pub version: String,
-    /// Schema of the sheet.
+    /// Version of the schema of the sheet.
     pub schema: u32,
     /// Seed of the design.
     pub seed: u64,
-    /// The laser.
+    /// Laser parameters.
     pub laser: Laser,
     /// Tolerances that the design assumes, if it does.
     pub tolerances: Option<Tolerances>,
@@ -78,7 +78,7 @@ pub struct ProcessSheet {
     pub program: String,
     /// Version of the program.
     pub version: String,
-    /// Schema of the file.
+    /// Version of the file's schema.
     pub schema: u32,
     /// Seed of the design.
     pub seed: u64,
@@ -135,7 +135,7 @@ pub struct PatternSheet {
     pub rim_height_std_um: Option<f64>,
     /// Width of the rims, in um.
     pub rim_width_um: Option<f64>,
-    /// Profile of rims from the edge outward: `round`, `flat` or `ramp`.
+    /// Profile of rims from the edge outward: `round`, `flat`, `ramp` or `half-sine`.
     pub rim_profile: Option<String>,
     /// Origin of the rim dimensions.
     pub rim_basis: Option<String>,
@@ -211,7 +211,7 @@ impl ProcessSheet {
     /// Creates the sheet for `layout`.
     ///
     /// # Errors
-    /// [`ExportError::Refused`] if a given laser parameter or tolerance is not positive.
+    /// [`ExportError::Refused`] if a given tolerance is not positive; errors of [`Laser::validate`].
     pub fn new(layout: &Layout, input: ProcessInput) -> Result<Self, ExportError> {
         let ProcessInput { name, version, schema, seed, laser, tolerances, material } = input;
         laser.validate()?;
@@ -269,7 +269,7 @@ impl ProcessSheet {
     }
 }
 
-/// Formats `sheet` as TOML below a remark on the sliding direction.
+/// Formats `sheet` as TOML, with the remark `sliding` on the sliding direction in a comment above it.
 pub(crate) fn sheet_toml(sliding: &str, sheet: &impl Serialize) -> Result<String, ExportError> {
     let unwritable = |error| ExportError::Refused(format!("the process sheet cannot be written as TOML: {error}"));
     let body = toml::to_string(sheet).map_err(unwritable)?;

@@ -1,12 +1,13 @@
 //! Depth removed by passes over the lines of a hatch.
 //!
-//! A pulse removes the depth d over the area of the spot, whose diameter is s. Pulses are p = v / f apart along lines,
-//! which stay half a spot inside a cavity's edge. The number of pulses that reach a point x is the length of the lines
-//! within half a spot of x, divided by p:
+//! A pulse removes the depth d over the area of the spot, whose diameter is s. Pulses are p = v / f apart (speed v,
+//! repetition rate f) along lines, which stay half a spot inside a cavity's edge. The number of pulses that reach a
+//! point x is the length of the lines within half a spot of x, divided by p. N passes remove the depth z and the volume
+//! V:
 //!
 //! ```text
 //! z(x) = N (d / p) sum over lines of length(line within s/2 of x)
-//! V = integral of z = N (d / p) (pi/4) s^2 L          L the length of all lines, N passes
+//! V = integral of z = N (d / p) (pi/4) s^2 L          L: length of all lines
 //! ```
 //!
 //! For an infinite hatch with the line distance h, z is N d (pi/4) s^2 / (p h). In a cavity, depth increases from zero
@@ -25,13 +26,13 @@ use crate::export::{
 const MIDDLE_RANGE: [f64; 2] = [1.0 / 3.0, 2.0 / 3.0];
 /// Number of points at which a part of a cavity's width is sampled.
 const SAMPLE_POINTS: u32 = 400;
-/// Number of bins between the edge and the middle of a cavity that a sheet lists.
+/// Number of bins of the depth profile between the edge and the middle of a cavity on a process sheet.
 const LISTED_BINS: u32 = 8;
 /// Relative deviation from the depth of the design that causes a warning.
 const WARNED_DEVIATION: f64 = 0.05;
 /// Relative tolerance for equal lengths of lines.
 const LENGTH_TOLERANCE: f64 = 1e-9;
-/// Maximum number of passes.
+/// Maximum number of passes, so that it fits into a `u32`.
 const MAX_PASSES: f64 = 1e9;
 
 /// Depth removed by passes over the lines of a hatch, and the number of passes for a depth.
@@ -52,20 +53,20 @@ pub struct Removal {
     /// Speed at which this number of passes makes the depth of the design; omitted if pulses would be farther apart
     /// than the spot is wide.
     pub speed_for_depth_mm_s: Option<f64>,
-    /// Deviations by more than 5 % from the depth of the design, with remedies.
+    /// Deviations by more than 5 % from the depth of the design, and areas that the spot does not reach, with remedies.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub warnings: Vec<String>,
 }
 
 impl Removal {
-    /// Computes the removal for all cavities of `layout`; `None` if passes over lines do not give the depth, or if
+    /// Computes the removal for all cavities of `layout`; `None` if bursts on spots or a mask give the depth, or if
     /// laser parameters are missing.
     pub fn new(layout: &Layout, laser: &Laser) -> Option<Self> {
         laser.depth_step_um().filter(|_| laser.bursts_per_pass().is_some())?;
         Hatched::new(layout, &Marking::new(laser).ok()?).removal(layout, laser)
     }
 
-    /// Describes the depth that the passes remove.
+    /// Describes the depth that a pass and all passes remove, in the middle of a cavity and on average.
     pub fn words(&self) -> String {
         let um = |depth_um: f64| decimal((100.0 * depth_um).round() / 100.0, 2);
         let passes = f64::from(self.passes.max(1));
@@ -79,7 +80,7 @@ impl Removal {
     }
 }
 
-/// Lines on a specimen.
+/// All lines on a specimen, with the data from which depths are computed.
 pub(crate) struct Hatched {
     pub(crate) lines: u64,
     pub(crate) length_m: f64,
@@ -88,13 +89,14 @@ pub(crate) struct Hatched {
     pub(crate) apart_m: Option<[f64; 2]>,
     /// Number and area, in square metres, of cavities without a line.
     bare: (u32, f64),
-    /// The cavity with the greatest length of lines, a complete one if possible; `None` if all lines have zero length.
+    /// First cavity with the greatest total length of lines, which represents all cavities; `None` if all lines have
+    /// zero length.
     one: Option<Cavity>,
-    /// Lines of this cavity.
+    /// Lines of the cavity `one`.
     lines_of_one: Vec<Line>,
     /// Radius of the spot, in metres.
     half_spot_m: f64,
-    /// Section along which depth is sampled.
+    /// Section of the cavity `one` along which depth is sampled.
     section: Option<Section>,
 }
 
@@ -102,7 +104,7 @@ pub(crate) struct Hatched {
 /// it.
 struct Section {
     from_m: [f64; 2],
-    /// Unit vector.
+    /// Unit vector along the section.
     across: [f64; 2],
     width_m: f64,
 }
@@ -141,8 +143,8 @@ impl Hatched {
         self.one.as_ref().map_or_else(Vec::new, of)
     }
 
-    /// Mean, over a part of the section given by fractions of its width, of the sum over lines of `of` their length
-    /// within half a spot of a point, in metres.
+    /// Mean over a part of `section`, from `from` to `to` as fractions of its width, of a sum over lines: each line
+    /// adds `of(length)` for the length, in metres, of its part within half a spot of the point.
     fn mean_of_lines(&self, section: &Section, [from, to]: [f64; 2], of: fn(f64) -> f64) -> f64 {
         let at_point = |k: u32| -> f64 {
             let at_m = section.width_m * (from + (to - from) * (f64::from(k) + 0.5) / f64::from(SAMPLE_POINTS));
@@ -152,20 +154,21 @@ impl Hatched {
         (0..SAMPLE_POINTS).map(at_point).sum::<f64>() / f64::from(SAMPLE_POINTS)
     }
 
-    /// Mean total length of lines within half a spot of a point, in metres.
+    /// Mean total length of lines within half a spot of a point, in metres, over a part of the section given by
+    /// fractions of its width.
     fn mean_reach_m(&self, section: &Section, shares: [f64; 2]) -> f64 {
         self.mean_of_lines(section, shares, |within_m| within_m)
     }
 
-    /// Mean number of lines within half a spot of a point, over the middle third from edge to edge; `None` without a
-    /// section.
+    /// Mean number of lines within half a spot of a point, over the middle third of the cavity's width; `None` without
+    /// a section.
     pub(crate) fn exposures(&self) -> Option<f64> {
         let is_within = |within_m: f64| if within_m > 0.0 { 1.0 } else { 0.0 };
         Some(self.mean_of_lines(self.section.as_ref()?, MIDDLE_RANGE, is_within))
     }
 
-    /// Depth profile of `passes` between an edge and the middle, in um: distance from the edge at the end of each bin,
-    /// and mean depth in the bin.
+    /// Depth profile of `passes` between an edge and the middle of a cavity, in um: for each bin, the distance from the
+    /// edge at which it ends and its mean depth. `None` without a section or if laser parameters are missing.
     pub(crate) fn across_um(&self, laser: &Laser, passes: u32) -> Option<Vec<[f64; 2]>> {
         let section = self.section.as_ref()?;
         let scale = f64::from(passes) * laser.depth_per_burst_um? / laser.pulse_distance_um()?;
@@ -177,7 +180,7 @@ impl Hatched {
         Some((1..=LISTED_BINS).map(up_to).collect())
     }
 
-    /// Volume removed by `passes`, in cubic metres.
+    /// Volume removed by `passes`, in cubic metres; `None` if laser parameters are missing.
     pub(crate) fn volume_m3(&self, laser: &Laser, passes: u32) -> Option<f64> {
         let spot_m2 = std::f64::consts::PI * self.half_spot_m * self.half_spot_m;
         // V = N (d / p) (pi/4) s^2 L
@@ -293,7 +296,7 @@ impl Section {
     }
 }
 
-/// Length of the part of a line within `radius_m` of a point, in metres.
+/// Length of the part of a line that is within `radius_m` of a point, in metres.
 fn within_m([from, to]: &Line, [x_m, y_m]: [f64; 2], radius_m: f64) -> f64 {
     let length = length_m(&[*from, *to]);
     if length == 0.0 {
@@ -306,13 +309,14 @@ fn within_m([from, to]: &Line, [x_m, y_m]: [f64; 2], radius_m: f64) -> f64 {
     ((along_m + half_m).min(length) - (along_m - half_m).max(0.0)).max(0.0)
 }
 
-/// Warnings about cavities of `layout` that deviate from the design, made by passes over lines or by bursts on spots.
+/// Warnings about deviations of the cut cavities of `layout` from the design, for passes over lines or for bursts on
+/// spots.
 pub fn laser_warnings(layout: &Layout, laser: &Laser) -> Vec<String> {
     Removal::new(layout, laser).map_or_else(|| burst_warnings(layout, laser), |removal| removal.warnings)
 }
 
-/// Warnings about cavities of `layout` that the spot does not reach, if bursts on spots make them. Empty if passes over
-/// lines give the depth, for which [`Removal`] has warnings.
+/// Warnings about areas of cavities of `layout` that the spot does not reach, if bursts on spots give the depth;
+/// otherwise empty. For passes over lines, [`Removal`] has the warnings.
 pub fn burst_warnings(layout: &Layout, laser: &Laser) -> Vec<String> {
     if laser.is_mask() || laser.bursts(layout.pattern().depth_m()).is_none() {
         return Vec::new();
@@ -320,7 +324,7 @@ pub fn burst_warnings(layout: &Layout, laser: &Laser) -> Vec<String> {
     Marking::new(laser).map_or_else(|_| Vec::new(), |marking| Hatched::new(layout, &marking).unreached_warnings(layout))
 }
 
-/// Volume of all cavities with sloping walls, in cubic metres.
+/// Volume of all cavities of `layout` with the wall taper of `laser`, in cubic metres.
 pub(crate) fn removed_volume_m3(layout: &Layout, laser: &Laser) -> f64 {
     let depth_m = layout.pattern().depth_m();
     let inset_m = laser.floor_inset_m(depth_m);

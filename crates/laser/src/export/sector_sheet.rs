@@ -25,7 +25,7 @@ pub struct SectorsSheet {
     pub program: String,
     /// Version of the program.
     pub version: String,
-    /// Schema of the file.
+    /// Version of the file's schema.
     pub schema: u32,
     /// Seed of the design.
     pub seed: u64,
@@ -63,7 +63,7 @@ pub struct DividedSheet {
     pub at_the_rim: String,
 }
 
-/// A sector.
+/// One sector with its pattern and the laser work for it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SectorSheet {
@@ -87,7 +87,7 @@ pub struct SectorSheet {
     pub bursts_per_cavity: Option<u32>,
     /// Marking time, in s: that of the pattern on the whole specimen times the sector's fraction of the cavity area.
     pub estimated_time_s: Option<f64>,
-    /// Deviations by more than 5 % from the depth of the design if no passes are planned, with remedies.
+    /// Areas of cavities that the spot does not reach, with remedies; empty if passes over lines give the depth.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub warnings: Vec<String>,
     /// Pattern of the sector.

@@ -7,24 +7,25 @@ use crate::export::{Boundary, Cavity, ExportError, Layout, Outline, Specimen, mm
 
 /// Maximum number of sectors of a specimen.
 pub const MAX_SECTORS: usize = 12;
-/// Width of a land over the smaller extent of the specimen.
+/// Width of the lands between sectors, as a fraction of the smaller extent of the specimen.
 const LAND_SHARE: f64 = 0.05;
-/// Minimum number of periods of a pattern, along each of its axes, in the largest circle on a sector.
+/// Minimum number of periods of a pattern, along each of its axes, in the largest circle on each sector.
 pub const MIN_PERIODS: f64 = 4.0;
-/// Range of the mark along its land, from centre to border, as fractions.
+/// Start and end of the mark on its land, as fractions of the way from the centre (or hole) to the border.
 const MARK_SPAN: [f64; 2] = [0.8, 0.95];
-/// Width of the mark over that of the land.
+/// Width of the mark as a fraction of the width of the land.
 const MARK_SHARE: f64 = 0.2;
 /// Fraction of a pitch by which a cavity may reach into a land, to allow for rounding.
 const FIT_TOLERANCE: f64 = 1e-9;
-/// Number of steps of a ternary search.
+/// Number of steps of the ternary search for the largest circle on a sector.
 const STEPS: usize = 120;
 
-/// Face of a specimen divided into sectors of equal angles by straight lands from its centre to its border.
+/// Division of the face of a specimen into sectors of equal angles by straight untextured lands from the centre to the
+/// border.
 ///
 /// Sectors are numbered from 1, anticlockwise; the middle of the first is at 90 degrees from x. Sectors of discs and
-/// rings are rotated copies of the first: if the specimen is turned back by the sector's angle, the sector is where the
-/// first was. Sectors of a rectangle are not rotated.
+/// rings are rotated copies of the first: if the specimen is turned back by the angle of a sector, this sector is where
+/// the first was. Sectors of a rectangle are not rotated.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Division {
     specimen: Specimen,
@@ -32,7 +33,7 @@ pub struct Division {
     land_m: f64,
 }
 
-/// A pattern on a sector.
+/// A pattern laid out on one sector of a specimen.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sector {
     division: Division,
@@ -82,7 +83,8 @@ impl Division {
         (90.0 + self.angle_deg() * number.saturating_sub(1) as f64).rem_euclid(360.0)
     }
 
-    /// Angle by which the pattern of sector `number` is turned with it, anticlockwise, in degrees: 0 on a rectangle.
+    /// Angle by which the pattern of sector `number` is turned with the sector, anticlockwise, in degrees: 0 on a
+    /// rectangle.
     pub fn turn_deg(&self, number: usize) -> f64 {
         match self.specimen.outline {
             Outline::Rectangle { .. } => 0.0,
@@ -95,8 +97,8 @@ impl Division {
         self.middle_deg(number) - self.turn_deg(number)
     }
 
-    /// Lands on both sides of sector `number` in the axes of its pattern: points of the sector have n x <= d for each
-    /// (n, d).
+    /// Borders of sector `number` with the lands on both sides, in the axes of its pattern: unit normals n and
+    /// distances d in metres, with n x <= d for all points x of the sector.
     fn sides(&self, number: usize) -> [([f64; 2], f64); 2] {
         let at = |deg: f64| [libm::cos(deg.to_radians()), libm::sin(deg.to_radians())];
         let (middle_deg, half_deg) = (self.own_middle_deg(number), self.angle_deg() / 2.0);
@@ -114,7 +116,7 @@ impl Division {
     }
 
     /// Diameter of the largest circle on sector `number` with its centre on the middle line, in metres: the limit for a
-    /// pin.
+    /// pin that slides on the sector.
     pub fn circle_m(&self, number: usize) -> f64 {
         let half_angle = (self.angle_deg() / 2.0).to_radians();
         let middle = self.own_middle_deg(number).to_radians();
@@ -262,7 +264,7 @@ impl Sector {
     }
 }
 
-/// Error for `count` patterns on at most `most` sectors.
+/// Creates the error for `count` patterns on at most `most` sectors.
 pub(crate) fn wrong_count(count: usize, most: usize) -> ExportError {
     let expected = format!("expected 2 to {most}, one for each sector");
     ExportError::Refused(format!("{count} textures on sectors of one specimen: {expected}"))
@@ -273,12 +275,13 @@ fn period_m(pattern: &Pattern) -> f64 {
     pattern.pitch_across_m().unwrap_or(0.0).max(pattern.pitch_m())
 }
 
-/// Part of a convex polygon between two lands.
+/// Part of a convex polygon between two lands, given by `sides` as in `Division::sides`.
 fn within(sides: &[([f64; 2], f64); 2], polygon: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
     sides.iter().fold(polygon, |left, &(normal, limit_m)| within_side(&left, normal, limit_m))
 }
 
-/// Parts of a groove between two lands; parts smaller than a square of its width are left out.
+/// Parts of a groove between two lands. Parts of an uncrossed groove with less area than a square of its width are left
+/// out.
 fn cut_boundaries(cavity: &Cavity, sides: &[([f64; 2], f64); 2]) -> Vec<Boundary> {
     let corners = cavity.corners_m().to_vec();
     let parts = match &cavity.crossed_by {
@@ -297,7 +300,8 @@ fn cut_boundaries(cavity: &Cavity, sides: &[([f64; 2], f64); 2]) -> Vec<Boundary
     left.map(|corners_m| Boundary::Polygon { corners_m }).collect()
 }
 
-/// The outlines of a cavity that reaches into neither land, as laid out; otherwise empty.
+/// Outlines of a cavity, complete or cut at the border, if it reaches into neither land by more than `slack_m`;
+/// otherwise empty.
 fn uncut_boundaries(cavity: &Cavity, sides: &[([f64; 2], f64); 2], slack_m: f64) -> Vec<Boundary> {
     let boundaries = cavity.boundaries();
     let is_beside = |&([nx, ny], limit_m): &([f64; 2], f64)| {

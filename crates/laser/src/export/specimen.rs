@@ -22,14 +22,14 @@ impl Specimen {
         if self.is_clipped { Layout::clipped(pattern, self.outline) } else { Layout::new(pattern, self.outline) }
     }
 
-    /// Length through the middle along the unit vector `sliding`, in metres, rounded to an integer number of blocks of
-    /// `block_m`, at least one.
+    /// Length of the face through the middle along the unit vector `sliding`, in metres, rounded to an integer number
+    /// of blocks of `block_m`, at least one.
     pub fn whole_length_m(&self, sliding: [f64; 2], block_m: f64) -> f64 {
         (self.outline.length_along_m(sliding) / block_m).round().max(1.0) * block_m
     }
 
-    /// Whether sliding at `other_deg` from X is equivalent to the sliding direction of `texture`, by the symmetry of
-    /// specimen and texture.
+    /// Whether sliding at `other_deg` from x, anticlockwise in degrees, is equivalent to the sliding direction of
+    /// `texture` by the symmetry of specimen and texture.
     pub fn slides_alike(&self, texture: &Texture, other_deg: f64) -> bool {
         let Outline::Rectangle { length_m, width_m } = self.outline else { return texture.slides_alike(other_deg) };
         let own_deg = texture.sliding_angle_deg();

@@ -1,4 +1,4 @@
-//! A specimen as keys of a file: the one definition for files that are read and for records that are written.
+//! A specimen as keys of a file: one definition for files that are read and for records that are written.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -7,12 +7,12 @@ use slipgrid_base::units::LENGTH_MM;
 
 use super::{AT_THE_RIM, Outline, Specimen};
 
-/// Shapes of a face.
+/// Names of the shapes of a face in files.
 const SHAPES: [&str; 3] = ["disc", "rectangle", "ring"];
-/// Lengths of each shape.
+/// Keys of the lengths of each shape, for messages.
 const LENGTHS: &str = "diameter_mm for a disc, length_mm and width_mm for a rectangle, outer_diameter_mm and inner_diameter_mm for a ring";
 
-/// Specimen as keys of a file.
+/// Shape and size of a specimen, and treatment of cavities at its rim, as keys of a file.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SpecimenRecord {
@@ -24,7 +24,7 @@ pub struct SpecimenRecord {
     /// Length of a rectangle along x, the sliding direction unless `sliding_angle_deg` turns it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub length_mm: Option<f64>,
-    /// Width of a rectangle across the sliding direction.
+    /// Width of a rectangle along y, across the sliding direction unless `sliding_angle_deg` turns it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub width_mm: Option<f64>,
     /// Outer diameter of a ring.

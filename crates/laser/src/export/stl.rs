@@ -1,8 +1,8 @@
 //! Removed volume as closed solids: binary STL, millimetres, the face at z = 0.
 //!
-//! 3D Systems' format: 80 bytes of text, the number of triangles, and for each triangle its normal and corners as
-//! single-precision numbers, anticlockwise seen from outside. One shell per cavity (or per part of a cut cavity): lid,
-//! floor and walls. Round cavities are polygons with [`CHORDS`] corners.
+//! Format of 3D Systems: 80 bytes of text, the number of triangles, and for each triangle its normal and corners as
+//! single-precision numbers, anticlockwise seen from outside. Each cavity (or part of a cut cavity) is one shell of
+//! lid, floor and walls. Round cavities are polygons with [`CHORDS`] corners.
 
 use std::io::{self, Write};
 
@@ -12,10 +12,10 @@ use crate::export::{Cavity, ExportError, Heading, Laser, Layout};
 
 /// Number of corners of a round cavity: its area is 0.16 % too small.
 pub const CHORDS: u32 = 64;
-/// Buffer size, in bytes, at which data is written.
+/// Buffer size, in bytes, from which data is written.
 const BLOCK: usize = 1 << 16;
 
-/// Writes the solids of `layout`, with the wall taper of `laser`.
+/// Writes the solids of the cavities of `layout`, with the wall taper of `laser`.
 ///
 /// # Errors
 /// Errors of the writer `to`; [`check`] finds layouts that cannot be written.
@@ -52,11 +52,11 @@ pub fn stl(layout: &Layout, laser: &Laser, heading: &Heading, to: &mut dyn Write
     to.write_all(&bytes)
 }
 
-/// Refuses sloping walls that the border cuts, and walls that meet above the floor.
+/// Checks that STL can hold `layout`: the border cuts no sloping walls, and walls reach the floor before they meet.
 ///
 /// # Errors
-/// [`ExportError::Refused`] if the rim cuts leaning walls, and for polygons and crossing grooves with a wall that ends
-/// above the floor; errors of [`Laser::check`].
+/// [`ExportError::Refused`] if the border cuts sloping walls, and for polygons and crossing grooves with a wall that
+/// ends above the floor; errors of [`Laser::check`].
 pub fn check(layout: &Layout, laser: &Laser) -> Result<(), ExportError> {
     laser.check(layout.pattern())?;
     let inset_m = laser.floor_inset_m(layout.pattern().depth_m());
@@ -74,15 +74,15 @@ pub fn check(layout: &Layout, laser: &Laser) -> Result<(), ExportError> {
     Err(ExportError::Refused(refused.to_owned()))
 }
 
-/// Whether each part has a floor with the same number of corners.
+/// Whether each part of a cavity has a floor with as many corners as its lid.
 fn matches(lids: &[Polygon], floors: &[Polygon]) -> bool {
     lids.len() == floors.len() && lids.iter().zip(floors).all(|(lid, floor)| lid.len() == floor.len())
 }
 
-/// Corners of a face, anticlockwise, in metres.
+/// Corners of a polygon, anticlockwise, in metres.
 type Polygon = Vec<[f64; 2]>;
 
-/// Faces of the parts of a cavity.
+/// Outlines of the parts of a cavity as polygons.
 fn faces(cavity: &Cavity) -> Vec<Polygon> {
     if cavity.planform == Planform::Disc && cavity.cut_by.is_none() {
         let corner = |k: u32| {
@@ -95,7 +95,8 @@ fn faces(cavity: &Cavity) -> Vec<Polygon> {
     cavity.boundaries().iter().map(|boundary| boundary.polygon_m()).collect()
 }
 
-/// Lid and floor of the parts of a cavity, with corresponding corners.
+/// Lid and floor of each part of a cavity, with corresponding corners. `inset_m` is the distance of the floor's edge
+/// from the cavity's edge.
 fn solids(cavity: &Cavity, inset_m: f64) -> Vec<(Polygon, Polygon)> {
     let lids = faces(cavity);
     let floors = match cavity.inset(inset_m, 0.0) {
@@ -105,7 +106,8 @@ fn solids(cavity: &Cavity, inset_m: f64) -> Vec<(Polygon, Polygon)> {
     lids.into_iter().zip(floors).collect()
 }
 
-/// Triangulation by ear clipping (Meisters, Am. Math. Monthly 82, 648): corners of each triangle, anticlockwise.
+/// Triangulates a polygon by ear clipping (Meisters, Am. Math. Monthly 82, 648). Returns the indices of the corners of
+/// each triangle, anticlockwise.
 fn triangulate(polygon: &[[f64; 2]]) -> Vec<[usize; 3]> {
     let cross = |a: usize, b: usize, c: usize| {
         let ([xa, ya], [xb, yb], [xc, yc]) = (polygon[a], polygon[b], polygon[c]);

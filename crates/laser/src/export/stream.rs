@@ -2,10 +2,10 @@
 
 use std::io::{self, Write};
 
-/// Buffer size, in bytes, at which data is written: large enough for few calls.
+/// Buffer size, in bytes, from which data is written: large enough for few calls.
 const BLOCK: usize = 1 << 16;
 
-/// Writes `out` to `to` if it has reached the buffer size.
+/// Writes `out` to `to` and empties it, if it has reached the buffer size.
 pub(crate) fn flush_full(out: &mut String, to: &mut dyn Write) -> io::Result<()> {
     if out.len() >= BLOCK {
         to.write_all(out.as_bytes())?;

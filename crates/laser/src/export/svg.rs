@@ -16,28 +16,41 @@ use crate::export::{
     flush_rest, groove_direction, lattice, push_decimal,
 };
 
-/// Blue cavities, dark grey lines and text, light grey specimen: distinguishable with any colour vision and in print.
+/// Fill of cavities, blue: the three colours are distinguishable with any colour vision and in print.
 const CAVITY_COLOUR: &str = "#0072b2";
+/// Colour of lines and text, dark grey.
 const INK_COLOUR: &str = "#333333";
+/// Fill of the specimen, light grey.
 const FACE_COLOUR: &str = "#f4f4f2";
 
-/// Page measures in hundredths of the specimen's larger extent, so that the layout does not depend on its size.
+/// Margin around the page, in page units: hundredths of the specimen's larger extent, so that the page does not depend
+/// on its size.
 const MARGIN: f64 = 4.0;
+/// Width of the content between the margins, in page units: the specimen's larger extent.
 const CONTENT: f64 = 100.0;
+/// Font size of the title, in page units.
 const TITLE_SIZE: f64 = 3.2;
+/// Font size of other text, in page units.
 const TEXT_SIZE: f64 = 2.3;
+/// Distance between lines of text, in page units.
 const LINE_HEIGHT: f64 = 3.4;
+/// Side of the enlarged detail, a square, in page units.
 const DETAIL_SIDE: f64 = 34.0;
+/// Distance of the caption from the left margin, in page units.
 const TEXT_LEFT: f64 = 42.0;
+/// Distance of the values in the caption from the beginning of their names, in page units.
 const VALUE_LEFT: f64 = 20.0;
-/// Maximum number of characters per line of the title, of the caption, and of its bold head.
+/// Maximum number of characters per line of the title.
 const TITLE_CHARACTERS: usize = 58;
+/// Maximum number of characters per line of the caption.
 const CAPTION_CHARACTERS: usize = 48;
+/// Maximum number of characters per line of the bold head of the caption.
 const BOLD_CHARACTERS: usize = 40;
 
-/// Writes the layout as an SVG picture at true size. One unit of the view box is a millimetre; coordinates are rounded to one
-/// nanometre. A laser uses the DXF, which states its unit. The outline, the cavities (one path) and the sliding
-/// direction are separate groups in a frame whose origin is the specimen's centre; as usual in SVG, y points down.
+/// Writes the layout as an SVG picture at true size. One unit of the view box is a millimetre; coordinates are rounded
+/// to one nanometre. For a laser, use the DXF, which states its unit. The outline, the cavities (one path) and the
+/// sliding direction are separate groups; outline and cavities are in a frame whose origin is the specimen's centre. As
+/// usual in SVG, y points down.
 ///
 /// # Errors
 /// Errors of the writer `to`.
@@ -103,7 +116,7 @@ fn arrangement(pattern: &Pattern) -> String {
     letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }
 
-/// Dimensions, as pairs of name and value.
+/// Dimensions for the caption, as pairs of name and value with unit.
 fn dimensions(layout: &Layout) -> Vec<(&'static str, String)> {
     let pattern = layout.pattern();
     let um = |length_m: f64| format!("{} µm", decimal(length_m * 1e6, MICROMETRE_DECIMALS));
@@ -145,7 +158,7 @@ fn dimensions(layout: &Layout) -> Vec<(&'static str, String)> {
     lines
 }
 
-/// Notes and version, one string per line.
+/// Notes and version for the caption, one string per line.
 fn remarks(heading: &Heading) -> Vec<String> {
     let mut lines: Vec<String> = heading.notes.iter().flat_map(|note| wrap(note, CAPTION_CHARACTERS)).collect();
     lines.push(format!("slipgrid {}", heading.version));
@@ -187,13 +200,13 @@ fn escape(text: &str) -> String {
     out
 }
 
-/// The largest of 1, 2, 5 times a power of ten that is at most `limit`.
+/// Returns the largest of 1, 2 or 5 times a power of ten that is at most `limit`.
 fn round_length(limit: f64) -> f64 {
     let power = 10_f64.powf(limit.log10().floor());
     [5.0, 2.0].into_iter().map(|step| step * power).find(|&length| length <= limit).unwrap_or(power)
 }
 
-/// A picture under construction. Positions are in page units, and are written in millimetres.
+/// A picture under construction. Positions are in page units of `unit_mm` millimetres, and are written in millimetres.
 struct Page {
     out: String,
     unit_mm: f64,
@@ -239,7 +252,7 @@ impl Page {
         );
     }
 
-    /// A filled triangle with its tip at `tip`, pointing along the unit vector `direction` of the page.
+    /// Draws a filled triangle with its tip at `tip`, pointing along the unit vector `[along_x, along_y]` of the page.
     fn arrowhead(&mut self, tip: [f64; 2], [along_x, along_y]: [f64; 2], length: f64) {
         let back = [tip[0] - along_x * length, tip[1] - along_y * length];
         // At right angles, towards larger y.
@@ -250,7 +263,8 @@ impl Page {
         let _ = writeln!(self.out, "<path d=\"M{}L{}L{}z\"/>", points[0], points[1], points[2]);
     }
 
-    /// Opens the frame at the specimen's centre and draws the outline; returns the stroke width.
+    /// Opens the frame at the specimen's centre and draws the outline; returns the stroke width in millimetres, as
+    /// text.
     fn begin_specimen(&mut self, outline: &Outline, centre: [f64; 2]) -> String {
         let (x, y, stroke) = (self.mm(centre[0]), self.mm(centre[1]), self.mm(0.25));
         let _ = writeln!(self.out, "<g id=\"specimen\" transform=\"translate({x} {y})\">");
@@ -280,7 +294,7 @@ impl Page {
         stroke
     }
 
-    /// Draws outline and cavities, in a frame at the specimen's centre.
+    /// Draws outline and cavities in a frame at the specimen's centre.
     fn specimen(&mut self, layout: &Layout, centre: [f64; 2], to: &mut dyn io::Write) -> io::Result<()> {
         let stroke = self.begin_specimen(layout.outline(), centre);
         let _ = write!(self.out, "<path id=\"cavities\" fill=\"{CAVITY_COLOUR}\" d=\"");
@@ -306,7 +320,7 @@ impl Page {
         );
     }
 
-    /// Path commands for a cavity without the closing one; y points down.
+    /// Appends the path commands for the outline of a cavity without the closing `z`; y points down.
     fn outline_of(&mut self, cavity: Option<&Cavity>, boundary: &Boundary) {
         let mut commands = |steps: &[(&str, f64)]| {
             for &(command, length_m) in steps {

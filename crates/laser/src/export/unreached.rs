@@ -1,24 +1,26 @@
 //! Areas of cavities that the spot does not reach.
 //!
-//! The spot stays inside walls and border. A cavity that the border cuts to less than the spot has no line, and in a
-//! corner the area beyond the spot's edge is not reached:
+//! The spot stays inside the walls of cavities and the border of the specimen. A cavity that the border cuts to less
+//! than the spot has no line; in a corner, the area beyond the edge of the spot is not reached. With the diameter s of
+//! the spot:
 //!
 //! ```text
-//! swept share = area(points within s/2 of a line) / area(cavity)        s the spot
+//! swept share = area(points within s/2 of a line) / area(cavity)
 //! ```
 
 use slipgrid_model::pattern::geometry::point_to_segment;
 
 use crate::export::{Cavity, Layout, Line, decimal};
 
-/// Number of sample points along either extent of a cavity.
+/// Number of sample points along each extent of a cavity.
 const POINTS: u32 = 60;
-/// Swept fraction of a cavity below which a warning is given. A spot a third as wide as the cavity sweeps 97 % of a
-/// square and all of a disc.
+/// Minimum swept fraction of a cavity without a warning. A spot a third as wide as the cavity sweeps 97 % of a square
+/// and all of a disc.
 const MIN_SWEPT: f64 = 0.9;
 
-/// Warnings about areas of the cavities of `layout` that the spot does not reach: for cavities without a line, which
-/// are `bare` (number, and area in square metres), and for the cavity `one` with the longest `lines`.
+/// Warnings about areas of the cavities of `layout` that the spot does not reach: for cavities without a line, of which
+/// `bare` is the number and the area in square metres, and for the cavity `one` with its `lines`, which represents the
+/// others.
 pub(crate) fn warnings(
     layout: &Layout,
     half_spot_m: f64,

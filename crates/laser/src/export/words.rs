@@ -6,22 +6,23 @@ use slipgrid_model::pattern::{Arrangement, Pattern, Planform, Texture};
 use crate::export::number::decimal;
 use crate::export::{Laser, Layout, Removal};
 
-/// Decimals of an angle in degrees: a millionth turns a specimen of 10 mm by less than a nanometre.
+/// Decimals of an angle in degrees: a millionth of a degree turns a specimen of 10 mm by less than a nanometre.
 pub(crate) const ANGLE_DECIMALS: usize = 6;
 
-/// An angle in degrees as text.
+/// Formats an angle in degrees, without a unit.
 pub(crate) fn degrees(angle_deg: f64) -> String {
     decimal(angle_deg, ANGLE_DECIMALS)
 }
 
-/// Bursts and passes that make the cavities of `layout`, each behind a comma, where `laser` states what they remove.
+/// Describes the bursts or passes that cut the cavities of `layout`, after a comma, for example `, 3 bursts`; empty if
+/// `laser` does not state the depth of a burst.
 pub(crate) fn steps(layout: &Layout, laser: &Laser) -> String {
     let bursts = laser.bursts(layout.pattern().depth_m()).map(|bursts| (bursts, "burst"));
     let passes = Removal::new(layout, laser).map(|removal| (removal.passes, "pass"));
     bursts.into_iter().chain(passes).map(|(count, noun)| format!(", {}", counted(count as usize, noun))).collect()
 }
 
-/// Sliding direction on the specimen; "x" without a sliding angle.
+/// Describes the sliding direction on the specimen; "x" without a sliding angle.
 pub(crate) fn sliding_direction(texture: &Texture) -> String {
     match texture.sliding_angle_deg() {
         0.0 => "x".to_owned(),
@@ -29,7 +30,7 @@ pub(crate) fn sliding_direction(texture: &Texture) -> String {
     }
 }
 
-/// Direction of grooves on the specimen.
+/// Describes the direction of grooves on the specimen.
 pub(crate) fn groove_direction(texture: &Texture) -> String {
     if let Some(crossing_deg) = texture.crossing_angle_deg() {
         let (first_deg, second_deg) = (texture.groove_angle_deg(), texture.groove_angle_deg() + crossing_deg);
@@ -58,7 +59,7 @@ pub(crate) const fn cavities(planform: Planform) -> &'static str {
     }
 }
 
-/// Lattice of the cavities; not for grooves.
+/// Describes the lattice of the cavities; not for grooves.
 pub(crate) fn lattice(pattern: &Pattern) -> &'static str {
     let square = pattern.pitch_across_m() == Some(pattern.pitch_m());
     match (pattern.texture().arrangement(), square) {

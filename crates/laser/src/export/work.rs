@@ -38,7 +38,7 @@ const REMOVAL_FORMULA: &str = "z(x) = passes * (depth per burst / pulse distance
 const EXPOSURES_FORMULA: &str = "lines within half a spot of a point, as a mean over the middle third of a cavity's width; depth_per_burst_um is that \
      of a cavity exposed so";
 
-/// Bursts, lines and time.
+/// Laser work for a specimen: bursts, marking lines, passes and time.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct WorkSheet {
@@ -52,22 +52,22 @@ pub struct WorkSheet {
     /// Bursts per cavity (on each of its spots, or on the whole cavity with a mask): depth over depth per burst,
     /// rounded to an integer; absent if passes over lines give the depth.
     pub bursts_per_cavity: Option<u32>,
-    /// Depth of these bursts, in um.
+    /// Depth of `bursts_per_cavity` bursts, in um.
     pub depth_of_bursts_um: Option<f64>,
-    /// Standard error of this depth, in um, if the depth per burst was fitted against fluence.
+    /// Standard error of `depth_of_bursts_um`, in um, if the depth per burst was fitted against fluence.
     pub depth_of_bursts_stderr_um: Option<f64>,
-    /// Mean number of exposures of a point in the middle of a cavity along the lines of `hatch.csv`, bursts edge to
-    /// edge. The depth per burst is that of a cavity exposed so, not of a single spot. Absent without bursts, if passes
-    /// over lines give the depth, and for a mask.
+    /// Mean number of exposures of a point in the middle third of a cavity's width, if bursts lie edge to edge along
+    /// the lines of `hatch.csv`. The depth per burst is that of a cavity exposed so, not of a single spot. Absent
+    /// without bursts, if passes over lines give the depth, and for a mask.
     pub exposures_of_a_point: Option<f64>,
     /// Formula for the exposures of a point.
     pub exposures_of_a_point_formula: Option<String>,
     /// Width of a cavity at its floor, if walls slope, in um.
     pub floor_width_um: Option<f64>,
-    /// Spots that tile a cavity; for grooves on a disc the longest one. Absent for a mask, which exposes whole
+    /// Number of spots that tile a cavity, the largest one if cavities differ. Absent for a mask, which exposes whole
     /// cavities.
     pub spots_per_cavity: Option<u64>,
-    /// Spots that tile all cavities; absent for a mask.
+    /// Number of spots that tile all cavities; absent for a mask.
     pub spots_on_specimen: Option<u64>,
     /// Formula for the number of spots.
     pub spots_formula: String,
@@ -75,8 +75,8 @@ pub struct WorkSheet {
     pub spot_compensation_um: Option<f64>,
     /// Direction of the lines; absent for a mask.
     pub marking_direction: Option<String>,
-    /// Line distance setting of the laser, `laser.hatch_um`, in um: nominal, and that of an infinite hatch. Inside a
-    /// cavity lines are spaced evenly from edge to edge, at this distance or closer.
+    /// Nominal distance between lines, that of an infinite hatch, in um: `laser.hatch_um`, or the spot if absent.
+    /// Inside a cavity lines are spaced evenly from edge to edge, at this distance or closer.
     pub line_distance_um: Option<f64>,
     /// Smallest distance between neighbouring lines inside a cavity, in um, as in `hatch.csv`; absent if one line fills
     /// each cavity.
@@ -84,7 +84,7 @@ pub struct WorkSheet {
     /// Largest distance between neighbouring lines inside a cavity, in um, as in `hatch.csv`; equal to the smallest if
     /// all cavities are equally wide.
     pub greatest_line_distance_um: Option<f64>,
-    /// Relation between the three line distances.
+    /// Relation between the nominal, smallest and largest line distance.
     pub line_distance_formula: Option<String>,
     /// Overlap of neighbouring lines at their greatest distance inside a cavity, as a fraction of the spot; absent if one
     /// line fills each cavity.
@@ -106,17 +106,17 @@ pub struct WorkSheet {
     /// Depth profile of all passes between the edge of a cavity and its middle, in eight equally wide bins: pairs of
     /// the distance from the edge at which a bin ends, and the mean depth in the bin, both in um.
     pub depths_across_um: Option<Vec<[f64; 2]>>,
-    /// Explanation of these pairs.
+    /// Explanation of the pairs in `depths_across_um`.
     pub depths_across_formula: Option<String>,
-    /// Formula for depths from the lines.
+    /// Formulas for depth and removed volume from the lines.
     pub removal_formula: Option<String>,
     /// Estimated marking time, in s.
     pub estimated_time_s: Option<f64>,
-    /// Reason for a missing estimate.
+    /// Reason for a missing estimate of the marking time.
     pub no_estimate_because: Option<String>,
     /// Formula for the marking time.
     pub estimated_time_formula: String,
-    /// Assumptions of the estimate.
+    /// Assumptions of the marking time.
     pub estimated_time_assumptions: String,
     /// Areas of cavities that the spot does not reach, with remedies.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -172,7 +172,7 @@ impl WorkSheet {
         sheet
     }
 
-    /// Fills in lines, overlaps and passes.
+    /// Fills in lines, overlaps and passes; nothing for a mask or without a spot diameter.
     fn mark(&mut self, layout: &Layout, laser: &Laser) {
         // A mask exposes whole cavities, so that there are no lines.
         let Some(marking) = Marking::new(laser).ok().filter(|_| !laser.is_mask()) else { return };
@@ -243,7 +243,7 @@ impl WorkSheet {
     }
 }
 
-/// ceil(length / spot), with a rounding tolerance of one part in a million of a spot.
+/// Number of spots along a length, ceil(length / spot), with a rounding tolerance of one part in a million of a spot.
 pub(crate) fn spots_along(length_m: f64, spot_um: f64) -> u64 {
     // Lengths are finite and positive; the cast saturates.
     (length_m * 1e6 / spot_um - 1e-6).ceil().max(1.0) as u64

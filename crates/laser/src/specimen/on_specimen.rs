@@ -1,4 +1,4 @@
-//! Ratios of patterns on specimens, from strips or from a cell.
+//! Friction ratios of patterns on specimens, from strips or from one cell.
 
 use crate::export::{ExportError, Layout, Specimen};
 use slipgrid_base::monitor::cached;
@@ -11,16 +11,19 @@ use slipgrid_model::springblock::{
 
 use crate::specimen::laid::{Laid, cavity_fraction, density_share, on_face};
 
-/// Number of bands into which a face is divided; the strips in their middles sample it. On discs of 10 mm the ratio
-/// from 32 bands differs from the one from 128 bands by less than the stated error (`bands_sample_a_disc`).
+/// Number of bands into which a face is divided across the sliding direction; the strip in the middle of each band is
+/// solved. On discs of 10 mm the ratio from 32 bands differs from the one from 128 bands by less than the stated error
+/// (`bands_sample_a_disc`).
 const BANDS: usize = 32;
-/// Number of bands for [`SteadyOnFace::roughly`].
+/// Number of bands for [`SteadyOnFace::roughly`]: a fifth of the cost, at an accuracy of about a tenth of the
+/// corrections.
 const ROUGH_BANDS: usize = 6;
-/// Root-mean-square deviation of rows of squares in three dimensions from the formula for a face, relative to that of
-/// grooves (`rows_in_space_depart_from_the_rule_as_far_as_is_stated`; five textures at three loads: 1.7).
+/// Root-mean-square deviation of rows of squares, solved in three dimensions, from the formula 1 - r = (1 - `r_cell`) D
+/// / `D_period`, over the deviation of grooves of the same section. Measured for five textures at three loads
+/// (`rows_in_space_depart_from_the_rule_as_far_as_is_stated`).
 const ROW_ERROR_OVER_GROOVES: f64 = 1.7;
-/// Fraction of this error that remains for the other rows when the strip through the middle is solved, as root mean
-/// square over these textures.
+/// Fraction of the layout error that remains if the row through the middle of the specimen is solved as a strip: root
+/// mean square over the textures of `ROW_ERROR_OVER_GROOVES`.
 const OTHER_ROWS_ERROR: f64 = 0.3;
 /// Minimum length of a strip that is solved, in blocks. Shorter strips have no interior and hardly any area.
 const MIN_STRIP_BLOCKS: f64 = 2.0;
@@ -36,7 +39,7 @@ pub enum SpecimenError {
     Layout(#[from] ExportError),
 }
 
-/// Solves `scene` on `specimen`; without a specimen, on a strip or cell as specified by the scene.
+/// Solves `scene` on `specimen`; without a specimen, on the strip or cell that the scene specifies.
 ///
 /// # Errors
 /// [`SpecimenError`] if the scene is invalid or the pattern does not fit on the specimen.
@@ -65,7 +68,7 @@ pub fn simulate_on(
         // The error is not known after a cancellation.
         simulation.loads.iter_mut().for_each(|load| load.surface.status = Status::Cancelled);
     }
-    // 1 - r = D (1 - r_strip) / D_strip
+    // 1 - r = D (1 - r_strip) / D_strip, or with one cell for the strip.
     for (load, error) in simulation.loads.iter_mut().zip(&ends) {
         load.scale_to_layout(share / strip_density_ratio, *error);
     }
@@ -81,7 +84,8 @@ pub fn simulate_on(
     Ok(simulation)
 }
 
-/// The row of cavities through the middle of `layout`, with its ends and margins; the longer one if a hole divides it.
+/// Strip of the row of cavities through the middle of `layout`, with its ends and margins. If a hole divides the row,
+/// the longer part.
 fn middle_row(layout: &Layout, block_m: f64) -> Result<Strip, SceneError> {
     let face = face_from_strips(layout, layout.central_strip(), block_m)?;
     let textured = face.strips().iter().filter(|strip| !strip.cavities_m.is_empty());
@@ -92,7 +96,7 @@ fn middle_row(layout: &Layout, block_m: f64) -> Result<Strip, SceneError> {
     })
 }
 
-/// `scene` with `pattern` and the length of `specimen` along the sliding direction.
+/// Returns `scene` with `pattern` and with the length of `specimen` along the sliding direction.
 fn with_specimen_length(specimen: &Specimen, pattern: &Pattern, scene: &Scene) -> Scene {
     let mut scene = Scene { pattern: Some(*pattern), ..scene.clone() };
     let sliding = pattern.texture().sliding_direction_on_specimen();
@@ -119,25 +123,27 @@ fn face_from_strips(layout: &Layout, strips: Vec<Strip>, block_m: f64) -> Result
     Face::new(kept.collect(), share)
 }
 
-/// Corrections for a specimen to the steady ratios of an infinite pattern, at the loads of a scene.
+/// Corrections that convert steady ratios of an infinite pattern, `r_cell`, to ratios r of a specimen, at the loads of
+/// a scene:
 ///
 /// ```text
 /// r = 1 - (1 - r_cell) D / D_period + ends + tilt
 /// ```
 ///
-/// `ends` is the deviation of strips from the other terms, solved for grooves across the sliding direction; for other
-/// planforms it is part of the error ([`simulate_on`]). `tilt` is the mean effect of the pressure gradient from
-/// friction, which depends on the holder.
+/// D and `D_period` are the areal densities of the face and of the infinite pattern. `ends` is the deviation of the
+/// strips from the first two terms, solved for grooves across the sliding direction; for other planforms it is 0 here
+/// and part of the error ([`simulate_on`]). `tilt` is the mean effect of the pressure gradient that friction causes; it
+/// depends on the holder.
 #[derive(Clone, Debug)]
 pub struct SteadyOnFace {
     laid: Laid,
-    /// Ends and tilt, by load.
+    /// Sum of the corrections for ends and tilt at each load; `None` if strips have no ratio.
     added: Vec<Option<f64>>,
 }
 
 impl SteadyOnFace {
-    /// Computes the corrections for `pattern`, instead of that of `scene`, on `specimen`, or takes them from the monitor's
-    /// cache, for example those of an earlier trial.
+    /// Computes the corrections for `pattern`, which replaces that of `scene`, on `specimen`. Uses the cache of
+    /// `monitor` if it has them, for example from an earlier trial.
     ///
     /// # Errors
     /// [`SpecimenError`] if the scene is invalid or the pattern does not fit on the specimen.
@@ -182,7 +188,7 @@ impl SteadyOnFace {
         Ok(Self { laid, added })
     }
 
-    /// Memory, in bytes, that [`Self::new`] needs for the equations of the face's strips; 0 if it solves none.
+    /// Memory, in bytes, that [`Self::new`] needs for the equations of the strips; 0 if no strips are solved.
     ///
     /// # Errors
     /// Errors of [`Self::new`] that are known before solving.
@@ -195,20 +201,21 @@ impl SteadyOnFace {
         Ok(steady_face_bytes(&scene, pattern, &solved_face(&specimen.layout(*pattern)?, scene.layer.block_m)?)?)
     }
 
-    /// Correction for ends and tilt at the load `place`, in addition to that for the areal density; `None` if strips
-    /// have no ratio.
+    /// Correction for ends and tilt at the load with the index `place`, in addition to that for the areal density;
+    /// `None` if strips have no ratio.
     pub fn added(&self, place: usize) -> Option<f64> {
         self.added.get(place).copied().flatten()
     }
 
-    /// Ratio on the specimen at the load `place`, for `made`, a sample of the pattern whose ratio on an infinite
-    /// pattern is `cell`; `None` if strips have no ratio.
+    /// Ratio on the specimen at the load with the index `place`. `made` is a cut sample of the pattern, and `cell` the
+    /// ratio of the infinite pattern of `made`. `None` if strips have no ratio.
     pub fn ratio(&self, cell: f64, made: &Pattern, place: usize) -> Option<f64> {
         Some(on_face(cell, self.laid.share(made)) + self.added(place)?)
     }
 }
 
-/// Ends and tilt of `pattern` on the specimen of the `layout`, by load; `share` as in [`Laid::share`].
+/// Sum of the corrections for ends and tilt of `pattern` on the specimen of `layout`, at each load; `share` is that of
+/// [`Laid::share`].
 fn ends_and_tilt(
     bands: usize,
     scene: &Scene,
@@ -236,11 +243,10 @@ fn ends_and_tilt(
     Ok(ends.into_iter().zip(tilt).map(|(end, tilt)| Some(end? + tilt.unwrap_or(0.0))).collect())
 }
 
-/// Changes of the steady ratios by sliding in time, at each load, for the pattern of `scene` on `specimen`, or for an
-/// infinite pattern on a strip of the layer's length. Uses a dynamic run of the longest strip, started from sliding, at
-/// the speed limit of even sliding; at other speeds the result is equal within the error of a run
-/// (`what_time_adds_hangs_on_no_speed`). `None` if the run has no result, and in three dimensions, where it is not
-/// known.
+/// Changes of the ratio from steady to dynamic sliding at each load, for the pattern of `scene` on `specimen`, or for
+/// an infinite pattern on a strip of the layer's length. The longest strip is run from sliding, at the maximum speed of
+/// even sliding; at other speeds the changes are equal within the error of a run (`what_time_adds_hangs_on_no_speed`).
+/// `None` if the run has no result, without a pattern, and in three dimensions, where the change is not known.
 ///
 /// # Errors
 /// See [`simulate_on`].
@@ -268,8 +274,8 @@ pub fn time_changes_on(
     Ok(time_changes(&scene.in_time(), &face, monitor)?)
 }
 
-/// Replaces unknown `changes` at `loads` by the one at the nearest pressure, because changes depend smoothly on
-/// pressure. `None` if none is known.
+/// Replaces each unknown change by the known one at the nearest pressure, because changes depend smoothly on pressure.
+/// `changes` and `loads` correspond. `None` if no change is known.
 pub fn nearest_known(changes: &[Option<f64>], loads: &[Load]) -> Option<Vec<f64>> {
     let at = |load: &Load| {
         let apart = |other: &Load| (other.pressure_pa / load.pressure_pa).ln().abs();
@@ -288,9 +294,9 @@ fn infinite_strip(pattern: &Pattern, length_m: f64) -> Result<Face, SceneError> 
     Face::new(vec![strip], pattern.section_density())
 }
 
-/// Error of [`LoadOutcome::scale_to_layout`](slipgrid_model::springblock::LoadOutcome::scale_to_layout) at each load: the deviation from it of strips of grooves with the same section on
-/// this specimen, in proportion to the fraction of cavity along a row's period, times the larger deviation of rows in
-/// three dimensions.
+/// Error of [`LoadOutcome::scale_to_layout`](slipgrid_model::springblock::LoadOutcome::scale_to_layout) at each load;
+/// `None` if unknown. It is estimated from the deviation of strips of grooves with the same section on this specimen,
+/// times the cavity fraction across the rows (areal density over section density), times `ROW_ERROR_OVER_GROOVES`.
 fn layout_errors(
     scene: &Scene,
     specimen: &Specimen,

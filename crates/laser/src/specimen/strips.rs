@@ -1,4 +1,4 @@
-//! A layout as strips along the sliding direction, for solvers.
+//! Conversion of a layout to strips along the sliding direction, for solvers.
 
 use slipgrid_model::pattern::Planform;
 use slipgrid_model::springblock::Strip;
@@ -10,8 +10,8 @@ const STRIP_TOLERANCE_M: f64 = 2e-12;
 
 impl Layout {
     /// Divides the face into `bands` of equal height across the sliding direction, each represented by the strip in its
-    /// middle (or two strips next to a hole). Equal bands are merged into one strip with their total width; the widths
-    /// add up to the area of the face. Cavities are those of the layout, cut at the border if it cuts them.
+    /// middle (two strips next to a hole). Equal strips are merged into one with their total width; widths times
+    /// lengths add up to the area of the face. Cavities are those of the layout, cut at the border if it cuts them.
     pub(crate) fn strips(&self, bands: usize) -> Vec<Strip> {
         let sliding = self.sliding();
         let extent_m = self.outline().extent_along_m(left_of(sliding));
@@ -44,8 +44,8 @@ impl Layout {
         strips
     }
 
-    /// The strip through the middle of the cavities in the row through the specimen's centre, representing the whole
-    /// face.
+    /// Strip through the middle of the cavities in the row through the specimen's centre, which represents the whole
+    /// face; two strips if a hole divides the row.
     pub(crate) fn central_strip(&self) -> Vec<Strip> {
         let cavities: Vec<Cavity> = self.iter().collect();
         let chords = self.outline().chords_along_m(self.sliding(), 0.0);
@@ -59,13 +59,13 @@ impl Layout {
         chords.iter().map(strip).collect()
     }
 
-    /// Unit vector of the sliding direction.
+    /// Unit vector of the sliding direction in the specimen's axes.
     fn sliding(&self) -> [f64; 2] {
         self.pattern().texture().sliding_direction_on_specimen()
     }
 
-    /// Intervals of `cavities` on a chord of the line `at_m` to the left of the sliding direction, measured from the
-    /// beginning of the chord.
+    /// Intervals of `cavities` on a chord of the line that runs along the sliding direction, `at_m` to the left of the
+    /// centre, in metres from the beginning of the chord; ascending.
     fn along(&self, cavities: &[Cavity], at_m: f64, [chord_from_m, chord_to_m]: [f64; 2]) -> Vec<[f64; 2]> {
         let sliding = self.sliding();
         let mut found: Vec<[f64; 2]> = cavities
@@ -106,7 +106,8 @@ fn rounded(length_m: f64) -> f64 {
     (length_m * 1e12).round() * 1e-12
 }
 
-/// Intervals of a cavity on the line along the unit vector `along`, `at_m` to its left, in metres.
+/// Intervals of a cavity on a line, in metres along the line. The line runs along the unit vector `along`, `at_m` to
+/// the left of the specimen's centre.
 fn spans_m(cavity: &Cavity, along: [f64; 2], at_m: f64) -> Vec<[f64; 2]> {
     if let Some(face) = &cavity.face {
         return face.spans_m(along, at_m);
@@ -118,8 +119,8 @@ fn spans_m(cavity: &Cavity, along: [f64; 2], at_m: f64) -> Vec<[f64; 2]> {
     half_m.map(|half_m| [cavity.centre_x_m - half_m, cavity.centre_x_m + half_m]).into_iter().collect()
 }
 
-/// Half the interval of a cavity with sides along x and y on the line at `y_m`, in metres; `None` if the line misses
-/// it.
+/// Half the length of the line at `y_m` within a cavity with sides along x and y, in metres; `None` if the line misses
+/// the cavity.
 fn half_width_m(cavity: &Cavity, y_m: f64) -> Option<f64> {
     let across_m = (y_m - cavity.centre_y_m).abs();
     if cavity.planform == Planform::Disc {

@@ -5,9 +5,9 @@ use std::io::{self, Write};
 use super::{Arrow, LAYER_ORIGIN, LAYER_OUTLINE, LAYER_SLIDING_DIRECTION, Writer, half_extents_mm, texture_words};
 use crate::export::{Heading, Laser, Sector, flush_full, flush_rest, steps};
 
-/// Layer of the mark on a land that identifies the sectors; it is made by the laser.
+/// Layer of the mark, which the laser cuts into a land so that sectors can be identified.
 pub const LAYER_MARK: &str = "MARK";
-/// AutoCAD colours of the sectors, cyclic.
+/// AutoCAD colour numbers of the sectors, used cyclically.
 const COLOURS: [&str; 4] = ["1", "4", "6", "2"];
 
 /// Layer of the cavities of sector `number`.
@@ -16,7 +16,7 @@ pub fn sector_layer(number: usize) -> String {
 }
 
 /// Writes `sectors` of one specimen as an R12 drawing like [`super::dxf`]. Each sector has its own layer, whose depth
-/// and bursts are stated in comments; the mark has one as well.
+/// and bursts are stated in comments; the mark has a separate layer.
 ///
 /// # Errors
 /// Errors of the writer `to`.

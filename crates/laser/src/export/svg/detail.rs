@@ -7,7 +7,7 @@ use slipgrid_model::pattern::{Pattern, Planform};
 use super::{CAVITY_COLOUR, DETAIL_SIDE, FACE_COLOUR, INK_COLOUR, Page, TEXT_SIZE};
 use crate::export::{Layout, decimal};
 
-/// Maximum number of rows; more would be indistinguishable.
+/// Maximum number of rows of cavities that are drawn; more would be indistinguishable.
 const MAX_ROWS: usize = 100;
 
 impl Page {
@@ -41,7 +41,7 @@ impl Page {
         self.out.push_str("</g>\n");
     }
 
-    /// Draws the cavities in the frame at `left` and `top`; `pitch` and `width` in page units.
+    /// Draws the cavities of two periods in the frame at `left` and `top`; all lengths are in page units.
     fn detail_cavities(&mut self, pattern: &Pattern, [left, top]: [f64; 2], pitch: f64, width: f64) {
         let cavity = format!("fill=\"{CAVITY_COLOUR}\"");
         let starts = [(pitch - width) / 2.0, (pitch - width) / 2.0 + pitch];
@@ -95,7 +95,7 @@ impl Page {
         }
     }
 
-    /// Draws two families of grooves that cross in the middle of the first groove, which is vertical.
+    /// Draws two families of grooves that cross in the middle of the first vertical groove.
     fn detail_crossing(&mut self, crossing_deg: f64, [left, top]: [f64; 2], pitch: f64, width: f64) {
         let cavity = format!("fill=\"{CAVITY_COLOUR}\"");
         self.out.push_str("<clipPath id=\"detail-frame\">\n");

@@ -14,7 +14,7 @@ const NUMBER_SPACE: f64 = 6.0;
 /// Maximum number of characters per line of text.
 const LINE_CHARACTERS: usize = 78;
 
-/// Note for sectors that are turned.
+/// Note for sectors whose patterns are turned.
 const TURNED: &str = "the arrow is the sliding direction on sector 1; the others slide along it when the specimen is turned back by their angle";
 
 /// Writes `sectors` of one specimen as an SVG picture like [`super::svg`]: a separate group for each sector, with its
