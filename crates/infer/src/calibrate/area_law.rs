@@ -1,4 +1,4 @@
-//! Real contact area of a surface as a function of nominal pressure, and the area law f that follows from it.
+//! Real contact area of a surface as a function of nominal pressure, and the area law, the factor f, computed from it.
 
 use slipgrid_base::monitor::cached;
 use slipgrid_base::monitor::{Monitor, Stage};
@@ -12,17 +12,18 @@ use crate::calibrate::area_law_sampling::{
     DEFAULT_WINDOWS, MIN_DEFAULT_SIDE, WindowSpread, takes_default_windows, window_spread,
 };
 
-/// Tolerance of the contact computation in a calibration; on the reference maps no pixel changes at smaller tolerances.
+/// Relative error tolerance of the contact solver in a calibration; on the reference maps, the pixels in contact are
+/// the same at smaller tolerances.
 pub const CONTACT_TOLERANCE: f64 = 1e-6;
 
-/// Default pressures of an area law, in MPa: dense where f bends, and up to the pressures at edges of cavities.
-/// Pressures beyond full contact cost no time.
+/// Default pressures of an area law, in MPa: dense where the area factor f bends, and up to the local pressures at
+/// edges of cavities. Pressures beyond full contact cost no time.
 pub const DEFAULT_PRESSURES_MPA: [f64; 28] = [
     0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.85, 1.0, 1.3, 1.6, 2.0, 2.6, 3.2, 4.0, 5.0, 6.5, 8.0, 10.0, 13.0, 17.0,
     22.0, 30.0, 40.0, 55.0, 75.0, 100.0,
 ];
 
-/// Side of a map recommended in how-to/measure.md, in millimetres.
+/// Recommended side of a map, in millimetres, as in how-to/measure.md of the book.
 const ADVISED_SIDE_MM: f64 = 0.5;
 
 /// Options for computing an area law.
@@ -34,7 +35,7 @@ pub struct AreaLawRequest<'a> {
     pub pressures_pa: &'a [f64],
     /// Pressure P0 up to which friction is proportional to load, in pascals.
     pub threshold_pa: f64,
-    /// Tolerance of the contact computation for the whole map.
+    /// Relative error tolerance of the contact solver for the whole map.
     pub tolerance: f64,
     /// Number of windows along each side of the map; their spread gives the standard errors of the law. Fewer than 2
     /// for no errors, `None` for [`DEFAULT_WINDOWS`] if the map is large enough.
@@ -51,7 +52,7 @@ pub enum SurfaceWarning {
 }
 
 impl SurfaceWarning {
-    /// Checks a given rms slope against the range that maps are checked against.
+    /// Warns if a given rms slope is outside the range that slopes of maps are checked against; `None` if it is inside.
     pub fn check_slope(rms_slope: f64) -> Option<Self> {
         let [least, most] = limits::WARNED_SLOPE;
         (!(least..=most).contains(&rms_slope)).then(|| {
@@ -80,12 +81,12 @@ pub enum AreaLawError {
     /// The map cannot be split into the requested number of windows.
     #[error(transparent)]
     Windows(ContactError),
-    /// f exceeds 1 by more than the counting error of contact points.
+    /// The area factor f exceeds 1 by more than the counting error of contact points.
     #[error("f reaches {factor:.3} at {} MPa: the area law means nothing", PRESSURE_MPA.from_si(*pressure_pa))]
     FactorsAboveOne {
         /// Pressure at which f is largest, in pascals.
         pressure_pa: f64,
-        /// f at this pressure.
+        /// Area factor f at this pressure.
         factor: f64,
         /// Warnings about the map.
         warnings: Vec<MapWarning>,
@@ -107,7 +108,7 @@ pub struct SurfaceAreaLaw {
     pub windows: Option<WindowSpread>,
     /// Reasons to doubt the law.
     pub warnings: Vec<SurfaceWarning>,
-    /// Time for the whole map, in seconds of the monitor's clock.
+    /// Time to solve the whole map, in seconds of the monitor's clock.
     pub curve_s: f64,
 }
 
@@ -172,7 +173,8 @@ pub fn surface_area_law(
     Ok(SurfaceAreaLaw { curve, law, windows, warnings, curve_s })
 }
 
-/// Adds the standard errors `factor_std`, one per point of `curve`, to the factors of the law.
+/// Adds the standard errors `factor_std`, one per point of `curve`, to the factors of the law. Returns the law
+/// unchanged if one of its pressures is not in `curve`.
 fn with_errors(law: AreaLaw, curve: &[AreaPoint], factor_std: &[f64]) -> Result<AreaLaw, MaterialError> {
     let at = |pressure_pa: &f64| curve.iter().position(|point| point.pressure_pa == *pressure_pa);
     let errors: Option<Vec<f64>> = law.pressures_pa().iter().map(|p| at(p).map(|n| factor_std[n])).collect();

@@ -11,8 +11,8 @@ use slipgrid_base::units::LENGTH_UM;
 
 /// Default number of windows along each side.
 pub const DEFAULT_WINDOWS: usize = 2;
-/// Tolerance of the contact computation for windows and coarser maps. Areas are accurate to about 3e-5, far below the
-/// differences between windows.
+/// Relative error tolerance of the contact solver for windows and coarser maps. Contact areas are accurate to about
+/// 3e-5, far below the differences between windows.
 pub const STATISTICS_TOLERANCE: f64 = 1e-5;
 /// Minimum number of points along a side of a default window.
 const MIN_DEFAULT_PIXELS: usize = 32;
@@ -20,7 +20,7 @@ const MIN_DEFAULT_PIXELS: usize = 32;
 /// Minimum number of points along a side of a map that is split into windows by default.
 pub const MIN_DEFAULT_SIDE: usize = DEFAULT_WINDOWS * MIN_DEFAULT_PIXELS;
 
-/// How a window is made periodic for the contact computation.
+/// Statement of how a window is made periodic for the contact computation.
 pub const WINDOW_STATEMENT: &str =
     "each window is levelled and taken as its periodic component (Moisan), which continues itself across its sides";
 
@@ -29,7 +29,7 @@ pub const WINDOW_STATEMENT: &str =
 pub struct WindowSpread {
     /// Number of windows along each side.
     pub per_side: usize,
-    /// Number of windows.
+    /// Total number of windows.
     pub count: usize,
     /// Points of a window along x.
     pub rows: usize,
@@ -43,9 +43,9 @@ pub struct WindowSpread {
     pub rms_slope_mean: f64,
     /// Standard deviation of the rms slope over the windows.
     pub rms_slope_spread: f64,
-    /// Mean of f over the windows.
+    /// Mean of the area factor f over the windows.
     pub factor_mean: Vec<f64>,
-    /// Standard deviation of f over the windows: the uncertainty of a map of the window's size.
+    /// Standard deviation of the area factor f over the windows: the uncertainty of a map of the window's size.
     pub factor_spread: Vec<f64>,
     /// Time for the windows, in seconds of the monitor's clock.
     pub wall_s: f64,
@@ -135,13 +135,13 @@ pub fn window_spread(
 pub struct Resolution {
     /// Number of points of the original map averaged into one point, along each side.
     pub coarser: usize,
-    /// Pixel along the sliding direction.
+    /// Size of a pixel along the sliding direction, in micrometres.
     pub pixel_um: f64,
     /// Rms slope at this resolution.
     pub rms_slope: f64,
     /// Relative error tolerance of the contact solver.
     pub tolerance: f64,
-    /// f, one per requested pressure; null if the curve has no area law.
+    /// Area factor f, one per requested pressure; null if the curve has no area law.
     pub factor: Option<Vec<f64>>,
 }
 
@@ -165,7 +165,7 @@ pub fn resolution(
     })
 }
 
-/// f of `map` at the requested pressures.
+/// Area factor f of `map` at the requested pressures; `None` if the contact area gives no area law.
 fn factors_of(
     map: &HeightMap,
     request: &AreaLawRequest<'_>,

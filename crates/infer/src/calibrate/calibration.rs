@@ -15,17 +15,18 @@ use crate::discrepancy::Discrepancy;
 /// Discrepancy learned from a calibration's samples, and modelled ratios of pending samples.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LearnedSamples {
-    /// Posterior of the discrepancy.
+    /// Posterior of the discrepancy, the logarithm of the measured over the modelled ratio.
     pub discrepancy: Discrepancy,
     /// Modelled ratios of the pending samples.
     pub pending: Vec<PendingSample>,
-    /// Effects of the lands of measured samples that were compared with the flat sample.
+    /// Effects of the slope of the land on modelled ratios, for measured samples whose land was compared with the flat
+    /// sample.
     pub lands: Vec<LandEffect>,
 }
 
 /// Runs a calibration: selects the required measurements, computes the area law, fits local coefficients and learns
 /// from trials. Stages of the monitor: "area law", "windows", "area law after the test", "calibration", and "trials" if
-/// the area law is fitted. The monitor gets a note if the fit will take long.
+/// the area law is fitted. The monitor gets a note if the run needs much memory or the fit will take long.
 ///
 /// # Errors
 /// [`CalibrationError`] if a number is invalid, the model cannot reproduce a measurement, or the monitor cancels.
@@ -88,7 +89,7 @@ fn refused(error: FitError, measurements: &[Measurement]) -> CalibrationError {
     }
 }
 
-/// Memory, in bytes, above which a note is given.
+/// Memory of a calibration, in bytes, above which the monitor gets a note.
 const NOTED_BYTES: f64 = (1_u64 << 30) as f64;
 
 /// Notes the memory that the samples take, if it is large.
@@ -102,7 +103,7 @@ fn note_memory(bytes: f64, monitor: &dyn Monitor) {
 /// Estimated minutes of a fit above which a note is given.
 const NOTED_MINUTES: f64 = 0.5;
 
-/// Notes the estimated time of the fit, if it is long.
+/// Returns a note on the estimated time of the fit if it is above `NOTED_MINUTES`.
 fn long_fit_note(problem: &Problem) -> Option<String> {
     let steps: u64 = planned_steps(problem).ok()?.iter().fold(0, |sum, steps| sum.saturating_add(*steps));
     let runs = if problem.has_peaks() { 4.0 } else { 1.0 };
@@ -114,8 +115,8 @@ fn long_fit_note(problem: &Problem) -> Option<String> {
     })
 }
 
-/// Learns from trials without a fit to flat samples, unless the area law is fitted to them. Stages of the monitor:
-/// those of the area law, "calibration" if a fit is made, and "trials".
+/// Learns from trials. Flat samples are fitted only if the area law is fitted to them. Stages of the monitor: those of
+/// the area law, "calibration" if a fit is made, and "trials".
 ///
 /// # Errors
 /// See [`run`].

@@ -47,7 +47,7 @@ pub struct CalibrationTask {
     pub coefficients: Coefficients,
     /// Relative scatter of the local coefficients; mean friction does not determine it.
     pub relative_std: f64,
-    /// Assumed mu_s / mu_d where no static peak was measured.
+    /// Assumed local static over local dynamic coefficient, mu_s / mu_d, where no static peak was measured.
     pub static_over_dynamic: f64,
     /// Modelled layer of the flat sample.
     pub layer: Layer,
@@ -136,7 +136,7 @@ pub enum CalibrationError {
     /// A fitted number is outside the range allowed for a material.
     #[error("the fit leads to {field} {value}: expected {expected}")]
     OutOfRange {
-        /// Key of the number.
+        /// Key of the number in a material file.
         field: &'static str,
         /// Value, in the unit of a material file.
         value: f64,

@@ -3,13 +3,13 @@
 use crate::discrepancy::{Contradiction, Discrepancy};
 use slipgrid_base::units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, counted, tidy};
 
-/// Name of the warning.
+/// Name with which the warnings begin.
 const NAME: &str = "contradicting samples";
 /// Maximum number of pairs that are listed.
 const MAX_LISTED_PAIRS: usize = 3;
 
-/// Warns of samples of one texture whose ratios differ by more than the stated scatter between samples, least probable
-/// first.
+/// Warns of pairs of samples of one texture whose ratios differ by more than the stated scatter between samples, least
+/// probable pair first.
 pub fn contradicting_samples(learned: &Discrepancy) -> Vec<String> {
     let found = learned.contradictions();
     let mut all: Vec<String> = found.iter().take(MAX_LISTED_PAIRS).map(|pair| warning(learned, pair)).collect();

@@ -1,4 +1,4 @@
-//! Samples that were cut, and what is known of them.
+//! Samples that were cut, with their patterns, specimens and measurements.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -21,9 +21,9 @@ pub struct CutSample {
     pub notes: String,
     /// Pattern, as measured or as designed.
     pub pattern: Pattern,
-    /// Measured heights of the face over one period, instead of rims.
+    /// Measured heights of the face over one period, used instead of modelled rims.
     pub relief: Option<Arc<ReliefMap>>,
-    /// Altitude map of the sample as cut.
+    /// Path of the altitude map of the sample as cut.
     pub map: Option<PathBuf>,
     /// Slope of the land, if it was compared with that of the flat sample.
     pub land: Option<LandSlope>,

@@ -21,10 +21,10 @@ use crate::calibrate::{Coefficients, FitError, Measurement, Problem};
 use dynamic_corrections::{Corrections, average_slopes, borrow_slopes, confirm, correct, flat_peaks};
 use layout::{Layout, first_guess};
 
-/// Maximum number of rounds of fit and dynamic runs. delta hardly depends on the coefficients, so that one round is
-/// enough if no static peaks are fitted.
+/// Maximum number of rounds, each of dynamic runs and a fit. delta, dynamic over steady friction, hardly depends on the
+/// coefficients, so that one round is enough if no static peaks are fitted.
 const MAX_ROUNDS: usize = 6;
-/// Relative change of the coefficients between rounds at which the fit has settled; three standard errors of the
+/// Relative change of the coefficients between rounds below which the fit has settled; three standard errors of the
 /// dynamic runs if these are larger.
 const SETTLED_CHANGE: f64 = 5e-4;
 /// Fitted values at one measured pressure.
@@ -34,13 +34,14 @@ pub struct FittedRow {
     pub pressure_pa: f64,
     /// Fitted coefficients.
     pub pair: FittedPair,
-    /// Model minus measurement of dynamic friction.
+    /// Modelled minus measured dynamic friction.
     pub residual: f64,
-    /// Dynamic friction of the flat sample over mu_d f(P), to five digits.
+    /// Dynamic friction of the flat sample over mu_d f(P), the local dynamic coefficient times the area factor, to five
+    /// decimals.
     pub dynamic_over_steady: f64,
 }
 
-/// Fitted coefficients for one measurement, or for all.
+/// Fitted local coefficients for one measurement, or for all.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FittedPair {
     /// Mean local static coefficient.
@@ -63,11 +64,12 @@ pub struct FittedPair {
 pub struct Prediction {
     /// Modelled dynamic friction of the flat sample with the fitted coefficients.
     pub mu_dynamic: f64,
-    /// Model minus measurement.
+    /// Modelled minus measured dynamic friction.
     pub residual: f64,
     /// delta: dynamic friction over friction in steady sliding.
     pub dynamic_over_steady: f64,
-    /// Dynamic friction over mu_d f(P), which is steady friction of an infinite sample.
+    /// Dynamic friction over mu_d f(P), the local dynamic coefficient times the area factor, which is steady friction
+    /// of an infinite sample.
     pub over_local_law: f64,
     /// Relative standard error of the dynamic run from which delta is computed.
     pub relative_stderr: f64,
@@ -102,21 +104,21 @@ pub struct Parameter {
 /// Result of a fit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fit {
-    /// One pair for all measurements, or one per measurement.
+    /// Fitted coefficients: one pair for all measurements, or one per measurement.
     pub pairs: Vec<FittedPair>,
     /// One prediction per measurement.
     pub predictions: Vec<Prediction>,
-    /// All fitted numbers.
+    /// All fitted parameters, with bounds, intervals and profiles.
     pub parameters: Vec<Parameter>,
     /// Covariance of the parameters, from the standard deviations of the measurements only.
     pub covariance: Vec<Vec<f64>>,
     /// Area law of the predictions; `None` for Amontons-Coulomb.
     pub area_law: Option<AreaLaw>,
-    /// Sum of squared residuals in standard deviations.
+    /// Sum of squared residuals, each over the standard deviation of the measured value.
     pub chi_square: f64,
     /// Number of measured values minus number of parameters.
     pub degrees_of_freedom: usize,
-    /// Whether delta settled within [`MAX_ROUNDS`].
+    /// Whether the coefficients settled within [`MAX_ROUNDS`] rounds.
     pub settled: bool,
     /// Notes on methods, assumptions and undetermined values, one sentence each.
     pub notes: Vec<String>,
@@ -125,10 +127,10 @@ pub struct Fit {
 }
 
 impl Fit {
-    /// Reduced chi-square from which on the fit is poor.
+    /// Reduced chi-square above which the fit is poor.
     const POOR_REDUCED_CHI_SQUARE: f64 = 3.0;
 
-    /// Whether the model does not describe the measurements.
+    /// Whether the model does not describe the measurements, by reduced chi-square.
     pub fn is_poor(&self) -> bool {
         self.degrees_of_freedom > 0 && self.chi_square > Self::POOR_REDUCED_CHI_SQUARE * self.degrees_of_freedom as f64
     }
@@ -163,8 +165,9 @@ pub fn fit_coefficients(problem: &Problem, monitor: &dyn Monitor) -> Result<Fit,
     }
 }
 
-/// Reasons for leaving out a static peak.
+/// Reason for leaving out a static peak: its slope against mu_s is too small.
 const PEAK_INDEPENDENT_OF_MU_S: &str = "hardly depends on mu_s in the model";
+/// Reason for leaving out a static peak: no coefficients reproduce both the peak and dynamic friction.
 const PEAK_NOT_REPRODUCED: &str = "is not met by the model together with dynamic friction";
 
 /// Outcome of one attempt to fit all peaks.
@@ -234,10 +237,10 @@ fn attempt(problem: &Problem, monitor: &dyn Monitor) -> Result<Attempt, FitError
     Ok(Attempt::Fitted(Box::new(report(&model, &confirmed, &solution, settled)?)))
 }
 
-/// Measurements whose static peak and dynamic friction the model cannot reproduce together; such peaks must not distort
-/// dynamic friction. If the fit did not settle, these are the measurements with mu_s at a bound. Otherwise they are the
-/// measurements whose dynamic friction, in runs with the fitted coefficients, differs from the fit by more than the
-/// standard error.
+/// Indices of the measurements whose static peak and dynamic friction the model cannot reproduce together; such peaks
+/// must not distort dynamic friction. If the fit did not settle, these are the measurements with mu_s at a bound.
+/// Otherwise they are the measurements whose dynamic friction, in runs with the fitted coefficients, differs from the
+/// fit by more than the standard error.
 fn unreproduced_peaks(
     problem: &Problem,
     layout: &Layout,
@@ -294,7 +297,8 @@ impl Model<'_> {
         Ok(residuals)
     }
 
-    /// Best fit from `start`; with `everywhere` also from start values over the whole range of the scale.
+    /// Best fit from `start`; with `everywhere` also from start values over the whole range of the area law's scale, if
+    /// the scale is fitted.
     fn fit(&self, start: &[f64], everywhere: bool) -> Result<Solution, FitError> {
         let problem = self.least_squares();
         let mut best = problem.solve(start)?;
@@ -315,8 +319,9 @@ impl Model<'_> {
     }
 }
 
-/// Relative scatter of friction about a pair that is fitted to several measurements, in excess of their standard
-/// deviations: flat friction at one measurement differs from that of the pair. 0 if each measurement has its own pair.
+/// Relative scatter of measured dynamic friction about the model with one pair of coefficients for all measurements,
+/// beyond the standard deviations of the measurements. 0 if each measurement has its own pair, or if there are too few
+/// measurements.
 fn scatter_beyond(problem: &Problem, layout: &Layout, solution: &Solution) -> f64 {
     let count = problem.measurements.len();
     // Static coefficients do not take part in the fit of dynamic friction.

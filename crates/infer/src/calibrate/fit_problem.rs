@@ -25,7 +25,7 @@ pub struct Measurement {
     pub humidity: f64,
     /// Dynamic friction coefficient.
     pub mu_dynamic: f64,
-    /// Standard deviation for the friction of another sample.
+    /// Standard deviation with which `mu_dynamic` holds for another sample.
     pub mu_dynamic_std: f64,
     /// Static peak, where measured.
     pub static_peak: Option<StaticPeak>,
@@ -66,11 +66,11 @@ pub fn split_parameter_name<'a>(name: &'a str, measurements: &'a [Measurement]) 
     Some((what, measurements.get(number.parse::<usize>().ok()?.checked_sub(1)?)?))
 }
 
-/// A contact area curve with an unknown pressure scale s: A(P) = a(P / s). For a surface of given shape s is exactly
-/// proportional to E* h'rms: A(P; c h) = A(P / c; h).
+/// A contact area curve with an unknown pressure scale s: A(P) = a(P / s). For a surface of given shape, s is exactly
+/// proportional to E* h'rms, contact modulus times rms slope: A(P; c h) = A(P / c; h).
 #[derive(Clone, Debug, PartialEq)]
 pub struct AreaLawScale {
-    /// P / s, increasing.
+    /// Nominal pressure over the scale s, increasing.
     pub pressure_over_scale: Vec<f64>,
     /// Contact area fraction at these pressures.
     pub area_fraction: Vec<f64>,
@@ -79,7 +79,7 @@ pub struct AreaLawScale {
 }
 
 impl AreaLawScale {
-    /// Area law at `scale_pa`; 1 at the first pressure of the curve.
+    /// Area law for the scale `scale_pa`; its factor is 1 at the first pressure of the curve.
     ///
     /// # Errors
     /// [`MaterialError`] if the curve is not a valid table.
@@ -89,13 +89,13 @@ impl AreaLawScale {
     }
 }
 
-/// Kind of fit.
+/// Kind of coefficients to fit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Coefficients {
-    /// One pair for all measurements.
+    /// One pair of local coefficients, static and dynamic, for all measurements.
     Single,
-    /// One pair for each load, speed and humidity.
+    /// One pair of local coefficients for each load, speed and humidity.
     PerCondition,
 }
 
@@ -136,7 +136,7 @@ pub enum FitError {
     Measurement {
         /// Index of the measurement, from 1.
         number: usize,
-        /// Key of the number.
+        /// Key of the number in a table of measurements.
         quantity: &'static str,
         /// The number given.
         value: f64,
@@ -191,7 +191,7 @@ pub enum FitError {
     BeyondLaw {
         /// Index of the measurement, from 1.
         number: usize,
-        /// f at the pressure of the measurement.
+        /// Area factor f at the pressure of the measurement.
         factor: f64,
         /// Required local coefficient.
         mean: f64,
@@ -220,7 +220,7 @@ pub enum FitError {
         /// Maximum modulus for this pressure and speed, in pascals.
         most_modulus_pa: f64,
     },
-    /// Dynamic runs are unrelated to steady sliding.
+    /// Modelled dynamic friction is not within 0.5 to 1.5 times steady friction.
     #[error(
         "measurement {number}: in the model the sample slides with {:.0} % of its steady friction at this load and \
          speed: expected 50 to 150 %, as where friction exceeds the inertia of the layer", 100.0 * delta
@@ -291,7 +291,7 @@ impl FitError {
         }
     }
 
-    /// Sets the index of the measurement, given from 0.
+    /// Sets the measurement of [`FitError::NoSliding`] to index `place`, from 0; other errors are unchanged.
     pub(crate) fn with_place(self, place: usize) -> Self {
         match self {
             Self::NoSliding { pressure_pa, status, .. } => Self::NoSliding { number: place + 1, pressure_pa, status },
@@ -372,7 +372,7 @@ impl Problem {
         Ok(())
     }
 
-    /// Area law at a scale if the scale is fitted, otherwise the given law.
+    /// Area law for `scale_pa` if the scale is fitted, otherwise the given law; `None` is Amontons-Coulomb.
     pub(crate) fn law_at(&self, scale_pa: f64) -> Result<Option<AreaLaw>, FitError> {
         match &self.area_law_scale {
             Some(unknown) => Ok(Some(unknown.law(scale_pa)?)),

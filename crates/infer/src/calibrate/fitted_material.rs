@@ -36,7 +36,8 @@ pub struct CalibrationOutcome {
     pub surface: SurfaceFindings,
 }
 
-/// Rounds a number of the material as in a file.
+/// Rounds a number in SI units as in a material file. Error: [`CalibrationError::OutOfRange`] if the file does not
+/// accept it.
 fn rounded(field: &'static str, quantity: Quantity, si: f64) -> Result<f64, CalibrationError> {
     let value = quantity.from_si(si);
     if quantity.accepts(value) {
@@ -114,7 +115,7 @@ fn warnings(
     by_condition: &[(Condition, Vec<FittedRow>)],
     fit_warnings: Vec<String>,
 ) -> Vec<String> {
-    // What was given comes before what follows from it.
+    // Warnings about the input come before warnings about the results.
     let mut warnings = task.doubts.clone();
     warnings.extend(surface.warnings.iter().map(ToString::to_string));
     warnings.extend(fit_warnings);
@@ -153,7 +154,8 @@ fn pair(found: &FittedPair, relative_std: f64) -> Result<LocalFriction, Calibrat
     Ok(LocalFriction::new(static_mean, dynamic_mean, relative_std)?)
 }
 
-/// Standard errors of coefficients at one condition; empty if any of them has none.
+/// Estimates of the coefficients at one condition with rounded standard errors; empty if any coefficient has no
+/// standard error.
 fn standard_errors(
     field: &'static str,
     estimates: impl Iterator<Item = (CoefficientEstimate, Option<f64>)>,
@@ -163,7 +165,8 @@ fn standard_errors(
     each.map(|(at, error)| Ok(CoefficientEstimate { std_error: rounded(field, FRICTION_STD, error)?, ..at })).collect()
 }
 
-/// Adds the uncertainties of `rows`, which hold for one condition, or for all.
+/// Adds the uncertainties of `rows`, which hold for one condition, or for all. A row has the pressure in pascals
+/// (`None` for all pressures), the fitted pair, the rounded coefficients, and dynamic over steady friction.
 fn row_uncertainty(
     rows: &[(Option<f64>, FittedPair, LocalFriction, Option<f64>)],
     condition: Option<Condition>,
@@ -263,14 +266,15 @@ fn five_digits(excess: f64) -> f64 {
 }
 
 impl Fit {
-    /// Mean over all measurements of dynamic friction over mu_d f(P), to five decimals; `None` without measurements.
+    /// Mean over all measurements of dynamic friction over mu_d f(P), the local dynamic coefficient times the area
+    /// factor, to five decimals; `None` without measurements.
     pub fn mean_over_local_law(&self) -> Option<f64> {
         let sum: f64 = self.predictions.iter().map(|predicted| predicted.over_local_law).sum();
         (!self.predictions.is_empty()).then(|| five_digits(sum / self.predictions.len() as f64))
     }
 
-    /// Covariance of the single fitted `dynamic_mean` and the logarithm of the area law's scale; `None` if the scale
-    /// was not fitted or is undetermined.
+    /// Covariance matrix of the single fitted `dynamic_mean` and the logarithm of the area law's scale; `None` if the
+    /// scale was not fitted or is undetermined.
     pub fn scale_covariance(&self) -> Option<[[f64; 2]; 2]> {
         let place = |name: &str| self.parameters.iter().position(|parameter| parameter.name == name);
         let (mean, scale) = (place("dynamic_mean")?, place("area_law_scale_pa")?);

@@ -6,8 +6,8 @@ use crate::calibrate::Measurement;
 use crate::calibrate::fit_problem::same_force;
 
 /// Builds the law of local pressure from measurements on `flat` samples of `specimen_area_m2`: friction relative to
-/// that at the lowest pressure, averaged over conditions. `None` if no condition was measured at the lowest pressure
-/// and another one.
+/// that at the lowest pressure, averaged over conditions. `None` if no condition was measured both at the lowest and at
+/// another pressure.
 ///
 /// # Errors
 /// [`MaterialError`] if the means are not a valid law.

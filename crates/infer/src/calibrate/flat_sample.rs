@@ -9,16 +9,17 @@ use slipgrid_model::springblock::{
 
 use crate::calibrate::{FitError, Measurement, Problem};
 
-/// Travel of a run from rest, which determines the static peak, in metres.
+/// Minimum planned travel of a run from rest, in metres; runs from rest determine static peaks.
 const MIN_COLD_TRAVEL_M: f64 = 2e-6;
 /// Minimum planned duration of a run from rest, in periods of the layer's first shear mode. The average must cover ten
 /// periods, and up to half of the record is discarded. At high speeds [`MIN_COLD_TRAVEL_M`] would be over sooner.
 const MIN_PERIODS: f64 = 40.0;
-/// Travel from rest, relative to the shear displacement at the onset of sliding, that is long enough: the part before
-/// the onset may be half of it, and the strongest of a thousand blocks exceeds the mean by a sixth.
+/// Travel of a run from rest, over the shear displacement at the onset of sliding, above which the travel is long
+/// enough: the part before the onset may be half of it, and the strongest of a thousand blocks exceeds the mean by a
+/// sixth.
 const MIN_TRAVEL_OVER_ONSET: f64 = 1.9;
-/// Travel of a run from rest that would be too short, relative to the shear displacement at the onset: at most half of
-/// it is discarded before averaging.
+/// Travel, over the shear displacement at the onset, that replaces the travel of a run from rest that would be too
+/// short: at most half of it is discarded before averaging.
 const TRAVEL_OVER_ONSET: f64 = 2.5;
 
 /// Requested standard error of a run from the sheared layer, relative to the standard deviation of the measurement, to
@@ -60,9 +61,10 @@ fn run_options(problem: &Problem, measured: &Measurement, pair: &LocalFriction) 
     }
 }
 
-/// Index of the measurement whose run is used for each measurement. Measurements without a peak at equal load and speed
-/// share the run of the one with the median coefficient: the excess over steady sliding depends on load and speed, and
-/// changes by less than 0.001 over a quarter of friction (`one_run_stands_for_all_at_its_load_and_speed`).
+/// Index, for each measurement, of the measurement whose dynamic run represents it. Measurements without a peak at
+/// equal load and speed share the run of the measurement with the median coefficient: the excess over steady sliding
+/// depends on load and speed, and changes by less than 0.001 over a quarter of friction
+/// (`one_run_stands_for_all_at_its_load_and_speed`).
 pub fn representatives(problem: &Problem, pairs: &Pairs) -> Vec<usize> {
     let setting = |i: usize| {
         let measured = &problem.measurements[i];
@@ -146,8 +148,8 @@ pub struct DynamicFlat {
     pub mu_static: Option<f64>,
 }
 
-/// Runs the flat sample for the measurements that represent themselves in `representatives`; the others get the result
-/// of their representative. Runs start from a sheared layer, or from rest if a static peak was measured.
+/// Runs the flat sample in time for the measurements that represent themselves in `representatives`; other measurements
+/// get the result of their representative. Runs start from a sheared layer, or from rest if a static peak was measured.
 pub fn dynamic(
     problem: &Problem,
     pairs: &Pairs,

@@ -1,4 +1,5 @@
-//! Emulator of steady friction of the flat sample for any coefficient and scale of the area law, from a few solves.
+//! Emulator of steady friction of the flat sample for any local coefficient and scale of the area law, from a few
+//! solves.
 
 use slipgrid_base::monitor::Monitor;
 use slipgrid_base::monitor::cached;
@@ -6,35 +7,37 @@ use slipgrid_model::material::{AreaLaw, LocalFriction};
 
 use crate::calibrate::{FitError, Problem, flat_sample};
 
-/// Least and greatest node of a load, relative to the least and greatest coefficient at that load.
+/// Lowest and highest node along mu_d at a load, relative to the lowest and highest coefficient at that load.
 const BEYOND: [f64; 2] = [0.8, 1.25];
-/// Number of nodes along the scale, on which the end effect depends slowly.
+/// Number of nodes along the logarithm of the area law's scale, with which the end effect changes slowly.
 const SCALES: usize = 13;
 
 /// Measurements at one load, which share three solves.
 struct AtLoad {
-    /// One of the measurements.
+    /// Index of the first measurement at this load.
     first: usize,
-    /// Coefficients at the nodes.
+    /// Local dynamic coefficients mu_d at the nodes, increasing.
     nodes: [f64; 3],
 }
 
-/// Interpolates the end effect c in mu_i = mu_d f(P_i) c_i. c depends on the load and on mu_d, and differs from 1 by some
-/// thousandths; it is interpolated quadratically in mu_d and linearly in the logarithm of the scale. The other factors
-/// are exact.
+/// Interpolates the end effect c in the steady friction mu_i = mu_d f(P_i) c_i of the flat sample, with the local
+/// coefficient mu_d and the area factor f. c depends on the load and on mu_d, and differs from 1 by some thousandths;
+/// it is interpolated quadratically in mu_d and linearly in the logarithm of the area law's scale. mu_d and f are
+/// exact.
 pub struct Emulator<'a> {
     problem: &'a Problem,
     loads: Vec<AtLoad>,
-    /// Load of each measurement.
+    /// Index in `loads` of the load of each measurement.
     load_of: Vec<usize>,
-    /// Logarithms of the scales; a single dummy value if the law is given.
+    /// Logarithms of the area law's scales in pascals at the nodes; a single dummy value if the law is given.
     log_scales: Vec<f64>,
-    /// c at the nodes, by scale and load.
+    /// End effect c at the three nodes along mu_d, by scale and load.
     ends: Vec<Vec<[f64; 3]>>,
 }
 
 impl<'a> Emulator<'a> {
-    /// Solves the sample around the coefficients `dynamic_means`, one per measurement, unless the monitor's cache knows it.
+    /// Solves the flat sample at nodes around the coefficients `dynamic_means`, one per measurement, unless the
+    /// monitor's cache has the solutions.
     pub fn new(problem: &'a Problem, dynamic_means: &[f64], monitor: &dyn Monitor) -> Result<Self, FitError> {
         let log_scales: Vec<f64> = problem.area_law_scale.as_ref().map_or(vec![0.0], |unknown| {
             let [from, to] = unknown.bounds_pa.map(f64::ln);
@@ -50,7 +53,7 @@ impl<'a> Emulator<'a> {
         Ok(Self { problem, loads, load_of, log_scales, ends })
     }
 
-    /// Steady friction of measurement `i`.
+    /// Steady friction of the flat sample at measurement `i` for the local coefficient `dynamic_mean`.
     pub fn steady(&self, i: usize, dynamic_mean: f64, law: Option<&AreaLaw>, log_scale: f64) -> f64 {
         let load = self.load_of[i];
         let nodes = &self.loads[load].nodes;
@@ -78,14 +81,15 @@ impl<'a> Emulator<'a> {
     }
 }
 
-/// c at every load of `problem`, which has one measurement for each of `loads`, with this scale of the law.
+/// End effect c at the three nodes of every load; `problem` has one measurement for each of `loads`, and `log_scale` is
+/// the logarithm of the area law's scale.
 fn solve_ends(problem: &Problem, loads: &[AtLoad], log_scale: f64) -> Result<Vec<[f64; 3]>, FitError> {
     let solved = Problem { area_law: problem.law_at(log_scale.exp())?, ..problem.clone() };
     let law = solved.area_law.as_ref();
     let at_node = |node: usize| -> Result<Vec<f64>, FitError> {
         let pair = |load: &AtLoad| LocalFriction::new(load.nodes[node], load.nodes[node], problem.relative_std);
         let pairs = loads.iter().map(pair).collect::<Result<_, _>>()?;
-        // A load is refused as the first measurement at it.
+        // An error names the first measurement at the load.
         let found = flat_sample::steady(&solved, &pairs).map_err(|error| {
             let load = error.measurement().and_then(|number| loads.get(number - 1));
             load.map_or(error.clone(), |load| error.with_place(load.first))
@@ -98,7 +102,7 @@ fn solve_ends(problem: &Problem, loads: &[AtLoad], log_scale: f64) -> Result<Vec
     Ok((0..loads.len()).map(|place| [0, 1, 2].map(|node| ends[node][place])).collect())
 }
 
-/// Loads of `problem` with the nodes around the `dynamic_means` at each, and the load of each measurement.
+/// Loads of `problem`, each with nodes around its `dynamic_means`, and the index of the load of each measurement.
 fn loads(problem: &Problem, dynamic_means: &[f64]) -> (Vec<AtLoad>, Vec<usize>) {
     let pressure = |i: usize| problem.pressure_pa(&problem.measurements[i]);
     let mut loads: Vec<AtLoad> = Vec::new();

@@ -1,15 +1,17 @@
-//! Land of a cut sample that is steeper or less steep than the flat sample.
+//! Effect of the land of a cut sample that is steeper or less steep than the flat sample.
 //!
-//! Contact area follows pressure over slope, A(P / (E* h'rms)). A land with q times the rms slope of the flat sample has
-//! the area A(P / q). Friction is the local coefficient times f(p) = A(p) / (p lim A / P), so that the land slides with
-//! f(p / q) / q in place of f(p), as it would with q times the modulus, but for the constant q:
+//! Contact area depends on pressure over modulus and slope, A(P / (E* h'rms)). A land with q times the rms slope of the
+//! flat sample has the area A(P / q). Friction is the local coefficient times f(p) = A(p) / (p lim A / P), with the
+//! limit at small loads. The land therefore slides with f(p / q) / q in place of f(p), as on a body with q times the
+//! modulus, except for the constant factor 1 / q:
 //!
 //! ```text
 //! ln R_land(P) = ln R(P; q E) + ln [A(P / q) / A(P)]
 //! A(P / q) / A(P) = f(P / q) / [q f(P)],     ln R(P; q E) = ln R(P) + g ln q
 //! ```
 //!
-//! with g = d ln R / d ln E. The factor is 1 / q where area is in proportion to load, and 1 in full contact.
+//! with g = d ln R / d ln E. The factor A(P / q) / A(P) is 1 / q where area is in proportion to load, and 1 in full
+//! contact.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -19,9 +21,10 @@ use slipgrid_surface::topography::HeightMap;
 
 use crate::discrepancy::{DimensionShift, Features, Measured};
 
-/// Windows along each side of a map, whose scatter gives the error of a slope: 16 windows know it to a fifth.
+/// Number of windows along each side of a map. Their scatter gives the error of a slope; 16 windows determine this
+/// error to a fifth.
 const WINDOWS: usize = 4;
-/// Step of a logarithm for derivatives of the area law, which is tabulated.
+/// Step of ln P for numerical derivatives of the area law, which is tabulated.
 const LOG_STEP: f64 = 0.02;
 
 /// Rms slope of the land of a cut sample.
@@ -65,8 +68,9 @@ impl LandSlope {
         })
     }
 
-    /// Applies the land of `trial` to the modelled ratios of `measured` and adds its error to the `shifts` of the sample with these
-    /// `features`.
+    /// Multiplies the modelled ratios in `measured` by the effect of the land of `trial`, changes their derivatives
+    /// with respect to Young's modulus accordingly, and adds the effect of the slope's error to the `shifts` of the
+    /// sample with these `features`.
     pub(crate) fn apply(
         &self,
         trial: &str,
@@ -96,7 +100,8 @@ impl LandSlope {
         LandEffect { trial: trial.to_owned(), slope: *self, pressure_mpa, factor, words }
     }
 
-    /// Describes the slope and the `factors` on the modelled ratios of `trial`, each after its pressure in MPa.
+    /// Describes the slope and its effect on `trial`; `factors` are pairs of the pressure in MPa and the factor on the
+    /// modelled ratio.
     fn in_words(&self, trial: &str, factors: &[[f64; 2]]) -> String {
         let Self { rms_slope, over_flat, log_std } = self;
         let std = over_flat * log_std;
@@ -111,14 +116,15 @@ impl LandSlope {
     }
 }
 
-/// ln (R_land / R) for a land exp(`log_q`) times as steep, at the load of `at`.
+/// Logarithm of the factor on the modelled ratio by a land exp(`log_q`) times as steep as the flat sample, at the load
+/// of `at`.
 fn log_factor(law: &AreaLaw, at: &Measured, log_q: f64) -> f64 {
     let f = |pressure_pa: f64| libm::log(law.factor(pressure_pa));
     let pressure_pa = at.load.pressure_pa;
     at.sensitivity.modulus * log_q + f(pressure_pa * libm::exp(-log_q)) - log_q - f(pressure_pa)
 }
 
-/// d ln f / d ln P
+/// Derivative d ln f / d ln P of the area factor f at `pressure_pa`.
 fn log_slope(law: &AreaLaw, pressure_pa: f64) -> f64 {
     let f = |log: f64| libm::log(law.factor(pressure_pa * libm::exp(log)));
     (f(LOG_STEP) - f(-LOG_STEP)) / (2.0 * LOG_STEP)

@@ -4,10 +4,10 @@ use slipgrid_base::units::{PRESSURE_MPA, significant};
 
 use crate::calibrate::area_law::DEFAULT_PRESSURES_MPA;
 
-/// P / (E* h'rms) that counts as a small load. In Persson's theory the contact area is 1.6 % there, and A / P is 7e-5
-/// below its limit for P = 0.
+/// P / (E* h'rms), pressure over contact modulus and rms slope, that counts as a small load. In Persson's theory the
+/// contact area is 1.6 % there, and A / P is 7e-5 below its limit for P = 0.
 const SMALL_LOAD: f64 = 0.01;
-/// Minimum number of contact points of a map at the reference pressure; its relative scatter is then 5 %.
+/// Minimum number of contact points of a map at the reference pressure; the number then scatters by 5 %.
 const MIN_CONTACT_POINTS: f64 = 400.0;
 /// Maximum of the reference pressure over E* h'rms for maps with few points; the contact area is 16 % there.
 const MAX_SMALL_LOAD: f64 = 0.1;
@@ -25,7 +25,8 @@ const PRESSURE_RATIOS: [f64; 32] = [
 /// Pressures at which the contact area of a surface is computed for its area law.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LawPressures {
-    /// P0, in pascals: f is A / P relative to its value at P0, and 1 below.
+    /// P0, in pascals: the area factor f is A / P, contact area over pressure, relative to its value at P0, and 1
+    /// below.
     pub threshold_pa: f64,
     /// Nominal pressures, increasing and including P0, in pascals.
     pub pressures_pa: Vec<f64>,
@@ -53,8 +54,8 @@ impl LawPressures {
     }
 }
 
-/// Pressure at which A / P represents its limit for small loads, to three digits: P / (E* h'rms) = 0.01, or more if
-/// fewer than 400 points of the map would be in contact.
+/// Pressure in pascals, to three digits, at which A / P (contact area over pressure) represents its limit for small
+/// loads: P / (E* h'rms) = 0.01, or up to 0.1 if fewer than 400 points of the map would be in contact.
 pub fn light_pressure_pa(contact_modulus_pa: f64, rms_slope: f64, points: Option<usize>) -> f64 {
     let enough = points.map_or(0.0, |points| MIN_CONTACT_POINTS / (AREA_PER_LOAD * points as f64));
     significant(enough.clamp(SMALL_LOAD, MAX_SMALL_LOAD) * contact_modulus_pa * rms_slope, 3)

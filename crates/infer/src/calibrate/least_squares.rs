@@ -7,11 +7,11 @@ use slipgrid_base::statistics::cholesky::{cholesky, dot, is_regular, solve};
 
 /// Relative step of the forward differences. The model is smooth and converged to 1e-11.
 const DIFFERENCE_STEP: f64 = 1e-5;
-/// Relative change of the parameters at which the fit has converged.
+/// Relative change of the parameters below which the fit has converged.
 const TOLERANCE: f64 = 1e-9;
 /// Maximum number of iterations. The model is nearly linear in its coefficients, so that three or four are typical.
 const MAX_ITERATIONS: usize = 100;
-/// Initial damping, and the factor by which it is changed.
+/// Initial damping, and the factor by which it is divided after a successful step and multiplied after a failed one.
 const DAMPING: (f64, f64) = (1e-3, 10.0);
 /// Maximum damping; larger values make steps too small to help.
 const MAX_DAMPING: f64 = 1e12;
@@ -35,9 +35,10 @@ pub struct Solution {
     pub parameters: Vec<f64>,
     /// Residuals at the solution, in standard deviations.
     pub residuals: Vec<f64>,
-    /// (J^T J)^-1; infinite on the diagonal if the data do not determine a parameter.
+    /// Covariance (J^T J)^-1 of the parameters, with the Jacobian J of the residuals; infinite on the diagonal if the
+    /// data do not determine a parameter.
     pub covariance: Vec<Vec<f64>>,
-    /// Whether a parameter ended at a bound.
+    /// Whether each parameter ended at a bound.
     pub at_bound: Vec<bool>,
 }
 
@@ -47,7 +48,7 @@ impl Solution {
         self.residuals.iter().map(|r| r * r).sum()
     }
 
-    /// Standard error of a parameter.
+    /// Standard error of the parameter with this index; infinite if the data do not determine it.
     pub fn standard_error(&self, parameter: usize) -> f64 {
         self.covariance[parameter][parameter].max(0.0).sqrt()
     }
@@ -118,7 +119,7 @@ impl<E, F: Fn(&[f64]) -> Result<Vec<f64>, E>> LeastSquares<F> {
         })
     }
 
-    /// Derivatives of all residuals with respect to each parameter; zero for fixed parameters.
+    /// Derivatives of all residuals, one column per parameter; zero for fixed parameters.
     fn jacobian(&self, at: &[f64], residuals: &[f64]) -> Result<Vec<Vec<f64>>, E> {
         let column = |p: usize| {
             if self.held[p] {
@@ -154,14 +155,14 @@ impl<E, F: Fn(&[f64]) -> Result<Vec<f64>, E>> LeastSquares<F> {
     }
 }
 
-/// J^T J of the `chosen` columns divided by `scale`, row by row.
+/// Entries of J^T J for the `chosen` columns of the Jacobian J, each divided by `scale`, row by row.
 fn curvature(jacobian: &[Vec<f64>], chosen: &[usize], scale: impl Fn(usize, usize) -> f64) -> Vec<f64> {
     let entry = |p: usize, q: usize| dot(&jacobian[p], &jacobian[q]) / scale(p, q);
     chosen.iter().flat_map(|&p| chosen.iter().map(move |&q| (p, q))).map(|(p, q)| entry(p, q)).collect()
 }
 
 /// Inverse of a matrix with unit diagonal, as rows; `None` if its smallest eigenvalue may be below [`MIN_CURVATURE`].
-/// The trace of the inverse exceeds the inverse of this eigenvalue.
+/// The trace of the inverse exceeds the reciprocal of the smallest eigenvalue.
 fn inverse(curvature: &[f64]) -> Option<Vec<Vec<f64>>> {
     let n = curvature.len().isqrt();
     let factor = cholesky(curvature, n).filter(|factor| is_regular(factor, n))?;
@@ -175,7 +176,8 @@ fn inverse(curvature: &[f64]) -> Option<Vec<Vec<f64>>> {
     (trace * MIN_CURVATURE < 1.0).then_some(rows)
 }
 
-/// Solves (J^T J + damping diag(J^T J)) step = gradient for the free parameters.
+/// Solves (J^T J + damping diag(J^T J)) step = gradient for the free parameters, with the Jacobian J; `None` if the
+/// matrix is singular.
 fn step(jacobian: &[Vec<f64>], gradient: &[f64], free: &[usize], damping: f64) -> Option<Vec<f64>> {
     let n = free.len();
     let mut curvature = curvature(jacobian, free, |_, _| 1.0);

@@ -7,16 +7,17 @@ use slipgrid_surface::contact::AreaPoint;
 use crate::calibrate::FittedRow;
 use crate::calibrate::surface_area_law_source::{AreaLawOrigin, SurfaceFindings};
 
-/// Number of standard errors from which on a change is significant.
+/// Number of standard errors above which a change is significant.
 const MIN_SIGNIFICANCE: f64 = 3.0;
-/// Relative change of a coefficient that matters.
+/// Relative change of a coefficient above which a warning is given.
 const MIN_CHANGE: f64 = 0.05;
 
 /// Warning if the local coefficient of a condition (speed and humidity) changes from the lowest to the highest load by
 /// more than 5 % and by more than three standard errors. Names the condition with the most significant change.
 ///
-/// Flat friction is mu_d f(P), so that mu_d is constant if f reproduces the measured dependence on load. Errors of f at
-/// different loads are correlated; treating them as independent underestimates the significance.
+/// Flat friction is mu_d f(P), local coefficient times area factor, so that mu_d is constant if f reproduces the
+/// measured dependence on load. Errors of f at different loads are correlated; treating them as independent
+/// underestimates the significance.
 pub(crate) fn load_dependence_warning(
     surface: &SurfaceFindings,
     modulus_pa: f64,
@@ -56,9 +57,9 @@ const FACTOR_COUNT: usize = 501;
 /// Maximum fraction of chi-square that may remain for a modulus that fits.
 const MAX_REMAINING_CHI_SQUARE: f64 = 0.1;
 
-/// Factor on Young's modulus for which the contact area explains the dependence of flat friction on load: A(P; c E) =
-/// A(P / c; E), and friction is a_k A(P / c) / P with one coefficient a_k per condition. `None` if no modulus explains
-/// most of the dependence.
+/// Factor on Young's modulus for which the contact area A explains the dependence of flat friction on load. For the
+/// factor c the area is A(P; c E) = A(P / c; E), and friction is a_k A(P / c) / P with one coefficient a_k per
+/// condition. `None` if no modulus explains most of the dependence.
 fn fitting_modulus(surface: &SurfaceFindings, by_condition: &[(Condition, Vec<FittedRow>)]) -> Option<f64> {
     let (curve, law) = (&surface.curve, surface.law.as_ref()?);
     let (first, last) = (curve.first()?, curve.last()?);
@@ -100,16 +101,17 @@ fn fitting_modulus(surface: &SurfaceFindings, by_condition: &[(Condition, Vec<Fi
     (is_found && chi_square(best) < MAX_REMAINING_CHI_SQUARE * chi_square(1.0)).then_some(best)
 }
 
-/// Change of a coefficient from the lowest to the highest load.
+/// Change of a local coefficient from the lowest to the highest load.
 struct Change {
     pressures_pa: [f64; 2],
-    /// Change relative to the coefficient at the lowest load, and relative to the standard error.
+    /// Change relative to the coefficient at the lowest load.
     part: f64,
+    /// Change relative to its standard error.
     errors: f64,
 }
 
 impl Change {
-    /// `None` for a single load, or if a standard error is unknown.
+    /// Change over `rows`, sorted by pressure; `None` for a single load, or if a standard error is unknown.
     fn from_rows(rows: &[FittedRow]) -> Option<Self> {
         let (first, last) = (rows.first()?, rows.last().filter(|_| rows.len() > 1)?);
         let [from, to] = [first, last].map(|row| row.pair.dynamic_mean);

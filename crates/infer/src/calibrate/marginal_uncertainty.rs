@@ -1,7 +1,8 @@
 //! Standard errors of local coefficients that include the errors of the area law.
 //!
-//! The measured quantity is flat friction mu_flat = mu_d f(P). The error of mu_d therefore includes the error of the
-//! measurement, and that of f at its pressure, which comes from Young's modulus and from the law's own factors.
+//! The measured quantity is flat friction mu_flat = mu_d f(P), local coefficient times area factor. The error of mu_d
+//! therefore includes the error of the measurement, and that of f at its pressure, which comes from Young's modulus and
+//! from the law's own factors.
 
 use slipgrid_model::material::{AreaLaw, MaterialError};
 
@@ -16,9 +17,9 @@ pub struct FlatLoad {
     pub weight: f64,
 }
 
-/// Relative standard deviation of mu_d, including the errors of the area law. `conditional` is the relative standard
-/// deviation for a given `law`, `log_modulus_std` the standard deviation of the logarithm of Young's modulus, and
-/// `loads` are the measurements from which the coefficient was fitted.
+/// Relative standard deviation of the local coefficient mu_d, including the errors of the area law. `conditional` is
+/// the relative standard deviation for a given `law`, `log_modulus_std` the standard deviation of the logarithm of
+/// Young's modulus, and `loads` are the measurements from which the coefficient was fitted.
 ///
 /// # Errors
 /// [`MaterialError`] if the law cannot be shifted.

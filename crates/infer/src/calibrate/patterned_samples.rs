@@ -17,28 +17,32 @@ use crate::calibrate::uncertainty::{flat_friction, local_law};
 use crate::calibrate::{CalibrationError, CalibrationTask, CutSpecimen, Measurement};
 use slipgrid_base::monitor::Part;
 
-/// Step of ln E for the sensitivity: small against the error of the modulus, large against rounding errors.
+/// Step of ln E, with Young's modulus E, for derivatives of ratios: small against the error of the modulus, large
+/// against rounding errors.
 const LOG_MODULUS_STEP: f64 = 0.02;
 
-/// Measurements on a flat and on a patterned sample at the same condition.
+/// Measurements on a flat and on a patterned sample, in this order, at equal force, speed and humidity.
 pub(crate) type Pair = [Measurement; 2];
 
-/// Modelled ratio and d ln(ratio) / d ln(E); `None` if a load did not converge.
+/// Modelled ratio and d ln(ratio) / d ln(E), with Young's modulus E; `None` if a load did not converge.
 pub(crate) type Sensitive = Option<[f64; 2]>;
 
-/// Pairs each measurement in `patterned` with the measurement on a flat sample at the same condition, if there is one.
+/// Pairs each measurement in `patterned` with the measurement on a flat sample at equal force, speed and humidity;
+/// those without a counterpart are dropped.
 pub(crate) fn pair_measurements(task: &CalibrationTask, patterned: &[Measurement]) -> Vec<Pair> {
     let pair = |patterned: &Measurement| Some([*task.flat.iter().find(|flat| flat.is_at(patterned))?, *patterned]);
     patterned.iter().filter_map(pair).collect()
 }
 
-/// Warnings for samples without the correction for time, and for runs without a mean.
+/// Warning for samples without the correction for sliding in time.
 const TIME_CHANGE_UNKNOWN: &str = "its modelled ratios lack what sliding in time adds, some thousandths";
+/// Warning for dynamic runs without a stationary mean.
 const NO_MEAN_IN_TIME: &str = "in time the sample does not slide to a mean";
 
-/// Change of the ratios of a sample by sliding in time; 0 where it is not known, for example in three dimensions.
+/// Change of the ratios of a sample by sliding in time; 0 where the change is not known, for example in three
+/// dimensions.
 pub(crate) struct TimeChanges {
-    /// Change for each pair.
+    /// Change of the ratio, one per pair of measurements.
     pub at: Vec<f64>,
     /// Warning if the change is not known.
     pub unknown: Option<String>,
@@ -67,7 +71,8 @@ impl Model<'_> {
         Ok(self.apply_face(&self.cells(0.0, pairs, monitor)?, on_face))
     }
 
-    /// Modelled ratios with d ln(ratio) / d ln(E), on the face if given. Also returns the correction for the face.
+    /// Modelled ratios with their derivatives d ln(ratio) / d ln(E), on the face if the specimen has one. Also returns
+    /// the correction for the face.
     pub fn sensitive_ratios(
         &self,
         pairs: &[Pair],
@@ -88,8 +93,9 @@ impl Model<'_> {
         Ok(((0..pairs.len()).map(at).collect(), on_face))
     }
 
-    /// Modelled ratio of each pair where the local coefficient follows the local pressure, on the face that `on_face` is of, which is known at the
-    /// pairs `solved`; `None` where flat friction at the condition follows the area law.
+    /// Modelled ratio of each pair if the local coefficient follows the local pressure, corrected for the face by
+    /// `on_face`, which was computed for the pairs `solved`. `None` where flat friction at the condition follows the
+    /// area law, or where a load did not converge.
     pub fn local_law_ratios(
         &self,
         pairs: &[Pair],
@@ -126,7 +132,8 @@ impl Model<'_> {
         Ok(found)
     }
 
-    /// Ratios of infinite patterns, with the modulus multiplied by exp(log_modulus).
+    /// Ratios of infinite patterns, with Young's modulus multiplied by exp(log_modulus); `None` where a load did not
+    /// converge.
     fn cells(
         &self,
         log_modulus: f64,
@@ -151,7 +158,8 @@ impl Model<'_> {
         cells.iter().enumerate().map(|(place, cell)| on_face.ratio((*cell)?, &self.pattern, place)).collect()
     }
 
-    /// Computes the correction of the face for infinite patterns at `pairs`; `None` without a face.
+    /// Computes the correction that takes ratios of infinite patterns to the face of the specimen, at `pairs`; `None`
+    /// without a face or without pairs.
     fn face_correction(&self, pairs: &[Pair], monitor: &dyn Monitor) -> Result<Option<SteadyOnFace>, CalibrationError> {
         let Some(face) = &self.specimen.face else { return Ok(None) };
         let flat = self.without_rims();
@@ -172,21 +180,22 @@ impl Model<'_> {
         })
     }
 
-    /// The pattern without rims, for which strips can be solved; the effect of rims is that in the cell.
+    /// The model without rims and relief, for which strips can be solved; only the ratio of the cell includes the
+    /// effect of rims.
     fn without_rims(&self) -> Self {
         Self { pattern: self.pattern.with_rim(None), relief: None, ..*self }
     }
 
-    /// Scene for the face, in normal blocks: neither tilt nor dynamics needs blocks as small as rims do. `None` without
-    /// pairs.
+    /// Scene for the face, in blocks of the task's layer: neither tilt nor dynamics needs blocks as small as rims do.
+    /// `None` without pairs.
     fn face_scene(&self, pairs: &[Pair]) -> Result<Option<Scene>, CalibrationError> {
         let mut scene = self.scene(self.task.elastic, self.law.0.cloned(), pairs)?;
         scene.iter_mut().for_each(|scene| scene.layer.block_m = self.task.layer.block_m);
         Ok(scene)
     }
 
-    /// Change of the ratio of each pair by sliding in time, on the face or for an infinite pattern. One run per
-    /// force, at the mean of flat friction, because the dependence on friction is below the error of the run. The
+    /// Change of the ratio of each pair by sliding in time, on the face or for an infinite pattern. There is one run
+    /// per force, at the mean of flat friction, because the dependence on friction is below the error of the run. The
     /// pattern is run without rims.
     pub fn time_changes(&self, pairs: &[Pair], monitor: &dyn Monitor) -> Result<TimeChanges, CalibrationError> {
         let task = self.task;
@@ -233,7 +242,8 @@ impl Model<'_> {
         Ok(TimeChanges { at: pairs.iter().map(at).collect(), unknown })
     }
 
-    /// Steady cells of the sample, with the flat surface at its measured friction; `None` without pairs.
+    /// Scene of the sample's steady cells at the loads of `pairs`, with the flat surface at its measured friction;
+    /// `None` without pairs.
     fn scene(
         &self,
         elastic: Elastic,
@@ -274,8 +284,8 @@ impl Model<'_> {
     }
 }
 
-/// Area law for a modulus multiplied by exp(log_modulus): A(P; c E) = A(P / c; E). A stated threshold is kept; the
-/// reference pressure `light_pa` scales with the modulus.
+/// Area law from the contact area A(P) in `curve`, for a modulus multiplied by c = exp(log_modulus):
+/// A(P; c E) = A(P / c; E). A stated threshold is kept; the reference pressure `light_pa` scales with the modulus.
 fn law_at_modulus(
     curve: &[AreaPoint],
     log_modulus: f64,

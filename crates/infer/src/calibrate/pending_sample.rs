@@ -22,7 +22,7 @@ pub struct ModelledRatio {
     pub load: Load,
     /// The ratio.
     pub ratio: f64,
-    /// Sensitivity of its logarithm to unknowns shared by all textures.
+    /// Sensitivity of the logarithm of the ratio to unknowns shared by all textures.
     pub sensitivity: Sensitivity,
 }
 

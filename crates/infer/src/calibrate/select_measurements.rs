@@ -4,7 +4,7 @@ use slipgrid_model::material::{Condition, ConditionFriction, Friction, LocalFric
 
 use crate::calibrate::{CalibrationTask, Coefficients, Measurement, Selection};
 
-/// Relative tolerance for equal pressures.
+/// Relative difference up to which pressures count as equal.
 const PRESSURE_TOLERANCE: f64 = 1e-6;
 
 impl Selection {
@@ -33,8 +33,8 @@ impl Selection {
     }
 }
 
-/// Friction as measured, before any fit, at the nominal pressures for a specimen area. It is used to find out whether
-/// pressures and conditions are within the measured range.
+/// Measured flat friction in place of fitted coefficients, at nominal pressures: force over `specimen_area_m2`. It is
+/// used to find out whether pressures and conditions are within the measured range.
 ///
 /// # Errors
 /// [`MaterialError`] if a measured number is not a valid coefficient.
@@ -55,7 +55,8 @@ pub fn measured_friction(
     Ok(Friction::PerCondition(flat.iter().map(row).collect::<Result<_, MaterialError>>()?))
 }
 
-/// Whether the measured pressure `one` equals `wanted`, or is its nearest neighbour on either side.
+/// Whether the pressure `one` of `measured` equals `wanted`, or is the nearest to `wanted` on its side if none is
+/// equal.
 fn is_beside(measured: &[f64], one: f64, wanted: f64) -> bool {
     let slack = PRESSURE_TOLERANCE * wanted;
     let below = measured.iter().copied().filter(|own| *own <= wanted + slack).reduce(f64::max);

@@ -12,13 +12,14 @@ use crate::calibrate::area_law::{
 use crate::calibrate::calibration_task::{CalibrationError, CalibrationTask, MapSurface, Surface};
 use crate::calibrate::{AreaLawScale, Fit, LawPressures};
 
-/// Local pressures, in MPa, at which maps before and after a test are compared.
+/// Local pressures, in MPa, at which the area laws of maps before and after a test are compared.
 const COMPARED_MPA: [f64; 3] = [1.3, 2.6, 8.0];
 /// Name of the fitted scale among the parameters of a fit.
 const SCALE_PARAMETER: &str = "area_law_scale_pa";
 /// Number of tabulated pressures of a fitted law: many, so that the law is smooth.
 const SCALED_POINTS: usize = 241;
-/// Range of the table, in P / (E* h'rms): from where A / P equals its limit for small loads to 1e-8, to full contact.
+/// Range of the table of a fitted law, in P / (E* h'rms), pressure over contact modulus and rms slope: from small
+/// loads, where contact area over pressure is within 1e-8 of its limit, to full contact.
 const SCALED_RANGE: [f64; 2] = [1e-4, 10.0];
 
 /// Origin of an area law.
@@ -46,7 +47,7 @@ impl AreaLawOrigin {
     }
 }
 
-/// Surface from which an area law was computed.
+/// Surface of a calibration and the area law computed from it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SurfaceFindings {
     /// Origin of the law; `None` without a law.
@@ -57,9 +58,9 @@ pub struct SurfaceFindings {
     pub rms_slope: Option<f64>,
     /// Arithmetic mean height of the map, in metres.
     pub sa_m: Option<f64>,
-    /// Pixel of the map along the sliding direction, in metres.
+    /// Size of the map's pixels along the sliding direction, in metres.
     pub pixel_m: Option<f64>,
-    /// Pixel of the map across the sliding direction, in metres, if it differs.
+    /// Size of the map's pixels across the sliding direction, in metres, if it differs from `pixel_m`.
     pub pixel_y_m: Option<f64>,
     /// Contact area from which the law was computed; empty if it was not computed from contact area.
     pub curve: Vec<AreaPoint>,
@@ -84,7 +85,8 @@ impl SurfaceFindings {
         !matches!(self.origin, Some(AreaLawOrigin::Measured | AreaLawOrigin::Fit))
     }
 
-    /// Law with a scale to fit: Persson's contact area against P / (E* h'rms), from small loads to full contact.
+    /// Area law with a scale to fit: Persson's contact area against P / (E* h'rms), from small loads to full contact.
+    /// `None` if the scale is not fitted.
     pub(crate) fn scale(&self) -> Result<Option<AreaLawScale>, CalibrationError> {
         let Some(bounds_pa) = self.scale_bounds_pa else { return Ok(None) };
         let [from, to] = SCALED_RANGE;
@@ -109,7 +111,8 @@ impl SurfaceFindings {
     }
 }
 
-/// Decrease of A / P between the lightest measured load and a stated threshold from which on a warning is given.
+/// Relative decrease of A / P (contact area over pressure) from the lightest measured load to a stated threshold, above
+/// which a warning is given.
 const MAX_AREA_DECREASE: f64 = 0.02;
 
 /// Warning if contact area grows less than in proportion to load below the stated threshold.
@@ -239,7 +242,7 @@ fn limited_by_pixels(map: &PreparedMap, monitor: &dyn Monitor) -> Option<String>
     ))
 }
 
-/// Compares the map `after` the test with the map before, from which the law is computed.
+/// Note that compares the map `after` the test with the map before the test, from which the law `own` was computed.
 fn after_test(
     after: &PreparedMap,
     (before, own): (&PreparedMap, &AreaLaw),

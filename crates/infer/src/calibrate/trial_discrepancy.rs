@@ -14,25 +14,25 @@ use crate::discrepancy::{Conditions, DimensionShift, Discrepancy, Features, Load
 /// Result of learning from trials.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Learned {
-    /// Posterior of the discrepancy.
+    /// Posterior of the discrepancy, the logarithm of the measured over the modelled ratio.
     pub discrepancy: Discrepancy,
     /// Warnings about samples that are not modelled like designs, one sentence each.
     pub warnings: Vec<String>,
-    /// Effects of the lands of samples that were compared with the flat sample.
+    /// Effects of the slope of the land on modelled ratios, for samples whose land was compared with the flat sample.
     pub lands: Vec<LandEffect>,
 }
 
-/// Modelled sample.
+/// A cut sample with its measured and modelled ratios.
 pub(super) struct ModelledTrial {
     pub trial: Trial,
-    /// Warning if it is not modelled like designs.
+    /// Warning if the sample is not modelled like designs.
     pub warning: Option<String>,
-    /// Effect of its land, if known.
+    /// Effect of the sample's land on the modelled ratios, if known.
     pub land: Option<LandEffect>,
 }
 
-/// Learns the discrepancy from the samples of `task`, with the area law from the contact area `curve`, or `law` itself
-/// if `curve` is empty. Without samples the result is the prior.
+/// Learns the discrepancy from the samples of `task`. `law` has the area law, and the contact area from which it is
+/// computed if it depends on Young's modulus (empty otherwise). Without samples the result is the prior.
 ///
 /// # Errors
 /// [`CalibrationError`] if a scene or the discrepancy is invalid, or the monitor cancels.
@@ -71,7 +71,7 @@ pub fn sample_bytes(task: &CalibrationTask) -> Result<f64, CalibrationError> {
     Ok(most)
 }
 
-/// Reference pressure and speed of the discrepancy, from the measurements on flat samples.
+/// Reference pressures and speed of the discrepancy: means and minimum over the measurements on flat samples.
 fn conditions(task: &CalibrationTask) -> Conditions {
     let usual = Conditions::default();
     let count = task.flat.len();
@@ -87,11 +87,11 @@ fn conditions(task: &CalibrationTask) -> Conditions {
     }
 }
 
-/// Models a measured sample: its measured and modelled ratios, rounded as in a material file.
+/// Models a measured sample; measured and modelled ratios are rounded as in a material file.
 ///
 /// A modelled ratio depends on local friction by a thousandth at most. In three dimensions, where one load takes a
-/// tenth of a second, it is solved for the lowest and highest friction at each force and interpolated, with an error of
-/// 5e-5. In the plane it is solved for every friction.
+/// tenth of a second, it is solved for the lowest and highest flat friction at each force and interpolated, with an
+/// error of 5e-5. In the plane it is solved for every friction.
 ///
 /// The correction for sliding in time is included, as in the confirmed ratios of designs. Otherwise it would become
 /// part of the discrepancy and would be counted twice in designs.
@@ -198,7 +198,7 @@ pub(crate) fn note(learned: &Discrepancy) -> Option<String> {
     })
 }
 
-/// Pairs that are solved; others are interpolated.
+/// Pairs of measurements whose ratios are solved; ratios of other pairs are interpolated.
 struct SolvedPairs {
     /// All pairs, or those with the lowest and highest flat friction at each force.
     solved: Vec<Pair>,
@@ -220,7 +220,8 @@ impl SolvedPairs {
         Self { solved }
     }
 
-    /// Value of `at` for `pair`, interpolated linearly in flat friction between the solved pairs at its force.
+    /// Values for `pair`, interpolated linearly in flat friction between the solved pairs at its force; `at` gives the
+    /// values of a solved pair by index. `None` if `at` has no values for a required pair.
     fn between<const N: usize>(&self, pair: &Pair, at: impl Fn(usize) -> Option<[f64; N]>) -> Option<[f64; N]> {
         if let Some(place) = self.solved.iter().position(|own| own == pair) {
             return at(place);

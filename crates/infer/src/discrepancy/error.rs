@@ -8,7 +8,7 @@ pub enum DiscrepancyError {
     Measured {
         /// Name of the trial.
         trial: String,
-        /// Number of the row, from 1.
+        /// Index of the measurement in the trial, from 1.
         row: usize,
         /// Name of the number.
         quantity: &'static str,

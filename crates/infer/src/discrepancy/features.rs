@@ -30,7 +30,7 @@ impl From<&Pattern> for Features {
 }
 
 impl Features {
-    /// Logarithms of width, pitch and depth.
+    /// Natural logarithms of width, pitch and depth in metres.
     pub(crate) fn logarithms(&self) -> [f64; 3] {
         [self.width_m, self.pitch_m, self.depth_m].map(libm::log)
     }

@@ -11,17 +11,17 @@ pub enum Form {
     Density,
     /// Proportional to the edge length per area e, for effects at edges, as of rims and menisci.
     Edge,
-    /// 1 - exp(-a / scale): saturates at low density, as in the capture of wear debris.
+    /// 1 - exp(-a / scale), with the areal density a: saturates at low density, as in the capture of wear debris.
     Saturating {
         /// Areal density of saturation.
         scale: f64,
     },
-    /// a (1 - exp(-depth / scale)): a smaller effect of shallow cavities.
+    /// a (1 - exp(-depth / scale)), with the areal density a: a smaller effect of shallow cavities.
     DepthDensity {
         /// Depth of saturation, in metres.
         scale_m: f64,
     },
-    /// e (1 - exp(-depth / scale)): a smaller effect of edges of shallow cavities.
+    /// e (1 - exp(-depth / scale)), with the edge length per area e: a smaller effect of edges of shallow cavities.
     DepthEdge {
         /// Depth of saturation, in metres.
         scale_m: f64,
@@ -29,9 +29,9 @@ pub enum Form {
 }
 
 impl Form {
-    /// Returns the forms with their prior weights, which sum to 1. No effect has as little as leaves the scatter
-    /// of samples as stated after one trial. The other families have equal weight, except that the last one shares the
-    /// weight of the edges with the second.
+    /// Returns the forms with their prior weights, which sum to 1. The weight of [`Form::None`] is so small that the
+    /// scatter of samples stays as stated after one trial. The other families have equal weight, except
+    /// [`Form::DepthEdge`], which has about half of it.
     pub fn usual() -> Vec<(Self, f64)> {
         let family = |share: f64, members: Vec<Self>| {
             let each = share / members.len() as f64;
@@ -74,7 +74,7 @@ impl Form {
         }
     }
 
-    /// Family and scale.
+    /// Describes the form by its family and scale.
     pub fn name(&self) -> String {
         let um = |length_m: f64| (length_m * 1e9).round() / 1e3;
         match self {

@@ -29,38 +29,40 @@ pub struct Hyperparameters {
     // Of eta, with gamma at the lowest pressure together 0.1. The published samples differ by 0.13 between 40 and 80 %.
     /// Change from one humidity to another at high pressures; 0.06 when absent.
     pub humidity_std: f64,
-    /// Correlation length of eta and gamma in humidity, from 0 to 1: the correlation is exp(-|dH| / length).
+    /// Correlation length of the humidity coefficients eta and gamma in relative humidity, which is from 0 to 1: the
+    /// correlation is exp(-|dH| / length).
     #[serde(skip)]
     pub humidity_length: f64,
-    /// Factors on all of these standard deviations, with weights that sum to 1: many mechanisms have a small effect.
+    /// Pairs of a factor on the standard deviations of all coefficients, and its weight; weights sum to 1. Many
+    /// mechanisms have a small effect.
     #[serde(skip)]
     pub scales: Vec<(f64, f64)>,
-    /// Standard deviations of c over that of alpha, with weights that sum to 1: deviation from a form, as a smooth
-    /// function of the dimensions.
+    /// Pairs of the standard deviation of the residual c over `amplitude_std`, and its weight; weights sum to 1. The
+    /// residual is the deviation from a form, as a smooth function of the dimensions and of pressure.
     #[serde(skip)]
     pub residuals: Vec<(f64, f64)>,
-    /// Correlation length of c in the logarithms of width, pitch and depth.
+    /// Correlation length of the residual c in the logarithms of width, pitch and depth.
     #[serde(skip)]
     pub residual_length: f64,
-    /// Correlation length of c in the logarithm of pressure.
+    /// Correlation length of the residual c in the logarithm of pressure.
     #[serde(skip)]
     pub residual_pressure_length: f64,
     // Of t.
     /// Scatter between samples of one texture, until trials show otherwise; 0.02 when absent.
     pub sample_std: f64,
-    /// Factors on the stated scatter of samples, with weights that sum to 1: the stated scatter holds unless trials show
-    /// more or less. The tail is heavy, so that any scatter is possible.
+    /// Pairs of a factor on the stated scatter of samples, and its weight; weights sum to 1. The stated scatter holds
+    /// unless trials show more or less. The tail is heavy, so that any scatter is possible.
     #[serde(skip)]
     pub scatters: Vec<(f64, f64)>,
     /// Minimum relative standard error of a measurement; 0.005 when absent.
     pub least_measured_std: f64,
-    /// Forms with their weights, which sum to 1.
+    /// Forms with their prior weights, which sum to 1.
     #[serde(skip)]
     pub forms: Vec<(Form, f64)>,
 }
 
-/// Default scatter between samples of a texture, before two were measured: laboratories repeat dry friction to 2 to 7 %,
-/// and ASTM D2534 states 0.02 of a coefficient as one standard deviation.
+/// Default standard deviation of ln(ratio) between samples of one texture, which holds until trials show otherwise.
+/// Laboratories repeat dry friction to 2 to 7 %, and ASTM D2534 states a standard deviation of 0.02 for a coefficient.
 const USUAL_SAMPLE_STD: f64 = 0.02;
 
 impl Default for Hyperparameters {

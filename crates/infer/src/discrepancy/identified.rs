@@ -2,24 +2,24 @@
 
 use crate::discrepancy::{Discrepancy, Features, Form};
 
-/// Minimum weight of a family of forms that counts as identified.
+/// Minimum posterior weight of a family of forms that counts as identified.
 const IDENTIFIED: f64 = 0.8;
-/// Minimum difference of logarithms at which two textures differ, and two forms grow differently between them. The
-/// amplitude of a form at one texture is known to a few hundredths at best.
+/// Minimum difference of the logarithms of a feature at which two textures differ, and of the logarithms of two forms'
+/// growth at which the forms differ. The amplitude of a form at one texture is known to a few hundredths at best.
 const APART: f64 = 0.1;
 
 impl Discrepancy {
     /// Returns the identified family of forms; `None` if the trials do not identify one.
     ///
-    /// At a single texture the amplitude of every form can be fitted, so the weights differ only by the prior amplitudes
-    /// there. A family is therefore identified only if at least two trials differ in its form relative to every form of
-    /// another family:
+    /// At a single texture the amplitude of every form can be fitted, so the weights differ only by the prior
+    /// amplitudes there. A family with the form h_k is therefore identified only if, for every form h_j of another
+    /// family, two trials with the textures x1 and x2 differ in h_k relative to h_j:
     ///
     /// ```text
     /// |ln(h_k(x1) / h_k(x2)) - ln(h_j(x1) / h_j(x2))| > 0.1
     /// ```
     ///
-    /// No effect differs from every form at a single texture.
+    /// The form without an effect differs from every other form already at a single texture.
     pub fn identified(&self) -> Option<&'static str> {
         let forms = self.forms();
         let share =
@@ -37,12 +37,13 @@ impl Discrepancy {
         !self.trials().is_empty() && features.iter().all(|of| self.range(&|own| libm::log(of(own))) <= APART)
     }
 
-    /// Whether the growth of two forms differs between some pair of trials.
+    /// Whether the growth of two forms differs between some pair of trials; always true if one of them is
+    /// [`Form::None`].
     fn tell_apart(&self, one: &Form, other: &Form) -> bool {
         [one, other].contains(&&Form::None) || self.range(&|of| libm::log(one.value(of) / other.value(of))) > APART
     }
 
-    /// Maximum minus minimum of the finite logarithms over the trials.
+    /// Maximum minus minimum of the finite values of `log` at the features of the trials.
     fn range(&self, log: &dyn Fn(&Features) -> f64) -> f64 {
         let logs = || self.trials().iter().map(|trial| log(&trial.features)).filter(|log| log.is_finite());
         let (least, most) = (logs().fold(f64::INFINITY, f64::min), logs().fold(f64::NEG_INFINITY, f64::max));

@@ -1,9 +1,9 @@
-//! What measuring several values at once teaches about the mechanism, which is the family of the form.
+//! Information from measuring several values at once about the mechanism, which is the family of the form.
 
 use crate::discrepancy::{Component, Form, Prediction, information};
 
 impl Prediction {
-    /// Families of forms with their weights, in the order of the forms.
+    /// Families of forms with their weights in this prediction, in the order of the forms.
     pub fn families(&self) -> Vec<(&'static str, f64)> {
         let mut all: Vec<(&'static str, f64)> = Vec::new();
         for of in &self.components {
@@ -15,7 +15,7 @@ impl Prediction {
         all
     }
 
-    /// Prediction if the forms of `family` hold.
+    /// Prediction under the condition that a form of `family` holds.
     pub fn if_family(&self, family: &str) -> Self {
         let mut components = self.components.clone();
         components.retain(|of| of.form.family() == family);
@@ -24,7 +24,7 @@ impl Prediction {
         Self { components }
     }
 
-    /// Value number `to` minus value number `from`, as the one value of a prediction.
+    /// Prediction of a single number: the value with index `to` minus the value with index `from`.
     pub fn difference(&self, from: usize, to: usize) -> Self {
         let n = self.loads();
         let of = |of: &Component| {

@@ -18,7 +18,7 @@ pub enum LeftOut {
     TrialAndLater,
 }
 
-/// Measurement together with its prediction from others.
+/// Measurement together with its prediction from other measurements.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Surprise {
     /// Index of the trial, from 0.
@@ -29,17 +29,18 @@ pub struct Surprise {
     pub known: usize,
     /// Logarithm of the measured over the modelled ratio.
     pub measured: f64,
-    /// Predicted median, including the errors of the measurement.
+    /// Median predicted for `measured`, including the errors of the measurement.
     pub median: f64,
-    /// Ends of the predicted 68 % interval.
+    /// Lower and upper end of the 68 % interval predicted for `measured`.
     pub interval_68: [f64; 2],
-    /// Ends of the predicted 95 % interval.
+    /// Lower and upper end of the 95 % interval predicted for `measured`.
     pub interval_95: [f64; 2],
-    /// Deviation of the measurement in standard deviations of a normal distribution, by equal probability below.
+    /// Deviation of the measurement from its prediction: the standard normal deviate with the probability that was
+    /// predicted for values below `measured`.
     pub surprise: f64,
 }
 
-/// Predicts every measurement of `discrepancy` without those that `by` leaves out with it.
+/// Predicts every measurement of `discrepancy` without the measurements that `by` leaves out together with it.
 ///
 /// # Errors
 /// [`Cancelled`] once `monitor` has cancelled.
@@ -94,8 +95,8 @@ pub fn leave_out(discrepancy: &Discrepancy, by: LeftOut, monitor: &dyn Monitor) 
     Ok(found)
 }
 
-/// Covariance of all measurements under one form: noise + Phi Phi^T. Measurements lie at places of the residual's basis,
-/// so the basis is exact.
+/// Covariance of all measurements under one regression, row by row: noise + Phi Phi^T, with the basis functions Phi at
+/// the measurements. Measurements lie at places of the residual's basis, so the basis is exact.
 fn covariance(discrepancy: &Discrepancy, member: &Member, noise: &[f64]) -> Vec<f64> {
     let rows: Vec<Vec<f64>> = discrepancy
         .rows()
@@ -109,8 +110,9 @@ fn covariance(discrepancy: &Discrepancy, member: &Member, noise: &[f64]) -> Vec<
     (0..n * n).map(|entry| noise[entry] + dot(&rows[entry / n], &rows[entry % n])).collect()
 }
 
-/// Distribution of the measurements `wanted` given `known`, including errors: mean m_w + K_wk K_kk^-1 (y - m_k),
-/// covariance K_ww - K_wk K_kk^-1 K_kw.
+/// Distribution of the measurements `wanted` given the measurements `known`, including errors. With the prior means m,
+/// the covariance K and the measured y, the mean is m_w + K_wk K_kk^-1 (y - m_k), and the covariance K_ww - K_wk
+/// K_kk^-1 K_kw.
 fn conditional(
     discrepancy: &Discrepancy,
     covariances: &[Vec<f64>],

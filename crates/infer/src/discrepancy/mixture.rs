@@ -6,10 +6,11 @@ use crate::discrepancy::{
 };
 use slipgrid_base::statistics::cholesky::{cholesky, dot, is_regular, log_determinant, solve_lower, solve_upper};
 
-/// Number of regressions after the first to find the discrepancy at the trials, which depends on errors of their
-/// dimensions: for errors of 10 % of the form and a discrepancy of 0.3, the remaining change after three is 1e-4.
+/// Number of regressions after the first. They find the discrepancy at the trials, on which the effect of errors of
+/// their dimensions depends: for errors of 10 % of the form and a discrepancy of 0.3, the remaining change after three
+/// is 1e-4.
 const ROUNDS: usize = 3;
-/// Relative tolerance for equal numbers of a condition.
+/// Relative difference up to which pressures, speeds and humidities count as equal.
 const SAME: f64 = 1e-6;
 
 /// Posterior of the discrepancy given the trials, or the prior without trials.
@@ -31,35 +32,37 @@ impl PartialEq for Discrepancy {
     }
 }
 
-/// Regression of one form. Coefficients are in units of their prior standard deviations.
+/// Regression of one form with one scale, residual and scatter. Coefficients are in units of their prior standard
+/// deviations.
 #[derive(Clone, Debug)]
 pub(crate) struct Member {
     pub form: Form,
-    /// Factors on the form's coefficients, and standard deviation of the residual over that of alpha.
+    /// Factor on the standard deviations of the form's coefficients.
     pub scale: f64,
+    /// Standard deviation of the residual over that of the amplitude, alpha.
     pub residual: f64,
-    /// Standard deviation of t for trials without a stated one.
+    /// Standard deviation of ln(ratio) between samples of one texture, for trials that state none.
     pub scatter: f64,
     pub prior: f64,
     pub weight: f64,
     /// Value of the form at the reference texture; 1 without an effect.
     pub at_reference: f64,
     pub mean: Vec<f64>,
-    /// L^-1 of the precision L L^T, rows of a lower triangle.
+    /// L^-1, with the posterior precision L L^T of the coefficients: a lower triangle, row by row.
     pub inverse: Vec<f64>,
-    /// Posterior mean of the discrepancy without eps and lambda at each measurement, needed for errors of a trial's
-    /// dimensions.
+    /// Posterior mean of the discrepancy at each measurement, without the terms of Young's modulus and of the local
+    /// law; needed for errors of a trial's dimensions.
     pub at_trials: Vec<f64>,
 }
 
 impl Member {
-    /// Value of h times the scale.
+    /// Value of the form, 1 at the reference texture, times the scale.
     pub fn value(&self, of: &Features) -> f64 {
         self.scale * self.form.value(of) / self.at_reference
     }
 }
 
-/// Form with its weights.
+/// Form with its prior and posterior weight.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FormWeight {
     /// Form of the discrepancy.
@@ -75,7 +78,7 @@ impl Discrepancy {
     /// modulus, 0 if exact.
     ///
     /// # Errors
-    /// [`DiscrepancyError`] for a number that means nothing.
+    /// [`DiscrepancyError`] for an invalid number, or if the covariance of the measurements has no inverse.
     pub fn new(
         hyper: Hyperparameters,
         conditions: Conditions,
@@ -130,8 +133,8 @@ impl Discrepancy {
         self.basis.modulus_std()
     }
 
-    /// Returns mean and standard deviation of lambda: 0 if local friction follows the nominal pressure, 1 if it follows
-    /// the local pressure.
+    /// Returns posterior mean and standard deviation of the share lambda of the local law: 0 if local friction follows
+    /// the nominal pressure, 1 if it follows the local pressure.
     pub fn local_law(&self) -> (f64, f64) {
         let [_, place] = self.basis.globals();
         let [_, prior_std] = self.basis.global_stds();
@@ -186,12 +189,12 @@ impl Discrepancy {
         self.trials.iter().enumerate().flat_map(|(place, trial)| trial.measured.iter().map(move |at| (place, at)))
     }
 
-    /// Standard deviation of t; `scatter` for trials without a stated one.
+    /// Standard deviation of the scatter of the sample with index `trial`; `scatter` if the trial states none.
     pub(crate) fn own_std(&self, trial: usize, scatter: f64) -> f64 {
         self.trials[trial].sample_std.unwrap_or(scatter)
     }
 
-    /// Whether two trials were cut on one disc and therefore share t.
+    /// Whether two trials were cut on one disc and therefore share one deviation due to scatter.
     pub(crate) fn is_one_disc(&self, left: usize, right: usize) -> bool {
         left == right
             || self.trials[left].disc.as_ref().is_some_and(|disc| self.trials[right].disc.as_ref() == Some(disc))
@@ -240,7 +243,8 @@ impl Discrepancy {
         noise
     }
 
-    /// Covariance of all measurements for known coefficients of `member`, with the dimensions of the trials as made.
+    /// Covariance of all measurements for known coefficients of `member`, including the effect of errors of the trials'
+    /// dimensions on the discrepancy.
     pub(crate) fn noise_of(&self, member: &Member) -> Vec<f64> {
         let rows: Vec<&Features> = self.rows().map(|(trial, _)| &self.trials[trial].features).collect();
         let by = |row: usize, shift: &DimensionShift| {
@@ -262,7 +266,7 @@ impl Discrepancy {
 
     /// Regression of one form with its log evidence, including the effect of errors of the trials' dimensions on the
     /// discrepancy: first order about the discrepancy at each trial, which [`ROUNDS`] regressions find (effective
-    /// variance method, Orear, Am. J. Phys. 50, 912, 1982).
+    /// variance method, Orear, Am. J. Phys. 50, 912, 1982). `None` if a covariance has no inverse.
     fn fit_as_made(&self, member: Member, as_designed: &Whitened) -> Option<(Member, f64)> {
         let (mut found, evidence) = self.fit(member, as_designed)?;
         if self.trials.iter().all(|trial| trial.dimension_shifts.is_empty()) {
@@ -277,7 +281,7 @@ impl Discrepancy {
         Some((found, evidence))
     }
 
-    /// Regression of one form with its log evidence relative to no form.
+    /// Regression of one form with its log evidence relative to no discrepancy; `None` if the precision has no inverse.
     fn fit(&self, member: Member, whitened: &Whitened) -> Option<(Member, f64)> {
         let Whitened { factor, excess, .. } = whitened;
         let (p, n) = (self.basis.count(), excess.len());
@@ -326,18 +330,18 @@ impl Discrepancy {
     }
 }
 
-/// Whitened measurements with their noise S S^T.
+/// Measured discrepancies y, less their prior means, whitened by their noise S S^T.
 struct Whitened {
-    /// S
+    /// Lower factor S of the noise, row by row.
     factor: Vec<f64>,
-    /// S^-1 y
+    /// Whitened discrepancies S^-1 y.
     excess: Vec<f64>,
-    /// ln N(y; 0, noise), up to a constant.
+    /// Logarithm of the normal density N(y; 0, noise), up to a constant.
     log_density: f64,
 }
 
-/// Members to be fitted: every form at every scale with every residual, for samples with the scatter `scatter`. Without an
-/// effect, one member stands for all scales and residuals.
+/// Members to be fitted: every form at every scale with every residual, for samples with the scatter `scatter` of prior
+/// weight `of_scatter`. Without an effect, one member stands for all scales and residuals.
 fn members(hyper: &Hyperparameters, (scatter, of_scatter): (f64, f64)) -> Vec<Member> {
     let mut all = Vec::new();
     let once = vec![(1.0, 1.0)];
@@ -368,7 +372,7 @@ fn members(hyper: &Hyperparameters, (scatter, of_scatter): (f64, f64)) -> Vec<Me
     all
 }
 
-/// Whether two loads have equal conditions.
+/// Whether two loads have equal pressure, speed and humidity.
 pub(crate) fn is_same(a: &Load, b: &Load) -> bool {
     let close = |a: f64, b: f64| (a - b).abs() <= SAME * a.abs().max(b.abs());
     close(a.pressure_pa, b.pressure_pa) && close(a.speed_m_s, b.speed_m_s) && close(a.humidity, b.humidity)

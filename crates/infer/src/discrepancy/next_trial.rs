@@ -1,23 +1,23 @@
-//! Chance that a sample is on target, and what ranks textures to cut next.
+//! Chance that a sample is on target, and ranking of textures to cut next.
 
 use slipgrid_base::statistics::{BoxRule, Normals};
 
 use crate::discrepancy::{Component, DimensionShift, Features, Form, Prediction, Sensitivity};
 use slipgrid_base::statistics::cholesky::{cholesky, covariance_factor, dot, is_regular, log_determinant, solve_lower};
 
-/// Weight of the closeness relative to the chance: a texture that misses by little teaches more about the target than one
-/// that misses by far.
+/// Weight of [`Score::closeness`] relative to the chance: a texture that misses by little teaches more about the target
+/// than one that misses by far.
 const OF_CLOSENESS: f64 = 0.05;
 /// Approximate number of draws for [`information`], divided between the components by weight.
 const DRAWS: f64 = 2000.0;
-/// Forms of smaller weight do not affect the choice.
+/// Weight below which a component of the mixture is ignored; it would not affect the choice.
 const MIN_WEIGHT: f64 = 1e-4;
-/// A form is skipped if it can add at most this to a chance.
+/// A component of the mixture is skipped if it can add at most this to a chance.
 const MIN_CHANCE: f64 = 1e-6;
-/// Points over all components for a reported chance, and for a chance used in rankings: root mean square errors of at
-/// most 0.0015 and 0.01 (`points_shared_by_all_components_leave_little_of_a_chance_open`), in 2.2 and 0.2 ms for 196
-/// components.
+/// Number of integration points over all components for a reported chance: root mean square error of at most 0.0015
+/// (`points_shared_by_all_components_leave_little_of_a_chance_open`), in 2.2 ms for 196 components.
 const POINTS: usize = 12_288;
+/// Number of integration points for a chance used in rankings: root mean square error of at most 0.01, in 0.2 ms.
 const ROUGH_POINTS: usize = 512;
 
 /// Target band of a cut sample: bounds of its ratio at each load.
@@ -34,8 +34,8 @@ pub struct Wanted {
 pub struct Score {
     /// Chance that a cut sample is on target at all loads.
     pub chance: f64,
-    /// E exp(-m^2 / 4) at the load of its minimum, m the distance from the middle of the accepted band over half its
-    /// width.
+    /// Closeness to the target, from 0 to 1: expectation of exp(-m^2 / 4) at the load where it is least, with m the
+    /// distance from the middle of the accepted band over half its width; 1 for a limit on one side.
     pub closeness: f64,
 }
 
@@ -46,7 +46,7 @@ pub struct Candidate<'a> {
     pub features: Features,
     /// Modelled ratio at each load.
     pub modelled: &'a [f64],
-    /// Sensitivity of ln R at each load to unknowns shared by all textures.
+    /// Sensitivity of the logarithm of the modelled ratio at each load to unknowns shared by all textures.
     pub sensitivity: &'a [Sensitivity],
     /// Covariance of the log ratios that all samples share, without the discrepancy, loads x loads; empty if zero.
     pub covariance: &'a [f64],
@@ -55,14 +55,15 @@ pub struct Candidate<'a> {
 }
 
 impl Score {
-    /// Value for the ranking of textures.
+    /// Value by which textures are ranked: the chance plus a small multiple of the closeness.
     pub fn value(&self) -> f64 {
         self.chance + OF_CLOSENESS * self.closeness
     }
 }
 
 impl Wanted {
-    /// Accepted band of the logarithm of the true over the `modelled` ratio.
+    /// Lower and upper bounds, one per load, of the logarithm of the true over the `modelled` ratio of a sample on
+    /// target.
     pub fn over(&self, modelled: &[f64]) -> [Vec<f64>; 2] {
         let log = |ends: &[f64]| ends.iter().zip(modelled).map(|(end, ratio)| libm::log(end / ratio)).collect();
         [log(&self.lower), log(&self.upper)]
@@ -73,7 +74,7 @@ impl Wanted {
         self.score_by(prediction, modelled, POINTS)
     }
 
-    /// Scores with fewer points, to compare many textures.
+    /// Like [`Self::score`], but less exact and faster, to compare many textures.
     pub fn rough_score(&self, prediction: &Prediction, modelled: &[f64]) -> Score {
         self.score_by(prediction, modelled, ROUGH_POINTS)
     }
@@ -84,8 +85,8 @@ impl Wanted {
     }
 }
 
-/// Chance that a sample lies within `bounds` at all loads, on about `points` points, divided between the components by
-/// their maximum contributions.
+/// Chance that a sample lies between `lower` and `upper` at all loads, from about `points` integration points, divided
+/// between the components by their maximum contributions.
 fn chance(prediction: &Prediction, [lower, upper]: &[Vec<f64>; 2], points: usize) -> f64 {
     let n = lower.len();
     let most: Vec<f64> = prediction
@@ -110,7 +111,7 @@ fn chance(prediction: &Prediction, [lower, upper]: &[Vec<f64>; 2], points: usize
     prediction.components.iter().zip(most).map(part).sum()
 }
 
-/// E exp(-m^2 / 4) at the load of its minimum.
+/// Computes [`Score::closeness`].
 fn closeness(prediction: &Prediction, [lower, upper]: &[Vec<f64>; 2]) -> f64 {
     let n = lower.len();
     let close = |of: &Component| {

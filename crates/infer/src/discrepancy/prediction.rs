@@ -10,7 +10,7 @@ use crate::discrepancy::rows::{Basis, GLOBALS};
 use crate::discrepancy::{Candidate, DimensionShift, Features, Form, Sensitivity};
 use slipgrid_base::statistics::cholesky::{covariance_factor, dot};
 
-/// Members of smaller weight do not change reported digits.
+/// Weight below which a member of the mixture is left out; it would not change reported digits.
 const MIN_WEIGHT: f64 = 1e-7;
 
 /// Pressure, speed and humidity of a prediction.
@@ -29,31 +29,34 @@ pub struct Load {
 pub struct Predictor {
     basis: Basis,
     loads: Vec<Load>,
-    /// Conditional covariance of eta + gamma q given the measured humidities, loads x loads.
+    /// Covariance of the humidity terms eta + gamma q that remains given the measured humidities, loads x loads.
     humidity_left: Vec<f64>,
     /// Distinct forms of the members.
     forms: Vec<Form>,
     members: Vec<Prepared>,
 }
 
-/// Member prepared for the loads. With L L^T the precision, b_l the row of the form's coefficients and e_k the column of
-/// eps or lambda: B_l = L^-1 b_l and E_k = L^-1 e_k.
+/// Member prepared for the loads. With the posterior precision L L^T, the row b_l of the form's coefficients at load l
+/// and the column e_k of eps (modulus) or lambda (local law): B_l = L^-1 b_l and E_k = L^-1 e_k.
 #[derive(Clone, Debug)]
 struct Prepared {
     member: Member,
-    /// Index of its form in the predictor.
+    /// Index of the member's form in `Predictor::forms`.
     form: usize,
-    /// b_l times the mean coefficients, and the means of eps and lambda.
+    /// Posterior mean of b_l times the form's coefficients, one per load.
     mean_of_form: Vec<f64>,
+    /// Posterior means of eps and lambda.
     mean_of_globals: [f64; GLOBALS],
     mean_of_residual: Vec<f64>,
     b: Vec<Vec<f64>>,
     e: [Vec<f64>; GLOBALS],
-    /// B_l B_m, B_l E_k and E_k E_j.
+    /// Products B_l B_m, loads x loads.
     bb: Vec<f64>,
+    /// Products B_l E_k, one entry per load.
     be: Vec<[f64; GLOBALS]>,
+    /// Products E_k E_j.
     ee: [[f64; GLOBALS]; GLOBALS],
-    /// Columns of L^-1 for the residual's features.
+    /// Columns of L^-1 for the residual's coefficients.
     residual: Vec<Vec<f64>>,
 }
 
@@ -64,7 +67,7 @@ pub struct Prediction {
     pub components: Vec<Component>,
 }
 
-/// Component of a prediction.
+/// Component of a prediction: a normal distribution of the logarithm of the true over the modelled ratio.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Component {
     /// Form of the component.
@@ -79,11 +82,11 @@ pub struct Component {
 
 /// Form evaluated at one texture.
 struct FormAt {
-    /// h over the scale.
+    /// Value of the form in its own units, from `Form::value`.
     value: f64,
-    /// Change of ln h by one standard deviation of each error of the dimensions.
+    /// Change of the form's logarithm by one standard deviation of each error of the dimensions.
     log_shifts: Vec<f64>,
-    /// Mean of h over h as designed.
+    /// Mean of the form over errors of the dimensions, relative to the form as designed.
     mean: f64,
 }
 
@@ -170,9 +173,9 @@ impl Predictor {
         self.predicted(&[of], false)
     }
 
-    /// Predicts samples that have everything in common but the errors of their dimensions: first at all loads of the first of
-    /// `samples`, then of the next. With `has_known_form` without the uncertainty of the discrepancy, so that the covariances
-    /// contain modulus, local law, dimensions and the scatter of the samples. The covariances of `samples` are not added.
+    /// Predicts samples that share all unknowns except the errors of their dimensions; values are sorted by sample,
+    /// then by load. With `has_known_form` the uncertainty of the discrepancy is left out, so that covariances contain
+    /// modulus, local law, dimensions and the scatter of the samples. The covariances of `samples` are not added.
     fn predicted(&self, samples: &[Candidate<'_>], has_known_form: bool) -> Prediction {
         let n = self.loads.len();
         let rows: Vec<(usize, usize)> = (0..samples.len()).flat_map(|of| (0..n).map(move |load| (of, load))).collect();
@@ -270,7 +273,7 @@ impl Predictor {
         Prediction { components: self.members.iter().map(component).collect() }
     }
 
-    /// Predicts a sample of `candidate`.
+    /// Predicts a sample of `candidate`, including its dimension shifts and covariance.
     pub fn of(&self, candidate: &Candidate<'_>) -> Prediction {
         self.of_candidate(candidate, false)
     }
@@ -287,8 +290,8 @@ impl Predictor {
         self.predicted(&[*candidate], has_known_form).with(candidate.covariance)
     }
 
-    /// Predicts `samples` of one disc, which share its scatter and the errors of the material: first at all loads of the first
-    /// one, then of the next. Marginals equal those of [`Self::of`].
+    /// Predicts `samples` of one disc, which share its scatter and the errors of the material; values are sorted by
+    /// sample, then by load. Marginals equal those of [`Self::of`].
     pub fn on_one_disc(&self, samples: &[Candidate<'_>]) -> Prediction {
         let (n, all) = (self.loads.len(), samples.len() * self.loads.len());
         let factor = |of: &Candidate<'_>| {
@@ -315,7 +318,7 @@ impl Component {
 }
 
 impl Prediction {
-    /// Number of loads.
+    /// Number of predicted values: loads, times samples in a joint prediction.
     pub fn loads(&self) -> usize {
         self.components.first().map_or(0, |component| component.mean.len())
     }
@@ -329,7 +332,7 @@ impl Prediction {
         self
     }
 
-    /// Mean and standard deviation at `load`.
+    /// Mean and standard deviation of the log ratio at the load with index `load`.
     pub fn moments(&self, load: usize) -> (f64, f64) {
         let n = self.loads();
         let mean: f64 = self.components.iter().map(|of| of.weight * of.mean[load]).sum();
@@ -337,7 +340,7 @@ impl Prediction {
         (mean, self.components.iter().map(|of| of.weight * spread(of)).sum::<f64>().sqrt())
     }
 
-    /// Probability of a value below `value` at `load`.
+    /// Probability of a log ratio below `value` at the load with index `load`.
     pub fn probability_below(&self, load: usize, value: f64) -> f64 {
         let below = |[weight, mean, std]: [f64; 3]| {
             let below = if std > 0.0 {
@@ -352,12 +355,12 @@ impl Prediction {
         self.at_load(load).into_iter().map(below).sum()
     }
 
-    /// Quantile `p` at `load`.
+    /// Quantile `p` (0 to 1) of the log ratio at the load with index `load`.
     pub fn quantile(&self, load: usize, p: f64) -> f64 {
         mixture_quantile(&self.at_load(load), p)
     }
 
-    /// Weight, mean and standard deviation of each component at `load`.
+    /// Weight, mean and standard deviation of each component at the load with index `load`.
     fn at_load(&self, load: usize) -> Vec<[f64; 3]> {
         let n = self.loads();
         let of = |of: &Component| [of.weight, of.mean[load], of.covariance[load * n + load].max(0.0).sqrt()];
@@ -371,7 +374,7 @@ impl Prediction {
         })
     }
 
-    /// Median at each load.
+    /// Median of the log ratio at each load.
     pub fn medians(&self) -> Vec<f64> {
         (0..self.loads()).map(|load| self.quantile(load, 0.5)).collect()
     }
@@ -387,8 +390,8 @@ impl Prediction {
         self.components.iter().map(of).sum()
     }
 
-    /// Draws from the component that the normal deviate `which` selects, with deviates `z`, one per load: the independent
-    /// judge of probabilities and quantiles.
+    /// Draws log ratios, one per load, from the component that the standard normal deviate `which` selects, with the
+    /// independent deviates `z`, one per load. Draws check probabilities and quantiles independently.
     pub fn draw(&self, which: f64, z: &[f64]) -> Vec<f64> {
         let (n, share, mut reached) = (self.loads(), normal_probability(which), 0.0);
         let is_picked = |of: &&Component| {
@@ -400,7 +403,7 @@ impl Prediction {
         (0..n).map(|load| picked.mean[load] + dot(&factor[load * n..][..=load], z)).collect()
     }
 
-    /// Mean and covariance of the whole mixture.
+    /// Mean, one per load, and covariance, loads x loads, of the whole mixture.
     pub fn mixed(&self) -> (Vec<f64>, Vec<f64>) {
         let n = self.loads();
         let mut mean = vec![0.0; n];

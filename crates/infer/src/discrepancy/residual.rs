@@ -8,14 +8,14 @@
 //! cov(rest(x), rest(y)) = k(x, y) - w(x)^T w(y)
 //! ```
 //!
-//! and the rest is independent of every measurement. Places are omitted if the others explain all but [`EXPLAINED`] of
-//! their variance.
+//! and the rest is independent of every measurement. A place is omitted if the other places explain all but
+//! [`EXPLAINED`] of its variance.
 
 use crate::discrepancy::{Features, Hyperparameters, Load};
 use slipgrid_base::statistics::cholesky::{dot, solve_lower};
 
-/// Minimum variance that a further place must add, relative to the process: a hundredth of the rounding error of other
-/// terms.
+/// Minimum variance that a further place must add, relative to the variance of the process: a hundredth of the rounding
+/// error of other terms.
 const EXPLAINED: f64 = 1e-12;
 
 /// Texture at a pressure: the logarithms of width, pitch, depth and pressure, each over its correlation length.
@@ -34,7 +34,7 @@ impl Place {
         &self.0
     }
 
-    /// exp(-|x - y|^2 / 2)
+    /// Prior correlation exp(-|x - y|^2 / 2) of the residual at two places x and y.
     pub fn correlation(&self, other: &Self) -> f64 {
         let square: f64 = self.0.iter().zip(other.0).map(|(a, b)| (a - b) * (a - b)).sum();
         libm::exp(-0.5 * square)
@@ -88,14 +88,14 @@ impl ResidualBasis {
         &self.places
     }
 
-    /// w(x) = L^-1 k(x)
+    /// Basis functions w(x) = L^-1 k(x) at the place x, with its correlations k(x) with the places of the basis.
     pub fn whitened(&self, place: &Place) -> Vec<f64> {
         let mut row: Vec<f64> = self.places.iter().map(|own| own.correlation(place)).collect();
         self.whiten(&mut row);
         row
     }
 
-    /// Multiplies values at the places by L^-1, in place.
+    /// Multiplies values at the places of the basis by L^-1, in place, with the factor L of their correlation.
     pub fn whiten(&self, values: &mut [f64]) {
         solve_lower(&self.factor, self.places.len(), values);
     }

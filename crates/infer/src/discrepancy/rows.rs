@@ -5,26 +5,26 @@ use crate::discrepancy::residual::{Place, ResidualBasis};
 use crate::discrepancy::{Conditions, Features, Hyperparameters, Load, Sensitivity, Trial};
 use slipgrid_base::statistics::cholesky::{cholesky, dot, solve_lower};
 
-/// Number of coefficients before those of the humidities: alpha, beta and kappa.
+/// Number of coefficients before those of the humidities: alpha (amplitude), beta (pressure) and kappa (speed).
 const OF_LOAD: usize = 3;
-/// Number of coefficients of each humidity: eta and gamma.
+/// Number of coefficients of each humidity: eta (high pressures) and gamma (low pressures).
 const OF_HUMIDITY: usize = 2;
 /// Humidities that differ by less are equal.
 const SAME_HUMIDITY: f64 = 1e-6;
-/// Number of unknowns shared by all textures: eps and lambda.
+/// Number of unknowns shared by all textures: eps, the error of ln(modulus), and lambda, the share of the local law.
 pub const GLOBALS: usize = 2;
-/// Mean and standard deviation of lambda, which is 0 or 1 with equal probability; lambda is treated as a continuous
-/// variable.
+/// Prior mean of lambda, which is 0 or 1 with equal probability; lambda is treated as a continuous variable.
 const LOCAL_LAW_MEAN: f64 = 0.5;
+/// Prior standard deviation of lambda.
 const LOCAL_LAW_STD: f64 = 0.5;
 
 impl Sensitivity {
-    /// Factors of eps and lambda.
+    /// Factors of eps (modulus) and lambda (local law) in the discrepancy.
     pub(crate) const fn globals(&self) -> [f64; GLOBALS] {
         [self.modulus, self.local_law]
     }
 
-    /// Prior mean of ln(true / modelled ratio).
+    /// Prior mean of the logarithm of the true over the modelled ratio.
     pub(crate) const fn prior_mean(&self) -> f64 {
         LOCAL_LAW_MEAN * self.local_law
     }
@@ -68,7 +68,7 @@ impl Basis {
         &self.hyper
     }
 
-    /// Number of coefficients that a form multiplies.
+    /// Number of coefficients that a form multiplies, without the residual.
     pub fn of_form(&self) -> usize {
         OF_LOAD + OF_HUMIDITY * self.humidities.len()
     }
@@ -103,7 +103,7 @@ impl Basis {
         self.modulus_std
     }
 
-    /// Factors of the form's coefficients at `load`, without the form.
+    /// Basis functions of the form's coefficients at `load`, for a form of value 1.
     pub fn at_load(&self, load: &Load) -> Vec<f64> {
         let (hyper, at) = (&self.hyper, &self.conditions);
         let u = (load.pressure_pa - at.reference_pressure_pa) / at.reference_pressure_pa;
@@ -120,7 +120,8 @@ impl Basis {
         [self.hyper.humidity_std, self.hyper.inverse_pressure_std * q]
     }
 
-    /// Whitened values of eta or gamma at a humidity relative to the measured ones: L^-1 k.
+    /// Basis functions of eta and of gamma at a humidity: L^-1 k, with the correlations k with the measured humidities
+    /// and the factor L of their correlation.
     fn humidity(&self, humidity: f64) -> Vec<f64> {
         let mut row: Vec<f64> =
             self.humidities.iter().map(|level| correlation(&self.hyper, *level, humidity)).collect();
@@ -128,7 +129,7 @@ impl Basis {
         row
     }
 
-    /// Conditional covariance of eta + gamma q at two loads given the measured humidities.
+    /// Covariance of eta + gamma q at two loads that remains given the measured humidities.
     pub fn humidity_left(&self, a: &Load, b: &Load) -> f64 {
         let explained = dot(&self.humidity(a.humidity), &self.humidity(b.humidity));
         let left = correlation(&self.hyper, a.humidity, b.humidity) - explained;
@@ -148,7 +149,8 @@ impl Basis {
         row
     }
 
-    /// Prior covariance of the residual at two places, less the part that [`Self::residual`] explains: negative where a trial lies between them.
+    /// Prior covariance of the residual at two places, less the part that [`Self::residual`] explains: negative where a
+    /// trial lies between them.
     pub fn residual_left(&self, [a, b]: [&Place; 2], [row_a, row_b]: [&[f64]; 2]) -> f64 {
         let left = self.hyper.amplitude_std.powi(2) * a.correlation(b) - dot(row_a, row_b);
         // A variance that rounding makes negative.
@@ -160,7 +162,8 @@ impl Basis {
         &self.residual
     }
 
-    /// Factors of all coefficients for the form `form`, times the scale, and the relative residual `residual`.
+    /// Basis functions of all coefficients at a texture and a load. `form` is the value of the form times the scale,
+    /// `residual` the standard deviation of the residual over that of alpha.
     pub fn row(&self, form: f64, residual: f64, of: &Features, load: &Load, sensitivity: Sensitivity) -> Vec<f64> {
         let mut row = self.at_load(load);
         row.iter_mut().for_each(|entry| *entry *= form);
@@ -170,7 +173,7 @@ impl Basis {
     }
 }
 
-/// exp(-|a - b| / length)
+/// Prior correlation exp(-|a - b| / length) of eta, or of gamma, at two relative humidities.
 fn correlation(hyper: &Hyperparameters, a: f64, b: f64) -> f64 {
     libm::exp(-(a - b).abs() / hyper.humidity_length)
 }

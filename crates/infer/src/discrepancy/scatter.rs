@@ -5,19 +5,19 @@ use crate::discrepancy::{Discrepancy, Features, Form, Load, Measured, Trial};
 use slipgrid_base::statistics::chi_square_beyond;
 use slipgrid_base::statistics::cholesky::{cholesky, dot, is_regular, solve_lower};
 
-/// Maximum scatter of samples, unless a larger one is stated.
+/// Maximum standard deviation of ln(ratio) between samples of one texture, unless a larger one is stated.
 const MAX_SCATTER: f64 = 0.2;
 /// Relative difference below which lengths are equal, the resolution of a microscope.
 const SAME_LENGTH: f64 = 0.02;
 /// Number of standard errors of a difference within which two lengths may be equal.
 const WITHIN_ERRORS: f64 = 2.0;
-/// Probability below which samples contradict each other, over all compared pairs.
+/// Probability, times the number of compared pairs, below which two samples contradict each other.
 const MIN_PROBABILITY: f64 = 0.01;
 
-/// Scatter with its weights.
+/// Possible scatter of samples with its prior and posterior weight.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ScatterWeight {
-    /// Standard deviation between samples of a texture.
+    /// Standard deviation of the log ratio between samples of one texture.
     pub std: f64,
     /// Prior weight.
     pub prior: f64,
@@ -35,21 +35,22 @@ pub struct Contradiction {
     pub load: Load,
     /// Difference of the log ratios, measured over modelled, of the first and the second sample at this condition.
     pub difference: f64,
-    /// Standard deviation of samples of the texture, as stated for each trial, or by default.
+    /// Standard deviation of the log ratio between samples of one texture, as stated with each of the two trials, or
+    /// the default.
     pub sample_std: [f64; 2],
-    /// Whether the standard deviation was stated for each trial, and therefore kept.
+    /// Whether each of the two trials states its standard deviation, which is then kept.
     pub is_own: [bool; 2],
-    /// Number of conditions at which both were measured.
+    /// Number of conditions at which both samples were measured.
     pub ratios: usize,
-    /// d^T C^-1 d of the differences d at all conditions, C their stated covariance.
+    /// Chi-square d^T C^-1 d of the differences d of the log ratios at all conditions, with their stated covariance C.
     pub chi_square: f64,
     /// Probability of this chi-square or more.
     pub probability: f64,
 }
 
 impl Discrepancy {
-    /// Possible scatters of samples with their weights, the stated one first; only the stated one if it is zero or stated
-    /// for every trial.
+    /// Possible standard deviations of the log ratio between samples of one texture, with prior weights. The stated one
+    /// is first; it is the only one if it is zero or stated for every trial.
     pub(crate) fn scatters(&self) -> Vec<(f64, f64)> {
         let hyper = self.hyperparameters();
         let stated = hyper.sample_std;
@@ -149,7 +150,7 @@ fn errors_m(of: &Trial) -> [f64; 3] {
     [width, width.hypot(spacing), depth]
 }
 
-/// Upper bound of the squared relative standard error of a form by errors of a sample's dimensions.
+/// Upper bound of the squared relative standard error of any form due to errors of a sample's dimensions.
 fn of_errors(of: &Trial) -> f64 {
     let lengths_m = [of.features.width_m, of.features.pitch_m, of.features.depth_m];
     let squares = errors_m(of).into_iter().zip(lengths_m).zip([2.0, 2.0, 1.0]);

@@ -9,21 +9,22 @@ use crate::discrepancy::rows::Basis;
 use crate::discrepancy::{Candidate, Discrepancy, Load, Sensitivity, Wanted};
 use slipgrid_base::statistics::cholesky::dot;
 
-/// Truths drawn from the mixture, with equal probabilities.
+/// Truths drawn from the mixture, with equal probabilities. A truth fixes the discrepancy of every texture.
 #[derive(Clone, Debug)]
 pub struct Scenarios {
     basis: Basis,
     members: Vec<Member>,
     draws: Vec<Truth>,
-    /// Deviate t of the one disc that all samples share; empty if each sample has a separate disc.
+    /// Deviation of the log ratio by the scatter of the one disc that all samples share, one per truth; empty if each
+    /// sample has a separate disc.
     of_disc: Vec<f64>,
     seed: u64,
 }
 
-/// Draw of the mixture.
+/// One truth: a draw of the mixture.
 #[derive(Clone, Debug)]
 struct Truth {
-    /// Index of the member.
+    /// Index of the mixture's member.
     member: usize,
     coefficients: Vec<f64>,
     residual: ResidualDraw,
@@ -34,19 +35,21 @@ struct Truth {
 /// drawn anew for every truth.
 #[derive(Clone, Debug)]
 struct ResidualDraw {
-    /// Frequencies and phases.
+    /// Frequency along each coordinate of a place, and phase in radians, of each wave.
     waves: Vec<([f64; 4], f64)>,
-    /// L^-1 of the prior draw at the places of the basis.
+    /// L^-1 times the prior draw at the places of the basis, with the factor L of their correlation.
     whitened: Vec<f64>,
 }
 
 /// Number of waves per draw of the residual: their sum is nearly normal, and the covariance over all draws is exact.
 const WAVES: usize = 16;
-/// Seed offsets from the truths: for shared errors, for each sample besides its number, for residuals, and for the local
-/// law.
+/// Offset of the seed for errors that all samples share.
 const OF_ALL: u64 = 1 << 32;
+/// Offset of the seed for errors of one sample, to which its number is added.
 const OF_SAMPLES: u64 = 2 << 32;
+/// Offset of the seed for residuals.
 const OF_RESIDUALS: u64 = 3 << 32;
+/// Offset of the seed for the local law.
 const OF_LOCAL_LAW: u64 = 4 << 32;
 
 impl ResidualDraw {
@@ -63,7 +66,7 @@ impl ResidualDraw {
         found
     }
 
-    /// sqrt(2 / J) sum_j cos(omega_j x + phi_j)
+    /// Value of the prior draw at the place x: sqrt(2 / J) sum_j cos(omega_j x + phi_j) over J waves.
     fn prior(&self, place: &Place) -> f64 {
         let wave = |(omega, phase): &([f64; 4], f64)| libm::cos(dot(omega, place.coordinates()) + phase);
         (2.0 / WAVES as f64).sqrt() * self.waves.iter().map(wave).sum::<f64>()
@@ -71,7 +74,7 @@ impl ResidualDraw {
 }
 
 impl Scenarios {
-    /// Draws `count` truths with a seed, each member in proportion to its weight.
+    /// Draws `count` truths with a seed; members of the mixture occur in proportion to their weights.
     pub fn new(discrepancy: &Discrepancy, count: usize, seed: u64) -> Self {
         let (basis, members) = (discrepancy.basis().clone(), discrepancy.members().to_vec());
         let p = basis.count();
@@ -101,7 +104,7 @@ impl Scenarios {
         Self { basis, members, draws, of_disc: Vec::new(), seed }
     }
 
-    /// Puts all samples on one disc: they share t, drawn with `seed`.
+    /// Puts all samples on one disc: they share one deviation due to scatter, drawn with `seed`.
     #[must_use]
     pub fn on_one_disc(mut self, seed: u64) -> Self {
         let mut normals = Normals::new(seed);
@@ -111,15 +114,15 @@ impl Scenarios {
     }
 
     /// Returns for each truth whether a sample of `candidate` is on target `wanted` at `loads`. Samples with different
-    /// `number` are independent in dimensions and t, and share all other unknowns.
+    /// `number` are independent in dimensions and scatter, and share all other unknowns.
     pub fn on_target(&self, candidate: &Candidate<'_>, loads: &[Load], wanted: &Wanted, number: usize) -> Vec<bool> {
         let [lower, upper] = wanted.over(candidate.modelled);
         let is_on = |value: &Vec<f64>| (0..loads.len()).all(|load| (lower[load]..=upper[load]).contains(&value[load]));
         self.log_excesses(candidate, loads, number).iter().map(is_on).collect()
     }
 
-    /// Logarithm of the true over the modelled ratio of a sample of `candidate`, at each of `loads` for each truth.
-    /// `number` tells samples apart as in [`Scenarios::on_target`].
+    /// Logarithm of the true over the modelled ratio of a sample of `candidate`: one list per truth, with one value per
+    /// load. `number` distinguishes samples as in [`Scenarios::on_target`].
     pub fn log_excesses(&self, candidate: &Candidate<'_>, loads: &[Load], number: usize) -> Vec<Vec<f64>> {
         let n = loads.len();
         let places: Vec<Place> = loads.iter().map(|load| self.basis.place(&candidate.features, load)).collect();

@@ -9,9 +9,10 @@ pub struct Trial {
     pub name: String,
     /// Features of the texture, as measured or as designed.
     pub features: Features,
-    /// Standard deviation of t, if known; otherwise the hyperparameter is used.
+    /// Standard deviation of the log ratio between samples of one texture, if stated; otherwise that of the
+    /// hyperparameters holds.
     pub sample_std: Option<f64>,
-    /// Name of the disc; trials of one disc share t. `None` for a separate disc.
+    /// Name of the disc; trials of one disc share one deviation due to scatter. `None` for a separate disc.
     pub disc: Option<String>,
     /// Measurements of the sample.
     pub measured: Vec<Measured>,
@@ -24,7 +25,7 @@ pub struct Trial {
 /// Effect of one standard deviation of one independent error of a sample's dimensions.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DimensionShift {
-    /// Change of the modelled ln R at each load.
+    /// Change of the logarithm of the modelled ratio at each load.
     pub log_ratio: Vec<f64>,
     /// Features of the texture with the dimensions one standard deviation above.
     pub above: Features,
@@ -33,7 +34,7 @@ pub struct DimensionShift {
 }
 
 impl DimensionShift {
-    /// Transfers the error to a sample with the features `to`, which are near `from`.
+    /// Transfers the error from a sample with the features `from` to a sample with the features `to`, which are near.
     pub fn about(&self, from: &Features, to: &Features) -> Self {
         let moved = |own: &Features| Features {
             areal_density: own.areal_density + to.areal_density - from.areal_density,
@@ -45,7 +46,8 @@ impl DimensionShift {
         Self { log_ratio: self.log_ratio.clone(), above: moved(&self.above), below: self.below.as_ref().map(moved) }
     }
 
-    /// Change of ln h for a texture with the features `own`; 0 for a texture without cavities.
+    /// Change of the logarithm of `form` by one standard deviation, for a texture with the features `own`; 0 for a
+    /// texture without cavities.
     pub fn log_form(&self, form: &Form, own: &Features) -> f64 {
         let log = |of: &Features| libm::log(form.value(of));
         let change = match &self.below {
@@ -55,7 +57,8 @@ impl DimensionShift {
         if change.is_finite() { change } else { 0.0 }
     }
 
-    /// Mean of h over h as designed, to second order; 1 if only one side is known.
+    /// Mean of `form` over the error, relative to its value for the features `own` as designed, to second order; 1 if
+    /// only one side is known.
     pub fn mean_form(&self, form: &Form, own: &Features) -> f64 {
         let mean = |below: &Features| 0.5 * (form.value(&self.above) + form.value(below)) / form.value(own);
         self.below.as_ref().map(mean).filter(|mean| mean.is_finite()).unwrap_or(1.0)
@@ -67,24 +70,24 @@ impl DimensionShift {
 pub struct Measured {
     /// Pressure, speed and humidity. Measurements of one condition share the flat sample's error.
     pub load: Load,
-    /// Measured ratio.
+    /// Measured ratio of patterned to flat friction.
     pub measured: f64,
-    /// Modelled ratio.
+    /// Modelled ratio of patterned to flat friction.
     pub modelled: f64,
     /// Relative standard error of the patterned sample's friction.
     pub patterned_std: f64,
     /// Relative standard error of the flat sample's friction.
     pub flat_std: f64,
-    /// Sensitivity of ln R to unknowns shared by all textures.
+    /// Sensitivity of the logarithm of the modelled ratio to unknowns shared by all textures.
     pub sensitivity: Sensitivity,
 }
 
-/// Sensitivity of ln R of a texture to the unknowns shared by all textures.
+/// Sensitivity of the logarithm of a texture's modelled ratio R to the unknowns shared by all textures.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Sensitivity {
-    /// g = d ln R / d ln E.
+    /// Derivative d ln R / d ln E, with Young's modulus E.
     pub modulus: f64,
-    /// d: ln R with local friction by the local pressure, minus ln R as modelled; 0 if flat friction follows the area
+    /// ln R if local friction follows the local pressure, minus ln R as modelled; 0 if flat friction follows the area
     /// law.
     pub local_law: f64,
 }
@@ -97,7 +100,7 @@ impl Sensitivity {
 }
 
 impl Measured {
-    /// ln(measured / modelled).
+    /// Logarithm of the measured over the modelled ratio.
     pub fn log_excess(&self) -> f64 {
         libm::log(self.measured / self.modelled)
     }

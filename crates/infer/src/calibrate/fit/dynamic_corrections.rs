@@ -7,10 +7,12 @@ use super::layout::Layout;
 use crate::calibrate::flat_sample::{self, DynamicFlat, Pairs};
 use crate::calibrate::{FitError, Problem};
 
-/// Upper bound of |d ln delta / d ln(mu_d f)| / |delta - 1|: the excess over steady sliding grows no faster than the
-/// square root of friction (0.2 at most in `one_run_stands_for_all_at_its_load_and_speed`).
+/// Upper bound of |d ln delta / d ln(mu_d f)| / |delta - 1|, with delta = dynamic over steady friction, the local
+/// dynamic coefficient mu_d and the area factor f: the excess delta - 1 grows no faster than the square root of
+/// friction (0.2 at most in the test `one_run_stands_for_all_at_its_load_and_speed`).
 const MAX_EXCESS_SENSITIVITY: f64 = 0.5;
-/// Standard deviation of this ratio, for measurements that use the run of another measurement.
+/// Standard deviation of the ratio that `MAX_EXCESS_SENSITIVITY` bounds, for measurements that use the run of another
+/// measurement.
 pub const EXCESS_SENSITIVITY_STD: f64 = 0.2;
 
 /// Slope of the static peak against mu_s below which the peak is considered independent of mu_s: the noise of the two
@@ -23,14 +25,15 @@ const STATIC_STEP: f64 = 0.05;
 /// Results of dynamic runs, relative to the steady model.
 #[derive(Clone, Debug)]
 pub struct Corrections {
-    /// Dynamic over steady friction.
+    /// Dynamic over steady friction, one per measurement.
     pub delta: Vec<f64>,
+    /// Relative standard error of `delta`, one per measurement.
     pub relative_stderr: Vec<f64>,
-    /// Dependence of the static peak on mu_s, if a peak was measured.
+    /// Dependence of the static peak on mu_s, one per measurement; `None` if no peak was measured.
     pub peaks: Vec<Option<PeakLine>>,
 }
 
-/// The static peak near the current coefficients: peak = at_current + slope (mu_s - current).
+/// Static peak of the flat sample for mu_s near its current value: peak = at_current + slope (mu_s - current).
 #[derive(Clone, Copy, Debug)]
 pub struct PeakLine {
     pub at_current: f64,
@@ -38,13 +41,13 @@ pub struct PeakLine {
     pub current: f64,
 }
 
-/// Measurements whose peaks do not depend on mu_s.
+/// Indices of the measurements whose static peaks hardly depend on mu_s: their slope is below `MIN_SLOPE`.
 pub fn flat_peaks(peaks: &[Option<PeakLine>]) -> Vec<usize> {
     (0..peaks.len()).filter(|&i| peaks[i].is_some_and(|line| line.slope < MIN_SLOPE)).collect()
 }
 
-/// Replaces the slope of every peak by its mean over all rounds, which `slopes` accumulates by measurement. A slope
-/// from two peaks of one draw has an error as large as itself.
+/// Replaces the slope of every peak by its mean over all rounds, which `slopes` accumulates by measurement. A single
+/// slope comes from two runs with one draw of the local coefficients, and its error is as large as the slope.
 pub fn average_slopes(peaks: &mut [Option<PeakLine>], slopes: &mut [Vec<f64>]) {
     for (line, slopes) in peaks.iter_mut().zip(slopes) {
         let Some(line) = line else { continue };
@@ -53,8 +56,8 @@ pub fn average_slopes(peaks: &mut [Option<PeakLine>], slopes: &mut [Vec<f64>]) {
     }
 }
 
-/// Gives peaks that do not depend on mu_s the mean slope of the others. Far from the solution, the peak of one draw may
-/// fall while mu_s rises, which is not typical.
+/// Replaces slopes below `MIN_SLOPE` by the mean of the other slopes. Far from the solution, one draw of the local
+/// coefficients may give a slope that is not typical, even a negative one.
 pub fn borrow_slopes(peaks: &mut [Option<PeakLine>]) {
     let slopes: Vec<f64> = peaks.iter().flatten().map(|line| line.slope).filter(|slope| *slope >= MIN_SLOPE).collect();
     let mean = slopes.iter().sum::<f64>() / slopes.len().max(1) as f64;
@@ -64,7 +67,8 @@ pub fn borrow_slopes(peaks: &mut [Option<PeakLine>]) {
 }
 
 impl Corrections {
-    /// Upper bound of the relative change of delta, from the parameters of the runs to other parameters.
+    /// Upper bound over all measurements of the relative change of delta (dynamic over steady friction) between two
+    /// sets of parameters, first those of the runs.
     pub fn moved(&self, problem: &Problem, layout: &Layout, parameters: [&[f64]; 2]) -> Result<f64, FitError> {
         let laws = [layout.law(problem, parameters[0])?.0, layout.law(problem, parameters[1])?.0];
         let moved = (0..problem.measurements.len()).map(|i| {
@@ -80,7 +84,7 @@ impl Corrections {
     }
 }
 
-/// Dynamic runs at `parameters`, and with slightly larger mu_s if peaks were measured.
+/// Corrections from dynamic runs at `parameters`, and at slightly larger mu_s if peaks were measured.
 pub fn correct(
     problem: &Problem,
     layout: &Layout,
@@ -92,8 +96,9 @@ pub fn correct(
     Ok(runs.corrections(peaks))
 }
 
-/// Dynamic runs at the fitted `parameters`, if any peaks were fitted: delta depends on mu_s, and the fit used the delta
-/// before its last step. The slopes of the peaks are kept.
+/// Corrections from dynamic runs at the fitted `parameters` if any peaks were fitted, because delta depends on mu_s,
+/// and the fit used delta from before its last step. Keeps the slopes of the peaks. Returns `fitted` if there are no
+/// peaks.
 pub fn confirm(
     problem: &Problem,
     layout: &Layout,
@@ -145,7 +150,8 @@ impl Runs {
     }
 }
 
-/// Slopes of all measured static peaks, from runs with slightly larger mu_s.
+/// Dependence of each measured static peak on mu_s, from runs with slightly larger mu_s; `None` where no peak was
+/// measured.
 fn peak_lines(runs: &Runs) -> Result<Vec<Option<PeakLine>>, FitError> {
     let Runs { problem, pairs, representatives, dynamic, .. } = runs;
     if dynamic.iter().all(|d| d.mu_static.is_none()) {

@@ -9,24 +9,24 @@ use crate::calibrate::{FitError, Measurement, Problem, flat_sample};
 /// Largest ratio of static peak to dynamic friction that the modelled flat sample shows. At 0.64 MPa on the default
 /// layer the ratio is 1.03 for mu_s / mu_d = 1.2, 1.4 for 2 and 1.83 for 3, and decreases beyond.
 const MAX_PEAK_RATIO: f64 = 2.0;
-/// Excess of the static peak over dynamic friction below which it hardly determines mu_s. At 0.64 MPa on the default
-/// layer the model shows 0.0016 for mu_s / mu_d = 1 and 0.004 for 1.1, so that the relative error of mu_s is ten times
-/// that of the peak or more.
+/// Relative excess of the static peak over dynamic friction below which the peak hardly determines mu_s. At 0.64 MPa on
+/// the default layer the model shows 0.0016 for mu_s / mu_d = 1 and 0.004 for 1.1, so that the relative error of mu_s
+/// is ten times that of the peak or more.
 const MIN_EXCESS: f64 = 5e-3;
-/// Excess of the static peak over dynamic friction, with the local mu_s / mu_d for which the model shows it at 0.64
-/// MPa.
+/// Pairs of the relative excess of the static peak over dynamic friction and the local mu_s / mu_d for which the model
+/// shows this excess at 0.64 MPa.
 const PEAK_TABLE: [[f64; 2]; 4] = [[0.004, 1.1], [0.03, 1.2], [0.4, 2.0], [0.83, 3.0]];
-/// Maximum planned number of time steps for a measurement without a static peak. A run may be extended by this factor
-/// until its mean is known, and must not exceed the limit then.
+/// Maximum planned number of time steps for a measurement without a static peak. A run may be extended by the factor
+/// `MAX_EXTENSION_FOR_STDERR` until its mean is known, and must not exceed `MAX_STEPS` then.
 const MAX_PLANNED_STEPS: u64 = MAX_STEPS / MAX_EXTENSION_FOR_STDERR;
 /// Maximum number of time steps in one round: ten of the longest runs, about ten hours.
 const MAX_ROUND_STEPS: u64 = 10 * MAX_STEPS;
 
-/// Maximum number of coefficients. Time and memory of their covariance and profiles grow with the fourth and second
-/// power of the number, and reach half an hour here.
+/// Maximum number of coefficients. Covariance and profiles take a time that grows with the fourth power of this number,
+/// half an hour at this limit, and memory that grows with its square.
 const MAX_COEFFICIENTS: usize = 250;
-/// Range of delta for which dynamic runs resemble steady sliding. At 10 Pa and 2 mm/s, where the inertia of the layer
-/// exceeds friction, delta is 0.46.
+/// Range of delta, dynamic over steady friction, for which dynamic runs resemble steady sliding. At 10 Pa and 2 mm/s,
+/// where the inertia of the layer exceeds friction, delta is 0.46.
 const DELTA_RANGE: [f64; 2] = [0.5, 1.5];
 
 /// Approximate local `mu_s` / `mu_d` for a flat sample with this ratio of static peak to dynamic friction: linear
@@ -41,7 +41,8 @@ pub fn local_static_over_dynamic(peak_over_dynamic: f64) -> Option<f64> {
     (excess >= MIN_EXCESS).then(|| PEAK_TABLE.windows(2).find_map(between).unwrap_or(highest))
 }
 
-/// Refuses dynamic runs that are unrelated to steady sliding.
+/// Returns [`FitError::NotQuasiStatic`] for the first of `deltas`, dynamic over steady friction, that is outside
+/// `DELTA_RANGE`.
 pub fn check_deltas(deltas: &[f64]) -> Result<(), FitError> {
     match (1..).zip(deltas).find(|(_, delta)| !(DELTA_RANGE[0]..=DELTA_RANGE[1]).contains(*delta)) {
         Some((number, &delta)) => Err(FitError::NotQuasiStatic { number, delta }),
@@ -49,7 +50,7 @@ pub fn check_deltas(deltas: &[f64]) -> Result<(), FitError> {
     }
 }
 
-/// Removes static peaks that do not exceed dynamic friction; returns a warning for each.
+/// Removes static peaks that exceed dynamic friction by less than `MIN_EXCESS`; returns a warning for each.
 pub fn drop_hidden_peaks(problem: &Problem) -> (Problem, Vec<String>) {
     let mut problem = problem.clone();
     let mut notes = Vec::new();
@@ -136,7 +137,7 @@ pub fn check_speeds(elastic: &Elastic, area_m2: f64, measurements: &[Measurement
     Ok(())
 }
 
-/// Approximate number of time steps of a lattice of 20,000 blocks per second on one core.
+/// Approximate number of time steps per second on one core, for a lattice of 20,000 blocks.
 const STEPS_PER_SECOND: f64 = 1e4;
 
 /// Approximate time, in seconds, of `steps` time steps of the flat sample on one core.

@@ -12,7 +12,8 @@ pub(super) const FRICTION_BOUNDS: [f64; 2] = [1e-3, 5.0];
 /// middle.
 pub const STATIC_OVER_DYNAMIC: [f64; 2] = [0.9, 3.5];
 
-/// Indices of the parameters: mu_d and, if fitted, mu_s of each measurement, and the scale.
+/// Indices of the parameters of a fit: for each measurement the local coefficients mu_d and, if fitted, mu_s; and the
+/// scale of the area law.
 pub(super) struct Layout {
     pub(super) dynamic: Vec<usize>,
     pub(super) fixed_static: Vec<Option<usize>>,
@@ -59,7 +60,7 @@ impl Layout {
         bounds
     }
 
-    /// Area law for the parameters, and the logarithm of its scale.
+    /// Area law for the parameters, and the logarithm of its scale in pascals, which is 0 if the law is given.
     pub(super) fn law(&self, problem: &Problem, parameters: &[f64]) -> Result<(Option<AreaLaw>, f64), FitError> {
         let log_scale = self.log_scale.map_or(0.0, |number| parameters[number]);
         Ok((problem.law_at(log_scale.exp())?, log_scale))

@@ -6,9 +6,9 @@ use crate::calibrate::{Coefficients, FitError};
 
 /// Increase of chi-square at the ends of a 95 % interval of one parameter.
 const LEVEL: f64 = 3.841_458_8;
-/// Number of points on each side of the fit.
+/// Number of points of a profile on each side of the fitted value.
 const POINTS: usize = 12;
-/// Range on each side, in standard errors.
+/// Extent of a profile on each side of the fitted value, in standard errors.
 const REACH: f64 = 3.5;
 
 /// Computes all parameters with their profiles.
@@ -54,8 +54,8 @@ fn parameter(model: &Model<'_>, solution: &Solution, number: usize) -> Result<Pa
     })
 }
 
-/// Parameter at which the profile first reaches the level. Between points the root of the increase is interpolated
-/// linearly, which is exact for a parabola.
+/// Value of the parameter at which the profile on one side of the fitted `value` first reaches [`LEVEL`]; `None` if it
+/// does not. Between points the square root of the increase is interpolated linearly, which is exact for a parabola.
 fn crossing(value: f64, points: &[[f64; 2]]) -> Option<f64> {
     let mut last = [value, 0.0];
     for &[x, rise] in points {

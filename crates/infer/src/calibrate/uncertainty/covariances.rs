@@ -6,8 +6,9 @@ use slipgrid_model::springblock::Load;
 /// Covariance matrix as rows.
 pub type Covariance = Vec<Vec<f64>>;
 
-/// Covariance of the relative errors of flat friction mu_d f at `loads` and of the logarithm of the law's scale, from
-/// the covariance `known` of mu_d and the scale: d ln(mu_d f) = d ln(mu_d) + (d ln f / d ln s) d ln s.
+/// Covariance of the relative errors of flat friction mu_d f (local coefficient times area factor) at `loads` and,
+/// last, of the logarithm of the law's scale s. `known` is the covariance of ln mu_d and ln s:
+/// d ln(mu_d f) = d ln(mu_d) + (d ln f / d ln s) d ln s.
 ///
 /// # Errors
 /// [`MaterialError`] if the law cannot be shifted.

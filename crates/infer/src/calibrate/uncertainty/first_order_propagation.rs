@@ -1,6 +1,6 @@
 //! First-order propagation of standard deviations: slopes of the steady ratio times the errors of the inputs. The ratio
-//! is nonlinear in Young's modulus, which has errors of up to a fifth; therefore intervals are computed from solves at
-//! 1 and 1.96 standard deviations on both sides, and are asymmetric.
+//! is nonlinear in Young's modulus, whose error may be a fifth of the value; therefore intervals are computed from
+//! solves at 1 and 1.96 standard deviations on both sides, and are asymmetric.
 
 use slipgrid_base::statistics::NORMAL_95;
 use slipgrid_model::material::{AreaLaw, LocalFriction, MaterialError};
@@ -24,11 +24,11 @@ struct Slope {
 /// steady cell.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Slopes {
-    /// One per load; `None` if a neighbour cannot be computed.
+    /// Slopes, one entry per load; `None` if the ratio cannot be computed at one of the shifted inputs.
     by_load: Vec<Option<Slope>>,
     has_law_errors: bool,
-    /// Changes of the ratio for deviations [`BENT_DEVIATIONS`] of Young's modulus, one list per load; empty if its error is not
-    /// known or a neighbour cannot be computed.
+    /// Changes of the ratio for deviations [`BENT_DEVIATIONS`] of Young's modulus, one list per load; empty if the
+    /// error of the modulus is not known or a ratio cannot be computed.
     bends: Vec<[f64; 4]>,
 }
 
@@ -53,7 +53,8 @@ pub struct Deviation {
 }
 
 impl Deviation {
-    /// Deviation of the flat surface's friction `mu_flat` at load number `load`.
+    /// Deviation of the flat surface's friction `mu_flat` at the load with index `load`; zero if its error is not
+    /// known.
     pub fn of_flat(load: usize, mu_flat: f64, knowledge: &InputUncertainty) -> Self {
         let friction = knowledge.flat_friction.as_ref().and_then(|all| all.get(load));
         friction.map_or_else(Self::default, |variance| {
@@ -76,7 +77,8 @@ pub struct Deviations {
 }
 
 impl Slopes {
-    /// Cost of [`Self::new`]: two cells along each input, and five for the second order of the modulus, two at a time.
+    /// Cost of [`Self::new`]: two steady cells for each uncertain input, and five for the second order of the modulus,
+    /// two at a time.
     pub fn expense(scene: &Scene, knowledge: &InputUncertainty) -> Expense {
         let Some(pattern) = &scene.pattern else { return Expense::default() };
         let is_known = |variance: f64| variance > 0.0;
@@ -143,16 +145,17 @@ impl Slopes {
         Self { by_load: (0..count).map(slope).collect(), has_law_errors, bends }
     }
 
-    /// g = d ln r / d ln E for modelled `ratios`, one per load; 0 if the error of the modulus is not known, or the law
-    /// does not depend on it.
+    /// Derivatives d ln(ratio) / d ln(E) for modelled `ratios`, one per load, with Young's modulus E; 0 if the error of
+    /// the modulus is not known, or the law does not depend on it.
     pub fn modulus_sensitivity(&self, ratios: &[f64], knowledge: &InputUncertainty) -> Vec<f64> {
         let moves = knowledge.scale.as_ref().is_some_and(|scale| !scale.is_fitted);
         let slopes = self.by_load.iter().map(|slope| slope.filter(|_| moves).map_or(0.0, |slope| slope.scale));
         slopes.zip(ratios).map(|(slope, ratio)| slope / ratio).collect()
     }
 
-    /// Deviations at load number `load`, for a modelled `ratio` on a flat surface that slides at `mu_flat`; `None` if
-    /// the slopes are not known. With a discrepancy in `knowledge`, ratio and friction are multiplied by its factor.
+    /// Deviations at the load with index `load`, for a modelled `ratio` on a flat surface that slides at `mu_flat`;
+    /// `None` if the slopes are not known. With a discrepancy in `knowledge`, ratio and friction are multiplied by its
+    /// factor.
     pub fn deviations(
         &self,
         load: usize,
@@ -229,7 +232,8 @@ impl Slopes {
     }
 }
 
-/// Steady cell of `scene`; in three dimensions with blocks twice as large if possible, to which slopes are insensitive.
+/// Scene of the steady cell of `scene`; in three dimensions with blocks twice as large if possible, which hardly
+/// changes slopes.
 pub(super) fn steady_cell(scene: &Scene, pattern: &Pattern) -> Scene {
     const COARSER: usize = 2;
     const MIN_BLOCKS: f64 = 4.0;
@@ -302,8 +306,8 @@ pub(super) fn with_law(scene: Scene, law: Option<AreaLaw>, friction: &[f64]) -> 
     Ok(Scene { area_law: law, loads, ..scene })
 }
 
-/// Changes of the steady ratios of `pattern` for deviations [`BENT_DEVIATIONS`] of Young's modulus with the relative error
-/// `relative_std`; `None` if one cannot be computed.
+/// Changes of the steady ratios of `pattern`, one list per load, for deviations [`BENT_DEVIATIONS`] of Young's modulus
+/// with the relative error `relative_std`; `None` if a ratio cannot be computed.
 fn bends(cell: &Scene, pattern: &Pattern, relative_std: f64) -> Option<Vec<[f64; 4]>> {
     let zeros = vec![0.0; cell.loads.len()];
     let at = |reach: f64| -> Option<Vec<f64>> {
@@ -317,7 +321,8 @@ fn bends(cell: &Scene, pattern: &Pattern, relative_std: f64) -> Option<Vec<[f64;
     Some((0..own.len()).map(|load| [0, 1, 2, 3].map(|place| all[place][load] - own[load])).collect())
 }
 
-/// Steady ratios of `pattern` in the shifted cell.
+/// Steady ratios of `pattern` in `cell` with inputs shifted as by [`moved`], one per load; `None` for a load without a
+/// solution.
 fn ratios(
     cell: &Scene,
     pattern: &Pattern,

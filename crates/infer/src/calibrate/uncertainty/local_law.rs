@@ -27,13 +27,13 @@ use super::first_order_propagation::{steady_cell, with_law};
 use super::material_uncertainty::{mean, shares};
 use crate::calibrate::{CalibrationTask, Coefficients, Measurement};
 
-/// Number of linear parts of f_c between two measured loads, and beyond the last. Between loads c and f are linear, and
-/// their product is slightly curved.
+/// Number of linear parts of the local law f_c between two measured loads, and above the heaviest load. Between loads
+/// the coefficient c and the area factor f are linear, and their product is slightly curved.
 const PARTS: usize = 8;
 /// Relative difference below which two pressures are equal.
 const SAME_PRESSURE: f64 = 1e-9;
-/// Minimum decrease of ln f over the measured loads; with a smaller one, errors of measured friction would determine
-/// the missing fraction.
+/// Lower limit for the decrease of ln f over the measured loads in the exponent s; with a smaller decrease, errors of
+/// measured friction would determine s.
 const MIN_FALL: f64 = 0.05;
 /// Minimum range of the table of f_c, as a multiple of the heaviest measured load: edges of cavities carry ten times
 /// the nominal pressure.
@@ -72,8 +72,8 @@ pub(crate) fn flat_friction(task: &CalibrationTask) -> Vec<CoefficientEstimate> 
     conditions.into_iter().flat_map(sorted).collect()
 }
 
-/// Computes f_c from the `area_law` and the measured `flat` friction under `condition`; `None` if c is the same at all
-/// loads, for example with one measurement.
+/// Computes the law f_c of local pressure from the `area_law` and the measured `flat` friction under `condition`;
+/// `None` if the local coefficient c is the same at all loads, for example with one measurement.
 pub fn local_law(area_law: &AreaLaw, flat: &[CoefficientEstimate], condition: Option<&Condition>) -> Option<AreaLaw> {
     let coefficient = |known: &CoefficientEstimate| {
         let factor = known.pressure_pa.map_or(1.0, |pressure_pa| area_law.factor(pressure_pa));

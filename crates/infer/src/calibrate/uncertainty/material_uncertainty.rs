@@ -16,7 +16,8 @@ pub struct MaterialUncertainty {
     pub static_friction: Vec<CoefficientEstimate>,
     /// Dynamic over steady friction of the flat sample; empty if the file has none.
     pub dynamic_over_steady: Vec<CoefficientEstimate>,
-    /// Whether the file has standard errors at the given area law in addition to those that include its errors.
+    /// Whether the file has two standard errors for each dynamic coefficient: for the given area law, and including the
+    /// errors of the area law.
     pub has_marginal_errors: bool,
     /// Relative standard deviation of Young's modulus.
     pub modulus_relative_std: Option<f64>,
@@ -24,7 +25,8 @@ pub struct MaterialUncertainty {
     pub law_is_fitted: bool,
     /// Whether the law is measured flat friction, so that it does not depend on the modulus.
     pub law_is_measured: bool,
-    /// Covariance of the relative error of mu_d and of the logarithm of the fitted scale, if both are known.
+    /// Covariance matrix of the relative error of the local dynamic coefficient mu_d and of the logarithm of the area
+    /// law's fitted scale, in this order; `None` if it is not known.
     pub scale_covariance: Option<[[f64; 2]; 2]>,
     /// Measured dynamic friction of flat samples, which may contradict an area law from contact area; empty if the file has none.
     pub flat_friction: Vec<CoefficientEstimate>,
@@ -60,10 +62,10 @@ impl MaterialUncertainty {
         }
     }
 
-    /// Covariance of the relative errors of mu_d at `pressures_pa` for each of `conditions`, one condition after the
-    /// other. Fitted coefficients are independent. A value interpolated between two of them shares their errors and is
-    /// no more accurate than they are. If one pair holds for all loads, or for all conditions, errors are fully
-    /// correlated. `None` if the file has no standard errors for a condition.
+    /// Covariance of the relative errors of the local dynamic coefficient at `pressures_pa` for each of `conditions`,
+    /// one condition after the other. Fitted coefficients are independent. A value interpolated between two of them
+    /// shares their errors and is no more accurate than they are. If one pair holds for all loads, or for all
+    /// conditions, errors are fully correlated. `None` if the file has no standard errors for a condition.
     pub fn friction_covariance(&self, pressures_pa: &[f64], conditions: &[Option<Condition>]) -> Option<Covariance> {
         covariance(&self.friction, pressures_pa, conditions)
     }
@@ -145,7 +147,7 @@ impl MaterialUncertainty {
 }
 
 /// Weights of the `known` coefficients in the coefficient at each of `pressures_pa` under `condition`, one row per
-/// pressure.
+/// pressure. `None` if nothing is known, or `condition` is outside the known conditions.
 pub(super) fn shares(
     known: &[CoefficientEstimate],
     pressures_pa: &[f64],
@@ -171,13 +173,13 @@ pub(super) fn shares(
     pressures_pa.iter().map(at).collect()
 }
 
-/// Weighted mean of the `known` coefficients.
+/// Mean of the `known` coefficients with the weights `row`.
 pub(super) fn mean(row: &[f64], known: &[CoefficientEstimate]) -> f64 {
     row.iter().zip(known).map(|(share, known)| share * known.value).sum()
 }
 
 /// Covariance of the relative errors of the `known` coefficients at `pressures_pa` for each of `conditions`, one
-/// condition after the other.
+/// condition after the other. `None` as for [`shares`].
 fn covariance(
     known: &[CoefficientEstimate],
     pressures_pa: &[f64],

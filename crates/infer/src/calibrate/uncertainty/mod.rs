@@ -7,8 +7,9 @@
 //! | [`Slopes`] | sensitivity of the ratio to each uncertain number |
 //! | [`Deviations`] | standard deviations of ratio, friction and flat friction at one load, with their contributions |
 //!
-//! Flat friction mu_flat = mu_d f(P) is the measured quantity. If the area law changes, for example with Young's
-//! modulus, mu_d changes and mu_flat stays. The remaining error of a ratio comes from the edges of cavities.
+//! Flat friction mu_flat = mu_d f(P), local coefficient times area factor, is the measured quantity. If the area law
+//! changes, for example with Young's modulus, mu_d changes and mu_flat stays. The remaining error of a ratio comes from
+//! the edges of cavities.
 
 mod covariances;
 mod first_order_propagation;
@@ -38,7 +39,7 @@ pub struct InputUncertainty {
     pub discrepancy: Option<Vec<DiscrepancyAt>>,
 }
 
-/// Error of Young's modulus or of the fitted pressure scale; both shift the area law along the pressure.
+/// Error of Young's modulus or of the fitted pressure scale; both shift the area law along the pressure axis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ScaleError {
     /// Whether the scale was fitted to flat friction; otherwise this is the error of the modulus.
@@ -51,7 +52,7 @@ pub struct ScaleError {
 
 impl ScaleError {
     /// Error of Young's modulus with the standard deviation `log_std` of its logarithm. Flat friction, which is
-    /// measured, is independent of it.
+    /// measured, is independent of the modulus. `loads` is the number of loads.
     pub fn of_modulus(log_std: f64, loads: usize) -> Self {
         Self { is_fitted: false, variance: log_std * log_std, with_friction: vec![0.0; loads] }
     }
@@ -65,14 +66,14 @@ pub struct DiscrepancyAt {
     pub factor: f64,
     /// Standard deviation of the logarithm of this factor.
     pub log_std: f64,
-    /// Distances from the median to the lower and upper end of the 68 % interval, of the logarithm.
+    /// Distances, in the logarithm, from the median to the lower and upper end of the 68 % interval.
     pub log_reach_68: [f64; 2],
-    /// Distances from the median to the ends of the 95 % interval, of the logarithm.
+    /// Distances, in the logarithm, from the median to the lower and upper end of the 95 % interval.
     pub log_reach_95: [f64; 2],
 }
 
 impl DiscrepancyAt {
-    /// Converts `prediction` at each load.
+    /// Converts `prediction` to one value per load.
     pub fn each(prediction: &Prediction) -> Vec<Self> {
         let at = |(load, median): (usize, f64)| {
             let reach = |outside: f64| {
@@ -91,7 +92,7 @@ impl DiscrepancyAt {
 pub enum Source {
     /// Dynamic friction of the flat sample.
     FlatFriction,
-    /// Young's modulus, which shifts the area law along the pressure.
+    /// Young's modulus, which shifts the area law along the pressure axis.
     Modulus,
     /// The pressure scale of the area law, fitted to flat friction.
     FittedScale,
@@ -102,7 +103,7 @@ pub enum Source {
 }
 
 impl Source {
-    /// Name in reports.
+    /// Name of the source in reports.
     pub const fn name(self) -> &'static str {
         match self {
             Self::FlatFriction => "flat friction",

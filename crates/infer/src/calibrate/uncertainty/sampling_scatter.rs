@@ -2,7 +2,8 @@
 
 use slipgrid_model::springblock::{LoadOutcome, SurfaceOutcome};
 
-/// Relative standard deviations between runs with different draws; `None` if a run has no friction.
+/// Relative standard deviations between runs with different draws of the local coefficients; `None` if a run has no
+/// friction.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SamplingScatter {
     /// Scatter of the ratio.
@@ -29,14 +30,15 @@ pub fn sampling_scatter(load: &LoadOutcome, scatter: f64) -> SamplingScatter {
     SamplingScatter { ratio: own.zip(flat).map(|(own, flat)| std(own - flat)), mu: own.map(std), flat: flat.map(std) }
 }
 
-/// sum w_i^2: the inverse of the effective number of blocks that carry friction.
+/// Sum of w_i^2, with the share w_i of each block in friction: the inverse of the effective number of blocks that carry
+/// friction. `None` without friction.
 fn concentration(surface: &SurfaceOutcome) -> Option<f64> {
     let total: f64 = surface.interface.iter().map(|point| point.friction_pa).sum();
     let square: f64 = surface.interface.iter().map(|point| (point.friction_pa / total).powi(2)).sum();
     (square.is_finite() && square > 0.0).then_some(square)
 }
 
-/// sum w_i^2 of a uniform surface.
+/// Sum of w_i^2 for a flat surface, whose n blocks carry equal shares: 1/n. `None` without blocks.
 fn concentration_of_flat(surface: &SurfaceOutcome) -> Option<f64> {
     (!surface.interface.is_empty()).then(|| 1.0 / surface.interface.len() as f64)
 }
