@@ -10,7 +10,7 @@ use crate::search::Search;
 
 /// Minimum chance at which a series is advised.
 const SERIES: f64 = 0.9;
-/// Two textures are near each other if no length differs by more than this factor.
+/// Maximum factor between any length of two textures that are near each other.
 const NEARBY: f64 = 1.5;
 
 /// Recommended next action.
@@ -18,7 +18,7 @@ const NEARBY: f64 = 1.5;
 pub enum Advice {
     /// Cut a series: the chance is high and a trial of a similar texture confirms it.
     Series,
-    /// Cut a trial: the trial teaches more than a series would.
+    /// Cut a trial: the chance is too low for a series, or no trial of a similar texture exists.
     Trial,
     /// Cut nothing new: the trial with this name and texture is on target.
     TrialMeetsIt(String),
@@ -54,7 +54,7 @@ impl Advice {
         if best.chance() >= SERIES && is_nearby { Self::Series } else { Self::Trial }
     }
 
-    /// Name of the advice in files.
+    /// Name of the advice in result files.
     pub const fn name(&self) -> &'static str {
         match self {
             Self::Series => "series",
@@ -88,14 +88,15 @@ impl Advice {
     }
 }
 
-/// Name of `trial` in quotes, with its lengths.
+/// Name of `trial` in quotes, with width, spacing and depth in micrometres.
 fn named(trial: &Trial) -> String {
     let Features { width_m, pitch_m, depth_m, .. } = trial.features;
     let lengths_um = [width_m, pitch_m - width_m, depth_m].map(|length_m| length_in_words(tidy(1e6 * length_m)));
     format!("\"{}\" (width/spacing/depth {} um)", trial.name, lengths_um.join("/"))
 }
 
-/// Whether `trial` was cut with a texture similar to the one with the features `of`.
+/// Whether width, pitch and depth of `trial` differ from those of the texture with the features `of` by at most
+/// the factor [`NEARBY`].
 fn is_near(trial: &Trial, of: &Features) -> bool {
     let near = |own: fn(&Features) -> f64| (own(&trial.features) / own(of)).ln().abs() <= NEARBY.ln();
     near(|of| of.width_m) && near(|of| of.pitch_m) && near(|of| of.depth_m)

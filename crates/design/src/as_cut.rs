@@ -1,5 +1,5 @@
-//! Texture as its samples are cut, at one of three accuracies: interpolated, solved, or solved with its own ends, tilt
-//! and time.
+//! Texture as its samples are cut, at one of three accuracies: interpolated, solved, or solved with ends, tilt and
+//! dynamic run of the texture itself.
 
 use std::sync::Arc;
 
@@ -24,7 +24,7 @@ pub enum Known {
     Interpolated,
     /// Solved by the model in the smallest possible blocks, with all input uncertainties.
     Solved,
-    /// Solved with ends and tilt of this texture, and in the plane with a run in time of this texture.
+    /// Solved with ends and tilt of this texture, and in the plane with a dynamic run of this texture.
     AsCut,
 }
 
@@ -36,17 +36,18 @@ pub struct CutTexture {
     pub known: Known,
     /// Modelled ratio at each load.
     pub ratio: Vec<f64>,
-    /// Sensitivity of ln R at each load to inputs that all textures share.
+    /// Sensitivity of ln R, R the ratio, at each load to inputs that all textures share.
     pub sensitivity: Vec<Sensitivity>,
-    /// Covariance of ln R that all samples share, without the discrepancy, loads x loads; empty if unknown.
+    /// Covariance of ln R by errors that all samples share, without the discrepancy, loads x loads, row by row; empty
+    /// if unknown.
     pub covariance: Vec<f64>,
-    /// Errors that are independent between samples.
+    /// Errors that are independent between samples, with the changes of ln R by them.
     pub dimension_shifts: Vec<DimensionShift>,
     /// Inputs that the covariance and the shifts are composed of; empty if interpolated.
     pub parts: Vec<Part>,
-    /// Largest violation of a limit, relative to the limit: 0 if all limits hold.
+    /// Sum of the violations of limits, each relative to its limit: 0 if all limits hold.
     pub excess: f64,
-    /// Run in time of this texture, if there is one.
+    /// Dynamic run of this texture, if there is one.
     pub run: Option<Arc<Simulation>>,
 }
 
@@ -74,13 +75,13 @@ impl CutTexture {
         self
     }
 
-    /// Shifts the logarithm of each ratio by the elements of `by`.
+    /// Adds the elements of `by` to the logarithms of the ratios; an empty `by` changes nothing.
     pub fn moved(mut self, by: &[f64]) -> Self {
         self.ratio.iter_mut().zip(by).for_each(|(ratio, by)| *ratio *= by.exp());
         self
     }
 
-    /// Input to the prediction of the discrepancy.
+    /// Borrows the data from which a predictor computes the discrepancy of the texture.
     pub fn candidate(&self) -> Candidate<'_> {
         Candidate {
             features: self.features,
@@ -92,8 +93,8 @@ impl CutTexture {
     }
 }
 
-/// Returns the covariance of all `parts` that samples share and the errors that are independent between samples, without
-/// the part at index `without`.
+/// Sums up `parts` without the part at index `without`: returns the covariance of ln R from errors that all samples
+/// share, and the errors that are independent between samples.
 pub fn sums(parts: &[Part], without: Option<usize>) -> (Vec<f64>, Vec<DimensionShift>) {
     let (mut covariance, mut shifts) = (Vec::new(), Vec::new());
     for (_, part) in parts.iter().enumerate().filter(|(place, _)| Some(*place) != without) {
@@ -106,14 +107,15 @@ pub fn sums(parts: &[Part], without: Option<usize>) -> (Vec<f64>, Vec<DimensionS
     (covariance, shifts)
 }
 
-/// Differences between samples and their cells: ends of strips, tilt of the pressure and sliding in time, computed per
-/// texture.
+/// Differences between samples and their cells, computed per texture: effects of the ends of strips, of the tilt of the
+/// pressure and of sliding in time.
 pub struct BeyondCells<'a> {
     pub model: &'a SteadyModel<'a>,
     /// Face of the specimen; `None` if samples are sectors of one specimen.
     pub face: Option<Specimen>,
-    /// Number of loads of the first condition; the shifts of other conditions are assumed equal to these.
+    /// Number of loads of the first condition; changes of the ratio at other conditions are assumed equal.
     pub count: usize,
+    /// Seed of the local coefficients.
     pub seed: u64,
 }
 
@@ -125,16 +127,16 @@ impl BeyondCells<'_> {
         scene
     }
 
-    /// Change of the logarithm of each of `ratios` by `run`, the specimen in time; `None` if the run has a load without a
-    /// ratio.
+    /// Change of the logarithm of each of `ratios` by `run`, a dynamic run of the specimen; `None` unless the run has a
+    /// trusted ratio at every load of the first condition.
     pub fn by_run(&self, ratios: &[f64], run: &Simulation) -> Option<Vec<f64>> {
         let of_run: Vec<f64> =
             run.loads.iter().map(|load| load.ratio().filter(|_| load.is_trusted())).collect::<Option<_>>()?;
         (of_run.len() == self.count).then(|| self.log_shifts(ratios, &|load| of_run[load] - ratios[load]))
     }
 
-    /// Change of the logarithm of each of `ratios`, one per load of every condition, when `added` is added to the ratios
-    /// of the first condition.
+    /// Change of the logarithm of each of `ratios`, one per load of every condition, if `added(load)`, `load` counting
+    /// the loads of one condition, is added to the ratios of every condition.
     fn log_shifts(&self, ratios: &[f64], added: &dyn Fn(usize) -> f64) -> Vec<f64> {
         let shift = |(load, ratio): (usize, &f64)| (added(load % self.count) / ratio).max(-0.5).ln_1p();
         ratios.iter().enumerate().map(shift).collect()
@@ -156,7 +158,8 @@ impl BeyondCells<'_> {
         self.log_shifts(ratios, &|load| on_face.as_ref().and_then(|on_face| on_face.added(load)).unwrap_or(0.0))
     }
 
-    /// Change of the logarithms of `ratios` of `pattern` by sliding in time; zeros in space and if a run gives no ratio.
+    /// Change of the logarithms of `ratios` of `pattern` by sliding in time; empty, as no change, in space and if the
+    /// run gives no ratio.
     pub fn by_time(&self, pattern: &Pattern, ratios: &[f64], monitor: &dyn Monitor) -> Vec<f64> {
         let scene = self.scene(pattern);
         let timed = Scene {

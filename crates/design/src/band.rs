@@ -11,9 +11,9 @@ use crate::sensitivities::loads_of;
 use crate::steady_model::SteadyModel;
 use crate::task::DesignTask;
 
-/// Tolerance for equal conditions of trial and task: relative for speed, absolute for humidity. Pressures are equal within
-/// [`END_MARGIN`], as where a material was measured.
+/// Relative difference up to which the speeds of trial and task are equal. Pressures are equal within [`END_MARGIN`].
 const SAME_SPEED: f64 = 0.02;
+/// Difference up to which the relative humidities of trial and task, from 0 to 1, are equal.
 const SAME_HUMIDITY: f64 = 0.02;
 
 /// Accepted values at one load of one condition.
@@ -21,7 +21,7 @@ const SAME_HUMIDITY: f64 = 0.02;
 pub struct Band {
     /// Pressure, speed and humidity.
     pub load: Load,
-    /// Sliding direction, if there are several.
+    /// Sliding direction, in degrees, if the target has several.
     pub sliding_angle_deg: Option<f64>,
     /// Factor from a ratio to the quantity of the target: 1, or dynamic friction of the flat surface.
     pub flat: f64,
@@ -29,7 +29,7 @@ pub struct Band {
     pub accepted: [Option<f64>; 2],
     /// Half the width of the accepted band, or the margin of a single limit; `None` if nothing is demanded.
     pub tolerance: Option<f64>,
-    /// Weight of this pressure in the mean of a goal.
+    /// Weight of this pressure in the mean that a goal optimizes.
     pub weight: f64,
 }
 
@@ -45,6 +45,7 @@ pub struct Asked {
     pub goal: Option<Goal>,
     /// Number of loads of one condition.
     pub count: usize,
+    /// Discrepancy as learned from the trials of the material.
     pub learned: Discrepancy,
 }
 
@@ -52,7 +53,7 @@ impl Asked {
     /// Builds the requirements of `task` at the loads of `model`.
     ///
     /// # Errors
-    /// [`DesignError`] for trials that mean nothing.
+    /// [`DesignError`] if the trials of the material are invalid.
     pub fn new(
         task: &DesignTask,
         material: &MaterialUncertainty,
@@ -101,7 +102,7 @@ impl Asked {
         self.bands.iter().any(|band| band.accepted.iter().any(Option::is_some))
     }
 
-    /// Whether every one of `ratios` is accepted.
+    /// Whether `ratios`, one per load, are all accepted.
     pub fn accepts(&self, ratios: &[f64]) -> bool {
         let Wanted { lower, upper } = &self.wanted;
         ratios.iter().zip(lower.iter().zip(upper)).all(|(ratio, (lower, upper))| (lower..=upper).contains(&ratio))
@@ -113,8 +114,8 @@ impl Asked {
         distribution.has_medians_within(&lower, &upper)
     }
 
-    /// Largest distance of `ratios` from the middle of the accepted band, in tolerances; for a single limit the distance
-    /// beyond the limit.
+    /// Largest distance of `ratios` from the middle of the accepted band, in tolerances. For a single limit it is 1 at
+    /// the limit, 0 from one tolerance inside, and grows outside.
     pub fn misfit(&self, ratios: &[f64]) -> f64 {
         let off = |(band, ratio): (&Band, &f64)| {
             let (Some(tolerance), value) = (band.tolerance, ratio * band.flat) else { return 0.0 };
@@ -150,7 +151,7 @@ impl Asked {
         (0..ratios.len()).step_by(self.count).map(of).reduce(worst)
     }
 
-    /// Score of `ratios` by the goal, on the scale of chances; 0 without a goal.
+    /// Score of `ratios` by the goal, higher for better ratios and of the order of 1; 0 without a goal.
     pub fn goal_gain(&self, ratios: &[f64]) -> f64 {
         let flat = self.bands.first().map_or(1.0, |band| band.flat);
         match (self.goal, self.goal_value(ratios)) {
@@ -161,8 +162,8 @@ impl Asked {
         }
     }
 
-    /// First trial measured on target at every load: interpolated linearly between two measured loads, or measured up to
-    /// [`END_MARGIN`] away.
+    /// First trial measured on target at every load: interpolated linearly between two measured pressures, or measured
+    /// up to [`END_MARGIN`] away. `None` for a target with a goal, without demands, or in several directions.
     pub fn met_by(&self) -> Option<&Trial> {
         if !self.has_demands() || self.goal.is_some() {
             return None;
@@ -177,8 +178,8 @@ impl Asked {
     }
 }
 
-/// Measured value of `trial` at `load`: interpolated between measured pressures, or that of the nearest one within
-/// [`END_MARGIN`]; `None` if there is none.
+/// Measured ratio of `trial` at `load`: interpolated between measured pressures, or that of the nearest pressure within
+/// [`END_MARGIN`]; `None` if `load` was not measured.
 fn measured_at(trial: &Trial, load: &Load) -> Option<f64> {
     let here = trial.measured.iter().filter(|at| {
         (at.load.speed_m_s / load.speed_m_s - 1.0).abs() <= SAME_SPEED

@@ -3,12 +3,11 @@
 use slipgrid_base::statistics::{Kriging, distance};
 use slipgrid_model::pattern::Pattern;
 
-/// Correlation length in logarithms of the lengths. Found from the difference between cells in blocks of 10 um and 2.5
-/// um, the main part of the difference between specimens and cells: it varies over this distance for grooves 40 to 500 um
-/// wide.
+/// Correlation length in logarithms of the lengths. The difference between cells in blocks of 10 um and 2.5 um, the
+/// main part of the difference between specimens and cells, varies over this distance for grooves 40 to 500 um wide.
 const RANGE: f64 = 3.0;
-/// Minimum distance between designs that define a slope. At smaller distances quantities differ by positions of cavity
-/// ends within blocks and by errors of runs, and their slope does not extrapolate.
+/// Minimum distance between known designs, in logarithms of the lengths. At smaller distances quantities differ by the
+/// positions of cavity ends within blocks and by errors of runs, and their slope does not extrapolate.
 const MIN_APART: f64 = 0.3;
 /// Exponent of the depth in distances: cavities of one or two blocks depth differ most, so a factor in depth counts as
 /// much as this power of the factor in width or spacing.
@@ -28,8 +27,8 @@ impl BetweenDesigns {
         (!self.known.is_empty()).then(|| self.kriging.at(&place(design)))
     }
 
-    /// Adds the quantities of the designs `learnt`, equally many for each, and replaces known values of equal and similar
-    /// designs.
+    /// Adds the quantities of the designs `learnt`, equally many for each design. They replace the quantities of equal
+    /// and similar designs.
     pub fn learn(&mut self, learnt: impl IntoIterator<Item = (Pattern, Vec<f64>)>) {
         for (design, quantities) in learnt {
             let own = place(&design);

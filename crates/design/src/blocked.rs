@@ -16,9 +16,9 @@ use crate::search::{ALIKE, Search};
 use crate::table::Table;
 use crate::task::DesignTask;
 
-/// Factor by which a bound is lifted.
+/// Factor by which a bound is widened.
 const WIDER: f64 = 2.0;
-/// Relative distance within which a length rests on a bound.
+/// Maximum relative distance between a length and a bound that the length rests on.
 const AT_BOUND: f64 = 0.05;
 
 /// Maximum chance without one limit or bound.
@@ -59,8 +59,9 @@ pub fn bounds_reached(task: &DesignTask, pattern: &Pattern) -> Vec<ReachedBound>
     task.space.lengths_m().into_iter().zip(pattern.lengths_m()).enumerate().filter_map(one).collect()
 }
 
-/// Computes the maximum chance with each limit, and each bound that `best` rests on, lifted separately. Returns only
-/// those that improve the chance, sorted by whether the target comes within reach, then by chance.
+/// Computes the maximum chance by the table with each limit, and each bound that `best` rests on, lifted separately.
+/// Returns only limits and bounds whose lifting improves the result, those that bring the target within reach first,
+/// then by decreasing chance.
 pub fn blocked_by(search: &Search<'_>, best: &Prediction) -> Vec<LiftedReport> {
     let task = search.task;
     let mut all = Vec::new();

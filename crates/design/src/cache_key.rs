@@ -7,7 +7,7 @@ use slipgrid_model::springblock::{Dimension, Scene};
 use slipgrid_base::units::{LENGTH_MM, LENGTH_UM, MODULUS_GPA, PRESSURE_MPA};
 
 /// Key of the steady cells of a search: all inputs except width, spacing and depth. `further_deg` are additional sliding
-/// directions.
+/// directions, in degrees.
 pub fn cache_key(scene: &Scene, texture: &Texture, further_deg: &[f64]) -> Map<String, Value> {
     let um = |length_m: f64| LENGTH_UM.from_si(length_m);
     let area_law = scene.area_law.as_ref().map(|law| {

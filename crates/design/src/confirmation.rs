@@ -1,4 +1,4 @@
-//! Confirming run: the specimen in time, at the condition of the design.
+//! Confirming run: a dynamic run of the specimen at the design condition.
 
 use slipgrid_base::monitor::{Monitor, cached};
 use slipgrid_laser::export::Specimen;
@@ -11,8 +11,8 @@ use crate::dynamic_excess::correct;
 use crate::prepared_task::PreparedTask;
 use crate::steady_model::SteadyModel;
 
-/// Minimum number of contact blocks with separate coefficients in a confirming run in space, over all draws. With the
-/// drawn coefficients corrected for, this number scatters the ratio by one twentieth of the usual tolerance.
+/// Minimum number of contact blocks with separate coefficients in a confirming run in space, over all draws. After the
+/// correction for the drawn coefficients, the ratio then scatters by one twentieth of the usual tolerance.
 const MIN_CONTACTS: f64 = 100.0;
 
 /// Confirming run with its scene.
@@ -47,7 +47,7 @@ pub fn confirming_scene(prepared: &PreparedTask, model: &SteadyModel<'_>, patter
     Scene { run, ..scene }.in_time()
 }
 
-/// Runs `scene` on `specimen`, or takes the result that an earlier command kept: `next` after `optimize` runs the same scene.
+/// Runs `scene` on `specimen`, or returns the result in the cache of `monitor`: `next` and `optimize` run equal scenes.
 ///
 /// # Errors
 /// [`SpecimenError`] where the specimen does not take the pattern.
@@ -55,8 +55,8 @@ pub fn run_in_time(scene: &Scene, specimen: &Specimen, monitor: &dyn Monitor) ->
     cached(monitor, ("confirming run", &(scene, specimen)), 1.0, || simulate_on(scene, Some(specimen), monitor))
 }
 
-/// Runs the confirmation of `pattern`, or returns an existing run if it started from sliding and no other start is
-/// required.
+/// Runs the confirmation of `pattern`, or takes the result `known` of a run that started from sliding, unless the task
+/// requires a start from rest. Friction is corrected to the calibrated friction of the flat surface.
 ///
 /// # Errors
 /// [`DesignError`] where the specimen does not take the pattern.

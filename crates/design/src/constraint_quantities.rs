@@ -8,7 +8,7 @@ use crate::evaluation_cache::Answer;
 use crate::task::{ConstraintQuantity, DesignTask};
 use slipgrid_laser::export::Specimen;
 
-/// Limited quantities of designs and the inputs to compute them.
+/// Quantities of designs that limits apply to, and the inputs to compute them.
 #[derive(Clone, Debug, Default)]
 pub struct Limited {
     measures: Vec<ConstraintQuantity>,

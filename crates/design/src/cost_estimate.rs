@@ -13,27 +13,28 @@ use crate::prepared_task::PreparedTask;
 use crate::steady_model::SteadyModel;
 use crate::table::nodes;
 
-/// Limits in seconds and bytes below which no estimate is reported.
+/// Duration up to which no estimate is reported, in seconds.
 const SHORT_S: f64 = 30.0;
+/// Memory up to which no estimate is reported, in bytes.
 const SMALL_BYTES: f64 = (1_u64 << 30) as f64;
 
-/// Cost of condensed cells in the plane, as a fraction of the cost of all equations.
+/// Cost of cells in the plane, which are condensed, as a fraction of the cost of solving all equations.
 const CONDENSED_SHARE: f64 = 0.03;
 /// Cost of cells in space at the looser force balance of tables, as a fraction of the cost at the balance of runs.
 const LOOSE_SHARE: f64 = 0.3;
-/// Cells solved after the table in the requested blocks per cell of the table, in the plane: slopes, neighbours, and
-/// cells in smaller blocks.
+/// Cost of the cells solved after the table over the cost of the table, in the plane: for derivatives, neighbours, and
+/// smaller blocks.
 const AFTER_TABLE: f64 = 1.0;
-/// Cells solved after the table per cell of the table, in space. The table has about 100 cells in the requested blocks;
-/// 150 more are solved for slopes along the modulus and 108 in blocks of half the size, which cost eight times as much;
-/// trade-offs and the explorer take up to 200.
+/// Cost of the cells solved after the table over the cost of the table, in space. For about 100 cells of the table in
+/// the requested blocks, 150 are solved for derivatives by Young's modulus, 108 in blocks of half the size at eight
+/// times the cost, and up to 200 for trade-offs and the explorer.
 const AFTER_TABLE_IN_SPACE: f64 = 12.0;
-/// Typical length of confirming runs, which continue until their standard error is small enough, relative to the minimum
-/// length.
+/// Typical ratio of the length of a confirming run, which continues until the standard error is small enough, to the
+/// minimum length.
 const CONFIRMED_TIMES: f64 = 1.5;
 
-/// Reports the cost of the table of the bounds, of the search in it and of the confirming run, if large. The estimate is
-/// the geometric mean of the middle of the bounds and the largest cells within them.
+/// Reports the estimated cost of the table, of the search and, if `is_confirmed`, of the confirming run to `monitor`,
+/// if it is large. Costs lie between those of the middle of the bounds and of the largest cells within the bounds.
 ///
 /// # Errors
 /// [`DesignError`] if the confirming run exceeds the limits on memory or time.
@@ -96,11 +97,12 @@ fn geometric_mean(one: Expense, other: Expense) -> Expense {
     }
 }
 
-/// Step of the reference integration if a scene names none, in seconds; the step of dynamic runs is always stable.
+/// Time step of the reference integration if a scene names none, in seconds; the default step of dynamic runs is
+/// stable.
 const REFERENCE_STEP_S: f64 = 1e-9;
 
 /// Cost of solving `scene` under `condition` with the errors of its material, as a line from [`cost_line`]; `None` if
-/// small or if the scene is refused.
+/// the cost is small, or if the scene or its time step is refused.
 pub fn run_line(scene: &Scene, uncertainty: &MaterialUncertainty, condition: Option<&Condition>) -> Option<String> {
     let may_go_on = scene.run.mu_stderr.is_some();
     let knowledge = uncertainty.at_loads(scene.area_law.as_ref(), &scene.loads, condition).unwrap_or_default();
@@ -109,7 +111,7 @@ pub fn run_line(scene: &Scene, uncertainty: &MaterialUncertainty, condition: Opt
     (bounded(scene).is_ok() && is_stable(scene)).then_some(line)
 }
 
-/// Whether a run in time is stable at the step of `scene`.
+/// Whether the time step of `scene` is stable; true for steady scenes and for dynamic runs with the default step.
 fn is_stable(scene: &Scene) -> bool {
     let is_reference = scene.run.fidelity == Fidelity::Reference;
     let asked = scene.run.step_s.filter(|_| scene.run.fidelity != Fidelity::Steady);
@@ -124,7 +126,7 @@ fn is_stable(scene: &Scene) -> bool {
     }
 }
 
-/// Line that `what` takes `expense` on `threads` threads, if that exceeds half a minute or a gigabyte. `may_go_on`: the
+/// Formats the line that `what` takes `expense` on `threads` threads; `None` up to 30 s and 1 GiB. If `may_go_on`, the
 /// run continues until a standard error is small enough.
 pub fn cost_line(what: &str, expense: Expense, may_go_on: bool, threads: usize) -> Option<String> {
     if expense.wall_s <= SHORT_S && expense.bytes <= SMALL_BYTES {

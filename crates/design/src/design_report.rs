@@ -66,7 +66,7 @@ pub struct DesignReport {
     pub trade_offs: Option<TradeOffsReport>,
     /// Number of designs that were compared.
     pub compared: usize,
-    /// Table of the bounds that the designs were compared by.
+    /// Size and error of the table by which designs were compared.
     pub table: TableReport,
     /// Share of the specimen's face that is cavity, in the layout.
     pub specimen_areal_density: f64,
@@ -110,9 +110,9 @@ pub struct DesignReport {
     pub measured_mpa: Option<[f64; 2]>,
     /// Material and its provenance.
     pub material: Provenance,
-    /// Specimen.
+    /// Specimen on which the design is laid out.
     pub specimen: SpecimenRecord,
-    /// Laser.
+    /// Laser settings.
     pub laser: Laser,
     /// Assumed manufacturing tolerances of samples; absent where the design file does not give them.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -130,7 +130,7 @@ pub struct DesignReport {
     pub seed: u64,
 }
 
-/// Result for a goal.
+/// Value of the target's goal: expected over samples, and by the model alone.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct GoalReport {
     /// `lowest`, `highest` or `even`.
@@ -193,7 +193,7 @@ impl DesignReport {
         }
     }
 
-    /// Whether the whole interface was solved, in place of one line along the sliding direction.
+    /// Whether the model solved the whole interface, and not a single line along the sliding direction.
     pub const fn sees_face(&self) -> bool {
         Dimension::numbered(self.dimensions).sees_face()
     }

@@ -7,11 +7,12 @@ use slipgrid_model::springblock::{CellOutcome, Dimension, Load, Scene, Status, S
 
 use crate::operating_conditions::turned;
 
-/// Residual force over load to which a search solves cells in space; the design found is solved again to 1e-10.
+/// Ratio of residual force to load to which a search solves cells in space; the design found is solved again to 1e-10.
 const SEARCH_BALANCE: f64 = 1e-7;
 
 /// Solver of steady cells at the loads of each sliding direction.
 pub struct Solver {
+    /// Sliding direction in degrees, `None` for the designs' own, and solver of its cells.
     pub each: Vec<(Option<f64>, SteadyCell)>,
     /// Dimension of the cells, equal in every direction.
     pub dimension: Dimension,
@@ -21,8 +22,8 @@ pub struct Solver {
 }
 
 impl Solver {
-    /// Creates a solver for the loads of `scene`: equally many in the designs' own direction, which come first, and in
-    /// each of `directions_deg`.
+    /// Creates a solver for the loads of `scene`: first those of the designs' own direction, then equally many for each
+    /// of `directions_deg`.
     pub fn new(scene: &Scene, texture: &Texture, directions_deg: &[f64]) -> Self {
         let each = std::iter::once(None).chain(directions_deg.iter().map(|&angle_deg| Some(angle_deg)));
         let own = scene.loads.len() / (1 + directions_deg.len());
@@ -39,7 +40,8 @@ impl Solver {
         }
     }
 
-    /// Solves the cells of `design` in every direction, until `monitor` cancels.
+    /// Solves the cells of `design` in every direction: one outcome per load, or [`ModelFailure`] if a cell exceeds the
+    /// memory limit or `monitor` cancels.
     pub fn solve(&self, design: &Pattern, monitor: &dyn Monitor) -> Result<Vec<CellOutcome>, ModelFailure> {
         #[cfg(test)]
         self.asked.fetch_add(1, std::sync::atomic::Ordering::Relaxed);

@@ -10,7 +10,9 @@
 
 use slipgrid_model::springblock::{Fidelity, LoadOutcome, Scene, Simulation, SurfaceOutcome};
 
-/// Corrects the friction of `simulation`, the result of `scene`, whose flat surface has `excess` at each load.
+/// Multiplies the friction of `simulation`, the result of `scene`, so that the flat surface has `excess` times its
+/// steady friction at each load. `excess` is the ratio of dynamic to steady friction at each load; nothing is changed
+/// if it is `None` or of another length.
 pub fn correct(simulation: &mut Simulation, scene: &Scene, excess: Option<&[f64]>) {
     let Some(excess) = excess.filter(|excess| excess.len() == simulation.loads.len()) else { return };
     let is_steady = scene.run.fidelity == Fidelity::Steady;
@@ -46,12 +48,13 @@ pub fn correct(simulation: &mut Simulation, scene: &Scene, excess: Option<&[f64]
     });
 }
 
-/// Minimum departure of a factor from 1 that is reported for a sample in time with the geometry of the calibration.
+/// Minimum departure of a factor from 1 that is reported for a dynamic run in the plane, whose excess is usually that
+/// of the calibration.
 const OTHER_LAYER: f64 = 1e-3;
-/// Rounding that changes no digit of a reported factor.
+/// Difference below which two factors are printed alike, with four decimals.
 const ROUNDING: f64 = 5e-5;
 
-/// Formats the range of `factors`.
+/// Formats the range of `factors` with four decimals, or one number if all are equal.
 fn range(factors: &[f64]) -> String {
     let least = factors.iter().copied().fold(f64::INFINITY, f64::min);
     let most = factors.iter().copied().fold(0.0, f64::max);

@@ -1,8 +1,7 @@
 //! Evaluations: all answers of the search's model, kept in memory and, if a cache is given, stored as soon as they are
 //! known, so that an interrupted run loses only answers in progress.
 //!
-//! Answers contain the model alone, independent of target, limits and confirming runs, so a cache can be used with any of
-//! these.
+//! Answers depend on the model alone, not on target, limits or confirming runs, so that a cache serves any of these.
 
 use std::collections::BTreeMap;
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -22,19 +21,19 @@ use slipgrid_laser::specimen::{Laid, on_face};
 pub struct Answer {
     /// Friction of the patterned over the flat surface, at each pressure.
     pub ratio: Vec<f64>,
-    /// Maximum local pressure over all pressures.
+    /// Maximum local pressure at any target pressure.
     pub peak_pressure_mpa: f64,
-    /// Minimum local pressure over the nominal pressure: negative under tension.
+    /// Minimum ratio of local to nominal pressure at any target pressure; negative under tension.
     pub least_pressure: f64,
     /// Minimum height of a ceiling above the counterface; absent where no ceiling could sag.
     pub clearance_um: Option<f64>,
 }
 
-/// Maximum size of a number in an answer: far above results of the model, far below overflow of sums.
+/// Maximum magnitude of a number in an answer: far above results of the model, far below overflow of sums.
 pub const LARGEST: f64 = 1e9;
 
 impl Answer {
-    /// Converts the answer of a cell to the face of `made`, a sample of the layout `laid`.
+    /// Scales the ratios of a cell to the face of `made`, a sample of the layout `laid`, by the share of cavities.
     #[must_use]
     pub fn on(self, laid: &Laid, made: &Pattern) -> Self {
         let share = laid.share(made);
@@ -73,13 +72,13 @@ impl Answer {
         self.peak_pressure_mpa * 1e6
     }
 
-    /// Minimum height of a ceiling, in metres.
+    /// Minimum height of a ceiling above the counterface, in metres; `None` if no ceiling could sag.
     pub fn clearance_m(&self) -> Option<f64> {
         self.clearance_um.map(|clearance_um| clearance_um * 1e-6)
     }
 }
 
-/// Answer, or the reason why there is none.
+/// Answer of the model, or the reason why there is none.
 pub type Answered = Result<Answer, String>;
 
 /// Fault of a stored answer.
@@ -91,7 +90,7 @@ pub struct Fault {
     pub expected: String,
 }
 
-/// Answer together with the design.
+/// Answer of the model together with the lengths of the design.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Evaluation {
     /// Size of the model's blocks and width, spacing and depth of the design, in micrometres.
@@ -105,13 +104,13 @@ pub trait EvaluationCache: Sync {
     /// Loads the known answers for `key` with ratios at `loads` loads; called once, before the first query.
     ///
     /// # Errors
-    /// Why the cache cannot be used.
+    /// Reason why the cache cannot be used.
     fn open(&mut self, key: &Map<String, Value>, loads: usize) -> Result<Vec<Evaluation>, String>;
 
     /// Stores `evaluation`; called by any thread, once per design.
     ///
     /// # Errors
-    /// Why it could not be kept.
+    /// Reason why the evaluation could not be stored.
     fn keep(&self, evaluation: &Evaluation) -> Result<(), String>;
 
     /// Describes the place of storage to users.
@@ -136,7 +135,7 @@ impl EvaluationCache for NoCache {
     }
 }
 
-/// Block size and lengths of a design in micrometres, as bits.
+/// Bits of four numbers in micrometres: block size, and width, spacing and depth of a design.
 type Key = [u64; 4];
 
 /// Known answers of the model.
@@ -200,7 +199,7 @@ impl<'a> Evaluations<'a> {
         answered.map_err(trial)
     }
 
-    /// Entries are inserted complete, so entries of a panicked thread are valid.
+    /// Locks the known answers. Entries are inserted complete, so that entries of a panicked thread are valid.
     fn known(&self) -> MutexGuard<'_, BTreeMap<Key, Answered>> {
         self.known.lock().unwrap_or_else(PoisonError::into_inner)
     }

@@ -1,5 +1,4 @@
-//! Predictions for a sample of any texture within the bounds, on a lattice that a page interpolates without rules of its
-//! own.
+//! Predictions for a sample of any texture within the bounds, on a lattice, so that a page only has to interpolate.
 
 use std::ops::Range;
 
@@ -25,9 +24,10 @@ use crate::timings::Timings;
 const NODES: ([f64; 3], [usize; 3]) = ([4.0, 3.5, 2.2], [11, 12, 8]);
 /// Number of random textures for the error estimate.
 const CHECKS: usize = 60;
-/// Range of the correction to reported values around the design, as a difference of the logarithm of a length: two nodes.
+/// Range of the correction to reported values around the design, as a distance in the logarithms of the lengths: two
+/// nodes.
 const NEARBY: f64 = 0.5;
-/// Minimum weight of the nodes around the design for that correction.
+/// Minimum interpolated weight at the design for the correction to reported values; below it none is made.
 const MIN_REACHED: f64 = 0.3;
 /// Chances are clamped to this distance from 0 and 1, because the logit is interpolated.
 const MIN_CHANCE: f64 = 1e-4;
@@ -48,24 +48,24 @@ pub struct Explorer {
     pub holes: Vec<usize>,
     /// Number of random textures at which interpolated medians were compared with direct predictions.
     pub checked: usize,
-    /// Median over the random textures of the largest difference at any load.
+    /// Median over the random textures of the largest difference between interpolated and predicted medians.
     pub median_error: f64,
-    /// Maximum over the random textures of the largest difference at any load.
+    /// Maximum over the random textures of the difference between interpolated and predicted medians at any load.
     pub worst_error: f64,
 }
 
 /// Predictions for the designs of a task, before one is chosen.
 #[derive(Clone, Debug)]
 pub struct Explored {
-    /// Task.
+    /// Task with resolved conditions.
     pub task: DesignTask,
     /// Material of the task.
     pub material: KnownMaterial,
-    /// Initial texture of a page: the texture with the maximum chance by the table, among those with an answer.
+    /// Texture that a page shows first: the one with the maximum chance by the table, among those with an answer.
     pub pattern: Pattern,
-    /// Loads of the predictions.
+    /// Loads at the condition of the design.
     pub loads: Vec<Load>,
-    /// Friction of the flat surface at each load, in time, as a confirming run has it.
+    /// Dynamic friction coefficient of the flat surface at each load, as in a confirming run.
     pub flat_mu: Vec<f64>,
     /// Number of trials that predictions use.
     pub trials: usize,
@@ -80,10 +80,11 @@ pub struct Explored {
 pub struct ExploredTexture {
     /// Median over cut samples at each target pressure, in the quantity of the target.
     pub expected: Vec<f64>,
-    /// Lower and upper end of the interval of 95 % of samples.
+    /// Lower end of the interval of 95 % of samples, in the quantity of the target.
     pub lower_95: Vec<f64>,
+    /// Upper end of the interval of 95 % of samples, in the quantity of the target.
     pub upper_95: Vec<f64>,
-    /// Chance that a sample is on target; `None` where every value is accepted.
+    /// Chance that a sample is on target; `None` if the target accepts every value.
     pub chance: Option<f64>,
     /// Maximum local pressure, in MPa.
     pub peak_pressure_mpa: f64,
@@ -95,12 +96,12 @@ pub struct ExploredTexture {
     pub laser_s: Option<f64>,
 }
 
-/// Relative distance beyond a bound that is rounding, as between micrometres and metres.
+/// Relative distance beyond a bound that counts as rounding, such as that of the conversion from metres to micrometres.
 const BOUND_ROUNDING: f64 = 1e-9;
 
 impl Explored {
-    /// Prediction for samples with this width, spacing and depth, in micrometres, at the loads of the first condition; `None`
-    /// outside the bounds and beside textures without an answer.
+    /// Interpolates the prediction for samples with width, spacing and depth `lengths_um`, at the loads of the first
+    /// condition; `None` outside the bounds and beside textures without an answer.
     pub fn predict(&self, lengths_um: [f64; 3]) -> Option<ExploredTexture> {
         let Explorer { expected, log_odds, beside, holes, .. } = &self.explorer;
         let is_within = expected.axes().iter().zip(lengths_um).all(|(axis, length_um)| {
@@ -134,7 +135,7 @@ impl Explored {
     }
 }
 
-/// Computes predictions for the designs of `task` by the table of its bounds.
+/// Computes predictions for all designs within the bounds of `task`, by the table over these bounds.
 ///
 /// # Errors
 /// [`DesignError`] for a task that is refused or that the monitor cancels, and where no design can be computed.
@@ -175,14 +176,15 @@ pub fn explore_bounds(task: &DesignTask, monitor: &dyn Monitor) -> Result<Explor
 }
 
 impl Explorer {
-    /// Whether the surfaces hold at `pattern`: a texture beside one without an answer has none.
+    /// Whether `pattern` has a prediction: no node around it lacks an answer.
     fn has_answer(&self, pattern: &Pattern) -> bool {
         !self.expected.is_beside(&self.holes, &pattern.lengths_m().map(|m| LENGTH_UM.from_si(m)))
     }
 
-    /// Builds the lattice from the table of `search`, with the table's error at `about` and the errors that samples of
-    /// `about` share. Around `about` it has the maximum pressure of `run`, the run of this texture on its specimen: outer
-    /// lands carry more than those of a period. `None` if no design can be computed or if the search's monitor has cancelled.
+    /// Builds the lattice from the table of `search`, corrected by the table's error at the texture of `about`, and
+    /// with the errors that samples of `about` share. Near this texture the maximum pressure is that of `run`, its
+    /// dynamic run on the specimen: outer lands carry more than those of a period. `None` if no design can be computed
+    /// or the search is cancelled.
     pub fn new(search: &Search<'_>, about: &Prediction, run: Option<&Simulation>) -> Option<Self> {
         let (task, loads) = (search.task, search.asked.loads.len());
         let off = search.off_at(about);
@@ -249,7 +251,7 @@ impl Explorer {
     }
 }
 
-/// Surface through some of the numbers `all` of each node.
+/// Surface through the numbers with the indices `of` of every node; `all` holds the numbers of each node.
 fn surface(axes: &[Axis; 3], all: &[Vec<f64>], of: Range<usize>) -> ResponseSurface {
     let numbers = all.iter().flat_map(|numbers| numbers[of.clone()].iter().copied()).collect();
     ResponseSurface::through(*axes, of.len(), numbers)

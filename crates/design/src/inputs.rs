@@ -1,9 +1,9 @@
 //! Input uncertainties that trials do not reduce: dimensions as made, rims, bursts, flat friction, the area law, and the
 //! numerical error of ratios.
 //!
-//! Each input moves ln R to first order; Young's modulus and the area law's scale move ln R to second order. Errors that
-//! all samples share are a covariance of ln R; errors that are independent between samples are a [`DimensionShift`],
-//! which also moves the discrepancy.
+//! Each input changes ln R, R the friction ratio, to first order; Young's modulus and the area law's scale change it to
+//! second order as well. Errors that all samples share are a covariance of ln R; errors that are independent between
+//! samples are a [`DimensionShift`], which also changes the discrepancy.
 
 use std::ops::Range;
 
@@ -22,14 +22,15 @@ use crate::sensitivities::conditions;
 use crate::steady_model::SteadyModel;
 use crate::task::DesignTask;
 
-/// Width, spacing and depth, the first inputs.
+/// Number of dimensions: width, spacing and depth, the first inputs.
 const DIMENSIONS: usize = 3;
+/// Index of the depth among the dimensions.
 const DEPTH: usize = 2;
-/// Maximum difference along a dimension relative to the dimension.
+/// Maximum step of a finite difference along a dimension, as a fraction of the dimension.
 const WIDEST_SHARE: f64 = 0.5;
-/// Standard deviation of ln R between runs of one specimen in time, at other speeds or from other moments of stick-slip,
-/// in the plane as measured in `ratios_that_are_predicted_are_those_of_the_specimen`; in space, where time is not
-/// modelled, runs differ by 0.001 to 0.004.
+/// Standard deviations of the ratio between dynamic runs of one specimen, at other speeds or from other moments of
+/// stick-slip: in the plane, as measured in `ratios_that_are_predicted_are_those_of_the_specimen`, and in space, where
+/// the search does not model time, and runs differ by 0.001 to 0.004.
 const RUN_STD: [f64; 2] = [0.0015, 0.003];
 
 /// Uncertain input.
@@ -38,7 +39,7 @@ struct Input {
     name: &'static str,
     /// Accuracy of the input, in words after the name.
     known_to: String,
-    /// Indices of the input.
+    /// Indices of the input's components among all inputs.
     places: Range<usize>,
 }
 
@@ -49,16 +50,16 @@ pub struct Part {
     pub name: &'static str,
     /// Accuracy of the input, in words after the name.
     pub known_to: String,
-    /// Effect on ln R.
+    /// Effect on ln R, R the friction ratio.
     pub effect: InputEffect,
 }
 
-/// Effect of an input.
+/// Effect of an uncertain input on ln R, R the friction ratio.
 #[derive(Clone, Debug, PartialEq)]
 pub enum InputEffect {
-    /// A covariance of ln R that all samples share, loads x loads.
+    /// Covariance of ln R from an error that all samples share, loads x loads, row by row.
     Shared(Vec<f64>),
-    /// Error that is independent between samples.
+    /// Change of ln R by an error that is independent between samples.
     OfSample(DimensionShift),
 }
 
@@ -72,24 +73,27 @@ pub struct Inputs<'a> {
     uncertainty: Uncertainty,
     /// Model with all inputs at their means.
     still: SteadyModel<'a>,
-    /// Model in blocks of half the size, in the vertical plane.
+    /// Model in blocks of half the size; `None` in space.
     fine: Option<SteadyModel<'a>>,
-    /// Pairs of models along flat friction, the area law's scale and its factors, with their steps.
+    /// Pairs of models with changed flat friction, scale of the area law (or Young's modulus), and factors of the area
+    /// law.
     along: Vec<Along<'a>>,
-    /// Index of the depth per burst, if fitted against fluence: one factor for the depths of all samples.
+    /// Index of the depth per burst among the inputs, if it was fitted against fluence.
     burst: Option<usize>,
     inputs: Vec<Input>,
 }
 
-/// Pair of models on both sides of the mean.
+/// Pair of models with one input, or flat friction at all loads, one standard deviation above and below the mean.
 struct Along<'a> {
     above: SteadyModel<'a>,
     below: SteadyModel<'a>,
-    /// Step of each model, one per value.
+    /// Standard deviation of the input, one per load.
     step: Vec<f64>,
+    /// Index of the first changed input.
     first: usize,
     is_friction: bool,
-    /// The discrepancy includes the first order, because trials also inform about Young's modulus.
+    /// Whether the input is Young's modulus. The discrepancy includes its first-order effect, because trials inform
+    /// about it.
     is_modulus: bool,
 }
 
@@ -101,7 +105,7 @@ struct Blocks {
 }
 
 impl Blocks {
-    /// Adds a block and returns the index of its first input.
+    /// Adds the covariance of further inputs and returns the index of the first of them.
     fn add(&mut self, block: Covariance) -> usize {
         let first = self.count;
         self.count += block.len();
@@ -118,7 +122,7 @@ impl<'a> Inputs<'a> {
     /// Collects the inputs of `task` with its `material` for `model` at every condition, the design condition first.
     ///
     /// # Errors
-    /// [`DesignError`] for errors of a material that mean nothing.
+    /// [`DesignError`] if the stated errors of the material are invalid.
     pub fn new(
         task: &DesignTask,
         material: &MaterialUncertainty,
@@ -206,11 +210,11 @@ impl<'a> Inputs<'a> {
         })
     }
 
-    /// Computes the effect of every input on `design` with ratios `ratio`. `of_blocks` is the numerical error of each
-    /// ratio if known, otherwise computed in smaller blocks.
+    /// Computes the effect of every input on `design` with ratios `ratio`. `of_blocks` is the standard deviation of
+    /// each ratio by block size; if `None`, it is computed in smaller blocks.
     ///
     /// # Errors
-    /// [`ModelFailure`] where the design or one beside it cannot be computed.
+    /// [`ModelFailure`] if the design, or the design with a changed input, cannot be computed.
     pub fn parts(
         &self,
         design: &Pattern,
@@ -275,15 +279,16 @@ impl<'a> Inputs<'a> {
         Ok(parts)
     }
 
-    /// Numerical standard deviation of the ratios of `design` by block size, `still` in the requested blocks; 0 in space,
-    /// where smaller blocks are too expensive.
+    /// Standard deviation of the ratios of `design` by block size; `still` are the ratios in the requested blocks. 0 in
+    /// space, where smaller blocks are too expensive.
     fn block_std(&self, design: &Pattern, still: &[f64]) -> Result<f64, ModelFailure> {
         let Some(fine) = &self.fine else { return Ok(0.0) };
         let fine = fine.steady(design)?.ratio;
         Ok(block_std(still.iter().zip(&fine).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)))
     }
 
-    /// Effects of inputs that are independent between samples of `design`: dimensions, rim height, burst depth.
+    /// Effects of inputs that are independent between samples of `design`: dimensions, rim height, depth per burst.
+    /// `still` are the ratios of the design.
     fn of_samples(&self, design: &Pattern, still: &[f64]) -> Result<Vec<Part>, ModelFailure> {
         let mut parts = Vec::new();
         let part = |name: &'static str, known_to: String, by_m: [f64; DIMENSIONS], log_ratio: Vec<f64>| Part {
@@ -317,7 +322,7 @@ impl<'a> Inputs<'a> {
         Ok(parts)
     }
 
-    /// Change of ln R of `design` by one standard deviation `by_m` of its lengths.
+    /// Change of ln R of `design` at each load if its lengths change by `by_m`, in metres.
     fn by_lengths(&self, design: &Pattern, by_m: &[f64; DIMENSIONS]) -> Result<Vec<f64>, ModelFailure> {
         let laid = self.still.lay(design)?;
         let lengths_m = design.lengths_m();
@@ -345,11 +350,11 @@ impl<'a> Inputs<'a> {
 
 /// Name of the input Young's modulus.
 pub const MODULUS: &str = "Young's modulus";
-/// Name of the input flat friction, which is the only error of a flat surface.
+/// Name of the input flat friction, the only uncertain input of a flat surface.
 pub const FLAT_FRICTION: &str = Source::FlatFriction.name();
-/// Name of the input that says which pressure local friction follows.
+/// Name of the input that decides whether friction follows the local or the nominal pressure.
 pub const LOCAL_LAW: &str = "local law";
-/// Name of the input that says how samples of one texture differ.
+/// Name of the scatter of friction between samples of one texture.
 pub const SCATTER: &str = "scatter between samples";
 
 struct Answers {
@@ -358,7 +363,8 @@ struct Answers {
     step: f64,
 }
 
-/// Independent errors of the lengths by one standard deviation each, in metres, each with the name of the length.
+/// Independent errors of width, spacing and depth, each of one standard deviation, in metres, with the name of the
+/// first length that changes.
 pub fn of_dimensions(tolerances: &Tolerances) -> Vec<(&'static str, [f64; DIMENSIONS])> {
     let name = |by_m: &[f64; DIMENSIONS]| {
         by_m.iter().position(|by_m| *by_m != 0.0).map_or("", |axis| ["width", "spacing", "depth"][axis])
@@ -366,7 +372,8 @@ pub fn of_dimensions(tolerances: &Tolerances) -> Vec<(&'static str, [f64; DIMENS
     tolerances.independent_m().into_iter().map(|by_m| (name(&by_m), by_m)).collect()
 }
 
-/// Error of a sample of `design` whose lengths differ by `by_m`, which changes ln R by `log_ratio`.
+/// Error of samples of `design`: a change of the lengths by `by_m`, in metres, changes ln R by `log_ratio`, one per
+/// load.
 pub fn shift(design: &Pattern, by_m: &[f64; DIMENSIONS], log_ratio: Vec<f64>) -> DimensionShift {
     let [above, below] = [1.0, -1.0].map(|side| Features::from(&made(design, by_m, side)));
     DimensionShift { log_ratio, above, below: Some(below) }
@@ -380,14 +387,14 @@ pub fn made(design: &Pattern, by_m: &[f64; DIMENSIONS], side: f64) -> Pattern {
     Pattern::new(*design.texture(), width_m, spacing_m, depth_m).unwrap_or(*design)
 }
 
-/// Standard deviation of a number in blocks of l that differs by `difference` from the number in blocks of l/2: half of
-/// its distance to the limit of vanishing blocks, for an order of convergence of one half.
+/// Standard deviation by block size of a number that changes by `difference` in blocks of half the size: half of its
+/// extrapolated distance to the limit of vanishing blocks, for an order of convergence of one half.
 fn block_std(difference: f64) -> f64 {
     // |r_l - r_(l/2)| (1 + 1 / (2^(1/2) - 1)), as two standard deviations
     0.5 * difference.abs() * (1.0 + 1.0 / (std::f64::consts::SQRT_2 - 1.0))
 }
 
-/// Block-diagonal matrix of the blocks.
+/// Joins the covariances of independent groups of inputs to a block-diagonal matrix.
 fn diagonal(blocks: &[Covariance]) -> Covariance {
     let count = blocks.iter().map(Vec::len).sum();
     let mut all = vec![vec![0.0; count]; count];

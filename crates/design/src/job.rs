@@ -1,5 +1,5 @@
-//! Job of `optimize`, from a task to a design: the texture with the maximum chance of a sample on target, confirmed in
-//! time.
+//! Job of `optimize`, from a task to a design: the texture with the maximum chance of a sample on target, confirmed by
+//! a dynamic run.
 
 use crate::results::{VERSION, load_reports, measured_range, model_notes};
 use slipgrid_base::monitor::{CachingMonitor, Monitor};
@@ -28,7 +28,7 @@ use crate::time_budget::TimeBudget;
 use crate::timings::Timings;
 use crate::trade_offs::{self, Compared};
 
-/// Maximum number of other textures listed.
+/// Maximum number of alternative textures in the report.
 const OTHERS: usize = 3;
 
 /// Result of a design job.
@@ -50,7 +50,7 @@ pub struct DesignOutcome {
     pub scene: Scene,
     /// Result of the confirming run.
     pub confirmed: Simulation,
-    /// All designs of a lattice, if the task requests them.
+    /// Predictions for all designs in whole blocks and bursts, if the task requests them.
     pub lattice: Option<Lattice>,
     /// Designs compared by goals, if the task requests a comparison.
     pub compared: Option<Compared>,
@@ -58,12 +58,13 @@ pub struct DesignOutcome {
     pub explorer: Option<Explorer>,
 }
 
-/// Finds the texture with the maximum chance for `task` and confirms it in time, with the limits of the chance and
-/// alternatives. `cache` stores the answers of the model beyond this run; `monitor` receives every stage and can cancel.
-/// Equal task and seed give equal outcomes except for times.
+/// Finds the texture with the maximum chance for `task`, confirms it by a dynamic run, and reports the inputs that
+/// limit the chance and alternative textures. `cache` stores the answers of the model beyond this run; `monitor`
+/// receives every stage and can cancel. Equal tasks with equal seeds give equal outcomes, except for times.
 ///
 /// # Errors
-/// [`DesignError`] for a task that is refused, that the monitor cancels, or whose time is spent before there is a design.
+/// [`DesignError`] for a task that is refused, that the monitor cancels, or whose time limit ends before a design is
+/// found, and if no design can be computed.
 pub fn run(
     task: &DesignTask,
     cache: &mut dyn EvaluationCache,

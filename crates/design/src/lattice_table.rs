@@ -7,7 +7,7 @@ use slipgrid_model::pattern::Pattern;
 use crate::search::Search;
 use crate::whole_steps::lattice;
 
-/// Every design of a lattice with the prediction for a sample, by the table of the bounds.
+/// Every design of a lattice with the prediction for a sample, by the table over the bounds.
 #[derive(Clone, Debug)]
 pub struct Lattice {
     /// Designs of the lattice.
@@ -23,7 +23,7 @@ pub struct LatticeSample {
     pub chance: f64,
     /// Medians of the target's quantity, one per load of each condition.
     pub medians: Vec<f64>,
-    /// Limited quantities, in SI units.
+    /// Quantities that the task limits, in SI units, in the order of the limits.
     pub limited: Vec<f64>,
     /// Whether all limits hold.
     pub keeps_limits: bool,

@@ -1,8 +1,9 @@
 //! Disc of two sectors that teaches most about the mechanism of the model error, `next --learn`.
 //!
-//! The pair of textures has the greatest mutual information between the mechanism, which is the family of the form, and
-//! the two measured ratios. Both sectors share the scatter of the disc, so that mechanisms are told apart by the quotient
-//! of the model errors, whatever the size of the errors. Grooves may lie across or along the sliding direction; other planforms keep their directions.
+//! The pair of textures has the greatest mutual information between the mechanism, which is the family of the
+//! discrepancy's form, and the two measured ratios. Both sectors share the scatter of the disc, so that the quotient of
+//! the model errors, whatever their size, distinguishes mechanisms. Grooves may lie across or along the sliding
+//! direction; other planforms keep their directions.
 
 use rayon::prelude::*;
 use schemars::JsonSchema;
@@ -29,17 +30,18 @@ use crate::task::{DesignTask, FurtherDirections, SearchOptions};
 use crate::time_budget::TimeBudget;
 use crate::timings::Timings;
 
-/// Number of sectors.
+/// Number of sectors of the disc.
 pub const SECTORS: usize = 2;
-/// Maximum number of designs in each direction that pairs are formed of: some three along each length, as forms change
-/// little between neighbours. A round of replacements takes 4 CANDIDATES estimates of 40 ms.
+/// Maximum number of designs in each direction from which pairs are formed: about three along each length, because
+/// forms change little between neighbours. A round of replacements takes 4 CANDIDATES estimates of 40 ms.
 const CANDIDATES: usize = 48;
-/// Share by which a pair must teach more to replace another: the error of the information.
+/// Minimum relative gain in information with which a pair replaces another: the error of the information.
 const CLEARLY_MORE: f64 = 0.05;
-/// Maximum number of replacements; two or three are usual, and find 95 % of the information of the best of all pairs
+/// Maximum number of replacements; two or three are usual, and give 95 % of the information of the best of all pairs
 /// (`the_pair_teaches_nearly_as_much_as_the_best_of_all`).
 const MAX_ROUNDS: usize = 8;
-/// A second disc, which separates the dose of the laser and the scatter of flat samples from the texture.
+/// Proposed content of a second disc, which separates the dose of the laser and the scatter of flat samples from the
+/// texture.
 const SECOND_DISC: &str =
     "leave one half flat, and give the other half the laser dose of sector 1 beside the track (a sham)";
 
@@ -48,15 +50,15 @@ const SECOND_DISC: &str =
 pub struct LearningReport {
     /// Information about the mechanism from measuring both sectors at all loads to 1 %, in bits.
     pub bits: f64,
-    /// Information that a certain answer would give, in bits.
+    /// Information that certainty about the mechanism would give, in bits.
     pub open_bits: f64,
     /// Reason for this pair, in words.
     pub why: String,
-    /// Content of a second disc, if there is one.
+    /// Proposed content of a second disc.
     pub second_disc: String,
     /// Texture of each sector, in words.
     pub textures: Vec<String>,
-    /// Index of the load, in the order of the loads, at which the quotient of the ratios teaches most.
+    /// Index of the load at which the quotient of the two ratios gives most information about the mechanism.
     pub load: usize,
     /// Mechanisms, sorted by decreasing weight.
     pub mechanisms: Vec<MechanismReport>,
@@ -69,8 +71,8 @@ pub struct MechanismReport {
     pub mechanism: String,
     /// Probability of the mechanism, given the trials.
     pub weight: f64,
-    /// Model error ln(measured / modelled ratio) of sector 2 over that of sector 1, whatever their size: lowest and highest
-    /// value of the forms of the mechanism; null if it predicts no error of sector 1.
+    /// Lowest and highest value, over the forms of the mechanism, of the quotient of the model errors ln(measured /
+    /// modelled ratio) of sectors 2 and 1; null if the mechanism predicts no error of sector 1.
     pub error_quotient: Option<[f64; 2]>,
     /// Predictions, one per load.
     pub loads: Vec<SectorRatios>,
@@ -86,7 +88,8 @@ pub struct SectorRatios {
 }
 
 impl LearningReport {
-    /// Describes `pair` with its joint distribution.
+    /// Describes `pair` with the joint `distribution` of the ratios of both sectors, the information `bits` and the
+    /// reason `why`.
     fn new(pair: &[Prediction; SECTORS], bits: f64, distribution: &Distribution, asked: &Asked, why: String) -> Self {
         let n = asked.loads.len();
         let modelled = |sector: usize, load: usize| pair[sector].texture.ratio[load];
@@ -174,7 +177,7 @@ fn range_in_words(ends: [f64; 2]) -> String {
     if low == high { low } else { format!("{low} to {high}") }
 }
 
-/// Texture of a sector in words.
+/// Describes the texture of a sector in words.
 fn in_words(pattern: &Pattern) -> String {
     let texture = pattern.texture();
     let direction = match texture.sliding_direction() {
@@ -187,7 +190,7 @@ fn in_words(pattern: &Pattern) -> String {
     format!("{}s{direction}, {width} um wide, spacing {spacing} um, {depth} um deep", texture.planform().name())
 }
 
-/// Grooves of `texture` across the sliding direction, or along it.
+/// Turns the grooves of `texture` along the sliding direction if `is_along`, otherwise across.
 fn laid(texture: &Texture, is_along: bool) -> Result<Texture, DesignError> {
     let angle_deg = texture.sliding_angle_deg() + if is_along { 90.0 } else { 0.0 };
     // Grooves are equal after half a turn.
@@ -195,8 +198,8 @@ fn laid(texture: &Texture, is_along: bool) -> Result<Texture, DesignError> {
     texture.with_groove_angle_deg(folded_deg).map_err(|error| DesignError::refused(error.to_string()))
 }
 
-/// Tasks of the textures that a sector may carry: grooves across and along the sliding direction, or those of `task`. Trials
-/// are measured in one direction.
+/// Tasks of the textures that a sector may carry: grooves across and grooves along the sliding direction, or for other
+/// planforms `task` alone. Further sliding directions are dropped, because trials are measured in one direction.
 fn tasks(task: &DesignTask) -> Result<Vec<PreparedTask>, DesignError> {
     let one = DesignTask { directions: FurtherDirections::default(), ..task.clone() };
     if task.space.planform() != Planform::Groove {
@@ -217,7 +220,8 @@ fn tasks(task: &DesignTask) -> Result<Vec<PreparedTask>, DesignError> {
     [false, true].into_iter().map(of).collect()
 }
 
-/// Textures of one direction, with the model that solves them.
+/// Candidate textures with grooves in one direction, across or along sliding, or of another planform, with the model
+/// that solves them.
 struct Side<'s> {
     textures: Vec<CutTexture>,
     solve: &'s dyn Fn(&Pattern) -> Result<Prediction, DesignError>,
@@ -255,7 +259,7 @@ pub fn choose(
 
 type Chosen = Result<(NextReport, Vec<Pattern>), DesignError>;
 
-/// Designs of `search` that fit on a sector, spread over the bounds.
+/// Designs of `search` that fit on a sector, keep all limits and are not pending, spread over the bounds.
 fn candidates(search: &Search<'_>, options: &NextOptions, division: &Division) -> Vec<CutTexture> {
     let is_open = |pattern: &Pattern| {
         let own = Features::from(pattern);
@@ -268,8 +272,9 @@ fn candidates(search: &Search<'_>, options: &NextOptions, division: &Division) -
 /// Pair of indices of textures, with its information in bits.
 type Pair = ([usize; SECTORS], f64);
 
-/// Returns the best pair of `starts`, and the pair that is reached from it by replacing one of both textures by another of
-/// the `count` as long as that teaches clearly more; `None` without starts.
+/// Returns the best pair of `starts`, and the pair reached by replacing one of its textures by another of the `count`
+/// textures as long as that gives clearly more information. `bits` computes the information of a pair; `None` without
+/// starts.
 fn greatest(
     starts: &[[usize; SECTORS]],
     count: usize,
@@ -292,7 +297,7 @@ fn greatest(
     Some([start, best])
 }
 
-/// Chooses the pair of `sides` and reports it.
+/// Chooses the pair of textures of `sides` that gives most information, solves and reports it.
 fn pair(
     prepared: &PreparedTask,
     search: &Search<'_>,

@@ -1,8 +1,8 @@
-//! Design job: finds the pattern that brings dynamic friction to a target and confirms it in time, with the chance that a cut
-//! sample is on target and the inputs that limit the chance.
+//! Design job: finds the pattern that brings dynamic friction to a target and confirms it by a dynamic run. The report
+//! gives the chance that a cut sample is on target and the inputs that limit the chance.
 //!
 //! ```text
-//! task -> table of the bounds -> search for the greatest chance <-> the model itself -> confirming run -> report
+//! task -> table over the bounds -> search for the greatest chance <-> the model itself -> confirming run -> report
 //! ```
 //!
 //! [`run`] performs the job. It takes a [`DesignTask`], a cache for the answers of its model that may outlive the run
@@ -21,7 +21,7 @@
 //! | `slopes`, `blocked`, `trade_offs`, `lattice_table`, `explorer` | further results from the table |
 //! | `design_report`, `target_report`, `stored_result` | the records of result.json |
 //! | `constraint_quantities`, `operating_conditions` | limits, and further speeds, humidities and sliding directions |
-//! | `dynamic_excess`, `scene_errors` | agreement of runs with calibration, and the error of every number of a scene |
+//! | `dynamic_excess`, `scene_errors` | correction of runs to calibrated friction, and errors of a scene's results |
 //! | `evaluation_cache`, `cache_key` | answers stored beyond a run, and their key |
 //! | `time_budget`, `timings`, `cost_estimate` | time limit, time used, and estimated time |
 //!

@@ -39,8 +39,8 @@ pub struct NextReport {
     pub words: String,
     /// Samples to cut.
     pub samples: Vec<SampleReport>,
-    /// Chance that at least one of these samples, or of the pending ones, is on target; 0 with `learning`, which does not
-    /// count it.
+    /// Chance that at least one of `samples`, or of the pending samples, is on target; 0 with `learning`, where it is
+    /// not computed.
     pub one_on_target: f64,
     /// Specimen on which the samples are sectors; absent where one disc was not requested.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -60,9 +60,9 @@ pub struct NextReport {
     pub beyond_measured: Option<String>,
     /// Material and its provenance.
     pub material: Provenance,
-    /// Specimen.
+    /// Specimen on which the samples are laid out.
     pub specimen: SpecimenRecord,
-    /// Laser.
+    /// Laser settings.
     pub laser: Laser,
     /// Assumed manufacturing tolerances of samples; absent where the design file does not give them.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -92,7 +92,7 @@ pub struct OneDiscReport {
 const OF_A_RECTANGLE: &str = "the specimen is a rectangle: its sectors meet in its middle at equal angles, differ in area, and their textures all \
                               lie as that of a whole specimen";
 
-/// Sample as a sector.
+/// Sector of a specimen that is one of the samples.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct SectorReport {
     /// Direction of the middle of the sector on the specimen, anticlockwise from x.
@@ -104,7 +104,7 @@ pub struct SectorReport {
 }
 
 impl OneDiscReport {
-    /// Describes `sectors`; `None` if empty.
+    /// Describes the specimen `name` with `sectors`; `None` without sectors.
     pub(super) fn of(name: String, sectors: &[Sector]) -> Option<Self> {
         let division = sectors.first()?.division();
         let areas_mm2 = sectors.iter().map(|sector| 1e6 * division.area_m2(sector.number()));
@@ -161,7 +161,8 @@ pub struct RatioPrediction {
 }
 
 impl RatioPrediction {
-    /// Reads load number `row`, which is `at`, of `prediction` for a sample with the ratio `modelled`.
+    /// Creates the record of load number `row` of `prediction`, which is the load `at`, for a sample with the ratio
+    /// `modelled` by the model alone.
     pub fn new(at: &Load, modelled: f64, prediction: &Prediction, row: usize) -> Self {
         let quantile = |p: f64| tidy(modelled * prediction.quantile(row, p).exp());
         Self {
@@ -186,7 +187,7 @@ impl NextReport {
         next.chain(own).chain(others).collect()
     }
 
-    /// Likeliest of the user's samples, if it is clearly likelier than all samples found.
+    /// User's sample with the highest chance, if its chance is clearly higher than that of all samples found.
     pub fn likelier_own(&self) -> Option<&SampleReport> {
         let found = self.samples.iter().chain(&self.others).filter_map(|of| of.chance).fold(0.0, f64::max);
         let own = self.own.iter().reduce(|best, next| if next.chance > best.chance { next } else { best })?;
@@ -227,7 +228,7 @@ impl NextReport {
         text + &self.ending()
     }
 
-    /// Formats the doubts about the laser, and the specimen with sectors.
+    /// Formats the doubts about the laser, and the description of the specimen with sectors if there is one.
     fn ending(&self) -> String {
         let doubts: String = self.laser_doubts().map(|doubt| doubt_in_brief(&doubt)).collect();
         doubts + &self.one_disc.as_ref().map_or_else(String::new, OneDiscReport::text)

@@ -25,11 +25,11 @@ use crate::task::DesignTask;
 use crate::time_budget::TimeBudget;
 use crate::timings::Timings;
 
-/// Maximum number of designs in a report.
+/// Maximum number of designs in a report, unless more samples are to be cut at once.
 const LISTED: usize = 6;
-/// Number of scenarios in which several samples are judged together.
+/// Number of random scenarios by which the joint chance of several samples is estimated.
 const SCENARIOS: usize = 2000;
-/// Seed of the disc errors in the scenarios.
+/// Seed of the errors that samples on one disc share in the scenarios.
 const DISC_SEED: u64 = 2;
 
 /// Options of `next`.
@@ -53,7 +53,7 @@ pub struct NextOptions {
 /// Samples to cut next, as a report and as patterns.
 #[derive(Clone, Debug)]
 pub struct NextTrials {
-    /// Report with the samples in words.
+    /// Report on the samples, as written to result.json.
     pub report: NextReport,
     /// Patterns of the samples to cut.
     pub patterns: Vec<Pattern>,
@@ -182,7 +182,7 @@ fn choose(
     Ok((next, chosen.iter().map(|of| of.texture.pattern).collect()))
 }
 
-/// Report of `prepared` without samples.
+/// Creates the report of `prepared` without samples and advice.
 pub fn new_report(prepared: &PreparedTask, asked: &Asked, options: &NextOptions) -> NextReport {
     let task = &prepared.task;
     NextReport {
@@ -211,12 +211,12 @@ pub fn new_report(prepared: &PreparedTask, asked: &Asked, options: &NextOptions)
     }
 }
 
-/// Scenarios in which several samples are judged together.
+/// Random scenarios by which the joint chance of several samples is estimated.
 struct Draws<'a> {
     asked: &'a Asked,
-    /// For samples on discs of their own.
+    /// Scenarios of samples on separate discs.
     scenarios: &'a Scenarios,
-    /// For the samples to cut, which are on one disc if requested.
+    /// Scenarios of the samples to cut, which are on one disc if requested.
     disc: &'a Scenarios,
 }
 
@@ -227,15 +227,15 @@ impl Draws<'_> {
     }
 }
 
-/// Marks the scenarios in which a sample is on target.
+/// Adds the scenarios `by`, in which a sample is on target, to the scenarios `hit`, in which some sample is on target.
 fn mark(hit: &mut [bool], by: &[bool]) {
     hit.iter_mut().zip(by).for_each(|(hit, on)| *hit |= on);
 }
 
-/// Chooses `count` designs of `pool`: the first is the best, and each further one is best if those before and those
-/// `pending` miss the target.
+/// Chooses `count` designs of `pool`: the first is the best, and each further design is on target most often in
+/// scenarios in which the designs before and the `pending` samples miss the target.
 ///
-/// Samples on one disc miss the target together, so textures that differ more are better there.
+/// Samples on one disc miss the target together, so that textures on one disc should differ more.
 fn several<'a>(pool: &'a [Prediction], pending: &[Prediction], count: usize, draws: &Draws<'_>) -> Vec<&'a Prediction> {
     let count = count.max(1).min(pool.len());
     let each: Vec<Vec<bool>> = pool.par_iter().enumerate().map(|of| draws.hits(draws.disc, of)).collect();
@@ -283,7 +283,7 @@ pub fn laser_warnings<'a>(task: &DesignTask, patterns: impl Iterator<Item = &'a 
     patterns.enumerate().flat_map(of).collect()
 }
 
-/// Reason why no design fits on a sector.
+/// Message that no design fits on a sector of `division`.
 pub fn coarse(division: &Division) -> String {
     format!(
         "no design within the bounds can be computed whose period fits {MIN_PERIODS} times on the {:.2} mm wide circle of a sector: \

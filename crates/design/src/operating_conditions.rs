@@ -14,11 +14,12 @@ use slipgrid_base::units::{HUMIDITY_PCT, SPEED_MM_S, tidy};
 pub struct Setting {
     /// Speed and humidity, if coefficients are known per condition.
     pub condition: Option<Condition>,
-    /// Sliding direction, anticlockwise from the specimen's x axis; not reported if a design has one direction only.
+    /// Sliding direction, in degrees anticlockwise from the specimen's x axis; `None` if a design has a single
+    /// direction.
     pub sliding_angle_deg: Option<f64>,
 }
 
-/// Setting in addition to the design setting.
+/// Setting of the target in addition to the design setting, with its loads.
 #[derive(Clone, Debug)]
 pub struct Further {
     /// Speed, humidity and direction.
@@ -30,7 +31,7 @@ pub struct Further {
 }
 
 impl Setting {
-    /// Returns the primary setting of `design`.
+    /// Returns the design setting of `design`: the design condition in the texture's own sliding direction.
     pub fn first(design: &DesignTask) -> Self {
         let has_several = !design.directions.different_deg.is_empty();
         let own_deg = design.space.texture().sliding_angle_deg();

@@ -11,7 +11,7 @@ use crate::as_cut::{CutTexture, Known, sums};
 use crate::band::Asked;
 use crate::inputs::{FLAT_FRICTION, InputEffect, LOCAL_LAW, MODULUS, Part, SCATTER};
 
-/// Relative error of a measurement, for the information of a trial.
+/// Assumed relative standard deviation of a measured ratio, to compute the information that a trial gives.
 pub const MEASURED_STD: f64 = 0.01;
 /// Chance from which demands besides a goal count as met: a sample meets the demands more likely than not.
 const KEPT: f64 = 0.5;
@@ -22,7 +22,7 @@ const KEPT: f64 = 0.5;
 pub struct Prediction {
     /// The texture.
     pub texture: CutTexture,
-    /// ln(true ratio / modelled ratio) at every load: a mixture of normal distributions.
+    /// Distribution of ln(true ratio / modelled ratio) at every load: a mixture of normal distributions.
     distribution: Distribution,
     score: Score,
     /// Score for the ranking of textures.
@@ -56,8 +56,8 @@ impl Prediction {
         self.score.chance
     }
 
-    /// Score for the ranking of textures: the chance plus a small weight of the closeness; with a goal the expected value
-    /// of the goal if demands are met; below 0 beyond limits.
+    /// Score for the ranking of textures: the chance plus a small weight of the closeness to the target; with a goal,
+    /// the expected value of the goal if demands are met; negative if a limit is violated.
     pub fn value(&self) -> f64 {
         self.value
     }
@@ -82,7 +82,7 @@ impl Prediction {
         self.texture.ratio.iter().zip(self.distribution.medians()).map(|(ratio, median)| ratio * median.exp()).collect()
     }
 
-    /// Standard deviations of ln R at all loads.
+    /// Standard deviations of the natural logarithm of the ratio at all loads.
     pub fn log_stds(&self) -> Vec<f64> {
         (0..self.texture.ratio.len()).map(|load| self.distribution.moments(load).1).collect()
     }
@@ -113,6 +113,7 @@ impl Prediction {
     }
 
     /// Ratios by the model alone, one per load, with the standard deviation from the material and from numerical errors.
+    /// `modulus_std` is the relative standard deviation of Young's modulus.
     pub fn modelled(&self, asked: &Asked, modulus_std: f64) -> Vec<ModelledRatio> {
         let n = self.texture.ratio.len();
         let of = |(load, ratio): (usize, &f64)| {
@@ -136,8 +137,9 @@ impl Prediction {
         self.texture.ratio.iter().enumerate().map(of).collect()
     }
 
-    /// Inputs that limit the chance, sorted by decreasing chance without them: for each the resulting standard deviation
-    /// of the ratio, and the chance if the input were known to equal its current value, or if samples did not scatter.
+    /// Inputs that limit the chance, sorted by decreasing chance without their error: for each, the resulting standard
+    /// deviation of the ratio, and the chance if the input were exactly its current value, or if samples did not
+    /// scatter. `modulus_std` is the relative standard deviation of Young's modulus.
     pub fn limited_by(&self, asked: &Asked, predictor: &Predictor, modulus_std: f64) -> Vec<LimitedBy> {
         let (n, sensitivity) = (self.texture.ratio.len(), &self.texture.sensitivity);
         let medians = self.medians();
@@ -218,7 +220,8 @@ impl Prediction {
         all
     }
 
-    /// Builds the report of the sample; `laser_s` is the laser time in seconds.
+    /// Builds the report of the sample; `modulus_std` is the relative standard deviation of Young's modulus, `laser_s`
+    /// the laser time in seconds.
     pub fn report(&self, asked: &Asked, modulus_std: f64, laser_s: Option<f64>) -> SampleReport {
         SampleReport {
             design: PatternReport::from(&self.texture.pattern),
@@ -242,7 +245,7 @@ pub struct SampleReport {
     pub chance: Option<f64>,
     /// Predicted values of a sample, one per load of each condition, in the quantity of the target.
     pub expected: Vec<Expected>,
-    /// Values of the model alone at these loads.
+    /// Ratios by the model alone, one per load as in `expected`.
     pub modelled: Vec<ModelledRatio>,
     /// Inputs that limit the chance, the strongest first; empty where not computed.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -257,8 +260,8 @@ pub struct SampleReport {
 }
 
 impl SampleReport {
-    /// The sample beside a `best` one that is chosen. A chance that is greater within the error of what the table
-    /// interpolates is stated as equal.
+    /// Returns this sample as an alternative to the chosen sample `best`: its chance is limited to that of `best`,
+    /// because a greater one is only an error of the table.
     #[must_use]
     pub fn beside(self, best: &Self) -> Self {
         let chance = self.chance.zip(best.chance).map(|(own, best)| own.min(best));
@@ -291,7 +294,7 @@ pub struct Expected {
 }
 
 impl Expected {
-    /// Whether the median lies on the accepted side of each end.
+    /// Whether the median lies within the accepted band.
     pub fn is_within(&self) -> bool {
         self.target_low.is_none_or(|low| self.median >= low) && self.target_high.is_none_or(|high| self.median <= high)
     }
@@ -315,8 +318,8 @@ pub struct LimitedBy {
     pub input: String,
     /// Accuracy of the input, in words.
     pub known_to: String,
-    /// Standard deviation of the ratio by this input alone, one per load; of the model's error and of the scatter between
-    /// samples, by how much they widen the 95 % interval, over 1.96.
+    /// Standard deviation of the ratio by this input alone, one per load; for the model error and the scatter between
+    /// samples, computed from the widths of the 95 % interval with and without this input.
     pub std: Vec<f64>,
     /// Chance without the error of this input.
     pub chance_if_known: f64,

@@ -11,7 +11,7 @@ use crate::{DesignError, whole_steps};
 /// Task with its material and its conditions.
 #[derive(Clone, Debug)]
 pub struct PreparedTask {
-    /// Task, with its target at every condition.
+    /// Task with its conditions resolved.
     pub task: DesignTask,
     /// Material, with notes on interpolation for the conditions.
     pub material: Material,
@@ -19,9 +19,9 @@ pub struct PreparedTask {
     pub uncertainty: MaterialUncertainty,
     /// Loads at the design condition.
     pub loads: Vec<Load>,
-    /// Whether each load lies outside the measured range.
+    /// Whether each load lies outside the pressures at which friction was measured.
     pub outside: Vec<bool>,
-    /// Further conditions.
+    /// Settings besides the design setting: further conditions and sliding directions.
     pub further: Vec<Further>,
 }
 

@@ -1,4 +1,4 @@
-//! Error of every number of a solved scene.
+//! Errors of the results of a solved scene.
 
 use crate::results::errors::{DRAWS, ErrorReport, NO_SLOPES, PartsReport, PressureErrors, STATIC, TIME_AVERAGE};
 use crate::results::{CorrectedAt, CorrectedReport, ErrorsReport};
@@ -29,7 +29,7 @@ pub struct Solved<'a> {
 }
 
 impl Solved<'_> {
-    /// Values at each load with their errors.
+    /// Ratio and friction coefficients at each load with their errors.
     pub fn errors(&self) -> Vec<PressureErrors> {
         (0..self.simulation.loads.len()).map(|place| self.at(place)).collect()
     }
@@ -86,7 +86,8 @@ impl Solved<'_> {
         }
     }
 
-    /// Error from one draw of local coefficients; zero for a cell at the mean coefficients.
+    /// Relative scatter of the results by one random draw of the local coefficients; none for a steady cell, which is
+    /// solved with the mean coefficients.
     fn drawn(&self, place: usize, load: &LoadOutcome) -> SamplingScatter {
         let run = &self.scene.run;
         let is_drawn = run.fidelity != Fidelity::Steady || run.extent.has_ends();
@@ -97,7 +98,8 @@ impl Solved<'_> {
         }
     }
 
-    /// Components of the error of a run: its length and its draws.
+    /// Errors of `value` by the finite duration of the run and by the drawn local coefficients; `stderr` is the
+    /// standard error of `value` in the run, `drawn` the relative scatter by one draw.
     fn of_run(&self, value: Option<f64>, stderr: Option<f64>, drawn: Option<f64>) -> Vec<PartsReport> {
         let draws = self.scene.run.draws as f64;
         let drawn = value.zip(drawn).map(|(value, share)| value * share / draws.sqrt());
@@ -110,7 +112,8 @@ impl Solved<'_> {
         parts.into_iter().filter_map(part).collect()
     }
 
-    /// Error of a static peak: one event per draw, with the uncertainty of the static coefficients.
+    /// Static coefficient with its error: scatter between draws, each with a single static peak, and uncertainty of the
+    /// material's static coefficients. `None` if the run has no static peak.
     fn of_static(&self, place: usize, surface: &SurfaceOutcome, drawn: Option<f64>) -> Option<ErrorReport> {
         let coefficient = self.knowledge.static_friction.as_ref().and_then(|all| all.get(place));
         let value = surface.mu_static?;
@@ -121,7 +124,8 @@ impl Solved<'_> {
         Some(ErrorReport::new(Some(value), parts.into_iter().filter_map(part).collect(), None))
     }
 
-    /// Errors that `rows` do not contain, because the material of `uncertainty` does not give them.
+    /// Names of the errors that `rows` do not include, because the material of `uncertainty` does not give them or the
+    /// scene could not be solved with changed values.
     pub fn unknown(&self, uncertainty: &MaterialUncertainty, rows: &[PressureErrors]) -> Vec<String> {
         let mut unknown = uncertainty.unknown(self.knowledge, self.scene.area_law.as_ref());
         if self.scene.pattern.is_none() {
@@ -139,10 +143,11 @@ impl Solved<'_> {
     }
 }
 
-/// Computes the errors of a solved `scene`, and its numbers corrected by the trials if its material has trials.
+/// Computes the errors of the results of `scene`, and the results corrected by the trials of the material, `None` for a
+/// flat scene or without trials.
 ///
 /// # Errors
-/// [`MaterialError`] for an area law that cannot be moved by its errors.
+/// [`MaterialError`] if the area law, changed by its errors, is invalid.
 pub fn of_scene(
     scene: &Scene,
     uncertainty: &MaterialUncertainty,

@@ -3,7 +3,7 @@
 //! ```text
 //! all textures by the table -> best of every region -> climbs over whole blocks and bursts by the table
 //!   -> solve their ends with the model; correct the table by the difference -> repeat until the best is a solved one
-//!   -> ends, tilt and time of the best; correct the table -> repeat until the best is solved as cut
+//!   -> effects of ends, tilt and time on the best; correct the table -> repeat until the best is solved as cut
 //! ```
 
 mod ranking;
@@ -30,33 +30,35 @@ use crate::steps::{Place, Steps, climb};
 use crate::table::{Models, Table};
 use crate::task::{ConstraintQuantity, DesignTask};
 
-/// Weight of the members that choose which textures the whole mixture ranks: a sixth of the members after one trial.
+/// Weight of the likeliest members of the predictor's mixture, which select the textures that the whole mixture ranks.
+/// After one trial, they are a sixth of the members.
 pub const SHARE_OF_RANKING: f64 = 0.8;
-/// Weight of the members that predict lattices of a thousand textures, for pages and trade-offs: half of the members after
-/// one trial, and chances to 0.004 (`likeliest_members_give_the_chances_of_all`).
+/// Weight of the likeliest members, which predict lattices of a thousand textures for pages and trade-offs. After one
+/// trial, they are half of the members, and give chances to 0.004 (`likeliest_members_give_the_chances_of_all`).
 pub const SHARE_OF_LATTICES: f64 = 0.995;
 /// Number of starts of climbs, in different regions.
 const STARTS: usize = 6;
-/// Maximum number of table lookups in climbs.
+/// Maximum number of textures that one set of climbs evaluates by the table.
 const CLIMBED: usize = 1500;
 /// Number of the best textures by the table that are solved in addition to the ends of climbs: candidates for several
 /// samples.
 const POOL: usize = 12;
-/// Maximum number of rounds of climbs by the corrected table, and of textures solved as cut.
+/// Maximum number of rounds of climbs by the corrected table.
 const MAX_ROUNDS: usize = 16;
+/// Maximum number of textures that a search solves as cut.
 const MAX_AS_CUT: usize = 4;
 /// Chances that differ by less are equal within the error of the table.
 pub const ALIKE: f64 = 0.005;
-/// Share of a value up to which a promise of more is not worth another run in time. Ends, tilt and time change values by
-/// 0.1 to 2.5 % for the shipped designs and seven other targets, half of them by less than 0.8 %; of four promises below
-/// 0.7 % three were not kept.
+/// Relative gain in value up to which a predicted improvement is not worth another dynamic run. Ends, tilt and time
+/// change values by 0.1 to 2.5 % for the shipped designs and seven other targets, in half of them by less than 0.8 %;
+/// of four predicted gains below 0.7 % three were not confirmed.
 const EQUAL: f64 = 0.01;
-/// Textures are similar if no length differs by more than this factor, given as its logarithm.
+/// Maximum difference between the logarithms of any length of two similar textures.
 const UNLIKE: f64 = 0.15;
-/// Relative difference below which two lengths are equal.
+/// Relative difference below which two lengths, or two areal densities, are equal.
 const SAME_LENGTH: f64 = 1e-3;
 
-/// Whether two textures are equal, compared by their features because trials have nothing else.
+/// Whether two textures are equal, compared by their features because trials store only features.
 pub fn is_same(a: &Features, b: &Features) -> bool {
     let same = |of: fn(&Features) -> f64| (of(a) - of(b)).abs() <= SAME_LENGTH * of(a).max(of(b));
     same(|of| of.width_m) && same(|of| of.pitch_m) && same(|of| of.depth_m) && same(|of| of.areal_density)
@@ -69,8 +71,9 @@ pub struct Search<'a> {
     pub task: &'a DesignTask,
     pub asked: &'a Asked,
     pub predictor: Predictor,
-    /// The likeliest members of `predictor`, for lattices of textures, and fewer of them, to rank textures.
+    /// The likeliest members of `predictor`, for lattices of textures.
     pub of_lattices: Predictor,
+    /// Fewer of the likeliest members of `predictor`, to rank textures.
     pub of_ranking: Predictor,
     pub models: &'a Models<'a>,
     pub beyond: &'a BeyondCells<'a>,
@@ -83,12 +86,12 @@ pub struct Search<'a> {
 
 /// Result of a search.
 pub struct Found {
-    /// Textures solved by the model: the first is solved as cut, the others are sorted by decreasing value, which may be
-    /// greater by [`EQUAL`] than that of the first.
+    /// Textures solved by the model: the first is solved as cut; the others are sorted by decreasing value, and may
+    /// exceed the value of the first by [`EQUAL`].
     pub solved: Vec<Prediction>,
     /// Number of textures compared by the table.
     pub compared: usize,
-    /// Whether the median of some texture is accepted at every load.
+    /// Whether some texture has accepted medians at every load.
     pub is_within_reach: bool,
 }
 
@@ -97,11 +100,11 @@ pub struct Found {
 struct Progress {
     /// Textures solved by the model.
     solved: Vec<Prediction>,
-    /// Solved textures with the effect of cutting interpolated from others, as far as required.
+    /// Solved textures; those not solved as cut have the interpolated effect of ends, tilt and time.
     with_cutting: Vec<Prediction>,
     /// Textures without an answer of the model.
     refused: Vec<Pattern>,
-    /// Error of the table in ln R at every load, interpolated between solved textures.
+    /// Error of the table in ln R, R the friction ratio, at every load, interpolated between solved textures.
     off: BetweenDesigns,
     /// Effect of ends, tilt and time on ln R of solved textures, interpolated between textures solved as cut.
     by_cutting: BetweenDesigns,
@@ -113,7 +116,8 @@ impl Progress {
         self.refused.contains(design) || self.solved.iter().any(|of| is_same(&of.texture.features, &own))
     }
 
-    /// Covariance that samples share, of the texture nearest to `design`.
+    /// Covariance of ln R that all samples share, taken from the solved texture nearest to `design`; empty if there is
+    /// none.
     fn covariance(&self, design: &Pattern) -> Vec<f64> {
         let apart = |of: &Prediction| -> f64 {
             let lengths = design.lengths_m().into_iter().zip(of.texture.pattern.lengths_m());
@@ -129,7 +133,8 @@ impl Search<'_> {
         self.task.tolerances.unwrap_or_default()
     }
 
-    /// Largest violation of a limit by `pattern` with the model's `answer`, relative to the limit.
+    /// Sum of the violations of limits by `pattern` with the model's `answer`, each relative to its limit; `None` if
+    /// the specimen does not take the pattern.
     fn excess(&self, pattern: &Pattern, answer: &Answer) -> Option<f64> {
         Some(self.violations(pattern, answer).ok()?.iter().map(Violation::excess).sum())
     }
@@ -137,13 +142,14 @@ impl Search<'_> {
     /// Lists the limits that `pattern` with the model's `answer` violates.
     ///
     /// # Errors
-    /// [`ModelFailure`] where the specimen does not take it.
+    /// [`ModelFailure`] if the specimen does not take the pattern.
     pub fn violations(&self, pattern: &Pattern, answer: &Answer) -> Result<Vec<Violation>, ModelFailure> {
         self.limited.check(pattern)?;
         Ok(self.task.constraints.violations(pattern, &self.limited.values(pattern, answer)?))
     }
 
-    /// Interpolates `pattern` in the table; `None` next to a hole.
+    /// Interpolates `pattern` in the table; `None` next to a node without an answer, if cavities close under load,
+    /// or if the specimen does not take `pattern`.
     pub fn interpolated(&self, pattern: &Pattern) -> Option<CutTexture> {
         let (modelled, answer) = self.table.at(pattern)?;
         let shifts: Vec<DimensionShift> = self.table.dimension_shifts(pattern, &self.tolerances())?;
@@ -152,14 +158,15 @@ impl Search<'_> {
         Some(CutTexture { excess: self.excess(pattern, &answer)?, ..texture })
     }
 
-    /// Interpolates `pattern` with the corrections of neighbouring textures.
+    /// Interpolates `pattern` in the table, corrected by the known errors of the table at solved textures.
     fn corrected(&self, pattern: &Pattern, known: &Progress) -> Option<CutTexture> {
         let texture = self.interpolated(pattern)?.moved(&known.off.at(pattern).unwrap_or_default());
         let texture = texture.moved(&known.by_cutting.at(pattern).unwrap_or_default());
         Some(CutTexture { covariance: known.covariance(pattern), ..texture })
     }
 
-    /// Solved textures, sorted by decreasing value; textures not solved as cut have the interpolated effect of cutting.
+    /// Solved textures, sorted by decreasing value; those not solved as cut have the interpolated effect of ends, tilt
+    /// and time.
     fn ordered(&self, known: &mut Progress) -> Vec<Prediction> {
         let one = |of: &Prediction| match known.by_cutting.at(&of.texture.pattern) {
             Some(by) if of.texture.known < Known::AsCut => self.predicted(of.texture.clone().moved(&by)),
@@ -174,26 +181,27 @@ impl Search<'_> {
         Prediction::new(texture, &self.predictor, self.asked)
     }
 
-    /// Predicts `pattern` by the table alone.
+    /// Predicts `pattern` by the table alone; `None` as for [`Self::interpolated`].
     pub fn roughly(&self, pattern: &Pattern) -> Option<Prediction> {
         self.interpolated(pattern).map(|texture| self.predicted(texture))
     }
 
-    /// Predicts `pattern` for a lattice by the table with the correction `off` of ln R and the shared errors `covariance`.
+    /// Predicts `pattern` for a lattice by the table, with the correction `off` of ln R at each load and the covariance
+    /// of ln R from shared errors.
     pub fn roughly_with(&self, pattern: &Pattern, off: &[f64], covariance: &[f64]) -> Option<Prediction> {
         let texture = CutTexture { covariance: covariance.to_vec(), ..self.interpolated(pattern)?.moved(off) };
         Some(Prediction::new(texture, &self.of_lattices, self.asked))
     }
 
-    /// Error of the table in ln R at the texture of `found`.
+    /// Error of the table in ln R at each load for the texture of `found`; empty if the table has no value.
     pub fn off_at(&self, found: &Prediction) -> Vec<f64> {
         let table = self.interpolated(&found.texture.pattern);
         let ratios = table.iter().flat_map(|table| found.texture.ratio.iter().zip(&table.ratio));
         ratios.map(|(exact, table)| (exact / table).ln()).collect()
     }
 
-    /// Predicts a sample of `found` with the dimensions `made`: its ratio differs as the model says, and the discrepancy
-    /// is that of the texture as made.
+    /// Predicts a sample of `found` that has the dimensions of `made`: the ratio changes as the model computes, and the
+    /// discrepancy is that of `made`. `None` if the model gives no answer.
     pub fn made(&self, found: &Prediction, made: &Pattern) -> Option<Prediction> {
         let model = self.models.own;
         let laid = model.lay(&found.texture.pattern).ok()?;
@@ -210,7 +218,7 @@ impl Search<'_> {
     /// from the table.
     ///
     /// # Errors
-    /// [`ModelFailure`] where it cannot be computed.
+    /// [`ModelFailure`] if the pattern cannot be computed.
     pub fn solved(&self, pattern: &Pattern) -> Result<Prediction, ModelFailure> {
         let modelled = self.models.at(pattern)?;
         let mut ratio: Vec<f64> = modelled.log_ratio.iter().map(|log| log.exp()).collect();
@@ -228,7 +236,7 @@ impl Search<'_> {
         Ok(self.predicted(texture.moved(&self.table.by_face(pattern))))
     }
 
-    /// Replaces ends and tilt from the table by solved values, and in the plane adds a run in time.
+    /// Replaces the effects of ends and tilt from the table by solved values, and in the plane adds a dynamic run.
     pub fn as_cut(&self, found: &Prediction) -> Prediction {
         if found.texture.known == Known::AsCut {
             return found.clone();
@@ -254,7 +262,8 @@ impl Search<'_> {
         self.predicted(CutTexture { known: Known::AsCut, ..cell.moved(&by_face).moved(&by_time) })
     }
 
-    /// Uncertainty of the tilt by friction in the specimen of `run`. Its share is equal at all loads and conditions.
+    /// Uncertainty from the tilt of the specimen by friction, as `run` corrects it: one common error at all loads and
+    /// conditions. `None` without a tilt.
     fn of_tilt(&self, run: &Simulation) -> Option<Part> {
         // If the tilt exceeds its mean, a ratio changes in the direction of its correction.
         let std = |tilt: &Correction| tilt.std.unwrap_or(0.0).copysign(tilt.change);
@@ -273,16 +282,17 @@ impl Search<'_> {
         })
     }
 
-    /// Excess of the maximum pressure of `run` over its limit: the outer lands of a specimen carry a higher pressure than
-    /// an infinite pattern, and sliding in time adds to it.
+    /// Relative excess of the maximum pressure of `run` over its limit; 0 without a limit. The outer lands of a
+    /// specimen carry a higher pressure than an infinite pattern, and stick-slip adds to it.
     fn excess_of(&self, run: &Simulation) -> f64 {
         let mut limits = self.task.quantities.iter().zip(&self.task.constraints.quantities);
         let limit = limits.find(|(of, _)| **of == ConstraintQuantity::PeakPressure).map(|(_, limit)| limit);
         limit.map_or(0.0, |limit| limit.excess(run.peak_pressure_pa()).max(0.0))
     }
 
-    /// Finds the textures of the maximum value among those that are `open`, the first solved as cut, the others sorted by
-    /// decreasing value. If the stage is cancelled, returns the results so far. At least `count` textures if there are as many.
+    /// Finds the textures of maximum value among those that the filter `open` allows: the first is solved as cut, the
+    /// others are sorted by decreasing value, at least `count` in all if there are as many. If the stage is cancelled,
+    /// returns the results so far.
     pub fn best(&self, open: &(dyn Fn(&Pattern) -> bool + Sync), count: usize) -> Found {
         let steps = Steps::new(self.task);
         let (ranked, compared, is_within_reach) = self.ranked(&steps, POOL.max(count), open);
@@ -327,14 +337,15 @@ impl Search<'_> {
         Found { solved, compared, is_within_reach }
     }
 
-    /// Whether a texture of `solved` that is solved as cut is worth as much as `first` within [`EQUAL`]: another run in time
-    /// would choose between equals.
+    /// Whether `solved` has a texture solved as cut whose value is that of `first` within [`EQUAL`], so that a dynamic
+    /// run of `first` would only choose between equals.
     fn is_alike_as_cut(&self, first: &Prediction, solved: &[Prediction]) -> bool {
         let mut as_cut = solved.iter().filter(|of| of.texture.known == Known::AsCut);
         self.asked.goal.is_none() && as_cut.any(|of| of.value() >= (1.0 - EQUAL) * first.value())
     }
 
-    /// Finds the maximum value among `open` textures by the table after a climb, and whether some median is accepted.
+    /// Finds the texture of maximum value by the table and a climb, among those that the filter `open` allows, and
+    /// whether some texture has accepted medians at every load.
     pub fn greatest(&self, open: &(dyn Fn(&Pattern) -> bool + Sync)) -> (Option<Prediction>, bool) {
         let steps = Steps::new(self.task);
         let (ranked, _, is_within_reach) = self.ranked(&steps, STARTS, open);
@@ -343,7 +354,8 @@ impl Search<'_> {
         (sorted(all).into_iter().next(), is_within_reach)
     }
 
-    /// Textures of trials as designs of the task, if the features equal those of a design of the task's texture.
+    /// Textures of trials that are designs of the task: within bounds and limits, with the features of the task's
+    /// texture.
     fn cut(&self) -> Vec<Pattern> {
         let of = |features: &Features| {
             let lengths_m = [features.width_m, features.pitch_m - features.width_m, features.depth_m];
@@ -376,7 +388,7 @@ impl Search<'_> {
         climb(steps, &starts, CLIMBED, values, (open, &value), &part)
     }
 
-    /// Solves those of `designs` that are not solved yet.
+    /// Solves those of `designs` that are not solved yet, and adds them to `known`.
     fn solve(&self, designs: Vec<Pattern>, known: &mut Progress) {
         let mut fresh: Vec<Pattern> = Vec::new();
         for design in designs {

@@ -1,4 +1,5 @@
-//! Sensitivity of modelled ratios to inputs shared by all textures, and the loads of a task in terms of the trials.
+//! Sensitivity of modelled ratios to inputs shared by all textures, and the loads of a task in the form that trials
+//! have.
 
 use std::fmt::Debug;
 
@@ -16,11 +17,11 @@ use crate::steady_model::SteadyModel;
 use crate::task::DesignTask;
 use crate::{DesignError, Refusal, TaskPart};
 
-/// Step of the logarithm of Young's modulus for the derivative.
+/// Step of the logarithm of Young's modulus to each side for the derivative of ln R.
 const LOG_MODULUS_STEP: f64 = 0.05;
-/// Change of ln R by the local law from which a design reports it.
+/// Change of ln R, R the friction ratio, by the local law from which the report of a design mentions it.
 const NOTED_CHANGE: f64 = 0.002;
-/// Relative humidity if neither design nor trials name one.
+/// Relative humidity, from 0 to 1, if neither design nor trials name one.
 const USUAL_HUMIDITY: f64 = 0.4;
 
 /// Model values of a texture at the loads.
@@ -36,7 +37,7 @@ pub struct Modelled {
 pub struct Sensitivities<'a> {
     /// Models with a stiffer and a softer body; `None` if the modulus has no effect.
     both: Option<[SteadyModel<'a>; 2]>,
-    /// `None` if flat friction follows the area law at every condition.
+    /// Models for friction by the local pressure; `None` if flat friction follows the area law at every condition.
     by_local_pressure: Option<ByLocalPressure<'a>>,
     loads: usize,
 }
@@ -44,10 +45,10 @@ pub struct Sensitivities<'a> {
 /// Models in which friction follows the local pressure, one per condition at which flat friction contradicts the area
 /// law.
 struct ByLocalPressure<'a> {
-    /// Model by the area law, in equal blocks.
+    /// Model by the area law, in blocks of the size that `laws` use.
     still: SteadyModel<'a>,
     laws: Vec<SteadyModel<'a>>,
-    /// Index of the model that holds at each load.
+    /// Index in `laws` of the model that applies at each load; `None` if flat friction follows the area law there.
     of_load: Vec<Option<usize>>,
 }
 
@@ -84,7 +85,8 @@ impl<'a> ByLocalPressure<'a> {
         Ok(Some(Self { still, laws, of_load: conditions.iter().map(place).collect() }))
     }
 
-    /// Change of ln R of `design` at every load if friction follows the local pressure.
+    /// Change of ln R of `design` at every load if friction follows the local pressure; 0 at loads without such a
+    /// model.
     fn at(&self, design: &Pattern) -> Result<Vec<f64>, ModelFailure> {
         let models: Vec<&SteadyModel<'_>> = std::iter::once(&self.still).chain(&self.laws).collect();
         let ratios: Vec<Vec<f64>> =
@@ -105,7 +107,7 @@ impl<'a> Sensitivities<'a> {
     /// Builds the models around `own`, with the uncertainty of `material`, at the condition of each load.
     ///
     /// # Errors
-    /// [`DesignError`] where the area law cannot be moved.
+    /// [`DesignError`] if the area law, changed by its errors, is invalid.
     pub fn new(
         own: &SteadyModel<'a>,
         material: &MaterialUncertainty,
@@ -135,15 +137,16 @@ impl<'a> Sensitivities<'a> {
     /// Computes the sensitivities of `design` at every load.
     ///
     /// # Errors
-    /// [`ModelFailure`] where they cannot be computed.
+    /// [`ModelFailure`] if the design cannot be computed.
     pub fn at(&self, design: &Pattern) -> Result<Vec<Sensitivity>, ModelFailure> {
         Ok(from_numbers(&self.numbers(design)?, self.loads))
     }
 
-    /// Computes g = d ln R / d ln E of `design` at every load, followed by the changes by the local pressure if any.
+    /// Computes d ln R / d ln E, R the friction ratio and E Young's modulus, of `design` at every load, followed by the
+    /// changes of ln R if friction follows the local pressure, where flat friction contradicts the area law.
     ///
     /// # Errors
-    /// [`ModelFailure`] where they cannot be computed.
+    /// [`ModelFailure`] if the design cannot be computed.
     pub fn numbers(&self, design: &Pattern) -> Result<Vec<f64>, ModelFailure> {
         let (modulus, local) = rayon::join(
             || self.of_modulus(design),
@@ -167,8 +170,8 @@ pub fn from_numbers(numbers: &[f64], loads: usize) -> Vec<Sensitivity> {
     (0..loads).map(|load| Sensitivity { modulus: number(load), local_law: number(loads + load) }).collect()
 }
 
-/// Note on the local law at the load where it changes the ratio most, if significant; `mean` is the expected share of the
-/// change.
+/// Note on the change by the local law at the load where it changes the ratio most; `mean` is the expected share of the
+/// change. `None` if the change is insignificant.
 pub fn local_law_note(sensitivity: &[Sensitivity], loads: &[Load], mean: f64) -> Option<String> {
     let size = |place: &usize| sensitivity[*place].local_law.abs();
     let most = (0..sensitivity.len()).max_by(|a, b| size(a).total_cmp(&size(b)))?;
@@ -190,7 +193,7 @@ pub fn usual_humidity(learned: &Discrepancy) -> f64 {
     if humidities.is_empty() { USUAL_HUMIDITY } else { humidities.iter().sum::<f64>() / humidities.len() as f64 }
 }
 
-/// Loads of `task` in terms of the trials: pressure, speed and humidity at every load of `model`.
+/// Loads of `task` in the form that trials have: pressure, speed and humidity at every load of `model`.
 pub fn loads_of(task: &DesignTask, learned: &Discrepancy, further: &[Further], model: &SteadyModel<'_>) -> Vec<Load> {
     let usual = usual_humidity(learned);
     let at = |(load, condition): (&slipgrid_model::springblock::Load, Option<Condition>)| Load {
@@ -201,12 +204,12 @@ pub fn loads_of(task: &DesignTask, learned: &Discrepancy, further: &[Further], m
     model.asked().loads.iter().zip(conditions_of(task, further)).map(at).collect()
 }
 
-/// Speed and humidity of every condition of `task`.
+/// Speed and humidity of every setting of `task`, the design condition first; `None` if coefficients have no condition.
 pub fn conditions(task: &DesignTask, further: &[Further]) -> impl Iterator<Item = Option<Condition>> {
     std::iter::once(task.condition).chain(further.iter().map(|further| further.at.condition))
 }
 
-/// Speed and humidity at every load of `task`, condition by condition.
+/// Speed and humidity at every load of `task`, setting by setting; `None` if coefficients have no condition.
 pub fn conditions_of(task: &DesignTask, further: &[Further]) -> Vec<Option<Condition>> {
     let count = task.target.points().len().max(1);
     conditions(task, further).flat_map(|condition| std::iter::repeat_n(condition, count)).collect()

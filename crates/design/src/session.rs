@@ -1,4 +1,4 @@
-//! Session that `optimize` and `next` share: the table of the bounds and the search in it.
+//! Session that `optimize` and `next` share: the table over the bounds and the search in it.
 
 use slipgrid_base::monitor::Monitor;
 use slipgrid_laser::export::Division;
@@ -20,11 +20,11 @@ use crate::table::{Models, Table};
 use crate::time_budget::{SEARCH_SHARE, TimeBudget};
 use crate::timings::Timings;
 
-/// Message if the time limit did not suffice for a table.
+/// Message if the time limit ended before the table was complete.
 const NO_TABLE: &str = "the seconds allowed were spent before the designs within the bounds were known";
 
-/// Tabulates the bounds of `prepared` and runs `then` with the search; on sectors of `division` if given. `cache` stores
-/// the answers of the model if given.
+/// Tabulates the model over the bounds of `prepared` and calls `then` with the search. With `division`, samples are
+/// sectors of one specimen. `cache`, if given, stores the answers of the model.
 ///
 /// # Errors
 /// [`DesignError`] for a task that is refused or that the monitor cancels, where no design can be computed, and those of `then`.

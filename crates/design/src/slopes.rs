@@ -13,12 +13,13 @@ use crate::search::Search;
 pub struct SlopeReport {
     /// `width_um`, `spacing_um` or `depth_um`.
     pub dimension: String,
-    /// Change of the median of the target's quantity per micrometre, one a load of each condition.
+    /// Change of the median of the target's quantity per micrometre, one per load of each condition.
     pub per_um: Vec<f64>,
 }
 
-/// Computes the slopes of the medians of samples of `best` with a constant number of cavities, over one block or burst to
-/// each side; empty if samples on either side cannot be computed.
+/// Computes the derivatives of the medians of samples of `best` along every dimension that is not fixed, with a
+/// constant number of cavities, from differences over one block or burst to each side. Dimensions whose differences
+/// cannot be computed are left out.
 pub fn slopes(search: &Search<'_>, best: &Prediction) -> Vec<SlopeReport> {
     let pattern = best.texture.pattern;
     let limits = &search.task.constraints.limits;

@@ -15,38 +15,40 @@ use slipgrid_base::units::{LENGTH_UM, tidy};
 use slipgrid_laser::export::Specimen;
 use slipgrid_laser::specimen::Laid;
 
-/// Block size of the guide relative to the layer's, in order of preference: cells with four times the block size cost a
-/// hundredth and differ by at most 0.02 of the ratio, with twice the block size a tenth and 0.013.
+/// Block sizes of the guide, a model in larger blocks, as multiples of the layer's block size, in order of preference.
+/// Cells of four times the block size cost a hundredth and change the ratio by at most 0.02, cells of twice the block
+/// size cost a tenth and change it by 0.013.
 const GUIDE_FACTORS: [usize; 4] = [4, 2, 3, 5];
-/// Minimum number of rows of the guide's layer, and of blocks in the shortest pitch.
+/// Minimum number of rows of blocks in the guide's layer.
 const MIN_GUIDE_ROWS: usize = 4;
+/// Minimum number of the guide's blocks in the shortest pitch.
 const MIN_GUIDE_PITCH: f64 = 2.0;
 
-/// Friction of a design by the steady cell, scaled to the specimen by the share of cavities.
+/// Friction ratios of designs by steady cells, scaled to the specimen by the share of cavities.
 pub struct SteadyModel<'a> {
     /// Scene with the loads of the design condition.
     scene: Scene,
     /// Scene with the loads of every condition in every direction, the design condition first. Conditions differ in the
     /// local coefficients alone, so one factorization serves all conditions of a direction.
     asked: Scene,
-    /// Sliding directions besides the designs' own, whose loads come last.
+    /// Sliding directions besides the designs' own, in degrees; their loads come last.
     directions_deg: Vec<f64>,
     /// Texture of the designs without their lengths, which determines the dimension of the cells.
     texture: Texture,
     solver: Solver,
-    /// Scene and solver in larger blocks, if these save time in space.
+    /// Guide: scene and solver in larger blocks; `None` in the plane, and if no larger blocks fit layer and pitch.
     guide: Option<(Scene, Solver)>,
     evaluations: Evaluations<'a>,
-    /// Can cancel a search.
+    /// Monitor that can cancel evaluations.
     monitor: &'a dyn Monitor,
     /// Specimen that designs are cut into; `None` for infinite patterns.
     specimen: Option<Specimen>,
 }
 
 impl<'a> SteadyModel<'a> {
-    /// Creates a model with the material, layer, loads and dimensions of `scene` for the designs of `space`, at equal
-    /// pressures in `further` conditions. The last of these belong to `directions_deg`: each has as many loads as the
-    /// designs' own direction.
+    /// Creates a model with the material, layer, loads and dimensions of `scene` for the designs of `space`. `further`
+    /// holds the loads of further conditions at the same pressures. The last of them belong to the sliding directions
+    /// `directions_deg`, each of which has as many loads as the designs' own direction.
     pub fn new(scene: &Scene, further: &[&[Load]], directions_deg: &[f64], space: &DesignSpace) -> Self {
         let run = RunOptions {
             fidelity: Fidelity::Steady,
@@ -103,7 +105,7 @@ impl<'a> SteadyModel<'a> {
         self
     }
 
-    /// Areal density of the specimen over that of the infinite pattern.
+    /// Ratio of the areal density of the specimen to the areal density of the infinite pattern.
     pub(crate) fn share(&self, design: &Pattern) -> Result<f64, ExportError> {
         Ok(Laid::new(self.specimen.as_ref(), design, self.dimension())?.share(design))
     }
@@ -111,7 +113,7 @@ impl<'a> SteadyModel<'a> {
     /// Lays `design` out on the specimen, for the samples made of it.
     ///
     /// # Errors
-    /// [`ModelFailure::Trial`] where the specimen does not take it.
+    /// [`ModelFailure::Trial`] if the specimen does not take the design.
     pub fn lay(&self, design: &Pattern) -> Result<Laid, ModelFailure> {
         Laid::new(self.specimen.as_ref(), design, self.dimension())
             .map_err(|error| ModelFailure::Trial { reason: error.to_string() })
@@ -143,12 +145,12 @@ impl<'a> SteadyModel<'a> {
         self.solver.dimension
     }
 
-    /// Whether thousands of designs can be solved.
+    /// Whether solving thousands of designs is affordable: true in the plane.
     pub const fn is_cheap_per_design(&self) -> bool {
         self.dimension().is_cheap_per_design()
     }
 
-    /// Whether a guide in larger blocks exists.
+    /// Whether a guide, a model in larger blocks, exists.
     pub const fn has_guide(&self) -> bool {
         self.guide.is_some()
     }
@@ -165,7 +167,7 @@ impl<'a> SteadyModel<'a> {
         self.solver.each.first().map_or(1, |(_, cell)| cell.draws(design, contacts))
     }
 
-    /// Scene of a design.
+    /// Scene of `design` with the loads of the design condition.
     pub fn scene(&self, design: &Pattern) -> Scene {
         Scene { pattern: Some(*design), ..self.scene.clone() }
     }
@@ -173,7 +175,7 @@ impl<'a> SteadyModel<'a> {
     /// Computes the ratios of `made`, a sample of the layout `laid`, at every condition.
     ///
     /// # Errors
-    /// [`ModelFailure::Trial`] where the sample cannot be computed.
+    /// [`ModelFailure::Trial`] if the sample cannot be computed, or a cavity closes under load.
     pub fn ratios_made(&self, made: &Pattern, laid: &Laid) -> Result<Vec<f64>, ModelFailure> {
         Ok(open(self.answer_made(made, laid)?)?.ratio)
     }
@@ -223,7 +225,7 @@ impl<'a> SteadyModel<'a> {
     /// Computes the answer for `design` at every condition without storing it.
     ///
     /// # Errors
-    /// [`ModelFailure::Trial`] where the design cannot be computed.
+    /// [`ModelFailure::Trial`] if the design cannot be computed, or a cavity closes under load.
     pub fn steady(&self, design: &Pattern) -> Result<Answer, ModelFailure> {
         open(self.answer_made(design, &self.lay(design)?)?)
     }
@@ -243,8 +245,9 @@ impl<'a> SteadyModel<'a> {
         }
     }
 
-    /// Builds the model with a changed scene for derivatives; `change` receives the scene with the loads of every
-    /// condition. In space the guide's blocks are used, which change slopes by one fifth, unless rims are narrower.
+    /// Builds a model for derivatives, with the scene that `change` makes of the scene with the loads of every
+    /// condition. In space the guide's blocks are used, which change derivatives by one fifth, unless they do not
+    /// resolve the rims.
     ///
     /// # Errors
     /// The error of `change`.
@@ -253,7 +256,7 @@ impl<'a> SteadyModel<'a> {
         Ok(self.of_scenes(asked.clone(), asked))
     }
 
-    /// Scene of the guide, if its blocks also resolve the rims: rims need blocks of at most half their width.
+    /// Scene of the guide, if its blocks resolve the rims, which requires blocks of at most half the width of a rim.
     fn serving_guide(&self) -> Option<&Scene> {
         let serves = |scene: &&Scene| self.texture.rim().is_none_or(|rim| 2.0 * scene.layer.block_m <= rim.width_m());
         self.guide.as_ref().map(|(scene, _)| scene).filter(serves)
@@ -264,7 +267,7 @@ impl<'a> SteadyModel<'a> {
         self.scene.area_law.as_ref()
     }
 
-    /// Answer of `solver`, created from `scene`, for `design`.
+    /// Answer for the cell of `design` by `solver`, which was created from `scene`, not scaled to the specimen.
     fn answer(&self, scene: &Scene, solver: &Solver, design: &Pattern) -> Result<Answer, ModelFailure> {
         let trial = |reason: String| ModelFailure::Trial { reason };
         let scene = Scene { pattern: Some(*design), ..scene.clone() };
@@ -291,7 +294,7 @@ impl<'a> SteadyModel<'a> {
     }
 }
 
-/// Returns the answer if the cavities stay open.
+/// Returns the answer if the cavities stay open under load, otherwise [`ModelFailure::Trial`].
 fn open(answer: Answer) -> Result<Answer, ModelFailure> {
     if answer.clearance_m().is_some_and(|clearance_m| clearance_m <= 0.0) {
         return Err(ModelFailure::Trial { reason: "the cavity closes under load".to_owned() });

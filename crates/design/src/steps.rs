@@ -1,7 +1,8 @@
-//! Climb from the best of a coarse scan to the best design in whole blocks and bursts.
+//! Hill climbing from the best designs of a coarse scan to the best design in whole blocks and bursts.
 //!
 //! A step moves to the best of the neighbours of a design, `s` blocks and bursts away along one, two or three lengths,
-//! while that improves the value; then `s` is halved. Cost: at most 26 designs per step, less those already known.
+//! while that improves the value; then `s` is halved. Cost: at most 26 designs per step, less the designs already
+//! known.
 
 use std::collections::BTreeMap;
 
@@ -30,7 +31,8 @@ impl<'a> Steps<'a> {
         Self { task, axes: axes(task).0 }
     }
 
-    /// Returns about `most` of the designs that the laser can cut, spread over all bounds.
+    /// Returns about `most` designs, or all if there are fewer, spread over all bounds, less those that the laser
+    /// cannot cut.
     pub fn spread(&self, most: usize) -> Vec<Pattern> {
         let [widths, spacings, depths] = [0, 1, 2].map(|axis: usize| self.axes[axis].len());
         let all = widths.saturating_mul(spacings).saturating_mul(depths);
@@ -55,7 +57,7 @@ impl<'a> Steps<'a> {
         self.task.constraints.limits.violations(&design).is_empty().then_some(design)
     }
 
-    /// Neighbours at distance `step` from `place` along one or more lengths.
+    /// Neighbours of `place` at a distance of `step` lattice steps along one or more lengths, within the bounds.
     fn about(&self, place: Place, step: usize) -> Vec<Place> {
         let mut all = Vec::new();
         for corner in 0..27_usize {
@@ -83,14 +85,14 @@ const fn common_divisor(mut a: usize, mut b: usize) -> usize {
     a
 }
 
-/// Values of designs by lattice index; `None` if a design must not be evaluated.
+/// Values of designs by lattice index; `None` if a design is excluded or has no value.
 pub type Values = BTreeMap<Place, Option<f64>>;
 
-/// Filter of the allowed designs, and the value function.
+/// Filter of the allowed designs, and the function that computes their values; `None` if a design has no value.
 pub type Asking<'a> = (&'a (dyn Fn(&Pattern) -> bool + Sync), &'a (dyn Fn(&Pattern) -> Option<f64> + Sync));
 
-/// Climbs from `starts` over designs that are `open`, until no neighbour improves the value, `most` designs were
-/// evaluated, or `monitor` cancels. `known` holds previous values. Returns each end of a climb once.
+/// Climbs from `starts` over designs that the filter `open` allows, until no neighbour improves the value, `most`
+/// designs were evaluated, or `monitor` cancels. `known` holds previous values. Returns each end of a climb once.
 pub fn climb(
     steps: &Steps<'_>,
     starts: &[Place],

@@ -62,7 +62,7 @@ pub enum StoredError {
     Sectors,
 }
 
-/// Fields that distinguish kinds of results.
+/// Fields that distinguish results of `optimize` from results of `next`.
 #[derive(Deserialize)]
 struct Kind {
     design: Option<IgnoredAny>,

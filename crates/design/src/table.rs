@@ -1,11 +1,12 @@
-//! Table of the bounds: interpolation of the model over all textures within the bounds, from its answers at nodes.
+//! Table over the bounds: interpolation of the model over all textures within the bounds, from the model's answers at
+//! nodes. R is the friction ratio, E Young's modulus.
 //!
 //! | quantity of a texture | nodes | interpolation |
 //! |---|---|---|
 //! | ln R at every load, maximum and minimum pressure, sag of the ceilings | in the plane all in the layer's blocks; in space larger blocks, corrected by fewer cells in the requested ones | cubic splines in ln of the lengths |
 //! | slope of ln R along ln E, its change by the local law; change by smaller blocks; ends and tilt | fewer, as they vary slowly | linear in ln of the lengths |
 //!
-//! All values are cached by content, so that another target recomputes nothing. Textures without an answer are holes.
+//! All values are cached by content, so that another target recomputes nothing. Nodes without an answer are holes.
 
 use crate::optimize::{ModelFailure, Tolerances};
 use rayon::prelude::*;
@@ -28,21 +29,23 @@ use crate::sensitivities::{Modelled, Sensitivities, from_numbers};
 use crate::steady_model::SteadyModel;
 use crate::task::DesignTask;
 
-/// Maximum number of multiplications of a refined cell: some hundredths of a second.
+/// Maximum number of multiplications to solve a cell in smaller blocks: some hundredths of a second.
 const MAX_REFINED: f64 = 2e8;
-/// Number of outputs besides ln R: logarithm of the maximum pressure in pascals, minimum pressure over the nominal one,
-/// sag in metres.
+/// Number of outputs besides ln R at each load: logarithm of the maximum pressure in pascals, minimum ratio of local to
+/// nominal pressure, sag of the ceilings in metres.
 const BESIDE: usize = 3;
 
-/// Numbers of nodes of a table.
+/// Numbers of nodes of a table, and of textures for the error estimate.
 pub struct Scope {
-    /// Nodes along width, spacing and depth per factor e between the bounds, and the maximum.
+    /// Number of nodes along width, spacing and depth per factor e between the bounds, and maximum number.
     nodes: ([f64; 3], [usize; 3]),
-    /// In space, nodes of cells in the requested blocks, which correct those in larger blocks.
+    /// As `nodes`, for cells in space in the requested blocks, which correct the table in larger blocks.
     lift: ([f64; 3], [usize; 3]),
-    /// Maximum number of nodes along each length for sensitivities, changes by smaller blocks, and ends and tilt.
+    /// Maximum number of nodes along width, spacing and depth for sensitivities.
     sensitivities: [usize; 3],
+    /// Maximum number of nodes along width, spacing and depth for changes by smaller blocks.
     blocks: [usize; 3],
+    /// Maximum number of nodes along width, spacing and depth for effects of ends and tilt.
     face: [usize; 3],
     /// Number of random textures for the error estimate.
     checks: usize,
@@ -79,15 +82,15 @@ pub struct TableReport {
     pub holes: usize,
     /// Random textures at which the table was compared with the model.
     pub checked: usize,
-    /// Median over them of the largest relative error of the ratio at any load.
+    /// Median over the random textures of the largest relative error of the ratio at any load.
     pub median_error: f64,
-    /// Maximum of the relative error of the ratio.
+    /// Maximum over the random textures of the relative error of the ratio at any load.
     pub worst_error: f64,
     /// Memory of the table's numbers.
     pub bytes: usize,
 }
 
-/// Model with its sensitivities.
+/// Model of the search with the sensitivities of its ratios.
 pub struct Models<'a> {
     pub own: &'a SteadyModel<'a>,
     sensitivities: Sensitivities<'a>,
@@ -97,7 +100,7 @@ impl<'a> Models<'a> {
     /// Builds the models around `own`, with the uncertainty of `material`, at the condition of each load.
     ///
     /// # Errors
-    /// [`DesignError`] where the area law cannot be moved.
+    /// [`DesignError`] if the area law, changed by its errors, is invalid.
     pub fn new(
         own: &'a SteadyModel<'a>,
         material: &MaterialUncertainty,
@@ -109,7 +112,7 @@ impl<'a> Models<'a> {
     /// Computes the model values of `design`.
     ///
     /// # Errors
-    /// [`ModelFailure`] where it cannot be computed, or its cavities close.
+    /// [`ModelFailure`] if the design cannot be computed, or its cavities close.
     pub fn at(&self, design: &Pattern) -> Result<Modelled, ModelFailure> {
         Ok(Modelled {
             log_ratio: self.own.steady(design)?.ratio.iter().map(|ratio| ratio.ln()).collect(),
@@ -143,7 +146,7 @@ pub struct Table {
     holes: Vec<usize>,
     sensitivities: Nodes,
     blocks: Nodes,
-    /// `None` if samples are sectors.
+    /// Effects of ends and tilt on ln R; `None` if samples are sectors.
     face: Option<Nodes>,
     loads: usize,
     /// Error and cost of the table.
@@ -151,8 +154,8 @@ pub struct Table {
 }
 
 impl Table {
-    /// Solves `models` at the nodes over the space of `task`, and the differences `beyond` cells, as the whole of
-    /// `stage`; `None` if cancelled or if no node has an answer.
+    /// Solves `models` at the nodes over the bounds of `task`, and the effects of ends and tilt by `beyond`; advances
+    /// `stage` by its whole work. `None` if cancelled or if no node has an answer.
     pub fn new(task: &DesignTask, models: &Models<'_>, beyond: &BeyondCells<'_>, stage: &dyn Monitor) -> Option<Self> {
         let is_guided = models.own.has_guide();
         let scope = if models.own.is_cheap_per_design() { Scope::PLANE } else { Scope::SPACE };
@@ -205,8 +208,8 @@ impl Table {
         Some(table)
     }
 
-    /// Extends the table to the wider space of `task`, in the plane: slowly varying quantities are extrapolated as
-    /// constant. `None` if `stage` is cancelled.
+    /// Extends the table to the wider bounds of `task`, in the plane: quantities with few nodes are extrapolated as
+    /// constant. `None` if `stage` is cancelled or if no node has an answer.
     pub fn widened(&self, task: &DesignTask, models: &Models<'_>, stage: &dyn Monitor) -> Option<Self> {
         let lattice = axes(task, Scope::PLANE.nodes);
         let nodes = ResponseSurface::nodes(&lattice);
@@ -217,7 +220,8 @@ impl Table {
         Some(Self { surface, holes, ..self.clone() })
     }
 
-    /// Compares the table with the model at random textures, uniform in the logarithms.
+    /// Compares the table with the model at `count` random textures, uniform in the logarithms of the lengths; `None`
+    /// if `stage` is cancelled.
     fn measure(&mut self, task: &DesignTask, models: &Models<'_>, count: usize, stage: &dyn Monitor) -> Option<()> {
         let all = random_places(self.surface.axes(), count, 1);
         let exact = solved(task, models, &all, false, &Part::new(stage, 0.0))?;
@@ -235,14 +239,15 @@ impl Table {
         Some(())
     }
 
-    /// All outputs at the lengths of `design`; `None` next to a hole.
+    /// Interpolates all outputs, ln R at each load and [`BESIDE`] others, at the lengths of `design`; `None` next to a
+    /// hole.
     fn values(&self, design: &Pattern) -> Option<Vec<f64>> {
         let lengths_m = design.lengths_m();
         (!self.surface.is_beside(&self.holes, &lengths_m)).then(|| self.surface.at(&lengths_m))
     }
 
-    /// ln R of `design` in the layer's blocks without ends, and its sensitivities; `None` next to a hole or if cavities
-    /// close.
+    /// Model values and answer for `design` in the layer's blocks, without ends and tilt; `None` next to a hole, or if
+    /// cavities close under load.
     pub fn at(&self, design: &Pattern) -> Option<(Modelled, Answer)> {
         let mut log_ratio = self.values(design)?;
         let beside = log_ratio.split_off(self.loads);
@@ -261,18 +266,20 @@ impl Table {
         Some((Modelled { log_ratio, sensitivity }, answer))
     }
 
-    /// Change of the logarithm of each ratio by ends and tilt; zero if a neighbouring node has no answer.
+    /// Change of the logarithm of each ratio by ends and tilt; empty, as no change, if a neighbouring node has no
+    /// answer.
     pub fn by_face(&self, design: &Pattern) -> Vec<f64> {
         self.face.as_ref().and_then(|face| face.at(design.lengths_m())).unwrap_or_default()
     }
 
-    /// Change of the logarithm of each ratio by smaller blocks, where known.
+    /// Change of the logarithm of each ratio by smaller blocks; empty, as no change, if a neighbouring node has no
+    /// answer.
     pub fn by_blocks(&self, design: &Pattern) -> Vec<f64> {
         self.blocks.at(design.lengths_m()).unwrap_or_default()
     }
 
-    /// Errors of the dimensions of samples of `design` with the standard deviations of `tolerances`: differences over one
-    /// standard deviation to each side.
+    /// Errors of the dimensions of samples of `design` with the standard deviations of `tolerances`, from differences
+    /// over one standard deviation to each side; `None` next to a hole.
     pub fn dimension_shifts(&self, design: &Pattern, tolerances: &Tolerances) -> Option<Vec<DimensionShift>> {
         let own = |(_, by_m): (&str, [f64; 3])| {
             let [above, below] = [1.0, -1.0].map(|side| self.values(&made(design, &by_m, side)));
@@ -283,12 +290,12 @@ impl Table {
     }
 }
 
-/// Axes over the space of `task`, with the given nodes per factor e along each length, and the maximum.
+/// Axes over the bounds of `task`; `nodes` gives the nodes per factor e along each length, and the maximum numbers.
 fn axes(task: &DesignTask, nodes: ([f64; 3], [usize; 3])) -> [Axis; 3] {
     axes_between(task.space.lengths_m(), nodes)
 }
 
-/// Axes between `bounds` in any unit, with the given nodes per factor e along each length, and the maximum.
+/// Axes between `bounds` in any unit; the pair gives the nodes per factor e along each length, and the maximum numbers.
 pub fn axes_between(bounds: [[f64; 2]; 3], (each, most): ([f64; 3], [usize; 3])) -> [Axis; 3] {
     std::array::from_fn(|axis| {
         let [from, to] = bounds[axis];
@@ -298,15 +305,15 @@ pub fn axes_between(bounds: [[f64; 2]; 3], (each, most): ([f64; 3], [usize; 3]))
     })
 }
 
-/// `count` random places between the ends of `axes`, uniform in the logarithms.
+/// `count` random triples of lengths between the ends of `axes`, uniform in the logarithms.
 pub fn random_places(axes: &[Axis; 3], count: usize, seed: u64) -> Vec<[f64; 3]> {
     let mut normals = Normals::new(seed);
     let mut at = |axis: &Axis| axis.from * (axis.to / axis.from).powf(normal_probability(normals.draw()));
     (0..count).map(|_| axes.each_ref().map(&mut at)).collect()
 }
 
-/// Numbers of nodes of the table of `task` by `model`: all nodes, and those in the requested blocks that correct the
-/// others, or 0.
+/// Numbers of nodes of the table of `task` by `model`: nodes of the table, and nodes in the requested blocks that
+/// correct larger blocks, 0 if there is no guide.
 pub fn nodes(task: &DesignTask, model: &SteadyModel<'_>) -> [f64; 2] {
     let scope = if model.is_cheap_per_design() { Scope::PLANE } else { Scope::SPACE };
     let count = |scope: ([f64; 3], [usize; 3])| axes(task, scope).iter().map(|axis| axis.nodes as f64).product();
@@ -319,8 +326,10 @@ pub fn nodes(task: &DesignTask, model: &SteadyModel<'_>) -> [f64; 2] {
     }
 }
 
-/// Solves ln R and the other outputs at each of `lengths`, in the guide's blocks if `coarse`; `None` once `stage` is
-/// cancelled. Designs with closed cavities are continued beyond closure, so that the surface is smooth up to there.
+/// Solves the designs with `lengths`, in metres: ln R at each load, ln of the peak pressure in pascals, least pressure
+/// ratio and sag in metres; in the guide's larger blocks if `coarse`. Closed cavities are solved as if their ceiling
+/// could pass the counterface, so that outputs are smooth up to closure. An entry is `None` if its design has no
+/// answer; the result is `None` once `stage` is cancelled or the cache fails.
 fn solved(
     task: &DesignTask,
     models: &Models<'_>,
@@ -374,7 +383,8 @@ struct Nodes {
 }
 
 impl Nodes {
-    /// Evaluates `of`, the answer called `name` of `models`, at the nodes.
+    /// Evaluates `of` at up to `most` nodes along each length; `name` and `models` identify the values in the cache.
+    /// `None` if `stage` is cancelled.
     fn new(
         task: &DesignTask,
         (name, models): (&str, &Models<'_>),

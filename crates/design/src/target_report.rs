@@ -17,7 +17,8 @@ pub struct TargetReport {
     pub pressure_mpa: Vec<f64>,
     /// Wanted values; null where a band or a goal is given instead.
     pub value: Option<Vec<f64>>,
-    /// Largest accepted distance, one number where all pressures share it; null where a band or a goal is given instead.
+    /// Largest accepted distance from `value`, one number where all pressures share it; null where a band or a goal is
+    /// given instead.
     pub tolerance: Option<Tolerance>,
     /// Lowest accepted values; null where there is no lower limit.
     pub lowest: Vec<Option<f64>>,
@@ -68,7 +69,7 @@ impl From<&Target> for TargetReport {
 }
 
 impl TargetReport {
-    /// Describes the accepted values at a pressure.
+    /// Describes the accepted values at the pressure with the index `row`.
     pub fn wanted(&self, row: usize) -> String {
         if let Some(value) = &self.value {
             return fixed(value.get(row).copied(), 4);

@@ -16,7 +16,7 @@ use crate::error::{Refusal, TaskPart};
 /// Quantity of a design that can be limited.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ConstraintQuantity {
-    /// Maximum local pressure over the target pressures, in the cell and in confirming runs of the specimen.
+    /// Maximum local pressure at any target pressure, in the cell and in confirming runs of the specimen.
     PeakPressure,
     /// Fraction of the face that is land.
     BearingArea,
@@ -24,9 +24,9 @@ pub enum ConstraintQuantity {
     ArealDensity,
     /// Laser time for the specimen.
     LaserTime,
-    /// Minimum height of a ceiling above the counterface over the target pressures.
+    /// Minimum height of a cavity's ceiling above the counterface at any target pressure.
     Clearance,
-    /// Minimum local pressure over nominal pressure, over the target pressures: negative under tension.
+    /// Minimum ratio of local to nominal pressure at any target pressure; negative under tension.
     LeastPressure,
 }
 
@@ -51,25 +51,25 @@ pub struct DesignTask {
     /// Conditions at which the target must hold, the design condition first; empty if the material has coefficients for
     /// one condition only.
     pub ranges: Vec<ConditionRange>,
-    /// Design condition; for a range, known once [`DesignTask::resolve`] has read the measured ones.
+    /// Design condition; if a range of conditions is given, it is known once [`DesignTask::resolve`] has chosen it.
     pub condition: Option<Condition>,
     /// Further conditions at which the target must hold, known after [`DesignTask::resolve`].
     pub also_at: Vec<Condition>,
     /// Sliding directions besides the texture's own at which the target must hold.
     pub directions: FurtherDirections,
-    /// The wanted friction.
+    /// Target friction.
     pub target: Target,
-    /// Texture and bounds of the patterns that may be tried.
+    /// Texture, and bounds of width, spacing and depth, of the patterns to search.
     pub space: DesignSpace,
     /// Constraints besides the bounds.
     pub constraints: Constraints,
-    /// Quantities of the constraints, in their order.
+    /// Quantity that each limit of `constraints.quantities` refers to, in the same order.
     pub quantities: Vec<ConstraintQuantity>,
-    /// The laser, for the process sheet.
+    /// Laser settings, for laser times, depth steps and the process sheet.
     pub laser: Laser,
-    /// The specimen.
+    /// Specimen that the design is cut into.
     pub specimen: Specimen,
-    /// The modelled layer.
+    /// Modelled layer of the specimen, with its block size.
     pub layer: Layer,
     /// Sliding speed of the confirming run, in m/s.
     pub speed_m_s: f64,
@@ -136,26 +136,28 @@ pub struct FurtherDirections {
     pub alike_deg: Vec<f64>,
 }
 
-/// Quantity to minimize in trade-offs.
+/// Goal of trade-offs: a quantity to minimize, except the chance, which is maximized.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum TradeOffGoal {
-    /// Chance that a cut sample is on target, which is maximized.
+    /// Chance that a cut sample is on target.
     Chance,
-    /// Largest distance from the target, in tolerances.
+    /// Largest distance over all loads of the median of samples from the middle of the target, in tolerances. For a
+    /// single limit it is 1 at the limit and 0 from one margin inside.
     Misfit,
-    /// Time under the laser for the specimen.
+    /// Laser time for the specimen, in seconds.
     LaserTime,
-    /// Volume of the cavities on the specimen.
+    /// Volume of the cavities on the specimen, in cubic millimetres.
     Volume,
-    /// Largest local pressure at any target pressure.
+    /// Largest local pressure at any target pressure, in megapascals.
     PeakPressure,
-    /// Standard deviation of the target's quantity over samples, in tolerances, root mean square over pressures.
+    /// Root mean square over all loads of the standard deviation of the target's quantity between samples, in
+    /// tolerances.
     Spread,
 }
 
 impl TradeOffGoal {
-    /// Column name, with the unit.
+    /// Name of the goal's column in trade-offs.csv, with the unit.
     pub const fn column(self) -> &'static str {
         match self {
             Self::Chance => "chance",
@@ -167,7 +169,7 @@ impl TradeOffGoal {
         }
     }
 
-    /// Description, with the unit.
+    /// Description of the goal in words, with the unit.
     pub const fn words(self) -> &'static str {
         match self {
             Self::Chance => "chance that a cut sample is on target",
@@ -180,19 +182,19 @@ impl TradeOffGoal {
     }
 }
 
-/// Goals of the trade-offs, and the initial number of designs.
+/// Goals of the trade-offs, and the number of designs to compare.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct TradeOffsWanted {
     /// Two or three goals.
     pub goals: Vec<TradeOffGoal>,
-    /// Number of designs of the lattice.
+    /// Approximate number of designs to compare, spread over the bounds.
     pub designs: usize,
 }
 
-/// Sliding speed of the confirming run if neither condition nor target gives one, in m/s; value of the paper.
+/// Sliding speed of the confirming run if neither condition nor target gives one, in m/s: the speed of Balestra et al.
 pub const DEFAULT_SPEED_M_S: f64 = 2e-3;
 
-/// Basis of the scatter of dimensions, for the process sheet.
+/// Origin of the manufacturing tolerances, as the process sheet states it.
 pub(crate) const SCATTER_BASIS: &str = "standard deviation of a sample's mean, as the design file gives it";
 
 impl DesignTask {
@@ -253,8 +255,9 @@ impl DesignTask {
         }
     }
 
-    /// Finds the conditions of all ranges at which `friction` is lowest and highest, each once, and the design condition
-    /// among those of the first range.
+    /// Finds the conditions of all ranges at which `friction` is lowest and highest, each once, chooses the design
+    /// condition among those of the first range, and sets the others as further conditions. Does nothing without
+    /// ranges.
     ///
     /// # Errors
     /// [`Refusal`] of a range that reaches outside the measured conditions.
@@ -279,12 +282,12 @@ impl DesignTask {
         Ok(())
     }
 
-    /// Relative humidity of the condition designed for.
+    /// Relative humidity of the design condition, from 0 to 1; `None` without a condition.
     pub fn humidity(&self) -> Option<f64> {
         self.condition.map(|condition| condition.humidity)
     }
 
-    /// Range of the design condition, if it is a range.
+    /// Range that the design condition was chosen from; `None` if a single condition was given.
     pub fn range(&self) -> Option<&ConditionRange> {
         self.ranges.first().filter(|range| range.is_wide())
     }
@@ -292,7 +295,8 @@ impl DesignTask {
     /// Returns the loads at the target's pressures, and whether each lies outside the measured range of `material`.
     ///
     /// # Errors
-    /// [`Refusal`] of the condition if `material` has no coefficients for it, or of a pressure that is not below its modulus.
+    /// [`Refusal`] of a condition for which `material` has no coefficients, or of a pressure above [`MAX_STRAIN`] times
+    /// the modulus.
     pub fn loads(&self, material: &Material) -> Result<(Vec<Load>, Vec<bool>), Refusal> {
         check_pressures(&self.pressures_pa(), material)?;
         for condition in &self.also_at {
@@ -302,25 +306,25 @@ impl DesignTask {
             .map_err(|error| Refusal::new(TaskPart::Condition, error.to_string()))
     }
 
-    /// Range of pressures at which friction was measured at the design condition, in MPa, if one of the pressures is
-    /// `outside`.
+    /// Range of pressures at which friction was measured at the design condition, in MPa; `None` if no entry of
+    /// `outside` is true, or if the range is unknown.
     pub fn measured_mpa(&self, material: &Material, outside: &[bool]) -> Option<[f64; 2]> {
         let measured_pa = material.friction.measured_pressures_pa(self.condition.as_ref());
         let rounded = |pressure_pa: f64| (1e3 * PRESSURE_MPA.from_si(pressure_pa)).round() / 1e3;
         measured_pa.filter(|_| outside.contains(&true)).map(|ends_pa| ends_pa.map(rounded))
     }
 
-    /// Target pressures `outside` the measured range, in words; `None` if there is none.
+    /// Target pressures that `outside` marks as outside the measured range, in words; `None` if there are none.
     pub fn beyond_measured(&self, material: &Material, outside: &[bool]) -> Option<String> {
         let pressures = self.pressures_pa().into_iter().zip(outside).filter(|(_, is_outside)| **is_outside);
         let beyond_mpa: Vec<f64> = pressures.map(|(pressure_pa, _)| tidy(PRESSURE_MPA.from_si(pressure_pa))).collect();
         beyond_measured_range(&beyond_mpa, self.measured_mpa(material, outside))
     }
 
-    /// Returns the loads at a further condition.
+    /// Returns the loads at a further `condition`, and whether each lies outside the measured range of `material`.
     ///
     /// # Errors
-    /// [`Refusal`] of the further conditions if `material` has no coefficients for this one.
+    /// [`Refusal`] of the further conditions if `material` has no coefficients for `condition`.
     pub fn loads_at(&self, material: &Material, condition: &Condition) -> Result<(Vec<Load>, Vec<bool>), Refusal> {
         loads(&material.friction, &self.pressures_pa(), Some(condition))
             .map_err(|error| Refusal::new(TaskPart::FurtherConditions, error.to_string()))
@@ -331,10 +335,10 @@ impl DesignTask {
         self.target.points().iter().map(|point| point.pressure_pa).collect()
     }
 
-    /// Checks that the task is compatible with `known`: its conditions and its pressures.
+    /// Resolves the conditions of the task, and checks that its conditions and pressures are compatible with `known`.
     ///
     /// # Errors
-    /// [`Refusal`] of the first part that does not.
+    /// [`Refusal`] of the first part that is incompatible.
     pub fn check(&mut self, known: &KnownMaterial) -> Result<(), Refusal> {
         check_pressures(&self.pressures_pa(), &known.material)?;
         self.resolve(&known.material.friction)?;
@@ -355,12 +359,12 @@ impl DesignTask {
         }
     }
 
-    /// Refusal of the block size because of its effect on confirming runs.
+    /// Creates the refusal of a block size with which confirming runs take too much memory or time, as `error` states.
     pub fn refuse_blocks(&self, error: &SceneError) -> Refusal {
         Self::refuse_cost("confirming runs", error)
     }
 
-    /// Refusal of the block size because of its effect on the calibration samples.
+    /// Creates the refusal of a block size with which samples of the calibration take too much memory or time.
     pub fn refuse_samples(&self, error: &SceneError) -> Refusal {
         Self::refuse_cost("samples of the calibration", error)
     }
@@ -387,13 +391,14 @@ impl DesignTask {
     }
 }
 
-/// Maximum nominal pressure over Young's modulus in measurements and designs.
+/// Maximum ratio of nominal pressure to Young's modulus in measurements and designs: beyond it no solid is linear
+/// elastic.
 pub const MAX_STRAIN: f64 = 0.5;
 
 /// Checks that a specimen of `material` bears every nominal pressure, in pascals.
 ///
 /// # Errors
-/// [`Refusal`] of the first that is above [`MAX_STRAIN`] of Young's modulus.
+/// [`Refusal`] of the first pressure that is above [`MAX_STRAIN`] times Young's modulus.
 pub fn check_pressures(pressures_pa: &[f64], material: &Material) -> Result<(), Refusal> {
     let modulus_pa = material.elastic.youngs_modulus_pa();
     let Some(place) = pressures_pa.iter().position(|&pressure_pa| pressure_pa > MAX_STRAIN * modulus_pa) else {
@@ -411,7 +416,7 @@ pub fn check_pressures(pressures_pa: &[f64], material: &Material) -> Result<(), 
 /// measured range.
 ///
 /// # Errors
-/// [`MaterialError`] where the material has coefficients per condition and none fits.
+/// [`MaterialError`] if `friction` has coefficients per condition, and none for `condition`.
 pub fn loads(
     friction: &Friction,
     pressures_pa: &[f64],

@@ -1,8 +1,8 @@
-//! Time limit of a job: each stage may use what earlier stages left.
+//! Time limit of a job: each stage may use the time that earlier stages left.
 
 use slipgrid_base::monitor::{Monitor, Stage};
 
-/// Share of the remaining time for a search, so that its best design can be confirmed.
+/// Share of the remaining time for the table, and then for the search, so that the best design can be confirmed.
 pub const SEARCH_SHARE: f64 = 0.6;
 
 /// Deadline of a job, by the clock of its monitor.
@@ -13,7 +13,7 @@ pub struct TimeBudget<'a> {
 }
 
 impl<'a> TimeBudget<'a> {
-    /// Sets the deadline `most_s` seconds from now; no limit when absent.
+    /// Sets the deadline `most_s` seconds from now; no deadline if `None`.
     pub fn new(monitor: &'a dyn Monitor, most_s: Option<f64>) -> Self {
         Self { monitor, until_s: most_s.map(|most_s| monitor.seconds() + most_s) }
     }

@@ -25,7 +25,7 @@ pub struct Timings {
 }
 
 impl Timings {
-    /// Counts the seconds of `wall_s` that no other stage counts as those of the export, so that the stages sum to it.
+    /// Counts the seconds of `wall_s` that belong to no other stage as export, so that the stages sum to `wall_s`.
     pub fn count_rest(&mut self, wall_s: f64) {
         let counted = self.material + self.table + self.search + self.confirm + self.trade_offs + self.explorer;
         // Rounding may leave less than nothing.

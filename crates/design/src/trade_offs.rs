@@ -24,7 +24,7 @@ const LISTED: usize = 12;
 pub struct TradeOff {
     /// Compared design.
     pub design: Pattern,
-    /// Value by each goal.
+    /// Value by each goal, in the unit of [`TradeOffGoal::column`].
     pub goals: Vec<f64>,
 }
 
@@ -118,7 +118,7 @@ pub fn of(search: &Search<'_>, best: &Prediction) -> Option<(TradeOffsReport, Co
     Some((report, Compared { wanted, front, dominated }))
 }
 
-/// Value of `found` by `goal`; `None` if unknown.
+/// Value of `found` by `goal`, in the unit of [`TradeOffGoal::column`]; `None` if unknown.
 fn value(search: &Search<'_>, found: &Prediction, goal: TradeOffGoal) -> Option<f64> {
     let pattern = &found.texture.pattern;
     match goal {
@@ -145,18 +145,18 @@ fn value(search: &Search<'_>, found: &Prediction, goal: TradeOffGoal) -> Option<
     }
 }
 
-/// Values oriented so that less is better.
+/// Values `goals` by the goals `of`, with signs such that less is better.
 fn lesser(of: &[TradeOffGoal], goals: &[f64]) -> Vec<f64> {
     of.iter().zip(goals).map(|(of, goal)| if *of == TradeOffGoal::Chance { -goal } else { *goal }).collect()
 }
 
-/// Lexicographic order.
+/// Lexicographic order of two lists of values.
 fn in_order(left: &[f64], right: &[f64]) -> std::cmp::Ordering {
     let differing = left.iter().zip(right).map(|(l, r)| l.total_cmp(r)).find(|order| order.is_ne());
     differing.unwrap_or(std::cmp::Ordering::Equal)
 }
 
-/// Whether no other element dominates each of `goals`. Equal elements do not dominate each other.
+/// For each element of `goals`, whether no other element dominates it. Equal elements do not dominate each other.
 fn on_front(goals: &[Vec<f64>]) -> Vec<bool> {
     // In lexicographic order a dominating element comes first, and an element dominated by a dominated one is also
     // dominated by one on the front.
@@ -172,13 +172,13 @@ fn on_front(goals: &[Vec<f64>]) -> Vec<bool> {
     is_on_front
 }
 
-/// Whether `left` is at least as good by every goal, and better by one.
+/// Whether `left` is at least as good as `right` by every goal, and better by one; less is better.
 fn dominates(left: &[f64], right: &[f64]) -> bool {
     left.iter().zip(right).all(|(l, r)| l <= r) && left.iter().zip(right).any(|(l, r)| l < r)
 }
 
 impl TradeOffsReport {
-    /// Formats the trade-offs in some lines.
+    /// Formats the number of designs, the best design by each goal, and the chosen design.
     pub fn text(&self) -> String {
         let numbers = |goals: &[f64]| {
             let told = self.goals.iter().zip(goals).map(|(name, goal)| match name.as_ref() {

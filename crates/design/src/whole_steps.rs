@@ -6,15 +6,15 @@ use slipgrid_model::springblock::Dimension;
 use crate::DesignError;
 use crate::task::DesignTask;
 
-/// Step of the depth if no burst gives one, in metres.
+/// Step of the depth if the depth per burst is unknown, in metres.
 const DEPTH_STEP_M: f64 = 2e-6;
 /// Maximum number of designs in a table.
 const MAX_NODES: usize = 1_000_000;
-/// Tolerance for rounding at bounds that are whole steps.
+/// Tolerance for rounding at bounds that are whole steps, as a fraction of a step.
 const WHOLE: f64 = 1e-6;
 
-/// Returns the widths, spacings and depths of whole blocks and bursts within the bounds of `design`, and their steps, in
-/// metres.
+/// Returns the widths, spacings and depths in whole blocks and bursts within the bounds of `design`, and the steps of
+/// the three, all in metres.
 pub fn axes(design: &DesignTask) -> ([Vec<f64>; 3], [f64; 3]) {
     let (space, limits) = (&design.space, &design.constraints.limits);
     let block_m = design.layer.block_m;
@@ -35,8 +35,8 @@ pub fn axes(design: &DesignTask) -> ([Vec<f64>; 3], [f64; 3]) {
     (axes, steps_m)
 }
 
-/// Designs of a lattice, width varying slowest, with the steps of width, spacing and depth in metres; at most one more
-/// than a million.
+/// All designs in whole blocks and bursts within bounds and limits of the laser, width varying slowest, with the steps
+/// of width, spacing and depth in metres. Stops after a million and one, which shows that there are too many.
 pub fn lattice(design: &DesignTask) -> (Vec<Pattern>, [f64; 3]) {
     let (space, limits) = (&design.space, &design.constraints.limits);
     let ([widths, spacings, depths], steps_m) = axes(design);
@@ -52,7 +52,7 @@ pub fn lattice(design: &DesignTask) -> (Vec<Pattern>, [f64; 3]) {
     (patterns, steps_m)
 }
 
-/// Checks that the table can be made, before anything is computed.
+/// Checks that the table of all designs can be made, before anything is computed.
 ///
 /// # Errors
 /// [`DesignError`] for models in space, and tables of too many designs or none.

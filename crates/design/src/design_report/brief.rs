@@ -6,8 +6,9 @@ use super::DesignReport;
 use crate::prediction::percent;
 use crate::results::{SCREEN_WIDTH, Table, believed_interval, doubts_in_brief, fixed, length_in_words, wrapped};
 
-/// Maximum number of listed loads and lifted limits; other loads are counted.
+/// Maximum number of loads that the screen lists; the others are counted.
 const MAX_LOADS: usize = 8;
+/// Maximum number of limits that the screen lists with the chance without them.
 const MAX_LIFTED: usize = 2;
 
 impl DesignReport {
@@ -36,7 +37,7 @@ impl DesignReport {
         text
     }
 
-    /// Table of loads.
+    /// Table of target, expected values and values of the model alone, one row per load.
     fn loads_in_brief(&self) -> String {
         let expected = &self.sample.expected;
         let has_several = expected.iter().any(|at| !at.is_at_condition_of(&expected[0]));
@@ -58,7 +59,8 @@ impl DesignReport {
         format!("\n  {}\n{}", self.quantity_in_words(), table.brief(MAX_LOADS))
     }
 
-    /// Expected value of the goal, limits of the chance, other textures worth cutting, and blockers of the target.
+    /// Lines below the table: expected value of the goal, number of trials, main limit of the chance, other textures
+    /// worth cutting, and bounds or limits that keep the target out of reach.
     fn below_the_table(&self) -> Vec<String> {
         let mut lines: Vec<String> = self.goal_in_words().into_iter().chain([self.trials_in_words()]).collect();
         lines.extend(self.limit_in_words());

@@ -73,13 +73,13 @@ impl DesignReport {
         text
     }
 
-    /// Main limit of the chance, in words.
+    /// Main limit of the chance, in words; `None` if no input limits it significantly.
     pub fn limit_in_words(&self) -> Option<String> {
         let LimitedBy { input, known_to, chance_if_known, .. } = self.limit()?;
         Some(format!("limited mostly by {input} ({known_to}): without it, {} chance", percent(*chance_if_known)))
     }
 
-    /// Quantity of the expected values.
+    /// Name of the quantity that the expected values have.
     pub(super) fn quantity_in_words(&self) -> &'static str {
         if self.is_ratio() { "ratio to the flat surface" } else { "dynamic friction" }
     }
@@ -89,7 +89,7 @@ impl DesignReport {
         if self.is_ratio() { "model alone" } else { "ratio, model alone" }
     }
 
-    /// Number of trials that correct the model.
+    /// Sentence on the number of trials that correct the model.
     pub(super) fn trials_in_words(&self) -> String {
         match self.trials {
             0 => "no trial so far: before one the model's error is believed to be large".to_owned(),
@@ -98,13 +98,13 @@ impl DesignReport {
         }
     }
 
-    /// Bounds that the texture rests on.
+    /// Sentence on the bounds that the texture rests on; `None` if it rests on none.
     pub(super) fn bounds_in_words(&self) -> Option<String> {
         let bounds = self.at_bounds.join(" and ");
         (!bounds.is_empty()).then(|| format!("rests on {bounds}: wider bounds may help"))
     }
 
-    /// Expected value of the goal, in words.
+    /// Expected value of the goal, in words; `None` without a goal.
     pub(super) fn goal_in_words(&self) -> Option<String> {
         let goal = self.goal.as_ref()?;
         let interval =
@@ -123,19 +123,19 @@ impl DesignReport {
         self.blocked_by.iter().map(one).collect()
     }
 
-    /// Model error, in words.
+    /// Effects that the model does not include, in words.
     pub(super) fn lacking(&self) -> String {
         let of_lasering = if self.sample.design.rim().is_some() { "roughening by the laser" } else { "recast rims" };
         format!("not modelled: {of_lasering}, plasticity, viscoelasticity, heating, wear")
     }
 
-    /// Input that limits the chance most, if significant.
+    /// Input that limits the chance most, if the chance without its error is more than 0.02 higher.
     pub fn limit(&self) -> Option<&LimitedBy> {
         let chance = self.sample.chance?;
         self.sample.limited_by.first().filter(|limit| limit.chance_if_known > chance + 0.02)
     }
 
-    /// Other textures, blockers of the target, and trade-offs.
+    /// Other textures, limits and bounds that keep the target out of reach, and trade-offs.
     fn found_beside(&self) -> String {
         let mut text = String::new();
         if !self.others.is_empty() {
@@ -151,7 +151,7 @@ impl DesignReport {
         text
     }
 
-    /// Target pressures outside the measured range.
+    /// Sentence on the target pressures outside the measured range; `None` if there are none.
     fn beyond_range(&self) -> Option<String> {
         beyond_measured_range(&self.beyond_mpa(), self.measured_mpa)
     }
@@ -165,8 +165,8 @@ impl DesignReport {
         before.into_iter().chain(far).chain(material_doubts(&self.material)).chain(near).chain(after).collect()
     }
 
-    /// Doubts before and after those about the material: a design that breaks a limit, or a run without a valid result,
-    /// makes every number void; blocks and bursts change it by a known amount.
+    /// Doubts listed before and after those about the material. Before: broken limits and runs without a valid result,
+    /// which make every number void. After: coarse blocks and bursts, which change numbers by a known amount.
     fn other_doubts(&self) -> [Vec<String>; 2] {
         let beyond = beyond_measured(&self.beyond_mpa());
         let loads = crate::results::warnings(&self.confirmed);
@@ -182,7 +182,7 @@ impl DesignReport {
         self.beyond_mpa().iter().any(is_far)
     }
 
-    /// Doubts, marked `!`, and notes on what is and what is not modelled.
+    /// Doubts, marked `!`, and notes on the model, on effects that it does not include, and on the method.
     fn notes_text(&self) -> String {
         let mut text = "\n".to_owned();
         let [before, after] = self.other_doubts();
@@ -193,7 +193,7 @@ impl DesignReport {
         text + &notes(stated.chain([self.lacking().as_str()]), &self.method)
     }
 
-    /// Amount of computation.
+    /// Number of compared designs, error of the table, and times of the stages.
     fn cost(&self) -> String {
         format!(
             "\n{} designs compared by a table of {} nodes, off by {:.4} in the median and {:.4} at most of {}; {}\n",
@@ -241,9 +241,10 @@ impl Expected {
     }
 }
 
-/// Thresholds in bits between a little, some and much information: one tenth and one third of the bit that separates two
-/// equally likely forms of the model error.
+/// Minimum information that counts as `some`, in bits: one tenth of the bit that separates two equally likely forms of
+/// the model error.
 const LEARNS_SOME: f64 = 0.1;
+/// Minimum information that counts as `much`, in bits: one third of the bit that separates two equally likely forms.
 const LEARNS_MUCH: f64 = 0.33;
 
 impl SampleReport {
@@ -275,8 +276,8 @@ impl SampleReport {
     }
 }
 
-/// Table of named samples: texture, chance, information gained by a measurement, and expected values at the first and the
-/// last load.
+/// Table of named samples: texture, chance, information gained by a measurement, laser time if known, and expected
+/// values at the first and the last load.
 pub fn samples_table<'a>(samples: impl Iterator<Item = (String, &'a SampleReport)>) -> Table {
     let samples: Vec<_> = samples.collect();
     let at = |of: fn(&[Expected]) -> Option<&Expected>| {

@@ -20,7 +20,7 @@ impl Bound {
         }
     }
 
-    /// Returns a bound of equal side with another limit.
+    /// Returns a bound on the same side with another limit.
     #[must_use]
     pub const fn with_limit(self, limit: f64) -> Self {
         match self {
@@ -41,14 +41,14 @@ pub struct Limit {
     pub unit_si: f64,
     /// Limit, in SI units.
     pub bound: Bound,
-    /// Change of the quantity that counts as 1, in SI units: the limit itself if not 0.
+    /// Divisor that makes an excess dimensionless, in SI units: the limit, or a typical value if the limit is 0.
     pub scale: f64,
     /// Loosest meaningful limit, in SI units: infinite, or set by physics or geometry.
     pub loosest: f64,
 }
 
 impl Limit {
-    /// Distance of `value` beyond the limit, in scales: 0 at the limit, negative inside.
+    /// Distance of `value` beyond the limit, divided by [`Limit::scale`]: 0 at the limit, negative inside.
     pub fn excess(&self, value: f64) -> f64 {
         match self.bound {
             Bound::AtMost(limit) => (value - limit) / self.scale,
@@ -85,8 +85,8 @@ pub struct Constraints {
 }
 
 impl Constraints {
-    /// Lists the constraints that `design` violates; `limited` are its limited quantities, in the order of
-    /// [`Self::quantities`], in SI units.
+    /// Lists the constraints that `design` violates; `limited` holds the values of the limited quantities of `design`,
+    /// in the order of [`Self::quantities`], in SI units.
     pub fn violations(&self, design: &Pattern, limited: &[f64]) -> Vec<Violation> {
         let makeable = self.limits.violations(design).into_iter().map(Violation::Limit);
         let exceeded = |(limit, &value): (&Limit, &f64)| {
@@ -99,7 +99,7 @@ impl Constraints {
 /// Constraint that a design violates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Violation {
-    /// Manufacturing limit of the laser.
+    /// Violated manufacturing limit of the laser.
     Limit(LimitViolation),
     /// Quantity beyond its limit.
     Quantity {
@@ -111,7 +111,7 @@ pub enum Violation {
 }
 
 impl Violation {
-    /// Distance beyond the constraint, relative to it: 0 at the constraint.
+    /// Distance beyond the constraint, relative to the constraint: 0 at the constraint.
     pub fn excess(&self) -> f64 {
         match self {
             Self::Limit(limit) => limit.excess(),

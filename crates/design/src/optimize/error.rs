@@ -40,7 +40,7 @@ pub enum SearchError {
     },
 }
 
-/// Returns `value` if it is finite and positive.
+/// Returns `value` if it is finite and positive, otherwise [`SearchError::OutOfRange`] for `quantity`.
 pub(crate) fn positive(quantity: &'static str, value: f64) -> Result<f64, SearchError> {
     if value.is_finite() && value > 0.0 {
         Ok(value)

@@ -75,13 +75,13 @@ impl DesignSpace {
     /// Builds the pattern with the given width, spacing and depth, in metres.
     ///
     /// # Errors
-    /// [`PatternError`] for lengths that make no pattern.
+    /// [`PatternError`] for lengths that give no valid pattern.
     pub fn pattern(&self, lengths_m: [f64; 3]) -> Result<Pattern, PatternError> {
         let [width_m, spacing_m, depth_m] = lengths_m;
         Pattern::new(self.texture, width_m, spacing_m, depth_m)
     }
 
-    /// Builds the pattern in the middle of the bounds, by the logarithms of its lengths.
+    /// Builds the pattern in the middle of the bounds: each length is the geometric mean of its two bounds.
     ///
     /// # Errors
     /// See [`DesignSpace::pattern`].

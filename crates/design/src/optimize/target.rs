@@ -3,9 +3,10 @@
 use crate::optimize::SearchError;
 use crate::optimize::error::positive;
 
-/// Significant change of a value if only a goal is given, for a ratio and for a friction coefficient, which is a quarter
-/// of one for most dry polymers.
+/// Significant change of a ratio if a goal is given, unless a tolerance is smaller.
 const RATIO_STEP: f64 = 0.01;
+/// Significant change of a friction coefficient if a goal is given, unless a tolerance is smaller: 1 % of 0.25, the
+/// coefficient of most dry polymers.
 const FRICTION_STEP: f64 = 0.0025;
 /// Quantity that the target prescribes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -44,24 +45,24 @@ pub enum Wanted {
     Near {
         /// Target value.
         value: f64,
-        /// Largest accepted distance.
+        /// Largest accepted distance from `value`.
         tolerance: f64,
     },
-    /// Values from `lowest` to `highest`; without a goal the middle is the aim.
+    /// Values from `lowest` to `highest`; without a goal the search aims at the middle.
     Between {
         /// Lowest accepted value.
         lowest: f64,
         /// Highest accepted value.
         highest: f64,
     },
-    /// Values of at least `lowest`; the aim is `margin` above.
+    /// Values of at least `lowest`; the search aims at `margin` above.
     AtLeast {
         /// Lowest accepted value.
         lowest: f64,
         /// Distance from the limit beyond which nothing is gained.
         margin: f64,
     },
-    /// Values of at most `highest`; the aim is `margin` below.
+    /// Values of at most `highest`; the search aims at `margin` below.
     AtMost {
         /// Highest accepted value.
         highest: f64,
@@ -176,8 +177,8 @@ impl Target {
     /// Creates a target of `quantity` that meets every demand and optimizes the goal, if given.
     ///
     /// # Errors
-    /// [`SearchError::NoTargetPoints`], [`SearchError::RepeatedPressure`], [`SearchError::NothingWanted`] where there is
-    /// neither a demand nor a goal, [`SearchError::OnePressure`] where values at one pressure should be even, and
+    /// [`SearchError::NoTargetPoints`], [`SearchError::RepeatedPressure`], [`SearchError::NothingWanted`] without
+    /// demand and goal, [`SearchError::OnePressure`] for an even goal at a single pressure, and
     /// [`SearchError::OutOfRange`] unless pressures, weights, values and tolerances are positive and finite.
     pub fn of(quantity: Quantity, demands: Vec<Demand>, goal: Option<Goal>) -> Result<Self, SearchError> {
         if demands.is_empty() {

@@ -10,10 +10,10 @@ use crate::optimize::SearchError;
 /// Number of lengths: width, spacing, depth.
 const AXES: usize = 3;
 
-/// Pivots below this share of the largest variance are taken as zero, for linearly dependent inputs.
+/// Pivots below this share of an input's own variance are taken as zero: the input depends linearly on earlier inputs.
 const VANISHING: f64 = 1e-12;
 
-/// Standard deviations of the dimensions as made about the designed ones: normal, of the mean over a whole sample.
+/// Standard deviations of the mean dimensions of a whole sample about the designed dimensions, normally distributed.
 /// Scatter of the cavities within one sample is excluded: friction averages over the cavities, and their scatter enters
 /// only through the curvature of friction.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, JsonSchema)]
@@ -57,7 +57,7 @@ impl Tolerances {
     }
 }
 
-/// Joint normal distribution of a design's dimensions and of a model's parameters, about the design and zero.
+/// Joint normal distribution of the errors of a design's dimensions and of a model's parameters; the means are zero.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Uncertainty {
     covariance: Vec<Vec<f64>>,
@@ -123,8 +123,8 @@ impl Uncertainty {
         self.covariance[input][input].sqrt()
     }
 
-    /// Covariance of values from the inputs selected by `of`, one row per value: G' C G, G the `slopes` of the values
-    /// along every input and C the covariance of the inputs.
+    /// Covariance of values from the inputs that `of` selects by index, one row per value: G' C G, with the derivatives
+    /// G = `slopes`, one row per input and one column per value, and the covariance C of the inputs.
     pub fn covariance_of(&self, slopes: &[Vec<f64>], of: &dyn Fn(usize) -> bool) -> Vec<Vec<f64>> {
         let count = slopes.first().map_or(0, Vec::len);
         let mut covariance = vec![vec![0.0; count]; count];

@@ -12,9 +12,10 @@ use slipgrid_model::springblock::Effect;
 pub const TIME_AVERAGE: &str = "time average";
 /// Source of an error of a run: the drawn local coefficients.
 pub const DRAWS: &str = "local coefficients drawn";
-/// Source of an error of a static peak: the static coefficient. The relative error of the peak is at most its own.
+/// Source of an error of a static peak: the static coefficient. The relative error of the peak is at most that of the
+/// coefficient.
 pub const STATIC: &str = "static coefficient";
-/// Entry of [`ErrorsReport::unknown`] for loads at which slopes could not be computed.
+/// Entry of [`ErrorsReport::unknown`] for loads at which derivatives by the material's values could not be computed.
 pub const NO_SLOPES: &str =
     "errors of the material's values (with slightly changed values the scene could not be solved)";
 
@@ -81,7 +82,8 @@ fn physical(ends: [f64; 2]) -> [f64; 2] {
 }
 
 impl ErrorReport {
-    /// Combines the `own` parts of a run and the deviation from the `material`; all are independent of one another.
+    /// Combines `own`, the errors of a run, and the deviation from the `material`; all parts are independent of each
+    /// other.
     pub fn new(value: Option<f64>, own: Vec<PartsReport>, material: Option<&Deviation>) -> Self {
         let known = material.filter(|known| !known.parts.is_empty());
         let square =
@@ -112,7 +114,7 @@ impl ErrorReport {
         self
     }
 
-    /// Moves value and interval to another `value` with unchanged errors.
+    /// Moves value and interval to `value`; the errors are unchanged.
     #[must_use]
     pub fn about(mut self, value: f64) -> Self {
         let [below, above] = self.reach(self.value.unwrap_or(value));

@@ -51,7 +51,7 @@ pub use timings::{TIMES, json_and_timings};
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");
 
 /// Schema version of files that are written and may be read back. After the first release it increases when a key is
-/// removed or changes its meaning, not when a key is added. Files without a schema have the first.
+/// removed or changes its meaning, not when a key is added. Files without a schema version have version 1.
 pub const SCHEMA: u32 = 1;
 
 /// Schema version of files that do not give one.

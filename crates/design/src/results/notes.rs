@@ -56,8 +56,8 @@ pub fn doubts_in_brief(doubts: &[String]) -> String {
 /// Beginning of a doubt about the material.
 pub const ABOUT_MATERIAL: &str = "the material is doubtful: ";
 
-/// Formats a doubt as at most three lines of the screen. Its source and the explanation after the first semicolon are left
-/// to reports.
+/// Formats a doubt as at most three lines of the screen, without [`ABOUT_MATERIAL`] and without the explanation after
+/// the first semicolon, which only reports give.
 pub fn doubt_in_brief(doubt: &str) -> String {
     let doubt = doubt.strip_prefix(ABOUT_MATERIAL).unwrap_or(doubt);
     let first = doubt.split("; ").next().unwrap_or(doubt);

@@ -38,7 +38,7 @@ impl From<&Pattern> for PatternReport {
     }
 }
 
-/// Formats a length in micrometres, rounded to 0.01 um, which no laser resolves.
+/// Formats a length in micrometres, rounded to 0.01 um, finer than any laser resolves.
 pub fn length_in_words(length_um: f64) -> String {
     ((100.0 * length_um).round() / 100.0).to_string()
 }

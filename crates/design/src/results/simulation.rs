@@ -103,7 +103,7 @@ pub struct LoadReport {
     pub ratio: Option<f64>,
     /// Standard error of `ratio` from the run; null for steady runs.
     pub ratio_stderr: Option<f64>,
-    /// Changes of the ratio by all that the solved blocks leave out. `ratio` includes them.
+    /// Changes of the ratio by effects that the solved blocks leave out. `ratio` includes these changes.
     pub corrections: Vec<Correction>,
     /// Ratio of the surface in a section model, with the strips between rows of cavities counted as flat.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -142,8 +142,8 @@ pub struct LoadReport {
 }
 
 impl LoadReport {
-    /// Estimated difference of the ratio from that of vanishing blocks, which the true one hardly exceeds; `None` if it
-    /// is not known.
+    /// Estimated bound on the difference of the ratio from its limit for vanishing blocks, two standard deviations;
+    /// `None` if unknown.
     pub fn blocks_error(&self) -> Option<f64> {
         let blocks = self.corrections.iter().find(|correction| correction.effect == Effect::Blocks);
         blocks.and_then(|blocks| blocks.std).map(|std| 2.0 * std)
@@ -196,12 +196,12 @@ pub fn load_reports(simulation: &Simulation, pattern: Option<&Pattern>, outside:
     simulation.loads.iter().zip(flags).map(|(load, outside)| LoadReport::new(load, pattern, outside)).collect()
 }
 
-/// Doubt about an area law of a surface that was not measured.
+/// Doubt about an area law from an altitude map that was not measured.
 const SYNTHETIC_SURFACE: &str =
     "the altitude map is synthetic, not measured: map a flat sample, since every ratio rests on it";
 
-/// Statements about the model that the solver does not make itself. `pattern` is given if the vertical plane is a
-/// section of it.
+/// Statements about the model that the solver does not make itself. `pattern` is given if the model is a vertical
+/// section of it, although it needs three dimensions.
 pub fn model_notes(pattern: Option<&Pattern>) -> Vec<String> {
     let mut notes = Vec::new();
     if let Some(pattern) = pattern {
@@ -262,7 +262,7 @@ impl SimulationReport {
     }
 }
 
-/// Statuses with an explanation of their own.
+/// Statuses of a run that warnings explain, with the explanation.
 const EXPLAINED: [(Status, &str); 4] = [
     (
         Status::NoOnset,
@@ -323,7 +323,7 @@ pub fn beyond_measured_range(pressures_mpa: &[f64], measured_mpa: Option<[f64; 2
     beyond_measured(pressures_mpa).map(|words| words + &range)
 }
 
-/// Discretization error of a ratio above which blocks do not resolve a pattern.
+/// Error of a ratio by block size above which blocks do not resolve a pattern.
 const UNRESOLVED: f64 = 0.1;
 
 /// Describes at which loads blocks of `block_um` do not resolve the pattern, and a remedy; `None` if they do at all

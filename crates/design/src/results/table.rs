@@ -13,7 +13,7 @@ pub struct Table {
 }
 
 impl Table {
-    /// Creates a table with this header.
+    /// Creates a table with the column names `header` and no rows.
     pub fn new<'a>(header: impl IntoIterator<Item = &'a str>) -> Self {
         Self { rows: vec![header.into_iter().map(str::to_owned).collect()] }
     }
@@ -54,7 +54,7 @@ pub struct Records<'a, T> {
 }
 
 impl<T> Records<'_, T> {
-    /// Adds a column: its name, and a function that formats the cell of a record.
+    /// Adds the column `name`; `cell` formats the cell of a record.
     pub fn column(&mut self, name: impl Into<String>, cell: impl Fn(&T) -> String) {
         let cells = std::iter::once(name.into()).chain(self.records.iter().map(cell));
         self.table.rows.iter_mut().zip(cells).for_each(|(row, cell)| row.push(cell));

@@ -10,18 +10,19 @@ use crate::steps::Steps;
 
 /// Approximate number of textures compared by the table.
 const COMPARED: usize = 3000;
-/// Number of these that are predicted by the whole mixture: the best by its likeliest members.
+/// Number of compared textures that the whole mixture predicts: the best by the likeliest members of the mixture.
 const PREDICTED: usize = 400;
-/// Number of the best of every region, and of those with accepted medians, that are predicted by the whole mixture, too.
+/// Number of the best textures of every region, and of those with accepted medians, that the whole mixture predicts,
+/// too.
 const PREDICTED_OF_EACH: usize = 8;
 /// Number of regions along each length; the best texture of each region is examined.
 const REGIONS: usize = 3;
-/// Minimum chance of the best of a region by the table, as a share of the maximum chance, for the region to be examined:
-/// an error of the table of one tolerance may rank a whole region too low.
+/// Minimum chance of a region's best texture by the table, as a share of the maximum chance, for the region to be
+/// examined: an error of the table of one tolerance may rank a whole region too low.
 const OF_CHANCE: f64 = 0.25;
 
 impl Search<'_> {
-    /// Region of the bounds that contains `pattern`, by the logarithms of its lengths.
+    /// Index of the region of the bounds that contains `pattern`; regions are equal in the logarithms of the lengths.
     fn region(&self, pattern: &Pattern) -> usize {
         let bounds = self.task.space.lengths_m().into_iter();
         bounds.zip(pattern.lengths_m()).fold(0, |region, ([low, high], length_m)| {
@@ -31,8 +32,8 @@ impl Search<'_> {
     }
 
     /// Returns the best `most` textures by the table and the best of every region, sorted by decreasing value, with the
-    /// number of compared textures and whether the median of one is accepted. If every texture violates a limit, those
-    /// with the smallest violation are returned.
+    /// number of compared textures and whether one of them has accepted medians at every load. If every texture
+    /// violates a limit, those with the smallest violation are returned.
     pub(super) fn ranked(
         &self,
         steps: &Steps<'_>,
