@@ -9,7 +9,7 @@ use slipgrid_design::results::{NoJsonForm, json_and_timings};
 /// Writes a file's bytes; every call writes identical bytes.
 pub type Writer = Arc<dyn Fn(&mut dyn Write) -> io::Result<()> + Send + Sync>;
 
-/// Content of a file.
+/// Content of a file of a result.
 #[derive(Clone)]
 pub enum Content {
     /// Bytes in memory.
@@ -44,7 +44,7 @@ impl std::fmt::Debug for Outputs {
 }
 
 impl Outputs {
-    /// Adds a file.
+    /// Adds the file `name` with the content `bytes`.
     pub fn add(&mut self, name: impl Into<String>, bytes: impl Into<Vec<u8>>) {
         self.files.push((name.into(), Content::Bytes(bytes.into())));
     }
@@ -60,7 +60,7 @@ impl Outputs {
         Ok(())
     }
 
-    /// Adds all files of `others` with `prefix` before their names; the prefix `next-1/` puts them into a folder.
+    /// Adds all files of `others` with `prefix` before each name; the prefix `next-1/` puts the files into a folder.
     pub fn add_below(&mut self, prefix: &str, others: &Self) {
         self.files.extend(others.files.iter().map(|(name, content)| (format!("{prefix}{name}"), content.clone())));
     }

@@ -12,7 +12,8 @@ use crate::formats::design::DesignFile;
 use crate::formats::material::MaterialFile;
 use crate::formats::scene::SceneFile;
 
-/// Schemas of the files that are read, by the kind of file. They describe types; the readers check the ranges of numbers.
+/// Schemas of the files that are read, by the kind of file. Schemas describe types; the readers check the ranges of
+/// numbers.
 pub fn schemas() -> [(&'static str, Value); 5] {
     [
         ("material", read_schema::<MaterialFile>()),
@@ -29,7 +30,7 @@ fn read_schema<T: JsonSchema>() -> Value {
     schema::<T>(SchemaSettings::draft07().with_transform(without_null))
 }
 
-/// Schema of the JSON record that a `T` is written as, without times.
+/// Schema of the JSON record that a `T` is written as, without the keys of wall times.
 pub fn record_schema<T: JsonSchema>() -> Value {
     schema::<T>(SchemaSettings::draft07().for_serialize().with_transform(as_written))
 }
@@ -68,7 +69,7 @@ fn plain(schema: &mut Schema) {
     }
 }
 
-/// Keeps the required keys that `is_needed`, by name and schema.
+/// Keeps those required keys for which `is_needed`, called with name and schema of a key, is true.
 fn require(schema: &mut Schema, is_needed: impl Fn(&str, &Value) -> bool) {
     let properties = schema.get("properties").cloned().unwrap_or_default();
     if let Some(Value::Array(required)) = schema.get_mut("required") {
@@ -76,7 +77,7 @@ fn require(schema: &mut Schema, is_needed: impl Fn(&str, &Value) -> bool) {
     }
 }
 
-/// Leaves out times, and null where an absent key says as much.
+/// Removes the keys of times, and the type null from keys that may be absent.
 fn as_written(schema: &mut Schema) {
     transform_subschemas(&mut as_written, schema);
     require(schema, |key, _| !TIMES.contains(&key));
@@ -91,7 +92,7 @@ fn as_written(schema: &mut Schema) {
     }
 }
 
-/// Replaces null by the absence of a key: TOML has no null.
+/// Removes the type null and makes keys that may be null optional: TOML has no null.
 fn without_null(schema: &mut Schema) {
     let has_null =
         |value: &Value| [&value["type"], &value["anyOf"]].into_iter().flat_map(Value::as_array).flatten().any(is_null);

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use crate::formats::Diagnostic;
 
-/// A cluster engine.
+/// Scheduler of a cluster for which a job script can be written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Engine {
     /// Slurm: a job array.
@@ -14,10 +14,10 @@ pub enum Engine {
 }
 
 impl Engine {
-    /// All engines.
+    /// All supported schedulers.
     pub const EACH: [Self; 2] = [Self::Slurm, Self::HyperQueue];
 
-    /// Name of the engine.
+    /// Name of the scheduler, which is also the stem of the script's file name.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Slurm => "slurm",
@@ -25,8 +25,9 @@ impl Engine {
         }
     }
 
-    /// Script that runs `workers` workers with `threads` threads each on the campaign in `folder`, with at most
-    /// `at_once` of them at a time. The program is `slipgrid`, or the one in the variable SLIPGRID.
+    /// Job script that runs `workers` workers with `threads` threads each on the campaign in `folder`. Slurm runs at
+    /// most `at_once` workers at a time; HyperQueue ignores `at_once`. The program is `slipgrid`, or the one named by
+    /// the environment variable SLIPGRID.
     ///
     /// # Errors
     /// See [`check_folder_name`](Self::check_folder_name).

@@ -20,7 +20,7 @@ pub enum CampaignError {
     /// The monitor asked to stop.
     #[error("stopped")]
     Cancelled,
-    /// Another error.
+    /// Another error, described by the text.
     #[error("{0}")]
     Failed(String),
 }
@@ -35,7 +35,7 @@ impl From<Failure> for CampaignError {
     }
 }
 
-/// One line per diagnostic.
+/// Joins diagnostics, each on a line of its own.
 fn lines(damaged: &[Diagnostic]) -> String {
     damaged.iter().map(|one| format!("\n  {one}")).collect()
 }

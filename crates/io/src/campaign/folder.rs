@@ -29,9 +29,9 @@ use crate::campaign::records::{Campaign, Task};
 use crate::campaign::results::{Counts, Results};
 use crate::campaign::worker::{Done, Worker};
 
-/// Files that can be written.
+/// File source that can also write files.
 pub trait Store: Files {
-    /// Writes the file at `path` with these `bytes` atomically, and creates its folder if needed.
+    /// Writes `bytes` to the file at `path` atomically, and creates the parent folder if needed.
     ///
     /// # Errors
     /// Error of the operating system.
@@ -48,18 +48,19 @@ pub struct Share {
 }
 
 impl Share {
-    /// All tasks.
+    /// The share that holds all tasks.
     pub const ALL: Self = Self { number: 1, of: 1 };
 }
 
 /// Summary of a worker's run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Worked {
-    /// Results of this worker; `missing` counts the tasks that it left.
+    /// Outcomes of the tasks that this worker did; `missing` counts the tasks of the share that are still without a
+    /// result.
     pub counts: Counts,
-    /// Number of tasks of its share that had results already.
+    /// Number of tasks of the share for which a valid result was found instead of computed.
     pub known: usize,
-    /// Number of damaged results in its share, which were computed again.
+    /// Number of damaged results in the share, which were computed again.
     pub damaged: usize,
 }
 
@@ -84,10 +85,10 @@ impl Folder {
         slipgrid_design::results::json(campaign).map_err(|error| CampaignError::Failed(error.to_string()))
     }
 
-    /// Writes a planned campaign. An existing campaign with its results is kept if it is equal.
+    /// Writes a planned campaign to the folder. An equal campaign that is already there is kept with its results.
     ///
     /// # Errors
-    /// [`CampaignError`] if another campaign is in the folder, or it is not writable.
+    /// [`CampaignError`] if another campaign is in the folder, or the folder is not writable.
     pub fn keep(&self, planned: &Planned) -> Result<(), CampaignError> {
         let (path, record) = (self.path.join("campaign.json"), Self::json(&planned.campaign)?);
         let mut lines = String::new();
@@ -143,7 +144,7 @@ impl Folder {
         names.filter_map(|name| name.strip_suffix(".json").map(str::to_owned)).collect()
     }
 
-    /// Reads the result of a task.
+    /// Reads the result of `task`; refuses a damaged result.
     fn done(&self, task: &Task) -> Result<Done, Diagnostic> {
         let path = self.result(&task.id);
         let refuse = |reason: String| Diagnostic::file(&path, reason);
@@ -152,12 +153,13 @@ impl Folder {
         if done.id == task.id { Ok(done) } else { Err(refuse("is the result of another task".to_owned())) }
     }
 
-    /// Does the missing or damaged tasks of `share`, `threads` at a time, and starts none after `max_s` seconds. `seed`
-    /// sets the order, so that workers with equal shares and different seeds rarely do the same task.
+    /// Does the tasks of `share` whose results are missing or damaged, `threads` at a time; after `max_s` seconds no
+    /// further task is started. `seed` sets the order of the tasks, so that workers with equal shares and different
+    /// seeds rarely do the same task.
     ///
     /// # Errors
     /// [`CampaignError`] for a folder without a campaign, a result that cannot be written, and once `monitor` cancels;
-    /// results up to then are kept.
+    /// results written before the error are kept.
     pub fn work(
         &self,
         share: Share,
@@ -274,7 +276,7 @@ fn shuffle<T>(items: &mut [T], seed: u64) {
     }
 }
 
-/// Inputs of a campaign, by hash.
+/// File source for the inputs of a campaign; the path of an input is the hash of its content.
 #[derive(Debug)]
 struct Inputs {
     store: Arc<dyn Store>,

@@ -9,10 +9,10 @@ use crate::formats::source::{Entry, Files, Source};
 
 use crate::campaign::records::hash;
 
-/// Contents of files, by hash.
+/// Contents of files, by SHA-256 in hexadecimal digits.
 pub type Contents = BTreeMap<String, Arc<Vec<u8>>>;
 
-/// Hash and content of a file.
+/// SHA-256 in hexadecimal digits, and content of a file.
 type Hashed = (String, Arc<Vec<u8>>);
 
 /// A file source that reads each file once.
@@ -31,7 +31,7 @@ impl ReadOnce {
         Arc::new(Self { inner, known: Mutex::default() })
     }
 
-    /// All contents that were read, by hash.
+    /// Contents of all files that were read, by hash.
     pub fn contents(&self) -> Contents {
         locked(&self.known).values().map(|(hash, bytes)| (hash.clone(), Arc::clone(bytes))).collect()
     }
@@ -61,7 +61,7 @@ impl RecordedFiles {
         Arc::new(Self { files: Arc::clone(files), folder: folder.to_owned(), seen: Mutex::default() })
     }
 
-    /// Files that were read: paths with hashes.
+    /// Hashes of the files that were read, by path relative to `folder`.
     pub fn seen(&self) -> BTreeMap<String, String> {
         locked(&self.seen).clone()
     }
@@ -87,9 +87,9 @@ impl Files for RecordedFiles {
 /// Inputs of a campaign, as a file source for workers.
 #[derive(Debug)]
 pub struct HashedFiles {
-    /// Hashes by path.
+    /// SHA-256 hashes of the files, by path.
     hashes: BTreeMap<PathBuf, String>,
-    /// Contents by hash.
+    /// Source of the contents; the path of a content is its hash.
     store: Source,
 }
 
@@ -115,7 +115,7 @@ impl Files for HashedFiles {
     }
 }
 
-/// Contents in memory, by hash.
+/// File source in memory; the path of a file is the hash of its content.
 #[derive(Debug)]
 pub struct InMemory(pub Contents);
 

@@ -31,9 +31,9 @@ use crate::campaign::inputs::{Contents, ReadOnce, RecordedFiles};
 use crate::campaign::records::{Campaign, Kind, Task};
 use crate::campaign::varied::{GridFile, MAX_TASKS, Row, Varied, combinations};
 
-/// Tables of a scene.
+/// Tables in which the keys of a scene may vary even if the text of the scene does not have the table.
 const SCENE_TABLES: [&str; 6] = ["material", "pattern", "sample", "load", "condition", "run"];
-/// Kinds of work on a design.
+/// Values of the key `work` for a design, the default first: search, or solve the designs of its table as scenes.
 const WORK: [&str; 2] = ["search", "table"];
 
 /// A campaign with its tasks and input files.
@@ -41,7 +41,7 @@ const WORK: [&str; 2] = ["search", "table"];
 pub struct Planned {
     /// Data common to all tasks.
     pub campaign: Campaign,
-    /// Distinct tasks.
+    /// Tasks without duplicates, in the order of the varied values.
     pub tasks: Vec<Task>,
     /// Contents of the input files, by hash.
     pub contents: Contents,
@@ -135,7 +135,8 @@ pub fn plan(files: &Source, path: &Path, monitor: &dyn Monitor) -> Result<Planne
     Ok(Planned { campaign, tasks, contents })
 }
 
-/// The base of the tasks: kind, text, and rows that it defines itself.
+/// Reads the base of the tasks. Returns the kind of the tasks, the TOML text that they vary, and with `work = "table"`
+/// one row of varied values per design of the table.
 fn base(
     files: &Source,
     document: &Document,
@@ -179,20 +180,20 @@ fn base(
     }
 }
 
-/// Steady scene of one period of `pattern`, at the loads of `task`.
+/// Steady scene of `pattern` at the loads of `task`, as TOML.
 fn scene(task: &DesignTask, pattern: &Pattern) -> Result<String, DesignError> {
     let known = task.material.as_ref().ok_or_else(|| DesignError::Failed("the design has no material".to_owned()))?;
     let (loads, _) = task.loads(&known.material)?;
     steady_scene(task, known, &loads, pattern).map_err(|error| DesignError::Failed(error.to_string()))
 }
 
-/// Row for a pattern of a table.
+/// Width, spacing and depth of `pattern`, in micrometres, as varied keys of a scene.
 fn dimensions(pattern: &Pattern) -> Row {
     let lengths = [("width", pattern.width_m()), ("spacing", pattern.spacing_m()), ("depth", pattern.depth_m())];
     lengths.map(|(name, m)| (format!("pattern.{name}_um"), Json::from(LENGTH_UM.from_si(m)))).into_iter().collect()
 }
 
-/// Reads everything that the command of a task would read before computing.
+/// Reads all that the command of a task would read before it computes, so that refused input is found.
 fn check(kind: Kind, source: &Source, path: &Path, text: &str, monitor: &dyn Monitor) -> Result<(), Diagnostic> {
     let document = Document::within(source, path, text);
     match kind {
@@ -211,7 +212,7 @@ fn check(kind: Kind, source: &Source, path: &Path, text: &str, monitor: &dyn Mon
     Ok(())
 }
 
-/// Refuses keys that tasks of this kind do not have, or that cannot vary.
+/// Refuses varied keys that the tasks do not have, or that the rows of a design's table vary already.
 fn check_keys(varied: &Varied<'_>, kind: Kind, text: &str, base_rows: &[Row]) -> Result<(), Diagnostic> {
     let refuse = |key: &str, reason: &str, expected: &str| Err(varied.refuse_key(key, reason, expected));
     for key in &varied.keys {
@@ -237,8 +238,8 @@ fn may_have_table(text: &str, first: &str) -> bool {
     SCENE_TABLES.contains(&first) || text.parse::<Table>().is_ok_and(|table| table.contains_key(first))
 }
 
-/// An error that concerns none of the values: the line number refers to the task's text, which the user has not seen,
-/// and is removed.
+/// Adapts an error that concerns none of the varied `values`: adds the values, and removes the line number, which
+/// refers to the generated text of the task.
 fn without_line(mut refused: Diagnostic, values: &Row) -> Diagnostic {
     refused.line = None;
     let at: Vec<String> = values.iter().map(|(key, value)| format!("{key} = {value}")).collect();

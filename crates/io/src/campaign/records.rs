@@ -12,13 +12,14 @@ use sha2::{Digest, Sha256};
 use slipgrid_design::results::{SCHEMA, VERSION};
 use toml::{Table, Value};
 
-/// Digits of a task id: in a campaign of a million tasks two ids coincide with a probability of 10^-12.
+/// Number of hexadecimal digits of a task id. In a campaign of a million tasks, two ids coincide with a probability of
+/// 10^-12.
 const ID_DIGITS: usize = 20;
 
-/// Digits of a SHA-256 hash.
+/// Number of hexadecimal digits of a SHA-256 hash.
 const HASH_DIGITS: usize = 64;
 
-/// Kind of task.
+/// Kind of the tasks of a campaign.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Kind {
@@ -43,7 +44,7 @@ pub struct Campaign {
     pub kind: Kind,
     /// Name of the file that tasks vary.
     pub base: String,
-    /// Content of this file, as TOML.
+    /// Text of the file `base`, as TOML; for the table of a design, a scene made from that file.
     pub text: String,
     /// Varied keys, in the order of the campaign file.
     pub keys: Vec<String>,
@@ -90,7 +91,7 @@ impl Campaign {
         Ok(read)
     }
 
-    /// The base with `values`, as TOML.
+    /// Text of the base with its keys set to `values`, as TOML.
     ///
     /// # Errors
     /// The key that cannot be set, and the reason.
@@ -105,7 +106,7 @@ impl Campaign {
         toml::to_string(&table).map_err(|error| whole(error.to_string()))
     }
 
-    /// Id of a task with this text that reads `inputs`, given as paths with hashes.
+    /// Id of a task with this `text` that reads `inputs`, given as hashes by path.
     pub fn id(&self, text: &str, inputs: &BTreeMap<String, String>) -> String {
         let content = serde_json::json!([self.version, self.schema, self.kind, text, inputs]);
         hash(content.to_string().as_bytes())[..ID_DIGITS].to_owned()
@@ -142,7 +143,7 @@ fn set(table: &mut Table, key: &str, value: Value) -> Result<(), String> {
     }
 }
 
-/// SHA-256 in hexadecimal digits.
+/// SHA-256 of `bytes`, in hexadecimal digits.
 pub fn hash(bytes: &[u8]) -> String {
     hexadecimal(&Sha256::digest(bytes))
 }

@@ -7,7 +7,7 @@ use slipgrid_design::results::guard_formula;
 use crate::campaign::records::{Campaign, Kind, Task};
 use crate::campaign::worker::{Done, Outcome};
 
-/// Columns of a scene, by load.
+/// Columns of a table of scenes, which has one row per load.
 const SCENE_COLUMNS: [&str; 8] = [
     "pressure_mpa",
     "mu_dynamic",
@@ -18,7 +18,7 @@ const SCENE_COLUMNS: [&str; 8] = [
     "peak_pressure_mpa",
     "cavity_closed",
 ];
-/// Columns of a design, with JSON pointers to their values.
+/// Columns of a table of designs, with JSON pointers to the values in result.json.
 const DESIGN_COLUMNS: [(&str, &str); 6] = [
     ("found", "/advice"),
     ("chance", "/chance"),
@@ -31,18 +31,18 @@ const DESIGN_COLUMNS: [(&str, &str); 6] = [
 /// Number of tasks by outcome.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counts {
-    /// Tasks with a record.
+    /// Number of tasks with a record.
     pub done: usize,
-    /// Tasks that were refused.
+    /// Number of tasks whose input was refused.
     pub refused: usize,
-    /// Tasks that failed.
+    /// Number of tasks whose computation failed.
     pub failed: usize,
-    /// Tasks that have not been done.
+    /// Number of tasks that have not been done.
     pub missing: usize,
 }
 
 impl Counts {
-    /// Describes the counts.
+    /// Describes the counts in one line.
     pub fn words(&self) -> String {
         let Self { done, refused, failed, missing } = self;
         let tasks = done + refused + failed + missing;
@@ -54,7 +54,7 @@ impl Counts {
         self.done + self.refused + self.failed
     }
 
-    /// Counts one more task.
+    /// Adds a task with this outcome to the counts.
     pub(crate) fn add(&mut self, outcome: Outcome) {
         match outcome {
             Outcome::Done => self.done += 1,
@@ -64,12 +64,12 @@ impl Counts {
     }
 }
 
-/// Results in the order of the campaign: one row for each load of a scene and for each design. A
-/// task without a result has a row as well. The table does not depend on who did which task.
+/// Table of results in the order of the campaign: one row per load of a scene, one per design, and one per task without
+/// a result. The table does not depend on who did which task.
 pub struct Results<'a> {
     campaign: &'a Campaign,
     text: String,
-    /// Number of columns of the kind of task, between outcome and reason.
+    /// Number of columns between outcome and reason, which depends on the kind of task.
     columns: usize,
     counts: Counts,
 }
@@ -89,7 +89,7 @@ impl<'a> Results<'a> {
         Self { campaign, text, columns, counts: Counts::default() }
     }
 
-    /// Adds the result of `task`; `None` if it has not been done.
+    /// Adds the result `done` of `task`, which is `None` if the task has not been done.
     pub fn add(&mut self, task: &Task, done: Option<&Done>) {
         match done {
             Some(done) => self.counts.add(done.outcome),
@@ -112,7 +112,7 @@ impl<'a> Results<'a> {
         self.counts
     }
 
-    /// Rows with outcome, columns of the kind, and reason.
+    /// Cells of the rows of one task: outcome, columns of the kind of task, and reason.
     fn rows(&self, done: Option<&Done>) -> Vec<Vec<String>> {
         let own = |record: &Json, places: &[(&str, &str)]| -> Vec<String> {
             places.iter().map(|(_, place)| cell(record.pointer(place))).collect()

@@ -1,4 +1,4 @@
-//! Varied keys of a campaign with their values, and their positions in its file.
+//! Varied keys of a campaign with their values and positions in the campaign file.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -27,28 +27,29 @@ pub(crate) const MAX_TASKS: usize = 1_000_000;
 /// One combination of values, by key.
 pub(crate) type Row = BTreeMap<String, Json>;
 
-/// A value and its position in the file.
+/// A value of a varied key, and its position in the campaign file.
 struct Place {
     key: String,
     value: Json,
     span: Range<usize>,
 }
 
-/// All combinations, and the positions of their values.
+/// All combinations of the values that a campaign varies, with the file positions of the values.
 pub(crate) struct Varied<'a> {
     document: &'a Document,
-    /// Varied keys, in the order of the file.
+    /// Varied keys, in the order of the campaign file.
     pub(crate) keys: Vec<String>,
-    /// Every combination of the grids with every row of the list, grids slowest.
+    /// Every combination of all grids with every row of the list; the first grid varies slowest, the list fastest.
     pub(crate) rows: Vec<Row>,
     places: Vec<Place>,
 }
 
 impl<'a> Varied<'a> {
-    /// Combines `grids` and `list` of `document`.
+    /// Combines the tables `[[grid]]` and the rows `[[list]]` of the campaign file `document`.
     ///
     /// # Errors
-    /// [`Diagnostic`] for keys and values that are invalid in any base, and for too many of them.
+    /// [`Diagnostic`] for keys and values that are invalid whatever the base, and for more than `MAX_TASKS`
+    /// combinations.
     pub(crate) fn new(
         document: &'a Document,
         grids: &[Spanned<GridFile>],
@@ -100,7 +101,7 @@ impl<'a> Varied<'a> {
         Ok(())
     }
 
-    /// Converts a value to JSON and records its position.
+    /// Converts a value of `key` to JSON and records the file position of the value.
     fn take(&mut self, key: &str, value: &Spanned<Value>) -> Result<Json, Diagnostic> {
         let taken = json(value.get_ref()).map_err(|reason| {
             let refused = self.document.refuse(value.span(), reason);
@@ -112,7 +113,7 @@ impl<'a> Varied<'a> {
         Ok(taken)
     }
 
-    /// Refuses `key` at its first position.
+    /// Refuses the varied `key`, at the file position of its first value.
     pub(crate) fn refuse_key(&self, key: &str, reason: &str, expected: &str) -> Diagnostic {
         let place = self.places.iter().find(|place| place.key == key);
         let refused = self.document.refuse(place.map_or(0..0, |place| place.span.clone()), reason);
@@ -120,8 +121,8 @@ impl<'a> Varied<'a> {
         Diagnostic { key: Some(key.into()), value, ..refused }.expected(expected)
     }
 
-    /// Converts an error of the base `base` with `values` to one about the value in this file that caused it; `None` if
-    /// no value caused it.
+    /// Converts `refused`, an error of the file `base` with `values` set, to an error at the value in the campaign file
+    /// that caused it; `None` if no varied value caused it.
     pub(crate) fn locate(&self, refused: &Diagnostic, values: &Row, base: &Path) -> Option<Diagnostic> {
         let named = refused.key.as_deref().unwrap_or_default();
         let within = |inner: &str, outer: &str| {
@@ -153,7 +154,7 @@ impl<'a> Varied<'a> {
     }
 }
 
-/// All combinations of `rows` and `more`; `rows` if `more` is empty.
+/// Combines each of `rows` with each of `more`, `rows` varying slowest; returns `rows` if `more` is empty.
 pub(crate) fn combinations(rows: Vec<Row>, more: &[Row]) -> Vec<Row> {
     if more.is_empty() {
         return rows;
@@ -163,10 +164,10 @@ pub(crate) fn combinations(rows: Vec<Row>, more: &[Row]) -> Vec<Row> {
     rows.into_iter().flat_map(with).collect()
 }
 
-/// Converts a value to JSON.
+/// Converts a TOML value to JSON.
 ///
 /// # Errors
-/// Reason why it cannot be converted.
+/// Reason why the value cannot be converted.
 fn json(value: &Value) -> Result<Json, &'static str> {
     match value {
         Value::Float(number) => {

@@ -1,4 +1,4 @@
-//! Execution of a task.
+//! Execution of the tasks of a campaign.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -39,17 +39,17 @@ pub struct Done {
     pub id: String,
     /// Outcome of the task.
     pub outcome: Outcome,
-    /// Reason why there is no record.
+    /// Reason why there is no record; `None` if there is one.
     pub reason: Option<String>,
     /// Content of result.json of the task's command.
     pub record: Option<Json>,
 }
 
 impl Done {
-    /// Parses a result.
+    /// Parses a result file.
     ///
     /// # Errors
-    /// Description of the error.
+    /// Text that says why `json` is no valid result.
     pub fn read(json: &[u8]) -> Result<Self, String> {
         let done: Self = serde_json::from_slice(json).map_err(|error| format!("is no result: {error}"))?;
         if done.outcome == Outcome::Done && !done.record.as_ref().is_some_and(Json::is_object) {
@@ -110,7 +110,7 @@ impl<'a> Worker<'a> {
     }
 }
 
-/// Forwards cancellation, time and cache only; the stages of many concurrent tasks are not shown.
+/// Monitor that forwards cancellation, time and cache only, because stages of many concurrent tasks are not shown.
 struct Quiet<'a>(&'a dyn Monitor);
 
 impl Monitor for Quiet<'_> {

@@ -10,18 +10,18 @@ use crate::formats::source::{Entry, Files, Source};
 
 use crate::disk::put;
 
-/// Maximum size, in bytes, of a file that is read at once: a tribometer with 100 rows per second takes weeks to fill
-/// it. Maps are read as streams.
+/// Maximum size, in bytes, of a file that is read into memory. A tribometer with 100 rows per second takes weeks to
+/// fill such a file. Maps are read as streams.
 const MAX_BYTES: u64 = 1 << 30;
 
 /// Maximum size, in bytes, read from a pipe or device, which may have no end.
 const MAX_STREAM_BYTES: u64 = 1 << 26;
 
-/// Files of the operating system.
+/// File source and store for the files of the operating system.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Disk;
 
-/// File source for readers.
+/// Returns the files of the operating system as a file source for readers.
 pub fn disk() -> Source {
     Arc::new(Disk)
 }

@@ -10,20 +10,20 @@ use slipgrid_base::monitor::{Key, Memory};
 
 use crate::disk::{hexadecimal, put};
 
-/// Version of the file format, which is part of the hash.
+/// Version of the file format, which is part of the hash at the beginning of every file.
 const FORMAT: &[u8] = b"slipgrid kept 2";
 /// Length of the hash at the beginning of a file, in bytes.
 const HASH_BYTES: usize = 32;
-/// Fraction of the size limit to which a folder that exceeds it is reduced.
+/// Fraction of the size limit to which a folder above the limit is reduced.
 const CLEARED_FRACTION: f64 = 0.75;
-/// Approximate size limit of a user's folder, in bytes: some thousand runs.
+/// Approximate size limit of the cache folder of a user, in bytes: some thousand runs.
 const MAX_BYTES: u64 = 256 << 20;
 /// File name extension of cached results.
 const EXTENSION: &str = "kept";
 
-/// A folder with one file per result, named by its key and the build of the program. Any number of processes may use it
-/// concurrently: files appear atomically and begin with a hash of name and content; damaged, missing or foreign files
-/// count as absent. Above the size limit the least recently used files are removed.
+/// Cache in a folder with one file per result, named by the key of the result and the build of the program. Any number
+/// of processes may use it concurrently: files appear atomically and begin with a hash of name and content; damaged,
+/// missing or foreign files count as absent. Above the size limit the least recently used files are removed.
 #[derive(Debug)]
 pub struct KeptResults {
     folder: PathBuf,
@@ -40,15 +40,15 @@ impl KeptResults {
         Self { folder, build, max_bytes, is_cleared: AtomicBool::new(false) }
     }
 
-    /// The cache of the running program in the user's cache folder, as [`Self::for_program`].
+    /// Creates the cache of the running program in the user's cache folder; `None` as for [`Self::for_program`].
     pub fn for_this_program() -> Option<Self> {
         Self::for_program(&std::env::current_exe().ok()?, None)
     }
 
-    /// The cache of the `program` in a file, in `folder` if given, otherwise in the user's cache folder: the one in the
-    /// environment variable `SLIPGRID_CACHE`, otherwise `slipgrid` in the system's cache folder. `None` if
-    /// `SLIPGRID_CACHE` is empty, or no folder is known. The build is identified by size and modification time of the
-    /// program's file.
+    /// Creates the cache of the executable file `program`, in `folder` if given, otherwise in the folder that the
+    /// environment variable `SLIPGRID_CACHE` names, otherwise in `slipgrid` in the system's cache folder. `None` if
+    /// `folder` or `SLIPGRID_CACHE` is empty, if no folder is known, or if `program` cannot be inspected. The build is
+    /// identified by size and modification time of the executable.
     pub fn for_program(program: &Path, folder: Option<PathBuf>) -> Option<Self> {
         let named = |name: &str| std::env::var_os(name).filter(|value| !value.is_empty()).map(PathBuf::from);
         let folder = match folder.map_or_else(|| std::env::var_os("SLIPGRID_CACHE"), |folder| Some(folder.into())) {
@@ -67,7 +67,7 @@ impl KeptResults {
         self.folder.join(format!("{}-{}.{EXTENSION}", key.name(), self.build))
     }
 
-    /// Hash at the beginning of the file at `path` with `value`; it depends on key and build.
+    /// Hash with which the file at `path` that stores `value` begins. It covers the file name, hence key and build.
     fn hash(path: &Path, value: &[u8]) -> [u8; HASH_BYTES] {
         let name = path.file_name().unwrap_or_default().as_encoded_bytes();
         let mut hash = Sha256::new();

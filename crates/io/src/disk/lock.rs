@@ -1,7 +1,7 @@
 //! Lock file next to a folder of results, so that one run at a time writes it.
 //!
-//! The operating system releases the lock when the process ends in any way, so that the lock file of a killed run is
-//! taken over. On file systems without locks nothing keeps other runs out.
+//! The operating system releases the lock when the process ends in any way, so that the next run takes over the lock
+//! file of a killed run. On file systems without locks, nothing prevents two runs from writing at once.
 
 use std::fs::{self, File, TryLockError};
 use std::io::{self, Read, Seek, Write};
@@ -12,11 +12,11 @@ use crate::formats::Diagnostic;
 
 use crate::disk::places::{PlaceError, WriteError};
 
-/// Number of attempts to create a lock file that its holder has just removed.
+/// Number of attempts to lock a file that the last holder removes between opening and locking.
 const ATTEMPTS: usize = 20;
-/// First word of a lock file; the number of the process follows.
+/// First word of a lock file; the id of the process follows.
 const MARK: &str = "slipgrid";
-/// Number of bytes that are read of a lock file.
+/// Maximum number of bytes that are read from a lock file.
 const HEAD: u64 = 100;
 
 /// Lock files that this process holds.
@@ -34,13 +34,13 @@ pub fn remove_all() {
     }
 }
 
-/// A lock, held until it is dropped. Dropping removes the lock file, and the folders that were created for it if they
+/// A locked file, held until it is dropped. Dropping removes the lock file, and those folders created for the file that
 /// are empty.
 #[derive(Debug)]
 pub struct Lock {
     path: PathBuf,
     file: Option<File>,
-    /// Folders that were created, innermost first.
+    /// Folders that were created for the lock file, innermost first.
     made: Vec<PathBuf>,
 }
 
@@ -48,7 +48,8 @@ impl Lock {
     /// Locks the file at `path` for this process.
     ///
     /// # Errors
-    /// [`Diagnostic`] if another run holds the lock; [`WriteError`] for an error of the operating system.
+    /// [`Diagnostic`] if another run holds the lock, or a folder or a foreign file is at `path`; [`WriteError`] for an
+    /// error of the operating system.
     pub fn new(path: &Path) -> Result<Self, PlaceError> {
         let failed = |source: io::Error| WriteError { path: path.to_owned(), source };
         if path.is_dir() {
@@ -91,7 +92,7 @@ impl Lock {
         Err(lock.refuse("").into())
     }
 
-    /// Refuses a lock that another run holds; `head` is what it wrote.
+    /// Refuses a lock that another run holds; `head` is the text that the other run wrote into the lock file.
     fn refuse(&self, head: &str) -> Diagnostic {
         let process = head.split_whitespace().nth(1).map_or_else(String::new, |number| format!(": process {number}"));
         Diagnostic::file(&self.path, format!("another run works for this folder{process}"))
@@ -117,7 +118,7 @@ impl Drop for Lock {
 }
 
 impl Lock {
-    /// Removes the created folders, as far as they are empty.
+    /// Removes the folders created for the lock file, as far as they are empty.
     fn remove_made(&self) {
         for folder in &self.made {
             if fs::remove_dir(folder).is_err() {

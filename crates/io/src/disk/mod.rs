@@ -43,7 +43,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use crate::formats::Diagnostic;
 
-/// Maximum number of threads of a pool: more than the cores of a machine, and few enough to be created at once.
+/// Maximum number of threads of a pool: more than the cores of any machine, but few enough for all to be created.
 pub const MAX_THREADS: usize = 1024;
 
 /// Number of cores that this process may use, at most [`MAX_THREADS`].
@@ -51,7 +51,7 @@ pub fn cores() -> usize {
     std::thread::available_parallelism().map_or(1, usize::from).min(MAX_THREADS)
 }
 
-/// Default number of threads: that in the environment variable `RAYON_NUM_THREADS`, otherwise the number of cores.
+/// Default number of threads: the value of the environment variable `RAYON_NUM_THREADS`, otherwise the number of cores.
 ///
 /// # Errors
 /// [`Diagnostic`] if the environment variable is invalid or above [`MAX_THREADS`].
@@ -66,20 +66,21 @@ pub fn default_threads() -> Result<usize, Diagnostic> {
     }
 }
 
-/// Prefix and suffix of the name of an unfinished file.
+/// Prefix and suffix of the name of an unfinished file or folder.
 pub const UNFINISHED: (&str, &str) = (".slipgrid-", ".part");
 
-/// Number of files and folders that are being written.
+/// Number of files and folders that this process is writing.
 static WRITING: Mutex<usize> = Mutex::new(0);
 
-/// Blocks further writing, before the program ends; `None` while a file is unfinished or a result partially renamed.
+/// Blocks further writing while the returned guard lives, so that the program can end; `None` while a file is
+/// unfinished or a result partially renamed.
 pub fn hold_writing() -> Option<MutexGuard<'static, usize>> {
     // A counter is complete even if a thread panicked.
     let writing = WRITING.lock().unwrap_or_else(PoisonError::into_inner);
     (*writing == 0).then_some(writing)
 }
 
-/// Counts a write until it is dropped, which must be after the removal of what is unfinished.
+/// Counts one write as unfinished until dropped; must be dropped after unfinished files have been removed.
 pub(crate) struct Writing;
 
 impl Writing {
@@ -104,10 +105,10 @@ pub fn put(path: &Path, bytes: &[u8]) -> io::Result<()> {
     put_unless(path, bytes, &|| false)
 }
 
-/// Writes a file as [`put`], unless `is_cancelled` before it is renamed.
+/// Writes a file like [`put`], unless `is_cancelled` returns true before the file is renamed.
 ///
 /// # Errors
-/// Error of the operating system, or an error if it is cancelled; an existing file then keeps its content.
+/// Error of the operating system, or an error after cancellation; an existing file then keeps its content.
 pub fn put_unless(path: &Path, bytes: &[u8], is_cancelled: &dyn Fn() -> bool) -> io::Result<()> {
     let folder = parent(path);
     fs::create_dir_all(folder)?;
@@ -122,13 +123,13 @@ pub fn put_unless(path: &Path, bytes: &[u8], is_cancelled: &dyn Fn() -> bool) ->
     file.persist(path).map(drop).map_err(|error| error.error)
 }
 
-/// Parent folder of `path`.
+/// Parent folder of `path`; `.` for a bare file name.
 pub fn parent(path: &Path) -> &Path {
     path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
-/// Builder of temporary files and folders with unfinished names and the permissions `mode` before the user's mask;
-/// without `mode` they would be private.
+/// Builder of temporary files and folders with the prefix and suffix `UNFINISHED` and the permissions `mode`, reduced
+/// by the user's umask; without `mode` only the owner could read the files.
 pub fn unfinished(mode: u32) -> tempfile::Builder<'static, 'static> {
     let mut builder = tempfile::Builder::new();
     builder.prefix(UNFINISHED.0).suffix(UNFINISHED.1);

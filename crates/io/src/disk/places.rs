@@ -11,18 +11,18 @@ use crate::formats::source::fits;
 use crate::disk::written_list::Written;
 use crate::disk::{Writing, parent, put, unfinished};
 
-/// An output could not be written.
+/// Error of the operating system while an output was written.
 #[derive(Debug, thiserror::Error)]
 #[error("{path}: cannot be written: {source}", path = path.display())]
 pub struct WriteError {
-    /// The file or folder.
+    /// File or folder that could not be written.
     pub path: PathBuf,
     /// Error of the operating system.
     pub source: std::io::Error,
 }
 
 impl WriteError {
-    /// Converts errors of the operating system for `path`.
+    /// Returns a function that adds `path` to an error of the operating system.
     pub fn at(path: &Path) -> impl Fn(std::io::Error) -> Self + '_ {
         move |source| Self { path: path.to_owned(), source }
     }
@@ -31,15 +31,15 @@ impl WriteError {
 /// Reason why results cannot be written to a place.
 #[derive(Debug, thiserror::Error)]
 pub enum PlaceError {
-    /// Something would be lost there, or the place is invalid.
+    /// A file would be lost at the place, or the place is invalid.
     #[error(transparent)]
     Refused(#[from] Diagnostic),
-    /// The operating system refuses to write there.
+    /// The operating system refuses to write at the place.
     #[error(transparent)]
     Unwritable(#[from] WriteError),
 }
 
-/// A place for results, as a front door names it.
+/// A place for results, with the flag or argument by which the user names it.
 #[derive(Clone, Copy, Debug)]
 pub struct Place<'a> {
     /// Flag or argument that names the place.
@@ -85,7 +85,7 @@ impl<'a> Place<'a> {
 }
 
 /// Checks, before long work starts, that results can be written to a folder. `names` are the files that will be
-/// written, where one `*` stands for any letters and `/` for subfolders; `inputs` are files that the run reads.
+/// written, where one `*` stands for any characters and `/` for subfolders; `inputs` are files that the run reads.
 ///
 /// # Errors
 /// [`PlaceError`] if the place is not a folder, is not writable, or holds a file to be replaced that is an input or was
@@ -103,7 +103,7 @@ pub fn check_folder(place: Place<'_>, names: &[&str], inputs: &[PathBuf]) -> Res
     Ok(())
 }
 
-/// Paths in `folder` that match `pattern`.
+/// Existing paths, relative to `folder`, that match `pattern`, in which `*` stands for any characters.
 pub(crate) fn matching(folder: &Path, pattern: &str) -> Vec<PathBuf> {
     let (first, rest) = pattern.split_once('/').map_or((pattern, None), |(first, rest)| (first, Some(rest)));
     let entries = fs::read_dir(folder).into_iter().flatten().flatten();
@@ -137,7 +137,7 @@ pub fn check_file(place: Place<'_>, inputs: &[PathBuf]) -> Result<(), PlaceError
     Ok(())
 }
 
-/// Writes one file at `place`; `inputs` are files from which it was made.
+/// Writes `bytes` to the file at `place`; `inputs` are files from which the content was made, which are not replaced.
 ///
 /// # Errors
 /// [`PlaceError`], as in [`check_file`], or for an error of the operating system.
@@ -156,7 +156,7 @@ fn write_at(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
     put(&leads_to, bytes).map_err(failed)
 }
 
-/// Whether the path is a device or a pipe, which holds nothing to lose, and must not be replaced by a file.
+/// Whether `path` is a device or a pipe, which holds no data to lose and must not be replaced by a file.
 fn is_device(path: &Path) -> bool {
     path.metadata().is_ok_and(|metadata| !metadata.is_file() && !metadata.is_dir())
 }
@@ -166,8 +166,8 @@ fn is_same(left: &Path, right: &Path) -> bool {
     matches!((fs::canonicalize(left), fs::canonicalize(right)), (Ok(left), Ok(right)) if left == right)
 }
 
-/// Whether the file at `path` in `folder` was written by slipgrid, by its mark or the folder's list, or is empty.
-/// Devices and pipes hold nothing to lose.
+/// Whether the file at `path` in `folder` was written by slipgrid, according to its mark or to the list in `folder`, or
+/// is empty. Devices and pipes count as written by slipgrid: they hold no data to lose.
 fn is_ours(folder: &Path, path: &Path) -> bool {
     let file = &folder.join(path);
     if is_device(file) {
@@ -224,7 +224,7 @@ fn check_writable(path: &Path) -> Result<(), WriteError> {
     can_create_in(folder).map_err(WriteError::at(path))
 }
 
-/// Creates a file in `folder` and removes it at once.
+/// Creates a file in `folder` and removes it at once, to check that `folder` is writable.
 pub(crate) fn can_create_in(folder: &Path) -> io::Result<()> {
     let _writing = Writing::new();
     unfinished(0o666).tempfile_in(folder).map(drop)

@@ -1,7 +1,8 @@
 //! A folder of results that one run at a time writes, and whose files are replaced together.
 //!
-//! New files are first written under another name. A new folder then appears by one rename. In a folder that exists, files
-//! are renamed one by one while `result.json` is absent, so that a folder with this file never holds files of two results.
+//! New files are first written under another name. A new folder then appears by one rename. In an existing folder,
+//! files are renamed one by one while `result.json` is absent, so that a folder with `result.json` never holds files of
+//! two results.
 
 use std::collections::BTreeSet;
 use std::ffi::OsString;
@@ -19,14 +20,14 @@ use crate::disk::places::{Place, PlaceError, WriteError, can_create_in, check_fo
 use crate::disk::written_list::{LIST, Written, hexadecimal};
 use crate::disk::{UNFINISHED, Writing, parent, put, unfinished};
 
-/// Age from which on an unfinished file belongs to a killed run: writing takes seconds at most.
+/// Age above which an unfinished file counts as left over by a killed run; writing takes seconds at most.
 const ABANDONED: Duration = Duration::from_secs(600);
-/// The file without which a folder holds no result.
+/// Main file of a result; a folder without it holds no complete result.
 const RECORD: &str = "result.json";
-/// The file with values that differ between runs.
+/// File with wall times, which differ between equal runs.
 const TIMINGS: &str = "timings.json";
 
-/// A folder of results that only this run writes until it is dropped.
+/// A folder of results, locked for this run until dropped.
 #[derive(Debug)]
 pub struct ResultFolder {
     path: PathBuf,
@@ -35,8 +36,8 @@ pub struct ResultFolder {
 }
 
 impl ResultFolder {
-    /// Checks with [`check_folder`] that results can be written to `place`, and locks it for this run. `patterns` are
-    /// the names of the files of a result.
+    /// Checks with [`check_folder`] that results can be written to `place`, and locks the folder for this run.
+    /// `patterns` are the names of all files that a result may have, `inputs` the files that the run reads.
     ///
     /// # Errors
     /// [`PlaceError`], as in [`check_folder`], and if another run holds the lock.
@@ -60,8 +61,8 @@ impl ResultFolder {
         record.get("name")?.as_str().map(str::to_owned)
     }
 
-    /// Writes all of `outputs`, and removes unchanged files of an earlier result with matching names. Other files stay.
-    /// Ends early once `is_cancelled`.
+    /// Writes all of `outputs`, and removes other files of an earlier result that match the patterns given to `open`,
+    /// unless the user has changed them. Ends with an error once `is_cancelled` returns true.
     ///
     /// # Errors
     /// [`WriteError`] for an error of the operating system, or if a file to be replaced was not written by slipgrid;
@@ -70,7 +71,7 @@ impl ResultFolder {
         self.write(outputs, &self.patterns, is_cancelled)
     }
 
-    /// Writes all of `outputs` in addition to the files in the folder.
+    /// Writes all of `outputs` and removes no other file of the folder.
     ///
     /// # Errors
     /// See [`replace`](Self::replace).
@@ -113,7 +114,7 @@ impl ResultFolder {
     }
 }
 
-/// Files ready to be renamed, in a temporary folder.
+/// Files of a result in a temporary folder, ready to be renamed.
 struct Staged {
     folder: TempDir,
     // Dropped after the folder.
@@ -121,7 +122,8 @@ struct Staged {
 }
 
 impl Staged {
-    /// Writes `outputs` to a temporary folder in `place`, with the list `written` extended by them.
+    /// Writes `outputs` to a temporary folder in `place`, together with the list `written`, to which `outputs` are
+    /// added.
     fn new(outputs: &Outputs, place: &Path, mut written: Written, is_cancelled: &dyn Fn() -> bool) -> io::Result<Self> {
         let writing = Writing::new();
         let folder = unfinished(0o777).tempdir_in(place)?;
@@ -139,7 +141,8 @@ impl Staged {
     }
 }
 
-/// Renames the `staged` files into `folder` one by one, the record last, and removes `stale` files.
+/// Renames the `staged` files into `folder` one by one and removes `stale` files. `result.json` is removed first and
+/// renamed after all other results; the list of written files comes last.
 fn rename_each(staged: &Staged, folder: &Path, names: &BTreeSet<&str>, stale: &[PathBuf]) -> io::Result<()> {
     let is_record = names.contains(RECORD);
     // First list both the old and the new files as slipgrid's, because a killed run leaves files of both.
@@ -162,7 +165,8 @@ fn rename_each(staged: &Staged, folder: &Path, names: &BTreeSet<&str>, stale: &[
     rename(LIST)
 }
 
-/// Writes the content, waits until it is stored, and returns its hash; the file may be renamed only afterwards.
+/// Writes `content` to `file`, waits until it is stored on the disk, and returns its SHA-256. The file may be renamed
+/// only afterwards.
 fn write_through(file: File, content: &Content, is_cancelled: &dyn Fn() -> bool) -> io::Result<String> {
     let mut buffered = BufWriter::new(Hashing { file, hash: Sha256::new(), is_cancelled });
     content.write(&mut buffered)?;
@@ -171,7 +175,7 @@ fn write_through(file: File, content: &Content, is_cancelled: &dyn Fn() -> bool)
     Ok(hexadecimal(&hash.finalize()))
 }
 
-/// A file that hashes its content and refuses further data once the run is cancelled.
+/// A file writer that hashes the written data and refuses further data once the run is cancelled.
 struct Hashing<'a> {
     file: File,
     hash: Sha256,
@@ -194,8 +198,8 @@ impl Write for Hashing<'_> {
     }
 }
 
-/// Removes files of killed runs in `folder`: unfinished names, old enough that no running process owns them. Errors are
-/// harmless.
+/// Removes files and folders with unfinished names in `folder` that are so old that no running process owns them.
+/// Errors are ignored.
 pub(crate) fn remove_abandoned(folder: &Path) {
     let Ok(entries) = fs::read_dir(folder) else { return };
     for entry in entries.flatten() {
@@ -213,7 +217,8 @@ pub(crate) fn remove_abandoned(folder: &Path) {
     }
 }
 
-/// Lock file of a run for `folder`: next to it, as NAME.lock, or inside if nothing can be written next to it.
+/// Path of the lock file for `folder`: NAME.lock next to the folder, or `.slipgrid.lock` inside if its parent is not
+/// writable.
 fn lock_path(folder: &Path) -> PathBuf {
     let folder = fs::canonicalize(folder).unwrap_or_else(|_| folder.to_owned());
     let mut name = folder.file_name().map_or_else(OsString::new, OsString::from);
@@ -224,8 +229,8 @@ fn lock_path(folder: &Path) -> PathBuf {
     }
 }
 
-/// Writes `files`, by name, into the folder at `place` after checking all of them; the folder is created if needed.
-/// `inputs` are files from which the results were made.
+/// Writes `files`, pairs of name and content, into the folder at `place` after checking all of them; creates the folder
+/// if needed. `inputs` are files from which the results were made.
 ///
 /// # Errors
 /// [`PlaceError`], as in [`check_folder`], or for an error of the operating system.

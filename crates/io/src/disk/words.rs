@@ -1,4 +1,4 @@
-//! Words of a command line, as a shell takes them.
+//! Words of a command line, quoted for a shell.
 
 /// Quotes `word` for a shell if it contains special characters.
 pub fn quoted_word(word: &str) -> String {

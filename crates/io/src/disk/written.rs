@@ -1,6 +1,6 @@
 //! Marks of files written by slipgrid. Tables, pictures and process sheets have no mark: the list in their folder names them.
 
-/// Number of bytes inspected.
+/// Number of bytes at the beginning of a file in which a mark is searched.
 pub const HEAD: usize = 1024;
 
 /// First characters of a material file.
@@ -10,7 +10,7 @@ const SYNTHETIC: &str = "synthetic self-affine map, not a measurement";
 /// Mark of a mean period averaged from a map.
 const MEAN_PERIOD: &str = "mean period of measured cavities, by slipgrid";
 
-/// First characters of other files, by file extension.
+/// First characters of files written by slipgrid, by file extension.
 const BEGINNINGS: [(&str, &[&str]); 8] = [
     (".toml", &[MATERIAL, "# Scene of the confirming run, by slipgrid ", "# Trials of one disc, by slipgrid: "]),
     (".csv", &["# By slipgrid traces "]),
@@ -41,7 +41,7 @@ pub fn has_mark(name: &str, head: &[u8]) -> bool {
     }
 }
 
-/// Whether `head` begins a table of a campaign: the id of its first task is a hash of 20 hexadecimal digits.
+/// Whether `head` is the beginning of a table of a campaign: the first task has an id of 20 hexadecimal digits.
 fn is_campaign_table(head: &str) -> bool {
     let mut lines = head.lines();
     let id =

@@ -1,5 +1,5 @@
-//! List of the files that slipgrid wrote into a folder: names with hashes in the format of `sha256sum`. It identifies
-//! tables and pictures, which hold no mark. Files that were changed since belong to the user.
+//! List of the files that slipgrid wrote into a folder: names with hashes in the format of `sha256sum`. The list
+//! identifies tables and pictures, which hold no mark. Files that were changed since then belong to the user.
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -9,10 +9,11 @@ use std::path::Path;
 
 use sha2::{Digest, Sha256};
 
-/// Name of the list in its folder.
+/// Name of the file that holds the list.
 pub(crate) const LIST: &str = ".slipgrid-written";
 
-/// Hashes of the files that slipgrid wrote into a folder, by name; several if a run was killed while it replaced files.
+/// Hashes of the files that slipgrid wrote into a folder, by file name. A name has several hashes if a run was killed
+/// while it replaced files.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Written(BTreeMap<String, Vec<String>>);
 
@@ -28,7 +29,7 @@ impl Written {
         written
     }
 
-    /// Whether the list holds the file at `path` in `folder` with its current content.
+    /// Whether the list holds the file at `path`, relative to `folder`, with its current content.
     pub(crate) fn holds(&self, folder: &Path, path: &Path) -> bool {
         let Some(hashes) = path.to_str().and_then(|name| self.0.get(name)) else { return false };
         hash_file(&folder.join(path)).is_ok_and(|hash| hashes.contains(&hash))

@@ -22,10 +22,11 @@ use slipgrid_base::units::{LENGTH_UM, significant, tidy};
 /// Description of the expected file in messages.
 const EXPECTED: &str = "the file of an altitude map";
 
-/// Reads the map at `path` as one period, for a contact computation.
+/// Reads the map at `path` and prepares it as one period of a periodic surface, for a contact computation.
 ///
 /// # Errors
-/// [`Diagnostic`] if the file cannot be read or is no map, no surface has its slope, or `monitor` has cancelled.
+/// [`Diagnostic`] if the file cannot be read or is no map, if no real surface has the slope of the map, or if `monitor`
+/// has cancelled.
 pub fn read_period(
     source: &Source,
     path: &Path,
@@ -36,12 +37,12 @@ pub fn read_period(
     PreparedMap::one_period(read, how, monitor).map_err(|error| refuse(path, &error))
 }
 
-/// Largest relative difference of pixels with which slopes of two maps are compared: a slope changes by less than half of
-/// it.
+/// Maximum relative difference of the pixel sizes of two maps whose slopes are compared: the slope then changes by less
+/// than half of this difference.
 const SAME_PIXEL: f64 = 0.02;
 
-/// Slope of the land on the map at `path` of a cut sample, over that of the `flat` sample, whose `options` but the crop
-/// hold for both.
+/// Computes the slope of the land on the map of a cut sample at `path`, and its ratio to the slope of the map `flat`.
+/// `options` are those of the flat map; all but the crop apply to the cut sample.
 ///
 /// # Errors
 /// Errors of [`open`]; [`Diagnostic`] if the map shows no cavities or no land, or if its pixels differ from those of `flat`.
@@ -71,8 +72,8 @@ pub fn read_land(
     })
 }
 
-/// Reads the map at `path` and returns the preparation that remains to be done. Spikes are removed before points are
-/// joined, because a spike can no longer be found in a mean over several points.
+/// Reads the map at `path`, and returns it with the preparation that remains to be done. Spikes are removed before
+/// points are joined, because a spike can no longer be found in a mean over several points.
 ///
 /// # Errors
 /// Errors of [`open`].
@@ -92,7 +93,7 @@ pub fn read_for(
     Ok((read, Preparation { despike: false, ..how }))
 }
 
-/// Diagnostic for an error while the map at `path` was prepared.
+/// Diagnostic for an error in the preparation of the map at `path`, with the accepted range or options.
 pub fn refuse(path: &Path, error: &PreparationError) -> Diagnostic {
     let mut refused = Diagnostic::file(path, error.to_string());
     match error {
@@ -110,12 +111,12 @@ pub fn refuse(path: &Path, error: &PreparationError) -> Diagnostic {
     }
 }
 
-/// Joins warnings to a text that follows their explanation.
+/// Joins warnings to a text that is appended to the reason of a refusal.
 fn listed(warnings: &[MapWarning]) -> String {
     warnings.iter().map(|warning| format!("; {}", told(warning))).collect()
 }
 
-/// Warnings of a doubtful area law, with advice on each.
+/// Texts of `warnings` about an area law; warnings about the map include advice.
 pub fn law_warnings(warnings: &[SurfaceWarning]) -> Vec<String> {
     let text = |warning: &SurfaceWarning| match warning {
         SurfaceWarning::Map(warning) => told(warning),
@@ -124,7 +125,7 @@ pub fn law_warnings(warnings: &[SurfaceWarning]) -> Vec<String> {
     warnings.iter().map(text).collect()
 }
 
-/// Text of a warning with advice.
+/// Text of a warning about a map, with the options that would help.
 pub fn told(warning: &MapWarning) -> String {
     match warning.doubt {
         MapDoubt::Spikes => format!("{warning}; --despike, or despike = true in [surface], replaces them"),
@@ -138,7 +139,7 @@ pub fn told(warning: &MapWarning) -> String {
     }
 }
 
-/// Reads the map at `path` as it is.
+/// Reads the map at `path` with `options` and without further preparation.
 ///
 /// # Errors
 /// [`Diagnostic`] if the file cannot be read or is no map, or `monitor` has cancelled.
@@ -157,7 +158,7 @@ pub fn open(source: &Source, path: &Path, options: &ReadOptions, monitor: &dyn M
     })
 }
 
-/// Diagnostic for an error while the map at `path` was read, with the options that would help.
+/// Diagnostic for an error in reading the map at `path`, with the options that would help.
 fn ways(path: &Path, error: &ReadError) -> Diagnostic {
     let ways: Vec<String> = match error {
         ReadError::NotGiven { missing } | ReadError::DecimalComma { missing, .. } => {
@@ -177,7 +178,7 @@ fn ways(path: &Path, error: &ReadError) -> Diagnostic {
     Diagnostic::file(path, refusal.to_string()).expected(format!("{expected} ({})", ways.join("; ")))
 }
 
-/// How an option is given on the command line and in a calibration file.
+/// Example of an option on the command line and in a calibration file.
 const fn how_to_give(option: MapOption) -> &'static str {
     match option {
         MapOption::HeightUnit => "--height-unit um; in a calibration's [surface]: height_unit = \"um\"",
@@ -203,7 +204,7 @@ pub fn refuse_law(path: &Path, error: &AreaLawError) -> Option<Diagnostic> {
     Some(refused)
 }
 
-/// Advice for a map on which f exceeds 1, chosen by its warnings.
+/// Advice for a map whose area factor f exceeds 1, chosen by the warnings about the map.
 fn cure(warnings: &[MapWarning]) -> &'static str {
     let is_any = |doubts: &[MapDoubt]| warnings.iter().any(|warning| doubts.contains(&warning.doubt));
     if is_any(&[MapDoubt::Hole, MapDoubt::MissingPoints]) {

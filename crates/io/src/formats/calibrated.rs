@@ -1,4 +1,4 @@
-//! Runs the calibrations that files ask for: a calibration file itself, or a design whose material names one.
+//! Runs calibrations: of a calibration file, or of a design whose material is a calibration file.
 
 use std::path::Path;
 
@@ -21,7 +21,7 @@ use crate::formats::source::Source;
 use crate::formats::written_material::material_toml;
 use crate::formats::{Diagnostic, Document};
 
-/// Reason why a computation that files ask for gave no result.
+/// Reason why a computation described by files gave no result.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Failure {
     /// A file was refused.
@@ -41,7 +41,8 @@ impl From<Cancelled> for Failure {
     }
 }
 
-/// Calibrates the material of the task of `design` if necessary, and returns the calibration.
+/// Calibrates the material of `design` if the design names a calibration, and returns the calibration; `None` if the
+/// material is known.
 ///
 /// # Errors
 /// [`Failure`] if the calibration is refused or fails.
@@ -51,15 +52,15 @@ pub fn complete(design: &mut Design, files: &Source, monitor: &dyn Monitor) -> R
     Ok(Some(calibration))
 }
 
-/// Calibration that gives the task of `design` its material; `None` if the material is known.
+/// Reads the calibration that gives `design` its material; `None` if the material is known.
 ///
 /// # Errors
-/// [`Diagnostic`] for anything refused in it.
+/// [`Diagnostic`] for anything refused in the calibration.
 pub fn read_calibration(design: &Design, files: &Source) -> Result<Option<Calibration>, Diagnostic> {
     design.calibration.as_ref().map(|path| Calibration::read(files, path)).transpose()
 }
 
-/// Gives the task of `design` the material of its `calibration`; does nothing if the material is known.
+/// Fits `calibration` and sets the material of the task of `design`; does nothing if the material is known.
 ///
 /// # Errors
 /// Errors of [`complete`].
@@ -116,14 +117,14 @@ fn known_material(task: &CalibrationTask, monitor: &dyn Monitor) -> Result<Known
     Ok(known)
 }
 
-/// Parses a cached material file.
+/// Parses a cached material file; `None` if it is invalid.
 fn read_kept(text: String) -> Option<KnownMaterial> {
     let document = Document::new("kept.toml", text);
     let (material, uncertainty) = read_known(&document, &document.parse().ok()?, &(0..0)).ok()?;
     Some(KnownMaterial { material, uncertainty })
 }
 
-/// Material as measured, before the fit.
+/// Material with measured instead of local friction, for checks before the fit.
 fn as_measured(calibration: &Calibration) -> Result<Material, Failure> {
     let CalibrationTask { flat, specimen_area_m2, coefficients, relative_std, .. } = &calibration.stated;
     let friction = measured_friction(flat, *specimen_area_m2, *coefficients, *relative_std)
@@ -131,7 +132,8 @@ fn as_measured(calibration: &Calibration) -> Result<Material, Failure> {
     Ok(Material { elastic: calibration.stated.elastic, friction, area_law: None, provenance: Provenance::default() })
 }
 
-/// Runs the `calibration` from `path` for a sample with this layer and seed, as far as `selection` needs it.
+/// Runs the `calibration` from `path` for a sample with this layer and seed, for the measurements in `selection`.
+/// Returns the task and its outcome.
 ///
 /// # Errors
 /// [`Failure`] if the calibration is refused or fails.
@@ -148,7 +150,7 @@ pub fn calibrate(
     Ok((task, outcome))
 }
 
-/// Runs `task` and adds advice to warnings of a doubtful map.
+/// Runs `task` and adds advice to the warnings about the map.
 fn outcome(task: &CalibrationTask, monitor: &dyn Monitor) -> Result<CalibrationOutcome, CalibrationError> {
     let mut outcome = slipgrid_infer::calibrate::run(task, monitor)?;
     let of_surface = &outcome.surface.warnings;
@@ -159,7 +161,8 @@ fn outcome(task: &CalibrationTask, monitor: &dyn Monitor) -> Result<CalibrationO
     Ok(outcome)
 }
 
-/// Discrepancy from the trials of the `calibration` from `path`, without a fit if none is needed.
+/// Computes the discrepancy of the model from the trials of the `calibration` from `path`, without the fit if possible.
+/// Returns the task with the learned samples.
 ///
 /// # Errors
 /// [`Failure`] if the calibration is refused or fails.
@@ -176,7 +179,7 @@ pub fn learn(
     Ok((task, learned))
 }
 
-/// Converts the error of a calibration that gave no material.
+/// Converts the error of a calibration to a `Failure`.
 fn failed(error: &CalibrationError, path: &Path, calibration: &Calibration) -> Failure {
     match (refuse(error, path, calibration), error) {
         (Some(refused), _) => refused.into(),

@@ -36,13 +36,14 @@ use slipgrid_base::units::{
     DENSITY_G_CM3, LENGTH_MM, MODULUS_GPA, MODULUS_STD_GPA, POISSON, PRESSURE_MPA, RELATIVE_STD,
 };
 
-/// Default Poisson's ratio of the contact computation: the value of the lattice.
+/// Default Poisson's ratio of the contact computation: the value of the model's lattice of blocks.
 pub const DEFAULT_POISSON_RATIO: f64 = 1.0 / 3.0;
 
 /// A calibration ready to be fitted.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Calibration {
-    /// Task of what the file states; [`Calibration::task`] adds the surface, the layer, the seed and the selection.
+    /// Calibration task with the values that the file states; [`Calibration::task`] adds surface, layer, seed and
+    /// selection.
     pub stated: CalibrationTask,
     /// Source of the area law.
     pub surface: Surface,
@@ -56,10 +57,12 @@ pub struct Calibration {
     pub traces: Vec<ConditionTraces>,
     /// Pattern of the patterned samples, if the file names it.
     pub pattern: Option<Pattern>,
-    /// Bounds of the area law's scale E* h'rms, in pascals, if no surface is given and the scale is fitted.
+    /// Bounds of the pressure scale of the area law, contact modulus times rms slope, in pascals, if no surface is
+    /// given and the scale is fitted.
     pub area_law_scale_pa: Option<[f64; 2]>,
-    /// Measured flat friction as the law of local pressure, if the calibration uses it as such. The shape is the mean
-    /// over the conditions that were measured at several pressures.
+    /// Area law in which friction depends on local pressure as measured flat friction depends on nominal pressure, if
+    /// the calibration uses this law. The shape is the mean over the conditions that were measured at several
+    /// pressures.
     pub measured_law: Option<AreaLaw>,
     /// File positions of the measurements on flat samples, in the order of the files.
     pub placed: Vec<Placed>,
@@ -72,16 +75,16 @@ pub struct Calibration {
 }
 
 impl Calibration {
-    /// Reads the calibration file at `path` and its measurements; of the map only the existence is checked.
+    /// Reads the calibration file at `path` and its measurements. Maps are not read; only their existence is checked.
     ///
     /// # Errors
-    /// [`Diagnostic`] for anything refused in it or in its tables.
+    /// [`Diagnostic`] for anything refused in the file or its tables.
     pub fn read(source: &Source, path: &Path) -> Result<Self, Diagnostic> {
         Self::from_document(&Document::read(source, path, FileKind::Calibration)?)
     }
 
-    /// Trial that a validation of this calibration at `path` compares: the trial called `name`; without a name and
-    /// without patterned samples, the first measured one.
+    /// Trial that a validation of this calibration, read from `path`, compares with the model: the trial called `name`;
+    /// without a name, the first measured trial, or `None` if there are patterned samples to compare.
     ///
     /// # Errors
     /// [`Diagnostic`] if there is no ratio to compare, or if no measured trial has the name.
@@ -208,7 +211,7 @@ impl Calibration {
         })
     }
 
-    /// Calibration task for a `layer` with this `seed`, as far as `selection` needs it; maps are read from `files`.
+    /// Calibration task for this layer and seed and the measurements in `selection`; maps are read from `files`.
     ///
     /// # Errors
     /// [`Diagnostic`] if a map cannot be read, or if `monitor` has cancelled.
@@ -231,7 +234,7 @@ impl Calibration {
         Ok(CalibrationTask { surface, ..task })
     }
 
-    /// Source of the area law, with the maps read.
+    /// Reads the maps, and returns the source of the area law.
     fn read_surface(&self, files: &Source, monitor: &dyn Monitor) -> Result<LawSource, Diagnostic> {
         Ok(match (&self.surface, &self.measured_law, self.area_law_scale_pa) {
             (Surface::Measured { extrapolation }, Some(law), _) => {
@@ -249,7 +252,7 @@ impl Calibration {
         })
     }
 
-    /// File position of `measurement` on a flat sample.
+    /// Finds the file position of `measurement` on a flat sample; `None` for other measurements.
     pub fn place(&self, measurement: &Measurement) -> Option<&Placed> {
         self.placed.iter().find(|placed| placed.measurement == *measurement)
     }
@@ -261,7 +264,7 @@ impl Calibration {
     }
 }
 
-/// Law of local pressure that follows from flat friction in `rows`.
+/// Area law that follows from the friction of flat samples in `rows`, for a specimen of the area `area_m2`.
 fn measured_law(
     document: &Document,
     table: &Spanned<SurfaceFile>,
@@ -282,7 +285,7 @@ fn measured_law(
     })
 }
 
-/// Diagnostics for unusual properties of the bulk.
+/// Diagnostics for unusual modulus and density; refuses impossible values.
 fn bulk_told(document: &Document, bulk: &BulkFile) -> Result<Vec<Diagnostic>, Diagnostic> {
     let modulus_gpa = *bulk.youngs_modulus_gpa.get_ref();
     check_modulus_std(document, modulus_gpa, bulk.youngs_modulus_std_gpa.as_ref())?;
@@ -295,8 +298,8 @@ fn bulk_told(document: &Document, bulk: &BulkFile) -> Result<Vec<Diagnostic>, Di
     told.chain(stiff).collect()
 }
 
-/// Reads the pattern and checks that one period fits on the specimen, because memory and time of the model's cell grow
-/// with the period.
+/// Reads a pattern and checks that one period fits on the specimen, because memory and time of the model's cell grow
+/// with the period. If `is_laid`, the layout on the specimen is checked as well.
 pub(crate) fn read_fitting_pattern(
     document: &Document,
     table: &Spanned<PatternFile>,
@@ -320,7 +323,7 @@ pub(crate) fn read_fitting_pattern(
     Ok(pattern)
 }
 
-/// Paths of the calibration's file, tables, map and traces.
+/// Paths of the calibration file, its tables, maps and traces.
 fn inputs(
     document: &Document,
     file: &CalibrationFile,
@@ -343,7 +346,7 @@ fn tables(document: &Document, file: &CalibrationFile) -> Vec<PathBuf> {
     tables.chain(trials).map(|name| document.resolve(name)).collect()
 }
 
-/// Measurements on flat and on patterned samples, from tables or from traces, and the traces.
+/// Measurements on flat and patterned samples, from tables or traces, and the traces.
 struct Measured {
     flat: Vec<Placed>,
     patterned: Vec<Placed>,

@@ -99,10 +99,10 @@ pub(crate) struct MeasurementsFile {
     pub flat: Option<Spanned<String>>,
     /// CSV table of patterned samples, which are not fitted: with `[pattern]` they are the first trial.
     pub patterned: Option<Spanned<String>>,
-    /// Number of specimens in the holder of the tables, also those of trials; 1 when absent.
+    /// Number of specimens that the holder presses at once, also for the tables of trials; 1 when absent.
     pub samples: Option<Spanned<u64>>,
-    /// `per_sample` if forces in the tables press one specimen, `total` if they press all of them; needed with several
-    /// `samples`.
+    /// `per_sample` if a force in the tables presses one specimen, `total` if it presses all of them; needed with
+    /// several `samples`.
     #[schemars(with = "Option<String>")]
     pub force_is: Option<ForceIs>,
 }
@@ -111,11 +111,12 @@ pub(crate) struct MeasurementsFile {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct FitFile {
-    /// `per-condition`, or `single`: one pair for all loads, speeds and humidities; `per-condition` when absent.
+    /// `per-condition`, or `single`: one static and one dynamic coefficient for all loads, speeds and humidities;
+    /// `per-condition` when absent.
     #[schemars(with = "Option<String>")]
     pub coefficients: Option<Coefficients>,
-    /// Bounds of the area law's scale E* h'rms, which is then fitted; only without `[surface]` and with `single`
-    /// coefficients.
+    /// Bounds of the pressure scale of the area law (contact modulus times rms slope), which is then fitted; only
+    /// without `[surface]` and with `single` coefficients.
     pub area_law_scale_mpa: Option<NumberList>,
     /// Relative scatter of the local coefficients; 0.05 when absent.
     pub relative_std: Option<Number>,

@@ -1,4 +1,4 @@
-//! Scene of a design: scene.toml, an input of `simulate`.
+//! Writes the scene of a design: scene.toml, an input of `simulate`.
 
 use slipgrid_infer::calibrate::uncertainty::InputUncertainty;
 use slipgrid_model::material::{LocalFriction, MaterialError};
@@ -24,20 +24,20 @@ pub enum UnwritableScene {
     /// The numbers have no TOML form.
     #[error("the design has no TOML form: {0}")]
     Toml(#[from] toml::ser::Error),
-    /// The material cannot be varied within its errors.
+    /// The area law of the material is invalid when shifted by the error of its scale.
     #[error(transparent)]
     Material(#[from] MaterialError),
 }
 
 /// Contents of scene.toml.
 pub struct DesignScene<'a> {
-    /// Task whose name, condition, specimen and layer the scene has.
+    /// Design task, which gives the scene its name, condition, specimen and layer.
     pub task: &'a DesignTask,
-    /// The material.
+    /// Material with its uncertainty.
     pub known: &'a KnownMaterial,
-    /// The design.
+    /// Pattern of the design.
     pub pattern: &'a Pattern,
-    /// Loads with their coefficients.
+    /// Nominal pressures with their local friction coefficients.
     pub loads: &'a [Load],
     /// Sliding speed, in m/s.
     pub speed_m_s: f64,
@@ -45,10 +45,10 @@ pub struct DesignScene<'a> {
     pub run: &'a RunOptions,
 }
 
-/// Steady scene of `pattern` on the specimen of `task`, at the loads of `task`, with the material `known`, as TOML.
+/// Steady scene of `pattern` on the specimen of `task`, at `loads`, with the material `known`, as TOML.
 ///
 /// # Errors
-/// [`UnwritableScene`] if the values have no TOML form.
+/// [`UnwritableScene`] if the values have no TOML form, or the material cannot be shifted by its errors.
 pub fn steady_scene(
     task: &DesignTask,
     known: &KnownMaterial,
@@ -65,7 +65,7 @@ impl DesignScene<'_> {
     /// Scene as TOML. The file is self-contained: it includes the material.
     ///
     /// # Errors
-    /// [`UnwritableScene`] if the values have no TOML form.
+    /// [`UnwritableScene`] if the values have no TOML form, or the material cannot be shifted by its errors.
     pub fn to_toml(&self) -> Result<String, UnwritableScene> {
         let um = |length_m: f64| LENGTH_UM.from_si(length_m).into();
         let name = |name: &str| name.to_owned().into();
@@ -122,7 +122,7 @@ impl DesignScene<'_> {
         })
     }
 
-    /// Discrepancy learned from trials, if any.
+    /// Discrepancy of the model learned from trials; `None` without trials.
     fn learned(&self) -> Option<&Discrepancy> {
         self.known.uncertainty.learned.as_ref().filter(|learned| !learned.trials().is_empty())
     }

@@ -102,11 +102,11 @@ pub struct Design {
     pub task: DesignTask,
     /// Calibration file from which the material must be calibrated.
     pub calibration: Option<PathBuf>,
-    /// Paths of the design file, the material file and the drawing of the outline.
+    /// Paths of the design file, of the material or calibration file, and of the drawing of the outline.
     pub inputs: Vec<PathBuf>,
-    /// Unusual inputs in the design file.
+    /// Diagnostics of unusual but accepted inputs in the design file and its material.
     pub told: Vec<Diagnostic>,
-    /// Path of the material or calibration that was given in place of a design.
+    /// Path of the material or calibration that was given in place of a design; `None` for a design file.
     pub(crate) stands_for: Option<PathBuf>,
     document: Document,
     places: Places,
@@ -120,11 +120,11 @@ struct Places {
     condition: Range<usize>,
     also_at: Range<usize>,
     pressures: Spanned<Numbers>,
-    /// `None` if the default holds.
+    /// Position of `sample.block_um`; `None` if the default holds.
     block: Option<Range<usize>>,
-    /// `None` if the default holds.
+    /// Position of `sample.thickness_mm`; `None` if the default holds.
     thickness: Option<Range<usize>>,
-    /// `None` if the design does not state it.
+    /// Position of `sample.holder`; `None` if the design does not state the holder.
     holder: Option<Range<usize>>,
 }
 
@@ -137,10 +137,11 @@ impl Design {
         Self::from_document(Document::read(source, path, FileKind::Design)?)
     }
 
-    /// Pattern with the design's texture and the lengths that the flag `--candidate` gives.
+    /// Pattern with the texture of the design and the lengths in `text`, the value of the flag `--candidate`: width,
+    /// spacing and depth in micrometres, separated by commas.
     ///
     /// # Errors
-    /// [`Diagnostic`] if the text gives no valid pattern.
+    /// [`Diagnostic`] if `text` gives no valid pattern.
     pub fn candidate(&self, text: &str) -> Result<Pattern, Diagnostic> {
         let lengths: Vec<f64> = text.split(',').filter_map(|length| length.trim().parse().ok()).collect();
         let refuse = |reason: &str| {
@@ -269,14 +270,16 @@ impl Design {
         Ok(design)
     }
 
-    /// Diagnostic of the target's pressures relative to the material's Young's modulus, if that is known.
+    /// Diagnostic if a pressure of the target is unusual, or strains the material too much; `None` if not, or if the
+    /// material is unknown.
     fn strained(&self) -> Option<Diagnostic> {
         let material = &self.task.material.as_ref()?.material;
         let modulus_gpa = MODULUS_GPA.from_si(material.elastic.youngs_modulus_pa());
         unusual::of_pressures(&self.document, &self.places.pressures, modulus_gpa).map(|told| self.named(told))
     }
 
-    /// Adapts a diagnostic of a design that may stand for a material.
+    /// Makes a diagnostic refer to the material if the design was made up for a material; otherwise returns `told`
+    /// unchanged.
     fn named(&self, told: Diagnostic) -> Diagnostic {
         match &self.stands_for {
             Some(material) => told.of_material(self.document.path(), material),
@@ -289,7 +292,7 @@ impl Design {
         self.refuse(&Refusal::new(TaskPart::Whole, reason))
     }
 
-    /// Diagnostic at the file position of `refused`.
+    /// Diagnostic at the file position of the part of the task that `refused` names.
     pub fn refuse(&self, refused: &Refusal) -> Diagnostic {
         let at = |place: &Range<usize>| self.document.refuse(place.clone(), refused.reason.clone());
         let whole = || Diagnostic::file(self.document.path(), refused.reason.clone());
@@ -328,7 +331,8 @@ fn read_search(document: &Document, table: &Spanned<SearchOptions>) -> Result<Se
     Ok(search.clone())
 }
 
-/// Refuses a strip that confirms the design, except of models in space that slide along or across the rows.
+/// Refuses `strip = true` in `[search]` unless the model is three-dimensional and all `textures` slide along or across
+/// their rows.
 fn check_strip(
     document: &Document,
     search: &Spanned<SearchOptions>,

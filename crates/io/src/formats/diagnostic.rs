@@ -1,18 +1,18 @@
-//! Diagnostics of refused input: file, line, key, value, reason and accepted values.
+//! Diagnostics of refused or unusual input: file, line, key, value, reason and accepted values.
 
 use std::fmt;
 use std::path::Path;
 
 use strsim::levenshtein;
 
-/// Reason why an input was refused.
+/// Reason why an input was refused, or is unusual.
 #[derive(Clone, Debug, Default, PartialEq, thiserror::Error)]
 pub struct Diagnostic {
     /// The file, as the user named it; `None` for the command line.
     pub file: Option<Box<Path>>,
     /// Line in the file, from 1.
     pub line: Option<u32>,
-    /// Key with the tables that hold it, for example `bounds.width_um`; a flag on the command line.
+    /// Dotted key, for example `bounds.width_um`, or a flag of the command line.
     pub key: Option<Box<str>>,
     /// Refused value.
     pub value: Option<Box<str>>,
@@ -27,8 +27,8 @@ pub struct Diagnostic {
 }
 
 impl Diagnostic {
-    /// Turns a diagnostic of the `made_up` design, which no user wrote, into one of the `material` behind it. Diagnostics
-    /// of user files are unchanged.
+    /// Converts a diagnostic about the `made_up` design file, which no user wrote, to one about the file `material`
+    /// given by the user. Diagnostics about other files are unchanged.
     pub(crate) fn of_material(self, made_up: &Path, material: &Path) -> Self {
         if self.file.as_deref() != Some(made_up) {
             return self;
@@ -40,12 +40,12 @@ impl Diagnostic {
         Diagnostic { file: Some(material.into()), line: None, key: None, value, expected, ..self }
     }
 
-    /// Refuses a file as a whole.
+    /// Creates a diagnostic about a file as a whole.
     pub fn file(path: &Path, reason: impl Into<String>) -> Self {
         Self { file: Some(path.into()), reason: reason.into(), ..Self::default() }
     }
 
-    /// Refuses a flag of the command line.
+    /// Creates a diagnostic about a flag of the command line with its value.
     pub fn flag(flag: &str, value: impl Into<Box<str>>, reason: impl Into<String>) -> Self {
         Self { key: Some(flag.into()), value: Some(value.into()), reason: reason.into(), ..Self::default() }
     }
@@ -58,16 +58,19 @@ impl Diagnostic {
     }
 }
 
-/// Maximum number of letters of a path, a key or a value in a message.
+/// Maximum number of characters of a path in a message.
 const LONGEST_PATH: usize = 300;
+/// Maximum number of characters of a key in a message.
 const LONGEST_KEY: usize = 120;
+/// Maximum number of characters of a value in a message.
 const LONGEST_VALUE: usize = 120;
-/// Maximum number of letters of a reason, which may quote the refused value, and of a line on a terminal.
+/// Maximum number of characters of a reason, which may quote the refused value.
 const LONGEST_REASON: usize = 1000;
+/// Maximum number of characters of a line on a terminal.
 const LONGEST_LINE: usize = 4000;
 
 /// Makes `text` safe for a terminal: escapes control characters and characters that change the direction of writing,
-/// and cuts the text after `most` letters.
+/// and cuts the text after `most` characters.
 pub fn printable(text: &str, most: usize) -> String {
     let turns = |letter: char| matches!(letter, '\u{61c}' | '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
     let mut shown = String::new();
@@ -115,7 +118,7 @@ impl fmt::Display for Diagnostic {
     }
 }
 
-/// Candidate most similar to `name`, if any is similar enough.
+/// Candidate most similar to `name`; `None` if no candidate is similar enough.
 pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     // A quarter of the letters may differ, and at least two: `widht_um`, `spacing_mm`.
     let most = (name.chars().count() / 4).max(2);
@@ -131,7 +134,7 @@ pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) ->
         .map(|(_, candidate)| candidate)
 }
 
-/// Key without the last word, its unit: `width` from `width_um`.
+/// Key without the unit, the last word: `width` for `width_um`; `None` for a key of one word.
 fn stem(key: &str) -> Option<&str> {
     key.rsplit_once('_').map(|(quantity, _)| quantity)
 }

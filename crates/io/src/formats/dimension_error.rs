@@ -5,12 +5,12 @@ use crate::formats::{Diagnostic, Document};
 use slipgrid_base::units::{LENGTH_STD_UM, LENGTH_UM, tidy};
 use slipgrid_model::pattern::Pattern;
 
-/// Maximum relative standard error of a dimension of a trial. With a larger error little more is known than that a
+/// Maximum relative standard error of a dimension of a trial: with a larger error, little more is known than that a
 /// cavity exists.
 const MAX_RELATIVE_STD: f64 = 1.0 / 3.0;
 
-/// Standard errors of the width, spacing and depth of the measured `pattern`, in metres; 0 if the file does not state
-/// them.
+/// Reads the standard errors of width, spacing and depth of the measured `pattern`, in metres; 0 for an error that the
+/// file does not state.
 ///
 /// # Errors
 /// [`Diagnostic`] if a number is out of range, or more than a third of the dimension.
@@ -31,10 +31,11 @@ pub fn read(document: &Document, written: [&Option<Number>; 3], pattern: &Patter
     Ok(stds_m)
 }
 
-/// Standard errors of a trial, stated in its own table or in that of its pattern.
+/// Selects the standard errors of width, spacing and depth of a trial, from the table of the `trial` or from the table
+/// of its `pattern`.
 ///
 /// # Errors
-/// [`Diagnostic`] if both tables state one.
+/// [`Diagnostic`] if both tables state the error of one dimension.
 pub fn of_trial<'a>(
     document: &Document,
     trial: [&'a Option<Number>; 3],

@@ -1,4 +1,4 @@
-//! TOML files with their text, so that every refusal can name a line.
+//! TOML files with their text, so that every diagnostic can name a line.
 
 mod explain;
 mod tables_only;
@@ -22,7 +22,7 @@ use slipgrid_base::units::{
 };
 use slipgrid_design::results::SCHEMA;
 
-/// Maximum number of letters of a refused value in a message.
+/// Maximum number of characters of a refused value in a message.
 const LONGEST_VALUE: usize = 60;
 
 /// A TOML file in memory.
@@ -39,7 +39,7 @@ impl Document {
     /// Reads the file at `path` of `source`, which is expected to be a `kind`.
     ///
     /// # Errors
-    /// [`Diagnostic`] if it is a folder, cannot be read, is not UTF-8, or seems to be another kind of file.
+    /// [`Diagnostic`] if `path` is a folder, cannot be read, is not UTF-8, or seems to be another kind of file.
     pub fn read(source: &Source, path: &Path, kind: FileKind) -> Result<Self, Diagnostic> {
         let document = Self::read_any(source, path, kind)?;
         document.require(kind)?;
@@ -66,10 +66,10 @@ impl Document {
         kind.require(&self.path, &self.text)
     }
 
-    /// Reads the file at `path`, of any kind; `kind` is the file expected in place of a folder.
+    /// Reads the file at `path`, whatever its kind; `kind` is the expected kind in error messages.
     ///
     /// # Errors
-    /// [`Diagnostic`] if it is a folder, cannot be read or is not UTF-8.
+    /// [`Diagnostic`] if `path` is a folder, cannot be read or is not UTF-8.
     pub fn read_any(source: &Source, path: &Path, kind: FileKind) -> Result<Self, Diagnostic> {
         if source.entry(path).is_ok_and(|entry| entry == Entry::Folder) {
             return Err(kind.refuse_folder(source, path));
@@ -78,22 +78,23 @@ impl Document {
         Ok(Self { source: Arc::clone(source), path: path.to_owned(), text, kind: None })
     }
 
-    /// Source of the files that this document names.
+    /// Source from which the files named in the document are read.
     pub const fn source(&self) -> &Source {
         &self.source
     }
 
-    /// Apparent kind of the document, from its tables.
+    /// Apparent kind of the document, from its tables; `None` if unclear.
     pub fn kind(&self) -> Option<FileKind> {
         FileKind::of(&self.text)
     }
 
-    /// A document from text that names no other file; `path` names it in messages.
+    /// Creates a document from text that names no other file; `path` names the document in messages.
     pub fn new(path: impl Into<PathBuf>, text: impl Into<String>) -> Self {
         Self::within(&(Arc::new(NoFiles) as Source), path, text)
     }
 
-    /// A document from text; the files that it names are read from `source`.
+    /// Creates a document from text; `path` names the document in messages, and files named in the text are read from
+    /// `source`.
     pub fn within(source: &Source, path: impl Into<PathBuf>, text: impl Into<String>) -> Self {
         Self { source: Arc::clone(source), path: path.into(), text: text.into(), kind: None }
     }
@@ -108,7 +109,7 @@ impl Document {
         &self.path
     }
 
-    /// Resolves a path in this document relative to the folder of the document.
+    /// Resolves a path written in the document, which is relative to the folder of the document.
     pub fn resolve(&self, relative: &str) -> PathBuf {
         self.path.parent().map_or_else(|| PathBuf::from(relative), |folder| folder.join(relative))
     }
@@ -127,7 +128,7 @@ impl Document {
         read.map_err(|error| self.explain(&error))
     }
 
-    /// Refuses the value at `span`.
+    /// Creates a diagnostic for the value at `span`, in bytes, with its line and key.
     pub fn refuse(&self, span: Range<usize>, reason: impl Into<String>) -> Diagnostic {
         Diagnostic {
             file: Some(self.path.as_path().into()),
@@ -139,7 +140,7 @@ impl Document {
         }
     }
 
-    /// Refuses the value at `place`, or `key` by name where the file leaves the value to `default`.
+    /// Creates a diagnostic for the value at `place`, or, without a place, for `key` with its default value `default`.
     pub(crate) fn refuse_or_default(
         &self,
         place: Option<&Range<usize>>,
@@ -156,7 +157,7 @@ impl Document {
         }
     }
 
-    /// Reports that `key` is missing in the table at `table`.
+    /// Creates a diagnostic that `key` is missing in the table at the span `table`.
     pub fn missing(&self, table: Range<usize>, key: &str) -> Diagnostic {
         // The document as a whole has no key.
         let outer = Some(&table).filter(|span| !span.is_empty() && **span != (0..self.text.len()));
@@ -190,7 +191,7 @@ impl Document {
     /// Refuses a file of a later schema than this version supports.
     ///
     /// # Errors
-    /// [`Diagnostic`] at the key.
+    /// [`Diagnostic`] at the key if `schema` is 0 or above the supported version.
     pub fn check_schema(&self, schema: Option<&Spanned<u32>>) -> Result<(), Diagnostic> {
         match schema {
             Some(schema) if *schema.get_ref() > SCHEMA || *schema.get_ref() == 0 => Err(self
@@ -203,12 +204,12 @@ impl Document {
     /// Converts a number of the file to SI units.
     ///
     /// # Errors
-    /// [`Diagnostic`] if it is not finite or outside `quantity`'s range.
+    /// [`Diagnostic`] if the number is not finite or is outside the range of `quantity`.
     pub fn number(&self, value: &Spanned<f64>, quantity: Quantity) -> Result<f64, Diagnostic> {
         Refusal::number(*value.get_ref(), quantity).map_err(|refusal| self.refuse_value(value.span(), &refusal))
     }
 
-    /// Refuses a key of the table at `table`.
+    /// Creates a diagnostic for `error`, which concerns a key of the table at the span `table`.
     pub fn refuse_key(&self, table: &Range<usize>, error: &KeyError) -> Diagnostic {
         match &error.refusal {
             Refusal::Missing => self.missing(table.clone(), error.key),
@@ -216,7 +217,7 @@ impl Document {
         }
     }
 
-    /// Refuses the value at `span`, or a number of the list there.
+    /// Creates a diagnostic for the value at `span`, or for a number of the list at `span`.
     fn refuse_value(&self, span: Range<usize>, refusal: &Refusal) -> Diagnostic {
         let is_list = self.text.get(span.clone()).is_some_and(|text| text.starts_with('['));
         let mut refused = self.refuse(span, refusal.to_string());
@@ -238,7 +239,7 @@ impl Document {
         refused
     }
 
-    /// Position of the value of `key` in the table at `table`, or of the table if it does not have the key.
+    /// Span of the value of `key` in the table at the span `table`; `table` itself if it does not have the key.
     pub(crate) fn value_span(&self, table: &Range<usize>, key: &str) -> Range<usize> {
         let root = DeTable::parse(&self.text).ok();
         let found = root.as_ref().and_then(|root| {
@@ -260,7 +261,7 @@ impl Document {
     /// Converts a list of at least one number to SI units.
     ///
     /// # Errors
-    /// [`Diagnostic`] if it is empty or one of them is refused.
+    /// [`Diagnostic`] if the list is empty or a number is refused.
     pub fn numbers(&self, values: &Spanned<Vec<Spanned<f64>>>, quantity: Quantity) -> Result<Vec<f64>, Diagnostic> {
         if values.get_ref().is_empty() {
             return Err(self.refuse(values.span(), "is empty").expected("at least one number"));
@@ -268,7 +269,7 @@ impl Document {
         values.get_ref().iter().map(|value| self.number(value, quantity)).collect()
     }
 
-    /// Selects one of `all` by its name.
+    /// Selects the element of `all` that `value` names.
     ///
     /// # Errors
     /// [`Diagnostic`] that lists the accepted names.
@@ -281,13 +282,13 @@ impl Document {
         Refusal::choice(value.get_ref(), all, name).map_err(|refusal| self.refuse_value(value.span(), &refusal))
     }
 
-    /// Line of a byte, counted from 1.
+    /// Line that contains the byte at the offset `byte`, counted from 1.
     fn line(&self, byte: usize) -> u32 {
         let before = self.text.as_bytes().iter().take(byte);
         before.filter(|&&letter| letter == b'\n').fold(1, |line, _| line + 1)
     }
 
-    /// Source text of a span on one line, shortened; `None` for tables.
+    /// Text at `span` joined to one line and shortened; `None` for tables.
     fn value_at(&self, span: Range<usize>) -> Option<Box<str>> {
         let text = self.text.get(span)?;
         if text.is_empty() || text.starts_with('{') || (text.starts_with('[') && !text.contains(['.', ',', '1'])) {
@@ -308,13 +309,13 @@ impl Document {
         find_in_table(table.get_ref(), span, &mut path).then(|| path.join(".").into())
     }
 
-    /// Line that holds a byte.
+    /// Text of the line that contains the byte at the offset `byte`.
     fn line_text(&self, byte: usize) -> &str {
         self.text.lines().nth(self.line(byte) as usize - 1).unwrap_or_default()
     }
 }
 
-/// Values that a required key of this name takes, with an example, if the key means the same in every file.
+/// Description of the values that the required `key` takes, with an example; `None` if the key differs between files.
 fn needed_value(key: &str) -> Option<String> {
     let number = |quantity: Quantity, example: &str| Some(format!("{quantity}, such as {key} = {example}"));
     match key {
@@ -337,7 +338,7 @@ fn needed_value(key: &str) -> Option<String> {
     }
 }
 
-/// Appends the keys that lead to `span` within `table` to `path`; returns false if no value there covers the span.
+/// Appends the keys that lead to `span` within `table` to `path`; returns false if no value in `table` covers the span.
 fn find_in_table(table: &DeTable<'_>, span: &Range<usize>, path: &mut Vec<String>) -> bool {
     for (key, value) in table {
         path.push(key.get_ref().to_string());
@@ -349,7 +350,7 @@ fn find_in_table(table: &DeTable<'_>, span: &Range<usize>, path: &mut Vec<String
     false
 }
 
-/// Table at `span` within `table`.
+/// Finds the inner table of `table` whose span is `span`.
 fn table_at<'t, 'a>(table: &'t DeTable<'a>, span: &Range<usize>) -> Option<&'t DeTable<'a>> {
     fn of_value<'t, 'a>(value: &'t toml::Spanned<DeValue<'a>>, span: &Range<usize>) -> Option<&'t DeTable<'a>> {
         match value.get_ref() {

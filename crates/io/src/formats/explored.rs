@@ -1,4 +1,4 @@
-//! Input of the explorer: a design file, or a material with default bounds of a laser.
+//! Input of `explore`: a design file, or a material or calibration, to which a default design is added.
 
 use std::path::Path;
 
@@ -9,13 +9,13 @@ use crate::formats::source::Source;
 use crate::formats::{Diagnostic, Document};
 use slipgrid_base::units::{HUMIDITY_PCT, SPEED_MM_S};
 
-/// Design that is explored for a material alone.
+/// Design for a material without a design file, as TOML without name, material and condition.
 const OF_A_MATERIAL: &str = "[target]\nquantity = \"ratio\"\npressure_mpa = [0.65, 1.3, 1.95, 2.6]\ngoal = \"lowest\"\n\
     [bounds]\nwidth_um = [20.0, 400.0]\nspacing_um = [40.0, 1000.0]\ndepth_um = [2.0, 50.0]\n[pattern]\nplanform = \"groove\"\n\
     [specimen]\nshape = \"disc\"\ndiameter_mm = 10.0\n";
 
-/// Design from the file at `path`. For a material or a calibration: grooves in it, at the `condition` of a speed in
-/// mm/s and a relative humidity in per cent, if given.
+/// Reads the design to explore from the file at `path`. For a material or a calibration, returns a default design of
+/// grooves at `condition`, a speed in mm/s and a relative humidity in per cent, if given.
 ///
 /// # Errors
 /// [`Diagnostic`] if a file is refused, if a material needs a condition, or if a condition is given with a design.

@@ -7,7 +7,7 @@ use toml::de::{DeTable, DeValue};
 use crate::formats::diagnostic::Diagnostic;
 use crate::formats::source::Source;
 
-/// Kinds of files that commands take.
+/// Kinds of files that commands read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FileKind {
     /// Input of `simulate`.
@@ -49,7 +49,7 @@ impl FileKind {
         seen.next().filter(|_| seen.next().is_none())
     }
 
-    /// Refuses `text`, read from `path`, if it seems to be of another kind.
+    /// Refuses `text`, read from `path`, if it seems to be a file of another kind.
     ///
     /// # Errors
     /// [`Diagnostic`] that names the apparent kind, the command that takes it, and the expected kind.
@@ -60,7 +60,8 @@ impl FileKind {
         }
     }
 
-    /// Refuses the folder at `path`, and names the first file of this kind in it, if any.
+    /// Creates a diagnostic for the folder at `path`, given in place of a file, which suggests the first file of this
+    /// kind in the folder.
     pub fn refuse_folder(self, source: &Source, path: &Path) -> Diagnostic {
         let mut refused = Diagnostic::file(path, "is a folder").expected(self.expected());
         refused.suggestion = self.first_in(source, path).map(|inside| inside.display().to_string().into());
@@ -79,7 +80,7 @@ impl FileKind {
         }
     }
 
-    /// Command that writes a starting file of this kind.
+    /// Command that writes a file of this kind, or shows an example.
     pub const fn written_by(self) -> &'static str {
         match self {
             Self::Scene => "slipgrid new scene",
@@ -91,7 +92,7 @@ impl FileKind {
         }
     }
 
-    /// Minimum content of an outermost table that a file of this kind must have; `None` if the key need not be a table.
+    /// Keys needed in the required outermost table `key` of a file of this kind; `None` if `key` is no such table.
     pub fn needed_table(self, key: &str) -> Option<&'static str> {
         match (self, key) {
             (Self::Design, "target") => Some("quantity, pressure_mpa, and value with tolerance"),
@@ -106,7 +107,7 @@ impl FileKind {
         }
     }
 
-    /// Description of a file of this kind, and of the command that takes it.
+    /// Reason to refuse a file of this kind where another is expected; names the command that reads it.
     pub const fn seems(self) -> &'static str {
         match self {
             Self::Scene => "seems to be a scene file, which `slipgrid simulate` takes",

@@ -11,9 +11,10 @@ use crate::formats::{Diagnostic, Document, Spanned};
 use slipgrid_base::key_error::KeyError;
 use slipgrid_base::units::{EXCESS, FRICTION, FRICTION_STD, HUMIDITY_PCT, PRESSURE_MPA, RELATIVE_STD, SPEED_MM_S};
 
-/// Default scatter of the local coefficients: 5 %, as in the paper.
+/// Default relative standard deviation of the local coefficients, as in Balestra et al., J. Tribol. 144, 031704.
 pub const DEFAULT_RELATIVE_STD: f64 = 0.05;
-/// Default ratio mu_s / mu_d if no static friction was measured: 0.30 / 0.27, as in the paper.
+/// Default ratio of static to dynamic coefficient if no static friction was measured: 0.30 / 0.27, as in Balestra et
+/// al.
 pub const DEFAULT_STATIC_OVER_DYNAMIC: f64 = 0.30 / 0.27;
 
 /// Local friction coefficients in the form of a file: one pair, one pair per pressure, or tables per condition.
@@ -30,14 +31,15 @@ pub struct FrictionFile {
     pub relative_std: Option<Number>,
     /// Standard errors of `static_mean`.
     pub static_std_error: Option<Spanned<Numbers>>,
-    /// Standard errors of `dynamic_mean`, including those of Young's modulus and the area law. Without
-    /// `dynamic_std_error_given_law` they hold at the given law.
+    /// Standard errors of `dynamic_mean`, including those of Young's modulus and the area law; without
+    /// `dynamic_std_error_given_law`, only those of flat friction.
     pub dynamic_std_error: Option<Spanned<Numbers>>,
     /// Standard errors of `dynamic_mean` at the given area law: those of flat friction.
     pub dynamic_std_error_given_law: Option<Spanned<Numbers>>,
-    /// Dynamic friction of the flat sample over mu_d f(P), the friction of an endless flat sample in steady sliding.
+    /// Dynamic friction of the flat sample over that of an endless flat sample in steady sliding, `dynamic_mean` times
+    /// the area factor.
     pub dynamic_over_steady: Option<Spanned<Numbers>>,
-    /// Model minus measurement of the flat sample, one per measurement.
+    /// Modelled minus measured friction of the flat sample, one per measurement.
     pub residual: Option<Vec<f64>>,
     /// Covariance of `dynamic_mean` and of the logarithm of the area law's pressure scale, if the scale was fitted.
     pub scale_covariance: Option<Spanned<Vec<Vec<f64>>>>,
@@ -62,14 +64,15 @@ pub struct ConditionTable {
     pub dynamic_mean: Spanned<Numbers>,
     /// Standard errors of `static_mean`.
     pub static_std_error: Option<Spanned<Numbers>>,
-    /// Standard errors of `dynamic_mean`, including those of Young's modulus and the area law. Without
-    /// `dynamic_std_error_given_law` they hold at the given law.
+    /// Standard errors of `dynamic_mean`, including those of Young's modulus and the area law; without
+    /// `dynamic_std_error_given_law`, only those of flat friction.
     pub dynamic_std_error: Option<Spanned<Numbers>>,
     /// Standard errors of `dynamic_mean` at the given area law: those of flat friction.
     pub dynamic_std_error_given_law: Option<Spanned<Numbers>>,
-    /// Dynamic friction of the flat sample over mu_d f(P), the friction of an endless flat sample in steady sliding.
+    /// Dynamic friction of the flat sample over that of an endless flat sample in steady sliding, `dynamic_mean` times
+    /// the area factor.
     pub dynamic_over_steady: Option<Spanned<Numbers>>,
-    /// Model minus measurement of the flat sample, one per pressure.
+    /// Modelled minus measured friction of the flat sample, one per pressure.
     pub residual: Option<Vec<f64>>,
 }
 
@@ -87,7 +90,7 @@ pub struct FlatFrictionTable {
     pub mu_dynamic: Spanned<Numbers>,
 }
 
-/// Checks the numbers of a condition.
+/// Checks that speed and humidity of a condition are in range, and returns the condition.
 ///
 /// # Errors
 /// [`Diagnostic`] for numbers out of range.
@@ -99,7 +102,7 @@ pub fn check_condition(document: &Document, table: &Spanned<Condition>) -> Resul
     Ok(condition)
 }
 
-/// Reads a condition.
+/// Reads a condition, converted to m/s and a humidity of 0 to 1.
 ///
 /// # Errors
 /// [`Diagnostic`] for numbers out of range.
@@ -114,11 +117,11 @@ pub fn read_condition(
     })
 }
 
-/// Coefficients of one condition, or of any, with what stands beside them.
+/// Coefficients at one condition, or at any condition, with their errors, as written in the file.
 struct Coefficients<'f> {
-    /// `None` where they hold at any condition.
+    /// Condition of the coefficients; `None` if they hold at any condition.
     condition: Option<Condition>,
-    /// `None` where they hold at any pressure.
+    /// Nominal pressures, one per coefficient; `None` if the coefficients hold at any pressure.
     pressure_mpa: Option<&'f NumberList>,
     static_mean: &'f Spanned<Numbers>,
     dynamic_mean: &'f Spanned<Numbers>,
@@ -128,7 +131,7 @@ struct Coefficients<'f> {
     dynamic_over_steady: Option<&'f Spanned<Numbers>>,
 }
 
-/// Reads the coefficients, and what is known of their errors; the rest of the uncertainty has its defaults.
+/// Reads the coefficients and their errors; other fields of the returned uncertainty keep their defaults.
 ///
 /// # Errors
 /// [`Diagnostic`] for any refused input.
@@ -174,7 +177,7 @@ pub(super) fn read_friction(
     Ok((friction, known))
 }
 
-/// Coefficients of `file`: those of every condition, or those of any.
+/// Coefficients of `file`: one entry per condition, or a single entry for any condition.
 fn coefficients<'f>(document: &Document, file: &'f Spanned<FrictionFile>) -> Result<Vec<Coefficients<'f>>, Diagnostic> {
     let friction = file.get_ref();
     let mut tables: Vec<Coefficients<'f>> = Vec::new();
@@ -248,7 +251,8 @@ fn refuse_beside_conditions(document: &Document, file: &Spanned<FrictionFile>) -
     Err(document.refuse(place, "stands beside coefficients per condition").expected(expected))
 }
 
-/// Friction of flat samples as measured. Its standard errors are stored with the coefficients.
+/// Reads the measured friction of flat samples. The standard errors are 0, because the file states them with the
+/// coefficients.
 pub(super) fn read_flat_friction(
     document: &Document,
     tables: &[Spanned<FlatFrictionTable>],

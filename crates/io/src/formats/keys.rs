@@ -10,11 +10,11 @@ use toml::{Table, Value};
 
 use super::values::Numbers;
 
-/// Key whose value may be a list, the elements of which have positions of their own.
+/// Key whose value may be a list; every number of the list keeps its file position.
 pub const SEVERAL: &str = "sliding_angle_deg";
 
-/// Keys of a table with their values and positions. Errors are those of serde, after the name of the key at fault in
-/// backticks.
+/// Keys of a table with their values and file positions. Error messages are those of serde, preceded by the key at
+/// fault in backticks.
 #[derive(Default)]
 pub struct Keys {
     rest: BTreeMap<String, Spanned<Value>>,
@@ -53,7 +53,7 @@ impl<'de> Deserialize<'de> for Keys {
 }
 
 impl Keys {
-    /// Takes the value of `key` with its position out of the table.
+    /// Removes `key` and returns its value with its file position; `None` if absent.
     ///
     /// # Errors
     /// Message about a value of a wrong type.
@@ -64,13 +64,13 @@ impl Keys {
         Ok(Some(Spanned::new(span, read)))
     }
 
-    /// Takes the sliding directions out of the table.
+    /// Removes the key of the sliding directions and returns its value; `None` if absent.
     pub const fn take_directions(&mut self) -> Option<Spanned<Numbers>> {
         self.several.take()
     }
 
-    /// Reads a record whose keys are all optional from the remaining keys. `beside` are the keys that the table has besides
-    /// those of the record.
+    /// Converts the remaining keys to a record `T`, all keys of which are optional. `beside` are the other keys that
+    /// the table may have, for messages about unknown keys.
     ///
     /// # Errors
     /// Message about an unknown key, or about a value of a wrong type.

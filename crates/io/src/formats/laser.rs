@@ -50,11 +50,11 @@ struct AblationFile {
     fluence_j_cm2: NumberList,
     /// Measured depths per burst.
     depth_per_burst_um: NumberList,
-    /// Standard errors of these depths.
+    /// Standard errors of `depth_per_burst_um`.
     depth_std_um: Option<NumberList>,
 }
 
-/// Reads the laser; `limits` holds the depth per burst and the smallest land from the table of limits.
+/// Reads the laser; `limits` are the values of `depth_per_burst_um` and `min_land_um` in `[limits]`.
 ///
 /// # Errors
 /// [`Diagnostic`] if numbers are out of range, if lines or pulses lie farther apart than the spot is wide, or if no
@@ -100,7 +100,8 @@ pub fn read_laser(
     Ok(laser)
 }
 
-/// Names the number that is most probably wrong if lines or pulses lie farther apart than the spot is wide.
+/// Diagnostic for `error` of the laser; if lines or pulses lie farther apart than the spot is wide, at the number that
+/// is most probably wrong.
 fn unlike_spot(document: &Document, table: &Spanned<LaserFile>, error: &ExportError) -> Diagnostic {
     let file = table.get_ref();
     match (error, &file.hatch_um, &file.speed_mm_s) {
@@ -120,10 +121,11 @@ fn unlike_spot(document: &Document, table: &Spanned<LaserFile>, error: &ExportEr
     }
 }
 
-/// Relative tolerance for rounding.
+/// Relative tolerance for rounding errors of a limit that a message states.
 const EXACT: f64 = 1e-9;
 
-/// Returns the laser with the depth per burst that its fluence gives.
+/// Fits the ablation law of `[laser.ablation]`, if given, and returns the laser with the depth per burst at the fluence
+/// used.
 fn with_ablation(
     document: &Document,
     laser: Laser,
@@ -159,7 +161,7 @@ fn with_ablation(
     Ok(Laser { depth_per_burst_um: Some(law.depth_per_burst_um), ablation: Some(law), ..laser })
 }
 
-/// Warns if the fluence used lies outside the fluences at which depths were measured.
+/// Warns if the fluence used lies outside the fluences at which depths were measured; `None` otherwise.
 pub(crate) fn unmeasured_fluence(
     document: &Document,
     file: Option<&Spanned<LaserFile>>,
@@ -182,7 +184,7 @@ pub(crate) fn unmeasured_fluence(
     })
 }
 
-/// Reads the specimen.
+/// Reads the specimen of a design or a scene.
 ///
 /// # Errors
 /// [`Diagnostic`] if the shape is unknown, or if a length is missing, superfluous or impossible.
@@ -191,7 +193,7 @@ pub fn read_specimen(document: &Document, file: &Spanned<SpecimenRecord>) -> Res
 }
 
 /// Refuses a specimen on which the smallest cavity within the bounds does not fit, or on which even the largest and
-/// most distant cavities are too many.
+/// most distant cavities are too many. The bounds of width, spacing and depth are in metres.
 ///
 /// # Errors
 /// [`Diagnostic`] at the width, whose file position is `width_um`, or at the specimen.

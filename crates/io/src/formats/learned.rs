@@ -13,11 +13,11 @@ use crate::formats::{Diagnostic, Document, Spanned};
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct LearnedFile {
-    /// P0, the mean measured pressure.
+    /// Reference pressure P0: mean pressure of the measurements on flat samples.
     reference_pressure_mpa: f64,
-    /// P1, the lowest measured pressure.
+    /// Pressure P1: lowest pressure of the measurements on flat samples.
     lowest_pressure_mpa: f64,
-    /// Reference speed for the effect of speed.
+    /// Reference speed of the effect of speed: geometric mean over the measurements on flat samples.
     reference_speed_mm_s: f64,
     /// Relative standard deviation of Young's modulus.
     modulus_relative_std: f64,
@@ -73,19 +73,20 @@ struct LearnedTrial {
     /// absent.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     local_law_change: Vec<f64>,
-    /// Changes of ln(modelled ratio) for one standard error of width, spacing and depth, one list each.
+    /// Changes of ln(modelled ratio) for one standard error of each dimension that has an error, and of the slope of
+    /// the land if mapped; one list each.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     of_dimensions: Vec<Vec<f64>>,
-    /// Areal density, edges per mm, width, pitch and depth in um of the texture if one of these dimensions is one
-    /// standard error larger.
+    /// Texture after the change of each list of `of_dimensions`: areal density, edges per mm, width, pitch and depth in
+    /// um.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     texture_of_dimensions: Vec<Vec<f64>>,
 }
 
-/// Metres in a millimetre, for edges per area.
+/// Metres in a millimetre: converts edge length per area from 1/m to 1/mm.
 const PER_MM: f64 = 1e-3;
 
-/// Areal density, edges per mm, width, pitch and depth in um.
+/// Converts features to areal density, edges per mm, width, pitch and depth in um.
 fn to_columns(of: &Features) -> [f64; 5] {
     let [width_um, pitch_um, depth_um] =
         [of.width_m, of.pitch_m, of.depth_m].map(|length_m| LENGTH_UM.from_si(length_m));
@@ -99,7 +100,7 @@ fn from_columns([areal_density, edge_per_mm, lengths_um @ ..]: &[f64; 5]) -> Fea
 }
 
 impl LearnedFile {
-    /// Serialized form of `learned`.
+    /// Converts `learned` to the form of the file.
     pub fn new(learned: &Discrepancy) -> Self {
         let conditions = learned.conditions();
         let trial = |trial: &Trial| {
@@ -150,7 +151,7 @@ impl LearnedFile {
         }
     }
 
-    /// Reads the discrepancy.
+    /// Reads the discrepancy of the model from `table`.
     ///
     /// # Errors
     /// [`Diagnostic`] at the table if the numbers are invalid.

@@ -68,13 +68,13 @@ impl LimitsFile {
     }
 }
 
-/// Scale of clearances if no minimum is given.
+/// Scale of the excess over a limit of 0, in SI units; chosen for clearances, in metres.
 const CLEARANCE_SCALE_M: f64 = 1e-6;
 
-/// Quantities that the model measures, and their limits, in the same order.
+/// Reads the limited quantities and, in the same order, their limits.
 ///
 /// # Errors
-/// [`Diagnostic`] if a number is out of range, or if the laser's data do not give a time that is limited.
+/// [`Diagnostic`] if a number is out of range, or if the time under the laser is limited but cannot be estimated.
 pub fn read_limited(
     document: &Document,
     file: &LimitsFile,
@@ -115,7 +115,7 @@ pub fn read_limited(
     Ok((measures, limits))
 }
 
-/// Limit of a quantity whose unit is that of `quantity`; its loosest value is infinite, or zero of a minimum.
+/// Limit in the unit of `quantity`. The loosest value is infinity for a maximum and 0 for a minimum.
 fn limit(name: &'static str, unit: &'static str, quantity: Quantity, bound: Bound) -> Limit {
     let (value, loosest) = match bound {
         Bound::AtMost(most) => (most, f64::INFINITY),
@@ -146,9 +146,9 @@ pub(super) fn missing_for_time(laser: &Laser) -> Vec<&'static str> {
     laser.missing_for_time().into_iter().map(key).collect()
 }
 
-/// Checks the scatter of samples.
+/// Checks the numbers of `[tolerances]`.
 ///
-/// `largest_m` holds the largest width, spacing and depth within the bounds.
+/// `largest_m` holds the largest width, spacing and depth within the bounds, in metres.
 ///
 /// # Errors
 /// [`Diagnostic`] if numbers are out of range, or if a dimension scatters by more than its largest value within the

@@ -1,5 +1,5 @@
-//! `[made_from]` of a material file: the calibration behind the material, so that a later change of the calibration is
-//! noticed.
+//! `[made_from]` of a material file: the calibration from which the material was made, so that a later change of the
+//! calibration is noticed.
 
 use std::path::{Component, Path, PathBuf};
 
@@ -11,15 +11,15 @@ use crate::formats::calibration::Calibration;
 use crate::formats::source::{Entry, Source};
 use crate::formats::{Diagnostic, Document};
 
-/// Bytes of a fingerprint, written as two letters each. Two calibrations share a fingerprint with a probability of 1 in
-/// 10^19.
+/// Number of bytes of a fingerprint, written as two hexadecimal digits each. Two calibrations share a fingerprint with
+/// a probability of 1 in 10^19.
 const BYTES: usize = 8;
 
 /// The calibration from which a material was made.
 #[derive(Clone, Debug, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MadeFrom {
-    /// The calibration file, relative to the folder of this file.
+    /// Path of the calibration file, relative to the folder of the material file.
     calibration: String,
     /// Tables that the calibration names: of flat samples, patterned samples and trials.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -29,8 +29,8 @@ pub struct MadeFrom {
 }
 
 impl MadeFrom {
-    /// Record of the `calibration` from `path` for the material at `output`; `None` if no relative path leads from one
-    /// to the other, or if a file cannot be read.
+    /// Record of the `calibration` from `path` for the material file at `output`; `None` if no relative path leads from
+    /// the folder of `output` to the calibration or a table, or if a file cannot be read.
     pub fn new(calibration: &Calibration, path: &Path, output: &Path, files: &Source) -> Option<Self> {
         let folder = output.parent().unwrap_or_else(|| Path::new(""));
         let name = |file: &Path| {
@@ -45,8 +45,8 @@ impl MadeFrom {
         })
     }
 
-    /// Warns that the calibration of the material `document` has changed since; `None` if it has not changed, or no
-    /// longer exists.
+    /// Warns that the calibration of the material `document` has changed since it was fitted; `None` if the calibration
+    /// has not changed or no longer exists.
     pub fn changed(&self, document: &Document) -> Option<Diagnostic> {
         let (files, path) = (document.source(), document.resolve(&self.calibration));
         files.entry(&path).ok().filter(|entry| *entry == Entry::File)?;
@@ -72,7 +72,7 @@ fn canonical(folder: &Path, files: &Source) -> PathBuf {
     files.canonical(&here(there)).join(rest)
 }
 
-/// Fingerprint of the contents of `paths`, each preceded by its length; `None` if one cannot be read.
+/// Fingerprint of the contents of `paths`, each preceded by its length; `None` if a file cannot be read.
 fn fingerprint<'a>(paths: impl Iterator<Item = &'a Path>, files: &Source) -> Option<String> {
     let mut hash = Sha256::new();
     for path in paths {
@@ -83,8 +83,8 @@ fn fingerprint<'a>(paths: impl Iterator<Item = &'a Path>, files: &Source) -> Opt
     Some(hash.finalize().iter().take(BYTES).map(|byte| format!("{byte:02x}")).collect())
 }
 
-/// Relative path from `folder` to `path`, from their names alone; `None` if only one of them starts at the root, or if
-/// they share no folder but the root.
+/// Relative path from `folder` to `path`, computed without access to files; `None` if only one of the two is absolute,
+/// if they share no folder but the root, or if `folder` leads through `..`.
 fn relative(folder: &Path, path: &Path) -> Option<String> {
     if folder.is_absolute() != path.is_absolute() {
         return None;

@@ -31,7 +31,7 @@ pub struct MaterialFile {
     pub name: Option<String>,
     /// Publication or laboratory.
     pub source: Option<String>,
-    /// Schema of the file; 1 when absent.
+    /// Version of the file's schema; 1 when absent.
     pub schema: Option<Spanned<u32>>,
     /// Version of the program that wrote the file.
     pub slipgrid_version: Option<String>,
@@ -40,7 +40,7 @@ pub struct MaterialFile {
     /// Provenance of the values.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub notes: Vec<String>,
-    /// Warnings of doubtful results that depend on the material; each begins with its name.
+    /// Warnings of doubtful results that depend on the material; each begins with the name of the warning.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub warnings: Vec<String>,
     /// Young's modulus.
@@ -83,7 +83,7 @@ pub struct AreaLawFile {
     pub poisson_ratio: Option<Number>,
     /// Tabulated pressures.
     pub pressure_mpa: NumberList,
-    /// Factors f.
+    /// Area factors f, one per pressure: real contact area over the area if it stayed proportional to pressure.
     pub factor: NumberList,
     /// Standard errors of the factors, from windows of the map.
     pub factor_std: Option<NumberList>,
@@ -92,7 +92,7 @@ pub struct AreaLawFile {
 }
 
 impl MaterialFile {
-    /// File of a material without what is known besides elasticity, friction and provenance.
+    /// File form of a material with elasticity, friction and provenance; all other keys are absent.
     pub(crate) fn new(elastic: &Elastic, provenance: &Provenance, friction: FrictionFile) -> Self {
         let named = |text: &String| Some(text.clone()).filter(|text| !text.is_empty());
         Self {
@@ -117,7 +117,7 @@ impl MaterialFile {
 }
 
 impl AreaLawFile {
-    /// File of `law`, whose factors are rounded by `digits`, without its origin.
+    /// File form of `law`, with factors rounded by `digits`; keys about the origin of the law are absent.
     pub(crate) fn new(law: &AreaLaw, digits: fn(f64) -> f64) -> Self {
         let rounded = |values: &[f64]| number_list(values.iter().map(|&value| digits(value)));
         Self {
@@ -135,7 +135,7 @@ impl AreaLawFile {
     }
 }
 
-/// Path of a file that a key names, relative to its document.
+/// Resolves `path`, which `key` names relative to the folder of `document`.
 ///
 /// # Errors
 /// [`Diagnostic`] at the key if the file does not exist.
@@ -198,8 +198,8 @@ pub fn read_known(
     Ok((Material { elastic, friction, area_law, provenance }, uncertainty))
 }
 
-/// Reads the material and its uncertainty from the table or file that a key of `document` gives, with warnings of unusual
-/// values.
+/// Reads the material and its uncertainty from the table or the file that a key of `document` gives. Also returns
+/// warnings of unusual values.
 ///
 /// # Errors
 /// [`Diagnostic`] if a file cannot be read, or for any refused input.
@@ -228,7 +228,8 @@ pub(crate) fn check_modulus_std(document: &Document, modulus_gpa: f64, std: Opti
     Err(document.refuse(std.span(), reason).expected("a standard deviation below the modulus, in GPa"))
 }
 
-/// Relative decrease that is allowed in tabulated contact area: tables are written with three digits or more.
+/// Relative decrease of tabulated contact area between two pressures that is accepted, because tables may be rounded to
+/// three digits.
 const AREA_TOLERANCE: f64 = 5e-3;
 
 fn read_area_law(document: &Document, file: &Spanned<AreaLawFile>) -> Result<AreaLaw, Diagnostic> {
@@ -267,7 +268,8 @@ fn read_area_law(document: &Document, file: &Spanned<AreaLawFile>) -> Result<Are
     read.map_err(|error| document.refuse(file.span(), error.to_string()))
 }
 
-/// Refuses factors by which contact area decreases from one pressure to the next: area is proportional to P f(P).
+/// Refuses factors by which contact area, which is proportional to pressure times factor, decreases from one pressure
+/// to the next.
 fn refuse_falling_area(
     document: &Document,
     file: &NumberList,

@@ -1,4 +1,5 @@
-//! Checks of a calibration's measurements before any computation, with the file position of each.
+//! Checks of the measurements of a calibration before any computation. Diagnostics name the file position of a
+//! measurement.
 
 use std::path::PathBuf;
 
@@ -12,7 +13,7 @@ use slipgrid_base::units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, significant, 
 
 mod collinear;
 
-/// Relative difference below which two values are equal.
+/// Relative difference up to which two values count as equal.
 const SAME: f64 = 1e-9;
 
 /// A measurement with its file position: a row of a table, or the traces of a condition.
@@ -20,7 +21,7 @@ const SAME: f64 = 1e-9;
 pub struct Placed {
     /// The measurement.
     pub measurement: Measurement,
-    /// The file that holds it.
+    /// File that holds the measurement.
     pub path: PathBuf,
     /// Line in the file, counted from 1.
     pub line: u32,
@@ -33,7 +34,7 @@ pub struct Placed {
 /// Remarks about measurements that are accepted.
 #[derive(Debug, Default)]
 pub(crate) struct Remarks {
-    /// Unusual values.
+    /// Diagnostics of unusual values.
     pub(crate) told: Vec<Diagnostic>,
     /// Ratios that are probably mistakes.
     pub(crate) doubts: Vec<Diagnostic>,
@@ -42,7 +43,7 @@ pub(crate) struct Remarks {
 }
 
 impl Remarks {
-    /// Named warnings of doubtful results.
+    /// Texts of `doubts` and `repeated`, each preceded by the name of the warning.
     pub(crate) fn warnings(&self) -> Vec<String> {
         let doubts = self.doubts.iter().map(|doubt| format!("measured ratio: {doubt}"));
         doubts.chain(self.repeated.iter().map(|repeated| format!("repeated row: {repeated}"))).collect()
@@ -72,8 +73,8 @@ pub struct Specimens {
 }
 
 impl Placed {
-    /// Converts the force from a face of `own` to the same pressure on a face of `specimens`; if `flat` samples were
-    /// measured at nearly this pressure, to theirs.
+    /// Replaces the force on a face of `own` by the force that gives the same pressure on a face of `specimens`. If
+    /// `flat` samples were measured at nearly this force, their force is taken.
     pub(crate) fn on(&self, own: &Specimens, specimens: &Specimens, flat: &[Self]) -> Self {
         let mut row = self.clone();
         if own.area_m2 != specimens.area_m2 {
@@ -87,7 +88,7 @@ impl Placed {
         row
     }
 
-    /// A diagnostic that points at `key` of the measurement.
+    /// Creates a diagnostic at `key` of the measurement, with `value` in the unit of the key and no reason yet.
     pub fn at(&self, key: &str, value: f64) -> Diagnostic {
         Diagnostic {
             line: Some(self.line),
@@ -97,7 +98,7 @@ impl Placed {
         }
     }
 
-    /// Describes the condition in words.
+    /// Describes force, speed and humidity of the measurement in words.
     pub fn condition(&self) -> String {
         self.measurement.condition_in_words()
     }
@@ -109,7 +110,7 @@ impl Placed {
     }
 }
 
-/// Checks each measurement separately; returns remarks about unusual ones.
+/// Checks `rows`, the measurements on one kind of sample; returns diagnostics of unusual values.
 ///
 /// # Errors
 /// [`Diagnostic`] at file and line of the first measurement that is impossible or unusable.
@@ -149,15 +150,15 @@ pub fn check(rows: &[Placed], specimens: &Specimens) -> Result<Vec<Diagnostic>, 
     Ok(told)
 }
 
-/// Row of the greatest friction, if friction is so high in nearly all `rows` that friction force and normal force are
-/// probably exchanged.
+/// Warns, at the row of the greatest friction, if friction is so high in nearly all `rows` that friction force and
+/// normal force are probably exchanged.
 fn high_friction(rows: &[Placed]) -> Option<Diagnostic> {
     let row = rows.iter().max_by(|a, b| a.measurement.mu_dynamic.total_cmp(&b.measurement.mu_dynamic))?;
     let friction: Vec<f64> = rows.iter().map(|row| row.measurement.mu_dynamic).collect();
     Some(Diagnostic { reason: exchanged_forces(&friction)?, ..row.at("mu_dynamic", row.measurement.mu_dynamic) })
 }
 
-/// Row of the greatest force, if the forces in all `rows` are so low that they are probably in kN.
+/// Warns, at the row of the greatest force, if the forces in all `rows` are so low that they are probably in kN.
 fn low_force(rows: &[Placed], specimens: &Specimens) -> Option<Diagnostic> {
     let row = rows.iter().max_by(|a, b| a.measurement.force_n.total_cmp(&b.measurement.force_n))?;
     let force_n = row.measurement.force_n;
@@ -172,7 +173,7 @@ fn low_force(rows: &[Placed], specimens: &Specimens) -> Option<Diagnostic> {
     Some(Diagnostic { reason, ..row.at("force_n", force_n) })
 }
 
-/// Row of the greatest speed, if the speeds in all `rows` are so low that they are probably in m/s.
+/// Warns, at the row of the greatest speed, if the speeds in all `rows` are so low that they are probably in m/s.
 fn low_speed(rows: &[Placed]) -> Option<Diagnostic> {
     let row = rows.iter().max_by(|a, b| a.measurement.speed_m_s.total_cmp(&b.measurement.speed_m_s))?;
     let speed_mm_s = SPEED_MM_S.from_si(row.measurement.speed_m_s);
@@ -184,7 +185,8 @@ fn low_speed(rows: &[Placed]) -> Option<Diagnostic> {
     Some(Diagnostic { reason, ..row.at("speed_mm_s", speed_mm_s) })
 }
 
-/// Row of the greatest humidity, if nearly all `rows` have so little that humidities are probably fractions of 1.
+/// Warns, at the row of the greatest humidity, if humidities in all `rows` are so low that they are probably fractions
+/// of 1.
 fn low_humidity(rows: &[Placed]) -> Option<Diagnostic> {
     let row = rows.iter().max_by(|a, b| a.measurement.humidity.total_cmp(&b.measurement.humidity))?;
     let humidity_pct = tidy(HUMIDITY_PCT.from_si(row.measurement.humidity));
@@ -192,12 +194,12 @@ fn low_humidity(rows: &[Placed]) -> Option<Diagnostic> {
     Some(Diagnostic { reason, ..row.at("humidity_pct", humidity_pct) })
 }
 
-/// Warns of `rows` of a patterned sample at whose force, speed and humidity no `flat` sample was measured: they have no
-/// ratio and are left out. Forces in `rows` are those on the calibration's face; `written` has the same rows in the
-/// form of their table.
+/// Warns of `rows` of a patterned sample for which no `flat` sample was measured at equal force, speed and humidity:
+/// such rows have no ratio and are left out. Forces in `rows` refer to the face of the calibration's specimen;
+/// `written` holds the same rows with forces as in their table.
 ///
 /// # Errors
-/// [`Diagnostic`] if no row has a flat partner.
+/// [`Diagnostic`] if no row has a matching flat sample.
 pub fn check_partners(rows: &[Placed], written: &[Placed], flat: &[Placed]) -> Result<Vec<Diagnostic>, Diagnostic> {
     let is_alone = |row: &Placed| !flat.iter().any(|other| other.measurement.is_at(&row.measurement));
     let alone: Vec<(&Placed, &Placed)> = rows.iter().zip(written).filter(|(row, _)| is_alone(row)).collect();
@@ -242,8 +244,8 @@ pub fn doubtful_ratios(rows: &[Placed], flat: &[Placed]) -> Vec<Diagnostic> {
     rows.iter().filter_map(doubtful).collect()
 }
 
-/// Refuses a repeated condition: of a flat sample with coefficients per condition, or of one cut sample, where two
-/// ratios would count as independent.
+/// Refuses two `rows` at one condition. Used for flat samples if coefficients are fitted per condition, and for each
+/// cut sample, whose two ratios would count as independent.
 ///
 /// # Errors
 /// [`Diagnostic`] at the second occurrence.
@@ -258,9 +260,9 @@ pub fn refuse_repeated(rows: &[Placed]) -> Result<(), Diagnostic> {
     Ok(())
 }
 
-/// Warns of each of the `rows` that repeats the numbers of an earlier row or of one of `others`: a repeated measurement
-/// would differ by its scatter. Between two tables a single row may agree by chance, within the written digits, so two
-/// rows must agree.
+/// Warns of each of the `rows` that has the numbers of an earlier row or of one of `others`: a repeated measurement
+/// would differ by its scatter. A single row may equal a row of another table by chance, within the written digits, so
+/// that at least two rows must.
 pub(crate) fn identical(others: &[Placed], rows: &[Placed]) -> Vec<Diagnostic> {
     let same = |place: usize| {
         let row = &rows[place];

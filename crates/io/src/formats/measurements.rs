@@ -31,13 +31,14 @@ const COLUMNS: [(&str, Quantity, bool); 9] = [
 ];
 /// Maximum number of rows of a table. A laboratory measures some hundred conditions, and rows are compared in pairs.
 const MAX_ROWS: usize = 5000;
-/// Number of columns that describe friction; the others describe how it was measured.
+/// Number of leading columns with the results of a measurement; the others describe how friction was measured.
 const FRICTION_COLUMNS: usize = 7;
 
-/// Reads the table that `key` of `document` names. Its forces press `samples` specimens at once.
+/// Reads the table that `key` of `document` names. Forces in the table press `samples` specimens at once; those
+/// returned press one specimen.
 ///
 /// # Errors
-/// [`Diagnostic`] that names line and column of the refused value.
+/// [`Diagnostic`] with line and column of the refused value.
 pub fn read(document: &Document, key: &Spanned<String>, samples: u32) -> Result<Vec<Placed>, Diagnostic> {
     let path = existing(document, key, key.get_ref())?;
     let mut rows = parse(&path, &read_letters(document.source(), &path, "a table of measurements")?)?;
@@ -49,7 +50,7 @@ pub fn read(document: &Document, key: &Spanned<String>, samples: u32) -> Result<
 /// commas separate cells; decimals may have commas unless commas separate cells.
 ///
 /// # Errors
-/// [`Diagnostic`] that names line and column of the refused value.
+/// [`Diagnostic`] with line and column of the refused value.
 pub fn parse(path: &Path, text: &str) -> Result<Vec<Placed>, Diagnostic> {
     let refuse = |line: u32, key: Option<&str>, value: Option<&str>, reason: String| Diagnostic {
         line: Some(line),
@@ -194,7 +195,7 @@ pub fn parse(path: &Path, text: &str) -> Result<Vec<Placed>, Diagnostic> {
     Ok(rows)
 }
 
-/// Writes the table as text, with `comment` above it.
+/// Formats `rows` as a table, with `comment` in a line above the header.
 pub fn table(comment: &str, rows: &[Measurement]) -> String {
     let mut text = format!(
         "# {comment}\n{}\n",

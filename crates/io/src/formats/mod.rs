@@ -17,7 +17,8 @@
 //! | [`plausible`], [`unusual`] | numbers that are probably mistakes |
 //! | [`confirmed_scene`], [`written_material`] | output files: the scene of a design, the material of a calibration |
 //!
-//! A number in a file is one of a [`slipgrid_base::units::Quantity`]; a number outside its range is refused at its key:
+//! Every number in a file belongs to a [`slipgrid_base::units::Quantity`]. A number outside the range of the quantity
+//! is refused with a diagnostic that names the key:
 //!
 //! ```
 //! use slipgrid_io::formats::{Document, material::{MaterialFile, read_known}};

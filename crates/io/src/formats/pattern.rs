@@ -103,7 +103,7 @@ impl TryFrom<Keys> for TextureFile {
 }
 
 impl TextureFile {
-    /// Reads the keys of a texture. `beside` names further keys of the table, for messages about unknown ones.
+    /// Reads the keys of a texture. `beside` names further keys of the table, for messages about unknown keys.
     fn read(mut keys: Keys, beside: &[&str]) -> Result<Self, String> {
         let own = ["outline", "outline_layer"];
         let (outline, outline_layer) = (keys.take(own[0])?, keys.take(own[1])?);
@@ -113,7 +113,7 @@ impl TextureFile {
 }
 
 impl PatternFile {
-    /// Standard errors of width, spacing and depth.
+    /// Standard errors of width, spacing and depth in micrometres, as written in the file.
     pub(crate) const fn dimensions_std(&self) -> [&Option<Number>; 3] {
         [&self.width_std_um, &self.spacing_std_um, &self.depth_std_um]
     }
@@ -139,7 +139,7 @@ impl From<&Pattern> for PatternFile {
     }
 }
 
-/// Reads a pattern.
+/// Reads the pattern of a scene or a trial.
 ///
 /// # Errors
 /// [`Diagnostic`] if numbers are out of range, or if the planform does not use a key.
@@ -194,12 +194,13 @@ pub fn read_texture(document: &Document, file: &TextureFile, table: Range<usize>
     slid(document, &texture, list(document, angles, SLIDING_ANGLE_DEG)?[0], angles.span())
 }
 
-/// Texture that slides at `angle_deg`, which stands at `span`.
+/// Sets the sliding direction of `texture` to `angle_deg`, in degrees; an error refers to the file position `span`.
 fn slid(document: &Document, texture: &Texture, angle_deg: f64, span: Range<usize>) -> Result<Texture, Diagnostic> {
     texture.with_sliding_angle_deg(angle_deg).map_err(|error| document.refuse(span, error.to_string()))
 }
 
-/// Sliding directions of `file` on `specimen`, without the first, which `texture` has.
+/// Reads the sliding directions of `file` after the first, which `texture` has, and separates those that are equivalent
+/// to another by the symmetry of `texture` and `specimen`.
 ///
 /// # Errors
 /// [`Diagnostic`] for numbers out of range.
@@ -223,11 +224,11 @@ pub fn read_directions(
     Ok(found)
 }
 
-/// Refuses a texture that has no meaningful section in the vertical plane. The plane models the sections of grooves
-/// across the sliding direction, and of squares in rows along it.
+/// Refuses a texture that a two-dimensional model, a vertical section along the sliding direction, cannot represent.
+/// Such a model represents grooves across the sliding direction, and squares in rows along the sliding direction.
 ///
 /// # Errors
-/// [`Diagnostic`] at the first key that needs a model in space.
+/// [`Diagnostic`] at the first key that needs a three-dimensional model.
 pub fn require_section(
     document: &Document,
     (file, table): (&TextureFile, Range<usize>),

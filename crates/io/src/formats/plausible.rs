@@ -7,7 +7,7 @@
 use crate::formats::diagnostic::Diagnostic;
 use slipgrid_base::units::{MAX_DENSITY_G_CM3, MAX_MODULUS_GPA, Quantity, in_digits, significant, tidy};
 
-/// A quantity of an experiment, in the unit of its key.
+/// Limits of plausibility of a quantity of an experiment, in the unit of the key in files.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Plausible {
     /// Name of the quantity, in the plural.
@@ -24,10 +24,10 @@ pub struct Plausible {
     slips: &'static [(&'static str, f64)],
 }
 
-/// Units often mistaken for micrometres.
+/// Units often mistaken for micrometres, with factors of conversion to micrometres.
 const OF_MICROMETRES: &[(&str, f64)] = &[("in mm, that", 1e3), ("in nm, that", 1e-3)];
 
-/// Friction coefficients.
+/// Plausible friction coefficients.
 pub const FRICTION: Plausible = Plausible {
     what: "friction coefficients",
     unit: "",
@@ -36,7 +36,7 @@ pub const FRICTION: Plausible = Plausible {
     why: "graphite slides at 0.01, rubber at 3, clean metals in vacuum at 10",
     slips: &[("a torque in N mm or mN m read as N m, or a force in mN as N: that", 1e-3), ("in per cent, that", 1e-2)],
 };
-/// Young's moduli of specimens.
+/// Plausible Young's moduli of specimens, in GPa.
 pub const MODULUS: Plausible = Plausible {
     what: "Young's moduli",
     unit: "GPa",
@@ -45,7 +45,7 @@ pub const MODULUS: Plausible = Plausible {
     why: "rubber has 0.001, polymers 0.1 to 5, steel 210, diamond 1220 GPa",
     slips: &[("in MPa, that", 1e-3), ("in Pa, that", 1e-9)],
 };
-/// Densities of specimens.
+/// Plausible densities of specimens, in g/cm^3.
 pub const DENSITY: Plausible = Plausible {
     what: "densities",
     unit: "g/cm3",
@@ -54,7 +54,7 @@ pub const DENSITY: Plausible = Plausible {
     why: "foams have 0.1, polymers 0.9 to 2.2, steel 7.9, osmium 22.6 g/cm3",
     slips: &[("in kg/m3, that", 1e-3)],
 };
-/// Sliding speeds.
+/// Plausible sliding speeds, in mm/s.
 pub const SPEED: Plausible = Plausible {
     what: "sliding speeds",
     unit: "mm/s",
@@ -63,7 +63,7 @@ pub const SPEED: Plausible = Plausible {
     why: "tribometers slide at 0.1 um/s to 1 m/s, brakes at up to 100 m/s",
     slips: &[("in um/s, that", 1e-3), ("in m/s, that", 1e3)],
 };
-/// Normal forces on one specimen.
+/// Plausible normal forces on one specimen, in newtons.
 pub const FORCE: Plausible = Plausible {
     what: "normal forces",
     unit: "N",
@@ -72,7 +72,7 @@ pub const FORCE: Plausible = Plausible {
     why: "microtribometers load with 1 mN, large rigs with 10 kN",
     slips: &[("in mN, that", 1e-3), ("in kN, that", 1e3)],
 };
-/// Nominal pressures.
+/// Plausible nominal pressures, in MPa.
 pub const PRESSURE: Plausible = Plausible {
     what: "nominal pressures",
     unit: "MPa",
@@ -81,9 +81,9 @@ pub const PRESSURE: Plausible = Plausible {
     why: "a specimen's own weight presses with 100 Pa, bearings with 100 MPa",
     slips: &[],
 };
-/// Nominal pressures that a key states directly, not through a force.
+/// Plausible nominal pressures, in MPa, that a key states directly, not through a force.
 pub const GIVEN_PRESSURE: Plausible = Plausible { slips: &[("in kPa, that", 1e-3), ("in Pa, that", 1e-6)], ..PRESSURE };
-/// Nominal pressures over Young's modulus.
+/// Plausible ratios of nominal pressure to Young's modulus.
 pub const STRAIN: Plausible = Plausible {
     what: "nominal pressures over Young's modulus",
     unit: "",
@@ -92,7 +92,7 @@ pub const STRAIN: Plausible = Plausible {
     why: "polymers yield at 0.05 and below, and the model is linear",
     slips: &[],
 };
-/// Standard deviations of friction coefficients over their means.
+/// Plausible ratios of the standard deviation of a friction coefficient to its mean.
 pub const RELATIVE_DEVIATION: Plausible = Plausible {
     what: "standard deviations of friction over its mean",
     unit: "",
@@ -101,7 +101,7 @@ pub const RELATIVE_DEVIATION: Plausible = Plausible {
     why: "repeats differ by 0.1 % at best; with a deviation of zero one row would count infinitely",
     slips: &[],
 };
-/// Extents of specimens.
+/// Plausible extents of specimens, in millimetres.
 pub const SPECIMEN: Plausible = Plausible {
     what: "extents of specimens",
     unit: "mm",
@@ -111,7 +111,7 @@ pub const SPECIMEN: Plausible = Plausible {
     slips: &[("in um, that", 1e-3)],
 };
 
-/// Diameters of laser spots.
+/// Plausible diameters of laser spots, in micrometres.
 pub const SPOT: Plausible = Plausible {
     what: "laser spots",
     unit: "um",
@@ -121,7 +121,7 @@ pub const SPOT: Plausible = Plausible {
     slips: OF_MICROMETRES,
 };
 
-/// Widths of cavities, and gaps between them.
+/// Plausible widths of cavities and gaps between cavities, in micrometres.
 pub const CAVITY_WIDTH: Plausible = Plausible {
     what: "widths and gaps of cavities",
     unit: "um",
@@ -130,7 +130,7 @@ pub const CAVITY_WIDTH: Plausible = Plausible {
     why: "lasers cut from 1 um, and cutters up to 10 mm",
     slips: OF_MICROMETRES,
 };
-/// Heights of rims.
+/// Plausible heights of rims, in micrometres.
 pub const RIM_HEIGHT: Plausible = Plausible {
     what: "heights of rims",
     unit: "um",
@@ -139,7 +139,7 @@ pub const RIM_HEIGHT: Plausible = Plausible {
     why: "lasers leave rims of 0.1 to 10 um around cavities",
     slips: &[("in nm, that", 1e-3)],
 };
-/// Depths of cavities.
+/// Plausible depths of cavities, in micrometres.
 pub const CAVITY_DEPTH: Plausible = Plausible {
     what: "depths of cavities",
     unit: "um",
@@ -155,7 +155,8 @@ const LIGHT_G_CM3: f64 = 1.4;
 /// Highest known Young's modulus of light solids in GPa, along the grain of wood.
 const LIGHT_MODULUS_GPA: f64 = 20.0;
 
-/// Warning of a usual modulus that is too high for a solid of this density, with the probable unit.
+/// Warns of a modulus that is usual in itself but too high for a solid of this density, and names the probable unit;
+/// `None` if the two agree.
 pub fn stiff_for_its_density(modulus_gpa: f64, density_g_cm3: f64) -> Option<String> {
     let is_doubtful = density_g_cm3 < LIGHT_G_CM3 && modulus_gpa > LIGHT_MODULUS_GPA;
     let usual = MODULUS.within([MODULUS.usual[0], LIGHT_MODULUS_GPA]);
@@ -165,8 +166,8 @@ pub fn stiff_for_its_density(modulus_gpa: f64, density_g_cm3: f64) -> Option<Str
     ))
 }
 
-/// Warning of a relative humidity that is probably a fraction of 1: air in a room has 20 to 80 %. Zero stands for dry
-/// air.
+/// Warns of a relative humidity that is probably a fraction of 1; `None` for others. Air in a room has 20 to 80 %; zero
+/// stands for dry air.
 pub fn share_of_one(humidity_pct: f64) -> Option<String> {
     (humidity_pct > 0.0 && humidity_pct <= 1.0).then(|| {
         let meant = tidy(100.0 * humidity_pct);
@@ -174,8 +175,8 @@ pub fn share_of_one(humidity_pct: f64) -> Option<String> {
     })
 }
 
-/// Ratio of the friction of a patterned to that of a flat sample at equal load, speed and humidity. No ratio is
-/// refused.
+/// Plausible ratios of the friction of a patterned to that of a flat sample at equal load, speed and humidity. Other
+/// ratios only give warnings.
 pub const RATIO: Plausible = Plausible {
     what: "ratios of patterned to flat friction",
     unit: "",
@@ -191,13 +192,14 @@ pub const RATIO: Plausible = Plausible {
 
 /// Friction above which most solids do not slide dry; rubber does.
 const HIGH_FRICTION: f64 = 1.0;
-/// Usual range of friction after exchange of two columns.
+/// Range of usual friction, in which the reciprocals of coefficients lie if friction force and normal force were
+/// exchanged.
 const EXCHANGED: [f64; 2] = [0.05, 1.0];
-/// Fraction of values that must be unusual before all are questioned.
+/// Minimum fraction of coefficients that must look exchanged for a warning.
 const NEARLY_ALL: f64 = 0.9;
 
-/// Warning of friction coefficients that are nearly all above 1 and whose reciprocals are nearly all usual: friction
-/// force and normal force are probably exchanged.
+/// Warns of friction coefficients that are nearly all above 1 and whose reciprocals are nearly all usual: friction
+/// force and normal force are probably exchanged. `None` for other coefficients.
 pub fn exchanged_forces(friction: &[f64]) -> Option<String> {
     let is_likely = |mu: &&f64| **mu > HIGH_FRICTION && 1.0 / **mu >= EXCHANGED[0] && 1.0 / **mu < EXCHANGED[1];
     let likely: Vec<f64> = friction.iter().filter(is_likely).map(|mu| 1.0 / mu).collect();
@@ -214,7 +216,8 @@ pub fn exchanged_forces(friction: &[f64]) -> Option<String> {
     ))
 }
 
-/// The probable intended unit of a `value` that a key's `quantity` does not accept.
+/// Names the probable intended unit of a `value` that the `quantity` of a key does not accept; `None` if no unit makes
+/// it usual.
 pub fn slip(quantity: Quantity, value: f64) -> Option<String> {
     let judged = [
         (slipgrid_base::units::FRICTION, FRICTION),
@@ -249,10 +252,10 @@ impl Plausible {
         Self { usual, ..self }
     }
 
-    /// Checks `value`, in the key's unit; returns nothing if it is usual.
+    /// Checks `value`, in the unit of the key; returns a warning if it is unusual, and `None` if it is usual.
     ///
     /// # Errors
-    /// Reason why a value cannot be measured.
+    /// Range of measured values with examples, if `value` cannot be measured.
     pub fn judge(&self, value: f64) -> Result<Option<String>, String> {
         let within = |[from, to]: [f64; 2]| value >= from && value <= to;
         if within(self.usual) {
@@ -268,7 +271,7 @@ impl Plausible {
         }
     }
 
-    /// The probable intended unit, in which `value` is usual.
+    /// Names the probable intended unit, in which `value` is usual; `None` if there is none.
     pub fn slip(&self, value: f64) -> Option<String> {
         let is_usual = |value: f64| value >= self.usual[0] && value <= self.usual[1];
         let (what, factor) = self.slips.iter().find(|(_, factor)| is_usual(value * factor))?;
@@ -276,13 +279,15 @@ impl Plausible {
         Some(format!("{what} would be {}{unit}", tidy(value * factor)))
     }
 
-    /// The probable intended unit of a `value` that is too small: a unit in which it is greater, and usual.
+    /// Names the probable intended unit of a `value` that is too small, in which it is greater and usual; `None` if
+    /// there is none.
     pub fn greater(&self, value: f64) -> Option<String> {
         let slips = self.slips.iter().filter(|(_, factor)| *factor > 1.0);
         slips.map(|slip| Self { slips: std::slice::from_ref(slip), ..*self }).find_map(|one| one.slip(value))
     }
 
-    /// Checks `value` for a calibration and returns a warning, if any; `place` gives file, line, key and value.
+    /// Checks `value` for a calibration and returns a warning if it is unusual; `place` gives file, line, key and
+    /// value.
     ///
     /// # Errors
     /// `place` with the accepted values, if the value cannot be measured.
@@ -296,7 +301,7 @@ impl Plausible {
         }
     }
 
-    /// Checks `value` for a scene, which refuses no value.
+    /// Like `check`, but for scenes, which refuse no value: a value that cannot be measured gives a warning, too.
     pub fn tell(&self, value: f64, place: impl FnOnce() -> Diagnostic) -> Option<Diagnostic> {
         self.check(value, place).unwrap_or_else(Some)
     }

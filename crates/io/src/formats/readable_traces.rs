@@ -5,20 +5,21 @@ use super::trace_table::TraceReader;
 use super::traces::{ConditionTraces, OfTrial, TraceSetup};
 use crate::formats::{Diagnostic, Document, Spanned};
 
-/// Traces of a calibration as far as they can be read.
+/// Traces of a calibration, as far as they can be read and analysed.
 #[derive(Debug, Default)]
 pub struct ReadableTraces {
     /// Conditions whose traces could be averaged.
     pub found: Vec<ConditionTraces>,
-    /// Reasons for the others.
+    /// Reasons why the traces of the other conditions could not be averaged.
     pub refused: Vec<Diagnostic>,
 }
 
 impl ReadableTraces {
-    /// Reads the traces of the calibration in `document`, whatever else it lacks.
+    /// Reads the traces of the calibration in `document`, even if other values or files of the calibration would be
+    /// refused.
     ///
     /// # Errors
-    /// [`Diagnostic`] if its tables of traces cannot be read.
+    /// [`Diagnostic`] if the document cannot be parsed, or its tables of traces are refused.
     pub fn read(document: &Document) -> Result<Self, Diagnostic> {
         let file: CalibrationFile = document.parse()?;
         let mut reader = reader(document, &file)?;
@@ -38,10 +39,11 @@ impl ReadableTraces {
     }
 }
 
-/// Reads how the exports of the calibration in `document` are to be read, whatever else it lacks.
+/// Reads the options for exports of the calibration in `document`, even if other values of the calibration would be
+/// refused.
 ///
 /// # Errors
-/// [`Diagnostic`] if its table of traces cannot be read.
+/// [`Diagnostic`] if the document cannot be parsed, or its table of traces is refused.
 pub fn read_setup(document: &Document) -> Result<TraceSetup, Diagnostic> {
     Ok(reader(document, &document.parse()?)?.into_setup())
 }

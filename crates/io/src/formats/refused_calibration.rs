@@ -12,7 +12,7 @@ use crate::formats::plausible::MODULUS;
 use crate::formats::surface::Surface;
 use slipgrid_base::units::{MODULUS_GPA, SPEED_MM_S, significant_to, tidy};
 
-/// Diagnostic for an error in the calibration at `path`; `None` if the input did not cause it.
+/// Diagnostic for an error in the calibration at `path`; `None` if the input did not cause the error.
 pub fn refuse(error: &CalibrationError, path: &Path, calibration: &Calibration) -> Option<Diagnostic> {
     let at_key = || Diagnostic { key: error.field().map(Into::into), ..Diagnostic::file(path, error.to_string()) };
     match (error, &calibration.surface) {
@@ -34,7 +34,7 @@ pub fn refuse(error: &CalibrationError, path: &Path, calibration: &Calibration) 
     }
 }
 
-/// Diagnostic for an error of the fit, at the measurement concerned.
+/// Diagnostic for an error of the fit, at the measurement concerned; `None` if the input did not cause the error.
 fn refuse_fit(
     error: &FitError,
     measurement: Option<&Measurement>,

@@ -37,7 +37,7 @@ pub fn read_relief(
     Ok(Some(Arc::new(relief)))
 }
 
-/// Relief with the heights of `map`, whose rows follow one another along x.
+/// Converts `map`, whose rows follow one another along x, to a relief.
 fn relief_of(map: &HeightMap) -> Result<ReliefMap, slipgrid_model::pattern::PatternError> {
     let [nx, ny] = [map.rows(), map.cols()];
     let heights_m = (0..nx * ny).map(|n| map.heights_m()[n % nx * ny + n / nx]).collect();

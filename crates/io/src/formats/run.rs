@@ -6,17 +6,17 @@ use crate::formats::{Diagnostic, Document, Spanned};
 use slipgrid_base::key_error::KeyError;
 use slipgrid_base::units::{DAMPING, LENGTH_UM, STEP_NS, TOLERANCE};
 
-/// Choices of the command line that override a scene's.
+/// Flags of the command line that override the table `[run]` of a scene.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Overrides {
-    /// `--fidelity`.
+    /// Value of `--fidelity`, if given.
     pub fidelity: Option<Fidelity>,
-    /// `--extent`.
+    /// Value of `--extent`, if given.
     pub extent: Option<Extent>,
 }
 
-/// Checks the table, with the choices of the command line in their place. On a specimen, patterns of three dimensions
-/// are solved as one cell, or as a strip.
+/// Checks the solver options in `table` and returns them with `overrides` applied. On a specimen, three-dimensional
+/// patterns are solved as one cell or as a strip.
 ///
 /// # Errors
 /// [`Diagnostic`] if numbers are out of range, or options contradict each other.

@@ -33,7 +33,7 @@ use slipgrid_laser::export::{Outline, Specimen, SpecimenRecord};
 pub struct SceneFile {
     /// Name for reports.
     pub name: Option<String>,
-    /// Schema of the file; 1 when absent.
+    /// Version of the file's schema; 1 when absent.
     pub schema: Option<Spanned<u32>>,
     /// Selects coefficients of a material that has them per condition.
     pub condition: Option<Spanned<Condition>>,
@@ -60,8 +60,8 @@ pub struct SampleFile {
     /// Length of the specimen along the sliding direction; that of `[specimen]` where there is one, otherwise 9960 when
     /// absent.
     pub length_um: Option<Number>,
-    /// Height of the layer that strips and runs in time represent by blocks; 200 um below the rest of the specimen when
-    /// absent. If it is given alone, nothing else is elastic.
+    /// Height of the layer that strips and runs in time represent by blocks; 200, or a smaller thickness, when absent.
+    /// If given without `thickness_mm`, only this layer is elastic.
     pub layer_um: Option<Number>,
     /// Thickness of the elastic specimen; 7 when neither this nor the layer is given.
     pub thickness_mm: Option<Number>,
@@ -72,14 +72,15 @@ pub struct SampleFile {
     pub block_um: Option<Number>,
 }
 
-/// Thickness of the specimens in the paper, in metres.
+/// Thickness of the specimens of Balestra et al., J. Tribol. 144, 031704, in metres.
 pub const DEFAULT_THICKNESS_M: f64 = 7e-3;
 
-/// Layer of the paper: 996 x 20 blocks of 10 um, under a rigid bulk.
+/// Layer of Balestra et al.: 996 x 20 blocks of 10 um, under a rigid bulk.
 pub const DEFAULT_LAYER: Layer =
     Layer { length_m: 9960e-6, height_m: 200e-6, block_m: 10e-6, thickness_m: None, holder: None };
 
-/// Layer of the paper as the lowest part of a specimen of the paper's thickness; the default of files.
+/// Layer of Balestra et al. as the lowest part of a specimen of the thickness `DEFAULT_THICKNESS_M`; the default of
+/// files.
 pub const DEFAULT_SPECIMEN: Layer = Layer { thickness_m: Some(DEFAULT_THICKNESS_M), ..DEFAULT_LAYER };
 
 /// Options of a file without `[run]`.
@@ -111,13 +112,13 @@ pub struct SceneInput {
     pub material: Material,
     /// Uncertainty of the material.
     pub uncertainty: MaterialUncertainty,
-    /// Speed and humidity that select the coefficients.
+    /// Speed and humidity that select the coefficients; `None` if the coefficients hold at any condition.
     pub condition: Option<Condition>,
-    /// Specimen whose layout a sample represents; `None` for one strip, and for cells.
+    /// Specimen with the layout of the pattern that is solved; `None` if one strip or one cell is solved.
     pub specimen: Option<Specimen>,
     /// For each load, whether coefficients were taken from the nearest measured pressure.
     pub friction_extrapolated: Vec<bool>,
-    /// Unusual inputs in the file and its material.
+    /// Diagnostics of unusual but accepted inputs in the file and its material.
     pub told: Vec<Diagnostic>,
     document: Document,
     places: Places,
@@ -299,8 +300,8 @@ impl SceneInput {
         self.document.refuse_or_default(place.as_ref(), (key, Some(default.to_string())), reason)
     }
 
-    /// Report of the scene's solution on its specimen: friction in time corrected by the calibrated one, and the record,
-    /// without the time that it took.
+    /// Corrects the friction of `simulation`, the solution of this scene, to the calibrated friction of the flat
+    /// surface (see [`correct`]), and returns it with its report. The report holds no computing time.
     ///
     /// # Errors
     /// [`MaterialError`] if the area law cannot be varied within its errors.
@@ -316,7 +317,7 @@ impl SceneInput {
     }
 }
 
-/// Minimum width of a specimen's face in blocks, anywhere on it: a narrower face is no strip.
+/// Minimum width of the face of a specimen at its narrowest place, in blocks: a narrower face is no strip.
 const MIN_FACE_BLOCKS: f64 = 2.0;
 
 /// Refuses a specimen whose face is too narrow for the blocks of `layer`.
@@ -345,7 +346,8 @@ pub fn check_face(
         .expected(format!("a {what} of at least {MIN_FACE_BLOCKS} blocks, or a smaller sample.block_um")))
 }
 
-/// Reads the modelled layer, as long as `specimen` if given, and checks that it consists of whole blocks.
+/// Reads the modelled layer and checks that it consists of whole blocks. `specimen` is a specimen with its sliding
+/// direction, a unit vector; if given, the layer is as long as the specimen in this direction.
 ///
 /// # Errors
 /// [`Diagnostic`] for numbers out of range.
@@ -426,10 +428,10 @@ pub fn read_layer(
     Ok(layer)
 }
 
-/// Reads nominal pressures in the range of `quantity` and checks them against the elastic modulus.
+/// Reads nominal pressures in the range of `quantity`, in pascals, and checks them against the elastic modulus.
 ///
 /// # Errors
-/// [`Diagnostic`] if numbers are out of range, or if one is repeated.
+/// [`Diagnostic`] if numbers are out of range, or if a pressure is repeated.
 fn read_pressures(
     document: &Document,
     pressures: &Spanned<Numbers>,

@@ -34,7 +34,7 @@ pub trait Files: Debug + Send + Sync {
         Ok(Box::new(io::Cursor::new(self.read(path)?)))
     }
 
-    /// Kind of entry at `path`; a file if it can be read, where a source has files alone.
+    /// Kind of entry at `path`. By default, for sources without folders, every readable path is a file.
     ///
     /// # Errors
     /// The error of the system, if there is no entry or its kind is unknown.
@@ -42,12 +42,12 @@ pub trait Files: Debug + Send + Sync {
         self.read(path).map(|_| Entry::File)
     }
 
-    /// Names of the entries of `folder`, in any order; empty if it is no folder, or where a source has no folders.
+    /// Names of the entries of `folder`, in any order; empty if `folder` is no folder, or if the source has no folders.
     fn names(&self, _folder: &Path) -> Vec<String> {
         Vec::new()
     }
 
-    /// Canonical path of a file, equal for all its names.
+    /// Canonical path of the file at `path`, equal for all paths of one file.
     fn canonical(&self, path: &Path) -> PathBuf {
         path.to_owned()
     }
@@ -66,7 +66,7 @@ impl Files for NoFiles {
     }
 }
 
-/// Whether `name` is `pattern`, in which every `*` stands for any letters.
+/// Whether `name` matches `pattern`, in which every `*` stands for any characters.
 pub fn fits(name: &str, pattern: &str) -> bool {
     let parts: Vec<&str> = pattern.split('*').collect();
     let [first, middle @ .., last] = &parts[..] else { return name == pattern };
@@ -83,7 +83,7 @@ pub fn fits(name: &str, pattern: &str) -> bool {
 /// Content of the file at `path` of `source`; `expected` describes the expected file.
 ///
 /// # Errors
-/// [`Diagnostic`] if it is a folder or cannot be read.
+/// [`Diagnostic`] if `path` is a folder or cannot be read.
 pub fn read_bytes(source: &Source, path: &Path, expected: &str) -> Result<Vec<u8>, Diagnostic> {
     if source.entry(path).is_ok_and(|entry| entry == Entry::Folder) {
         return Err(Diagnostic::file(path, "is a folder").expected(expected));
@@ -91,10 +91,10 @@ pub fn read_bytes(source: &Source, path: &Path, expected: &str) -> Result<Vec<u8
     source.read(path).map_err(|error| unreadable(path, &error))
 }
 
-/// The file at `path` of `source` as a stream.
+/// The file at `path` of `source` as a stream; `expected` describes the expected file.
 ///
 /// # Errors
-/// [`Diagnostic`] if it is a folder or cannot be opened.
+/// [`Diagnostic`] if `path` is a folder or cannot be opened.
 pub fn stream(source: &Source, path: &Path, expected: &str) -> Result<Box<dyn io::Read>, Diagnostic> {
     if source.entry(path).is_ok_and(|entry| entry == Entry::Folder) {
         return Err(Diagnostic::file(path, "is a folder").expected(expected));
@@ -102,7 +102,8 @@ pub fn stream(source: &Source, path: &Path, expected: &str) -> Result<Box<dyn io
     source.stream(path).map_err(|error| unreadable(path, &error))
 }
 
-/// Text of the file at `path` of `source`, in UTF-8, or in UTF-16 with a byte order mark.
+/// Text of the file at `path` of `source`, in UTF-8, or in UTF-16 with a byte order mark; `expected` describes the
+/// file.
 ///
 /// # Errors
 /// Errors of [`read_bytes`], or a refusal of other encodings.
@@ -115,7 +116,7 @@ pub fn read_text(source: &Source, path: &Path, expected: &str) -> Result<String,
     })
 }
 
-/// Text of a table at `path` of `source`. If it is neither UTF-8 nor UTF-16 with a byte order mark it is read as
+/// Text of a table at `path` of `source`. A file that is neither UTF-8 nor UTF-16 with a byte order mark is read as
 /// Latin-1, the encoding of many instruments and spreadsheets, whose letters have the same numbers in Unicode.
 ///
 /// # Errors
@@ -125,14 +126,14 @@ pub fn read_letters(source: &Source, path: &Path, expected: &str) -> Result<Stri
     Ok(text.unwrap_or_else(|bytes| bytes.into_iter().map(char::from).collect()))
 }
 
-/// Bytes at the beginning of a file by which text is told from binary content.
+/// Number of bytes at the beginning of a file that are searched for zeros, which only binary content has.
 const HEAD: usize = 512;
 
 /// Byte order mark that some editors write in front of UTF-8.
 const UTF_8_MARK: &[u8] = b"\xEF\xBB\xBF";
 
-/// Decodes UTF-8 with or without byte order mark, or UTF-16 with it; other `bytes` are returned unchanged. Lone
-/// carriage returns become line feeds.
+/// Decodes UTF-8 with or without byte order mark, or UTF-16 with byte order mark; other content is returned as the
+/// inner error. In a text without line feeds, carriage returns become line feeds.
 fn decoded(path: &Path, bytes: Vec<u8>, expected: &str) -> Result<Result<String, Vec<u8>>, Diagnostic> {
     let units = |rest: &[u8], unit: fn([u8; 2]) -> u16| {
         let pairs = rest.as_chunks::<2>().0.iter().map(|pair| unit(*pair));

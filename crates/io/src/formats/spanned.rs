@@ -19,7 +19,7 @@ impl<T> Spanned<T> {
         Self { span, value }
     }
 
-    /// Position of the value.
+    /// Position of the value, in bytes.
     pub const fn span(&self) -> Range<usize> {
         self.span.start..self.span.end
     }

@@ -1,4 +1,5 @@
-//! Specimens of a calibration and of its trials: face, rim, thickness, holder, and the force that each of several bears.
+//! Specimens of a calibration and of its trials: face, rim, thickness, holder, and the number of specimens that share a
+//! force.
 
 use serde::Deserialize;
 use slipgrid_infer::calibrate::CutSpecimen;
@@ -12,8 +13,8 @@ use crate::formats::plausible::SPECIMEN;
 use crate::formats::{Diagnostic, Document, Spanned};
 use slipgrid_base::units::LENGTH_MM;
 
-/// Minimum and maximum thickness of a specimen that a calibration may state, in metres: the height of the layer, and
-/// the maximum number of blocks of a solver.
+/// Minimum and maximum thickness of a specimen that a calibration may state, in metres: the height of the default
+/// layer, and the maximum number of rows of default blocks.
 const THICKNESS_M: [f64; 2] = [DEFAULT_LAYER.height_m, MAX_ROWS * DEFAULT_LAYER.block_m];
 
 /// A specimen as stated by a table of a calibration.
@@ -47,7 +48,7 @@ impl StatedSpecimen {
         Ok(Self { specimen, thickness_m, holder: holder.or(usual.and_then(|usual| usual.holder)) })
     }
 
-    /// Converts to the specimen of a sample that was cut into it.
+    /// Converts to the specimen of a cut sample.
     pub(crate) fn cut(self) -> CutSpecimen {
         CutSpecimen { face: Some(self.specimen), thickness_m: self.thickness_m, holder: self.holder }
     }
@@ -66,8 +67,8 @@ fn read_thickness_m(document: &Document, given: &Number) -> Result<f64, Diagnost
         .expected(format!("a thickness in millimetres, from {least_mm} to {most_mm}")))
 }
 
-/// Reads how a specimen is held. Refuses a holder of a specimen without a stated thickness, by which friction tilts the
-/// pressure.
+/// Reads how a specimen is held; `None` if not given. A holder is refused without a stated thickness, on which the tilt
+/// of the pressure by friction depends.
 pub(crate) fn read_holder(
     document: &Document,
     given: Option<&Spanned<String>>,
@@ -142,7 +143,7 @@ pub(crate) fn extent_m(outline: &Outline) -> f64 {
     }
 }
 
-/// Diagnostics for an unusual size of the specimen.
+/// Diagnostic for an unusual size of the specimen, `None` for a usual one; refuses an impossible size.
 pub(crate) fn outline_told(
     document: &Document,
     table: &Spanned<FaceFile>,
@@ -157,7 +158,7 @@ pub(crate) fn outline_told(
 /// Maximum number of specimens in a holder.
 pub const MAX_SPECIMENS: u32 = 100;
 
-/// Meaning of a force in a table where a holder has several specimens.
+/// Meaning of a force in a table if a holder has several specimens: on one specimen, or on all of them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub(crate) enum ForceIs {
@@ -168,7 +169,7 @@ pub(crate) enum ForceIs {
 /// Reads the number of specimens in a holder.
 ///
 /// # Errors
-/// [`Diagnostic`] if it is 0 or more than any holder has.
+/// [`Diagnostic`] if the number is 0 or above `MAX_SPECIMENS`.
 pub(crate) fn read_count(document: &Document, given: &Spanned<u64>) -> Result<u32, Diagnostic> {
     u32::try_from(*given.get_ref()).ok().filter(|count| (1..=MAX_SPECIMENS).contains(count)).ok_or_else(|| {
         document
@@ -177,10 +178,10 @@ pub(crate) fn read_count(document: &Document, given: &Spanned<u64>) -> Result<u3
     })
 }
 
-/// Number of specimens that a force in the tables presses: that of the holder if forces are totals.
+/// Number of specimens that a force in the tables presses: `samples` if forces are totals, otherwise 1.
 ///
 /// # Errors
-/// [`Diagnostic`] if the number or the meaning of a force is refused, or one is missing beside the other.
+/// [`Diagnostic`] if `samples` is out of range, or if one of `samples` and `force_is` is needed and missing.
 pub(crate) fn sharing_force(document: &Document, table: Option<&Spanned<MeasurementsFile>>) -> Result<u32, Diagnostic> {
     let Some(table) = table else { return Ok(1) };
     let MeasurementsFile { samples, force_is, .. } = table.get_ref();

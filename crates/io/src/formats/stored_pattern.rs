@@ -1,4 +1,4 @@
-//! Reads the design and the specimen of a result.json back.
+//! Converts the design and the specimen stored in a result.json.
 
 use std::path::Path;
 
@@ -26,7 +26,7 @@ pub fn stored_specimen(path: &Path, specimen: &SpecimenRecord) -> Result<Specime
     specimen.specimen().map_err(|error| refuse(path, ("specimen", specimen), &error))
 }
 
-/// Refuses a key of `record`, which is the table `name` of the result at `path`.
+/// Creates a diagnostic for `error`, which concerns a key of `record`, the table `name` of the result at `path`.
 fn refuse(path: &Path, (name, record): (&str, &impl Serialize), error: &KeyError) -> Diagnostic {
     let value = serde_json::to_value(record).ok().and_then(|record| record.get(error.key).cloned());
     let value = value.map(|value| match &error.refusal {

@@ -14,7 +14,7 @@ use super::values::Number;
 use crate::formats::{Diagnostic, Document, Spanned};
 use slipgrid_base::units::{LENGTH_UM, SLOPE};
 
-/// The table in the form of a file.
+/// The table `[surface]` in the form of a file.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SurfaceFile {
@@ -55,10 +55,11 @@ pub struct SurfaceFile {
     /// Form that is subtracted: `mean`, `plane` or `second-order`; `plane` when absent.
     #[schemars(with = "Option<String>")]
     form: Option<Form>,
-    /// P0, up to which friction counts as proportional to load; without it f is A/P over its limit at small loads.
+    /// Pressure up to which friction counts as proportional to load; without it, area factors are relative to the limit
+    /// at small loads.
     pub threshold_mpa: Option<Number>,
-    /// Windows along each side, whose scatter gives the errors of the law: 0 or 1 for none; without the key 2, if the
-    /// map is large enough.
+    /// Number of windows along each side of the map, whose scatter gives the errors of the law: 0 or 1 for none; 2 when
+    /// absent, if the map is large enough.
     windows: Option<Spanned<usize>>,
 }
 
@@ -67,7 +68,8 @@ pub struct SurfaceFile {
 pub struct MapOptions {
     /// Known properties of the file, and the part to use.
     pub read: ReadOptions,
-    /// Preparation of the map after reading; from a map of one whole period always the mean is subtracted.
+    /// Preparation of the map after reading. From a map of one whole period, the mean is subtracted instead of the
+    /// form.
     pub how: Preparation,
 }
 
@@ -82,10 +84,11 @@ pub enum Surface {
         synthetic: bool,
         /// Options for reading the map.
         options: MapOptions,
-        /// Windows along either side whose scatter gives the standard errors of the law; fewer than 2 for none, `None`
-        /// for the default.
+        /// Number of windows along each side of the map whose scatter gives the standard errors of the law; fewer than
+        /// 2 for none, `None` for the default.
         windows: Option<usize>,
-        /// Map of a sample of this kind after the test, read like the first and only compared with it.
+        /// Path of the map of a flat sample after the test, which is read with the same options and only compared with
+        /// `path`.
         after: Option<PathBuf>,
     },
     /// No surface: measured flat friction is the law of local pressure.
@@ -93,20 +96,20 @@ pub enum Surface {
         /// Extrapolation above the last measured pressure.
         extrapolation: Extrapolation,
     },
-    /// Persson's theory for an rms slope.
+    /// Persson's theory of contact for a surface with an rms slope.
     Persson {
         /// Rms slope, dimensionless.
         rms_slope: f64,
     },
-    /// Amontons-Coulomb.
+    /// No area law: friction is proportional to load (Amontons-Coulomb).
     None,
 }
 
 impl Surface {
-    /// Reads the table.
+    /// Reads the table `[surface]`.
     ///
     /// # Errors
-    /// [`Diagnostic`] unless the table names either a map or a slope and every value is valid.
+    /// [`Diagnostic`] unless the table names one of a map, a slope and a measured law, and every value is valid.
     pub fn new(document: &Document, file: &Spanned<SurfaceFile>) -> Result<Self, Diagnostic> {
         let surface = file.get_ref();
         if let Some(law) = &surface.local_law {
@@ -147,7 +150,7 @@ impl Surface {
     }
 }
 
-/// Reads the options of measured flat friction as the local law, which needs no surface.
+/// Reads the table with the key `local_law`: measured flat friction as the local law, or a surface as without the key.
 fn measured(document: &Document, file: &SurfaceFile, law: &Spanned<String>) -> Result<Surface, Diagnostic> {
     if !document.choice(law, &[true, false], |measured| if measured { "measured" } else { "area" })? {
         let rest = SurfaceFile { local_law: None, ..file.clone() };

@@ -19,8 +19,8 @@ pub struct TargetFile {
     pub pressure_mpa: Spanned<Numbers>,
     /// Target value: one number, or one per pressure.
     value: Option<Spanned<Numbers>>,
-    /// Half-width about `value` within which the target is met, or how far beyond `lowest` or `highest` alone is aimed,
-    /// 0.01 of it when absent there: one number, or one per pressure.
+    /// Half-width about `value` within which the target is met; with only `lowest` or `highest`, distance beyond this
+    /// limit at which the search aims, 0.01 of the limit when absent. One number, or one per pressure.
     tolerance: Option<Spanned<Numbers>>,
     /// Lower end of a band, in place of `value`: one number, or one per pressure.
     lowest: Option<Spanned<Numbers>>,
@@ -32,10 +32,10 @@ pub struct TargetFile {
     weights: Option<Spanned<Numbers>>,
 }
 
-/// Default relative distance beyond a one-sided limit at which the search aims.
+/// Default distance beyond a one-sided limit at which the search aims, relative to the limit.
 const MARGIN: f64 = 0.01;
 
-/// Reads a target.
+/// Reads the target of a design.
 ///
 /// # Errors
 /// [`Diagnostic`] if numbers are out of range, lists differ in length, or keys contradict each other.
@@ -88,7 +88,7 @@ pub fn read_target(document: &Document, file: &Spanned<TargetFile>) -> Result<Ta
         .map_err(|error| document.refuse(file.span(), error.to_string()))
 }
 
-/// Refuses contradictory keys.
+/// Refuses keys of `[target]` that contradict each other or are missing.
 fn combined(document: &Document, file: &Spanned<TargetFile>, goal: Option<Goal>) -> Result<(), Diagnostic> {
     let target = file.get_ref();
     let band = target.lowest.as_ref().or(target.highest.as_ref());
@@ -135,7 +135,7 @@ impl ConditionRangeFile {
 /// Reads a condition or a range of conditions.
 ///
 /// # Errors
-/// [`Diagnostic`] if numbers are out of range, a list has not two entries, or the ends are in the wrong order.
+/// [`Diagnostic`] if numbers are out of range, a list does not have two entries, or the ends are in the wrong order.
 pub fn read_conditions(document: &Document, file: &ConditionRangeFile) -> Result<ConditionRange, Diagnostic> {
     const EXPECTED: &str = "one number, or [lowest, highest]";
     let speed_m_s = range(document, &file.speed_mm_s, SPEED_MM_S, EXPECTED)?;

@@ -10,21 +10,22 @@ use crate::formats::traces::TraceCondition;
 
 /// Relative deviation of a recorded speed from the nominal one that gives a warning.
 const SPEED_OFF: f64 = 0.1;
-/// Relative deviation of a speed from the recorded position that gives a warning: strokes differ in speed.
+/// Relative deviation of the speed derived from the recorded position that gives a warning. It is larger than
+/// `SPEED_OFF`, because strokes differ in speed.
 const POSITION_OFF: f64 = 0.2;
-/// Deviation of a recorded humidity that gives a warning.
+/// Deviation of the recorded from the nominal relative humidity, as a fraction of 1, that gives a warning.
 const HUMIDITY_OFF: f64 = 0.05;
 /// Ratio of recorded to nominal speed below which the drive stood still.
 const STILL: f64 = 0.01;
-/// Relative deviation of the instrument's own friction coefficient that gives a warning: it may be divided by the
-/// nominal load and have an offset.
+/// Relative deviation of the friction coefficient recorded by the instrument that gives a warning: the instrument may
+/// divide by the nominal load, and does not subtract an offset.
 const COEFFICIENT_OFF: f64 = 0.1;
 /// Lag of friction behind the position, relative to the duration of a stroke, that gives a warning. A filter lag of
 /// 0.05 strokes reduces friction in the middle half of a stroke by half a per cent, a lag of 0.1 strokes by three per
 /// cent.
 const LAG: f64 = 0.05;
 
-/// Warns that a trace was recorded at rest, if it has a column of speed.
+/// Warns that a trace was recorded at rest, according to its column of speed; `None` otherwise or without the column.
 pub(crate) fn stands_still(condition: &TraceCondition, repeat: &Recorded) -> Option<String> {
     let speed = repeat.speed_m_s.map(f64::abs).filter(|speed| *speed < STILL * condition.speed_m_s)?;
     let (found, nominal) = (SPEED_MM_S.from_si(speed), SPEED_MM_S.from_si(condition.speed_m_s));
@@ -33,8 +34,8 @@ pub(crate) fn stands_still(condition: &TraceCondition, repeat: &Recorded) -> Opt
     ))
 }
 
-/// Deviations of speed, humidity, friction coefficient, position and rows of `repeat` in `file` from the condition and
-/// the `findings`.
+/// Warnings about `repeat` in `file`: deviations of speed, humidity, friction coefficient and position from the
+/// condition and the `findings`, and repeated or missing rows.
 pub(crate) fn departures(
     condition: &TraceCondition,
     repeat: &Recorded,
@@ -70,7 +71,7 @@ pub(crate) fn departures(
     flags
 }
 
-/// Warns if the instrument's own friction coefficient differs from that of its torque or force.
+/// Warns if the friction coefficient recorded by the instrument differs from that computed from torque or force.
 fn coefficient_off(condition: &TraceCondition, repeat: &Recorded, findings: &TraceFindings) -> Option<String> {
     // The instrument does not subtract the zero.
     let own = repeat.usual_coefficient(condition.window_s).filter(|_| condition.zero_s.is_none())?;
@@ -97,7 +98,7 @@ fn coefficient_off(condition: &TraceCondition, repeat: &Recorded, findings: &Tra
     ))
 }
 
-/// Warns if friction reverses later than the position of a reciprocating sample.
+/// Warns if friction reverses later or earlier than the position of a reciprocating sample.
 fn lags(condition: &TraceCondition, repeat: &Recorded) -> Option<String> {
     condition.stroke_share?;
     let lag = lag_of_friction(&repeat.channels, &repeat.position_m, condition.window_s)?;
@@ -131,7 +132,7 @@ fn position_speed_off(condition: &TraceCondition, repeat: &Recorded) -> Option<S
     ))
 }
 
-/// Minimum number of letters of compared titles: shorter ones are similar to many words.
+/// Minimum number of letters of titles that are compared: shorter titles are similar to many words.
 const FEWEST_LETTERS: usize = 4;
 
 /// Warns of each unused column of `file` whose title is similar to a known title of a quantity that no column holds.
@@ -163,8 +164,8 @@ pub(crate) fn near_titles(file: &TraceFile, titles: &Titles) -> Vec<String> {
     file.unused.iter().filter_map(of_title).collect()
 }
 
-/// Known title of one of the `channels` that is most similar to `title`, if similar enough, and the number of differing
-/// letters.
+/// Finds the known title of one of the `channels` that is most similar to `title`; `None` if none is similar enough.
+/// Returns the channel, the known title and the number of differing letters.
 fn nearest_title(title: &str, channels: &[Channel]) -> Option<(Channel, &'static str, usize)> {
     let own = Titles::letters_of(title);
     let long = |letters: &str| letters.chars().count() >= FEWEST_LETTERS;

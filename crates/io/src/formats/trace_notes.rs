@@ -16,7 +16,8 @@ pub fn notes(conditions: &[ConditionTraces]) -> Vec<String> {
     words(of_traces).chain(list).chain(words(of_conditions)).collect()
 }
 
-/// Note on the missing part of the errors if no condition was measured more than once; `None` otherwise.
+/// Note that errors are incomplete, if a condition was measured once and no other condition on the same kind of surface
+/// was repeated; `None` otherwise.
 pub fn unrepeated(conditions: &[ConditionTraces]) -> Option<String> {
     let is_alone = |traces: &ConditionTraces| traces.mean.count == 1 && traces.mean.mu_dynamic.freedom == 0;
     let alone = conditions.iter().filter(|traces| is_alone(traces)).count();
@@ -30,19 +31,20 @@ pub fn unrepeated(conditions: &[ConditionTraces]) -> Option<String> {
     })
 }
 
-/// An anomaly and its location.
+/// An anomaly, and the condition or trace in which it occurs.
 struct Remark {
     place: String,
     words: String,
 }
 
-/// Remarks that differ at most in their numbers, in one sentence.
+/// Remarks that differ at most in their numbers, joined to one sentence.
 struct Group {
     words: String,
     is_of_many: bool,
 }
 
-/// One sentence for remarks that differ only in their numbers; `(what, all)` gives the subject and the total number.
+/// Joins remarks that differ only in their numbers to one sentence; `what` names the subject, traces or conditions, and
+/// `all` is the total number of subjects.
 fn grouped(remarks: &[Remark], (what, all): (&str, usize)) -> Vec<Group> {
     let kind = |words: &str| words.replace(|letter: char| letter.is_ascii_digit() || "+-".contains(letter), "");
     let mut groups: Vec<(String, &Remark, usize)> = Vec::new();
@@ -63,7 +65,7 @@ fn grouped(remarks: &[Remark], (what, all): (&str, usize)) -> Vec<Group> {
     groups.into_iter().map(in_words).collect()
 }
 
-/// File position of the traces of a condition.
+/// Describes a condition by sample, force, speed and humidity.
 fn place(traces: &ConditionTraces) -> String {
     let condition = &traces.condition;
     format!(

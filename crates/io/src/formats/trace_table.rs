@@ -49,27 +49,27 @@ pub struct TracesFile {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ColumnsFile {
-    /// Title of the time column; a unit in its brackets applies to a column without a unit, which otherwise has s.
+    /// Title of the time column; a unit in brackets applies if the column has no unit, otherwise s.
     time: Option<Spanned<String>>,
-    /// Title of the torque column; N m without a unit.
+    /// Title of the torque column; in N m if no unit is stated.
     torque: Option<Spanned<String>>,
-    /// Title of the friction force column; N without a unit.
+    /// Title of the friction force column; in N if no unit is stated.
     friction_force: Option<Spanned<String>>,
     /// Title of the friction coefficient column.
     friction_coefficient: Option<Spanned<String>>,
-    /// Title of the normal force column; N without a unit.
+    /// Title of the normal force column; in N if no unit is stated.
     normal_force: Option<Spanned<String>>,
-    /// Title of the sliding speed column; mm/s without a unit.
+    /// Title of the sliding speed column; in mm/s if no unit is stated.
     speed: Option<Spanned<String>>,
-    /// Title of the revolutions column; rpm without a unit.
+    /// Title of the revolutions column; in rpm if no unit is stated.
     revolutions: Option<Spanned<String>>,
-    /// Title of the relative humidity column; % without a unit.
+    /// Title of the relative humidity column; in % if no unit is stated.
     humidity: Option<Spanned<String>>,
     /// Title of the column with the number of the repeat.
     repeat: Option<Spanned<String>>,
     /// Title of the column with the number of the step.
     step: Option<Spanned<String>>,
-    /// Title of the column with the position along the sliding path; not read without a unit.
+    /// Title of the column with the position along the sliding path, which is not read if no unit is stated.
     position: Option<Spanned<String>>,
 }
 
@@ -114,7 +114,7 @@ pub struct TraceConditionFile {
     speed_mm_s: Number,
     /// Relative humidity; if it was not measured, one number in all conditions.
     humidity_pct: Number,
-    /// `flat` or `patterned`; `flat` when absent, of a trial `patterned`.
+    /// Sample: `flat` or `patterned`; when absent, `patterned` in a trial and `flat` elsewhere.
     surface: Option<Spanned<String>>,
     /// Exports, each once; `*` stands for any letters.
     files: Spanned<Vec<Spanned<String>>>,
@@ -150,14 +150,14 @@ pub(crate) struct TraceReader<'d> {
     stroke_share: Option<f64>,
     /// Times between which the zero of the sensors is read, in seconds, with the file position of the key.
     zero_s: Option<Zero>,
-    /// Every named export, with its path in the table and its line.
+    /// Every export named so far, with the line of the file that names it.
     named: Vec<(Export, Option<u32>)>,
     /// Every trace read so far.
     seen: Vec<Seen>,
 }
 
 impl<'d> TraceReader<'d> {
-    /// Reads the options of the table `[traces]` for all traces, including the conditions `of_trials`.
+    /// Reads the options of the table `[traces]`, which hold for all traces; `of_trials` are the conditions in trials.
     ///
     /// # Errors
     /// [`Diagnostic`] for any refused input.
@@ -199,12 +199,13 @@ impl<'d> TraceReader<'d> {
         })
     }
 
-    /// Options for reading the exports.
+    /// Returns the options for reading the exports.
     pub(crate) fn into_setup(self) -> TraceSetup {
         self.setup
     }
 
-    /// Reads the conditions of the table; they are `needed` if no trial has its own traces. Checks that files exist.
+    /// Reads the conditions of the table `[traces]` and checks that files exist. If `needed`, because no trial has its
+    /// own traces, a table without conditions is refused.
     ///
     /// # Errors
     /// [`Diagnostic`] for any refused input.
@@ -218,8 +219,8 @@ impl<'d> TraceReader<'d> {
         }
     }
 
-    /// Reads the conditions of a list, of a trial or of the table; checks that files exist. Exports of a condition that
-    /// is named several times, for example once per repeat, are joined.
+    /// Reads the conditions in the list of `trial`, or of `[traces]` if `None`, and checks that files exist. Exports of
+    /// a condition that is named several times, for example once per repeat, are joined.
     ///
     /// # Errors
     /// [`Diagnostic`] for any refused input.
@@ -247,12 +248,12 @@ impl<'d> TraceReader<'d> {
         Ok(all)
     }
 
-    /// Reads and analyses every trace of `conditions`; the scatter is shrunk towards that of the other conditions of
-    /// the surface.
+    /// Reads and analyses every trace of `conditions`; the scatter of each condition is shrunk towards that of the
+    /// other conditions on the same kind of surface.
     ///
     /// # Errors
-    /// Errors of [`analyse_condition`](super::traces::analyse_condition), and a refusal of an export with the content
-    /// of another.
+    /// Errors of [`analyse_condition`](super::traces::analyse_condition), also for an export with the content of an
+    /// earlier export.
     pub(crate) fn analyse(
         &mut self,
         conditions: &[(Range<usize>, TraceCondition)],
@@ -261,7 +262,8 @@ impl<'d> TraceReader<'d> {
         refused.into_iter().next().map_or(Ok(found), Err)
     }
 
-    /// Like [`Self::analyse`], but goes on behind refused conditions; returns the reasons for these beside the others.
+    /// Like [`Self::analyse`], but continues after a refused condition. Returns the analysed conditions and the
+    /// refusals.
     pub(crate) fn analyse_readable(
         &mut self,
         conditions: &[(Range<usize>, TraceCondition)],
@@ -328,7 +330,7 @@ impl<'d> TraceReader<'d> {
         })
     }
 
-    /// Exports of a list, separated into used ones and those that `exclude` leaves out.
+    /// Finds the exports of a list. Returns the exports to be used, and the paths of those that `exclude` leaves out.
     fn files(
         &mut self,
         list: &Spanned<Vec<Spanned<String>>>,
@@ -418,7 +420,7 @@ fn read_span(
     }
 }
 
-/// Files whose names match `pattern`, in which * stands for any letters of the name; sorted.
+/// Files whose names match `pattern`, in which * stands for any characters of the name, sorted by path.
 fn matching(source: &Source, pattern: &Path) -> Vec<PathBuf> {
     let is_file = |path: &Path| source.entry(path).is_ok_and(|entry| entry == Entry::File);
     let name = pattern.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();

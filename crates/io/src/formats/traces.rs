@@ -21,9 +21,9 @@ use crate::formats::{Diagnostic, Document};
 /// The surface of a specimen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SurfaceKind {
-    /// Flat.
+    /// Flat surface.
     Flat,
-    /// Patterned.
+    /// Patterned surface.
     Patterned,
 }
 
@@ -43,7 +43,7 @@ impl SurfaceKind {
 /// Trial of a calibration to which traces belong.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct OfTrial {
-    /// Number in the file, counted from 1.
+    /// Number of the trial in the file, counted from 1.
     pub number: usize,
     /// Name of the trial.
     pub name: String,
@@ -52,7 +52,7 @@ pub struct OfTrial {
 /// An export, and the step in it that belongs to a condition.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Export {
-    /// The file.
+    /// Path of the file.
     pub path: PathBuf,
     /// Step to read, by the instrument's number; `None` for the whole file.
     pub step: Option<u32>,
@@ -70,10 +70,10 @@ impl Export {
     }
 }
 
-/// Traces of one condition.
+/// Exports of one condition, and the options for reading them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TraceCondition {
-    /// Flat or patterned.
+    /// Kind of surface: flat or patterned.
     pub surface: SurfaceKind,
     /// Trial that was measured, if any.
     pub trial: Option<OfTrial>,
@@ -92,14 +92,14 @@ pub struct TraceCondition {
     pub zero_s: Option<[f64; 2]>,
     /// Place in the order of all runs, if given.
     pub order: Option<f64>,
-    /// Exports, in the order of their names.
+    /// Exports, in the order of the file; those that match one `*` are sorted by name.
     pub files: Vec<Export>,
     /// Exports that `exclude` left out.
     pub excluded: Vec<PathBuf>,
 }
 
 impl TraceCondition {
-    /// Whether `other` is a repeat: equal condition, sample and options.
+    /// Whether `other` is a repeat of this condition: sample, condition and options are equal.
     pub fn is_repeated_by(&self, other: &Self) -> bool {
         let Self { files, excluded, order, .. } = other.clone();
         Self { files, excluded, order, ..self.clone() } == *other
@@ -120,14 +120,14 @@ pub struct TraceSetup {
     pub effective_radius_m: Option<f64>,
     /// Specimens that share the recorded normal force.
     pub specimens: u32,
-    /// Look for a static peak.
+    /// Whether to look for a static peak.
     pub static_peak: bool,
-    /// Titles of columns in addition to the known ones.
+    /// Custom titles of columns; known titles of a quantity with a custom title are ignored.
     pub titles: Titles,
 }
 
 impl TraceSetup {
-    /// Traces with known column titles; `effective_radius_m` in metres.
+    /// Options for traces with known column titles; `effective_radius_m` is in metres.
     pub fn new(effective_radius_m: Option<f64>, specimens: u32, static_peak: bool) -> Self {
         Self { effective_radius_m, specimens, static_peak, titles: Titles::default() }
     }
@@ -136,12 +136,12 @@ impl TraceSetup {
 /// One analysed repeat.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ReadTrace {
-    /// File, and number in the file if there are several.
+    /// Name of the file, with step and number of the repeat if there are several.
     pub label: String,
     /// Results of the analysis.
     pub findings: TraceFindings,
-    /// Position in metres and coefficient of the last loops of reciprocating sliding; empty for other traces, and where the
-    /// position was not recorded.
+    /// Position in metres and friction coefficient, with its sign, along the last loops of reciprocating sliding; empty
+    /// for other traces, and if the position was not recorded.
     pub loops: Vec<[f64; 2]>,
     /// Anomalies, in words.
     pub flags: Vec<String>,
@@ -159,7 +159,7 @@ pub struct ConditionTraces {
 }
 
 impl ConditionTraces {
-    /// Row of a table of measurements; its deviations describe the scatter between samples.
+    /// Converts to a row of a table of measurements; the standard deviations are those for another sample.
     pub fn measurement(&self) -> Measurement {
         let (condition, mean) = (&self.condition, &self.mean);
         Measurement {
@@ -181,7 +181,7 @@ impl ConditionTraces {
         0.5 * (from_s + to_s) * self.condition.speed_m_s
     }
 
-    /// Measurement with its file position: the condition at `span` of `document`.
+    /// Measurement with the file position of the condition, which is at `span` of `document`.
     pub(crate) fn placed(&self, document: &Document, span: &Range<usize>) -> Placed {
         let line = document.refuse(span.clone(), "").line.unwrap_or(1);
         Placed {
@@ -209,15 +209,15 @@ pub fn analyse_condition(
 
 /// A trace read earlier, used to detect repeated content.
 pub(crate) struct Seen {
-    /// File, and number in the file.
+    /// Label of the trace, as in `ReadTrace`.
     label: String,
-    /// Number of samples.
+    /// Number of samples in time.
     samples: usize,
-    /// [`TraceChannels::fingerprint`](slipgrid_traces::TraceChannels::fingerprint).
+    /// Checksums of the channels: [`TraceChannels::fingerprint`](slipgrid_traces::TraceChannels::fingerprint).
     sums: [u64; 3],
 }
 
-/// Analyses a condition; compares its traces with those `seen` before and adds them.
+/// Reads and analyses every trace of a condition. Compares each with the traces `seen` before, and adds it to them.
 ///
 /// # Errors
 /// Errors of [`analyse_condition`]; a trace seen before is refused as given twice.
@@ -309,7 +309,7 @@ pub(crate) fn analyse_among(
     }
 }
 
-/// Diagnostic for a trace with `error`; if rows without a number cause it, for these rows.
+/// Diagnostic for a trace with `error`; if rows without a number caused the error, at these rows.
 fn refuse_trace(path: &Path, which: &str, repeat: &Recorded, error: &TraceError, window_s: [f64; 2]) -> Diagnostic {
     let missing = repeat.missing.as_ref();
     match missing.and_then(|missing| Some((&missing.longest, missing.explains(error, window_s)?))) {
@@ -322,7 +322,8 @@ fn refuse_trace(path: &Path, which: &str, repeat: &Recorded, error: &TraceError,
     }
 }
 
-/// Describes how a repeat differs from the others; `first` is the first of two.
+/// Describes how a repeat with the friction `mu` differs from the others; `first` is the label of the first of two
+/// repeats.
 fn words_of_odd(odd: &OddRepeat, mu: f64, first: &str) -> String {
     let (amount, others) = (100.0 * odd.relative.abs(), odd.others);
     let side = if odd.relative < 0.0 { "below" } else { "above" };
@@ -343,7 +344,7 @@ fn read_export(source: &Source, export: &Export, setup: &TraceSetup) -> Result<T
     parse_export(export, &read_letters(source, &export.path, "a table of traces")?, setup)
 }
 
-/// Reads an export from its text; its path names it in messages.
+/// Reads an export from its `text`; messages name the path of the export.
 ///
 /// # Errors
 /// [`Diagnostic`] that names line and column of the refused value.

@@ -12,10 +12,11 @@ use crate::formats::{Diagnostic, Document, Spanned};
 
 /// Default number of designs that are compared first.
 const DEFAULT_DESIGNS: usize = 1000;
-/// Default number of designs that are compared first, if each needs its neighbours as well.
+/// Default number of designs that are compared first with the goal `spread`, which needs neighbours of each design as
+/// well.
 const DEFAULT_DESIGNS_WITH_SPREAD: usize = 400;
 
-/// The table in the form of a design file.
+/// The table `[trade_offs]` in the form of a design file.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TradeOffsFile {
@@ -26,12 +27,12 @@ pub struct TradeOffsFile {
     designs: Option<Spanned<u64>>,
 }
 
-/// Inputs that goals need.
+/// Other inputs of the design that goals may need.
 #[derive(Clone, Copy, Debug)]
 pub struct Given<'a> {
-    /// The laser.
+    /// Laser of the design.
     pub laser: &'a Laser,
-    /// The target.
+    /// Friction target of the design.
     pub target: &'a Target,
     /// The texture of every design.
     pub texture: &'a Texture,
@@ -39,7 +40,7 @@ pub struct Given<'a> {
     pub has_tolerances: bool,
 }
 
-/// Reads the table.
+/// Reads the table `[trade_offs]`.
 ///
 /// # Errors
 /// [`Diagnostic`] if goals are unknown, repeated, too few or too many, or if they need inputs that are not given.

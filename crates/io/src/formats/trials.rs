@@ -86,16 +86,17 @@ pub(crate) struct FlatSamples<'a> {
     pub(crate) stated: StatedSpecimen,
     /// Specimen properties by which measurements are checked.
     pub(crate) specimens: &'a Specimens,
-    /// The measurements.
+    /// Measurements on the flat samples.
     pub(crate) measured: &'a [Placed],
-    /// Number of specimens that a force in a table presses.
+    /// Number of specimens that a force in a table presses at once.
     pub(crate) samples: u32,
     /// Whether a map of a flat sample is named.
     pub(crate) has_map: bool,
 }
 
-/// Reads the `trials` of a calibration with these `flat` samples, and the prior. The sample `first` from the
-/// calibration's own tables comes first. Traces are read by `reader`, and returned. Adds to `remarks`.
+/// Reads the `trials` of a calibration with these `flat` samples, and the prior. The sample `first`, from the patterned
+/// measurements of the calibration, becomes the first trial. `reader` reads the traces, which are returned as well.
+/// Remarks are appended to `remarks`.
 ///
 /// # Errors
 /// [`Diagnostic`] for any refused input.
@@ -183,7 +184,7 @@ pub(crate) fn read_trials(
     Ok((TrialsTask { samples, prior: hyper }, read))
 }
 
-/// A `[[trial]]` to be filled in.
+/// Keys of a `[[trial]]` to be filled in, with the designed pattern.
 #[derive(Serialize)]
 struct TemplateTrial<'a> {
     name: String,
@@ -192,9 +193,9 @@ struct TemplateTrial<'a> {
     pattern: PatternFile,
 }
 
-/// Template of `[[trial]]` tables for `patterns` on one `disc`, in the order of its sectors, to be added to a
-/// calibration and filled in; pending until they name their measurements. `densities` are the areal densities of the
-/// sectors as cut.
+/// Template of `[[trial]]` tables for `patterns` on one `disc`, in the order of the sectors, to be added to a
+/// calibration and filled in. A trial is pending until it names its measurements. `densities` are the areal densities
+/// of the sectors as cut.
 pub fn sector_trials(disc: &str, patterns: &[Pattern], densities: &[f64]) -> String {
     let mut text = "# Trials of one disc, by slipgrid: add these to the calibration once it is cut. They are pending until each names its measurements.\n\
                     # Measure each sector alone: what presses the whole disc measures a mean of all sectors, which is a trial of none.\n\
@@ -217,7 +218,7 @@ pub fn sector_trials(disc: &str, patterns: &[Pattern], densities: &[f64]) -> Str
     text
 }
 
-/// Path of the map of a cut sample.
+/// Path of the map of a cut sample; refused without a map of a flat sample.
 fn read_map(document: &Document, map: &Spanned<String>, has_flat_map: bool) -> Result<PathBuf, Diagnostic> {
     if !has_flat_map {
         return Err(document
@@ -237,7 +238,8 @@ fn read_disc(document: &Document, disc: Option<&Spanned<String>>) -> Result<Opti
     }
 }
 
-/// First trial: the sample that a calibration describes by the pattern in `table` and `measured` on patterned samples.
+/// First trial: the sample that a calibration describes by the pattern in `table` and by the measurements `measured` on
+/// patterned samples.
 ///
 /// # Errors
 /// [`Diagnostic`] for any refused input.

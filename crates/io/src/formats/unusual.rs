@@ -22,7 +22,7 @@ use slipgrid_base::units::{
     HUMIDITY_PCT, LENGTH_UM, MODULUS_GPA, PRESSURE_MPA, SPEED_MM_S, in_digits, significant, significant_to, tidy,
 };
 
-/// Warnings for the scene `file` of `document` besides those of its material, whose Young's modulus is `modulus_gpa`.
+/// Warnings for the scene `file` of `document`, except for the material, whose Young's modulus is `modulus_gpa`.
 pub fn of_scene(document: &Document, file: &SceneFile, modulus_gpa: f64) -> Vec<Diagnostic> {
     let mut told = Vec::new();
     let load = file.load.get_ref();
@@ -41,13 +41,13 @@ pub fn of_scene(document: &Document, file: &SceneFile, modulus_gpa: f64) -> Vec<
     told
 }
 
-/// Accepted nominal pressures, `expected`, with the probable intended unit.
+/// Appends the probable intended unit of `pressure_mpa`, if any, to `expected`, the description of accepted pressures.
 pub fn with_slip(expected: &str, pressure_mpa: f64) -> String {
     GIVEN_PRESSURE.slip(pressure_mpa).map_or_else(|| expected.to_owned(), |slip| format!("{expected}; {slip}"))
 }
 
-/// Warning of the first nominal pressure that strains a material of `modulus_gpa` more than solids bear; otherwise of
-/// the first unusual one.
+/// Warning of the first nominal pressure that strains a material of `modulus_gpa` more than solids bear, otherwise of
+/// the first unusual pressure; `None` if all are usual.
 pub fn of_pressures(document: &Document, pressures: &Spanned<Numbers>, modulus_gpa: f64) -> Option<Diagnostic> {
     let strained = |value: &Number| {
         let (pressure_mpa, modulus_mpa) = (*value.get_ref(), 1e3 * modulus_gpa);
@@ -63,7 +63,8 @@ pub fn of_pressures(document: &Document, pressures: &Spanned<Numbers>, modulus_g
     first(pressures, strained).or_else(|| numbers(document, GIVEN_PRESSURE, pressures))
 }
 
-/// Warning of a speed so high that no run in time represents it at this pressure, with the accepted range.
+/// Reason and accepted range for a speed that is too high for any run in time at this pressure; `None` for a lower
+/// speed.
 pub fn too_fast(elastic: &Elastic, pressure_pa: f64, speed_m_s: f64) -> Option<[String; 2]> {
     let most_m_s = max_run_speed_m_s(elastic, pressure_pa);
     (speed_m_s > most_m_s).then(|| {
@@ -78,7 +79,8 @@ pub fn too_fast(elastic: &Elastic, pressure_pa: f64, speed_m_s: f64) -> Option<[
     })
 }
 
-/// Warning of the speed of a `scene` that runs in time, unless more than the usual damping suppresses waves.
+/// Warning of a speed of `scene` that is too high for its run in time, unless more than the default damping suppresses
+/// waves.
 pub fn of_speed(document: &Document, load: &LoadFile, scene: &Scene) -> Option<Diagnostic> {
     let runs = scene.run.fidelity != Fidelity::Steady && scene.run.damping <= RunOptions::default().damping;
     let loaded = scene.loads.iter().map(|load| load.pressure_pa).filter(|pressure_pa| *pressure_pa > 0.0);
@@ -89,8 +91,8 @@ pub fn of_speed(document: &Document, load: &LoadFile, scene: &Scene) -> Option<D
     Some(Diagnostic { value: None, ..told }.expected(expected))
 }
 
-/// Warning of rims of the pattern in `table` that are higher than lasers leave them, or narrower than two blocks, of which
-/// blocks resolve only the mean.
+/// Warning of rims of the pattern in `table` that are higher than lasers leave them, or narrower than two blocks: such
+/// blocks resolve only the mean height of a rim.
 pub fn of_rims(
     document: &Document,
     rim: Option<&Rim>,
@@ -115,7 +117,7 @@ pub fn of_rims(
     })
 }
 
-/// Warning of humidities that are probably fractions of 1: the first in each of the `conditions` of a design.
+/// Warnings of humidities that are probably fractions of 1, one for each of the `conditions` of a design that has any.
 pub fn of_shares<'c>(
     document: &Document,
     conditions: impl Iterator<Item = &'c Spanned<ConditionRangeFile>>,
@@ -128,7 +130,7 @@ fn of_share(document: &Document, humidity: &Number) -> Option<Diagnostic> {
     Some(document.refuse(humidity.span(), format!("is {reason}")))
 }
 
-/// Warnings for a material; zeros have a meaning of their own.
+/// Warnings for a material. Values of zero give no warning, because zero has a meaning of its own.
 pub fn of_material(document: &Document, file: &MaterialFile) -> Vec<Diagnostic> {
     let bulk = [(MODULUS, &file.youngs_modulus_gpa), (DENSITY, &file.density_g_cm3)];
     let mut told: Vec<Diagnostic> =
@@ -147,9 +149,9 @@ pub fn of_material(document: &Document, file: &MaterialFile) -> Vec<Diagnostic> 
     told
 }
 
-/// Warning of the first static coefficient that no calibration finds beside its dynamic coefficient. Blocks slide one after
-/// another, so the peak of a specimen is lower than that of its blocks: a peak of twice dynamic friction, the highest that
-/// tables may have, needs three times.
+/// Warning of the first static coefficient whose ratio to the dynamic coefficient no calibration finds. Blocks slide
+/// one after another, so the peak of a specimen is lower than that of its blocks: a peak of twice dynamic friction, the
+/// highest that tables may have, needs blocks with three times.
 fn of_static(document: &Document, at_rest: &Spanned<Numbers>, sliding: &Spanned<Numbers>) -> Option<Diagnostic> {
     let [least, most] = STATIC_OVER_DYNAMIC;
     let (at_rest_values, sliding) = (at_rest.get_ref().written(), sliding.get_ref().written());
@@ -183,12 +185,12 @@ fn number(document: &Document, quantity: Plausible, value: &Number) -> Option<Di
     (written != 0.0).then(|| quantity.tell(written, || document.refuse(value.span(), ""))).flatten()
 }
 
-/// Warning of the first unusual value in `values`: a list gets one warning.
+/// Warning of the first unusual value in `values`, so that a list gets one warning.
 fn numbers(document: &Document, quantity: Plausible, values: &Spanned<Numbers>) -> Option<Diagnostic> {
     first(values, |value| number(document, quantity, value))
 }
 
-/// The first warning that `tell` returns for `values`.
+/// Returns the first warning that `tell` gives for `values`.
 fn first(values: &Spanned<Numbers>, tell: impl Fn(&Number) -> Option<Diagnostic>) -> Option<Diagnostic> {
     match values.get_ref() {
         Numbers::One(value) => tell(&Spanned::new(values.span(), *value)),

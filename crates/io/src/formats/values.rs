@@ -31,9 +31,9 @@ pub fn each(values: impl IntoIterator<Item = f64>) -> Spanned<Numbers> {
 #[derive(Clone, Debug, Serialize)]
 #[serde(untagged)]
 pub enum Numbers {
-    /// One number.
+    /// One number for all entries.
     One(f64),
-    /// One for each.
+    /// One number for each entry.
     Each(Vec<Number>),
 }
 
@@ -82,7 +82,7 @@ impl JsonSchema for Numbers {
     }
 }
 
-/// Reads `values` in SI units as a list, at least one.
+/// Reads `values` as a list of at least one number, converted to SI units.
 ///
 /// # Errors
 /// [`Diagnostic`] if the list is empty or a number is refused.
@@ -125,10 +125,10 @@ pub const MAX_PRESSURES: usize = 10_000;
 /// correlated.
 pub const MAX_TARGET_PRESSURES: usize = 1000;
 
-/// Refuses a list of more than `most` pressures, at the first excess one.
+/// Refuses a list of more than `most` pressures.
 ///
 /// # Errors
-/// [`Diagnostic`] at that pressure.
+/// [`Diagnostic`] at the first excess pressure.
 pub fn check_count(document: &Document, pressures: &Spanned<Numbers>, most: usize) -> Result<(), Diagnostic> {
     match pressures.get_ref() {
         Numbers::Each(each) if each.len() > most => {
@@ -140,7 +140,7 @@ pub fn check_count(document: &Document, pressures: &Spanned<Numbers>, most: usiz
 }
 
 impl Numbers {
-    /// Numbers as written.
+    /// Numbers as written, in the unit of the file.
     pub fn written(&self) -> Vec<f64> {
         match self {
             Self::One(value) => vec![*value],
@@ -149,7 +149,7 @@ impl Numbers {
     }
 }
 
-/// File position of number `place` of `values`; one number stands for all.
+/// File position of the number with the index `place` in `values`; a single number stands for all.
 pub fn number_span(values: &Spanned<Numbers>, place: usize) -> Range<usize> {
     match values.get_ref() {
         Numbers::Each(each) if place < each.len() => each[place].span(),
@@ -157,10 +157,11 @@ pub fn number_span(values: &Spanned<Numbers>, place: usize) -> Range<usize> {
     }
 }
 
-/// Reads the two ends of a range in SI units; one number is both. `expected` describes what is accepted.
+/// Reads the two ends of a range, converted to SI units; a single number stands for both. `expected` describes accepted
+/// values.
 ///
 /// # Errors
-/// [`Diagnostic`] if a number is refused, if a list has not two of them, or the larger one first.
+/// [`Diagnostic`] if a number is refused, if a list does not have two numbers, or has the larger number first.
 pub fn range(
     document: &Document,
     values: &Spanned<Numbers>,
@@ -177,7 +178,7 @@ pub fn range(
     Err(document.refuse(values.span(), reason).expected(expected))
 }
 
-/// Reads `values` in SI units, one for each of `count`; a single number stands for all.
+/// Reads `count` numbers, converted to SI units; a single number stands for all. `of_what` names an entry in messages.
 ///
 /// # Errors
 /// [`Diagnostic`] if the list's length is not `count` or a number is refused.
@@ -194,7 +195,7 @@ pub fn for_each(
     }
 }
 
-/// Reads `values` in SI units, one for each of `count`.
+/// Reads a list of `count` numbers, converted to SI units. `of_what` names an entry in messages.
 ///
 /// # Errors
 /// [`Diagnostic`] if the list's length is not `count` or a number is refused.
@@ -214,10 +215,10 @@ pub fn column(
         .expected(format!("{count}, one for each {of_what}")))
 }
 
-/// Reads pressures that increase strictly.
+/// Reads numbers that increase strictly, converted to SI units.
 ///
 /// # Errors
-/// [`Diagnostic`] if the list is empty, a number is refused, or one does not exceed the one before.
+/// [`Diagnostic`] if the list is empty, a number is refused, or a number does not exceed the one before.
 pub fn increasing(document: &Document, values: &NumberList, quantity: Quantity) -> Result<Vec<f64>, Diagnostic> {
     let read = document.numbers(values, quantity)?;
     for (place, pair) in read.windows(2).enumerate() {

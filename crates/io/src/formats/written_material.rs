@@ -26,11 +26,11 @@ pub enum UnwritableMaterial {
     Pairs(String),
 }
 
-/// Material as TOML. `[made_from]` is for a file stored with its calibration, as `calibrate -o` writes it; pages and
-/// cached results have none.
+/// Formats the material of `outcome` as TOML. `made_from` is given for a file stored with its calibration, as
+/// `calibrate -o` writes it; pages and cached results have none.
 ///
 /// # Errors
-/// [`UnwritableMaterial`] if the fit has neither one pair nor one pair per measurement.
+/// [`UnwritableMaterial`] if the fit has neither one pair nor one pair per measurement, or a number has no TOML form.
 pub fn material_toml(
     task: &CalibrationTask,
     outcome: &CalibrationOutcome,
@@ -123,7 +123,7 @@ fn condition_table(condition: Condition, rows: &[Row]) -> ConditionTable {
     }
 }
 
-/// One table per condition, with the measurements in sequence.
+/// Converts flat friction to tables, one for each run of consecutive measurements at one condition.
 pub(crate) fn flat_friction(measured: &[CoefficientEstimate]) -> Vec<Spanned<FlatFrictionTable>> {
     let table = |rows: &[CoefficientEstimate]| {
         let Condition { speed_m_s, humidity } = rows[0].condition?;

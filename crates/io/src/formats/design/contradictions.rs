@@ -16,12 +16,13 @@ impl Design {
         self.thickness(calibration).into_iter().chain(self.holder(calibration)).collect()
     }
 
-    /// Diagnostics that need the material: pressures that strain it too much, and a speed that no run in time can confirm.
+    /// Diagnostics that need the material: pressures that strain the material too much, and a speed that no run in time
+    /// can confirm.
     pub fn material_told(&self) -> Vec<Diagnostic> {
         self.strained().into_iter().chain(self.too_fast()).collect()
     }
 
-    /// Thickness that the calibration states, if the design models another.
+    /// Diagnostic if the design models another thickness than `calibration` states.
     fn thickness(&self, calibration: &Calibration) -> Option<Diagnostic> {
         let (stated_m, own_m) = (calibration.thickness_m?, self.task.layer.thickness_m?);
         if (own_m / stated_m - 1.0).abs() < SAME_THICKNESS {
@@ -38,7 +39,8 @@ impl Design {
         Some(told.expected(format!("thickness_mm = {stated_mm} in [sample], if the design is for the same specimen")))
     }
 
-    /// Holder that the calibration states, if the design models another. Without a thickness no holder has an effect.
+    /// Diagnostic if the design models another holder than `calibration` states. Without a thickness, a holder has no
+    /// effect.
     fn holder(&self, calibration: &Calibration) -> Option<Diagnostic> {
         let (stated, own) = (calibration.holder?, self.task.layer.holder);
         if self.task.layer.thickness_m.is_none() || own == Some(stated) {

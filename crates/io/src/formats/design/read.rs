@@ -17,7 +17,7 @@ use crate::formats::{Diagnostic, Document, Spanned};
 use slipgrid_base::units::{LENGTH_UM, significant, significant_to};
 use toml::value::Datetime;
 
-/// Conditions with their file positions: the condition designed for, then the further ones.
+/// Reads the conditions with their file positions: first `condition`, then those of `also_at`.
 pub(super) fn read_ranges(
     document: &Document,
     file: &DesignFile,
@@ -35,12 +35,13 @@ pub(super) fn read_ranges(
 /// Width, spacing and depth bounds, in metres.
 type Bounds = ([f64; 2], [f64; 2], [f64; 2]);
 
-/// Name of the unit of which depths are whole multiples.
+/// Name of the laser steps of which depths are whole multiples: passes or bursts.
 pub(super) fn depth_steps(laser: &Laser) -> &'static str {
     if laser.bursts_per_pass().is_some() { "passes" } else { "bursts" }
 }
 
-/// Rounds a single depth to the whole number of laser steps that it was printed from, to a hundredth of a micrometre.
+/// Replaces a fixed depth, given by two equal bounds in metres, by the nearest whole number of laser steps if the two
+/// differ by no more than the rounding of printed depths, 0.01 um. Other bounds are unchanged.
 pub(super) fn whole_steps(depth_m: [f64; 2], laser: &Laser) -> [f64; 2] {
     const PRINTED_M: f64 = 0.01e-6;
     let Some(step_m) = laser.depth_step_um().map(|step_um| LENGTH_UM.to_si(step_um)) else { return depth_m };
@@ -134,7 +135,8 @@ pub(super) fn read_limits(
     Ok(limits)
 }
 
-/// Material, if it is known already; otherwise the file from which it must be calibrated.
+/// Reads the material of a design. Returns the material, or, if `material` names a calibration, `None` and the path of
+/// the calibration. Appends warnings of unusual values to `told`.
 pub(super) fn read_material_input(
     document: &Document,
     material: &Spanned<PathOr<MaterialFile>>,

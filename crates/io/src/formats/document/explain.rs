@@ -1,4 +1,4 @@
-//! Explanations of errors of the TOML parser and of serde, as diagnostics.
+//! Converts errors of the TOML parser and of serde to diagnostics.
 
 use std::ops::Range;
 
@@ -6,7 +6,7 @@ use super::Document;
 use crate::formats::diagnostic::{Diagnostic, nearest};
 
 impl Document {
-    /// Explains an `error` of the parser or of serde.
+    /// Converts an `error` of the TOML parser or of serde to a diagnostic.
     pub(super) fn explain(&self, error: &toml::de::Error) -> Diagnostic {
         let span = error.span().unwrap_or(0..0);
         let message = error.message();
@@ -35,7 +35,7 @@ impl Document {
         self.explain_value(span, message)
     }
 
-    /// Explains why the value at `span` was refused, by serde's `message`.
+    /// Converts `message`, in which serde says why the value at `span` was refused, to a diagnostic.
     fn explain_value(&self, span: Range<usize>, message: &str) -> Diagnostic {
         if let Some(value) = decimal_comma(self.line_text(span.start)) {
             return Diagnostic {
@@ -106,14 +106,15 @@ impl Document {
     }
 }
 
-/// Name that serde refused in `message` as an unknown `kind`, and the known names. The name may hold any letter.
+/// Extracts the name that serde refused in `message` as an unknown `kind`, and the known names; `None` for other
+/// messages. The refused name may contain any character.
 fn unknown<'a>(message: &'a str, kind: &str) -> Option<(&'a str, Vec<&'a str>)> {
     let (written, known) =
         message.strip_prefix("unknown ")?.strip_prefix(kind)?.strip_prefix(" `")?.rsplit_once("`, expected ")?;
     Some((written, known.split('`').skip(1).step_by(2).collect()))
 }
 
-/// Replaces `code` where it occurs as a separate word.
+/// Replaces `code` by `word` wherever `code` is a separate word of `text`.
 pub(super) fn replace_word(text: &str, code: &str, word: &str) -> String {
     let alphanumeric = |letter: Option<char>| letter.is_some_and(|letter| letter.is_alphanumeric() || letter == '_');
     let mut replaced = String::new();
@@ -129,7 +130,7 @@ pub(super) fn replace_word(text: &str, code: &str, word: &str) -> String {
     replaced + rest
 }
 
-/// Number with a decimal comma in a line such as `key = 2,7`.
+/// Number with a decimal comma in a line such as `key = 2,7`; `None` for other lines.
 fn decimal_comma(line: &str) -> Option<String> {
     let (_, value) = line.split_once('=')?;
     let value = value.split('#').next().unwrap_or_default();

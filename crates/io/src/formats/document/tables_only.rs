@@ -1,5 +1,5 @@
-//! Deserializer wrapper that refuses lists in place of tables, and tables in place of names. Derived readers would also
-//! take the fields of a structure, in order, from a list, and a name as the key of an empty table.
+//! Deserializer wrapper that refuses lists in place of tables, and tables in place of names. Derived deserializers
+//! would also read the fields of a structure, in order, from a list, and a name as the key of an empty table.
 
 use std::fmt;
 

@@ -4,15 +4,16 @@ use crate::formats::diagnostic::Diagnostic;
 use crate::formats::measured::Placed;
 use slipgrid_base::units::{LENGTH_MM, SPEED_MM_S, significant, tidy};
 
-/// Correlation from which on two influences count as one. At 0.95 the error of either effect is three times as large as
-/// without correlation.
+/// Correlation at or above which two influences cannot be separated. At 0.95 the error of either effect is three times
+/// as large as without correlation.
 const COLLINEAR: f64 = 0.95;
-/// Ratio of the highest to the lowest speed from which on an effect of speed is looked for.
+/// Minimum ratio of the highest to the lowest speed for a warning about speed and sliding distance.
 const SPEEDS_APART: f64 = 1.05;
-/// Minimum number of rows of known order.
+/// Minimum number of rows with a known order of runs for a warning about load and order.
 const MIN_ORDERED: usize = 3;
 
-/// Warnings about `rows`, all of one sample: speed and sliding distance, load and order of the runs.
+/// Warns if sliding distance rises with speed, or load rises or falls with the order of the runs, in `rows`, all of one
+/// kind of sample.
 pub(super) fn check(rows: &[Placed]) -> Vec<Diagnostic> {
     speed_and_distance(rows).into_iter().chain(load_and_order(rows)).collect()
 }
@@ -73,13 +74,13 @@ fn load_and_order(rows: &[Placed]) -> Option<Diagnostic> {
     Some(at_first(rows, reason).expected("loads in random order"))
 }
 
-/// Diagnostic at the first row.
+/// Diagnostic with `reason` at the first row.
 fn at_first(rows: &[Placed], reason: String) -> Diagnostic {
     let (path, line) = rows.first().map_or_else(Default::default, |row| (row.path.clone(), row.line));
     Diagnostic { line: Some(line), ..Diagnostic::file(&path, reason) }
 }
 
-/// Correlation of the two coordinates; 0 if one of them is constant.
+/// Pearson correlation of the two coordinates of `points`; 0 if a coordinate is constant.
 fn correlation(points: &[[f64; 2]]) -> f64 {
     let mean = |axis: usize| points.iter().map(|at| at[axis]).sum::<f64>() / points.len().max(1) as f64;
     let means = [mean(0), mean(1)];

@@ -4,7 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use super::{Corners, FLATTENING};
 
-/// Maximum number of chords of one curve; the tolerance requires some hundreds.
+/// Maximum number of chords of one curve; the tolerance `FLATTENING` requires some hundreds.
 const MAX_CHORDS: f64 = 1000.0;
 
 fn extent(points: &[[f64; 2]]) -> f64 {
@@ -15,7 +15,8 @@ fn extent(points: &[[f64; 2]]) -> f64 {
     along(0).max(along(1))
 }
 
-/// Appends the Bezier curve of `points`, 3 or 4 of them, without its first point.
+/// Appends chords of the Bezier curve with the control points `points`, 3 or 4; the first point of the curve is not
+/// appended.
 pub(super) fn push_bezier(out: &mut Corners, points: &[[f64; 2]]) {
     // A chord of 1/n departs by at most |B''|/(8 n^2), |B''| <= d (d - 1) max |p_i - 2 p_i+1 + p_i+2|.
     let bend = |three: &[[f64; 2]]| {
@@ -44,7 +45,7 @@ pub(super) fn push_bezier(out: &mut Corners, points: &[[f64; 2]]) {
     }
 }
 
-/// Chords for an arc of `angle`, at least one.
+/// Number of chords for an arc of `angle`, in radians; at least one.
 fn chords(angle: f64) -> u32 {
     // s = r (1 - cos(a/2)) = FLATTENING 2 r, a the angle of one chord.
     let one = 2.0 * libm::acos(1.0 - 2.0 * FLATTENING);
@@ -52,16 +53,16 @@ fn chords(angle: f64) -> u32 {
     (angle.abs() / one).ceil().clamp(1.0, MAX_CHORDS) as u32
 }
 
-/// Corners on a circle or an ellipse, starting at its largest x.
+/// Corners on the ellipse with the centre (x, y) and the radii rx and ry, by increasing angle from the largest x.
 pub(super) fn ellipse([x, y]: [f64; 2], [rx, ry]: [f64; 2]) -> Corners {
     let count = chords(TAU);
     let angle = |step: u32| TAU * f64::from(step) / f64::from(count);
     (0..count).map(|step| [x + rx * libm::cos(angle(step)), y + ry * libm::sin(angle(step))]).collect()
 }
 
-/// Appends the arc from `from` to `to` of an ellipse with these radii, turned by `turned_deg`, by the rules of SVG: the
-/// `large` one of two, or the one that `sweeps` to larger angles. The point `from` is not appended. Radii that are too
-/// small are enlarged.
+/// Appends chords of the arc from `from` to `to` of an ellipse with these radii, turned by `turned_deg`, by the rules
+/// of SVG: `large` selects an arc of more than half a turn, `sweeps` an arc in the direction of increasing angles. The
+/// point `from` is not appended. Radii that are too small for the two points are enlarged.
 ///
 /// W3C, "Scalable Vector Graphics (SVG) 1.1", F.6.
 pub(super) fn push_arc(
@@ -106,8 +107,8 @@ pub(super) fn push_arc(
     out.push(to);
 }
 
-/// Appends the arc from `from` to `to` with a bulge, the tangent of a quarter of its angle, positive anticlockwise. The
-/// point `from` is not appended.
+/// Appends chords of the arc from `from` to `to` with the DXF `bulge`, the tangent of a quarter of the arc's angle,
+/// positive anticlockwise. The point `from` is not appended.
 pub(super) fn push_bulge(out: &mut Corners, from: [f64; 2], to: [f64; 2], bulge: f64) {
     let chord = (to[0] - from[0]).hypot(to[1] - from[1]);
     if bulge == 0.0 || chord == 0.0 {

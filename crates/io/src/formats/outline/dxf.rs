@@ -10,7 +10,7 @@ use super::{Corners, Wrong, only};
 const EXPECTED: &str = "one closed POLYLINE, LWPOLYLINE or CIRCLE on the layer, of text DXF";
 const STRICT: &str = "text DXF: a group code and its value in turn, each on a line of its own, from a section to EOF";
 
-/// A group with the line of its value.
+/// A group: code and value, with the line of the value.
 #[derive(Clone, Copy)]
 struct Group<'a> {
     code: i32,
@@ -54,7 +54,8 @@ impl Entity<'_> {
     }
 }
 
-/// The only closed outline on `layer`, or on all layers, with its first line.
+/// Corners of the only closed outline on `layer`, or in the drawing if `layer` is `None`, and the line in which the
+/// outline begins.
 pub(super) fn outline(text: &str, layer: Option<&str>) -> Result<(Corners, u32), Wrong> {
     if text.starts_with("AutoCAD Binary DXF") {
         return Err(Wrong::new(None, "is a binary DXF drawing", STRICT));
@@ -94,7 +95,7 @@ pub(super) fn outline(text: &str, layer: Option<&str>) -> Result<(Corners, u32),
     only(found, EXPECTED)
 }
 
-/// The entities of the section ENTITIES.
+/// Reads the entities of the section ENTITIES.
 fn entities(text: &str) -> Result<Vec<Entity<'_>>, Wrong> {
     let mut lines = text.lines().zip(1_u32..);
     let mut entities: Vec<Entity<'_>> = Vec::new();
@@ -125,7 +126,7 @@ fn entities(text: &str) -> Result<Vec<Entity<'_>>, Wrong> {
     if is_ended { Ok(entities) } else { Err(Wrong::new(None, "ends before EOF", STRICT)) }
 }
 
-/// Corners of an entity; the corners of a POLYLINE are the `vertices` that follow it.
+/// Corners of an entity; those of a POLYLINE are given by the `vertices`, the entities that follow it.
 fn corners(entity: &Entity<'_>, vertices: &[Entity<'_>]) -> Result<Corners, Wrong> {
     // Bit 1: closed. Bit 128 (linetypes) does not affect the shape; curve fits, meshes and polylines in space do.
     let flags = entity.number(70)?.unwrap_or(0.0);

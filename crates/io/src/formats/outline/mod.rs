@@ -20,14 +20,14 @@ use crate::formats::{Diagnostic, Document, Spanned};
 /// Deviation of chords from a curve, relative to the larger extent of its control points or of the circle.
 pub const FLATTENING: f64 = 1e-4;
 
-/// Corners of an outline as `[x, y]`, in order.
+/// Corners of an outline as `[x, y]`, in order, in the unit of the drawing.
 type Corners = Vec<[f64; 2]>;
 
 /// Description of an accepted drawing in messages.
 const EXPECTED: &str = "a drawing that ends with .svg or .dxf and holds one closed outline";
 
-/// Reads the outline of a table, given by its vertices as a list or by a drawing, `outline`, whose `layer` may be
-/// named. `table` is the file position of the table.
+/// Reads the outline of a cavity, given by a list of vertices or by a drawing, `outline`, of which a DXF `layer` may be
+/// named. `table` is the span of the table that holds the keys.
 ///
 /// # Errors
 /// [`Diagnostic`] if neither or both are given, if a drawing cannot be read, or if the shape is no valid outline.
@@ -64,14 +64,15 @@ pub fn read_outline(
     }
 }
 
-/// Diagnostic for an error in a drawing, at the key `outline` that names it.
+/// Converts `wrong`, an error in a drawing, to a diagnostic at the key `outline` that names the drawing.
 fn named_by(document: &Document, outline: &Spanned<String>, wrong: Diagnostic) -> Diagnostic {
     let expected = wrong.expected.as_deref().unwrap_or(EXPECTED).to_owned();
     let inside = Diagnostic { expected: None, ..wrong };
     document.refuse(outline.span(), format!("cannot be used: {inside}")).expected(expected)
 }
 
-/// Reads the only closed outline of the drawing at `path` of `source`; in a DXF drawing the one on `layer`, if given.
+/// Reads the only closed outline of the SVG or DXF drawing at `path` of `source`; in a DXF drawing on `layer`, if
+/// given.
 ///
 /// # Errors
 /// [`Diagnostic`] for any refused input.
@@ -125,7 +126,7 @@ impl Wrong {
     }
 }
 
-/// The only outline of those found, with its first line.
+/// Returns the only outline in `found` with the line in which it begins; an error unless there is exactly one outline.
 fn only(mut found: Vec<(Corners, u32)>, what: &'static str) -> Result<(Corners, u32), Wrong> {
     match (found.len(), found.pop()) {
         (1, Some(one)) => Ok(one),

@@ -12,7 +12,7 @@ use super::{Corners, Wrong, only};
 const EXPECTED: &str = "one closed path, polygon, rect or circle";
 const PATH: &str = "a closed path of M L H V C Q A Z, absolute or relative";
 
-/// The only closed outline of `text`, with its first line.
+/// Corners of the only closed outline of the drawing `text`, and the line in which the outline begins.
 pub(super) fn outline(text: &str) -> Result<(Corners, u32), Wrong> {
     let mut reader = Reader::from_str(text);
     let mut found = Vec::new();
@@ -67,7 +67,7 @@ pub(super) fn outline(text: &str) -> Result<(Corners, u32), Wrong> {
     if is_drawing { only(found, EXPECTED) } else { Err(Wrong::new(None, "is no SVG drawing", EXPECTED)) }
 }
 
-/// Attributes of an element, without the prefixes of their names.
+/// Names, without prefixes, and values of the attributes of an element.
 fn attributes(element: &BytesStart<'_>, line: u32) -> Result<Vec<(String, String)>, Wrong> {
     let wrong =
         |error: String| Wrong::new(line, format!("has an attribute that cannot be read: {error}"), "an SVG drawing");
@@ -113,7 +113,7 @@ fn polygon(points: &str, line: u32) -> Result<Corners, Wrong> {
     Ok(corners)
 }
 
-/// Tokens of an attribute: numbers and letters.
+/// Splits the value of an attribute into numbers, letters and flags.
 struct Tokens<'a> {
     rest: &'a str,
     line: u32,
@@ -130,7 +130,7 @@ impl Tokens<'_> {
         Wrong::new(self.line, reason, PATH).at(self.key, shown)
     }
 
-    /// Reads the letter of a command, if one follows.
+    /// Reads the letter of a command; `None` if no letter follows.
     fn letter(&mut self) -> Option<char> {
         self.skip_blank();
         let letter = self.rest.chars().next().filter(char::is_ascii_alphabetic)?;
@@ -138,7 +138,7 @@ impl Tokens<'_> {
         Some(letter)
     }
 
-    /// Reads a number, if one follows.
+    /// Reads a number; `None` if no number follows.
     fn number(&mut self) -> Result<Option<f64>, Wrong> {
         self.skip_blank();
         let bytes = self.rest.as_bytes();
@@ -189,7 +189,7 @@ impl Tokens<'_> {
     }
 }
 
-/// Corners of the only closed subpath of `data`.
+/// Corners of the only closed subpath of the path `data`.
 fn path(data: &str, line: u32) -> Result<Corners, Wrong> {
     let mut tokens = Tokens { rest: data, line, key: "path.d" };
     let mut corners: Corners = Vec::new();
