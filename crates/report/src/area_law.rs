@@ -44,13 +44,15 @@ pub struct AreaLawReport {
     pub youngs_modulus_gpa: f64,
     /// Poisson's ratio.
     pub poisson_ratio: f64,
-    /// E* = E / (1 - nu^2).
+    /// Contact modulus E* = E / (1 - nu^2), from Young's modulus E and Poisson's ratio nu.
     pub contact_modulus_gpa: f64,
-    /// Pressure at full contact.
+    /// Lowest pressure at which the whole map is in contact; null without a map.
     pub full_contact_pressure_mpa: Option<f64>,
-    /// Threshold pressure P0: f is 1 up to P0. Without a stated threshold, P0 is a small load at which A/P approximates its limit.
+    /// Threshold pressure P0: the area factor f is 1 up to P0. Without a stated threshold, P0 is a small load at which
+    /// A/P, real contact area over pressure, is close to the limit for small loads.
     pub threshold_mpa: f64,
-    /// A/P at the threshold over A/P at the lowest pressure; 1 while the area grows in proportion to pressure.
+    /// A/P at the threshold over A/P at the lowest pressure; 1 if the area A is proportional to the pressure P up to
+    /// the threshold.
     pub threshold_proportionality: Option<f64>,
     /// Relative error tolerance of the contact solver.
     pub tolerance: f64,
@@ -71,7 +73,7 @@ pub struct AreaLawReport {
     pub results: Vec<AreaReport>,
 }
 
-/// Contact at one pressure.
+/// Real contact area and area factor at one pressure.
 #[derive(Clone, Debug, Serialize)]
 pub struct AreaReport {
     /// Nominal pressure.
@@ -80,13 +82,13 @@ pub struct AreaReport {
     pub area_fraction: f64,
     /// Real over nominal contact area, corrected for the boundary of contact spots.
     pub area_fraction_corrected: f64,
-    /// f; null where the curve does not reach the threshold pressure.
+    /// Area factor f: A/P over A/P at the threshold pressure, and 1 below; null if the curve gives no area law.
     pub factor: Option<f64>,
-    /// Standard error of f from the windows; null without windows.
+    /// Standard error of the area factor from the windows of the map; null without windows.
     pub factor_std: Option<f64>,
-    /// f by Persson's theory for the map's rms slope.
+    /// Area factor by Persson's theory for the rms slope of the surface.
     pub factor_persson: Option<f64>,
-    /// Estimated error of the areas at the tolerance.
+    /// Estimated error of both area fractions from stopping the solver at the tolerance.
     pub area_error: f64,
     /// Iterations of the solver.
     pub iterations: usize,
@@ -143,7 +145,7 @@ pub fn table(report: &AreaLawReport) -> String {
     text
 }
 
-/// Table of f at all resolutions.
+/// Table of the rms slope and the area factor f at the pixels of the map and at coarser pixels.
 fn resolution_table(report: &AreaLawReport) -> Table {
     let mut titles = vec!["P MPa".to_owned(), "f".to_owned()];
     titles.extend(report.resolutions.iter().map(|coarse| format!("f, {} um", coarse.pixel_um)));
@@ -195,7 +197,7 @@ pub(crate) const fn picture_title(is_synthetic: bool) -> &'static str {
     }
 }
 
-/// Draws area fraction and f against pressure.
+/// Draws the area fraction and the area factor f against pressure.
 ///
 /// # Errors
 /// [`charts::ChartError`] if there is nothing to draw.

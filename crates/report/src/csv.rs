@@ -1,4 +1,4 @@
-//! CSV tables of simulation histories, of the designs of a lattice and of trade-offs.
+//! CSV tables of simulations, of the designs of a lattice and of trade-offs.
 
 use std::fmt::Write;
 
@@ -8,7 +8,7 @@ use slipgrid_design::{Compared, DesignTask, Lattice};
 use slipgrid_model::pattern::Pattern;
 use slipgrid_model::springblock::{Simulation, SurfaceOutcome};
 
-/// Both surfaces of every load, with their names in tables.
+/// Nominal pressure in MPa, name in tables and outcome of each surface at every load, the patterned surface first.
 fn surfaces(simulation: &Simulation) -> impl Iterator<Item = (f64, &'static str, &SurfaceOutcome)> {
     simulation.loads.iter().flat_map(|load| {
         let own = if load.flat.is_some() { "patterned" } else { "flat" };
@@ -17,7 +17,7 @@ fn surfaces(simulation: &Simulation) -> impl Iterator<Item = (f64, &'static str,
     })
 }
 
-/// mu against time, one row per sample; `None` for steady runs.
+/// Formats the friction coefficient mu against time as CSV, one row per time step recorded; `None` for steady runs.
 pub fn friction_trace(simulation: &Simulation) -> Option<String> {
     let mut text = String::from("load_mpa,surface,time_us,mu\n");
     let header = text.len();
@@ -29,7 +29,8 @@ pub fn friction_trace(simulation: &Simulation) -> Option<String> {
     (text.len() > header).then_some(text)
 }
 
-/// Pressure and friction along the interface, one row per contact block; includes y if the model has it.
+/// Formats contact pressure and friction per area along the interface as CSV, one row per contact block; has a column
+/// for y if the model is three-dimensional.
 pub fn interface(simulation: &Simulation) -> String {
     let in_space = surfaces(simulation).any(|(_, _, surface)| surface.interface.iter().any(|point| point.y_m != 0.0));
     let y_title = if in_space { "y_um," } else { "" };
@@ -45,7 +46,8 @@ pub fn interface(simulation: &Simulation) -> String {
     text
 }
 
-/// Formats all designs of a lattice, one row per design.
+/// Formats all designs of a lattice with their predictions as CSV, one row per design; fields without a prediction are
+/// empty.
 pub fn lattice(design: &DesignTask, lattice: &Lattice) -> String {
     let quantity = design.target.quantity().name();
     let mut text = "width_um,spacing_um,depth_um".to_owned();
@@ -67,7 +69,7 @@ pub fn lattice(design: &DesignTask, lattice: &Lattice) -> String {
         let unit = if limit.unit.is_empty() { String::new() } else { format!("_{}", limit.unit.to_lowercase()) };
         text += &format!(",{}{unit}", limit.name.replace(' ', "_"));
     }
-    // All columns of the header except the three lengths and the probability.
+    // Number of empty fields of a design without a prediction: all columns except the three lengths and `keeps_limits`.
     let columns = text.matches(',').count() - 1;
     text += ",chance,keeps_limits\n";
     for (pattern, predicted) in lattice.patterns.iter().zip(&lattice.predicted) {
@@ -89,7 +91,8 @@ pub fn lattice(design: &DesignTask, lattice: &Lattice) -> String {
     text
 }
 
-/// Formats the front of a comparison, including the chosen design, which is marked.
+/// Formats the Pareto front of a comparison as CSV, one row per design. The chosen design is marked, and listed even if
+/// it is not on the front.
 pub fn trade_offs(compared: &Compared, chosen: &Pattern) -> String {
     let goals = &compared.wanted.goals;
     let columns: Vec<&str> = goals.iter().map(|goal| goal.column()).collect();

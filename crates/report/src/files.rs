@@ -8,8 +8,8 @@ use slipgrid_model::springblock::{Scene, Simulation};
 use crate::uncertainty_budget::{self, UncertaintyBudget};
 use crate::{DrawingInput, LaserFile, Outputs, ReportError, charts, csv, draw, html, linked_data, pictures};
 
-/// Makes the files of a design except its record and its page: scene of the confirming run, laser drawings,
-/// tables and pictures.
+/// Makes the files of the design `found`, except record and page: scene of the confirming run, laser drawings, tables
+/// and pictures.
 ///
 /// # Errors
 /// [`ReportError`] if a file cannot be drawn or written.
@@ -45,8 +45,8 @@ pub fn of_design(found: &DesignOutcome) -> Result<Outputs, ReportError> {
     Ok(outputs)
 }
 
-/// Adds the record, its uncertainty budget, its description for catalogues and the page of `found` to its other files; the page
-/// embeds their pictures.
+/// Adds the record of `found`, the uncertainty budget, the description for data catalogues and the page to `outputs`,
+/// which has the other files of the design; the page embeds the pictures in `outputs`.
 ///
 /// # Errors
 /// [`ReportError`] if a value has no JSON form.

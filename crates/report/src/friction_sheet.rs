@@ -12,25 +12,26 @@ use slipgrid_model::pattern::Planform;
 
 use crate::charts::extremes;
 
-/// Name of the file.
+/// File name of the sheet.
 pub const FILE: &str = "friction-sheet.md";
-/// Value of an item that the calibration does not state.
+/// Text in place of a value that the calibration does not state.
 const NOT_GIVEN: &str = "not given";
-/// Explanation of the table of friction.
+/// Explanation of the table of friction, on a page and in the sheet.
 pub(crate) const FRICTION_WORDS: &str = "Forces act on one specimen. Pressure is force over the whole face, cavities included. The distance is the one slid up \
      to the middle of the averaging window. A standard deviation is that of another sample's friction: it includes the scatter between repeats.";
 
-/// Sheet of a calibration's measurements.
+/// Sheet of the friction measurements of a calibration, with the items of ASTM G115.
 #[derive(Clone, Debug, Default)]
 pub struct FrictionSheet {
     name: String,
-    /// Titles of groups of items, each with the items and their values.
+    /// Title of each group of items, with a table of the items and their values.
     pub(crate) items: Vec<(&'static str, Table)>,
-    /// Textured samples.
+    /// Table of the textured samples.
     pub(crate) textures: Table,
-    /// Friction, one row per sample and condition.
+    /// Table of friction, one row per sample and condition.
     pub(crate) friction: Table,
-    /// Items that the calibration does not state, each with the place that would state it.
+    /// Items that the calibration does not state, each with the key or table of the calibration file that would state
+    /// it.
     not_given: Vec<String>,
 }
 
@@ -191,7 +192,7 @@ fn textures(samples: &[CutSample]) -> Table {
     table.table()
 }
 
-/// Friction of the flat samples, of patterned samples without a pattern, and of the trials.
+/// Measured friction of the flat samples, of patterned samples whose pattern is not stated, and of the trials.
 fn measured(calibration: &Calibration) -> Vec<Measured> {
     let row = |sample: &str, area_m2: f64, measured: &Measurement, traces: Option<&ConditionTraces>, placed_m| {
         let pressure_pa = calibration.pressure_pa(measured.force_n);
@@ -239,7 +240,7 @@ fn measured(calibration: &Calibration) -> Vec<Measured> {
     rows
 }
 
-/// Smallest and largest of `values`, or the one value that all have; `None` without values.
+/// Formats the smallest and the largest of `values`, or a single number if both are equal; `None` without values.
 fn span(values: impl Iterator<Item = f64>) -> Option<String> {
     let [low, high] = extremes(values);
     let number = |value: f64| significant(value, 4).to_string();
@@ -250,13 +251,13 @@ fn span(values: impl Iterator<Item = f64>) -> Option<String> {
     }
 }
 
-/// Text in one line, with the characters escaped that Markdown reads as a table or as HTML.
+/// Formats text in one line and escapes characters that Markdown would read as part of a table or as HTML.
 fn inline(text: &str) -> String {
     let one_line = text.split_whitespace().collect::<Vec<_>>().join(" ");
     one_line.replace('\\', "\\\\").replace('|', "\\|").replace('<', "&lt;").replace('`', "\\`")
 }
 
-/// A table of Markdown.
+/// Formats a table as Markdown.
 fn markdown_table(table: &Table) -> String {
     let line = |cells: Vec<String>| format!("| {} |\n", cells.join(" | "));
     let mut text = line(table.header().to_vec()) + &line(vec!["---".to_owned(); table.header().len()]);

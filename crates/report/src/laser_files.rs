@@ -1,4 +1,4 @@
-//! Files for the laser, from a design to bytes.
+//! Files for the laser, made from a design.
 
 use std::io::{self, Write};
 use std::sync::Arc;
@@ -17,28 +17,28 @@ use crate::Outputs;
 use slipgrid_design::results::{SCHEMA, VERSION};
 use slipgrid_laser::export::Specimen;
 
-/// File formats of a design; [`LaserFile::described`] describes their content.
+/// Format of a file of a design; [`LaserFile::described`] names the file and describes the content.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LaserFile {
-    /// AutoCAD R12.
+    /// DXF drawing (AutoCAD R12).
     Dxf,
-    /// Picture to scale.
+    /// SVG picture to scale.
     Svg,
     /// Table of cavities.
     Csv,
     /// Process sheet for the laser operator.
     Process,
-    /// HP-GL/2.
+    /// HP-GL/2 plot.
     Plt,
-    /// RS-274.
+    /// G-code program (RS-274).
     Gcode,
-    /// Table of corners.
+    /// Table of the corners of cavities.
     Corners,
     /// Table of marked lines.
     Hatch,
-    /// Height map.
+    /// Height map as a 16-bit grey image.
     Png,
-    /// Closed solids.
+    /// Removed material as closed solids.
     Stl,
 }
 
@@ -56,10 +56,10 @@ impl LaserFile {
         Self::Png,
         Self::Stl,
     ];
-    /// Formats that need only a pattern and a specimen; a search writes them.
+    /// Formats that need only a pattern and a specimen; every search writes these formats.
     pub const ALWAYS: [Self; 4] = [Self::Dxf, Self::Svg, Self::Csv, Self::Process];
 
-    /// Name of the format, and description of its content.
+    /// Name of the format, and its file name with a description of the content.
     pub const fn described(self) -> [&'static str; 2] {
         match self {
             Self::Dxf => ["dxf", "pattern.dxf, drawing for the laser"],
@@ -76,7 +76,7 @@ impl LaserFile {
     }
 }
 
-/// Metadata of the files besides the pattern.
+/// Design, laser and metadata from which the files are made.
 pub struct DrawingInput<'a> {
     /// Name of the design.
     pub name: &'a str,
@@ -84,15 +84,15 @@ pub struct DrawingInput<'a> {
     pub version: &'a str,
     /// Random seed of the design.
     pub seed: u64,
-    /// The pattern.
+    /// The pattern to cut.
     pub pattern: Pattern,
-    /// The specimen.
+    /// The specimen, with the outline of its face.
     pub outline: Specimen,
-    /// The laser.
+    /// Parameters of the laser.
     pub laser: Laser,
-    /// Assumed manufacturing tolerances.
+    /// Assumed manufacturing tolerances; `None` if the design assumes none.
     pub tolerances: Option<Tolerances>,
-    /// The material.
+    /// Name and source of the material.
     pub material: &'a Provenance,
 }
 
@@ -115,11 +115,12 @@ pub fn draw(input: &DrawingInput<'_>, formats: &[LaserFile], outputs: &mut Outpu
     unwritten.into_iter().next().map_or(Ok(()), |first| Err(first.error))
 }
 
-/// Same as [`draw`], with pixels of `pixel_um` in a height map. Formats that cannot be written are returned and do not affect
-/// the others.
+/// Same as [`draw`], with pixels of `pixel_um` micrometres in a height map. Returns the formats that cannot be written,
+/// and adds the files of all other formats.
 ///
 /// # Errors
-/// [`ExportError`] for errors of all formats: an invalid laser or depth, no cavity on the specimen, or far too many.
+/// [`ExportError`] for errors that affect every format: an invalid laser or depth, no cavity on the specimen, or far
+/// too many.
 pub fn draw_with(
     input: &DrawingInput<'_>,
     formats: &[LaserFile],
@@ -142,7 +143,7 @@ pub fn draw_with(
     Ok(unwritten)
 }
 
-/// Adds the file of one format, or nothing.
+/// Adds the file of `format` to `outputs`; adds nothing on an error.
 fn add(
     format: LaserFile,
     input: &DrawingInput<'_>,
@@ -197,8 +198,8 @@ fn add(
     Ok(())
 }
 
-/// Draws the files of the samples `found` for `task`: per sample, or for the one specimen whose sectors carry the samples,
-/// with the trials to fill in.
+/// Draws the files of the samples `found` for `task`. Returns one set of files per sample; if the samples are sectors
+/// of one specimen, returns a single set, with a file of trials to fill in.
 ///
 /// # Errors
 /// Same as [`draw`].
@@ -256,7 +257,7 @@ fn draw_sectors(sectors: &[Sector], input: &DrawingInput<'_>, outputs: &mut Outp
     Ok(())
 }
 
-/// Input of the process sheet.
+/// Converts `input` to the input of the process sheet.
 fn process_input(input: &DrawingInput<'_>) -> ProcessInput {
     ProcessInput {
         name: input.name.to_owned(),
@@ -278,7 +279,7 @@ fn notes(material: &Provenance) -> Vec<&'static str> {
     if material.synthetic_surface { vec![note] } else { Vec::new() }
 }
 
-/// Layout with its metadata.
+/// Layout of the pattern on the specimen, with the metadata that drawings state.
 struct Drawing {
     layout: Layout,
     name: String,

@@ -1,7 +1,7 @@
 //! Descriptions of results for catalogues of data, as JSON-LD with terms of schema.org.
 //!
-//! The context stands in the file, so that no network is needed to read it. Terms of tribology are those of the ontology
-//! tribAIn (Kügler et al., Appl. Sci. 2020, 10, 4421); quantities that it does not define have none.
+//! The JSON-LD context is part of the file, so that no network is needed to read it. Terms of tribology are those of
+//! the ontology tribAIn (Kügler et al., Appl. Sci. 2020, 10, 4421); other quantities have no term.
 
 use serde_json::{Value, json};
 use slipgrid_base::units::counted;
@@ -11,9 +11,9 @@ use slipgrid_design::{DesignReport, Expected};
 use crate::Outputs;
 use crate::trials::{MeasuredReport, TrialReport, TrialsReport};
 
-/// Name of the file.
+/// File name of the description.
 pub const FILE: &str = "result.jsonld";
-/// Types of files by the ending of the name.
+/// Media types of files, by the ending of the file name.
 const TYPES: [(&str, &str); 8] = [
     (".json", "application/json"),
     (".csv", "text/csv"),
@@ -24,15 +24,19 @@ const TYPES: [(&str, &str); 8] = [
     (".md", "text/markdown"),
     (".png", "image/png"),
 ];
-/// Unit without dimension, in the codes of UN/CEFACT.
+/// Code of UN/CEFACT and symbol of the unit of dimensionless quantities.
 const ONE: [&str; 2] = ["C62", "1"];
-/// Units with their codes of UN/CEFACT.
+/// Code of UN/CEFACT and symbol of the megapascal.
 const MEGAPASCAL: [&str; 2] = ["MPA", "MPa"];
+/// Code of UN/CEFACT and symbol of the micrometre.
 const MICROMETRE: [&str; 2] = ["4H", "µm"];
+/// Code of UN/CEFACT and symbol of the millimetre per second.
 const MILLIMETRE_PER_SECOND: [&str; 2] = ["C16", "mm/s"];
+/// Code of UN/CEFACT and symbol of the per cent.
 const PER_CENT: [&str; 2] = ["P1", "%"];
 
-/// A measured or computed quantity.
+/// Describes a measured or computed quantity. The unit is given as its code of UN/CEFACT and its symbol; `term` is a
+/// name in the ontology tribAIn.
 fn quantity(name: &str, value: Option<f64>, [code, unit]: [&str; 2], term: Option<&str>) -> Value {
     let mut found = json!({"@type": "PropertyValue", "name": name, "unitCode": code, "unitText": unit});
     if let Some(value) = value {
@@ -44,7 +48,7 @@ fn quantity(name: &str, value: Option<f64>, [code, unit]: [&str; 2], term: Optio
     found
 }
 
-/// Pressure, speed and humidity of a value.
+/// Describes the nominal pressure, sliding speed and relative humidity at which a value holds.
 fn condition([pressure_mpa, speed_mm_s, humidity_pct]: [f64; 3]) -> Value {
     json!([
         quantity("nominal pressure", Some(pressure_mpa), MEGAPASCAL, Some("ContactPressure")),
@@ -53,7 +57,7 @@ fn condition([pressure_mpa, speed_mm_s, humidity_pct]: [f64; 3]) -> Value {
     ])
 }
 
-/// Lengths of a texture.
+/// Describes the lengths of a texture, and its `areal_density` from 0 to 1.
 fn texture([width_um, spacing_um, depth_um]: [f64; 3], areal_density: f64) -> Vec<Value> {
     vec![
         quantity("width of a cavity", Some(width_um), MICROMETRE, None),
@@ -63,7 +67,7 @@ fn texture([width_um, spacing_um, depth_um]: [f64; 3], areal_density: f64) -> Ve
     ]
 }
 
-/// A data set with the files of `outputs`.
+/// Describes a data set of `variables`, with links to the files of `outputs`.
 fn data_set(name: &str, description: &str, technique: &str, variables: Vec<Value>, outputs: &Outputs) -> Value {
     let file = |name: &&str| {
         let (_, kind) = TYPES.iter().find(|(ending, _)| name.ends_with(ending))?;
@@ -86,7 +90,7 @@ fn data_set(name: &str, description: &str, technique: &str, variables: Vec<Value
     })
 }
 
-/// Describes the result of `optimize` and the files in `outputs`.
+/// Describes `report`, the result of `slipgrid optimize`, and the files in `outputs` as JSON-LD.
 ///
 /// # Errors
 /// [`NoJsonForm`] if a value has no JSON form.
@@ -123,7 +127,7 @@ pub fn of_design(report: &DesignReport, outputs: &Outputs) -> Result<String, NoJ
     to_text(&found)
 }
 
-/// Describes the ledger of `trials` and the files in `outputs`.
+/// Describes `report`, the result of `slipgrid trials`, and the files in `outputs` as JSON-LD.
 ///
 /// # Errors
 /// [`NoJsonForm`] if a value has no JSON form.

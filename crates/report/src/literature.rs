@@ -3,7 +3,7 @@
 use crate::charts::{self, ChartError};
 use crate::trials::TrialsReport;
 
-/// The table, with references.
+/// Published friction of textured and flat surfaces with references, as CSV.
 const TABLE: &str = include_str!("../data/dry_textured_friction.csv");
 
 /// Published comparison of a textured with a flat surface.
@@ -13,11 +13,12 @@ struct Published {
     reference: String,
     /// Ratio of friction, textured over flat, if it is a number.
     ratio: Option<f64>,
-    /// Dry polymer or rubber, textured over flat; others are lubricated, of metal or another comparison.
+    /// Compares textured with flat dry polymer or rubber; false for lubricated or metal surfaces and for other
+    /// comparisons.
     is_dry_polymer: bool,
 }
 
-/// All rows of the table.
+/// Parses all rows of `TABLE`.
 fn published() -> Vec<Published> {
     let mut lines = TABLE.lines().filter(|line| !line.starts_with('#'));
     let header = cells(lines.next().unwrap_or_default());
@@ -55,7 +56,8 @@ fn cells(line: &str) -> Vec<String> {
     cells
 }
 
-/// Sources with numbers of dry polymers, in the order of the table.
+/// Sources with ratios of dry polymers, in the order of the table: name, reference, and ratios of textured over flat
+/// friction.
 pub fn sources() -> Vec<(String, String, Vec<f64>)> {
     let mut found: Vec<(String, String, Vec<f64>)> = Vec::new();
     for of in published().into_iter().filter(|of| of.is_dry_polymer) {

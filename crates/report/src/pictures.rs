@@ -1,4 +1,4 @@
-//! Pictures of results: converts simulations and reports to charts.
+//! Pictures of simulations: converts results to charts.
 
 use std::collections::BTreeMap;
 
@@ -14,14 +14,16 @@ use crate::charts::{Estimate, Series, SurfaceValues, Trace, friction_trace, inte
 use slipgrid_base::units::{LENGTH_UM, PRESSURE_MPA, tidy};
 use slipgrid_design::results::PressureErrors;
 
-/// Maximum distance of neighbouring contact blocks on one land, in block widths: wider gaps are cavities.
+/// Maximum distance between the centres of neighbouring contact blocks on one land, in block widths; a larger distance
+/// spans a cavity.
 const CONTIGUOUS_BLOCKS: f64 = 1.5;
 
 /// Label of the flat surface.
 const FLAT: &str = "flat";
 
-/// Labels of a patterned surface's curve in time, and of the means beside the curves. The ratio of a specimen includes
-/// other strips, smaller blocks and the body behind the layer; its curve is the run of a single strip without them.
+/// Labels in the legend of the patterned surface's friction curve and of the means. The ratio of a specimen includes
+/// other strips, smaller blocks and the body behind the layer; the curve is the run of a single strip without these
+/// corrections.
 fn run_words(scene: &Scene, load: &LoadOutcome) -> [&'static str; 2] {
     let is_whole = load.correction(Effect::Layout).is_some();
     match load.ratio() {
@@ -34,7 +36,7 @@ fn run_words(scene: &Scene, load: &LoadOutcome) -> [&'static str; 2] {
     }
 }
 
-/// Surfaces of a load with their names, flat first.
+/// Surfaces of a load with their names, the flat surface first.
 fn surfaces(load: &LoadOutcome) -> Vec<(&'static str, &SurfaceOutcome)> {
     match &load.flat {
         Some(flat) => vec![(FLAT, flat), ("patterned", &load.surface)],
@@ -42,8 +44,8 @@ fn surfaces(load: &LoadOutcome) -> Vec<(&'static str, &SurfaceOutcome)> {
     }
 }
 
-/// Adds a picture of mu against time (dynamic runs), with the `errors` of the means at each load if known, and a picture of
-/// the pressure along the interface, for every load.
+/// Adds pictures for every load: the friction coefficient against time for dynamic runs, and the pressure along the
+/// interface. `errors` are the errors of the mean coefficients, one per load, if known.
 ///
 /// # Errors
 /// [`ChartError`] if a picture cannot be drawn.
@@ -61,12 +63,14 @@ pub fn simulation(
     Ok(())
 }
 
-/// Formats a non-negative number for a file name: `0.65`, or `1e-7` if its zeros would make the name too long for some systems.
+/// Formats a non-negative number for a file name: `0.65`, or `1e-7` if the zeros of a decimal number would make the
+/// name too long for some systems.
 pub(crate) fn name_part(number: f64) -> String {
     if number == 0.0 || (1e-6..1e9).contains(&number) { number.to_string() } else { format!("{number:e}") }
 }
 
-/// Names and pictures of one load.
+/// Draws the pictures of one load; `at` are the errors of the mean coefficients, if known. Returns file names and SVG
+/// texts.
 fn of_load(
     scene: &Scene,
     load: &LoadOutcome,
@@ -112,7 +116,8 @@ fn of_load(
     Ok(pictures)
 }
 
-/// Friction of `surface` in time under the name `label`, with its mean and the standard deviation `std` of the mean.
+/// Converts the friction of `surface` in time to a trace named `label`; `std` is the standard deviation of the mean
+/// coefficient.
 pub fn trace<'a>(label: &'a str, surface: &SurfaceOutcome, std: Option<f64>) -> Trace<'a> {
     let points = finite(surface.trace.iter().map(|point| [point.time_s * 1e3, point.mu]));
     Trace {
@@ -123,18 +128,19 @@ pub fn trace<'a>(label: &'a str, surface: &SurfaceOutcome, std: Option<f64>) -> 
     }
 }
 
-/// Pressure of contact blocks against x under the name `label`.
+/// Converts the pressure in MPa on contact blocks against x in micrometres to a series named `label`.
 pub fn pressures<'a>(label: &'a str, interface: &[InterfacePoint]) -> Series<'a> {
     let point = |point: &InterfacePoint| [LENGTH_UM.from_si(point.x_m), PRESSURE_MPA.from_si(point.pressure_pa)];
     Series { label, points: finite(interface.iter().map(point)) }
 }
 
-/// Points with finite numbers.
+/// Keeps the points whose numbers are finite.
 fn finite(points: impl Iterator<Item = [f64; 2]>) -> Vec<[f64; 2]> {
     points.filter(|point| point.iter().all(|value| value.is_finite())).collect()
 }
 
-/// Draws the pressure over the interface of a three-dimensional cell, seen from above; `None` for other cells.
+/// Draws the pressure over the interface of a three-dimensional cell, seen from above; `load_mpa` is the nominal
+/// pressure in the title. `None` if no block has a finite pressure.
 ///
 /// # Errors
 /// [`ChartError`] if the picture cannot be drawn.
@@ -176,7 +182,7 @@ fn sliding_words(texture: Option<&Texture>) -> String {
     }
 }
 
-/// Columns of blocks side by side from 0.
+/// Columns of blocks along one axis, side by side from position 0.
 #[derive(Clone, Copy)]
 struct Columns {
     spacing_m: f64,
@@ -184,7 +190,7 @@ struct Columns {
 }
 
 impl Columns {
-    /// Index of the column that contains a position.
+    /// Index of the column that contains the position `place_m`.
     fn number(&self, place_m: f64) -> usize {
         // Centres of blocks are positive; indices are limited to the last column.
         ((place_m / self.spacing_m) as usize).min(self.count - 1)
@@ -201,12 +207,12 @@ fn columns(scene: &Scene, points: &[InterfacePoint]) -> [Columns; 2] {
     let (cell_m, cells) = (pattern.cell_m(), SteadyCell::new(scene).columns(&pattern));
     // Whole numbers, at least 1.
     let divided = |axis: usize| Columns { spacing_m: cell_m[axis] / cells[axis], count: cells[axis].max(1.0) as usize };
-    // The length of a groove is the length assumed in its run.
+    // Along a groove, columns fill the length for which the run was made.
     [divided(0), if pattern.is_uniform_along_y() { filled(reach[1], block_m) } else { divided(1) }]
 }
 
-/// Contact blocks of `surfaces`, which are strips, on the line along the sliding direction with the fewest `patterned` blocks:
-/// the line through the middle of cavities. x runs along that line.
+/// Contact blocks of each of `surfaces`, solved as strips, on one line along the sliding direction; x runs along the
+/// line. It is the line with the fewest blocks of the `patterned` surface, which runs through the middle of cavities.
 fn lines_through_cavities(
     scene: &Scene,
     surfaces: &[(&'static str, &SurfaceOutcome)],
@@ -229,7 +235,8 @@ fn lines_through_cavities(
     surfaces.iter().map(|(_, surface)| on_line(surface)).collect()
 }
 
-/// Gaps between the contact blocks `interface` of a patterned surface: its cavities, accurate to one block.
+/// Start and end along x, in micrometres, of each cavity: gaps between the contact blocks `interface`, accurate to one
+/// block. Empty for a flat surface.
 pub fn cavities_um(scene: &Scene, interface: &[InterfacePoint]) -> Vec<[f64; 2]> {
     if scene.pattern.is_none() {
         return Vec::new();

@@ -11,7 +11,7 @@ use crate::charts::{RepeatTrace, Series, friction_loops, tribometer};
 use crate::pictures::name_part;
 use crate::{ChartError, Outputs};
 
-/// Makes tables and pictures of all conditions.
+/// Makes the tables and pictures of all `conditions`, by file name.
 ///
 /// # Errors
 /// [`ChartError`] if a picture cannot be drawn.
@@ -48,7 +48,7 @@ pub fn files(conditions: &[ConditionTraces]) -> Result<Outputs, ChartError> {
     let mut names: Vec<String> = Vec::new();
     for traces in conditions {
         let own = name(&traces.condition, "");
-        // One condition may be read twice, over two windows.
+        // One condition may be read twice, with two averaging windows.
         let again = match names.iter().filter(|other| **other == own).count() {
             0 => String::new(),
             before => format!("-{}", before + 1),
@@ -82,7 +82,7 @@ fn static_parts<'a>(conditions: impl IntoIterator<Item = &'a ConditionTraces>) -
     format!("; mu_static_std holds what sampling may have missed as well{}", all.concat())
 }
 
-/// Surface or number of the trial, force in N, speed in mm/s and humidity in per cent, as words.
+/// Texts that identify a condition: surface or number of the trial, force in N, speed in mm/s and humidity in per cent.
 fn words(condition: &TraceCondition) -> [String; 4] {
     [
         match &condition.trial {
@@ -98,7 +98,8 @@ fn words(condition: &TraceCondition) -> [String; 4] {
 /// Part of the file name of a picture of friction against position.
 pub(crate) const LOOPS: &str = "loops-";
 
-/// File name of a picture of a `kind` of a condition: `flat-200N-2mm_s-15pct`.
+/// File name without extension of a picture for a condition, for example `flat-200N-2mm_s-15pct`; `kind` is empty or
+/// `LOOPS`.
 fn name(condition: &TraceCondition, kind: &str) -> String {
     let [surface, ..] = words(condition);
     let numbers =
@@ -138,7 +139,7 @@ fn loops(traces: &ConditionTraces) -> Result<Option<String>, ChartError> {
     friction_loops(&format!("Friction against position: {}", title(&traces.condition)), &repeats).map(Some)
 }
 
-/// One row per repeat.
+/// Formats the values read from all traces as CSV, one row per repeat.
 fn table(conditions: &[ConditionTraces]) -> String {
     let mut text = String::from(
         "surface,force_n,speed_mm_s,humidity_pct,trace,mu_dynamic,mu_dynamic_stderr,drift,drift_stderr,mu_static,\
@@ -173,7 +174,7 @@ fn quoted(text: &str) -> String {
     format!("\"{}\"", guard_formula(text).replace('"', "'"))
 }
 
-/// Formats the traces as text.
+/// Formats the values read from the traces as text, one table per condition.
 pub fn summary(conditions: &[ConditionTraces]) -> String {
     let mut text = String::new();
     for traces in conditions {

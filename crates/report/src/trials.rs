@@ -23,10 +23,10 @@ pub use effects::EffectReport;
 pub use load_lines::LoadLineReport;
 pub use parts::{PendingReport, ScatterReport};
 
-/// Metres per millimetre, for edge lengths per area.
+/// Metres per millimetre: converts an edge length per area from 1/m to 1/mm.
 const PER_MM: f64 = 1e-3;
 
-/// Ledger of a calibration's trials.
+/// Ledger of a calibration's trials: measured ratios with their predictions, as `slipgrid trials` reports them.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct TrialsReport {
     /// Program name.
@@ -47,7 +47,7 @@ pub struct TrialsReport {
     /// Predictions for the pending trials.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub predicted: Vec<PendingReport>,
-    /// Prior and posterior weights of the forms.
+    /// Prior and posterior weights of the forms of the discrepancy.
     pub forms: Vec<FormReport>,
     /// Family of forms that the trials identify; null while the textures of the trials do not discriminate between forms.
     pub identified: Option<String>,
@@ -59,7 +59,8 @@ pub struct TrialsReport {
     pub scatter: Option<ScatterReport>,
     /// Discrepancy at the texture measured last, and its dependence on the condition.
     pub effects: Vec<EffectReport>,
-    /// Lands of trials that name a map of the cut sample.
+    /// Slope of the land between cavities, and its effect on the modelled ratios, for trials that name a map of the cut
+    /// sample.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub lands: Vec<LandEffect>,
     /// Lines of friction force against normal force.
@@ -95,7 +96,7 @@ pub struct TrialReport {
     pub measured: Vec<MeasuredReport>,
 }
 
-/// Measured ratio with its predictions.
+/// Measured ratio of patterned to flat friction, with predictions.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct MeasuredReport {
     /// Nominal pressure.
@@ -119,7 +120,7 @@ pub struct MeasuredReport {
 /// Prediction of a measured ratio, including measurement errors.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct PredictedReport {
-    /// Median.
+    /// Median of the predicted ratio.
     pub ratio: f64,
     /// Ends of the 68 % interval.
     pub interval_68: [f64; 2],
@@ -132,7 +133,7 @@ pub struct PredictedReport {
     pub known: usize,
 }
 
-/// Weights of a form.
+/// Prior and posterior weight of one form of the discrepancy.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct FormReport {
     /// Name of the form.
@@ -160,11 +161,11 @@ pub struct CoverageReport {
 }
 
 impl TrialsReport {
-    /// Makes the ledger of the discrepancy `learned` from `samples` of the calibration `name` with measurements on `flat`
-    /// samples.
+    /// Makes the ledger of the calibration `name`: `learned` is the discrepancy learned from the textured `samples`;
+    /// `flat` are the measurements on flat samples.
     ///
     /// # Errors
-    /// [`Cancelled`] if `monitor` has cancelled.
+    /// [`Cancelled`] once `monitor` has cancelled.
     pub fn new(
         name: &str,
         flat: &[Measurement],
@@ -248,14 +249,14 @@ impl TrialsReport {
         })
     }
 
-    /// Adds `warnings` of the measurements before those about contradictory samples.
+    /// Inserts `warnings` about measurements before the warnings about contradictory samples.
     #[must_use]
     pub fn with_warnings(self, mut warnings: Vec<String>) -> Self {
         warnings.extend(self.warnings);
         Self { warnings, ..self }
     }
 
-    /// Draws predicted against measured ratios, and measured ratios against density, edge length and pressure, as SVG.
+    /// Draws measured ratios beside their predictions, and against areal density, edge length and pressure, as SVG.
     ///
     /// # Errors
     /// [`ReportError`] if the picture cannot be drawn.
@@ -263,7 +264,7 @@ impl TrialsReport {
         Ok(charts::trials(&format!("{}: measured and predicted ratios", self.name), &self.trials)?)
     }
 
-    /// Makes the files of the ledger, with the `sheet` of its measurements.
+    /// Makes the files of the ledger; `sheet` is the sheet of the friction measurements.
     ///
     /// # Errors
     /// [`ReportError`] if the picture cannot be drawn or the record has no JSON form.

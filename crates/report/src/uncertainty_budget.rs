@@ -1,7 +1,7 @@
 //! Uncertainty budgets in the form of the GUM (JCGM 100:2008), from the records of results.
 //!
-//! A budget states numbers that a record has; it computes no uncertainty of its own. An input enters as its effect on the
-//! result, which is what records hold.
+//! A budget repeats numbers of a record and computes no further uncertainty. The standard uncertainty of an input is
+//! its effect on the result, because records hold effects.
 
 use slipgrid_base::statistics::NORMAL_95;
 use slipgrid_base::units::{significant, tidy};
@@ -12,22 +12,22 @@ use slipgrid_infer::calibrate::uncertainty::Source;
 
 use crate::charts::flat_of;
 
-/// Name of the file.
+/// File name of the uncertainty budgets.
 pub const FILE: &str = "uncertainty.csv";
-/// Inputs that are evaluated by statistics of observations or of runs; all others are of type B.
+/// Inputs of type A, which are evaluated by statistics of observations or of runs; all others are of type B.
 const TYPE_A: [&str; 6] =
     [TIME_AVERAGE, DRAWS, STATIC, Source::FlatFriction.name(), Source::FittedScale.name(), Source::AreaLaw.name()];
-/// Input that closes a budget: the part of the combined uncertainty that no input has.
+/// Name of the input that stands for the part of the combined uncertainty that no other input explains.
 const NOT_ATTRIBUTED: &str = "not attributed";
-/// Share of the combined variance from which [`NOT_ATTRIBUTED`] is listed; less is rounding.
+/// Minimum share of the combined variance for which [`NOT_ATTRIBUTED`] is listed; smaller shares are rounding errors.
 const MIN_NOT_ATTRIBUTED: f64 = 1e-6;
-/// Explanation of the tables.
+/// Explanation of the budget tables on a page.
 pub(crate) const WORDS: &str = "Type A: by statistics of observations or of runs; type B: by other means. The standard uncertainty of an input is its effect \
      on the ratio. The sensitivity is 1 for a ratio, and flat friction for a coefficient. Degrees of freedom: ∞ for type B (GUM, G.4.3); a dash \
      where the result does not hold the number. Not attributed: \
      correlations and a distribution that is not normal, which close the budget.";
 
-/// Budget of one quantity at one load.
+/// Uncertainty budget of one quantity at one load.
 #[derive(Clone, Debug, PartialEq)]
 pub struct UncertaintyBudget {
     quantity: &'static str,
@@ -40,7 +40,7 @@ pub struct UncertaintyBudget {
     interval_95: [f64; 2],
 }
 
-/// Input of a budget.
+/// Uncertain input of a budget.
 #[derive(Clone, Debug, PartialEq)]
 struct Input {
     name: String,
@@ -59,7 +59,8 @@ impl Input {
 }
 
 impl UncertaintyBudget {
-    /// Budgets of the ratio and of the coefficients of a scene, at all its loads; none where no error is known.
+    /// Budgets of the friction ratio and the friction coefficients of a scene at all loads; quantities without a known
+    /// error have no budget.
     pub fn of_scene(report: &SimulationReport) -> Vec<Self> {
         let mut all = Vec::new();
         for at in &report.errors.by_pressure {
@@ -89,8 +90,9 @@ impl UncertaintyBudget {
         all
     }
 
-    /// Budgets of the value that is expected of a cut sample, at every load; none where the inputs were not analysed. The
-    /// combined uncertainty is that of the normal distribution with the record's interval.
+    /// Budgets of the expected value of a cut sample, one per load; loads whose inputs were not analysed have no
+    /// budget. The combined uncertainty is half the width of the record's 95 % interval over 1.96, as for a normal
+    /// distribution.
     pub fn of_design(report: &DesignReport) -> Vec<Self> {
         let (sample, is_ratio) = (&report.sample, report.is_ratio());
         let budget = |(row, at): (usize, &slipgrid_design::Expected)| {
@@ -115,7 +117,7 @@ impl UncertaintyBudget {
         sample.expected.iter().enumerate().filter_map(budget).map(Self::closed).collect()
     }
 
-    /// Adds the input that closes the budget, where the inputs are less than the combined uncertainty.
+    /// Adds the input `NOT_ATTRIBUTED` if the listed inputs explain less than the combined uncertainty.
     fn closed(mut self) -> Self {
         let listed: f64 = self.inputs.iter().map(|input| input.contribution().powi(2)).sum();
         let rest = self.combined.powi(2) - listed;
@@ -127,7 +129,7 @@ impl UncertaintyBudget {
         self
     }
 
-    /// Half of the 95 % interval.
+    /// Expanded uncertainty: half the width of the 95 % interval.
     fn expanded(&self) -> f64 {
         let [low, high] = self.interval_95;
         0.5 * (high - low)
@@ -138,7 +140,7 @@ impl UncertaintyBudget {
         (self.combined > 0.0).then(|| self.expanded() / self.combined)
     }
 
-    /// Describes the result in one sentence.
+    /// States value, combined uncertainty, coverage factor and expanded uncertainty in one sentence.
     pub(crate) fn result_in_words(&self) -> String {
         let humidity = self.humidity_pct.map_or_else(String::new, |humidity| format!(", {humidity} %"));
         format!(

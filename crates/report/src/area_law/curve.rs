@@ -1,4 +1,4 @@
-//! Input of an area-law computation, and its record.
+//! Options of an area-law computation, and conversion of the results to a record.
 
 use slipgrid_base::units::{LENGTH_UM, MODULUS_GPA, PRESSURE_MPA};
 use slipgrid_design::results::{SCHEMA, VERSION};
@@ -13,7 +13,7 @@ use slipgrid_surface::topography::PreparedMap;
 
 use super::{AreaLawReport, AreaReport};
 
-/// Options of an area law.
+/// Options of an area-law computation.
 #[derive(Clone, Debug)]
 pub struct AreaLawOptions {
     /// Young's modulus in GPa.
@@ -22,16 +22,18 @@ pub struct AreaLawOptions {
     pub poisson_ratio: f64,
     /// Relative error tolerance of the contact solver.
     pub tolerance: f64,
-    /// Stated threshold P0, in pascals; `None` for the limit of small loads.
+    /// Stated threshold pressure P0, in pascals; `None` for a small load, at which area is proportional to pressure.
     pub threshold_pa: Option<f64>,
     /// Requested pressures, increasing, in pascals.
     pub pressures_pa: Vec<f64>,
 }
 
 impl AreaLawOptions {
-    /// Plans the curve for a surface with this rms slope; `points` is the number of points of the map.
+    /// Plans the curve for a surface with the slope `rms_slope`; `points` is the number of points of the map, if there
+    /// is a map.
     ///
-    /// A(P0) is interpolated if the pressures extend beyond P0; otherwise P0 is solved as an additional pressure.
+    /// If all requested pressures exceed the threshold P0, P0 is solved as an additional pressure; otherwise the
+    /// contact area at P0 is interpolated.
     pub fn on_surface(self, rms_slope: f64, points: Option<usize>) -> AreaLawCurve {
         // E* = E / (1 - nu^2)
         let shrink = 1.0 - self.poisson_ratio * self.poisson_ratio;
@@ -46,15 +48,16 @@ impl AreaLawOptions {
     }
 }
 
-/// Options of an area law with the pressures to solve.
+/// Options of an area-law computation with the pressures to solve.
 #[derive(Clone, Debug)]
 pub struct AreaLawCurve {
     options: AreaLawOptions,
-    /// E* = E / (1 - nu^2).
+    /// Contact modulus E* = E / (1 - nu^2), in pascals.
     contact_modulus_pa: f64,
-    /// P0, in pascals.
+    /// Threshold pressure P0, in pascals.
     threshold_pa: f64,
-    /// Solved pressures: the requested ones, preceded by the threshold if all lie above it.
+    /// Solved pressures, in pascals: the requested pressures, preceded by the threshold if all requested pressures
+    /// exceed it.
     solved_pa: Vec<f64>,
 }
 
@@ -75,13 +78,15 @@ impl AreaLawCurve {
         }
     }
 
-    /// f at a pressure from `law`; without a law, 1 if no pressure exceeds the threshold.
+    /// Area factor f at a pressure by `law`; without a law, 1 if no requested pressure exceeds the threshold, otherwise
+    /// `None`.
     fn factor(&self, law: Option<&AreaLaw>, pressure_pa: f64) -> Option<f64> {
         let below = self.options.pressures_pa.iter().all(|&pressure_pa| pressure_pa <= self.threshold_pa);
         law.map(|law| law.factor(pressure_pa)).or(below.then_some(1.0))
     }
 
-    /// Reports on the map `name`, from the solutions `found` on its `surface` and at coarser pixels.
+    /// Reports on the map `name`, from the solutions `found` on its prepared `surface`, and from `resolutions`, the
+    /// solutions at coarser pixels.
     pub fn of_map(
         &self,
         name: &str,
@@ -148,7 +153,7 @@ impl AreaLawCurve {
         of_modulus.into_iter().chain(law_warnings(of_surface)).collect()
     }
 
-    /// Reports on a curve; map-only fields stay empty.
+    /// Reports on the solved points `curve`; fields that need a map stay empty.
     fn report(&self, curve: &[AreaPoint], rms_slope: f64) -> AreaLawReport {
         let law = area_law(curve, self.threshold_pa).ok();
         let persson = persson_curve(rms_slope, self.contact_modulus_pa, &self.solved_pa).ok();
@@ -182,7 +187,8 @@ impl AreaLawCurve {
     }
 }
 
-/// A(P0)/P0 over A/P at the lowest pressure; `None` if the curve lacks either.
+/// Contact area over pressure at the threshold, over that at the lowest pressure; `None` unless the curve has points at
+/// the threshold and below.
 fn proportionality(curve: &[AreaPoint], threshold_pa: f64) -> Option<f64> {
     let share = |point: &AreaPoint| point.area_fraction_corrected / point.pressure_pa;
     let lightest = curve.first().filter(|point| point.pressure_pa < threshold_pa && point.area_fraction > 0.0)?;
@@ -190,11 +196,11 @@ fn proportionality(curve: &[AreaPoint], threshold_pa: f64) -> Option<f64> {
     Some(share(at_threshold) / share(lightest))
 }
 
-/// Definition of f for the report.
+/// Definition of the area factor f for the report.
 const FACTOR_STATEMENT: &str = "f is the area over that at P0, divided by P/P0, and 1 below P0; without a stated threshold P0 is a small load, where A/P \
      stands for its limit";
 
-/// Model assumptions for `surface`.
+/// States the model assumptions for `surface`.
 fn model(surface: &PreparedMap) -> Vec<String> {
     let mut model = vec![
         "rough contact of the map with a rigid plane: elastic half-space, periodic, no adhesion".to_owned(),

@@ -35,7 +35,7 @@ pub struct FitReport {
     pub static_friction: Vec<StaticRow>,
 }
 
-/// Parameters of `fit` without rounding errors.
+/// Parameters of `fit`, rounded so that rounding errors of the last digits do not show.
 fn parameters(fit: &Fit) -> Vec<Parameter> {
     let rounded = |parameter: &Parameter| Parameter {
         value: tidy(parameter.value),
@@ -89,7 +89,7 @@ pub fn which_errors(outcome: &CalibrationOutcome) -> &'static str {
     }
 }
 
-/// All parameters with their intervals; pressures in MPa.
+/// Table of all fitted parameters with standard errors and 95 % intervals; pressures in MPa.
 pub fn parameter_table(outcome: &CalibrationOutcome) -> Table {
     let parameters = parameters(&outcome.fit);
     let cell = |of: &Parameter, value: Option<f64>| match of.name.ends_with("_pa") {
@@ -108,7 +108,7 @@ pub fn parameter_table(outcome: &CalibrationOutcome) -> Table {
     table.table()
 }
 
-/// Formats the profiles as CSV.
+/// Formats the likelihood profiles of all parameters as CSV, one row per point of a profile.
 pub fn profiles(fit: &Fit) -> String {
     let mut text = String::from("parameter,value,chi_square_increase\n");
     for parameter in &parameters(fit) {
@@ -119,7 +119,7 @@ pub fn profiles(fit: &Fit) -> String {
     text
 }
 
-/// Draws the residuals of all measurements in standard deviations.
+/// Draws the residuals of all measurements, with the measured standard deviations as error bars.
 pub fn residuals(name: &str, outcome: &CalibrationOutcome) -> Result<String, ReportError> {
     let of = outcome.measurements.iter().zip(&outcome.fit.predictions);
     let residuals: Vec<(String, Estimate)> = of

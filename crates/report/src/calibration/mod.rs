@@ -20,7 +20,7 @@ use slipgrid_io::formats::calibration::Calibration;
 
 use crate::trials::TrialsReport;
 
-/// Maximum number of measurements on the screen; the others are counted.
+/// Maximum number of measurements listed on the screen; further measurements are only counted.
 const MAX_MEASUREMENTS: usize = 8;
 
 /// Formats the calibration as text, including the [`ledger`] of its trials.
@@ -77,13 +77,13 @@ fn lacks_pattern(calibration: &Calibration) -> bool {
     !calibration.patterned.is_empty() && calibration.pattern.is_none()
 }
 
-/// Pair of coefficients that belongs to the measurement number `row`.
+/// Fitted pair of coefficients that belongs to the measurement with the index `row`; `None` if there is no such pair.
 pub(crate) fn pair_of(outcome: &CalibrationOutcome, row: usize) -> Option<&FittedPair> {
     let pairs = &outcome.fit.pairs;
     if pairs.len() == 1 { pairs.first() } else { pairs.get(row) }
 }
 
-/// Measured friction of flat samples beside the fitted coefficients.
+/// Table of the measured friction of flat samples, with the fitted coefficients and the residuals.
 pub(crate) fn flat_samples(task: &CalibrationTask, outcome: &CalibrationOutcome) -> Table {
     let rows: Vec<(&Measurement, Option<&FittedPair>, Option<f64>)> = outcome
         .measurements
@@ -108,7 +108,7 @@ pub(crate) fn flat_samples(task: &CalibrationTask, outcome: &CalibrationOutcome)
     table.table()
 }
 
-/// Ledger of the calibration's trials; `None` if none was measured.
+/// Makes the ledger of the calibration's trials; `None` if no trial was measured.
 ///
 /// # Errors
 /// [`Cancelled`] once `monitor` has cancelled.

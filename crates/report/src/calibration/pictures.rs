@@ -10,10 +10,11 @@ use crate::charts::{self, AreaPoint, Estimate, FlatSeries};
 /// Highest drawn pressure of the area law, relative to the highest measured nominal pressure.
 const DRAWN: f64 = 6.0;
 
-/// Draws measured and fitted friction of flat samples, by speed and humidity; without a title for a phone.
+/// Draws measured and fitted friction of flat samples, by speed and humidity; an empty title gives a narrow picture for
+/// a phone.
 ///
 /// # Errors
-/// [`ChartError`] if it cannot be drawn.
+/// [`ChartError`] if the picture cannot be drawn.
 pub fn flat_friction(title: &str, task: &CalibrationTask, outcome: &CalibrationOutcome) -> Result<String, ChartError> {
     charts::flat_friction(title, &series(task, outcome))
 }
@@ -58,7 +59,8 @@ pub fn area_law(task: &CalibrationTask, outcome: &CalibrationOutcome) -> Result<
     let highest_pa = outcome.measurements.iter().map(|of| task.pressure_pa(of)).fold(0.0, f64::max);
     let drawn = surface.curve.iter().filter(|point| point.pressure_pa < DRAWN * highest_pa).count() + 1;
     let curve = &surface.curve[..drawn.clamp(surface.curve.len().min(2), surface.curve.len())];
-    // Standard errors of f from the windows of the map, linear between the pressures of the law; f is exact below them.
+    // Standard error of the area factor f from the windows of the map, linear between the pressures of the law, zero
+    // below.
     let std_at = |pressure_pa: f64| {
         let (all, own) = (law.factor_std()?, law.pressures_pa());
         let above = own.partition_point(|own| *own < pressure_pa * (1.0 - 1e-9)).min(own.len() - 1);

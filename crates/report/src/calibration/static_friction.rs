@@ -47,7 +47,8 @@ pub fn rows(task: &CalibrationTask, outcome: &CalibrationOutcome) -> Vec<StaticR
     .collect()
 }
 
-/// Describes the mean and largest difference between modelled and measured static friction; `None` without a measured peak.
+/// Describes the mean and the largest difference between modelled and measured static friction; `None` without a
+/// measured peak.
 pub fn words(rows: &[StaticRow]) -> Option<String> {
     let fitted: Vec<(&StaticRow, f64)> = rows.iter().filter_map(|row| Some((row, row.residual?))).collect();
     let left = match rows.len() - fitted.len() {
@@ -70,7 +71,7 @@ pub fn words(rows: &[StaticRow]) -> Option<String> {
     ))
 }
 
-/// Measured and modelled peaks.
+/// Table of the measured and modelled static peaks.
 pub fn table(rows: &[StaticRow]) -> Table {
     let mut table = Table::of(rows);
     table.column("F N", |row| row.force_n.to_string());

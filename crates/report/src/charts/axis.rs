@@ -1,13 +1,13 @@
-//! Axes: ranges and numbers.
+//! Axes of plots: ranges and ticks.
 
 use slipgrid_base::units::tidy;
 
-/// Axis: title with unit, range, and positions of numbers.
+/// Axis: title with unit, range, and ticks.
 #[derive(Clone, Debug)]
 pub(super) struct Axis {
     pub(super) title: String,
     pub(super) range: [f64; 2],
-    /// Positions and texts of the numbers.
+    /// Position and text of each tick.
     pub(super) ticks: Vec<(f64, String)>,
 }
 
@@ -16,7 +16,7 @@ impl Axis {
     pub(super) fn around(title: &str, values: impl IntoIterator<Item = f64>) -> Self {
         const ROOM: f64 = 0.06;
         let [low, high] = extremes(values);
-        // All values equal: any range around them.
+        // If all values are equal, any range around them will do.
         let room = if high > low { ROOM * (high - low) } else { 0.1 * high.abs().max(1e-3) };
         Self::over(title, [low - room, high + room])
     }
@@ -27,7 +27,8 @@ impl Axis {
         Self::over(title, [0.0, if high > 0.0 { 1.06 * high } else { 1.0 }])
     }
 
-    /// Axis from zero if some `values` are less than half of the maximum; otherwise from about the minimum, so that changes are visible.
+    /// Axis from zero if the smallest of `values` is at most half of the largest; otherwise from about the smallest, so
+    /// that changes are visible.
     pub(super) fn as_needed(title: &str, values: impl IntoIterator<Item = f64> + Clone) -> Self {
         let [low, high] = extremes(values.clone());
         if low > 0.5 * high { Self::around(title, values) } else { Self::from_zero(title, values) }
@@ -51,8 +52,8 @@ impl Axis {
         Self { title: title.to_owned(), range, ticks }
     }
 
-    /// Logarithmic axis over all `values`, which are decimal logarithms, with a margin on both sides; its numbers are
-    /// not logarithms.
+    /// Logarithmic axis over all `values`, which are decimal logarithms, with a margin on both sides; ticks show the
+    /// numbers, not the logarithms.
     pub(super) fn logarithmic(title: &str, values: impl IntoIterator<Item = f64>) -> Self {
         const ROOM: f64 = 0.15;
         let [low, high] = extremes(values);
@@ -71,8 +72,8 @@ impl Axis {
         Self { title: title.to_owned(), range, ticks }
     }
 
-    /// Logarithmic axis over all `values`, which are decimal logarithms and may span many decades; its numbers are every power
-    /// of ten or every few, for example 1e-9.
+    /// Logarithmic axis over all `values`, which are decimal logarithms and may span many decades; ticks are at most
+    /// ten powers of ten, for example 1e-9.
     pub(super) fn powers(title: &str, values: impl IntoIterator<Item = f64>) -> Self {
         const ROOM: f64 = 0.3;
         const MAX_NUMBERS: i32 = 10;
@@ -87,7 +88,7 @@ impl Axis {
         Self { title: title.to_owned(), range, ticks }
     }
 
-    /// Axis with numbers at `values` in place of round ones; a value too near the one before has none.
+    /// Axis with ticks at `values` instead of round numbers; a value too close to the previous tick gets no tick.
     pub(super) fn numbered_at(self, values: &[f64]) -> Self {
         const GAP: f64 = 0.09;
         let mut ticks: Vec<(f64, String)> = Vec::new();
@@ -101,14 +102,14 @@ impl Axis {
         Self { ticks, ..self }
     }
 
-    /// Axis with names at positions 0, 1, 2, ...
+    /// Axis with ticks named by `names` at the positions 0, 1, 2, ...
     pub(super) fn of_names(title: &str, names: impl IntoIterator<Item: ToString>) -> Self {
         let names = names.into_iter().enumerate();
         let ticks: Vec<(f64, String)> = names.map(|(index, name)| (index as f64, name.to_string())).collect();
         Self { title: title.to_owned(), range: [-0.5, ticks.len() as f64 - 0.5], ticks }
     }
 
-    /// Removes numbers and title from the axis.
+    /// Removes the title and the texts of the ticks.
     pub(super) fn unlabelled(mut self) -> Self {
         self.title.clear();
         for (_, text) in &mut self.ticks {
@@ -117,23 +118,24 @@ impl Axis {
         self
     }
 
-    /// Position of `value` within the range, 0 to 1.
+    /// Position of `value` relative to the range: 0 at the start and 1 at the end.
     pub(super) fn share(&self, value: f64) -> f64 {
         (value - self.range[0]) / (self.range[1] - self.range[0])
     }
 }
 
-/// Minimum and maximum of `values`; infinity and its negative without values.
+/// Minimum and maximum of `values`; infinity and minus infinity if there are no values.
 pub(crate) fn extremes(values: impl IntoIterator<Item = f64>) -> [f64; 2] {
     values.into_iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| [low.min(v), high.max(v)])
 }
 
-/// Whole decimal logarithm, limited to those of finite numbers, so that infinite ends of a range have few numbers.
+/// Converts a whole decimal logarithm to an integer, limited to powers of finite numbers, so that an infinite end of a
+/// range gives a limited number of ticks.
 fn power(log: f64) -> i32 {
     log.clamp(-330.0, 330.0) as i32
 }
 
-/// Step of 1, 2 or 5 times a power of ten that divides `span` into four to nine.
+/// Tick step of 1, 2 or 5 times a power of ten that divides `span` into three to nine intervals.
 fn tick_step(span: f64) -> f64 {
     let rough = span / 6.0;
     let power = 10_f64.powf(rough.log10().floor());

@@ -13,11 +13,12 @@ pub struct FlatSeries {
     pub modelled: Vec<(f64, Estimate)>,
 }
 
-/// Horizontal offset between the marks of neighbouring conditions at one pressure, relative to the width.
+/// Horizontal offset between the marks of neighbouring conditions at one pressure, relative to the width of the
+/// picture.
 const ASIDE: f64 = 0.01;
 
-/// Draws measured friction as marks with error bars and modelled friction as rings; each condition has a colour and a mark.
-/// Without a title, the picture is for a phone.
+/// Draws measured friction as marks with error bars and modelled friction as rings; each condition has a colour and a
+/// mark. An empty title gives a narrow picture for a phone.
 ///
 /// # Errors
 /// [`ChartError`] if there is nothing to draw or a value is not finite.
@@ -42,14 +43,15 @@ pub fn flat_friction(title: &str, series: &[FlatSeries]) -> Result<String, Chart
     Chart::new(title, 500.0, legend).plot(x_axis, y_axis, layers).svg()
 }
 
-/// Height of the picture without the key to the numbers.
+/// Height of the picture without the key to the numbers, in picture units.
 const HEIGHT: f64 = 460.0;
-/// Height of a line of the key, and number of its columns.
+/// Height of a line of the key, in picture units.
 const KEY_LINE: f64 = 16.0;
+/// Number of columns of the key.
 const KEY_COLUMNS: usize = 4;
 
-/// Draws the residual of each named measurement, with the measured standard deviation, side by side, numbered, with a key to the
-/// numbers below.
+/// Draws the residuals of measurements side by side, with the measured standard deviations as error bars. Measurements
+/// are numbered; a key below the plot lists numbers and names.
 ///
 /// # Errors
 /// [`ChartError`] if there is nothing to draw or a value is not finite.
@@ -72,11 +74,11 @@ pub fn residuals(title: &str, residuals: &[(String, Estimate)]) -> Result<String
     chart.plot_in([left, top, right, HEIGHT - 72.0], x_axis, y_axis, layers).svg()
 }
 
-/// Horizontal distance between neighbouring marks of one pressure.
+/// Horizontal distance between neighbouring marks of one pressure, in picture units.
 const BESIDE: f64 = 20.0;
 
-/// Draws ratios of patterned to flat friction side by side at each nominal pressure. Each of `series`, from left to right, has a
-/// name, for example measured or modelled, and one ratio per pressure, `None` where there is none.
+/// Draws ratios of patterned to flat friction side by side at each nominal pressure. Each of `series`, from left to
+/// right, has a name, for example measured or modelled, and one ratio per pressure, `None` if unknown.
 ///
 /// # Errors
 /// [`ChartError`] if there is nothing to draw or a value is not finite.
@@ -101,29 +103,29 @@ pub fn ratios(
     Chart::new(title, 480.0, legend).plot(x_axis, y_axis, layers).svg()
 }
 
-/// Contact at one pressure.
+/// Real contact area and area factor at one pressure.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct AreaPoint {
     /// Nominal pressure, in MPa.
     pub pressure_mpa: f64,
     /// Real contact area over nominal area.
     pub area_fraction: f64,
-    /// The factor f.
+    /// Area factor f: real contact area over pressure, relative to this quotient at the threshold pressure.
     pub factor: f64,
-    /// Standard error of f; drawn if all points have one.
+    /// Standard error of f; drawn only if all points have a standard error.
     pub factor_std: Option<f64>,
-    /// Mean of f over windows of the map, with its standard deviation among them.
+    /// Mean of f over windows of the map, with the standard deviation between windows.
     pub windows: Option<Estimate>,
 }
 
-/// Gap between the panels.
+/// Gap between the panels, in picture units.
 const GAP: f64 = 22.0;
 /// Opacity of the band of standard errors.
 const BAND: f64 = 0.25;
 
-/// Draws the area fraction above the factor on a shared pressure axis. Pressures increase. At `threshold`, pressure P0 in MPa
-/// and area fraction, a line through the origin that proportional friction would follow begins. Surfaces `others` have names
-/// and thinner lines.
+/// Draws the area fraction and, below, the area factor f of `points` on a shared pressure axis; pressures increase.
+/// `threshold` is the threshold pressure P0 in MPa with its area fraction; a dashed line from the origin through this
+/// point shows area proportional to load. `others` are named surfaces, drawn with thinner lines.
 ///
 /// # Errors
 /// [`ChartError`] if there is nothing to draw or a value is not finite.
@@ -166,7 +168,7 @@ pub fn area_law(
     if let Some([threshold_mpa, threshold_area]) = threshold {
         upper.push(Layer::Vertical(threshold_mpa, "P0"));
         if threshold_area > 0.0 && threshold_mpa > 0.0 {
-            // A = A(P0) P/P0, up to the border of the panel.
+            // Area proportional to load: A = A(P0) P/P0, up to the border of the panel.
             let [last, highest] = [extremes(pressures())[1], extremes(points.iter().map(|at| at.area_fraction))[1]];
             let end_mpa = last.min(highest / threshold_area * threshold_mpa);
             upper.push(Layer::Dashed([[0.0, 0.0], [end_mpa, threshold_area * end_mpa / threshold_mpa]], GREY));

@@ -17,22 +17,24 @@ pub(super) const PALETTE: [RGBColor; 5] = [
 ];
 pub(super) const INK: RGBColor = RGBColor(51, 51, 51);
 pub(super) const GRID: RGBColor = RGBColor(225, 225, 225);
-/// Dark enough for text: its contrast to white is 5.1.
+/// Grey that is dark enough for text: the contrast ratio to white is 5.1.
 pub(super) const GREY: RGBColor = RGBColor(110, 110, 110);
 
-/// Width of a picture, and of a picture for a phone.
+/// Width of a picture.
 pub(super) const WIDTH: f64 = 900.0;
+/// Width of a picture for a phone or a narrow column.
 pub(super) const NARROW: f64 = 480.0;
-/// Margins left of the axes, for numbers and the axis title, and right of the axes.
+/// Margin left of the axes, for the texts of the ticks and the axis title.
 pub(super) const LEFT: f64 = 88.0;
+/// Margin right of the axes.
 pub(super) const RIGHT: f64 = 28.0;
 
-/// Scale of drawing coordinates. The drawing library rounds to whole pixels, so pictures are drawn
-/// larger by this factor, and the view box scales them back.
+/// Drawing coordinates over picture units. The drawing library rounds to whole pixels, so pictures are drawn larger by
+/// this factor, and the view box scales them back.
 pub(super) const PRECISION: f64 = 8.0;
-/// The drawing library writes a font size s as s / 1.24.
+/// Factor on font sizes, because the drawing library divides a font size by 1.24.
 const FONT_FACTOR: f64 = 1.24;
-/// Estimated upper bound of the mean character width over the font size.
+/// Estimated upper bound of the mean width of a character, relative to the font size.
 const CHARACTER_WIDTH: f64 = 0.58;
 
 const TITLE_SIZE: f64 = 18.0;
@@ -50,7 +52,7 @@ pub(super) enum Swatch {
     Mark(Mark, RGBColor),
     /// Downward arrow.
     Arrow(RGBColor),
-    /// Arrow along a unit vector; the vector's y axis points up.
+    /// Arrow along a unit vector whose y axis points up.
     Toward([f64; 2], RGBColor),
 }
 
@@ -66,7 +68,7 @@ pub(super) enum Mark {
 }
 
 impl Mark {
-    /// One shape per series.
+    /// All shapes, in the order in which series of a chart take them.
     pub(super) const ALL: [Self; 5] = [Self::Circle, Self::Square, Self::Triangle, Self::Diamond, Self::Ring];
     /// Shapes that fit inside a ring.
     pub(super) const FILLED: [Self; 4] = [Self::Circle, Self::Square, Self::Triangle, Self::Diamond];
@@ -77,7 +79,7 @@ pub(super) struct Canvas<'a> {
     root: DrawingArea<SVGBackend<'a>, Shift>,
 }
 
-/// Draws a picture of the given width and height.
+/// Draws a picture of the given width and height in picture units with `draw`, and returns it as SVG text.
 pub(super) fn picture(
     [width, height]: [f64; 2],
     draw: impl FnOnce(&Canvas<'_>) -> Result<(), ChartError>,
@@ -96,7 +98,7 @@ pub(super) fn picture(
     Ok(svg.replacen(&drawn, &format!("<svg width=\"{width}\" height=\"{height}\""), 1))
 }
 
-/// Error of the drawing library.
+/// Converts an error of the drawing library.
 pub(super) fn failed(error: impl std::fmt::Display) -> ChartError {
     ChartError::Drawing { reason: error.to_string() }
 }
@@ -122,7 +124,7 @@ impl Canvas<'_> {
         self.root.draw(&PathElement::new(pixels(points), stroke(color, width))).map_err(failed)
     }
 
-    /// Draws an arrow.
+    /// Draws an arrow from `from` to `tip`.
     pub(super) fn arrow(&self, from: [f64; 2], tip: [f64; 2], color: RGBColor) -> Result<(), ChartError> {
         let length = (tip[0] - from[0]).hypot(tip[1] - from[1]).max(f64::MIN_POSITIVE);
         let along = [0, 1].map(|axis| (tip[axis] - from[axis]) / length);
@@ -186,13 +188,13 @@ impl Canvas<'_> {
         self.styled_text(text, at, anchor, color, TEXT_SIZE, FontStyle::Normal, FontTransform::None)
     }
 
-    /// Writes text for labels beside points.
+    /// Writes small text for a label beside a point; the text starts at `at`.
     pub(super) fn small_text(&self, text: &str, at: [f64; 2], color: RGBColor) -> Result<(), ChartError> {
         let anchor = (HPos::Left, VPos::Center);
         self.styled_text(text, at, anchor, color, SMALL_SIZE, FontStyle::Normal, FontTransform::None)
     }
 
-    /// Writes text that reads upwards.
+    /// Writes text that reads upwards, as for the title of a vertical axis.
     pub(super) fn upward_text(&self, text: &str, at: [f64; 2]) -> Result<(), ChartError> {
         let anchor = (HPos::Center, VPos::Top);
         self.styled_text(text, at, anchor, INK, TEXT_SIZE, FontStyle::Normal, FontTransform::Rotate270)
@@ -217,13 +219,13 @@ impl Canvas<'_> {
         self.root.draw(&Text::new(text, pixel(at), style)).map_err(failed)
     }
 
-    /// Writes the title at the top of the page.
+    /// Writes the title at the top of the picture.
     pub(super) fn title(&self, title: &str) -> Result<(), ChartError> {
         let anchor = (HPos::Left, VPos::Center);
         self.styled_text(title, [LEFT, 24.0], anchor, INK, TITLE_SIZE, FontStyle::Bold, FontTransform::None)
     }
 
-    /// Draws an entry of the legend from `[x, y]` to the right.
+    /// Draws an entry of the legend, symbol and label, from `[x, y]` to the right.
     pub(super) fn entry(&self, swatch: Swatch, label: &str, [x, y]: [f64; 2]) -> Result<(), ChartError> {
         self.swatch(swatch, [x, y])?;
         self.text(label, [x + SWATCH + 8.0, y], (HPos::Left, VPos::Center), INK)
@@ -246,7 +248,8 @@ impl Canvas<'_> {
     }
 }
 
-/// Positions of the entries of a legend below `title` in a picture of `width`, and the height of title and legend.
+/// Arranges the entries of a legend below `title` in a picture of `width`. Returns their positions, and the height of
+/// title and legend, in picture units.
 pub(super) fn arranged(title: &str, legend: &[(Swatch, &str)], width: f64) -> (Vec<[f64; 2]>, f64) {
     // A narrow picture needs the whole width for its legend.
     let left = if width < WIDTH { RIGHT } else { LEFT };
@@ -265,12 +268,12 @@ pub(super) fn arranged(title: &str, legend: &[(Swatch, &str)], width: f64) -> (V
     (places, height)
 }
 
-/// Estimated width of small text.
+/// Estimated width of small text, in picture units.
 pub(super) fn small_text_width(text: &str) -> f64 {
     text_width(text) * SMALL_SIZE / TEXT_SIZE
 }
 
-/// Estimated width of text in the default size.
+/// Estimated width of text in the default size, in picture units.
 fn text_width(text: &str) -> f64 {
     text.chars().count() as f64 * CHARACTER_WIDTH * TEXT_SIZE
 }

@@ -8,16 +8,17 @@ use super::{
     arranged, check, picture,
 };
 
-/// Rectangle on the page: left, top, right, bottom.
+/// Rectangle in a picture, in picture units: left, top, right, bottom; y points down.
 pub(super) type Frame = [f64; 4];
 
-/// Function that draws on the page beside a plot.
+/// Function that draws additional elements in or beside a plot.
 type Drawing<'a> = Box<dyn Fn(&Canvas<'_>, &Plot<'_>) -> Result<(), ChartError> + 'a>;
 
-/// Height below the frame of a single plot, for the numbers and the title of its axis.
+/// Height below the frame of a single plot, in picture units, for the ticks and the title of the horizontal axis.
 const BELOW: f64 = 62.0;
 
-/// Title, legend and plots. Without a title, the picture is for a narrow column of a page, which has the title.
+/// Title, legend and plots. A chart without a title gives a narrow picture, for a column of a page that shows the title
+/// itself.
 pub(super) struct Chart<'a> {
     title: &'a str,
     height: f64,
@@ -25,7 +26,7 @@ pub(super) struct Chart<'a> {
     pub(super) plots: Vec<Plot<'a>>,
 }
 
-/// Layers over axes.
+/// Plot: a frame with two axes, and layers drawn over the axes.
 pub(super) struct Plot<'a> {
     pub(super) frame: Frame,
     x: Axis,
@@ -33,9 +34,9 @@ pub(super) struct Plot<'a> {
     pub(super) layers: Vec<Layer<'a>>,
 }
 
-/// Part of a plot: values in the units of the axes, and how they are drawn.
+/// Part of a plot: values in the units of the axes, with the properties of their drawing. Widths are in picture units.
 pub(super) enum Layer<'a> {
-    /// Line through points, and its width; dense points are reduced to their extremes.
+    /// Line through points, its colour and its width; dense points are reduced to their extremes.
     Line(Vec<[f64; 2]>, RGBColor, f64),
     /// Straight dashed line.
     Dashed([[f64; 2]; 2], RGBColor),
@@ -43,21 +44,21 @@ pub(super) enum Layer<'a> {
     Horizontal(f64),
     /// Dashed line at x over the height of the plot, and the label at its top.
     Vertical(f64, &'a str),
-    /// Span of x over the height of the plot, and its opacity.
+    /// Shaded range of x over the height of the plot, and its opacity.
     Span([f64; 2], f64),
-    /// Filled polygon, and its opacity.
+    /// Filled polygon, its colour and its opacity.
     Area(Vec<[f64; 2]>, RGBColor, f64),
-    /// Filled rectangle between two corners, and its opacity.
+    /// Filled rectangle between two corners, its colour and its opacity.
     Rectangle([[f64; 2]; 2], RGBColor, f64),
-    /// Bar at x between two values, and its horizontal offset in picture units.
+    /// Error bar at x between two values, its colour and its horizontal offset in picture units.
     Bar(f64, [f64; 2], RGBColor, f64),
-    /// Marks at x and a value with its error bar, and their horizontal offset in picture units.
+    /// Marks, each at x and a value with an error bar, their colour and their horizontal offset in picture units.
     Marks(Mark, Vec<(f64, Estimate)>, RGBColor, f64),
-    /// Squares, and half their side in picture units.
+    /// Small squares at points, their colour and half their side in picture units.
     Dots(Vec<[f64; 2]>, RGBColor, f64),
-    /// Small text at a position on the page.
+    /// Small text at a position in the picture, in picture units.
     Note(String, [f64; 2]),
-    /// Drawing by a function, which checks its own values.
+    /// Drawing by a function, which must check its own values.
     Own(Drawing<'a>),
 }
 
@@ -66,7 +67,7 @@ pub(super) fn width(title: &str) -> f64 {
     if title.is_empty() { NARROW } else { WIDTH }
 }
 
-/// Legend and lines of a width of all `series`, each with a colour.
+/// Legend entries and lines of all `series`, each with a colour of the palette; `width` is in picture units.
 pub(super) fn lines<'a>(
     series: impl IntoIterator<Item = &'a Series<'a>>,
     width: f64,
@@ -76,12 +77,12 @@ pub(super) fn lines<'a>(
 }
 
 impl<'a> Chart<'a> {
-    /// Chart of a height in picture units, without plots.
+    /// Creates a chart without plots; `height` is in picture units.
     pub(super) fn new(title: &'a str, height: f64, legend: Vec<(Swatch, &'a str)>) -> Self {
         Self { title, height, legend, plots: Vec::new() }
     }
 
-    /// Frame of a single plot below the legend.
+    /// Frame of a single plot that fills the chart below the legend.
     pub(super) fn frame(&self) -> Frame {
         let width = width(self.title);
         let (_, top) = arranged(self.title, &self.legend, width);
@@ -128,12 +129,12 @@ impl<'a> Chart<'a> {
 }
 
 impl<'a> Layer<'a> {
-    /// Marks without errors at points.
+    /// Marks without error bars at `points`.
     pub(super) fn marks(mark: Mark, points: impl IntoIterator<Item = [f64; 2]>, color: RGBColor) -> Self {
         Self::Marks(mark, points.into_iter().map(|[x, value]| (x, value.into())).collect(), color, 0.0)
     }
 
-    /// Whether the layer draws values, not only guides to values.
+    /// Whether the layer draws values, not only guides such as reference lines, shaded spans and notes.
     fn has_values(&self) -> bool {
         match self {
             Self::Line(points, ..) | Self::Area(points, ..) | Self::Dots(points, ..) => !points.is_empty(),
@@ -143,7 +144,7 @@ impl<'a> Layer<'a> {
         }
     }
 
-    /// All numbers in the units of the axes.
+    /// All numbers of the layer that are in the units of the axes, to check that they are finite.
     fn values(&self) -> Vec<f64> {
         match self {
             Self::Line(points, ..) | Self::Area(points, ..) | Self::Dots(points, ..) => points.as_flattened().to_vec(),
@@ -158,12 +159,12 @@ impl<'a> Layer<'a> {
 }
 
 impl Plot<'_> {
-    /// Plot without layers.
+    /// Creates a plot without layers.
     pub(super) fn new(frame: Frame, x: Axis, y: Axis) -> Self {
         Self { frame, x, y, layers: Vec::new() }
     }
 
-    /// Position of a value on the page.
+    /// Position of the point `[x, y]`, given in the units of the axes, in the picture, in picture units.
     pub(super) fn at(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         let [left, top, right, bottom] = self.frame;
         [left + self.x.share(x) * (right - left), bottom - self.y.share(y) * (bottom - top)]
@@ -241,8 +242,8 @@ impl Plot<'_> {
     }
 }
 
-/// Keeps only the first, the extreme and the last points within each unit of x, in order, which leaves the visible line
-/// unchanged: a unit is at most a pixel where pages show a picture.
+/// Keeps only the first, lowest, highest and last point within each picture unit of x, in order. The visible line does
+/// not change, because pages show a picture unit as at most one pixel.
 fn thinned(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
     const BIN: f64 = 1.0;
     let bin = |point: &[f64; 2]| (point[0] / BIN).floor();

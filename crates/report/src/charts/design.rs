@@ -1,4 +1,4 @@
-//! Charts of designs: the target with what is expected of a cut sample, trade-offs, and predictions by mechanism.
+//! Charts of designs: the target with the expected values of a cut sample, trade-offs, and predictions by mechanism.
 
 use std::collections::BTreeSet;
 
@@ -16,23 +16,26 @@ use super::{
     Axis, Chart, ChartError, GREY, INK, Layer, Mark, PALETTE, PRECISION, Plot, RIGHT, Swatch, WIDTH, check, extremes,
 };
 
-/// Factor beyond the target's pressures up to which trials are drawn, so that they do not widen the plot.
+/// Factor beyond the range of the target's pressures up to which trials are drawn; trials farther away would widen the
+/// plot.
 const BEYOND: f64 = 1.1;
-/// Opacity of the accepted band and of the sample intervals.
+/// Opacity of the accepted band.
 const BAND: f64 = 0.22;
+/// Opacity of the 95 % intervals of samples.
 const INTERVAL: f64 = 0.4;
-/// Half the width of an interval bar, and the distance between conditions, relative to the range of pressures.
+/// Half the width of an interval bar, relative to the range of pressures.
 const HALF_BAR: f64 = 0.012;
+/// Distance between conditions at one pressure, relative to the range of pressures.
 const CONDITION_STEP: f64 = 0.04;
 
-/// Whether a trial's `load` is at the design condition of `task`, if there is one.
+/// Whether a trial's `load` is at the design condition of `task`; true if the task has no condition.
 pub(crate) fn is_at_condition(task: &DesignTask, load: &Load) -> bool {
     let own = Condition { speed_m_s: load.speed_m_s, humidity: load.humidity };
     task.condition.is_none_or(|wanted| wanted.matches(&own))
 }
 
-/// Ratios measured in trials at the design condition, within the range of the target's pressures; none for other targets,
-/// because flat friction at the loads of trials is not known here.
+/// Nominal pressures in MPa and ratios measured in trials at the design condition, near the target's pressures. Empty
+/// unless the target is a ratio, because flat friction at the loads of trials is not known here.
 fn measured(report: &DesignReport, found: &DesignOutcome) -> Vec<[f64; 2]> {
     let (Some(learned), true) = (&found.material.uncertainty.learned, report.is_ratio()) else { return Vec::new() };
     let all = learned.trials().iter().flat_map(|trial| &trial.measured);
@@ -42,18 +45,19 @@ fn measured(report: &DesignReport, found: &DesignOutcome) -> Vec<[f64; 2]> {
     points.filter(|[p, _]| (low / BEYOND..=high * BEYOND).contains(p)).collect()
 }
 
-/// Friction of the flat surface at a load, in the target's quantity: 1 for a ratio, otherwise the confirmed value, which exists
-/// at the design condition only.
+/// Friction of the flat surface at the load `row`, in the target's quantity: 1 for a ratio, otherwise the coefficient
+/// from the confirming run; `None` if the confirming run has no value at that load.
 pub(crate) fn flat_of(report: &DesignReport, row: usize) -> Option<f64> {
     if report.is_ratio() { Some(1.0) } else { report.confirmed.get(row)?.mu_flat }
 }
 
-/// Prediction of the model alone at a load, in the target's quantity.
+/// Prediction of the model alone, without corrections from trials, at the load `row`, in the target's quantity; `None`
+/// if it is unknown.
 pub(crate) fn model_alone(report: &DesignReport, row: usize) -> Option<f64> {
     Some(report.sample.modelled.get(row)?.ratio * flat_of(report, row)?)
 }
 
-/// Point of a target; values are in the target's quantity.
+/// Target at one pressure, with the friction of the flat surface; values are in the target's quantity.
 #[derive(Clone, Copy)]
 struct Wanted {
     pressure_mpa: f64,
@@ -63,8 +67,8 @@ struct Wanted {
     flat: Option<f64>,
 }
 
-/// Draws target and expected friction against pressure, with the trials of `found`, the design of `report`, if available. Without
-/// a title, the picture is for a narrow column or a phone.
+/// Draws target and expected friction against pressure, with the trials behind the design `found`, if available;
+/// `report` is the record of that design. An empty title gives a picture for a narrow column or a phone.
 ///
 /// # Errors
 /// [`ChartError`] if there is no target or a value is not finite.
@@ -72,8 +76,8 @@ pub(crate) fn target(title: &str, report: &DesignReport, found: Option<&DesignOu
     target_beside(title, report, &found.map_or_else(Vec::new, |found| measured(report, found)))
 }
 
-/// Draws the target of `report` and expected values of cut samples beside `measured`: nominal pressures in MPa and values of
-/// trials, of any texture.
+/// Draws the target and the expected values of cut samples of `report` with `measured`: nominal pressures in MPa and
+/// measured values of trials, of any texture.
 fn target_beside(title: &str, report: &DesignReport, measured: &[[f64; 2]]) -> Result<String, ChartError> {
     let target = &report.target;
     let point = |(row, &pressure_mpa): (usize, &f64)| Wanted {
@@ -165,19 +169,21 @@ fn target_beside(title: &str, report: &DesignReport, measured: &[[f64; 2]]) -> R
     Chart::new(title, 500.0, legend).plot(x_axis, y_axis, layers).svg()
 }
 
-/// Height of a panel with its axis, and of title and legend.
+/// Height of a panel with its axis, in picture units.
 const PANEL_HEIGHT: f64 = 400.0;
+/// Height of title and legend, in picture units.
 const HEADING: f64 = 76.0;
-/// Half the size of the mark of a design off the front, and of a design on the front.
+/// Half the size of the mark of a design off the front, in picture units.
 const SMALL: f64 = 1.4;
+/// Half the size of the mark of a design on the front, in picture units.
 const LARGE: f64 = 2.6;
-/// Maximum number of designs drawn besides the front; more would hide each other.
+/// Maximum number of designs drawn in addition to the front; more marks would hide each other.
 const MAX_OTHERS: usize = 4000;
-/// Maximum over minimum from which an axis is logarithmic.
+/// Ratio of maximum to minimum above which an axis is logarithmic.
 const WIDE: f64 = 20.0;
 
-/// Draws the designs in the plane of two goals, or in several planes for three goals, stacked: the first goal against each other
-/// goal. Marks the chosen design, which has the name `name`.
+/// Draws the `compared` designs with the first goal along x and each further goal along y, in stacked panels. Marks the
+/// design `chosen`; `name` begins the title.
 ///
 /// # Errors
 /// [`ChartError`] if there is no design or a value is not finite.
@@ -209,7 +215,7 @@ pub(crate) fn trade_offs(name: &str, compared: &Compared, chosen: &Pattern) -> R
         let [x, y] = [0, goal].map(|goal| scales[goal].axis(titles[goal], column(goal)));
         let mut plot = Plot::new([left, top, right, top + PANEL_HEIGHT - 68.0], x, y);
         let every = others.len().div_ceil(MAX_OTHERS).max(1);
-        // A dot on top of another one is not seen.
+        // A dot on top of another dot is not visible.
         let mut drawn = BTreeSet::new();
         let cell = |known: &TradeOff| plot.at(place(known)).map(|length| (length / SMALL).round() as i64);
         for known in others.iter().step_by(every).filter(|known| drawn.insert(cell(known))) {
@@ -225,15 +231,15 @@ pub(crate) fn trade_offs(name: &str, compared: &Compared, chosen: &Pattern) -> R
     Ok(behind(&chart.svg()?, &background))
 }
 
-/// Adds the `dots`, zero-length lines of a path, behind all that is drawn: as a single element they take a tenth of the
-/// bytes of thousands.
+/// Inserts `dots`, zero-length lines of an SVG path, behind all other elements of the picture. A single path takes a
+/// tenth of the bytes of thousands of elements.
 fn behind(svg: &str, dots: &str) -> String {
     let RGBColor(red, green, blue) = PALE;
     let width = 2.0 * SMALL * PRECISION;
     let path = format!(
         "<path d=\"{dots}\" fill=\"none\" stroke=\"#{red:02X}{green:02X}{blue:02X}\" stroke-width=\"{width}\" stroke-linecap=\"square\"/>"
     );
-    // The first element is the ground of the picture.
+    // The first element is the background of the picture.
     match svg.split_once("/>\n") {
         Some((ground, rest)) if !dots.is_empty() => format!("{ground}/>\n{path}\n{rest}"),
         _ => svg.to_owned(),
@@ -243,7 +249,7 @@ fn behind(svg: &str, dots: &str) -> String {
 /// Colour of background designs, lighter than the axes.
 const PALE: RGBColor = RGBColor(200, 200, 200);
 
-/// Scale of a goal's axis.
+/// Scale of the axis of a goal.
 #[derive(Clone, Copy)]
 enum Scale {
     Linear,
@@ -251,7 +257,7 @@ enum Scale {
 }
 
 impl Scale {
-    /// Chooses a logarithmic scale if values are positive and span more than [`WIDE`].
+    /// Chooses a logarithmic scale if all values are positive and their maximum over their minimum exceeds [`WIDE`].
     fn of(values: impl Iterator<Item = f64>) -> Self {
         let [low, high] = extremes(values);
         if low > 0.0 && high > WIDE * low { Self::Logarithmic } else { Self::Linear }
@@ -274,17 +280,21 @@ impl Scale {
 
 /// Name of the file with the picture of [`mechanisms`].
 pub const MECHANISMS_FILE: &str = "mechanisms.svg";
-/// Width of the names, gap between plots, height of a row, of the title and of the numbers and titles below.
+/// Width of the names of mechanisms, in picture units.
 const NAMES: f64 = 300.0;
+/// Gap between plots, in picture units.
 const GAP: f64 = 40.0;
+/// Height of a row, in picture units.
 const ROW: f64 = 34.0;
+/// Height of the title, in picture units.
 const TITLE: f64 = 60.0;
+/// Height of ticks and axis titles below the plots, in picture units.
 const BELOW: f64 = 62.0;
-/// Range of ratios that is drawn: intervals of what nobody believes end at the frame.
+/// Drawn range of ratios; wider intervals, which are implausible, end at the frame.
 const RANGE: [f64; 2] = [0.0, 2.0];
 
-/// Draws the ratios of both sectors and their quotient by mechanism, from the top down, at the load that teaches most, for the
-/// design `name`.
+/// Draws the ratios of both sectors of a disc and their quotient, one row per mechanism of the model error, at the load
+/// `learning.load`, which discriminates best between mechanisms. `name` is the name of the design.
 ///
 /// # Errors
 /// [`ChartError`] if there is nothing to draw or a value is not finite.

@@ -56,7 +56,7 @@ use canvas::{
 };
 use chart::{Chart, Frame, Layer, Plot, lines, width};
 
-/// A labelled line.
+/// Line of a chart with a label.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Series<'a> {
     /// Name in the legend.
@@ -75,7 +75,7 @@ pub struct Estimate {
 }
 
 impl Estimate {
-    /// Ends of the error bar; both are the value without one.
+    /// Lower and upper end of the error bar; both are the value if the error is unknown.
     fn ends(&self) -> [f64; 2] {
         let error = self.error.unwrap_or(0.0);
         [self.value - error, self.value + error]
@@ -83,7 +83,7 @@ impl Estimate {
 }
 
 impl From<f64> for Estimate {
-    /// Value without an error.
+    /// Makes an estimate without an error.
     fn from(value: f64) -> Self {
         Self { value, error: None }
     }
@@ -114,7 +114,7 @@ pub enum ChartError {
     },
 }
 
-/// Checks that there are values and that all are finite.
+/// Checks that there are values and that all values are finite; `title` names the chart in errors.
 fn check(title: &str, values: impl IntoIterator<Item = f64>) -> Result<(), ChartError> {
     let mut values = values.into_iter().peekable();
     if values.peek().is_none() {

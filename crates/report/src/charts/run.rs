@@ -7,26 +7,26 @@ use super::{
     lines,
 };
 
-/// Trace of one surface.
+/// Friction of one surface against time, with its mean.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trace<'a> {
     /// Time in milliseconds and friction coefficient.
     pub series: Series<'a>,
     /// Start and end of the averaging window of the dynamic coefficient, in milliseconds.
     pub window_ms: Option<[f64; 2]>,
-    /// Marked mean over that window, with its error.
+    /// Mean over the averaging window, with its error; `None` draws no mean.
     pub mu_dynamic: Option<Estimate>,
 }
 
-/// Widths at the right for the values of the means, and for their errors.
+/// Widths right of the plot for the values of the means and for their errors, in picture units.
 const VALUES: [f64; 2] = [84.0, 72.0];
-/// Opacity of averaging windows.
+/// Opacity of the shading of averaging windows.
 const SHADE: f64 = 0.12;
 /// Distance between two error bars, in picture units.
 const BESIDE: f64 = 12.0;
 
-/// Draws friction against time with shaded averaging windows and marked means, which the legend describes by `means`. One trace
-/// per surface: flat, patterned.
+/// Draws friction against time, one trace per surface, with shaded averaging windows and dashed means; `means` is the
+/// text of the legend for the means.
 ///
 /// # Errors
 /// [`ChartError`] if there is nothing to draw or a value is not finite.
@@ -93,18 +93,19 @@ fn united(mut spans: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
     united
 }
 
-/// Trace of one repeat.
+/// Friction of one repeat of a test against time, with the values read from it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RepeatTrace<'a> {
     /// Time in seconds and friction coefficient.
     pub series: Series<'a>,
-    /// Mean friction coefficient over the window.
+    /// Mean friction coefficient over the averaging window.
     pub mu_dynamic: f64,
-    /// Time in seconds and friction coefficient of the static peak.
+    /// Time in seconds and friction coefficient of the static peak; `None` if no peak was found.
     pub static_peak: Option<[f64; 2]>,
 }
 
-/// Draws the traces of repeats with their means over the averaging window `window_s` and their static peaks.
+/// Draws the traces of repeats with their static peaks and their means over the averaging window `window_s`, given by
+/// start and end.
 ///
 /// # Errors
 /// [`ChartError`] if there is nothing to draw or a value is not finite.
@@ -127,7 +128,8 @@ pub fn tribometer(title: &str, window_s: [f64; 2], repeats: &[RepeatTrace<'_>]) 
     Chart::new(title, 500.0, legend).plot(Axis::over("time (s)", [0.0, end]), y_axis, layers).svg()
 }
 
-/// Draws friction against position, in mm, of reciprocating traces: half the height of a loop is dynamic friction.
+/// Draws friction against position in millimetres for reciprocating sliding; half the height of a loop is dynamic
+/// friction.
 ///
 /// # Errors
 /// [`ChartError`] if there is nothing to draw or a value is not finite.
@@ -139,11 +141,11 @@ pub fn friction_loops(title: &str, repeats: &[Series<'_>]) -> Result<String, Cha
     Chart::new(title, 500.0, legend).plot(x_axis, y_axis, lines).svg()
 }
 
-/// Opacity of cavities.
+/// Opacity of the shading of cavities.
 const CAVITY_SHADE: f64 = 0.18;
 
-/// Draws pressure in MPa along x in micrometres, one series per surface, contact blocks only; lines are interrupted over cavities,
-/// which have a start and an end. `nominal_mpa` is the nominal pressure.
+/// Draws the pressure on contact blocks in MPa along x in micrometres, one series per surface; lines are interrupted
+/// over cavities. Each of `cavities_um` is the start and the end of a cavity; `nominal_mpa` is the nominal pressure.
 ///
 /// # Errors
 /// [`ChartError`] if there is nothing to draw or a value is not finite.

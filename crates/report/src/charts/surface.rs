@@ -1,4 +1,5 @@
-//! Charts of surfaces: heights seen from above, along a line, by frequency and before edges, and the power spectrum.
+//! Charts of surfaces: heights seen from above, along a line, by frequency and near the edges of cavities, and the
+//! power spectrum.
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -9,7 +10,7 @@ use super::{
     extremes, failed,
 };
 
-/// Draws height along a line, positions and heights in micrometres; heights are exaggerated.
+/// Draws the height along a line; each point is a position and a height in micrometres. Heights are exaggerated.
 ///
 /// # Errors
 /// [`ChartError`] if there is nothing to draw or a value is not finite.
@@ -22,8 +23,8 @@ pub fn section(title: &str, points_um: &[[f64; 2]]) -> Result<String, ChartError
     Chart::new(title, 320.0, Vec::new()).plot(x, heights, [line]).svg()
 }
 
-/// Draws power against wave number on logarithmic axes: decimal logarithms of the wave number in rad/um and of the power spectral
-/// density in um^4.
+/// Draws power against wave number on logarithmic axes. Each of `log_points` has the decimal logarithms of the wave
+/// number in rad/um and of the power spectral density in um^4.
 ///
 /// # Errors
 /// [`ChartError`] if there is nothing to draw or a value is not finite.
@@ -37,9 +38,9 @@ pub fn spectrum(title: &str, log_points: &[[f64; 2]]) -> Result<String, ChartErr
 
 const GAP: f64 = 28.0;
 
-/// Draws a histogram of heights beside the bearing curve, on one height axis in micrometres. Each of `shares` is the middle of a
-/// class, `class_um` wide, and its share of the surface in percent; each of `bearing` is the share at or above a height in
-/// percent, and the height; `core_um` are the ends of the core.
+/// Draws a histogram of heights beside the bearing curve, on one height axis in micrometres. Each of `shares` is the
+/// middle of a class, `class_um` wide, and its share of the surface in per cent; each of `bearing` is the share of the
+/// surface at or above a height, in per cent, and that height; `core_um` are the lower and upper end of the core (Sk).
 ///
 /// # Errors
 /// [`ChartError`] if there is nothing to draw or a value is not finite.
@@ -76,9 +77,10 @@ pub fn height_histogram(
 /// Opacity of the band of standard errors.
 const BAND: f64 = 0.18;
 
-/// Draws the mean profile of the land before an edge; heights are exaggerated. Each of `points_um` is a distance from the edge at
-/// half depth, a mean height above the land and its standard error; `rim_um` is the fitted rim, distances and heights, may be
-/// empty and has the name `rim_label`. At the distance `start_um` the wall ends and a rim begins.
+/// Draws the mean height of the land against the distance from the edges of cavities; heights are exaggerated. Each of
+/// `points_um` is a distance from the edge at half depth, a mean height above the land and its standard error. Each of
+/// `rim_um`, which may be empty, is a distance and a height of the fitted rim, named `rim_label` in the legend. At the
+/// distance `start_um` the wall ends and a rim begins.
 ///
 /// # Errors
 /// [`ChartError`] if there is nothing to draw or a value is not finite.
@@ -114,33 +116,34 @@ pub fn edge_profile(
 /// Values over a surface seen from above: heights or pressures.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurfaceValues<'a> {
-    /// Values, row by row along y; NaN where a value is missing.
+    /// Values; y varies fastest and x slowest. NaN where a value is missing.
     pub values: &'a [f64],
-    /// Number of values per row.
+    /// Number of values along y.
     pub columns: usize,
     /// Unit of the values.
     pub unit: &'a str,
-    /// Values at the ends of the colour scale.
+    /// Values at the lower and the upper end of the colour scale.
     pub scale: [f64; 2],
     /// Side lengths of the map along x and y.
     pub side_um: [f64; 2],
 }
 
-/// Maximum page height, and minimum side of the drawn map.
+/// Maximum height of the picture, in picture units.
 const MAX_HEIGHT: f64 = 760.0;
+/// Minimum side of the drawn map, in picture units.
 const MIN_SIDE: f64 = 90.0;
-/// Space right of the map for the colour scale.
+/// Space right of the map for the colour scale, in picture units.
 const SCALE_SPACE: f64 = 130.0;
 const SCALE_WIDTH: f64 = 22.0;
 const TOP: f64 = 62.0;
-/// Height of the line with the sliding direction.
+/// Height of the line with the sliding direction, in picture units.
 const SLIDING_HEIGHT: f64 = 26.0;
 const BOTTOM: f64 = 62.0;
 /// Colour of a missing value.
 const MISSING: [u8; 3] = [190, 190, 190];
 
-/// Viridis (van der Walt and Smith) at ten equal steps: uniform in lightness, so that it is readable in grey and with
-/// any colour vision.
+/// Colour scale: Viridis (van der Walt and Smith) at ten equal steps, whose lightness rises uniformly, so that the map
+/// is readable in grey and with any colour vision.
 const SCALE: [[u8; 3]; 10] = [
     [68, 1, 84],
     [72, 40, 120],
@@ -154,7 +157,7 @@ const SCALE: [[u8; 3]; 10] = [
     [253, 231, 37],
 ];
 
-/// Colour at `share` of the scale, 0 to 1.
+/// Colour at `share` of the colour scale, from 0 to 1; NaN gives the colour of a missing value.
 fn color(share: f64) -> [u8; 3] {
     if share.is_nan() {
         return MISSING;
@@ -168,8 +171,9 @@ fn color(share: f64) -> [u8; 3] {
     })
 }
 
-/// Draws the surface from above, x to the right, y upwards, to scale, with the colour scale at its side; marks the position
-/// `section_y_um` of a section along x, and the direction of `sliding`, a unit vector in the axes of the map, with a label.
+/// Draws the surface from above, x to the right and y upwards, to scale, with a colour scale. Marks the position
+/// `section_y_um` of a section along x, and the direction of `sliding`: a unit vector in the axes of the map, and a
+/// label.
 ///
 /// # Errors
 /// [`ChartError`] if there is nothing to draw, rows are incomplete or a number is not finite.
@@ -220,7 +224,7 @@ pub fn surface_map(
     map.onto(scale.onto(svg, scale_frame)?, frame)
 }
 
-/// Raster image encoded as PNG.
+/// Bytes of a raster image encoded as PNG.
 struct Raster(Vec<u8>);
 
 impl Raster {
@@ -239,7 +243,7 @@ impl Raster {
         Ok(Self(file))
     }
 
-    /// Inserts the image into the drawing within `frame` (left, top, right, bottom).
+    /// Inserts the image into the drawing `svg` within the frame (left, top, right, bottom), in picture units.
     fn onto(&self, svg: String, [left, top, right, bottom]: [f64; 4]) -> Result<String, ChartError> {
         let image = format!(
             "<image x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" preserveAspectRatio=\"none\" \

@@ -5,21 +5,22 @@ use plotters::style::RGBColor;
 use super::{Axis, Chart, ChartError, GREY, Layer, Mark, PALETTE, Swatch, check, extremes};
 use crate::trials::{MeasuredReport, TrialReport};
 
-/// Lower end of the first plot, and height of the picture.
+/// Lower end of the first plot, in picture units from the top.
 const FIRST: f64 = 380.0;
+/// Height of the picture, in picture units.
 const HEIGHT: f64 = 680.0;
-/// Gap between panels, for the numbers of the axis.
+/// Gap between panels, in picture units, for the texts of ticks.
 const GAP: f64 = 60.0;
 /// Maximum margin above and below all ratios, relative to their range.
 const BEYOND: f64 = 0.75;
 /// Maximum number of trials named in the legend.
 const NAMED: usize = 4;
 
-/// Quantity of a measured ratio.
+/// Function that returns the x value of a measured ratio in a panel.
 type Quantity = fn(&TrialReport, &MeasuredReport) -> f64;
 
-/// Draws all measured ratios, in order, with their predictions from earlier trials; below, the ratios against areal density,
-/// edge length and pressure.
+/// Draws all measured ratios side by side with their predictions from earlier trials; below, the ratios against areal
+/// density, edge length and pressure.
 ///
 /// # Errors
 /// [`ChartError`] if there is nothing to draw or a value is not finite.
@@ -74,8 +75,8 @@ pub fn trials(title: &str, trials: &[TrialReport]) -> Result<String, ChartError>
 /// Maximum number of letters of a name in the legend.
 const MAX_LETTERS: usize = 20;
 
-/// Draws the measured ratios of `trials` against those that all other trials predict, where there are any, with their 95 %
-/// intervals. On the dashed line a prediction equals its measurement.
+/// Draws the measured ratios of `trials` against predictions from all other trials with 95 % intervals; ratios without
+/// other trials are left out. On the dashed line, prediction and measurement are equal.
 ///
 /// # Errors
 /// [`ChartError`] if there is nothing to draw or a value is not finite.
@@ -102,12 +103,12 @@ pub fn left_out(trials: &[TrialReport]) -> Result<String, ChartError> {
         layers.push(Layer::marks(mark, [[at.without_trial.ratio, at.measured]], colour));
     }
     let x_axis = Axis::over("predicted by all other trials, with 95 %", range);
-    // With the legend above it the plot is about square.
+    // Below the legend the plot is about square.
     Chart::new("", 500.0, legend).plot(x_axis, Axis::over("measured ratio", range), layers).svg()
 }
 
-/// Draws one column of marks for the user's `own` ratios of textured over flat friction, and one, by number from 1, for those
-/// of each `published` source.
+/// Draws ratios of textured over flat friction in columns: first the user's `own` ratios, then the ratios of each
+/// `published` source, numbered from 1.
 ///
 /// # Errors
 /// [`ChartError`] if there is nothing to draw or a value is not finite.

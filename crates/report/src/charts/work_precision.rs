@@ -8,7 +8,7 @@ use super::{
     small_text_width,
 };
 
-/// Errors in one quantity.
+/// Panel with the errors of all methods in one quantity.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WorkPrecisionPanel<'a> {
     /// Title of the error axis.
@@ -24,7 +24,7 @@ pub struct WorkPrecisionPanel<'a> {
 pub struct WorkPoint<'a> {
     /// Short name of the method.
     pub label: &'a str,
-    /// Index of the method's family in the chart's list.
+    /// Index of the method's family in the list of families of `work_precision`.
     pub family: usize,
     /// Wall time in seconds.
     pub wall_s: f64,
@@ -38,25 +38,26 @@ pub struct WorkPoint<'a> {
     pub is_default: bool,
 }
 
-/// Height of a panel with its axis.
+/// Height of a panel with its axis, in picture units.
 const PANEL_HEIGHT: f64 = 470.0;
-/// Height of the title and the legend.
+/// Height of the title and the legend, in picture units.
 const HEADING: f64 = 100.0;
 /// Errors below this value, in per cent, are drawn at this value, because the axis is logarithmic.
 const MIN_ERROR_PCT: f64 = 1e-3;
 /// Times below this value, in seconds, are drawn at this value.
 const MIN_TIME_S: f64 = 1e-6;
-/// Room around a mark.
+/// Space around a mark that labels do not cover, in picture units.
 const MARK_ROOM: f64 = 7.0;
-/// Room around the ring of a default.
+/// Space around the ring of a default that labels do not cover, in picture units.
 const RING_ROOM: f64 = 9.0;
-/// Room beside a line.
+/// Space beside a line that labels do not cover, in picture units.
 const LINE_ROOM: f64 = 2.0;
-/// Length of the arrow at an upper bound.
+/// Length of the arrow at an upper bound, in picture units.
 const ARROW: f64 = 15.0;
 
-/// Draws wall time against error on logarithmic axes, with the front of each of `panels` from top to bottom. `families` are the
-/// names of the method families, at most as many as there are colours; `reference_s` is the wall time of the reference.
+/// Draws error against wall time on logarithmic axes, one plot per panel from top to bottom, each with the front of the
+/// best methods. `families` are the names of the method families, at most as many as there are colours; `reference_s`
+/// is the wall time of the reference method.
 ///
 /// # Errors
 /// [`ChartError`] if a panel is empty or a value is not finite.
@@ -112,7 +113,9 @@ fn logarithms(point: &WorkPoint<'_>) -> [f64; 2] {
     [point.wall_s.max(MIN_TIME_S).log10(), point.error_pct.max(MIN_ERROR_PCT).log10()]
 }
 
-/// Draws the line of the reference, the front, the marks of methods at `places`, and their labels.
+/// Draws the line of the reference, the front, and the marks and labels of the methods at `places`. `places` and
+/// `limits` are decimal logarithms: `limits` of the reference's wall time in seconds and of the smallest
+/// distinguishable error in per cent.
 fn draw(
     canvas: &Canvas<'_>,
     plot: &Plot<'_>,
@@ -172,8 +175,9 @@ fn draw(
     Ok(())
 }
 
-/// Finds the position nearest to `mark` for a label of `width` that overlaps nothing in `taken`, and the end of the line that
-/// connects a distant label to its mark.
+/// Finds the position nearest to `mark` within `frame` for a label of `width` that overlaps no rectangle in `taken`, or
+/// the position with the least overlap. Also returns the end of the line from `mark` to a distant label. All lengths
+/// are in picture units.
 fn free_place(mark: [f64; 2], width: f64, frame: Frame, taken: &[Frame]) -> (Frame, Option<[f64; 2]>) {
     const DIRECTIONS: u32 = 24;
     const NEAR: f64 = 12.0;

@@ -10,7 +10,8 @@ use super::page::{Page, number, percent, plain, with_error};
 /// Maximum number of rows of the area law's table.
 const MAX_FACTORS: usize = 24;
 
-/// Adds the local coefficients at `loads`, in order of pressure; a single row if all loads share them.
+/// Adds a table of the mean local coefficients at `loads`, sorted by pressure; a single row if all loads have equal
+/// coefficients.
 pub(super) fn coefficients(page: &mut Page, loads: &[Load]) {
     let mut loads: Vec<&Load> = loads.iter().collect();
     loads.sort_by(|a, b| a.pressure_pa.total_cmp(&b.pressure_pa));
@@ -30,7 +31,7 @@ pub(super) fn coefficients(page: &mut Page, loads: &[Load]) {
     );
 }
 
-/// Adds the factors of the area law.
+/// Adds a table of the factors f of the area law; leaves out pressures if there are too many.
 pub(super) fn area_law(page: &mut Page, law: &AreaLaw) {
     let mut table = Table::new(["p in MPa", "f"]);
     let all = law.pressures_pa();

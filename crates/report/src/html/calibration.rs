@@ -24,7 +24,7 @@ use crate::trials::TrialsReport;
 const LOOSE_MODULUS: f64 = 0.1;
 /// Relative error of a friction coefficient above which the page suggests a measurement.
 const LOOSE_FRICTION: f64 = 0.02;
-/// Maximum number of fitted parameters that the first screen lists individually.
+/// Maximum number of fitted parameters whose table is not folded.
 const FEW: usize = 3;
 
 const TERMS: [(&str, &str); 6] = [
@@ -45,7 +45,7 @@ const TERMS: [(&str, &str); 6] = [
     ),
 ];
 
-/// Calibration with its task and outcome.
+/// Calibration with the task and the outcome of the fit, for a page.
 #[derive(Clone, Copy, Debug)]
 pub struct Fitted<'a> {
     /// The calibration as read.
@@ -54,9 +54,9 @@ pub struct Fitted<'a> {
     pub task: &'a CalibrationTask,
     /// Outcome of the fit.
     pub outcome: &'a CalibrationOutcome,
-    /// Ledger of trials, if any was measured.
+    /// Ledger of trials, if a trial was measured.
     pub ledger: Option<&'a TrialsReport>,
-    /// Sheet of the measurements.
+    /// Sheet of the friction measurements.
     pub sheet: &'a FrictionSheet,
 }
 
@@ -150,17 +150,18 @@ fn verdict(page: &mut Page, outcome: &CalibrationOutcome) {
     }
 }
 
-/// Relative error of a pair's dynamic coefficient.
+/// Relative standard error of the dynamic coefficient of a pair; `None` if unknown.
 fn relative_error(pair: &FittedPair) -> Option<f64> {
     Some(pair.dynamic_std_error? / pair.dynamic_mean)
 }
 
-/// Relative error of a pair's dynamic coefficient from flat friction alone, which repeated measurements would reduce.
+/// Relative standard error of the dynamic coefficient of a pair due to measured flat friction alone, which repeated
+/// measurements would reduce; `None` if unknown.
 fn measured_error(pair: &FittedPair) -> Option<f64> {
     Some(pair.dynamic_std_error_given_law.or(pair.dynamic_std_error)? / pair.dynamic_mean)
 }
 
-/// Whether mu_s is an assumption for any measurement.
+/// Whether the static coefficient mu_s is assumed, not fitted, for some measurement.
 fn assumes_static(outcome: &CalibrationOutcome) -> bool {
     outcome.fit.pairs.iter().any(|pair| pair.static_std_error.is_none())
 }
@@ -222,7 +223,7 @@ fn caveat(page: &mut Page, outcome: &CalibrationOutcome) {
     page.doubts(&all);
 }
 
-/// Lists quantities that the data leave uncertain.
+/// Lists quantities that the measurements do not determine.
 fn open(task: &CalibrationTask, outcome: &CalibrationOutcome) -> Vec<String> {
     let fit = &outcome.fit;
     let mut all = Vec::new();
@@ -270,7 +271,7 @@ fn value(parameter: &Parameter, value: f64) -> String {
     }
 }
 
-/// Suggested measurements, the most important first.
+/// Suggests further measurements, the most important first.
 fn next(fitted: &Fitted<'_>) -> Vec<String> {
     let Fitted { task, outcome, ledger, .. } = *fitted;
     let mut all = Vec::new();
@@ -310,7 +311,7 @@ fn next(fitted: &Fitted<'_>) -> Vec<String> {
     all
 }
 
-/// Describes pressure, speed and humidity.
+/// States the nominal pressure, speed and humidity of a measurement.
 fn condition(task: &CalibrationTask, of: &Measurement) -> String {
     format!(
         "{} MPa, {} mm/s and {} % humidity",
@@ -320,7 +321,7 @@ fn condition(task: &CalibrationTask, of: &Measurement) -> String {
     )
 }
 
-/// Adds a table, folded under a name if it is long.
+/// Adds the content written by `add`, folded under `name` if `is_long`.
 fn folded(page: &mut Page, is_long: bool, name: &str, add: impl FnOnce(&mut Page)) {
     if is_long { page.fold(name, add) } else { add(page) }
 }
@@ -361,7 +362,7 @@ fn fit(page: &mut Page, task: &CalibrationTask, outcome: &CalibrationOutcome, ou
     });
 }
 
-/// Adds the traces of the measurements.
+/// Adds the pictures of tribometer traces, folded.
 fn traces(page: &mut Page, outputs: &Outputs) {
     let drawn: Vec<(String, String)> = outputs
         .names()

@@ -15,8 +15,8 @@ use crate::Outputs;
 use crate::charts::model_alone;
 use crate::uncertainty_budget::{self, UncertaintyBudget};
 
-/// Makes the page of a design from its `report`, the coefficients in `loads` and `area_law`, and the pictures and files in
-/// `outputs`; includes an explorer if `found`, the design of `report`, has one.
+/// Makes the page of a design from its `report`, the `area_law`, the local coefficients in `loads`, and the pictures
+/// and files in `outputs`. Includes an explorer if `found`, the design of `report`, has an explorer.
 pub fn design(
     report: &DesignReport,
     area_law: Option<&AreaLaw>,
@@ -60,7 +60,8 @@ pub fn design(
     page.finish(&report.name, &report.version)
 }
 
-/// Adds expected values at every load, their limits, and their sensitivity to the dimensions.
+/// Adds expected values at every load, the inputs that limit them, uncertainty budgets, and the sensitivity to each
+/// dimension.
 fn expected(page: &mut Page, report: &DesignReport) {
     let all: Vec<(usize, &Expected)> = report.sample.expected.iter().enumerate().collect();
     let mut table = Table::of(&all);
@@ -95,7 +96,7 @@ fn expected(page: &mut Page, report: &DesignReport) {
     slopes(page, report);
 }
 
-/// Adds the folded uncertainty budget of every load.
+/// Adds the uncertainty budgets of all loads, folded.
 fn budgets(page: &mut Page, report: &DesignReport) {
     let budgets = UncertaintyBudget::of_design(report);
     page.fold("Uncertainty budget in the form of the GUM", |page| {
@@ -108,7 +109,7 @@ fn budgets(page: &mut Page, report: &DesignReport) {
     });
 }
 
-/// Adds the achieved goal.
+/// Adds a paragraph on the goal: expected and modelled value.
 fn goal(page: &mut Page, goal: &GoalReport) {
     let interval = goal.interval_95.map_or_else(String::new, |ends| format!(" (95 %: {})", believed_interval(ends)));
     page.paragraph(&format!(
@@ -120,10 +121,10 @@ fn goal(page: &mut Page, goal: &GoalReport) {
     ));
 }
 
-/// Standard deviation from which an input is listed: half a unit of the last decimal.
+/// Minimum standard deviation of a listed input: half a unit of the last decimal shown.
 const MIN_STD: f64 = 5e-5;
 
-/// The columns of `table` with a number other than zero, or with words.
+/// Keeps the columns of `table` in which some cell has a number other than zero, or words.
 fn known(table: &Table) -> Table {
     let says = |cell: &str| cell.chars().any(|c| !matches!(c, '-' | '0' | '.' | ' '));
     let is_known = |column: &usize| table.body().iter().any(|row| says(&row[*column]));
@@ -153,7 +154,7 @@ fn limited_by(page: &mut Page, report: &DesignReport) {
     );
 }
 
-/// Adds the sensitivity of expected values to each dimension.
+/// Adds a table of the change of expected values with each dimension of the texture.
 fn slopes(page: &mut Page, report: &DesignReport) {
     let rows: Vec<(usize, &f64)> = report.target.pressure_mpa.iter().enumerate().collect();
     let mut table = Table::of(&rows);
@@ -170,7 +171,7 @@ fn slopes(page: &mut Page, report: &DesignReport) {
     }
 }
 
-/// Adds other samples worth cutting, and the trade-offs.
+/// Adds other samples worth cutting, the trade-offs, and the accuracy of the table of the model.
 fn others(page: &mut Page, report: &DesignReport, outputs: &Outputs) {
     let ends = |at: Option<&Expected>| {
         at.map_or_else(String::new, |at| {
@@ -212,7 +213,7 @@ fn others(page: &mut Page, report: &DesignReport, outputs: &Outputs) {
     }
 }
 
-/// Adds the designs on the Pareto front.
+/// Adds the trade-offs: a picture, and a table of designs on the Pareto front.
 fn trade_offs(page: &mut Page, found: &TradeOffsReport, outputs: &Outputs) {
     page.subheading("Trade-offs");
     page.picture_of(
@@ -260,8 +261,8 @@ fn confirmed(page: &mut Page, report: &DesignReport) {
     );
 }
 
-/// Adds the pictures whose names begin with `prefix`, of the first and the last load: the others, which lie between them,
-/// are files beside the page and would double its size.
+/// Adds the pictures whose names begin with `prefix` for the first and the last load, folded. Pictures of the loads
+/// between are accompanying files; they would double the size of the page.
 fn pictures(page: &mut Page, outputs: &Outputs, heading: &str, prefix: &str, what: &str) {
     let named: Vec<(String, String)> = outputs
         .names()

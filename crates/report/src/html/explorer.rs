@@ -18,11 +18,12 @@ use super::points::{Among, Point};
 use crate::Outputs;
 
 const SCRIPT: &str = include_str!("explorer.js");
-/// Number of outputs besides the expected values, and the place of the laser time in seconds among them.
+/// Number of outputs of [`Explorer::beside`], the quantities in addition to the expected values and the chance.
 const BESIDE: usize = 5;
+/// Index of the laser time in seconds in the outputs of [`Explorer::beside`].
 const SECONDS: usize = 3;
 
-/// Limit that the page can check.
+/// Limit that the script of the page checks.
 #[derive(Serialize)]
 struct LimitData {
     kind: &'static str,
@@ -36,25 +37,26 @@ struct Data {
     is_ratio: bool,
     axes: Vec<AxisData>,
     pressure_mpa: Vec<f64>,
-    /// Lowest accepted value at each pressure.
+    /// Lowest accepted value at each pressure; null without a lower limit.
     lowest: Vec<Option<f64>>,
     highest: Vec<Option<f64>>,
     flat_mu: Vec<f64>,
-    /// Medians at each load of each condition, the design condition first.
+    /// Median over samples at each load of each condition, the design condition first.
     medians: Packed,
-    /// Lower, then upper ends of the 95 % interval at each load of the design condition.
+    /// Lower end of the 95 % interval of samples at each load of the design condition.
     lower: Packed,
+    /// Upper end of the 95 % interval of samples at each load of the design condition.
     upper: Packed,
-    /// Logit ln(p / (1 - p)) of the probability p.
+    /// Logit ln(p / (1 - p)) of the chance p that a sample is on target.
     log_odds: Packed,
-    /// ln of the maximum pressure in MPa, minimum height of a ceiling in um, areal density, laser time in seconds, and
-    /// minimum local over nominal pressure.
+    /// Outputs in this order: ln of the maximum local pressure in MPa, minimum height of a cavity's ceiling under load
+    /// in um, areal density, laser time in seconds, and minimum of local over nominal pressure.
     beside: Packed,
-    /// Lattice nodes without a result.
+    /// Indices of the nodes of the surfaces at which the model has no answer.
     holes: Vec<usize>,
     limits: Vec<LimitData>,
     burst_um: Option<f64>,
-    /// Depths are whole passes over a hatch, instead of bursts on a spot.
+    /// Whether depths are whole passes over a hatch, instead of bursts on a spot.
     has_passes: bool,
     has_laser_time: bool,
     design: [f64; 3],
@@ -63,7 +65,7 @@ struct Data {
 }
 
 impl Data {
-    /// Whether the map shows points of this kind.
+    /// Whether the map shows points of `kind`: `found`, `trade-off` or `trial`.
     fn shows(&self, kind: &str) -> bool {
         self.points.iter().any(|point| point.on_map && point.kind == kind)
     }
@@ -73,7 +75,7 @@ impl Data {
     }
 }
 
-/// Task that a page explores, with its results.
+/// Task whose designs a page explores, with the predictions.
 struct Subject<'a> {
     task: &'a DesignTask,
     material: &'a KnownMaterial,
@@ -81,14 +83,14 @@ struct Subject<'a> {
     explorer: &'a Explorer,
     /// Design found, if a search was run.
     report: Option<&'a DesignReport>,
-    /// Friction of the flat surface at each target pressure.
+    /// Dynamic friction coefficient of the flat surface at each target pressure.
     flat_mu: &'a [f64],
-    /// Scene with the pattern.
+    /// Scene file with the initial pattern.
     toml: String,
 }
 
 impl Subject<'_> {
-    /// Limits that the page can check.
+    /// Limits that the script of the page checks.
     fn limits(&self) -> Vec<LimitData> {
         let task = self.task;
         let mut all = Vec::new();
@@ -156,7 +158,7 @@ impl Subject<'_> {
         }
     }
 
-    /// Describes the interpolated quantities and the interpolation error.
+    /// Describes the interpolated quantities and states the interpolation error.
     fn words(&self) -> String {
         let explorer = self.explorer;
         let quantity = if self.task.target.quantity() == Quantity::Ratio { "ratio" } else { "friction" };
@@ -181,11 +183,11 @@ impl Subject<'_> {
         format!("What is expected of a cut sample of any design within the bounds. {error}{between}{conditions}")
     }
 
-    /// Adds the sliders and their outputs.
+    /// Adds the sliders, the readings and the data for the script.
     fn add(&self, page: &mut Page) {
         let data = self.data();
         let Ok(json) = serde_json::to_string(&data) else { return };
-        // The text must not close the element that contains it.
+        // The JSON text must not close the script element that contains it.
         let json = json.replace("</", "<\\/").replace("<!--", "<\\u0021--");
         page.add(&html! { div class="screen" { h2 { "Explore" } p { (self.words()) } (controls(&data)) } });
         page.script(&format!(
@@ -194,20 +196,21 @@ impl Subject<'_> {
     }
 }
 
-/// Adds the explorer of `found`, if there is one.
+/// Adds the explorer of the design `found`, if it has one.
 pub(super) fn explorer(page: &mut Page, found: &DesignOutcome, outputs: &Outputs) {
     let Some(explorer) = &found.explorer else { return };
     let toml = outputs.text("scene.toml").unwrap_or_default();
     let (task, material, pattern) = (&found.task, &found.material, &found.pattern);
     let law = material.material.area_law.as_ref();
-    // In time, as in the record of the confirming run.
+    // Friction from the confirming run in time, or steady friction if that run has no value.
     let confirmed = |row: usize| found.report.confirmed.get(row).and_then(|load| load.mu_flat);
     let flat_mu = |(row, load): (usize, &Load)| confirmed(row).unwrap_or_else(|| load.flat_mu(law));
     let flat_mu: Vec<f64> = found.loads.iter().enumerate().map(flat_mu).collect();
     Subject { task, material, pattern, explorer, report: Some(&found.report), flat_mu: &flat_mu, toml }.add(page);
 }
 
-/// Makes the page of a task's designs before any search; `toml` is a scene of the initial design.
+/// Makes the page on which the designs of a task can be explored before any search; `toml` is a scene file of the
+/// initial design.
 pub fn exploration(found: &Explored, toml: String) -> String {
     let Explored { task, material, pattern, explorer, flat_mu, trials, .. } = found;
     let mut page = Page::alone();
@@ -225,7 +228,7 @@ pub fn exploration(found: &Explored, toml: String) -> String {
     page.finish(&task.name, VERSION)
 }
 
-/// Lists the points in words, each with a button that selects it.
+/// Lists the points of the map, each with a button that selects the point.
 fn listed(data: &Data) -> Markup {
     let has_measured = data.points.iter().any(|point| !point.measured.is_empty());
     html! {

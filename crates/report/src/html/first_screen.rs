@@ -11,14 +11,14 @@ use crate::charts::{flat_of, target};
 
 /// Maximum number of limits drawn as bars; the table below the first screen lists all.
 const MAX_BARS: usize = 5;
-/// Standard deviation relative to the largest, from which a limit is drawn.
+/// Minimum standard deviation of a limit drawn as a bar, relative to the longest bar.
 const MIN_BAR: f64 = 0.02;
-/// Increase of the probability from which it is reported.
+/// Minimum increase of the chance, by exact knowledge of an input, that is reported.
 const MIN_GAIN: f64 = 0.02;
 /// Files needed at the laser.
 const LASER_FILES: [&str; 4] = ["pattern.dxf", "pattern.svg", "pattern.csv", "process.toml"];
 
-/// Terms on the page that a reader from another field may not know.
+/// Terms on the page that readers from other fields may not know, with definitions.
 const TERMS: [(&str, &str); 11] = [
     (
         "chance",
@@ -42,7 +42,7 @@ const TERMS: [(&str, &str); 11] = [
     ("trial", "A sample that was cut and measured to learn how far the model is off."),
 ];
 
-/// Adds the first screen of `report`, with details from `found` if available.
+/// Adds the first screen of `report`, with details from the design `found` if available.
 pub(super) fn first_screen(page: &mut Page, report: &DesignReport, outputs: &Outputs, found: Option<&DesignOutcome>) {
     let doubts = report.doubts();
     page.block(if is_worth_cutting(report) { "decision" } else { "decision missed" }, |page| {
@@ -77,7 +77,8 @@ fn is_worth_cutting(report: &DesignReport) -> bool {
     matches!(&*report.advice, "series" | "trial" | "trial_meets_it")
 }
 
-/// Describes the expected value at the shown load of the target, and what limits the chance most.
+/// Describes the expected value at the load that the first screen shows, and the strongest limit of the chance; `None`
+/// without expected values.
 fn expected_words(report: &DesignReport) -> Option<String> {
     let at = report.sample.expected.get(shown(report))?;
     let quantity = if report.is_ratio() { "a ratio to flat friction of" } else { "a friction coefficient of" };
@@ -97,8 +98,8 @@ fn expected_words(report: &DesignReport) -> Option<String> {
     ))
 }
 
-/// Index of the load at the design condition that the first screen describes: the last one, or, for a target that cannot be
-/// met, the one at which the expected value misses it by most.
+/// Index of the load at the design condition that the first screen describes: the last load, or, for a target that
+/// cannot be met, the load at which the expected value is farthest from the target.
 fn shown(report: &DesignReport) -> usize {
     let count = report.target.pressure_mpa.len();
     let miss = |at: &Expected| {
@@ -118,7 +119,7 @@ fn plot_caption(report: &DesignReport) -> String {
     )
 }
 
-/// Adds texture, exposure and files.
+/// Adds the texture to cut, the laser exposure and links to the files for the laser.
 fn to_cut(page: &mut Page, report: &DesignReport, outputs: &Outputs, found: Option<&DesignOutcome>) {
     let design = &report.sample.design;
     let texture = &design.texture;
@@ -168,7 +169,8 @@ fn to_cut(page: &mut Page, report: &DesignReport, outputs: &Outputs, found: Opti
     }
 }
 
-/// Adds the factors that limit the probability as bars, the constraints that keep the target out of reach, and the next steps.
+/// Adds bars for the inputs that limit the chance, the constraints that keep the target out of reach, and the next
+/// steps.
 fn limits(page: &mut Page, report: &DesignReport, found: Option<&DesignOutcome>) {
     let row = shown(report);
     let std = |limit: &LimitedBy| limit.std.get(row).copied().filter(|std| std.is_finite()).unwrap_or(0.0);
@@ -214,8 +216,8 @@ fn limits(page: &mut Page, report: &DesignReport, found: Option<&DesignOutcome>)
     page.steps("What to do next", &next_steps(report, found.is_some_and(|found| found.task.is_calibrated)));
 }
 
-/// Steps to a better design. A calibration named by the design file is read again by the next search; a material file
-/// has the trials of the day on which it was made.
+/// Steps to a better design. If `is_calibrated`, the design file names a calibration, and the next search reads its new
+/// trials; a material file must be made anew.
 fn next_steps(report: &DesignReport, is_calibrated: bool) -> Vec<String> {
     let mut steps = match &*report.advice {
         "trial" => vec!["Cut one sample and measure it at the pressures of the plot."],
@@ -259,7 +261,8 @@ fn next_steps(report: &DesignReport, is_calibrated: bool) -> Vec<String> {
     steps
 }
 
-/// Adds the basis of the numbers.
+/// Adds what the numbers rest on: trials, material, accuracy of inputs, confirming run, and effects that are not
+/// modelled.
 fn basis(page: &mut Page, report: &DesignReport) {
     let mut known = vec![match report.trials {
         0 => "no trial yet".to_owned(),

@@ -1,4 +1,4 @@
-//! Parts of a page: text, sortable tables, pictures on cards.
+//! Parts of an HTML page: text, sortable tables, pictures on cards.
 
 use maud::{DOCTYPE, Markup, PreEscaped, Render, html};
 use slipgrid_base::units::counted;
@@ -16,13 +16,14 @@ const SCRIPT: &str = include_str!("sort.js");
 /// Line end, written after every block element.
 const NL: PreEscaped<&str> = PreEscaped("\n");
 
-/// Picture size in bytes above which a page only names the file: browsers draw tens of thousands of shapes slowly.
+/// Picture size in bytes above which a page only refers to the file, because browsers draw tens of thousands of shapes
+/// slowly.
 const LARGEST_PICTURE: usize = 3_000_000;
 
 /// Minimum displayed height of a drawing's smallest text, in pixels of the page.
 const MIN_TEXT_PX: f64 = 9.0;
 
-/// Beginnings of the names of files, with what such files hold.
+/// Beginnings of file names, each with a description of the content of such files.
 const FILES: [(&str, &str); 17] = [
     ("pattern.dxf", "cavities and outline for the laser, in mm"),
     ("pattern.svg", "drawing to scale, for people"),
@@ -43,13 +44,14 @@ const FILES: [(&str, &str); 17] = [
     ("hatch.csv", "lines of the hatch"),
 ];
 
-/// Maximum number of doubts on the first screen; the list below it has all.
+/// Maximum number of doubts on the first screen; a list below the first screen has all doubts.
 const MAX_BADGES: usize = 3;
 
-/// Maximum length of a number with its error and unit; longer cells are treated as sentences.
+/// Maximum number of characters of a cell that holds a number with its error and unit; a column with a longer cell is
+/// treated as sentences.
 const LONGEST_NUMBER: usize = 24;
 
-/// Text that is escaped when written, without control characters other than line ends, and with micrometres as µm.
+/// Text that is escaped when rendered, without control characters other than line ends, and with the unit um as µm.
 pub(super) struct Text<'a>(pub(super) &'a str);
 
 impl Render for Text<'_> {
@@ -58,7 +60,7 @@ impl Render for Text<'_> {
     }
 }
 
-/// Titles and units of tables on the screen, and as a page writes them.
+/// Titles and units in tables: as shown on the screen, and as written on a page.
 const LONG: [(&str, &str); 9] = [
     ("F N", "force in N"),
     ("P MPa", "P in MPa"),
@@ -71,7 +73,7 @@ const LONG: [(&str, &str); 9] = [
     ("deg", "°"),
 ];
 
-/// Note on a page without accompanying files.
+/// Footer of a page without accompanying files.
 const ALONE: &str = "This page holds all its numbers itself: no files belong to it.";
 
 /// Page under construction, empty by default.
@@ -79,7 +81,7 @@ const ALONE: &str = "This page holds all its numbers itself: no files belong to 
 pub struct Page {
     body: String,
     pictures: usize,
-    /// No files accompany the page.
+    /// Whether the page has no accompanying files.
     is_alone: bool,
 }
 
@@ -130,12 +132,12 @@ impl Page {
         self.add(&html! { h1 { (Text(text)) } });
     }
 
-    /// Adds a heading.
+    /// Adds a heading of a section.
     pub fn heading(&mut self, text: &str) {
         self.add(&html! { h2 { (Text(text)) } });
     }
 
-    /// Adds a subheading.
+    /// Adds a heading of a subsection.
     pub fn subheading(&mut self, text: &str) {
         self.add(&html! { h3 { (Text(text)) } });
     }
@@ -161,7 +163,7 @@ impl Page {
         }
     }
 
-    /// Adds two parts side by side if there is room, with one picture at the right.
+    /// Adds two parts side by side if the window is wide enough; the right one is meant for a picture.
     pub fn beside_picture(&mut self, left: impl FnOnce(&mut Self), right: impl FnOnce(&mut Self)) {
         self.block("first tall", |page| {
             page.block("", left);
@@ -176,7 +178,7 @@ impl Page {
         self.body.push_str("</div>\n");
     }
 
-    /// Adds names with their values; adds nothing for an empty list.
+    /// Adds a table of names with their values; adds nothing for an empty list.
     pub fn facts(&mut self, caption: &str, rows: &[(&str, String)]) {
         if rows.is_empty() {
             return;
@@ -189,7 +191,7 @@ impl Page {
         });
     }
 
-    /// Adds terms with their definitions, folded.
+    /// Adds a folded list of terms with their definitions.
     pub fn terms(&mut self, terms: &[(&str, &str)]) {
         self.add(&html! {
             details { summary { "What the words mean" } dl { (NL) @for (term, meaning) in terms { dt { (term) } dd { (meaning) } (NL) } } }
@@ -211,7 +213,8 @@ impl Page {
         self.marked("warning", text);
     }
 
-    /// Adds all `doubts`, the gravest first; none is folded, so that all are printed. Adds nothing for an empty list.
+    /// Adds the list of all `doubts`, the gravest first. The list is not folded, so that all doubts are printed. Adds
+    /// nothing for an empty list.
     pub fn doubts(&mut self, doubts: &[String]) {
         if !doubts.is_empty() {
             self.add(&html! {
@@ -220,7 +223,7 @@ impl Page {
         }
     }
 
-    /// Adds the first of `doubts` in a few words each, with a link to [`Page::doubts`].
+    /// Adds the first few `doubts` in brief, each with a link to the list of [`Page::doubts`].
     pub fn badges(&mut self, doubts: &[String]) {
         let more = doubts.len().saturating_sub(MAX_BADGES);
         if !doubts.is_empty() {
@@ -233,8 +236,8 @@ impl Page {
         }
     }
 
-    /// Adds a hundred dots, of which `chance` are filled, with the number in words. They are chances and no samples: what is
-    /// not known of the model holds for all samples of a texture.
+    /// Adds a hundred dots, of which the share `chance`, from 0 to 1, is filled, with the number in words. The dots
+    /// show a probability, not 100 samples: the error of the model is common to all samples of a texture.
     pub fn dots(&mut self, chance: f64) {
         let Some(chance) = known(chance) else { return };
         let count = (100.0 * chance.clamp(0.0, 1.0)).round();
@@ -280,8 +283,8 @@ impl Page {
         self.add(&html! { ul { (NL) @for item in items { li { (Text(item)) } (NL) } } });
     }
 
-    /// Adds a table whose columns sort by a click, with `+-` written as ±, and short titles and units as a page has them. Adds
-    /// nothing without rows.
+    /// Adds a table that a click on a column title sorts. Writes `+-` as ±, and replaces short titles and units by
+    /// those of a page. Adds nothing for a table without rows.
     pub fn table(&mut self, caption: &str, table: &Table) {
         let rows = table.body();
         if rows.is_empty() {
@@ -291,7 +294,7 @@ impl Page {
             let long = LONG.iter().find(|(short, _)| *short == words).map(|(_, long)| (*long).to_owned());
             long.unwrap_or_else(|| words.replace("+-", "±"))
         };
-        // Names and notes of users stay as they are; only a column of units has units.
+        // Names and notes of users stay unchanged; only cells of the column `unit` are units.
         let in_cell = |name: &str, cell: &str| if name == "unit" { own(cell) } else { cell.replace("+-", "±") };
         // Sentences are left-aligned and numbers right-aligned; each column is one or the other.
         let class = |column: usize| {
@@ -324,7 +327,7 @@ impl Page {
         });
     }
 
-    /// Adds a picture on a card, with a caption.
+    /// Adds a picture on a card, with a caption; adds only a note if the picture is too large for the page.
     pub fn picture(&mut self, svg: &str, caption: &str) {
         if svg.len() > LARGEST_PICTURE {
             self.paragraph(&format!("{caption} The picture is too large for this page: it is a file beside the page."));
@@ -334,12 +337,12 @@ impl Page {
         self.add(&html! { figure { (card) figcaption { (Text(caption)) } } });
     }
 
-    /// Puts a picture on its card, with ids that are unique on the page.
+    /// Puts a picture on a card and makes its ids unique on the page.
     fn card(&mut self, svg: &str, caption: &str) -> Markup {
         self.pictures += 1;
         let start = svg.find("<svg").unwrap_or(0);
         let prefix = format!("p{}-", self.pictures);
-        // Ids within one page must be unique: the ids of each picture get their own prefix.
+        // Ids within one page must be unique, so that each picture gets a prefix for its ids.
         let named = svg[start..]
             .replace(" id=\"", &format!(" id=\"{prefix}"))
             .replace("url(#", &format!("url(#{prefix}"))
@@ -356,7 +359,7 @@ impl Page {
         }
     }
 
-    /// Adds the picture `name` of `outputs`, with a variant for narrow windows if one exists.
+    /// Adds the picture `name` of `outputs`, with the variant `narrow` for narrow windows if there is one.
     pub fn picture_of_both(&mut self, outputs: &Outputs, name: &str, narrow: Option<String>, caption: &str) {
         let (Some(wide), Some(narrow)) = (outputs.text(name), narrow) else {
             return self.picture_of(outputs, name, caption);
@@ -367,7 +370,8 @@ impl Page {
         });
     }
 
-    /// Adds two periods of a pattern in vertical section without labels; adds nothing if a length is not positive.
+    /// Adds a picture of two periods of a pattern in vertical section, without labels; adds nothing if a length is not
+    /// positive.
     pub(super) fn outline(&mut self, pattern: &PatternReport) {
         let rim = pattern.rim();
         let svg = section(pattern.width_um, pattern.spacing_um, pattern.depth_um, rim.as_ref(), false);
@@ -376,7 +380,8 @@ impl Page {
         }
     }
 
-    /// Adds two periods of a pattern in vertical section; adds nothing if a length is not positive.
+    /// Adds a labelled picture of two periods of a pattern in vertical section; adds nothing if a length is not
+    /// positive.
     pub fn section(&mut self, pattern: &PatternReport) {
         let rim = pattern.rim();
         let svg = section(pattern.width_um, pattern.spacing_um, pattern.depth_um, rim.as_ref(), true);
@@ -386,7 +391,8 @@ impl Page {
         }
     }
 
-    /// Adds model assumptions, numerical methods, and effects that are never modelled.
+    /// Adds model assumptions, effects that are never modelled, and numerical methods. `has_rim` tells whether the
+    /// model includes rims.
     pub fn model(&mut self, [model, method]: [&[String]; 2], has_rim: bool) {
         self.heading("What was modelled, and why");
         self.list(&model.iter().map(|stated| sentence(stated)).collect::<Vec<_>>());
@@ -396,7 +402,7 @@ impl Page {
         });
     }
 
-    /// Adds pictures side by side if there is room.
+    /// Adds pictures, each an SVG text with a caption, side by side if the window is wide enough.
     pub fn pictures<'a>(&mut self, pictures: impl IntoIterator<Item = (&'a str, &'a str)>) {
         self.body.push_str("<div class=\"pair\">\n");
         for (svg, caption) in pictures {
@@ -405,7 +411,8 @@ impl Page {
         self.body.push_str("</div>\n");
     }
 
-    /// Adds links to the files beside the page, with what each kind is; files of no known kind have only their name.
+    /// Adds links to the accompanying files, with a description of each kind of file; files of an unknown kind get no
+    /// description.
     pub(super) fn files(&mut self, names: &[&str]) {
         let mut rest = names.to_vec();
         let mut kinds: Vec<(Vec<&str>, &str)> = Vec::new();
@@ -431,7 +438,8 @@ impl Page {
     }
 }
 
-/// Width of a drawing at which its smallest text has the height [`MIN_TEXT_PX`]; `None` without text.
+/// Width of a drawing, in pixels of the page, at which its smallest text has the height [`MIN_TEXT_PX`]; `None` for a
+/// drawing without text.
 fn least_width_px(svg: &str) -> Option<f64> {
     let after = |text: &'static str| svg.split(text).skip(1).filter_map(|rest| rest.split('"').next());
     let width: f64 = after("viewBox=\"").next()?.split_whitespace().nth(2)?.parse().ok()?;

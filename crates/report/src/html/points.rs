@@ -11,9 +11,10 @@ use slipgrid_model::pattern::{Pattern, Texture};
 use super::page::{number, plain};
 use crate::charts::is_at_condition;
 
-/// Relative difference of features up to which a trial has the design's texture; allows for rounding only.
+/// Maximum relative difference of features at which a trial counts as having the design's texture; allows for rounding
+/// only.
 const ALIKE: f64 = 1e-6;
-/// Relative tolerance of the bounds within which a point lies on the map.
+/// Relative tolerance of the test whether a point lies within the bounds of the map.
 const ROOM: f64 = 1e-6;
 
 /// Point on the explorer's map.
@@ -21,7 +22,7 @@ const ROOM: f64 = 1e-6;
 pub(super) struct Point {
     /// Kind of the point: `found`, `trade-off` or `trial`.
     pub kind: &'static str,
-    /// Width, spacing and depth in micrometres.
+    /// Width, spacing and depth of the texture, in micrometres.
     pub at: [f64; 3],
     /// Whether the map shows the point: it lies within the bounds and has the texture of the bounds.
     pub on_map: bool,
@@ -31,19 +32,19 @@ pub(super) struct Point {
     pub measured: String,
 }
 
-/// Context of the points: bounds, texture, flat friction and target.
+/// Task, material and predictions that the points of the map refer to.
 pub(super) struct Among<'a> {
     pub task: &'a DesignTask,
     pub material: &'a KnownMaterial,
     pub explorer: &'a Explorer,
     /// Dynamic friction of the flat surface at each target pressure.
     pub flat_mu: &'a [f64],
-    /// Target pressures.
+    /// Nominal pressures of the target.
     pub pressure_mpa: &'a [f64],
 }
 
 impl Among<'_> {
-    /// Points of the design of `report`, its trade-offs, and the trials of the material.
+    /// Points of the design and the trade-offs of `report`, and of the trials of the material.
     pub fn points(&self, report: Option<&DesignReport>) -> Vec<Point> {
         let lengths = |of: &PatternReport| [of.width_um, of.spacing_um, of.depth_um];
         let point = |kind, at, name: String| Point { kind, at, on_map: self.holds(&at), name, measured: String::new() };
@@ -57,7 +58,7 @@ impl Among<'_> {
         found.into_iter().chain(traded).chain(trials.iter().map(|trial| self.trial(trial))).collect()
     }
 
-    /// Whether a design lies within the bounds.
+    /// Whether a design with width, spacing and depth `at`, in micrometres, lies within the bounds.
     fn holds(&self, at: &[f64; 3]) -> bool {
         let mut axes = self.explorer.expected.axes().iter().zip(at);
         axes.all(|(axis, length)| (axis.from * (1.0 - ROOM)..=axis.to * (1.0 + ROOM)).contains(length))
@@ -68,7 +69,7 @@ impl Among<'_> {
         let at = [width_m, pitch_m - width_m, depth_m].map(|m| tidy(LENGTH_UM.from_si(m)));
         let has_texture = is_of(self.task.space.texture(), &trial.features);
         let on_map = has_texture && self.holds(&at);
-        // Loads at the design condition, if there are any.
+        // If the trial has loads at the design condition, only these are listed.
         let is_wanted = |load: &slipgrid_infer::discrepancy::Load| is_at_condition(self.task, load);
         let is_any = trial.measured.iter().any(|of| is_wanted(&of.load));
         let words = |of: &slipgrid_infer::discrepancy::Measured| {
@@ -101,7 +102,8 @@ impl Among<'_> {
         }
     }
 
-    /// Expected ratio of a design at a pressure between target pressures, as the page draws it.
+    /// Expected ratio to flat friction of a design at a pressure, linear between target pressures, as the page draws
+    /// it; `None` outside of the target pressures.
     fn ratio(&self, at: &[f64; 3], pressure_pa: f64) -> Option<f64> {
         let values = self.explorer.expected.at(at);
         let (pressures, pressure_mpa) = (self.pressure_mpa, PRESSURE_MPA.from_si(pressure_pa));
@@ -119,7 +121,7 @@ impl Among<'_> {
     }
 }
 
-/// Whether `features` match a pattern of `texture` with equal lengths.
+/// Whether `features` are those of a pattern that has the texture `texture` and equal lengths.
 fn is_of(texture: &Texture, features: &Features) -> bool {
     let Ok(pattern) = Pattern::new(*texture, features.width_m, features.pitch_m - features.width_m, features.depth_m)
     else {

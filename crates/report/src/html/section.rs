@@ -1,29 +1,34 @@
-//! Picture of two periods of a pattern in vertical section, both axes to scale; very low rims are drawn higher.
+//! Picture of two periods of a pattern in vertical section, with both axes to one scale; very low rims are drawn
+//! higher.
 
 use slipgrid_base::units::LENGTH_UM;
 use slipgrid_design::results::fixed;
 use slipgrid_model::pattern::{Rim, RimProfile};
 
-/// Width of the picture, and of the two periods in it.
+/// Width of the picture, in picture units.
 const WIDTH: f64 = 900.0;
+/// Width of the two drawn periods, in picture units.
 const DRAWN: f64 = 760.0;
+/// Margin left of the periods, in picture units.
 const LEFT: f64 = 70.0;
-/// Drawn material above a cavity's ceiling, and its maximum, in picture units.
+/// Maximum drawn height of the textured body, in picture units.
 const MAX_HEIGHT: f64 = 420.0;
 
-/// Height below which a rim is stretched, and the stretched height, in picture units.
+/// Height below which a rim is drawn higher, in picture units.
 const MIN_RIM: f64 = 1.5;
+/// Drawn height of a rim below `MIN_RIM`, before the stretch is rounded to one digit, in picture units.
 const STRETCHED_RIM: f64 = 8.0;
 
-/// Number of line segments of a half-sine rim.
+/// Number of line segments with which a half-sine rim is drawn.
 const HALF_SINE_PIECES: u32 = 16;
 
 /// Rim as drawn, in picture units.
 struct Drawn {
     profile: RimProfile,
     height: f64,
-    /// Width of the rim, and its end: at most half-way to the next cavity.
+    /// Width of the rim.
     width: f64,
+    /// Distance from the edge at which the drawn rim ends: at most half-way to the next cavity.
     end: f64,
     /// Drawn height over the height to scale.
     stretch: f64,
@@ -43,7 +48,8 @@ impl Drawn {
         Some(Self { profile: rim.profile(), height: stretch * to_scale, width, end, stretch })
     }
 
-    /// Path from the land at `face` to the edge at `x`, on the side given by `sign`; reversed if `back`.
+    /// SVG path of the rim from the land at the height `face` to the cavity's edge at `x`. The rim lies right of the
+    /// edge for `sign` 1 and left of it for -1. If `back`, the path runs from the edge to the land.
     fn outline(&self, x: f64, face: f64, sign: f64, back: bool) -> String {
         let unit = |value: f64| fixed(Some(value), 2);
         let outer = x + sign * self.end;
@@ -69,8 +75,8 @@ impl Drawn {
     }
 }
 
-/// Draws the section through the centres of cavities along their row, with the counterface below; lengths in micrometres.
-/// Has no labels unless `is_labelled`. Empty if a length is not positive.
+/// Draws the section through the centres of cavities along a row, with the counterface below, as SVG text. Has no
+/// labels unless `is_labelled`. The text is empty if a length is not positive.
 pub fn section(width_um: f64, spacing_um: f64, depth_um: f64, rim: Option<&Rim>, is_labelled: bool) -> String {
     let pitch_um = width_um + spacing_um;
     let positive = [width_um, spacing_um, depth_um].iter().all(|length_um| length_um.is_finite() && *length_um > 0.0);

@@ -1,4 +1,4 @@
-//! Page of an altitude map: parameters, their basis, and warnings.
+//! Page of an altitude map: parameters, limits of the parameters, and warnings.
 
 use super::page::{Page, micrometres, number, percent, sentence};
 use crate::Outputs;
@@ -7,12 +7,12 @@ use slipgrid_base::units::LENGTH_UM;
 use slipgrid_design::results::Table;
 use slipgrid_surface::topography::{LIMITED_BY_PIXELS, SpectrumBin};
 
-/// Share of the squared height in the longest waves above which the map's size limits the heights.
+/// Share of the squared height in the longest waves above which the size of the map limits the height parameters.
 const LIMITED_BY_SIDE: f64 = 0.4;
 /// Share of missing points above which the page mentions them.
 const MANY_MISSING: f64 = 0.01;
 
-/// Meanings of the parameters.
+/// Symbols and meanings of the parameters.
 const MEANINGS: [(&str, &str); 17] = [
     ("Sa", "mean distance of the heights from their mean"),
     ("Sq", "root mean square of the same"),
@@ -135,7 +135,7 @@ fn limits(report: &SurfaceReport) -> Vec<String> {
             number(LENGTH_UM.from_si(short.below_m), 2)
         ));
     }
-    // Share of a ring of the spectrum: number of waves times density, proportional to the squared height.
+    // The contribution of a ring to the squared height is proportional to the number of its waves times their density.
     let length_um = |ring: &SpectrumBin| LENGTH_UM.from_si(std::f64::consts::TAU / ring.q_per_m);
     let longest_um = report.spectrum.iter().map(length_um).fold(0.0, f64::max);
     let squares = |from_um: f64| -> f64 {
@@ -181,7 +181,7 @@ fn parameters(page: &mut Page, report: &SurfaceReport) {
     );
 }
 
-/// Formats symbols and units as the page writes them.
+/// Replaces the words um and deg by the signs µm and °.
 fn symbol(words: &str) -> String {
     let one = |word: &str| {
         let (own, end) = word.strip_suffix('.').map_or((word, ""), |own| (own, "."));

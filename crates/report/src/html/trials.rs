@@ -1,4 +1,4 @@
-//! Ledger of trials: predictions before the samples were cut, measurements, and remaining unknowns.
+//! Page of a ledger of trials: predictions before the samples were cut, measurements, and remaining unknowns.
 
 use slipgrid_design::results::{Table, believed, believed_interval};
 
@@ -9,16 +9,16 @@ use crate::friction_sheet::{FRICTION_WORDS, FrictionSheet};
 use crate::literature;
 use crate::trials::{CoverageReport, EffectReport, PredictedReport, TrialsReport};
 
-/// Share of its prior error above which an effect counts as unknown.
+/// Minimum ratio of posterior to prior standard deviation at which an effect counts as unknown.
 const UNKNOWN: f64 = 0.9;
-/// Minimum number of measured ratios for which a share is meaningful.
+/// Minimum number of measured ratios for which the share within an interval is meaningful.
 const ENOUGH: usize = 4;
-/// Share of ratios within the 95 % interval, relative to the expected share, below which predictions were too narrow.
+/// Share of measured ratios within their 95 % intervals below which the predictions count as too narrow.
 const TOO_FEW: f64 = 0.8;
 /// Deviation in standard deviations from which a measured ratio counts as surprising.
 const SURPRISING: f64 = 2.0;
 
-/// Definition of the ledger's modelled ratio, compared with the ratio of a design's report.
+/// Definition of the modelled ratio of a ledger, and difference from the ratio in the report of a design.
 const MODELLED: &str = "The modelled ratio is that of the texture as measured, in steady sliding, on its specimen or endless on a sector of a disc. The error of its \
     blocks is taken off where it is known. A design's report has the ratio of the confirming run: the whole specimen, sliding in time. The two may differ \
     by a hundredth.";
@@ -42,7 +42,7 @@ const TERMS: [(&str, &str); 7] = [
     ("form", "How the discrepancy grows with the texture: with its areal density, the length of its edges, its depth."),
 ];
 
-/// Makes the page of a ledger from its `report`, the `sheet` of its measurements and the pictures in `outputs`.
+/// Makes the page of the ledger `report`, with the `sheet` of the friction measurements and the pictures in `outputs`.
 pub fn trials(report: &TrialsReport, sheet: &FrictionSheet, outputs: &Outputs) -> String {
     let mut page = Page::default();
     let title = format!("{}: trials", report.name);
@@ -62,7 +62,7 @@ pub fn trials(report: &TrialsReport, sheet: &FrictionSheet, outputs: &Outputs) -
     page.finish(&title, &report.version)
 }
 
-/// Adds the ledger as a part of another page.
+/// Adds the ledger `report` as a part of another page.
 pub(super) fn part(page: &mut Page, report: &TrialsReport, outputs: &Outputs) {
     verdict(page, report);
     picture(page, outputs);
@@ -70,7 +70,7 @@ pub(super) fn part(page: &mut Page, report: &TrialsReport, outputs: &Outputs) {
     details(page, report);
 }
 
-/// Adds the folded sheet of the measurements.
+/// Adds the `sheet` of the friction measurements, folded.
 pub(super) fn statements(page: &mut Page, sheet: &FrictionSheet) {
     page.part("Statements for a publication", |page| {
         page.fold("Sheet of the friction measurements, with the items of ASTM G115", |page| {
@@ -90,7 +90,7 @@ fn picture(page: &mut Page, outputs: &Outputs) {
     );
 }
 
-/// Summarizes the trials in a few sentences.
+/// Adds a summary of the trials in a few sentences.
 fn verdict(page: &mut Page, report: &TrialsReport) {
     let Some(before) = report.coverage.first().filter(|_| !report.trials.is_empty()) else {
         page.lead("No trial was measured: what the model lacks is as wide as what is believed before any.");
@@ -98,7 +98,7 @@ fn verdict(page: &mut Page, report: &TrialsReport) {
     };
     page.lead(&headline(before));
     if let Some(effect) = report.effects.first() {
-        // Interval of the logarithm, so that the ends lie symmetrically about the median ratio.
+        // The interval is symmetric in the logarithm of the ratio.
         let times = |deviations: f64| number((effect.value + deviations * effect.std).exp(), 3);
         let [low, middle, high] = [-2.0, 0.0, 2.0].map(times);
         page.paragraph(&format!(
@@ -121,7 +121,7 @@ fn verdict(page: &mut Page, report: &TrialsReport) {
     }
 }
 
-/// States how many ratios lay within their predictions, among ratios with an earlier trial.
+/// States how many measured ratios lay within their 95 % intervals, among ratios that an earlier trial predicted.
 fn headline(before: &CoverageReport) -> String {
     let first = match before.without_any {
         0 => String::new(),
@@ -139,7 +139,7 @@ fn headline(before: &CoverageReport) -> String {
     }
 }
 
-/// Suggested measurements with the highest information gain, by unknown effect.
+/// Suggests the next measurements: pending samples, then measurements for each quantity that the trials leave unknown.
 fn next(report: &TrialsReport) -> Vec<String> {
     let mut all = Vec::new();
     if !report.pending.is_empty() {
@@ -181,7 +181,7 @@ fn next(report: &TrialsReport) -> Vec<String> {
     all
 }
 
-/// Adds published ratios beside the measured ones.
+/// Adds a picture and a table of published ratios, for comparison with the measured ratios.
 fn published(page: &mut Page, report: &TrialsReport) {
     let Ok(svg) = literature::picture(report) else { return };
     page.part("What others measured", |page| {

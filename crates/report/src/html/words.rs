@@ -2,18 +2,18 @@
 
 use slipgrid_design::results::{ABOUT_MATERIAL, fixed};
 
-/// Beginnings of doubts that name their source.
+/// Beginnings of doubts that name the source of the doubt.
 const PREFIXES: [&str; 2] = [ABOUT_MATERIAL, "laser: "];
-/// Maximum length of a name at the beginning of a doubt.
+/// Maximum number of characters of a name at the beginning of a doubt.
 const LONGEST_NAME: usize = 24;
 
-/// Finite value; `None` for infinities and NaN.
+/// Returns a finite value; `None` for infinities, NaN and `None`.
 pub fn known(value: impl Into<Option<f64>>) -> Option<f64> {
     value.into().filter(|value| value.is_finite())
 }
 
-/// Formats words as a sentence, or as several where a semicolon outside brackets separates them. A key or file name at the
-/// beginning keeps its case.
+/// Formats words as a sentence, or as several sentences if semicolons outside brackets separate them. A key or file
+/// name at the beginning keeps its case.
 pub fn sentence(words: &str) -> String {
     let mut depth = 0_usize;
     let mut parts = vec![String::new()];
@@ -33,7 +33,7 @@ pub fn sentence(words: &str) -> String {
     parts.join(" ")
 }
 
-/// Formats one sentence.
+/// Formats words as one sentence, with a capital letter and a full stop.
 fn capitalized(words: &str) -> String {
     let words = words.strip_suffix('.').unwrap_or(words);
     let first = words.split_whitespace().next().unwrap_or_default().trim_end_matches([':', ',', ';', '.']);
@@ -45,18 +45,18 @@ fn capitalized(words: &str) -> String {
     format!("{first}{}.", letters.as_str())
 }
 
-/// Formats a number with `digits` decimals, or a dash.
+/// Formats a number with `digits` decimals, or as a dash if it is unknown.
 pub fn number(value: impl Into<Option<f64>>, digits: usize) -> String {
     fixed(value.into(), digits)
 }
 
-/// Formats a number with the fewest digits that represent it exactly, or a dash: 50, not 50.0.
+/// Formats a number with the fewest digits that represent it exactly, for example 50, or as a dash if it is unknown.
 pub fn plain(value: impl Into<Option<f64>>) -> String {
     known(value).map_or_else(|| "-".to_owned(), |value| value.to_string())
 }
 
-/// Replaces the unit of micrometres by µm where it follows a number, a bracket or "in". Names of keys, which end in `_um`,
-/// and words of the user stay as they are.
+/// Replaces the unit um by µm after a number, a closing bracket or "in". Names of keys, which end in `_um`, and other
+/// words stay unchanged.
 pub fn micrometres(words: &str) -> String {
     let is_of_word = |c: char| c.is_alphanumeric() || c == '_';
     let mut parts = words.split(" um");
@@ -69,7 +69,7 @@ pub fn micrometres(words: &str) -> String {
     text
 }
 
-/// First words of a doubt, without its source and its explanation.
+/// First words of a doubt, without the source of the doubt and without the explanation.
 pub(super) fn brief(doubt: &str) -> &str {
     let doubt = PREFIXES.iter().find_map(|prefix| doubt.strip_prefix(prefix)).unwrap_or(doubt);
     let first = doubt.split("; ").next().unwrap_or(doubt);
@@ -85,12 +85,12 @@ pub fn length_um(value: f64) -> String {
     plain((value * 1e4).round() / 1e4)
 }
 
-/// Formats a share from 0 to 1 in per cent, or a dash.
+/// Formats a share from 0 to 1 in per cent, without the sign %, or as a dash if it is unknown.
 pub fn percent(share: impl Into<Option<f64>>, digits: usize) -> String {
     number(share.into().map(|share| 100.0 * share), digits)
 }
 
-/// Formats a number with its error, or whichever of them is known.
+/// Formats a number, with ± and the error if the error is known, or as a dash if the number is unknown.
 pub fn with_error(value: impl Into<Option<f64>>, error: impl Into<Option<f64>>, digits: usize) -> String {
     let value = known(value);
     match known(error).filter(|_| value.is_some()) {

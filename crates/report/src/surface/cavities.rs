@@ -16,22 +16,22 @@ pub(super) fn um(length_m: f64) -> f64 {
     LENGTH_UM.from_si(length_m)
 }
 
-/// Number of points of the drawn rim.
+/// Number of line segments of the drawn rim.
 const RIM_POINTS: u32 = 240;
 
-/// Coefficient of variation of spacings above which they belong to no regular pattern.
+/// Maximum coefficient of variation of the spacings in a regular pattern.
 const MAX_SCATTER: f64 = 0.5;
 
-/// Minimum ratio of cavity depth to width. A laser pulse removes some 0.1 um from spots of 20 um and more (1/200), and
-/// the shallowest textures have 1/1000. If heights in micrometres are read as nanometres, cavities half as deep as wide appear
-/// as 1/2000.
+/// Minimum ratio of cavity depth to width; a lower ratio casts doubt on the unit of heights. A laser pulse removes some
+/// 0.1 um from spots of 20 um and more (1/200), and the shallowest textures have 1/1000. If heights in micrometres are
+/// read as nanometres, cavities half as deep as wide appear as 1/2000.
 const MIN_ASPECT: f64 = 1.0 / 2000.0;
 
-/// Definition of the widths of round cavities.
+/// Definition of widths and spacings of round cavities, for readers of the results.
 const ROUND: &str = "the cavities are round: a width is the diameter of the disc with a cavity's area at half depth, a spacing what \
                      diameters leave of the distance of neighbours";
 
-/// Conversion of a number from SI units to those of the record.
+/// Conversion of a number from SI units to the units of the record.
 type Scale = fn(f64) -> f64;
 
 /// Cavities of a map; the record has lengths in micrometres.
@@ -39,8 +39,8 @@ type Scale = fn(f64) -> f64;
 pub(crate) struct Cavities(pub(super) CavityMetrology);
 
 impl Serialize for Cavities {
-    /// An error is null if a single sample shows no scatter; all fields of a rim except the height are null if none exceeds the
-    /// roughness.
+    /// An error is null if it cannot be computed because there is a single sample. If no rim exceeds the roughness, the
+    /// rim's width, profile and standard deviations are null.
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let (found, rim) = (&self.0, &self.0.rim);
         let scaled = |of: Option<Estimate>, scale: Scale| {
@@ -84,7 +84,7 @@ impl Serialize for Cavities {
 }
 
 impl Cavities {
-    /// Widths, spacings and depths of the cavities.
+    /// Table of widths, spacings and depths of the cavities.
     pub(crate) fn lengths(&self) -> Table {
         let mut table = Table::new(["cavities", "mean um", "std um", "number"]);
         let found = &self.0;
@@ -102,7 +102,7 @@ impl Cavities {
         table
     }
 
-    /// Rims, walls and floors.
+    /// Table of rims, walls and floors.
     pub(crate) fn edges(&self) -> Table {
         let (found, rim) = (&self.0, &self.0.rim);
         let all: [(&str, Option<Estimate>, Scale, usize, &str); 7] = [
@@ -140,7 +140,7 @@ impl Cavities {
         )
     }
 
-    /// Notes that the tables do not contain.
+    /// Notes on the cavities that the tables do not contain, in sentences.
     pub(crate) fn words(&self) -> Vec<String> {
         let land = format!("The land between them has Sq {} um.", fixed(Some(um(self.0.land_sq_m)), 3));
         let edges = self.edge_words().into_iter().filter(|words| !words.is_empty());
@@ -157,7 +157,7 @@ impl Cavities {
         format!("{}, on {:.1} % of the map", self.0.cavities.len(), 100.0 * self.0.area_fraction)
     }
 
-    /// Warning that heights may be in another unit than assumed.
+    /// Warns that heights may be in another unit than assumed; `None` unless cavities are implausibly shallow.
     fn unit_warning(&self) -> Option<String> {
         let width_um = self.0.width.iter().flatten().map(|width| um(width.mean_m));
         let (width_um, depth_um) = (width_um.fold(f64::INFINITY, f64::min), um(self.0.depth?.mean_m));
@@ -171,12 +171,12 @@ impl Cavities {
         })
     }
 
-    /// Warnings that lengths may differ from the pattern's lengths.
+    /// Warnings that measured lengths may differ from the lengths of the pattern.
     fn warnings(&self) -> impl Iterator<Item = String> {
         self.unit_warning().into_iter().chain(self.spacing_warnings())
     }
 
-    /// Warnings that spacings may differ from the pattern's spacings.
+    /// Warnings that measured spacings may differ from the spacings of the pattern.
     fn spacing_warnings(&self) -> impl Iterator<Item = String> {
         let turned = self.0.turned_deg.map(|turn| {
             let angle = fixed(Some(turn.value.abs()), 1);
@@ -197,7 +197,8 @@ impl Cavities {
         turned.into_iter().chain(scattered)
     }
 
-    /// Describes the rim, and whether the pixels resolve the walls; the latter text is empty if they do.
+    /// Describes the rim, and walls that are too steep for the pixels; the second text is empty if no wall is too
+    /// steep.
     fn edge_words(&self) -> [String; 2] {
         let rim = &self.0.rim;
         let rim = match (rim.profile, rim.height_m) {
@@ -242,7 +243,8 @@ pub fn cavities_csv(metrology: &CavityMetrology) -> String {
     text
 }
 
-/// Formats the mean profile of the land before an edge as CSV, one row per distance, with the fitted rim.
+/// Formats the mean height of the land against the distance from the cavities' edges as CSV, one row per distance, with
+/// the fitted rim.
 pub fn edge_profile_csv(rim: &RimMetrology) -> String {
     let mut text = String::from("distance_um,height_um,height_error_um,rim_um\n");
     for point in &rim.edge_profile {
@@ -253,7 +255,8 @@ pub fn edge_profile_csv(rim: &RimMetrology) -> String {
     text
 }
 
-/// Draws the mean profile of the land before an edge, with the fitted rim; `None` without land.
+/// Draws the mean height of the land against the distance from the cavities' edges, with the fitted rim; `None` without
+/// land.
 ///
 /// # Errors
 /// [`ChartError`] if drawing fails.

@@ -10,7 +10,7 @@ use super::{SurfaceReport, cavities_csv, edge_profile_csv, edge_profile_svg, sec
 use crate::charts::{self, SurfaceValues};
 use crate::{Outputs, ReportError, html};
 
-/// Names of the files, with `*` as a wildcard.
+/// Names of the files of an altitude map, with `*` as a wildcard.
 pub const FILES: [&str; 8] = [
     "report.html",
     "result.json",
@@ -26,9 +26,9 @@ pub const FILES: [&str; 8] = [
 const MAX_PIXELS: usize = 700;
 /// Number of classes of the histogram.
 const CLASSES: usize = 80;
-/// Number of points of the bearing curve.
+/// Number of line segments of the drawn bearing curve.
 const CURVE_POINTS: u32 = 400;
-/// Share of the heights at either end that the colour scale excludes as spikes.
+/// Share of the points at each end of the height distribution that the colour scale excludes as spikes.
 const SPIKES: f64 = 5e-4;
 
 /// Measured map with its results.
@@ -70,7 +70,7 @@ pub fn files(report: &SurfaceReport, of: Measured<'_>, monitor: &dyn Monitor) ->
     Ok(outputs)
 }
 
-/// Adds the pictures to `outputs`.
+/// Adds the pictures of the map, its heights, its section and its spectrum to `outputs`.
 fn add_pictures(outputs: &mut Outputs, of: Measured<'_>, monitor: &dyn Monitor) -> Result<(), ReportError> {
     let Measured { surface, curve, spectrum, column, .. } = of;
     let map = &surface.map;

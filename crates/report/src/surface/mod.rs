@@ -36,7 +36,7 @@ pub struct SurfaceReport {
     pub(crate) rows: usize,
     /// Points along x: number of values per line.
     pub(crate) columns: usize,
-    /// Pixel sides along x and y.
+    /// Sides of a pixel along x and y.
     pub(crate) pixel_um: [f64; 2],
     pub(crate) missing_points: usize,
     pub(crate) model: Vec<String>,
@@ -48,14 +48,15 @@ pub struct SurfaceReport {
     pub(crate) filters: FilterReport,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) cavities: Option<Cavities>,
-    /// Shortest waves of the map as one period, on which the area law's slope depends as well.
+    /// Contribution of the shortest waves to the rms slope that the area law uses, with the map taken as one period;
+    /// absent if it cannot be computed.
     #[serde(skip_serializing_if = "Option::is_none", serialize_with = "short_waves")]
     pub(crate) short_waves: Option<ShortWaves>,
     #[serde(serialize_with = "rings")]
     pub(crate) spectrum: Vec<SpectrumBin>,
 }
 
-/// Operation and filters of ISO 25178-2 before the parameters, and the waves that the map holds.
+/// F-operation and filters of ISO 25178-2 before the parameters are computed, and range of wavelengths in the map.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub(crate) struct FilterReport {
     /// Form that the F-operation removed: `mean`, `plane` or `second-order`.
@@ -64,9 +65,9 @@ pub(crate) struct FilterReport {
     s_filter_um: Option<f64>,
     /// Nesting index of the L-filter; null, because no L-filter is applied.
     l_filter_um: Option<f64>,
-    /// Shortest wave that the points resolve: two pixels of the longer side.
+    /// Shortest wavelength that the points resolve: two pixels of the longer side.
     shortest_wave_um: f64,
-    /// Longest wave that the map holds: its longer side.
+    /// Longest wavelength in the map: the longer side of the map.
     longest_wave_um: f64,
 }
 
@@ -83,7 +84,7 @@ impl FilterReport {
         }
     }
 
-    /// States operation, filters and bandwidth in one sentence.
+    /// States the F-operation, the filters and the range of wavelengths in one sentence.
     pub(crate) fn in_words(&self) -> String {
         let form = match self.f_operation {
             "plane" => "the least-squares plane",
@@ -104,7 +105,7 @@ fn short_waves<S: Serializer>(short: &Option<ShortWaves>, serializer: S) -> Resu
     short.map(record).serialize(serializer)
 }
 
-/// Serializes the rings of a spectrum.
+/// Serializes a spectrum, one record per ring of wave vectors.
 fn rings<S: Serializer>(spectrum: &[SpectrumBin], serializer: S) -> Result<S::Ok, S::Error> {
     let ring = |bin: &SpectrumBin| {
         json!({
@@ -122,27 +123,27 @@ fn rings<S: Serializer>(spectrum: &[SpectrumBin], serializer: S) -> Result<S::Ok
 pub(crate) struct Parameter {
     /// Key in the record.
     key: &'static str,
-    /// Symbol of the standard.
+    /// Symbol in the standard.
     pub(crate) symbol: &'static str,
-    /// Value in `unit`; `None` if the autocorrelation, which Sal and Str are read from, does not fall to 0.2 within half the map.
+    /// Value in `unit`; `None` for Sal and Str if the autocorrelation does not fall to 0.2 within half the map.
     value: Option<f64>,
     pub(crate) unit: &'static str,
 }
 
 impl Parameter {
-    /// Four significant digits, or a dash.
+    /// Formats the value with four significant digits, or as a dash if it is unknown.
     pub(crate) fn digits(&self) -> String {
         self.value.map_or_else(|| "-".to_owned(), significant)
     }
 }
 
-/// Serializes parameters by their keys.
+/// Serializes parameters as a map from key to value.
 fn by_key<S: Serializer>(parameters: &[Parameter], serializer: S) -> Result<S::Ok, S::Error> {
     serializer.collect_map(parameters.iter().map(|parameter| (parameter.key, parameter.value)))
 }
 
 impl SurfaceReport {
-    /// Assembles the report.
+    /// Computes the parameters of `surface`, read from `path`, and assembles the report with the other results.
     ///
     /// # Errors
     /// [`Cancelled`] once `monitor` cancels.
@@ -218,7 +219,7 @@ impl SurfaceReport {
         })
     }
 
-    /// Value of the parameter with this symbol, in its unit, if it is known.
+    /// Value of the parameter with the symbol `symbol`, in the unit of the parameter; `None` if unknown.
     pub(crate) fn parameter(&self, symbol: &str) -> Option<f64> {
         self.parameters.iter().find(|parameter| parameter.symbol == symbol)?.value
     }
@@ -278,7 +279,7 @@ fn significant(value: f64) -> String {
     fixed(Some(value), decimals)
 }
 
-/// Formats the section along x through `column` as CSV, one row per point.
+/// Formats the section along x through the pixel column `column` as CSV, one row per point, in micrometres.
 pub fn section_csv(map: &HeightMap, column: usize) -> String {
     let mut text = String::from("x_um,height_um\n");
     for i in 0..map.rows() {
@@ -288,7 +289,7 @@ pub fn section_csv(map: &HeightMap, column: usize) -> String {
     text
 }
 
-/// Formats the power spectrum as CSV, one row per ring.
+/// Formats the power spectrum as CSV, one row per ring of wave vectors.
 pub fn spectrum_csv(spectrum: &[SpectrumBin]) -> String {
     let mut text = String::from("q_per_um,psd_um4,waves\n");
     for bin in spectrum {

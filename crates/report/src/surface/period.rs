@@ -1,4 +1,4 @@
-//! Mean period of a patterned surface, as a map and in words.
+//! Mean period of a patterned surface, as matrix text and in words.
 
 use slipgrid_base::units::LENGTH_UM;
 use slipgrid_surface::topography::{LengthUnit, MatrixStyle, MeanPeriod};
@@ -20,7 +20,7 @@ pub fn period_text(period: &MeanPeriod, synthetic: bool) -> String {
     period.map.to_matrix_text(&style)
 }
 
-/// Describes the remaining roughness.
+/// States the roughness that remains on the land of the mean period.
 fn period_relief(period: &MeanPeriod) -> String {
     match period.relief_left_m {
         Some(left_m) => format!("roughness left in the mean, on land: {:.4} um", LENGTH_UM.from_si(left_m)),
@@ -28,7 +28,7 @@ fn period_relief(period: &MeanPeriod) -> String {
     }
 }
 
-/// Describes the mean period and the roughness that remains in it.
+/// Describes the mean period and the roughness that remains on its land.
 pub fn period_note(period: &MeanPeriod) -> String {
     let map = &period.map;
     let side_um = |count: usize, pixel_m: f64| LENGTH_UM.from_si(count as f64 * pixel_m);

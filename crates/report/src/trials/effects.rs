@@ -6,23 +6,24 @@ use slipgrid_base::units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, tidy};
 use slipgrid_design::results::fixed;
 use slipgrid_infer::discrepancy::{Discrepancy, Load, Sensitivity};
 
-/// Share of its prior error above which an effect counts as less known than before.
+/// Ratio of posterior to prior standard deviation above which an effect counts as less known than before any trial.
 const LESS_KNOWN: f64 = 1.05;
 
-/// Discrepancy of the logarithm of the ratio, or its dependence on a quantity.
+/// Discrepancy ln(measured / modelled ratio), or its change with pressure, speed or humidity.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct EffectReport {
     /// Name of the effect.
     pub of: String,
-    /// Mean.
+    /// Mean of the effect.
     pub value: f64,
-    /// Standard deviation.
+    /// Standard deviation of `value`.
     pub std: f64,
     /// Prior standard deviation.
     pub prior_std: f64,
 }
 
-/// Effects at the texture measured last, or at the reference: the discrepancy and its dependence on pressure, speed and humidity.
+/// Effects at the texture measured last, or without trials at the reference texture: the discrepancy and its change
+/// with speed, pressure and humidity.
 pub(super) fn effects(learned: &Discrepancy) -> Vec<EffectReport> {
     let features = learned.trials().last().map_or(learned.hyperparameters().reference, |trial| trial.features);
     let mut humidities: Vec<f64> =
@@ -31,7 +32,7 @@ pub(super) fn effects(learned: &Discrepancy) -> Vec<EffectReport> {
     humidities.dedup();
     let (at, first) = central(learned);
     let before = learned.with_trials(Vec::new()).ok();
-    // Difference between two loads with identical modulus and sample scatter.
+    // Discrepancy at `to`, or difference between `to` and `from`; errors of modulus and sample are equal at both loads.
     let effect = |of: String, to: Load, from: Option<Load>| {
         let loads: Vec<Load> = std::iter::once(to).chain(from).collect();
         let moments = |known: &Discrepancy| {
@@ -61,7 +62,7 @@ pub(super) fn effects(learned: &Discrepancy) -> Vec<EffectReport> {
     found
 }
 
-/// Lists effects that are less known after the trials than before.
+/// States in one line each which effects are less known after the trials than before.
 pub(super) fn less_known(effects: &[EffectReport]) -> String {
     let less = effects.iter().filter(|effect| effect.std > LESS_KNOWN * effect.prior_std);
     less.map(|effect| {
@@ -73,11 +74,12 @@ pub(super) fn less_known(effects: &[EffectReport]) -> String {
     .collect()
 }
 
-/// Measured condition nearest to the centre of the flat sample's conditions, in logarithms, at the lowest humidity; without a trial,
-/// the centre itself, which need not be measured. Also returns the name of the discrepancy.
+/// Condition of the last trial at its lowest humidity that is nearest, in logarithms, to the centre of the flat
+/// sample's conditions; without a trial, that centre at 40 % humidity. Also returns a name for the discrepancy at this
+/// condition.
 fn central(learned: &Discrepancy) -> (Load, String) {
     let middle = learned.conditions();
-    // d^2 = ln(P / P0)^2 + ln(v / v0)^2
+    // Squared distance from the centre P0, v0: d^2 = ln(P / P0)^2 + ln(v / v0)^2
     let away = |load: &Load| {
         (load.pressure_pa / middle.reference_pressure_pa).ln().powi(2)
             + (load.speed_m_s / middle.reference_speed_m_s).ln().powi(2)

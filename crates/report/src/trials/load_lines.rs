@@ -6,12 +6,12 @@ use slipgrid_base::units::{HUMIDITY_PCT, SPEED_MM_S, tidy};
 use slipgrid_design::results::{Table, fixed};
 use slipgrid_infer::calibrate::{CutSample, Measurement};
 
-/// Minimum number of forces on a line, so that its errors are known.
+/// Minimum number of measurements on a line, so that the errors of the line can be computed.
 const MIN_FORCES: usize = 3;
 
 /// Line F = s (N - N0) of friction force against normal force at one speed and humidity, by least squares.
 ///
-/// Adhesion would pull, N0 < 0. A film that bears load without friction pushes, N0 > 0; s is then free of it.
+/// N0 < 0 indicates adhesion; N0 > 0 indicates a film that bears load without friction, which does not affect s.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct LoadLineReport {
     /// `flat`, or the name of the trial.
@@ -22,17 +22,18 @@ pub struct LoadLineReport {
     pub humidity_pct: f64,
     /// Number of normal forces.
     pub forces: usize,
-    /// s = dF/dN.
+    /// Slope s = dF/dN.
     pub slope: f64,
     /// Standard error of the slope, from the scatter about the line.
     pub slope_std: f64,
-    /// N0 on one specimen.
+    /// Normal force N0 on one specimen at which the line has no friction.
     pub zero_n: f64,
     /// Standard error of N0.
     pub zero_n_std: f64,
 }
 
-/// Lines of the `flat` samples and of every sample, at conditions with three forces or more.
+/// Fits lines for the `flat` samples and for each of `samples`, at every speed and humidity with at least three
+/// measurements, different forces and friction that grows with force.
 pub(super) fn load_lines(flat: &[Measurement], samples: &[CutSample]) -> Vec<LoadLineReport> {
     let trials = samples.iter().map(|cut| (cut.name.as_str(), cut.measured.as_slice()));
     let mut found = Vec::new();
@@ -77,7 +78,7 @@ fn line(sample: &str, rows: &[&Measurement]) -> Option<LoadLineReport> {
     })
 }
 
-/// Table of the lines.
+/// Table of the fitted lines.
 pub(super) fn table(lines: &[LoadLineReport]) -> Table {
     let mut table = Table::of(lines);
     table.column("sample", |of| of.sample.clone());

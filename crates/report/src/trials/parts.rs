@@ -1,4 +1,5 @@
-//! Parts of a ledger: samples that are not measured yet, lands, and the scatter of samples of one texture.
+//! Parts of a ledger of trials: samples that are not measured yet, slopes of the land between cavities, and the scatter
+//! of samples of one texture.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -56,14 +57,15 @@ pub struct ScatterReport {
 }
 
 impl ScatterReport {
-    /// Scatter from the trials of `learned`; `None` if they carry no information about it.
+    /// Scatter of samples from the trials of `learned`; `None` if trials cannot change it: stated as zero, or stated
+    /// for every trial.
     pub(super) fn of(learned: &Discrepancy) -> Option<Self> {
         let all = learned.scatter_weights();
         let stated = all.first().filter(|_| all.len() > 1)?;
         Some(Self { stated: tidy(stated.std), weight: tidy(stated.weight), found: tidy(learned.sample_std()) })
     }
 
-    /// Line for samples whose scatter is unlikely to be the stated one; otherwise empty.
+    /// States the posterior scatter in one line if the stated scatter is unlikely; otherwise empty.
     pub(super) fn text(&self) -> String {
         let Self { stated, weight, found } = self;
         if *weight >= BELIEVED {
@@ -77,14 +79,14 @@ impl ScatterReport {
 }
 
 impl TrialsReport {
-    /// Adds predictions for the pending samples.
+    /// Adds predictions for the pending samples of `learned`.
     #[must_use]
     pub fn with_pending(self, learned: &LearnedSamples) -> Self {
         let of = |sample: &PendingSample| PendingReport::new(sample, &learned.discrepancy);
         Self { predicted: learned.pending.iter().map(of).collect(), ..self }
     }
 
-    /// Adds the `lands` of measured trials.
+    /// Adds `lands`, the slopes of the land of measured trials.
     #[must_use]
     pub fn with_lands(self, lands: &[LandEffect]) -> Self {
         Self { lands: lands.to_vec(), ..self }

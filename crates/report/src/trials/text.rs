@@ -1,4 +1,4 @@
-//! Tables of a ledger, the same on the screen and on a page; the ledger as text, for the screen, and as CSV.
+//! Tables of a ledger of trials, equal on the screen and on a page; the ledger as text, for the screen, and as CSV.
 
 use slipgrid_base::units::counted;
 use slipgrid_design::RatioPrediction;
@@ -11,19 +11,19 @@ use slipgrid_infer::discrepancy::Form;
 use super::effects::less_known;
 use super::{CoverageReport, MeasuredReport, PendingReport, TrialReport, TrialsReport, load_lines};
 
-/// Standard deviation, in per cent, above which none is stated.
+/// Maximum standard deviation, in per cent, that is stated as a number.
 const MAX_STD_PCT: f64 = 50.0;
-/// Maximum number of ratios on the screen; the others are counted.
+/// Maximum number of ratios listed on the screen; further ratios are only counted.
 const MAX_RATIOS: usize = 8;
 
-/// Adds the columns that identify a sample: areal density, edges in 1/mm, depth in um.
+/// Adds the columns that identify a sample. `of` gives areal density, edge length per area in 1/mm and depth in um.
 fn sample<T>(table: &mut Records<'_, T>, of: fn(&T) -> [f64; 3]) {
     table.column("density", |row| fixed(Some(of(row)[0]), 3));
     table.column("edges 1/mm", |row| fixed(Some(of(row)[1]), 2));
     table.column("depth um", |row| fixed(Some(of(row)[2]), 1));
 }
 
-/// Adds the columns that identify a load: pressure in MPa, speed in mm/s, humidity in per cent.
+/// Adds the columns that identify a load. `of` gives pressure in MPa, speed in mm/s and humidity in per cent.
 fn load<T>(table: &mut Records<'_, T>, of: fn(&T) -> [f64; 3]) {
     table.column("P MPa", |row| fixed(Some(of(row)[0]), 3));
     table.column("v mm/s", |row| of(row)[1].to_string());
@@ -31,12 +31,12 @@ fn load<T>(table: &mut Records<'_, T>, of: fn(&T) -> [f64; 3]) {
 }
 
 impl TrialsReport {
-    /// Every measured ratio with its trial.
+    /// Every measured ratio, paired with its trial.
     pub(crate) fn rows(&self) -> Vec<(&TrialReport, &MeasuredReport)> {
         self.trials.iter().flat_map(|trial| trial.measured.iter().map(move |at| (trial, at))).collect()
     }
 
-    /// Number of trials and of their ratios.
+    /// States the number of trials and of measured ratios.
     fn size_in_words(&self) -> String {
         let measured: usize = self.trials.iter().map(|trial| trial.measured.len()).sum();
         format!("{} with {}", counted(self.trials.len(), "trial"), counted(measured, "measured ratio"))
@@ -66,7 +66,8 @@ impl TrialsReport {
         }
     }
 
-    /// Measured ratios beside the modelled ones and those predicted by the trials before; in brief without the texture.
+    /// Table of measured ratios with modelled ratios and predictions from earlier trials; `in_brief` leaves out the
+    /// texture and the deviation from the prediction.
     pub(crate) fn ledger(&self, in_brief: bool) -> Table {
         let rows = self.rows();
         let mut table = Table::of(&rows);
@@ -85,7 +86,7 @@ impl TrialsReport {
         table.table()
     }
 
-    /// Predictions for samples that are not measured yet.
+    /// Table of predictions for samples that are not measured yet.
     pub(crate) fn pending_table(&self) -> Table {
         let rows: Vec<(&PendingReport, &RatioPrediction)> =
             self.predicted.iter().flat_map(|of| of.predicted.iter().map(move |at| (of, at))).collect();
@@ -99,7 +100,7 @@ impl TrialsReport {
         table.table()
     }
 
-    /// Weights of the forms.
+    /// Table of the posterior and prior weights of the forms of the discrepancy.
     pub(crate) fn forms_table(&self) -> Table {
         let mut table = Table::of(&self.forms);
         table.column("form", |of| of.form.clone());
@@ -108,7 +109,7 @@ impl TrialsReport {
         table.table()
     }
 
-    /// Discrepancy at the last texture, and its dependence on the condition.
+    /// Table of the discrepancy at the texture measured last, and of its dependence on the condition.
     pub(crate) fn effects_table(&self) -> Table {
         let mut table = Table::of(&self.effects);
         table.column("quantity", |of| of.of.clone());
@@ -166,7 +167,7 @@ impl TrialsReport {
         text + "forms and sizes of the discrepancy, scatter of samples, pending samples: with --details\n"
     }
 
-    /// Size of the ledger and the discrepancy at the texture of the last trial, in one line.
+    /// States the size of the ledger and the discrepancy at the texture of the last trial, in one line.
     pub(crate) fn learned_in_words(&self) -> String {
         let of_last = self.effects.first().filter(|_| !self.trials.is_empty());
         let found = of_last.map_or_else(String::new, |of| {

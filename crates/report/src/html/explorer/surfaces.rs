@@ -1,4 +1,4 @@
-//! Response surfaces as encoded in the page.
+//! Response surfaces as encoded in a page.
 
 use std::ops::Range;
 
@@ -9,15 +9,16 @@ use slipgrid_base::statistics::ResponseSurface;
 
 use crate::charts::extremes;
 
-/// Names of the axes.
+/// Names of the axes of the surfaces, in order.
 pub const LENGTHS: [&str; 3] = ["width", "spacing", "depth"];
-/// Maximum code of a coefficient.
+/// Maximum 16-bit code of a coefficient.
 const FULL_SCALE: f64 = 65_535.0;
 
-/// Outputs of a surface, each encoded as 16-bit codes between two numbers, in base64.
+/// Coefficients of outputs of a response surface. The coefficients of each output are encoded as 16-bit codes, little
+/// endian, in base64, from the smallest to the largest coefficient of the output.
 #[derive(Serialize)]
 pub struct Packed {
-    /// Outputs in order.
+    /// One entry per output, in order.
     outputs: Vec<Output>,
 }
 
@@ -29,7 +30,7 @@ struct Output {
 }
 
 impl Packed {
-    /// Encodes the outputs of `surface` in `places`.
+    /// Encodes the outputs of `surface` with the indices `places`.
     pub fn new(surface: &ResponseSurface, places: Range<usize>) -> Self {
         let output = |place: usize| {
             let all = || surface.coefficients().iter().skip(place).step_by(surface.outputs()).copied();
