@@ -1,4 +1,4 @@
-//! Errors of methods against the reference, and the front of time and error.
+//! Errors of methods against the reference, and the Pareto front of wall time and error.
 
 use serde::Serialize;
 use slipgrid_base::statistics::{Confidence, mean_and_std};
@@ -10,23 +10,23 @@ use super::plan::{Family, Method};
 /// Names of the compared observables, in the order of [`Run::values`].
 pub const OBSERVABLES: [&str; 3] = ["dynamic mu", "static mu", "ratio"];
 
-/// A difference below this number of standard errors is not significant.
+/// Minimum significant difference, in standard errors.
 const SIGNIFICANT: f64 = 2.0;
-/// Factor on standard errors: estimated from a few tens of batches, they are themselves uncertain by a fifth, so closer
-/// bounds are not ranked.
+/// Factor on the smallest distinguishable error: standard errors from a few tens of batches are uncertain by a fifth,
+/// so that closer bounds are not ranked.
 const STDERR_UNCERTAINTY: f64 = 1.25;
-/// Times whose ratio exceeds this value count as equal: runs of one method differ by as much.
+/// Wall times count as equal if the shorter over the longer exceeds this value: runs of one method differ by as much.
 const SAME_COST: f64 = 0.9;
 
-/// Method with its cost and its errors.
+/// Method with its wall time and its errors against the reference.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Compared {
     /// The method.
     #[serde(flatten)]
     pub method: Method,
-    /// Status of the first run that did not end as planned, or that of all.
+    /// Status of the first run that did not end as planned, or of all runs if all ended as planned.
     pub status: String,
-    /// Time step.
+    /// Time step; null for steady runs.
     pub step_ns: Option<f64>,
     /// Blocks times force evaluations of the timed run, both surfaces; null for steady runs.
     pub site_updates: Option<u64>,
@@ -34,18 +34,18 @@ pub struct Compared {
     pub wall_s: f64,
     /// Site updates per second of integration.
     pub site_updates_per_s: Option<f64>,
-    /// Values of dynamic mu, static mu and the ratio.
+    /// Values of dynamic mu, static mu and the ratio patterned over flat; null where a method gives none.
     pub values: [Option<Value>; 3],
 }
 
-/// Mean over the draws, and its difference from the reference.
+/// Mean of an observable over the draws of the local coefficients, and difference from the reference.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Value {
     /// The mean.
     pub mean: f64,
     /// Standard deviation between draws; null for a single draw.
     pub std: Option<f64>,
-    /// Standard error from the batch means within the runs: scatter in time, not between draws.
+    /// Standard error of the mean from batch means within the runs: scatter in time, not between draws.
     pub stderr: Option<f64>,
     /// Difference from the reference, in per cent.
     pub difference_pct: Option<f64>,
@@ -53,26 +53,28 @@ pub struct Value {
     pub difference_stderr_pct: Option<f64>,
     /// Maximum difference that chance may cause, in per cent.
     pub chance_pct: Option<f64>,
-    /// No method that gives as many observables is both faster and at least as accurate.
+    /// Whether the method is on the front: no method that gives as many observables is both faster and at least as
+    /// accurate.
     pub is_on_front: bool,
     /// Method that is faster and no less accurate; null if the method is on the front, or takes no part in it.
     pub better: Option<String>,
 }
 
 impl Value {
-    /// Whether the difference exceeds what chance may cause; `None` if unknown.
+    /// Whether the difference exceeds the difference that chance may cause; `None` if either is unknown.
     pub fn is_significant(&self) -> Option<bool> {
         Some(self.difference_pct?.abs() > self.chance_pct?)
     }
 
-    /// Upper bound of the error in per cent: the difference, or what chance may cause if that is larger.
+    /// Upper bound of the error in per cent: the larger of the difference and the difference that chance may cause;
+    /// `None` without a difference.
     pub fn error_pct(&self) -> Option<f64> {
         self.difference_pct.map(|percent| percent.abs().max(self.chance_pct.unwrap_or(0.0)))
     }
 }
 
-/// Compares `methods`, the reference first, by their `runs`. Also returns the smallest distinguishable error of each
-/// observable, in per cent.
+/// Compares `methods`, the reference first, by `runs`, one list per method. Returns the smallest distinguishable error
+/// of each observable, in per cent, and the compared methods.
 pub fn compare(methods: Vec<Method>, runs: &[Vec<Run>]) -> ([Option<f64>; 3], Vec<Compared>) {
     let reference = runs.first().map_or(&[][..], Vec::as_slice);
     let mut compared: Vec<Compared> =
@@ -89,12 +91,13 @@ pub fn compare(methods: Vec<Method>, runs: &[Vec<Run>]) -> ([Option<f64>; 3], Ve
     (resolution_pct, compared)
 }
 
-/// Finds the front of time and error in `observable`; errors below `floor_pct` count as equal.
+/// Finds the front of wall time and error in the observable with the index `observable`; errors below `floor_pct` per
+/// cent count as equal.
 fn rank(methods: &mut [Compared], observable: usize, floor_pct: f64) {
     let places: Vec<(usize, f64, f64)> = (1..methods.len())
         .filter_map(|place| {
             let method = &methods[place];
-            // The blocks of the reference cause an error themselves: with other blocks a difference is no error.
+            // The reference has an error due to its block size, so that a difference with other blocks is not an error.
             let error_pct = method.values[observable].as_ref()?.error_pct().filter(|_| method.is_of_its_blocks())?;
             (method.wall_s > 0.0).then_some((place, method.wall_s, error_pct.max(floor_pct)))
         })
@@ -142,17 +145,19 @@ impl Compared {
         }
     }
 
-    /// Whether the method solves the blocks of the reference.
+    /// Whether the method has the block size of the reference.
     fn is_of_its_blocks(&self) -> bool {
         self.method.family != Family::BlockSize
     }
 }
 
-/// Mean of `observable` over `runs`, and its difference from `reference`, seed by seed.
+/// Mean of the observable with the index `observable` over `runs`, and mean difference from `reference` between runs of
+/// equal seed; `None` if no run gives the observable.
 ///
-/// Runs of one seed have equal local coefficients. The standard error is the larger of two estimates: the scatter of the
-/// differences between seeds, which includes the scatter between draws, and the combined batch means, which do not
-/// require many seeds. Without batch means, few seeds increase the bound of chance by Student's t.
+/// Runs of one seed have equal local coefficients. The standard error of the difference is the larger of two estimates:
+/// the scatter of the differences between seeds, which includes the scatter between draws, and the combined batch
+/// means, which do not require many seeds. Without batch means, Student's t for the number of seeds widens the
+/// difference that chance may cause.
 fn value(observable: usize, runs: &[Run], reference: &[Run]) -> Option<Value> {
     let found: Vec<(f64, Option<f64>)> = runs.iter().filter_map(|run| run.values[observable]).collect();
     let (mean, std) = mean_and_std(found.iter().map(|(value, _)| *value))?;

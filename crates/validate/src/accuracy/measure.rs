@@ -1,4 +1,4 @@
-//! Runs of a method, with their time.
+//! Runs of a method, with their wall times.
 
 use rayon::prelude::*;
 use slipgrid_base::monitor::{Part, Stage};
@@ -12,7 +12,7 @@ use super::plan::Method;
 const SHORT_S: f64 = 0.05;
 /// Maximum number of timings of a short run.
 const MAX_TIMINGS: usize = 5;
-/// Minimum estimated time of a run: setting it up takes time as well.
+/// Minimum estimated time of a run, because the setup of a run takes time as well.
 const MIN_EXPECTED_S: f64 = 1e-3;
 
 /// Result of one run of a method.
@@ -20,7 +20,7 @@ const MIN_EXPECTED_S: f64 = 1e-3;
 pub struct Run {
     /// Seed of the local coefficients.
     pub seed: u64,
-    /// Status at the end of the run, or the reason of a refusal.
+    /// Status at the end of the run, or the reason why the scene was refused.
     pub status: String,
     /// Wall time of the whole call, both surfaces, in seconds.
     pub wall_s: f64,
@@ -28,9 +28,10 @@ pub struct Run {
     pub site_updates: u64,
     /// Site updates per second of integration.
     pub site_updates_per_s: Option<f64>,
-    /// Time step, in seconds.
+    /// Time step, in seconds; `None` for steady runs.
     pub dt_s: Option<f64>,
-    /// Dynamic mu, static mu and the ratio, each with its standard error if the run provides one; 0 for steady runs.
+    /// Dynamic mu, static mu and the ratio patterned over flat, each with its standard error if the run provides one;
+    /// the standard error of a steady run is 0.
     pub values: [Option<(f64, Option<f64>)>; 3],
 }
 
@@ -44,7 +45,7 @@ impl Run {
 /// Status of a run that ended as planned.
 const CONVERGED: &str = "converged";
 
-/// Solves `scene` and records the result.
+/// Solves `scene` and records the result with the wall time.
 pub fn measure(scene: &Scene, monitor: &dyn Monitor) -> Run {
     let started_s = monitor.seconds();
     let solved = simulate(scene, monitor);
@@ -80,7 +81,7 @@ fn record(scene: &Scene, simulation: &Simulation) -> Run {
     }
 }
 
-/// Maximum step that the scheme of `scene` allows on both surfaces; `None` if there is no limit.
+/// Maximum time step at which the scheme of `scene` is stable on both surfaces; `None` if there is no limit.
 pub fn stability_limit_s(scene: &Scene) -> Option<f64> {
     let limit = |mut scene: Scene| {
         scene.run.step_s = Some(f64::MAX);
@@ -94,7 +95,7 @@ pub fn stability_limit_s(scene: &Scene) -> Option<f64> {
     Some(own.min(flat))
 }
 
-/// Scene of the `seed`-th draw of a method, counted from 0.
+/// Scene of `method` for the draw number `seed` of the local coefficients, counted from 0.
 pub fn scene_of(method: &Method, base: &Scene, seed: u64) -> Scene {
     let mut scene = base.clone();
     scene.run.seed = base.run.seed.wrapping_add(seed);
@@ -104,15 +105,16 @@ pub fn scene_of(method: &Method, base: &Scene, seed: u64) -> Scene {
     scene
 }
 
-/// Runs `method` for all seeds, in their order. The first one runs alone on one thread and gives the reported time; the
-/// others share all threads. `all_s` is the expected time of the whole comparison.
+/// Runs `method` for all seeds and returns the runs in the order of the seeds. The first run is alone on one thread and
+/// gives the reported wall time; the other runs share all threads. `all_s` is the expected time of the whole
+/// comparison, in seconds.
 pub fn measure_all(method: &Method, base: &Scene, seeds: u64, all_s: f64, progress: &Stage<'_>) -> Vec<Run> {
     progress.detail(&method.label);
     let part = |scene: &Scene| Part::new(progress, expected_s(scene) / all_s);
     let first = scene_of(method, base, 0);
     let alone = rayon::ThreadPoolBuilder::new().num_threads(1).build();
     let timed = || timed(&first, &part(&first));
-    // The current pool is the fallback if the system provides no further thread.
+    // The current thread pool is the fallback if the system provides no further thread.
     let first = alone.map_or_else(|_| timed(), |pool| pool.install(timed));
     let others = (1..seeds).into_par_iter().map(|seed| {
         let scene = scene_of(method, base, seed);
@@ -122,7 +124,7 @@ pub fn measure_all(method: &Method, base: &Scene, seeds: u64, all_s: f64, progre
     std::iter::once(first).chain(others).collect()
 }
 
-/// Measures `scene`, repeatedly if it is fast: the shortest time counts.
+/// Measures `scene`, repeatedly if the run is short, and returns the run with the shortest wall time.
 fn timed(scene: &Scene, monitor: &dyn Monitor) -> Run {
     let mut run = measure(scene, monitor);
     for _ in 1..MAX_TIMINGS {
@@ -137,7 +139,7 @@ fn timed(scene: &Scene, monitor: &dyn Monitor) -> Run {
     run
 }
 
-/// Estimated wall time of the runs of a method, in seconds.
+/// Estimated wall time of all runs of a method, in seconds.
 pub fn expected_wall_s(method: &Method, base: &Scene, seeds: u64) -> f64 {
     let one_s = expected_s(&scene_of(method, base, 0));
     one_s * (1.0 + seeds.saturating_sub(1) as f64 / rayon::current_num_threads() as f64)

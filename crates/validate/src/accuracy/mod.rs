@@ -1,4 +1,4 @@
-//! Comparison of speed and error of every method.
+//! Comparison of the speed and the error of every method of solution.
 //!
 //! | module | content |
 //! |---|---|
@@ -41,20 +41,21 @@ pub struct Accuracy {
     resolution_pct: [Option<f64>; 3],
     /// Methods, the reference first.
     methods: Vec<Compared>,
-    /// Architecture of the processor and operating system.
+    /// Architecture of the processor, and operating system.
     machine: [&'static str; 2],
-    /// Total wall time in seconds, and the number of threads.
+    /// Total wall time, in seconds.
     wall_s: f64,
+    /// Number of threads.
     threads: usize,
 }
 
-/// Checks that the reference accepts the scene, without running it.
+/// Checks that the reference method accepts the scene `base`, without running the scene.
 ///
 /// # Errors
-/// [`SceneError`] of the reference.
+/// [`SceneError`] for a scene that the reference method refuses.
 pub fn check_reference(base: &Scene) -> Result<(), SceneError> {
     base.validate()?;
-    // The check of the step reports its limit: the step of the reference must be within that limit.
+    // A step that is too long is refused with the stability limit, which the step of the reference must not exceed.
     let mut probe = base.clone();
     probe.run.step_s = Some(f64::MAX);
     match simulate(&probe, &Unwatched) {
@@ -66,19 +67,20 @@ pub fn check_reference(base: &Scene) -> Result<(), SceneError> {
     }
 }
 
-/// Time step of the published scheme.
+/// Time step of the published scheme, in seconds.
 const REFERENCE_STEP_S: f64 = 1e-9;
 
-/// Estimated wall time for comparing the methods of `size` on `base`, in seconds.
+/// Estimated wall time of the comparison of all methods of `size` on the scene `base`, in seconds.
 pub fn expected_wall_s(size: Size, base: &Scene, seeds: u64) -> f64 {
     plan::methods(size, base).iter().map(|method| measure::expected_wall_s(method, base, seeds)).sum()
 }
 
-/// Runs the methods of `size` on `base`, each for `seeds` draws of the local coefficients, and compares them with the
-/// reference; `source` names the origin of the scene, `machine` its architecture and operating system. Times are measured with the monitor's clock.
+/// Runs the methods of `size` on the scene `base`, each for `seeds` draws of the local coefficients, and compares them
+/// with the reference. `source` describes the origin of the scene; `machine` is the architecture and the operating
+/// system. Times are measured with the monitor's clock.
 ///
 /// # Errors
-/// [`StudyError::Cancelled`] if the monitor has cancelled.
+/// [`StudyError::Cancelled`] once the monitor has cancelled.
 pub fn compare(
     size: Size,
     base: &Scene,

@@ -9,7 +9,8 @@ use super::Accuracy;
 use super::comparison::{Compared, OBSERVABLES, Value};
 use super::plan::Family;
 
-/// Observables with a front: static friction has no standard error within a run.
+/// Indices of the observables with a front, dynamic mu and the ratio: static friction has no standard error within a
+/// run.
 const WITH_FRONT: [usize; 2] = [0, 2];
 
 /// Formats the comparison as Markdown.
@@ -57,7 +58,8 @@ pub fn markdown(of: &Accuracy) -> String {
     )
 }
 
-/// Formats the front in `observable`, and the places of the program's defaults.
+/// Formats the front in the observable with the index `observable`, and states which defaults of the program are on it;
+/// empty if errors cannot be distinguished.
 fn front(of: &Accuracy, observable: usize) -> String {
     let Some(resolution_pct) = of.resolution_pct[observable] else { return String::new() };
     let ranked = || of.methods.iter().filter_map(|compared| Some((compared, compared.values[observable].as_ref()?)));
@@ -84,7 +86,7 @@ fn front(of: &Accuracy, observable: usize) -> String {
     text
 }
 
-/// Formats a difference with its standard error, and whether it is significant.
+/// Formats a difference from the reference with its standard error, in per cent, and marks it if it is not significant.
 fn error(value: Option<&Value>) -> String {
     let Some((value, percent)) = value.and_then(|value| Some((value, value.difference_pct?))) else {
         return "-".to_owned();
@@ -106,7 +108,7 @@ fn three_digits(value: f64) -> String {
     format!("{value:.decimals$}")
 }
 
-/// Formats the methods as CSV, one line each.
+/// Formats the comparison as CSV, one row per method.
 pub fn csv(of: &Accuracy) -> String {
     let mut text = String::from(
         "family,name,default_of,status,step_ns,site_updates,\
@@ -158,7 +160,7 @@ pub fn picture(of: &Accuracy) -> Result<Option<String>, ChartError> {
     charts::work_precision(&title, &Family::NAMES, &panels, reference.wall_s).map(Some)
 }
 
-/// Place of a method in the panel of `observable`; `None` without an error.
+/// Point of a method in the panel of the observable with the index `observable`; `None` if the error is unknown.
 fn work_point(compared: &Compared, observable: usize) -> Option<WorkPoint<'_>> {
     let value = compared.values[observable].as_ref()?;
     Some(WorkPoint {

@@ -21,12 +21,13 @@ pub enum Change {
     BlockTimes(f64),
     /// Start from the sheared steady equilibrium.
     WarmStart,
-    /// Stop at this relative standard error of dynamic mu, checked from this share of the travel on.
+    /// Stop at the relative standard error `mu_stderr` of dynamic mu, after at least the share `travel_share` of the
+    /// travel.
     StopAt { mu_stderr: f64, travel_share: f64 },
 }
 
 impl Change {
-    /// Applies the change to `scene`; `limit_s` gives a scene's maximum stable step.
+    /// Applies the change to `scene`; `limit_s` returns the maximum stable time step of a scene, in seconds.
     pub fn apply(self, scene: &mut Scene, limit_s: impl Fn(&Scene) -> Option<f64>) {
         match self {
             Self::Fidelity(fidelity) => scene.run.fidelity = fidelity,
@@ -44,32 +45,32 @@ impl Change {
     }
 }
 
-/// Group of methods.
+/// Family of related methods.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Family {
-    /// Steady equilibrium.
+    /// Methods that solve for the steady equilibrium.
     Steady,
-    /// Integrator of the reference with other steps and springs.
+    /// Runge-Kutta integrator of the reference, with other steps and springs.
     RungeKutta,
-    /// Fast integrator with various steps and springs.
+    /// Leapfrog integrator, with various steps and springs.
     Leapfrog,
-    /// Size of the blocks.
+    /// Methods with other sizes of the blocks.
     BlockSize,
     /// Reduced extent and other ways to simulate less.
     Shortcut,
 }
 
 impl Family {
-    /// Names by family, in their order.
+    /// Names of the families, in the order of the variants.
     pub const NAMES: [&str; 5] = ["steady", "Runge-Kutta", "leapfrog", "block size", "extent and shortcuts"];
 }
 
 /// Method of the comparison.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Method {
-    /// Full description of the change.
+    /// Full description of the changes to the scene.
     pub name: String,
-    /// Short label of the change, for the picture.
+    /// Short label of the changes, for the picture.
     pub label: String,
     /// Family of the method.
     #[serde(skip)]
@@ -77,7 +78,7 @@ pub struct Method {
     /// Changes to the base scene, in order; none for the reference.
     #[serde(skip)]
     pub changes: Vec<Change>,
-    /// Commands for which this method is the program's default.
+    /// Commands that use this method by default; `None` if no command does.
     pub default_of: Option<&'static str>,
 }
 
@@ -90,9 +91,9 @@ impl Method {
 /// Size of the comparison.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Size {
-    /// Takes a minute.
+    /// Comparison that takes a minute, on a reduced scene.
     Quick,
-    /// Takes hours.
+    /// Comparison that takes hours, on the whole scene.
     Full,
 }
 
@@ -106,11 +107,11 @@ impl Size {
     }
 }
 
-/// Step near the stability limit, relative to the limit.
+/// Time step near the stability limit, relative to the limit.
 const NEAR_LIMIT: f64 = 0.97;
 /// Relative standard error of mu at which shortened runs stop, as for the confirming runs of `optimize`.
 const STOP_STDERR: f64 = 0.001;
-/// Share of the travel from which shortened runs may stop.
+/// Minimum share of the travel after which shortened runs stop.
 const STOP_TRAVEL_SHARE: f64 = 0.2;
 
 const STEADY: Change = Change::Fidelity(Fidelity::Steady);
@@ -119,7 +120,7 @@ const CELL: Change = Change::Extent(Extent::Cell);
 const WARM: Change = Change::WarmStart;
 const STOP: Change = Change::StopAt { mu_stderr: STOP_STDERR, travel_share: STOP_TRAVEL_SHARE };
 
-/// Springs and steps of the Runge-Kutta scheme, and whether the quick comparison has them.
+/// Springs and time steps of the Runge-Kutta methods, and whether the quick comparison includes the method.
 const RUNGE_KUTTA: [(Springs, Change, bool); 6] = [
     (Springs::Exact, Change::StepNs(2.0), false),
     (Springs::Exact, Change::StepNs(4.0), false),
@@ -128,7 +129,7 @@ const RUNGE_KUTTA: [(Springs, Change, bool); 6] = [
     (Springs::Linear, Change::StepNs(4.0), false),
     (Springs::Linear, Change::StepNs(8.0), true),
 ];
-/// Springs and steps of the leapfrog scheme; `None` for the step that the program chooses.
+/// Springs and time steps of the leapfrog methods; `None` for the step that the program chooses.
 const LEAPFROG: [(Springs, Option<Change>); 8] = [
     (Springs::Linear, Some(Change::StepNs(1.0))),
     (Springs::Linear, Some(Change::StepNs(2.0))),
@@ -139,7 +140,8 @@ const LEAPFROG: [(Springs, Option<Change>); 8] = [
     (Springs::Exact, Some(Change::StepNs(4.0))),
     (Springs::Exact, Some(Change::StepNs(8.0))),
 ];
-/// Block sizes relative to the scene's; the last one of whole samples is left to the full comparison.
+/// Block sizes relative to the block size of the scene; only the full comparison solves whole samples with the last
+/// size.
 const BLOCKS: [f64; 3] = [2.0, 0.5, 0.25];
 
 /// All methods, the reference first; `scene` is the base scene.
@@ -191,7 +193,7 @@ fn method(family: Family, name: impl Into<String>, label: impl Into<String>, cha
     Method { name: name.into(), label: label.into(), family, changes: changes.to_vec(), default_of: None }
 }
 
-/// Springs and step in words, and in brief.
+/// Describes springs and time step, first in words and then in brief.
 fn step_words(springs: Springs, step: Change) -> [String; 2] {
     let step = match step {
         Change::StepNs(step_ns) => format!("{step_ns} ns"),

@@ -1,4 +1,4 @@
-//! Scene on which methods are judged: the source paper's or a user's, and its reduced form.
+//! Scene on which methods are compared: of the source paper or of a user, and its reduced form.
 
 use slipgrid_infer::calibrate::area_law::{DEFAULT_PRESSURES_MPA, area_law, persson_curve};
 use slipgrid_model::material::{Elastic, LocalFriction, THRESHOLD_PRESSURE_PA};
@@ -16,17 +16,19 @@ const POISSON_RATIO: f64 = 1.0 / 3.0;
 
 /// Number of columns of the reduced specimen.
 const REDUCED_COLUMNS: usize = 50;
-/// Number of rows of the reduced layer, and of the rows kept above a cavity.
+/// Number of rows of the reduced layer, unless cavities need more rows.
 const REDUCED_ROWS: usize = 6;
+/// Minimum number of rows of the reduced layer above a cavity.
 const ROWS_ABOVE_CAVITY: usize = 2;
-/// Travel of a reduced run relative to the travel at the onset of sliding: friction is averaged from 60 %
-/// of the run on, after the onset.
+/// Travel of a reduced run relative to the travel at the onset of sliding. Friction is averaged from 60 % of the run
+/// on, which is after the onset.
 const TRAVEL_OVER_ONSET: f64 = 2.0;
-/// Minimum duration of a reduced run in periods of the layer's first shear mode: fast drives reach the onset
-/// within a few periods, which are too few for a mean.
+/// Minimum duration of a reduced run, in periods of the first shear mode of the layer: fast drives reach the onset of
+/// sliding within a few periods, which are too few for a mean.
 const MIN_PERIODS: f64 = 100.0;
 
-/// Polymer sample of Balestra et al., J. Tribol. 144, 031704, with the area law of the stand-in map.
+/// Polymer sample of Balestra et al., J. Tribol. 144, 031704, with the area law by Persson's theory for the rms slope
+/// of a synthetic map, because the measured map is unpublished.
 ///
 /// # Errors
 /// [`StudyError::Failed`] if one of the numbers is refused.
@@ -51,8 +53,8 @@ pub fn paper_scene() -> Result<Scene, StudyError> {
     })
 }
 
-/// Base scene of the rows: the whole specimen by the paper's scheme at the first load. Seed, travel,
-/// damping and lift-off are taken from `scene`.
+/// Base scene that all methods change: the whole specimen by the paper's scheme, at the first load of `scene`. Seed,
+/// travel, damping and lift-off are taken from `scene`.
 pub fn base(scene: &Scene) -> Scene {
     let run = RunOptions {
         fidelity: Fidelity::Reference,
@@ -86,10 +88,10 @@ pub fn reduced(scene: &Scene) -> Scene {
     Scene { layer, run: RunOptions { sliding_m, ..scene.run }, ..scene.clone() }
 }
 
-/// Travel of the bulk at which the shear stress of the layer reaches the static friction.
+/// Travel of the bulk, in metres, at which the shear stress of the layer reaches static friction.
 fn onset_travel_m(scene: &Scene, layer: &Layer, load: &Load) -> f64 {
     let factor = scene.area_law.as_ref().map_or(1.0, |law| law.factor(load.pressure_pa));
-    // mu_s f P = G u / h
+    // Travel u: mu_s f P = G u / h, with shear modulus G, height h, pressure P, area factor f.
     load.friction.static_mean() * factor * load.pressure_pa * layer.height_m / shear_modulus_pa(&scene.elastic)
 }
 

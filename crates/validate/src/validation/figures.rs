@@ -1,4 +1,4 @@
-//! Figures of the source, computed by this model: contact area, interface pressure and friction in time.
+//! Figures of the source paper, computed by this model: contact area, interface pressure and friction in time.
 
 use slipgrid_infer::calibrate::uncertainty::Slopes;
 use slipgrid_model::material::LocalFriction;
@@ -23,20 +23,22 @@ use slipgrid_report::charts::{
 use slipgrid_report::pictures::{cavities_um, interface_map, pressures, trace};
 use slipgrid_report::{Outputs, csv};
 
-/// Static over dynamic local coefficient if only dynamic friction was measured: the published pair, 0.30 and 0.27.
+/// Ratio of static to dynamic local coefficient, which measured dynamic friction does not determine: from the published
+/// pair 0.30 and 0.27.
 const STATIC_OVER_DYNAMIC: f64 = 0.30 / 0.27;
 
-/// Input of the figures.
+/// Input of the figures of a validation.
 pub struct Figures<'a> {
     pub task: &'a ValidationTask<'a>,
     pub surface: &'a ScaledLaws,
     pub report: &'a ValidationReport,
-    /// Highest compared load.
+    /// Flat measurement at the highest compared load.
     pub heaviest: FlatPoint,
 }
 
 impl Figures<'_> {
-    /// Adds every picture with its numbers to `outputs`; returns the results of the transient run.
+    /// Adds the pictures and tables of their numbers to `outputs`; returns the results of the transient run, `None` if
+    /// no run was requested.
     ///
     /// # Errors
     /// [`StudyError`] if the numbers make no valid scene or a picture cannot be drawn.
@@ -79,13 +81,13 @@ impl Figures<'_> {
         Ok(self.time_report(&scene, &simulation, at, wall_s))
     }
 
-    /// Highest load in MPa, rounded to whole kilopascals, for titles.
+    /// Nominal pressure of the highest load in MPa, rounded to whole kilopascals, for titles.
     fn load_mpa(&self) -> f64 {
         (PRESSURE_MPA.from_si(self.heaviest.pressure_pa) * 1e3).round() / 1e3
     }
 
-    /// Scene of the highest load on `pattern`, with the coefficients of the comparison: in steady sliding, the flat surface has the
-    /// measured friction.
+    /// Scene of the highest load on `pattern`. The local coefficients are such that the flat surface has the measured
+    /// friction in steady sliding.
     fn scene(&self, pattern: Pattern, fidelity: Fidelity, extent: Extent) -> Result<Scene, StudyError> {
         let body = self.task.body();
         let mut scene = scene(body, self.surface.given(), pattern, &[self.heaviest])?;
@@ -107,7 +109,7 @@ impl Figures<'_> {
         let Some(given) = tables.iter().find(|table| table.slope_factor == 1.0) else { return Ok(None) };
         let modelled = self.report.results.iter().flat_map(|row| &row.modelled);
         let peak_mpa = modelled.map(|modelled| modelled.peak_pressure_mpa).fold(0.0, f64::max);
-        // Up to the first tabulated pressure that no block exceeds.
+        // Pressures up to the first tabulated pressure that no contact block exceeds.
         let shown = given.pressure_mpa.iter().take_while(|&&pressure| pressure < peak_mpa).count() + 1;
         let shown = shown.clamp(2.min(given.pressure_mpa.len()), given.pressure_mpa.len());
         let stated_mpa =
@@ -134,7 +136,7 @@ impl Figures<'_> {
         Ok(Some(area_law(&title, &points(given), at_threshold, &others)?))
     }
 
-    /// Adds the pressure under the whole sample, and a close-up under its first periods.
+    /// Adds pictures of the pressure under the whole sample and under the first periods, and a table.
     fn interface(&self, scene: &Scene, simulation: &Simulation, outputs: &mut Outputs) -> Result<(), StudyError> {
         let Some(load) = simulation.loads.first() else { return Ok(()) };
         let cavities = cavities_um(scene, &load.surface.interface);
@@ -214,7 +216,8 @@ impl Figures<'_> {
     }
 }
 
-/// Adds the record, tables and pictures of ratios, and the page, which embeds the pictures of `outputs`.
+/// Adds to `outputs` the record, the tables and pictures of ratios, and the page, which embeds the pictures in
+/// `outputs`.
 ///
 /// # Errors
 /// [`StudyError`] if a picture cannot be drawn or a number has no JSON form.
@@ -230,12 +233,13 @@ pub fn add_report(report: &ValidationReport, outputs: &mut Outputs) -> Result<()
     Ok(())
 }
 
-/// Columns of [`ratios_csv`]: keys of the results in the record, and the depth of the cavities.
+/// Columns of [`ratios_csv`]: keys of a result in the record, and the depth of the cavities.
 const RATIOS: &str = "force_n,pressure_mpa,speed_mm_s,humidity_pct,mu_flat,mu_flat_std,mu_patterned,mu_patterned_std,ratio,ratio_std,\
                       ratio_amontons_coulomb,depth_um,slope_factor,rms_slope,area_law_factor,dynamic_mean,ratio_groove,ratio_groove_std,\
                       ratio_square,ratio_square_std,ratio_square_estimate";
 
-/// Formats the results as CSV: one row per condition and slope factor, and one for the measured depth.
+/// Formats the results as CSV: one row per condition and slope factor, and one row per condition for the measured
+/// depth.
 fn ratios_csv(report: &ValidationReport) -> String {
     let mut text = format!("{RATIOS}\n");
     for (row, depth_um, modelled) in solutions(report) {
@@ -249,12 +253,12 @@ fn ratios_csv(report: &ValidationReport) -> String {
     text
 }
 
-/// Formats a number with the fewest digits that represent it exactly, or nothing.
+/// Formats a number with the fewest digits that represent it exactly; an unknown number gives empty text.
 pub fn or_empty(value: Option<f64>) -> String {
     value.map_or_else(String::new, |value| value.to_string())
 }
 
-/// Draws measured and modelled ratios against pressure, at the condition of the first row.
+/// Draws measured and modelled ratios against pressure, at the speed and humidity of the first result.
 fn ratios(report: &ValidationReport) -> Result<String, ChartError> {
     let rows = report.by_pressure();
     let Some(first) = rows.first() else { return Ok(String::new()) };
@@ -293,7 +297,8 @@ fn ratios(report: &ValidationReport) -> Result<String, ChartError> {
     )
 }
 
-/// Draws columns of modelled ratios, each with its label, beside `measured`: pressures in MPa, ratios and their standard deviations.
+/// Draws modelled ratios, one named series per model, beside measured ratios. Each of `measured` is a pressure in MPa,
+/// a ratio and its standard deviation.
 ///
 /// # Errors
 /// [`ChartError`] if the picture cannot be drawn.

@@ -1,4 +1,4 @@
-//! Area laws of a calibration's surface with scaled heights.
+//! Area laws of the surface of a calibration, with heights scaled by several factors.
 
 use serde::Serialize;
 use slipgrid_infer::calibrate::area_law::{
@@ -20,14 +20,14 @@ use slipgrid_io::formats::scene::DEFAULT_SPECIMEN;
 use slipgrid_io::formats::source::Source;
 use slipgrid_io::formats::surface::Surface;
 
-/// Seed of the flat sample in the fit of a scale, as for `calibrate` and `trials`.
+/// Random seed of the flat sample's local coefficients in the fit of a pressure scale, as for `calibrate` and `trials`.
 const FIT_SEED: u64 = 1;
 
 /// Area law of the surface with all heights multiplied by one factor, and its contact area, one number per pressure; without
 /// a surface there are no pressures.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ScaledLaw {
-    /// Factor of the surface's slopes.
+    /// Factor on heights and slopes of the surface.
     pub slope_factor: f64,
     /// Rms slope; null without a surface.
     pub rms_slope: Option<f64>,
@@ -38,22 +38,22 @@ pub struct ScaledLaw {
     pub pressure_mpa: Vec<f64>,
     /// Real contact area over nominal area, corrected along its perimeter.
     pub area_fraction: Vec<f64>,
-    /// The factor f.
+    /// Area factor f at each pressure.
     pub factor: Vec<f64>,
 }
 
 impl ScaledLaw {
-    /// Law without a surface, whatever the slope.
+    /// Creates an entry for a calibration without a surface, whose `law` does not depend on a slope.
     pub fn without_surface(law: Option<AreaLaw>) -> Self {
         let none = Vec::new;
         Self { slope_factor: 1.0, rms_slope: None, law, pressure_mpa: none(), area_fraction: none(), factor: none() }
     }
 }
 
-/// Laws of one surface.
+/// Area laws of one surface at all slope factors.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ScaledLaws {
-    /// Laws, one per factor, in the order of the factors.
+    /// Laws, one per slope factor, in the order of the factors.
     pub laws: Vec<ScaledLaw>,
     /// The surface is synthetic.
     pub synthetic: bool,
@@ -62,13 +62,13 @@ pub struct ScaledLaws {
 }
 
 impl ScaledLaws {
-    /// Law of the surface as given.
+    /// Area law of the surface as given, with factor 1; `None` without an area law.
     pub fn given(&self) -> Option<&AreaLaw> {
         self.laws.iter().find(|law| law.slope_factor == 1.0)?.law.as_ref()
     }
 }
 
-/// Area laws of the surface of `task`, one per slope factor.
+/// Computes the area laws of the surface of `task`, one per slope factor; a map is read from `source`.
 ///
 /// # Errors
 /// [`StudyError`] if the map cannot be read or its contact area gives no law.
@@ -115,7 +115,8 @@ pub fn scaled_laws(
         }
         Surface::Map { path: map_path, synthetic, options, .. } => {
             let surface = read_period(source, map_path, options, monitor)?;
-            // A(P; s h) = A(P/s; h): the curve of every scaled surface follows from the curve of the given surface.
+            // A(P; s h) = A(P/s; h), with area A, pressure P, heights h, factor s: the curve of the given surface
+            // suffices.
             let points = surface.map.rows() * surface.map.cols();
             let of = LawPressures::new(stated_pa, contact_modulus_pa, surface.rms_slope, Some(points));
             // With a stated threshold, the tabulated pressures suffice for the scaled laws.
@@ -147,7 +148,7 @@ pub fn scaled_laws(
     }
 }
 
-/// Laws of a surface whose scale is fitted to flat friction, as in calibrations.
+/// Computes the area laws by Persson's theory with a pressure scale fitted to flat friction, as in calibrations.
 fn fitted_laws(task: &ValidationTask<'_>, source: &Source, monitor: &dyn Monitor) -> Result<ScaledLaws, StudyError> {
     // The fit uses flat samples only, so that trials are removed.
     let mut flat = task.calibration.clone();
@@ -184,7 +185,8 @@ fn fitted_laws(task: &ValidationTask<'_>, source: &Source, monitor: &dyn Monitor
     Ok(ScaledLaws { laws, synthetic: false, notes })
 }
 
-/// Laws and tabulated areas that `of` gives at each of the factors of the slope `rms_slope`.
+/// Makes one entry per slope factor from the area law and the tabulated areas that `of` returns for the factor;
+/// `rms_slope` is the slope at factor 1.
 fn at_slopes(
     factors: &[f64],
     rms_slope: f64,
@@ -204,12 +206,14 @@ fn at_slopes(
     factors.iter().map(at).collect()
 }
 
-/// Curve of the surface scaled by `factor`: A(P; s h) = A(P/s; h).
+/// Converts a contact-area curve to the surface with heights scaled by `factor`: equal areas are reached at `factor`
+/// times the pressure.
 fn stretched(curve: &[AreaPoint], factor: f64) -> Vec<AreaPoint> {
     curve.iter().map(|point| AreaPoint { pressure_pa: factor * point.pressure_pa, ..*point }).collect()
 }
 
-/// Pressures P/s of the unscaled surface for all tabulated pressures of the scaled surfaces, and `more`, increasing.
+/// Pressures, increasing, at which the unscaled surface is solved: those needed for all tabulated pressures of the
+/// scaled surfaces, and `more`.
 fn unscaled_pressures_pa(factors: &[f64], more: &[f64]) -> Vec<f64> {
     let mut pressures_pa: Vec<f64> = factors
         .iter()
@@ -221,16 +225,18 @@ fn unscaled_pressures_pa(factors: &[f64], more: &[f64]) -> Vec<f64> {
     pressures_pa
 }
 
-/// Tabulated pressures P of a surface scaled by s, each with P/s.
+/// Tabulated pressures of a surface with heights scaled by `factor`, each with the pressure at which the unscaled
+/// surface has the same area, both in pascals.
 fn tabulated_pa(factor: f64) -> impl Iterator<Item = [f64; 2]> {
     DEFAULT_PRESSURES_MPA.into_iter().map(move |pressure_mpa| {
         let pressure_pa = PRESSURE_MPA.to_si(pressure_mpa);
-        // Rounded, so that equal pressures from two factors are solved once.
+        // Rounded, so that equal pressures for two factors are solved once.
         [pressure_pa, tidy(pressure_pa / factor)]
     })
 }
 
-/// Curve of the surface scaled by `factor`, from the curve of the unscaled surface.
+/// Contact area of the surface with heights scaled by `factor` at the tabulated pressures, from the `curve` of the
+/// unscaled surface.
 fn scaled(curve: &[AreaPoint], factor: f64) -> Vec<AreaPoint> {
     tabulated_pa(factor)
         .filter_map(|[pressure_pa, unscaled_pa]| {

@@ -1,4 +1,5 @@
-//! Alternative interpretation of flat friction as a law of local pressure: mu(p) = mu_flat(P = p).
+//! Alternative to the area law: local friction mu depends on local pressure p as measured flat friction depends on
+//! nominal pressure P, mu(p) = mu_flat(P = p).
 
 use slipgrid_model::material::{AreaLaw, Extrapolation};
 use slipgrid_model::pattern::Pattern;
@@ -10,8 +11,8 @@ use slipgrid_base::monitor::{Monitor, Stage};
 use slipgrid_infer::calibrate::Measurement;
 use slipgrid_io::formats::calibration::Calibration;
 
-/// Ratios of `pattern` at each of `pairs` by the law of the flat measurements at the condition of the pair, one per
-/// extrapolation; empty if the flat measurements have a single pressure.
+/// Modelled ratios of `pattern` at each of `pairs`, with the flat measurements at the speed and humidity of the pair as
+/// the local law. One ratio per extrapolation; none if these measurements have a single pressure.
 ///
 /// # Errors
 /// [`StudyError`] if the numbers make no valid scene.
@@ -48,7 +49,8 @@ pub fn ratios(
     Ok(found)
 }
 
-/// Laws of the flat measurements at the condition of `measured`; none if they have a single pressure.
+/// Local laws from the flat measurements at the speed and humidity of `measured`, one per extrapolation; none if these
+/// measurements have a single pressure.
 fn laws(calibration: &Calibration, measured: &Measurement) -> Vec<(Extrapolation, AreaLaw)> {
     let mut rows: Vec<[f64; 2]> = calibration
         .stated

@@ -1,4 +1,4 @@
-//! Comparison of measured ratios patterned/flat with the model.
+//! Comparison of measured ratios of patterned to flat friction with the model.
 
 mod figures;
 mod laws;
@@ -50,13 +50,14 @@ pub struct ValidationTask<'a> {
     pub calibration: &'a Calibration,
     /// Name of the trial whose measurements replace the patterned samples'; `None` to compare the patterned samples.
     pub trial: Option<String>,
-    /// Pattern of the patterned samples, as grooves.
+    /// Pattern of the patterned samples at the modelled and at the measured depth, as grooves.
     pub patterns: Patterns,
-    /// Factors of the surface's slopes, increasing, including 1.
+    /// Factors on the slopes of the surface, increasing, including 1.
     pub slope_factors: Vec<f64>,
-    /// Compare every measured condition, not only the condition of the first row.
+    /// Compare every measured condition, not only the speed and humidity of the first flat measurement that has a
+    /// patterned counterpart.
     pub all: bool,
-    /// Travel of the transient run for mu(t), in metres; `None` for no run.
+    /// Travel of the transient run for friction against time, in metres; `None` for no run.
     pub sliding_m: Option<f64>,
     /// Make the files of the comparison: ratios for rims of several heights, pictures with their data, and the page.
     pub figures: bool,
@@ -71,7 +72,8 @@ impl ValidationTask<'_> {
         Some(self.cut()?.pattern.planform())
     }
 
-    /// Compared sample: the trial, otherwise the first sample.
+    /// Compared sample: the named trial, or otherwise the sample of the patterned measurements; `None` if there is no
+    /// such sample.
     fn cut(&self) -> Option<&CutSample> {
         let mut samples = self.calibration.stated.trials.samples.iter();
         match &self.trial {
@@ -80,7 +82,7 @@ impl ValidationTask<'_> {
         }
     }
 
-    /// Layer of the published simulations if these are compared; for all other samples the whole specimen, as in
+    /// Layer of the published simulations for the published samples; for all other samples the whole specimen, as in
     /// `calibrate`, `trials` and designs.
     fn layer(&self) -> Layer {
         let is_published = self.trial.is_none() && is_published(&self.calibration.stated.source);
@@ -90,7 +92,7 @@ impl ValidationTask<'_> {
         Layer { thickness_m: self.stated_thickness_m().or(DEFAULT_SPECIMEN.thickness_m), ..DEFAULT_SPECIMEN }
     }
 
-    /// Model of the specimen.
+    /// Specimen as modelled.
     fn body(&self) -> Body<'_> {
         Body {
             path: self.path,
@@ -106,7 +108,8 @@ impl ValidationTask<'_> {
     }
 }
 
-/// Describes the origin of the specimen's height and its other uses; `stated_m` of the calibration, `default_m` of designs.
+/// Describes the origin of the specimen's height, and the height that trials and designs use. `stated_m` is the
+/// thickness in the calibration, `default_m` the default of designs.
 fn thickness_words(stated_m: Option<f64>, default_m: Option<f64>) -> String {
     let mm = |length_m: f64| LENGTH_MM.from_si(length_m);
     match (stated_m, default_m) {
@@ -127,20 +130,20 @@ fn thickness_words(stated_m: Option<f64>, default_m: Option<f64>) -> String {
     }
 }
 
-/// Pattern at both depths, as grooves.
+/// Pattern with the modelled and with the measured depth, as grooves.
 #[derive(Clone, Copy, Debug)]
 pub struct Patterns {
-    /// Pattern as modelled.
+    /// Pattern with the modelled depth.
     pub modelled: Pattern,
-    /// Pattern as measured.
+    /// Pattern with the measured depth.
     pub measured: Pattern,
 }
 
-/// Models every measured condition of `task`; makes its files if requested. Maps come from `source`.
+/// Models every compared condition of `task`, and makes the files if `task.figures`. A map is read from `source`.
 ///
 /// # Errors
-/// [`StudyError`] for a calibration without anything to compare, a surface that gives no area law, numbers that make
-/// no valid scene, and a picture that cannot be drawn.
+/// [`StudyError`] for a calibration without measurements to compare, a surface that gives no area law, numbers that
+/// make no valid scene, a picture that cannot be drawn, and if the monitor cancels.
 pub fn validate(
     task: &ValidationTask<'_>,
     source: &Source,
@@ -154,7 +157,7 @@ pub fn validate(
     if task.figures {
         let alike = pairs.iter().filter(|pair| pair.flat.has_condition_of(&pairs[0].flat));
         let points: Vec<FlatPoint> = alike.map(|pair| pair.point).collect();
-        // The table of rims is about square cavities.
+        // Rims are tabulated only if the samples may have square cavities.
         if let Some(law) = surface.given().filter(|_| report.has_squares()) {
             let groove = &task.patterns.measured;
             report.rims = Some(rims::rims(task.body(), law, groove, &points, &report.at_first_condition(), monitor)?);
@@ -172,7 +175,7 @@ pub fn validate(
     Ok((report, outputs))
 }
 
-/// Measured pairs for the report.
+/// Pairs of flat and patterned measurements to compare.
 fn measured(task: &ValidationTask<'_>) -> Result<Vec<Pair>, Diagnostic> {
     let calibration = task.calibration;
     let nothing =
@@ -199,7 +202,7 @@ fn compare(
 ) -> Result<ValidationReport, StudyError> {
     let (calibration, patterns) = (task.calibration, &task.patterns);
     let points: Vec<FlatPoint> = pairs.iter().map(|pair| pair.point).collect();
-    // Every slope, then Amontons-Coulomb, then the surface as given at the measured depth.
+    // Cases: every slope factor, then Amontons-Coulomb friction, then the surface as given at the measured depth.
     let proportional = ScaledLaw::without_surface(None);
     let given = surface.laws.iter().find(|law| law.slope_factor == 1.0);
     let deep = given.filter(|_| patterns.modelled != patterns.measured);
@@ -328,7 +331,7 @@ fn model_notes(task: &ValidationTask<'_>, pairs: &[Pair], surface: &[String]) ->
     before.into_iter().flatten().chain(surface.iter().cloned()).chain([absent]).collect()
 }
 
-/// Remark on the rims of squares.
+/// Remark that rims of squares are in another table.
 const RIMS_BESIDE: &str = " (what they would do stands in a table of its own)";
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! Model of patterned samples, from flat measurements and the surface alone.
+//! Model of patterned samples, based on flat measurements and the surface only.
 
 use std::path::Path;
 
@@ -39,13 +39,13 @@ pub struct Body<'a> {
 }
 
 impl Body<'_> {
-    /// Error that the numbers of the calibration make no valid scene.
+    /// Converts `error` to the error that the numbers of the calibration make no valid scene.
     pub fn refuse(&self, error: &impl ToString) -> StudyError {
         Diagnostic::file(self.path, error.to_string()).into()
     }
 }
 
-/// Uncertainty of the material at `points` under `law`.
+/// Uncertainty of flat friction at `points` and, with a `law`, of Young's modulus.
 pub fn knowledge(modulus_relative_std: Option<f64>, law: Option<&AreaLaw>, points: &[FlatPoint]) -> InputUncertainty {
     let std = modulus_relative_std.filter(|std| law.is_some() && *std > 0.0);
     InputUncertainty {
@@ -55,7 +55,7 @@ pub fn knowledge(modulus_relative_std: Option<f64>, law: Option<&AreaLaw>, point
     }
 }
 
-/// Steady sliding of one pattern under one area law at every measurement.
+/// Pattern and area law of a model that is solved at every measurement.
 #[derive(Clone, Copy, Debug)]
 pub struct Case<'a> {
     /// Pattern, as grooves.
@@ -67,21 +67,23 @@ pub struct Case<'a> {
 /// Model results at one measurement.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Prediction {
-    /// f at the nominal pressure.
+    /// Area factor f at the nominal pressure.
     pub area_law_factor: f64,
-    /// Local dynamic coefficient, mu_flat / f.
+    /// Local dynamic coefficient: measured flat friction over the area factor f.
     pub dynamic_mean: f64,
     /// Solution for grooves.
     pub outcome: CellOutcome,
     /// Solution for square cavities with equal lengths, in three dimensions.
     pub squares: CellOutcome,
-    /// Change of both ratios for a specimen of the source's thickness; `None` if a cell has none.
+    /// Change of the ratio of grooves and of squares if the specimen has the thickness of the source; `None` if the
+    /// whole specimen is modelled already, or without a ratio.
     pub thick: [Option<f64>; 2],
-    /// Uncertainty of both ratios from Young's modulus and measured flat friction; `None` if it cannot be computed.
+    /// Uncertainty of the ratio of grooves and of squares from Young's modulus and measured flat friction; `None` if it
+    /// cannot be computed.
     pub errors: [Option<Deviations>; 2],
 }
 
-/// Solves every case at every point, in parallel; returns one list per case.
+/// Solves every case at every point, cases in parallel. Returns one list per case, with one prediction per point.
 ///
 /// # Errors
 /// [`StudyError`] if the numbers make no valid scene.
@@ -103,7 +105,7 @@ pub fn predict(
         .collect()
 }
 
-/// Steady scene of `pattern` under `law` at every point.
+/// Scene of steady sliding of `pattern` with the area law `law` at every point.
 ///
 /// # Errors
 /// [`StudyError`] if the numbers make no valid scene.
@@ -137,7 +139,7 @@ pub fn scene(
     Ok(scene)
 }
 
-/// f and the local dynamic coefficient at `point`: a flat cell slides at mu_flat = mu_d f(P).
+/// Area factor f and local dynamic coefficient mu_d at `point`, so that a flat cell slides at mu_flat = mu_d f(P).
 fn coefficients(law: Option<&AreaLaw>, point: &FlatPoint) -> [f64; 2] {
     let area_law_factor = law.map_or(1.0, |law| law.factor(point.pressure_pa));
     [area_law_factor, point.mu_flat / area_law_factor]
@@ -154,7 +156,7 @@ fn solve(body: Body<'_>, case: &Case<'_>, points: &[FlatPoint]) -> Result<Vec<Pr
         rayon::join(|| of(case.pattern), || of(squares(&case.pattern)))
     };
     let (grooves, squares) = solved(scene.layer);
-    // A layer alone neglects the body behind it.
+    // A layer without thickness neglects the body behind the layer.
     let is_layer = scene.layer.thickness_m.is_none();
     let thick = is_layer.then(|| solved(Layer { thickness_m: Some(DEFAULT_THICKNESS_M), ..scene.layer }));
     let known = knowledge(body.modulus_relative_std, case.law, points);
@@ -175,7 +177,7 @@ fn solve(body: Body<'_>, case: &Case<'_>, points: &[FlatPoint]) -> Result<Vec<Pr
         .collect())
 }
 
-/// Square cavities with the lengths of `pattern`.
+/// Pattern of square cavities with the width, spacing and depth of `pattern`.
 pub fn squares(pattern: &Pattern) -> Pattern {
     // Lengths of a valid pattern are valid for another planform.
     Pattern::new(Planform::Square, pattern.width_m(), pattern.spacing_m(), pattern.depth_m()).unwrap_or(*pattern)

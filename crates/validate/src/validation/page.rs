@@ -1,4 +1,4 @@
-//! Page of a validation: tables and figures of the source and of the model.
+//! Page of a validation: measurements and statements of the source, with tables and figures of the model.
 
 use slipgrid_report::Outputs;
 use slipgrid_report::html::page::{Page, number, percent, plain};
@@ -95,7 +95,7 @@ const INTERFACES: [(&str, &str); 3] = [
     ("interface-squares.svg", "Square cavities of the same lengths, one cell in space, seen from above"),
 ];
 
-/// Describes the input of the transient run, and its known deviation.
+/// Describes the input of the transient run, and why its flat friction differs from the measurement.
 fn time_words(run: &TimeReport) -> String {
     format!(
         "{} MPa, {} mm/s, {} µm of travel; local coefficients {} dynamic and {} static (0.30/0.27 times it, the published \

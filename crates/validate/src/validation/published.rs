@@ -1,4 +1,4 @@
-//! Statements of the source, compared with its own tables and this model.
+//! Statements of the source paper, compared with the tables of the paper and with this model.
 
 use super::ratios::{MeasuredReport, RatioReport};
 use super::report::{PublishedReport, ValidationReport};
@@ -6,15 +6,16 @@ use super::statements::percent;
 use slipgrid_base::statistics::mean_and_std;
 use slipgrid_design::results::fixed;
 
-/// Name of the statements' source in calibrations.
+/// Part of the source name by which calibrations of the paper's measurements are recognized.
 const SOURCE: &str = "J. Tribol. 144, 031704";
 
-/// Whether `source`, as named in a calibration, is the paper of the statements.
+/// Whether `source`, as named in a calibration, is the paper whose statements are compared.
 pub fn is_published(source: &str) -> bool {
     source.contains(SOURCE)
 }
 
-/// Statements about the source of `report`; none for any other source and none for a trial.
+/// Statements of the paper with their counterparts in `report`; none if `report` has another source or is about a
+/// trial.
 pub fn published(report: &ValidationReport) -> Vec<PublishedReport> {
     let rows = report.by_pressure();
     let [Some(&light), Some(&heavy)] = [rows.first(), rows.last()] else { return Vec::new() };
@@ -63,7 +64,8 @@ pub fn published(report: &ValidationReport) -> Vec<PublishedReport> {
     said.into_iter().filter_map(row).collect()
 }
 
-/// Describes measured and modelled friction of the patterned sample at the two highest loads; `rows` by pressure.
+/// Describes measured and modelled friction of the patterned sample at the two highest pressures; `rows` must be sorted
+/// by pressure.
 fn patterned_above_2_mpa(rows: &[&RatioReport]) -> String {
     let [.., before, last] = rows else { return "-".to_owned() };
     let ends = |value: &dyn Fn(&RatioReport) -> Option<f64>, digits: usize| {
@@ -77,7 +79,8 @@ fn patterned_above_2_mpa(rows: &[&RatioReport]) -> String {
     )
 }
 
-/// Relative increase of flat and patterned friction over the measured speeds at 100 N.
+/// Relative increase of flat and of patterned friction from 0.4 to 4 mm/s at 100 N; `None` if either speed was not
+/// measured.
 fn rise_with_speed(measured: &[MeasuredReport], humidity_pct: f64) -> Option<[f64; 2]> {
     let at = |speed_mm_s: f64| {
         measured

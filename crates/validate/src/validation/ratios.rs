@@ -11,7 +11,7 @@ use slipgrid_base::units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, tidy};
 use slipgrid_infer::calibrate::Measurement;
 use slipgrid_io::formats::calibration::Calibration;
 
-/// Condition measured on both samples.
+/// Measurements on the flat and on the patterned sample at one condition.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct MeasuredReport {
     /// Normal force on one specimen.
@@ -36,24 +36,26 @@ pub struct MeasuredReport {
     pub ratio_std: f64,
 }
 
-/// Measured ratio with the modelled ratios.
+/// Measured ratio at one condition, with the modelled ratios.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RatioReport {
-    /// Measurement.
+    /// Measured friction of both samples.
     #[serde(flatten)]
     pub measured: MeasuredReport,
-    /// Modelled ratio without an area law.
+    /// Modelled ratio of grooves without an area law; null if the solution did not converge.
     pub ratio_amontons_coulomb: Option<f64>,
     /// Modelled ratios, one per slope factor.
     pub modelled: Vec<ModelledRatio>,
-    /// Modelled ratios with measured flat friction as the local law, one per extrapolation; empty if flat friction was measured
-    /// at a single pressure.
+    /// Modelled ratios with measured flat friction as the local law, one per extrapolation; empty if flat friction was
+    /// measured at one pressure only.
     pub measured_law: Vec<MeasuredLawRatio>,
-    /// Modelled ratio at the measured depth and the surface as given; null if both depths are equal.
+    /// Modelled ratios at the measured depth, for the surface as given; null if the modelled depth is the measured
+    /// depth.
     pub modelled_at_measured_depth: Option<ModelledRatio>,
 }
 
-/// Model at one condition if a contact's friction depends on its local pressure like flat friction on the nominal pressure.
+/// Modelled ratios at one condition, if friction depends on local pressure as measured flat friction depends on nominal
+/// pressure.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct MeasuredLawRatio {
     /// Extrapolation of the law above the last measured pressure: `constant` or `logarithmic`.
@@ -64,44 +66,47 @@ pub struct MeasuredLawRatio {
     pub ratio_square: Option<f64>,
 }
 
-/// Model at one condition.
+/// Modelled ratios at one condition, for one factor on the slopes of the surface.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ModelledRatio {
-    /// Factor of the surface's slopes.
+    /// Factor on the slopes of the surface.
     pub slope_factor: f64,
     /// Rms slope; null without a surface.
     pub rms_slope: Option<f64>,
-    /// f at the nominal pressure.
+    /// Area factor f at the nominal pressure.
     pub area_law_factor: f64,
-    /// Local dynamic coefficient, mu_flat / f.
+    /// Local dynamic coefficient: measured flat friction over the area factor f.
     pub dynamic_mean: f64,
-    /// Ratio of the pattern as grooves.
+    /// Ratio of the pattern as grooves; null if the solution did not converge.
     pub ratio_groove: Option<f64>,
     /// Standard deviation of `ratio_groove`.
     pub ratio_groove_std: Option<f64>,
     /// Standard deviation of the groove's friction coefficient, ratio times flat friction.
     pub mu_groove_std: Option<f64>,
-    /// Ratio of square cavities with equal lengths, in three dimensions.
+    /// Ratio of square cavities with equal lengths, in three dimensions; null if the solution did not converge.
     pub ratio_square: Option<f64>,
     /// Standard deviation of `ratio_square`.
     pub ratio_square_std: Option<f64>,
-    /// Standard deviation of the squares' friction coefficient.
+    /// Standard deviation of the squares' friction coefficient, ratio times flat friction.
     pub mu_square_std: Option<f64>,
-    /// Strip estimate of the squares' ratio from the groove's ratio.
+    /// Estimate of the squares' ratio from the groove's ratio, with the strips between rows of cavities counted as
+    /// flat.
     pub ratio_square_estimate: Option<f64>,
-    /// Change of the groove's ratio for a specimen of the source's thickness, 7 mm.
+    /// Change of the groove's ratio if the specimen has the thickness of the source, 7 mm, not only a layer; null if
+    /// the whole specimen is modelled.
     pub ratio_groove_thick_difference: Option<f64>,
-    /// Change of the squares' ratio for a specimen of the source's thickness.
+    /// Change of the squares' ratio if the specimen has the thickness of the source, not only a layer; null if the
+    /// whole specimen is modelled.
     pub ratio_square_thick_difference: Option<f64>,
     /// Maximum local pressure of grooves; it increases as blocks shrink.
     pub peak_pressure_mpa: f64,
     /// Maximum local pressure of squares.
     pub peak_pressure_square_mpa: f64,
-    /// Number of contact blocks under tension.
+    /// Number of contact blocks under tension, grooves and squares together.
     pub tension_blocks: usize,
-    /// A cavity's ceiling reaches the counterface.
+    /// Whether the ceiling of a cavity reaches the counterface, for grooves or squares.
     pub cavity_closed: bool,
-    /// A pressure exceeds the range of the area law.
+    /// Whether a pressure exceeds the range of the area law, for grooves or squares.
     pub area_law_extrapolated: bool,
     /// Status of the solution for grooves.
     pub status: &'static str,
@@ -109,7 +114,7 @@ pub struct ModelledRatio {
     pub status_square: &'static str,
 }
 
-/// Flat and patterned measurement at one condition.
+/// Flat and patterned measurement at equal force, speed and humidity.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pair {
     /// The flat measurement as input of the model.
@@ -120,7 +125,8 @@ pub struct Pair {
     pub patterned: Measurement,
 }
 
-/// Conditions that both tables contain, in the order of the flat table.
+/// Pairs of measurements at conditions that both the flat and the patterned table contain, in the order of the flat
+/// table.
 pub fn pairs(calibration: &Calibration) -> Vec<Pair> {
     let pair = |flat: &Measurement| {
         let patterned = calibration.patterned.iter().find(|patterned| flat.is_at(patterned))?;
@@ -156,31 +162,31 @@ impl MeasuredReport {
         }
     }
 
-    /// Whether both measurements have equal speed and humidity.
+    /// Whether both records have equal speed and humidity.
     pub fn is_at_condition_of(&self, other: &Self) -> bool {
         self.speed_mm_s == other.speed_mm_s && self.humidity_pct == other.humidity_pct
     }
 }
 
 impl RatioReport {
-    /// Modelled ratio at `slope_factor`.
+    /// Modelled ratios at `slope_factor`; `None` if this factor was not modelled.
     pub fn at_slope(&self, slope_factor: f64) -> Option<&ModelledRatio> {
         self.modelled.iter().find(|modelled| modelled.slope_factor == slope_factor)
     }
 
-    /// Modelled ratio on the surface as given.
+    /// Modelled ratios for the surface as given, with slope factor 1.
     pub fn given(&self) -> Option<&ModelledRatio> {
         self.at_slope(1.0)
     }
 
-    /// Ratio of grooves on the surface as given.
+    /// Modelled ratio of grooves for the surface as given; `None` if the solution did not converge.
     pub fn groove(&self) -> Option<f64> {
         self.given()?.ratio_groove
     }
 }
 
 impl ModelledRatio {
-    /// Makes the record of `prediction` for `pattern` on the surface of `law`.
+    /// Makes the record of `prediction` for `pattern` with the area law `law`.
     pub fn new(law: &ScaledLaw, pattern: &Pattern, prediction: &Prediction) -> Self {
         let (surface, square) = (&prediction.outcome.surface, &prediction.squares.surface);
         let std = |planform: usize, of: fn(&Deviations) -> &Deviation| {

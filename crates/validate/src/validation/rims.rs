@@ -1,7 +1,8 @@
 //! Effect of rims of unknown height on the modelled ratios.
 //!
-//! The heights are tabulated, not fitted: the source's rims were not measured. The distance of a row from the measurements is
-//! chi^2, the sum over the loads of ((modelled - measured) / standard deviation of the measured)^2.
+//! The heights are tabulated, not fitted: the source's rims were not measured. The distance of modelled ratios from the
+//! measurements is chi^2, the sum over the loads of ((modelled - measured) / standard deviation of the measured
+//! ratio)^2.
 
 use rayon::prelude::*;
 use serde::Serialize;
@@ -20,13 +21,14 @@ use super::ratios::{MeasuredReport, RatioReport};
 use super::tables::Captioned;
 use crate::StudyError;
 
-/// Heights and widths of the rims, in um.
+/// Heights of the rims, in um.
 const HEIGHTS_UM: [f64; 5] = [0.0, 0.1, 0.2, 0.3, 0.5];
+/// Widths of the rims, in um.
 const WIDTHS_UM: [f64; 2] = [10.0, 20.0];
-/// Block size in metres: half of the narrowest rim.
+/// Block size in metres: half the width of the narrowest rim.
 const BLOCK_M: f64 = 5e-6;
 
-/// Ratios with rims of several heights, and measured ratios.
+/// Modelled ratios with rims of several heights and widths, and measured ratios.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RimsReport {
     /// Nominal pressures.
@@ -37,17 +39,17 @@ pub struct RimsReport {
     pub measured_std: Vec<f64>,
     /// Depth of the cavities.
     pub depth_um: f64,
-    /// Lattice spacing.
+    /// Size of the contact blocks.
     pub block_um: f64,
-    /// Maximum change of a groove's ratio for blocks of half the size.
+    /// Maximum change of a groove's ratio with blocks of half the size; null if no solution converged.
     pub block_error: Option<f64>,
-    /// Rows, one per planform, width and height.
+    /// Rows of the table, one per planform, rim width and rim height.
     pub rows: Vec<RimsRow>,
     /// Conclusions from the table, in sentences.
     pub statements: Vec<String>,
 }
 
-/// Ratios with one rim.
+/// Modelled ratios for one planform with one rim.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RimsRow {
     /// `groove` or `square`.
@@ -56,15 +58,17 @@ pub struct RimsRow {
     pub rim_width_um: Option<f64>,
     /// Height of the rim.
     pub rim_height_um: f64,
-    /// Ratios by pressure; null where a solution did not converge.
+    /// Ratios, one per pressure; null where a solution did not converge.
     pub ratio: Vec<Option<f64>>,
-    /// Maximum pressure on a block at the cavity's edge.
+    /// Maximum pressure on a contact block at any load.
     pub peak_pressure_mpa: f64,
-    /// Sum of squared deviations over measured standard deviations; null unless all ratios and standard deviations are known.
+    /// chi^2: sum over the loads of ((ratio - measured ratio) / measured standard deviation)^2; null unless all ratios
+    /// are known and the sum is finite.
     pub chi_square: Option<f64>,
 }
 
-/// Computes the table for `points`, whose measurements are in `results`, in parallel.
+/// Computes the table of rims for the pattern `groove` and for squares of equal lengths, at `points`; `results` has the
+/// measured ratios of these points. Rows are solved in parallel.
 ///
 /// # Errors
 /// [`StudyError`] if the numbers make no valid scene.
@@ -113,7 +117,7 @@ pub fn rims(
             })
         })
         .collect::<Result<Vec<RimsRow>, StudyError>>()?;
-    // Grooves are fast to solve: their error with finer blocks stands for both planforms.
+    // Only grooves are solved with finer blocks, because squares take long: the error stands for both planforms.
     let mut block_error: Option<f64> = None;
     for ((pattern, _), row) in cases.iter().zip(&rows).filter(|((pattern, _), _)| pattern.texture().is_one_section()) {
         monitor.heed()?;
@@ -142,7 +146,7 @@ fn chi_square(ratio: &[Option<f64>], measured: &[f64], std: &[f64]) -> Option<f6
         .filter(|sum| sum.is_finite())
 }
 
-/// Values at the lowest and at the highest pressure; `None` if these are equal.
+/// Values at the lowest and at the highest pressure; `None` if the pressures are equal or a value is unknown.
 fn ends(values: &[Option<f64>], pressure_mpa: &[f64]) -> Option<[f64; 2]> {
     let by_pressure = |a: &usize, b: &usize| pressure_mpa[*a].total_cmp(&pressure_mpa[*b]);
     let places = || 0..pressure_mpa.len();
@@ -216,7 +220,7 @@ pub fn table(report: &RimsReport) -> Captioned {
     (caption, table)
 }
 
-/// Formats the rows as CSV, one line per planform, width, height and pressure.
+/// Formats the table as CSV, one line per planform, rim width, rim height and pressure.
 pub fn csv(report: &RimsReport) -> String {
     let mut text = String::from(
         "planform,rim_width_um,rim_height_um,pressure_mpa,ratio,measured,measured_std,peak_pressure_mpa\n",
@@ -233,14 +237,14 @@ pub fn csv(report: &RimsReport) -> String {
     text
 }
 
-/// Draws the ratios of squares with the wider rims, and the measurements.
+/// Draws the ratios of squares with the wider rims and without rims, and the measured ratios.
 ///
 /// # Errors
 /// [`ChartError`] if the picture cannot be drawn.
 pub fn picture(report: &RimsReport) -> Result<String, ChartError> {
     let widest = WIDTHS_UM[WIDTHS_UM.len() - 1];
     let is_wide = |row: &&RimsRow| row.planform == "square" && row.rim_width_um.is_none_or(|width| width == widest);
-    // More rows would share their marks.
+    // With more rows, two rows would share a mark.
     let drawn = report.rows.iter().filter(is_wide).filter(|row| row.rim_height_um != HEIGHTS_UM[2]);
     let column = |row: &RimsRow| {
         let label = match row.rim_height_um {

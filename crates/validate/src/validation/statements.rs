@@ -7,22 +7,23 @@ use slipgrid_io::formats::scene::{DEFAULT_LAYER, DEFAULT_THICKNESS_M};
 use super::ratios::{ModelledRatio, RatioReport};
 use super::report::ValidationReport;
 
-/// Limits of the comparison, independent of its numbers.
+/// Statement of what the mechanism can and cannot explain, whatever the results.
 const LEFT_OPEN: &str = "What the mechanism can explain: a reduction that grows with load, by pressure under the edges of cavities where real \
      contact area saturates. What it cannot: a reduction at vanishing load, and how friction depends on speed and humidity, \
      which enters through the flat measurements alone. Adhesion and menisci, plasticity, heating and wear are not modelled, \
      and rims are not in these numbers";
 
-/// Remark on the reduction that the area law does not explain.
+/// Remark on the part of the reduction that the area law does not explain.
 const ELSEWHERE: &str = "the rest comes from elsewhere, or from another surface.";
 
-/// Data that would discriminate between the two laws.
+/// Statement of the measurements that would discriminate between the area law and measured flat friction as the local
+/// law.
 const DECIDES: &str = "Flat samples cannot tell them apart: in these local and nominal pressure are one. Samples with uneven pressure \
      of a known shape would decide: a sphere or a cylinder of the same material and finish, whose pressure is Hertz's, or patterns of \
      one areal density with more and with fewer edges. By the area law friction falls with the pressure under edges, by the \
      measured law it rises with it where flat friction does with load.";
 
-/// Conclusions from the numbers of `report`.
+/// Conclusions from the numbers of `report`, in sentences.
 pub fn statements(report: &ValidationReport) -> Vec<String> {
     let rims =
         if report.has_squares() { ": what some of unknown height would do stands in a table of its own" } else { "" };
@@ -43,7 +44,7 @@ pub fn statements(report: &ValidationReport) -> Vec<String> {
     said.into_iter().flatten().collect()
 }
 
-/// Formats a share in per cent with its sign of per cent, or a dash.
+/// Formats a share from 0 to 1 in per cent, with the sign %, or as a dash if it is unknown.
 pub fn percent(share: impl Into<Option<f64>>) -> String {
     share.into().map_or_else(|| "-".to_owned(), |share| format!("{} %", fixed(Some(100.0 * share), 1)))
 }
@@ -96,7 +97,8 @@ fn explained(report: &ValidationReport) -> String {
     }
 }
 
-/// Describes the change of both reductions from the lowest to the highest pressure.
+/// Describes the change of the measured and of the modelled reduction from the lowest to the highest pressure; `None`
+/// for several speeds or humidities, or one pressure.
 fn trend(report: &ValidationReport) -> Option<String> {
     let rows = report.by_pressure();
     let (low, high) = (rows.first()?, rows.last()?);
@@ -115,7 +117,8 @@ fn trend(report: &ValidationReport) -> Option<String> {
     ))
 }
 
-/// Describes the results of both interpretations of flat friction, and the data that would discriminate between them.
+/// Describes the ratios by the area law and by measured flat friction as the local law, and the measurements that would
+/// discriminate between the two; `None` if one gives no ratio.
 fn two_laws(report: &ValidationReport) -> Option<String> {
     let by_measured_law =
         |row: &RatioReport| row.measured_law.iter().filter_map(|law| law.ratio_groove).collect::<Vec<_>>();
@@ -159,7 +162,8 @@ fn depth(report: &ValidationReport) -> Option<String> {
     ))
 }
 
-/// Describes the error of the source's layer, compared with the specimen.
+/// Describes the error due to the source's layer instead of the whole specimen; `None` if the whole specimen is
+/// modelled.
 fn thickness(report: &ValidationReport) -> Option<String> {
     let largest = |of: fn(&ModelledRatio) -> Option<f64>| {
         let each = report.results.iter().filter_map(|row| of(row.given()?));

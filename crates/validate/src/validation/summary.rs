@@ -5,50 +5,52 @@ use slipgrid_base::statistics::mean_and_std;
 
 use super::ratios::{ModelledRatio, RatioReport};
 
-/// Averages over the reported conditions.
+/// Averages over all compared conditions.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Summary {
     /// Number of conditions.
     pub conditions: usize,
-    /// Mean of 1 - ratio, measured.
+    /// Mean measured reduction, 1 - ratio.
     pub reduction_measured: f64,
     /// Standard deviation of `reduction_measured` between conditions; null for a single condition.
     pub reduction_measured_std: Option<f64>,
-    /// Mean of 1 - ratio for each slope factor.
+    /// Mean modelled reductions, 1 - ratio, for each slope factor.
     pub modelled: Vec<ModelledReduction>,
-    /// Modelled over measured mean reduction as grooves, surface as given; null if nothing was reduced.
+    /// Modelled over measured mean reduction, as grooves and for the surface as given; null if the pattern did not
+    /// reduce friction or a solution did not converge.
     pub explained_by_grooves: Option<f64>,
-    /// Modelled over measured mean reduction as square cavities, in three dimensions.
+    /// Modelled over measured mean reduction, as square cavities in three dimensions.
     pub explained_by_squares: Option<f64>,
-    /// Modelled over measured mean reduction by the strip estimate.
+    /// Modelled over measured mean reduction, as squares by the strip estimate.
     pub explained_by_strip_estimate: Option<f64>,
     /// Mean change of the groove's ratio from the modelled to the measured depth.
     pub ratio_change_at_measured_depth: Option<f64>,
     /// Mean change of the squares' ratio from the modelled to the measured depth.
     pub square_ratio_change_at_measured_depth: Option<f64>,
-    /// Change with the largest magnitude.
+    /// Change of the groove's ratio, from the modelled to the measured depth, that has the largest magnitude.
     pub largest_ratio_change_at_measured_depth: Option<f64>,
 }
 
 /// Mean modelled reductions; null where a solution did not converge.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ModelledReduction {
-    /// Factor of the surface's slopes.
+    /// Factor on the slopes of the surface.
     pub slope_factor: f64,
-    /// Mean of 1 - ratio as grooves.
+    /// Mean of 1 - ratio, as grooves.
     pub groove: Option<f64>,
-    /// Standard deviation of `groove`: the mean over the ratios, whose errors are fully correlated.
+    /// Standard deviation of `groove`: mean of the standard deviations of the ratios, whose errors are fully
+    /// correlated.
     pub groove_std: Option<f64>,
-    /// Mean of 1 - ratio as square cavities, in three dimensions.
+    /// Mean of 1 - ratio, as square cavities in three dimensions.
     pub square: Option<f64>,
     /// Standard deviation of `square`.
     pub square_std: Option<f64>,
-    /// Mean of 1 - ratio by the strip estimate.
+    /// Mean of 1 - ratio, as squares by the strip estimate.
     pub square_estimate: Option<f64>,
 }
 
 impl Summary {
-    /// Averages over `rows`, which must not be empty.
+    /// Averages over `rows`, which must not be empty, for each of `slope_factors`.
     pub fn new(rows: &[RatioReport], slope_factors: &[f64]) -> Self {
         let measured = rows.iter().map(|row| 1.0 - row.measured.ratio);
         let (reduction_measured, reduction_measured_std) = mean_and_std(measured).unwrap_or((f64::NAN, None));

@@ -1,4 +1,4 @@
-//! Tables of a validation, the same on the screen and on the page.
+//! Tables of a validation, equal on the screen and on the page.
 
 use slipgrid_design::results::{Records, Table, with_error};
 use slipgrid_report::html::page::{number, percent, plain, yes_or_no};
@@ -10,7 +10,8 @@ use super::report::{PublishedReport, TimeReport, ValidationReport};
 /// Table with its caption.
 pub type Captioned = (String, Table);
 
-/// Modelled planform: its name, where its cell is solved, and functions for its numbers.
+/// Modelled planform: name, dimension in which the cell is solved, in words, and functions that return the numbers of
+/// the planform.
 pub struct Planform {
     name: &'static str,
     cell: &'static str,
@@ -37,12 +38,12 @@ const PLANFORMS: [Planform; 2] = [
     },
 ];
 
-/// Planforms that `report` is about.
+/// Planforms that are shown for `report`: grooves, and squares unless the samples were cut as grooves.
 pub fn planforms(report: &ValidationReport) -> &'static [Planform] {
     &PLANFORMS[..1 + usize::from(report.has_squares())]
 }
 
-/// Adds the columns of the condition of each record.
+/// Adds the columns of force and pressure and, if `has_speeds`, of speed and humidity.
 fn condition<T>(table: &mut Records<'_, T>, has_speeds: bool, of: impl Fn(&T) -> &MeasuredReport) {
     table.column("force in N", |row| plain(of(row).force_n));
     table.column("P in MPa", |row| number(of(row).pressure_mpa, 3));
@@ -52,7 +53,7 @@ fn condition<T>(table: &mut Records<'_, T>, has_speeds: bool, of: impl Fn(&T) ->
     }
 }
 
-/// Mean reductions, measured and modelled.
+/// Table of the mean reductions, measured and modelled.
 pub fn summary(report: &ValidationReport) -> Captioned {
     let summary = &report.summary;
     let measured = summary.reduction_measured;
@@ -75,13 +76,13 @@ pub fn summary(report: &ValidationReport) -> Captioned {
     (caption.to_owned(), table)
 }
 
-/// Mean reduction without an area law.
+/// Mean modelled reduction without an area law; `None` unless all solutions converged.
 fn amontons(results: &[RatioReport]) -> Option<f64> {
     let found: Option<Vec<f64>> = results.iter().map(|row| Some(1.0 - row.ratio_amontons_coulomb?)).collect();
     found.filter(|found| !found.is_empty()).map(|found| found.iter().sum::<f64>() / found.len() as f64)
 }
 
-/// Measured ratios and those of one planform.
+/// Table of measured ratios and of the modelled ratios of one planform.
 pub fn ratios(report: &ValidationReport, planform: &Planform) -> Captioned {
     let cell = |model: Option<&ModelledRatio>| {
         let [ratio, std] = model.map_or([None; 2], planform.ratio);
@@ -110,7 +111,7 @@ pub fn ratios(report: &ValidationReport, planform: &Planform) -> Captioned {
     (caption, table.table())
 }
 
-/// Ratios with measured flat friction as the local law; no rows if no condition has it.
+/// Table of ratios with measured flat friction as the local law; no rows if no condition has such a ratio.
 pub fn by_measured_law(report: &ValidationReport) -> Captioned {
     let rows: Vec<&RatioReport> = report.results.iter().filter(|row| !row.measured_law.is_empty()).collect();
     let mut table = Table::of(&rows);
@@ -128,10 +129,10 @@ pub fn by_measured_law(report: &ValidationReport) -> Captioned {
     (caption.to_owned(), table.table())
 }
 
-/// Solution at one condition: what was measured, the depth of the cavities in um, and what was modelled.
+/// Solution at one condition: result with the measurement, depth of the cavities in um, and modelled ratios.
 pub type Solution<'a> = (&'a RatioReport, f64, &'a ModelledRatio);
 
-/// Solutions at every slope, and at the measured depth.
+/// Solutions of `report` at every slope factor, and at the measured depth.
 pub fn solutions(report: &ValidationReport) -> Vec<Solution<'_>> {
     let each = report.results.iter().flat_map(|row| {
         let RatioReport { modelled, modelled_at_measured_depth, .. } = row;
@@ -141,7 +142,7 @@ pub fn solutions(report: &ValidationReport) -> Vec<Solution<'_>> {
     each.collect()
 }
 
-/// Peak pressures and the status of the solutions.
+/// Table of the peak pressures and the status of the solutions.
 pub fn solves(report: &ValidationReport) -> Captioned {
     let solutions = solutions(report);
     let mut table = Table::of(&solutions);
@@ -166,7 +167,7 @@ pub fn solves(report: &ValidationReport) -> Captioned {
     (caption, table.table())
 }
 
-/// Friction coefficients, measured and modelled on the surface as given.
+/// Table of friction coefficients, measured and modelled for the surface as given.
 pub fn friction(report: &ValidationReport) -> Captioned {
     let mut table = Table::of(&report.results);
     condition(&mut table, true, |row| &row.measured);
@@ -185,7 +186,7 @@ pub fn friction(report: &ValidationReport) -> Captioned {
     (caption.to_owned(), table.table())
 }
 
-/// Statements of the source beside the results.
+/// Table of the statements of the source, with the corresponding results.
 pub fn published(published: &[PublishedReport]) -> Table {
     let mut table = Table::of(published);
     table.column("quantity", |row| row.quantity.clone());
@@ -194,7 +195,7 @@ pub fn published(published: &[PublishedReport]) -> Table {
     table.table()
 }
 
-/// Contact area and the factor f of every surface at the pressures of the first of `tables`.
+/// Table of contact area and area factor f at every slope factor, at the pressures of the first of `tables`.
 pub fn areas(tables: &[ScaledLaw]) -> Captioned {
     let pressures_mpa = tables.first().map_or(&[][..], |table| &table.pressure_mpa);
     let rows: Vec<(usize, &f64)> = pressures_mpa.iter().enumerate().collect();
@@ -210,7 +211,7 @@ pub fn areas(tables: &[ScaledLaw]) -> Captioned {
     (caption.to_owned(), table.table())
 }
 
-/// Friction in time beside what was measured at its condition.
+/// Table of the friction of the transient run, and of the friction measured at the load of the run.
 pub fn in_time(report: &ValidationReport, run: &TimeReport) -> Captioned {
     // The transient run has the highest load at the condition of the first row.
     let rows = report.by_pressure();
@@ -246,7 +247,7 @@ pub fn in_time(report: &ValidationReport, run: &TimeReport) -> Captioned {
     (caption.to_owned(), table)
 }
 
-/// Everything that was measured on both samples.
+/// Table of all conditions that were measured on both samples.
 pub fn measured(rows: &[MeasuredReport]) -> Captioned {
     let mut table = Table::of(rows);
     condition(&mut table, true, |row| row);

@@ -32,7 +32,7 @@ pub fn text(report: &ValidationReport) -> String {
     text + &format!("\n{:.1} s on {} threads{}\n", report.wall_s, report.threads, in_time.unwrap_or_default())
 }
 
-/// Warnings for the reader.
+/// Warnings with the number of solutions that have a numerical or physical problem.
 fn warnings(report: &ValidationReport) -> Vec<String> {
     type Test = fn(&ModelledRatio) -> bool;
     let all: [(Test, &str); 4] = [
