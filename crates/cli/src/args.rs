@@ -381,13 +381,13 @@ pub struct ManArgs {
 /// Value of a flag, with its name and its help.
 type Choice<T> = (T, &'static str, &'static str);
 
-/// Fidelities of a scene.
+/// Choices for `--fidelity`.
 const FIDELITIES: [Choice<Fidelity>; 3] = [
     (Fidelity::Steady, "steady", "Equilibrium with every contact block sliding"),
     (Fidelity::Dynamic, "dynamic", "Time integration by the fastest scheme whose error is measured"),
     (Fidelity::Reference, "reference", "Exactly the published scheme"),
 ];
-/// Extents of a scene.
+/// Choices for `--extent`.
 const EXTENTS: [Choice<Extent>; 3] = [
     (Extent::Cell, "cell", "One period with periodic sides"),
     (Extent::Sample, "sample", "The whole specimen with free sides"),

@@ -34,7 +34,7 @@ pub enum CliError {
     Other(String),
 }
 
-/// Errors that are reported by their message only.
+/// Converts errors of the listed types to [`CliError::Other`] with their message.
 macro_rules! told {
     ($($error:ty),+ $(,)?) => {$(
         impl From<$error> for CliError {

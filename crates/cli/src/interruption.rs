@@ -1,8 +1,9 @@
 //! Ctrl-C handling: the first one ends a run as soon as the current stage notices it, the second one at once.
 //!
-//! The handler sets a flag, which long loops poll through their monitor (`Progress`) and through the models that searches
-//! call. A stage that does not notice it in time is ended by the handler. Writing in progress is finished or undone first,
-//! so that no file is half written. Only the second Ctrl-C may leave an unfinished file, which a later run removes.
+//! The handler sets a flag, which long loops poll through their monitor (`progress::Job`) and through the models that
+//! searches call. A stage that does not notice it in time is ended by the handler. Writing in progress is finished or
+//! undone first, so that no file is half written. Only the second Ctrl-C may leave an unfinished file, which a later
+//! run removes.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -17,9 +18,9 @@ const GRACE: Duration = Duration::from_millis(700);
 /// Interval at which the handler looks whether a stage still writes: longer than a stage takes to end once it has written.
 const WRITING: Duration = Duration::from_millis(50);
 
-/// Description of a search's kept results.
+/// Words for the results that an interrupted search keeps.
 pub const ANSWERS: &str = "answers of the search's model";
-/// Description of a campaign's kept results.
+/// Words for the results that an interrupted campaign keeps.
 pub const RESULTS: &str = "finished results";
 
 static ASKED: AtomicBool = AtomicBool::new(false);
@@ -30,7 +31,7 @@ struct Account {
     stage: String,
     /// Files and folders with results.
     written: Vec<PathBuf>,
-    /// Path, number and description of results that are kept in any case.
+    /// Path, number and description of results that are kept even if the run is interrupted.
     kept: Option<(PathBuf, usize, &'static str)>,
     /// Command that resumes from the kept results.
     goes_on: Option<String>,
@@ -75,7 +76,7 @@ pub fn hold_writing() -> MutexGuard<'static, usize> {
     }
 }
 
-/// Ends the process while it holds its locks.
+/// Removes the lock files of the process and ends it.
 fn end() -> ! {
     slipgrid_io::disk::lock::remove_all();
     std::process::exit(exit_code::INTERRUPTED.into())
@@ -104,7 +105,7 @@ pub fn enter(stage: &str) {
     stage.clone_into(&mut locked(&ACCOUNT).stage);
 }
 
-/// Records that `place` holds `count` of `what`, which are kept in any case.
+/// Records that `place` holds `count` results, which are kept even if the run is interrupted; `what` describes them.
 pub fn kept(place: &Path, count: usize, what: &'static str) {
     let mut account = locked(&ACCOUNT);
     match &mut account.kept {

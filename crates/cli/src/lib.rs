@@ -8,8 +8,8 @@
 //! | [`progress`] | progress bar on a terminal, clock of long runs |
 //! | [`commands`] | one module per command |
 //!
-//! This crate contains no equations. It and `io::disk` alone access files and the environment, and it alone the clock and
-//! stdout.
+//! This crate contains no equations. Only this crate and `io::disk` access files and the environment; only this crate
+//! accesses the clock and stdout.
 //!
 //! ```
 //! let (mut out, mut err) = (Vec::new(), Vec::new());
@@ -40,7 +40,7 @@ use slipgrid_io::disk::{KeptResults, ResultFolder};
 use slipgrid_io::formats::diagnostic::printable_lines;
 use slipgrid_report::Outputs;
 
-/// Maximum number of written files that are named; more are counted.
+/// Maximum number of written files that a note names; of more files it gives the number.
 const MAX_NAMED: usize = 4;
 
 /// Exit codes of the program.
@@ -61,9 +61,9 @@ pub mod exit_code {
 
 /// Output streams and options of a command.
 pub struct Console<'a> {
-    /// Results.
+    /// Stream for results: stdout of the program.
     pub out: &'a mut (dyn Write + Send),
-    /// Notes.
+    /// Stream for notes and warnings: stderr of the program.
     pub err: &'a mut (dyn Write + Send),
     /// Suppresses the progress bar and notes.
     pub quiet: bool,
@@ -73,12 +73,12 @@ pub struct Console<'a> {
     pub kept: Option<KeptResults>,
     /// `--no-cache` disabled the cache.
     pub no_cache: bool,
-    /// Follows progress and may cancel, beside the keyboard: the page behind which the command runs.
+    /// Monitor of the caller, which follows progress and may cancel the command, as Ctrl-C does: the studio's page.
     pub watcher: Option<&'a dyn Monitor>,
 }
 
 impl Console<'_> {
-    /// Prints a line on stderr; no result depends on it.
+    /// Prints a line on stderr, unless notes are suppressed.
     pub fn note(&mut self, text: &str) {
         if !self.quiet {
             // Notes are optional: a closed stderr stops nothing.

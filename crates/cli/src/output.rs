@@ -59,10 +59,11 @@ pub fn open(path: Option<&PathBuf>, patterns: &[&str], inputs: &[PathBuf]) -> Re
     path.map(|path| ResultFolder::open(Place::output(path), patterns, inputs)).transpose()
 }
 
-/// Writes one file atomically, and makes its folder if needed.
+/// Writes one file atomically, and makes its folder if needed. An existing device or pipe is written directly.
 ///
 /// # Errors
-/// [`WriteError`] if the system refuses, or if slipgrid did not write the existing file; `path` then keeps its content.
+/// [`WriteError`] if the system refuses, Ctrl-C was pressed, or slipgrid did not write the existing file; `path` then
+/// keeps its content.
 pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
     let failed = WriteError::at(path);
     if fs::metadata(path).is_ok_and(|metadata| !metadata.is_file()) {

@@ -16,7 +16,7 @@ use crate::{Console, interruption};
 /// Number of steps of a stage's progress bar.
 const PARTS: f64 = 1e6;
 
-/// Job of several stages; shows the current stage on stderr if it is a terminal.
+/// Monitor of a command with several stages; shows the current stage on stderr if it is a terminal.
 pub struct Job<'a> {
     bar: ProgressBar,
     start: Instant,

@@ -16,7 +16,7 @@ use slipgrid_design::{Answer, Evaluation, EvaluationCache, Fault, LARGEST};
 use crate::interruption;
 use slipgrid_io::formats::Diagnostic;
 
-/// Line of the file.
+/// Line of the study file: one design with the model's answer, or with the reason why there is none.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Line {
@@ -34,7 +34,7 @@ struct Line {
 /// Fidelity of all results.
 const FIDELITY: &str = "steady";
 
-/// Results of the search's model in a file.
+/// Cache file with the results of the search's model.
 #[derive(Debug)]
 pub struct StudyFile {
     path: PathBuf,
@@ -57,7 +57,8 @@ impl StudyFile {
         self.refused.as_ref()
     }
 
-    /// Reads the results at `loads` loads that depend on `depends_on`.
+    /// Reads the results in the file, which have values at `loads` loads. `depends_on` lists the inputs of the model,
+    /// which must equal those in the file.
     ///
     /// # Errors
     /// [`Diagnostic`] if the file is no study, or if its results depend on other inputs (names the difference); if a line is
@@ -158,7 +159,7 @@ fn is_replaceable(path: &Path) -> bool {
     read.is_err() || BEGINNING.starts_with(&head)
 }
 
-/// First line of the file.
+/// First line of a study file: the inputs `depends_on` of the model, and the version of the program.
 fn header(depends_on: &Map<String, Value>) -> String {
     // The first key is that by which a study is recognized.
     let mut object = Map::new();
@@ -225,7 +226,8 @@ fn read_line(line: &[u8], loads: usize) -> Result<Evaluation, Fault> {
     Ok(Evaluation { lengths_um, answered })
 }
 
-/// Checks that the first line belongs to `depends_on`; otherwise returns the difference.
+/// Checks that the `first` line states the inputs `depends_on` and this version; otherwise returns the difference in
+/// words.
 fn same(first: &Value, depends_on: &Map<String, Value>) -> Result<(), String> {
     let (Some(version), Some(theirs)) = (first["version"].as_str(), first["depends_on"].as_object()) else {
         return Err("is no study".to_owned());

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-/// Maximum number of draws for a row.
+/// Maximum number of draws of the local coefficients for a row of the comparison.
 const MAX_SEEDS: u64 = 1000;
 
 /// Arguments of `validate`

@@ -8,27 +8,27 @@ use slipgrid_surface::topography::{CutShape, DecimationMethod, Form, Missing, Ri
 
 use super::{Choice, named};
 
-/// Heights of a pixel that is joined from a block of pixels.
+/// Choices for the height of a pixel that replaces a block of pixels.
 const JOINED: [Choice<DecimationMethod>; 2] = [
     (DecimationMethod::Mean, "mean", "The mean of the block's heights"),
     (DecimationMethod::Pick, "pick", "The first height of the block"),
 ];
-/// Treatments of missing points.
+/// Choices for the treatment of missing points.
 const MISSING: [Choice<Missing>; 2] =
     [(Missing::Fill, "fill", "Replace them by the smoothest surface"), (Missing::Refuse, "refuse", "Refuse the map")];
-/// Forms to subtract from a map.
+/// Choices for the form to subtract from a map.
 const FORMS: [Choice<Form>; 3] = [
     (Form::Mean, "mean", "The mean height"),
     (Form::Plane, "plane", "The plane"),
     (Form::SecondOrder, "second-order", "The second-order polynomial in x and y"),
 ];
-/// Shapes of synthetic cavities.
+/// Choices for the shape of synthetic cavities.
 const SHAPES: [Choice<CutShape>; 3] = [
     (CutShape::Groove, "groove", "Across the sliding direction, through the whole map"),
     (CutShape::Square, "square", "Squares, repeated in both directions"),
     (CutShape::Disc, "disc", "Discs, repeated in both directions"),
 ];
-/// Profiles of synthetic rims.
+/// Choices for the profile of synthetic rims.
 const PROFILES: [Choice<RimProfile>; 4] = [
     (RimProfile::Round, "round", "Parabola, 1 - s^2 at the fraction s of the width"),
     (RimProfile::Flat, "flat", "Constant height"),
@@ -159,7 +159,8 @@ pub struct SynthesizeArgs {
     /// Shape of the cavities seen from above
     #[arg(long, value_parser = named(SHAPES), default_value = "groove", requires = "cavities", value_name = "SHAPE")]
     pub cavity_shape: CutShape,
-    /// Horizontal extent of the cavities' walls: they slope by atan(depth/extent)
+    /// Horizontal extent of the cavities' walls, which are inclined by atan(depth/extent); less than a pixel counts as
+    /// a pixel
     #[arg(long, default_value_t = 0.0, requires = "cavities", value_name = "UM")]
     pub wall_um: f64,
     /// Rims along the cavities' edges: maximum height above the land, and width from the upper end of the wall

@@ -9,7 +9,7 @@ impl OptimizeArgs {
         format!("{} --resume", self.again(no_cache))
     }
 
-    /// Command line that does the same again.
+    /// Command line that gives the same results again.
     pub fn again(&self, no_cache: bool) -> String {
         let output = self.output.as_ref().map(|folder| format!(" -o {}", quoted(folder))).unwrap_or_default();
         let given = [

@@ -17,7 +17,7 @@ use crate::progress::Job;
 use crate::{CliError, Console, exit_code};
 use slipgrid_io::disk::disk;
 
-/// Runs every row and reports.
+/// Runs every method of the comparison and reports.
 pub fn run(args: &AccuracyArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
     let inputs: Vec<PathBuf> = args.scene.iter().cloned().collect();
     let folder = open(args.output.as_ref(), &["accuracy.*", "result.json"], &inputs)?;

@@ -22,7 +22,7 @@ use slipgrid_report::area_law::{AreaLawOptions, AreaLawReport, picture, table, t
 /// Young's modulus of the published polyethylene, in GPa.
 const POLYETHYLENE_GPA: f64 = 0.38;
 
-/// Computes the curve and reports.
+/// Computes contact area and area law, and reports.
 pub fn run(args: &AreaLawArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
     let inputs: Vec<PathBuf> = args.map.iter().cloned().collect();
     let folder = open(args.output.as_ref(), &["result.json", "timings.json", "area-law.*"], &inputs)?;
@@ -51,7 +51,7 @@ pub fn run(args: &AreaLawArgs, console: &mut Console<'_>) -> Result<u8, CliError
     Ok(exit_code::DONE)
 }
 
-/// Converts the flags to SI units.
+/// Checks the flags and converts them to SI units.
 fn request(args: &AreaLawArgs) -> Result<AreaLawOptions, Diagnostic> {
     let youngs_modulus_gpa = args.youngs_modulus_gpa.unwrap_or(POLYETHYLENE_GPA);
     checked("--youngs-modulus-gpa", youngs_modulus_gpa, MODULUS_GPA)?;
@@ -62,7 +62,7 @@ fn request(args: &AreaLawArgs) -> Result<AreaLawOptions, Diagnostic> {
     Ok(AreaLawOptions { youngs_modulus_gpa, poisson_ratio, tolerance, threshold_pa, pressures_pa })
 }
 
-/// Solves rough contact of the map at `path`.
+/// Computes contact area and area law of the map at `path`.
 fn of_map(
     path: &Path,
     args: &AreaLawArgs,
@@ -111,7 +111,7 @@ fn pressures(args: &AreaLawArgs) -> Result<Vec<f64>, Diagnostic> {
     listed.iter().map(|&pressure_mpa| checked("--pressures-mpa", pressure_mpa, PRESSURE_MPA)).collect()
 }
 
-/// Map options from the flags.
+/// Checks the flags for reading a map, and converts them to options.
 pub(super) fn map_options(args: &MapArgs) -> Result<MapOptions, Diagnostic> {
     let pixel_m = args.pixel_um.map(|pixel_um| checked("--pixel-um", pixel_um, LENGTH_UM)).transpose()?;
     let pixel_y_m = args.pixel_y_um.map(|pixel_um| checked("--pixel-y-um", pixel_um, LENGTH_UM)).transpose()?;

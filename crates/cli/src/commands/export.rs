@@ -19,7 +19,7 @@ use slipgrid_report::{DrawingInput, draw_with};
 /// Name of the result file in its folder.
 const RESULT: &str = "result.json";
 
-/// Names of the files that may be written.
+/// Patterns of the names of files that this command may write.
 const FILES: [&str; 6] = ["pattern.*", "process.toml", "corners.csv", "hatch.csv", "height-map.png", "removed.stl"];
 
 /// Writes the design in the requested formats.

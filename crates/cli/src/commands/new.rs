@@ -13,7 +13,7 @@ const DESIGN: &str = include_str!("../templates/design.toml");
 const CALIBRATION: &str = include_str!("../templates/calibration.toml");
 const FLAT: &str = include_str!("../templates/flat.csv");
 
-/// Writes the template; never replaces an existing file.
+/// Writes the requested template; never replaces an existing file.
 pub fn run(args: &NewArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
     let usual = match args.template {
         TemplateName::Scene => "scene.toml",

@@ -15,8 +15,9 @@ use crate::progress::Job;
 use crate::{CliError, Console, exit_code};
 use slipgrid_io::disk::disk;
 
-/// Names of the files written for several samples, and for samples on one disc.
+/// Patterns of the names of files written for separate samples.
 const FILES: [&str; 5] = ["result.json", "timings.json", "trials.toml", "next-*/pattern.*", "next-*/process.toml"];
+/// Patterns of the names of files written for samples on one disc.
 const FILES_OF_DISC: [&str; 6] =
     ["result.json", "timings.json", "trials.toml", "pattern.*", "process.toml", MECHANISMS_FILE];
 

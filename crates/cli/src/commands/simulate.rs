@@ -14,7 +14,7 @@ use slipgrid_io::formats::run::Overrides;
 use slipgrid_io::formats::scene::SceneInput;
 use slipgrid_report::{files, uncertainty_budget};
 
-/// Names of the files that are written.
+/// Patterns of the names of files that this command may write.
 const FILES: [&str; 7] = [
     "result.json",
     "timings.json",

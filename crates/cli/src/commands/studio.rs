@@ -1,4 +1,4 @@
-//! `studio`: the whole loop on a page in the browser.
+//! `studio`: serves a page in the browser with the whole workflow, from measurements to laser files.
 
 use std::path::Path;
 
@@ -46,7 +46,7 @@ pub fn run(args: &StudioArgs, console: &mut Console<'_>) -> Result<u8, CliError>
     Ok(exit_code::DONE)
 }
 
-/// Writes the published material and a design into a new folder; the map is made as its README says.
+/// Writes the published calibration, a design and a synthesized altitude map into `folder`, which is new or empty.
 fn write_example(folder: &Path) -> Result<(), CliError> {
     let failed = slipgrid_io::disk::WriteError::at(folder);
     for (name, text) in example::FILES {

@@ -15,7 +15,7 @@ use slipgrid_io::formats::{Diagnostic, checked};
 use slipgrid_report::traces;
 use slipgrid_traces::{DEFAULT_STROKE_SHARE, DEFAULT_WINDOW_S};
 
-/// Names of the files that are written.
+/// Patterns of the names of files that this command may write.
 pub const FILES: [&str; 7] = [
     "flat.csv",
     "patterned.csv",
@@ -50,7 +50,7 @@ fn is_calibration(file: &Path) -> bool {
     file.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml"))
 }
 
-/// Conditions of the calibration `file`.
+/// Analysed traces of the calibration `file`, by condition; refuses flags that describe exports.
 fn of_calibration(file: &Path, args: &TracesArgs) -> Result<Vec<ConditionTraces>, Diagnostic> {
     let flags = [
         ("--effective-radius-mm", args.effective_radius_mm.is_some(), "effective_radius_mm in [traces]"),
@@ -83,7 +83,7 @@ fn setup(args: &TracesArgs) -> Result<TraceSetup, Diagnostic> {
     Ok(TraceSetup::new(radius_m, args.specimens.unwrap_or(1), !args.no_static_peak))
 }
 
-/// Parses two increasing times of `flag`.
+/// Checks that `flag` was `given` two increasing times, in seconds; `None` if it was not given.
 fn span_s(flag: &'static str, given: Option<&[f64]>, example: &str) -> Result<Option<[f64; 2]>, Diagnostic> {
     match given {
         None => Ok(None),

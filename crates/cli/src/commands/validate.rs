@@ -21,7 +21,7 @@ const TRAVEL_UM: Quantity = LENGTH_UM.or_zero().at_most(100.0);
 /// Range of slope factors that occur on real surfaces.
 const SLOPE_FACTORS: std::ops::RangeInclusive<f64> = 0.01..=100.0;
 
-/// Names of the files that are written.
+/// Patterns of the names of files that this command may write.
 const FILES: [&str; 11] = [
     "report.html",
     "result.json",
@@ -36,7 +36,7 @@ const FILES: [&str; 11] = [
     "friction-*.svg",
 ];
 
-/// Reads both tables, models every condition and reports.
+/// Reads the measurements, models every condition and reports.
 pub fn run(args: &ValidateArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
     let folder = open(args.output.as_ref(), &FILES, std::slice::from_ref(&args.calibration))?;
     // Flags are checked before any file is read.
@@ -86,8 +86,8 @@ fn refuse_lengths(args: &ValidateArgs, cut: &CutSample) -> Result<(), Diagnostic
     Err(Diagnostic::flag(flag, length_um.to_string(), reason).expected("no lengths beside a trial"))
 }
 
-/// Lengths of the pattern in micrometres with their flags: the given values, otherwise the values of the calibration's `own`
-/// pattern, otherwise the published values, as modelled and as measured in the paper.
+/// Lengths of the pattern in micrometres, each as flag, given value and default. Defaults are the values of the
+/// calibration's `own` pattern, otherwise the published values, as modelled and as measured in the paper.
 fn lengths(args: &ValidateArgs, own: Option<Pattern>) -> [(&'static str, Option<f64>, f64); 4] {
     let or = |of: fn(&Pattern) -> f64, published| own.as_ref().map_or(published, |own| LENGTH_UM.from_si(of(own)));
     [
@@ -115,7 +115,7 @@ fn grooves([width_m, spacing_m]: [f64; 2], depth_m: f64) -> Result<Pattern, Diag
         .map_err(|error| Diagnostic { reason: error.to_string(), ..Diagnostic::default() })
 }
 
-/// Pattern at the modelled and at the measured depth.
+/// Patterns with the modelled and with the measured depth, from the flags or their defaults.
 fn patterns(args: &ValidateArgs, own: Option<Pattern>) -> Result<Patterns, Diagnostic> {
     let given = lengths(args, own).map(|(flag, given, usual)| (flag, given.unwrap_or(usual)));
     let [width, spacing, depth, measured] = given;
@@ -126,7 +126,7 @@ fn patterns(args: &ValidateArgs, own: Option<Pattern>) -> Result<Patterns, Diagn
     })
 }
 
-/// Requested factors and 1, increasing.
+/// Requested slope factors and 1, increasing; refuses factors outside [`SLOPE_FACTORS`].
 fn slope_factors(asked: &[f64]) -> Result<Vec<f64>, Diagnostic> {
     let mut factors = vec![1.0];
     for &factor in asked {

@@ -18,7 +18,7 @@ use crate::study_file::StudyFile;
 use crate::{CliError, Console, exit_code};
 use slipgrid_io::disk::disk;
 
-/// Names of the files that are written.
+/// Patterns of the names of files that this command may write.
 const FILES: [&str; 17] = [
     "report.html",
     "result.json",
@@ -40,7 +40,7 @@ const FILES: [&str; 17] = [
     "removed.stl",
 ];
 
-/// Searches, confirms, writes and reports.
+/// Searches a design, confirms it, writes its files and reports.
 pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
     let started = Instant::now();
     let mut design = Design::read(&disk(), &args.design)?;
@@ -89,7 +89,8 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     })
 }
 
-/// Converts `error` of the job of `design`, with the position in the file if there is one.
+/// Converts the `error` of a search for `design` to an error of the command, with the position in the design or study
+/// file if there is one.
 pub fn refused(error: DesignError, design: &Design, study: Option<&StudyFile>) -> CliError {
     match error {
         DesignError::Refused(refused) => design.refuse(&refused).into(),

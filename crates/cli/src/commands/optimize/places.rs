@@ -19,8 +19,8 @@ pub fn study_path(folder: &Path) -> PathBuf {
     beside(folder, ".study.jsonl")
 }
 
-/// Message with the paths of the report and the laser's files in `folder`, and with the next steps; `command` does
-/// the same again.
+/// Message with the paths of the report and the laser's files in `folder`, and with the next steps. `command` repeats
+/// the search.
 pub fn written(command: &str, calibration: Option<&Path>, folder: &Path, advice: &Advice) -> String {
     let at = |name: &str| quoted(&folder.join(name));
     let mut text = format!("\nreport  {}\n", at("report.html"));
@@ -28,7 +28,7 @@ pub fn written(command: &str, calibration: Option<&Path>, folder: &Path, advice:
         text += &format!("laser   {}, {}\n", at("pattern.dxf"), at("process.toml"));
     }
     if *advice == Advice::Trial {
-        // A material file knows the trials of the day on which it was made.
+        // A material file has the trials of the day on which it was made.
         let ledger = calibration.map_or_else(
             || {
                 "its calibration,\n        make the material anew: slipgrid calibrate CALIBRATION.toml -o MATERIAL.toml"
