@@ -52,14 +52,15 @@ struct Bounds {
     warnings: Vec<String>,
 }
 
-/// Values, pressures, quantity, errors and warnings of [`Design::predict`].
+/// Values, pressures in MPa, quantity, median and maximum error of interpolation, and warnings of [`Design::predict`].
 type Predicted<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray1<f64>>, &'static str, [f64; 2], Vec<String>);
 
 /// Result of a design search.
 #[pyclass(frozen, module = "slipgrid")]
 pub struct Designed(DesignOutcome);
 
-/// Number of predicted columns beside medians and intervals: chance, peak pressure, clearance, areal density, laser seconds.
+/// Number of predicted columns in addition to medians and intervals: chance, peak pressure in MPa, clearance in um,
+/// areal density, and laser time in seconds.
 const BESIDE: usize = 5;
 
 impl Design {
@@ -88,7 +89,7 @@ impl Design {
         self.warnings().into_iter().chain(of_material).chain(found).collect()
     }
 
-    /// Gives the `warnings` that were not given when the design was read.
+    /// Gives those of `warnings` that were not given when the design was read.
     fn warn_of_found(&self, py: Python<'_>, warnings: &[String]) -> PyResult<()> {
         warn_all(py, &warnings[self.read.told.len().min(warnings.len())..])
     }

@@ -32,7 +32,7 @@ pub fn failed(reason: impl Display) -> Failure {
     Failure::Failed(reason.to_string())
 }
 
-/// Error of a job of `design`.
+/// Converts the error of a search for `design` to the error of a call.
 pub fn undesigned(error: DesignError, design: &Design) -> Failure {
     match error {
         DesignError::Refused(refused) => Failure::Refused(design.refuse(&refused)),

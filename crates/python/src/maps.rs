@@ -25,7 +25,7 @@ use crate::progress::{Watch, watched};
 use crate::scenes::named;
 use slipgrid::disk::disk;
 
-/// Side of the square tiles for transposing an array.
+/// Side, in points, of the square tiles in which an array is transposed.
 const SQUARE: usize = 32;
 
 /// An altitude map as read or given: heights in metres, missing points NaN.
@@ -73,7 +73,8 @@ pub fn restore_map(
     Ok(Map { read: ReadMap { map, whole, format, comments, notes }, path })
 }
 
-/// Converts an array whose rows are lines of the map: x runs along a row.
+/// Converts an array of heights in metres, whose rows are lines of the map along x; pixels have the sides `dx_m` and
+/// `dy_m`.
 fn height_map(lines_m: &PyReadonlyArray2<'_, f64>, [dx_m, dy_m]: [f64; 2]) -> Result<HeightMap, Failure> {
     let lines = lines_m.as_array();
     let (count, length) = lines.dim();

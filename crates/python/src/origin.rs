@@ -122,8 +122,8 @@ impl Files for Anchored {
     }
 }
 
-/// What an object is made from: its text, if it is not to be read from a file; contents of objects in the text by path; and for a copy
-/// whether the text came from a file, and all files that it reads.
+/// Input for a scene, design or calibration: its text, if it is not to be read from a file; contents of objects in the
+/// text by path; and for a copy whether the text came from a file, and all files that it reads.
 pub struct Given {
     /// Text of the object.
     pub text: Option<String>,
@@ -201,7 +201,7 @@ impl Origin {
     /// Text, path, and contents of every file that was read or whose existence was checked.
     ///
     /// # Errors
-    /// [`Diagnostic`] if a file of the latter kind cannot be read now.
+    /// [`Diagnostic`] if a file whose existence was only checked cannot be read now.
     pub fn parts(&self) -> Result<Parts, Diagnostic> {
         let (source, paths) = (self.source(), self.files.known().keys().cloned().collect::<Vec<_>>());
         let content = |path: PathBuf| {

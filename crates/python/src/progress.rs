@@ -17,12 +17,14 @@ use crate::warnings::{Category, warn};
 /// Interval of checks for signals and of progress reports.
 const TICK: Duration = Duration::from_millis(50);
 
-/// Cache within the process, of what the command line keeps in its folder. A calibration and a design take about a megabyte.
+/// Cache in memory, of at most 256 MiB, for the results that the command line keeps in a folder. A calibration and a
+/// design take about a megabyte.
 static MEMORY: InMemory = InMemory::new(256 << 20);
-/// Cache that calls use from now on.
+/// Cache that new calls use; `None` for no cache.
 static CACHE: Mutex<Option<Cache>> = Mutex::new(None);
 
-/// Cache within the process, before a cache in a folder that outlives it. Cached results are identical to the last bit.
+/// Cache with two levels: in memory, and in a folder that outlives the process. Cached results are identical to the
+/// last bit.
 #[derive(Clone, Debug)]
 struct Cache {
     folder: Option<Arc<KeptResults>>,
@@ -51,7 +53,7 @@ pub fn set_cache(library: PathBuf, is_on: bool, folder: Option<PathBuf>) {
     *CACHE.lock().unwrap_or_else(PoisonError::into_inner) = is_on.then(|| Cache { folder: folder() });
 }
 
-/// Progress of the work.
+/// State of the work: stage, completed share of the stage, warnings not yet given, and whether the work has ended.
 #[derive(Clone, Debug, Default, PartialEq)]
 struct Standing {
     stage: String,
@@ -85,7 +87,7 @@ impl Watch {
         self.standing().warnings.extend(doubts.into_iter().map(|doubt| (Category::Doubt, doubt)));
     }
 
-    /// Waits for a tick, or for the end.
+    /// Waits for [`TICK`], or for the end of the work; returns its state and clears the queued warnings.
     fn wait(&self) -> Standing {
         let standing = self.standing();
         let waited = self.changed.wait_timeout_while(standing, TICK, |standing| !standing.ended);

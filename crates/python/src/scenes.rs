@@ -51,7 +51,7 @@ pub struct Solved {
     report: SimulationReport,
 }
 
-/// The value of `all` with the name `given` for the argument `what`.
+/// Returns the value of `all` with the name `given`; otherwise a `ValueError` that names the argument `what`.
 pub fn named<T: Copy>(what: &str, given: &str, all: &[T], name: impl Fn(T) -> &'static str) -> PyResult<T> {
     all.iter().copied().find(|own| name(*own) == given).ok_or_else(|| {
         let names: Vec<&str> = all.iter().map(|own| name(*own)).collect();
@@ -222,11 +222,13 @@ impl SteadyCell {
     }
 }
 
-/// Pattern, and the rows that ask for it by the bits of their pressure in MPa, which sort as positive numbers do.
+/// Pattern, and the indices of the rows with it, by the bits of their pressure in MPa, which sort as positive numbers
+/// do.
 type Group = (Pattern, BTreeMap<u64, Vec<usize>>);
 
 impl SteadyCell {
-    /// Groups the rows by texture, so that each is condensed once for all its loads.
+    /// Groups the rows by width, spacing and depth, so that each texture is condensed once for all its loads. Rows with
+    /// a NaN are left out.
     fn groups(&self, py: Python<'_>, rows: ArrayView2<'_, f64>) -> Result<BTreeMap<[u64; 3], Group>, Failure> {
         let largest = Cell::of_texture(&self.input.scene, &self.texture);
         let mut groups: BTreeMap<[u64; 3], Group> = BTreeMap::new();
@@ -247,7 +249,8 @@ impl SteadyCell {
         Ok(groups)
     }
 
-    /// Loads at pressures in MPa, by the bits of the pressure, each with the dynamic friction of the flat surface in time.
+    /// Loads by the bits of their pressures in MPa, each with the dynamic friction coefficient of the flat surface in
+    /// time.
     fn loads(
         &self,
         py: Python<'_>,

@@ -23,15 +23,16 @@ struct Pool {
 static POOL: Mutex<Pool> = Mutex::new(Pool { wanted: 0, made: None });
 /// Id of the process of the last call; 0 before the first call.
 static OWNER: AtomicU32 = AtomicU32::new(0);
-/// Number of calls in progress in that process.
+/// Number of calls in progress in the process `OWNER`.
 static BUSY: AtomicUsize = AtomicUsize::new(0);
 /// Whether this process was forked while its parent was computing.
 static FORKED_WHILE_BUSY: AtomicBool = AtomicBool::new(false);
-/// Error message of such a process, which must not compute: a lock held by a lost thread would never be released.
+/// Error message of a process that was forked while its parent was computing. It must not compute: a lock held by a
+/// lost thread would never be released.
 const WHILE_BUSY: &str = "this process was forked while slipgrid was computing in another thread: start it with \"spawn\" or \
                           \"forkserver\", or fork before";
 
-/// A call in progress.
+/// Guard of a call in progress; dropping it ends the call.
 pub struct Busy;
 
 impl Busy {
