@@ -1,4 +1,4 @@
-//! The page: its text, styles and scripts are part of the program.
+//! Files of the page: text, styles and scripts, which are compiled into the program.
 
 use axum::extract::Path;
 use axum::http::StatusCode;
@@ -41,12 +41,12 @@ const ASSETS: &[(&str, &[u8])] = &assets![
     "vendor/uPlot.min.css",
 ];
 
-/// The page itself.
+/// Answers with the page itself.
 pub async fn page() -> Result<Response, Refused> {
     found("index.html")
 }
 
-/// A file of the page.
+/// Answers with a file of the page.
 pub async fn asset(Path(name): Path<String>) -> Result<Response, Refused> {
     found(&name)
 }

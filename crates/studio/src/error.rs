@@ -13,17 +13,17 @@ pub struct Refused(pub StatusCode, pub String);
 pub type Answer<T> = Result<Json<T>, Refused>;
 
 impl Refused {
-    /// Refuses a request that asks for something that cannot be.
+    /// Refuses an invalid request (400).
     pub fn bad(reason: impl Into<String>) -> Self {
         Self(StatusCode::BAD_REQUEST, reason.into())
     }
 
-    /// Refuses a request that does not fit what is there now.
+    /// Refuses a request that conflicts with the present files or results (409).
     pub fn conflict(reason: impl Into<String>) -> Self {
         Self(StatusCode::CONFLICT, reason.into())
     }
 
-    /// Refuses a request because of an error of the system at `path`.
+    /// Refuses a request because of an error of the system at `path`: 404 if nothing is there, otherwise 500.
     pub fn system(path: &std::path::Path, error: &std::io::Error) -> Self {
         let status = match error.kind() {
             std::io::ErrorKind::NotFound => StatusCode::NOT_FOUND,
@@ -45,7 +45,8 @@ impl IntoResponse for Refused {
     }
 }
 
-/// Runs `work`, which reads files or computes, beside the threads that answer.
+/// Runs `work`, which reads files or computes, on a thread for blocking work, so that the threads that answer requests
+/// stay free.
 ///
 /// # Errors
 /// [`Refused`] of `work`, or if it panicked.

@@ -9,7 +9,7 @@ pub const FILES: [(&str, &str); 4] = [
     ("ldpe-cast-iron/patterned.csv", include_str!("../example/patterned.csv")),
     ("lower-friction.toml", include_str!("../example/design.toml")),
 ];
-/// Name of the altitude map. It is synthetic, and made anew instead of kept.
+/// Name of the example's altitude map, which is synthetic and is made when the example is written.
 pub const MAP: &str = "ldpe-cast-iron/flat-map.asc";
 
 /// Whether `folder` holds nothing that the example could replace.

@@ -1,4 +1,5 @@
-//! Predictions for any texture of a design: computed once for its content, then read in microseconds.
+//! Predictions for any texture of a design: computed once for the present content of its files, then read in
+//! microseconds.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -22,10 +23,10 @@ use crate::folder::At;
 use crate::jobs::{locked, start_exploring};
 use crate::places::inside;
 
-/// Files of a computation, with size and time of change.
+/// Input files of a computation, each with its size in bytes and time of change; `None` for a file that cannot be read.
 type Stamps = Vec<(PathBuf, Option<(u64, SystemTime)>)>;
 
-/// Predictions for designs by their paths, with the files that they were computed from.
+/// Predictions by the paths of their designs, with the files that they were computed from.
 #[derive(Default)]
 pub struct Known(Mutex<HashMap<PathBuf, (Stamps, Arc<Explored>)>>);
 
@@ -43,10 +44,10 @@ fn stamps(paths: impl IntoIterator<Item = PathBuf>) -> Stamps {
         .collect()
 }
 
-/// Computes the predictions for the design at `path`.
+/// Computes predictions for all textures within the bounds of the design file at `path`, and stores them in `shared`.
 ///
 /// # Errors
-/// Reason why there are none, as the command line says it.
+/// The message of the command line, if there are no predictions.
 pub fn explore(path: &str, shared: &Shared, monitor: &dyn Monitor) -> Result<(), String> {
     let path = inside(path).map_err(|refused| refused.1)?;
     let mut design = Design::read(&disk(), &path).map_err(|refused| refused.to_string())?;
@@ -61,12 +62,12 @@ pub fn explore(path: &str, shared: &Shared, monitor: &dyn Monitor) -> Result<(),
     Ok(())
 }
 
-/// Starts the computation of predictions.
+/// Answers a request to start the computation of predictions for a design.
 pub async fn start(State(shared): State<Arc<Shared>>, Json(of): Json<At>) -> Answer<Value> {
     start_exploring(&shared, &of.path)
 }
 
-/// A texture of a design.
+/// Path of a design and lengths of a texture, in the query of a request.
 #[derive(Deserialize)]
 pub struct Texture {
     path: String,
@@ -75,7 +76,7 @@ pub struct Texture {
     depth_um: f64,
 }
 
-/// Reads the predictions for one texture.
+/// Answers with the predictions for one texture; refuses if none were computed for the present files.
 pub async fn predict(State(shared): State<Arc<Shared>>, Query(texture): Query<Texture>) -> Answer<Value> {
     aside(move || {
         let path = inside(&texture.path)?;

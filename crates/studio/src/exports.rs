@@ -23,14 +23,14 @@ use crate::texts::message;
 /// Maximum number of points of a curve that a page draws: two for each pixel of a wide screen.
 const MAX_POINTS: usize = 4000;
 
-/// An export and the calibration whose `[traces]` says how it is read.
+/// Paths of an export and of the calibration whose `[traces]` says how it is read, in the query of a request.
 #[derive(Deserialize)]
 pub struct AtWith {
     path: String,
     calibration: Option<String>,
 }
 
-/// Indices of the samples that a curve needs: the lowest and the highest of every stretch.
+/// Indices of the samples with which a curve is drawn: all, or the lowest and the highest of every stretch of samples.
 fn thinned(values: &[f64]) -> Vec<usize> {
     if values.len() <= MAX_POINTS {
         return (0..values.len()).collect();
@@ -54,14 +54,14 @@ fn picked(values: &[f64], indices: &[usize]) -> Option<Vec<f64>> {
     (!picked.is_empty() && picked.iter().all(|value| value.is_finite())).then_some(picked)
 }
 
-/// Options for exports by the `[traces]` of a calibration; the usual ones without a calibration that can be read.
+/// Options for exports by the `[traces]` of a calibration; default options without a calibration that can be read.
 fn setup(calibration: Option<&Path>) -> TraceSetup {
     let document = calibration.map(|path| Document::read(&disk(), path, FileKind::Calibration));
     let read = document.and_then(|document| read_setup(&document.ok()?).ok());
     read.unwrap_or_else(|| TraceSetup::new(None, 1, true))
 }
 
-/// Curves of one repeat of an export.
+/// Curves of one repeat of an export, as JSON for the page.
 fn curves(label: &str, channels: &TraceChannels) -> Value {
     let indices = thinned(channels.tangential.values());
     let time_s: Vec<f64> = channels.time_s.iter().map(|time_s| time_s - channels.start_s).collect();
@@ -79,7 +79,7 @@ fn curves(label: &str, channels: &TraceChannels) -> Value {
     })
 }
 
-/// Reads one export.
+/// Answers with one export, as [`export_found`] describes it.
 pub async fn one(Query(at): Query<AtWith>) -> Answer<Value> {
     aside(move || {
         let path = inside(&at.path)?;
@@ -89,7 +89,7 @@ pub async fn one(Query(at): Query<AtWith>) -> Answer<Value> {
     .await
 }
 
-/// An export as it was understood.
+/// Describes an export as JSON: its columns, the curves of its repeats, notes, and the error if it cannot be read.
 fn export_found(name: &str, path: &Path, mut setup: TraceSetup) -> Value {
     let mut columns = Vec::new();
     let file = read_letters(&disk(), path, "a table of traces").and_then(|text| {
@@ -115,7 +115,7 @@ fn export_found(name: &str, path: &Path, mut setup: TraceSetup) -> Value {
     json!({ "path": name, "error": error, "samples": samples, "columns": columns, "notes": notes, "repeats": repeats })
 }
 
-/// Columns of an export: title, unit, and what they hold.
+/// Columns of an export as JSON: title, unit, and the quantity that was recognized.
 fn columns_found(text: &str, titles: &Titles) -> Vec<Value> {
     let found = titles_in(text, titles);
     let count = |title: &str, upto: usize| found[..upto].iter().filter(|(other, _)| other == title).count();
@@ -136,7 +136,7 @@ pub struct OfCalibration {
     calibration: String,
 }
 
-/// Mean over the repeats of a condition, and every repeat.
+/// Mean over the repeats of a condition, and the curve of every repeat, as JSON.
 fn averaged_condition(traces: &ConditionTraces) -> Value {
     let (condition, measured) = (&traces.condition, traces.measurement());
     let repeats = traces.traces.iter().map(|trace| {
@@ -164,7 +164,7 @@ fn averaged_condition(traces: &ConditionTraces) -> Value {
     })
 }
 
-/// Reads the traces of a calibration and averages them, as far as they can be read.
+/// Answers with the averaged traces of a calibration, as far as they can be read.
 pub async fn averaged(Query(of): Query<OfCalibration>) -> Answer<Value> {
     aside(move || {
         let path = inside(&of.calibration)?;

@@ -1,4 +1,4 @@
-//! Files of the folder.
+//! Files of the folder that the studio works in: list, kinds, upload, download, and changes.
 
 use std::fs;
 use std::io::{Cursor, Write};
@@ -23,14 +23,15 @@ use crate::places::{inside, with_slashes};
 
 /// Maximum number of bytes of an uploaded file: a map of 4096 x 4096 points as text has 200 MB.
 pub const MAX_UPLOAD: usize = 512 << 20;
-/// Maximum number of files that are listed, and of folders above one another.
+/// Maximum number of files that are listed.
 const MAX_FILES: usize = 5000;
+/// Maximum depth of nested folders that are listed.
 const MAX_DEPTH: usize = 6;
-/// Maximum number of bytes of a text whose kind is looked at.
+/// Maximum size, in bytes, of a TOML or JSON file whose kind is found by its content.
 const MAX_TEXT: u64 = 2 << 20;
-/// Time between two looks at the folder.
+/// Interval at which the folder is checked for changes.
 const WATCH_INTERVAL: Duration = Duration::from_secs(1);
-/// Folders that hold builds and packages, not data.
+/// Names of folders that are not listed, because they hold builds and packages, not data.
 const SKIPPED: [&str; 3] = ["target", "node_modules", "__pycache__"];
 
 /// Path in the query of a request.
@@ -58,7 +59,7 @@ pub async fn list(State(shared): State<Arc<Shared>>) -> Answer<Value> {
     .await
 }
 
-/// Files below a folder, by name; hidden ones and links are left out.
+/// Files below a folder, sorted by path, without hidden files and links.
 fn files_below(folder: &Path) -> Vec<Listed> {
     let mut files = Vec::new();
     add_files(folder, 0, &mut files);
@@ -89,7 +90,7 @@ fn milliseconds(time: SystemTime) -> u64 {
     time.duration_since(UNIX_EPOCH).map_or(0, |since| u64::try_from(since.as_millis()).unwrap_or(u64::MAX))
 }
 
-/// Ending of a path in small letters.
+/// Extension of a path in lower case; empty without one.
 fn extension_of(path: &Path) -> String {
     path.extension().map(|extension| extension.to_string_lossy().to_lowercase()).unwrap_or_default()
 }
@@ -119,7 +120,7 @@ pub fn kind_of_text(text: &str) -> &'static str {
     }
 }
 
-/// Writes a new file. A file that exists with other content is kept, and refused.
+/// Writes a new file. If a file with other content exists, it is kept and the request refused.
 pub async fn upload(Query(at): Query<At>, bytes: Bytes) -> Answer<Value> {
     aside(move || {
         let path = inside(&at.path)?;
@@ -138,13 +139,13 @@ pub async fn upload(Query(at): Query<At>, bytes: Bytes) -> Answer<Value> {
     .await
 }
 
-/// Options of a file's address.
+/// Query of a file's address: with `download` the browser saves the file instead of showing it.
 #[derive(Deserialize)]
 pub struct FileOptions {
     download: Option<String>,
 }
 
-/// Content of a file.
+/// Answers with the content of a file.
 pub async fn file(
     axum::extract::Path((_, text)): axum::extract::Path<(String, String)>,
     Query(options): Query<FileOptions>,
@@ -187,7 +188,7 @@ pub struct InFolder {
     folder: String,
 }
 
-/// All files of a folder as one archive.
+/// Answers with all files of a folder as one zip archive.
 pub async fn zipped(Query(at): Query<InFolder>) -> Result<Response, Refused> {
     let folder = inside(&at.folder)?;
     let name = folder.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
@@ -212,7 +213,7 @@ fn archive(folder: &Path) -> Result<Vec<u8>, Refused> {
     Ok(zip.finish().map_err(|error| failed(error.to_string()))?.into_inner())
 }
 
-/// Tells the page when files of the folder change.
+/// Sends the event `folder` to open pages whenever files of the folder change; does not return.
 pub async fn watch(shared: Arc<Shared>) {
     let mut known = None;
     loop {

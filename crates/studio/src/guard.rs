@@ -1,4 +1,4 @@
-//! Who may ask: only pages of this server, opened with its token, on this computer.
+//! Access control: only pages of this server, opened with its token, on this computer, may send requests.
 //!
 //! Another site in the same browser can send requests to 127.0.0.1, and a name of its own may resolve to that address. The token,
 //! which such a site does not know, the `Host` and the `Origin` of every request are checked for this reason.
@@ -18,16 +18,16 @@ use slipgrid_io::disk::hexadecimal;
 
 use crate::error::Refused;
 
-/// What the page may load: its own scripts, styles, pictures and frames.
+/// Content security policy of the page, which may load its own scripts, styles, pictures and frames.
 const PAGE_POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; \
     img-src 'self' data: blob:; connect-src 'self'; frame-src 'self'; frame-ancestors 'none'; form-action 'none'; base-uri 'none'";
-/// What a file may do that is shown in a frame: run its own scripts without access to this server.
+/// Content security policy of a file shown in a frame, which may run its own scripts without access to this server.
 const FILE_POLICY: &str = "sandbox allow-scripts allow-downloads allow-popups; default-src 'none'; \
     script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: 'self'; frame-ancestors 'self'; base-uri 'none'";
-/// Bytes of a token: too many to guess.
+/// Number of random bytes of a token, too many to guess.
 const TOKEN_BYTES: usize = 24;
 
-/// Token, key of files and port of a server.
+/// Port of a server, token that opens its page, and key in the addresses of files.
 pub struct Guard {
     port: u16,
     token: String,
@@ -35,7 +35,7 @@ pub struct Guard {
 }
 
 impl Guard {
-    /// Draws a token for the server at `port`.
+    /// Draws a token and a key of files for the server at `port`.
     ///
     /// # Errors
     /// Error of the system without a source of random numbers.
@@ -43,12 +43,12 @@ impl Guard {
         Ok(Self { port, token: drawn()?, files_key: drawn()? })
     }
 
-    /// Address that opens the page.
+    /// Address that opens the page, with the token.
     pub fn address(&self) -> String {
         format!("http://127.0.0.1:{}/?token={}", self.port, self.token)
     }
 
-    /// Beginning of the addresses of files.
+    /// Beginning of the addresses of files, with their key.
     pub fn files_at(&self) -> String {
         format!("/files/{}/", self.files_key)
     }
@@ -62,7 +62,7 @@ impl Guard {
         host == format!("127.0.0.1:{}", self.port) || host == format!("localhost:{}", self.port)
     }
 
-    /// Refuses requests under another name of this computer, and from pages of other sites.
+    /// Refuses requests whose `Host` is not this server, and requests from pages of other sites.
     fn check(&self, headers: &HeaderMap) -> Result<(), Refused> {
         let refused = |reason: &str| Err(Refused(StatusCode::FORBIDDEN, reason.to_owned()));
         if !text(headers, HOST).is_some_and(|host| self.is_own_host(host)) {
@@ -103,7 +103,7 @@ fn is_same(a: &str, b: &str) -> bool {
     a.len() == b.len() && a.bytes().zip(b.bytes()).fold(0, |all, (a, b)| all | (a ^ b)) == 0
 }
 
-/// Answers requests of the server's own page; exchanges the token in the address for a cookie.
+/// Passes on requests of the server's own page and refuses others; exchanges the token in the address for a cookie.
 pub async fn admit(State(guard): State<Arc<Guard>>, request: Request, next: Next) -> Response {
     if let Err(refused) = guard.check(request.headers()) {
         return refused.into_response();
@@ -121,7 +121,7 @@ pub async fn admit(State(guard): State<Arc<Guard>>, request: Request, next: Next
     protected(next.run(request).await, PAGE_POLICY)
 }
 
-/// Answers requests for files, whose addresses hold a key.
+/// Passes on requests for files whose address has the key of files, and refuses others.
 pub async fn admit_reading(State(guard): State<Arc<Guard>>, request: Request, next: Next) -> Response {
     if !text(request.headers(), HOST).is_some_and(|host| guard.is_own_host(host)) {
         return Refused(StatusCode::FORBIDDEN, "this server answers at 127.0.0.1 only".to_owned()).into_response();
@@ -134,7 +134,7 @@ pub async fn admit_reading(State(guard): State<Arc<Guard>>, request: Request, ne
     protected(next.run(request).await, FILE_POLICY)
 }
 
-/// Adds the headers that tell a browser what a document may do.
+/// Adds headers that limit the rights of a document in the browser, with the content security policy `policy`.
 fn protected(mut response: Response, policy: &'static str) -> Response {
     let headers = response.headers_mut();
     headers.insert(CONTENT_SECURITY_POLICY, HeaderValue::from_static(policy));

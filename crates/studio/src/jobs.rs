@@ -30,13 +30,13 @@ const MAX_WORDS: usize = 60;
 const MAX_JOBS: usize = 100;
 /// Shortest time between two messages about the progress of a job, in milliseconds.
 const PROGRESS_INTERVAL_MS: u64 = 80;
-/// Messages that a page may be behind before it must load everything again.
+/// Number of messages that a page may be behind before it must load everything again.
 const MAX_BEHIND: usize = 256;
 
-/// Name and data of what a page is told: a job began, went on or ended, or files of the folder changed.
+/// Name and JSON data of an event for the pages: a job began, progressed or ended, or files of the folder changed.
 type Event = (&'static str, String);
 
-/// Word in place of a command that asks for the predictions for every texture of a design.
+/// Command of a job that computes the predictions for every texture of a design; it is not a command of the program.
 const EXPLORE: &str = "explore";
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -60,7 +60,7 @@ struct Progress {
     seconds: f64,
 }
 
-/// A job with its progress; its own monitor.
+/// A command line to run, with its progress.
 pub struct Job {
     id: u64,
     words: Vec<String>,
@@ -73,7 +73,7 @@ pub struct Job {
     events: broadcast::Sender<Event>,
 }
 
-/// All jobs, newest last.
+/// All jobs, newest last, and the queue of those that wait.
 pub struct Jobs {
     all: Mutex<Vec<Arc<Job>>>,
     queue: Sender<Arc<Job>>,
@@ -103,7 +103,7 @@ impl Jobs {
         self.events.receiver_count() > 0
     }
 
-    /// Tells every page what `data` says.
+    /// Sends `event` with `data` to every open page.
     pub fn tell(&self, event: &'static str, data: impl FnOnce() -> Value) {
         tell(&self.events, event, data);
     }
@@ -200,7 +200,7 @@ impl Job {
         tell(&self.events, "job", || self.to_json());
     }
 
-    /// Tells pages about progress, not more often than they can show it.
+    /// Sends the progress to open pages, at most once per [`PROGRESS_INTERVAL_MS`].
     fn tell_progress(&self) {
         let now_ms = u64::try_from(self.born.elapsed().as_millis()).unwrap_or(u64::MAX);
         let before_ms = self.told_ms.load(Ordering::Relaxed);
@@ -229,7 +229,7 @@ impl Job {
     }
 }
 
-/// Tells every page what `data` says; without a page nobody needs to know.
+/// Sends `event` with `data` to every open page; `data` is not called without one.
 fn tell(events: &broadcast::Sender<Event>, event: &'static str, data: impl FnOnce() -> Value) {
     if events.receiver_count() > 0 {
         let _ = events.send((event, data().to_string()));
@@ -306,16 +306,17 @@ fn check(words: &[String]) -> Result<(), Refused> {
     Ok(())
 }
 
-/// Starts a job.
+/// Adds a job to the queue, and answers with its id.
 pub async fn start(State(shared): State<Arc<Shared>>, Json(asked): Json<Asked>) -> Answer<Value> {
     check(&asked.command)?;
     Ok(Json(json!({ "id": shared.jobs.add(asked.command)?.id })))
 }
 
-/// Starts the computation of predictions for the design at a path.
+/// Adds a job that computes predictions for the design at `path`, cancels earlier jobs of this kind, and answers with
+/// the id.
 pub fn start_exploring(shared: &Shared, path: &str) -> Result<Json<Value>, Refused> {
     inside(path)?;
-    // Earlier ones of the same page are out of date.
+    // Earlier computations of predictions are out of date.
     for job in locked(&shared.jobs.all).iter() {
         if job.words[0] == EXPLORE && locked(&job.progress).exit_code.is_none() {
             cancel_job(job);
@@ -348,7 +349,7 @@ pub async fn cancel(State(shared): State<Arc<Shared>>, Path(id): Path<u64>) -> A
     Ok(Json(json!({})))
 }
 
-/// Stream of events of a page.
+/// Answers with the stream of events for a page.
 pub async fn events(
     State(shared): State<Arc<Shared>>,
 ) -> Sse<impl Stream<Item = Result<sse::Event, std::convert::Infallible>>> {

@@ -1,11 +1,11 @@
-//! A page on the user's own computer for the whole loop: raw traces and maps to a material, a target to laser files, a measured
-//! sample to the next one. [`serve`] answers its addresses.
+//! A page on the user's own computer for the whole workflow: from raw traces and maps to a material, from a target to
+//! laser files, and from a measured sample to the next one. [`serve`] starts its server.
 //!
 //! | module | content |
 //! |---|---|
-//! | `guard` | who may ask: token, `Host`, `Origin`; headers of answers |
+//! | `guard` | access control: token, `Host`, `Origin`; headers of answers |
 //! | `places` | paths that stay inside the folder |
-//! | `folder` | files of the folder and their kinds; what changed |
+//! | `folder` | files of the folder, their kinds and changes |
 //! | `texts` | reading, checking, writing and editing of text files |
 //! | `jobs` | commands that run one after another, with progress and cancelling |
 //! | `exploring` | predictions for any texture of a design |
@@ -72,20 +72,20 @@ pub enum StudioError {
 
 /// Name of the file that keeps a second server out of the folder.
 const LOCK: &str = ".slipgrid-studio.lock";
-/// Threads for answers: computing has its own.
+/// Number of threads that answer requests; computations have their own.
 const ANSWERING_THREADS: usize = 2;
-/// Time between two looks at whether to stop.
+/// Interval at which [`serve`] checks whether to stop.
 const STOP_INTERVAL: Duration = Duration::from_millis(100);
 
-/// What every answer may use.
+/// State that all request handlers share.
 struct Shared {
     jobs: Jobs,
     explored: exploring::Known,
     files_at: String,
 }
 
-/// Serves the page for the current folder at a free port of this computer, until `stop` says so. `ready` gets the address, with
-/// its token, once the page can be opened.
+/// Serves the page for the current folder at a free port of this computer, until `stop` returns true. `ready` gets the
+/// address, with its token, once the page can be opened.
 ///
 /// # Errors
 /// [`StudioError`] if another server works in the folder, or if the system refuses port or threads.
@@ -118,7 +118,7 @@ pub fn serve(program: Program, ready: impl FnOnce(&str), stop: impl Fn() -> bool
     ended
 }
 
-/// Addresses of the server.
+/// Routes of the server, with access control.
 fn router(shared: Arc<Shared>, guard: Guard) -> Router {
     let guard = Arc::new(guard);
     let api = Router::new()

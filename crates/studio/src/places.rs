@@ -9,7 +9,7 @@ use crate::error::Refused;
 /// Longest path of a request, in bytes.
 const MAX_BYTES: usize = 1000;
 
-/// Path of a file inside the current folder, which need not exist.
+/// Parses the path of a file inside the current folder; the file need not exist.
 ///
 /// # Errors
 /// [`Refused`] for a path that leaves the folder, by itself or through a link, and for hidden files.
@@ -43,7 +43,7 @@ pub fn inside(text: &str) -> Result<PathBuf, Refused> {
     }
 }
 
-/// Writes a path with slashes.
+/// Formats a path with slashes on all systems.
 pub fn with_slashes(path: &Path) -> String {
     let parts = path.components().filter(|part| !matches!(part, Component::CurDir));
     parts.map(|part| part.as_os_str().to_string_lossy()).collect::<Vec<_>>().join("/")

@@ -1,4 +1,4 @@
-//! Text files: read, checked, written and edited. The files are the truth: every form of the page is a view of one.
+//! Text files: read, checked, written and edited. Every form of the page shows the content of one file.
 
 use std::path::Path;
 
@@ -31,7 +31,7 @@ pub use edits::Edit;
 /// Maximum number of bytes of a text.
 const MAX_BYTES: u64 = 2 << 20;
 
-/// A message about a text, as on the command line.
+/// Converts a message about a text, as on the command line, to JSON for the page.
 pub fn message(diagnostic: &Diagnostic) -> Value {
     json!({
         "file": diagnostic.file.as_deref().map(|path| path.display().to_string()),
@@ -43,7 +43,7 @@ pub fn message(diagnostic: &Diagnostic) -> Value {
     })
 }
 
-/// A message without a place.
+/// A message as JSON without file, line and key.
 fn remark(words: String) -> Value {
     message(&Diagnostic { reason: words, ..Diagnostic::default() })
 }
@@ -57,7 +57,7 @@ fn digest(text: &str) -> String {
     hexadecimal(&Sha256::digest(text))
 }
 
-/// Reads a text as its command does.
+/// Checks a text as the command that reads it does; returns errors and warnings as JSON.
 fn checked(path: &Path, text: &str) -> Value {
     let is_toml = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml"));
     if !is_toml {
@@ -89,7 +89,7 @@ fn checked(path: &Path, text: &str) -> Value {
     json!({ "errors": errors, "warnings": warnings })
 }
 
-/// A text with what the page needs to show and to edit it.
+/// Describes the text `text` of the file `path` as JSON for the page: kind, digest, values, and result of the check.
 fn told(at: &str, path: &Path, text: &str) -> Value {
     let (kind, check) = (kind_of_text(text), checked(path, text));
     json!({ "path": at, "kind": kind, "text": text, "digest": digest(text), "values": values(text), "check": check })
@@ -113,14 +113,15 @@ pub async fn read(Query(at): Query<At>) -> Answer<Value> {
     .await
 }
 
-/// A text that replaces the one with a digest, or a new one.
+/// A text to write: it replaces the text with the digest `digest`, or is a new file without one.
 #[derive(Deserialize)]
 pub struct Written {
     text: String,
     digest: Option<String>,
 }
 
-/// Requires that the file is as it was when the page read it.
+/// Returns the text of a file that still has the digest `known`, or `None` for a new file; refuses a file that changed
+/// since the page read it.
 fn require_unchanged(path: &Path, known: Option<&str>) -> Result<Option<String>, Refused> {
     let text = match loaded(path) {
         Ok(text) => Some(text),
@@ -154,7 +155,7 @@ pub async fn write(Query(at): Query<At>, Json(written): Json<Written>) -> Answer
     .await
 }
 
-/// Edits of a text with a digest.
+/// Edits of the text with the digest `digest`.
 #[derive(Deserialize)]
 pub struct Edits {
     digest: String,
@@ -177,7 +178,7 @@ pub async fn edit(Query(at): Query<At>, Json(edits): Json<Edits>) -> Answer<Valu
     .await
 }
 
-/// A text that is not written.
+/// A text to check, which is not written.
 #[derive(Deserialize)]
 pub struct Draft {
     text: String,

@@ -14,7 +14,7 @@ pub enum Step {
     Key(String),
 }
 
-/// New value at a place; null removes what is there.
+/// New value at the place `at`; null removes the present value.
 #[derive(Debug, Deserialize)]
 pub struct Edit {
     at: Vec<Step>,
@@ -22,10 +22,10 @@ pub struct Edit {
 }
 
 impl Edit {
-    /// Changes `document`; tables on the way are made.
+    /// Sets or removes the value in `document`; missing tables on the way are added.
     ///
     /// # Errors
-    /// [`Refused`] for a place that cannot be, and for a value that TOML cannot hold.
+    /// [`Refused`] for a place that does not fit the document, and for a value that TOML cannot hold.
     pub fn apply(&self, document: &mut DocumentMut) -> Result<(), Refused> {
         let Some((last, way)) = self.at.split_last() else { return Err(Refused::bad("an edit without a place")) };
         if self.value.is_null() && !leads_somewhere(document.as_item(), way) {
@@ -64,7 +64,8 @@ fn leads_somewhere(mut item: &Item, way: &[Step]) -> bool {
     true
 }
 
-/// Enters the table or list at `step`, which is made if it is missing.
+/// Returns the item at `step`. A missing key is added, as a list of tables if `is_list`, otherwise as a table; `None`
+/// if `item` cannot hold the step.
 fn enter<'a>(item: &'a mut Item, step: &Step, is_list: bool) -> Option<&'a mut Item> {
     match step {
         Step::Key(key) => {
@@ -86,7 +87,7 @@ fn enter<'a>(item: &'a mut Item, step: &Step, is_list: bool) -> Option<&'a mut I
     }
 }
 
-/// Sets or removes the value at `last` of a table or list.
+/// Sets the value at `last` of a table or list, or removes it for null; `None` if `item` cannot hold it.
 fn set(item: &mut Item, last: &Step, value: &Json) -> Option<()> {
     match last {
         Step::Key(key) => set_key(item.as_table_like_mut()?, key, value),
