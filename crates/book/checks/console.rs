@@ -6,9 +6,10 @@ pub const LEFT_OUT: &str = "[...]";
 /// round differently.
 const TOLERANCE: f64 = 2e-3;
 
-/// Start of the comment after a number of the prose that a command of the chapter prints. The comment ends with a part of
-/// the printed line that has `#` in place of the number.
+/// Start of the comment after a number of the prose that a command of the chapter prints. Up to its end,
+/// [`PRINTED_END`], the comment contains a part of the printed line with `#` in place of the number.
 const PRINTED: &str = "<!-- printed: ";
+/// End of the comment that [`PRINTED`] starts.
 const PRINTED_END: &str = " -->";
 
 /// Fenced block of a chapter.
@@ -62,8 +63,8 @@ pub fn agree(shown: &str, printed: &str) -> bool {
         })
 }
 
-/// Compares the lines that a chapter shows for `command` with the printed ones, passage by passage. Returns the printed
-/// lines of these passages, and appends the differences to `differ`.
+/// Compares the lines that a chapter shows for `command` with the printed lines, passage by passage; [`LEFT_OUT`]
+/// separates passages. Returns the printed lines of these passages, and appends the differences to `differ`.
 pub fn compare(command: &str, shown: &[String], printed: &str, differ: &mut Vec<String>) -> Vec<String> {
     let printed: Vec<&str> = printed.lines().map(str::trim_end).collect();
     let mut now = Vec::new();
@@ -73,7 +74,7 @@ pub fn compare(command: &str, shown: &[String], printed: &str, differ: &mut Vec<
             now.push(LEFT_OUT.to_owned());
         }
         let Some(first) = passage.first() else { continue };
-        // A passage begins at the next line about the same.
+        // A passage begins at the next printed line that starts with the same words.
         let start = printed.iter().enumerate().skip(from).find(|(_, line)| {
             if order == 0 { true } else { subject(line).starts_with(&subject(first)[..subject(first).len().min(3)]) }
         });
@@ -93,8 +94,8 @@ pub fn compare(command: &str, shown: &[String], printed: &str, differ: &mut Vec<
     now
 }
 
-/// Returns a number in `printed` whose surroundings are those of `#` in `pattern`, from the last such line; spaces count
-/// as one.
+/// Returns the number in place of `#` in the last line of `printed` that contains `pattern`, or `None`; several spaces
+/// count as one.
 fn printed_number(printed: &str, pattern: &str) -> Option<String> {
     let single_spaced = |text: &str| text.split_whitespace().collect::<Vec<_>>().join(" ");
     let pattern = single_spaced(pattern);

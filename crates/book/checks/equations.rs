@@ -4,14 +4,15 @@ use pulldown_latex::config::{DisplayMode, RenderConfig};
 use pulldown_latex::event::Event;
 use pulldown_latex::{Parser, Storage, push_mathml};
 
-/// Signs before which no line ends, although browsers end lines after every equation.
+/// Punctuation that stays in the line of the equation before it, although browsers may break lines after every
+/// equation.
 const SIGNS: [char; 5] = [',', '.', ';', ':', ')'];
 
 /// Replaces the equations of a chapter in Markdown by MathML: LaTeX between two lines `$$`, and LaTeX between single
 /// dollar signs of one line. Code is left as it is. `\tag{3}` numbers a block.
 ///
 /// # Errors
-/// Returns the equation and its fault if it is not closed, or contains what the converter does not know.
+/// Returns the equation and its fault if it is not closed, or contains LaTeX that the converter does not know.
 pub fn convert(chapter: &str) -> Result<String, String> {
     let (mut converted, mut prose) = (String::new(), String::new());
     let mut lines = chapter.split_inclusive('\n');
@@ -34,7 +35,7 @@ pub fn convert(chapter: &str) -> Result<String, String> {
     Ok(converted + &convert_prose(&prose)?)
 }
 
-/// Converts the equations within lines.
+/// Converts the equations between single dollar signs, except in code between backticks.
 fn convert_prose(prose: &str) -> Result<String, String> {
     let mut pieces = Vec::new();
     for (place, text) in prose.split('`').enumerate() {
@@ -67,7 +68,7 @@ fn convert_prose(prose: &str) -> Result<String, String> {
     Ok(pieces.join("`"))
 }
 
-/// Element of a page with an equation of its own line, and its number.
+/// Returns the element of a page for an equation on its own line, with its number if it has a `\tag`.
 fn block(latex: &str) -> Result<String, String> {
     let (latex, number) =
         match latex.split_once("\\tag{").and_then(|(before, rest)| Some((before, rest.split_once('}')?))) {
@@ -77,7 +78,8 @@ fn block(latex: &str) -> Result<String, String> {
     Ok(format!("<div class=\"equation\">{}{number}</div>", mathml(&latex, DisplayMode::Block)?))
 }
 
-/// Converts one equation to an element of one line, in which Markdown finds no sign of its own.
+/// Converts one equation to a MathML element on one line, in which characters that Markdown would interpret are
+/// escaped.
 fn mathml(latex: &str, display_mode: DisplayMode) -> Result<String, String> {
     let fault = |fault: &dyn std::fmt::Display| format!("{}: {fault}", latex.trim());
     if latex.trim().is_empty() || (display_mode == DisplayMode::Inline && latex.contains('\n')) {

@@ -92,7 +92,7 @@ impl<'a> Key<'a> {
     }
 }
 
-/// Schemas of which a value fits one: those of `anyOf`, or `schema` itself.
+/// Alternative schemas, of which a value must fit one: those of `anyOf`, or `schema` itself.
 fn either(schema: &Value) -> &[Value] {
     schema["anyOf"].as_array().map_or(std::slice::from_ref(schema), Vec::as_slice)
 }

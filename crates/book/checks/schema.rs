@@ -1,4 +1,4 @@
-//! JSON schemas of files: what the types do not say is added, and files are validated.
+//! JSON schemas of files: units, defaults and ranges are added to the schemas of types, and files are validated.
 //!
 //! A schema contains only these keywords of JSON Schema (draft 07, which TOML editors support): `type`, `properties`,
 //! `required`, `additionalProperties`, `items`, `minItems`, `maxItems`, `anyOf`, `enum`, `minimum`, `exclusiveMinimum`,
@@ -82,7 +82,8 @@ pub fn is_judged(range: &str) -> bool {
     ends(range).is_some() || names(range).is_some()
 }
 
-/// Parses the limits of "a number above 0 up to 10 um", and whether the lower limit itself is refused.
+/// Parses words such as "a number above 0 up to 10 um": lower limit, whether the lower limit itself is refused, and
+/// upper limit. `None` for other words.
 fn ends(range: &str) -> Option<(f64, bool, f64)> {
     let words: Vec<&str> = range.split(|c: char| c.is_whitespace() || c == ';').collect();
     match words[..] {
@@ -93,7 +94,7 @@ fn ends(range: &str) -> Option<(f64, bool, f64)> {
     }
 }
 
-/// Parses the names in "\"a\" or \"b\"".
+/// Parses the names in words such as "\"a\" or \"b\""; `None` for other words.
 fn names(range: &str) -> Option<Vec<&str>> {
     let names: Vec<&str> = range.split(" or ").collect();
     names.into_iter().map(|name| name.strip_prefix('"')?.strip_suffix('"').filter(|name| !name.contains('"'))).collect()
