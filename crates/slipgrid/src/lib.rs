@@ -2,8 +2,8 @@
 //!
 //! | room | content |
 //! |---|---|
-//! | [`topography`] | altitude maps: read, levelled, measured |
-//! | [`traces`] | tribometer traces: read, averaged, their static peak and stick-slip found |
+//! | [`topography`] | altitude maps: reading, levelling, measurement |
+//! | [`traces`] | tribometer traces: reading, averages, static peak and stick-slip |
 //! | [`contact`] | real contact area of a rough surface against pressure |
 //! | [`material`] | elastic constants, local friction, the area law |
 //! | [`pattern`] | planforms and their lengths |
