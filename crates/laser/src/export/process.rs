@@ -2,12 +2,12 @@
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use slipgrid_model::pattern::{Arrangement, Pattern, Planform};
+use slipgrid_model::pattern::{Pattern, Planform, TextureRecord};
 
 use crate::export::removal::removed_volume_m3;
 use crate::export::{
-    ANGLE_DECIMALS, DERIVED_DIGITS, ExportError, Laser, Layout, Outline, WorkSheet, burst_warnings, groove_direction,
-    lattice, micrometres, millimetres, positive, round_decimals, round_digits,
+    DERIVED_DIGITS, ExportError, Laser, Layout, Specimen, SpecimenRecord, WorkSheet, burst_warnings, groove_direction,
+    lattice, micrometres, positive, round_digits,
 };
 
 /// Effects that no model of slipgrid contains, for a pattern with or without rims; process sheets list them.
@@ -68,7 +68,7 @@ pub struct ProcessInput {
     pub material: MaterialNote,
 }
 
-/// The process sheet. Lengths are rounded to one nanometre, derived numbers to six digits.
+/// The process sheet. Dimensions of the pattern are rounded to one nanometre, derived numbers to six digits.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ProcessSheet {
@@ -100,10 +100,7 @@ pub struct ProcessSheet {
 
 /// Dimensions of the pattern.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
 pub struct PatternSheet {
-    /// `groove`, `square`, `rectangle`, `disc`, `polygon` or `crosshatch`.
-    pub planform: String,
     /// Width of a cavity along a row, in um; the diameter of a disc. Rows run along the sliding direction unless an
     /// angle is given.
     pub width_um: f64,
@@ -111,32 +108,13 @@ pub struct PatternSheet {
     pub spacing_um: f64,
     /// Period of a row, width + spacing, in um.
     pub pitch_um: f64,
-    /// Length of a rectangle across the rows, in um.
-    pub length_um: Option<f64>,
-    /// Corners of a polygon as `[x, y]` from the middle of its bounding box, anticlockwise, in um.
-    pub vertices_um: Option<Vec<[f64; 2]>>,
-    /// Gap between rows, in um, if the distance of rows is not the pitch.
-    pub spacing_across_um: Option<f64>,
     /// Distance of rows, in um, if it is not the pitch.
     pub pitch_across_um: Option<f64>,
-    /// `staggered` or `hexagonal`, if rows are shifted.
-    pub arrangement: Option<String>,
-    /// Orientation of grooves on the specimen, from lying across x, anticlockwise, in degrees.
-    pub angle_deg: Option<f64>,
-    /// Angle from the first to the second family of crossing grooves, anticlockwise, in degrees.
-    pub crossing_angle_deg: Option<f64>,
-    /// Sliding direction from x, anticlockwise, in degrees.
-    pub sliding_angle_deg: Option<f64>,
     /// Depth, in um.
     pub depth_um: f64,
-    /// Height of the rims at the edges of cavities of this depth, in um, if there are rims.
-    pub rim_height_um: Option<f64>,
-    /// Standard deviation of heights from rim to rim, in um, if they scatter.
-    pub rim_height_std_um: Option<f64>,
-    /// Width of the rims, in um.
-    pub rim_width_um: Option<f64>,
-    /// Profile of rims from the edge outward: `round`, `flat`, `ramp` or `half-sine`.
-    pub rim_profile: Option<String>,
+    /// Shape, arrangement, directions, and rims of cavities of this depth.
+    #[serde(flatten)]
+    pub texture: TextureRecord,
     /// Origin of the rim dimensions.
     pub rim_basis: Option<String>,
     /// Areal density of the infinite pattern.
@@ -145,24 +123,15 @@ pub struct PatternSheet {
 
 /// The specimen and the cavities on it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
 pub struct SpecimenSheet {
-    /// `disc`, `rectangle` or `ring`.
-    pub shape: String,
-    /// Diameter of a disc, in mm.
-    pub diameter_mm: Option<f64>,
-    /// Length of a rectangle along x, in mm.
-    pub length_mm: Option<f64>,
-    /// Width of a rectangle along y, in mm.
-    pub width_mm: Option<f64>,
-    /// Outer diameter of a ring, in mm.
-    pub outer_diameter_mm: Option<f64>,
-    /// Diameter of the hole of a ring, in mm.
-    pub inner_diameter_mm: Option<f64>,
+    /// Shape and lengths.
+    #[serde(flatten)]
+    pub face: SpecimenRecord,
     /// Treatment of cavities that cross the border.
     pub at_the_rim: String,
     /// Arrangement of the cavities.
     pub arrangement: String,
+    // In a schema a later key replaces a flattened one.
     /// Number of cavities.
     pub cavities: usize,
     /// Fraction of the specimen's face that is cavity.
@@ -175,32 +144,19 @@ pub struct SpecimenSheet {
 
 impl From<&Pattern> for PatternSheet {
     fn from(pattern: &Pattern) -> Self {
-        let texture = pattern.texture();
-        let given = |angle_deg: f64| Some(round_decimals(angle_deg, ANGLE_DECIMALS)).filter(|_| angle_deg != 0.0);
-        let rim = texture.rim().filter(|rim| rim.stands());
+        let rim = pattern.texture().rim().filter(|rim| rim.stands());
         let apart_m = pattern.pitch_across_m().filter(|&pitch_m| pitch_m != pattern.pitch_m());
         Self {
-            planform: pattern.planform().name().to_owned(),
             width_um: micrometres(pattern.width_m()),
             spacing_um: micrometres(pattern.spacing_m()),
             pitch_um: micrometres(pattern.pitch_m()),
-            length_um: texture.length_m().map(micrometres),
-            vertices_um: texture.outline().map(|outline| {
-                let at_um = |vertex: &[f64; 2]| vertex.map(|share| micrometres(share * pattern.width_m()));
-                outline.vertices().iter().map(at_um).collect()
-            }),
-            spacing_across_um: apart_m.and(pattern.spacing_across_m()).map(micrometres),
             pitch_across_um: apart_m.map(micrometres),
-            arrangement: (texture.arrangement() != Arrangement::Square)
-                .then(|| texture.arrangement().name().to_owned()),
-            angle_deg: given(texture.groove_angle_deg()),
-            crossing_angle_deg: texture.crossing_angle_deg().map(|angle_deg| round_decimals(angle_deg, ANGLE_DECIMALS)),
-            sliding_angle_deg: given(texture.sliding_angle_deg()),
             depth_um: micrometres(pattern.depth_m()),
-            rim_height_um: rim.map(|_| micrometres(pattern.rim_height_m())),
-            rim_height_std_um: rim.map(|rim| micrometres(rim.height_std_m())).filter(|std_um| *std_um > 0.0),
-            rim_width_um: rim.map(|rim| micrometres(rim.width_m())),
-            rim_profile: rim.map(|rim| rim.profile().name().to_owned()),
+            texture: TextureRecord {
+                rim_height_um: rim.map(|_| micrometres(pattern.rim_height_m())),
+                rim_heights_um: None,
+                ..pattern.into()
+            },
             rim_basis: rim.map(|_| RIM_BASIS.to_owned()),
             areal_density: round_digits(pattern.areal_density(), DERIVED_DIGITS),
         }
@@ -220,13 +176,6 @@ impl ProcessSheet {
         }
         let pattern = layout.pattern();
         let rim = pattern.texture().rim().filter(|rim| rim.stands());
-        let (diameter_m, [length_m, width_m], [outer_m, inner_m]) = match *layout.outline() {
-            Outline::Disc { diameter_m } => (Some(diameter_m), [None; 2], [None; 2]),
-            Outline::Rectangle { length_m, width_m } => (None, [length_m, width_m].map(Some), [None; 2]),
-            Outline::Ring { outer_diameter_m, inner_diameter_m } => {
-                (None, [None; 2], [outer_diameter_m, inner_diameter_m].map(Some))
-            }
-        };
         Ok(Self {
             name,
             program: "slipgrid".to_owned(),
@@ -237,12 +186,7 @@ impl ProcessSheet {
             pattern: PatternSheet::from(pattern),
             tolerances,
             specimen: SpecimenSheet {
-                shape: layout.outline().name().to_owned(),
-                diameter_mm: diameter_m.map(millimetres),
-                length_mm: length_m.map(millimetres),
-                width_mm: width_m.map(millimetres),
-                outer_diameter_mm: outer_m.map(millimetres),
-                inner_diameter_mm: inner_m.map(millimetres),
+                face: SpecimenRecord::from(&Specimen { outline: *layout.outline(), is_clipped: false }),
                 at_the_rim: if layout.is_clipped() { "cavities are cut" } else { "whole cavities only" }.to_owned(),
                 arrangement: arrangement(layout),
                 cavities: layout.cavities(),
@@ -261,7 +205,7 @@ impl ProcessSheet {
     /// # Errors
     /// [`ExportError::Refused`] if TOML cannot hold a value.
     pub fn to_toml(&self) -> Result<String, ExportError> {
-        let sliding = match self.pattern.sliding_angle_deg {
+        let sliding = match self.pattern.texture.sliding_angle_deg {
             None => "x is the sliding direction".to_owned(),
             Some(angle_deg) => format!("The sliding direction lies {angle_deg} degrees from x, anticlockwise"),
         };

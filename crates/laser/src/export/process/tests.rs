@@ -1,8 +1,9 @@
 //! Process sheets of the published pattern, and of every other kind.
 
 use super::*;
+use crate::export::Outline;
 use crate::export::work::spots_along;
-use slipgrid_model::pattern::{Rim, RimProfile, Texture};
+use slipgrid_model::pattern::{Arrangement, Rim, RimProfile, Texture};
 
 /// Laser and pattern of Balestra et al., J. Tribol. 144, 031704, Sec. "Laser patterning"; the repetition rate is an
 /// assumption.
@@ -55,7 +56,7 @@ fn the_published_pattern_takes_two_bursts_on_36_spots_a_cavity() {
     assert_eq!(sheet.work.no_estimate_because, None);
     assert_eq!(sheet.pattern.pitch_um, 500.0);
     assert_eq!(sheet.pattern.areal_density, 0.0676);
-    assert_eq!(sheet.specimen.diameter_mm, Some(10.0));
+    assert_eq!(sheet.specimen.face.diameter_mm, Some(10.0));
 }
 
 #[test]
@@ -106,13 +107,13 @@ fn sheets_of_every_kind_read_back_and_name_what_is_not_plain() {
         assert_eq!(named("sliding_angle_deg"), texture.sliding_angle_deg() != 0.0);
         assert_eq!(text.contains("x is the sliding direction"), texture.sliding_angle_deg() == 0.0);
         assert_eq!(text.contains("arrangement = \"staggered\""), texture.arrangement() == Arrangement::Staggered);
-        assert_eq!(named("length_um"), texture.length_m().is_some());
+        assert_eq!(named("length_um"), texture.planform() == Planform::Rectangle);
         assert_eq!(sheet.pattern.areal_density, round_digits(pattern.areal_density(), DERIVED_DIGITS));
     }
     let turned = Texture::new(Planform::Groove).with_groove_angle_deg(33.3).unwrap();
     let pattern = Pattern::new(turned, 130e-6, 370e-6, 5.2e-6).unwrap();
     let sheet = ProcessSheet::new(&Layout::new(pattern, DISC).unwrap(), input(None)).unwrap();
-    assert_eq!(sheet.pattern.angle_deg, Some(33.3));
+    assert_eq!(sheet.pattern.texture.angle_deg, Some(33.3));
     assert!(sheet.specimen.arrangement.starts_with("grooves turned by 33.3 degrees from lying across x, one"));
 }
 
