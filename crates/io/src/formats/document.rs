@@ -194,10 +194,12 @@ impl Document {
     /// [`Diagnostic`] at the key if `schema` is 0 or above the supported version.
     pub fn check_schema(&self, schema: Option<&Spanned<u32>>) -> Result<(), Diagnostic> {
         match schema {
-            Some(schema) if *schema.get_ref() > SCHEMA || *schema.get_ref() == 0 => Err(self
-                .refuse(schema.span(), "is the schema of a later slipgrid")
-                .expected(format!("a schema up to {SCHEMA}, or none"))),
-            _ => Ok(()),
+            None => Ok(()),
+            Some(schema) if (1..=SCHEMA).contains(schema.get_ref()) => Ok(()),
+            Some(schema) => {
+                let reason = if *schema.get_ref() == 0 { "is no schema" } else { "is the schema of a later slipgrid" };
+                Err(self.refuse(schema.span(), reason).expected(format!("a schema from 1 to {SCHEMA}, or none")))
+            }
         }
     }
 

@@ -84,8 +84,9 @@ pub fn read_target(document: &Document, file: &Spanned<TargetFile>) -> Result<Ta
         wanted: wanted(place),
         weight: weights.as_ref().map_or(1.0, |weights| weights[place]),
     };
-    Target::of(quantity, pressures_pa.iter().enumerate().map(demand).collect(), goal)
-        .map_err(|error| document.refuse(file.span(), error.to_string()))
+    let mut demands: Vec<Demand> = pressures_pa.iter().enumerate().map(demand).collect();
+    demands.sort_by(|a, b| a.pressure_pa.total_cmp(&b.pressure_pa));
+    Target::of(quantity, demands, goal).map_err(|error| document.refuse(file.span(), error.to_string()))
 }
 
 /// Refuses keys of `[target]` that contradict each other or are missing.
@@ -166,5 +167,15 @@ mod tests {
         let said = read("lowest = 0.8\nhighest = 0.9\ntolerance = 0.02").unwrap_err();
         assert!(said.contains("tolerance: 0.02 has nothing that it belongs to"), "{said}");
         assert!(read("value = 0.85\nhighest = 0.9\ntolerance = 0.02").unwrap_err().contains("stands beside value"));
+    }
+
+    #[test]
+    fn demands_stand_in_the_order_of_their_pressures_whatever_that_of_the_file() {
+        let text = "quantity = \"ratio\"\npressure_mpa = [2.0, 0.5, 1.0]\nvalue = [0.8, 0.9, 0.85]\ntolerance = 0.02";
+        let document = Document::new("design.toml", text);
+        let target = read_target(&document, &document.parse().unwrap()).unwrap();
+        let read: Vec<_> = target.points().iter().map(|point| (point.pressure_pa, point.wanted)).collect();
+        let near = |value| Wanted::Near { value, tolerance: 0.02 };
+        assert_eq!(read, [(0.5e6, near(0.9)), (1e6, near(0.85)), (2e6, near(0.8))]);
     }
 }
