@@ -130,8 +130,10 @@ impl Jobs {
             born: Instant::now(),
             events: self.events.clone(),
         });
-        if all.len() >= MAX_JOBS {
-            all.remove(0);
+        // A job that has not ended stays, so that it can be cancelled.
+        let ended = all.iter().position(|job| locked(&job.progress).exit_code.is_some() || job.cancelled());
+        if let Some(oldest) = ended.filter(|_| all.len() >= MAX_JOBS) {
+            all.remove(oldest);
         }
         all.push(Arc::clone(&job));
         let ended = || Refused(StatusCode::SERVICE_UNAVAILABLE, "no jobs are run any more".to_owned());
@@ -372,6 +374,19 @@ pub async fn events(
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn of_a_full_list_the_oldest_job_that_has_ended_goes() {
+        let jobs = Jobs::new();
+        let add = || jobs.add(vec!["traces".to_owned()]).unwrap_or_else(|refused| panic!("{}", refused.1));
+        let queued = add();
+        for _ in 1..MAX_JOBS {
+            add().end(0, Vec::new(), Vec::new());
+        }
+        let last = add();
+        let ids: Vec<u64> = locked(&jobs.all).iter().map(|job| job.id).collect();
+        assert_eq!((ids.len(), ids[0], ids[1], ids[MAX_JOBS - 1]), (MAX_JOBS, queued.id, 3, last.id));
+    }
 
     #[test]
     fn commands_stay_in_the_folder() {
