@@ -130,10 +130,9 @@ impl Calibration {
         let sample = (DEFAULT_SPECIMEN, SEED);
         let report = watched(py, progress, |watch| {
             let (task, learned) = learn(&self.read, &self.origin.path, &self.origin.source(), sample, watch)?;
-            let (name, samples) = (&self.read.stated.name, &task.trials.samples);
-            let report =
-                TrialsReport::new(name, &task.flat, samples, &learned.discrepancy, watch)?.with_pending(&learned);
-            Ok::<_, calibrated::Failure>(report.with_warnings(self.read.stated.doubts.clone()))
+            let stated = &self.read.stated;
+            let report = TrialsReport::of_samples(&stated.name, &task, &learned, &stated.doubts, watch)?;
+            Ok::<_, calibrated::Failure>(report)
         })??;
         warn_all(py, &report.warnings)?;
         Ok([json(&report).map_err(failed)?, report.text()])

@@ -23,11 +23,8 @@ pub fn run(args: &TrialsArgs, console: &mut Console<'_>) -> Result<u8, CliError>
     let sample = (DEFAULT_SPECIMEN, DEFAULT_SEED);
     let job = Job::new(console);
     let (task, learned) = learn(&calibration, &args.calibration, &disk(), sample, &job)?;
-    let report =
-        TrialsReport::new(&calibration.stated.name, &task.flat, &task.trials.samples, &learned.discrepancy, &job)?
-            .with_pending(&learned)
-            .with_lands(&learned.lands)
-            .with_warnings(calibration.stated.doubts.clone());
+    let stated = &calibration.stated;
+    let report = TrialsReport::of_samples(&stated.name, &task, &learned, &stated.doubts, &job)?;
     if let Some(folder) = &folder {
         console.keep(&report.files(&FrictionSheet::new(&calibration))?, folder)?;
     }

@@ -3,9 +3,10 @@
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use slipgrid_base::monitor::{Cancelled, Monitor};
 use slipgrid_base::units::{LENGTH_UM, tidy};
 use slipgrid_design::RatioPrediction;
-use slipgrid_infer::calibrate::{LandEffect, LearnedSamples, PendingSample};
+use slipgrid_infer::calibrate::{CalibrationTask, LearnedSamples, PendingSample};
 use slipgrid_infer::discrepancy::{Discrepancy, Sensitivity};
 
 use super::{PER_MM, TrialsReport};
@@ -79,16 +80,21 @@ impl ScatterReport {
 }
 
 impl TrialsReport {
-    /// Adds predictions for the pending samples of `learned`.
-    #[must_use]
-    pub fn with_pending(self, learned: &LearnedSamples) -> Self {
-        let of = |sample: &PendingSample| PendingReport::new(sample, &learned.discrepancy);
-        Self { predicted: learned.pending.iter().map(of).collect(), ..self }
-    }
-
-    /// Adds `lands`, the slopes of the land of measured trials.
-    #[must_use]
-    pub fn with_lands(self, lands: &[LandEffect]) -> Self {
-        Self { lands: lands.to_vec(), ..self }
+    /// Makes the ledger of the samples of `task`, of the calibration `name`, from which `learned` is known: with the pending
+    /// samples and the slopes of lands. `doubts` about the input come first among the warnings.
+    ///
+    /// # Errors
+    /// [`Cancelled`] once `monitor` has cancelled.
+    pub fn of_samples(
+        name: &str,
+        task: &CalibrationTask,
+        learned: &LearnedSamples,
+        doubts: &[String],
+        monitor: &dyn Monitor,
+    ) -> Result<Self, Cancelled> {
+        let LearnedSamples { discrepancy, pending, lands } = learned;
+        let ledger = Self::new(name, &task.flat, &task.trials.samples, discrepancy, monitor)?;
+        let predicted = pending.iter().map(|sample| PendingReport::new(sample, discrepancy)).collect();
+        Ok(Self { predicted, lands: lands.clone(), ..ledger }.with_warnings(doubts.to_vec()))
     }
 }
