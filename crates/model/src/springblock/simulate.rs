@@ -100,7 +100,7 @@ fn simulate_laid(
     let layout = strip.zip(scene.pattern.as_ref());
     let share = layout.map_or(1.0, |(strip, pattern)| layout_share(scene, StripLayout { pattern, strip: Some(strip) }));
     if let Some(pattern) = &scene.pattern {
-        rim_difference::add_yielding(scene, pattern, &mut simulation.loads, &mut simulation.statements);
+        rim_difference::add_yielding(scene, pattern, share, &mut simulation.loads, &mut simulation.statements);
         let is_in_time = scene.run.fidelity != Fidelity::Steady;
         let correction = ThickLayerCorrection::new(scene, pattern, monitor).scaled(share);
         correction.apply(is_in_time, &tilt(pattern), &mut simulation.loads, &mut simulation.statements);
@@ -136,7 +136,7 @@ pub fn steady_ratios(scene: &Scene, monitor: &dyn Monitor) -> Result<Vec<Option<
         } else {
             steady(solved, monitor)?.loads
         };
-        rim_difference::add_yielding(scene, pattern, &mut loads, &mut Statements::default());
+        rim_difference::add_yielding(scene, pattern, 1.0, &mut loads, &mut Statements::default());
         let own: Vec<Option<f64>> = loads.iter().map(|load| load.ratio()).collect();
         let refined = if scene.run.refine {
             blocks::refinement(scene, pattern, &own, blocks::MAX_PRODUCTS, monitor).ok()

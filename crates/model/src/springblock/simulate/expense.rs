@@ -198,8 +198,7 @@ fn space(scene: &Scene, threads: f64) -> Expense {
     if scene.run.extent == Extent::Strip {
         // Ends lack springs in all rows from the face to the bulk; the flat strip is solved too.
         let (columns, rows) = (strip_columns(scene, pattern), (scene.layer.rows() + 1) as f64);
-        let each_s =
-            directions(scene, pattern, 1.0).iter().sum::<f64>() * columns * rows * SPACE_COLUMN_S * THIN_FACTOR;
+        let each_s = directions(scene, pattern).iter().sum::<f64>() * columns * rows * SPACE_COLUMN_S * THIN_FACTOR;
         let strips = Expense {
             core_s: 2.0 * each_s,
             wall_s: 2.0 * each_s / threads.min(2.0),
@@ -210,11 +209,10 @@ fn space(scene: &Scene, threads: f64) -> Expense {
     cell.then(error_estimate_cells)
 }
 
-/// Number of search directions of the solver in space for each load of `scene`, in blocks `factor` times as large as
-/// those of the scene.
-fn directions(scene: &Scene, pattern: &Pattern, factor: f64) -> Vec<f64> {
+/// Number of search directions of the solver in space for each load of `scene`.
+fn directions(scene: &Scene, pattern: &Pattern) -> Vec<f64> {
     let narrowest_m = pattern.length_m().map_or_else(|| pattern.width_m(), |length_m| length_m.min(pattern.width_m()));
-    let blocks = narrowest_m / (factor * scene.layer.block_m);
+    let blocks = narrowest_m / scene.layer.block_m;
     let [least, by_root] = DIRECTIONS;
     let first = (least + by_root * blocks.sqrt()).min(MAX_DIRECTIONS as f64);
     let later = if first * (1.0 + LATER_LOADS) < MAX_STORED_DIRECTIONS as f64 { LATER_LOADS * first } else { first };
@@ -224,7 +222,7 @@ fn directions(scene: &Scene, pattern: &Pattern, factor: f64) -> Vec<f64> {
 /// Cost of one steady cell in space at all loads.
 fn space_cell(scene: &Scene, pattern: &Pattern) -> Expense {
     let [nx, ny] = SpaceLattice::columns_of(pattern, scene.layer.block_m);
-    let (columns, each) = (nx * ny, directions(scene, pattern, 1.0));
+    let (columns, each) = (nx * ny, directions(scene, pattern));
     let explicit = (pattern.depth_m() / scene.layer.block_m).ceil() + 1.0;
     let all: f64 = each.iter().sum();
     let kept = all.min(MAX_STORED_DIRECTIONS as f64);

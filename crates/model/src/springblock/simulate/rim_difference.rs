@@ -108,9 +108,15 @@ impl RimDifference {
 }
 
 /// Adds the effect of plastic yielding on the steady cell to `loads` of a sample or of a dynamic run, whose rims are
-/// elastic, and a statement to `statements`. Does nothing if the solid of `scene` does not yield; steady cells already
-/// include yielding.
-pub fn add_yielding(scene: &Scene, pattern: &Pattern, loads: &mut [LoadOutcome], statements: &mut Statements) {
+/// elastic and whose cavity fraction is `share` times that of a period, and a statement to `statements`. Does nothing if
+/// the solid of `scene` does not yield; steady cells already include yielding.
+pub fn add_yielding(
+    scene: &Scene,
+    pattern: &Pattern,
+    share: f64,
+    loads: &mut [LoadOutcome],
+    statements: &mut Statements,
+) {
     let Some(yield_pa) = scene.elastic.yield_pressure_pa().filter(|_| scene.is_raised()) else { return };
     let yields = format!(
         "heights of the face flatten for good at {} MPa, in the order of the loads",
@@ -124,7 +130,7 @@ pub fn add_yielding(scene: &Scene, pattern: &Pattern, loads: &mut [LoadOutcome],
     let solve = |scene: &Scene| SteadyCell::with_dimension(scene, scene.dimension()).solve(pattern);
     let rigid = Scene { elastic, ..scene.clone() };
     let (with, without) = rayon::join(|| solve(scene), || solve(&rigid));
-    RimDifference { each: CellDifference::of_loads(&with, &without) }.add(1.0, loads);
+    RimDifference { each: CellDifference::of_loads(&with, &without) }.add(share, loads);
     statements
         .model(format!("{yields}: by what that changes of the steady cell, known to {:.0} %", 100.0 * RELATIVE_ERROR));
 }

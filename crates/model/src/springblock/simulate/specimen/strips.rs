@@ -250,7 +250,7 @@ fn face_load(
     let longest = surfaces.iter().zip(pieces).max_by(|(_, a), (_, b)| {
         (a.cavity_area_m2 > 0.0, a.model.lattice().nx()).cmp(&(b.cavity_area_m2 > 0.0, b.model.lattice().nx()))
     });
-    let worst = surfaces.iter().map(|surface| surface.status).find(|status| *status != Status::Converged);
+    let worst = surfaces.iter().map(|surface| surface.status).max();
     let most = |of: fn(&SurfaceOutcome) -> f64| surfaces.iter().map(of).fold(0.0, f64::max);
     let surface = SurfaceOutcome {
         status: worst.unwrap_or(Status::Converged),
