@@ -8,7 +8,8 @@ use slipgrid_tests::{persson_law, polymer_scene};
 #[test]
 #[ignore = "twenty seconds: a whole sample to 0.1 %; tests/pipeline holds one to 1 %"]
 fn the_calibrated_flat_sample_slides_as_measured() {
-    // 200 N, 2 mm/s, 15 % humidity (Balestra et al., table of flat samples): 0.278 +- 0.001.
+    // 200 N, 2 mm/s, 15 % humidity (Balestra et al., table of flat samples): 0.278 +- 0.001. A run of the flat sample ends at
+    // a quarter of the error of the measurement, so that a smaller one is stated here.
     let mut scene = polymer_scene(None, &[2.546], Fidelity::Dynamic, Extent::Sample).unwrap();
     let problem = Problem {
         elastic: scene.elastic,
@@ -21,7 +22,7 @@ fn the_calibrated_flat_sample_slides_as_measured() {
             speed_m_s: 2e-3,
             humidity: 0.15,
             mu_dynamic: 0.278,
-            mu_dynamic_std: 0.001,
+            mu_dynamic_std: 0.0003,
             static_peak: None,
         }],
         coefficients: Coefficients::PerCondition,
