@@ -60,7 +60,7 @@ pub struct SampleFile {
     /// Length of the specimen along the sliding direction; that of `[specimen]` where there is one, otherwise 9960 when
     /// absent.
     pub length_um: Option<Number>,
-    /// Height of the layer that strips and runs in time represent by blocks; 200, or a smaller thickness, when absent.
+    /// Height of the layer that strips and runs in time represent by blocks; 200 or a smaller thickness when absent.
     /// If given without `thickness_mm`, only this layer is elastic.
     pub layer_um: Option<Number>,
     /// Thickness of the elastic specimen; 7 when neither this nor the layer is given.

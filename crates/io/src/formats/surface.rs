@@ -58,8 +58,8 @@ pub struct SurfaceFile {
     /// Pressure up to which friction counts as proportional to load; without it, area factors are relative to the limit
     /// at small loads.
     pub threshold_mpa: Option<Number>,
-    /// Number of windows along each side of the map, whose scatter gives the errors of the law: 0 or 1 for none; 2 when
-    /// absent, if the map is large enough.
+    /// Number of windows along each side of the map, whose scatter gives the errors of the law: 0 or 1 for none;
+    /// without the key 2, if the map is large enough.
     windows: Option<Spanned<usize>>,
 }
 

@@ -20,7 +20,7 @@ pub struct TargetFile {
     /// Target value: one number, or one per pressure.
     value: Option<Spanned<Numbers>>,
     /// Half-width about `value` within which the target is met; with only `lowest` or `highest`, distance beyond this
-    /// limit at which the search aims, 0.01 of the limit when absent. One number, or one per pressure.
+    /// limit at which the search aims (without the key 0.01 of the limit). One number, or one per pressure.
     tolerance: Option<Spanned<Numbers>>,
     /// Lower end of a band, in place of `value`: one number, or one per pressure.
     lowest: Option<Spanned<Numbers>>,

@@ -114,7 +114,7 @@ pub struct TraceConditionFile {
     speed_mm_s: Number,
     /// Relative humidity; if it was not measured, one number in all conditions.
     humidity_pct: Number,
-    /// Sample: `flat` or `patterned`; when absent, `patterned` in a trial and `flat` elsewhere.
+    /// Surface of the sample, `flat` or `patterned`; `flat` when absent, but `patterned` in a trial.
     surface: Option<Spanned<String>>,
     /// Exports, each once; `*` stands for any letters.
     files: Spanned<Vec<Spanned<String>>>,
