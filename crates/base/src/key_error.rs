@@ -48,7 +48,8 @@ impl KeyError {
         Self { key, refusal: Refusal::Rule { reason: reason.into(), expected: Some(expected.into()) } }
     }
 
-    /// Creates the refusal of `key` for the `error` of a type that its value converts to, by [`Refusal::from_error`].
+    /// Creates the refusal of `key` from `error`, with which the conversion of its value failed
+    /// ([`Refusal::from_error`]).
     pub fn from_error(key: &'static str, error: &dyn fmt::Display) -> Self {
         Self { key, refusal: Refusal::from_error(error) }
     }

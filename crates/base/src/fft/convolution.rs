@@ -6,12 +6,13 @@
 //! 1, which splits by
 //!
 //! ```text
-//! y^2m - c^2 = (y^m - c)(y^m + c)
+//! y^(2m) - c^2 = (y^m - c)(y^m + c)
 //! ```
 //!
-//! down to y - c, where c is the wave; the inverse goes back up. With real numbers y^2m - 1 leaves y^m - 1, which is
-//! real again, and y^m + 1 = (y^(m/2) - i)(y^(m/2) + i). The two remainders of the latter are conjugates, so that one
-//! complex remainder of m/2 numbers suffices: real data cost half of complex data, and no wave is computed twice.
+//! down to y - c, whose remainder is the amplitude of the wave c; the inverse goes back up. For real sequences,
+//! however, y^(2m) - 1 splits into y^m - 1, which is real again, and y^m + 1 = (y^(m/2) - i)(y^(m/2) + i). The two
+//! remainders of the latter are conjugates, so that one complex remainder of m/2 numbers suffices: real data cost half
+//! of complex data, and no wave is computed twice.
 //!
 //! 1. Columns, several side by side in vector lanes: real numbers to the waves along x, in place.
 //! 2. Each wave along x, a row of complex numbers: split down to rows of [`LANES`] numbers. The last splits take place
@@ -30,7 +31,7 @@ use crate::fft::splits::{LANES, ROOTS, TILE, filter_tile, radix_2, radix_4, tran
 /// Real and imaginary parts of complex numbers.
 type Parts<'a, V> = (&'a mut [V], &'a mut [V]);
 
-/// Size in bytes of the columns that are transformed together; it determines their number.
+/// Total size, in bytes, of the columns that are transformed together, which determines the number of these columns.
 const BLOCK_BYTES: usize = 1 << 20;
 /// Minimum number of columns that are transformed together.
 const MIN_BLOCK_COLUMNS: usize = 32;
@@ -46,9 +47,10 @@ const MIN_ROWS: usize = 8;
 pub struct Convolution<T> {
     rows: usize,
     cols: usize,
-    /// Real and imaginary parts of c, c^2 and c^3 by block; a block is a remainder modulo y^4m - c^4.
+    /// Real and imaginary parts of c, c^2 and c^3 for each block; a block is a remainder modulo y^(4m) - c^4.
     roots: Vec<[[T; 2]; 3]>,
-    /// `roots` in the order of the splits in tiles: per lane, the block of 16 numbers, then its four blocks of 4.
+    /// `roots` in the order in which tiles use them: per tile, those of the blocks of 16 numbers, one per lane, then
+    /// those of the four blocks of 4 in each.
     tile_roots: Vec<T>,
     /// Wave number along y, from 0 to cols/2, of each number of a row.
     waves_along_y: Vec<u32>,
@@ -70,7 +72,7 @@ fn wave_fraction(block: usize) -> f64 {
     (block as u64).reverse_bits() as f64 / 2f64.powi(64)
 }
 
-/// Real and imaginary parts of c, c^2 and c^3 for block `block`, a remainder modulo y^4m - c^4.
+/// Real and imaginary parts of c, c^2 and c^3 for block `block`, a remainder modulo y^(4m) - c^4.
 fn roots<T: Number>(block: usize) -> [[T; 2]; 3] {
     // c = exp(2 pi i fraction / 4)
     [1.0, 2.0, 3.0].map(|power| {
@@ -272,7 +274,7 @@ impl<T: Number> WithSimd for Filter<'_, T> {
 }
 
 impl<T: Number> Convolution<T> {
-    /// Transforms `columns`, stored as rows of equal length, after the first split of real numbers.
+    /// Transforms `columns`, stored as rows of equal length; the first split of the real numbers has already been made.
     #[inline(always)]
     fn columns_forward<S: Simd>(&self, simd: S, columns: &mut [T]) {
         let vectors = T::vectors_mut::<S>(columns);
@@ -327,8 +329,8 @@ impl<T: Number> Convolution<T> {
         self.split_rows(simd, (T::vectors_mut::<S>(re), T::vectors_mut::<S>(im)), (length, 0), true);
     }
 
-    /// Splits a block of `length` rows of complex numbers, number `first` of its level, down to single rows, or joins
-    /// single rows if `back`.
+    /// Splits a block of `length` rows of complex numbers, with the index `first` among the blocks of this size, down
+    /// to single rows, or joins single rows if `back`.
     #[inline(always)]
     fn split_rows<S: Simd>(&self, simd: S, (re, im): Parts<'_, T::V<S>>, (length, first): (usize, usize), back: bool) {
         let levels = length.ilog2().div_ceil(2);

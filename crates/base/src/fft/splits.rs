@@ -8,7 +8,8 @@ use crate::fft::number::Number;
 pub(crate) const LANES: usize = 16;
 /// Length of a tile: 16 x 16 numbers.
 pub(crate) const TILE: usize = LANES * LANES;
-/// Numbers per four-way split of a tile: real and imaginary parts of c, c^2 and c^3 for each lane.
+/// Number of stored constants per four-way split of a tile: real and imaginary parts of c, c^2 and c^3 for each lane,
+/// where y^(4m) - c^4 is the modulus that is split.
 pub(crate) const ROOTS: usize = 6 * LANES;
 
 /// A vector of complex numbers.
@@ -81,8 +82,8 @@ impl<T: Number, S: Simd> Wide<T, S> {
         Self { re: T::sum(s, self.re, b.im), im: T::difference(s, self.im, b.re) }
     }
 
-    /// Splits a0 + a1 y^m + a2 y^2m + a3 y^3m modulo the four factors of y^4m - c^4: the remainders for y^m = c, -c, ic
-    /// and -ic. `roots` are c, c^2 and c^3.
+    /// Splits a0 + a1 y^m + a2 y^(2m) + a3 y^(3m) modulo the four factors of y^(4m) - c^4: the remainders for y^m = c,
+    /// -c, ic and -ic. `roots` are c, c^2 and c^3.
     #[inline(always)]
     fn split(s: S, [a0, a1, a2, a3]: [Self; 4], roots: [Self; 3]) -> [Self; 4] {
         let (b1, b2, b3) = (a1.times(s, roots[0]), a2.times(s, roots[1]), a3.times(s, roots[2]));
@@ -169,7 +170,8 @@ pub(crate) fn radix_4<T: Number, S: Simd>(
     }
 }
 
-/// Splits one remainder into two by y^2m - c^2 = (y^m - c)(y^m + c), with c = `root`, or joins two into one if `back`.
+/// Splits one remainder into two by y^(2m) - c^2 = (y^m - c)(y^m + c), with c = `root`, or joins two into one if
+/// `back`.
 #[inline(always)]
 pub(crate) fn radix_2<T: Number, S: Simd>(s: S, re: &mut [T::V<S>], im: &mut [T::V<S>], root: [T; 2], back: bool) {
     let c = Wide::<T, S>::splat(s, root);
@@ -247,7 +249,7 @@ pub(crate) fn transpose<T: Number>(tile: &mut [T; TILE]) {
     rotate(&turned, tile);
 }
 
-/// Moves number n of quarter m to place m of group n of four numbers.
+/// Moves the number at index 64 m + n to index 4 n + m, for m = 0..4 and n = 0..64.
 #[inline(always)]
 fn rotate<T: Copy>(from: &[T; TILE], to: &mut [T; TILE]) {
     let (low, high) = from.split_at(TILE / 2);

@@ -31,10 +31,11 @@ pub struct Key(String);
 impl Key {
     /// Creates the key of a result of `kind` that follows from `content`; numbers are distinguished to the last bit.
     ///
-    /// The hash covers the schema's version and the `Debug` text of `content`. Derived `Debug` names every type and field, quotes texts and
-    /// writes the shortest digits that read back as the same number, so that different contents have different texts: a renamed or a new field is
-    /// a new key. `Debug` by hand could leave a field out; the tests of the house list the types that have one. Serialization would need serde in
-    /// ten crates that compute and do not read or write, and JSON writes one `null` for every number that is not finite.
+    /// The hash covers the schema's version and the `Debug` text of `content`. Derived `Debug` names every type and
+    /// field, quotes texts and writes the shortest digits that read back as the same number, so that different contents
+    /// have different texts: a renamed or a new field is a new key. `Debug` by hand could leave a field out; a test of
+    /// the workspace lists the types that have one. Serialization would need serde in ten crates that compute and do
+    /// not read or write, and JSON writes one `null` for every number that is not finite.
     pub fn of(kind: &str, content: &dyn Debug) -> Self {
         let mut hashed = Hashed(Sha256::new_with_prefix(SCHEMA));
         // Writing to a hash cannot fail.
@@ -117,9 +118,9 @@ impl Memory for InMemory {
 }
 
 /// Returns the result of `compute`, which must depend on `content` only. `kind` and `content` are the key of the result
-/// in the monitor's cache. A result found there advances the monitor by `share`; otherwise it is computed and stored.
-/// Errors are not stored, nor is any result once the monitor has cancelled, since it may be incomplete; such a monitor
-/// must remain cancelled.
+/// in the monitor's cache. A result found in the cache advances the monitor by `share`; otherwise the result is
+/// computed and stored. Errors are not stored, nor is any result once the monitor has cancelled, since it may be
+/// incomplete; such a monitor must remain cancelled.
 ///
 /// # Errors
 /// Those of `compute`.

@@ -30,7 +30,8 @@ use std::path::Path;
 pub use cancellable_reader::CancellableReader;
 pub use memory::{InMemory, Key, Memory, cached};
 
-/// Progress, cancellation and time. All methods have defaults, so that a monitor implements only what it needs.
+/// Progress, cancellation and time. All methods have defaults, so that a monitor implements only the methods that it
+/// needs.
 pub trait Monitor: Sync {
     /// Reports that the stage `name` begins; [`Monitor::advance`] counts from 0 again.
     fn stage(&self, _name: &str) {}
@@ -65,7 +66,7 @@ pub trait Monitor: Sync {
     /// Shows a message to the user while the work continues.
     fn note(&self, _text: &str) {}
 
-    /// Reports that `results` complete results are stored at `place`, safe from later failures.
+    /// Reports that `results` complete results are stored at `place` and will survive a later failure.
     fn kept(&self, _place: &Path, _results: usize) {}
 
     /// Cache of earlier results; results do not depend on it.

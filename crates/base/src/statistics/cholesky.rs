@@ -13,7 +13,8 @@ pub fn cholesky(matrix: &[f64], n: usize) -> Option<Vec<f64>> {
     is_definite.then_some(factor)
 }
 
-/// Fraction of a variance below which the remaining pivot is attributed to rounding of the covariance.
+/// A pivot below this fraction of the variance on the diagonal is attributed to rounding of the covariance and counts
+/// as zero.
 const COVARIANCE_ROUNDING: f64 = 1e-10;
 
 /// Computes the lower triangular factor of a covariance, n x n, which may be singular: a component that earlier

@@ -3,9 +3,9 @@
 use std::ops::Range;
 use std::sync::LazyLock;
 
-/// Maximum distance of the probability p from one half for the central approximation of the quantile.
+/// The central approximation of the quantile is used for probabilities at most this far from one half.
 const CENTRAL: f64 = 0.425;
-/// Value of sqrt(-ln p), p the probability in the tail, above which the approximation of the far tail is used.
+/// The approximation of the far tail is used if sqrt(-ln p) exceeds this value; p is the probability in the tail.
 const FAR: f64 = 5.0;
 
 /// Probability that a standard normal deviate is below `x`.
@@ -114,7 +114,7 @@ const FAR_BOTTOM: [f64; 8] = [
 
 /// Maximum number of Newton steps for the quantile of a mixture.
 const MAX_STEPS: usize = 100;
-/// Error of the probability at which the Newton iteration for the quantile of a mixture ends: that of the tables.
+/// The Newton iteration for the quantile of a mixture ends at this error of the probability: that of the tables.
 const MAX_OFF: f64 = 5e-9;
 
 /// Quantile of a mixture of normal distributions at the probability `p`. Each of `parts` has a weight, a mean and a
@@ -171,9 +171,9 @@ const MIN_TABULATED: f64 = 0.02;
 /// Tables that interpolate probabilities and quantiles for [`BoxRule`], which needs millions of values: a lookup takes
 /// a sixth of the time of [`normal_probability`] or [`normal_quantile`].
 struct Tables {
-    /// Probabilities at the nodes, each with its slope per node distance.
+    /// Probability at each node, and the derivative times the node distance.
     probability: Vec<[f64; 2]>,
-    /// Quantiles at the nodes, each with its slope per node distance.
+    /// Quantile at each node, and the derivative times the node distance.
     quantile: Vec<[f64; 2]>,
 }
 
@@ -194,8 +194,8 @@ static TABLES: LazyLock<Tables> = LazyLock::new(|| {
     }
 });
 
-/// Coefficients by increasing power of the cubic Hermite polynomial between the two nodes around `along`, a distance
-/// from the first node in node distances, and the position between these two nodes, from 0 to 1.
+/// Cubic Hermite polynomial between the two nodes around `along`, the distance from the first node in node distances:
+/// coefficients by increasing power, and the position between these two nodes, from 0 to 1.
 fn cubic(nodes: &[[f64; 2]], along: f64) -> ([f64; 4], f64) {
     // Within the nodes: the cast is exact.
     let place = (along as usize).min(nodes.len() - 2);
@@ -206,8 +206,8 @@ fn cubic(nodes: &[[f64; 2]], along: f64) -> ([f64; 4], f64) {
     ([from, slope_from, rise - slope_from - third, third], along - place as f64)
 }
 
-/// Interpolates the values and slopes `nodes` by cubic Hermite polynomials at `along`, a distance from the first node
-/// in node distances.
+/// Interpolates `nodes`, values and derivatives, by cubic Hermite polynomials at `along`, the distance from the first
+/// node in node distances.
 fn interpolate(nodes: &[[f64; 2]], along: f64) -> f64 {
     let ([c0, c1, c2, c3], t) = cubic(nodes, along);
     c0 + t * (c1 + t * (c2 + t * c3))

@@ -51,8 +51,8 @@ impl Axis {
         [(place + 1e-9).floor() as usize, (place - 1e-9).ceil() as usize]
     }
 
-    /// Index of the first of the four coefficients that contribute at `length`, and the weights of the four; outside
-    /// the axis, those at its end.
+    /// Index of the first of the four coefficients that contribute at `length`, and the weights of the four; a length
+    /// outside the axis is moved to the nearest end.
     fn weights(&self, length: f64) -> (usize, [f64; 4]) {
         if self.nodes == 1 {
             return (0, [1.0, 0.0, 0.0, 0.0]);
@@ -167,7 +167,8 @@ impl ResponseSurface {
         (0..first.nodes).flat_map(for_first).map(|[a, b, c]| [first.at(a), second.at(b), third.at(c)]).collect()
     }
 
-    /// Whether one of `nodes`, given by index, is a corner of the lattice cell that contains three lengths.
+    /// Whether one of `nodes`, indices in the order of `Self::nodes`, is a corner of the lattice cell that contains
+    /// `lengths`.
     pub fn is_beside(&self, nodes: &[usize], lengths: &[f64; 3]) -> bool {
         let [_, rows, columns] = self.axes.map(|axis| axis.nodes);
         let around: [_; 3] = std::array::from_fn(|axis| self.axes[axis].around(lengths[axis]));
@@ -177,7 +178,7 @@ impl ResponseSurface {
         })
     }
 
-    /// Interpolates the outputs at `lengths`; beyond the ends of an axis they are constant.
+    /// Interpolates the outputs at `lengths`; beyond the ends of an axis the outputs are constant.
     pub fn at(&self, lengths: &[f64; 3]) -> Vec<f64> {
         let [(a, u), (b, v), (c, w)] = std::array::from_fn(|axis| self.axes[axis].weights(lengths[axis]));
         let [_, rows, columns] = self.axes.map(|axis| axis.coefficients());

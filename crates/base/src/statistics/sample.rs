@@ -1,6 +1,7 @@
 //! Median, mean and standard deviation of a sample.
 
-/// Median of `values`, the upper one for an even count; `None` for an empty slice. Reorders `values`.
+/// Median of `values`, for an even count the larger of the two middle values; `None` for an empty slice. Reorders
+/// `values`.
 pub fn upper_median(values: &mut [f64]) -> Option<f64> {
     let middle = values.len() / 2;
     if values.is_empty() {
@@ -9,7 +10,8 @@ pub fn upper_median(values: &mut [f64]) -> Option<f64> {
     Some(*values.select_nth_unstable_by(middle, f64::total_cmp).1)
 }
 
-/// Median of `values`, the mean of the two middle ones for an even count; `None` for an empty slice. Reorders `values`.
+/// Median of `values`, for an even count the mean of the two middle values; `None` for an empty slice. Reorders
+/// `values`.
 pub fn median(values: &mut [f64]) -> Option<f64> {
     let upper = upper_median(values)?;
     if !values.len().is_multiple_of(2) {

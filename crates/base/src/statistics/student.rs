@@ -1,6 +1,6 @@
 //! Quantiles of Student's t distribution.
 
-/// The 97.5 % quantile of the standard normal distribution.
+/// The 97.5 % quantile of the standard normal distribution: 95 % lie between its negative and this value.
 pub const NORMAL_95: f64 = 1.959_964;
 
 /// A two-sided confidence level.
@@ -13,11 +13,11 @@ pub struct Confidence {
 }
 
 impl Confidence {
-    /// 95 %: 1.96 standard errors of a normal deviate.
+    /// 95 %: within 1.96 standard deviations of a normal distribution.
     pub const PERCENT_95: Self = Self { normal: NORMAL_95, few: &[12.706_205, 4.302_653, 3.182_446] };
-    /// 95.45 %: two standard errors of a normal deviate.
+    /// 95.45 %: within two standard deviations of a normal distribution.
     pub const TWO_SIGMA: Self = Self { normal: 2.0, few: &[13.968, 4.527, 3.307, 2.869] };
-    /// 99.5 %: 2.81 standard errors of a normal deviate.
+    /// 99.5 %: within 2.81 standard deviations of a normal distribution.
     pub const PERCENT_99_5: Self =
         Self { normal: 2.807_034, few: &[127.321_34, 14.089_05, 7.453_319, 5.597_568, 4.773_341, 4.316_827] };
 

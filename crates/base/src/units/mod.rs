@@ -67,7 +67,8 @@ impl Quantity {
         }
     }
 
-    /// Converts `si` to the file's unit, rounded to 12 digits, so that conversion and back gives the number written.
+    /// Converts `si` to the file's unit, rounded to 12 digits, so that a number read from a file is written back
+    /// unchanged.
     pub fn from_si(&self, si: f64) -> f64 {
         tidy(match self.scale {
             Scale::Times(factor) => si / factor,
@@ -75,7 +76,7 @@ impl Quantity {
         })
     }
 
-    /// Returns the number that is read back after `si` was written to a file with 12 digits.
+    /// Returns the number, in SI units, that is read back after `si` was written to a file with 12 digits.
     pub fn as_written(&self, si: f64) -> f64 {
         self.to_si(self.from_si(si))
     }
@@ -138,9 +139,10 @@ pub const FORCE_N: Quantity = Quantity::new(Scale::Times(1.0), "N", 0.0, true, 1
 pub const FRICTION: Quantity = Quantity::new(Scale::Times(1.0), "", 0.0, true, 10.0);
 /// Standard deviations of friction coefficients.
 pub const FRICTION_STD: Quantity = Quantity::new(Scale::Times(1.0), "", 0.0, false, 10.0);
-/// Relative scatter of the local coefficients; above one half the negative tail of the Gaussian matters.
+/// Standard deviations of local friction coefficients over their means; above one half the negative tail of the
+/// Gaussian matters.
 pub const RELATIVE_STD: Quantity = Quantity::new(Scale::Times(1.0), "", 0.0, false, 0.5);
-/// Factors f(P) of the area law, dimensionless.
+/// Factors f(P) of the area law: real contact area relative to growth in proportion to pressure; dimensionless.
 pub const FACTOR: Quantity = Quantity::new(Scale::Times(1.0), "", 0.0, false, 10.0);
 /// Standard errors of the area law's factors.
 pub const FACTOR_STD: Quantity = Quantity::new(Scale::Times(1.0), "", 0.0, false, 10.0);
@@ -167,11 +169,11 @@ pub const TIME_S: Quantity = Quantity::new(Scale::Times(1.0), "s", 0.0, false, 1
 pub const STEP_NS: Quantity = Quantity::new(Scale::Over(1e9), "ns", 0.0, true, 1e6);
 /// Poisson's ratios of an isotropic solid.
 pub const POISSON: Quantity = Quantity::new(Scale::Times(1.0), "", -1.0, true, 0.5);
-/// Angles of grooves: a rotation by 180 degrees changes nothing.
+/// Angles of grooves from the direction across the specimen's X axis: a rotation by 180 degrees changes nothing.
 pub const GROOVE_ANGLE_DEG: Quantity = Quantity::new(Scale::Times(1.0), "degrees", -90.0, false, 90.0);
 /// Angles between two families of grooves.
 pub const CROSSING_ANGLE_DEG: Quantity = Quantity::new(Scale::Times(1.0), "degrees", 10.0, false, 90.0);
-/// Angles of the sliding direction.
+/// Angles of the sliding direction from the specimen's X axis.
 pub const SLIDING_ANGLE_DEG: Quantity = Quantity::new(Scale::Times(1.0), "degrees", -180.0, false, 180.0);
 /// Angles of walls from vertical.
 pub const WALL_TAPER_DEG: Quantity = Quantity::new(Scale::Times(1.0), "degrees", 0.0, false, 80.0);
@@ -198,7 +200,7 @@ pub fn significant(value: f64, digits: usize) -> f64 {
     if value.is_finite() { format!("{value:.*e}", digits.saturating_sub(1)).parse().unwrap_or(value) } else { value }
 }
 
-/// Formats `value`, with an exponent if it would have too many digits.
+/// Formats `value` with all digits that it needs; magnitudes below 1e-9 and from 1e16 on have an exponent.
 pub fn in_digits(value: f64) -> String {
     let is_plain = value == 0.0 || (1e-9..1e16).contains(&value.abs());
     if is_plain { value.to_string() } else { format!("{value:e}") }
