@@ -17,7 +17,7 @@ pub struct AreaLaw {
     factor: Vec<f64>,
     /// df/dp in each interval of the table, per pascal.
     slope: Vec<f64>,
-    /// Standard errors of the factors, if known.
+    /// Standard errors of the factors, one per tabulated pressure; `None` if unknown.
     factor_std: Option<Vec<f64>>,
 }
 
@@ -25,15 +25,15 @@ pub struct AreaLaw {
 /// `from_pa` to `to_pa`, in pascals.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Piece {
-    /// Start of the interval, included.
+    /// Lower end of the interval, in pascals, included.
     pub from_pa: f64,
-    /// End of the interval, not included.
+    /// Upper end of the interval, in pascals, not included.
     pub to_pa: f64,
-    /// Constant term.
+    /// Constant term of p f(p), in pascals.
     pub constant_pa: f64,
-    /// Coefficient of p.
+    /// Coefficient of p, dimensionless.
     pub linear: f64,
-    /// Coefficient of p^2.
+    /// Coefficient of p^2, per pascal.
     pub quadratic_per_pa: f64,
 }
 
@@ -53,7 +53,7 @@ const ROUNDED_FACTOR: f64 = 1.002;
 /// Width of the ramp that replaces a step of f, relative to the pressure of the step. f is then continuous, and a block
 /// pushed across the step has an equilibrium on the ramp.
 const STEP_WIDTH: f64 = 1e-3;
-/// Deviation of the first factor from 1 that does not count as a step.
+/// A first factor that deviates from 1 by at most this value does not count as a step.
 const STEP_TOLERANCE: f64 = 1e-6;
 
 impl AreaLaw {
@@ -148,7 +148,7 @@ impl AreaLaw {
     }
 
     /// Like [`AreaLaw::factor`], but first tries `near`, the index of the interval of the previous call, and updates
-    /// it. This is much faster if pressures change slowly.
+    /// `near`. This is much faster if pressures change slowly.
     #[inline]
     pub fn factor_near(&self, pressure_pa: f64, near: &mut usize) -> f64 {
         let (p, f) = (&self.pressure_pa, &self.factor);
@@ -204,8 +204,8 @@ impl AreaLaw {
         pressure_pa > self.pressure_pa[self.pressure_pa.len() - 1]
     }
 
-    /// Pressure, in pascals, and value of the largest f; `None` unless it exceeds 1 by more than rounding. Such a law
-    /// has more friction per load there than at light loads, which contact area cannot explain.
+    /// Pressure, in pascals, and value of the largest f; `None` unless it exceeds 1 by more than rounding. At that
+    /// pressure the law gives more friction per load than at light loads, which contact area cannot explain.
     pub fn above_one(&self) -> Option<(f64, f64)> {
         let largest =
             self.pressure_pa.iter().copied().zip(self.factor.iter().copied()).max_by(|a, b| a.1.total_cmp(&b.1));
@@ -233,7 +233,7 @@ impl AreaLaw {
         &self.factor
     }
 
-    /// Standard errors of the tabulated factors, if known.
+    /// Standard errors of the tabulated factors, one per pressure; `None` if unknown.
     pub fn factor_std(&self) -> Option<&[f64]> {
         self.factor_std.as_deref()
     }

@@ -8,8 +8,8 @@ use crate::material::condition::{Condition, between, close};
 use crate::material::friction::unknown_condition;
 use crate::material::{Friction, MaterialError};
 
-/// Relative shift of a speed past the end of the measured speeds at one humidity: far larger than the tolerance of
-/// equal speeds, and too small to change friction.
+/// Fraction by which a speed is shifted past the end of the measured speeds at one humidity: far more than the
+/// tolerance of equal speeds, and too little to change friction.
 const SPEED_SHIFT: f64 = 1e-4;
 /// Tolerance for equal weights of measured conditions.
 const WEIGHT_TOLERANCE: f64 = 1e-9;
@@ -197,8 +197,8 @@ fn weights_in(measured: &[Condition], wanted: &Condition) -> Option<Vec<f64>> {
     Some(shares)
 }
 
-/// Whether the weights `here`, at the coordinate `at`, are interpolated linearly between `before` at `from` and `after`
-/// at `to`.
+/// Whether linear interpolation between the weights `before` at the coordinate `from` and `after` at `to` gives the
+/// weights `here` at the coordinate `at`.
 fn is_between([before, here, after]: [&Vec<f64>; 3], [from, at, to]: [f64; 3]) -> bool {
     let t = (at - from) / (to - from);
     let is_on_line =

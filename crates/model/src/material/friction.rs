@@ -57,7 +57,7 @@ pub struct ConditionFriction {
     pub pressure_pa: f64,
     /// Speed and humidity; `None` if the coefficients hold for all conditions.
     pub condition: Option<Condition>,
-    /// The coefficients.
+    /// Means and scatter of the local friction coefficients.
     pub friction: LocalFriction,
 }
 
@@ -74,7 +74,7 @@ pub enum Friction {
 /// Coefficients at one nominal pressure.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FrictionAt {
-    /// The coefficients.
+    /// Means and scatter of the local friction coefficients at the pressure.
     pub friction: LocalFriction,
     /// Whether the pressure is outside the measured range by more than [`END_MARGIN`]. Coefficients outside the range
     /// are those of the nearest measured pressure.
@@ -161,9 +161,9 @@ impl Friction {
     }
 }
 
-/// Distance beyond an end of the measured pressures, relative to the pressure, up to which a pressure still counts as
-/// measured. A coefficient that changes by 20 % over a factor of four in pressure, like that of the published polymer,
-/// changes by 0.7 % over this distance, which is less than its standard error.
+/// A pressure outside the measured range still counts as measured if its distance from the range is at most this
+/// fraction of the pressure. A coefficient that changes by 20 % over a factor of four in pressure, like that of the
+/// published polymer, changes by 0.7 % over this distance, which is less than its standard error.
 pub const END_MARGIN: f64 = 0.05;
 
 /// Coefficients at a pressure, from the `rows` of one condition; `None` without rows.

@@ -3,12 +3,12 @@
 use crate::material::error::positive;
 use crate::material::{AreaLaw, MaterialError};
 
-/// Width of the first tabulated interval, relative to its pressure, below which the interval is a step. A step does not
-/// show the curvature of the contact area.
+/// The first tabulated interval counts as a step if its width is less than this fraction of its first pressure. A step
+/// does not show the curvature of the contact area.
 const MAX_STEP_WIDTH: f64 = 1e-2;
 
-/// Maximum pressure, relative to the threshold, of a point of the parabola that extrapolates area per load below the
-/// threshold; if points are further apart, the extrapolation is linear.
+/// Maximum pressure, relative to the threshold, of the three points whose parabola extrapolates area per load below the
+/// threshold; if a point lies higher, the extrapolation is linear.
 const MAX_CURVATURE_RATIO: f64 = 3.0;
 
 /// Extrapolation of g(P) = A(P) / P, relative to the threshold P0, to pressures below P0: g = value + slope x +
@@ -86,8 +86,8 @@ impl AreaLaw {
         Self::new(pressure_pa, factors)
     }
 
-    /// Adds `deviates` standard errors to all factors, which are kept at 0 or above; returns the law itself if standard
-    /// errors are not known. Shifting all factors to the same side is the worst case.
+    /// Adds `deviates` standard errors to all factors, and raises negative factors to 0; returns the law itself if
+    /// standard errors are not known. Shifting all factors to the same side is the worst case.
     pub fn with_factors_off_by(&self, deviates: f64) -> Self {
         let Some(std) = self.factor_std() else { return self.clone() };
         let factors = self.factors().iter().zip(std).map(|(f, std)| (f + deviates * std).max(0.0)).collect();

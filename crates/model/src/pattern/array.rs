@@ -112,7 +112,7 @@ impl Pattern {
         Some(self.length_m()? + self.spacing_across_m()?)
     }
 
-    /// Whether the pattern does not vary along y: grooves without crossing ones.
+    /// Whether the pattern does not vary along y: true only for grooves of one family.
     pub fn is_uniform_along_y(&self) -> bool {
         self.planform() == Planform::Groove
     }
@@ -236,9 +236,9 @@ impl Pattern {
         covered_m2(rhombus, [cell_x_m / 2.0, 0.0]) + covered_m2(rhombus, [0.0, cell_y_m / 2.0])
     }
 
-    /// Fraction of a vertical section along x through the cavities' centres that is cavity, width / pitch. For a
-    /// polygon this is the section at its largest width, for crossing grooves a section across one family between two
-    /// grooves of the other.
+    /// Fraction of the length of a vertical section along x, through the cavities' centres, that is cavity: width /
+    /// pitch. For a polygon this is the section at its largest width, for crossing grooves a section across one family
+    /// between two grooves of the other.
     pub fn section_density(&self) -> f64 {
         self.width_m / self.pitch_m()
     }

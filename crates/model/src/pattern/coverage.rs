@@ -17,7 +17,8 @@ pub(crate) enum Shape<'a> {
     Disc { diameter_m: f64 },
     /// A simple anticlockwise polygon: `scale_m` times its vertices, within `extents_m` about the origin.
     Polygon { vertices: &'a [[f64; 2]], scale_m: f64, extents_m: [f64; 2] },
-    /// A region given by the pieces of its boundary, in any order, with the inside on their left.
+    /// A region given by the pieces of its boundary, in any order, with the inside on their left, and scaled like a
+    /// polygon.
     Pieces { pieces: &'a [[[f64; 2]; 2]], scale_m: f64, extents_m: [f64; 2] },
 }
 
@@ -72,8 +73,8 @@ pub(crate) fn covered_area(shape: Shape<'_>, sublattice: &Sublattice, x_m: [f64;
     area_m2
 }
 
-/// Splits `interval_m` into whole periods, given as their number and the first of them, and the remainder, with the
-/// number 1.
+/// Splits `interval_m` into whole periods and a remainder: returns the number of periods with the first period, if
+/// there is one, and the number 1 with the remainder.
 fn pieces(interval_m: [f64; 2], period_m: f64) -> impl Iterator<Item = (f64, [f64; 2])> {
     let [low_m, high_m] = interval_m;
     let periods = ((high_m - low_m) / period_m).floor();
@@ -81,8 +82,8 @@ fn pieces(interval_m: [f64; 2], period_m: f64) -> impl Iterator<Item = (f64, [f6
     (periods > 0.0).then_some((periods, [low_m, low_m + period_m])).into_iter().chain([rest])
 }
 
-/// Coordinates of the ends of `interval_m`, at most a period long, relative to the centre of each shape of extent
-/// `extent_m` that overlaps it.
+/// Ends of `interval_m`, in metres, relative to the centre of each shape of extent `extent_m` that overlaps the
+/// interval. Shapes are centred at `centre_m` + k `period_m` for all integers k; the interval is at most a period long.
 fn near(interval_m: [f64; 2], centre_m: f64, period_m: f64, extent_m: f64) -> impl Iterator<Item = [f64; 2]> {
     let [low_m, high_m] = interval_m.map(|end_m| end_m - centre_m);
     let first = ((low_m - extent_m / 2.0) / period_m).ceil();
@@ -101,7 +102,7 @@ fn overlap([low_m, high_m]: [f64; 2], extent_m: f64) -> f64 {
 
 /// Area of the intersection of the rectangle `x` by `y` with the region enclosed by `scale` times `boundary`, whose
 /// edges have the inside on their left: the sum over the edges of the area below each edge within the rectangle,
-/// positive towards lower x. No term exceeds the rectangle.
+/// positive towards lower x. No term exceeds the area of the rectangle.
 fn area_within(
     boundary: impl Iterator<Item = ([f64; 2], [f64; 2])>,
     scale: f64,

@@ -6,11 +6,11 @@ pub enum PatternError {
     /// A property was set that cavities of the planform do not have.
     #[error("{property} has no meaning for planform \"{planform}\": expected {expected}")]
     NoSuchProperty {
-        /// `a length`, `an outline`, `a spacing across`, `a staggered arrangement`, `a groove angle` or `a crossing angle`.
+        /// Name of the property, for example `a length`, `an outline`, `a staggered arrangement` or `a groove angle`.
         property: &'static str,
         /// Planform of the cavities.
         planform: Planform,
-        /// Description of what is accepted.
+        /// Description of the planforms or settings that are accepted.
         expected: &'static str,
     },
     /// A number out of range, an outline that encloses nothing or meets itself, rows that overlap, or a relief that does

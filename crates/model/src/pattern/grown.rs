@@ -33,9 +33,9 @@ struct ShiftedPiece {
 }
 
 impl Polygon {
-    /// Computes the region of all points within `distance`, in units of the extent along x, of the polygon. Time is
-    /// proportional to the square of the number of corners: two milliseconds for a hundred. A distance that is not
-    /// positive and finite returns the outline itself.
+    /// Computes the region of all points within `distance` of the polygon; `distance` is divided by the extent along x.
+    /// Time is proportional to the square of the number of corners: two milliseconds for a hundred corners. A distance
+    /// that is not positive and finite returns the outline itself.
     pub(crate) fn grown(&self, distance: f64) -> Grown {
         let vertices = self.vertices();
         if !(distance > 0.0 && distance.is_finite()) {

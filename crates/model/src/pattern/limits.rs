@@ -11,7 +11,8 @@ pub struct ManufacturingLimits {
     pub min_land_m: Option<f64>,
     /// Diameter of the laser spot, in metres, which is the minimum width of a cavity.
     pub spot_m: Option<f64>,
-    /// Depth removed by the smallest exposure (a burst, or a pass over lines), in metres; depths are multiples of it.
+    /// Depth removed by the smallest exposure (a burst, or a pass over lines), in metres; depths of cavities are
+    /// multiples of this depth.
     pub depth_per_burst_m: Option<f64>,
     /// Horizontal extent of a sloping wall over its height. Opposite walls must not meet above the floor of the cavity.
     pub wall_slope: Option<f64>,
@@ -25,7 +26,7 @@ pub enum LimitViolation {
     LandTooNarrow {
         /// Minimum distance between two cavities of the pattern, in metres.
         land_m: f64,
-        /// Minimum land, in metres.
+        /// Minimum distance between two cavities that the laser can make, in metres.
         min_land_m: f64,
     },
     /// The cavity is narrower than the laser spot.
@@ -47,7 +48,7 @@ pub enum LimitViolation {
 }
 
 impl LimitViolation {
-    /// Amount by which the limit is violated, relative to the limit.
+    /// Amount by which the limit is violated, as a fraction of the limit.
     pub fn excess(&self) -> f64 {
         match *self {
             Self::LandTooNarrow { land_m, min_land_m } => 1.0 - land_m / min_land_m,
@@ -78,7 +79,7 @@ impl ManufacturingLimits {
         broken
     }
 
-    /// Whether the sloping walls of `pattern` meet above its floor.
+    /// Whether the sloping walls of the cavities of `pattern` meet above the floor.
     pub fn walls_meet(&self, pattern: &Pattern) -> bool {
         self.deepest_m(pattern).is_some_and(|deepest_m| pattern.depth_m() > deepest_m * (1.0 + ROUNDING))
     }

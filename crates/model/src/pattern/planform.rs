@@ -51,7 +51,7 @@ impl fmt::Display for Planform {
 /// Arrangement of the rows of cavities. Rows run along the pattern's x axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Arrangement {
-    /// All rows are equal.
+    /// Rows are not shifted along x.
     #[default]
     Square,
     /// Every second row is shifted along x by half a pitch.

@@ -98,7 +98,8 @@ impl TextureRecord {
     /// given.
     ///
     /// # Errors
-    /// [`KeyError`] if a name is unknown, a number is out of range, or the planform does not use a key.
+    /// [`KeyError`] if a name is unknown, a number is out of range, a key that the planform needs is absent, or the
+    /// planform does not use a key.
     pub fn texture(&self, drawn: Option<Polygon>) -> Result<Texture, KeyError> {
         let planform = self.planform()?;
         // A property that the planform lacks is refused at the key that needs it.

@@ -28,7 +28,7 @@ struct Overlap {
 }
 
 impl Overlap {
-    /// Whether each cavity covers at least half of the other.
+    /// Whether the cavity of the map and the cavity of the pattern each cover at least half of the other.
     fn is_one_cavity(self) -> bool {
         self.both >= MIN_OVERLAP * self.map && self.both >= MIN_OVERLAP * self.pattern
     }
@@ -49,8 +49,8 @@ pub struct ReliefMap {
 }
 
 impl ReliefMap {
-    /// Creates a map of `heights_m`, x fastest, with `pixels` along x and y over a period of `sides_m`; heights are
-    /// positive towards the counterface.
+    /// Creates a map of heights over a period of `sides_m` along x and y, in metres and positive towards the
+    /// counterface. With nx by ny `pixels`, the height of pixel i along x and j along y is `heights_m[j nx + i]`.
     ///
     /// # Errors
     /// [`PatternError::Refused`] for invalid sides, or unless there is a finite height for every pixel.
@@ -96,7 +96,7 @@ impl ReliefMap {
         Err(elsewhere(if self.turned().has_cavity_of(pattern) { turned } else { "" }))
     }
 
-    /// Whether the map has no cavity or one that matches the cavity of `pattern`; an error if it matches the pattern
+    /// Whether the map has no cavity, or a cavity that matches that of `pattern`; an error if it matches the pattern
     /// with width and spacing exchanged.
     fn is_accepted(&self, pattern: &Pattern) -> Result<bool, PatternError> {
         let Some(own) = self.overlap(pattern) else { return Ok(true) };
@@ -129,7 +129,7 @@ impl ReliefMap {
         means.iter().map(|own| (own - mean).powi(2)).sum::<f64>() / count as f64
     }
 
-    /// Whether the map has no cavity, or one that matches the cavity of `pattern`.
+    /// Whether the map has no cavity, or a cavity that matches that of `pattern`.
     fn has_cavity_of(&self, pattern: &Pattern) -> bool {
         self.overlap(pattern).is_none_or(Overlap::is_one_cavity)
     }

@@ -27,7 +27,7 @@ const RIGHT_ANGLE_DEG: f64 = 90.0;
 const MAX_GROOVE_ANGLE_DEG: f64 = 90.0;
 const MAX_SLIDING_ANGLE_DEG: f64 = 180.0;
 
-/// A component of the sliding direction below this value counts as zero.
+/// A component of the sliding direction's unit vector below this value counts as zero.
 const MIN_COMPONENT: f64 = 1e-9;
 
 impl Texture {
@@ -170,17 +170,18 @@ impl Texture {
         self.planform
     }
 
-    /// Length of a rectangle along y, in metres, if it differs from the width.
+    /// Length of a rectangle along y, in metres; `None` if it is not set and equals the width.
     pub const fn length_m(&self) -> Option<f64> {
         self.length_m
     }
 
-    /// Outline of polygons; `None` for other planforms, and for polygons that are squares.
+    /// Outline of polygons; `None` for other planforms, and for polygons without a set outline, which are squares.
     pub const fn outline(&self) -> Option<Polygon> {
         self.outline
     }
 
-    /// Gap between neighbouring rows along y, in metres, if it differs from the spacing along x.
+    /// Gap between neighbouring rows along y, in metres; `None` if it is not set: then it equals the spacing along x or
+    /// follows from a hexagonal arrangement.
     pub const fn spacing_across_m(&self) -> Option<f64> {
         self.spacing_across_m
     }
@@ -297,7 +298,7 @@ impl From<Planform> for Texture {
     }
 }
 
-/// Error for a given spacing across in a hexagonal arrangement, which determines the spacing.
+/// Error for a stated `spacing_across` in a hexagonal arrangement, where it follows from the pitch.
 fn hexagonal_rows() -> PatternError {
     let refused = "rows of a hexagonal arrangement are sqrt(3)/2 of a pitch apart: expected no spacing across";
     PatternError::Refused(refused.to_owned())

@@ -40,8 +40,8 @@ pub struct SteadyCell {
     loads: Vec<Load>,
     liftoff: bool,
     relief: Option<Arc<ReliefMap>>,
-    /// Tolerance: a solve in space ends when the sum of the magnitudes of unbalanced forces, over the load, is no
-    /// larger.
+    /// A solve in space ends when the sum of the magnitudes of unbalanced forces over the load is at most this
+    /// tolerance.
     tolerance: f64,
 }
 
@@ -58,7 +58,7 @@ pub struct CellOutcome {
 }
 
 impl CellOutcome {
-    /// Combines the result `surface` under `load` with the friction of the flat surface.
+    /// Combines the outcome `surface` of the pattern under `load` with the friction of the flat surface.
     fn new(load: &Load, area_law: Option<&AreaLaw>, surface: SurfaceOutcome) -> Self {
         let mu_flat = Some(load.flat_mu(area_law)).filter(|mu| *mu > 0.0 && load.pressure_pa > 0.0);
         let ratio = match (surface.status, surface.mu_dynamic, mu_flat) {
@@ -262,7 +262,8 @@ impl SteadyCell {
         outcomes.map(|(outcome, load)| CellOutcome::new(load, area_law, outcome)).collect()
     }
 
-    /// Returns the ratios of [`Self::solve`] only.
+    /// Returns only the ratios of [`Self::solve`], one per load: friction of the patterned over that of the flat
+    /// surface.
     ///
     /// A closed cavity does not make the ratio `None`, although the result is then invalid: the model lets the ceiling
     /// pass through the counterface. Check `surface.cavity_closed` of [`Self::solve`].
@@ -275,8 +276,8 @@ impl SteadyCell {
         self.solve_heeding(pattern, monitor).into_iter().map(|outcome| outcome.ratio).collect()
     }
 
-    /// Returns the ratios of many patterns in their order. Patterns are solved in parallel on rayon's current pool; the
-    /// result does not depend on the number of threads.
+    /// Returns the ratios of many patterns, in the order of the patterns and then of the loads. Patterns are solved in
+    /// parallel on rayon's current pool; the result does not depend on the number of threads.
     pub fn ratios_of(&self, patterns: &[Pattern]) -> Vec<Vec<Option<f64>>> {
         patterns.par_iter().map(|pattern| self.ratios(pattern)).collect()
     }

@@ -4,8 +4,9 @@
 //! nearest whole number of equal columns, stretched to fit. The left edge of the first cavity lies between two columns;
 //! other edges lie where the pattern puts them, so that a column may be covered in part. A sample has a length of whole
 //! blocks, and its columns are fitted to the edges: each land and each cavity is divided into the nearest whole number
-//! n of columns, whose common width differs from l by at most l/(2 n). The depth is kept in fractions of a row, the
-//! relief (heights of rims or of a measured face) as the mean over the land part of a column's face.
+//! n of columns, whose common width differs from the lattice spacing l by at most l/(2 n). The depth is kept in
+//! fractions of a row, the relief (heights of rims or of a measured face) as the mean over the land part of a column's
+//! face.
 
 use crate::pattern::{Pattern, ReliefMap, Texture};
 
@@ -14,7 +15,7 @@ use crate::springblock::rims::{PLANE_STRAIN, Rims};
 /// One column of blocks.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Column {
-    /// Width over the lattice spacing l.
+    /// Width, in lattice spacings.
     pub width: f64,
     /// Fraction of the column that is cavity: 0 on land, 1 in a cavity, in between at an edge.
     pub coverage: f64,
@@ -42,8 +43,8 @@ impl Column {
     }
 }
 
-/// Tolerance within which a length counts as a whole number of blocks, so that the regular lattice is reproduced to the
-/// last bit.
+/// A length that differs from a whole number of blocks by less than this fraction is rounded, so that the regular
+/// lattice is reproduced to the last bit.
 const WHOLE_TOLERANCE: f64 = 1e-9;
 
 /// Rounds `blocks` to a whole number if the difference is only a rounding error.
@@ -99,8 +100,8 @@ pub fn flat(count: usize) -> Vec<Column> {
 /// Stretching to fit changes the length by at most half a column, which then keeps the stiffness of every spring
 /// positive.
 const MIN_STRETCHED_COLUMNS: f64 = 8.0;
-/// Minimum covered or uncovered fraction of a column; smaller fractions are rounded away, because nothing would support
-/// such a block.
+/// Minimum covered or uncovered fraction of a column; smaller fractions count as 0, because nothing would support so
+/// small a part of a block.
 const MIN_COVERAGE: f64 = 1e-6;
 
 /// Returns the number of periods, the number of columns and the column width of a cell `blocks` lattice spacings long.
@@ -128,7 +129,8 @@ pub fn round_share(share: f64) -> f64 {
 /// Divides one period of `pattern` into columns.
 ///
 /// Several periods are taken if the period is not a whole number of blocks and has fewer than 8 columns, or if the rims
-/// have different heights. If the first cavity has c of m columns, floor((m - c)/2) columns precede it.
+/// have different heights. If the cell has m columns and a cavity is c columns wide, floor((m - c)/2) columns precede
+/// the first cavity.
 pub fn cell(pattern: &Pattern, block_m: f64) -> Vec<Column> {
     cell_with_map(pattern, block_m, None)
 }
@@ -185,8 +187,8 @@ fn with_measured_relief(
 /// Divides the whole specimen, `length` lattice spacings long, into columns.
 ///
 /// The specimen begins with half a land, like a cell, and its end cuts the last period. The rest of the last land or
-/// cavity is divided into columns like the others; a sliver narrower than [`MIN_PIECE_WIDTH`] is added to the piece
-/// before it.
+/// cavity is divided into columns like the others; a remainder narrower than [`MIN_PIECE_WIDTH`] is added to the land
+/// or cavity before it.
 pub fn sample(pattern: &Pattern, block_m: f64, length: usize) -> Vec<Column> {
     sample_with_map(pattern, block_m, length, None)
 }
@@ -295,8 +297,8 @@ pub fn with_relief(mut columns: Vec<Column>, pattern: &Pattern, block_m: f64, ma
 /// positive stiffness for widths between 1/sqrt(3) and sqrt(3) lattice spacings.
 const MIN_PIECE_WIDTH: f64 = 0.6;
 
-/// Appends a last piece of columns like `column`, cut off after `left` lattice spacings; a sliver is merged with the
-/// piece before it.
+/// Appends a last piece, `left` lattice spacings long, of columns like `column`; a sliver is merged with the piece
+/// before it.
 fn clip(columns: &mut Vec<Column>, column: Column, left: f64) {
     if left >= MIN_PIECE_WIDTH || columns.is_empty() {
         let count = columns_in(left);

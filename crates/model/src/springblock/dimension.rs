@@ -2,8 +2,8 @@
 
 use crate::pattern::{Pattern, Texture};
 
-/// Dimension in which scenes and cells are solved. The methods name the consequences, so that other crates need not
-/// compare dimensions.
+/// Dimension in which scenes and cells are solved. The methods name the consequences of the dimension, so that other
+/// crates need not compare dimensions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Dimension {
     /// In the vertical plane along the sliding direction.
@@ -55,8 +55,8 @@ impl Dimension {
         matches!(self, Self::Space)
     }
 
-    /// Returns `pattern` if its sections differ and this dimension, the plane, represents only one of them; `None`
-    /// otherwise.
+    /// Returns `pattern` if this dimension is the plane, and the pattern's sections along the sliding direction differ,
+    /// so that only one section is represented; `None` otherwise.
     pub fn section_of(self, pattern: &Pattern) -> Option<&Pattern> {
         Some(pattern).filter(|pattern| !self.sees_face() && !pattern.texture().is_one_section())
     }

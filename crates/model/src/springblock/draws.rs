@@ -22,7 +22,7 @@ pub struct Coefficients {
 }
 
 impl Coefficients {
-    /// Threshold coefficient of friction at rest. A block that draws mu_s < mu_d starts at mu_d.
+    /// Friction coefficient at which a block at rest starts to slide: mu_s, or mu_d if mu_s < mu_d was drawn.
     pub fn starting_mu(&self) -> f64 {
         self.static_mu.max(self.dynamic_mu)
     }

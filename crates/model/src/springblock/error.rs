@@ -14,7 +14,7 @@ pub enum SceneError {
     /// A dimension of the layer is not a whole number of blocks.
     #[error("{quantity} is {length_m} m, which is not a whole number of blocks of {block_m} m")]
     NotWholeBlocks {
-        /// `length_m` or `layer_m`.
+        /// Name of the dimension: `length_m` or `layer_m`, the height of the layer.
         quantity: &'static str,
         /// Value of the dimension, in metres.
         length_m: f64,

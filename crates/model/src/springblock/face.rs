@@ -80,8 +80,8 @@ impl Face {
         self.cavity_share
     }
 
-    /// Cavity fraction D of the face over the cavity fraction D_cell of a section of `pattern`. The friction reductions
-    /// of the face and of a periodic cell have this ratio.
+    /// Cavity fraction D of the face over the cavity fraction D_cell of a section of `pattern`. The friction reduction
+    /// of the face over that of a periodic cell equals this ratio.
     pub fn share_of(&self, pattern: &Pattern) -> f64 {
         self.cavity_share / pattern.section_density()
     }

@@ -24,14 +24,16 @@ pub struct Lattice {
     periodic: bool,
 }
 
-/// Compliance constant of a partial ceiling row relative to its surroundings, used by [`stiffness_share`].
+/// Constant c of [`stiffness_share`]: the stiffness of the surroundings of a partial ceiling row, relative to a whole
+/// row.
 ///
 /// The value makes friction nearly linear in the depth: on the published pattern, 3 to 43 um deep, the changes of the
 /// ratio per 1 um differ from their mean by at most 4.7e-4, compared with 6.8e-4 if springs are scaled by the present
 /// fraction itself (an infinite constant).
 const CEILING_COMPLIANCE: f64 = 3.0;
 
-/// Minimum stiffness share: springs with a smaller share are left out; their effect on the ratio is equally small.
+/// Minimum stiffness of a spring relative to the same spring between whole blocks: weaker springs are left out; their
+/// effect on the friction ratio is equally small.
 const MIN_SHARE: f64 = 1e-4;
 
 /// Stiffness of the springs of a block of which the fraction `presence` exists, relative to a whole block.
@@ -55,8 +57,8 @@ pub fn joint_presence(covered: [f64; 2], deep: [f64; 2]) -> f64 {
     1.0 - (covered[0] * deep[0] + covered[1] * deep[1] - both)
 }
 
-/// Stiffness in units of k of the tie that holds a block to the counterface if a fraction `share`, between 0 and 1, of
-/// the block touches it: free at 0 and pinned at 1.
+/// Stiffness, in units of k = 3/4 E l (Young's modulus E, lattice spacing l), of the tie that holds a block to the
+/// counterface if a fraction `share`, between 0 and 1, of the block touches it: free at 0 and pinned at 1.
 ///
 /// The compliance is (1 - a)/a, a being `share`, minus half of the additional compliance of the block's springs, which
 /// are weakened because only the fraction `presence` of the block exists. This makes friction nearly linear in the
@@ -67,8 +69,8 @@ pub fn tie(share: f64, presence: f64) -> f64 {
     1.0 / ((1.0 - share) / share - 0.5 * (1.0 / stiffness_share(presence) - 1.0))
 }
 
-/// Stiffness of the horizontal, the diagonal and the vertical springs, in units of k, between columns whose centres are
-/// `w` lattice spacings apart.
+/// Stiffness of the horizontal, the diagonal and the vertical springs, in units of k = 3/4 E l, between columns whose
+/// centres are `w` lattice spacings apart.
 pub fn springs(w: f64) -> [f64; 3] {
     // k_x = (k/2) (3 - w^2) / w, k_d = (k/2) (w^2 + 1) / (2 w), k_y = (k/2) (3 - 1/w^2) w
     [0.5 * (3.0 / w - w), 0.25 * (w + 1.0 / w), 0.5 * (3.0 * w - 1.0 / w)]
@@ -83,13 +85,13 @@ pub struct Bond {
     pub b: Option<(usize, usize)>,
     /// Vector from `a` to `b` at rest, in lattice spacings.
     pub rest: [f64; 2],
-    /// Stiffness in units of k.
+    /// Stiffness in units of k = 3/4 E l, with Young's modulus E and the lattice spacing l.
     pub stiffness: f64,
 }
 
 impl Bond {
     /// Entries xx, xy and yy of the matrix `stiffness` e e^T of the linear spring, with the unit vector e along `rest`,
-    /// in units of k.
+    /// in units of k = 3/4 E l.
     pub fn linear(&self) -> [f64; 3] {
         let [x, y] = self.rest;
         let scale = self.stiffness / (x * x + y * y);
@@ -103,12 +105,12 @@ impl Lattice {
         Self { columns, rows, periodic }
     }
 
-    /// Number of columns, nx.
+    /// Number of columns of blocks, nx.
     pub fn nx(&self) -> usize {
         self.columns.len()
     }
 
-    /// Number of rows, ny.
+    /// Number of rows of blocks, ny.
     pub const fn ny(&self) -> usize {
         self.rows
     }
@@ -152,7 +154,7 @@ impl Lattice {
         (self.columns[i].cavity_rows - j as f64).clamp(0.0, 1.0)
     }
 
-    /// Whether springs connect block (i, j) to others.
+    /// Whether springs connect block (i, j) to other blocks or to the bulk.
     pub fn is_attached(&self, i: usize, j: usize) -> bool {
         stiffness_share(self.presence(i, j)) > 0.0
     }
@@ -263,8 +265,9 @@ impl Lattice {
         });
     }
 
-    /// Mass of block (i, j) in units of m: a quarter for each adjacent square of the mesh whose four corners exist, at
-    /// least 1/4; 0 where there is no block. The bulk above the last row counts as existing.
+    /// Mass of block (i, j) in units of m = rho l^3, with the density rho and the lattice spacing l: a quarter for each
+    /// adjacent square of the mesh whose four corners exist, at least 1/4; 0 where there is no block. The bulk above
+    /// the last row counts as existing.
     pub fn mass(&self, i: usize, j: usize) -> f64 {
         let there = |i: usize, j: usize| j >= self.rows || self.presence(i, j) > 0.0;
         if !there(i, j) {

@@ -107,11 +107,12 @@ pub struct SurfaceOutcome {
     pub mu_dynamic: Option<f64>,
     /// Standard error of `mu_dynamic` due to averaging over time and the loss to waves; `None` for steady runs.
     pub mu_dynamic_stderr: Option<f64>,
-    /// Friction relative to that of the same normal forces with every block sliding, minus one; dynamic runs only. It
-    /// is positive if sticking blocks hold more than sliding friction, and negative if waves reduce friction
-    /// ([`Status::SlidingWaves`]).
+    /// Mean friction over the friction of the same normal forces with every block sliding, minus one; dynamic runs
+    /// only. The excess is positive if sticking blocks hold more than sliding friction, and negative if waves reduce
+    /// friction ([`Status::SlidingWaves`]).
     pub stick_slip_excess: Option<f64>,
-    /// Mean friction perpendicular to the sliding direction over the normal force; dynamic runs in space only.
+    /// Mean friction force perpendicular to the sliding direction over the normal force; `None` except for dynamic runs
+    /// in space.
     pub mu_across: Option<f64>,
     /// Time since the start of the drive from which `mu_dynamic` was averaged, up to the end of the run, in seconds;
     /// `None` for steady runs and without a mean.
@@ -126,11 +127,11 @@ pub struct SurfaceOutcome {
     /// Whether the ceiling of a cavity touches the counterface.
     pub cavity_closed: bool,
     /// Minimum height of a cavity's ceiling above the counterface under load, in metres, negative if the ceiling passes
-    /// through it; steady runs of patterns only.
+    /// through the counterface; steady runs of patterns only.
     pub clearance_m: Option<f64>,
     /// Whether a contact pressure exceeds the last pressure of the area law.
     pub area_law_extrapolated: bool,
-    /// Steady runs: largest change of mu in the last iteration, which bounds the convergence error.
+    /// Steady runs: sum of the magnitudes of the unbalanced forces over the load, at the end of the solve.
     pub residual: Option<f64>,
     /// Steady runs: number of iterations of the nonlinear solve.
     pub iterations: usize,
@@ -150,11 +151,11 @@ impl SurfaceOutcome {
         Self { status, interface: x_m.map(at).collect(), ..Self::default() }
     }
 
-    /// Outcome of steady sliding.
+    /// Outcome of steady sliding, from the solved forces.
     ///
-    /// `normal` and `friction` are forces on the contact blocks in any unit; `status` is the status of the solve;
-    /// `interface` has the pressures; `peak_pressure_pa` is their maximum, averaged over a whole block; `clearance_m`
-    /// is the minimum height of a ceiling above the counterface.
+    /// `normal` and `friction` are forces on the contact blocks in any common unit; `status` is the status of the
+    /// solve; `interface` has the pressures; `peak_pressure_pa` is their maximum, averaged over a whole block;
+    /// `clearance_m` is the minimum height of a ceiling above the counterface.
     pub(crate) fn from_steady_forces(
         status: Status,
         [normal, friction]: [&[f64]; 2],
@@ -210,7 +211,7 @@ pub(crate) fn peak_over_whole_blocks<I: IntoIterator<Item = usize>>(
     (0..interface.len()).map(pressure_over_block).fold(0.0, f64::max)
 }
 
-/// Touching fraction from which a block counts as whole: 1 less rounding.
+/// A block whose touching fraction is at least this value counts as whole: 1 less rounding.
 const WHOLE_SHARE: f64 = 1.0 - 1e-9;
 
 /// Effect that the solved blocks leave out, and that a [`Correction`] adds.
@@ -281,7 +282,7 @@ pub struct LoadOutcome {
     pub surface: SurfaceOutcome,
     /// Flat surface with the same settings; `None` for a flat scene.
     pub flat: Option<SurfaceOutcome>,
-    /// Standard error of the solved ratio; `None` for steady runs.
+    /// Standard error of the ratio before corrections; `None` for steady runs.
     pub ratio_stderr: Option<f64>,
     /// Friction of the patterned over that of the flat surface for the solved blocks, before corrections; `None` if it
     /// is undefined.
@@ -313,8 +314,8 @@ impl LoadOutcome {
         std::iter::once(&self.surface).chain(&self.flat).all(|surface| means.contains(&surface.status))
     }
 
-    /// Adds the `change` of the ratio by `effect` with the standard error `std`, if known; it replaces an earlier
-    /// change by this effect. Does nothing without a ratio.
+    /// Adds the `change` of the ratio by `effect` with the standard error `std`, if known; an earlier change by this
+    /// effect is replaced. Does nothing without a ratio.
     pub(crate) fn correct(&mut self, effect: Effect, change: f64, std: impl Into<Option<f64>>) {
         if self.solved.is_some() {
             self.corrections.retain(|correction| correction.effect != effect);
@@ -358,7 +359,7 @@ impl LoadOutcome {
 pub struct Statements {
     /// Statements on what was modelled and why, relevant to decisions.
     pub model: Vec<String>,
-    /// Statements on how it was computed.
+    /// Statements on how the results were computed.
     pub method: Vec<String>,
 }
 
@@ -377,7 +378,7 @@ impl Statements {
 /// Results of a scene.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Simulation {
-    /// Statements on what was modelled and how it was computed.
+    /// Statements on what was modelled and how the results were computed.
     pub statements: Statements,
     /// One record per load, in the scene's order.
     pub loads: Vec<LoadOutcome>,

@@ -28,7 +28,8 @@ const GOLDEN: f64 = 0.618_033_988_749_894_9;
 pub struct Rims {
     rim: Rim,
     block_m: f64,
-    /// Heights of the rims before and after each cavity, in lattice spacings times [`PLANE_STRAIN`].
+    /// Heights of the rims in lattice spacings times [`PLANE_STRAIN`]: entry 2 n is before cavity n, entry 2 n + 1
+    /// after it.
     heights: Vec<f64>,
 }
 
@@ -58,7 +59,8 @@ impl Rims {
     }
 
     /// Integral of the relief over the intersection of `column` with the land `land`, each given by its two sides, in
-    /// lattice spacings. `heights` are the heights of the rims at the left and right edge of the land, if present.
+    /// lattice spacings. `heights` are the heights of the rims at the left and right edge of the land, in the unit of
+    /// [`Self::before`], `None` at an edge without a rim.
     pub fn integral(&self, column: [f64; 2], land: [f64; 2], heights: [Option<f64>; 2]) -> f64 {
         // Rims of opposite edges end half-way between them.
         let middle = match heights {
@@ -79,8 +81,8 @@ impl Rims {
         left + right
     }
 
-    /// Mean relief of the land in `column`, given by its two sides, with cavities from m `pitch` to m `pitch` + `width`
-    /// for all integers m. All lengths are in lattice spacings.
+    /// Mean relief, in the unit of [`Self::before`], of the land in `column`, given by its two sides, with cavities
+    /// from m `pitch` to m `pitch` + `width` for all integers m. These lengths are in lattice spacings.
     pub fn mean(&self, column: [f64; 2], [width, pitch]: [f64; 2]) -> f64 {
         let (mut integral, mut land) = (0.0, 0.0);
         // Lands that overlap the column follow cavity number `first` and later ones.
@@ -114,7 +116,7 @@ pub fn cells(pattern: &Pattern) -> [usize; 2] {
     }
 }
 
-/// Heights of `count` rims of `pattern`, in lattice spacings `block_m`; `None` if there are no rims.
+/// Heights of `count` rims of `pattern`, in lattice spacings of `block_m` metres; `None` if there are no rims.
 pub fn heights(pattern: &Pattern, block_m: f64, count: usize) -> Option<Vec<f64>> {
     let rim = pattern.texture().rim().filter(|_| count > 0)?;
     let (height_m, std_m) = (rim.height_m(pattern.depth_m()), rim.height_std_m());

@@ -153,7 +153,7 @@ pub fn read_dimensions<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Opt
     u64::deserialize(deserializer).map(|number| Some(u8::try_from(number).unwrap_or(u8::MAX)))
 }
 
-/// Default damping frequency in units of sqrt(k/m).
+/// Default damping frequency over sqrt(k/m), with the spring stiffness k and the block mass m.
 const USUAL_DAMPING: f64 = 0.01;
 
 #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde asks by reference")]

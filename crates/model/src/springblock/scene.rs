@@ -119,8 +119,8 @@ impl Layer {
 }
 
 impl Scene {
-    /// Returns the scene with the sliding speed of a dynamic run that represents it; the lightest load limits this
-    /// speed ([`run_speed_m_s`]).
+    /// Returns the scene at the sliding speed of the dynamic run that stands for this scene. This speed is limited by
+    /// the lightest load and may be lower than the scene's ([`run_speed_m_s`]).
     #[must_use]
     pub fn slowed(mut self) -> Self {
         let lightest_pa = self.loads.iter().map(|load| load.pressure_pa).fold(f64::INFINITY, f64::min);
@@ -128,8 +128,8 @@ impl Scene {
         self
     }
 
-    /// Returns the scene for a dynamic run that represents it: at the speed of [`Self::slowed`] and, for a warm start,
-    /// with the travel that a run from the sheared layer needs.
+    /// Returns the scene of the dynamic run that stands for this scene: at the speed of [`Self::slowed`] and, for a
+    /// warm start, with the travel that a run from the sheared layer needs.
     #[must_use]
     pub fn in_time(self) -> Self {
         let mut scene = self.slowed();

@@ -59,7 +59,7 @@ fn widest(values: impl Iterator<Item = f64>) -> f64 {
     values.fold(0.0, |widest: f64, value| if value.abs() > widest.abs() { value } else { widest })
 }
 
-/// Solves `scene` at every load, and the flat surface for comparison if the scene has a pattern.
+/// Solves `scene` at every load, and a flat surface for comparison if the scene has a pattern.
 ///
 /// Loads and surfaces run in parallel on rayon's current pool; the result does not depend on the
 /// number of threads.
@@ -179,8 +179,9 @@ fn over_layer(scene: &Scene, strip: Option<&Strip>, monitor: &dyn Monitor) -> Re
     Ok(simulation)
 }
 
-/// Planned number of time steps of one dynamic run of `scene`, at its default step unless the scene gives one. A run
-/// may continue beyond the plan until its mean is stationary. Runs of more than [`crate::springblock::MAX_STEPS`] are refused.
+/// Planned number of time steps of one dynamic run of `scene`, with the default step unless the scene gives a step. A
+/// run may continue beyond the plan until its mean is stationary. Runs of more than [`crate::springblock::MAX_STEPS`]
+/// are refused.
 pub fn planned_steps(scene: &Scene) -> u64 {
     Plan::new(scene, scene.run.step_s.unwrap_or(Scheme::default_step_s(scene))).total()
 }
@@ -394,7 +395,8 @@ fn off_lattice_corrections(scene: &Scene, nearest: Option<&Pattern>) -> Result<V
     Ok(differences(&exact, &whole))
 }
 
-/// `exact` minus `whole` by load; 0 if a steady ratio is missing, so that no correction is possible.
+/// Steady ratios `exact` with the exact dimensions minus those with `whole` blocks, by load; 0 if either is missing, so
+/// that no correction is possible.
 fn differences(exact: &[Option<f64>], whole: &[Option<f64>]) -> Vec<f64> {
     exact.iter().zip(whole).map(|(exact, whole)| exact.zip(*whole).map_or(0.0, |(e, w)| e - w)).collect()
 }

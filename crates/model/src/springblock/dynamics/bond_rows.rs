@@ -1,6 +1,6 @@
 //! Spring forces row by row, linear or geometrically exact, in vectors.
 //!
-//! Cost per block and evaluation with exact springs, of which four belong to a block: 4 square roots, 4 divisions, 64
+//! Cost per block and evaluation with exact springs, four of them for each block: 4 square roots, 4 divisions, 64
 //! additions and multiplications. A Zen 4 core takes 18 and 16 cycles for a square root and a division of eight
 //! numbers, which makes 17 cycles per block; the other operations overlap with these.
 
@@ -13,8 +13,8 @@ use slipgrid_base::fft::vectorized;
 /// four kinds of springs.
 const CHUNK: usize = 128;
 
-/// Vectors at rest, in lattice spacings, of the four kinds of springs that belong to a block: to the right, up, up
-/// right, and up left.
+/// Vectors along the four kinds of springs that belong to a block, at rest, in lattice spacings: right, up, up right,
+/// and up left.
 pub const KINDS: [[f64; 2]; 4] = [[1.0, 0.0], [0.0, 1.0], [1.0, 1.0], [-1.0, 1.0]];
 
 /// Springs between every block and its right and upper neighbours on a uniform mesh, with or without periodic sides.
@@ -25,10 +25,11 @@ pub const KINDS: [[f64; 2]; 4] = [[1.0, 0.0], [0.0, 1.0], [1.0, 1.0], [-1.0, 1.0
 pub struct BondRows {
     columns: usize,
     law: Springs,
-    /// Stiffness in units of k by kind of spring ([`KINDS`]) and block number j * nx + i; 0 if there is no spring. In
-    /// the last row upward springs end at the bulk.
+    /// Stiffness of every spring, in units of the spring stiffness k; the first index is the kind ([`KINDS`]), the
+    /// second the block number j * nx + i for column i of row j. 0 where there is no spring. Upward springs of the last
+    /// row end at the bulk.
     stiffness: [Vec<f64>; 4],
-    /// Displacement of the bulk, x and y in units of l, repeated for every column.
+    /// Displacements x and y of the bulk, in lattice spacings, repeated for every column.
     bulk: [Vec<f64>; 2],
     /// Scratch space, by column, for the forces x and y of springs to the bulk.
     on_bulk: [Vec<f64>; 2],
@@ -42,13 +43,15 @@ impl BondRows {
         Self { columns, law, stiffness, bulk: row(), on_bulk: row() }
     }
 
-    /// Adds a spring of the kind `KINDS[kind]` to the block number `block`; `stiffness` is in units of k.
+    /// Adds a spring of the kind `KINDS[kind]` to block number `block`; `stiffness` is in units of the spring stiffness
+    /// k.
     pub fn add(&mut self, kind: usize, block: usize, stiffness: f64) {
         self.stiffness[kind][block] += stiffness;
     }
 
-    /// Returns the sum of the vertical forces on the layer of the springs to the bulk, in units of k l, at the
-    /// displacements `u` of the blocks and `bulk` of the bulk.
+    /// Returns the sum of the vertical forces that the springs to the bulk exert on the layer, in units of k l (spring
+    /// stiffness times lattice spacing). `u` and `bulk` are the displacements x and y of the blocks and of the bulk, in
+    /// lattice spacings.
     pub fn pull(&mut self, u: &[Vec<f64>; 2], bulk: [f64; 2]) -> f64 {
         self.place_bulk(bulk);
         match self.law {
@@ -57,8 +60,8 @@ impl BondRows {
         }
     }
 
-    /// Adds the forces of all springs on the blocks to `forces`, in units of k l, at the displacements `u` of the
-    /// blocks and `bulk` of the bulk.
+    /// Adds the forces of all springs on the blocks to `forces`, in units of k l (spring stiffness times lattice
+    /// spacing). `u` and `bulk` are the displacements x and y of the blocks and of the bulk, in lattice spacings.
     pub fn evaluate(&mut self, u: &[Vec<f64>; 2], bulk: [f64; 2], forces: &mut [Vec<f64>; 2]) {
         self.place_bulk(bulk);
         match self.law {

@@ -6,7 +6,8 @@
 use super::bond_rows::{BondRows, KINDS};
 use crate::springblock::{Lattice, Springs};
 
-/// A spring between the blocks `a` and `b`, which have the numbers j * nx + i; the bulk has the number nx * ny.
+/// A spring between the blocks with the numbers `a` and `b`; column i of row j has the number j * nx + i, the bulk nx *
+/// ny.
 #[derive(Clone, Copy, Debug)]
 struct Spring {
     a: usize,
@@ -25,10 +26,10 @@ pub struct Bonds {
     springs: Vec<Spring>,
     /// Springs to the bulk that do not fit the uniform mesh of `rows`.
     to_bulk: Vec<Spring>,
-    /// Vertical stiffness of all springs to the bulk, in units of k, for linear springs.
+    /// Vertical stiffness of all springs to the bulk together, as linear springs, in units of the spring stiffness k.
     slope: f64,
     mass: Vec<f64>,
-    /// Vertical displacement of the bulk, in units of l.
+    /// Vertical displacement of the bulk, in lattice spacings.
     height: f64,
     forces: [Vec<f64>; 2],
     /// All springs, for evaluation one by one.
@@ -36,8 +37,8 @@ pub struct Bonds {
     all: Vec<Spring>,
 }
 
-/// Newton step of the bulk's height that counts as rounding, relative to the height or, if that is larger, to the load
-/// over the stiffness of the springs to the bulk.
+/// Relative tolerance of Newton's method for the bulk's height: a smaller step counts as rounding. The step is taken
+/// relative to the height or, if larger, to the load over the stiffness of the springs to the bulk.
 const BALANCE_TOLERANCE: f64 = 1e-15;
 /// Maximum number of Newton steps for the bulk's height. Two or three are needed, since the springs are nearly linear.
 const MAX_NEWTON_STEPS: usize = 20;
@@ -82,18 +83,20 @@ impl Bonds {
         bonds
     }
 
-    /// Inverse mass of every block in units of 1/m, by block number j * nx + i; 0 where there is no block.
+    /// Inverse mass of every block, in units of the inverse mass 1/m of a block inside; index j * nx + i for column i
+    /// of row j. 0 where there is no block.
     pub fn inverse_mass(&self) -> Vec<f64> {
         self.mass.iter().map(|mass| if *mass > 0.0 { 1.0 / mass } else { 0.0 }).collect()
     }
 
-    /// Spring forces on every block at the last evaluation, x and y in units of k l, by block number j * nx + i.
+    /// Spring forces x and y on every block at the last evaluation, in units of k l (spring stiffness times lattice
+    /// spacing); index j * nx + i for column i of row j.
     pub const fn forces(&self) -> &[Vec<f64>; 2] {
         &self.forces
     }
 
-    /// Evaluates the spring forces at the displacements `u` of the blocks, with the bulk at `bulk_x` and at the height
-    /// that balances `load`.
+    /// Evaluates the spring forces at the displacements `u` of the blocks, with the bulk displaced by `bulk_x` along x
+    /// and at the height that balances `load`. Units: k = 1, l = 1.
     pub fn evaluate(&mut self, u: &[Vec<f64>; 2], bulk_x: f64, load: f64) {
         self.balance_bulk(u, bulk_x, load);
         let [fx, fy] = &mut self.forces;

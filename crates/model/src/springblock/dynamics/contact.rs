@@ -19,18 +19,19 @@ use crate::springblock::Coefficients;
 #[derive(Clone, Copy, Debug)]
 pub struct LocalLaw<'a> {
     area_law: Option<&'a AreaLaw>,
-    /// Pressure of a unit normal force on one block, in pascals.
+    /// Pressure on the face of one block under the unit of normal force, in pascals.
     unit_pressure_pa: f64,
 }
 
 impl<'a> LocalLaw<'a> {
-    /// Creates the law for normal forces in units of `unit_pressure_pa` l^2.
+    /// Creates the law for normal forces in units of `unit_pressure_pa` l^2, with the lattice spacing l.
     pub const fn new(area_law: Option<&'a AreaLaw>, unit_pressure_pa: f64) -> Self {
         Self { area_law, unit_pressure_pa }
     }
 
-    /// Returns the interval of normal forces around `normal` in which friction per unit coefficient is one polynomial,
-    /// with this polynomial; forces are in units of `unit_pressure_pa` l^2.
+    /// Returns the polynomial that gives friction per unit friction coefficient around the normal force `normal`, with
+    /// the interval of normal forces in which it holds. Forces are in units of `unit_pressure_pa` times the face area
+    /// of a block.
     pub fn piece(&self, normal: f64) -> GripPiece {
         let unit_pa = self.unit_pressure_pa;
         let piece = self.area_law.map_or(Piece::PROPORTIONAL, |law| law.piece(normal * unit_pa));
@@ -43,8 +44,8 @@ impl<'a> LocalLaw<'a> {
         }
     }
 
-    /// Computes f(p) F_n, the friction per unit coefficient, at the normal force `normal`. `near` caches the interval
-    /// in the table of the area law.
+    /// Computes f(p) F_n, the friction per unit friction coefficient, at the normal force F_n = `normal`, with the area
+    /// factor f at the pressure p. `near` caches the index of the interval in the table of the area law.
     fn grip(&self, normal: f64, near: &mut usize) -> f64 {
         match self.area_law {
             Some(law) => normal * law.factor_near(normal * self.unit_pressure_pa, near),
@@ -53,8 +54,8 @@ impl<'a> LocalLaw<'a> {
     }
 }
 
-/// Friction per unit coefficient, f(p) F_n = constant + linear F_n + quadratic F_n^2, for normal forces F_n from `from`
-/// up to `to`. f is the area factor at the pressure p; forces are in units of `unit_pressure_pa` l^2.
+/// Friction per unit friction coefficient, f(p) F_n = constant + linear F_n + quadratic F_n^2, for normal forces F_n
+/// from `from` up to `to`. f is the area factor at the pressure p; forces are in the units of [`LocalLaw`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GripPiece {
     pub from: f64,
@@ -65,7 +66,7 @@ pub struct GripPiece {
 }
 
 impl GripPiece {
-    /// Computes the friction per unit coefficient, f(p) F_n, at the normal force `normal`.
+    /// Computes the friction per unit friction coefficient at the normal force `normal`.
     pub fn grip(&self, normal: f64) -> f64 {
         self.constant + normal * (self.linear + normal * self.quadratic)
     }
@@ -82,36 +83,39 @@ pub enum Motion {
     Lifted,
 }
 
-/// One contact block with `H` horizontal degrees of freedom: 1 in the plane, 2 in space. Forces are in units of k l.
+/// One contact block with `H` horizontal degrees of freedom: 1 in the plane, 2 in space. Forces are in units of k l
+/// (spring stiffness times lattice spacing).
 #[derive(Clone, Copy, Debug)]
 pub struct ContactBlock<const H: usize> {
     /// Local friction coefficients of the block.
     pub coefficients: Coefficients,
     /// State of motion.
     pub motion: Motion,
-    /// Whether the block has slipped along the drive, or had no friction, since the drive began.
+    /// Whether the block has slipped along the drive, or has had no friction at some step, since the drive began.
     pub has_slipped: bool,
     /// Column of the block, the index into arrays over the contact row.
     pub column: usize,
     /// Vertical displacement at which the block touches the counterface: the height of its face, in lattice spacings.
     pub face: f64,
-    /// Normal force at the last force evaluation, positive in compression, in units of k l.
+    /// Normal force at the last force evaluation, positive in compression.
     pub normal: f64,
-    /// Friction along each axis at the last force evaluation, as a resistance to motion, in units of k l.
+    /// Friction force along each axis at the last force evaluation, positive if it resists motion in positive
+    /// direction.
     pub friction: [f64; H],
-    /// Friction of the block if it slides, mu_d f(p) F_n, at the last force evaluation, in units of k l.
+    /// Friction force mu_d f(p) F_n at the last force evaluation if the block slides: dynamic friction coefficient
+    /// mu_d, area factor f at the pressure p, normal force F_n.
     pub sliding: f64,
 }
 
-/// Coefficients and forces of a leapfrog step of one contact block. Forces are in units of k l, displacements in units
-/// of l.
+/// Coefficients and forces of a leapfrog step of one contact block. Displacements are in lattice spacings l, forces in
+/// units of k l with the spring stiffness k.
 #[derive(Clone, Copy, Debug)]
 pub struct StepFactors<const H: usize> {
     /// Fraction of the velocity that remains after damping.
     pub kept: f64,
-    /// Displacement of the block in one step under a unit force.
+    /// Displacement in one step from rest under a unit force, with the mass of the block.
     pub kick: f64,
-    /// Horizontal spring force on the block, along each axis.
+    /// Horizontal spring force on the block along each axis.
     pub force: [f64; H],
     /// Vertical spring force on the block, positive upward; the normal force on the counterface is its negative.
     pub lift: f64,
@@ -124,12 +128,12 @@ pub trait Slide<const H: usize> {
     /// Whether friction up to `threshold` holds a block at rest against `force`.
     fn is_held(force: [f64; H], threshold: f64) -> bool;
 
-    /// Velocity times the step after a full step that starts at rest and slides against `resistance`, which is below
-    /// the force.
+    /// Returns the velocity times the time step after a full step that starts at rest and slides against the friction
+    /// force `resistance`, which is smaller than the spring force.
     fn start(&mut self, factors: &StepFactors<H>, resistance: f64) -> [f64; H];
 
-    /// Velocity times the step after a step of sliding against `resistance`. `v` is the velocity before the step,
-    /// `free` the velocity after a step without resistance.
+    /// Returns the velocity times the time step after a step of sliding against the friction force `resistance`. `v` is
+    /// the same product before the step, `free` that after a step without friction.
     fn slide(&mut self, v: [f64; H], free: [f64; H], factors: &StepFactors<H>, resistance: f64) -> [f64; H];
 }
 
@@ -139,9 +143,9 @@ enum ContactState {
     Free,
     /// At rest; friction balances the horizontal force.
     Held,
-    /// Starts to slide against mu_d f(p) F_n.
+    /// Starts to slide against the friction force `resistance`, mu_d f(p) F_n.
     Starting { resistance: f64 },
-    /// Slides against mu_d f(p) F_n.
+    /// Slides against the friction force `resistance`, mu_d f(p) F_n.
     Sliding { resistance: f64 },
 }
 
@@ -183,7 +187,7 @@ impl<const H: usize> ContactBlock<H> {
     ///
     /// `height` is the vertical displacement before the step, `fall` the change of the vertical displacement in the
     /// last step, which is updated, and `force` the vertical spring force. Returns the vertical displacement after the
-    /// step if the block is lifted, otherwise `None`.
+    /// step if the block was lifted during the step, otherwise `None`.
     pub fn move_detached(
         &mut self,
         height: f64,
@@ -214,8 +218,8 @@ impl<const H: usize> ContactBlock<H>
 where
     Self: Slide<H>,
 {
-    /// Updates the block for the current spring forces: normal force, friction at rest, and whether the block starts to
-    /// slide. `grip_at` computes f(p) F_n for a positive normal force.
+    /// Updates normal force, friction at rest, and state of motion for the current spring forces. `grip_at` computes
+    /// the friction per unit friction coefficient at a positive normal force.
     #[inline]
     fn update_state(&mut self, force: [f64; H], lift: f64, grip_at: impl FnOnce(f64) -> f64) -> ContactState {
         // F_n = -(vertical force of the springs)
@@ -241,8 +245,8 @@ where
         ContactState::Sliding { resistance: self.sliding }
     }
 
-    /// Returns the velocity times the step after one leapfrog kick from `v`; `grip_at` computes f(p) F_n for a positive
-    /// normal force.
+    /// Applies one leapfrog kick: returns the velocity times the time step after the step, given its value `v` before.
+    /// `grip_at` computes the friction per unit friction coefficient at a positive normal force.
     #[inline]
     pub fn kick(&mut self, v: [f64; H], factors: StepFactors<H>, grip_at: impl FnOnce(f64) -> f64) -> [f64; H] {
         let free = std::array::from_fn(|axis| factors.kept * v[axis] + factors.kick * factors.force[axis]);
@@ -260,7 +264,8 @@ where
 }
 
 impl ContactBlock<1> {
-    /// Records a slip in `direction`. Slips against the drive, caused by the load or by waves, do not count.
+    /// Marks the block as slipped if the sign `direction` of the slip is that of the drive. Slips against the drive,
+    /// caused by the load or by waves, do not count.
     fn record_slip(&mut self, direction: f64) {
         self.has_slipped |= direction > 0.0;
     }
@@ -297,16 +302,16 @@ impl Slide<1> for ContactBlock<1> {
     }
 }
 
-/// Sums over contact blocks, in units of k l.
+/// Sums of forces over contact blocks, in units of k l (spring stiffness times lattice spacing).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ContactSums {
-    /// Friction, positive against the drive.
+    /// Friction force, positive against the drive.
     pub friction: f64,
-    /// Friction perpendicular to the drive; zero in the vertical plane.
+    /// Friction force perpendicular to the drive; zero in the vertical plane.
     pub across: f64,
     /// Sum of positive normal forces.
     pub normal: f64,
-    /// Sum of mu_d f(p) F_n: the friction if every block slides.
+    /// Friction force if every block slides: sum of mu_d f(p) F_n (dynamic coefficient, area factor, normal force).
     pub sliding: f64,
 }
 
@@ -331,12 +336,12 @@ impl ContactSums {
     }
 }
 
-/// Force on one contact block, instantaneous or averaged, in units of k l.
+/// Force on one contact block, instantaneous or averaged, in units of k l (spring stiffness times lattice spacing).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ContactForce {
     /// Normal force, positive in compression.
     pub normal: f64,
-    /// Friction, positive against the drive.
+    /// Friction force, positive against the drive.
     pub friction: f64,
 }
 
@@ -351,7 +356,8 @@ pub struct ContactRow<'a> {
 }
 
 impl<'a> ContactRow<'a> {
-    /// Creates blocks at rest in `columns` with the coefficients of their columns.
+    /// Creates blocks at rest in the columns `columns`; `coefficients` has the local friction coefficients of every
+    /// column.
     pub fn new(columns: impl Iterator<Item = usize>, coefficients: &[Coefficients], law: LocalLaw<'a>) -> Self {
         let blocks: Vec<_> = columns.map(|column| ContactBlock::new(column, coefficients[column])).collect();
         Self { near: vec![0; blocks.len()], blocks, law }
@@ -399,9 +405,9 @@ impl<'a> ContactRow<'a> {
 
     /// Applies one leapfrog kick to the contact row.
     ///
-    /// All arguments are indexed by column: `velocity` is the horizontal velocity times the step, `force_x` and
-    /// `force_y` are spring forces, and `kick` is the displacement per step caused by a unit force. `kept` is the
-    /// fraction of the velocity that remains after damping.
+    /// Slices are indexed by column: `velocity` is the horizontal velocity times the time step, `force_x` and `force_y`
+    /// are spring forces, and `kick` is the displacement per step caused by a unit force. `kept` is the fraction of the
+    /// velocity that remains after damping. Returns the sums of forces over the row.
     pub fn kick(
         &mut self,
         velocity: &mut [f64],
@@ -422,7 +428,7 @@ impl<'a> ContactRow<'a> {
     }
 
     /// Updates friction at the start of a Runge-Kutta step, which releases overloaded blocks at rest, and returns the
-    /// sums at this instant. Arguments are indexed by column; `velocity` is horizontal.
+    /// sums of forces at this instant. Arguments are indexed by column; `velocity` is horizontal.
     pub fn begin_step(&mut self, velocity: &[f64], force_x: &[f64], force_y: &[f64]) -> ContactSums {
         let mut sums = ContactSums::default();
         let law = self.law;
@@ -439,8 +445,8 @@ impl<'a> ContactRow<'a> {
         sums
     }
 
-    /// Friction on block `number` if it slides in `direction` (1 or -1) at the vertical spring force `force_y`:
-    /// positive if it resists motion in the positive direction.
+    /// Friction force on block `number` if it slides in `direction` (1 or -1) at the vertical spring force `force_y`;
+    /// positive if friction resists motion in the positive direction.
     pub fn sliding_friction(&mut self, number: usize, direction: f64, force_y: f64) -> f64 {
         let law = self.law;
         let block = &mut self.blocks[number];
@@ -452,10 +458,10 @@ impl<'a> ContactRow<'a> {
     }
 }
 
-/// Distance v^2 / (2 a) that a block still moves from the current instant until it stops.
+/// Distance v^2 / (2 a) that a block with the velocity v and the deceleration a still moves until it stops.
 ///
-/// The velocity times the step falls from `before` to `after` around the instant: v = (before + after) / 2 and a =
-/// before - after. The distance is 0 unless `before` is positive and `after` is not.
+/// The velocity times the time step falls from `before` to `after` in this step, so that v = (before + after) / 2 and a
+/// = before - after in units of the time step. The distance is 0 unless `before` is positive and `after` is not.
 pub fn stopping_distance(before: f64, after: f64) -> f64 {
     if before > 0.0 && after <= 0.0 { (before + after).powi(2) / (8.0 * (before - after)) } else { 0.0 }
 }

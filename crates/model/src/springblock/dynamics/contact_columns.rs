@@ -2,26 +2,27 @@
 
 use super::contact::GripPiece;
 
-/// Friction law and kick of the contact block in every column, as a structure of arrays. Forces are in units of k l.
+/// Friction law and kick of the contact block in every column, as a structure of arrays. Forces are in units of k l
+/// (spring stiffness times lattice spacing).
 #[derive(Clone, Debug)]
 pub struct ContactColumns {
-    /// Constant term of the friction per unit coefficient, constant + linear F_n + quadratic F_n^2, with the normal
-    /// force F_n.
+    /// Constant term of the friction per unit friction coefficient, constant + linear F_n + quadratic F_n^2, with the
+    /// normal force F_n.
     pub constant: Vec<f64>,
-    /// Coefficient of F_n in the friction per unit coefficient.
+    /// Factor of the normal force F_n in the friction per unit friction coefficient.
     pub linear: Vec<f64>,
-    /// Coefficient of F_n^2 in the friction per unit coefficient.
+    /// Factor of the square of the normal force F_n in the friction per unit friction coefficient.
     pub quadratic: Vec<f64>,
-    /// Lower end of the interval of normal forces in which the polynomial holds, above zero. Infinity excludes a block
-    /// from the vectorized pass.
+    /// Lower end of the interval of normal forces in which the polynomial of friction holds, above zero. Infinity
+    /// excludes a block from the vectorized pass.
     pub from: Vec<f64>,
-    /// Upper end of the interval of normal forces in which the polynomial holds.
+    /// Upper end of the interval of normal forces in which the polynomial of friction holds.
     pub to: Vec<f64>,
-    /// Threshold friction coefficient of a block at rest.
+    /// Friction coefficient above which a block at rest starts to slide.
     pub starting_mu: Vec<f64>,
     /// Friction coefficient of a sliding block.
     pub dynamic_mu: Vec<f64>,
-    /// Displacement of the block in one step under a unit force.
+    /// Displacement in one step from rest under a unit force, with the mass of the block.
     pub kick: Vec<f64>,
 }
 
@@ -43,15 +44,15 @@ impl ContactColumns {
         }
     }
 
-    /// Puts a block with these friction coefficients at column `i`. The vectorized pass excludes it until its interval
-    /// of the friction law is set.
+    /// Puts a block with these friction coefficients at column `i`. The vectorized pass excludes the block until
+    /// [`Self::set_piece`] is called.
     pub fn set_block(&mut self, i: usize, starting_mu: f64, dynamic_mu: f64) {
         self.from[i] = f64::INFINITY;
         self.starting_mu[i] = starting_mu;
         self.dynamic_mu[i] = dynamic_mu;
     }
 
-    /// Returns the polynomial of the friction law in column `i`, with its interval.
+    /// Returns the polynomial of the friction law in column `i`, with the interval of normal forces in which it holds.
     pub fn piece(&self, i: usize) -> GripPiece {
         GripPiece {
             from: self.from[i],

@@ -22,11 +22,12 @@ pub struct ContactVectors<'a, const H: usize> {
     /// Index into `blocks` by column; `usize::MAX` for a column without a contact block.
     number: Vec<usize>,
     columns: ContactColumns,
-    /// Horizontal velocities times the time step along each axis, by column, in units of l.
+    /// Horizontal velocities times the time step along each axis, by column, in lattice spacings.
     velocity: [Vec<f64>; H],
     normal: Vec<f64>,
     friction: [Vec<f64>; H],
-    /// Friction mu_d f(p) F_n of each block if it slides, by column, in units of k l.
+    /// Friction force mu_d f(p) F_n of each block if it slides, by column, in units of k l (spring stiffness times
+    /// lattice spacing).
     sliding: Vec<f64>,
     /// By column, 1 for a block that the vectorized pass leaves to the scalar friction law, otherwise 0.
     unhandled: Vec<f64>,
@@ -71,7 +72,7 @@ impl<'a, const H: usize> ContactVectors<'a, H> {
     }
 
     /// Sets the face height of every block and lifts the blocks above it. `face_and_height` returns the face height and
-    /// the vertical displacement in a column, in units of l. Call it before the first step.
+    /// the vertical displacement in a column, in lattice spacings. Call this method before the first step.
     pub fn place(&mut self, face_and_height: impl Fn(usize) -> [f64; 2]) {
         for block in &mut self.blocks {
             let [face, height] = face_and_height(block.column);
@@ -94,8 +95,8 @@ impl<'a, const H: usize> ContactVectors<'a, H> {
         self.not_slipped == 0
     }
 
-    /// Normal force, negative under tension, and friction along each axis of every block at the last force evaluation,
-    /// in units of k l.
+    /// Normal force, negative under tension, and friction force along each axis of every block at the last force
+    /// evaluation, in units of k l (spring stiffness times lattice spacing).
     pub fn vectors(&self) -> impl Iterator<Item = (f64, [f64; H])> + '_ {
         self.blocks.iter().map(|block| {
             let i = block.column;
@@ -107,17 +108,17 @@ impl<'a, const H: usize> ContactVectors<'a, H> {
         })
     }
 
-    /// Normal force and friction against the drive of every block at the last force evaluation, in units of k l.
+    /// Normal force and friction force against the drive of every block at the last force evaluation.
     pub fn forces(&self) -> impl Iterator<Item = ContactForce> + '_ {
         self.vectors().map(|(normal, friction)| ContactForce { normal, friction: along(self.drive, friction) })
     }
 
-    /// Horizontal displacements in the last step along each axis, by column, in units of l.
+    /// Horizontal displacements in the last step along each axis, by column, in lattice spacings.
     pub fn velocity(&self) -> [&[f64]; H] {
         self.velocity.each_ref().map(Vec::as_slice)
     }
 
-    /// Blocks that the vectorized pass excludes; they include all blocks that are lifted or under tension.
+    /// Blocks that the vectorized pass excludes, among them all blocks that are lifted or under tension.
     pub fn scalar_blocks(&mut self) -> impl Iterator<Item = &mut ContactBlock<H>> {
         let from = &self.columns.from;
         self.blocks.iter_mut().filter(|block| from[block.column] == f64::INFINITY)
@@ -135,9 +136,9 @@ where
     ContactBlock<H>: Slide<H>,
     for<'p> Pass<'p, H>: WithSimd<Output = bool>,
 {
-    /// Updates friction and velocities for one leapfrog step under the horizontal spring forces `force` and the
-    /// vertical ones `lift`, given by column; `kept` is the fraction of the velocity that remains after damping.
-    /// Returns the sums over all blocks.
+    /// Updates friction and velocities for one leapfrog step. `force` and `lift` are the horizontal and the vertical
+    /// spring forces, by column; `kept` is the fraction of the velocity that remains after damping. Returns the sums of
+    /// forces over all blocks.
     #[inline(never)]
     pub fn kick(&mut self, force: [&[f64]; H], lift: &[f64], kept: f64) -> ContactSums {
         let unhandled = vectorized(Pass {
@@ -171,8 +172,8 @@ where
         }
     }
 
-    /// Applies the scalar friction law to the block in column `i`, which the vectorized pass left. Not inlined, because
-    /// such blocks are rare.
+    /// Applies the scalar friction law to the block in column `i`, which the vectorized pass did not handle. Not
+    /// inlined, because such blocks are rare.
     #[inline(never)]
     fn kick_block(&mut self, i: usize, force: [f64; H], lift: f64, kept: f64) {
         let Self { blocks, law, columns, .. } = self;
@@ -209,8 +210,8 @@ where
     }
 }
 
-/// The vectorized pass over the blocks whose motion continues as before. Returns whether it left any block to the
-/// scalar friction law.
+/// Vectorized pass over the blocks whose motion continues as before. Returns whether any block remains for the scalar
+/// friction law.
 pub struct Pass<'a, const H: usize> {
     pub columns: &'a ContactColumns,
     pub velocity: &'a mut [Vec<f64>; H],

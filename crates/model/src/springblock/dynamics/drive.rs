@@ -16,30 +16,31 @@ const BINS: u64 = 2000;
 const STEPS_PER_MONITOR_CHECK: u64 = 64;
 /// Fraction of the planned travel from which on the contact forces are averaged for the interface.
 const INTERFACE_FROM: f64 = 0.6;
-/// Maximum travel of a run as a multiple of the planned travel, for runs that continue until mu is stationary.
+/// Maximum travel of a run as a multiple of the planned travel, for runs that continue until the friction coefficient
+/// is stationary.
 const MAX_EXTENSION: u64 = 4;
 /// Maximum travel of a run as a multiple of the planned travel, for runs that continue until a requested standard error
-/// of mu is reached.
+/// of the friction coefficient is reached.
 pub const MAX_EXTENSION_FOR_STDERR: u64 = 20;
-/// Maximum loss of friction to waves, relative to sliding friction, that counts as an error of the mean. A run with a
-/// greater loss has the status [`Status::SlidingWaves`].
+/// Maximum loss of friction to sliding waves that counts as an error of the mean, relative to friction with every block
+/// sliding. A run with a greater loss has the status [`Status::SlidingWaves`].
 pub const WAVE_DEFICIT: f64 = 0.01;
-/// Time after the rest under load for which a run at zero speed is observed, in seconds.
+/// Duration of the observation after the rest under load if the bulk has zero speed, in seconds.
 const REST_OBSERVATION_S: f64 = 20e-6;
-/// Maximum number of time steps of one run; longer runs are refused. A whole sample of 20,000 blocks takes about an
-/// hour for this number of steps; the paper's run has a quarter of a million.
+/// Maximum number of time steps of one run; longer runs are refused. This number takes about an hour for a whole sample
+/// of 20,000 blocks; the paper's run has a quarter of a million steps.
 pub const MAX_STEPS: u64 = 100_000_000;
-/// Minimum averaging time in periods of the layer's first shear mode. That mode alone makes mu oscillate by a tenth,
-/// and a mean over n periods deviates by up to 1/(pi n) of the amplitude.
+/// Minimum averaging time in periods of the layer's first shear mode. That mode alone makes the friction coefficient
+/// oscillate by a tenth, and a mean over n periods deviates by up to 1/(pi n) of the amplitude.
 const MIN_PERIODS: f64 = 10.0;
 
-/// Minimum planned travel of a warm run, which starts from the sheared layer, in periods of the layer's first shear
-/// mode.
+/// Minimum duration of the planned travel of a warm run, which starts from the sheared layer, in periods of the layer's
+/// first shear mode.
 ///
 /// With the usual layer the mean is then known to 0.1 %, and the ratio of two surfaces with the same coefficients is
 /// off by 0.03 % (`the_confirming_run_is_as_long_as_its_error_asks_for`).
 const WARM_PERIODS: f64 = 12.5;
-/// Minimum planned travel of a warm run, in slips of a block; see `WARM_PERIODS`.
+/// Minimum planned travel of a warm run, as a multiple of the slip length of a block; accuracy as at `WARM_PERIODS`.
 const WARM_SLIPS: f64 = 12.5;
 
 /// Shear modulus of the plane lattice, G = 3 E / 8, in pascals.
@@ -106,8 +107,9 @@ pub fn even_speed_m_s(elastic: &Elastic, pressure_pa: f64) -> f64 {
 /// u = max(12.5 T v, 12.5 d),     d = 2 (mu_s - mu_d) f(P) P l / E
 /// ```
 ///
-/// T is the period of the layer's first shear mode ([`shear_period_s`]), v the sliding speed, and d the slip of a block
-/// of size l, the largest over `loads`; f is the area factor at the pressure P.
+/// T is the period of the layer's first shear mode ([`shear_period_s`]), v the sliding speed, and d the maximum over
+/// `loads` of the slip of a block of size l. mu_s and mu_d are the static and the dynamic friction coefficient, f is
+/// the area factor at the pressure P, and E is Young's modulus.
 pub fn warm_travel_m(
     (elastic, area_law): (&Elastic, Option<&AreaLaw>),
     layer: &Layer,
@@ -125,12 +127,12 @@ pub fn warm_travel_m(
     ((WARM_PERIODS * period_s * speed_m_s).max(slips_m) * 1e9).ceil().max(1.0) * 1e-9
 }
 
-/// Planned number of steps of a run.
+/// Planned numbers of time steps of a dynamic run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Plan {
-    /// Steps of the pressure ramp and the rest before the bulk moves.
+    /// Number of steps of the pressure ramp and the rest before the bulk moves.
     pub preparation: u64,
-    /// Steps of the requested travel.
+    /// Number of steps of the requested travel of the bulk.
     pub travel: u64,
 }
 
@@ -174,18 +176,18 @@ pub struct Drive<'a> {
     pub pressure_pa: f64,
     /// Time step, in seconds.
     pub step_s: f64,
-    /// Time step in units of sqrt(m/k).
+    /// Time step in units of sqrt(m/k), with block mass m and spring stiffness k.
     pub time_step: f64,
     /// Force evaluations per step.
     pub evaluations_per_step: u64,
-    /// Share of this run in all work, for the progress report.
+    /// Fraction of the whole job's work that this run takes, for the progress report.
     pub share: f64,
-    /// Relative standard error of dynamic mu at which the run may end after the planned travel; `None` if none is
-    /// requested.
+    /// Standard error of the mean dynamic friction coefficient, relative to this mean, at which the run may end after
+    /// the planned travel; `None` if no standard error is requested.
     pub stderr_share: Option<f64>,
     /// Number of blocks in the lattice.
     pub blocks: u64,
-    /// Period of the layer's first shear mode in units of sqrt(m/k).
+    /// Period of the layer's first shear mode, in the units of `time_step`.
     pub shear_period: f64,
     /// Time of the monitor's clock when the run was set up, in seconds.
     pub started_s: f64,
@@ -196,14 +198,15 @@ pub struct Drive<'a> {
 pub struct RunResult {
     pub status: Status,
     pub recorder: Recorder,
-    /// Mean of mu over the stationary window, if there is one.
+    /// Mean friction coefficient over the averaging window; `None` if the record is too short.
     pub mean: Option<WindowMean>,
     pub cost: DynamicCost,
-    /// Forces on the contact blocks at the end of the run, in units of k l.
+    /// Forces on the contact blocks at the end of the run, in units of k l (spring stiffness times lattice spacing).
     pub last: Vec<ContactForce>,
 }
 
-/// Status with which a run of `scene` under `load` in steps of `step_s` seconds is refused; `None` if it can run.
+/// Status with which a dynamic run of `scene` under `load` in steps of `step_s` seconds is refused; `None` if the run
+/// is possible.
 pub fn refusal(scene: &Scene, load: &Load, step_s: f64) -> Option<Status> {
     let is_too_long = Plan::new(scene, step_s).total() > MAX_STEPS;
     let no_load = (load.pressure_pa == 0.0).then_some(Status::NoLoad);
@@ -220,7 +223,8 @@ pub fn refused_outcome(status: Status, step_s: f64, centres_m: impl Iterator<Ite
 }
 
 impl Drive<'_> {
-    /// Runs `engine` through load, rest and travel, until mu has converged, a limit is reached, or `monitor` cancels.
+    /// Runs `engine` through loading, rest and travel, until the mean friction coefficient has converged, a limit is
+    /// reached, or `monitor` cancels.
     pub fn run(&self, engine: &mut impl Engine, monitor: &dyn Monitor) -> RunResult {
         let plan = Plan::new(self.scene, self.step_s);
         let Plan { preparation, travel: planned } = plan;
@@ -323,7 +327,8 @@ impl Drive<'_> {
 }
 
 impl RunResult {
-    /// Converts the run to an outcome; `centres_m` are the positions of the contact blocks along x and y, in metres.
+    /// Converts the result to an outcome of the model; `centres_m` are the positions of the contact blocks along x and
+    /// y, in metres.
     pub fn outcome(
         &self,
         scene: &Scene,

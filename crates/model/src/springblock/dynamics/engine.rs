@@ -3,7 +3,7 @@
 use super::contact::{ContactForce, ContactRow, ContactSums};
 use super::protocol::Protocol;
 
-/// Initial data of an integrator besides the lattice. Units: k = 1, l = 1, m = 1.
+/// Initial data of an integrator besides the lattice. Units: spring stiffness k, lattice spacing l, block mass m.
 #[derive(Clone, Debug)]
 pub struct Setup<'a> {
     pub contact: ContactRow<'a>,
@@ -22,12 +22,13 @@ pub trait Engine {
     /// Starts the drive: blocks that slipped under the rising load no longer count as slipped.
     fn begin_drive(&mut self);
 
-    /// Takes one step; returns the sums over the contact row at the beginning of the step.
+    /// Takes one step; returns the sums of forces over the contact row at the beginning of the step.
     fn step(&mut self) -> ContactSums;
 
-    /// Takes one step, or two if that is faster; returns the sums over the contact row for each step.
+    /// Takes one step, or two if that is faster; returns the sums of forces over the contact row for each step.
     ///
-    /// The state between the two steps is not accessible. No second step follows if the first sums are not finite.
+    /// The state between the two steps is not accessible. The second value is `None` if only one step was taken, as
+    /// after sums that are not finite.
     fn one_or_two_steps(&mut self) -> (ContactSums, Option<ContactSums>) {
         (self.step(), None)
     }
@@ -35,7 +36,7 @@ pub trait Engine {
     /// Whether every contact block has slipped since the drive began.
     fn all_have_slipped(&self) -> bool;
 
-    /// Forces on the contact blocks at the last force evaluation, left to right; in space x varies fastest.
+    /// Forces on the contact blocks at the last force evaluation, left to right; in space row by row along x.
     fn contact_forces(&mut self) -> Vec<ContactForce>;
 
     /// Stops worker threads; no step may follow.
@@ -44,10 +45,10 @@ pub trait Engine {
 
 /// An integrator of a plane lattice.
 pub trait PlaneEngine: Engine {
-    /// Sets the initial displacements, x and y in units of l, which `displacement` returns for column i and row j, with
-    /// every block at rest.
+    /// Sets the initial displacements x and y, in lattice spacings, which `displacement` returns for column i and row
+    /// j, with every block at rest.
     fn start_sheared(&mut self, displacement: &dyn Fn(usize, usize) -> [f64; 2]);
 
-    /// Vertical displacement of block (i, j) in units of l.
+    /// Vertical displacement of the block in column i of row j, in lattice spacings.
     fn rise(&self, i: usize, j: usize) -> f64;
 }

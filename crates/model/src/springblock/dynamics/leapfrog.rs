@@ -39,7 +39,7 @@ pub struct BondLeapfrog<'a> {
     bonds: Bonds,
     nx: usize,
     displacement: [Vec<f64>; 2],
-    /// Velocities times the time step, x and y in units of l.
+    /// Velocities x and y times the time step, in lattice spacings.
     velocity: [Vec<f64>; 2],
     contact: ContactRow<'a>,
     protocol: Protocol,

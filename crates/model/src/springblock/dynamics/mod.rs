@@ -16,7 +16,7 @@
 //! | `strip_workers` | several threads on one lattice |
 //! | `strip_leapfrog`, `leapfrog`, `runge_kutta` | integrators |
 //! | `stability` | largest eigenfrequency |
-//! | `recorder` | history of mu, its mean and standard error |
+//! | `recorder` | history of the friction coefficient, mean and standard error |
 //! | `stationary` | start of the stationary part of a record |
 //! | `engine` | interface of the integrators |
 //! | `drive` | one run of an integrator |

@@ -22,7 +22,7 @@ pub trait Real: Pod + Default + PartialEq + Debug + Send + Sync {
     /// Converts to double precision.
     fn to_f64(self) -> f64;
 
-    /// Vector with `value`, rounded, in every lane.
+    /// Vector with the rounded `value` in every lane.
     fn splat<S: Simd>(simd: S, value: f64) -> Self::Vector<S>;
     /// Lane-wise a + b.
     fn add<S: Simd>(simd: S, a: Self::Vector<S>, b: Self::Vector<S>) -> Self::Vector<S>;
@@ -107,13 +107,13 @@ pub const LINE_BYTES: usize = 64;
 real!(f64, f64s, splat_f64s, add_f64s, sub_f64s, mul_f64s, mul_add_e_f64s, as_simd_f64s, as_mut_simd_f64s);
 real!(f32, f32s, splat_f32s, add_f32s, sub_f32s, mul_f32s, mul_add_e_f32s, as_simd_f32s, as_mut_simd_f32s);
 
-/// Rounds the number of values `columns` up to a multiple of the number in a cache line.
+/// Rounds the number of values `columns` up to whole cache lines; returns a number of values.
 pub const fn whole_lines<R: Real>(columns: usize) -> usize {
     columns.next_multiple_of(R::LINE)
 }
 
-/// Maximum ratio of the largest force above the contact row to that on the contact row, for a state that counts as in
-/// equilibrium: smaller forces are not much above the rounding error of deviations.
+/// Maximum ratio of the largest spring force above the contact row to the largest on the contact row in a state that
+/// counts as in equilibrium: smaller forces are not much above the rounding error of deviations.
 const EQUILIBRIUM: f64 = 1e-6;
 
 /// Whether displacements may be stored as deviations from a state whose largest spring forces are `inside` above the
@@ -144,7 +144,7 @@ impl<R: Real> WithSimd for AddForces<'_, R> {
 }
 
 /// Moves contact blocks by `velocity` and writes their displacements relative to the moving frame to `row`.
-/// Displacements are in units of l.
+/// Displacements are in lattice spacings.
 pub struct PlaceContacts<'a, R> {
     /// Displacements in the frame at rest, updated by the step.
     pub place: &'a mut [f64],

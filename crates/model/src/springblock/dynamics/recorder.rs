@@ -1,18 +1,19 @@
-//! History of a dynamic run: mu against time, its mean over the stationary part of sliding with a standard error from
-//! batch means, the static peak, and the mean interface.
+//! History of a dynamic run: friction coefficient against time, the mean over the stationary part of sliding with a
+//! standard error from batch means, the static peak, and the mean forces on the contact blocks.
 
 use super::contact::{ContactForce, ContactSums};
 use super::engine::Engine;
 use super::stationary::stationary_from;
 use crate::springblock::TracePoint;
 
-/// Number of batches in the averaging window. Fewer batches make the error estimate noisy; more make batches short
+/// Number of batches in the averaging window. Fewer batches make the error estimate noisy; with more, batches are short
 /// compared with the correlation time of the friction force (two microseconds, the period of the layer's shear mode).
 const BATCHES: usize = 20;
 /// Number of steps between two samples of the contact forces for the mean interface.
 const INTERFACE_EVERY: u64 = 64;
 
-/// Contact sums added over the steps of one recording interval, in units of k l.
+/// Sums of contact forces, added over the steps of one recording interval, in units of k l (spring stiffness times
+/// lattice spacing).
 #[derive(Clone, Copy, Debug, Default)]
 struct Bin {
     friction: f64,
@@ -34,14 +35,15 @@ pub struct WindowMean {
     pub mu: f64,
     /// Standard error of `mu`.
     pub stderr: f64,
-    /// Mean friction perpendicular to the drive, divided by the mean normal force.
+    /// Mean friction force perpendicular to the drive, divided by the mean normal force.
     pub mu_across: f64,
-    /// Friction relative to that of the same normal forces with every block sliding, minus one; `None` if sliding has
-    /// no friction.
+    /// Friction force over the friction force if every block slides at these normal forces, minus one; `None` if
+    /// sliding has no friction.
     pub excess: Option<f64>,
-    /// Time from the start of the drive to the first batch, in units of sqrt(m/k).
+    /// Time from the start of the drive to the first batch, in units of sqrt(m/k), with block mass m and spring
+    /// stiffness k.
     pub from: f64,
-    /// Whether at most half of the record since the start of the drive was left out.
+    /// Whether the record becomes stationary, and at most half of the record since the start of the drive was left out.
     pub is_stationary: bool,
 }
 
@@ -53,9 +55,9 @@ pub struct Recorder {
     bins: Vec<Bin>,
     current_bin: Bin,
     steps: u64,
-    /// Minimum averaging time, in units of sqrt(m/k).
+    /// Minimum averaging time, in units of sqrt(m/k), with block mass m and spring stiffness k.
     min_time: f64,
-    /// Bin in which the last contact block slipped for the first time.
+    /// Index of the bin in which the last contact block slipped for the first time; `None` before that.
     onset_bin: Option<usize>,
     peak_mu: f64,
     interface: Vec<ContactForce>,
@@ -64,9 +66,9 @@ pub struct Recorder {
 }
 
 impl Recorder {
-    /// Creates an empty record with `steps_per_bin` steps of the length `time_step` per interval. Averages cover at
-    /// least the time `min_time`; both times are in units of sqrt(m/k). The interface is sampled from interval
-    /// `interface_from_bin` on.
+    /// Creates an empty record with bins of `steps_per_bin` steps of the length `time_step`. Averages cover at least
+    /// the time `min_time`; both times are in units of sqrt(m/k), with block mass m and spring stiffness k. Contact
+    /// forces are sampled from bin `interface_from_bin` on.
     pub fn new(steps_per_bin: u64, time_step: f64, min_time: f64, interface_from_bin: usize) -> Self {
         Self {
             steps_per_bin,
@@ -124,7 +126,7 @@ impl Recorder {
         }
     }
 
-    /// Restarts the mean interface, because the samples so far were not stationary.
+    /// Restarts the averaging of contact forces, because the samples so far were not stationary.
     pub fn restart_interface(&mut self) {
         self.interface.clear();
         self.interface_samples = 0;
@@ -144,8 +146,8 @@ impl Recorder {
     /// Mean friction coefficient over the stationary part of the record after every contact block has slipped, with a
     /// standard error from batch means.
     ///
-    /// `None` until the record has two bins per batch after that. A record that becomes stationary too late is averaged
-    /// over its end.
+    /// `None` until the record has two bins per batch after all blocks have slipped, or if the mean is not finite. A
+    /// record that becomes stationary too late is averaged over the last two bins per batch.
     pub fn window_mean(&self) -> Option<WindowMean> {
         let sliding = self.bins.get(self.onset_bin? + 1..)?;
         if sliding.len() < 2 * BATCHES {
@@ -179,7 +181,8 @@ impl Recorder {
         mu.is_finite().then_some(WindowMean { mu, stderr, mu_across, excess, from, is_stationary })
     }
 
-    /// Mean forces on every contact block over the samples since the last restart; `last` if there are none.
+    /// Mean forces on every contact block over the samples since the last restart; returns `last` if there are no
+    /// samples.
     pub fn interface(&self, last: &[ContactForce]) -> Vec<ContactForce> {
         let samples = self.interface_samples as f64;
         if self.interface_samples == 0 {
@@ -191,12 +194,13 @@ impl Recorder {
             .collect()
     }
 
-    /// Length of a bin in units of sqrt(m/k).
+    /// Duration of a bin, in units of sqrt(m/k), with block mass m and spring stiffness k.
     fn bin_time(&self) -> f64 {
         self.steps_per_bin as f64 * self.time_step
     }
 
-    /// Friction coefficient against time, one point per bin; `unit_time_s` is the unit of time sqrt(m/k) in seconds.
+    /// Friction coefficient against time, one point per bin; `unit_time_s` is the unit of the recorded times, in
+    /// seconds.
     pub fn trace(&self, unit_time_s: f64) -> Vec<TracePoint> {
         let per_bin = self.bin_time() * unit_time_s;
         self.bins

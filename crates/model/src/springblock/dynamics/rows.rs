@@ -2,8 +2,8 @@
 
 use super::real::{LINE_BYTES, Real, whole_lines};
 
-/// Stiffness in units of k of the eight springs of one block, by direction: east is the sliding direction, north points
-/// from the counterface to the bulk.
+/// Stiffnesses of the eight springs of one block, in units of the spring stiffness k, by direction: east is the sliding
+/// direction, north points from the counterface to the bulk.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Springs8 {
     pub east: f64,
@@ -75,8 +75,9 @@ impl<R: Real> RowCoefficients<R> {
 /// One value per block, row by row, aligned to cache lines.
 ///
 /// Column i of row j is at `LINE + j * stride + i`, where LINE is the number of values in a cache line. At least two
-/// values follow the last column of a row: first the image of column 0, and last the image of the column before column
-/// 0 of the next row. Row ny is the bulk. Column 0 begins a cache line.
+/// ghost values, copies of columns across the sides of the strip, follow the last column of a row: the first belongs to
+/// the right side of this row, the last to the left side of the next row. Row ny is the bulk. Column 0 begins a cache
+/// line.
 #[derive(Clone, Debug)]
 pub struct Plane<R> {
     values: Vec<R>,
@@ -102,16 +103,16 @@ impl<R: Real> Plane<R> {
     }
 }
 
-/// Displacements of the blocks of a strip along x and y, in units of l, at the current time and one step before or
-/// after it.
+/// Displacements of the blocks of a strip along x and y, in lattice spacings, at the current time and one step before
+/// or after.
 #[derive(Clone, Debug)]
 pub struct Field<R> {
     pub nx: usize,
     pub ny: usize,
     pub stride: usize,
     pub now: [Plane<R>; 2],
-    /// Displacements one step earlier. A sweep overwrites them with those one step later, which [`Field::swap`] then
-    /// makes current.
+    /// Displacements one step earlier. A sweep overwrites these values with the displacements one step later, which
+    /// [`Field::swap`] then makes current.
     pub other: [Plane<R>; 2],
 }
 

@@ -17,13 +17,14 @@ use crate::springblock::{
     Fidelity, Lattice, Load, Monitor, Scene, SceneError, Springs, SteadyLoad, SteadyModel, SurfaceOutcome, draws,
 };
 
-/// Default step of the leapfrog in units of sqrt(m/k): 6 ns for the published polymer at l = 10 um, half of the
-/// stability limit. Dynamic mu is then 0.03 % below the limit of short steps, and the ratio has reached its limit
+/// Default time step of the leapfrog in units of sqrt(m/k), with block mass m and spring stiffness k: 6 ns for the
+/// published polymer at a lattice spacing of 10 um, half of the stability limit. The dynamic friction coefficient is
+/// then 0.03 % below the limit of short steps, and the ratio of the patterned to the flat surface has reached its limit
 /// (`tests/validation/excess.rs`).
 ///
 /// Up to this step the length of slips is accurate ([`super::contact`]): the slip of a single contact block lasts
-/// pi/sqrt(5) of these units, four steps. At 8 ns dynamic mu is 0.08 % too low, at 10 ns, with five steps for two
-/// slips, 0.1 % too high.
+/// pi/sqrt(5) of these units, four steps. At 8 ns the dynamic friction coefficient is 0.08 % too low; at 10 ns, with
+/// five steps for two slips, it is 0.1 % too high.
 const LEAPFROG_STEP: f64 = 0.3376;
 /// Time step of the reference integration, in seconds, as in the paper.
 const REFERENCE_STEP_S: f64 = 1e-9;
@@ -94,17 +95,18 @@ pub struct DynamicRun<'a> {
     pub load: &'a Load,
     /// Regular lattice of whole blocks.
     pub lattice: &'a Lattice,
-    /// Equations of steady sliding on the lattice, created by the first run that starts from them.
+    /// Equations of steady sliding on the lattice, created by the first run that starts from steady sliding.
     pub steady: &'a OnceLock<SteadyModel>,
     /// Integration scheme.
     pub scheme: Scheme,
     /// Number of threads; the result does not depend on it.
     pub threads: usize,
-    /// Share of this run in all work, for the progress report.
+    /// Fraction of the whole job's work that this run takes, for the progress report.
     pub share: f64,
     /// Random seed of the local friction coefficients.
     pub seed: u64,
-    /// Relative standard error of dynamic mu at which the run may end; `None` if none is requested.
+    /// Standard error of the mean dynamic friction coefficient, relative to this mean, at which the run may end; `None`
+    /// if no standard error is requested.
     pub stderr_share: Option<f64>,
 }
 
@@ -156,8 +158,8 @@ impl DynamicRun<'_> {
         self.lattice.contacts().map(|column| [(column as f64 + 0.5) * self.scene.layer.block_m, 0.0])
     }
 
-    /// Displacements x and y in units of l, by row and column, of the layer in equilibrium with sliding friction, every
-    /// block at a random phase of its stick-slip cycle.
+    /// Displacements x and y, in lattice spacings, of the layer in equilibrium with sliding friction, every block at a
+    /// random phase of its stick-slip cycle; index j * nx + i for column i of row j.
     fn sheared_displacements(&self) -> Vec<[f64; 2]> {
         let model = self.steady.get_or_init(|| SteadyModel::for_scene(self.scene, self.lattice.clone()));
         let drawn = draws::draw(&self.load.friction, self.seed, self.lattice.nx());
@@ -168,8 +170,9 @@ impl DynamicRun<'_> {
         })
     }
 
-    /// Initial displacements x and y in units of l, by row and column: those of sliding for a warm start, otherwise
-    /// those of an unloaded layer that touches with its highest point; `None` for an unloaded flat layer.
+    /// Initial displacements x and y, in lattice spacings, with index j * nx + i for column i of row j. A warm start
+    /// has the displacements of sliding; an unloaded layer with face heights touches with its highest point; `None` for
+    /// an unloaded flat layer.
     fn start(&self) -> Option<Vec<[f64; 2]>> {
         if self.scene.run.warm_start {
             return Some(self.sheared_displacements());
@@ -179,8 +182,8 @@ impl DynamicRun<'_> {
         self.lattice.is_raised().then(|| vec![[0.0, highest]; self.lattice.nx() * self.lattice.ny()])
     }
 
-    /// Drives `engine`, which begins at the displacements `start` if they are given. `started_s` is the time of the
-    /// monitor's clock, in seconds, at which the run was set up.
+    /// Drives `engine`, which begins at the displacements `start`, or at its present state if `start` is `None`.
+    /// `started_s` is the time of the monitor's clock, in seconds, at which the run was set up.
     fn drive(
         &self,
         mut engine: impl PlaneEngine,
@@ -222,8 +225,8 @@ impl DynamicRun<'_> {
     }
 }
 
-/// Period of the layer's first shear mode in units of sqrt(m/k): 4 h / c_s, c_s = sqrt(C66/rho) = sqrt(1/2) l
-/// sqrt(k/m).
+/// Period of the layer's first shear mode in units of sqrt(m/k): 4 h / c_s with the layer height h and the speed of
+/// shear waves c_s = sqrt(C66/rho) = sqrt(1/2) l sqrt(k/m).
 fn shear_period(lattice: &Lattice) -> f64 {
     4.0 * lattice.ny() as f64 * std::f64::consts::SQRT_2
 }

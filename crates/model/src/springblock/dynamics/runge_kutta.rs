@@ -1,7 +1,7 @@
 //! The paper's integration: classical Runge-Kutta of order 4.
 //!
 //! Whether a contact block is at rest, and the direction in which it slips, are fixed at the beginning of a step for
-//! all four stages; a block that would reverse ends at rest. Units: k = 1, l = 1, m = 1.
+//! all four stages; a block whose velocity would reverse ends the step at rest. Units: k = 1, l = 1, m = 1.
 
 #[cfg(test)]
 mod tests;
@@ -15,7 +15,7 @@ use super::protocol::Protocol;
 use crate::springblock::{Lattice, Springs};
 use slipgrid_base::fft::vectorized;
 
-/// Displacements and velocities, x and y, by block number j * nx + i.
+/// Displacements u and velocities v along x and y; index j * nx + i for column i of row j. Units: k = 1, l = 1, m = 1.
 #[derive(Clone, Debug)]
 struct State {
     u: [Vec<f64>; 2],
@@ -64,7 +64,8 @@ pub struct RungeKutta<'a> {
     slope: State,
     next: State,
     contact: ContactRow<'a>,
-    /// Direction in which every contact block slips, or would slip, in this step: 1 or -1; 0 without friction.
+    /// Direction in which each contact block slips, or would slip if released, in this step: 1 or -1; 0 without
+    /// friction.
     direction: Vec<f64>,
     protocol: Protocol,
     inverse_mass: Vec<f64>,
@@ -72,7 +73,7 @@ pub struct RungeKutta<'a> {
     time_step: f64,
     steps: u64,
     liftoff: bool,
-    /// Work of drive, friction and damping since the start, in units of k l^2.
+    /// Work of drive, friction and damping since the start, in units of k l^2 (spring stiffness k, lattice spacing l).
     #[cfg(test)]
     ledger: tests::Ledger,
 }

@@ -1,4 +1,4 @@
-//! Units of the time integration: length l, stiffness k, mass m, hence time sqrt(m/k).
+//! Units of the time integration: lattice spacing l, spring stiffness k, block mass m, hence the time sqrt(m/k).
 
 use crate::material::Elastic;
 
@@ -7,9 +7,10 @@ use crate::material::Elastic;
 pub struct Scales {
     /// Unit of length l, the lattice spacing, in metres.
     pub length_m: f64,
-    /// Unit of time sqrt(m/k), in seconds.
+    /// Unit of time sqrt(m/k), with block mass m and spring stiffness k, in seconds.
     pub time_s: f64,
-    /// Unit of pressure k/l, in pascals: the pressure of the unit force k l on the face l^2 of one block.
+    /// Unit of pressure, in pascals: spring stiffness over lattice spacing, k/l, the pressure of the unit force k l on
+    /// the face l^2 of one block.
     pub pressure_pa: f64,
 }
 
@@ -26,7 +27,7 @@ impl Scales {
         Self::from_pressure_unit(0.4 * elastic.youngs_modulus_pa(), elastic, block_m)
     }
 
-    /// Creates the units for the unit of pressure k/l = `pressure_pa`, in pascals.
+    /// Creates the units from the unit of pressure `pressure_pa` = k/l, in pascals.
     fn from_pressure_unit(pressure_pa: f64, elastic: &Elastic, block_m: f64) -> Self {
         // m = rho l^3: m/k = rho l^2 / (k/l)
         Self { length_m: block_m, time_s: block_m * (elastic.density_kg_m3() / pressure_pa).sqrt(), pressure_pa }

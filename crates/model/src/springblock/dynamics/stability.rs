@@ -7,8 +7,8 @@ use crate::springblock::{Lattice, Springs};
 /// found to better than 1e-4.
 const LANCZOS_STEPS: usize = 80;
 
-/// Largest eigenfrequency of the lattice in units of sqrt(k/m); blocks on the counterface move vertically only if
-/// `liftoff`.
+/// Largest angular eigenfrequency of the lattice in units of sqrt(k/m), with spring stiffness k and block mass m.
+/// Blocks on the counterface move vertically only if `liftoff`.
 pub fn largest_frequency(lattice: &Lattice, liftoff: bool) -> f64 {
     let mut bonds = Bonds::new(lattice, Springs::Linear);
     let root: Vec<f64> = bonds.inverse_mass().iter().map(|inverse| inverse.sqrt()).collect();
@@ -31,11 +31,12 @@ pub fn largest_frequency(lattice: &Lattice, liftoff: bool) -> f64 {
     })
 }
 
-/// Largest eigenfrequency of a system whose unknowns have the inverse square roots of masses `weight`, which are 0 for
-/// removed blocks and pinned directions. `forces` computes the spring forces at given displacements.
+/// Largest angular eigenfrequency of a system of masses and springs. `weight` is 1 over the square root of the mass of
+/// each unknown, or 0 for removed blocks and pinned directions; `forces` computes the spring forces at given
+/// displacements. Units: k = 1, m = 1.
 ///
-/// Lanczos recursion on M^-1/2 K M^-1/2; the largest eigenvalue of its tridiagonal matrix is found by bisection on
-/// Sturm counts.
+/// Lanczos recursion on M^-1/2 K M^-1/2 with mass matrix M and stiffness matrix K; the largest eigenvalue of the
+/// resulting tridiagonal matrix is found by bisection on Sturm counts.
 pub fn largest_eigenfrequency(weight: &[f64], mut forces: impl FnMut(&[f64], &mut [f64])) -> f64 {
     let unknowns = weight.len();
     // A fixed start vector without symmetry has a component along every mode.

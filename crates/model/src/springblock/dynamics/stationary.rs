@@ -12,13 +12,14 @@
 
 /// Number of values in a group.
 const GROUP: usize = 5;
-/// Minimum number of groups that remain; a record with fewer than twice as many is too short for a decision.
+/// Minimum number of groups that remain; a record with fewer than twice this number is too short for a decision.
 const MIN_GROUPS: usize = 8;
-/// Relative noise level below which changes are ignored, so that a record that only drifts by rounding is stationary.
+/// Noise level, relative to the mean of the remaining groups, below which changes are ignored, so that a record that
+/// drifts only by rounding is stationary.
 const NOISE_LEVEL: f64 = 1e-4;
 
-/// Returns how many leading values of `record` to leave out, or `None` if the record is too short. At least `min_values`
-/// values remain, since a few values around the turning point of an oscillation hardly differ.
+/// Returns the number of leading values of `record` to leave out, or `None` if the record is too short. At least
+/// `min_values` values remain, since a few values around the turning point of an oscillation hardly differ.
 pub fn stationary_from(record: &[f64], min_values: usize) -> Option<usize> {
     let groups: Vec<f64> = record.chunks_exact(GROUP).map(|group| group.iter().sum::<f64>() / GROUP as f64).collect();
     let min_values = min_values.div_ceil(GROUP).max(MIN_GROUPS);

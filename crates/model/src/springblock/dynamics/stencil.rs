@@ -19,8 +19,8 @@ use slipgrid_base::fft::vectorized;
 const STRIP_COLUMNS: usize = 256;
 
 /// Vertical balance of the bulk: sum over the top blocks of [yy (H - u_y) + xy (X - u_x)] = -load, with the
-/// displacements (X, H) of the bulk and (u_x, u_y) of a block. The fields are sums of spring coefficients over the top
-/// blocks, in units of k.
+/// displacements (X, H) of the bulk and (u_x, u_y) of a block. The fields are the sums of yy and of xy over the top
+/// blocks, in units of the spring stiffness k.
 #[derive(Clone, Copy, Debug)]
 pub struct BulkBalance {
     yy: f64,
@@ -28,30 +28,32 @@ pub struct BulkBalance {
 }
 
 impl BulkBalance {
-    /// Vertical displacement of the bulk, in units of l, at the horizontal displacement `bulk_x` under `load`;
-    /// `top_row_force` is the sum of [`StripStencil::top_row_force`] over the strips.
+    /// Vertical displacement of the bulk at the horizontal displacement `bulk_x` under the load `load`; `top_row_force`
+    /// is the sum of [`StripStencil::top_row_force`] over the strips. Units: k = 1, l = 1.
     pub fn height(&self, top_row_force: f64, bulk_x: f64, load: f64) -> f64 {
         (top_row_force - self.xy * bulk_x - load) / self.yy
     }
 }
 
-/// Spring stiffnesses and masses of one strip.
+/// Spring stiffnesses and inverse masses of one strip, in units of spring stiffness k and block mass m.
 #[derive(Clone, Debug)]
 pub struct StripStencil<R> {
     /// Columns of the strip in the lattice.
     pub columns: Range<usize>,
     /// Rows with individual coefficients for every spring, from the counterface up.
     pub general: Vec<RowCoefficients<R>>,
-    /// For each free side, the column in the strip, and the blocks in the rows above the general rows, upward.
+    /// For each free side, the column index in the strip, and the blocks of this column above the general rows, bottom
+    /// to top.
     pub sides: Vec<(usize, Vec<Site>)>,
     to_bulk_yy: Vec<f64>,
-    /// Columns at free sides, with the xy coefficient in units of k of their springs to the bulk, whose horizontal
-    /// forces do not cancel.
+    /// Columns at free sides, whose springs to the bulk couple x and y, with the xy coefficient of these springs in
+    /// units of k.
     to_bulk_xy: Vec<(usize, f64)>,
 }
 
 impl<R: Real> StripStencil<R> {
-    /// Vertical force of the top row on the bulk at zero displacement of the bulk, in units of k l.
+    /// Vertical force of the top row on the bulk at zero displacement of the bulk, in units of k l (spring stiffness
+    /// times lattice spacing).
     pub fn top_row_force(&self, field: &Field<R>) -> f64 {
         let top = field.index(0, field.ny - 1);
         let row = |component: usize| &field.now[component].rows()[top..][..field.nx];

@@ -10,26 +10,27 @@ use super::stencil::StripStencil;
 use super::sweep::{ContactRowForces, InsideRows, Kick, MoveRow, RowForces, move_side_block};
 use slipgrid_base::fft::vectorized;
 
-/// Positions of the bulk and of the moving frame in a step.
+/// Displacements of the bulk and of the moving frame in a step, in lattice spacings.
 #[derive(Clone, Copy, Debug)]
 pub struct BulkPosition {
-    /// Horizontal displacement of the bulk relative to the moving frame, in units of l.
+    /// Horizontal displacement of the bulk relative to the moving frame.
     pub x: f64,
-    /// Vertical displacement of the bulk, in units of l.
+    /// Vertical displacement of the bulk.
     pub height: f64,
-    /// Displacement of the moving frame after the step, in units of l.
+    /// Horizontal displacement of the moving frame after the step.
     pub carried: f64,
 }
 
-/// Base state from which the stored displacements deviate: every block above the contact row is in equilibrium.
-/// Deviations are relative to a frame that moves with the bulk.
+/// Base state, with every block above the contact row in equilibrium. Stored displacements are deviations from this
+/// state, in a frame that moves with the bulk.
 #[derive(Clone, Debug)]
 pub struct Base {
-    /// Spring forces on the contact row, horizontal and vertical, by column, in units of k l.
+    /// Horizontal and vertical spring forces on the contact row, by column, in units of k l (spring stiffness times
+    /// lattice spacing).
     pub force: [Vec<f64>; 2],
-    /// Vertical displacements of the contact row, by column, in units of l.
+    /// Vertical displacements of the contact row, by column, in lattice spacings.
     pub height: Vec<f64>,
-    /// Displacement of the moving frame per step, in units of l.
+    /// Displacement of the moving frame per step, in lattice spacings.
     pub carried: f64,
 }
 
@@ -49,13 +50,13 @@ pub struct Strip<'a, R> {
     /// Drag of the moving frame, from [`Kick::drag`].
     drag: f64,
     liftoff: bool,
-    /// Vertical displacements of lifted contact blocks in the last step, by column, in units of l.
+    /// Vertical displacements of lifted contact blocks during the last step, by column, in lattice spacings.
     fall: Vec<f64>,
     force: [Vec<R>; 2],
     at_sides: Vec<[f64; 2]>,
-    /// Displacements of the contact row from the base state, x and y, in the frame at rest and in double precision.
+    /// Displacements x and y of the contact row from the base state, in the frame at rest and in double precision.
     contact_place: [Vec<f64>; 2],
-    /// Spring forces on the contact row, x and y, in double precision.
+    /// Spring forces x and y on the contact row, including those of the base state, in double precision.
     contact_force: [Vec<f64>; 2],
     base: Base,
 }
@@ -115,8 +116,8 @@ impl<'a, R: Real> Strip<'a, R> {
         self.contact.begin_drive();
     }
 
-    /// Sets the initial displacements, x and y in units of l, which `displacement` returns for a column of the lattice
-    /// and a row, with every block at rest.
+    /// Sets the initial displacements x and y, in lattice spacings, which `displacement` returns for a column of the
+    /// lattice and a row, with every block at rest.
     pub fn start(&mut self, displacement: &dyn Fn(usize, usize) -> [f64; 2]) {
         for j in 0..self.field.ny {
             for i in 0..self.field.nx {
@@ -133,8 +134,8 @@ impl<'a, R: Real> Strip<'a, R> {
         }
     }
 
-    /// Sets the state `base`, given by column of the lattice, from which the stored displacements deviate in a moving
-    /// frame.
+    /// Sets the base state `base`, indexed by column of the whole lattice, from which the stored displacements deviate,
+    /// and starts the moving frame.
     pub fn set_base(&mut self, base: &Base) {
         let (columns, padded) = (self.stencil.columns.clone(), whole_lines::<R>(self.field.nx));
         let own = |values: &[f64]| {
@@ -155,22 +156,24 @@ impl<'a, R: Real> Strip<'a, R> {
         }
     }
 
-    /// Vertical force of the top row on the bulk at zero displacement of the bulk, in units of k l.
+    /// Vertical force of the top row on the bulk at zero displacement of the bulk, in units of k l (spring stiffness
+    /// times lattice spacing).
     pub fn top_row_force(&self) -> f64 {
         self.stencil.top_row_force(&self.field)
     }
 
-    /// Displacements, x and y in units of l, of the block in column i of the strip and row j.
+    /// Displacements x and y, in lattice spacings, of the block in column i of the strip and row j.
     pub fn displacement(&self, i: usize, j: usize) -> [f64; 2] {
         let at = self.field.index(i, j);
         [0, 1].map(|component: usize| self.field.now[component].rows()[at].to_f64())
     }
 
-    /// Sets the images beyond both sides to the columns at the opposite sides, for a strip that is a whole period.
+    /// Copies the columns at both sides to the ghost columns beyond the opposite sides, for a strip that is a whole
+    /// period.
     pub fn join_sides(&mut self) {
         let (first, nx, stride) = (self.field.index(0, 0), self.field.nx, self.field.stride);
         for plane in &mut self.field.now {
-            // Each row has the image of the last column, then the columns, then the image of the first column.
+            // Each row has a copy of the last column, then the columns, then a copy of the first column.
             for row in plane.rows_mut()[first - 1..].chunks_exact_mut(stride).take(self.field.ny) {
                 row[0] = row[nx];
                 row[nx + 1] = row[1];
@@ -178,12 +181,14 @@ impl<'a, R: Real> Strip<'a, R> {
         }
     }
 
-    /// Number of values that a neighbouring strip needs: both displacements of all blocks in the column at one side.
+    /// Number of values that a neighbouring strip needs: the displacements x and y of all blocks in the column at one
+    /// side.
     pub const fn edge_len(&self) -> usize {
         2 * self.field.ny
     }
 
-    /// Calls `give` with the index and the value of each displacement in the column at the side `from`.
+    /// Calls `give` with the index and the value of each displacement in the column at the side `from`: x by row, then
+    /// y by row.
     pub fn edge(&self, from: Side, mut give: impl FnMut(usize, f64)) {
         let column = match from {
             Side::Left => 0,
@@ -197,8 +202,8 @@ impl<'a, R: Real> Strip<'a, R> {
         }
     }
 
-    /// Sets the image of the column beyond the side `beyond`; `take` returns values with the indices of
-    /// [`Strip::edge`].
+    /// Sets the ghost column beyond the side `beyond`, a copy of the neighbouring strip's column; `take` returns the
+    /// value for each index of [`Strip::edge`].
     pub fn set_image(&mut self, beyond: Side, mut take: impl FnMut(usize) -> f64) {
         let at = match beyond {
             Side::Left => self.field.index(0, 0) - 1,
@@ -212,8 +217,8 @@ impl<'a, R: Real> Strip<'a, R> {
         }
     }
 
-    /// Takes one step; returns the sums over the contact blocks of the strip at the beginning of the step. The images
-    /// of the neighbours' columns must be up to date.
+    /// Takes one step; returns the sums of forces over the contact blocks of the strip at the beginning of the step.
+    /// The ghost columns must be up to date.
     pub fn step(&mut self, bulk: BulkPosition) -> ContactSums {
         self.place_bulk(bulk);
         let Self { stencil, field, contact, kick, drag, force: [force_x, force_y], .. } = self;

@@ -41,8 +41,8 @@ pub struct StripLeapfrog<'scope, 'env, 'a, R> {
     time_step: f64,
     steps: u64,
     periodic: bool,
-    /// Displacements of the base state, x and y in units of l, by row and column, from which the stored ones deviate;
-    /// empty if displacements start at zero.
+    /// Displacements x and y of the base state, in lattice spacings, from which stored displacements deviate; index j *
+    /// nx + i for column i of row j. Empty without a base state.
     base: Vec<[f64; 2]>,
     columns: usize,
 }
@@ -58,9 +58,9 @@ impl<'scope, 'a: 'scope> StripLeapfrog<'scope, '_, 'a, f64> {
 impl<'scope, 'a: 'scope> StripLeapfrog<'scope, '_, 'a, f32> {
     /// Creates the integrator with a lattice of whole blocks in the sliding state `base`.
     ///
-    /// `base` has displacements in units of l, by row and column, in equilibrium under the load of `setup`. The bulk
-    /// moves at the speed of `setup` from the first step on. Returns `None` if unbalanced forces remain above the
-    /// contact row.
+    /// `base` has the displacements x and y, in lattice spacings, in equilibrium under the load of `setup`, with index
+    /// j * nx + i for column i of row j. The bulk moves at the speed of `setup` from the first step on. Returns `None`
+    /// if unbalanced forces remain above the contact row.
     pub fn from_sliding(lattice: &Lattice, setup: Setup<'a>, base: &[[f64; 2]]) -> Option<Self> {
         let Setup { protocol, time_step, damping, .. } = setup;
         let mut sliding = Self::with_kick(lattice, setup, Kick::new(time_step, damping).rounded::<f32>());
@@ -106,8 +106,8 @@ impl<'scope, 'env, 'a: 'scope, R: Real> StripLeapfrog<'scope, 'env, 'a, R> {
         Self { threads: Some((scope, threads)), ..self }
     }
 
-    /// Displacements of block (i, j), x and y in units of l. Before [`Engine::finish`] only blocks in the caller's own
-    /// strips have values.
+    /// Displacements x and y, in lattice spacings, of the block in column i of row j. Before [`Engine::finish`] only
+    /// blocks in the strips of the calling thread have values.
     pub fn displacement(&self, i: usize, j: usize) -> [f64; 2] {
         let strips = self.strip_workers.as_ref().map_or(&self.strips[..], StripWorkers::own);
         let strip = strips.iter().find(|strip| strip.columns().contains(&i));
@@ -118,8 +118,8 @@ impl<'scope, 'env, 'a: 'scope, R: Real> StripLeapfrog<'scope, 'env, 'a, R> {
         }
     }
 
-    /// Displacement of the moving frame after `steps` steps, in units of l: that of the bulk if displacements deviate
-    /// from sliding, otherwise zero.
+    /// Displacement of the moving frame after `steps` steps, in lattice spacings: the displacement of the bulk if there
+    /// is a base state, otherwise zero.
     fn carried(&self, steps: u64) -> f64 {
         if self.base.is_empty() { 0.0 } else { self.protocol.bulk_x(steps as f64 * self.time_step) }
     }

@@ -1,9 +1,9 @@
 //! Several threads on one lattice: each advances its own strips, in lockstep.
 //!
-//! For each command the leader computes the bulk's position, posts the position and the columns at the sides of its
-//! strips, and increments the command counter. The other threads see the new count, execute the command, post their
-//! results, and report. There is one exchange per step, through a board of atomic words without locks; strips share
-//! only what their neighbours need. Sums are posted strip by strip and added in the order of the strips, so that
+//! For each command the leader computes the bulk's position, posts this position and the displacements at the sides of
+//! its own strips, and increments the command counter. The other threads see the new count, execute the command, post
+//! their results, and report. There is one exchange per step, through a board of atomic words without locks; strips
+//! share only what their neighbours need. Sums are posted strip by strip and added in the order of the strips, so that
 //! results equal those of one thread to the last bit.
 
 use std::hint::spin_loop;
@@ -35,8 +35,8 @@ const PANICKED: u64 = u64::MAX;
 
 /// Number of times that a thread polls a word before it yields its core.
 ///
-/// A thread that had to yield polls half as often in the next wait: with more threads than cores, the thread that it
-/// waits for may need its core. A thread whose wait ended while it polled polls twice as often in the next wait.
+/// After a wait in which the thread yielded, the next wait has half as many polls: with more threads than cores, the
+/// awaited thread may need this core. After a wait that ended during polling, the next wait has twice as many polls.
 #[derive(Debug)]
 struct Patience(u32);
 
@@ -78,15 +78,16 @@ impl Number {
 /// Results of a strip that other threads read.
 #[derive(Debug)]
 struct StripBoard {
-    /// Displacements in the columns at the left and right sides, after even and after odd steps: a thread may post the
-    /// next step while another still reads the last.
+    /// Displacements in the columns at the left and right sides (second index), after even and after odd steps (first
+    /// index): a thread may post the next step while another thread still reads the last.
     edges: [[Vec<Number>; 2]; 2],
     top_row_force: Number,
     friction: Number,
     normal: Number,
     sliding: Number,
     all_have_slipped: AtomicU64,
-    /// Normal force and friction of every contact block, in units of k l.
+    /// Normal force and friction force of every contact block, in units of k l (spring stiffness times lattice
+    /// spacing).
     forces: Vec<[Number; 2]>,
 }
 
@@ -145,7 +146,8 @@ impl Board {
         strip.edge(Side::Right, |at, value| right[at].post(value));
     }
 
-    /// Copies the columns next to strip `number`, in their state after step `step`, to their images in `strip`.
+    /// Copies the columns next to strip `number`, in their state after step `step`, to the ghost columns of `strip`. A
+    /// ghost column beyond a free side is set to zero.
     fn join<R: Real>(&self, number: usize, strip: &mut Strip<R>, step: u64) {
         let count = self.strips.len();
         if count == 1 && self.periodic {
@@ -181,7 +183,7 @@ impl Board {
         }
     }
 
-    /// Executes a command on `strips`, the first of which has the number `first`; `step` counts the steps taken.
+    /// Executes `command` on `strips`, the first of which has the number `first`; `step` counts the steps taken.
     fn work<R: Real>(&self, command: Command, first: usize, strips: &mut [Strip<R>], step: &mut u64) {
         *step += u64::from(command == Command::Step);
         for (number, strip) in (first..).zip(strips) {
@@ -207,8 +209,8 @@ pub struct StripWorkers<'scope, 'a, R> {
 }
 
 impl<'scope, 'a: 'scope, R: Real> StripWorkers<'scope, 'a, R> {
-    /// Distributes `strips` over the thread of the caller and threads in the scope of `threads`, in total up to the
-    /// number in `threads`; only the thread of the caller is used if `threads` is `None`.
+    /// Distributes `strips` over the thread of the caller and threads in the scope of `threads`. The number in
+    /// `threads` is the maximum of threads, including the caller; with `None` only the thread of the caller is used.
     pub fn new(
         mut strips: Vec<Strip<'a, R>>,
         periodic: bool,
@@ -265,12 +267,14 @@ impl<'scope, 'a: 'scope, R: Real> StripWorkers<'scope, 'a, R> {
         }
     }
 
-    /// Vertical force of the top rows of all strips on the bulk at zero displacement of the bulk, in units of k l.
+    /// Vertical force of the top rows of all strips on the bulk at zero displacement of the bulk, in units of k l
+    /// (spring stiffness times lattice spacing).
     pub fn top_row_force(&self) -> f64 {
         self.board.strips.iter().map(|strip| strip.top_row_force.read()).sum()
     }
 
-    /// Takes one step with the bulk at `bulk`; returns the sums over the contact row at the beginning of the step.
+    /// Takes one step with the bulk at `bulk`; returns the sums of forces over the contact row at the beginning of the
+    /// step.
     pub fn step(&mut self, bulk: BulkPosition) -> ContactSums {
         self.board.bulk_x.post(bulk.x);
         self.board.bulk_height.post(bulk.height);

@@ -11,13 +11,13 @@
 //! relative to the frame at rest.
 //!
 //! Cost per inside block and step: 18 additions, two of them fused with an exact multiplication by 1/4, 6
-//! multiplications, 8 loads and 2 stores. This assumes that sums along a row are kept from row to row, which is why
-//! inside rows are swept upwards in columns as wide as a vector. A core with eight additions and eight multiplications
-//! per cycle needs 1.9 cycles per block for them. Memory traffic is 48 bytes per block and step (u read, u_before
-//! replaced): a cell of 50 x 20 blocks just exceeds the first-level cache, and a strip of 250 columns fits in the
-//! second. At 32 bytes per cycle the traffic takes 1.5 cycles in parallel with the arithmetic. Measured on a Zen 4 core
-//! at 3.65 GHz: 2.35 cycles per block, 1.55e9 blocks per second in inside rows. The contact row and the fixed cost of a
-//! step take the rest, a third of the time on a cell.
+//! multiplications, 8 loads and 2 stores. This assumes that the sums along a row are reused for the next row, which is
+//! why inside rows are swept upwards in columns as wide as a vector. A core with eight additions and eight
+//! multiplications per cycle needs 1.9 cycles per block for this arithmetic. Memory traffic is 48 bytes per block and
+//! step (u read, u_before replaced): a cell of 50 x 20 blocks just exceeds the first-level cache, and a strip of 250
+//! columns fits in the second-level cache. At 32 bytes per cycle the traffic takes 1.5 cycles in parallel with the
+//! arithmetic. Measured on a Zen 4 core at 3.65 GHz: 2.35 cycles per block, 1.55e9 blocks per second in inside rows.
+//! The contact row and the fixed cost of a step take a third of the total time on a cell.
 
 use pulp::{Simd, WithSimd};
 
@@ -29,13 +29,14 @@ use super::rows::{Field, Plane, RowCoefficients, Site, Springs8};
 pub struct Kick {
     /// Fraction of the velocity that remains after damping.
     pub kept: f64,
-    /// Displacement of a unit mass in one step under a unit force, in units with k = l = m = 1.
+    /// Displacement in one step that a unit force causes on a unit mass at rest, in units of spring stiffness k,
+    /// lattice spacing l and block mass m.
     pub kick: f64,
 }
 
 impl Kick {
-    /// Creates the factors for steps of the length `time_step` with implicit damping of the frequency `damping`, in
-    /// units with k = l = m = 1.
+    /// Creates the factors for the time step `time_step`, in units of sqrt(m/k), with implicit damping of the frequency
+    /// `damping`, in units of sqrt(k/m); k is the spring stiffness, m the block mass.
     pub fn new(time_step: f64, damping: f64) -> Self {
         let half = 0.5 * damping * time_step;
         Self { kept: (1.0 - half) / (1.0 + half), kick: time_step * time_step / (1.0 + half) }
@@ -50,16 +51,16 @@ impl Kick {
         Self { kept: round(self.kept), kick: round(self.kick) }
     }
 
-    /// Drag of a frame that moves by `carried` per step: the displacement -(1 - kept) `carried` that damping adds in
+    /// Drag in a frame that moves by `carried` per step: the displacement -(1 - kept) `carried` that damping adds in
     /// each step to displacements relative to this frame.
     pub fn drag(&self, carried: f64) -> f64 {
         -(1.0 - self.kept) * carried
     }
 }
 
-/// Takes one step of all blocks in the rows from `from` up. They must have the springs and the mass of a block inside
-/// the lattice, except for blocks at free sides, which [`move_side_block`] computes. Vector lanes beyond the last
-/// column overwrite the padding, which the caller restores.
+/// Takes one step of all blocks in the rows from `from` up. These blocks must have the springs and the mass of a block
+/// inside the lattice, except for blocks at free sides, which [`move_side_block`] computes. Vector lanes beyond the
+/// last column overwrite the padding of the rows, which the caller restores.
 pub struct InsideRows<'a, R> {
     pub field: &'a mut Field<R>,
     pub from: usize,
@@ -79,8 +80,8 @@ struct RowSums<V> {
     y_minus: V,
 }
 
-/// Views of a plane as vectors. At the index of a block they have the values of the west neighbour, the block itself,
-/// and the east neighbour.
+/// Three views of a plane as vectors, shifted by one column each: at the index of a block, `west`, `centre` and `east`
+/// have the values of the west neighbour, the block itself, and the east neighbour.
 #[derive(Clone, Copy)]
 pub struct Views<'a, V> {
     pub west: &'a [V],
@@ -163,7 +164,7 @@ impl<R: Real> WithSimd for InsideRows<'_, R> {
 }
 
 /// Computes the spring forces on the blocks of row `row`, by column, with individual coefficients for every spring.
-/// Forces are in units of k l.
+/// Forces are in units of k l (spring stiffness times lattice spacing).
 pub struct RowForces<'a, R> {
     pub coefficients: &'a RowCoefficients<R>,
     pub field: &'a Field<R>,
@@ -210,8 +211,8 @@ impl<R: Real> WithSimd for RowForces<'_, R> {
     }
 }
 
-/// Computes the spring forces on the contact row, in units of k l, while all its blocks stay on the counterface:
-/// vertical displacements are 0, and there are no springs below.
+/// Computes the spring forces on the contact row, in units of k l (spring stiffness times lattice spacing), if all
+/// blocks of the row stay on the counterface: their vertical displacements are 0, and there are no springs below.
 pub struct ContactRowForces<'a, R> {
     pub coefficients: &'a RowCoefficients<R>,
     pub field: &'a Field<R>,
@@ -245,7 +246,7 @@ impl<R: Real> WithSimd for ContactRowForces<'_, R> {
     }
 }
 
-/// Takes one step of a row of blocks with `D` displacement components each under the forces `force`.
+/// Takes one step of a row of blocks under the forces `force`; each block has `D` displacement components.
 pub struct MoveRow<'a, R, const D: usize> {
     pub inverse_mass: &'a [R],
     /// Current displacements.
@@ -286,8 +287,8 @@ impl<R: Real, const D: usize> WithSimd for MoveRow<'_, R, D> {
     }
 }
 
-/// Returns the displacements of the block (i, j) at a free side after the step, x and y in units of l. `field` must
-/// still contain the displacements of this block one step earlier.
+/// Returns the displacements x and y after the step, in lattice spacings, of the block in column i of row j at a free
+/// side. `field` must still contain the displacements of this block one step earlier.
 pub fn move_side_block<R: Real>(site: &Site, field: &Field<R>, [i, j]: [usize; 2], kick: Kick, drag: f64) -> [f64; 2] {
     let Kick { kept, kick } = kick;
     let k: &Springs8 = &site.springs;

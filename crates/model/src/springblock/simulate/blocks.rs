@@ -33,23 +33,24 @@ use crate::springblock::{Dimension, Effect, LoadOutcome, Monitor, Scene, Simulat
 const ORDERS: [f64; 2] = [0.5, 2.0];
 /// Factor of the tail, the remainder after the last block size, in the estimate.
 const TAIL_FACTOR: f64 = 1.5;
-/// Remainder after the finest blocks in units of the last difference d_2, if lands are raised.
+/// Remainder after the finest blocks over the last difference d_2 between ratios in successive block sizes, if lands
+/// are raised.
 ///
 /// With this value the error over its standard error has a root mean square of 1.15, 1.02, 0.87 and 0.69 at 0.3, 0.65,
 /// 1.3 and 2.6 MPa on 28 random grooves with rims 10 to 60 um wide and 0.05 to 1 um high, in blocks of 20, 10 and 5 um.
 const RAISED_REMAINDER: f64 = 1.5;
-/// Factor of |d_2| + tail in the estimate for refined ratios, which are those of the finest blocks: on 40 random
-/// patterns the estimate is not below the error in 95 % of cases.
+/// Factor of |d_2| + tail, the last difference and the remainder after it, in the error estimate for refined ratios,
+/// which are those of the finest blocks: on 40 random patterns the estimate is not below the error in 95 % of cases.
 const FINEST_FACTOR: f64 = 2.0;
 /// Minimum depth of a cavity, in units of the finest blocks, for an estimate of the remainder.
 const MIN_DEPTH_BLOCKS: f64 = 2.0;
 /// Block sizes for refined ratios, relative to the layer's blocks, in the order in which they are solved.
 const FACTORS: [f64; 6] = [1.0, 0.5, 0.25, 0.125, 0.0625, 0.03125];
-/// Number of block sizes for cavities that are at least [`MIN_DEPTH_BLOCKS`] deep in the last of these sizes.
+/// Number of block sizes that suffice for cavities at least [`MIN_DEPTH_BLOCKS`] deep in the last of these sizes.
 const DEEP_LEVELS: usize = 4;
-/// Maximum number of multiplications of one steady plane cell for error estimates: half a second.
+/// Maximum number of multiplications of one steady plane cell for error estimates. Such a cell takes half a second.
 pub const MAX_PRODUCTS: f64 = 2e9;
-/// Maximum number of multiplications of one steady plane cell for refined ratios: some seconds.
+/// Maximum number of multiplications of one steady plane cell for refined ratios. Such a cell takes some seconds.
 pub const MAX_REFINEMENT_PRODUCTS: f64 = 2e10;
 
 /// Reason why ratios were not refined: the monitor cancelled.
@@ -159,8 +160,8 @@ fn set_changes(loads: &mut [LoadOutcome], shifts: &[f64], errors: &[f64], share:
     }
 }
 
-/// Error estimate from the two differences between the ratios in three block sizes; the scene's own size has the index
-/// `first`, 0 for the largest.
+/// Error estimate from the two differences between the ratios in three block sizes. `first` is the index of the scene's
+/// own size among these, 0 for the largest.
 fn error(differences: [f64; 2], first: usize) -> f64 {
     let [before, last] = differences.map(f64::abs);
     if last == 0.0 {
@@ -179,14 +180,15 @@ fn raised_error([before, last]: [f64; 2], first: usize) -> f64 {
     2.0 * to_finest.hypot(RAISED_REMAINDER * last)
 }
 
-/// Largest estimate of each load and of `reach` loads on either side. Between two loads where the differences change
-/// sign, the differences at one load are misleadingly small.
+/// For each load, the largest of the error estimates `errors` at this load and at `reach` loads on either side. Between
+/// two loads where the differences change sign, the differences at one load are misleadingly small.
 fn largest_near(errors: &[f64], reach: usize) -> Vec<f64> {
     let near = |load: usize| &errors[load.saturating_sub(reach)..(load + reach + 1).min(errors.len())];
     (0..errors.len()).map(|load| near(load).iter().copied().fold(0.0, f64::max)).collect()
 }
 
-/// Estimated remainder after the last of two differences between successive block sizes (the tail).
+/// Estimated difference of the ratio in the last of three block sizes from the limit of vanishing blocks (the tail),
+/// from the two differences between the ratios in successive sizes.
 fn tail([before, last]: [f64; 2]) -> f64 {
     if last == 0.0 {
         return 0.0;

@@ -22,8 +22,8 @@ use super::blocks::{BlockRefinement, CANCELLED, MAX_PRODUCTS, refine_in_plane, w
 use super::space::MAX_ESTIMATED_BYTES;
 use crate::springblock::{Dimension, Monitor, Scene, SteadyCell};
 
-/// Standard error of ratios from the formula of this module, as a fraction of their largest change by smaller blocks
-/// (`grooves_tell_what_smaller_blocks_change_of_cavities_in_space`); rarely exceeded.
+/// Standard error of ratios from the formula of this module, as a fraction of the largest change by smaller blocks at
+/// any load (`grooves_tell_what_smaller_blocks_change_of_cavities_in_space`); rarely exceeded.
 const RELATIVE_ERROR: f64 = 0.5;
 /// Number of multiplications in the plane that take as long as one column of a cell in space.
 const COLUMN_PRODUCTS: f64 = 2e6;
@@ -51,7 +51,7 @@ fn similar_groove(pattern: &Pattern) -> Option<Pattern> {
 
 /// Effect of smaller blocks on the ratios `own` of cells of `scene` with `pattern` in space, or the reason why there is
 /// no result. Cells in smaller blocks are solved in space if one takes no longer than `most` multiplications in the
-/// plane; the effect of still smaller blocks is that on grooves.
+/// plane; the effect of still smaller blocks is taken from grooves.
 pub fn refined_by_grooves(
     scene: &Scene,
     pattern: &Pattern,

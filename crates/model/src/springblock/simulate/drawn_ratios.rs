@@ -1,5 +1,5 @@
-//! Steady sliding in space with the local coefficients of dynamic runs, to separate the effect of the draw from the
-//! ratio.
+//! Steady sliding in space with the local coefficients drawn for dynamic runs, to separate the effect of the random
+//! draw from the ratio.
 
 use rayon::prelude::*;
 
@@ -41,17 +41,17 @@ pub fn solve_drawn(
 }
 
 /// Steady friction of a lattice over that of its flat counterpart, with mean local coefficients and with the
-/// coefficients drawn for dynamic runs. The difference is the effect of the draw.
+/// coefficients drawn for dynamic runs. The difference is the effect of the random draw.
 pub struct SteadyRatios {
     /// Ratios with mean coefficients, by load.
     mean: Vec<Option<f64>>,
-    /// Ratios with drawn coefficients, by draw and load.
+    /// Ratios with drawn coefficients: `drawn[draw][load]`.
     drawn: Vec<Vec<Option<f64>>>,
 }
 
 impl SteadyRatios {
-    /// Solves a patterned and a flat lattice; `None` for a face with height variations, on which other blocks touch for
-    /// every draw.
+    /// Solves a patterned and a flat lattice; `None` for a face with height variations, on which the set of touching
+    /// blocks differs from draw to draw.
     pub fn new(
         scene: &Scene,
         lattices: [&SpaceLattice; 2],

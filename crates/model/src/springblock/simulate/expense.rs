@@ -27,11 +27,11 @@ const EXACT_S: f64 = 14e-9;
 const SPACE_S: f64 = 7e-9;
 /// Seconds per multiplication of a band factorization.
 const PRODUCT_S: f64 = 2e-10;
-/// Seconds per entry of the factor in a linear solution.
+/// Seconds per entry of the factorized matrix in one solution of the linear equations.
 const ENTRY_S: f64 = 5e-10;
 /// Memory per contact block of the interface and per load, including its part of the report, in bytes.
 const BYTES_PER_POINT: f64 = 150.0;
-/// Number of linear solutions per load of a steady solve in the plane.
+/// Number of solutions of the linear equations per load of a steady solve in the plane.
 const SOLUTIONS: f64 = 15.0;
 /// Seconds per column, explicit row and load of a cell in space in a search: the median over cells of squares, discs
 /// and crossing grooves of 4 to 200 columns per side is 1.3e-6.
@@ -46,7 +46,8 @@ const THIN_SIDE: f64 = 24.0;
 const THIN_FACTOR: f64 = 2.9;
 /// Factor on the time of a cell in space whose face has rims or other height variations.
 const RAISED_FACTOR: f64 = 2.0;
-/// Seconds per number for orthogonalizing the image of a new search direction against that of an older direction.
+/// Seconds per number for orthogonalizing the image of a new search direction, under the linear equations, against that
+/// of an older direction.
 const ORTHOGONAL_S: f64 = 6e-10;
 /// Coefficients a, b of the number of search directions for the first load, a + b sqrt(n) for a cavity whose narrowest
 /// width is n blocks: cavities of 3, 30, 60 and 125 blocks take 22, 30, 46 and 63.

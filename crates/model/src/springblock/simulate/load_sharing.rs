@@ -35,7 +35,8 @@ use crate::springblock::{
 };
 use body::{FacePressure, Foundation, face_pressure};
 
-/// Relative standard error of the change by load sharing (`strips_share_the_load_as_all_blocks_of_the_specimen_say`).
+/// Relative standard error of the change of the friction ratio by load sharing
+/// (`strips_share_the_load_as_all_blocks_of_the_specimen_say`).
 pub const RELATIVE_ERROR: f64 = 0.15;
 /// Maximum step, in units of the nominal pressure, between pressures at which the friction of cells is solved; friction
 /// is interpolated linearly.
@@ -108,8 +109,8 @@ fn pieces(strip: &Strip) -> Vec<Piece> {
     pieces
 }
 
-/// Excess compliance C, compared with solid, of a specimen of the layer of `scene` with cavities of `pattern`, seen
-/// from far above the cavities, in metres; `None` if no lattice can have such cavities.
+/// Excess compliance C of the face of `scene` with cavities of `pattern`, compared with a solid face and seen from far
+/// above the cavities: compliance times Young's modulus, in metres; `None` if no lattice can have such cavities.
 pub fn excess_compliance_m(scene: &Scene, pattern: &Pattern) -> Option<f64> {
     let groove = pattern.as_groove();
     let soft = Cell::new(scene, widths(groove.width_m(), groove.spacing_m()), groove.depth_m())?;
@@ -120,7 +121,8 @@ pub fn excess_compliance_m(scene: &Scene, pattern: &Pattern) -> Option<f64> {
 /// A groove with given widths of cavity and land, with its compliances.
 struct Cell {
     pattern: Pattern,
-    /// Excess compliance C, in metres, in the layer alone and in the whole specimen.
+    /// Excess compliance C (compliance times Young's modulus), in metres: in the layer alone, and in the whole
+    /// specimen.
     compliance_m: [f64; 2],
 }
 
@@ -155,7 +157,7 @@ fn compliance_m(pattern: &Pattern, block_m: f64, rows: usize) -> Option<f64> {
     (compliance_m.is_finite() && compliance_m > 0.0).then_some(compliance_m)
 }
 
-/// Part of the face with uniform pressure, which is given relative to the nominal pressure.
+/// Part of the face with a uniform pressure, stated relative to the nominal pressure.
 pub struct LoadShare {
     widths: CellWidths,
     area_m2: f64,
@@ -290,9 +292,9 @@ pub struct CellFriction<'a> {
     least: f64,
     /// Distance between solved pressures, relative to the nominal pressure.
     step: f64,
-    /// Number of such steps; there is one more solved pressure.
+    /// Number of steps from the lowest to the highest solved pressure, one less than the number of solved pressures.
     steps: usize,
-    /// Friction coefficients, ordered by load and then by pressure; `None` without a solution.
+    /// Friction coefficients, ordered by load and then by pressure; `None` if the cell has no solution.
     mu: Vec<Option<f64>>,
 }
 
@@ -328,7 +330,8 @@ impl<'a> CellFriction<'a> {
         Self { loads: &scene.loads, least, step, steps, mu }
     }
 
-    /// Friction force of `parts` at load number `place`, in newtons; `None` if a required cell has no friction.
+    /// Friction force of `parts` at the load with the index `place`, in newtons; `None` if a required cell has no
+    /// friction.
     pub fn force<'b>(&self, place: usize, mut parts: impl Iterator<Item = &'b LoadShare>) -> Option<f64> {
         let &Self { least, step, steps, .. } = self;
         let mu = &self.mu[place * (steps + 1)..(place + 1) * (steps + 1)];

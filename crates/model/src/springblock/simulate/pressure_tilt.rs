@@ -275,7 +275,7 @@ impl<'a> HeldSpecimen<'a> {
 /// Pressures on a specimen relative to the nominal pressure.
 struct TiltedPressure {
     parts: Vec<LoadShare>,
-    /// Largest change of pressure by friction, before negative pressures are set to zero.
+    /// Largest change of pressure by friction on any part of the face, before negative pressures are set to zero.
     max_change: f64,
     is_lifted: bool,
 }

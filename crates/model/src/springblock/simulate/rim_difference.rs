@@ -25,10 +25,10 @@ pub struct RimDifference {
     each: Vec<Option<CellDifference>>,
 }
 
-/// Difference of two steady cells under one load.
+/// Difference of the results of two steady cells under one load, the first minus the second.
 #[derive(Clone, Copy, Debug)]
 pub struct CellDifference {
-    /// Difference of the ratios.
+    /// Difference of the friction ratios.
     pub ratio: f64,
     /// Peak pressure of the first cell over that of the second; 1 if either has none.
     pub peak: f64,

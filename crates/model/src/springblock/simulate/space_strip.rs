@@ -14,12 +14,14 @@ use crate::springblock::{LoadOutcome, Monitor, Scene, SceneError, SpaceLattice, 
 /// Prime factors for which Fourier transforms are fast. The number of lines of a strip, including the gap between its
 /// ends, has no other prime factors.
 const FACTORS: [usize; 6] = [2, 3, 5, 7, 11, 13];
-/// Minimum width of a whole cavity relative to the widest cavity; narrower cavities are cut by an end of the strip.
+/// Minimum width of a whole cavity relative to the widest cavity; narrower cavities count as cut by an end of the
+/// strip.
 const WHOLE_CAVITY: f64 = 1.0 - 1e-6;
-/// Memory per block of a steady solution, in bytes: displacements of all rows, spectra, and stored search directions.
+/// Memory per block of a steady solution of a strip, in bytes: displacements of all rows, spectra, and stored search
+/// directions.
 pub const BYTES_PER_BLOCK: f64 = 800.0;
 
-/// A strip and its flat counterpart, which extend along y of their lattices.
+/// A strip and its flat counterpart, as lattices whose y axis runs along the strip.
 pub struct SpaceStrip {
     /// Lattice with cavities, and flat lattice.
     pub lattices: [SpaceLattice; 2],
@@ -88,12 +90,12 @@ impl SpaceStrip {
     }
 
     /// Statement that the cavity fraction differs from that of a period of `pattern`; `None` if it does not, and for a
-    /// layout.
+    /// strip with the cavities of a layout.
     pub fn few_periods_statement(&self, pattern: &Pattern) -> Option<String> {
         few_periods(self.periods?, cavity_share(&self.lattices[0]), pattern.areal_density())
     }
 
-    /// Number of columns along the sliding direction and across it.
+    /// Number of columns along and across the sliding direction, in this order.
     pub fn columns(&self) -> [usize; 2] {
         let [across, _] = self.lattices[0].columns();
         [self.lattices[0].face_columns() / across, across]

@@ -1,4 +1,4 @@
-//! A specimen as it is cut: the sum of the strips of its face along the sliding direction.
+//! A specimen with the cavities that a laser cuts: the sum of the strips of its face along the sliding direction.
 //!
 //! All strips are attached to one rigid bulk and descend by the same distance d. With the width w_s, the length L_s and
 //! the stiffness per length k_s of strip s, the pressures P_s and the friction coefficient mu of the face under the

@@ -37,14 +37,14 @@ const RELATIVE_ERROR: f64 = 0.1;
 /// Thickness beyond the layer, in periods, that is equivalent to a half-space: the effect of a period decays by exp(-4
 /// pi) over the length of one period.
 const THICK_PERIODS: f64 = 4.0;
-/// Minimum number of blocks per period for which cells in space are compared in blocks of twice the size.
+/// Cells in space may be compared in blocks of twice the size if a period has at least this number of blocks.
 const COARSE_PERIOD: f64 = 8.0;
 
 /// Differences between the steady cell of a thick specimen and that of the layer alone, by load.
 #[derive(Clone, Debug)]
 pub struct ThickLayerCorrection {
     layer: Layer,
-    /// Whether the solved ratios already include the thickness.
+    /// Whether the solved ratios already include the effect of the thickness.
     is_solved: bool,
     /// Standard error of the correction due to the ends of strips.
     end_error: f64,
@@ -123,8 +123,9 @@ impl ThickLayerCorrection {
         correction
     }
 
-    /// Adds the differences and `tilt` to `loads` if the scene gives the thickness and the loads do not include its
-    /// effect; appends statements on both to `statements`. `is_in_time` tells whether the loads are dynamic.
+    /// Adds the differences and `tilt` to the ratios of `loads` if the scene gives a thickness that the solution does
+    /// not include. Appends a statement on the thickness, and one on the tilt if it is added. With `is_in_time`,
+    /// `loads` are from a dynamic run.
     pub fn apply(&self, is_in_time: bool, tilt: &PressureTilt, loads: &mut [LoadOutcome], statements: &mut Statements) {
         let is_added = self.layer.is_backed() && !self.is_solved;
         let open = (if is_in_time { DYNAMIC_ERROR } else { 0.0 }).hypot(self.end_error);
@@ -174,7 +175,7 @@ impl ThickLayerCorrection {
     }
 }
 
-/// Steady cells of `pattern` by load; empty if they do not fit in memory.
+/// Outcomes of the steady cell of `pattern` by load; empty if the equations do not fit in memory.
 fn cells(scene: &Scene, pattern: &Pattern, monitor: &dyn Monitor) -> Vec<CellOutcome> {
     let model = SteadyCell::with_dimension(scene, scene.dimension());
     if model.bytes(pattern) > MAX_FACTOR_BYTES { Vec::new() } else { model.solve_heeding(pattern, monitor) }

@@ -2,8 +2,8 @@
 //! Numer. Anal. 20, 345, 1983).
 //!
 //! The images of the directions p_k under the operator A are A p_k = sum_i R_ik q_i with orthonormal q_i and an upper
-//! triangle R. The minimum residual r over the span of all directions takes one scalar product for each direction, and
-//! the corresponding step of the unknowns x one solution with R:
+//! triangle R. Minimizing the residual r over the span of all directions takes one scalar product for each direction;
+//! the corresponding step of the unknowns x takes one solution with R:
 //!
 //! ```text
 //! c_i = q_i.r,     r <- r - sum c_i q_i,     R y = c,     x <- x + sum y_k p_k
@@ -19,9 +19,9 @@ use multiversion::multiversion;
 pub struct Directions {
     /// Search directions p, scaled such that the image of each had unit length before orthogonalization.
     steps: Vec<Vec<f64>>,
-    /// Normal forces due to each of the scaled search directions.
+    /// Normal forces on the contacts due to each of the scaled search directions.
     normals: Vec<Vec<f64>>,
-    /// Orthonormal images q.
+    /// Orthonormalized images q of the search directions.
     images: Vec<Vec<f64>>,
     /// Columns of the upper triangle R, which gives the images A p_k = sum_i R_ik q_i.
     factor: Vec<Vec<f64>>,
@@ -38,8 +38,7 @@ pub struct Direction {
     pub normal: Vec<f64>,
 }
 
-/// Images that retain less than this fraction of their length after orthogonalization are linearly dependent to
-/// rounding.
+/// An image that retains no more than this fraction of its length after orthogonalization counts as linearly dependent.
 const DEPENDENCE_TOLERANCE: f64 = 1e-13;
 /// Minimum fraction of its length that an image must retain in one pass of orthogonalization to be orthogonal to 1e-14
 /// after it; otherwise a second pass follows.
@@ -56,7 +55,7 @@ impl Directions {
         *self = Self::default();
     }
 
-    /// Adds `direction`; returns false if its image is linearly dependent on the others.
+    /// Adds `direction`; returns false, without adding, if the image is linearly dependent on the stored images.
     pub fn add(&mut self, mut direction: Direction) -> bool {
         let before = norm(&direction.image);
         let mut shares = self.project_out(&mut direction.image);
@@ -113,7 +112,8 @@ impl Directions {
         Some(share)
     }
 
-    /// Moves `unknowns` and `normal` by the step whose image is the sum of `shares` times the first stored images.
+    /// Adds to `unknowns` the step whose image is the sum of `shares[n]` times stored image n, and to `normal` the
+    /// normal forces due to this step.
     pub fn advance(&self, shares: &[f64], unknowns: &mut [f64], normal: &mut [f64]) {
         // R y = c
         let mut y = shares.to_vec();

@@ -8,8 +8,9 @@
 //!
 //! u_0 is uniform compression under the load, G the response of the flat layer ([`super::layer`]), and R the stiffness
 //! of the missing springs. w is the vertical displacement of blocks of row 0 that the counterface does not hold, or
-//! holds in part by a spring kappa; N is the normal force on a block and t the friction on the contacts. The unknowns
-//! are therefore few: forces on the blocks around the cavities, and one friction force per contact.
+//! holds in part by a spring kappa; N is the normal force on a block and t the friction force on the contacts, with the
+//! friction coefficient mu and the area factor f at the pressure p. The unknowns are therefore few: forces on the
+//! blocks around the cavities, and one friction force per contact.
 //!
 //! A removed block has no unknown. All of its springs are missing, so that its row of R equals that of the flat layer
 //! K:
@@ -29,33 +30,34 @@ use super::layer::{FlatLayer, Workspace};
 use super::springs::{LEVEL, Spring, UPWARD, springs};
 use crate::springblock::lattice::tie;
 
-/// A spring that is missing, or weaker by `stiffness`, between blocks of which at least one exists.
+/// A spring that is missing, or weaker than in the flat layer; at least one of the two blocks exists. `stiffness` is
+/// the missing part of the stiffness, in units of the spring stiffness k.
 #[derive(Clone, Copy, Debug)]
 struct Link {
     /// Indices in `Interface::support` of the blocks at both ends; [`ABSENT`] for a removed block.
     ends: [usize; 2],
-    /// Offsets of the x components of the two blocks in the fields of the flat layer.
+    /// Indices of the x displacements of the two blocks in [`Response::fields`].
     places: [usize; 2],
     direction: [f64; 3],
     stiffness: f64,
 }
 
-/// Minimum remaining fraction of a block's stiffness, by which the preconditioner divides; springs with a smaller share
-/// are not part of the lattice.
+/// The preconditioner divides by the remaining fraction of a block's stiffness, or by this minimum if the fraction is
+/// smaller; springs with a smaller fraction are not part of the lattice.
 const MIN_LEFT: f64 = 1e-4;
 
 /// Index of a block that is removed or has no missing spring, and therefore is not in `Interface::support`.
 const ABSENT: usize = usize::MAX;
 
-/// A block of row 0 that exists.
+/// A block of row 0, the row at the counterface, that no cavity removes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Surface {
     /// Column indices along x and y.
     pub column: [usize; 2],
     /// Fraction of the area of the column that touches the counterface.
     pub contact_share: f64,
-    /// Index among the blocks with an unknown height, and the stiffness in units of k of the tie to the face; `None`
-    /// for a block that the counterface holds.
+    /// Index among the blocks with an unknown height, and the stiffness of the tie to the face, in units of the spring
+    /// stiffness k; `None` for a block that the counterface holds at the height of its face.
     free: Option<(usize, f64)>,
     /// Index among the contacts; `None` for a block that does not touch.
     pub contact: Option<usize>,
@@ -65,49 +67,54 @@ pub struct Surface {
     yields: bool,
     /// Height of the face, in lattice spacings.
     pub relief: f64,
-    /// Stiffness in units of k of the tie to the face if the block touches in part; 0 if it touches fully.
+    /// Stiffness of the tie to the face if the block touches in part, in units of the spring stiffness k; otherwise 0.
     tie: f64,
-    /// Vertical stiffness in units of k of the springs upward plus that of the tie.
+    /// Vertical stiffness of the springs upward and the tie together, in units of the spring stiffness k.
     pivot: f64,
 }
 
 impl Surface {
-    /// Stiffness of the tie to the face if the block has an unknown height, otherwise 0; in units of k.
+    /// Stiffness of the tie to the face if the block has an unknown height, otherwise 0; in units of the spring
+    /// stiffness k.
     fn own_tie(&self) -> f64 {
         self.free.map_or(0.0, |(_, tie)| tie)
     }
 
-    /// Height of the face of a yielding block whose own height is `height`: the face is higher by the deformation of
-    /// the tie. Heights are in units of P l^2 / k.
+    /// Height of the face of a yielding block whose vertical displacement is `height`: the face is higher by the
+    /// deformation of the tie. Heights are in units of P l^2 / k (nominal pressure P, lattice spacing l, spring
+    /// stiffness k).
     fn flattened(&self, height: f64, face: Face) -> f64 {
         if self.tie > 0.0 { height + face.limit * self.contact_share / self.tie } else { height }
     }
 }
 
-/// Equations of the patterned interface of a lattice: cavities and contacts below a flat layer.
+/// Equations of the patterned interface of a lattice: cavities and contacts below a flat layer. P is the nominal
+/// pressure, l the lattice spacing, k the spring stiffness.
 #[derive(Clone, Debug)]
 pub struct Interface {
     columns: [usize; 2],
-    /// Number of columns that are not removed.
+    /// Number of columns that belong to the face, without the gap of a strip.
     face_columns: usize,
     area: f64,
     explicit: usize,
     layer: FlatLayer,
     weakened: Vec<Link>,
-    /// Offsets, in the fields of the flat layer, of the x components of the blocks with a missing spring.
+    /// Indices in [`Response::fields`] of the x displacements of the blocks with a missing or weaker spring.
     support: Vec<usize>,
-    /// For each force on the blocks of `support`: stiffness of the flat layer over the remaining stiffness.
+    /// For each force component on the blocks of `support`: stiffness in the flat layer divided by the remaining
+    /// stiffness.
     softness: Vec<f64>,
     surface: Vec<Surface>,
-    /// Columns of the contacts, by contact index.
+    /// Column j * nx + i of each contact, by contact index.
     touching: Vec<usize>,
     /// Indices into `surface` of the blocks with an unknown height.
     free: Vec<usize>,
-    /// Whether the displacements on a line along x are needed, by component field times ny + j.
+    /// Whether the displacements on a line along x are needed; index f ny + j for field f (three fields x, y, z per
+    /// row) and line j.
     wanted: Vec<bool>,
     stencil: Stencil,
-    /// Compression of one row under the nominal pressure, in units of P l^2 / k: the area of a column over the vertical
-    /// stiffness of its springs upward.
+    /// Compression of one row under the nominal pressure, in units of P l^2 / k: the area of a column divided by the
+    /// vertical stiffness of the springs upward of a block.
     compression: f64,
 }
 
@@ -123,22 +130,23 @@ struct Stencil {
     aslant: [f64; 2],
 }
 
-/// Scale of the heights of a face, and limit of its forces, under the current load.
+/// Scale of the face heights, and limit of the normal forces, under the current load with the nominal pressure P.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Face {
-    /// Factor that converts heights of the face from lattice spacings to units of P l^2 / k: 1 over the unit of
-    /// displacement of the current load.
+    /// Factor that converts face heights from lattice spacings l to units of P l^2 / k, with the spring stiffness k.
     pub raise: f64,
-    /// Normal force on a whole column at which it yields, in units of P l^2.
+    /// Normal force at which a column that touches fully yields, in units of P l^2; infinity without a yield pressure.
     pub limit: f64,
 }
 
-/// Elastic response to the unknowns, and the displacements from which it was computed.
+/// Elastic response to the unknowns, with the displacements from which it was computed; P is the nominal pressure, l
+/// the lattice spacing, k the spring stiffness.
 pub struct Response {
-    /// Displacements of the explicit rows in units of P l^2 / k: three component fields for each row; x varies fastest.
+    /// Displacements of the explicit rows, in units of P l^2 / k: component c of the block in column i, line j and row
+    /// k has the index ((3 k + c) ny + j) nx + i.
     pub fields: Vec<f64>,
-    /// Forces R u of the missing springs, then for each block with an unknown height the vertical imbalance over the
-    /// stiffness `pivot`.
+    /// Forces R u of the missing springs, then for each block with an unknown height the vertical unbalanced force
+    /// divided by the stiffness `Surface::pivot`.
     pub linear: Vec<f64>,
     /// Normal force by contact, in units of P l^2.
     pub normal: Vec<f64>,
@@ -155,7 +163,7 @@ impl Interface {
         Self::with_rows(lattice, (lattice.changed_rows() + 1).max(2))
     }
 
-    /// Like [`Self::new`], but with all displacements explicit: those of all rows and of the bulk, everywhere.
+    /// Like [`Self::new`], but computes the displacements of all blocks and of the bulk.
     pub fn uncondensed(lattice: &SpaceLattice) -> Self {
         let mut interface = Self::with_rows(lattice, lattice.rows() + 1);
         interface.wanted.fill(true);
@@ -263,7 +271,7 @@ impl Interface {
         residual.iter_mut().zip(&self.softness).for_each(|(residual, softness)| *residual *= softness);
     }
 
-    /// Finds the existing blocks of row 0, and the forces of the springs that press them down.
+    /// Finds the blocks of row 0 that no cavity removes, and the springs that press these blocks down.
     fn find_surface(&mut self, lattice: &SpaceLattice) {
         let [nx, ny] = self.columns;
         for (j, i) in (0..ny).flat_map(|j| (0..nx).map(move |i| (j, i))) {
@@ -315,8 +323,8 @@ impl Interface {
         self.compression = a * b / self.stencil.rise;
     }
 
-    /// Returns the interface with the contacts in `lifted`, given by index, off the counterface: free, without
-    /// friction. The contacts in `yields` are free under the pressure at which they yield.
+    /// Returns the interface with other contact states, given for each contact: lifted contacts are off the counterface
+    /// and free, without friction; yielding contacts are free under the pressure at which they yield.
     pub fn with_contacts(&self, lifted: &[bool], yields: &[bool]) -> Self {
         let mut interface = self.clone();
         interface.free.clear();
@@ -357,7 +365,8 @@ impl Interface {
         }
     }
 
-    /// Sets the face heights of yielding contacts to the heights to which they are pressed in `unknowns` under `face`.
+    /// Sets the face heights of yielding contacts to the heights to which the contacts are pressed by the solution
+    /// `unknowns` under `face`.
     pub fn flatten(&mut self, unknowns: &[f64], face: Face) {
         let heights = &unknowns[3 * self.support.len()..];
         for surface in self.surface.iter_mut().filter(|surface| surface.yields) {
@@ -367,7 +376,8 @@ impl Interface {
         }
     }
 
-    /// Height of the face of each yielding contact under `face`, in units of P l^2 / k; `None` for other contacts.
+    /// Height of the face of each yielding contact in the solution `unknowns` under `face`, in units of P l^2 / k;
+    /// `None` for other contacts.
     pub fn yielding<'a>(&'a self, unknowns: &'a [f64], face: Face) -> impl Iterator<Item = Option<f64>> + 'a {
         let heights = &unknowns[3 * self.support.len()..];
         let contacts = self.surface.iter().filter(|surface| surface.contact.is_some());
@@ -376,14 +386,14 @@ impl Interface {
         })
     }
 
-    /// Height in `unknowns` of each lifted contact, in units of P l^2 / k; `None` for other contacts.
+    /// Height of each lifted contact in the solution `unknowns`, in units of P l^2 / k; `None` for other contacts.
     pub fn lifted<'a>(&'a self, unknowns: &'a [f64]) -> impl Iterator<Item = Option<f64>> + 'a {
         let heights = &unknowns[3 * self.support.len()..];
         let contacts = self.surface.iter().filter(|surface| surface.contact.is_some());
         contacts.map(|surface| surface.free.filter(|_| surface.lifted).map(|(number, _)| heights[number]))
     }
 
-    /// Existing blocks of row 0.
+    /// Blocks of row 0, the row at the counterface, that no cavity removes.
     pub fn surface(&self) -> &[Surface] {
         &self.surface
     }
@@ -392,7 +402,7 @@ impl Interface {
         self.touching.len()
     }
 
-    /// Number of unknowns before the friction forces: forces around the cavities, heights of free blocks.
+    /// Number of unknowns that precede the friction forces: forces around the cavities, then heights of free blocks.
     pub fn elastic_unknowns(&self) -> usize {
         3 * self.support.len() + self.free.len()
     }
@@ -402,12 +412,13 @@ impl Interface {
         self.free.len()
     }
 
-    /// Load of the cell in units of P l^2, which is the area of the cell over l^2.
+    /// Load of the cell in units of P l^2 (nominal pressure P, lattice spacing l), which equals the area of the face
+    /// over l^2.
     pub fn load(&self) -> f64 {
         self.face_columns as f64 * self.area
     }
 
-    /// Nominal area of a column over l^2.
+    /// Nominal area of a column, in squares of the lattice spacing.
     pub const fn column_area(&self) -> f64 {
         self.area
     }

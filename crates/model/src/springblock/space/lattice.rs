@@ -1,12 +1,12 @@
 //! Geometry of the lattice in space: positions of blocks, springs between them, and masses.
 //!
-//! Columns are i along x and j along y, both periodic; rows k count from the counterface up; the rigid bulk is the row
-//! above the top one. Lengths are in lattice spacings l, stiffness in k = 2/5 E l, mass in m = rho l^3.
+//! Columns have the indices i along x and j along y, both periodic; rows k count from the counterface up; the rigid
+//! bulk is the row above the top row. Lengths are in lattice spacings l, stiffness in k = 2/5 E l, mass in m = rho l^3.
 //!
 //! Cells of whole blocks are the regular lattice. Other cells have the nearest whole number of columns, stretched to
-//! fit, with springs that keep the solid isotropic ([`super::springs`]). The lower left edges of the first cavity lie
-//! between two columns, other edges where the pattern puts them. A column that a cavity covers in part exists in part:
-//! its blocks have weaker springs and a smaller contact area.
+//! fit, with springs that keep the solid isotropic ([`super::springs`]). The first edges along x and y of the first
+//! cavity lie between two columns, other edges where the pattern puts them. A column that a cavity covers in part
+//! exists in part: its blocks have weaker springs and a smaller contact area.
 
 use crate::pattern::{Pattern, ReliefMap};
 
@@ -21,14 +21,14 @@ pub struct SpaceLattice {
     columns: [usize; 2],
     rows: usize,
     spacing: [f64; 2],
-    /// Fraction of every column that cavities cover; x varies fastest.
+    /// Fraction of every column that cavities cover; index j * nx + i for column i along x and j along y.
     coverage: Vec<f64>,
     /// Depth of the cavities, in rows.
     depth: f64,
-    /// Mean height of the land of every column, positive towards the counterface, in lattice spacings; x varies
-    /// fastest. Empty for a flat face.
+    /// Mean height of the land of every column, positive towards the counterface, in lattice spacings; indices as for
+    /// `coverage`. Empty for a flat face.
     relief: Vec<f64>,
-    /// Number of lines of columns at the end of y that are removed from the face to the bulk, which leaves two free
+    /// Number of lines of columns, the last along y, that are removed from the face to the bulk, which leaves two free
     /// ends.
     gap: usize,
 }
@@ -36,13 +36,13 @@ pub struct SpaceLattice {
 /// A spring between block `a` and block `b`, or the bulk.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SpaceBond {
-    /// Columns along x and y, and row, of the lower end.
+    /// Column indices along x and y, and row, of the lower end.
     pub a: [usize; 3],
-    /// Columns and row of the upper end; the row above the top one is the bulk.
+    /// Column indices along x and y, and row, of the upper end; the row above the top row is the bulk.
     pub b: [usize; 3],
     /// Kind of the spring, with its stiffness in a flat layer.
     pub spring: Spring,
-    /// Fraction of the stiffness in a flat layer that the spring has, in [0, 1].
+    /// Stiffness of the spring divided by the stiffness in a flat layer, in [0, 1].
     pub share: f64,
 }
 
@@ -61,14 +61,14 @@ impl SpaceLattice {
         Self::of_cubes(columns, rows, vec![0.0; columns[0] * columns[1]], 0.0)
     }
 
-    /// Creates a cell of cubes with cavities `depth` rows deep and the covered fractions `coverage` by column; x varies
-    /// fastest. At depth 0 covered blocks are whole but do not touch.
+    /// Creates a cell of cubes with cavities `depth` rows deep, which cover the fraction `coverage[j * nx + i]` of
+    /// column i along x and j along y. At depth 0 covered blocks are whole but do not touch the counterface.
     pub(super) const fn of_cubes(columns: [usize; 2], rows: usize, coverage: Vec<f64>, depth: f64) -> Self {
         Self { columns, rows, spacing: [1.0; 2], coverage, depth, relief: Vec::new(), gap: 0 }
     }
 
     /// Creates the cell of `pattern` with `rows` rows of blocks `block_m` metres apart: one period, or several if a
-    /// short period is not a whole number of blocks or its rims differ. Grooves take one column along y.
+    /// short period is not a whole number of blocks or rims differ between cavities. Grooves take one column along y.
     pub fn cell(pattern: &Pattern, block_m: f64, rows: usize) -> Self {
         Self::cell_with_map(pattern, block_m, rows, None)
     }
@@ -138,8 +138,8 @@ impl SpaceLattice {
     }
 
     /// Creates a strip with two ends: `lines` lines of this cell along y, then `gap` lines, at least one, that are
-    /// removed from the face to the bulk. Line n of the strip is line `cell_line(n)` of the cell, or land if that is
-    /// `None`.
+    /// removed from the face to the bulk. Line n of the strip is line `cell_line(n)` of the cell, or land if
+    /// `cell_line(n)` is `None`.
     pub fn strip_along_y(&self, lines: usize, gap: usize, cell_line: impl Fn(usize) -> Option<usize>) -> Self {
         let nx = self.columns[0];
         let laid = |values: &[f64], elsewhere: f64, beyond: f64| -> Vec<f64> {
@@ -166,8 +166,8 @@ impl SpaceLattice {
         Self { columns: [ny, nx], spacing: [b, a], coverage, relief, ..self.clone() }
     }
 
-    /// Sets the mean land height of each column, positive towards the counterface, in lattice spacings; x varies
-    /// fastest.
+    /// Sets the mean land height of each column, positive towards the counterface, in lattice spacings; index j * nx +
+    /// i for column i along x and j along y.
     #[must_use]
     pub fn with_relief(self, relief: Vec<f64>) -> Self {
         Self { relief, ..self }
@@ -209,17 +209,17 @@ impl SpaceLattice {
         land.map(|(height, _)| *height).reduce(f64::max).unwrap_or(0.0)
     }
 
-    /// Number of columns that are not removed.
+    /// Number of columns that belong to the face, without the gap between the ends of a strip.
     pub const fn face_columns(&self) -> usize {
         self.columns[0] * (self.columns[1] - self.gap)
     }
 
-    /// Whether line `j` along y is removed.
+    /// Whether line `j` along y lies in the gap between the ends of a strip, where all blocks are removed.
     const fn is_cut(&self, j: usize) -> bool {
         j >= self.columns[1] - self.gap
     }
 
-    /// Whether line `j` along y is removed or next to a removed line.
+    /// Whether line `j` along y is the first or the last line of a strip with two ends, or lies in the gap.
     pub const fn is_end(&self, j: usize) -> bool {
         self.gap > 0 && (j == 0 || self.is_cut(j + 1))
     }
@@ -246,7 +246,7 @@ impl SpaceLattice {
         (self.depth.ceil() as usize).min(self.rows)
     }
 
-    /// Number of rows that differ from a flat layer: all rows if the layer has ends.
+    /// Number of rows that differ from a flat layer: the rows of the cavities, or all rows of a strip with ends.
     pub fn changed_rows(&self) -> usize {
         if self.gap > 0 { self.rows } else { self.cavity_rows() }
     }
@@ -271,8 +271,8 @@ impl SpaceLattice {
         (self.depth - k as f64).clamp(0.0, 1.0)
     }
 
-    /// Fraction of the stiffness in a flat layer that a spring between blocks `a` and `b` has. The bulk, the row above
-    /// the top row, is whole over the face.
+    /// Stiffness of a spring between blocks `a` and `b` (column indices along x and y, row) divided by the stiffness in
+    /// a flat layer. The bulk, the row above the top row, is whole over the face.
     pub fn spring_share(&self, a: [usize; 3], b: [usize; 3]) -> f64 {
         if self.is_cut(a[1]) || self.is_cut(b[1]) {
             return 0.0;
@@ -305,7 +305,7 @@ impl SpaceLattice {
         self.visit_bonds(false, visit);
     }
 
-    /// Visits every spring of the flat layer that is missing or weaker here.
+    /// Visits every spring that is missing or weaker than in the flat layer.
     pub fn for_each_weakened_bond(&self, visit: impl FnMut(SpaceBond)) {
         self.visit_bonds(true, visit);
     }
@@ -330,8 +330,9 @@ impl SpaceLattice {
         ]
     }
 
-    /// Mass of block (i, j, k) in units of m: an eighth for each of its adjacent cells, at least 1/8; 0 where there is
-    /// no block. A cell counts if its eight corners exist; the bulk above exists.
+    /// Mass of block (i, j, k) in units of rho l^3 (density rho, lattice spacing l) for cubes: an eighth for each
+    /// adjacent cell of eight existing blocks, at least 1/8; 0 where there is no block. The bulk above counts as
+    /// blocks.
     pub fn mass(&self, i: usize, j: usize, k: usize) -> f64 {
         let there = |i: usize, j: usize, k: usize| k >= self.rows || self.presence(i, j, k) > 0.0;
         if !there(i, j, k) {
@@ -357,8 +358,8 @@ fn repeated_cell_m(pattern: &Pattern) -> [f64; 2] {
     [0, 1].map(|axis| cell_m[axis] * cells[axis] as f64)
 }
 
-/// Mean heights in lattice spacings of the columns with the sides `sides` (x from, x to, y from, y to, in metres in the
-/// axes of the pattern), for a cell of `periods` periods; empty without rims.
+/// Mean heights, in lattice spacings, of the rims on the columns with the sides `sides` (x from, x to, y from, y to, in
+/// metres in the axes of the pattern), for a cell of `periods` periods along x and y; empty without rims.
 fn relief(pattern: &Pattern, block_m: f64, periods: [usize; 2], sides: impl Iterator<Item = [f64; 4]>) -> Vec<f64> {
     let centres_m: Vec<[f64; 2]> = pattern.centres_m().collect();
     let cell_m = pattern.cell_m();

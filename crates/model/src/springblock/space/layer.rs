@@ -16,7 +16,7 @@
 //!
 //! is done once per cell size; the rows above the cavities are represented by their S_k. In row 0 the vertical
 //! displacement is prescribed (zero on the counterface) instead of the force. The bulk is another row that moves only
-//! vertically and only as a whole (q = 0); its balance is that of the load.
+//! vertically and only as a whole (q = 0), and carries the load.
 //!
 //! The mirror image in y of a wave is a wave with opposite u_y: both use the same S.
 //!
@@ -32,14 +32,15 @@ use slipgrid_base::fft::{Complex, ComplexToReal, Fft, Precision, RealToComplex};
 
 use super::springs::{LEVEL, springs};
 
-/// Relative change of the inverses S_k^-1 of the elimination from row to row below which the layer above counts as a
-/// half-space: a few rounding errors.
+/// The layer above a row counts as a half-space if the inverses S_k^-1 of the elimination change by less than this
+/// fraction from row to row: a few rounding errors.
 const HALF_SPACE_TOLERANCE: f64 = 1e-15;
 
 /// Symmetric 3 x 3 matrix: xx, xy, xz, yy, yz, zz.
 type Symmetric = [f64; 6];
 
-/// Matrix C that couples neighbouring rows at one wave number: the diagonal, and the couplings of x and y with z.
+/// Matrix C that couples neighbouring rows at one wave number: diagonal entries, and the entries xz and yz; zx and zy
+/// have opposite signs.
 #[derive(Clone, Copy, Debug)]
 struct Coupling {
     xx: f64,
@@ -55,9 +56,11 @@ pub struct FlatLayer {
     columns: [usize; 2],
     /// Number of rows with explicit forces and displacements.
     explicit: usize,
-    /// S_k^-1 for each q_x, k = 1..explicit, and q_y >= 0, which varies fastest.
+    /// S_k^-1, the inverse of the matrix of row k after elimination of the rows above: for each wave number q_x, each
+    /// row k in 1..explicit, and each q_y >= 0.
     inverses: Vec<Symmetric>,
-    /// Row 0 for each q_x and q_y >= 0: inverse of the xy part of S_0, then its xz and yz entries.
+    /// Row 0 for each wave number q_x and q_y >= 0: entries xx, xy, yy of the inverse of the xy block of S_0, then
+    /// entries xz and yz of S_0.
     lowest: Vec<[f64; 5]>,
     couplings: Vec<Coupling>,
     forward_x: Arc<dyn RealToComplex<f64>>,
@@ -78,13 +81,13 @@ const BATCH: usize = 16;
 
 /// Work space of [`FlatLayer::respond`].
 pub struct Workspace {
-    /// Range of needed lines of each component field.
+    /// Range of needed lines, indices along y, of each field (three fields x, y, z per row).
     lines: Vec<Range<usize>>,
-    /// Index of the first needed line of each component field in the stored lines of one wave number q_x.
+    /// Index of the first needed line of each field in the stored lines of one wave number q_x.
     starts: Vec<usize>,
-    /// Needed lines of all component fields, for each wave number q_x.
+    /// Fourier coefficients along x: for each wave number q_x the needed lines of all fields.
     spectra: Vec<Complex<f64>>,
-    /// All component fields at one wave number q_x, each over all lines along y.
+    /// All fields at one wave number q_x, each over all lines along y.
     column: Vec<Complex<f64>>,
     transformed: Vec<Complex<f64>>,
     scratch: Vec<Complex<f64>>,
@@ -92,8 +95,8 @@ pub struct Workspace {
 }
 
 impl FlatLayer {
-    /// Condenses a layer of `rows` rows over `columns` columns, `spacing` lattice spacings apart, to its `explicit`
-    /// lowest rows, from 1 to rows + 1; the row above the top row is the bulk.
+    /// Condenses a layer of `rows` rows over `columns` columns, `spacing` lattice spacings apart, to the lowest
+    /// `explicit` rows. `explicit` is from 1 to rows + 1; the row above the top row is the bulk.
     pub fn new(columns: [usize; 2], spacing: [f64; 2], rows: usize, explicit: usize) -> Self {
         let [nx, ny] = columns;
         let (half, pairs) = (nx / 2 + 1, ny / 2 + 1);
@@ -117,7 +120,8 @@ impl FlatLayer {
         layer
     }
 
-    /// Eliminates the rows from the bulk down at the wave number `q`, which has the index `number`.
+    /// Eliminates the rows from the bulk down at the wave vector `q`, in radians per column along x and y, which has
+    /// the index `number`.
     fn condense(&mut self, number: usize, q: [f64; 2], spacing: [f64; 2], rows: usize) {
         let kinds = springs(spacing);
         // Within a row: sum k e e^T 2 (1 - cos q.d); upward and downward: sum k e e^T each.
@@ -187,8 +191,8 @@ impl FlatLayer {
         }
     }
 
-    /// Allocates work space for [`Self::respond`]. Only the lines `lines` of each component field may carry a force or
-    /// be needed.
+    /// Allocates work space for [`Self::respond`]. `lines` is, for each field (three fields x, y, z per row), the range
+    /// of lines along y that may carry a force or be needed.
     pub fn workspace(&self, lines: Vec<Range<usize>>) -> Workspace {
         let [nx, ny] = self.columns;
         let half = nx / 2 + 1;
@@ -217,9 +221,9 @@ impl FlatLayer {
 
     /// Replaces forces by displacements in `fields`.
     ///
-    /// `fields` has the three components of each explicit row, each of nx x ny values; x varies fastest. The vertical
-    /// component of row 0 is a displacement on input and output. Lines whose entry in `wanted` (component field times
-    /// ny + j) is false are set to zero instead.
+    /// Component c of the block in column i, line j and row k has the index ((3 k + c) ny + j) nx + i in `fields`. The
+    /// vertical component of row 0 is a displacement on input and output. Line j of field f = 3 k + c is set to zero
+    /// instead if `wanted[f ny + j]` is false.
     pub fn respond(&self, fields: &mut [f64], wanted: &[bool], workspace: &mut Workspace) {
         let [nx, ny] = self.columns;
         let (half, pairs) = (nx / 2 + 1, ny / 2 + 1);
@@ -257,7 +261,7 @@ impl FlatLayer {
         self.transform_back(fields, wanted, workspace);
     }
 
-    /// Transforms the needed lines of `fields` along x; returns for each component field whether it has forces.
+    /// Transforms the needed lines of `fields` along x; returns for each field whether the field has forces.
     fn transform_lines(&self, fields: &[f64], workspace: &mut Workspace) -> Vec<bool> {
         let [nx, ny] = self.columns;
         let half = nx / 2 + 1;
@@ -292,7 +296,7 @@ impl FlatLayer {
         loaded
     }
 
-    /// Transforms the wanted lines of `fields` back along x.
+    /// Transforms the lines of `fields` that `wanted` marks back along x; sets other needed lines to zero.
     fn transform_back(&self, fields: &mut [f64], wanted: &[bool], workspace: &mut Workspace) {
         let [nx, ny] = self.columns;
         let half = nx / 2 + 1;
@@ -337,7 +341,8 @@ struct Waves<'a> {
     lines: usize,
 }
 
-/// A component of a wave and of its mirror image in y: real and imaginary part of each.
+/// One displacement component of a wave and of its mirror image in y: real and imaginary part of the wave, then of the
+/// image.
 type Pair = [f64; 4];
 
 /// Solves the block tridiagonal equations at every wave number of one q_x.
@@ -384,8 +389,9 @@ fn sweep(waves: &Waves, column: &mut [Complex<f64>]) {
     }
 }
 
-/// Loads u_x, u_y, -i u_z of a wave and of its mirror image, whose u_y changes sign, from the row that begins at
-/// `start`. The other arguments are the number of lines and the indices of the wave and of the mirror image.
+/// Loads u_x, u_y, -i u_z of a wave and of its mirror image in y, with the sign of u_y of the image reversed, from the
+/// row that begins at `start`. The other arguments are the number of lines and the indices of the wave and of the
+/// mirror image.
 #[inline(always)]
 fn load(column: &[Complex<f64>], start: usize, [count, number, mirror]: [usize; 3]) -> [Pair; 3] {
     let at = |c: usize| [column[start + c * count + number], column[start + c * count + mirror]];

@@ -10,8 +10,9 @@
 //! | [`interface::Interface`] | effect of the cavities: missing springs, blocks that do not touch |
 //! | [`directions::Directions`] | search directions shared by successive loads |
 //!
-//! Cost for four pressures on one core with cavities a quarter wide and a tenth deep (processor time for condensing and
-//! solving): 15 ms for 50 x 50 x 20 blocks, 0.13 s for 100 x 100 x 40, 0.85 s and 0.19 GB for 200 x 200 x 80.
+//! Processor time for condensing and for solving four pressures on one core, with cavities a quarter of the cell wide
+//! and a tenth of the layer deep: 15 ms for 50 x 50 x 20 blocks, 0.13 s for 100 x 100 x 40, 0.85 s and 0.19 GB for 200
+//! x 200 x 80.
 
 mod directions;
 mod interface;

@@ -1,7 +1,7 @@
 //! Springs of a cubic lattice and of a lattice stretched along x and y.
 //!
-//! Columns are a x b lattice spacings apart, rows one. Central springs represent an isotropic solid with nu = 1/4
-//! (Cauchy's relation), C11 = 3 and C12 = C44 = 1 in units of k/l, if
+//! Columns are a lattice spacings apart along x and b along y, rows one spacing. Central springs represent an isotropic
+//! solid with nu = 1/4 (Cauchy's relation), C11 = 3 and C12 = C44 = 1 in units of k/l, if
 //!
 //! ```text
 //! C_xxyy = 2 k_xy a^2 b^2 / ((a^2 + b^2) a b) = 1      k_xy = (a^2 + b^2) / (2 a b)
@@ -15,11 +15,11 @@
 /// One kind of spring of the lattice in space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spring {
-    /// Offset of the other end: columns along x, columns along y, and rows.
+    /// Offset of the other end, in columns along x, columns along y, and rows.
     pub step: [isize; 3],
     /// Vector to the other end at rest, in lattice spacings.
     pub rest: [f64; 3],
-    /// Stiffness in units of k.
+    /// Stiffness in units of k, the stiffness of the springs of the cubic lattice.
     pub stiffness: f64,
 }
 
@@ -32,13 +32,13 @@ impl Spring {
     }
 }
 
-/// Number of springs that belong to a block within its row: one of each opposite pair.
+/// Number of springs within a row that belong to a block: one of each opposite pair.
 pub const LEVEL: usize = 4;
 /// Number of springs that connect a block to the row above.
 pub const UPWARD: usize = 5;
 
-/// Returns the nine springs that belong to a block, with columns `a` x `b` lattice spacings apart: first those within
-/// the row of the block, then those upward.
+/// Returns the nine springs that belong to a block, with columns `a` lattice spacings apart along x and `b` along y:
+/// first the springs within the row of the block, then the springs upward.
 pub fn springs([a, b]: [f64; 2]) -> [Spring; LEVEL + UPWARD] {
     let (aa, bb) = (a * a, b * b);
     let k_x = (b / a) * (3.0 - aa / bb - aa);

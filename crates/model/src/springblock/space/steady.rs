@@ -1,9 +1,9 @@
 //! Steady sliding of a cell in space.
 //!
 //! The equations of [`super::interface`] are linear except for the friction t = mu f(p) max(N, 0), which is only weakly
-//! nonlinear. They are solved by the chord method: with the slope of friction at the nominal pressure the linear
-//! operator is the same for all iterations and loads, and its search directions serve all of them
-//! ([`super::directions`]). Where chords do not contract (lands that tilt, steep area laws), tangents replace them.
+//! nonlinear. They are solved by the chord method: with the derivative of friction at the nominal pressure the
+//! linearized equations are the same for all iterations and loads, and the search directions serve all of them
+//! ([`super::directions`]). Where chords do not contract (lands that tilt, steep area laws), tangents replace chords.
 
 mod contacts;
 
@@ -17,21 +17,21 @@ use super::lattice::SpaceLattice;
 use crate::springblock::outcome::peak_over_whole_blocks;
 use crate::springblock::{InterfacePoint, Load, Monitor, Status, SurfaceOutcome, Unwatched};
 
-/// Default tolerance: a solve has converged if the sum of the magnitudes of the unbalanced forces, over the load, is no
-/// larger.
+/// Default tolerance: a solve has converged if the sum of the magnitudes of the unbalanced forces, divided by the load,
+/// is no larger.
 pub(crate) const TOLERANCE: f64 = 1e-10;
-/// Ratio of the linear residual to that at the start of a chord step at which friction is evaluated again. A chord step
-/// reduces the residual by about as much.
+/// A chord step ends, and friction is evaluated again, when the residual of the linearized equations falls to this
+/// fraction of the residual at the start of the step. A chord step reduces the nonlinear residual by about as much.
 const LINEAR_TOLERANCE: f64 = 0.03;
-/// Ratio of successive residuals above which tangents replace chords.
+/// Tangents replace chords if the ratio of a residual to the previous residual exceeds this value.
 const CONTRACTION: f64 = 0.5;
 /// Maximum number of search directions for one load.
 pub(crate) const MAX_DIRECTIONS: usize = 600;
 /// Maximum number of evaluations of friction for one load.
 const MAX_EVALUATIONS: usize = 100;
-/// Maximum number of stored search directions: more cost memory and time, fewer lose information.
+/// Maximum number of stored search directions: more directions take memory and time, fewer directions lose information.
 pub(crate) const MAX_STORED_DIRECTIONS: usize = 160;
-/// Relative step of the finite difference for the slope of friction.
+/// Step of the finite difference for the derivative of friction by normal force, relative to the nominal normal force.
 const SLOPE_STEP: f64 = 1e-6;
 /// Maximum number of rounds of lifting and landing blocks in unilateral contact.
 const MAX_CONTACT_ROUNDS: usize = 60;
@@ -43,16 +43,18 @@ pub struct SpaceLoad<'a> {
     pub pressure_pa: f64,
     /// Local dynamic friction coefficient.
     pub dynamic_mu: f64,
-    /// Friction coefficient of each contact over `dynamic_mu`, in the order of the contacts; `None` means 1.
+    /// Friction coefficient of each contact divided by `dynamic_mu`, in the order of the contacts; `None` means 1 for
+    /// all.
     pub relative_mu: Option<&'a [f64]>,
-    /// Area law; `None` is Amontons-Coulomb friction.
+    /// Area law; `None` for Amontons-Coulomb friction, proportional to the normal force.
     pub area_law: Option<&'a AreaLaw>,
     /// Unit vector of the sliding direction, which friction opposes.
     pub direction: [f64; 2],
 }
 
 impl<'a> SpaceLoad<'a> {
-    /// Converts `load` to a load with its mean dynamic friction coefficient, sliding along the unit vector `direction`.
+    /// Converts `load` to a load whose friction coefficient is the mean dynamic coefficient of `load`, sliding along
+    /// the unit vector `direction`.
     pub(crate) fn with_mean_friction(load: &Load, area_law: Option<&'a AreaLaw>, direction: [f64; 2]) -> Self {
         let dynamic_mu = load.friction.dynamic_mean();
         Self { pressure_pa: load.pressure_pa, dynamic_mu, relative_mu: None, area_law, direction }
@@ -71,8 +73,8 @@ pub struct SpaceSteadyModel {
     interface: Interface,
 }
 
-/// Unknowns of the cell, and quantities that depend on them linearly. Forces are in units of P l^2, displacements in P
-/// l^2 / k.
+/// Unknowns of the cell, and quantities that depend linearly on the unknowns. Forces are in units of P l^2,
+/// displacements in units of P l^2 / k, with the nominal pressure P, lattice spacing l and spring stiffness k.
 #[derive(Clone, Debug)]
 struct State {
     unknowns: Vec<f64>,
@@ -90,15 +92,15 @@ struct Solver<'a> {
     response: Response,
     directions: Directions,
     state: State,
-    /// Slope of friction in the linear operator, by contact.
+    /// Derivative of friction by normal force in the linearized equations, by contact.
     slope: Vec<f64>,
-    /// Direction of friction in the linear operator.
+    /// Unit vector along which friction acts, opposite to the sliding direction.
     along: [f64; 2],
-    /// Scale of the face heights and yield force for the current load; zero for a flat face.
+    /// Scale of the face heights, and yield force, for the current load; zero for a flat face.
     face: Face,
-    /// Sum of the magnitudes of the unbalanced forces, over the load, at which an iteration ends.
+    /// An iteration ends when the sum of the magnitudes of the unbalanced forces, divided by the load, is no larger.
     tolerance: f64,
-    /// Whether `slope` has the tangents at the current load, not the chords at the nominal pressure.
+    /// Whether `slope` was taken at the current normal forces (tangents), not at the nominal pressure (chords).
     tangent: bool,
 }
 
@@ -121,15 +123,15 @@ impl SpaceSteadyModel {
         Self { lattice, block_m, youngs_modulus_pa, liftoff, yield_pressure_pa: None, tolerance: TOLERANCE, interface }
     }
 
-    /// Sets the pressure in pascals at which the heights of the face yield; `None` keeps them elastic. Yielded contacts
-    /// remain flattened for the following loads.
+    /// Sets the pressure in pascals at which the heights of the face yield; with `None` the heights stay elastic.
+    /// Yielded contacts remain flattened for the following loads.
     #[must_use]
     pub fn yielding_at(self, yield_pressure_pa: Option<f64>) -> Self {
         Self { yield_pressure_pa, ..self }
     }
 
-    /// Sets the tolerance: a solve ends if the sum of the magnitudes of the unbalanced forces, over the load, is no
-    /// larger.
+    /// Sets the tolerance: a solve ends if the sum of the magnitudes of the unbalanced forces, divided by the load, is
+    /// no larger.
     #[must_use]
     pub fn balanced_to(self, tolerance: f64) -> Self {
         Self { tolerance, ..self }
@@ -157,8 +159,9 @@ impl SpaceSteadyModel {
         loads.iter().map(|load| solver.outcome(load)).collect()
     }
 
-    /// Displacements x, y and z in units of l for steady sliding under `load`, by block number (k ny + j) nx + i. The
-    /// bulk comes last as row `rows`, at x = y = 0. Values of removed blocks are meaningless.
+    /// Displacements x, y and z, in lattice spacings, in steady sliding under `load`; index (k ny + j) nx + i for the
+    /// block in column i along x and j along y of row k. The bulk is the last row, at x = y = 0. Values of removed
+    /// blocks are meaningless.
     pub fn displacements(&self, load: &SpaceLoad) -> Vec<[f64; 3]> {
         let [nx, ny] = self.lattice.columns();
         let plane = nx * ny;
@@ -181,14 +184,15 @@ impl SpaceSteadyModel {
             .collect()
     }
 
-    /// Unit of displacement of a steady solution, P l^2 / k, in units of l: P / (2/5 E).
+    /// Unit of displacement P l^2 / k of a steady solution, in lattice spacings l: P / (2/5 E), with the nominal
+    /// pressure P and Young's modulus E.
     fn displacement_unit(&self, pressure_pa: f64) -> f64 {
         pressure_pa / (0.4 * self.youngs_modulus_pa)
     }
 
-    /// Friction on contact `number` with the contact share `share` at the normal force `normal`, both forces in units
-    /// of P l^2. In unilateral contact, blocks under tension are lifted in a later round; until then friction is
-    /// continued to negative values, so that it stays smooth.
+    /// Friction force on contact `number`, of which the fraction `share` touches, at the normal force `normal`; both
+    /// forces are in units of P l^2 (nominal pressure P, lattice spacing l). In unilateral contact, blocks under
+    /// tension are lifted in a later round; until then friction is continued smoothly to negative values.
     fn friction(&self, load: &SpaceLoad, number: usize, share: f64, normal: f64) -> f64 {
         let normal = if self.liftoff { normal } else { normal.max(0.0) };
         // p = F_n / (a l^2), forces in units of P l^2
@@ -198,7 +202,7 @@ impl SpaceSteadyModel {
         load.dynamic_mu * relative_mu * factor * normal
     }
 
-    /// Contact shares, the fractions of the columns' areas that touch, in the order of the contacts.
+    /// Fraction of the area of the column that touches, for each contact.
     fn shares(&self) -> impl Iterator<Item = f64> + '_ {
         self.interface.surface().iter().filter(|s| s.contact.is_some()).map(|s| s.contact_share)
     }
@@ -250,13 +254,14 @@ impl<'a> Solver<'a> {
         interface.respond_loaded(&self.state.unknowns, self.along, self.face, &mut self.response);
         for (number, residual) in self.state.elastic.iter_mut().enumerate() {
             let image = self.response.linear[number];
-            // g - R u, and the imbalance
+            // g - R u, and the unbalanced vertical force
             *residual = if number < heights { self.state.unknowns[number] - image } else { image };
         }
         self.state.normal.copy_from_slice(&self.response.normal);
     }
 
-    /// Negative residual of all equations under `load`, and the sum of its magnitudes over the load.
+    /// Negative residuals of all equations under `load`, and the sum of the magnitudes of the residuals divided by the
+    /// load.
     fn residual(&self, load: &SpaceLoad) -> (Vec<f64>, f64) {
         let elastic = self.state.elastic.len();
         let mut residual: Vec<f64> = self.state.elastic.iter().map(|value| -value).collect();
@@ -271,7 +276,8 @@ impl<'a> Solver<'a> {
         (residual, size)
     }
 
-    /// Applies the linear operator to `step`; returns `step` with its image and the normal forces.
+    /// Applies the linearized equations to `step`, a change of the unknowns; returns `step`, the image, and the normal
+    /// forces that the step adds.
     fn apply(&mut self, step: Vec<f64>) -> Direction {
         let interface = &self.interface;
         let elastic = interface.elastic_unknowns();
@@ -288,15 +294,16 @@ impl<'a> Solver<'a> {
         Direction { step, image, normal: self.response.normal.clone() }
     }
 
-    /// Moves the state by the step whose image was projected out of the residual, with the coefficients `shares` of the
-    /// stored images; `residual` is the rest of the residual.
+    /// Moves the state by the step whose image, the sum of `shares[n]` times stored image n, was subtracted from the
+    /// negative residual; `residual` is the rest.
     fn advance(&mut self, shares: &[f64], residual: &[f64]) {
         let State { unknowns, elastic, normal } = &mut self.state;
         self.directions.advance(shares, unknowns, normal);
         elastic.iter_mut().zip(residual).for_each(|(elastic, left)| *elastic = -left);
     }
 
-    /// Sets the slopes of friction at the current normal forces if `tangent`, otherwise at the nominal pressure.
+    /// Sets the derivatives of friction by normal force: at the current normal forces if `tangent`, otherwise at the
+    /// nominal pressure.
     fn set_slopes(&mut self, load: &SpaceLoad, tangent: bool) {
         let (model, area) = (self.model, self.model.interface.column_area());
         let slope_at = |number: usize, share: f64, normal: f64| {
@@ -354,7 +361,7 @@ impl<'a> Solver<'a> {
         (end, latest)
     }
 
-    /// Iterates to equilibrium under `load`, starting from the last state.
+    /// Iterates to equilibrium under `load`, starting from the current state.
     fn iterate(&mut self, load: &SpaceLoad) -> End {
         if self.along != load.direction.map(|component| -component) {
             self.along = load.direction.map(|component| -component);
@@ -432,7 +439,8 @@ impl<'a> Solver<'a> {
         lifted.as_ref().unwrap_or(self).outcome_of(load, &end)
     }
 
-    /// Contact blocks with the normal and the friction force, in units of P l^2, that `forces` returns for their index.
+    /// Pressure and friction of every contact block, from the normal and the friction force that `forces` returns for
+    /// the index of the contact, in units of P l^2 (nominal pressure P, lattice spacing l).
     fn points(&self, load: &SpaceLoad, forces: impl Fn(usize) -> (f64, f64)) -> Vec<InterfacePoint> {
         let (spacing, block_m, area) = (self.model.lattice.spacing(), self.model.block_m, self.interface.column_area());
         let contacts = self.interface.surface().iter().filter(|surface| surface.contact.is_some());
@@ -453,7 +461,7 @@ impl<'a> Solver<'a> {
             .collect()
     }
 
-    /// Largest pressure of `interface` over a whole block.
+    /// Largest pressure at the contacts `interface`, in pascals, with pressures averaged over whole blocks.
     fn peak_pressure_pa(&self, interface: &[InterfacePoint]) -> f64 {
         let [nx, ny] = self.model.lattice.columns();
         let touching: Vec<_> = self.interface.surface().iter().filter(|surface| surface.contact.is_some()).collect();

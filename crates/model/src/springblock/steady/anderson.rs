@@ -1,11 +1,12 @@
 //! Anderson acceleration of a fixed-point iteration x <- g(x) (D. G. Anderson, J. ACM 12, 547, 1965).
 
-/// Number of stored steps. More cost memory and conditioning, fewer cost iterations; 3 to 8 perform alike here.
+/// Number of stored steps. More steps take memory and worsen the conditioning, fewer steps need more iterations; 3 to 8
+/// perform alike here.
 const DEPTH: usize = 6;
-/// Factor of growth of the residual in one step above which the stored steps are discarded, because the secants are
+/// Stored steps are discarded if the residual grows by more than this factor in one step, because the secants are then
 /// misleading.
 const GROWTH: f64 = 4.0;
-/// Relative regularization of the normal equations of the secants.
+/// Regularization of the normal equations of the secants, relative to the diagonal.
 const RIDGE: f64 = 1e-14;
 
 /// Memory of the last steps of x and of the residual g(x) - x.

@@ -1,11 +1,11 @@
 //! Symmetric positive definite band matrices: assembly, factorization, solution.
 //!
 //! A = U^T D U, where U is unit upper triangular with half bandwidth b. For n unknowns the factorization takes n b^2
-//! multiplications and additions, one solution 4 n b.
+//! multiplications and additions, and each solution takes 4 n b.
 
 use multiversion::multiversion;
 
-/// Upper half of a symmetric band matrix: row r holds A[r][r..=r + half_bandwidth].
+/// Upper half of a symmetric band matrix A: row r holds A[r][r..=r + half_bandwidth].
 #[derive(Clone, Debug)]
 pub struct BandMatrix {
     order: usize,
@@ -45,7 +45,7 @@ impl BandMatrix {
     }
 }
 
-/// U and D of A = U^T D U: row r holds 1/D[r], then U[r][r + 1..].
+/// Factors U and D of A = U^T D U, with unit upper triangular U and diagonal D: row r holds 1/D[r], then U[r][r + 1..].
 #[derive(Clone, Debug)]
 pub struct BandFactor {
     upper: BandMatrix,

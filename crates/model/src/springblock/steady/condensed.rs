@@ -38,7 +38,7 @@ struct CondensedCell {
     response: Condensed,
     ceilings: Vec<Ceiling>,
     /// Affine map from the inputs to the unknowns: for each unknown, the coefficients of the inputs and a constant.
-    /// Inputs are the friction forces T and, on a face with heights, the heights of the contacts.
+    /// Inputs are the friction forces T by contact and, on a face with heights, the heights of the contacts.
     unknowns: Vec<f64>,
 }
 
@@ -47,13 +47,13 @@ struct CondensedCell {
 struct Ceiling {
     /// Depth of the cavity, in rows.
     depth: f64,
-    /// Coefficients of the vertical displacement, in units of P l^2 / k: those of the unknowns, those of the inputs,
-    /// and a constant.
+    /// Vertical displacement as an affine function: coefficients of the unknowns, then of the inputs, and a constant.
+    /// The displacement is in units of P l^2 / k with the nominal pressure P, lattice spacing l and spring stiffness k.
     height: Vec<f64>,
 }
 
 /// Returns estimated upper bounds of the number of multiplications and additions, and of the memory in bytes, for
-/// condensing a cell of `columns` columns, of which cavities `depth` rows deep cover `covered`.
+/// condensing a cell of `columns` columns, `covered` of which lie in cavities `depth` rows deep.
 pub fn condensing_cost(columns: f64, covered: f64, depth: f64) -> (f64, f64) {
     let (half, fields, m) = (columns / 2.0 + 1.0, 2.0 * (depth + 2.0), columns);
     // Blocks of the ceiling, twice if it exists in part, and of the walls.
@@ -64,15 +64,15 @@ pub fn condensing_cost(columns: f64, covered: f64, depth: f64) -> (f64, f64) {
     (products, 8.0 * (2.0 * half * half + 2.0 * fields * fields * columns + width * (n + 4.0 * blocks)))
 }
 
-/// Normal forces of the contacts as a function of their friction forces T: N = N_0 + A T, plus K z if the face has the
-/// heights z.
+/// Normal forces N of the contacts as a function of the friction forces T on the contacts: N = N_0 + A T, plus K z if
+/// the face has the heights z. Forces are in units of P l^2 with the nominal pressure P and lattice spacing l.
 #[derive(Clone, Debug)]
 pub(super) struct Condensed {
     pub(super) contacts: Vec<Contact>,
     pub(super) load: f64,
-    /// -A by columns, then -K.
+    /// Matrix -A by columns, then the matrix -K by columns if the face has heights.
     pub(super) influence: Vec<f64>,
-    /// N_0 by contact, in units of P l^2.
+    /// Normal force N_0 without friction, by contact.
     pub(super) at_rest: Vec<f64>,
 }
 
@@ -135,7 +135,7 @@ impl CondensedModel {
         Some(Self { block_m, youngs_modulus_pa, liftoff: true, cell })
     }
 
-    /// Response of the normal forces to friction and heights.
+    /// Normal forces as a function of friction forces and face heights.
     pub(super) fn response(&self) -> &Condensed {
         &self.cell.response
     }
@@ -150,19 +150,19 @@ impl CondensedModel {
         iterate(self.response(), load)
     }
 
-    /// Converts `state` to an outcome.
+    /// Converts the equilibrium `state` to an outcome of the model.
     pub(super) fn observe(&self, load: &SteadyLoad, state: &Equilibrium) -> SurfaceOutcome {
         observe(self.contacts(), self.block_m, load, state, self.clearance(load.pressure_pa, &state.friction))
     }
 
-    /// Converts `state` to an outcome, for a face with the heights `heights` at its contacts.
+    /// Like [`Self::observe`], for a face with the heights `heights` at the contacts, in units of P l^2 / k.
     pub(super) fn observe_raised(&self, load: &SteadyLoad, state: &Equilibrium, heights: &[f64]) -> SurfaceOutcome {
         let clearance = self.clearance(load.pressure_pa, &[&state.friction, heights].concat());
         observe(self.contacts(), self.block_m, load, state, clearance)
     }
 
-    /// Vertical displacement in units of P l^2 / k of every lifted contact, in the order of the contacts; `None` for
-    /// other contacts.
+    /// Vertical displacement of every lifted contact, in the order of the contacts, in units of P l^2 / k (nominal
+    /// pressure P, lattice spacing l, spring stiffness k); `None` for other contacts.
     pub(super) fn heights(&self, state: &Equilibrium) -> Vec<Option<f64>> {
         let unknowns = self.unknowns(&state.friction);
         let of_lifted = |contact: &Contact| contact.lifted.then(|| unknowns[contact.dof]);
@@ -184,7 +184,7 @@ impl CondensedModel {
         Some(self.observe(load, &state))
     }
 
-    /// Values of the unknowns for `inputs`: friction forces, then the heights of the face if they are inputs.
+    /// Values of the unknowns for `inputs`: friction forces, then the heights of the face if the model has heights.
     fn unknowns(&self, inputs: &[f64]) -> Vec<f64> {
         let count = inputs.len();
         self.cell.unknowns.chunks_exact(count + 1).map(|row| dot(&row[..count], inputs) + row[count]).collect()

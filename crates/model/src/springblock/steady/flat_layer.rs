@@ -16,18 +16,18 @@
 //! ```
 //!
 //! takes a few thousand operations per wave number. In row 0 the vertical displacement is prescribed and the force is
-//! the result. The bulk is rigid, moves only vertically, and its balance is that of the load. Displacements are in
-//! units of P l^2 / k, forces in P l^2.
+//! the result. The bulk is rigid, moves only vertically, and carries the load. Displacements are in units of P l^2 / k,
+//! forces in units of P l^2, with the nominal pressure P, lattice spacing l and spring stiffness k.
 
 use super::dense::subtract_products;
 use crate::springblock::lattice::springs;
 
-/// Relative change of the inverses S_k^-1 of the elimination from row to row below which the layer above counts as a
-/// half-space: twice the rounding error.
+/// The layer above a row counts as a half-space if the inverses S_k^-1 of the elimination change by less than this
+/// fraction from row to row: twice the rounding error.
 const HALF_SPACE_TOLERANCE: f64 = 4e-16;
 
-/// Number of rows above the explicit rows beyond which the uniform shear of these rows, which does not decay with
-/// height, is computed in closed form instead of row by row.
+/// If more than this number of rows lie above the explicit rows, the uniform mode of these rows, which does not decay
+/// with height, is computed in closed form instead of row by row.
 const MIN_SERIES_ROWS: usize = 100;
 
 /// Symmetric 2 x 2 matrix: xx, xz, zz.
@@ -50,7 +50,7 @@ pub struct FlatLayer {
 
 /// Elimination at one wave number.
 struct Elimination {
-    /// Inverse S_k^-1 of the matrix of each row k after elimination of the rows above; entry 0 is not used.
+    /// Inverse S_k^-1 of the matrix of each row k after elimination of the rows above, by row; entry 0 is not used.
     inverses: Vec<Symmetric>,
     /// T_k = -S_k^-1 C^T, which gives u_k from u_{k-1}, by row k; entry 0 is not used.
     transfer: Vec<Square>,
@@ -146,7 +146,8 @@ impl FlatLayer {
 }
 
 impl Elimination {
-    /// Eliminates from the bulk down, at the wave number with the given sine and cosine; it is zero if `uniform`.
+    /// Eliminates from the bulk down, at the wave number with the given sine and cosine; `uniform` tells that this wave
+    /// number is zero.
     fn eliminate(&mut self, (sin, cos): (f64, f64), uniform: bool, w: f64, rows: usize, explicit: usize) {
         let [horizontal, diagonal, vertical] = springs(w);
         // k e e^T of a diagonal: e = (w, 1) / sqrt(w^2 + 1)

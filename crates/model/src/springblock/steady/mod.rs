@@ -9,13 +9,14 @@
 //! ```
 //!
 //! The stiffness matrix, its factorization and the response to the bulk depend on the geometry only: one
-//! [`SteadyModel`] serves every pressure and every set of coefficients. Lengths are in lattice spacings l, stiffness in
-//! k, pressures in the nominal pressure. Only f needs pascals, so that pressures do not depend on E.
+//! [`SteadyModel`] serves every pressure and every set of coefficients. Lengths are in lattice spacings l, stiffnesses
+//! in the spring stiffness k, pressures in the nominal pressure. Only f needs pascals, so that pressures do not depend
+//! on Young's modulus.
 //!
-//! The fixed point is computed by Anderson-accelerated iteration ([`anderson`]). The contraction of the plain iteration
-//! is mu times a coupling of order 0.3, so that 6 to 12 iterations reach rounding for mu < 1. If lands tilt or the law
-//! falls steeply the iteration may not converge; then Newton's method ([`newton`]) continues from the best state. If
-//! that fails too, the best state is returned as not converged.
+//! The fixed point is computed by Anderson-accelerated iteration ([`anderson`]). The plain iteration reduces the error
+//! by the friction coefficient times a coupling of order 0.3, so that 6 to 12 iterations reach rounding for
+//! coefficients below 1. If lands tilt or the law falls steeply the iteration may not converge; then Newton's method
+//! ([`newton`]) continues from the best state. If that fails too, the best state is returned as not converged.
 //!
 //! N(T) is computed by a band factorization of all blocks ([`system`]) or, for cells of equal columns, from the
 //! closed-form response of the flat layer and the few forces around the cavity ([`condensed`]), which gives the same
@@ -44,8 +45,9 @@ use system::{Contact, Raised, System};
 pub use system::{band_products, factor_bytes};
 pub use thick::ThickModel;
 
-/// Sum of the magnitudes of the changes of the friction forces in one evaluation of the fixed-point map, over the load,
-/// at which the solve has converged. The error of mu is about as large; 1e-8 is required.
+/// A solve has converged if the friction forces change by no more than this in one evaluation of the fixed-point map:
+/// sum of the magnitudes of the changes, over the load. The error of the friction coefficient is about as large; 1e-8
+/// is required.
 const TOLERANCE: f64 = 1e-11;
 /// Maximum number of evaluations of the fixed-point map.
 const MAX_ITERATIONS: usize = 300;
@@ -59,7 +61,7 @@ pub struct SteadyLoad<'a> {
     pub pressure_pa: f64,
     /// Local dynamic friction coefficient of every column, cavity or not.
     pub dynamic_mu: &'a [f64],
-    /// Area law; `None` is Amontons-Coulomb friction.
+    /// Area law; `None` for Amontons-Coulomb friction, proportional to the normal force.
     pub area_law: Option<&'a AreaLaw>,
 }
 
@@ -77,13 +79,14 @@ pub struct SteadyModel {
 trait LinearResponse {
     /// Contact blocks, left to right.
     fn contacts(&self) -> &[Contact];
-    /// Load in units of P l^2, which is the length of the lattice in units of l.
+    /// Load on the bulk in units of P l^2 (nominal pressure P, lattice spacing l), which equals the length of the
+    /// lattice in lattice spacings.
     fn load(&self) -> f64;
     /// Number of displacements that [`Self::respond`] computes.
     fn order(&self) -> usize;
-    /// Computes displacements, in units of P l^2 / k, and normal forces (positive in compression) under the nominal
-    /// load and the friction forces `friction` (positive against sliding) on the contacts, with the bulk at x = 0.
-    /// Forces are in units of P l^2.
+    /// Computes displacements and normal forces (positive in compression) under the nominal load and the friction
+    /// forces `friction` (positive against sliding) on the contacts, with the bulk at x = 0. Displacements are in units
+    /// of P l^2 / k, forces in units of P l^2, with the nominal pressure P, lattice spacing l and spring stiffness k.
     fn respond(&self, friction: &[f64], displacement: &mut [f64], normal: &mut [f64]);
     /// Like [`Self::respond`] for several loads, possibly faster than one after the other; results are identical.
     fn respond_each(&self, each: &mut [Response<'_>]) {
@@ -100,7 +103,8 @@ struct Response<'a> {
     normal: &'a mut [f64],
 }
 
-/// Forces on the contact blocks in units of P l^2, and displacements in units of P l^2 / k.
+/// Result of a solve: forces on the contact blocks in units of P l^2, and displacements in units of P l^2 / k, with the
+/// nominal pressure P, lattice spacing l and spring stiffness k.
 struct Equilibrium {
     status: Status,
     iterations: usize,
@@ -130,8 +134,8 @@ impl SteadyModel {
         &self.lattice
     }
 
-    /// Vertical force on the bulk for its unit descent without friction, in units of k, over the length of the lattice
-    /// in units of l.
+    /// Vertical stiffness of the layer without friction, in units of the spring stiffness k, divided by the length of
+    /// the lattice in lattice spacings.
     pub fn stiffness_per_length(&self) -> f64 {
         self.system.bulk_stiffness() / self.system.load()
     }
@@ -194,8 +198,8 @@ impl SteadyModel {
         }
     }
 
-    /// Displacements x and y in units of l for steady sliding under `load`, by block number j * nx + i, with the bulk
-    /// at x = 0.
+    /// Displacements x and y, in lattice spacings, in steady sliding under `load` with the bulk at x = 0; index j * nx
+    /// + i for column i of row j.
     pub fn displacements(&self, load: &SteadyLoad) -> Vec<[f64; 2]> {
         let (nx, ny) = (self.lattice.nx(), self.lattice.ny());
         if load.pressure_pa == 0.0 || self.system.contacts().is_empty() {
@@ -235,7 +239,8 @@ impl SteadyModel {
     }
 }
 
-/// Unit of displacement of a steady solution, P l^2 / k, in units of l: P / (3/4 E).
+/// Unit of displacement P l^2 / k of a steady solution, in lattice spacings l: P / (3/4 E), with the nominal pressure P
+/// and Young's modulus E.
 fn displacement_unit(pressure_pa: f64, youngs_modulus_pa: f64) -> f64 {
     pressure_pa / (0.75 * youngs_modulus_pa)
 }
@@ -245,8 +250,8 @@ fn unloaded(contacts: &[Contact], block_m: f64) -> SurfaceOutcome {
     SurfaceOutcome::unsolved(Status::NoLoad, contacts.iter().map(|contact| contact.centre * block_m))
 }
 
-/// Converts the forces of `state` on `contacts` to an outcome; `clearance` is the minimum height of a cavity's ceiling,
-/// in lattice spacings.
+/// Converts the forces of `state` on `contacts` to an outcome of the model; `clearance` is the minimum height of a
+/// cavity's ceiling, in lattice spacings, or `None` without a ceiling.
 fn observe(
     contacts: &[Contact],
     block_m: f64,
@@ -360,8 +365,8 @@ impl<'a> Iteration<'a> {
         Response { friction: &self.friction, displacement: &mut self.displacement, normal: &mut self.normal }
     }
 
-    /// Computes `image` from the normal forces, and `residual`, the sum of the magnitudes of `image` - `friction` over
-    /// the load.
+    /// Computes `image` from the normal forces, and `residual`: the sum of the magnitudes of `image` - `friction`,
+    /// divided by the load.
     fn evaluate(&mut self, system: &impl LinearResponse) {
         for (number, (image, &normal)) in self.image.iter_mut().zip(&self.normal).enumerate() {
             *image = newton::friction_at(system, self.load, number, normal);

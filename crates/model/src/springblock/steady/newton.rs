@@ -20,11 +20,12 @@ const MAX_STEPS: usize = 60;
 const MAX_HALVINGS: usize = 12;
 /// Maximum number of contacts, beyond which the dense Jacobian becomes too expensive and the method is not tried.
 pub const MAX_CONTACTS: usize = 1500;
-/// Relative step of the finite difference for the slope of friction against normal force, far below the width of the
-/// steps of an area law.
+/// Step of the finite difference for the derivative of friction by normal force, relative to the normal force; far
+/// below the width of the steps of an area law.
 const SLOPE_STEP: f64 = 1e-7;
 
-/// Friction on contact number `number` at the normal force `normal`, both in units of P l^2; 0 for a lifted contact.
+/// Friction force on contact number `number` at the normal force `normal`, both in units of P l^2 (nominal pressure P,
+/// lattice spacing l); 0 for a lifted contact.
 pub fn friction_at(system: &impl LinearResponse, load: &SteadyLoad, number: usize, normal: f64) -> f64 {
     let contact = &system.contacts()[number];
     let normal = if contact.lifted { 0.0 } else { normal.max(0.0) };
@@ -40,8 +41,9 @@ pub fn friction_slope(system: &impl LinearResponse, load: &SteadyLoad, number: u
     (at(ahead) - at(normal)) / (ahead - normal)
 }
 
-/// Improves the friction forces `friction` by Newton's method until the sum of the magnitudes of the residuals R, over
-/// the load, is at most `tolerance`; leaves them unchanged if that fails. Returns the number of Newton steps.
+/// Improves the friction forces `friction` by Newton's method until the sum of the magnitudes of the residuals R,
+/// divided by the load, is at most `tolerance`; leaves `friction` unchanged if this fails. Returns the number of Newton
+/// steps.
 pub fn improve(system: &impl LinearResponse, load: &SteadyLoad, friction: &mut Vec<f64>, tolerance: f64) -> usize {
     let n = friction.len();
     if n == 0 || n > MAX_CONTACTS {
@@ -65,8 +67,8 @@ struct Equations<'a, S> {
 }
 
 impl<S: LinearResponse> Equations<'_, S> {
-    /// Returns the residuals R at the friction forces `friction` and the normal forces `normal`, and the sum of their
-    /// magnitudes over the load.
+    /// Returns the residuals R at the friction forces `friction` and the normal forces `normal`, and the sum of the
+    /// magnitudes of the residuals, divided by the load.
     fn residual(&self, friction: &[f64], normal: &[f64]) -> (Vec<f64>, f64) {
         let of = |c: usize| friction[c] - friction_at(self.system, self.load, c, normal[c]);
         let r: Vec<f64> = (0..friction.len()).map(of).collect();
@@ -92,7 +94,8 @@ impl<S: LinearResponse> Equations<'_, S> {
         solve_dense(&mut jacobian, &mut direction).then_some(direction)
     }
 
-    /// Runs Newton's method from `at`; returns whether it converged, and the number of steps.
+    /// Runs Newton's method from the friction forces `at`, which it updates; returns whether it converged, and the
+    /// number of steps.
     fn solve(&self, at: &mut Vec<f64>) -> (bool, usize) {
         let mut normal = self.influence.normal(at);
         let (mut r, mut norm) = self.residual(at, &normal);

@@ -10,9 +10,10 @@
 //! Each contact is either on the counterface, where z = r and N is unknown, or off it, where N = 0 and z is unknown.
 //! Newton's method on the m unknowns, with the contact states updated after each step, solves elasticity, friction and
 //! contact together. This semismooth method reaches the solution to rounding in a few steps. If it does not, only the
-//! contact that violates its condition most is switched. If the solid yields at a pressure, a contact that would exceed
-//! it carries this pressure, at a height z <= r; it remains flattened for the following loads. Heights are in units of
-//! P l^2 / k, so that a fixed relief has less effect at larger loads.
+//! contact that violates its condition most is switched. If the solid yields at a given pressure, a contact that would
+//! exceed this pressure carries it, at a height z <= r; the contact remains flattened for the following loads. Heights
+//! are in units of P l^2 / k (nominal pressure P, lattice spacing l, spring stiffness k), so that a fixed relief has
+//! less effect at larger loads.
 
 use super::condensed::CondensedModel;
 use super::dense::solve_many;
@@ -24,11 +25,12 @@ use crate::springblock::{Lattice, Status, SurfaceOutcome};
 
 /// Maximum number of steps in which every contact that violates its condition switches.
 const MAX_STEPS: usize = 40;
-/// Maximum number of steps per contact in which only the worst contact switches.
+/// Maximum number, per contact, of steps in which only the contact with the largest violation switches.
 const MAX_SINGLE_STEPS: usize = 4;
 /// Maximum number of halvings of a step that does not decrease the residual.
 const MAX_HALVINGS: usize = 10;
-/// Violation of a contact condition that counts as zero: a force or a gap over the scale of forces or heights.
+/// Violation of a contact condition up to which the condition counts as met: a force divided by the mean normal force,
+/// or a gap divided by the scale of heights.
 const ROUNDING: f64 = 1e-12;
 
 /// Model of a cell whose face has height variations.
@@ -36,7 +38,7 @@ const ROUNDING: f64 = 1e-12;
 pub struct RaisedModel {
     block_m: f64,
     elastic: Elastic,
-    /// Response of the normal forces to friction and heights.
+    /// Normal forces as a function of friction forces and face heights.
     condensed: CondensedModel,
     /// Height r of the face of each contact, in lattice spacings.
     relief: Vec<f64>,
@@ -60,14 +62,15 @@ pub struct FaceHistory {
     relief: Vec<f64>,
 }
 
-/// Contact states, normal forces in units of P l^2, and heights in units of P l^2 / k, by contact.
+/// Contact states, normal forces in units of P l^2, and heights in units of P l^2 / k, by contact; P is the nominal
+/// pressure, l the lattice spacing, k the spring stiffness.
 struct State {
     touch: Vec<ContactStatus>,
     normal: Vec<f64>,
     height: Vec<f64>,
 }
 
-/// Contact conditions under one load.
+/// Contact conditions under one load with the nominal pressure P; l is the lattice spacing, k the spring stiffness.
 struct Contacts<'a> {
     model: &'a CondensedModel,
     load: &'a SteadyLoad<'a>,
@@ -138,7 +141,7 @@ impl RaisedModel {
 
 impl Contacts<'_> {
     /// Solves the contact conditions, starting from `state`; returns the status, the number of steps, and the residual
-    /// over the load.
+    /// divided by the load.
     fn solve(&self, state: &mut State) -> (Status, usize, f64) {
         let m = state.touch.len();
         let mut residual = self.residual(state);
@@ -185,8 +188,8 @@ impl Contacts<'_> {
         residual
     }
 
-    /// Newton's step, by contact: of the normal force for contacts that are on, of the height for the others; `None` if
-    /// the equations are singular.
+    /// Newton's step, by contact: change of the normal force for contacts on the counterface, change of the height for
+    /// other contacts; `None` if the equations are singular.
     fn direction(&self, state: &State, residual: &[f64]) -> Option<Vec<f64>> {
         let response = self.model.response();
         let m = state.touch.len();
@@ -218,9 +221,10 @@ impl Contacts<'_> {
         }
     }
 
-    /// Switches contacts that violate their condition: lifts contacts under tension, lands those below the face, lets
-    /// those above their yield force yield, and makes yielding contacts above their face elastic. With `single` only
-    /// the contact with the largest violation switches. Returns whether any switched.
+    /// Switches contacts that violate their condition: lifts contacts under tension, lands lifted contacts below the
+    /// height of their face, lets contacts above their yield force yield, and makes yielding contacts above their face
+    /// elastic. With `single` only the contact with the largest violation switches. Returns whether any contact
+    /// switched.
     fn switch(&self, state: &mut State, single: bool) -> bool {
         // Violation of the condition, and the next state of the contact.
         let broken = |c: usize| {

@@ -13,11 +13,12 @@ pub struct Contact {
     pub width: f64,
     /// Distance of the block's centre from the left side, in lattice spacings.
     pub centre: f64,
-    /// Index of the horizontal unknown; the vertical one follows.
+    /// Index of the horizontal unknown; the vertical unknown has the next index.
     pub dof: usize,
     /// Whether the block has lifted off the counterface.
     pub lifted: bool,
-    /// Stiffness of the vertical tie in units of k for a block that touches in part; `None` for a pinned block.
+    /// Stiffness, in units of the spring stiffness k, of the vertical tie to the face for a block that touches in part;
+    /// `None` for a block pinned to the counterface.
     pub tie: Option<f64>,
 }
 
@@ -39,13 +40,14 @@ pub struct System {
     contacts: Vec<Contact>,
     supports: Vec<Support>,
     factor: Option<BandFactor>,
-    /// Load in units of P l^2, which is the length of the lattice in units of l.
+    /// Load on the bulk in units of P l^2 (nominal pressure P, lattice spacing l), which equals the length of the
+    /// lattice in lattice spacings.
     load: f64,
-    /// Force on every unknown for a unit rise of the bulk, in units of k.
+    /// Force on every unknown per rise of the bulk with all blocks fixed, in units of the spring stiffness k.
     coupling: Vec<f64>,
-    /// Displacements of the unknowns for a unit rise of the bulk.
+    /// Displacement of every unknown per rise of the bulk, without friction.
     bulk_response: Vec<f64>,
-    /// Vertical force on the bulk for its own unit rise, with the unknowns fixed, in units of k.
+    /// Vertical force on the bulk per rise of the bulk with all blocks fixed, in units of the spring stiffness k.
     bulk_stiffness: f64,
     /// Response to the heights of the face; `None` for a flat face.
     relief: Option<Relief>,
@@ -55,18 +57,19 @@ pub struct System {
 #[derive(Clone, Debug)]
 struct Relief {
     displacement: Vec<f64>,
-    /// Vertical force on the bulk, in units of k l, due to the heights of pinned contacts.
+    /// Vertical force on the bulk due to the heights of pinned contacts, in units of k l (spring stiffness times
+    /// lattice spacing).
     pull: f64,
 }
 
-/// A lattice with the heights of its face in lattice spacings times `scale`.
+/// A lattice whose face heights, in lattice spacings, are multiplied by `scale`.
 pub struct Raised<'a> {
     pub system: &'a System,
     pub scale: f64,
 }
 
-/// Half bandwidth of the equations of a lattice. Neighbouring columns are one position apart, or two in a folded
-/// periodic lattice.
+/// Half bandwidth of the equations of a lattice. Neighbouring columns are one position apart in the order of
+/// elimination, or two in a folded periodic lattice.
 fn half_bandwidth(columns: usize, rows: usize, periodic: bool) -> usize {
     let apart = if periodic { 2.min(columns - 1) } else { 1.min(columns - 1) };
     (2 * rows * apart + 3).min(2 * columns * rows - 1)
@@ -222,12 +225,13 @@ impl System {
         }
     }
 
-    /// Index of the horizontal unknown of block (i, j); the vertical one follows.
+    /// Index of the horizontal unknown of the block in column i of row j; the vertical unknown has the next index.
     pub fn dof(&self, i: usize, j: usize) -> usize {
         2 * (self.position[i] * self.rows + j)
     }
 
-    /// Vertical force on the bulk for its own unit rise, with the blocks following without friction, in units of k.
+    /// Vertical force on the bulk per rise of the bulk, with the blocks following without friction, in units of the
+    /// spring stiffness k.
     pub fn bulk_stiffness(&self) -> f64 {
         // c0 - b . u_b
         let give: f64 = self.coupling.iter().zip(&self.bulk_response).map(|(b, u)| b * u).sum();
@@ -252,7 +256,7 @@ impl System {
 }
 
 impl System {
-    /// Like [`LinearResponse::respond`], on a face with its heights in lattice spacings times `scale`.
+    /// Like [`LinearResponse::respond`], on a face whose heights, in lattice spacings, are multiplied by `scale`.
     fn respond_raised(&self, scale: f64, friction: &[f64], displacement: &mut [f64], normal: &mut [f64]) {
         displacement.fill(0.0);
         for (contact, force) in self.contacts.iter().zip(friction) {
@@ -358,7 +362,8 @@ impl LinearResponse for Raised<'_> {
     }
 }
 
-/// Contact blocks of `lattice` on the counterface, left to right; `dof` returns the index of the unknown of a column.
+/// Contact blocks of `lattice`, left to right; `dof` returns the index of the horizontal unknown of the contact in a
+/// column.
 pub fn contacts(lattice: &Lattice, dof: impl Fn(usize) -> usize) -> Vec<Contact> {
     let mut contacts = Vec::new();
     let mut left = 0.0;

@@ -2,7 +2,8 @@
 
 use crate::springblock::SpaceLattice;
 
-/// A spring between two blocks. Block numbers run fastest along x, then y, then upward; the bulk has the last number.
+/// A spring between two blocks. The block in column i along x and j along y of layer k has the number (k ny + j) nx +
+/// i; the bulk has the last number.
 #[derive(Clone, Copy, Debug)]
 struct Link {
     ends: [u32; 2],
@@ -40,8 +41,8 @@ impl SpaceBonds {
         &self.mass
     }
 
-    /// Computes the spring forces on every block and, last, on the bulk, in units of k l. `displacement` contains the
-    /// blocks and, last, the bulk.
+    /// Computes the spring forces x, y and z on every block and, last, on the bulk, in units of k l (spring stiffness
+    /// times lattice spacing). `displacement` contains the blocks and, last, the bulk, in lattice spacings.
     pub fn forces(&self, displacement: &[[f64; 3]], force: &mut [[f64; 3]]) {
         force.fill([0.0; 3]);
         for Link { ends: [a, b], direction } in &self.links {
@@ -55,8 +56,8 @@ impl SpaceBonds {
         }
     }
 
-    /// Sets the vertical displacement of the bulk in `displacement` such that its springs carry `load`; the bulk's x
-    /// and y are given.
+    /// Sets the vertical displacement of the bulk, the last entry of `displacement`, such that the springs to the bulk
+    /// carry `load`, in units of k l; x and y of the bulk remain as given.
     pub fn balance(&self, displacement: &mut [[f64; 3]], load: f64) {
         // sum over springs to the bulk of e_z (e . (u_bulk - u_a)) = -load, linear in the height
         let (mut top_row_force, mut stiffness) = (0.0, 0.0);

@@ -7,17 +7,17 @@ use super::super::rows::Plane;
 
 /// Number of sets of a first-level cache.
 const SETS: usize = 64;
-/// Row length in cache lines whose multiples are avoided: rows of such lengths share an eighth of the cache sets or
-/// fewer.
+/// Number of cache lines; row lengths that are multiples of this number are avoided, because such rows share an eighth
+/// of the cache sets or fewer.
 const MEETING: usize = 8;
 /// Minimum distance in cache sets between neighbouring layers, which leaves room for that many rows in a sweep along y.
 const APART: usize = 12;
 
-/// Displacements x, y and z in units of l, at the current time and one step before or after it.
+/// Displacements x, y and z, in lattice spacings, at the current time and one step before or after.
 ///
 /// Column i of row j (along y) of layer k is at `LINE + k * layer + (j + 1) * stride + i`. The row before row 0 and the
-/// row after the last contain images of the rows at the opposite side; the values next to a row's columns are images
-/// too. Layer nz is the bulk.
+/// row after the last are ghost rows, copies of the rows at the opposite side; the values before and after the columns
+/// of a row are copies of the columns at the opposite side. Layer nz is the bulk.
 #[derive(Clone, Debug)]
 pub struct Field<R> {
     pub nx: usize,
@@ -26,8 +26,8 @@ pub struct Field<R> {
     pub stride: usize,
     pub layer: usize,
     pub now: [Plane<R>; 3],
-    /// Displacements one step earlier. A sweep overwrites them with those one step later, which [`Field::swap`] then
-    /// makes current.
+    /// Displacements one step earlier. A sweep overwrites these values with the displacements one step later, which
+    /// [`Field::swap`] then makes current.
     pub other: [Plane<R>; 3],
 }
 
@@ -55,7 +55,7 @@ impl<R: Real> Field<R> {
         R::LINE + k * self.layer + (j + 1) * self.stride + i
     }
 
-    /// Displacements of block (i, j, k), x, y and z in units of l.
+    /// Displacements x, y and z of block (i, j, k), in lattice spacings.
     pub fn displacement(&self, [i, j, k]: [usize; 3]) -> [f64; 3] {
         let at = self.index(i, j, k);
         [0, 1, 2].map(|component: usize| self.now[component].rows()[at].to_f64())
@@ -70,8 +70,8 @@ impl<R: Real> Field<R> {
         }
     }
 
-    /// Sets all displacements one step earlier to `back` along x and y, the displacement of the moving frame per step:
-    /// relative to the frame, blocks at rest then move backwards.
+    /// Sets all displacements along x and y one step earlier to `back`, the displacement of the moving frame per step:
+    /// relative to the frame, blocks at rest move backwards.
     pub fn offset_previous(&mut self, back: [f64; 2]) {
         for (plane, back) in self.other.iter_mut().zip(back) {
             plane.rows_mut().fill(R::round_from(back));
@@ -86,7 +86,7 @@ impl<R: Real> Field<R> {
         }
     }
 
-    /// Fills the images of all layers at both instants.
+    /// Fills the ghost values of all layers at both instants.
     pub fn fill_all_images(&mut self) {
         self.join_layers(0..self.nz);
         self.swap();
@@ -94,7 +94,7 @@ impl<R: Real> Field<R> {
         self.swap();
     }
 
-    /// Fills all images of `layers` in the displacements that sweeps have written.
+    /// Fills all ghost values of the layers `layers` in the displacements that sweeps have written.
     fn join_layers(&mut self, layers: Range<usize>) {
         for k in layers.clone() {
             self.join_rows(k, 0..self.ny);
@@ -102,10 +102,12 @@ impl<R: Real> Field<R> {
         self.join_ends(layers);
     }
 
-    /// Fills the images at both ends of `rows` of layer `k` in the displacements that a sweep has written.
+    /// Fills the ghost values at both ends of the rows `rows` of layer `k` in the displacements that a sweep has
+    /// written.
     ///
-    /// Call it soon after the sweep, while the rows are in the first-level cache. Vector lanes beyond the last column
-    /// may have overwritten images of the next row, which may have been swept before; these are filled again.
+    /// Call this method soon after the sweep, while the rows are in the first-level cache. Vector lanes beyond the last
+    /// column may have overwritten ghost values of the next row, which may have been swept before; these are filled
+    /// again.
     pub fn join_rows(&mut self, k: usize, rows: Range<usize>) {
         let (start, nx) = (self.index(0, rows.start, k) - 1, self.nx);
         for values in self.other.iter_mut().map(Plane::rows_mut) {
@@ -116,8 +118,8 @@ impl<R: Real> Field<R> {
         }
     }
 
-    /// Fills the image rows before the first and after the last row of each of `layers`. Call it after the images at
-    /// the ends of the rows have been filled.
+    /// Fills the ghost rows before the first and after the last row of each layer of `layers`. Call this method after
+    /// the ghost values at the ends of the rows have been filled.
     pub fn join_ends(&mut self, layers: Range<usize>) {
         let Self { nx, ny, stride, layer, other, .. } = self;
         for values in other.iter_mut().map(Plane::rows_mut) {

@@ -20,10 +20,10 @@ use super::sweep::{InsideRows, RowForces};
 use crate::springblock::{Coefficients, SpaceLattice};
 use slipgrid_base::fft::vectorized;
 
-/// Initial data of the leapfrog besides the lattice. Units: k = 1, l = 1, m = 1.
+/// Initial data of the leapfrog besides the lattice. Units: spring stiffness k, lattice spacing l, block mass m.
 #[derive(Clone, Debug)]
 pub struct SpaceSetup<'a> {
-    /// Local friction coefficients by column; x varies fastest.
+    /// Local friction coefficients; index j * nx + i for column i along x and j along y.
     pub coefficients: &'a [Coefficients],
     pub law: LocalLaw<'a>,
     /// Load and motion of the bulk.
@@ -47,7 +47,7 @@ const TILE: usize = 10;
 /// step needs them.
 const SLAB: usize = 4;
 
-/// Components x, y and z of the forces on, or of the displacements of, a row or the whole contact layer.
+/// Forces or displacements x, y and z of the blocks of a row or of the whole contact layer.
 type Forces<R> = [Vec<R>; 3];
 
 /// Leapfrog integrator with its state.
@@ -66,17 +66,17 @@ pub struct SpaceLeapfrog<'a, R> {
     time_step: f64,
     steps: u64,
     liftoff: bool,
-    /// Vertical displacements of lifted contact blocks in the last step, by column, in units of l.
+    /// Vertical displacements of lifted contact blocks during the last step, by column, in lattice spacings.
     fall: Vec<f64>,
     row_force: Forces<R>,
     /// Displacements of the contact layer from the base state, in the frame at rest and in double precision.
     contact_place: Forces<f64>,
     /// Spring forces on the contact layer, in double precision.
     contact_force: Forces<f64>,
-    /// Spring forces on the contact layer in the base state, in units of k l.
+    /// Spring forces on the contact layer in the base state, in units of k l (spring stiffness times lattice spacing).
     base_force: Forces<f64>,
-    /// Displacements of the base state in units of l, from which the stored ones deviate; x varies fastest, then y,
-    /// then the layer. Empty if displacements start at zero.
+    /// Displacements x, y and z of the base state, in lattice spacings, from which stored displacements deviate; index
+    /// (k ny + j) nx + i for block (i, j, k). Empty without a base state.
     base: Vec<[f64; 3]>,
     /// Drag of the moving frame along x and y, from [`Kick::drag`].
     drag: [f64; 2],
@@ -93,9 +93,9 @@ impl<'a> SpaceLeapfrog<'a, f64> {
 impl<'a> SpaceLeapfrog<'a, f32> {
     /// Creates the integrator with a lattice of whole cubes in the sliding state `base`.
     ///
-    /// `base` has displacements in units of l, x fastest, then y, then upward, in equilibrium under the load of
-    /// `setup`. The bulk moves at the speed of `setup` from the first step on. Returns `None` if unbalanced forces
-    /// remain above the contact layer.
+    /// `base` has the displacements, in lattice spacings, in equilibrium under the load of `setup`, with index (k ny +
+    /// j) nx + i for block (i, j, k). The bulk moves at the speed of `setup` from the first step on. Returns `None` if
+    /// unbalanced forces remain above the contact layer.
     pub fn from_sliding(lattice: &SpaceLattice, setup: SpaceSetup<'a>, base: &[[f64; 3]]) -> Option<Self> {
         let SpaceSetup { protocol, time_step, damping, direction, .. } = setup;
         let mut sliding = Self::with_kick(lattice, setup, Kick::new(time_step, damping).rounded::<f32>());
@@ -161,8 +161,8 @@ impl<'a, R: Real> SpaceLeapfrog<'a, R> {
         }
     }
 
-    /// Sets the initial displacements, in units of l, which `displacement` returns for block (i, j, k), with every
-    /// block at rest.
+    /// Sets the initial displacements, in lattice spacings, which `displacement` returns for block (i, j, k), with
+    /// every block at rest.
     pub fn start_sheared(&mut self, displacement: &dyn Fn([usize; 3]) -> [f64; 3]) {
         let Field { nx, ny, nz, .. } = self.field;
         for (k, j, i) in (0..nz).flat_map(|k| (0..ny).flat_map(move |j| (0..nx).map(move |i| (k, j, i)))) {
@@ -178,8 +178,8 @@ impl<'a, R: Real> SpaceLeapfrog<'a, R> {
         self.field.fill_all_images();
     }
 
-    /// Sets the face heights of the contact blocks from `lattice`; blocks above their face height start lifted. Call it
-    /// after [`Self::start_sheared`].
+    /// Sets the face heights of the contact blocks from `lattice`; blocks above their face height start lifted. Call
+    /// this method after [`Self::start_sheared`].
     pub fn raise(&mut self, lattice: &SpaceLattice) {
         let (nx, padded) = (self.field.nx, whole_lines::<R>(self.field.nx));
         let Self { contact, contact_place, base, .. } = self;
@@ -189,7 +189,7 @@ impl<'a, R: Real> SpaceLeapfrog<'a, R> {
         });
     }
 
-    /// Displacements of block (i, j, k), x, y and z in units of l.
+    /// Displacements x, y and z of block (i, j, k), in lattice spacings.
     pub fn displacement(&self, [i, j, k]: [usize; 3]) -> [f64; 3] {
         let deviation = self.field.displacement([i, j, k]);
         let Field { nx, ny, .. } = self.field;
@@ -199,8 +199,8 @@ impl<'a, R: Real> SpaceLeapfrog<'a, R> {
         std::array::from_fn(|c| base[c] + deviation[c] + carried[c])
     }
 
-    /// Displacement of the moving frame along x and y after `steps` steps, in units of l: that of the bulk if
-    /// displacements deviate from sliding, otherwise zero.
+    /// Displacement of the moving frame along x and y after `steps` steps, in lattice spacings: the displacement of the
+    /// bulk if there is a base state, otherwise zero.
     fn carried(&self, steps: u64) -> [f64; 2] {
         let travel = if self.base.is_empty() { 0.0 } else { self.protocol.bulk_x(steps as f64 * self.time_step) };
         self.direction.map(|part| part * travel)
@@ -211,7 +211,7 @@ impl<'a, R: Real> SpaceLeapfrog<'a, R> {
         &self.contact
     }
 
-    /// Displacements x, y and z of the bulk relative to the moving frame, in units of l, at the beginning of step
+    /// Displacements x, y and z of the bulk relative to the moving frame, in lattice spacings, at the beginning of step
     /// number `step`; z balances the load.
     fn bulk(&self, step: u64) -> [f64; 3] {
         let time = step as f64 * self.time_step;
@@ -236,7 +236,8 @@ impl<'a, R: Real> SpaceLeapfrog<'a, R> {
         [x, own_y, (3.0 * top + 0.5 * ends - load) / (3.0 * blocks - nx as f64)]
     }
 
-    /// Computes the forces on the contact layer, applies friction, and moves the layer in step number `step`.
+    /// Computes the forces on the contact layer, applies friction, and moves the layer in step number `step`; returns
+    /// the sums of contact forces.
     fn step_contact(&mut self, step: u64) -> ContactSums {
         let carried = self.carried(step + 1);
         let Self { stencil, field, contact, kick, contact_force, row_force, base_force, contact_place, .. } = self;
@@ -301,7 +302,7 @@ impl<'a, R: Real> SpaceLeapfrog<'a, R> {
                 let forces = force.each_mut().map(Vec::as_mut_slice);
                 vectorized(RowForces { coefficients, field, layer, row: *row, force: forces });
                 let (inverse_mass, force) = (&coefficients.inverse_mass, force.each_ref().map(Vec::as_slice));
-                // Vector lanes beyond the last column overwrite images, which `join_rows` restores.
+                // Vector lanes beyond the last column overwrite ghost values, which `join_rows` restores.
                 let (columns, start) = (field.nx, field.index(0, *row, layer));
                 let (now, other) = (&field.now, &mut field.other);
                 let drag = [drag_x, drag_y, 0.0];
@@ -322,9 +323,9 @@ impl<'a, R: Real> SpaceLeapfrog<'a, R> {
         }
     }
 
-    /// Takes step number `step` in `layers`; returns the sums over the contact layer, or zero if `layers` does not
-    /// include it. The top layer comes first, because the bulk's position follows from the top layer of the previous
-    /// step.
+    /// Takes step number `step` in the layers `layers`; returns the sums of forces over the contact layer, or zeros if
+    /// `layers` does not include the contact layer. The top layer comes first, because the bulk's position follows from
+    /// the top layer of the previous step.
     fn move_layers(&mut self, layers: Range<usize>, step: u64) -> ContactSums {
         if layers.end == self.field.nz {
             let bulk = self.bulk(step);
@@ -338,7 +339,8 @@ impl<'a, R: Real> SpaceLeapfrog<'a, R> {
     }
 }
 
-/// Vertical displacement of contact column `column` in the base state `base`, in units of l; 0 without a base state.
+/// Vertical displacement of contact column `column` in the base state `base`, in lattice spacings; 0 without a base
+/// state.
 fn base_height(base: &[[f64; 3]], column: usize) -> f64 {
     base.get(column).map_or(0.0, |base| base[2])
 }
@@ -355,8 +357,8 @@ impl<R: Real> Engine for SpaceLeapfrog<'_, R> {
     }
 
     /// The second step follows the first from the top down, one layer behind it. The layers that the second step reads
-    /// are then still in the second-level cache, into which cells of 40 x 40 columns and more do not fit, and the
-    /// layers that it overwrites are no longer needed.
+    /// are then still in the second-level cache, into which cells of 40 x 40 columns and more do not fit. The first
+    /// step no longer needs the layers that the second overwrites.
     fn one_or_two_steps(&mut self) -> (ContactSums, Option<ContactSums>) {
         let (top, step) = (self.field.nz, self.steps);
         let mut upper = top;

@@ -12,8 +12,8 @@ use crate::springblock::{
     Load, Monitor, Scene, SceneError, SpaceLattice, SpaceLoad, SpaceSteadyModel, Status, SurfaceOutcome, draws,
 };
 
-/// Default time step in units of sqrt(m/k), k = 2/5 E l: 4 ns for the published polymer at l = 10 um, two fifths of the
-/// stability limit.
+/// Default time step in units of sqrt(m/k), with block mass m and spring stiffness k = 2/5 E l: 4 ns for the published
+/// polymer at a lattice spacing l of 10 um, two fifths of the stability limit.
 pub const SPACE_STEP: f64 = 0.1644;
 /// Largest eigenfrequency times the step at the stability limit of the leapfrog.
 const LEAPFROG_LIMIT: f64 = 2.0;
@@ -48,8 +48,8 @@ fn is_unilateral(scene: &Scene, lattice: &SpaceLattice) -> bool {
     scene.run.liftoff || lattice.is_raised()
 }
 
-/// Largest eigenfrequency of `lattice` in units of sqrt(k/m); blocks on the counterface move vertically only if
-/// `liftoff`.
+/// Largest angular eigenfrequency of `lattice` in units of sqrt(k/m), with spring stiffness k and block mass m. Blocks
+/// on the counterface move vertically only if `liftoff`.
 pub fn largest_frequency(lattice: &SpaceLattice, liftoff: bool) -> f64 {
     let bonds = SpaceBonds::new(lattice);
     let [nx, ny] = lattice.columns();
@@ -88,11 +88,12 @@ pub struct SpaceRun<'a> {
     pub direction: [f64; 2],
     /// Time step and its stability limit.
     pub scheme: SpaceScheme,
-    /// Share of this run in all work, for the progress report.
+    /// Fraction of the whole job's work that this run takes, for the progress report.
     pub share: f64,
     /// Random seed of the local friction coefficients.
     pub seed: u64,
-    /// Relative standard error of dynamic mu at which the run may end; `None` if none is requested.
+    /// Standard error of the mean dynamic friction coefficient, relative to this mean, at which the run may end; `None`
+    /// if no standard error is requested.
     pub stderr_share: Option<f64>,
 }
 
@@ -163,8 +164,8 @@ impl SpaceRun<'_> {
         driven.outcome(scene, &scales, self.centres_m(), self.is_closed(&engine))
     }
 
-    /// Displacements in units of l of the cell in equilibrium with sliding friction, every block at a random phase of
-    /// its stick-slip cycle. x varies fastest, then y, then the layer.
+    /// Displacements x, y and z, in lattice spacings, of the cell in equilibrium with sliding friction, every block at
+    /// a random phase of its stick-slip cycle; index (k ny + j) nx + i for block (i, j, k).
     fn sheared(&self) -> Vec<[f64; 3]> {
         let Self { scene, load, lattice, .. } = *self;
         let mean = SpaceLoad::with_mean_friction(load, scene.area_law.as_ref(), self.direction);
@@ -175,7 +176,7 @@ impl SpaceRun<'_> {
         model.displacements(&SpaceLoad { relative_mu: Some(&phases), ..mean })
     }
 
-    /// Centres of the contact blocks along x and y, in metres; x varies fastest.
+    /// Centres of the contact blocks, x and y in metres, row by row along x.
     fn centres_m(&self) -> impl Iterator<Item = [f64; 2]> + '_ {
         let [nx, ny] = self.lattice.columns();
         (0..nx * ny)

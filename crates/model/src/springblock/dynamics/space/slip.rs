@@ -11,8 +11,8 @@
 //! The friction R d, with the resistance R = mu_d f(p) F_n, is opposite to the mean of the two velocities, of second
 //! order in the step, and dissipates R |v + v'|/2 in every step. A step ends at rest if v' would have no component
 //! along v, since friction could stop the block within the step. Starts and stops occur as in the plane; for motion
-//! along one axis these formulas are those of the plane. The vectorized pass computes the same for all blocks that
-//! continue as before.
+//! along one axis these formulas are those of the plane. The vectorized pass applies the same formulas to all blocks
+//! whose motion continues as before.
 
 use pulp::{Simd, WithSimd};
 

@@ -12,8 +12,8 @@ use crate::springblock::SpaceLattice;
 pub const SPRINGS: usize = 18;
 
 /// Steps along x, y and upward to the neighbours: first along the axes, forward and backward; then for each of the
-/// planes xy, xz and yz the two rising and the two falling diagonals, the one in positive direction of the second axis
-/// first.
+/// planes xy, xz and yz the two rising and the two falling diagonals, each pair beginning with the positive direction
+/// of the second axis.
 pub const STEPS: [[isize; 3]; SPRINGS] = [
     [1, 0, 0],
     [-1, 0, 0],
@@ -44,8 +44,8 @@ pub struct RowCoefficients<R> {
 }
 
 impl<R: Real> RowCoefficients<R> {
-    /// Stiffnesses of all springs in units of k, in the order of [`STEPS`]; columns vary fastest. Those of diagonals
-    /// are halved.
+    /// Stiffnesses in units of the spring stiffness k: for each spring, in the order of [`STEPS`], the values of all
+    /// columns. Stiffnesses of diagonals are halved.
     #[inline(always)]
     pub fn springs(&self) -> &[R] {
         &self.springs
@@ -77,7 +77,7 @@ impl<R: Real> RowCoefficients<R> {
     }
 }
 
-/// Stiffness in units of k of the spring of block `block` towards `step`; 0 unless both blocks exist.
+/// Stiffness, in units of k, of the spring from block (i, j, k) along `step`; 0 unless both blocks exist.
 fn spring(lattice: &SpaceLattice, [i, j, k]: [usize; 3], step: [isize; 3]) -> f64 {
     let [nx, ny] = lattice.columns();
     let wrap = |at: usize, step: isize, count: usize| (at + count).wrapping_add_signed(step) % count;

@@ -21,7 +21,7 @@ use super::field::Field;
 use super::stencil::{RowCoefficients, SPRINGS};
 
 /// Takes one step of the rows `rows`, which have only inside blocks, in a `layer` other than the lowest. Vector lanes
-/// beyond the last column overwrite images, which the caller restores.
+/// beyond the last column overwrite ghost values, which the caller restores.
 pub struct InsideRows<'a, R> {
     pub field: &'a mut Field<R>,
     pub layer: usize,
@@ -35,15 +35,15 @@ pub struct InsideRows<'a, R> {
 /// first as north neighbour, then as centre, then as south neighbour.
 #[derive(Clone, Copy)]
 struct Row<V> {
-    /// x + y of the west neighbours, which are south west of the next row.
+    /// x + y of the west neighbours, which are the south-west neighbours for the next row.
     south_west: V,
-    /// x - y of the east neighbours, which are south east of the next row.
+    /// x - y of the east neighbours, which are the south-east neighbours for the next row.
     south_east: V,
     /// Sum of x of the east and west neighbours.
     along: V,
-    /// y - z of the upper neighbours, for the next row.
+    /// y - z of the upper neighbours, used for the next row.
     above: V,
-    /// y + z of the lower neighbours, for the next row.
+    /// y + z of the lower neighbours, used for the next row.
     below: V,
     /// z of the upper neighbours.
     z_above: V,
@@ -52,8 +52,8 @@ struct Row<V> {
     y: V,
 }
 
-/// Contributions of a row to the forces on the previous row along y, through the springs to the north east, the north
-/// west, up north and down north, and to those on the row itself and the next row.
+/// Contributions of a row: to the forces on the previous row along y, through the springs to the north east, the north
+/// west, up north and down north; then to the forces on the row itself and on the next row.
 type RowContributions<V> = ([V; 4], Row<V>);
 
 /// Computes the contributions of the row at the vector index `at`, with the rows `below` and `above` it.
@@ -98,7 +98,8 @@ fn sum_and_difference<S: Simd, R: Real>(
     [R::add(simd, rising, falling), R::sub(simd, rising, falling)]
 }
 
-/// Factors in a leapfrog step of the displacement, of the previous displacement and of the force, and one half.
+/// Factors of a leapfrog step: `stay` multiplies the displacement, `kept` the previous displacement, `kick` the force;
+/// `half` is 1/2.
 #[derive(Clone, Copy)]
 struct Step<V> {
     stay: V,
@@ -191,7 +192,7 @@ impl<R: Real> WithSimd for InsideRows<'_, R> {
 }
 
 /// Computes the spring forces on row `row` of `layer`, by column, with individual coefficients for every spring. Forces
-/// are in units of k l.
+/// are in units of k l (spring stiffness times lattice spacing).
 pub struct RowForces<'a, R> {
     pub coefficients: &'a RowCoefficients<R>,
     pub field: &'a Field<R>,

@@ -22,7 +22,8 @@ const COARSE: f64 = 1.0 / 7.0;
 const MIN_ELEMENTS: f64 = 4.0;
 /// Size of an element over the size of its neighbour nearer to the end of the piece.
 const GROWTH: f64 = 1.4;
-/// Change of the displacements, over the descent of the back, below which the iteration for friction has converged.
+/// The iteration for friction has converged if displacements change by less than this fraction of the descent of the
+/// back.
 const SETTLED: f64 = 1e-9;
 /// Maximum number of iterations for friction.
 const MAX_ROUNDS: usize = 100;
@@ -65,8 +66,8 @@ pub fn face_pressure(pieces: &[Foundation], height_m: f64) -> Option<FacePressur
 pub struct Body {
     factor: BandFactor,
     unknowns: usize,
-    /// Nodes of the face: index of the unknown of the displacement along x, the next one being that along z, and
-    /// stiffness of the foundation's spring over Young's modulus.
+    /// Nodes of the face: index of the unknown displacement along x (the next unknown is that along z), and stiffness
+    /// of the foundation's spring over Young's modulus.
     face: Vec<(usize, f64)>,
     /// Elements of the face: index of the piece, and length and compliance in metres.
     across: Vec<(usize, f64, f64)>,
@@ -179,8 +180,8 @@ impl Mesh {
         2 * (self.across.len() + 1) * self.up.len()
     }
 
-    /// Index of the unknown of the displacement along x of the node in column `i` and row `j`, the next one being that
-    /// along z; `None` at the back.
+    /// Index of the unknown displacement along x of the node in column `i` and row `j`; the next unknown is that along
+    /// z. `None` at the back.
     fn unknown(&self, i: usize, j: usize) -> Option<usize> {
         (j < self.up.len()).then(|| 2 * (i * self.up.len() + j))
     }
@@ -236,7 +237,7 @@ fn points() -> [[f64; 2]; 4] {
 }
 
 /// Strains xx, zz and xz at the point (`x`, `z`) of a rectangle, each coordinate from -1 to 1, due to unit
-/// displacements of its nodes.
+/// displacements of the nodes, in the order of `element_stiffness`.
 fn strains([x, z]: [f64; 2], length: f64, height: f64) -> [[f64; 3]; 8] {
     let corners: [[f64; 2]; 4] = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
     let mut strains = [[0.0; 3]; 8];

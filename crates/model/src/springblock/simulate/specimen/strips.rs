@@ -34,7 +34,7 @@ pub struct Piece {
     pressure_share: f64,
 }
 
-/// Outcomes of steady sliding of the whole face with mean coefficients, by load.
+/// Outcomes of steady sliding of the whole face with mean local coefficients, by load.
 pub struct SteadyFace {
     pub loads: Vec<LoadOutcome>,
     /// Number of strips that were shortened by whole periods.
@@ -210,7 +210,7 @@ pub struct FlatFace {
     /// Model of the longest strip without cavities, shortened to [`STRIP_HEIGHTS`] layer heights.
     model: SteadyModel,
     length_m: f64,
-    /// Width of all strips, each with two ends, over the area of the face, per metre.
+    /// Sum of the widths of all strips, each with two ends, over the area of the face, in 1/m.
     ends_per_m: f64,
 }
 

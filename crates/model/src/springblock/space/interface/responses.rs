@@ -1,4 +1,4 @@
-//! Displacements, forces and imbalances due to the unknowns of an interface.
+//! Displacements, forces and unbalanced forces due to the unknowns of an interface.
 
 use super::*;
 
@@ -15,7 +15,8 @@ impl Interface {
         }
     }
 
-    /// Range of lines along y in which the component field `field` carries forces or is needed.
+    /// Range of lines, indices along y, in which field number `field` (three fields x, y, z per row) carries forces or
+    /// is needed.
     fn lines(&self, field: usize) -> Range<usize> {
         let ny = self.columns[1];
         // Row 0 carries friction; other rows carry forces on the needed lines only.
@@ -27,15 +28,16 @@ impl Interface {
         first..wanted.iter().rposition(|wanted| *wanted).map_or(first, |last| last + 1)
     }
 
-    /// Computes the linear response to `unknowns`, with friction along `direction`; displacements are computed where
-    /// they are needed.
+    /// Computes the linear response to `unknowns`, with friction along the unit vector `direction`; displacements only
+    /// on the needed lines.
     pub fn respond(&self, unknowns: &[f64], direction: [f64; 2], response: &mut Response) {
         self.load_fields(unknowns, direction, 0.0, &mut response.fields);
         self.layer.respond(&mut response.fields, &self.wanted, &mut response.workspace);
         self.observe(Face::default(), response);
     }
 
-    /// Computes the full response: to `unknowns`, to `face`, and to the load, which compresses the layer uniformly.
+    /// Computes the full response: to `unknowns`, to the face heights scaled by `face`, and to the load, which
+    /// compresses the layer uniformly.
     pub fn respond_loaded(&self, unknowns: &[f64], direction: [f64; 2], face: Face, response: &mut Response) {
         let plane = self.columns[0] * self.columns[1];
         self.load_fields(unknowns, direction, face.raise, &mut response.fields);
@@ -50,7 +52,7 @@ impl Interface {
         self.observe(face, response);
     }
 
-    /// Sets `fields` to the input of the flat layer: forces, and the heights of row 0.
+    /// Sets `fields` to the input of the flat layer: forces, and the vertical displacements of row 0.
     fn load_fields(&self, unknowns: &[f64], direction: [f64; 2], raise: f64, fields: &mut [f64]) {
         let [nx, ny] = self.columns;
         let plane = nx * ny;
@@ -83,7 +85,7 @@ impl Interface {
         }
     }
 
-    /// Computes the forces R u of the missing springs, normal forces and imbalances from the displacements in
+    /// Computes the forces R u of the missing springs, normal forces and unbalanced forces from the displacements in
     /// `response`.
     fn observe(&self, face: Face, response: &mut Response) {
         let plane = self.columns[0] * self.columns[1];
@@ -120,7 +122,7 @@ impl Interface {
         }
     }
 
-    /// Computes the downward force of the flat layer above on the blocks of row 0, by column.
+    /// Computes `pressed`, the downward force of the flat layer above on the block of row 0 in each column.
     fn press(&self, fields: &[f64], pressed: &mut [f64]) {
         let [nx, ny] = self.columns;
         let plane = nx * ny;
@@ -149,12 +151,12 @@ impl Interface {
     }
 }
 
-/// The line before `line` of `count` lines on a periodic side.
+/// Index of the line before `line` among `count` periodic lines.
 const fn line_before(line: usize, count: usize) -> usize {
     if line == 0 { count - 1 } else { line - 1 }
 }
 
-/// The line after `line` of `count` lines on a periodic side.
+/// Index of the line after `line` among `count` periodic lines.
 const fn line_after(line: usize, count: usize) -> usize {
     if line + 1 == count { 0 } else { line + 1 }
 }

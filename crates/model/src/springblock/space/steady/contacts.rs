@@ -4,7 +4,7 @@ use super::*;
 
 /// Maximum number of rounds of switching contacts on a face with height variations.
 const MAX_RAISED_ROUNDS: usize = 200;
-/// Tolerance that replaces [`TOLERANCE`], if larger, while the contact states still change.
+/// Tolerance while the contact states still change, unless the tolerance of the model is larger.
 const ROUGH_TOLERANCE: f64 = 1e-4;
 
 impl Solver<'_> {
@@ -18,7 +18,7 @@ impl Solver<'_> {
 
     /// Solves for equilibrium under `load` on a face with height variations, starting from the contact states of the
     /// previous load. The contact states are found with nearly balanced forces; the last iterations balance the forces
-    /// to the tolerance.
+    /// to the tolerance of the model.
     pub(super) fn equilibrate_raised(&mut self, load: &SpaceLoad) -> End {
         let area = self.interface.column_area();
         self.face = Face {
@@ -63,7 +63,7 @@ impl Solver<'_> {
         End { status: Status::NotConverged, residual, directions }
     }
 
-    /// Next state of the contacts, in their order: whether each is lifted, and whether it yields.
+    /// Next state of each contact, by contact index: whether the contact is lifted, and whether it yields.
     pub(super) fn next_contacts(&self) -> (Vec<bool>, Vec<bool>) {
         let contacts = self.interface.surface().iter().filter(|surface| surface.contact.is_some());
         let unknowns = &self.state.unknowns;
@@ -82,7 +82,8 @@ impl Solver<'_> {
             .unzip()
     }
 
-    /// Switches to the contact states `lifted` and `yields`, given by contact, and keeps the unknowns where possible.
+    /// Switches to the contact states `lifted` and `yields`, given by contact, and keeps the values of unknowns that
+    /// exist in both states.
     pub(super) fn switch(&mut self, lifted: &[bool], yields: &[bool]) {
         let mut interface = self.model.interface.with_contacts(lifted, yields);
         interface.copy_heights(&self.interface);

@@ -7,9 +7,10 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use super::CondensedCell;
 use crate::springblock::Lattice;
 
-/// Minimum number of multiplications of a cell for an entry in the shared cache: they take some milliseconds.
+/// Minimum number of multiplications for condensing a cell for an entry in the shared cache; this number takes some
+/// milliseconds.
 pub const MIN_SHARED_PRODUCTS: f64 = 1e7;
-/// Maximum number of f64 values in the shared cache: 64 MB.
+/// Maximum number of f64 values in the shared cache, which take 64 MB.
 const MAX_NUMBERS: usize = 8 << 20;
 
 thread_local! {

@@ -12,7 +12,7 @@ use crate::springblock::lattice::Bond;
 /// Typical number of evaluations of the normal forces for a few loads, for the estimate of operations.
 const EVALUATIONS: f64 = 40.0;
 
-/// Marks an absent index.
+/// Index value that means that there is no index.
 const NONE: usize = usize::MAX;
 
 /// Consecutive columns in which one field of the flat layer is an unknown or an input of the cell.
@@ -31,18 +31,22 @@ pub struct Equations {
     explicit: usize,
     contacts: Vec<Contact>,
     missing: Vec<Bond>,
-    /// Index of block j nx + i among the blocks with a missing spring; [`NONE`] for other blocks.
+    /// Index into `blocks` of the block in column i of row j, by j nx + i; [`NONE`] for a block without a missing
+    /// spring.
     number: Vec<usize>,
-    /// Blocks with a missing spring: column and row.
+    /// Column and row of each block with a missing spring.
     blocks: Vec<(usize, usize)>,
-    /// Index of the unknown by field of the flat layer and column; [`NONE`] where there is no unknown.
+    /// Index of the unknown in a field of the flat layer and column i, by field * nx + i; [`NONE`] where there is no
+    /// unknown.
     unknown_at: Vec<usize>,
     /// Field of the flat layer and column of each unknown.
     unknowns: Vec<(usize, usize)>,
     runs: Vec<Run>,
-    /// Index of the face height in a row of coefficients, by column; [`NONE`] if it is not an input.
+    /// Index of the face height in a row of coefficients, by column; [`NONE`] if the face height of the column is not
+    /// an input.
     height_at: Vec<usize>,
-    /// Indices of the face heights of tied contacts, which are not inputs of any field of the layer.
+    /// Indices, in a row of coefficients, of the face heights of tied contacts, which are not inputs of any field of
+    /// the layer.
     tied_heights: Vec<usize>,
 }
 
@@ -141,7 +145,7 @@ impl Equations {
         elimination + 8.0 * missing * (n + m) + fields * fields / 2.0 * half * half + EVALUATIONS * m * m
     }
 
-    /// Number of inputs: friction forces, and the heights of the face if they are inputs.
+    /// Number of inputs: friction forces, then the heights of the face if the model has heights.
     fn inputs(&self) -> usize {
         self.contacts.len() + self.height_at.iter().filter(|place| **place != NONE).count()
     }
@@ -219,7 +223,8 @@ impl Equations {
         forces
     }
 
-    /// Like [`Self::condense`], cached: for all threads if it takes many `products`, otherwise per thread.
+    /// Like [`Self::condense`], cached: shared by all threads if condensing takes many `products`, otherwise per
+    /// thread.
     pub fn condense_cached(self, lattice: &Lattice, products: f64) -> Option<Arc<CondensedCell>> {
         let condense = || self.condense(lattice).map(Arc::new);
         if products < cell_cache::MIN_SHARED_PRODUCTS {
