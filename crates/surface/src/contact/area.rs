@@ -1,4 +1,4 @@
-//! Real contact area of a pixel map of contact.
+//! Real contact area, counted in the pixels of a pressure map.
 
 use std::f64::consts::{LN_2, PI};
 

@@ -7,7 +7,7 @@ use multiversion::multiversion;
 
 /// Number of points along a side of a block, if the side of the map has at least [`SHORT_SIDE`] points.
 const BLOCK: usize = 4;
-/// Number of points below which a side of the map has blocks of one point.
+/// A side of the map with fewer points than this has blocks of one point.
 const SHORT_SIDE: usize = 16;
 /// Weight of a block of five points, sqrt(4/5); see `two_grids`.
 const LONG_BLOCK_WEIGHT: f32 = 0.894_427_2;
@@ -43,8 +43,8 @@ impl Side {
 
     /// Writes to `sums` the weighted sum of the points in each block of one row of blocks.
     ///
-    /// `input` holds the map rows of this row of blocks, and `weight` is their weight. `column_sums` is scratch space
-    /// of one map row.
+    /// `input` holds the map rows of this row of blocks. Each point has `weight` times the weight of its block along
+    /// this side. `column_sums` is scratch space of one map row.
     pub(crate) fn sum(&self, input: &[f32], weight: f32, column_sums: &mut [f32], sums: &mut [f32]) {
         column_sums.fill(0.0);
         let mut fours = input.chunks_exact(4 * self.points);
@@ -95,8 +95,8 @@ impl Side {
         }
     }
 
-    /// cos(2 pi k/n) on a side of n points: the mean of the two neighbours along this side is a wave of `k` periods
-    /// times this factor.
+    /// cos(2 pi k/n) on a side of n points. In a wave of `k` periods along this side, the mean of the two neighbours of
+    /// a point is this factor times the value at the point.
     pub(crate) fn neighbour_cosine(&self, k: usize) -> f64 {
         (TAU * k as f64 / self.points as f64).cos()
     }

@@ -23,7 +23,7 @@ pub enum ContactError {
         pressure_pa: f64,
         /// Lowest residual reached.
         residual: f64,
-        /// Requested residual.
+        /// Required residual.
         tolerance: f64,
         /// Number of iterations.
         iterations: usize,

@@ -49,7 +49,8 @@ pub(crate) struct PositiveSums {
     pub(crate) points: f64,
 }
 
-/// Sums the positive pressures `level` + f over every `every`-th group of eight points.
+/// Sums the pressures `level` + f where they are positive, with f in `fluctuation`, over every `every`-th group of
+/// eight points.
 #[multiversion(targets("x86_64+avx512f", "x86_64+avx2"))]
 pub(crate) fn sum_positive(fluctuation: &[f64], level: f64, every: usize) -> PositiveSums {
     let (mut sum, mut count, mut points) = ([0.0; LANES], [0.0; LANES], 0);
@@ -318,8 +319,8 @@ fn advance_lanes(
     change.copy_from_slice(&changes[..count]);
 }
 
-/// Subtracts `excess` from positive pressures and sets negative results to zero. Adds the change to `change`; returns
-/// the sum of p.
+/// Subtracts `excess` from positive pressures and sets negative results to zero. Adds the change of each pressure to
+/// `change`; returns the sum of the pressures.
 #[multiversion(targets("x86_64+avx512f", "x86_64+avx2"))]
 pub(crate) fn lower(pressure: &mut [f64], change: &mut [f32], excess: f64) -> f64 {
     let mut sum = [0.0; LANES];
@@ -355,7 +356,8 @@ pub(crate) fn scale(pressure: &mut [f64], change: &mut [f32], share: f64) {
     }
 }
 
-/// Undoes the share `share` of the change c in `change`, p = max(p - share c, 0); returns the sum of the pressures p.
+/// Undoes the fraction `share` of the last change c of the pressures p, given in `change`: p = max(p - share c, 0).
+/// Returns the sum of the pressures.
 #[multiversion(targets("x86_64+avx512f", "x86_64+avx2"))]
 pub(crate) fn step_back(pressure: &mut [f64], change: &[f32], share: f64) -> f64 {
     let mut sum = 0.0;

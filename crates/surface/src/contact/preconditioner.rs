@@ -44,12 +44,12 @@ impl Preconditioner {
         Self { stiffness, relaxation }
     }
 
-    /// Stiffness of a single point that moves alone.
+    /// Pressure on a single point that moves alone, over its displacement, in normalized units.
     pub(crate) fn centre(&self) -> f64 {
         self.stiffness.centre()
     }
 
-    /// Allocates buffers for one user of the preconditioner.
+    /// Allocates the buffers that each concurrent use of the preconditioner needs.
     pub(crate) fn work(&self) -> TwoGridsWork {
         self.stiffness.work()
     }

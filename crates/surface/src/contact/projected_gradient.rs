@@ -29,12 +29,12 @@ use crate::contact::{Monitor, kernels};
 /// Number of recent energies among which the highest bounds the next one: 10 as in the paper of Birgin, Martínez and
 /// Raydan.
 const ENERGY_MEMORY: usize = 10;
-/// Share of the decrease predicted by the gradient that a step must reach.
+/// Fraction of the decrease of energy predicted by the gradient that a step must reach.
 const SUFFICIENT_DECREASE: f64 = 1e-4;
 /// The shorter of the two Barzilai-Borwein step lengths is used if it is below this share of the longer one. Shares of
 /// 0.3 to 0.8 need the same number of iterations within a tenth.
 const SHORT_STEP_SHARE: f64 = 0.5;
-/// Number of recent short step lengths; if a short step length is used, it is the smallest of these.
+/// Number of recent short step lengths that are stored; if a short step length is used, it is the smallest of these.
 const STEP_MEMORY: usize = 6;
 /// Maximum number of Newton steps for the level c of a projection max(v + c, 0); about five are needed.
 const MAX_LEVEL_STEPS: usize = 100;
@@ -51,7 +51,7 @@ struct State<'a> {
     direction: Vec<f64>,
     /// Displacement K d that belongs to the direction d.
     image: Vec<f64>,
-    /// Level c of the last projection, max(v + c, 0) of the values v.
+    /// Level c of the last projection, which replaced values v by max(v + c, 0).
     level: f64,
     step_length: f64,
     recent_short_lengths: VecDeque<f64>,
@@ -136,7 +136,7 @@ struct Sums {
     d_kd: f64,
     /// Scalar product of K d with itself over the points where d is not zero.
     kd_kd: f64,
-    /// Sum of K d over these points.
+    /// Sum of K d over the points where d is not zero.
     kd: f64,
     /// Number of points where d is not zero.
     moved: f64,
@@ -183,8 +183,8 @@ fn project(values: &mut [f64], load: f64, start: f64) -> f64 {
     level
 }
 
-/// Solves for the normalized mean pressure `nominal` > 0. The counts of iterations and of Fourier pairs continue from
-/// those that conjugate gradients spent; the four fields are buffers as long as the map.
+/// Solves the contact problem at the normalized mean pressure `nominal` > 0. The counts of iterations and of Fourier
+/// pairs continue from those that conjugate gradients spent; the four fields are buffers as long as the map.
 pub(crate) fn minimize(
     contact: &RoughContact<'_>,
     nominal: f64,

@@ -49,8 +49,8 @@ pub struct ContactState {
     pub gap_m: Vec<f64>,
     /// Real contact area.
     pub area: ContactArea,
-    /// Estimated error of the area fractions that results from stopping at the tolerance: their change while the
-    /// residual fell through the last decade, at least one pixel.
+    /// Estimated error of the area fractions that results from stopping at the tolerance: the change of the fractions
+    /// while the residual fell from ten times the tolerance to the tolerance, at least one pixel.
     pub area_error: f64,
     /// Iterations and residual of the solve.
     pub convergence: Convergence,
@@ -131,7 +131,7 @@ pub struct RoughContact<'m> {
 /// Stiffness and compliance of waves with k periods along x and l along y, in normalized units.
 #[derive(Clone, Copy, Debug)]
 struct Waves {
-    /// Smallest wave numbers along x and along y, in units of q1, the smaller one.
+    /// Smallest wave numbers along x and along y, in units of q1, the smaller of the two.
     first: [f64; 2],
 }
 
@@ -211,7 +211,7 @@ impl<'m> RoughContact<'m> {
         self.fourier.filter_unstored(height, |k, l| self.waves.stiffness(k, l), flattening, work);
     }
 
-    /// Pressure p* from which all of the map is in contact, in pascals.
+    /// Lowest nominal pressure p* at which all of the map is in contact, in pascals.
     pub fn full_contact_pressure_pa(&self) -> f64 {
         self.full_contact_pressure * self.pressure_unit_pa
     }
@@ -247,7 +247,8 @@ impl<'m> RoughContact<'m> {
         Ok(ContactState { pressure_pa, gap_m, area, area_error, convergence })
     }
 
-    /// Returns the area at `pressure_pa` if it is known without iterations: no load, or full contact.
+    /// Returns the area at `pressure_pa` if it is known without iterations, at zero load or full contact; otherwise
+    /// `None`.
     pub(crate) fn known_area(&self, pressure_pa: f64) -> Option<ContactArea> {
         if pressure_pa == 0.0 {
             return Some(ContactArea::NONE);
@@ -298,7 +299,7 @@ impl<'m> RoughContact<'m> {
         })
     }
 
-    /// Returns the contact area of a solution and the estimated error of its fractions.
+    /// Returns the contact area of the solution `outcome`, and the estimated error of the area fractions.
     pub(crate) fn area(&self, outcome: &Outcome) -> (ContactArea, f64) {
         let area = contact_area(&outcome.pressure, self.cols);
         // Without an earlier state the whole area counts as uncertain.

@@ -23,7 +23,8 @@ pub fn windows(map: &HeightMap, per_side: usize, monitor: &dyn Monitor) -> Resul
         .collect()
 }
 
-/// Returns the rows and columns of one window if `map` is divided into `per_side` x `per_side` windows.
+/// Returns the numbers of rows and columns that each window has if `map` is divided into `per_side` x `per_side`
+/// windows.
 ///
 /// # Errors
 /// [`ContactError`] if points are missing, or a window would have fewer than 16 points per side.

@@ -45,7 +45,7 @@ use crate::contact::rough_contact::{Convergence, RoughContact, SolveOptions};
 use crate::contact::two_grids::TwoGridsWork;
 use crate::contact::{Monitor, kernels, projected_gradient};
 
-/// Solution, in the normalized units of [`RoughContact`].
+/// Solution of the contact problem at one pressure, in the normalized units of [`RoughContact`].
 pub(crate) struct Outcome {
     pub(crate) pressure: Vec<f64>,
     /// Displacement u = K p.
@@ -81,21 +81,22 @@ fn zeros<T: Copy + Default>(pool: &mut Vec<Vec<T>>, points: usize) -> Vec<T> {
     field
 }
 
-/// Ratio of residual to tolerance at which the area is recorded, for the estimate of its error.
+/// The contact area is recorded when the residual first falls to this multiple of the tolerance; the change of the area
+/// from then on estimates the error of the area.
 pub(crate) const AREA_DECADE: f64 = 10.0;
-/// Load over the sum of pressures below which pressures are scaled instead of lowered, because lowering would lose the
-/// load to rounding.
+/// If the load is below this fraction of the sum of pressures, the load is restored by scaling all pressures, not by
+/// subtracting a constant, in which rounding would lose the load.
 const MIN_LOAD_SHARE: f64 = 1e-9;
-/// Relative error of the load that a step may leave to the next step.
+/// Error of the sum of pressures, relative to the load, up to which a step leaves the correction to the next step.
 const NEGLIGIBLE_SHARE: f64 = 1e-2;
-/// A step is shortened afterwards if less than this share of it would have given the least energy.
+/// A step is shortened afterwards if the energy was least before this fraction of the step.
 const OVERSHOOT_SHARE: f64 = 0.5;
 /// Maximum number of Newton steps for the level c of the initial pressures max(c + f, 0); a dozen are needed.
 const MAX_LEVEL_STEPS: usize = 50;
 /// The level of the initial pressures is first found on every 16th group of eight points, which is cheaper.
 const SAMPLED_EVERY: usize = 16;
-/// Newton step of the level of the initial pressures, over the nominal pressure, at which the search ends; scaling
-/// removes the remaining error of the load.
+/// The search for the level of the initial pressures ends once a Newton step changes the level by at most this fraction
+/// of the nominal pressure; scaling the pressures removes the remaining error of the load.
 const NEGLIGIBLE_LOAD_ERROR: f64 = 1e-3;
 
 /// Factor by which the residual must grow in one iteration to restart the search directions.
@@ -106,9 +107,9 @@ const FIRST_REFRESH: f64 = 1e-5;
 /// again.
 const NEXT_REFRESH: f64 = 1e-5;
 
-/// Number of iterations within which the residual must halve. In solves that converge it halves within 12 iterations,
-/// in one of 500 such solves within 56. An iteration of `projected_gradient` costs about as much as one of conjugate
-/// gradients.
+/// Number of iterations within which the residual must halve. In solves that converge the residual halves within 12
+/// iterations, in one of 500 such solves within 56. An iteration of `projected_gradient` costs about as much as one of
+/// conjugate gradients.
 const MAX_STALLED_ITERATIONS: usize = 30;
 
 /// Residual of a state: |sum (g - min g) p| / (`load` Sq) with gap g, pressures p and Sq = 1, plus the relative error
@@ -275,7 +276,7 @@ impl<'a> State<'a> {
     }
 
     /// Updates the search direction, d = -(z - `mean`) + `beta` d on free points; returns slope and curvature of the
-    /// energy along it.
+    /// energy along the direction.
     fn update_direction(&mut self, mean: f64, beta: f64) -> Direction {
         let Self { contact, shared, residual, direction, two_grids_work, .. } = self;
         let [preconditioned, _] = shared.change_and_image();
@@ -330,7 +331,7 @@ impl<'a> State<'a> {
     }
 }
 
-/// Slope and curvature of the energy along the direction.
+/// Slope and curvature of the energy along the search direction.
 struct Direction {
     /// Slope r . d, with the residual r and the direction d.
     slope: f64,
@@ -344,7 +345,8 @@ enum Ending {
     NoProgress,
 }
 
-/// Solves for the normalized mean pressure `nominal` > 0; if conjugate gradients stall, by projected gradients.
+/// Solves the contact problem at the normalized mean pressure `nominal` > 0 by conjugate gradients or, if these stall,
+/// by projected gradients.
 pub(crate) fn minimize(
     contact: &RoughContact<'_>,
     nominal: f64,

@@ -107,7 +107,7 @@ pub(crate) struct TwoGrids {
     remainder: Multiplier<f32>,
 }
 
-/// Buffers for one user of [`TwoGrids`].
+/// Buffers that each concurrent use of [`TwoGrids`] needs.
 pub(crate) struct TwoGridsWork {
     fourier: FourierWork<'static, f32>,
     /// Sums over blocks, B x.
@@ -120,7 +120,7 @@ pub(crate) struct TwoGridsWork {
     neighbours: Vec<f32>,
     /// First map row, saved because `apply` overwrites its input.
     first: Vec<f32>,
-    /// Map row before the current one, saved for the same reason.
+    /// Map row before the current one, saved because `apply` overwrites its input.
     before: Vec<f32>,
     /// Result rows of one row of blocks.
     result: Vec<f32>,

@@ -21,14 +21,15 @@ pub(crate) const ROBUST_DEVIATION: f64 = 1.4826;
 /// Largest number of points, spread evenly over the map, that are compared with their medians to find the threshold T:
 /// enough for an error of 1 % in T.
 const MAX_SAMPLED: usize = 1 << 14;
-/// Fewest differences of heights from their medians from which the threshold T is found.
+/// Fewest differences between heights and surrounding medians from which the threshold T is found; a map with fewer is
+/// not searched for spikes.
 const MIN_SAMPLED: usize = 64;
-/// Fraction of the range of heights up to which differences count as rounding errors.
+/// Differences up to this fraction of the map's range of heights count as rounding errors.
 const ROUNDING: f64 = 1e-9;
-/// If most differences vanish, the threshold T is found from the others, provided that they are more than this
-/// fraction.
+/// If most differences vanish, the threshold T is found from the other differences, provided that these are more than
+/// this fraction of all.
 const MIN_UNEQUAL_SHARE: f64 = 0.01;
-/// Points between two checks for cancellation.
+/// Number of points between two checks for cancellation.
 const CANCEL_CHECK_INTERVAL: usize = 1 << 12;
 /// Largest number of passes over a map: a spike can be hidden behind a larger one.
 const MAX_PASSES: usize = 4;
@@ -44,7 +45,7 @@ pub struct Spike {
     pub col: usize,
     /// Number of points in the cluster.
     pub points: usize,
-    /// Height of the farthest point above the median of its surroundings (negative if below), in metres.
+    /// Height of the point at `row` and `col` above the median of its surroundings, in metres; negative if below.
     pub height_m: f64,
 }
 
@@ -156,8 +157,8 @@ impl HeightMap {
         upper_median(&mut around).unwrap_or(f64::NAN)
     }
 
-    /// The threshold T, the distance from the median beyond which a point is suspect; `None` if the map has too few
-    /// points.
+    /// The threshold T, the distance from the median beyond which a point is suspect, in metres; `None` if the map is
+    /// flat or has too few points.
     fn spike_threshold_m(&self, monitor: &dyn Monitor) -> Result<Option<f64>, Cancelled> {
         let heights = self.heights_m();
         let mut differences = Vec::new();
@@ -231,7 +232,7 @@ impl HeightMap {
         Ok(clusters)
     }
 
-    /// Returns the cluster of the points `nodes` if it is a spike.
+    /// Returns the cluster of the points `nodes` if it is a spike; otherwise `None`.
     fn spike(&self, nodes: Vec<usize>, threshold_m: f64) -> Option<Cluster> {
         if nodes.len() > MAX_SPIKE_POINTS {
             return None;
@@ -257,8 +258,8 @@ impl HeightMap {
     }
 }
 
-/// Threshold T from the `differences` of heights from their medians, in metres; differences up to `rounding_m` are
-/// taken as rounding errors. `None` if there are too few differences.
+/// Threshold T, in metres, from the `differences` between heights and surrounding medians, in metres; differences up to
+/// `rounding_m` are taken as rounding errors. `None` if there are too few differences or T is zero.
 fn threshold_m(differences: &mut [f64], rounding_m: f64) -> Option<f64> {
     if differences.len() < MIN_SAMPLED {
         return None;

@@ -217,9 +217,9 @@ pub enum ReadError {
         format: &'static str,
         /// Part of the file.
         what: &'static str,
-        /// Amount given by the header: bytes or heights.
+        /// Number of bytes or heights given by the header.
         expected: u64,
-        /// Amount found.
+        /// Number of bytes or heights found.
         found: u64,
     },
     /// Any other reason; the text says where it was found and what was expected.
@@ -257,12 +257,12 @@ pub(crate) fn plain(value: f64) -> String {
     }
 }
 
-/// Formats a length in micrometres, to six digits.
+/// Formats a length given in metres in micrometres, to six significant digits.
 fn um(length_m: f64) -> String {
     significant(length_m * 1e6, 6)
 }
 
-/// Formats `value` to the given number of digits.
+/// Formats `value` to the given number of significant digits.
 pub(crate) fn significant(value: f64, digits: usize) -> String {
     let written = format!("{value:.*e}", digits.saturating_sub(1));
     written.parse().map_or(written, plain)

@@ -21,7 +21,8 @@ impl HeightMap {
         })
     }
 
-    /// Warning on blocks of 3 x 3 or more zeros in the measured map, if no other height fills as many blocks.
+    /// Warning on exact zeros that fill blocks of 3 x 3 points or more in the measured map; `None` if zeros are few,
+    /// are all heights, fill no block, or fill no more blocks than other equal heights do.
     pub fn zeros_warning(&self) -> Option<MapWarning> {
         let (rows, cols, heights_m) = (self.rows(), self.cols(), self.heights_m());
         let least = (limits::WARNED_ZEROS_SHARE * heights_m.len() as f64).ceil() as usize;

@@ -11,7 +11,7 @@ use crate::topography::{HeightMap, MapError};
 pub enum Form {
     /// The mean height.
     Mean,
-    /// The plane.
+    /// The least-squares plane.
     #[default]
     Plane,
     /// 1, x, y, x^2, xy, y^2: a tilted, curved or saddle-shaped specimen.

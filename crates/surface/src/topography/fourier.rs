@@ -163,12 +163,14 @@ impl<T: Precision> Fourier<T> {
         Multiplier { factor: waves.map(|(k, l)| rounded(factor(k, l) * inverse_points)).collect() }
     }
 
-    /// Writes to `output` the `input` with every wave multiplied; both are rows x cols, row by row.
+    /// Writes `input` to `output` with every wave multiplied by its factor in `multiplier`; both are rows x cols, row
+    /// by row.
     pub fn filter(&self, input: &[T], multiplier: &Multiplier<T>, output: &mut [T], work: &mut FourierWork<'_, T>) {
         self.filter_by(input, Factors::Stored(&multiplier.factor), output, work);
     }
 
-    /// Like [`Self::filter`], with the multiplier of [`Self::wave_multiplier`] computed while the filter runs.
+    /// Like [`Self::filter`] with the multiplier that [`Self::wave_multiplier`] returns for `factor`, but computes the
+    /// factors while the filter runs, without storing them.
     pub fn filter_unstored(
         &self,
         input: &[T],
@@ -278,8 +280,8 @@ impl<T: Precision> Fourier<T> {
 }
 
 impl Fourier {
-    /// Computes sum over all waves except the mean of weight(|q|) |h_q|^2, with the Fourier coefficient h_q = (1/N) sum
-    /// h exp(-i q x) over N points and q in rad/m on pixels with the sides `pixel_m` along x and y.
+    /// Computes the sum of weight(|q|) |h_q|^2 over all waves except the mean, with the Fourier coefficient h_q = (1/N)
+    /// sum h exp(-i q x) over N points and q in rad/m on pixels with the sides `pixel_m` along x and y.
     ///
     /// # Errors
     /// [`Cancelled`] once `monitor` cancels.

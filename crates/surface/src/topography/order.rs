@@ -4,13 +4,13 @@ use std::cmp::Ordering;
 
 use slipgrid_base::monitor::{Cancelled, Monitor};
 
-/// Heights between two checks for cancellation.
+/// Number of heights between two checks for cancellation.
 const CANCEL_CHECK_INTERVAL: usize = 1 << 16;
-/// Number of parts that are sorted one at a time.
+/// Number of sampled heights that bound the parts into which heights are divided to be sorted one part at a time.
 const PARTS: usize = 64;
-/// Size of the sample that brackets an order statistic.
+/// Number of sampled heights, two of which bracket an order statistic.
 const SAMPLE: usize = 4096;
-/// Distance of the brackets from the expected position in the sample: six standard deviations.
+/// Distance of the brackets from the expected position in the sorted sample, in elements: six standard deviations.
 const SAMPLE_MARGIN: usize = 192;
 /// Distance between successive sampled positions over the length of the map, modulo 1: the positions lie evenly over
 /// the rows, and out of step with the columns.

@@ -7,8 +7,8 @@ use slipgrid_base::monitor::Monitor;
 use crate::topography::fourier::Fourier;
 use crate::topography::{HeightMap, MapError};
 
-/// Ratio of the rms step across opposite sides of `map` to the rms step between neighbours, the larger of the two
-/// directions. About 1 for one period of a surface; large for a window cut out of a smooth surface, whose opposite
+/// Rms step across opposite sides of `map` over the rms step between neighbouring points: the larger of the ratios
+/// along x and along y. About 1 for one period of a surface; large for a window of a smooth surface, whose opposite
 /// sides are unrelated. 1 for a flat map.
 ///
 /// # Errors

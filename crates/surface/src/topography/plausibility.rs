@@ -73,8 +73,8 @@ pub(crate) struct FoundSpikes {
     pub(crate) matter: bool,
 }
 
-/// Whether spikes change a map enough to matter, from its rms slope and the height of its highest point above the
-/// median, in metres, `with` and `without` the spikes.
+/// Whether spikes change a map enough to matter; `with` and `without` hold the rms slope and the height of the highest
+/// point above the median, in metres, with and without the spikes.
 fn matter(with: [f64; 2], without: [f64; 2]) -> bool {
     (with[0] / without[0] - 1.0).abs() > limits::SPIKE_SLOPE || with[1] > (1.0 + limits::SPIKE_PEAK) * without[1]
 }
@@ -91,7 +91,7 @@ fn slope_text(rms_slope: f64) -> String {
 }
 
 /// Text on the power of a thousand by which heights must be multiplied to give a slope that is usual for surfaces;
-/// empty if there is none.
+/// empty if there is no such power.
 fn other_unit(rms_slope: f64) -> String {
     const USUAL: [f64; 2] = [3e-3, 0.6];
     let factors = [(1e3, "1000 times"), (1e6, "a million times"), (1e-3, "a thousandth"), (1e-6, "a millionth")];
@@ -138,8 +138,8 @@ impl HeightMap {
         Ok(Some(FoundSpikes { spikes, warning, matter: matter(with, without) }))
     }
 
-    /// Warning on a second-order form, if it explains more than [`limits::FORM_SHARE`] of the Sa left by the
-    /// least-squares plane.
+    /// Warning on a second-order form; `None` if the form explains at most [`limits::FORM_SHARE`] of the Sa left by the
+    /// least-squares plane, or is not determined by the points.
     ///
     /// # Errors
     /// [`Cancelled`] once `monitor` cancels.
@@ -171,7 +171,8 @@ impl HeightMap {
         upper_median(&mut sample).unwrap_or(f64::NAN)
     }
 
-    /// Warning on a part of sufficient size that lies far below the rest of a map whose form is removed.
+    /// Warning on a part that lies far below the rest of a map whose form is removed; `None` unless the part's fraction
+    /// of the map lies in [`limits::LOWERED_SHARE`].
     pub fn hole_warning(&self) -> Option<MapWarning> {
         let (median_m, deviation_m) = self.robust()?;
         let most_m = median_m - limits::LOWERED_DEVIATIONS * deviation_m;
@@ -207,7 +208,7 @@ impl HeightMap {
         (deviation_m > 0.0).then_some((median_m, deviation_m))
     }
 
-    /// Warning on missing points, if there are many.
+    /// Warning on missing points; `None` if they are at most the fraction [`limits::WARNED_MISSING_SHARE`] of the map.
     pub fn missing_warning(&self) -> Option<MapWarning> {
         let (missing, points) = (self.missing(), self.heights_m().len());
         (missing as f64 > limits::WARNED_MISSING_SHARE * points as f64).then(|| MapWarning {
@@ -220,8 +221,8 @@ impl HeightMap {
         })
     }
 
-    /// Warnings on heights and slope of a map whose form is removed; `rms_slope` is its rms slope. Raised points count
-    /// as debris only if they are more than `spike_points`, the number of points in spikes.
+    /// Warnings on debris, Sq and rms slope of a map whose form is removed; `rms_slope` is its rms slope. Raised points
+    /// count as debris only if they are more than `spike_points`, the number of points in spikes.
     pub(crate) fn height_warnings(&self, rms_slope: f64, spike_points: usize) -> Vec<MapWarning> {
         let outside = |value: f64, [least, most]: [f64; 2]| !(least..=most).contains(&value);
         let sq_m = self.sq_m();
@@ -239,7 +240,8 @@ impl HeightMap {
         self.raised(spike_points).into_iter().chain(unit).chain(slope).collect()
     }
 
-    /// Warning on patches that stand far above the rest, if they are few, but more than `spike_points` points.
+    /// Warning on points that stand far above the median height; `None` if they are at most `spike_points`, or more
+    /// than the fraction [`limits::MAX_RAISED_SHARE`] of the map.
     fn raised(&self, spike_points: usize) -> Option<MapWarning> {
         let (median_m, deviation_m) = self.robust()?;
         let least_m = limits::RAISED_DEVIATIONS * deviation_m;

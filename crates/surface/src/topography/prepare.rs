@@ -67,14 +67,14 @@ pub struct PreparedMap {
     pub synthetic: bool,
     /// Whether the map is one whole period, as stated in the file or found from the heights.
     pub period: bool,
-    /// Whether the map is the periodic component of the map read.
+    /// Whether the map was replaced by its periodic component, because opposite sides did not continue each other.
     pub is_component: bool,
     /// The file's format.
     pub format: MapFormat,
     /// Form that was subtracted; only the mean for a period, because a plane would leave a step where the period
     /// closes.
     pub form: Form,
-    /// Missing points of the file, row by row; empty if none are missing.
+    /// Whether each point was missing in the file, row by row; empty if no point was missing.
     pub filled: Vec<bool>,
     /// Arithmetic mean height Sa, in metres.
     pub sa_m: f64,

@@ -27,7 +27,7 @@ macro_rules! unit_names {
 pub(crate) use unit_names;
 
 impl LengthUnit {
-    /// Accepted names, for messages.
+    /// Accepted names of units, for messages.
     pub const NAMES: &'static str = unit_names!();
 
     /// All units, largest first.

@@ -9,7 +9,7 @@ pub(super) enum Axis {
     Y,
 }
 
-/// Section of one line within one region.
+/// Section of one line of pixels within one region.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Chord {
     pub(super) region: u32,
@@ -21,7 +21,7 @@ pub(super) struct Chord {
     pub(super) to: Option<f64>,
 }
 
-/// Labelled regions of a grid; 0 is no region, labels start at 1.
+/// Labelled regions of a grid: labels start at 1, and points outside of all regions have the label 0.
 pub(super) struct Regions {
     pub(super) label: Vec<u32>,
     /// Number of points of each region, by label; 0 for label 0.
@@ -145,9 +145,9 @@ impl Regions {
     }
 }
 
-/// Position where `profile` crosses `threshold` next to the end `edge` of a run, in pixels; `None` if the map ends
-/// first. `other` is the other end of the run, and `forward` tells whether the run extends towards larger indices from
-/// `edge`.
+/// Position where `profile` crosses `threshold` next to the end `edge` of a run of points, in pixels; `None` if the map
+/// ends first. `other` is the other end of the run, and `forward` tells whether the run extends towards larger indices
+/// from `edge`.
 fn crossing(
     profile: impl Fn(usize) -> f64,
     threshold: f64,

@@ -11,7 +11,7 @@ use super::found::Found;
 /// Minimum number of land patches for crossing grooves, for a region that reaches all sides of the map: one crossing
 /// leaves four.
 const MIN_PATCHES: usize = 4;
-/// Minimum fraction of a line that lies in cavities for the line to lie within a groove along it.
+/// A line of pixels lies within a groove along it if at least this fraction of the line lies in cavities.
 const IN_GROOVE: f64 = 0.9;
 /// Fraction of a strip that is left out on either side, to exclude walls.
 const WALL: f64 = 0.1;

@@ -57,7 +57,7 @@ pub struct CutPattern {
     pub seed: u64,
 }
 
-/// A cavity that was cut.
+/// A synthetic cavity as cut into a map, with its random deviations from the pattern.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CutCavity {
     /// Centre along x and y, in metres; y of a groove is the middle of the map.
@@ -121,7 +121,8 @@ impl Deviates {
 }
 
 impl HeightMap {
-    /// Cuts the cavities of `pattern` out of the map; returns those that reach into it, ordered along x and then y.
+    /// Cuts the cavities of `pattern` out of the map; returns the cavities that reach into the map, ordered along x,
+    /// then y.
     ///
     /// # Errors
     /// [`MapError`] if a parameter of the pattern is invalid; the map is unchanged then.

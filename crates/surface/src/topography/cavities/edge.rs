@@ -41,8 +41,8 @@ pub(super) struct Edges {
 
 impl Edges {
     /// Finds the edges at the ends of `chords`. Along an axis only edges mostly across it are used; positions are
-    /// fitted by a straight line through the chord ends on neighbouring lines. `counts` tells which regions have edges
-    /// along an axis.
+    /// fitted by a straight line through the chord ends on neighbouring lines. `counts(axis, region)` tells whether a
+    /// region has edges along an axis.
     pub(super) fn find(
         chords: &[Vec<Chord>; 2],
         counts: impl Fn(usize, u32) -> bool,

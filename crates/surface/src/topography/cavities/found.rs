@@ -18,7 +18,7 @@ const CHORDS_TOGETHER: usize = 64;
 /// Cavities of a map.
 pub(super) struct Found {
     pub(super) land: Land,
-    /// Heights above the land, with missing points filled.
+    /// Heights above the land, in metres, with missing points filled.
     filled_m: Vec<f64>,
     pub(super) regions: Regions,
     /// Chords along x and y that end at each cavity's own half depth.
@@ -26,7 +26,7 @@ pub(super) struct Found {
     /// Statistics of each region's chords along x and y, by label.
     pub(super) along: [Vec<Along>; 2],
     pub(super) floors: Vec<Option<Floor>>,
-    /// Points in the middle thirds of cavities.
+    /// Whether each point lies in the middle third of a cavity.
     pub(super) middle: Vec<bool>,
     pub(super) pixel_m: [f64; 2],
 }
@@ -126,8 +126,8 @@ impl Found {
         self.counts(axis, region) || self.along[1 - axis][region].runs_through()
     }
 
-    /// Pairs of regions that face each other along an axis on any line, and the land between them on each line, in
-    /// pixels.
+    /// Pairs of regions that face each other along an axis on any line, and the width of the land between them on each
+    /// such line, in pixels.
     pub(super) fn gaps(&self, axis: usize) -> BTreeMap<[u32; 2], Vec<f64>> {
         let mut gaps: BTreeMap<[u32; 2], Vec<f64>> = BTreeMap::new();
         for pair in self.chords[axis].windows(2) {
@@ -140,8 +140,8 @@ impl Found {
         gaps
     }
 
-    /// Pairs of regions that face each other along an axis on at least half of the lines of both, and the land between
-    /// them, in metres. Cavities cut by the map's sides are left out if any other pair remains.
+    /// Pairs of regions that face each other along an axis on at least half of the lines of both, and the width of the
+    /// land between them, in metres. Cavities cut by the map's sides are left out if any other pair remains.
     pub(super) fn neighbours(&self, axis: usize) -> Vec<([u32; 2], f64)> {
         let mut gaps = self.gaps(axis);
         gaps.retain(|pair, gaps| {
@@ -192,7 +192,7 @@ pub(super) struct Along {
     pub(super) lengths: Vec<f64>,
     /// Number of lines that meet the region.
     pub(super) lines: usize,
-    /// Number of lines on which the map cuts off the region at the start, and number of those at the end.
+    /// Numbers of lines on which the map cuts off the region at the start and at the end of the line.
     cut: [usize; 2],
 }
 
@@ -251,7 +251,7 @@ impl Mean {
     }
 }
 
-/// Level of a region's floor.
+/// Depth of a region's floor, and height of the land next to the region.
 #[derive(Clone, Copy)]
 pub(super) struct Floor {
     /// Height of the adjacent land, in metres.

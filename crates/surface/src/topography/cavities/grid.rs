@@ -9,15 +9,15 @@ use slipgrid_model::pattern::Arrangement;
 use super::found::Found;
 use super::{Estimate, Spread};
 
-/// Minimum fraction of pairs in neighbouring rows that are shifted by half a pitch, if rows are staggered.
+/// Rows are staggered if at least this fraction of the pairs in neighbouring rows is shifted by half a pitch.
 const MAX_PAIRS: f64 = 0.8;
-/// Maximum deviation of the shift of such a pair from half a pitch, in pitches.
+/// A pair counts as shifted by half a pitch if its shift differs from half a pitch by less than this number of pitches.
 const MAX_OFF_HALF: f64 = 0.15;
-/// Maximum offset of neighbours in a row across the row, in pitches.
+/// Maximum of the median offset between neighbours in a row, measured across the row, in pitches.
 const MAX_DRIFT: f64 = 0.1;
-/// Maximum shift of a cavity along the rows against a neighbour in the next row, in pitches.
+/// Cavities in neighbouring rows form a pair if their shift along the rows is below this number of pitches.
 const MAX_PAIR_OFFSET: f64 = 0.75;
-/// Maximum relative deviation of the distance of two rows from the typical one.
+/// Maximum deviation of the distance of two neighbouring rows from the median distance, relative to the median.
 const MAX_ROW_OFF: f64 = 0.25;
 /// Distance of hexagonal rows over their pitch, sqrt(3)/2.
 const HEXAGONAL: f64 = 0.866_025_4;
@@ -27,10 +27,10 @@ const MAX_OFF_HEXAGONAL: f64 = 0.02;
 const MIN_TURN_DEG: f64 = 1.0;
 /// Minimum rotation that is reported, in standard errors.
 const MIN_ERRORS: f64 = 4.0;
-/// Maximum difference of the rotations along x and along y over their mean.
+/// Maximum difference of the rotations measured along x and along y, relative to the mean of both.
 const MAX_SHEAR: f64 = 0.25;
-/// Maximum area of the parallelogram between neighbours along x and along y, over the map area per cavity; it is two
-/// for second neighbours.
+/// Maximum area of the parallelogram between neighbours along x and along y, over the map area per cavity; the ratio is
+/// two for second neighbours.
 const MAX_CELL: f64 = 1.5;
 
 /// Rows of which every second one is shifted by half a pitch.
@@ -73,7 +73,7 @@ struct Whole {
     width_m: [f64; 2],
 }
 
-/// Whole cavities, and pairs of these that face each other along x and along y.
+/// Cavities that the map's sides do not cut, and pairs of these that face each other along x and along y.
 pub(super) struct Grid {
     whole: BTreeMap<u32, Whole>,
     pairs: [Vec<[Whole; 2]>; 2],
@@ -82,7 +82,8 @@ pub(super) struct Grid {
 }
 
 impl Grid {
-    /// Collects the whole cavities of `found`; `width_m` gives the widths of a region along x and y.
+    /// Collects the cavities of `found` that the map's sides do not cut, and the pairs that face each other; `width_m`
+    /// gives the widths of a region along x and y, in metres.
     pub(super) fn of(found: &Found, width_m: impl Fn(usize) -> [Option<f64>; 2]) -> Self {
         let centers_m = [0, 1].map(|axis| found.centers_m(axis));
         let regions = &found.regions;
@@ -106,8 +107,8 @@ impl Grid {
         Self { whole, pairs, cell_m2: mean_m2 / share }
     }
 
-    /// Returns the staggered rows and the land between successive rows; `None` if rows are not staggered or overlap.
-    /// Rows along x come first, because most staggered grids can be read either way.
+    /// Returns the staggered rows and the width of the land between successive rows; `None` if rows are not staggered,
+    /// or if successive rows overlap. Rows along x come first, because most staggered grids can be read either way.
     pub(super) fn staggered(&self) -> Option<(StaggeredRows, Spread)> {
         [0, 1].into_iter().filter_map(|axis| self.staggered_along(axis)).find(|(_, spacing)| spacing.mean_m > 0.0)
     }

@@ -7,7 +7,8 @@ use super::rims::{MIN_STRETCHES, Stretch};
 
 /// Rim heights of all edge segments for one profile and width.
 pub(super) struct Heights {
-    /// Region, side, length (the weight) and rim height of each segment, both in metres, in order along the edges.
+    /// Region, side (see [`Stretch`]), length in metres, which is the weight, and rim height in metres of each segment,
+    /// in order along the edges.
     stretches: Vec<(u32, (usize, bool), f64, f64)>,
     mean_m: f64,
     /// Variance of a segment's height about the mean of its cavity, times the segment's length and `inflation`, in m^3.
@@ -44,7 +45,7 @@ impl Heights {
         heights
     }
 
-    /// Total length and mean rim height, both in metres, and number of segments by `key`.
+    /// Total length and mean rim height, both in metres, and number of the segments with equal `key`.
     fn grouped<K: Ord>(&self, key: impl Fn(&(u32, (usize, bool), f64, f64)) -> K) -> BTreeMap<K, (f64, f64, usize)> {
         let mut groups: BTreeMap<K, (f64, f64, usize)> = BTreeMap::new();
         for stretch in &self.stretches {
@@ -59,8 +60,8 @@ impl Heights {
         groups
     }
 
-    /// Standard error of the mean rim height, from segments about their cavities, or from cavities if these scatter
-    /// more.
+    /// Standard error of the mean rim height, in metres: from the scatter of segments about the mean of their cavity,
+    /// or from the scatter of cavities if this gives a larger error.
     pub(super) fn error_m(&self) -> f64 {
         let total: f64 = self.stretches.iter().map(|stretch| stretch.2).sum();
         let within = self.unit_variance / total;
@@ -94,7 +95,8 @@ impl Heights {
         beyond_noise(square, cavities.len().checked_sub(1)?, noise)
     }
 
-    /// Standard deviation of rim heights between the sides of a cavity, in metres; `None` below four segments per side.
+    /// Standard deviation of rim heights between the sides of a cavity, in metres; `None` with fewer than four segments
+    /// per side on average.
     pub(super) fn side_std_m(&self) -> Option<Estimate> {
         let sides = self.grouped(|&(region, side, ..)| (region, side));
         // Sides with two or more segments show the noise of their mean.

@@ -24,7 +24,7 @@ pub(super) struct Land {
     pub(super) height_m: Vec<f64>,
     /// Threshold half-way between the land and the floors, as a height above the land.
     pub(super) threshold_m: f64,
-    /// Whether a point is land away from cavities.
+    /// Whether each point is land away from cavities.
     pub(super) is_land: Vec<bool>,
 }
 
@@ -107,7 +107,7 @@ impl Land {
     }
 }
 
-/// Heights within a tenth of a picometre count as equal, because the residual of a plane is rounding.
+/// If all heights lie within this range, they count as equal: above a fitted plane only rounding errors are left.
 const MIN_RANGE_M: f64 = 1e-13;
 
 /// Separates heights into two groups with minimum variance within groups (Otsu).

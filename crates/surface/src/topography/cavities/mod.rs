@@ -56,7 +56,7 @@ pub use slipgrid_model::pattern::RimProfile;
 use crate::topography::form::Form;
 use crate::topography::{HeightMap, MapError};
 
-/// Size relative to the mean size below which a region is a speck, not a cavity.
+/// A region smaller than this fraction of the mean size of regions is a speck, not a cavity.
 const SPECK: f64 = 0.1;
 /// Fraction of a width that is excluded on either side of an edge, from the land and from the floor.
 const MARGIN: f64 = 1.0 / 3.0;
@@ -89,7 +89,7 @@ pub struct Estimate {
 }
 
 impl Estimate {
-    /// Mean of independent samples, with its standard error from their scatter.
+    /// Mean of independent samples, with the standard error from their scatter; `None` without samples.
     fn mean(values: impl Iterator<Item = f64> + Clone) -> Option<Self> {
         let count = values.clone().count() as f64;
         let (value, std) = mean_and_std(values)?;
@@ -120,11 +120,12 @@ pub struct Cavity {
 /// Results of the cavity metrology.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CavityMetrology {
-    /// Widths along x and y; `None` if no cavity ends within the map along that axis, as for grooves.
+    /// Widths along x and y, in metres; `None` if no cavity ends within the map along that axis, as for grooves.
     pub width: [Option<Spread>; 2],
-    /// Land between neighbours along x and y; across staggered rows the land to the next row.
+    /// Width of the land between neighbours along x and y, in metres, across staggered rows that of the land to the
+    /// next row; `None` for an axis without neighbours.
     pub spacing: [Option<Spread>; 2],
-    /// Staggered rows, if every second row of cavities is shifted by half a pitch.
+    /// Staggered rows; `None` unless every second row of cavities is shifted by half a pitch.
     pub staggered: Option<StaggeredRows>,
     /// Rotation of a rectangular grid of cavities on the map, in degrees from x towards y; `None` below 1 degree, or if
     /// it cannot be determined.
@@ -132,11 +133,11 @@ pub struct CavityMetrology {
     /// Whether the cavities are round, so that widths are diameters of discs with the same area at half depth, not
     /// median chords.
     pub round: bool,
-    /// Depth over the cavities, in metres.
+    /// Depth of the cavities, in metres; `None` if no floor was measured.
     pub depth: Option<Spread>,
     /// Area fraction of the map below half depth.
     pub area_fraction: f64,
-    /// Distance of half depth below the land, in metres.
+    /// Depth below the land, in metres, half-way to the floors, below which a point counts as cavity.
     pub threshold_m: f64,
     /// Root mean square height of the land about its form, in metres.
     pub land_sq_m: f64,
@@ -153,7 +154,7 @@ pub struct CavityMetrology {
     pub floor_sq_m: Option<Estimate>,
     /// All cavities.
     pub cavities: Vec<Cavity>,
-    /// Crossing grooves, if the cavities form one region.
+    /// Crossing grooves, if the cavities form one region; otherwise `None`.
     pub crossing: Option<Crossing>,
 }
 
@@ -172,15 +173,15 @@ impl HeightMap {
 
 /// Quantities measured along the edges of cavities.
 struct Sought {
-    /// Whether each region, by label, ends within the map along an axis.
+    /// Whether each region, by label, ends within the map along at least one axis.
     counts: Vec<bool>,
-    /// Width of each region along x and y, by label.
+    /// Width of each region along x and y, by label; `None` if the region does not end within the map along the axis.
     width_m: Vec<[Option<f64>; 2]>,
     spacing: [Option<Spread>; 2],
     edges: Edges,
     walls: Walls,
     rim: RimMetrology,
-    /// Rim heights by region, in metres.
+    /// Rim height of each region, by label, in metres.
     rim_heights: BTreeMap<u32, Estimate>,
 }
 

@@ -11,14 +11,14 @@ use super::pitch::pitches_m;
 use crate::topography::form::Form;
 use crate::topography::{HeightMap, MapError};
 
-/// Minimum number of whole cavities, or of grooves.
+/// Minimum number of whole cavities, or of grooves, for a mean period.
 const LEAST: usize = 2;
 /// Maximum deviation of a centre from its lattice position, in pitches; at half a pitch it would belong to another
 /// position.
 const MAX_STRAY: f64 = 0.2;
 /// Maximum deviation of the mean shift of every second row from half a pitch, in pitches.
 const MAX_SHIFT: f64 = 0.05;
-/// Minimum land fraction of a cell's weight for the cell to count as land.
+/// A pixel of the period counts as land if at least this fraction of its weight comes from land.
 const ALL_LAND: f64 = 0.999;
 
 /// Arrangement of the cavities.
@@ -172,7 +172,8 @@ impl Cells {
         }
     }
 
-    /// Mean heights above the land, and the root mean square height of the land, both in metres.
+    /// Mean heights above the land, and the root mean square height of the land, both in metres; the latter is `None`
+    /// without land.
     fn mean(self) -> (Vec<f64>, Option<f64>) {
         let mut height_m: Vec<f64> = self
             .sum

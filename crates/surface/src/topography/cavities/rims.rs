@@ -29,7 +29,7 @@ pub(super) const MIN_STRETCHES: usize = 4;
 /// Number of parts of a bin in which the positions of points are recorded, since edges cross pixels at arbitrary
 /// positions.
 const PARTS: usize = 8;
-/// Minimum fraction of the edges that a bin of the mean profile must cover.
+/// Minimum fraction of the length of all edges that must have heights in a bin of the mean profile.
 const MIN_COVERED: f64 = 0.3;
 /// Minimum height of a rim in standard errors: without a rim, the best of a hundred profiles and widths rarely reaches
 /// 3.5.
@@ -43,9 +43,10 @@ const MIN_TOLD_WIDTH: f64 = 4.0;
 const MAX_WIDTH: f64 = 0.75;
 /// Step of the trial widths, in bins.
 const WIDTH_STEP: f64 = 0.25;
-/// Deviation of real profiles, blurred by edges and pixels, from the fitted family, over the range of heights.
+/// Deviation of real rims, blurred by edges and pixels, from the fitted profiles, relative to the range of heights of
+/// the mean profile.
 const MODEL_ERROR: f64 = 0.02;
-/// Nominal width for the height of an undetected rim, over the width of the cavity.
+/// Width at which the height of an undetected rim is fitted, relative to the mean width of the cavities.
 const NOMINAL_WIDTH: f64 = 0.1;
 /// Number of bootstrap draws.
 const DRAWS: u64 = 120;
@@ -69,9 +70,9 @@ pub struct RimMetrology {
     /// Maximum height of the rim above the land, in metres, averaged over the edges of all cavities, including segments
     /// without a rim.
     ///
-    /// If no rim is significant (below 4 standard errors), it is the mean relief of a hypothetical round rim a tenth of
-    /// a cavity wide, which may be negative. `None` if the profile is too short for a rim and adjacent land, if there
-    /// are fewer than four edge segments, or if the rim is narrower than four pixels.
+    /// If no rim is significant (below 4 standard errors), the value is the mean relief of a hypothetical round rim a
+    /// tenth of a cavity wide, which may be negative. `None` if the profile is too short for a rim and adjacent land,
+    /// if there are fewer than four edge segments, or if the rim is narrower than four pixels.
     pub height_m: Option<Estimate>,
     /// Standard deviation of the heights from cavity to cavity, in metres, with sampling noise subtracted; `None`
     /// without a rim and for a single cavity.
@@ -108,11 +109,11 @@ impl RimMetrology {
 /// Input of the rim measurement.
 pub(super) struct Scene<'a> {
     pub(super) edges: &'a Edges,
-    /// Heights above the form, NaN where missing.
+    /// Heights above the form, in metres, NaN where missing.
     pub(super) height_m: &'a [f64],
     /// Label of each point's region, 0 for none.
     pub(super) label: &'a [u32],
-    /// Height of half depth; lower points outside of cavities are specks.
+    /// Height of half depth above the form, in metres; lower points outside of cavities are specks.
     pub(super) threshold_m: f64,
     /// Whether the edges of each region, by label, are used.
     pub(super) counts: &'a [bool],
@@ -168,20 +169,22 @@ pub(super) struct Stretch {
     /// Side of the region: axis, and whether lines leave the region on this side.
     pub(super) side: (usize, bool),
     pub(super) length_m: f64,
-    /// Height minus the mean over all segments, by known bin, in metres; 0 if nothing was measured.
+    /// Height minus the mean over all segments in each known bin of the profile, in metres; 0 if the segment has no
+    /// height in the bin.
     pub(super) residual: Vec<f64>,
 }
 
 /// Mean profile and its segments, in order along the edges.
 struct Profile {
     stretches: Vec<Stretch>,
-    /// Indices of the known bins.
+    /// Indices of the known bins, which have heights along at least [`MIN_COVERED`] of the edges.
     bins: Vec<usize>,
-    /// Mean distance from the edge in each known bin.
+    /// Mean distance from the edge in each known bin, in metres.
     distance_m: Vec<f64>,
-    /// Mean height in each known bin.
+    /// Mean height in each known bin, in metres.
     mean_m: Vec<f64>,
-    /// Fraction of each bin's points in each of its parts, and their mean distance beyond the wall, in metres.
+    /// For each part of each known bin: fraction of the bin's points in the part, and their mean distance from the
+    /// upper end of the wall, in metres. Parts without points are omitted.
     parts: Vec<Vec<[f64; 2]>>,
 }
 
@@ -407,8 +410,8 @@ impl Fit {
         profile.parts.iter().map(|parts| parts.iter().map(mean).sum()).collect()
     }
 
-    /// Returns the candidate with positive height that decreases the squares of the whitened profile `ready` most, and
-    /// its height in metres.
+    /// Returns the candidate with positive height that decreases the sum of squares of the whitened profile `ready`
+    /// most, and the height in metres; `None` if no candidate has a positive height.
     fn best(&self, ready: &[f64]) -> Option<(&Candidate, f64)> {
         let mut best: Option<(&Candidate, f64)> = None;
         let mut most = 0.0;

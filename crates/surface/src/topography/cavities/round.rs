@@ -60,8 +60,8 @@ pub(super) fn diameters(found: &Found) -> Option<Vec<Option<[f64; 2]>>> {
     (2 * round > whole.count()).then_some(diameters)
 }
 
-/// Land between neighbours along `axis`, in metres: the distance of their centres minus their mean diameter. Cavities
-/// cut by the map's sides have no diameter and are left out. `None` without neighbours.
+/// Width of the land between neighbours along `axis`, in metres: the distance of their centres minus their mean
+/// diameter. Cavities cut by the map's sides have no diameter and are left out. `None` without neighbours.
 pub(super) fn spacing(found: &Found, axis: usize, diameters_m: &[Option<[f64; 2]>]) -> Option<Spread> {
     let centers_m = found.centers_m(axis);
     let gap_m = |([one, other], _): ([u32; 2], f64)| {

@@ -5,7 +5,7 @@ use slipgrid_base::monitor::{Cancelled, Monitor};
 use super::rims::Scene;
 use super::{Estimate, RimProfile};
 
-/// Height relative to the maximum above which a position belongs to the core of a rim.
+/// A position belongs to the core of a rim if the height there is at least this fraction of the maximum.
 const CORE: f64 = 0.5;
 /// Minimum length of a piece of edge, in bins.
 const MIN_PIECE: f64 = 8.0;
@@ -32,9 +32,9 @@ impl Band {
     }
 }
 
-/// Fraction of pieces of edge whose relief, core minus the land beyond, exceeds half of a rim's. The same bands moved
-/// outward onto the land give the rate of false decisions by roughness. `None` if there is no land for the moved bands,
-/// or if the error of the fraction exceeds [`MAX_ERROR`].
+/// Fraction of pieces of edge whose relief, the height of the core minus that of the land beyond, exceeds half of the
+/// relief of a rim. The same bands moved outward onto the land give the rate of false decisions by roughness. `None` if
+/// there is no land for the moved bands, or if the error of the fraction exceeds [`MAX_ERROR`].
 pub(super) fn share_of_edge(
     scene: &Scene<'_>,
     profile: RimProfile,

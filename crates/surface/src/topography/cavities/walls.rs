@@ -23,7 +23,7 @@ pub(super) struct Walls {
     pub(super) floor_sq_m: Vec<Option<f64>>,
 }
 
-/// Slope of a wall two pixels wide, in degrees.
+/// Slope of a wall that is `depth_m` deep and two larger sides of a pixel wide, in degrees from the horizontal.
 pub(super) fn resolved_deg(depth_m: f64, pixel_m: [f64; 2]) -> f64 {
     libm::atan(depth_m / (2.0 * pixel_m[0].max(pixel_m[1]))).to_degrees()
 }

@@ -14,7 +14,7 @@ pub(super) const NONE: u32 = u32::MAX;
 const MAX_COARSEST_UNKNOWNS: usize = 32;
 /// Number of forward and backward sweeps on the coarsest level.
 const COARSEST_SWEEPS: usize = 8;
-/// Ratio of the couplings along the two axes from which only the strongly coupled axis is coarsened.
+/// If the couplings along the two axes differ by more than this factor, only the strongly coupled axis is coarsened.
 const STRONG: f32 = 3.0;
 /// Number of corrections from the coarser level in a cycle. Two corrections on a quarter of the unknowns cost half a
 /// sweep of this level.
@@ -23,9 +23,9 @@ const CORRECTIONS: usize = 2;
 /// Unknowns of one level, row by row, so that the right neighbour of unknown n is n + 1.
 #[derive(Debug)]
 pub(super) struct Level {
-    /// Cells along a row of the level's grid.
+    /// Number of cells along a row of the level's grid.
     cols: usize,
-    /// Cell of each unknown, row by row.
+    /// Index of each unknown's cell in the level's grid, row by row.
     pub(super) cell: Vec<u32>,
     /// Neighbour of each unknown in the previous row; [`NONE`] where the neighbour is not an unknown.
     pub(super) up: Vec<u32>,

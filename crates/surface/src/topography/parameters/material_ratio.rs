@@ -7,7 +7,7 @@ use crate::topography::order::descending;
 
 /// Number of points along the material ratio curve at which its flattest part is sought.
 const CLASSES: usize = 10_000;
-/// Range of the material ratio to which the equivalent line is fitted.
+/// Width of the range of material ratios to which the equivalent line is fitted.
 const EQUIVALENT_LINE: f64 = 0.4;
 
 /// Material ratio curve: the height reached or exceeded by a given fraction of the surface.

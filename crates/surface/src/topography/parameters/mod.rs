@@ -83,8 +83,8 @@ impl HeightMap {
         .sqrt()
     }
 
-    /// [`Self::rms_slope_finite_difference`] with its relative standard error, from the scatter of the logarithms of the
-    /// slopes of `side` x `side` windows; `None` if fewer than two windows have a slope.
+    /// [`Self::rms_slope_finite_difference`] with its relative standard error, from the scatter of the logarithms of
+    /// the slopes of `side` x `side` windows; the error is `None` if fewer than two windows have a slope.
     pub fn windowed_slope(&self, side: usize) -> (f64, Option<f64>) {
         let slopes = self.in_windows(side).flatten().map(|window| window.rms_slope_finite_difference());
         let logs: Vec<f64> = slopes.filter(|slope| *slope > 0.0).map(libm::log).collect();

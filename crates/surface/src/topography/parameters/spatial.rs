@@ -7,7 +7,7 @@ use slipgrid_base::monitor::Monitor;
 use crate::topography::fourier::Fourier;
 use crate::topography::{Decimation, DecimationMethod, HeightMap, MapError};
 
-/// Number of directions, over half a turn, in which the decay is followed.
+/// Number of directions, over half a turn, in which the decay of the autocorrelation is followed.
 const DIRECTIONS: usize = 720;
 /// Steps per pixel along a direction.
 const STEPS_PER_PIXEL: f64 = 4.0;
@@ -25,7 +25,8 @@ pub struct CorrelationLengths {
     pub slowest_m: Option<f64>,
     /// Str = Sal / largest distance, 1 for an isotropic surface; `None` if the largest distance is `None`.
     pub str_ratio: Option<f64>,
-    /// Direction of fastest decay, from x towards y, in degrees from -90 to 90.
+    /// Direction of fastest decay of the autocorrelation, from x towards y, in degrees from -90 to 90; `None` if
+    /// `sal_m` is.
     pub fastest_deg: Option<f64>,
     /// Side in pixels of the blocks that were averaged first; 1 for all but the largest maps.
     pub block: usize,
@@ -142,7 +143,7 @@ impl Correlation {
         self.value[place(i, self.size[0]) * self.size[1] + place(j, self.size[1])]
     }
 
-    /// Value between pixels, by cubic convolution along both axes (Catmull-Rom).
+    /// Autocorrelation at a displacement of `x` and `y` pixels, by cubic convolution along both axes (Catmull-Rom).
     fn interpolate(&self, x: f64, y: f64) -> f64 {
         let weights = |t: f64| {
             [

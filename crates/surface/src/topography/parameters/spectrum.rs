@@ -25,8 +25,8 @@ pub struct SpectrumBin {
     pub waves: f64,
 }
 
-/// Wavelength below which a wave is short, in pixels of the longer side: twice the shortest wave that both axes
-/// resolve.
+/// A wave is short if its wavelength is below this number of the longer sides of pixels: twice the shortest wave that
+/// both axes resolve.
 const SHORT_WAVE_PIXELS: f64 = 4.0;
 /// If short waves hold at least this fraction of the squared slope, the pixel size limits the slope.
 pub const LIMITED_BY_PIXELS: f64 = 0.4;
@@ -36,11 +36,11 @@ pub const LIMITED_BY_PIXELS: f64 = 0.4;
 pub struct ShortWaves {
     /// Upper limit of the wavelengths counted, in metres: four pixels of the longer side.
     pub below_m: f64,
-    /// Fraction of the squared slope contributed by waves shorter than `below_m`.
+    /// Fraction of the squared rms slope contributed by waves shorter than `below_m`.
     pub slope_share: f64,
 }
 
-/// Number of rings per decade, of equal ratio.
+/// Number of rings of wave vectors per decade of |q|, spaced evenly in log |q|.
 const BINS_PER_DECADE: f64 = 10.0;
 
 impl HeightMap {

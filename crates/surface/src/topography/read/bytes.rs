@@ -115,7 +115,8 @@ pub(crate) fn skip(
     Ok(())
 }
 
-/// Reads `count` numbers and passes them to `take` in pieces, until it returns false. Returns whether all were read.
+/// Reads `count` numbers and passes them to `take` in pieces, until `take` returns false. Returns whether all were
+/// read.
 pub(crate) fn numbers(
     source: &mut impl Read,
     format: &'static str,

@@ -59,7 +59,7 @@ impl DecimalSign {
     }
 }
 
-/// Whether `text` has at least two fields and all are heights.
+/// Whether `text` has at least two fields, all of which are heights or marks of missing points.
 pub(super) fn is_row(delimiter: Delimiter, text: &str) -> bool {
     delimiter.fields(text).all(|field| height(field).is_some()) && delimiter.fields(text).nth(1).is_some()
 }

@@ -13,15 +13,15 @@ const MAX_NAMED: usize = 4;
 /// Values found in a header.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Header {
-    /// Extent across the columns, in metres.
+    /// Extent of the map along x, which is along a line of heights, in metres.
     pub(super) width_m: Option<f64>,
-    /// Extent across the rows, in metres.
+    /// Extent of the map along y, which is across the lines of heights, in metres.
     pub(super) height_m: Option<f64>,
     /// Both extents of a square scan, in metres.
     side_m: Option<f64>,
     /// Sides of a pixel along x and y, in metres.
     pub(super) pixel_m: [Option<f64>; 2],
-    /// Relative rounding errors of height and width.
+    /// Relative rounding errors of the map's extents along y and x as written in the header.
     pub(super) rounding: [f64; 2],
     value_unit: Option<Scale>,
     /// Length that a height value of 1 represents, used if no unit is stated.
@@ -254,7 +254,8 @@ impl Header {
         self.pixel_m.contains(&None) && (self.height_m.is_some() || self.side_m.is_some())
     }
 
-    /// Distances between lines and between the points of a line, in metres, for a map of `rows` lines of `cols` points.
+    /// Distances between lines and between the points of a line, in metres, for a map of `rows` lines of `cols` points;
+    /// `None` where the header does not give them.
     pub(super) fn grid_m(&self, rows: usize, cols: usize) -> [Option<f64>; 2] {
         // A single side length applies to both sides only if the counts of points are equal.
         let side_m = self.side_m.filter(|_| rows == cols);
@@ -290,7 +291,7 @@ impl Header {
         let joined = text.replace(" [", "_").replace(" (", "_");
         let titles: Vec<&str> = Delimiter::of(&joined).fields(&joined).take(4).collect();
         let [x, y, z] = titles[..] else { return Ok(false) };
-        /// Rest of a title after its first word, if that word is one of `names`.
+        /// Rest of a title after its first word, if that word is one of `names`; otherwise `None`.
         fn after_first_word<'a>(title: &'a str, names: &[&str]) -> Option<&'a str> {
             let end = title.find(|c: char| !c.is_ascii_alphabetic()).unwrap_or(title.len());
             names.iter().any(|name| title[..end].eq_ignore_ascii_case(name)).then_some(&title[end..])

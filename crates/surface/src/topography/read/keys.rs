@@ -27,7 +27,7 @@ pub(super) enum Key {
 }
 
 /// Words for each key: those of Gwyddion in the languages of its interface, of MountainsMap, SPIP, Attocube, Nova and
-/// Koala, and words that people write themselves, parted by commas. The first stands for the key in messages.
+/// Koala, and words that people write themselves, separated by commas. The first word stands for the key in messages.
 const WORDS: [(Key, &str); 12] = [
     (
         Key::Width,

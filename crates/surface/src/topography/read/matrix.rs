@@ -38,12 +38,12 @@ pub(super) struct MatrixReader {
     last: LastField,
     row: Vec<f64>,
     window: Window,
-    /// For a narrow table: checks whether it is a list of coordinates.
+    /// Checks whether the table is a list of coordinates; `None` if the table cannot be a list.
     listed: Option<CoordinateListCheck>,
     /// While all rows begin with the same tabs: a reader that takes these tabs as delimiters of empty fields instead of
     /// indentation.
     unindented: Option<Box<MatrixReader>>,
-    /// The common tabs of all rows so far, and the error if they are an indentation.
+    /// Tabs with which all rows so far begin, and the error to report if these tabs are an indentation.
     unless_indented: Option<(String, ReadError)>,
 }
 

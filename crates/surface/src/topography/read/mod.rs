@@ -61,13 +61,13 @@ pub use window::{Crop, Decimation, DecimationMethod};
 
 use crate::topography::{HeightMap, LengthUnit, ReadError};
 
-/// Number of comments kept.
+/// Maximum number of comments stored.
 const MAX_COMMENTS: usize = 100;
-/// Characters kept of each comment.
+/// Maximum number of characters stored of each comment.
 const MAX_COMMENT_CHARS: usize = 300;
 /// Number of bytes from which the format is recognised.
 const SIGNATURE_BYTES: usize = 64;
-/// Heights per packed byte above which packed data are refused as a decompression bomb, if there are more than
+/// Packed data with more heights per packed byte than this are refused as a decompression bomb, if they have more than
 /// [`HARMLESS_HEIGHTS`]. Measured heights have at least one bit of noise each, so a map takes at most 64 times its
 /// file, or 8 MiB.
 const MAX_HEIGHTS_PER_BYTE: u64 = 8;
@@ -125,14 +125,14 @@ pub struct ReadOptions {
     pub lateral_unit: Option<LengthUnit>,
     /// Whether text has decimal commas, `1,5`; need not be set if no other reading is possible.
     pub decimal_comma: bool,
-    /// Part of the grid to keep.
+    /// Part of the grid to keep; `None` keeps the whole grid.
     pub crop: Option<Crop>,
-    /// Blocks of pixels to average after cropping.
+    /// Reduction of blocks of pixels to one pixel after cropping; `None` keeps every pixel.
     pub decimation: Option<Decimation>,
 }
 
 impl ReadOptions {
-    /// Distances between lines and between the points of a line, in metres, if given by the caller.
+    /// Distances between lines and between the points of a line, in metres; `None` if not given by the caller.
     pub(crate) fn grid_m(&self) -> Option<[f64; 2]> {
         self.pixel_m.map(|[x_m, y_m]| [y_m, x_m])
     }
@@ -160,7 +160,7 @@ impl ReadMap {
     }
 }
 
-/// Reads a map.
+/// Reads a height map in the format given by `options`, or else in the format recognised by content.
 ///
 /// # Errors
 /// [`ReadError`] names the line or entry and the value that cannot be understood, or the missing quantity.
@@ -186,7 +186,7 @@ pub fn read_map(mut source: impl BufRead, options: &ReadOptions) -> Result<ReadM
     }
 }
 
-/// Recognises the format of a file that begins with `start`; `None` is text.
+/// Recognises the format of a file that begins with `start`; `None` stands for text.
 fn format_of(start: &[u8]) -> Result<Option<MapFormat>, ReadError> {
     let begins = |magic: &[u8]| start.starts_with(magic);
     let format = if begins(gsf::MAGIC) {

@@ -40,7 +40,7 @@ const LETTERS: [(&str, &str); 9] = [
     ("\u{a5}\u{ec}", "u"),
 ];
 
-/// Quantities that a length may refer to in a scale; a length per time is not a scale.
+/// Words that may follow `per` in a scale such as `um per count`; a length per time is not a scale.
 const COUNTED: [&str; 12] =
     ["count", "counts", "bit", "lsb", "digit", "unit", "value", "pixel", "px", "point", "step", "line"];
 

@@ -39,7 +39,7 @@ impl Column {
         }
     }
 
-    /// Whether all of `steps` have the same direction.
+    /// Whether the column rises at all of its `steps` steps, or falls at all of them.
     fn is_strict(&self, steps: usize) -> bool {
         self.rises == steps || self.falls == steps
     }
@@ -154,7 +154,7 @@ fn numbers(row: &str) -> Vec<f64> {
     Delimiter::of(row).fields(row).map(value).collect()
 }
 
-/// The step of `values`, if they are equally spaced and at least [`MIN_STEPS`].
+/// The step of `values`; `None` unless they are equally spaced and at least [`MIN_STEPS`] in number.
 fn step(values: &[f64]) -> Option<f64> {
     let (first, last) = (*values.first()?, *values.last()?);
     let step = (last - first) / (values.len() - 1) as f64;

@@ -30,7 +30,8 @@ struct Text {
     options: ReadOptions,
     header: Header,
     data: Option<Data>,
-    /// First line of a preamble that an instrument may have written above the column titles.
+    /// Line number and text of the first line of a preamble that an instrument may have written above the column
+    /// titles.
     preamble: Option<(usize, String)>,
     /// Last lines of tabs only above all data: their number of tabs, and the number of consecutive lines that have it.
     tabs_above: Option<(usize, usize)>,

@@ -17,7 +17,7 @@ pub struct Crop {
 }
 
 impl Crop {
-    /// The same part of a file whose lines are the columns of this one.
+    /// The same rectangle in a file whose lines are the columns of this file.
     pub(super) const fn transposed(self) -> Self {
         Self { first_row: self.first_col, first_col: self.first_row, rows: self.cols, cols: self.rows }
     }

@@ -149,8 +149,8 @@ impl XyzReader {
     }
 }
 
-/// Grid of a scan without missing points along x and y, and its heights in metres, row by row; `None` if lines are
-/// incomplete or not equally spaced.
+/// Grid lines along x and y of a scan without missing points, and its heights in metres, row by row; `None` if lines
+/// are incomplete or not equally spaced.
 fn from_scan(scan: &Scan, unit: Scale) -> Option<([GridLines; 2], Vec<f64>)> {
     let ([x, y], z) = scan.grid()?;
     let along_x = GridLines::find("x", x.iter().copied()).ok()?;
@@ -164,7 +164,8 @@ fn from_scan(scan: &Scan, unit: Scale) -> Option<([GridLines; 2], Vec<f64>)> {
     Some(([along_x, along_y], height_m))
 }
 
-/// Grid of points in any order along x and y, and its heights in metres, row by row, NaN where there is no point.
+/// Grid lines along x and y on which the `points`, in any order, lie, and heights in metres, row by row, NaN where
+/// there is no point.
 fn from_points(points: &[Point], unit: Scale) -> Result<([GridLines; 2], Vec<f64>), ReadError> {
     let along_x = GridLines::find("x", points.iter().map(|point| point.x))?;
     let along_y = GridLines::find("y", points.iter().map(|point| point.y))?;
@@ -202,7 +203,7 @@ fn from_points(points: &[Point], unit: Scale) -> Result<([GridLines; 2], Vec<f64
     Ok(([along_x, along_y], height_m))
 }
 
-/// Equally spaced coordinates: first, first + step, ..., `count` of them (whole, as a float).
+/// Equally spaced coordinates: first, first + step, ..., `count` of them (a whole number, stored as a float).
 #[derive(Clone, Copy, Debug)]
 struct GridLines {
     first: f64,
