@@ -13,8 +13,8 @@ const MIN_SAMPLES_PER_BATCH: usize = 2;
 /// Mean, standard errors and drift of friction over the window.
 ///
 /// The errors assume noise whose correlation falls exponentially, with a correlation time that is estimated from the
-/// window itself ([`line_errors`]). Each stated variance is a mean over the possible correlation times, so that a
-/// normal interval has about its nominal coverage: the mean is within 1.96 standard errors of the truth in 97 % of
+/// samples in the window ([`line_errors`]). Each stated variance is a mean over the possible correlation times, so that
+/// a normal interval has about its nominal coverage: the mean is within 1.96 standard errors of the truth in 97 % of
 /// windows with white noise, and in 95 % or more with correlation times up to a tenth of the window. The root mean
 /// square of the stated errors is then 1.4 to 1.7 times the true spread, because some windows admit a longer
 /// correlation time. Still longer correlation times look like a drift: coverage is 91 % at a sixth of the window and 77
@@ -28,11 +28,11 @@ const MIN_SAMPLES_PER_BATCH: usize = 2;
 pub struct WindowMean {
     /// Mean over time of the friction coefficient.
     pub mu: f64,
-    /// Standard error of the mean, from the deviations of the batch means from the line through them.
+    /// Standard error of the mean, from the deviations of the batch means from their least-squares line.
     pub stderr: f64,
     /// Change of the friction coefficient over the window, from the line through the batch means.
     pub drift: f64,
-    /// Standard error of `drift`.
+    /// Standard error of the drift.
     pub drift_stderr: f64,
 }
 

@@ -1,6 +1,6 @@
 //! Parsing of table cells, as written by instruments and spreadsheets of different locales.
 
-/// Separators that a table may use, in the order in which they are looked for in its header.
+/// Separators that a table may use, in the order in which a header is searched for them.
 pub const SEPARATORS: [char; 3] = ['\t', ';', ','];
 
 /// Returns the separator of a table with this header line; `None` for a line without a separator.
@@ -63,7 +63,8 @@ pub struct DecimalSigns {
 
 impl DecimalSigns {
     /// Records a cell that holds a number, at `[line, column]`. As soon as the table has numbers with a decimal comma
-    /// and with a point, returns the first number with a point and the reason why it is ambiguous.
+    /// and with a point, returns the first number with a point and the reason why the number is ambiguous; otherwise
+    /// `None`.
     pub fn take(&mut self, cell: &str, [line, column]: [u32; 2]) -> Option<(&Written, String)> {
         let bare = unquoted(cell);
         let first = if bare.contains(',') {
@@ -82,7 +83,7 @@ impl DecimalSigns {
         Some((point, reason))
     }
 
-    /// Describes the decimal signs that are accepted.
+    /// Description of the accepted decimal signs for messages.
     pub const EXPECTED: &'static str = "one decimal sign in all numbers of the table, and no sign between thousands";
 }
 

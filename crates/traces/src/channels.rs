@@ -31,13 +31,15 @@ pub enum Channel {
 /// Titles and units of a channel.
 struct ChannelData {
     title: &'static str,
-    /// Titles, reduced to lower-case letters and digits and parted by blanks.
+    /// Titles, reduced to lower-case letters and digits and separated by spaces.
     names: &'static str,
-    /// Titles that count only if no column has a title in `names`: set points, and the distance next to the position.
+    /// Titles that count only if no column has a title in `names`, for example titles of set points, separated by
+    /// spaces.
     secondary: &'static str,
-    /// Spellings of units, parted by blanks, with their factors to SI; the first is assumed where no unit is given.
+    /// Spellings of units, separated by spaces, with their factors to SI; the first unit is assumed where none is
+    /// given.
     units: &'static [(&'static str, f64)],
-    /// List of the units for messages.
+    /// Accepted units, as listed in messages.
     unit_words: &'static str,
 }
 
@@ -105,7 +107,7 @@ const CHANNELS: [ChannelData; Channel::COUNT] = [
             tractioncoeff tractioncoefficient daqcof reibungskoeffizient reibkoeffizient reibungszahl reibwert \
             coefficientdefrottement",
         secondary: "",
-        // Rtec gives in brackets the force that was divided.
+        // Rtec instruments write the divided force in place of the unit.
         units: &[(" 1 fx ff", 1.0)],
         unit_words: "a column without a unit",
     },
@@ -193,19 +195,19 @@ impl Channel {
         Self::Position,
     ];
 
-    /// Channels that can give friction; messages propose the first.
+    /// Channels from which friction can be computed; messages propose the first.
     pub(crate) const FRICTION: [Self; 3] = [Self::FrictionForce, Self::Torque, Self::Coefficient];
 
     const fn data(self) -> &'static ChannelData {
         &CHANNELS[self as usize]
     }
 
-    /// Whether a trace can need this column: time, friction and normal force.
+    /// Whether a trace can need this channel: true for time, the friction channels and the normal force.
     pub const fn is_needed(self) -> bool {
         matches!(self, Self::Time | Self::Torque | Self::FrictionForce | Self::Coefficient | Self::NormalForce)
     }
 
-    /// Titles of a column that holds this channel, reduced to lower-case letters and digits.
+    /// Known titles of columns that hold this channel, reduced to lower-case letters and digits.
     pub fn names(self) -> std::str::SplitWhitespace<'static> {
         self.data().names.split_whitespace()
     }
@@ -234,12 +236,13 @@ impl Channel {
         self.data().unit_words
     }
 
-    /// Spellings of units, parted by blanks, with their factors to SI; the first is assumed where no unit is given.
+    /// Spellings of units, separated by spaces, with their factors to SI; the first unit is assumed where none is
+    /// given.
     pub(crate) const fn units(self) -> &'static [(&'static str, f64)] {
         self.data().units
     }
 
-    /// Factor from `unit`, which is reduced to its letters, to the SI unit; `None` if the unit is unknown. Humidity
+    /// Factor from `unit`, spelled without marks and spaces, to the SI unit; `None` if the unit is unknown. Humidity
     /// becomes a fraction, and rotational speed revolutions per second.
     pub(crate) fn factor(self, unit: &str) -> Option<f64> {
         // `mm/sec` means `mm/s`.

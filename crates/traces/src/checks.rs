@@ -16,8 +16,8 @@ const MAX_GAP_OVER_WINDOW: f64 = 0.02;
 pub(crate) const MAX_OPPOSITE_SIGN: f64 = 0.05;
 /// A sensor counts as saturated if at least this many samples in a row equal its extreme value.
 const MIN_SATURATED_RUN: usize = 5;
-/// Maximum number of different values in the window at which saturation is not tested, because equal values then occur
-/// in a row by chance; a value that never changes is refused all the same.
+/// Saturation is not tested if the window has at most this many different values, because equal values then occur in a
+/// row by chance. A value that never changes is refused in any case.
 const MAX_COARSE_LEVELS: usize = 10;
 
 /// Refuses channels of different lengths or with too few samples, numbers that are not finite, a clock that goes back,
@@ -80,7 +80,8 @@ pub(crate) fn check_channels(channels: &TraceChannels, options: &TraceOptions) -
     Ok(())
 }
 
-/// Creates the error for a clock that goes back at `sample`, counted from 1; `likely` states the likely cause.
+/// Creates the error for a clock that goes back from `from_s` to `to_s`, in seconds, at `sample`, counted from 1;
+/// `likely` states the likely cause.
 fn clock_back(sample: usize, [from_s, to_s]: [f64; 2], likely: &str) -> TraceError {
     TraceError::Refused(format!("the clock goes back at sample {sample}: from {from_s} s to {to_s} s{likely}"))
 }
@@ -98,7 +99,8 @@ pub(crate) fn samples_between(time_s: &[f64], [from, to]: [f64; 2]) -> Range<usi
     time_s.partition_point(|&t| t < from)..time_s.partition_point(|&t| t <= to)
 }
 
-/// Indices of the samples in the window; refuses a trace that ends before it, or has too few samples in it.
+/// Indices of the samples in the window; refuses a trace that ends before the window does, or has too few samples in
+/// the window.
 pub(crate) fn window_samples(time_s: &[f64], window_s: [f64; 2]) -> Result<Range<usize>, TraceError> {
     let end_s = time_s[time_s.len() - 1];
     // A trace may end one sampling interval before the end of the window.
@@ -149,7 +151,7 @@ pub(crate) fn find_gaps(time_s: &[f64], window_s: [f64; 2]) -> Result<Vec<TraceF
     })
 }
 
-/// Refuses a friction sensor that is saturated in the window; flags one that was saturated before it.
+/// Refuses a friction sensor that is saturated in the window; flags a sensor that is saturated only before the window.
 pub(crate) fn check_saturation(
     channels: &TraceChannels,
     inside: &Range<usize>,
@@ -181,7 +183,8 @@ pub(crate) fn check_saturation(
     Ok(())
 }
 
-/// Maximum or minimum of `values`, if it occurs many times in a row, and how often it occurs in total.
+/// Maximum or minimum of `values` if it occurs at least `MIN_SATURATED_RUN` times in a row, with its total count;
+/// otherwise `None`.
 fn run_at_extreme(values: &[f64]) -> Option<(f64, usize)> {
     let extremes = [f64::max as fn(f64, f64) -> f64, f64::min]
         .map(|extreme| values.iter().copied().reduce(extreme).unwrap_or(f64::NAN));
@@ -192,8 +195,8 @@ fn run_at_extreme(values: &[f64]) -> Option<(f64, usize)> {
     })
 }
 
-/// Changes the sign of friction that is recorded as negative; returns whether it was. Refuses friction that changes its
-/// sign in the window.
+/// Changes the sign of friction that is recorded as negative, and returns whether the sign was changed. Refuses
+/// friction that changes its sign in the window.
 pub(crate) fn correct_sign(time_s: &[f64], mu: &mut [f64], window_s: [f64; 2]) -> Result<bool, TraceError> {
     let inside = samples_between(time_s, window_s);
     let window = &mu[inside];

@@ -32,7 +32,7 @@ impl UnknownUnit {
 /// Priority of a column: of several columns of a channel, the first in this order is used.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Priority {
-    /// Title given in `columns`.
+    /// Title given in `columns` of the table `[traces]`.
     Custom,
     /// Title listed in [`Channel::names`].
     Primary,
@@ -79,7 +79,7 @@ impl Column {
     }
 
     fn factor_of(&mut self, unit: &str) -> Option<f64> {
-        // A speed given in revolutions is that of the axis.
+        // A speed in a unit of revolutions is the rotational speed of the axis.
         if self.channel == Channel::Speed
             && let Some(factor) = Channel::Revolutions.factor(unit)
         {
@@ -93,7 +93,7 @@ impl Column {
 /// Characters in front of a unit in a title: brackets, slash and underscore.
 const UNIT_MARKS: [char; 5] = ['[', '(', '{', '/', '_'];
 
-/// Custom title which says that no column holds a channel.
+/// Custom title that declares a channel absent from the table.
 pub const NO_COLUMN: &str = "none";
 
 /// Custom titles of columns; channels without a custom title are recognized by the known titles.
@@ -103,12 +103,12 @@ pub struct Titles(Vec<Title>);
 #[derive(Clone, Debug, PartialEq)]
 struct Title {
     channel: Channel,
-    /// Letters of the whole title including the unit.
+    /// Whole title including the unit, reduced to lower-case letters and digits.
     whole: String,
-    /// Letters of the title without a unit in brackets or after a slash.
+    /// Title without a unit in brackets or after a slash, reduced to lower-case letters and digits.
     letters: String,
     factor: f64,
-    /// Index, from 1, of the column that is meant among several columns with this title.
+    /// Number, from 1, of the intended column among several columns with this title; `None` if any of them may be used.
     number: Option<usize>,
 }
 
@@ -197,8 +197,8 @@ impl Titles {
         (!self.has_title(known)).then(|| (known, known.usual_factor(), priority))
     }
 
-    /// Index, from 1, of the column that is meant among several columns with the custom title of `channel`; `None` for
-    /// any.
+    /// Number, from 1, of the intended column among several columns with the custom title of `channel`; `None` if any
+    /// of them may be used.
     fn number(&self, channel: Channel) -> Option<usize> {
         self.0.iter().find(|title| title.channel == channel)?.number
     }

@@ -18,16 +18,17 @@ use slipgrid_base::statistics::cholesky::{cholesky, log_determinant, solve_lower
 /// Correlation times as fractions of the window, in addition to 0 (white noise). Noise with a longer correlation time
 /// cannot be distinguished from a drift.
 const CORRELATION_TIMES: [f64; 6] = [0.01, 0.02, 0.04, 0.08, 0.16, 0.32];
-/// Prior weight of each correlation time relative to white noise, such that all of them together weigh as much as white
-/// noise.
+/// Prior weight of each correlation time relative to white noise, such that all correlation times together weigh as
+/// much as white noise.
 const CORRELATED_PRIOR: f64 = 1.0 / 6.0;
 
-/// Standard errors of the mean of evenly spaced values, and of the change of their line over `values.len()` steps.
+/// Standard errors of the mean of evenly spaced values, and of the change of their least-squares line over as many
+/// steps as there are values.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LineErrors {
     /// Standard error of the mean.
     pub mean: f64,
-    /// Standard error of the change.
+    /// Standard error of the change of the line.
     pub change: f64,
 }
 
@@ -35,7 +36,7 @@ pub struct LineErrors {
 struct Hypothesis {
     /// Natural logarithm of the weight, up to a constant.
     log_weight: f64,
-    /// Squared standard errors of mean and change.
+    /// Squared standard errors of the mean and of the change of the line, in this order.
     squares: [f64; 2],
 }
 

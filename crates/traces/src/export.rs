@@ -29,7 +29,7 @@ pub struct TraceFile {
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ExportOptions<'a> {
     /// Distance from the axis to the centre of a specimen, in metres; needed for a torque, and to convert rotational
-    /// speed to sliding speed.
+    /// speed to sliding speed; `None` if not given.
     pub effective_radius_m: Option<f64>,
     /// Custom titles of columns; `None` for the known titles only.
     pub titles: Option<&'a Titles>,
@@ -40,14 +40,16 @@ pub struct ExportOptions<'a> {
 
 /// Prefixes of comment lines.
 const COMMENTS: [&str; 4] = ["#", "%", "//", "\"#"];
-/// The clock has restarted if time falls back to the first 1 % of the span so far.
+/// The clock counts as restarted if time falls back to within this fraction of the time span recorded so far from the
+/// trace's beginning.
 const CLOCK_ANEW: f64 = 0.01;
-/// Minimum number of rows before a restart of the clock. Columns that are not times fall back sooner.
+/// Minimum number of rows before a restart of the clock is recognized. A column that is no time falls back after fewer
+/// rows.
 const MIN_ROWS_OF_CLOCK: usize = 20;
 /// Maximum number of summary lines (sums, means) below the last row: lines as long as a row, with words instead of a
 /// time.
 const MAX_SUMMARY_LINES: usize = 10;
-/// Maximum number of steps that a message lists.
+/// Maximum number of steps listed in a message.
 const MAX_LISTED_STEPS: usize = 12;
 
 /// Parses the text of an export.
@@ -85,8 +87,8 @@ fn has_content(line: &str) -> bool {
     !start.is_empty() && !COMMENTS.iter().any(|mark| start.starts_with(mark))
 }
 
-/// Titles of the first table in the text of an export, each with the channel that is recognized. Without known titles,
-/// the cells above the first row of numbers are returned. Empty if there is no table.
+/// Titles of the first table in the text of an export, each with the recognized channel, or `None`. If no title is
+/// known, the cells above the first row of numbers are returned. Empty if there is no table.
 pub fn titles_in(text: &str, titles: &Titles) -> Vec<(String, Option<Channel>)> {
     let lines = text.trim_start_matches('\u{feff}').lines();
     let mut above = None;
@@ -99,7 +101,7 @@ pub fn titles_in(text: &str, titles: &Titles) -> Vec<(String, Option<Channel>)> 
             continue;
         }
         let cells = known.or(above).unwrap_or_default();
-        // A title with an unknown unit has no quantity here; the reader refuses it with its reason.
+        // A title with an unknown unit gets no channel here; `parse` refuses the title with the reason.
         let columns = columns(&cells, titles).unwrap_or_else(|_| vec![None; cells.len()]);
         let channels = columns.into_iter().map(|column| column.map(|column| column.channel));
         return cells.iter().map(|cell| unquoted(cell).to_owned()).zip(channels).collect();
@@ -107,7 +109,8 @@ pub fn titles_in(text: &str, titles: &Titles) -> Vec<(String, Option<Channel>)> 
     Vec::new()
 }
 
-/// State of the trace that is being read: its run and step, its clock and its rows.
+/// State of the trace that is being read: number of its run and step, times of its first and last row, number of its
+/// rows.
 #[derive(Clone, Copy)]
 struct Current {
     run: Option<f64>,
@@ -115,7 +118,7 @@ struct Current {
     start_s: f64,
     last_s: f64,
     rows: usize,
-    /// Whether the clock has never gone back.
+    /// Whether no row of the trace has an earlier time than the row before.
     is_ordered: bool,
 }
 
@@ -130,9 +133,9 @@ struct Reader<'a, 'o> {
     has_table: bool,
     unused: Vec<String>,
     used: Vec<Channel>,
-    /// Number of the run from the last marker line.
+    /// Run number in the last marker line (`Run # 2`); `None` before any.
     run: Option<f64>,
-    /// Number of the step from the last marker line.
+    /// Step number in the last marker line (`Step No. 2`); `None` before any.
     step: Option<f64>,
     /// Whether a header or a marker line came since the last row.
     is_apart: bool,
@@ -141,11 +144,12 @@ struct Reader<'a, 'o> {
     traces_begun: u32,
     tables: Vec<Table>,
     signs: DecimalSigns,
-    /// The first text line since the last header, and whether it is as long as a row.
+    /// The first text line since the last header or marker line, and whether the line has as many cells as a row;
+    /// `None` before such a line.
     words: Option<(Line<'a>, bool)>,
     summary_lines: usize,
     steps: Vec<NumberedStep>,
-    /// Whether a run has several steps, each with its own clock.
+    /// Whether any run has several steps that are separated by headers, marker lines or restarts of the clock.
     has_several_steps: bool,
 }
 
@@ -185,7 +189,7 @@ impl<'a> Reader<'a, '_> {
         }
     }
 
-    /// Reads `line` if it is a row of the current table; returns whether it was.
+    /// Reads `line` if it is a row of the current table, and returns whether it is one.
     fn read_row(&mut self, number: u32, line: &'a str) -> Result<bool, ExportError> {
         let Some(layout) = &self.layout else { return Ok(false) };
         let (separator, width) = (layout.separator, layout.titles.len());
@@ -270,7 +274,7 @@ impl<'a> Reader<'a, '_> {
         }
     }
 
-    /// Reads the numbers of the row `cells` in line `number`.
+    /// Adds the numbers of the row `cells` in line `number` to the current trace.
     fn read(&mut self, number: u32, cells: &[&str]) -> Result<(), ExportError> {
         let Some(layout) = &self.layout else { return Ok(()) };
         let width = layout.titles.len();
@@ -400,7 +404,8 @@ fn short_line(number: u32, found: usize, expected: usize) -> ExportError {
     ExportError::at(Some(number), format!("has {found} values"), format!("{expected}, as the header line"))
 }
 
-/// Creates the error for a table without a sample; `rows` is the longest run of rows with missing numbers.
+/// Creates the error for a table without a sample; `rows` is the longest sequence of rows with missing numbers, `None`
+/// if no row lacks numbers.
 fn no_sample(rows: Option<Longest>) -> ExportError {
     let Some(Longest { rows, columns, lines: [first, _], .. }) = rows else {
         return ExportError::at(None, "has no rows", "samples below the header");

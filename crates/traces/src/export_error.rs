@@ -9,9 +9,9 @@ use crate::columns::UnknownUnit;
 pub struct ExportError {
     /// Line in the file, from 1; `None` for the file as a whole.
     pub line: Option<u32>,
-    /// Column name, as in the file.
+    /// Column name, as in the file; `None` if no column is concerned.
     pub column: Option<String>,
-    /// Text of the cell.
+    /// Text of the refused cell; `None` if no cell is concerned.
     pub value: Option<String>,
     /// Reason for the refusal.
     pub reason: String,

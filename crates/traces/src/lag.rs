@@ -1,27 +1,27 @@
-//! Delay between the turns of the position and the sign changes of friction in reciprocating sliding.
+//! Delay between the reversals of the position and the sign changes of friction in reciprocating sliding.
 
 use super::time_series::median;
 use super::{Tangential, TraceChannels, TraceOptions, samples_between, sampling_interval, zero};
 
 /// Number of loops of friction against position that `friction_loops` returns.
 const LOOPS: usize = 2;
-/// Minimum number of turns of the position, and of sign changes of friction, for a lag.
+/// Minimum number of reversals of the position, and of sign changes of friction, from which a lag is computed.
 const MIN_TURNS: usize = 5;
-/// The position counts as at the end of a stroke within this fraction of the stroke from its extreme.
+/// The position counts as at the end of a stroke within this fraction of the stroke length from the extreme position.
 const STROKE_END_FRACTION: f64 = 0.01;
 
-/// Delay of the sign changes of friction behind the turns of the position.
+/// Delay of the sign changes of friction after the reversals of the position.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lag {
-    /// Lag, in seconds; negative if friction changes its sign before the position turns.
+    /// Lag, in seconds; negative if friction changes its sign before the position reverses.
     pub lag_s: f64,
     /// Median duration of a stroke, in seconds.
     pub stroke_s: f64,
 }
 
-/// Median lag of friction behind the position within `window_s` (seconds since the trace begins). `position_m` has one
-/// value per sample, in metres. `None` if there are too few turns, if the position was not recorded, or if the lag is
-/// below two sampling intervals.
+/// Median lag of the sign changes of friction behind the reversals of the position within `window_s` (seconds since the
+/// trace begins). `position_m` has one value per sample, in metres. `None` if there are too few reversals, if the
+/// position was not recorded, or if the lag is below two sampling intervals.
 pub fn lag_of_friction(channels: &TraceChannels, position_m: &[f64], window_s: [f64; 2]) -> Option<Lag> {
     let friction = channels.tangential.values();
     if position_m.len() != friction.len() || friction.len() != channels.time_s.len() {
@@ -83,8 +83,9 @@ pub fn friction_loops(channels: &TraceChannels, position_m: &[f64], options: &Tr
     all.filter_map(|(at, mu)| Some([position_m[at], mu.filter(|mu| mu.is_finite())?])).collect()
 }
 
-/// Indices at which `values` cross the middle of their range before they exceed it by a quarter of the range on the
-/// other side. The range is that between the quantiles of 5 and 95 %.
+/// Indices at which `values` change from one side of the middle of their range to the other, by a quarter of the range
+/// on each side. The range lies between the 5 % and 95 % quantiles. Of several crossings during a change the last
+/// counts.
 fn crossings(time_s: &[f64], values: &[f64]) -> Vec<usize> {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
@@ -107,8 +108,8 @@ fn crossings(time_s: &[f64], values: &[f64]) -> Vec<usize> {
     found
 }
 
-/// Time of a turn, in seconds: the middle of the time that the position spends at its end between two crossings of its
-/// middle, at the indices `from` and `to`.
+/// Time of a reversal, in seconds: the midpoint of the time that the position spends at the end of the stroke between
+/// two crossings of the stroke's centre, at the indices `from` and `to`.
 fn turning_time(time_s: &[f64], position: &[f64], from: usize, to: usize) -> f64 {
     let middle = (position[from] + position[to]) / 2.0;
     let distance = |at: &usize| (position[*at] - middle).abs();

@@ -6,8 +6,8 @@ use crate::export_error::ExportError;
 
 /// Hint for messages: where custom titles are given, and where known titles are listed.
 const TITLES_HINT: &str = "in [traces]; see reference/trace-columns.md";
-/// Two columns hold the same quantity if their absolute values differ by at most this fraction of the maximum. Friction
-/// is not known more precisely.
+/// Two columns hold the same quantity if their absolute values differ in no row by more than this fraction of the
+/// largest absolute value in the first column. Friction is not known more precisely.
 const COLUMN_TOLERANCE: f64 = 1e-3;
 
 /// A line of the file with its number, from 1.
@@ -25,8 +25,9 @@ pub(crate) struct Layout<'a> {
     pub(crate) has_units: bool,
 }
 
-/// Returns the separator and the titles in `line`, if it is a header: it names at least two of the needed columns
-/// (time, friction, normal force). The third may be missing, which gives a better message later.
+/// Returns the separator and the titles in `line` if at least two needed columns (time, friction, normal force) are
+/// named, and `None` for other lines. A header may lack the third column here; a later check names the missing column
+/// in its message.
 pub(crate) fn header<'a>(line: &'a str, titles: &Titles) -> Option<(char, Vec<&'a str>)> {
     let separator = separator(line)?;
     let mut cells = cut(line, separator);
@@ -35,14 +36,14 @@ pub(crate) fn header<'a>(line: &'a str, titles: &Titles) -> Option<(char, Vec<&'
     (needed_columns(&cells, titles) >= 2).then_some((separator, cells))
 }
 
-/// Whether a cell says that nothing was measured.
+/// Whether a cell stands for a missing value: empty, `nan`, `-`, `n/a` or similar.
 pub(crate) fn is_missing(cell: &str) -> bool {
     matches!(unquoted(cell).to_ascii_lowercase().as_str(), "" | "nan" | "-" | "--" | "---" | "n/a" | "na")
 }
 
 impl<'a> Layout<'a> {
-    /// Selects the columns of a table with `titles` in line `number`. `below` are the lines after it, `own` the custom
-    /// titles; without `has_radius`, a torque is refused.
+    /// Selects the columns of a table with `titles` in line `number`. `below` are the lines after line `number`, `own`
+    /// the custom titles; without `has_radius`, a torque is refused.
     ///
     /// # Errors
     /// [`ExportError`] for unknown units, missing columns, and several columns of a channel that differ.
@@ -68,7 +69,7 @@ impl<'a> Layout<'a> {
         Ok(layout)
     }
 
-    /// Whether a row without a number in `column` must be skipped.
+    /// Whether a row must be skipped if it has no number in `column`.
     pub(crate) fn requires(&self, column: &Column) -> bool {
         column.channel.is_needed() && (column.channel != Channel::Coefficient || !self.has_force())
     }
@@ -86,7 +87,7 @@ impl<'a> Layout<'a> {
         unused.map(|(cell, _)| unquoted(cell).chars().filter(|c| !c.is_control()).collect()).collect()
     }
 
-    /// Index of the first column of `channel`.
+    /// Index of the first column of `channel`; `None` if no column is used for it.
     pub(crate) fn find(&self, channel: Channel) -> Option<usize> {
         self.columns.iter().position(|column| column.as_ref().is_some_and(|column| column.channel == channel))
     }
@@ -128,7 +129,8 @@ impl<'a> Layout<'a> {
         Ok(())
     }
 
-    /// Keeps only the friction channel that has a custom title, if any; a coefficient is kept as a check.
+    /// Keeps only the friction channel that has a custom title, if any; a column of coefficients is kept as a check.
+    /// Refuses custom titles for both friction force and torque.
     fn select_friction(&mut self, number: u32) -> Result<(), ExportError> {
         let own: Vec<&Column> =
             self.columns.iter().flatten().filter(|column| column.priority == Priority::Custom).collect();
@@ -151,8 +153,9 @@ impl<'a> Layout<'a> {
         Ok(())
     }
 
-    /// Keeps one of several columns of `channel`, or none of an optional channel whose columns differ; refuses needed
-    /// columns that differ. `rows` are the lines below the header.
+    /// Keeps one of several columns of `channel`. If their values differ, keeps the first of step or repeat numbers,
+    /// and none of another channel that can be missing (a coefficient can if a force or torque is there); otherwise
+    /// refuses the columns. `rows` are the lines below the header, which is line `number`.
     fn select_column(
         &mut self,
         channel: Channel,
@@ -169,8 +172,8 @@ impl<'a> Layout<'a> {
         }
         let kept = match same_columns(self, &several, rows, own) {
             Ok(kept) => Some(kept),
-            // Of several step numbers the first counts. Of other optional channels none is used, because the right one
-            // is not known.
+            // Of several columns with step or repeat numbers the first is used. Of other optional channels no column is
+            // used, because the right column is not known.
             Err(_) if matches!(channel, Channel::Step | Channel::Repeat) => Some(several[0]),
             Err(_) if !channel.is_needed() || (channel == Channel::Coefficient && self.has_force()) => None,
             Err(differ) => return Err(self.ambiguous_columns(channel, number, &several, differ)),

@@ -95,21 +95,22 @@ use checks::{
 };
 use static_peak::before_window;
 
-/// A sample of the trace counts as unloaded if its normal force is below this fraction of the median in the window.
+/// A sample of the trace counts as unloaded if its normal force is below this fraction of the median normal force in
+/// the window.
 const UNLOADED_FRACTION: f64 = 0.5;
 /// Minimum mean friction coefficient of a specimen that slides: a hundredth of the lowest dry friction of solids.
 const MIN_FRICTION: f64 = 1e-4;
-/// Maximum change of friction over the window, relative to the mean, in steady sliding. A specimen that sticks
-/// throughout is loaded linearly, which gives 2 (t2 - t1) / (t2 + t1) for a window from t1 to t2, or 1.2 for the
-/// default window.
+/// Maximum change of friction over the window, relative to mean friction, in steady sliding. If a specimen sticks
+/// throughout, friction rises linearly with time, and this ratio is 2 (t2 - t1) / (t2 + t1) for a window from t1 to t2:
+/// 1.2 for the default window.
 const MAX_DRIFT: f64 = 0.6;
 /// Maximum distance, in metres, that a drive moves between two slips: the elastic deformation of arm and specimen
 /// before a slip. Tribometers deform by 1 um to 1 mm, sleds on a cord by some millimetres.
 const MAX_SLIP_M: f64 = 0.01;
-/// Drift of friction over the window, relative to the mean, above which it is flagged.
+/// A drift of friction over the window is flagged if it exceeds this fraction of mean friction.
 const FLAGGED_DRIFT: f64 = 0.02;
-/// Number of standard errors that a flagged drift must also exceed. Noise exceeds it in less than 2 % of traces with
-/// correlation times up to a fifteenth of the window, and in 3 % at a sixth.
+/// Number of standard errors that a flagged drift must also exceed. Noise alone exceeds this number in less than 2 % of
+/// traces with correlation times up to a fifteenth of the window, and in 3 % at a sixth of the window.
 const FLAGGED_DRIFT_STDERRS: f64 = 3.0;
 
 /// Recorded friction signal.
@@ -170,11 +171,11 @@ pub struct TraceOptions {
     pub window_s: [f64; 2],
     /// Distance r_eff from the axis to the centre of a specimen, in metres; needed for a torque.
     pub effective_radius_m: f64,
-    /// Nominal normal force on the whole sample holder, in newtons, if known.
+    /// Nominal normal force on the whole sample holder, in newtons; `None` if unknown.
     pub nominal_force_n: Option<f64>,
-    /// Sliding speed, in m/s, by which a static peak is distinguished from run-in.
+    /// Sliding speed, in m/s; used to distinguish a static peak from run-in by the distance slid.
     pub speed_m_s: f64,
-    /// Whether to look for a static peak and for run-in.
+    /// Whether to look for a static peak and for run-in before the window.
     pub static_peak: bool,
     /// Central fraction of every stroke that is used in reciprocating sliding, above 0 up to 1; `None` for sliding in
     /// one direction. If given, neither static peak nor stick-slip is looked for.
@@ -199,9 +200,9 @@ pub struct TraceFindings {
     pub window_s: [f64; 2],
     /// Mean, error and drift over the window.
     pub window: WindowMean,
-    /// Static peak, if friction stands out at the onset of sliding.
+    /// Static peak; `None` if friction does not stand out at the onset of sliding, or if no peak was looked for.
     pub static_peak: Option<TracePeak>,
-    /// Stick-slip in the window, if there is any.
+    /// Stick-slip in the window; `None` if there is none.
     pub stick_slip: Option<StickSlip>,
     /// Median normal force in the window, in newtons.
     pub normal_force_n: f64,

@@ -6,18 +6,18 @@ use super::time_series::median;
 use super::trace_errors::short;
 use super::{Tangential, TraceChannels, TraceError, TraceFlag, TraceOptions, UNLOADED_FRACTION};
 
-/// Relative deviations of the mean normal force from the nominal force above which it is flagged (first) and refused
-/// (second).
+/// Deviation of the mean normal force from the nominal force, relative to the nominal force: above the first number the
+/// force is flagged, above the second it is refused.
 const LOAD_TOLERANCES: (f64, f64) = (0.05, 0.5);
-/// Maximum relative standard deviation of the normal force that is not flagged.
+/// The normal force is flagged if its standard deviation in the window exceeds this fraction of its mean.
 const MAX_LOAD_VARIATION: f64 = 0.05;
 /// A column counts as the normal force if its mean is within 10 % of the nominal force.
 const FORCE_MATCH_TOLERANCE: f64 = 0.1;
 /// Units of force that are mistaken for newtons, with their values in newtons.
 const UNITS: [(&str, f64); 5] = [("kN", 1e3), ("mN", 1e-3), ("kgf", 9.806_65), ("gf", 9.806_65e-3), ("uN", 1e-6)];
 
-/// Checks the load. Returns the median normal force in the window, in newtons and positive, and whether it is recorded
-/// as negative.
+/// Checks the load. Returns the median absolute normal force in the window, in newtons, and whether the force is
+/// recorded as negative.
 ///
 /// # Errors
 /// [`TraceError`] if the load is lost within the window, or is far from the nominal force.

@@ -3,15 +3,15 @@
 /// Number given by a marker line: a line that numbers the table below it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Marker {
-    /// Number of a run, which is repeated under equal conditions.
+    /// Number of a run: one of several repeats of a test under equal conditions.
     Run(f64),
     /// Number of a step of a test.
     Step(f64),
 }
 
-/// Words, one of which begins a line that numbers a step.
+/// First words of lines that number a step.
 const STEP_WORDS: [&str; 4] = ["step", "schritt", "segment", "sequence"];
-/// Word that begins a line that numbers a run.
+/// First word of lines that number a run.
 const RUN_WORD: &str = "run";
 
 /// Words that may stand between the first word and the number.

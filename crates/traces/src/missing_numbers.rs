@@ -2,7 +2,7 @@
 
 use crate::TraceError;
 
-/// A run of consecutive rows without a number in a needed column.
+/// Consecutive rows without a number in a needed column, the longest such sequence of a trace.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Longest {
     /// Number of rows.
@@ -11,7 +11,7 @@ pub struct Longest {
     pub columns: Vec<String>,
     /// First and last line, from 1.
     pub lines: [u32; 2],
-    /// First and last time, in seconds, if times are known.
+    /// First and last known time of the rows, in seconds; `None` if no row has a time.
     pub time_s: Option<[f64; 2]>,
 }
 
@@ -38,8 +38,8 @@ impl Missing {
         format!("{count} of {} rows {are} no number{columns}{all}{times} ({lines})", self.of)
     }
 
-    /// Explains that a trace was refused with `error` because of the missing rows, and states what would be accepted,
-    /// in this order. `None` if the rows do not explain the error. The window is given in seconds.
+    /// Returns the explanation that missing rows caused the refusal of a trace with `error`, and a description of
+    /// accepted traces. `None` if the rows do not explain the error. The window is given in seconds.
     pub fn explains(&self, error: &TraceError, [from_s, to_s]: [f64; 2]) -> Option<[String; 2]> {
         let reaches =
             |from: f64, to: f64| self.longest.time_s.is_none_or(|time_s| time_s[0] <= to && time_s[1] >= from);
@@ -67,7 +67,7 @@ pub(crate) struct MissingRows {
 }
 
 impl MissingRows {
-    /// Adds the row in line `number`; `without` are the needed columns in which it has no number.
+    /// Adds the row in line `number`; `without` are the needed columns in which the row has no number.
     pub(crate) fn add<'a>(&mut self, number: u32, time_s: Option<f64>, without: impl Iterator<Item = &'a str>) {
         self.rows += 1;
         let current = self.current.get_or_insert_with(|| Longest {
@@ -96,7 +96,8 @@ impl MissingRows {
         }
     }
 
-    /// The longest run of rows, with times on the clock of the file.
+    /// The longest sequence of rows with missing numbers, with times on the clock of the file; `None` if no row lacks
+    /// numbers.
     pub(crate) fn longest(mut self) -> Option<Longest> {
         self.end();
         self.longest

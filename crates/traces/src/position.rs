@@ -2,12 +2,14 @@
 
 use super::time_series::{median, sample_noise};
 
-/// Travel between two samples is trusted from 5 quantization steps of the position on.
+/// Travel between two samples is trusted if it is at least this many quantization steps of the position (or standard
+/// deviations of its noise, if larger).
 const MIN_QUANTIZATION_STEPS: f64 = 5.0;
-/// Minimum number of comparison intervals in the window: samples are compared over at most a fiftieth of it, so that no
-/// comparison spans a turn.
+/// Minimum number of comparison intervals in the window: samples are compared over at most a fiftieth of the window, so
+/// that no comparison spans a reversal.
 const MIN_STEPS_PER_WINDOW: usize = 50;
-/// Minimum speed in the middle of a stroke, in reciprocating sliding, as a fraction of the fastest (the 98 % quantile).
+/// In reciprocating sliding, speeds above this fraction of the highest speed (the 98 % quantile) count as the middle of
+/// a stroke.
 const MID_STROKE_SPEED: f64 = 0.5;
 
 /// Estimates the speed from a recorded position, in m/s: the median of |dx/dt| over the samples from `from_s` to

@@ -5,7 +5,7 @@ use crate::missing_numbers::{Longest, Missing, MissingRows};
 use crate::time_series::median;
 use crate::{Tangential, TraceChannels};
 
-/// One recorded repeat.
+/// One recorded repeat of a test: a trace.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Recorded {
     /// Number of the repeat in the file, from 1.
@@ -15,17 +15,19 @@ pub struct Recorded {
     /// Friction coefficient computed by the instrument at every sample, next to a torque or friction force; NaN where
     /// it is missing, empty without such a column.
     pub coefficient: Vec<f64>,
-    /// Mean absolute value of the recorded sliding speed, in m/s, if there is such a column.
+    /// Mean absolute value of the sliding speed, in m/s, from the speed column or from the revolutions column; `None`
+    /// without either.
     pub speed_m_s: Option<f64>,
-    /// Mean recorded relative humidity, 0 to 1, if there is such a column.
+    /// Mean recorded relative humidity, 0 to 1; `None` without a humidity column.
     pub humidity: Option<f64>,
     /// Recorded position at every sample, in metres; NaN where it is missing, empty without such a column with a unit.
     pub position_m: Vec<f64>,
-    /// Rows that were skipped because a needed number is missing.
+    /// Rows that were skipped because a needed number is missing; `None` if no row was.
     pub missing: Option<Missing>,
     /// Number of rows that were skipped because they equal the row before.
     pub repeated_rows: usize,
-    /// Line at which the clock restarts, if only this separates the trace from the one before.
+    /// Line at which the clock restarts, if only this restart separates the trace from the one before; otherwise
+    /// `None`.
     pub clock_restarts_in_line: Option<u32>,
 }
 
@@ -60,7 +62,8 @@ pub(crate) struct Table {
     /// Numbers of each channel, in SI units: absolute values of speeds, and NaN where a coefficient or a position is
     /// missing.
     values: [Vec<f64>; Channel::COUNT],
-    /// Time of the first row on the clock of the file, even if the row lacks other numbers.
+    /// Time of the first row on the clock of the file, in seconds, even if the row lacks other numbers; `None` before
+    /// any row with a time.
     start_s: Option<f64>,
     missing: MissingRows,
     repeated: usize,
@@ -70,8 +73,8 @@ pub(crate) struct Table {
 }
 
 impl Table {
-    /// Creates a table. `clock_restarts_in_line` is the line of its first row, if the table begins because the clock
-    /// restarts.
+    /// Creates an empty table. `clock_restarts_in_line` is the line of the table's first row if the table begins
+    /// because the clock restarts, otherwise `None`.
     pub(crate) fn restarted_by_clock(clock_restarts_in_line: Option<u32>) -> Self {
         Self { clock_restarts_in_line, ..Self::default() }
     }
@@ -85,13 +88,13 @@ impl Table {
         self.has_rows
     }
 
-    /// The longest run of rows without a number.
+    /// The longest sequence of rows that lack a needed number; `None` if there is none.
     pub(crate) fn longest_missing(self) -> Option<Longest> {
         self.missing.longest()
     }
 
-    /// Adds the row in line `number`. A row without a time, or with columns in `without`, the needed columns that lack
-    /// a number, is counted as missing instead.
+    /// Adds the row in line `number`; `without` are the needed columns in which the row has no number. A row without a
+    /// time or with columns in `without` is counted as missing instead.
     pub(crate) fn push<'a>(&mut self, number: u32, row: &Row, without: impl Iterator<Item = &'a str>) {
         let mut without = without.peekable();
         self.has_rows = true;

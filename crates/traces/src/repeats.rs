@@ -7,7 +7,8 @@ use super::{TraceFindings, TracePeak};
 /// Minimum deviation of an odd repeat from the mean of the other repeats, relative to this mean. Friction scatters by
 /// some per cent.
 const MIN_ODD_DEVIATION: f64 = 0.05;
-/// Minimum relative difference of two repeats that is reported. Two repeats do not show which of them is odd.
+/// Minimum difference of two repeats, relative to their mean, that is reported. Two repeats do not show which of them
+/// is odd.
 const MIN_PAIR_DIFFERENCE: f64 = 0.1;
 /// Number of standard errors that a difference between repeats must exceed to count as significant.
 const NOISE_STDERRS: f64 = 4.0;
@@ -23,16 +24,17 @@ pub struct OddRepeat {
     pub others: f64,
     /// Deviation of the repeat from `others`, relative to `others`.
     pub relative: f64,
-    /// Range of the other repeats, relative to their mean; `None` if there is only one other repeat.
+    /// Maximum minus minimum of the other repeats, relative to their mean; `None` if there is only one other repeat.
     pub others_differ: Option<f64>,
 }
 
 /// Finds repeats whose dynamic friction differs from that of the other repeats. `values` are pairs of dynamic friction
 /// and its standard error, one per repeat.
 ///
-/// Among three or more repeats, a repeat is odd if it lies outside the 95 % prediction interval of the others
-/// (Student's t), and also differs from their mean by more than 5 % and by more than noise. Of two repeats the second
-/// is returned if they differ by more than 10 % of their mean and by more than noise. A single repeat is never odd.
+/// Among three or more repeats, a repeat is odd if it lies outside the 95 % prediction interval of the other repeats
+/// (Student's t), and also differs from the mean of the other repeats by more than 5 % and by more than noise. Of two
+/// repeats the second is returned if they differ by more than 10 % of their mean and by more than noise. A single
+/// repeat is never odd.
 pub fn odd_repeats(values: &[(f64, f64)]) -> Vec<OddRepeat> {
     let odd = |index: usize| {
         let (mu, error) = values[index];
@@ -77,14 +79,15 @@ pub struct MeanStd {
 
 impl MeanStd {
     /// Standard deviation for the prediction of another sample from n = `count` repeats with the standard deviation s =
-    /// `std` and nu = `freedom`. It is that of the normal distribution whose 95 % interval equals that of Student's t:
+    /// `std` and nu = `freedom`. A normal distribution with this standard deviation has the 95 % interval of Student's
+    /// t:
     ///
     /// ```text
     /// s sqrt(1 + 1/n) t_95(nu) / 1.96
     /// ```
     ///
-    /// t_95(nu) is the quantile of Student's t for the 95 % interval. Without degrees of freedom it is undefined, and
-    /// its factor is left out; the result is then a lower bound.
+    /// t_95(nu) is the quantile of Student's t for the 95 % interval. Without degrees of freedom t_95 is undefined, and
+    /// the factor t_95 / 1.96 is left out; the result is then a lower bound.
     pub fn predictive_std(&self, count: usize) -> f64 {
         let student = if self.freedom == 0 {
             1.0
@@ -111,7 +114,7 @@ pub struct Repeats {
     pub peaks: usize,
     /// Number of repeats that show stick-slip.
     pub stick_slips: usize,
-    /// Mean normal force in the window, in newtons.
+    /// Mean over the repeats of the normal force in the window, in newtons.
     pub normal_force_n: f64,
 }
 
@@ -159,11 +162,11 @@ const MAX_PRIOR_FREEDOM: usize = 4;
 /// s^2 = (nu_0 (s_0 mu)^2 + nu s_own^2) / (nu_0 + nu),   nu = n - 1,   s_0^2 = sum nu_j (s_j/mu_j)^2 / sum nu_j over the others
 /// ```
 ///
-/// with the mean friction mu and the number n of repeats of a condition, sums over the other conditions j, and nu_0 =
-/// sum nu_j, at most four (moderated variances as in G. K. Smyth, Stat. Appl. Genet. Mol. Biol. 3, 3, 2004). Two or
-/// three repeats may agree by chance, and a fit weighted by 1/s^2 would then treat such a condition as nearly exact.
-/// The standard deviation of a single repeat, which says nothing about scatter, is never lowered. The degrees of
-/// freedom become nu_0 + nu.
+/// with the mean friction mu, the standard deviation s_own and the number n of repeats of a condition, sums over the
+/// other conditions j, and nu_0 = sum nu_j, at most four (moderated variances as in G. K. Smyth, Stat. Appl. Genet.
+/// Mol. Biol. 3, 3, 2004). Two or three repeats may agree by chance, and a fit weighted by 1/s^2 would then treat such
+/// a condition as nearly exact. The standard deviation of a single repeat, which says nothing about scatter, is never
+/// lowered. The degrees of freedom become nu_0 + nu.
 pub fn moderate(conditions: &mut [&mut Repeats]) {
     shrink_deviations(conditions.iter_mut().map(|repeats| &mut repeats.mu_dynamic).collect());
     shrink_deviations(conditions.iter_mut().filter_map(|repeats| repeats.mu_static.as_mut()).collect());

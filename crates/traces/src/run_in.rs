@@ -9,15 +9,15 @@ use slipgrid_base::statistics::Confidence;
 
 use super::time_series::{line_through, mean_between};
 
-/// Maximum length of the first part, as fractions of the time before the window and of the window; the shorter of both
-/// is used.
+/// Maximum length of the first part: the smaller of these fractions of the time before the window and of the window's
+/// length, in this order.
 const MAX_PART: [f64; 2] = [1.0 / 4.0, 1.0 / 8.0];
 /// Number of lengths of the first part that are tried, each half of the previous one, because run-in may be over soon.
 const HALVINGS: i32 = 4;
 /// Minimum number of sampling intervals in a part.
 const MIN_INTERVALS: f64 = 3.0;
-/// Confidence of the test of each length. With all lengths tested, fewer than 5 % of traces without run-in are reported
-/// to have it.
+/// Confidence of the significance test for each length of the first part. With all lengths tested, fewer than 5 % of
+/// traces without run-in are reported to have it.
 const CONFIDENCE: Confidence = Confidence::PERCENT_99_5;
 /// Minimum change of friction in run-in, relative to the settled friction.
 const MIN_RELATIVE: f64 = 0.01;
@@ -30,7 +30,7 @@ pub struct RunIn {
     pub change: f64,
     /// `change` as a fraction of the settled friction.
     pub relative: f64,
-    /// Middle of the first part, in seconds since the trace begins.
+    /// Middle of the first part after the onset, in seconds since the trace begins.
     pub from_s: f64,
     /// Time at which half of the change is over, in seconds since the trace begins.
     pub half_s: f64,
@@ -55,8 +55,8 @@ impl RunIn {
     }
 }
 
-/// Finds run-in between `from_s` and the window; `None` if there is no significant change. `pause_s` is the sampling
-/// interval; times are in seconds since the trace begins.
+/// Finds run-in between the onset of sliding at `from_s` and the window; `None` if friction does not change
+/// significantly. `pause_s` is the sampling interval; times are in seconds since the trace begins.
 pub fn find_run_in(time_s: &[f64], mu: &[f64], from_s: f64, window_s: [f64; 2], pause_s: f64) -> Option<RunIn> {
     let (before_s, length_s) = (window_s[0] - from_s, window_s[1] - window_s[0]);
     let longest_s = (MAX_PART[0] * before_s).min(MAX_PART[1] * length_s);

@@ -41,7 +41,7 @@ const RESTING_FRACTION: f64 = 0.1;
 const SLIPS_PER_RISE: f64 = 2.0;
 /// Minimum number of samples within which a continued rise is looked for.
 const MIN_SAMPLES_PER_RISE: usize = 5;
-/// Minimum rise, relative to steady friction, for friction that still rises.
+/// Friction still rises if it gains at least this fraction of steady friction.
 const MIN_RISE: f64 = 0.02;
 
 /// Static peak: the highest friction at the onset of sliding.
@@ -51,10 +51,10 @@ pub struct TracePeak {
     pub mu: f64,
     /// Standard deviation of `mu`: root of the sum of squares of `noise` and `missed`.
     pub std: f64,
-    /// Standard deviation of the noise of single readings.
+    /// Standard deviation of the noise of a single reading of the friction coefficient.
     pub noise: f64,
-    /// Height that sampling may have missed: the smaller change of friction to the neighbouring samples, or the only
-    /// one.
+    /// Height that sampling may have missed: the smaller of the changes of friction to the two neighbouring samples, or
+    /// the only change if the peak has one neighbour.
     pub missed: f64,
     /// Time of the peak, in seconds since the trace begins.
     pub time_s: f64,
@@ -72,9 +72,9 @@ impl TracePeak {
 /// Behaviour of friction before the window.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct BeforeWindow {
-    /// Static peak at the onset of sliding.
+    /// Static peak at the onset of sliding; `None` if no peak stands out.
     pub peak: Option<TracePeak>,
-    /// Run-in after the onset.
+    /// Run-in after the onset; `None` if friction does not change significantly.
     pub run_in: Option<RunIn>,
 }
 
@@ -82,7 +82,7 @@ pub struct BeforeWindow {
 struct UpToWindow<'a> {
     time_s: &'a [f64],
     mu: &'a [f64],
-    /// Running medians of three.
+    /// Running median of three samples of friction.
     smooth: Vec<f64>,
     /// Number of samples before the window.
     before: usize,
@@ -96,11 +96,11 @@ struct UpToWindow<'a> {
 /// Rise of friction to the level of sliding, as sample indices.
 #[derive(Clone, Copy)]
 struct Onset {
-    /// Last sample at rest, or 0.
+    /// Last sample at rest before sliding; 0 if there is none.
     rest: usize,
-    /// First sample that slides.
+    /// First sample at which the specimen slides.
     first: usize,
-    /// End of the rise.
+    /// Sample at the end of the rise.
     end: usize,
 }
 
@@ -142,8 +142,8 @@ pub fn before_window(
 }
 
 impl UpToWindow<'_> {
-    /// Index of the last sample before the window within `seconds` after `sample`, or of a later one, at least `fewest`
-    /// samples after `sample`.
+    /// Index of the last sample within `seconds` after `sample`, at least `fewest` samples after it, and always before
+    /// the window.
     fn within(&self, sample: usize, seconds: f64, fewest: usize) -> usize {
         let to = self.time_s.partition_point(|&t| t <= self.time_s[sample] + seconds);
         (to - 1).max(sample + fewest).min(self.before - 1)
@@ -172,7 +172,8 @@ impl UpToWindow<'_> {
         fall >= (MIN_SIGNAL_TO_NOISE * self.noise).max(MIN_RELATIVE * over.abs())
     }
 
-    /// Index of the highest sample, if it is the end of the rise and no outlier.
+    /// Index of the highest sample between the onset and the sample `to`; `None` unless it ends the rise and is no
+    /// outlier.
     fn end_of_rise(&self, onset: Onset, to: usize, smooth: f64) -> Option<usize> {
         let mu = self.mu;
         let top = highest(mu, onset.first.saturating_sub(1)..to + 1);
@@ -214,8 +215,8 @@ impl UpToWindow<'_> {
         let is_near = |value: &&f64| **value > next + 0.75 * height;
         let near = values[top..before].iter().take_while(is_near).count()
             + values[..top].iter().rev().take_while(is_near).count();
-        // The median of three flattens the top, so that the change to the samples beyond its neighbours counts. A trace
-        // that begins at its peak has neighbours on one side only.
+        // The median of three flattens the top, so that the change to the samples beyond the top's neighbours counts. A
+        // trace that begins at its peak has neighbours on one side only.
         let far = if sharp.is_some() { 1 } else { 2 };
         let beside = [top.checked_sub(far), Some(top + far).filter(|i| *i < before)];
         let steps = beside.into_iter().flatten().map(|i| (value - values[i]).abs());

@@ -1,6 +1,6 @@
 //! Stick-slip: friction rises slowly while the sample sticks and falls fast when it slips.
 //!
-//! Correlated noise turns up and down as well, and among a few turns its falls may be short by chance. But every
+//! Correlated noise rises and falls as well, and among a few reversals the falls may be short by chance. But every
 //! stationary Gaussian noise is statistically equal forwards and backwards in time: falls and rises then have equal
 //! distributions of durations, and the rank sum of the durations of falls has a known distribution. Stick-slip is an
 //! oscillation for which this hypothesis is rejected. Other oscillations are reported if their periods are regular, and
@@ -11,17 +11,18 @@ use super::time_series::{median, median_of_three, sample_noise};
 /// Minimum height of a reversal, in standard deviations of the sample noise (the range of three thousand samples of
 /// white noise is about seven).
 const NOISE_FACTOR: f64 = 8.0;
-/// Minimum height of a reversal, relative to mean friction, because smaller ones do not matter.
+/// Minimum height of a reversal, relative to mean friction, because smaller reversals do not matter.
 const MIN_RELATIVE: f64 = 0.01;
 /// Minimum number of slips in the window.
 const MIN_SLIPS: usize = 4;
-/// Maximum ratio of the durations of a fall and a rise in stick-slip.
+/// Maximum ratio of the median duration of falls to that of rises in stick-slip.
 const MAX_FALL_OVER_RISE: f64 = 0.5;
 /// Minimum number of standard deviations, in stick-slip, by which the rank sum of falls is below that expected for
-/// equal falls and rises. Noise exceeds it in 1 % of cases; four falls that are all shorter than four rises just reach
-/// it.
+/// equal falls and rises. Noise exceeds this number in 1 % of cases; four falls that are all shorter than four rises
+/// just reach it.
 const MIN_RANK_DEVIATION: f64 = 2.3;
-/// Maximum spread of the periods of a regular oscillation, relative to the median. Periods of noise spread by half.
+/// Maximum spread of the periods of a regular oscillation, relative to the median period. Periods of noise spread by
+/// half.
 const MAX_PERIOD_SPREAD: f64 = 0.15;
 /// Minimum number of periods of a regular oscillation.
 const MIN_PERIODS: usize = 7;
@@ -37,7 +38,7 @@ pub struct StickSlip {
     pub period_spread_s: f64,
     /// Number of slips in the window.
     pub slips: usize,
-    /// Ratio of the median durations of falls and rises.
+    /// Median duration of falls over median duration of rises.
     pub fall_over_rise: f64,
     /// Number of standard deviations by which the rank sum of the durations of falls is below that expected for equal
     /// falls and rises.

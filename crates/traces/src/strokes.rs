@@ -15,13 +15,14 @@ use crate::{MIN_FRICTION, TraceError, TraceFlag};
 
 /// Default central fraction of every stroke that is used.
 pub const DEFAULT_STROKE_SHARE: f64 = 0.5;
-/// A stroke begins where friction, with the new sign, exceeds this fraction of its usual magnitude.
+/// A stroke begins where friction, with the new sign, exceeds this fraction of half the width of the friction loop (of
+/// median friction if the sign was not recorded).
 const STROKE_START_FRACTION: f64 = 0.5;
 /// Minimum number of samples in the middle of a stroke.
 const MIN_SAMPLES_PER_STROKE: usize = 4;
-/// Maximum relative deviation of a stroke's duration from the median that is not flagged.
+/// A stroke is flagged if its duration deviates from the median duration by more than this fraction of the median.
 const MAX_DURATION_DEVIATION: f64 = 0.3;
-/// Maximum offset of friction between the two directions, relative to friction, that is not flagged.
+/// An offset of friction between the two sliding directions is flagged if it exceeds this fraction of mean friction.
 const MAX_STROKE_OFFSET: f64 = 0.05;
 
 /// A stroke: beginning and end, in seconds since the trace begins, and mean friction coefficient with its sign.

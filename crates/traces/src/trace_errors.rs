@@ -21,7 +21,7 @@ pub enum TraceError {
         /// Sampling interval, in seconds.
         pause_s: f64,
     },
-    /// The window has too few samples for a mean with an error.
+    /// The window has too few samples for a mean with a standard error.
     #[error(
         "the window holds {found} samples, one every {} s: expected at least {expected}; if they were recorded faster, time \
          is in another unit than its title says, as `Time [s]`",
@@ -30,7 +30,7 @@ pub enum TraceError {
     TooFewSamples {
         /// Number of samples in the window.
         found: usize,
-        /// Number of samples needed.
+        /// Minimum number of samples in the window.
         expected: usize,
         /// Sampling interval, in seconds.
         pause_s: f64,
@@ -69,7 +69,7 @@ pub enum TraceFlag {
     ZeroTaken(SensorZero),
     /// Friction differs between strokes there and back, by a constant offset.
     StrokesDiffer {
-        /// Offset of the friction coefficient: half of the sum of friction there and back, with signs.
+        /// Offset of the friction coefficient: half of the sum of the signed friction in strokes there and back.
         offset: f64,
         /// The offset as a fraction of the mean friction.
         relative: f64,

@@ -10,18 +10,18 @@ use super::time_series::{median, sample_noise};
 use super::trace_errors::short;
 use super::{Tangential, TraceChannels, TraceError, UNLOADED_FRACTION, samples_between, sampling_interval};
 
-/// Minimum number of samples for a zero.
+/// Minimum number of samples in the span from which a zero is computed.
 const MIN_ZERO_SAMPLES: usize = 5;
-/// A sample of the trace is after touchdown if its normal force differs from the zero by this fraction of the load in
-/// the window.
+/// A sample counts as after touchdown if its normal force differs from the zero reading by at least this fraction of
+/// the normal force in the window.
 const TOUCHDOWN_FRACTION: f64 = 0.1;
 /// Minimum sensor offset that is reported, relative to the reading in the window: half of the best accuracy of
 /// friction.
 const MIN_OFFSET: f64 = 0.002;
 /// Number of standard errors that a reported offset must also exceed.
 const NOISE_STDERRS: f64 = 4.0;
-/// Maximum difference between the two halves of the span, relative to the mean over the span, for a constant offset. A
-/// load that rises slowly from zero has 1.
+/// Maximum difference between the mean readings in the two halves of the span, relative to the mean over the span, for
+/// a constant offset. A load that rises linearly from zero gives 1.
 const MAX_HALF_DIFFERENCE: f64 = 0.25;
 
 /// Readings of the sensors before touchdown.
@@ -46,7 +46,7 @@ impl fmt::Display for SensorZero {
     }
 }
 
-/// Creates the error for a zero if only the friction coefficient of the instrument was recorded.
+/// Creates the error for a requested zero (`zero_s`) if only the friction coefficient of the instrument was recorded.
 pub fn of_coefficient() -> TraceError {
     TraceError::Refused(
         "the export has a friction coefficient and neither torque nor friction force, so no zero can be subtracted: expected one of \
@@ -55,7 +55,7 @@ pub fn of_coefficient() -> TraceError {
     )
 }
 
-/// Creates the error for a zero if no normal force was recorded, which would show touchdown.
+/// Creates the error for a requested zero (`zero_s`) if no normal force was recorded, which would show touchdown.
 pub fn of_stated_load() -> TraceError {
     TraceError::Refused(
         "no normal force is recorded, so that touchdown is not known and no zero can be subtracted: expected no zero_s"
@@ -64,7 +64,7 @@ pub fn of_stated_load() -> TraceError {
 }
 
 /// Subtracts the mean readings over `span_s` from `channels`; returns the result and the zero. `inside` are the samples
-/// of the window, which begins at `window_from_s`; all times but those in `channels` are in seconds since the trace
+/// of the window, which begins at `window_from_s`; all times except those in `channels` are in seconds since the trace
 /// begins.
 ///
 /// # Errors
@@ -125,9 +125,9 @@ pub fn subtract(
     Ok((zeroed, zero))
 }
 
-/// Finds a significant sensor offset in a trace that begins before touchdown, by one rule for all loads. The first half
-/// of the time before the force reaches half of the load is used; this span is halved until it holds no part of a slow
-/// loading. `None` without such an offset, or if only a coefficient was recorded.
+/// Finds a significant sensor offset in a trace that begins before touchdown, by a rule that is equal for all loads.
+/// The first half of the time before the force reaches half of the load is used; this span is halved until it holds no
+/// part of a slow loading. `None` without such an offset, or if only a coefficient was recorded.
 pub fn find_offset(channels: &TraceChannels, time_s: &[f64], inside: &Range<usize>) -> Option<SensorZero> {
     let channel = zero_channel(&channels.tangential)?;
     let usual = |values: &[f64]| median(values[inside.clone()].to_vec());
@@ -150,8 +150,8 @@ pub fn find_offset(channels: &TraceChannels, time_s: &[f64], inside: &Range<usiz
     (is_off(&channels.normal_force_n, zero.force_n) || is_off(tangential, zero.tangential)).then_some(zero)
 }
 
-/// Whether `values` with the mean `mean` show a constant offset, not a rise, that is significant compared with the
-/// reading `usual` in the window.
+/// Whether `values` with the mean `mean` show a constant offset, not a rise, that exceeds the noise and is not
+/// negligible compared with the reading `usual` in the window.
 fn is_offset(values: &[f64], mean: f64, usual: f64) -> bool {
     let count = values.len() as f64;
     let stderr = (values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (count - 1.0) / count).sqrt();
