@@ -15,7 +15,7 @@ pub struct AblationPoint {
     pub fluence_j_cm2: f64,
     /// Depth removed by one burst, in um.
     pub depth_um: f64,
-    /// Standard deviation of the depth, in um.
+    /// Standard deviation of the depth, in um; `None` if not known.
     pub depth_std_um: Option<f64>,
 }
 

@@ -19,13 +19,13 @@ pub struct Cavity {
     pub length_m: f64,
     /// Unit vector of the pattern's x axis, along the width.
     pub orientation: [f64; 2],
-    /// Disc, polygon or rectangle; a groove laid on a specimen is a rectangle.
+    /// Disc, polygon or rectangle; a groove on a specimen counts as a rectangle.
     pub planform: Planform,
     /// Outline that cuts the cavity, if the cavity crosses the border of the specimen.
     pub cut_by: Option<Outline>,
-    /// Outline of a polygonal cavity, whose bounding box has the extents `width_m` and `length_m`.
+    /// Outline of a polygonal cavity, whose bounding box has the extents `width_m` and `length_m`; `None` otherwise.
     pub(crate) face: Option<Face>,
-    /// For a groove of the second family, the crossing grooves that are cut out of it.
+    /// For a groove of the second family, the grooves of the first family that are cut out of it; `None` otherwise.
     pub(crate) crossed_by: Option<Crossing>,
 }
 

@@ -8,8 +8,8 @@ use slipgrid_model::pattern::Planform;
 use crate::export::number::COORDINATE_DECIMALS;
 use crate::export::{Layout, MICROMETRE_DECIMALS, Marking, decimal, degrees, flush_full, flush_rest, push_decimal};
 
-/// Header line of the table that [`csv`] writes. Cavities whose sides do not lie along x and y have an angle, discs a
-/// diameter.
+/// Header line of the table that [`csv`] writes. It has an angle if the sides of cavities do not lie along x and y, and
+/// a diameter for discs.
 pub fn csv_header(layout: &Layout) -> &'static str {
     let texture = layout.pattern().texture();
     match (texture.planform(), texture.groove_angle_deg()) {

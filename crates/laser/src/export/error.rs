@@ -51,7 +51,8 @@ pub enum ExportError {
         /// Diameter of the spot, in um.
         spot_um: f64,
     },
-    /// Any other reason, in words: a number out of range, a key that a format needs, or what a format cannot hold.
+    /// Any other reason, in words: a number out of range, a missing key that a format needs, or a layout that a format
+    /// cannot hold.
     #[error("{0}")]
     Refused(String),
 }

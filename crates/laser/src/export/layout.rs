@@ -189,8 +189,8 @@ impl Layout {
         self.families().into_iter().flat_map(|(family, crossing)| family.family_cavities(crossing))
     }
 
-    /// Layout of each family of crossing grooves, with the first family for the second, which it cuts; for other
-    /// planforms only this layout.
+    /// Layout of each family of crossing grooves with the grooves that cut the family: none for the first family, the
+    /// first family for the second. For other planforms only this layout.
     fn families(&self) -> Vec<(Self, Option<Crossing>)> {
         if self.pattern.planform() != Planform::Crosshatch {
             return vec![(*self, None)];

@@ -62,7 +62,7 @@ pub struct ProcessInput {
     pub seed: u64,
     /// Laser parameters.
     pub laser: Laser,
-    /// Tolerances that the design assumes, if it does.
+    /// Tolerances that the design assumes, if any.
     pub tolerances: Option<Tolerances>,
     /// The material.
     pub material: MaterialNote,
@@ -86,7 +86,7 @@ pub struct ProcessSheet {
     pub not_modelled: Vec<String>,
     /// The pattern.
     pub pattern: PatternSheet,
-    /// Tolerances that the design assumes, if it does.
+    /// Tolerances that the design assumes, if any.
     pub tolerances: Option<Tolerances>,
     /// The specimen and the cavities on it.
     pub specimen: SpecimenSheet,
@@ -108,14 +108,14 @@ pub struct PatternSheet {
     pub spacing_um: f64,
     /// Period of a row, width + spacing, in um.
     pub pitch_um: f64,
-    /// Distance of rows, in um, if it is not the pitch.
+    /// Distance between rows, in um, if it differs from the pitch.
     pub pitch_across_um: Option<f64>,
     /// Depth, in um.
     pub depth_um: f64,
     /// Shape, arrangement, directions, and rims of cavities of this depth.
     #[serde(flatten)]
     pub texture: TextureRecord,
-    /// Origin of the rim dimensions.
+    /// Origin of the rim dimensions; absent without rims.
     pub rim_basis: Option<String>,
     /// Areal density of the infinite pattern.
     pub areal_density: f64,

@@ -28,7 +28,7 @@ const MIDDLE_RANGE: [f64; 2] = [1.0 / 3.0, 2.0 / 3.0];
 const SAMPLE_POINTS: u32 = 400;
 /// Number of bins of the depth profile between the edge and the middle of a cavity on a process sheet.
 const LISTED_BINS: u32 = 8;
-/// Relative deviation from the depth of the design that causes a warning.
+/// Relative deviation from the depth of the design above which a warning is given.
 const WARNED_DEVIATION: f64 = 0.05;
 /// Relative tolerance for equal lengths of lines.
 const LENGTH_TOLERANCE: f64 = 1e-9;
@@ -96,7 +96,7 @@ pub(crate) struct Hatched {
     lines_of_one: Vec<Line>,
     /// Radius of the spot, in metres.
     half_spot_m: f64,
-    /// Section of the cavity `one` along which depth is sampled.
+    /// Section of the cavity `one` along which depth is sampled; `None` without such a cavity.
     section: Option<Section>,
 }
 

@@ -83,7 +83,7 @@ pub struct SectorSheet {
     pub cavities: usize,
     /// Fraction of the sector that is cavity.
     pub areal_density: f64,
-    /// Bursts per cavity (on each of its spots).
+    /// Bursts per cavity (on each of its spots); absent if passes over lines give the depth.
     pub bursts_per_cavity: Option<u32>,
     /// Marking time, in s: that of the pattern on the whole specimen times the sector's fraction of the cavity area.
     pub estimated_time_s: Option<f64>,
@@ -92,7 +92,7 @@ pub struct SectorSheet {
     pub warnings: Vec<String>,
     /// Pattern of the sector.
     pub pattern: PatternSheet,
-    /// Passes over the lines, and the depth that they remove.
+    /// Passes over the lines, and the depth that they remove; absent if bursts on spots or a mask give the depth.
     pub removal: Option<Removal>,
 }
 

@@ -24,7 +24,7 @@ const INK_COLOUR: &str = "#333333";
 const FACE_COLOUR: &str = "#f4f4f2";
 
 /// Margin around the page, in page units: hundredths of the specimen's larger extent, so that the page does not depend
-/// on its size.
+/// on the size of the specimen.
 const MARGIN: f64 = 4.0;
 /// Width of the content between the margins, in page units: the specimen's larger extent.
 const CONTENT: f64 = 100.0;

@@ -19,8 +19,8 @@ const POINTS: u32 = 60;
 const MIN_SWEPT: f64 = 0.9;
 
 /// Warnings about areas of the cavities of `layout` that the spot does not reach: for cavities without a line, of which
-/// `bare` is the number and the area in square metres, and for the cavity `one` with its `lines`, which represents the
-/// others.
+/// `bare` is the number and the area in square metres, and for the cavity `one` with its `lines`, which represents all
+/// other cavities.
 pub(crate) fn warnings(
     layout: &Layout,
     half_spot_m: f64,

@@ -38,14 +38,15 @@ const REMOVAL_FORMULA: &str = "z(x) = passes * (depth per burst / pulse distance
 const EXPOSURES_FORMULA: &str = "lines within half a spot of a point, as a mean over the middle third of a cavity's width; depth_per_burst_um is that \
      of a cavity exposed so";
 
-/// Laser work for a specimen: bursts, marking lines, passes and time.
+/// Laser work for a specimen: bursts, marking lines, passes and time. Values that need missing laser parameters are
+/// absent.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct WorkSheet {
     /// `hatch` or `mask`.
     pub exposure: Exposure,
     /// Depth of the smallest exposure, in um: one pass over an infinite hatch, otherwise one burst. Depths of designs
-    /// are multiples of it.
+    /// are multiples of this step.
     pub depth_step_um: Option<f64>,
     /// Formula for the depth step.
     pub depth_step_formula: Option<String>,
@@ -71,7 +72,7 @@ pub struct WorkSheet {
     pub spots_on_specimen: Option<u64>,
     /// Formula for the number of spots.
     pub spots_formula: String,
-    /// Distance of the spot's centre from a cavity's edge, in um.
+    /// Distance of the spot's centre from a cavity's edge, in um; absent for a mask.
     pub spot_compensation_um: Option<f64>,
     /// Direction of the lines; absent for a mask.
     pub marking_direction: Option<String>,
@@ -97,11 +98,11 @@ pub struct WorkSheet {
     pub pulse_distance_um: Option<f64>,
     /// Overlap of bursts, as a fraction of the spot.
     pub pulse_overlap: Option<f64>,
-    /// Mean number of bursts that reach a point in one pass.
+    /// Mean number of bursts that reach a point in one pass over an infinite hatch.
     pub bursts_per_pass: Option<f64>,
     /// Formula for the bursts per pass.
     pub bursts_per_pass_formula: Option<String>,
-    /// Volume removed by all passes, in mm^3.
+    /// Volume removed by all passes over lines, in mm^3; absent if bursts on spots or a mask give the depth.
     pub removed_volume_mm3: Option<f64>,
     /// Depth profile of all passes between the edge of a cavity and its middle, in eight equally wide bins: pairs of
     /// the distance from the edge at which a bin ends, and the mean depth in the bin, both in um.
@@ -121,7 +122,7 @@ pub struct WorkSheet {
     /// Areas of cavities that the spot does not reach, with remedies.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub warnings: Vec<String>,
-    /// Passes over the lines, and the depth that they remove.
+    /// Passes over the lines, and the depth that they remove; absent if bursts on spots or a mask give the depth.
     pub removal: Option<Removal>,
 }
 

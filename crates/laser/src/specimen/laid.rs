@@ -15,7 +15,7 @@ pub(crate) fn density_share(layout: &Layout, dimension: Dimension) -> f64 {
 }
 
 /// Cavity fraction of a design that is laid out on a specimen. Cut samples of the design, whose dimensions deviate from
-/// it, have the same number of cavities.
+/// the design, have the same number of cavities.
 #[derive(Clone, Copy, Debug)]
 pub struct Laid {
     dimension: Dimension,
@@ -40,9 +40,9 @@ impl Laid {
         Self { dimension, on_face: Some(on_face) }
     }
 
-    /// Areal density of the face of `made`, a cut sample of the design, over that of its infinite pattern: D /
-    /// `D_period` = (n `A_cavity` / `A_face`) / (`A_cavity` / `A_period`), with the number n of cavities of the design.
-    /// For crossing grooves this holds to first order. 1 for an infinite pattern.
+    /// Areal density of the face of a cut sample with the dimensions `made`, over that of an infinite pattern with
+    /// these dimensions: D / `D_period` = (n `A_cavity` / `A_face`) / (`A_cavity` / `A_period`), with the number n of
+    /// cavities of the design. For crossing grooves this holds to first order. 1 for an infinite pattern.
     pub fn share(&self, made: &Pattern) -> f64 {
         self.on_face.map_or(1.0, |(share, designed)| share * (period_size(made, self.dimension) / designed))
     }

@@ -16,7 +16,7 @@
 //! | type | role |
 //! |---|---|
 //! | [`simulate_on`] | solves a scene on a specimen, dynamic or steady |
-//! | [`SteadyOnFace`], [`time_changes_on`] | corrects steady ratios for a specimen and for sliding in time at low cost, for trials |
+//! | [`SteadyOnFace`], [`time_changes_on`] | cheap corrections of steady ratios for specimen and dynamic sliding |
 //! | [`Laid`], [`on_face`] | areal density of a design and its samples on a face, and the ratio that follows from it |
 //!
 //! On a disc as wide as eleven periods, the border leaves some squares out, and friction is reduced less:

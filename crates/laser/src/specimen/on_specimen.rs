@@ -137,13 +137,13 @@ fn face_from_strips(layout: &Layout, strips: Vec<Strip>, block_m: f64) -> Result
 #[derive(Clone, Debug)]
 pub struct SteadyOnFace {
     laid: Laid,
-    /// Sum of the corrections for ends and tilt at each load; `None` if strips have no ratio.
+    /// Sum of the corrections for the specimen's ends and pressure tilt at each load; `None` if strips have no ratio.
     added: Vec<Option<f64>>,
 }
 
 impl SteadyOnFace {
-    /// Computes the corrections for `pattern`, which replaces that of `scene`, on `specimen`. Uses the cache of
-    /// `monitor` if it has them, for example from an earlier trial.
+    /// Computes the corrections for `pattern`, which replaces that of `scene`, on `specimen`. Takes them from the cache
+    /// of `monitor` if it holds them, for example from an earlier trial.
     ///
     /// # Errors
     /// [`SpecimenError`] if the scene is invalid or the pattern does not fit on the specimen.
@@ -156,8 +156,8 @@ impl SteadyOnFace {
         Self::by_bands(BANDS, scene, pattern, specimen, monitor)
     }
 
-    /// Computes the corrections with few strips, for ranking designs: ends and tilt are accurate to about a tenth, at a
-    /// fifth of the cost.
+    /// Computes the corrections with few strips, for ranking designs: the corrections for ends and tilt are accurate to
+    /// about a tenth, at a fifth of the cost.
     ///
     /// # Errors
     /// See [`Self::new`].
@@ -201,21 +201,21 @@ impl SteadyOnFace {
         Ok(steady_face_bytes(&scene, pattern, &solved_face(&specimen.layout(*pattern)?, scene.layer.block_m)?)?)
     }
 
-    /// Correction for ends and tilt at the load with the index `place`, in addition to that for the areal density;
-    /// `None` if strips have no ratio.
+    /// Term added to the friction ratio for the specimen's ends and pressure tilt at the load with the index `place`,
+    /// after the correction for areal density; `None` if strips have no ratio.
     pub fn added(&self, place: usize) -> Option<f64> {
         self.added.get(place).copied().flatten()
     }
 
-    /// Ratio on the specimen at the load with the index `place`. `made` is a cut sample of the pattern, and `cell` the
-    /// ratio of the infinite pattern of `made`. `None` if strips have no ratio.
+    /// Friction ratio on the specimen at the load with the index `place`, for a cut sample with the dimensions `made`;
+    /// `cell` is the ratio of an infinite pattern with these dimensions. `None` if strips have no ratio.
     pub fn ratio(&self, cell: f64, made: &Pattern, place: usize) -> Option<f64> {
         Some(on_face(cell, self.laid.share(made)) + self.added(place)?)
     }
 }
 
-/// Sum of the corrections for ends and tilt of `pattern` on the specimen of `layout`, at each load; `share` is that of
-/// [`Laid::share`].
+/// Sum of the corrections for the specimen's ends and pressure tilt, for `pattern` on the specimen of `layout`, at each
+/// load; `share` is that of [`Laid::share`].
 fn ends_and_tilt(
     bands: usize,
     scene: &Scene,
@@ -244,9 +244,10 @@ fn ends_and_tilt(
 }
 
 /// Changes of the ratio from steady to dynamic sliding at each load, for the pattern of `scene` on `specimen`, or for
-/// an infinite pattern on a strip of the layer's length. The longest strip is run from sliding, at the maximum speed of
-/// even sliding; at other speeds the changes are equal within the error of a run (`what_time_adds_hangs_on_no_speed`).
-/// `None` if the run has no result, without a pattern, and in three dimensions, where the change is not known.
+/// an infinite pattern on a strip of the layer's length. The longest strip is run from a sliding start at the maximum
+/// speed of even sliding; at other speeds the changes are equal within the error of a run
+/// (`what_time_adds_hangs_on_no_speed`). `None` if the run has no result, without a pattern, and in three dimensions,
+/// where the change is not known.
 ///
 /// # Errors
 /// See [`simulate_on`].
