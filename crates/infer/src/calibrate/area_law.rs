@@ -104,7 +104,7 @@ pub struct SurfaceAreaLaw {
     /// Area law, with standard errors of its factors if windows were solved; an error if the curve does not bracket the
     /// threshold pressure.
     pub law: Result<AreaLaw, MaterialError>,
-    /// Laws of the windows of the map, if windows were solved.
+    /// Spread of the law over windows of the map; `None` if no windows were solved, or one has no area law.
     pub windows: Option<WindowSpread>,
     /// Reasons to doubt the law.
     pub warnings: Vec<SurfaceWarning>,
@@ -184,7 +184,8 @@ fn with_errors(law: AreaLaw, curve: &[AreaPoint], factor_std: &[f64]) -> Result<
     }
 }
 
-/// Returns the contact area of `map` at every pressure with the given tolerance, from the monitor's cache if it is there.
+/// Returns the contact area of `map` at every pressure with the relative error `tolerance`, from the monitor's cache if
+/// it holds the result.
 ///
 /// # Errors
 /// [`ContactError`] if the contact solver refuses a number, or a pressure does not converge.
@@ -212,7 +213,7 @@ pub fn area_law(curve: &[AreaPoint], threshold_pa: f64) -> Result<AreaLaw, Mater
     AreaLaw::from_area_curve(&pressure_pa, &area, threshold_pa)
 }
 
-/// Contact area by Persson's theory, for a surface with a known rms slope only.
+/// Contact area at every pressure by Persson's theory, for a surface of which only the rms slope is known.
 ///
 /// # Errors
 /// [`ContactError`] if the theory refuses a number.

@@ -24,7 +24,8 @@ pub const MIN_DEFAULT_SIDE: usize = DEFAULT_WINDOWS * MIN_DEFAULT_PIXELS;
 pub const WINDOW_STATEMENT: &str =
     "each window is levelled and taken as its periodic component (Moisan), which continues itself across its sides";
 
-/// Area laws of the windows of a map, each computed separately; lists hold one number per requested pressure.
+/// Mean and spread of the area laws of a map's windows, each computed separately; lists hold one number per requested
+/// pressure.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct WindowSpread {
     /// Number of windows along each side.
@@ -145,7 +146,7 @@ pub struct Resolution {
     pub factor: Option<Vec<f64>>,
 }
 
-/// Computes the area law of `map` with pixels that are `factor` times larger.
+/// Computes the area law of `map` with pixels that are `factor` times longer and wider.
 ///
 /// # Errors
 /// See [`window_spread`].

@@ -92,7 +92,7 @@ fn refused(error: FitError, measurements: &[Measurement]) -> CalibrationError {
 /// Memory of a calibration, in bytes, above which the monitor gets a note.
 const NOTED_BYTES: f64 = (1_u64 << 30) as f64;
 
-/// Notes the memory that the samples take, if it is large.
+/// Sends the monitor a note on the memory, in bytes, of the samples if it is above `NOTED_BYTES`.
 fn note_memory(bytes: f64, monitor: &dyn Monitor) {
     if bytes > NOTED_BYTES {
         let gib = bytes / NOTED_BYTES;
@@ -115,8 +115,8 @@ fn long_fit_note(problem: &Problem) -> Option<String> {
     })
 }
 
-/// Learns from trials. Flat samples are fitted only if the area law is fitted to them. Stages of the monitor: those of
-/// the area law, "calibration" if a fit is made, and "trials".
+/// Learns the discrepancy from trials. Flat samples are fitted only if the area law is fitted to them. Stages of the
+/// monitor: those of the area law, "calibration" if a fit is made, and "trials".
 ///
 /// # Errors
 /// See [`run`].

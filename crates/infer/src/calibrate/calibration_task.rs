@@ -34,8 +34,8 @@ pub struct CalibrationTask {
     pub poisson_ratio: f64,
     /// Source of the area law.
     pub surface: Surface,
-    /// Stated pressure P0 up to which friction is proportional to load, in pascals; `None` for the limit of small
-    /// loads.
+    /// Stated pressure P0 up to which friction is proportional to load, in pascals; `None` if the law refers to the
+    /// limit of small loads.
     pub threshold_pa: Option<f64>,
     /// Area of one specimen's face, in square metres.
     pub specimen_area_m2: f64,
@@ -43,15 +43,17 @@ pub struct CalibrationTask {
     pub flat: Vec<Measurement>,
     /// Samples that were cut and measured, and the prior of the discrepancy.
     pub trials: TrialsTask,
-    /// Kind of coefficients to fit.
+    /// Whether one pair of local coefficients is fitted to all measurements, or one pair per load, speed and humidity.
     pub coefficients: Coefficients,
-    /// Relative scatter of the local coefficients; mean friction does not determine it.
+    /// Relative standard deviation of the local coefficients between contact blocks; mean friction does not determine
+    /// it.
     pub relative_std: f64,
-    /// Assumed local static over local dynamic coefficient, mu_s / mu_d, where no static peak was measured.
+    /// Assumed ratio mu_s / mu_d of the local static to the local dynamic coefficient where no static peak was
+    /// measured.
     pub static_over_dynamic: f64,
     /// Modelled layer of the flat sample.
     pub layer: Layer,
-    /// Seed of the local coefficients.
+    /// Seed of the random draw of local coefficients.
     pub seed: u64,
     /// Conditions and pressures for which coefficients are needed; all if empty.
     pub selection: Selection,
@@ -92,9 +94,10 @@ pub struct MapSurface {
     /// Whether the map is known to be synthetic, whatever its file says.
     pub synthetic: bool,
     /// Number of windows along each side; their spread gives the standard errors of the law. Fewer than 2 for no
-    /// errors, `None` for the default.
+    /// errors, `None` for the default number.
     pub windows: Option<usize>,
-    /// Map of an equal sample after the test, prepared alike; only compared with `map`.
+    /// Map of an equal sample after the friction test, prepared like `map` and only compared with it; `None` if not
+    /// given.
     pub after: Option<PreparedMap>,
 }
 
@@ -118,7 +121,7 @@ pub enum CalibrationError {
     Fit {
         /// The error of the fit.
         error: FitError,
-        /// Measurement that caused the error.
+        /// Measurement that caused the error; `None` if no single one did.
         measurement: Option<Measurement>,
     },
     /// The trials have numbers from which no discrepancy can be computed.
@@ -140,7 +143,7 @@ pub enum CalibrationError {
         field: &'static str,
         /// Value, in the unit of a material file.
         value: f64,
-        /// Description of what is accepted.
+        /// Description of the accepted values.
         expected: String,
     },
     /// The monitor asked to stop.
@@ -179,8 +182,8 @@ impl CalibrationTask {
         measured.force_n / self.specimen_area_m2
     }
 
-    /// Mean local `mu_s` / `mu_d` before the fit, from the measured static peaks that determine it; the assumed ratio
-    /// if there are none.
+    /// Mean ratio mu_s / mu_d of local static to dynamic coefficients before the fit, over the measured static peaks
+    /// that determine the ratio; the assumed ratio if there is no such peak.
     pub fn local_static_over_dynamic(&self) -> f64 {
         let local = |flat: &Measurement| local_static_over_dynamic(flat.static_peak?.mu / flat.mu_dynamic);
         let shares: Vec<f64> = self.flat.iter().filter_map(local).collect();
@@ -190,7 +193,7 @@ impl CalibrationTask {
         shares.iter().sum::<f64>() / shares.len() as f64
     }
 
-    /// Relative standard deviation of Young's modulus, if known.
+    /// Relative standard deviation of Young's modulus; `None` if not known.
     pub fn modulus_relative_std(&self) -> Option<f64> {
         Some(self.youngs_modulus_std_pa? / self.elastic.youngs_modulus_pa())
     }

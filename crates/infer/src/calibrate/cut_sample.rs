@@ -21,15 +21,15 @@ pub struct CutSample {
     pub notes: String,
     /// Pattern, as measured or as designed.
     pub pattern: Pattern,
-    /// Measured heights of the face over one period, used instead of modelled rims.
+    /// Measured heights of the face over one period, used instead of modelled rims; `None` without such a map.
     pub relief: Option<Arc<ReliefMap>>,
-    /// Path of the altitude map of the sample as cut.
+    /// Path of the altitude map of the sample as cut, if the file names one.
     pub map: Option<PathBuf>,
-    /// Slope of the land, if it was compared with that of the flat sample.
+    /// Rms slope of the land between cavities, if it was compared with the slope of the flat sample.
     pub land: Option<LandSlope>,
     /// Standard errors of width, spacing and depth, in metres; 0 for exact dimensions.
     pub dimensions_std_m: [f64; 3],
-    /// Standard deviation of the logarithm of the ratio between samples of one texture, if known.
+    /// Standard deviation, over samples of one texture, of the logarithm of the friction ratio; `None` if not stated.
     pub sample_std: Option<f64>,
     /// Name of the disc if the sample is one of several sectors of it; `None` if it has its own disc.
     pub disc: Option<String>,

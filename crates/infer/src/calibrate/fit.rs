@@ -24,8 +24,8 @@ use layout::{Layout, first_guess};
 /// Maximum number of rounds, each of dynamic runs and a fit. delta, dynamic over steady friction, hardly depends on the
 /// coefficients, so that one round is enough if no static peaks are fitted.
 const MAX_ROUNDS: usize = 6;
-/// Relative change of the coefficients between rounds below which the fit has settled; three standard errors of the
-/// dynamic runs if these are larger.
+/// The fit has settled if the coefficients change between rounds by less than this fraction, or by less than three
+/// standard errors of the dynamic runs.
 const SETTLED_CHANGE: f64 = 5e-4;
 /// Fitted values at one measured pressure.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,7 +34,7 @@ pub struct FittedRow {
     pub pressure_pa: f64,
     /// Fitted coefficients.
     pub pair: FittedPair,
-    /// Modelled minus measured dynamic friction.
+    /// Modelled minus measured dynamic friction coefficient.
     pub residual: f64,
     /// Dynamic friction of the flat sample over mu_d f(P), the local dynamic coefficient times the area factor, to five
     /// decimals.
@@ -59,19 +59,19 @@ pub struct FittedPair {
     pub dynamic_std_error_given_law: Option<f64>,
 }
 
-/// Fitted values for one measurement.
+/// Model results for one measurement with the fitted coefficients.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Prediction {
     /// Modelled dynamic friction of the flat sample with the fitted coefficients.
     pub mu_dynamic: f64,
-    /// Modelled minus measured dynamic friction.
+    /// Modelled minus measured dynamic friction coefficient.
     pub residual: f64,
     /// delta: dynamic friction over friction in steady sliding.
     pub dynamic_over_steady: f64,
     /// Dynamic friction over mu_d f(P), the local dynamic coefficient times the area factor, which is steady friction
     /// of an infinite sample.
     pub over_local_law: f64,
-    /// Relative standard error of the dynamic run from which delta is computed.
+    /// Relative standard error of mean friction in the dynamic run from which delta is computed.
     pub relative_stderr: f64,
     /// Static friction of the flat sample in the last dynamic run; `None` if no static peak was fitted.
     pub mu_static: Option<f64>,
@@ -81,14 +81,14 @@ pub struct Prediction {
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Parameter {
     // `dynamic_mean`, `static_mean` or `area_law_scale_pa`.
-    /// Name, with the number of the measurement where each has a parameter of its own.
+    /// Name, with the number of the measurement if each measurement has its own parameter.
     pub name: String,
-    /// Value of the best fit.
+    /// Value in the best fit.
     pub value: f64,
     /// Standard error from the curvature of chi-square; null if infinite.
     #[schemars(with = "Option<f64>")]
     pub std_error: f64,
-    /// Lower and upper bound.
+    /// Lower and upper bound of the value.
     pub bounds: [f64; 2],
     /// The value lies at a bound.
     pub at_bound: bool,
@@ -97,7 +97,7 @@ pub struct Parameter {
     #[serde(rename = "interval_95")]
     pub interval: [Option<f64>; 2],
     // Minimized over all other parameters.
-    /// Profile: parameter value and increase of chi-square.
+    /// Profile likelihood: pairs of parameter value and increase of chi-square over the best fit.
     pub profile: Vec<[f64; 2]>,
 }
 
@@ -110,9 +110,10 @@ pub struct Fit {
     pub predictions: Vec<Prediction>,
     /// All fitted parameters, with bounds, intervals and profiles.
     pub parameters: Vec<Parameter>,
-    /// Covariance of the parameters, from the standard deviations of the measurements only.
+    /// Covariance matrix in the order of `parameters`, with the logarithm of the area law's scale in place of the
+    /// scale, from the standard deviations of the measurements only.
     pub covariance: Vec<Vec<f64>>,
-    /// Area law of the predictions; `None` for Amontons-Coulomb.
+    /// Area law of the predictions; `None` if friction is proportional to load (Amontons-Coulomb).
     pub area_law: Option<AreaLaw>,
     /// Sum of squared residuals, each over the standard deviation of the measured value.
     pub chi_square: f64,
@@ -165,7 +166,7 @@ pub fn fit_coefficients(problem: &Problem, monitor: &dyn Monitor) -> Result<Fit,
     }
 }
 
-/// Reason for leaving out a static peak: its slope against mu_s is too small.
+/// Reason for leaving out a static peak: its slope against the local static coefficient mu_s is too small.
 const PEAK_INDEPENDENT_OF_MU_S: &str = "hardly depends on mu_s in the model";
 /// Reason for leaving out a static peak: no coefficients reproduce both the peak and dynamic friction.
 const PEAK_NOT_REPRODUCED: &str = "is not met by the model together with dynamic friction";

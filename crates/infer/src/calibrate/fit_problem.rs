@@ -25,9 +25,9 @@ pub struct Measurement {
     pub humidity: f64,
     /// Dynamic friction coefficient.
     pub mu_dynamic: f64,
-    /// Standard deviation with which `mu_dynamic` holds for another sample.
+    /// Standard deviation of `mu_dynamic` as a prediction for another sample.
     pub mu_dynamic_std: f64,
-    /// Static peak, where measured.
+    /// Static peak; `None` if not measured.
     pub static_peak: Option<StaticPeak>,
 }
 
@@ -67,10 +67,10 @@ pub fn split_parameter_name<'a>(name: &'a str, measurements: &'a [Measurement]) 
 }
 
 /// A contact area curve with an unknown pressure scale s: A(P) = a(P / s). For a surface of given shape, s is exactly
-/// proportional to E* h'rms, contact modulus times rms slope: A(P; c h) = A(P / c; h).
+/// proportional to E* h'rms, contact modulus times rms slope: with heights h, A(P; c h) = A(P / c; h).
 #[derive(Clone, Debug, PartialEq)]
 pub struct AreaLawScale {
-    /// Nominal pressure over the scale s, increasing.
+    /// Nominal pressures over the scale s, increasing.
     pub pressure_over_scale: Vec<f64>,
     /// Contact area fraction at these pressures.
     pub area_fraction: Vec<f64>,
@@ -89,7 +89,7 @@ impl AreaLawScale {
     }
 }
 
-/// Kind of coefficients to fit.
+/// Whether one pair of local coefficients is fitted to all measurements, or one pair per load, speed and humidity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Coefficients {
@@ -104,10 +104,10 @@ pub enum Coefficients {
 pub struct Problem {
     /// Elastic constants.
     pub elastic: Elastic,
-    /// Area law; `None` is Amontons-Coulomb.
+    /// Area law; `None` if friction is proportional to load (Amontons-Coulomb).
     pub area_law: Option<AreaLaw>,
-    /// Area law with an unknown scale that is fitted, instead of `area_law`. Requires one pair of coefficients for
-    /// several loads, because one pair per load could absorb any law.
+    /// Area law with an unknown scale that is fitted, instead of `area_law`; `None` if no scale is fitted. Requires one
+    /// pair of coefficients for several loads, because one pair per load could absorb any law.
     pub area_law_scale: Option<AreaLawScale>,
     /// The modelled layer of the specimen.
     pub layer: Layer,
@@ -115,13 +115,15 @@ pub struct Problem {
     pub specimen_area_m2: f64,
     /// Measurements on flat samples.
     pub measurements: Vec<Measurement>,
-    /// Kind of coefficients to fit.
+    /// Whether one pair of local coefficients is fitted to all measurements, or one pair per load, speed and humidity.
     pub coefficients: Coefficients,
-    /// Relative scatter of the local coefficients; mean friction does not determine it.
+    /// Relative standard deviation of the local coefficients between contact blocks; mean friction does not determine
+    /// it.
     pub relative_std: f64,
-    /// Assumed mu_s / mu_d where no static peak was measured.
+    /// Assumed ratio mu_s / mu_d of the local static to the local dynamic coefficient where no static peak was
+    /// measured.
     pub static_over_dynamic: f64,
-    /// Seed of the local coefficients.
+    /// Seed of the random draw of local coefficients.
     pub seed: u64,
 }
 
@@ -148,7 +150,7 @@ pub enum FitError {
         quantity: &'static str,
         /// The number given.
         value: f64,
-        /// Description of what is accepted.
+        /// Description of the accepted values.
         expected: &'static str,
     },
     /// The spring-block model refused the layer or the material.
@@ -180,7 +182,7 @@ pub enum FitError {
         number: usize,
         /// Static peak over dynamic friction.
         ratio: f64,
-        /// Maximum ratio.
+        /// Maximum accepted ratio.
         most: f64,
     },
     /// The local coefficient would exceed the allowed maximum.
@@ -193,9 +195,9 @@ pub enum FitError {
         number: usize,
         /// Area factor f at the pressure of the measurement.
         factor: f64,
-        /// Required local coefficient.
+        /// Local coefficient that the measurement would require.
         mean: f64,
-        /// Maximum coefficient.
+        /// Maximum accepted coefficient.
         most: f64,
     },
     /// Sliding is so fast that it proceeds in waves.
@@ -246,7 +248,7 @@ pub enum FitError {
         most: f64,
         /// Approximate time on one core, in hours.
         hours: f64,
-        /// Minimum speed, in m/s.
+        /// Lowest speed, in m/s, with an accepted number of time steps.
         least_m_s: f64,
     },
     /// There are too many coefficients to compute their profiles.
@@ -268,7 +270,7 @@ pub enum FitError {
     /// The data cannot separate the area law from the coefficients.
     #[error("the scale of the area law cannot be fitted: {reason}")]
     AreaLawNotIdentifiable {
-        /// Reason, and what would be accepted.
+        /// Reason, and the input that would be accepted.
         reason: &'static str,
     },
     /// The monitor asked to stop.
@@ -277,7 +279,7 @@ pub enum FitError {
 }
 
 impl FitError {
-    /// Index of the measurement that caused the error, from 1.
+    /// Index of the measurement that caused the error, from 1; `None` if no single one did.
     pub const fn measurement(&self) -> Option<usize> {
         match self {
             Self::Measurement { number, .. }
@@ -307,7 +309,8 @@ impl Problem {
         measured.force_n / self.specimen_area_m2
     }
 
-    /// Whether a static peak was measured. Peaks require a second round, and one more run per peak with larger mu_s.
+    /// Whether a static peak was measured. Peaks require a second round of dynamic runs, and one more run per peak with
+    /// a larger local static coefficient.
     pub fn has_peaks(&self) -> bool {
         self.measurements.iter().any(|measured| measured.static_peak.is_some())
     }
@@ -372,7 +375,8 @@ impl Problem {
         Ok(())
     }
 
-    /// Area law for `scale_pa` if the scale is fitted, otherwise the given law; `None` is Amontons-Coulomb.
+    /// Area law for `scale_pa` if the scale is fitted, otherwise the given law; `None` if friction is proportional to
+    /// load.
     pub(crate) fn law_at(&self, scale_pa: f64) -> Result<Option<AreaLaw>, FitError> {
         match &self.area_law_scale {
             Some(unknown) => Ok(Some(unknown.law(scale_pa)?)),

@@ -29,10 +29,10 @@ pub struct CalibrationOutcome {
     pub measurements: Vec<Measurement>,
     /// The fit to these measurements.
     pub fit: Fit,
-    /// Fitted rows by speed and humidity, in the order of the measurements, with increasing pressures; empty if one
-    /// pair of coefficients is fitted to all measurements.
+    /// Fitted rows by speed and humidity: groups in the order of the measurements, rows of a group by increasing
+    /// pressure; empty if one pair of coefficients is fitted to all measurements.
     pub by_condition: Vec<(Condition, Vec<FittedRow>)>,
-    /// The surface and its contact area.
+    /// The surface, its contact area and its area law.
     pub surface: SurfaceFindings,
 }
 
@@ -238,7 +238,8 @@ fn pairs_by_condition(
     Ok((Friction::PerCondition(table), uncertainty))
 }
 
-/// Groups the fitted rows by speed and humidity, in the order of the measurements, sorted by pressure.
+/// Groups the fitted rows by speed and humidity: groups in the order of the measurements, rows of a group by increasing
+/// pressure.
 fn by_condition(task: &CalibrationTask, measurements: &[Measurement], fit: &Fit) -> Vec<(Condition, Vec<FittedRow>)> {
     let mut conditions: Vec<(Condition, Vec<FittedRow>)> = Vec::new();
     for (measured, (&pair, predicted)) in measurements.iter().zip(fit.pairs.iter().zip(&fit.predictions)) {

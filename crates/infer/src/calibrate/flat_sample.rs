@@ -12,23 +12,24 @@ use crate::calibrate::{FitError, Measurement, Problem};
 /// Minimum planned travel of a run from rest, in metres; runs from rest determine static peaks.
 const MIN_COLD_TRAVEL_M: f64 = 2e-6;
 /// Minimum planned duration of a run from rest, in periods of the layer's first shear mode. The average must cover ten
-/// periods, and up to half of the record is discarded. At high speeds [`MIN_COLD_TRAVEL_M`] would be over sooner.
+/// periods, and up to half of the record is discarded. At high speeds the travel [`MIN_COLD_TRAVEL_M`] would take less
+/// time.
 const MIN_PERIODS: f64 = 40.0;
-/// Travel of a run from rest, over the shear displacement at the onset of sliding, above which the travel is long
-/// enough: the part before the onset may be half of it, and the strongest of a thousand blocks exceeds the mean by a
-/// sixth.
+/// The travel of a run from rest is long enough if it exceeds this multiple of the shear displacement at the onset of
+/// sliding: the part before the onset may be half of the travel, and the strongest of a thousand blocks exceeds the
+/// mean by a sixth.
 const MIN_TRAVEL_OVER_ONSET: f64 = 1.9;
-/// Travel, over the shear displacement at the onset, that replaces the travel of a run from rest that would be too
-/// short: at most half of it is discarded before averaging.
+/// Multiple of the shear displacement at the onset that replaces a too short travel of a run from rest: at most half of
+/// the travel is discarded before averaging.
 const TRAVEL_OVER_ONSET: f64 = 2.5;
 
-/// Requested standard error of a run from the sheared layer, relative to the standard deviation of the measurement, to
-/// which it adds 3 %.
+/// Requested standard error of mean friction in a run from the sheared layer, over the standard deviation of the
+/// measurement: both together are 3 % larger than the latter.
 const STDERR_OVER_MEASURED: f64 = 0.25;
-/// Limits of the requested standard error, relative to dynamic friction.
+/// Minimum and maximum of the requested standard error, relative to dynamic friction.
 const STDERR_RANGE: [f64; 2] = [2e-4, 2e-3];
 
-/// Speed of the dynamic run for `measured`, in m/s.
+/// Speed of the dynamic run for `measured`, in m/s: the measured one, or less if the layer would not slide evenly.
 pub fn speed_m_s(problem: &Problem, measured: &Measurement) -> f64 {
     run_speed_m_s(&problem.elastic, problem.pressure_pa(measured), measured.speed_m_s)
 }
@@ -84,7 +85,7 @@ pub fn representatives(problem: &Problem, pairs: &Pairs) -> Vec<usize> {
     (0..pairs.len()).map(for_measurement).collect()
 }
 
-/// Time steps of the dynamic run of each measurement; 0 if it uses the run of another.
+/// Time steps of the dynamic run of each measurement; 0 for a measurement that uses the run of another.
 pub fn planned_steps(problem: &Problem, pairs: &Pairs) -> Vec<u64> {
     let representatives = representatives(problem, pairs);
     let for_measurement = |i: usize| {
@@ -148,8 +149,9 @@ pub struct DynamicFlat {
     pub mu_static: Option<f64>,
 }
 
-/// Runs the flat sample in time for the measurements that represent themselves in `representatives`; other measurements
-/// get the result of their representative. Runs start from a sheared layer, or from rest if a static peak was measured.
+/// Makes dynamic runs of the flat sample for the measurements that represent themselves in `representatives`; other
+/// measurements get the result of their representative. Runs start from a sheared layer, or from rest if a static peak
+/// was measured.
 pub fn dynamic(
     problem: &Problem,
     pairs: &Pairs,

@@ -7,12 +7,12 @@ use slipgrid_model::material::{AreaLaw, LocalFriction};
 
 use crate::calibrate::{FitError, Problem, flat_sample};
 
-/// Lowest and highest node along mu_d at a load, relative to the lowest and highest coefficient at that load.
+/// Lowest node along mu_d over the lowest coefficient at the load, and highest node over the highest coefficient.
 const BEYOND: [f64; 2] = [0.8, 1.25];
 /// Number of nodes along the logarithm of the area law's scale, with which the end effect changes slowly.
 const SCALES: usize = 13;
 
-/// Measurements at one load, which share three solves.
+/// Measurements at one load, which share the solutions at three nodes.
 struct AtLoad {
     /// Index of the first measurement at this load.
     first: usize,
@@ -31,7 +31,7 @@ pub struct Emulator<'a> {
     load_of: Vec<usize>,
     /// Logarithms of the area law's scales in pascals at the nodes; a single dummy value if the law is given.
     log_scales: Vec<f64>,
-    /// End effect c at the three nodes along mu_d, by scale and load.
+    /// End effect c at the three nodes along mu_d; index [scale][load][node].
     ends: Vec<Vec<[f64; 3]>>,
 }
 
@@ -53,7 +53,8 @@ impl<'a> Emulator<'a> {
         Ok(Self { problem, loads, load_of, log_scales, ends })
     }
 
-    /// Steady friction of the flat sample at measurement `i` for the local coefficient `dynamic_mean`.
+    /// Steady friction of the flat sample at measurement `i` for the local coefficient `dynamic_mean` and the area
+    /// `law`; `log_scale` is the logarithm of its scale in pascals.
     pub fn steady(&self, i: usize, dynamic_mean: f64, law: Option<&AreaLaw>, log_scale: f64) -> f64 {
         let load = self.load_of[i];
         let nodes = &self.loads[load].nodes;
@@ -81,8 +82,8 @@ impl<'a> Emulator<'a> {
     }
 }
 
-/// End effect c at the three nodes of every load; `problem` has one measurement for each of `loads`, and `log_scale` is
-/// the logarithm of the area law's scale.
+/// End effect c (steady friction over mu_d f) at the three nodes of every load; `problem` has one measurement for each
+/// of `loads`, and `log_scale` is the logarithm of the area law's scale.
 fn solve_ends(problem: &Problem, loads: &[AtLoad], log_scale: f64) -> Result<Vec<[f64; 3]>, FitError> {
     let solved = Problem { area_law: problem.law_at(log_scale.exp())?, ..problem.clone() };
     let law = solved.area_law.as_ref();

@@ -56,7 +56,7 @@ pub struct LandEffect {
 }
 
 impl LandSlope {
-    /// Compares `land`, a map of which only the land is present, with the map `flat`; `None` if the land has no neighbouring
+    /// Compares `land`, a map that contains only the land, with the map `flat`; `None` if the land has no neighbouring
     /// points, or too few windows for an error.
     pub fn of_maps(land: &HeightMap, flat: &HeightMap) -> Option<Self> {
         let [(rms_slope, std), (of_flat, std_of_flat)] = [land, flat].map(|map| map.windowed_slope(WINDOWS));

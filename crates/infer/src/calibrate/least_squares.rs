@@ -55,7 +55,7 @@ impl Solution {
 }
 
 impl<E, F: Fn(&[f64]) -> Result<Vec<f64>, E>> LeastSquares<F> {
-    /// A problem with the given residuals.
+    /// A problem with `residuals` as a function of the parameters, and the lower and upper bound of each parameter.
     pub fn new(residuals: F, bounds: Vec<[f64; 2]>) -> Self {
         Self { residuals, held: vec![false; bounds.len()], bounds }
     }

@@ -7,9 +7,9 @@ use slipgrid_surface::contact::AreaPoint;
 use crate::calibrate::FittedRow;
 use crate::calibrate::surface_area_law_source::{AreaLawOrigin, SurfaceFindings};
 
-/// Number of standard errors above which a change is significant.
+/// A change of a coefficient is significant above this number of standard errors.
 const MIN_SIGNIFICANCE: f64 = 3.0;
-/// Relative change of a coefficient above which a warning is given.
+/// A warning is given only if a coefficient changes by more than this fraction.
 const MIN_CHANGE: f64 = 0.05;
 
 /// Warning if the local coefficient of a condition (speed and humidity) changes from the lowest to the highest load by
@@ -54,7 +54,7 @@ pub(crate) fn load_dependence_warning(
 const MODULUS_FACTORS: [f64; 2] = [1e-9, 1e4];
 /// Number of tested factors; neighbours differ by 6 %.
 const FACTOR_COUNT: usize = 501;
-/// Maximum fraction of chi-square that may remain for a modulus that fits.
+/// A modulus fits if at most this fraction of chi-square at the given modulus remains.
 const MAX_REMAINING_CHI_SQUARE: f64 = 0.1;
 
 /// Factor on Young's modulus for which the contact area A explains the dependence of flat friction on load. For the

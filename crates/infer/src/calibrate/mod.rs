@@ -18,7 +18,7 @@
 //! | [`Selection`] | measurements required for given conditions and pressures |
 //! | [`area_law`], [`area_law_sampling`] | contact area and area law of a map, and their spread over windows |
 //! | [`fit_coefficients`], [`Problem`] | the fit alone |
-//! | [`Fit`], [`FittedPair`], [`Parameter`] | coefficients, covariance, profile likelihood, residuals, what stays undetermined |
+//! | [`Fit`], [`FittedPair`], [`Parameter`] | coefficients, covariance, profiles, residuals, undetermined parameters |
 //! | [`learn`], [`CutSample`] | discrepancy of the model, learned from samples that were cut and measured |
 //! | [`uncertainty`] | first-order uncertainty of the friction of a scene |
 //!

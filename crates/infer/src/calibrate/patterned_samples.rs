@@ -1,5 +1,5 @@
 //! Modelled friction of patterned samples at the measured conditions: steady cells, the correction for the specimen if
-//! it is known, and the correction for sliding in time.
+//! it is known, and the correction from steady to dynamic sliding.
 
 use std::sync::Arc;
 
@@ -24,7 +24,7 @@ const LOG_MODULUS_STEP: f64 = 0.02;
 /// Measurements on a flat and on a patterned sample, in this order, at equal force, speed and humidity.
 pub(crate) type Pair = [Measurement; 2];
 
-/// Modelled ratio and d ln(ratio) / d ln(E), with Young's modulus E; `None` if a load did not converge.
+/// Modelled ratio and d ln(ratio) / d ln(E), with Young's modulus E; `None` if the load did not converge.
 pub(crate) type Sensitive = Option<[f64; 2]>;
 
 /// Pairs each measurement in `patterned` with the measurement on a flat sample at equal force, speed and humidity;
@@ -34,17 +34,17 @@ pub(crate) fn pair_measurements(task: &CalibrationTask, patterned: &[Measurement
     patterned.iter().filter_map(pair).collect()
 }
 
-/// Warning for samples without the correction for sliding in time.
+/// Warning for samples without the correction from steady to dynamic sliding.
 const TIME_CHANGE_UNKNOWN: &str = "its modelled ratios lack what sliding in time adds, some thousandths";
 /// Warning for dynamic runs without a stationary mean.
 const NO_MEAN_IN_TIME: &str = "in time the sample does not slide to a mean";
 
-/// Change of the ratios of a sample by sliding in time; 0 where the change is not known, for example in three
-/// dimensions.
+/// Change of a sample's friction ratios from steady sliding to a dynamic run; 0 where the change is not known, for
+/// example in three dimensions.
 pub(crate) struct TimeChanges {
     /// Change of the ratio, one per pair of measurements.
     pub at: Vec<f64>,
-    /// Warning if the change is not known.
+    /// Warning if the change is not known at a load; `None` otherwise.
     pub unknown: Option<String>,
 }
 
@@ -60,8 +60,8 @@ pub(crate) struct Model<'a> {
 }
 
 impl Model<'_> {
-    /// Modelled ratio of each pair, on the specimen of `on_face` or for an infinite pattern; `None` if a load did not
-    /// converge.
+    /// Modelled ratio of each pair, corrected for the face by `on_face`, or for an infinite pattern without `on_face`;
+    /// `None` if the load did not converge.
     pub fn ratios(
         &self,
         pairs: &[Pair],
@@ -194,9 +194,9 @@ impl Model<'_> {
         Ok(scene)
     }
 
-    /// Change of the ratio of each pair by sliding in time, on the face or for an infinite pattern. There is one run
-    /// per force, at the mean of flat friction, because the dependence on friction is below the error of the run. The
-    /// pattern is run without rims.
+    /// Change of the ratio of each pair from steady sliding to a dynamic run, on the face or for an infinite pattern.
+    /// There is one run per force, at the mean of flat friction, because the dependence on friction is below the error
+    /// of the run. The pattern is run without rims.
     pub fn time_changes(&self, pairs: &[Pair], monitor: &dyn Monitor) -> Result<TimeChanges, CalibrationError> {
         let task = self.task;
         let mut forces_n: Vec<f64> = pairs.iter().map(|[flat, _]| flat.force_n).collect();

@@ -20,9 +20,9 @@ pub struct PendingSample {
 pub struct ModelledRatio {
     /// Pressure, speed and humidity.
     pub load: Load,
-    /// The ratio.
+    /// Modelled ratio of patterned to flat friction.
     pub ratio: f64,
-    /// Sensitivity of the logarithm of the ratio to unknowns shared by all textures.
+    /// Sensitivity of the logarithm of the ratio to the unknowns shared by all textures, such as Young's modulus.
     pub sensitivity: Sensitivity,
 }
 

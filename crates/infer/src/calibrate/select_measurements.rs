@@ -55,8 +55,8 @@ pub fn measured_friction(
     Ok(Friction::PerCondition(flat.iter().map(row).collect::<Result<_, MaterialError>>()?))
 }
 
-/// Whether the pressure `one` of `measured` equals `wanted`, or is the nearest to `wanted` on its side if none is
-/// equal.
+/// Whether the pressure `one` of the `measured` pressures equals `wanted` or, if none does, is the next one below or
+/// above `wanted`; all in pascals.
 fn is_beside(measured: &[f64], one: f64, wanted: f64) -> bool {
     let slack = PRESSURE_TOLERANCE * wanted;
     let below = measured.iter().copied().filter(|own| *own <= wanted + slack).reduce(f64::max);

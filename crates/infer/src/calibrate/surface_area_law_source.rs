@@ -25,7 +25,7 @@ const SCALED_RANGE: [f64; 2] = [1e-4, 10.0];
 /// Origin of an area law.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AreaLawOrigin {
-    /// Rough contact of a map.
+    /// Rough contact of a height map.
     Map,
     /// Persson's theory for a given rms slope.
     Persson,
@@ -54,23 +54,24 @@ pub struct SurfaceFindings {
     pub origin: Option<AreaLawOrigin>,
     /// Whether the map is synthetic.
     pub synthetic: bool,
-    /// Rms slope of the surface.
+    /// Rms slope of the surface; `None` without a map or a given slope.
     pub rms_slope: Option<f64>,
-    /// Arithmetic mean height of the map, in metres.
+    /// Arithmetic mean height Sa of the map, in metres; `None` without a map.
     pub sa_m: Option<f64>,
-    /// Size of the map's pixels along the sliding direction, in metres.
+    /// Size of the map's pixels along the sliding direction, in metres; `None` without a map.
     pub pixel_m: Option<f64>,
     /// Size of the map's pixels across the sliding direction, in metres, if it differs from `pixel_m`.
     pub pixel_y_m: Option<f64>,
     /// Contact area from which the law was computed; empty if it was not computed from contact area.
     pub curve: Vec<AreaPoint>,
-    /// Area law, with standard errors if windows of the map were solved.
+    /// Area law, with standard errors if windows of the map were solved; `None` without a surface, or before its scale
+    /// is fitted.
     pub law: Option<AreaLaw>,
     /// Notes on the method, one sentence each.
     pub notes: Vec<String>,
     /// Reasons to doubt the law.
     pub warnings: Vec<SurfaceWarning>,
-    /// Bounds of a fitted scale, in pascals.
+    /// Lower and upper bound of the area law's scale, in pascals; `None` if the scale is not fitted.
     pub(crate) scale_bounds_pa: Option<[f64; 2]>,
 }
 
@@ -111,8 +112,8 @@ impl SurfaceFindings {
     }
 }
 
-/// Relative decrease of A / P (contact area over pressure) from the lightest measured load to a stated threshold, above
-/// which a warning is given.
+/// A warning is given if A / P (contact area over pressure) decreases by more than this fraction from the lightest
+/// measured load to a stated threshold.
 const MAX_AREA_DECREASE: f64 = 0.02;
 
 /// Warning if contact area grows less than in proportion to load below the stated threshold.
@@ -231,7 +232,8 @@ fn findings_from_map(
     })
 }
 
-/// Note that finer pixels would give a higher slope and therefore another law.
+/// Note that finer pixels would give a higher slope and therefore another law; `None` if short waves contribute little
+/// to the slope.
 fn limited_by_pixels(map: &PreparedMap, monitor: &dyn Monitor) -> Option<String> {
     let short = map.map.short_waves(monitor).ok().filter(|short| short.slope_share > LIMITED_BY_PIXELS)?;
     Some(format!(

@@ -71,7 +71,8 @@ pub fn sample_bytes(task: &CalibrationTask) -> Result<f64, CalibrationError> {
     Ok(most)
 }
 
-/// Reference pressures and speed of the discrepancy: means and minimum over the measurements on flat samples.
+/// Reference values of the discrepancy, from the measurements on flat samples: mean and lowest pressure, and geometric
+/// mean of the speeds.
 fn conditions(task: &CalibrationTask) -> Conditions {
     let usual = Conditions::default();
     let count = task.flat.len();
@@ -91,10 +92,10 @@ fn conditions(task: &CalibrationTask) -> Conditions {
 ///
 /// A modelled ratio depends on local friction by a thousandth at most. In three dimensions, where one load takes a
 /// tenth of a second, it is solved for the lowest and highest flat friction at each force and interpolated, with an
-/// error of 5e-5. In the plane it is solved for every friction.
+/// error of 5e-5. In two-dimensional models it is solved for every flat friction.
 ///
-/// The correction for sliding in time is included, as in the confirmed ratios of designs. Otherwise it would become
-/// part of the discrepancy and would be counted twice in designs.
+/// The correction from steady to dynamic sliding is included, as in the confirmed ratios of designs. Otherwise it would
+/// become part of the discrepancy and would be counted twice in designs.
 pub(super) fn trial(
     task: &CalibrationTask,
     cut: &CutSample,

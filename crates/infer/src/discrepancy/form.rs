@@ -2,10 +2,10 @@
 
 use crate::discrepancy::Features;
 
-/// Growth of the discrepancy with the texture: 0 without cavities.
+/// Form of the discrepancy: its growth with the texture, 0 without cavities.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Form {
-    /// 0: no effect of the texture beyond the model; samples scatter.
+    /// 0: the texture has no effect beyond the model, and samples only scatter.
     None,
     /// Proportional to the areal density a, for effects over the cavities.
     Density,
@@ -13,17 +13,17 @@ pub enum Form {
     Edge,
     /// 1 - exp(-a / scale), with the areal density a: saturates at low density, as in the capture of wear debris.
     Saturating {
-        /// Areal density of saturation.
+        /// Areal density at which the form reaches 63 % of its limit.
         scale: f64,
     },
     /// a (1 - exp(-depth / scale)), with the areal density a: a smaller effect of shallow cavities.
     DepthDensity {
-        /// Depth of saturation, in metres.
+        /// Depth, in metres, at which the form reaches 63 % of its limit.
         scale_m: f64,
     },
     /// e (1 - exp(-depth / scale)), with the edge length per area e: a smaller effect of edges of shallow cavities.
     DepthEdge {
-        /// Depth of saturation, in metres.
+        /// Depth, in metres, at which the form reaches 63 % of its limit.
         scale_m: f64,
     },
 }
@@ -48,7 +48,7 @@ impl Form {
         .concat()
     }
 
-    /// Evaluates the form for a texture, in units specific to the form.
+    /// Evaluates the form for a texture; the unit depends on the form (1, or 1/m for edges).
     pub fn value(&self, of: &Features) -> f64 {
         // 1 - exp(-x / x0)
         let reached = |x: f64, scale: f64| -libm::expm1(-x / scale);

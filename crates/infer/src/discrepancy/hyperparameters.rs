@@ -96,11 +96,11 @@ impl Default for Hyperparameters {
 /// Reference pressures and speed, from the flat sample's measurements.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Conditions {
-    /// P0, near the middle of the measured pressures, in pascals.
+    /// P0 in the term (P - P0) / P0: the mean of the measured pressures, in pascals.
     pub reference_pressure_pa: f64,
-    /// P1, the minimum of the measured pressures, in pascals.
+    /// P1 in the term P1 / P: the minimum of the measured pressures, in pascals.
     pub lowest_pressure_pa: f64,
-    /// v0, near the middle of the measured speeds, in m/s.
+    /// v0 in the term ln(v / v0): the geometric mean of the measured speeds, in m/s.
     pub reference_speed_m_s: f64,
 }
 

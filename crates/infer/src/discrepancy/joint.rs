@@ -1,4 +1,4 @@
-//! Information from measuring several values at once about the mechanism, which is the family of the form.
+//! Information about the mechanism, which is the family of the form, from measuring several values at once.
 
 use crate::discrepancy::{Component, Form, Prediction, information};
 

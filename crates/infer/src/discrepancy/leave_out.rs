@@ -14,7 +14,7 @@ pub enum LeftOut {
     Trial,
     /// One condition (pressure, speed and humidity) in all trials, predicted from all others.
     Condition,
-    /// One trial and all later ones, predicted from earlier ones: the knowledge when it was cut.
+    /// One trial, predicted from the earlier trials only: the knowledge when the sample was cut.
     TrialAndLater,
 }
 
@@ -95,8 +95,8 @@ pub fn leave_out(discrepancy: &Discrepancy, by: LeftOut, monitor: &dyn Monitor) 
     Ok(found)
 }
 
-/// Covariance of all measurements under one regression, row by row: noise + Phi Phi^T, with the basis functions Phi at
-/// the measurements. Measurements lie at places of the residual's basis, so the basis is exact.
+/// Covariance of all measurements for one member of the mixture, row by row: noise + Phi Phi^T, with the basis
+/// functions Phi at the measurements. Measurements lie at places of the residual's basis, so the basis is exact.
 fn covariance(discrepancy: &Discrepancy, member: &Member, noise: &[f64]) -> Vec<f64> {
     let rows: Vec<Vec<f64>> = discrepancy
         .rows()

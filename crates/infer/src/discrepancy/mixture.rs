@@ -6,9 +6,9 @@ use crate::discrepancy::{
 };
 use slipgrid_base::statistics::cholesky::{cholesky, dot, is_regular, log_determinant, solve_lower, solve_upper};
 
-/// Number of regressions after the first. They find the discrepancy at the trials, on which the effect of errors of
-/// their dimensions depends: for errors of 10 % of the form and a discrepancy of 0.3, the remaining change after three
-/// is 1e-4.
+/// Number of regressions after the first. Each updates the discrepancy at the trials, which multiplies the effect of
+/// errors of their dimensions: for errors of 10 % of the form and a discrepancy of 0.3, the change left after three
+/// regressions is 1e-4.
 const ROUNDS: usize = 3;
 /// Relative difference up to which pressures, speeds and humidities count as equal.
 const SAME: f64 = 1e-6;
@@ -32,8 +32,8 @@ impl PartialEq for Discrepancy {
     }
 }
 
-/// Regression of one form with one scale, residual and scatter. Coefficients are in units of their prior standard
-/// deviations.
+/// Member of the mixture: regression of one form with one scale, residual and scatter. Coefficients are in units of
+/// their prior standard deviations.
 #[derive(Clone, Debug)]
 pub(crate) struct Member {
     pub form: Form,
@@ -264,9 +264,9 @@ impl Discrepancy {
         Some(Whitened { factor, excess, log_density })
     }
 
-    /// Regression of one form with its log evidence, including the effect of errors of the trials' dimensions on the
-    /// discrepancy: first order about the discrepancy at each trial, which [`ROUNDS`] regressions find (effective
-    /// variance method, Orear, Am. J. Phys. 50, 912, 1982). `None` if a covariance has no inverse.
+    /// Fits the form of `member`, including the effect of errors of the trials' dimensions on the discrepancy, to first
+    /// order about the discrepancy at each trial, which [`ROUNDS`] regressions find (effective variance method, Orear,
+    /// Am. J. Phys. 50, 912, 1982). Also returns the log evidence. `None` if a covariance has no inverse.
     fn fit_as_made(&self, member: Member, as_designed: &Whitened) -> Option<(Member, f64)> {
         let (mut found, evidence) = self.fit(member, as_designed)?;
         if self.trials.iter().all(|trial| trial.dimension_shifts.is_empty()) {
@@ -281,7 +281,8 @@ impl Discrepancy {
         Some((found, evidence))
     }
 
-    /// Regression of one form with its log evidence relative to no discrepancy; `None` if the precision has no inverse.
+    /// Fits the form of `member` to the whitened data. Also returns the log evidence relative to no discrepancy. `None`
+    /// if the posterior precision matrix is singular.
     fn fit(&self, member: Member, whitened: &Whitened) -> Option<(Member, f64)> {
         let Whitened { factor, excess, .. } = whitened;
         let (p, n) = (self.basis.count(), excess.len());
@@ -340,8 +341,8 @@ struct Whitened {
     log_density: f64,
 }
 
-/// Members to be fitted: every form at every scale with every residual, for samples with the scatter `scatter` of prior
-/// weight `of_scatter`. Without an effect, one member stands for all scales and residuals.
+/// Members of the mixture to be fitted: every form at every scale with every residual, for samples with the scatter
+/// `scatter` of prior weight `of_scatter`. [`Form::None`] has one member for all scales and residuals.
 fn members(hyper: &Hyperparameters, (scatter, of_scatter): (f64, f64)) -> Vec<Member> {
     let mut all = Vec::new();
     let once = vec![(1.0, 1.0)];

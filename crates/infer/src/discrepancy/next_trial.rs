@@ -10,7 +10,7 @@ use slipgrid_base::statistics::cholesky::{cholesky, covariance_factor, dot, is_r
 const OF_CLOSENESS: f64 = 0.05;
 /// Approximate number of draws for [`information`], divided between the components by weight.
 const DRAWS: f64 = 2000.0;
-/// Weight below which a component of the mixture is ignored; it would not affect the choice.
+/// Weight below which a component of the mixture is ignored; it would not affect the choice of the next trial.
 const MIN_WEIGHT: f64 = 1e-4;
 /// A component of the mixture is skipped if it can add at most this to a chance.
 const MIN_CHANCE: f64 = 1e-6;
@@ -20,7 +20,7 @@ const POINTS: usize = 12_288;
 /// Number of integration points for a chance used in rankings: root mean square error of at most 0.01, in 0.2 ms.
 const ROUGH_POINTS: usize = 512;
 
-/// Target band of a cut sample: bounds of its ratio at each load.
+/// Target band of a cut sample: bounds of its friction ratio, patterned over flat, at each load.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Wanted {
     /// Minimum accepted ratio; 0 if there is none.
@@ -34,8 +34,8 @@ pub struct Wanted {
 pub struct Score {
     /// Chance that a cut sample is on target at all loads.
     pub chance: f64,
-    /// Closeness to the target, from 0 to 1: expectation of exp(-m^2 / 4) at the load where it is least, with m the
-    /// distance from the middle of the accepted band over half its width; 1 for a limit on one side.
+    /// Closeness to the target, from 0 to 1: expectation of exp(-m^2 / 4) at the load where it is smallest, with m the
+    /// distance from the middle of the target band over half the width of the band; 1 for a limit on one side.
     pub closeness: f64,
 }
 
@@ -48,7 +48,8 @@ pub struct Candidate<'a> {
     pub modelled: &'a [f64],
     /// Sensitivity of the logarithm of the modelled ratio at each load to unknowns shared by all textures.
     pub sensitivity: &'a [Sensitivity],
-    /// Covariance of the log ratios that all samples share, without the discrepancy, loads x loads; empty if zero.
+    /// Covariance of the errors of the log ratios that all samples share, without the discrepancy: a matrix of loads x
+    /// loads, row by row; empty if zero.
     pub covariance: &'a [f64],
     /// Independent errors of the dimensions of each sample; empty if exact.
     pub dimension_shifts: &'a [DimensionShift],

@@ -45,7 +45,7 @@ struct Prepared {
     form: usize,
     /// Posterior mean of b_l times the form's coefficients, one per load.
     mean_of_form: Vec<f64>,
-    /// Posterior means of eps and lambda.
+    /// Posterior means of eps (modulus) and lambda (local law).
     mean_of_globals: [f64; GLOBALS],
     mean_of_residual: Vec<f64>,
     b: Vec<Vec<f64>>,
@@ -74,9 +74,9 @@ pub struct Component {
     pub form: Form,
     /// Weight of the component; all weights sum to 1.
     pub weight: f64,
-    /// Mean at each load.
+    /// Mean at each load; in a joint prediction one value per sample and load.
     pub mean: Vec<f64>,
-    /// Covariance, loads x loads.
+    /// Covariance between the values at all loads: a matrix of loads x loads, row by row.
     pub covariance: Vec<f64>,
 }
 
@@ -137,8 +137,8 @@ impl Predictor {
         }
     }
 
-    /// Predictor with only the members of greatest weight, which together have at least `share` of the weight. Its
-    /// probabilities differ by at most 1 - `share`.
+    /// Predictor with only the members of the mixture of greatest weight, which together have at least `share` of the
+    /// weight. Probabilities differ from those of the whole mixture by at most 1 - `share`.
     pub fn likeliest(&self, share: f64) -> Self {
         let mut members = self.members.clone();
         members.sort_by(|a, b| b.member.weight.total_cmp(&a.member.weight));
@@ -159,8 +159,8 @@ impl Predictor {
         alike
     }
 
-    /// Predicts a sample with the features `of`, made exactly, with the `sensitivity` of its modelled ratio to Young's
-    /// modulus and the local law at each load. Includes the scatter of the sample.
+    /// Predicts a sample with the features `of` and without errors of its dimensions, with the `sensitivity` of its
+    /// modelled ratio to Young's modulus and the local law at each load. Includes the scatter of the sample.
     pub fn predict(&self, of: &Features, sensitivity: &[Sensitivity]) -> Prediction {
         self.predict_made(of, sensitivity, &[])
     }
@@ -323,7 +323,7 @@ impl Prediction {
         self.components.first().map_or(0, |component| component.mean.len())
     }
 
-    /// Adds a `covariance`, loads x loads, for example by the tolerances of a sample's dimensions.
+    /// Adds a `covariance`, loads x loads, for example that from the tolerances of a sample's dimensions.
     #[must_use]
     pub fn with(mut self, covariance: &[f64]) -> Self {
         for component in &mut self.components {

@@ -15,7 +15,7 @@ const SAME_HUMIDITY: f64 = 1e-6;
 pub const GLOBALS: usize = 2;
 /// Prior mean of lambda, which is 0 or 1 with equal probability; lambda is treated as a continuous variable.
 const LOCAL_LAW_MEAN: f64 = 0.5;
-/// Prior standard deviation of lambda.
+/// Prior standard deviation of lambda, the share of the local law.
 const LOCAL_LAW_STD: f64 = 0.5;
 
 impl Sensitivity {
@@ -78,7 +78,7 @@ impl Basis {
         self.of_form() + GLOBALS + self.residual.count()
     }
 
-    /// Indices of eps and lambda.
+    /// Indices of the coefficients eps (error of ln(modulus)) and lambda (share of the local law).
     pub fn globals(&self) -> [usize; GLOBALS] {
         std::array::from_fn(|global| self.of_form() + global)
     }
@@ -88,12 +88,12 @@ impl Basis {
         self.of_form() + GLOBALS
     }
 
-    /// Prior standard deviations of eps and lambda.
+    /// Prior standard deviations of eps (error of ln(modulus)) and lambda (share of the local law).
     pub const fn global_stds(&self) -> [f64; GLOBALS] {
         [self.modulus_std, LOCAL_LAW_STD]
     }
 
-    /// Means of eps and lambda for coefficients with the means `mean`.
+    /// Means of eps (error of ln(modulus)) and lambda (share of the local law) for coefficients with the means `mean`.
     pub fn global_means(&self, mean: &[f64]) -> [f64; GLOBALS] {
         let [modulus, local_law] = self.globals();
         [self.modulus_std * mean[modulus], LOCAL_LAW_MEAN + LOCAL_LAW_STD * mean[local_law]]
@@ -129,7 +129,8 @@ impl Basis {
         row
     }
 
-    /// Covariance of eta + gamma q at two loads that remains given the measured humidities.
+    /// Covariance of the humidity term eta + gamma q, q = P1 / P, at two loads that remains given the measured
+    /// humidities.
     pub fn humidity_left(&self, a: &Load, b: &Load) -> f64 {
         let explained = dot(&self.humidity(a.humidity), &self.humidity(b.humidity));
         let left = correlation(&self.hyper, a.humidity, b.humidity) - explained;

@@ -7,17 +7,18 @@ use slipgrid_base::statistics::cholesky::{cholesky, dot, is_regular, solve_lower
 
 /// Maximum standard deviation of ln(ratio) between samples of one texture, unless a larger one is stated.
 const MAX_SCATTER: f64 = 0.2;
-/// Relative difference below which lengths are equal, the resolution of a microscope.
+/// Two lengths count as equal below this relative difference, the resolution of a microscope.
 const SAME_LENGTH: f64 = 0.02;
 /// Number of standard errors of a difference within which two lengths may be equal.
 const WITHIN_ERRORS: f64 = 2.0;
-/// Probability, times the number of compared pairs, below which two samples contradict each other.
+/// Two samples contradict each other if the probability of their difference, times the number of compared pairs, is
+/// below this.
 const MIN_PROBABILITY: f64 = 0.01;
 
 /// Possible scatter of samples with its prior and posterior weight.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ScatterWeight {
-    /// Standard deviation of the log ratio between samples of one texture.
+    /// Standard deviation of the log ratio over samples of one texture.
     pub std: f64,
     /// Prior weight.
     pub prior: f64,
@@ -35,8 +36,8 @@ pub struct Contradiction {
     pub load: Load,
     /// Difference of the log ratios, measured over modelled, of the first and the second sample at this condition.
     pub difference: f64,
-    /// Standard deviation of the log ratio between samples of one texture, as stated with each of the two trials, or
-    /// the default.
+    /// Standard deviation of the log ratio over samples of one texture, as stated with each of the two trials, or the
+    /// default.
     pub sample_std: [f64; 2],
     /// Whether each of the two trials states its standard deviation, which is then kept.
     pub is_own: [bool; 2],
@@ -49,8 +50,8 @@ pub struct Contradiction {
 }
 
 impl Discrepancy {
-    /// Possible standard deviations of the log ratio between samples of one texture, with prior weights. The stated one
-    /// is first; it is the only one if it is zero or stated for every trial.
+    /// Possible standard deviations of the log ratio over samples of one texture, with prior weights. The stated one is
+    /// first; it is the only one if it is zero or stated for every trial.
     pub(crate) fn scatters(&self) -> Vec<(f64, f64)> {
         let hyper = self.hyperparameters();
         let stated = hyper.sample_std;

@@ -21,7 +21,7 @@ pub struct Scenarios {
     seed: u64,
 }
 
-/// One truth: a draw of the mixture.
+/// One truth: a random draw from the mixture.
 #[derive(Clone, Debug)]
 struct Truth {
     /// Index of the mixture's member.

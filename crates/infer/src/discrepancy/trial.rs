@@ -9,7 +9,7 @@ pub struct Trial {
     pub name: String,
     /// Features of the texture, as measured or as designed.
     pub features: Features,
-    /// Standard deviation of the log ratio between samples of one texture, if stated; otherwise that of the
+    /// Standard deviation of the log ratio over samples of one texture; `None` if not stated, so that the value of the
     /// hyperparameters holds.
     pub sample_std: Option<f64>,
     /// Name of the disc; trials of one disc share one deviation due to scatter. `None` for a separate disc.
@@ -34,7 +34,7 @@ pub struct DimensionShift {
 }
 
 impl DimensionShift {
-    /// Transfers the error from a sample with the features `from` to a sample with the features `to`, which are near.
+    /// Transfers the error from a sample with the features `from` to a similar sample with the features `to`.
     pub fn about(&self, from: &Features, to: &Features) -> Self {
         let moved = |own: &Features| Features {
             areal_density: own.areal_density + to.areal_density - from.areal_density,

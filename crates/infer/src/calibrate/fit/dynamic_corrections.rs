@@ -15,11 +15,11 @@ const MAX_EXCESS_SENSITIVITY: f64 = 0.5;
 /// measurement.
 pub const EXCESS_SENSITIVITY_STD: f64 = 0.2;
 
-/// Slope of the static peak against mu_s below which the peak is considered independent of mu_s: the noise of the two
-/// runs from which the slope is computed.
+/// A static peak is considered independent of the local static coefficient mu_s if its slope against mu_s is below this
+/// number, which is the noise of the two runs from which the slope is computed.
 const MIN_SLOPE: f64 = 0.05;
-/// Relative step of mu_s for the slope of the static peak: large against the noise of a peak (1e-3), small against the
-/// range in which the peak is nearly linear.
+/// Relative step of mu_s, the local static coefficient, for the slope of the static peak: large against the noise of a
+/// peak (1e-3), small against the range in which the peak is nearly linear.
 const STATIC_STEP: f64 = 0.05;
 
 /// Results of dynamic runs, relative to the steady model.
@@ -29,7 +29,8 @@ pub struct Corrections {
     pub delta: Vec<f64>,
     /// Relative standard error of `delta`, one per measurement.
     pub relative_stderr: Vec<f64>,
-    /// Dependence of the static peak on mu_s, one per measurement; `None` if no peak was measured.
+    /// Dependence of the static peak on the local static coefficient mu_s, one per measurement; `None` if no peak was
+    /// measured.
     pub peaks: Vec<Option<PeakLine>>,
 }
 
@@ -84,7 +85,8 @@ impl Corrections {
     }
 }
 
-/// Corrections from dynamic runs at `parameters`, and at slightly larger mu_s if peaks were measured.
+/// Corrections from dynamic runs at `parameters`, and at a slightly larger local static coefficient if peaks were
+/// measured.
 pub fn correct(
     problem: &Problem,
     layout: &Layout,
@@ -96,9 +98,9 @@ pub fn correct(
     Ok(runs.corrections(peaks))
 }
 
-/// Corrections from dynamic runs at the fitted `parameters` if any peaks were fitted, because delta depends on mu_s,
-/// and the fit used delta from before its last step. Keeps the slopes of the peaks. Returns `fitted` if there are no
-/// peaks.
+/// Corrections from dynamic runs at the fitted `parameters` if any peaks were fitted, because delta (dynamic over
+/// steady friction) depends on the local static coefficient, and the fit used delta from before its last step. Keeps
+/// the slopes of the peaks. Returns `fitted` if there are no peaks.
 pub fn confirm(
     problem: &Problem,
     layout: &Layout,

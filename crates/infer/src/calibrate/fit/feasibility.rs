@@ -9,9 +9,9 @@ use crate::calibrate::{FitError, Measurement, Problem, flat_sample};
 /// Largest ratio of static peak to dynamic friction that the modelled flat sample shows. At 0.64 MPa on the default
 /// layer the ratio is 1.03 for mu_s / mu_d = 1.2, 1.4 for 2 and 1.83 for 3, and decreases beyond.
 const MAX_PEAK_RATIO: f64 = 2.0;
-/// Relative excess of the static peak over dynamic friction below which the peak hardly determines mu_s. At 0.64 MPa on
-/// the default layer the model shows 0.0016 for mu_s / mu_d = 1 and 0.004 for 1.1, so that the relative error of mu_s
-/// is ten times that of the peak or more.
+/// A static peak hardly determines mu_s if it exceeds dynamic friction by less than this fraction. At 0.64 MPa on the
+/// default layer the model shows an excess of 0.0016 for mu_s / mu_d = 1 and 0.004 for 1.1, so that the relative error
+/// of mu_s is ten times that of the peak or more.
 const MIN_EXCESS: f64 = 5e-3;
 /// Pairs of the relative excess of the static peak over dynamic friction and the local mu_s / mu_d for which the model
 /// shows this excess at 0.64 MPa.
@@ -65,7 +65,8 @@ pub fn drop_hidden_peaks(problem: &Problem) -> (Problem, Vec<String>) {
     (problem, notes)
 }
 
-/// Warning that a static peak is not used; `number` counts from 0.
+/// Warning that the static peak of measurement `number`, counted from 0, is not fitted; `why` is the predicate, for
+/// example "hardly exceeds dynamic friction".
 pub fn left_out_warning(problem: &Problem, number: usize, why: &str) -> String {
     let measured = &problem.measurements[number];
     let peak = measured.static_peak.map_or_else(String::new, |peak| format!(" {:.4} +- {:.4}", peak.mu, peak.std));
@@ -77,8 +78,8 @@ pub fn left_out_warning(problem: &Problem, number: usize, why: &str) -> String {
     )
 }
 
-/// Checks everything that is known before the first run. Returns the number of time steps of every run in the first
-/// round.
+/// Returns the first error that is known before the first run, otherwise the number of time steps of every run in the
+/// first round.
 pub fn check(problem: &Problem) -> Result<Vec<u64>, FitError> {
     let (count, most) = (Layout::new(problem).count, MAX_COEFFICIENTS);
     if count > most {

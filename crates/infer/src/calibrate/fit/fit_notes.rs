@@ -69,7 +69,7 @@ pub fn warnings(fit: &Fit) -> Vec<String> {
     warnings
 }
 
-/// Note on measurements whose runs are slower than the measured speed.
+/// Note on measurements whose runs are slower than the measured speed; `None` if there are none.
 fn speed_note(Model { problem, .. }: &Model<'_>) -> Option<String> {
     let speeds = problem.measurements.iter().map(|measured| (measured.speed_m_s, speed_m_s(problem, measured)));
     let slowed: Vec<(f64, f64)> = speeds.filter(|(measured, run)| run < measured).collect();
@@ -85,8 +85,8 @@ fn speed_note(Model { problem, .. }: &Model<'_>) -> Option<String> {
     })
 }
 
-/// Note on the scatter of local coefficients. Repeats give an upper bound: N independent blocks reduce the scatter of
-/// the mean to s / sqrt(N).
+/// Note on the scatter of local coefficients. Repeats give an upper bound: the mean over N independent blocks scatters
+/// by s / sqrt(N), with the scatter s of one block.
 fn scatter_note(model: &Model<'_>) -> String {
     let problem = model.problem;
     let blocks = problem.layer.columns() as f64;

@@ -7,9 +7,9 @@ use crate::calibrate::{Coefficients, FitError, Problem};
 
 /// Bounds of mean local coefficients; values outside are not those of dry contact.
 pub(super) const FRICTION_BOUNDS: [f64; 2] = [1e-3, 5.0];
-/// Bounds of mu_s over the first guess of mu_d. Below the lower bound sliding would take more force than rest. Above
-/// the upper bound a larger mu_s does not raise the peak of the modelled sample, because its ends slip long before its
-/// middle.
+/// Bounds of the local static coefficient mu_s over the first guess of the local dynamic coefficient mu_d. Below the
+/// lower bound sliding would take more force than rest. Above the upper bound a larger mu_s does not raise the peak of
+/// the modelled sample, because its ends slip long before its middle.
 pub const STATIC_OVER_DYNAMIC: [f64; 2] = [0.9, 3.5];
 
 /// Indices of the parameters of a fit: for each measurement the local coefficients mu_d and, if fitted, mu_s; and the
@@ -79,7 +79,8 @@ impl Layout {
     }
 }
 
-/// Initial parameters: mu_d = measured / f(P), averaged over the measurements that share a parameter.
+/// Initial parameters: measured friction over the area factor f(P), averaged over the measurements that share a
+/// parameter.
 pub(super) fn first_guess(problem: &Problem, layout: &Layout) -> Vec<f64> {
     let mut sums = vec![(0.0, 0.0); layout.count];
     // The scale of an unknown law starts in the middle of its range.

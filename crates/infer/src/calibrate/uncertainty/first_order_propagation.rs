@@ -16,7 +16,7 @@ struct Slope {
     friction: f64,
     /// Slope against the logarithm of Young's modulus, or of the fitted scale.
     scale: f64,
-    /// Slope against the area law's factors, all shifted by one standard error.
+    /// Slope against the common shift of all factors of the area law, in standard errors.
     law: f64,
 }
 
@@ -35,7 +35,7 @@ pub struct Slopes {
 /// Deviations of the modulus, in standard deviations, at which intervals are solved: the ends of the 68 % and 95 %
 /// intervals.
 const BENT_DEVIATIONS: [f64; 4] = [-NORMAL_95, -1.0, 1.0, NORMAL_95];
-/// Relative error of Young's modulus below which the logarithm is extrapolated linearly, so that the modulus stays
+/// Below this relative error of Young's modulus its logarithm is extrapolated linearly, so that the modulus stays
 /// positive.
 const MIN_LOG_MODULUS_ERROR: f64 = -0.5;
 
@@ -48,7 +48,7 @@ pub struct Deviation {
     pub parts: Vec<(Source, f64)>,
     /// Distances from the value to the lower and upper end of the 68 % interval; 0 if nothing is known.
     pub reach_68: [f64; 2],
-    /// Distances from the value to the ends of the 95 % interval.
+    /// Distances from the value to the lower and upper end of the 95 % interval; 0 if nothing is known.
     pub reach_95: [f64; 2],
 }
 
@@ -65,12 +65,12 @@ impl Deviation {
     }
 }
 
-/// Deviations at one load from the errors of the material.
+/// Standard deviations and intervals at one load that follow from the errors of the material.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Deviations {
     /// Deviation of the ratio.
     pub ratio: Deviation,
-    /// Deviation of dynamic friction.
+    /// Deviation of the patterned surface's dynamic friction.
     pub mu: Deviation,
     /// Deviation of the flat surface's dynamic friction.
     pub flat: Deviation,
@@ -97,8 +97,8 @@ impl Slopes {
         }
     }
 
-    /// Computes the slopes of `scene` along the inputs with errors in `knowledge`. The ratio of a flat scene is always
-    /// 1.
+    /// Computes the slopes of `scene` along the inputs with errors in `knowledge`. The slopes of a flat scene are 0,
+    /// because its ratio is always 1.
     pub fn new(scene: &Scene, knowledge: &InputUncertainty) -> Self {
         let has_law_errors = scene.area_law.as_ref().is_some_and(|law| law.factor_std().is_some());
         let count = scene.loads.len();
@@ -267,7 +267,7 @@ pub struct ScaleShift {
 impl ScaleShift {
     /// Shift for a normally distributed `deviation` with mean 0: the logarithm of the scale if it `is_fitted`,
     /// otherwise the relative error of Young's modulus. The modulus itself is normally distributed, E = E_0 (1 + x);
-    /// below half of E_0 its logarithm is replaced by the tangent, so that no draw is negative.
+    /// below half of E_0 its logarithm is replaced by the tangent, so that the modulus stays positive.
     pub fn off_by(deviation: f64, is_fitted: bool) -> Self {
         let log = if is_fitted {
             deviation

@@ -32,11 +32,11 @@ use crate::calibrate::{CalibrationTask, Coefficients, Measurement};
 const PARTS: usize = 8;
 /// Relative difference below which two pressures are equal.
 const SAME_PRESSURE: f64 = 1e-9;
-/// Lower limit for the decrease of ln f over the measured loads in the exponent s; with a smaller decrease, errors of
-/// measured friction would determine s.
+/// Lower limit for the decrease of ln f (area factor f) over the measured loads in the exponent s of the extrapolation;
+/// with a smaller decrease, errors of measured friction would determine s.
 const MIN_FALL: f64 = 0.05;
-/// Minimum range of the table of f_c, as a multiple of the heaviest measured load: edges of cavities carry ten times
-/// the nominal pressure.
+/// Minimum range of the table of the local law f_c, as a multiple of the heaviest measured load: edges of cavities
+/// carry ten times the nominal pressure.
 const REACH: f64 = 20.0;
 /// Relative difference below which two coefficients are equal.
 const SAME_COEFFICIENT: f64 = 1e-6;

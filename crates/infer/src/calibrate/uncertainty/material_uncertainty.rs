@@ -19,7 +19,7 @@ pub struct MaterialUncertainty {
     /// Whether the file has two standard errors for each dynamic coefficient: for the given area law, and including the
     /// errors of the area law.
     pub has_marginal_errors: bool,
-    /// Relative standard deviation of Young's modulus.
+    /// Relative standard deviation of Young's modulus; `None` if not known.
     pub modulus_relative_std: Option<f64>,
     /// Whether the area law's scale was fitted to friction, so that the law does not depend on the modulus.
     pub law_is_fitted: bool,
@@ -204,7 +204,8 @@ fn covariance(
     Some(rows.iter().map(|left| rows.iter().map(|right| covariance(left, right)).collect()).collect())
 }
 
-/// Weights of the `known` coefficients at a pressure: linear between measurements, the nearest one outside.
+/// Weights of the `known` coefficients at a pressure: linear between measurements, the nearest measurement outside
+/// their range; `None` if `known` is empty.
 fn weights(known: &[&CoefficientEstimate], at_pa: f64) -> Option<Vec<f64>> {
     let mut weights = vec![0.0; known.len()];
     let pressure = |place: usize| known[place].pressure_pa;

@@ -44,9 +44,10 @@ pub struct InputUncertainty {
 pub struct ScaleError {
     /// Whether the scale was fitted to flat friction; otherwise this is the error of the modulus.
     pub is_fitted: bool,
-    /// Variance of the logarithm of the scale.
+    /// Variance of the logarithm of the scale or of Young's modulus.
     pub variance: f64,
-    /// Covariance with the relative error of flat friction, one per load; zero unless fitted together.
+    /// Covariance with the relative error of flat friction, one per load; zero unless the scale was fitted together
+    /// with friction.
     pub with_friction: Vec<f64>,
 }
 

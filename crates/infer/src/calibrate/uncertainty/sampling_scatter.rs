@@ -8,7 +8,8 @@ use slipgrid_model::springblock::{LoadOutcome, SurfaceOutcome};
 pub struct SamplingScatter {
     /// Scatter of the ratio.
     pub ratio: Option<f64>,
-    /// Scatter of dynamic or static friction; each block contributes in proportion to its own deviate.
+    /// Scatter of the surface's dynamic or static friction; each block contributes its friction times its normal
+    /// deviate.
     pub mu: Option<f64>,
     /// Scatter of the flat surface's friction.
     pub flat: Option<f64>,
