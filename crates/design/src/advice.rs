@@ -10,7 +10,7 @@ use crate::search::Search;
 
 /// Minimum chance at which a series is advised.
 const SERIES: f64 = 0.9;
-/// Maximum factor between any length of two textures that are near each other.
+/// Two textures are near each other if width, pitch and depth differ by at most this factor.
 const NEARBY: f64 = 1.5;
 
 /// Recommended next action.
@@ -65,8 +65,8 @@ impl Advice {
         }
     }
 
-    /// Describes the advice in one sentence with the `chance` of the texture. `is_within_reach`: some texture has a
-    /// median within the accepted band.
+    /// Describes the advice in one sentence with the `chance` of the texture. `has_demands`: the target has accepted
+    /// bands. `is_within_reach`: some texture has a median within the accepted band.
     pub fn words(&self, chance: f64, has_demands: bool, is_within_reach: bool) -> String {
         let chance = percent(chance);
         let of_sample = format!("{chance} chance that a cut sample is on target");

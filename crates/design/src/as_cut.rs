@@ -1,5 +1,5 @@
-//! Texture as its samples are cut, at one of three accuracies: interpolated, solved, or solved with ends, tilt and
-//! dynamic run of the texture itself.
+//! Texture as its samples are cut, at one of three accuracies: interpolated, solved, or solved together with the
+//! effects of the specimen's ends, pressure tilt and time for this texture.
 
 use std::sync::Arc;
 
@@ -14,7 +14,7 @@ use crate::inputs::{InputEffect, Part};
 use crate::sensitivities::Modelled;
 use crate::steady_model::SteadyModel;
 
-/// Minimum number of blocks across lands and cavities when larger blocks are used.
+/// Larger blocks are used only if lands and cavities are at least this number of larger blocks wide.
 const MIN_BLOCKS: f64 = 2.0;
 
 /// Accuracy of the data of a texture, in increasing order.
@@ -22,9 +22,10 @@ const MIN_BLOCKS: f64 = 2.0;
 pub enum Known {
     /// Interpolated in the table.
     Interpolated,
-    /// Solved by the model in the smallest possible blocks, with all input uncertainties.
+    /// Solved by the model in the smallest affordable blocks, with all input uncertainties.
     Solved,
-    /// Solved with ends and tilt of this texture, and in the plane with a dynamic run of this texture.
+    /// Solved also with the effects of the specimen's ends and pressure tilt for this texture, in two-dimensional
+    /// models by a dynamic run.
     AsCut,
 }
 
@@ -38,16 +39,16 @@ pub struct CutTexture {
     pub ratio: Vec<f64>,
     /// Sensitivity of ln R, R the ratio, at each load to inputs that all textures share.
     pub sensitivity: Vec<Sensitivity>,
-    /// Covariance of ln R by errors that all samples share, without the discrepancy, loads x loads, row by row; empty
-    /// if unknown.
+    /// Covariance of ln R between loads from errors that all samples share, without the discrepancy: n by n matrix for
+    /// n loads, row by row; empty if unknown.
     pub covariance: Vec<f64>,
-    /// Errors that are independent between samples, with the changes of ln R by them.
+    /// Errors that are independent between samples, with the resulting changes of ln R.
     pub dimension_shifts: Vec<DimensionShift>,
     /// Inputs that the covariance and the shifts are composed of; empty if interpolated.
     pub parts: Vec<Part>,
     /// Sum of the violations of limits, each relative to its limit: 0 if all limits hold.
     pub excess: f64,
-    /// Dynamic run of this texture, if there is one.
+    /// Dynamic run of this texture; `None` if it was not run.
     pub run: Option<Arc<Simulation>>,
 }
 
@@ -107,8 +108,8 @@ pub fn sums(parts: &[Part], without: Option<usize>) -> (Vec<f64>, Vec<DimensionS
     (covariance, shifts)
 }
 
-/// Differences between samples and their cells, computed per texture: effects of the ends of strips, of the tilt of the
-/// pressure and of sliding in time.
+/// Computes the differences in friction ratio between samples of a texture and its periodic cell: effects of the
+/// specimen's ends, of pressure tilt and of sliding in time.
 pub struct BeyondCells<'a> {
     pub model: &'a SteadyModel<'a>,
     /// Face of the specimen; `None` if samples are sectors of one specimen.
@@ -127,28 +128,29 @@ impl BeyondCells<'_> {
         scene
     }
 
-    /// Change of the logarithm of each of `ratios` by `run`, a dynamic run of the specimen; `None` unless the run has a
-    /// trusted ratio at every load of the first condition.
+    /// Change of the logarithm of each of `ratios`, those of the cell, by the difference of ratios between `run`, a
+    /// dynamic run of the specimen, and the cell; `None` unless the run has a trusted ratio at every load of the first
+    /// condition.
     pub fn by_run(&self, ratios: &[f64], run: &Simulation) -> Option<Vec<f64>> {
         let of_run: Vec<f64> =
             run.loads.iter().map(|load| load.ratio().filter(|_| load.is_trusted())).collect::<Option<_>>()?;
         (of_run.len() == self.count).then(|| self.log_shifts(ratios, &|load| of_run[load] - ratios[load]))
     }
 
-    /// Change of the logarithm of each of `ratios`, one per load of every condition, if `added(load)`, `load` counting
-    /// the loads of one condition, is added to the ratios of every condition.
+    /// Change of the logarithm of each of `ratios`, one per load of every condition, if `added(load)` is added to the
+    /// ratio at load number `load`, counted from 0, of every condition.
     fn log_shifts(&self, ratios: &[f64], added: &dyn Fn(usize) -> f64) -> Vec<f64> {
         let shift = |(load, ratio): (usize, &f64)| (added(load % self.count) / ratio).max(-0.5).ln_1p();
         ratios.iter().enumerate().map(shift).collect()
     }
 
-    /// Change of the logarithms of `ratios` of `pattern` by ends and tilt; zeros without a face or if strips are too
-    /// large to solve. `is_rough` uses larger blocks, for comparisons of many textures.
+    /// Change of the logarithms of `ratios` of `pattern` by the specimen's ends and pressure tilt; zeros without a face
+    /// or if strips are too large to solve. `is_rough` uses larger blocks, for comparisons of many textures.
     pub fn by_face(&self, pattern: &Pattern, ratios: &[f64], is_rough: bool, monitor: &dyn Monitor) -> Vec<f64> {
         let solve = if is_rough { SteadyOnFace::roughly } else { SteadyOnFace::new };
         let part = Share::new(monitor, 0.0);
         let mut scene = self.scene(pattern);
-        // The change by ends and tilt hardly depends on the block size if lands and cavities have at least two blocks.
+        // This change hardly depends on the block size if lands and cavities have at least two blocks.
         let (coarse_m, rows) = (2.0 * scene.layer.block_m, scene.layer.rows());
         let least_m = pattern.width_m().min(pattern.spacing_m());
         if is_rough && rows.is_multiple_of(2) && least_m >= MIN_BLOCKS * coarse_m {

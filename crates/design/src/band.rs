@@ -21,11 +21,11 @@ const SAME_HUMIDITY: f64 = 0.02;
 pub struct Band {
     /// Pressure, speed and humidity.
     pub load: Load,
-    /// Sliding direction, in degrees, if the target has several.
+    /// Sliding direction, in degrees; `None` if the target has only one.
     pub sliding_angle_deg: Option<f64>,
     /// Factor from a ratio to the quantity of the target: 1, or dynamic friction of the flat surface.
     pub flat: f64,
-    /// Minimum and maximum accepted value of the quantity, if limited.
+    /// Minimum and maximum accepted value of the quantity; `None` without such a limit.
     pub accepted: [Option<f64>; 2],
     /// Half the width of the accepted band, or the margin of a single limit; `None` if nothing is demanded.
     pub tolerance: Option<f64>,
@@ -41,7 +41,7 @@ pub struct Asked {
     pub loads: Vec<Load>,
     /// Accepted bands as bounds of the ratio.
     pub wanted: Wanted,
-    /// Goal to optimize in addition to the bands.
+    /// Goal to optimize in addition to the bands; `None` without a goal.
     pub goal: Option<Goal>,
     /// Number of loads of one condition.
     pub count: usize,
@@ -108,14 +108,15 @@ impl Asked {
         ratios.iter().zip(lower.iter().zip(upper)).all(|(ratio, (lower, upper))| (lower..=upper).contains(&ratio))
     }
 
-    /// Whether the median of samples is accepted at every load, for modelled `ratios` with the log error `distribution`.
+    /// Whether the median of samples is accepted at every load, for the modelled `ratios` and the `distribution` of
+    /// ln(true / modelled ratio).
     pub fn has_medians_within(&self, ratios: &[f64], distribution: &Distribution) -> bool {
         let [lower, upper] = self.wanted.over(ratios);
         distribution.has_medians_within(&lower, &upper)
     }
 
-    /// Largest distance of `ratios` from the middle of the accepted band, in tolerances. For a single limit it is 1 at
-    /// the limit, 0 from one tolerance inside, and grows outside.
+    /// Largest distance over all loads of `ratios` from the middle of the accepted band, divided by the tolerance. For
+    /// a single limit the distance is 1 at the limit, 0 from one tolerance inside, and grows outside.
     pub fn misfit(&self, ratios: &[f64]) -> f64 {
         let off = |(band, ratio): (&Band, &f64)| {
             let (Some(tolerance), value) = (band.tolerance, ratio * band.flat) else { return 0.0 };

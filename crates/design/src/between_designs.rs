@@ -9,11 +9,11 @@ const RANGE: f64 = 3.0;
 /// Minimum distance between known designs, in logarithms of the lengths. At smaller distances quantities differ by the
 /// positions of cavity ends within blocks and by errors of runs, and their slope does not extrapolate.
 const MIN_APART: f64 = 0.3;
-/// Exponent of the depth in distances: cavities of one or two blocks depth differ most, so a factor in depth counts as
-/// much as this power of the factor in width or spacing.
+/// Factor of ln(depth) in distances between designs: depth counts more than width and spacing, because designs with
+/// cavities one or two blocks deep differ most.
 const OF_DEPTH: f64 = 2.0;
 
-/// Quantities known at some designs, interpolated exactly through them.
+/// Quantities known for some designs and interpolated to others; at known designs the known values are returned.
 #[derive(Clone, Debug, Default)]
 pub struct BetweenDesigns {
     /// Designs with their quantities, the most recent last.

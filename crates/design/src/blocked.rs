@@ -18,7 +18,7 @@ use crate::task::DesignTask;
 
 /// Factor by which a bound is widened.
 const WIDER: f64 = 2.0;
-/// Maximum relative distance between a length and a bound that the length rests on.
+/// A length rests on a bound if the relative difference of the two is at most this.
 const AT_BOUND: f64 = 0.05;
 
 /// Maximum chance without one limit or bound.
@@ -28,9 +28,9 @@ pub struct LiftedReport {
     pub what: String,
     /// Maximum chance without the limit or bound, by the table.
     pub chance: f64,
-    /// Texture that has the maximum chance.
+    /// Texture that has this chance.
     pub design: PatternReport,
-    /// True if the median of some texture is then accepted.
+    /// True if some texture then has accepted medians of samples at every load.
     pub is_within_reach: bool,
 }
 

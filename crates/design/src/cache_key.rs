@@ -1,4 +1,4 @@
-//! Cache key: everything that the answers of the search's model depend on.
+//! Cache key: all inputs on which the results of the search model depend.
 
 use serde_json::{Map, Value, json};
 use slipgrid_model::pattern::{Texture, TextureRecord};
@@ -6,8 +6,8 @@ use slipgrid_model::springblock::{Dimension, Scene};
 
 use slipgrid_base::units::{LENGTH_MM, LENGTH_UM, MODULUS_GPA, PRESSURE_MPA};
 
-/// Key of the steady cells of a search: all inputs except width, spacing and depth. `further_deg` are additional sliding
-/// directions, in degrees.
+/// Builds the cache key of the steady cells of a search: all inputs except width, spacing and depth of the design.
+/// `further_deg` are additional sliding directions, in degrees.
 pub fn cache_key(scene: &Scene, texture: &Texture, further_deg: &[f64]) -> Map<String, Value> {
     let um = |length_m: f64| LENGTH_UM.from_si(length_m);
     let area_law = scene.area_law.as_ref().map(|law| {
@@ -22,7 +22,8 @@ pub fn cache_key(scene: &Scene, texture: &Texture, further_deg: &[f64]) -> Map<S
     if let Some(thickness_m) = scene.layer.thickness_m {
         layer["thickness_mm"] = json!(LENGTH_MM.from_si(thickness_m));
     }
-    // The width is searched: at a width of 1 um the corners of an outline are shares of it.
+    // The width varies in the search: with a width of 1 um, corners of an outline are written as fractions of the
+    // width.
     let mut pattern = json!(TextureRecord::new(texture, LENGTH_UM.to_si(1.0)));
     if texture.length_m().is_none() {
         pattern["length_um"] = Value::Null;

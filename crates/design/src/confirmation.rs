@@ -11,8 +11,9 @@ use crate::dynamic_excess::correct;
 use crate::prepared_task::PreparedTask;
 use crate::steady_model::SteadyModel;
 
-/// Minimum number of contact blocks with separate coefficients in a confirming run in space, over all draws. After the
-/// correction for the drawn coefficients, the ratio then scatters by one twentieth of the usual tolerance.
+/// Minimum number of contact blocks with separate coefficients in a confirming run in space, summed over all random
+/// draws of the coefficients. After the correction for the drawn coefficients, the ratio then scatters by one twentieth
+/// of the usual tolerance.
 const MIN_CONTACTS: f64 = 100.0;
 
 /// Confirming run with its scene.

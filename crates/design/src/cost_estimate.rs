@@ -18,9 +18,10 @@ const SHORT_S: f64 = 30.0;
 /// Memory up to which no estimate is reported, in bytes.
 const SMALL_BYTES: f64 = (1_u64 << 30) as f64;
 
-/// Cost of cells in the plane, which are condensed, as a fraction of the cost of solving all equations.
+/// Cost of a cell in the plane, whose equations are condensed, as a fraction of the cost of solving all equations.
 const CONDENSED_SHARE: f64 = 0.03;
-/// Cost of cells in space at the looser force balance of tables, as a fraction of the cost at the balance of runs.
+/// Cost of a cell in space at the looser force balance of tables, as a fraction of the cost at the force balance of
+/// runs.
 const LOOSE_SHARE: f64 = 0.3;
 /// Cost of the cells solved after the table over the cost of the table, in the plane: for derivatives, neighbours, and
 /// smaller blocks.
@@ -33,8 +34,9 @@ const AFTER_TABLE_IN_SPACE: f64 = 12.0;
 /// minimum length.
 const CONFIRMED_TIMES: f64 = 1.5;
 
-/// Reports the estimated cost of the table, of the search and, if `is_confirmed`, of the confirming run to `monitor`,
-/// if it is large. Costs lie between those of the middle of the bounds and of the largest cells within the bounds.
+/// Reports to `monitor` the estimated cost of the table, of the search and, if `is_confirmed`, of the confirming run,
+/// if this cost is large. The estimate lies between the costs of designs in the middle of the bounds and of the largest
+/// cells.
 ///
 /// # Errors
 /// [`DesignError`] if the confirming run exceeds the limits on memory or time.
@@ -116,7 +118,7 @@ fn is_stable(scene: &Scene) -> bool {
     let is_reference = scene.run.fidelity == Fidelity::Reference;
     let asked = scene.run.step_s.filter(|_| scene.run.fidelity != Fidelity::Steady);
     let Some(step_s) = asked.or(is_reference.then_some(REFERENCE_STEP_S)) else { return true };
-    // The largest step is refused before the run, with the limit named.
+    // A run with the largest possible step is refused at once, by an error that gives the stability limit.
     let mut probe = scene.clone();
     probe.run.step_s = Some(f64::MAX);
     match simulate(&probe, &Unwatched) {

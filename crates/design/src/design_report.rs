@@ -51,7 +51,7 @@ pub struct DesignReport {
     /// Texture with its chance, the expected values of a sample, and the inputs that limit the chance.
     #[serde(flatten)]
     pub sample: SampleReport,
-    /// Expected value of the goal; null without one.
+    /// Expected value of the goal; null without a goal.
     pub goal: Option<GoalReport>,
     /// Other textures worth cutting, different from this texture and from each other.
     pub others: Vec<SampleReport>,
@@ -80,7 +80,7 @@ pub struct DesignReport {
     /// Deviations of the laser from the design and remedies, where no passes are planned.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub laser_warnings: Vec<String>,
-    /// Block size.
+    /// Size of the model's blocks.
     #[serde(default)]
     pub block_um: f64,
     /// Dimensions of the model, 2 or 3.
@@ -91,7 +91,7 @@ pub struct DesignReport {
     pub fidelity: Cow<'static, str>,
     /// Extent of the confirming run: a cell, a strip or the whole sample.
     pub extent: Cow<'static, str>,
-    /// Target of the task.
+    /// Friction target of the task.
     pub target: TargetReport,
     /// Confirming run of the model alone, at the pressures of the target.
     pub confirmed: Vec<LoadReport>,
@@ -105,7 +105,7 @@ pub struct DesignReport {
     /// Numerical method.
     #[serde(default)]
     pub method: Vec<String>,
-    /// Range of pressures at which friction was measured, where a target pressure lies outside.
+    /// Lowest and highest pressure at which friction was measured; left out unless a target pressure lies outside.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub measured_mpa: Option<[f64; 2]>,
     /// Material and its provenance.
@@ -126,7 +126,7 @@ pub struct DesignReport {
     /// Number of threads used.
     #[serde(default)]
     pub threads: usize,
-    /// Seed of local coefficients.
+    /// Seed of the random local coefficients.
     pub seed: u64,
 }
 
@@ -147,7 +147,7 @@ pub struct GoalReport {
 }
 
 impl GoalReport {
-    /// Evaluates the goal of the task of `search` for `best`; `None` without a goal.
+    /// Evaluates the goal for the prediction `best`; `None` if the task of `search` has no goal.
     pub fn of(search: &Search<'_>, best: &Prediction) -> Option<Self> {
         let asked = search.asked;
         let goal = asked.goal?;

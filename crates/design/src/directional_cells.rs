@@ -7,7 +7,8 @@ use slipgrid_model::springblock::{CellOutcome, Dimension, Load, Scene, Status, S
 
 use crate::operating_conditions::turned;
 
-/// Ratio of residual force to load to which a search solves cells in space; the design found is solved again to 1e-10.
+/// Cells in space are solved in a search until the residual force over the load is this small; the design found is
+/// solved again to 1e-10.
 const SEARCH_BALANCE: f64 = 1e-7;
 
 /// Solver of steady cells at the loads of each sliding direction.

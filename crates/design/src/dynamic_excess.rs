@@ -1,18 +1,18 @@
 //! Correction of friction for runs without the excess of dynamic over steady friction, or with an excess other than in
 //! the calibration.
 //!
-//! A calibration fits mu_d to measured friction: mu_flat = delta mu_d f(P), where delta, one to two per cent above 1, is
-//! the ratio of the flat sample in time to an infinite sample in steady sliding. A steady run gives mu_d f(P), for a
-//! sample less the effect of its ends; the excess of a run in time differs in space, and with another layer, other blocks
-//! or another seed than in the calibration. In each case the flat surface, solved together with the patterned one, gives
-//! the difference, and friction is multiplied by the factor that brings the flat surface to delta mu_d f(P). Ratios do
-//! not change.
+//! A calibration fits the local coefficient mu_d to measured friction: mu_flat = delta mu_d f(P), where f(P) is the
+//! area factor at the nominal pressure P, and delta, one to two per cent above 1, is friction of the flat sample in a
+//! dynamic run over that of an infinite sample in steady sliding. A steady run gives mu_d f(P), reduced by the effect
+//! of the specimen's ends for a whole sample. The excess of a dynamic run differs in space, and with another layer,
+//! other blocks or another seed than in the calibration. In each case friction is multiplied by the factor that brings
+//! the flat surface, solved together with the patterned one, to delta mu_d f(P). Ratios do not change.
 
 use slipgrid_model::springblock::{Fidelity, LoadOutcome, Scene, Simulation, SurfaceOutcome};
 
 /// Multiplies the friction of `simulation`, the result of `scene`, so that the flat surface has `excess` times its
 /// steady friction at each load. `excess` is the ratio of dynamic to steady friction at each load; nothing is changed
-/// if it is `None` or of another length.
+/// if `excess` is `None` or has not one entry per load.
 pub fn correct(simulation: &mut Simulation, scene: &Scene, excess: Option<&[f64]>) {
     let Some(excess) = excess.filter(|excess| excess.len() == simulation.loads.len()) else { return };
     let is_steady = scene.run.fidelity == Fidelity::Steady;
@@ -32,7 +32,7 @@ pub fn correct(simulation: &mut Simulation, scene: &Scene, excess: Option<&[f64]
         return;
     }
     if is_calibrated && factors.iter().all(|times| (times - 1.0).abs() < OTHER_LAYER) {
-        // The excess equals the calibration's, except for interpolation between its loads.
+        // The excess is that of the calibration, except for interpolation between the loads of the calibration.
         return;
     }
     let (factor, time, ends) = (range(&factors), range(&of_time), range(&of_ends));
@@ -48,10 +48,10 @@ pub fn correct(simulation: &mut Simulation, scene: &Scene, excess: Option<&[f64]
     });
 }
 
-/// Minimum departure of a factor from 1 that is reported for a dynamic run in the plane, whose excess is usually that
-/// of the calibration.
+/// Minimum difference of the correction factor from 1 that is reported for a dynamic run in the plane; the excess of
+/// such a run is usually that of the calibration.
 const OTHER_LAYER: f64 = 1e-3;
-/// Difference below which two factors are printed alike, with four decimals.
+/// Factors that differ by less are equal when printed with four decimals.
 const ROUNDING: f64 = 5e-5;
 
 /// Formats the range of `factors` with four decimals, or one number if all are equal.

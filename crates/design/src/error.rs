@@ -14,7 +14,7 @@ pub enum DesignError {
     /// Material data that give an invalid material.
     #[error(transparent)]
     Material(#[from] MaterialError),
-    /// Stored answers that belong to another task or cannot be read.
+    /// Stored results of the model that belong to another task or cannot be read.
     #[error("{0}")]
     Cache(String),
     /// The monitor cancelled the job.
@@ -36,7 +36,7 @@ pub struct Refusal {
     pub part: TaskPart,
     /// Reason, in words that follow the value of the part.
     pub reason: String,
-    /// Accepted values.
+    /// Accepted values; `None` if not stated.
     pub expected: Option<String>,
 }
 

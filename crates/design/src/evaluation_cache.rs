@@ -1,7 +1,7 @@
-//! Evaluations: all answers of the search's model, kept in memory and, if a cache is given, stored as soon as they are
-//! known, so that an interrupted run loses only answers in progress.
+//! Evaluations: all results of the search model, held in memory and, if a cache is given, stored as soon as they are
+//! known, so that an interrupted job loses only results in progress.
 //!
-//! Answers depend on the model alone, not on target, limits or confirming runs, so that a cache serves any of these.
+//! Results depend on the model alone, so that one cache serves any target, limits and confirming runs.
 
 use std::collections::BTreeMap;
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -14,7 +14,7 @@ use slipgrid_model::pattern::Pattern;
 use crate::DesignError;
 use slipgrid_laser::specimen::{Laid, on_face};
 
-/// Answer of the model for a design at the target's pressures. Numbers are kept as stored in the file, so that numbers
+/// Results of the model for a design at the target's pressures. Numbers have the units of the file, so that numbers
 /// read back are bitwise equal.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -25,7 +25,8 @@ pub struct Answer {
     pub peak_pressure_mpa: f64,
     /// Minimum ratio of local to nominal pressure at any target pressure; negative under tension.
     pub least_pressure: f64,
-    /// Minimum height of a ceiling above the counterface; absent where no ceiling could sag.
+    /// Minimum height of a cavity's ceiling above the counterface at any target pressure; `None` where no ceiling could
+    /// sag.
     pub clearance_um: Option<f64>,
 }
 
@@ -33,7 +34,8 @@ pub struct Answer {
 pub const LARGEST: f64 = 1e9;
 
 impl Answer {
-    /// Scales the ratios of a cell to the face of `made`, a sample of the layout `laid`, by the share of cavities.
+    /// Scales the ratios of a periodic cell to the face of the sample `made`, laid out as in `laid`, by the areal
+    /// density of the sample over that of the infinite pattern.
     #[must_use]
     pub fn on(self, laid: &Laid, made: &Pattern) -> Self {
         let share = laid.share(made);
@@ -72,16 +74,16 @@ impl Answer {
         self.peak_pressure_mpa * 1e6
     }
 
-    /// Minimum height of a ceiling above the counterface, in metres; `None` if no ceiling could sag.
+    /// Minimum height of a cavity's ceiling above the counterface, in metres; `None` if no ceiling could sag.
     pub fn clearance_m(&self) -> Option<f64> {
         self.clearance_um.map(|clearance_um| clearance_um * 1e-6)
     }
 }
 
-/// Answer of the model, or the reason why there is none.
+/// Results of the model, or the reason why there are none.
 pub type Answered = Result<Answer, String>;
 
-/// Fault of a stored answer.
+/// Reason why a stored answer is not valid.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Fault {
     /// Description of the fault.
@@ -90,18 +92,19 @@ pub struct Fault {
     pub expected: String,
 }
 
-/// Answer of the model together with the lengths of the design.
+/// Results of the model together with the lengths of the design.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Evaluation {
     /// Size of the model's blocks and width, spacing and depth of the design, in micrometres.
     pub lengths_um: [f64; 4],
-    /// Answer of the model.
+    /// Results of the model, or the reason why there are none.
     pub answered: Answered,
 }
 
-/// Stores answers beyond one run.
+/// Stores evaluations of the model for later runs of the program.
 pub trait EvaluationCache: Sync {
-    /// Loads the known answers for `key` with ratios at `loads` loads; called once, before the first query.
+    /// Loads the stored evaluations for `key`, with one ratio for each of `loads` loads; called once, before the first
+    /// query.
     ///
     /// # Errors
     /// Reason why the cache cannot be used.
@@ -138,17 +141,17 @@ impl EvaluationCache for NoCache {
 /// Bits of four numbers in micrometres: block size, and width, spacing and depth of a design.
 type Key = [u64; 4];
 
-/// Known answers of the model.
+/// Known evaluations of the model, and the cache that stores new ones.
 #[derive(Default)]
 pub struct Evaluations<'a> {
     known: Mutex<BTreeMap<Key, Answered>>,
-    /// Number of loads of each answer.
+    /// Number of ratios of each answer, one per load.
     loads: usize,
     cache: Option<&'a dyn EvaluationCache>,
 }
 
 impl<'a> Evaluations<'a> {
-    /// Loads the answers that `cache` holds for `key` with ratios at `loads` loads, and returns them with their number.
+    /// Loads the evaluations that `cache` holds for `key`, with ratios at `loads` loads; also returns their number.
     ///
     /// # Errors
     /// [`DesignError::Cache`] where the cache cannot be used.
@@ -165,10 +168,11 @@ impl<'a> Evaluations<'a> {
         Ok((Self { known: Mutex::new(known), loads, cache: Some(cache) }, count))
     }
 
-    /// Returns the answer for `design` in blocks of `block_m`, from the known answers or by calling `model`.
+    /// Returns the results for `design` in blocks of size `block_m`, in metres: known results, or those of a call of
+    /// `model`.
     ///
     /// # Errors
-    /// [`ModelFailure`] of the model, and [`ModelFailure::Broken`] where the cache cannot keep the answer.
+    /// [`ModelFailure`] of the model, and [`ModelFailure::Broken`] where the cache cannot store the results.
     pub fn answer(
         &self,
         block_m: f64,
@@ -199,7 +203,7 @@ impl<'a> Evaluations<'a> {
         answered.map_err(trial)
     }
 
-    /// Locks the known answers. Entries are inserted complete, so that entries of a panicked thread are valid.
+    /// Locks the known evaluations. Entries are inserted complete, so that entries of a panicked thread are valid.
     fn known(&self) -> MutexGuard<'_, BTreeMap<Key, Answered>> {
         self.known.lock().unwrap_or_else(PoisonError::into_inner)
     }

@@ -20,56 +20,59 @@ use crate::task::{DesignTask, KnownMaterial};
 use crate::time_budget::TimeBudget;
 use crate::timings::Timings;
 
-/// Nodes along width, spacing and depth per factor e between the bounds, and the maximum number of nodes.
+/// Numbers of nodes along width, spacing and depth: per factor e between the bounds, and at most.
 const NODES: ([f64; 3], [usize; 3]) = ([4.0, 3.5, 2.2], [11, 12, 8]);
-/// Number of random textures for the error estimate.
+/// Number of random textures at which the interpolation error is estimated.
 const CHECKS: usize = 60;
-/// Range of the correction to reported values around the design, as a distance in the logarithms of the lengths: two
-/// nodes.
+/// Range of the correction of nodes around the design to the reported values: standard deviation of a Gaussian weight
+/// in the logarithms of the lengths, about two nodes.
 const NEARBY: f64 = 0.5;
-/// Minimum interpolated weight at the design for the correction to reported values; below it none is made.
+/// The correction to reported values is made only if its weight, interpolated at the design, is at least this.
 const MIN_REACHED: f64 = 0.3;
-/// Chances are clamped to this distance from 0 and 1, because the logit is interpolated.
+/// Chances are limited to this distance from 0 and 1, because their log odds are interpolated.
 const MIN_CHANCE: f64 = 1e-4;
 
 /// Predictions for a sample of any texture within the bounds.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Explorer {
-    /// Surface over width, spacing and depth in micrometres: for each load of each condition the median and the ends of
-    /// the 95 % interval of samples, in the quantity of the target.
+    /// Interpolated over width, spacing and depth in micrometres, in the quantity of the target: medians of samples at
+    /// all loads of all conditions, then lower ends of the 95 % intervals of samples, then upper ends.
     pub expected: ResponseSurface,
-    /// Surface of ln(p / (1 - p)), p the chance that a sample is on target.
+    /// Interpolated log odds ln(p / (1 - p)), p the chance that a sample is on target.
     pub log_odds: ResponseSurface,
-    /// Surface of the logarithm of the maximum local pressure over MPa, the minimum height of a ceiling under load in
-    /// micrometres, the share of the specimen's face that is cavity, laser seconds (0 where unknown), and the minimum of
-    /// the local over the nominal pressure.
+    /// Five interpolated values: logarithm of the maximum local pressure in MPa, minimum height of a cavity's ceiling
+    /// under load in micrometres, share of the specimen's face that is cavity, laser time in seconds (0 if unknown),
+    /// and minimum ratio of local to nominal pressure.
     pub beside: ResponseSurface,
-    /// Indices of nodes without an answer; the cells around these nodes have no answer either.
+    /// Indices of nodes that the model cannot compute; no values are interpolated between them and adjacent nodes.
     pub holes: Vec<usize>,
     /// Number of random textures at which interpolated medians were compared with direct predictions.
     pub checked: usize,
-    /// Median over the random textures of the largest difference between interpolated and predicted medians.
+    /// Median over the random textures of the largest difference at any load between interpolated and predicted medians
+    /// of samples, in the quantity of the target.
     pub median_error: f64,
-    /// Maximum over the random textures of the difference between interpolated and predicted medians at any load.
+    /// Maximum over the random textures of the largest difference at any load between interpolated and predicted
+    /// medians of samples, in the quantity of the target.
     pub worst_error: f64,
 }
 
-/// Predictions for the designs of a task, before one is chosen.
+/// Predictions for the designs of a task, before a design is chosen.
 #[derive(Clone, Debug)]
 pub struct Explored {
     /// Task with resolved conditions.
     pub task: DesignTask,
     /// Material of the task.
     pub material: KnownMaterial,
-    /// Texture that a page shows first: the one with the maximum chance by the table, among those with an answer.
+    /// Texture that a page shows first: of the textures with a prediction, the one with the maximum chance by the
+    /// table.
     pub pattern: Pattern,
     /// Loads at the condition of the design.
     pub loads: Vec<Load>,
-    /// Dynamic friction coefficient of the flat surface at each load, as in a confirming run.
+    /// Dynamic friction coefficient of the flat surface at each load, with the excess of dynamic over steady friction.
     pub flat_mu: Vec<f64>,
     /// Number of trials that predictions use.
     pub trials: usize,
-    /// Target pressures outside the measured range, in words.
+    /// Target pressures outside the measured range, in words; `None` if there are none.
     pub beyond_measured: Option<String>,
     /// Predictions for all designs.
     pub explorer: Explorer,
@@ -88,11 +91,11 @@ pub struct ExploredTexture {
     pub chance: Option<f64>,
     /// Maximum local pressure, in MPa.
     pub peak_pressure_mpa: f64,
-    /// Minimum height of a cavity's ceiling under load, in micrometres.
+    /// Minimum height of a cavity's ceiling above the counterface under load, in micrometres.
     pub clearance_um: f64,
     /// Share of the face that is cavity.
     pub areal_density: f64,
-    /// Time under the laser, in seconds, where it is known.
+    /// Time under the laser, in seconds; `None` if it is unknown.
     pub laser_s: Option<f64>,
 }
 
@@ -101,7 +104,7 @@ const BOUND_ROUNDING: f64 = 1e-9;
 
 impl Explored {
     /// Interpolates the prediction for samples with width, spacing and depth `lengths_um`, at the loads of the first
-    /// condition; `None` outside the bounds and beside textures without an answer.
+    /// condition; `None` outside the bounds and beside textures that the model cannot compute.
     pub fn predict(&self, lengths_um: [f64; 3]) -> Option<ExploredTexture> {
         let Explorer { expected, log_odds, beside, holes, .. } = &self.explorer;
         let is_within = expected.axes().iter().zip(lengths_um).all(|(axis, length_um)| {
@@ -135,7 +138,7 @@ impl Explored {
     }
 }
 
-/// Computes predictions for all designs within the bounds of `task`, by the table over these bounds.
+/// Computes predictions for all designs within the bounds of `task`, by interpolation of the model.
 ///
 /// # Errors
 /// [`DesignError`] for a task that is refused or that the monitor cancels, and where no design can be computed.
@@ -148,14 +151,15 @@ pub fn explore_bounds(task: &DesignTask, monitor: &dyn Monitor) -> Result<Explor
             monitor.heed()?;
             let best = best.ok_or_else(DesignError::nothing_computed)?;
             let pattern = best.texture.pattern;
-            // Same accuracy as in `optimize`: with ends, tilt and time of this texture.
+            // Same accuracy as in `optimize`: with the effects of the specimen's ends, pressure tilt and time for this
+            // texture.
             let about = search.solved(&pattern).map_or(best, |solved| search.as_cut(&solved));
             let explorer = Explorer::new(search, &about, about.texture.run.as_deref());
             monitor.heed()?;
             Ok((pattern, explorer.ok_or_else(DesignError::nothing_computed)?))
         };
         let (pattern, explorer) = about_best(&|_| true)?;
-        // A page begins at a texture that it has an answer for.
+        // A page begins at a texture that has a prediction.
         let found = if explorer.has_answer(&pattern) {
             (pattern, explorer)
         } else {
@@ -176,15 +180,15 @@ pub fn explore_bounds(task: &DesignTask, monitor: &dyn Monitor) -> Result<Explor
 }
 
 impl Explorer {
-    /// Whether `pattern` has a prediction: no node around it lacks an answer.
+    /// Whether `pattern` has a prediction: the model can compute all nodes around it.
     fn has_answer(&self, pattern: &Pattern) -> bool {
         !self.expected.is_beside(&self.holes, &pattern.lengths_m().map(|m| LENGTH_UM.from_si(m)))
     }
 
-    /// Builds the lattice from the table of `search`, corrected by the table's error at the texture of `about`, and
-    /// with the errors that samples of `about` share. Near this texture the maximum pressure is that of `run`, its
-    /// dynamic run on the specimen: outer lands carry more than those of a period. `None` if no design can be computed
-    /// or the search is cancelled.
+    /// Builds the explorer from the table of `search`, corrected by the table's error at the texture of `about`, and
+    /// with the covariance of the errors that samples of this texture share. Near this texture the maximum pressure is
+    /// that of `run`, a dynamic run of the texture on the specimen, where outer lands carry more than in an infinite
+    /// pattern. `None` if no design can be computed or the search is cancelled.
     pub fn new(search: &Search<'_>, about: &Prediction, run: Option<&Simulation>) -> Option<Self> {
         let (task, loads) = (search.task, search.asked.loads.len());
         let off = search.off_at(about);
@@ -251,14 +255,15 @@ impl Explorer {
     }
 }
 
-/// Surface through the numbers with the indices `of` of every node; `all` holds the numbers of each node.
+/// Interpolates those numbers of each node that have the indices `of`; `all` holds the numbers of each node.
 fn surface(axes: &[Axis; 3], all: &[Vec<f64>], of: Range<usize>) -> ResponseSurface {
     let numbers = all.iter().flat_map(|numbers| numbers[of.clone()].iter().copied()).collect();
     ResponseSurface::through(*axes, of.len(), numbers)
 }
 
-/// Corrects the numbers `all` of the nodes near the texture of `about`, so that the surface has the values `reported` at this texture. The
-/// correction decreases with distance. No correction is made if the texture lies beside a hole.
+/// Corrects the numbers `all` of the nodes near the texture of `about`, so that interpolation gives the values
+/// `reported` at this texture. The correction decreases with distance. No correction is made if the texture lies beside
+/// a node that the model cannot compute.
 fn self_consistent(
     mut all: Vec<Vec<f64>>,
     axes: &[Axis; 3],

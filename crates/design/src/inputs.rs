@@ -1,5 +1,5 @@
-//! Input uncertainties that trials do not reduce: dimensions as made, rims, bursts, flat friction, the area law, and the
-//! numerical error of ratios.
+//! Input uncertainties that trials do not reduce: dimensions and rim height of a sample, depth per burst, flat
+//! friction, the area law, and the numerical error of ratios.
 //!
 //! Each input changes ln R, R the friction ratio, to first order; Young's modulus and the area law's scale change it to
 //! second order as well. Errors that all samples share are a covariance of ln R; errors that are independent between
@@ -28,16 +28,16 @@ const DIMENSIONS: usize = 3;
 const DEPTH: usize = 2;
 /// Maximum step of a finite difference along a dimension, as a fraction of the dimension.
 const WIDEST_SHARE: f64 = 0.5;
-/// Standard deviations of the ratio between dynamic runs of one specimen, at other speeds or from other moments of
-/// stick-slip: in the plane, as measured in `ratios_that_are_predicted_are_those_of_the_specimen`, and in space, where
-/// the search does not model time, and runs differ by 0.001 to 0.004.
+/// Standard deviation of the friction ratio between dynamic runs of one specimen that differ in speed or in the moment
+/// of stick-slip: in the plane, from the test `ratios_that_are_predicted_are_those_of_the_specimen`; and in space,
+/// where the search does not model sliding in time, and runs differ by 0.001 to 0.004.
 const RUN_STD: [f64; 2] = [0.0015, 0.003];
 
 /// Uncertain input.
 #[derive(Clone, Debug, PartialEq)]
 struct Input {
     name: &'static str,
-    /// Accuracy of the input, in words after the name.
+    /// Accuracy of the input, in words that follow the name.
     known_to: String,
     /// Indices of the input's components among all inputs.
     places: Range<usize>,
@@ -48,7 +48,7 @@ struct Input {
 pub struct Part {
     /// Name of the input.
     pub name: &'static str,
-    /// Accuracy of the input, in words after the name.
+    /// Accuracy of the input, in words that follow the name.
     pub known_to: String,
     /// Effect on ln R, R the friction ratio.
     pub effect: InputEffect,
@@ -57,7 +57,7 @@ pub struct Part {
 /// Effect of an uncertain input on ln R, R the friction ratio.
 #[derive(Clone, Debug, PartialEq)]
 pub enum InputEffect {
-    /// Covariance of ln R from an error that all samples share, loads x loads, row by row.
+    /// Covariance of ln R between loads from an error that all samples share: n by n matrix for n loads, row by row.
     Shared(Vec<f64>),
     /// Change of ln R by an error that is independent between samples.
     OfSample(DimensionShift),
@@ -78,7 +78,7 @@ pub struct Inputs<'a> {
     /// Pairs of models with changed flat friction, scale of the area law (or Young's modulus), and factors of the area
     /// law.
     along: Vec<Along<'a>>,
-    /// Index of the depth per burst among the inputs, if it was fitted against fluence.
+    /// Index of the depth per burst among the inputs; `None` if the laser settings give no error of this depth.
     burst: Option<usize>,
     inputs: Vec<Input>,
 }
@@ -211,7 +211,7 @@ impl<'a> Inputs<'a> {
     }
 
     /// Computes the effect of every input on `design` with ratios `ratio`. `of_blocks` is the standard deviation of
-    /// each ratio by block size; if `None`, it is computed in smaller blocks.
+    /// each ratio due to the block size; if `None`, it is estimated from blocks of half the size.
     ///
     /// # Errors
     /// [`ModelFailure`] if the design, or the design with a changed input, cannot be computed.
@@ -224,7 +224,7 @@ impl<'a> Inputs<'a> {
         let still = self.still.steady(design)?.ratio;
         let mut parts = self.of_samples(design, &still)?;
         let laid = self.still.lay(design)?;
-        // cov(ln R_l, ln R_m) of slopes dR per input
+        // cov(ln R_l, ln R_m) = cov(R_l, R_m) / (R_l R_m)
         let log = |covariance: &dyn Fn(usize, usize) -> f64| -> Vec<f64> {
             let n = self.loads;
             (0..n * n).map(|e| covariance(e / n, e % n) / (ratio[e / n] * ratio[e % n])).collect()
@@ -233,7 +233,7 @@ impl<'a> Inputs<'a> {
         let mut bends: Vec<(usize, Vec<f64>)> = Vec::new();
         let mut known_elsewhere = Vec::new();
         for along in &self.along {
-            // All evaluations use one specimen, because the layout of crossing grooves takes as long as a solve.
+            // All evaluations use one layout, because the layout of crossing grooves takes as long as a solve.
             let at = |model: &SteadyModel| model.ratios_made(design, &laid);
             let (above, below) = rayon::join(|| at(&along.above), || at(&along.below));
             let (above, below) = (above?, below?);
@@ -279,8 +279,8 @@ impl<'a> Inputs<'a> {
         Ok(parts)
     }
 
-    /// Standard deviation of the ratios of `design` by block size; `still` are the ratios in the requested blocks. 0 in
-    /// space, where smaller blocks are too expensive.
+    /// Standard deviation of the ratios of `design` due to the block size; `still` are the ratios in the requested
+    /// blocks. 0 in space, where smaller blocks are too expensive.
     fn block_std(&self, design: &Pattern, still: &[f64]) -> Result<f64, ModelFailure> {
         let Some(fine) = &self.fine else { return Ok(0.0) };
         let fine = fine.steady(design)?.ratio;
@@ -288,7 +288,7 @@ impl<'a> Inputs<'a> {
     }
 
     /// Effects of inputs that are independent between samples of `design`: dimensions, rim height, depth per burst.
-    /// `still` are the ratios of the design.
+    /// `still` are the ratios of the design without changes.
     fn of_samples(&self, design: &Pattern, still: &[f64]) -> Result<Vec<Part>, ModelFailure> {
         let mut parts = Vec::new();
         let part = |name: &'static str, known_to: String, by_m: [f64; DIMENSIONS], log_ratio: Vec<f64>| Part {
@@ -322,7 +322,7 @@ impl<'a> Inputs<'a> {
         Ok(parts)
     }
 
-    /// Change of ln R of `design` at each load if its lengths change by `by_m`, in metres.
+    /// Change of ln R, R the friction ratio, of `design` at each load if its lengths change by `by_m`, in metres.
     fn by_lengths(&self, design: &Pattern, by_m: &[f64; DIMENSIONS]) -> Result<Vec<f64>, ModelFailure> {
         let laid = self.still.lay(design)?;
         let lengths_m = design.lengths_m();
@@ -363,8 +363,8 @@ struct Answers {
     step: f64,
 }
 
-/// Independent errors of width, spacing and depth, each of one standard deviation, in metres, with the name of the
-/// first length that changes.
+/// Independent errors of the dimensions of samples: name of the first dimension that changes, and changes of width,
+/// spacing and depth by one standard deviation, in metres.
 pub fn of_dimensions(tolerances: &Tolerances) -> Vec<(&'static str, [f64; DIMENSIONS])> {
     let name = |by_m: &[f64; DIMENSIONS]| {
         by_m.iter().position(|by_m| *by_m != 0.0).map_or("", |axis| ["width", "spacing", "depth"][axis])
@@ -372,14 +372,14 @@ pub fn of_dimensions(tolerances: &Tolerances) -> Vec<(&'static str, [f64; DIMENS
     tolerances.independent_m().into_iter().map(|by_m| (name(&by_m), by_m)).collect()
 }
 
-/// Error of samples of `design`: a change of the lengths by `by_m`, in metres, changes ln R by `log_ratio`, one per
-/// load.
+/// Builds the error of samples of `design`: a change of the lengths by `by_m`, in metres, changes ln R, R the friction
+/// ratio, by `log_ratio`, one per load.
 pub fn shift(design: &Pattern, by_m: &[f64; DIMENSIONS], log_ratio: Vec<f64>) -> DimensionShift {
     let [above, below] = [1.0, -1.0].map(|side| Features::from(&made(design, by_m, side)));
     DimensionShift { log_ratio, above, below: Some(below) }
 }
 
-/// Returns `design` with its lengths changed by `side` times `by_m`, at most by nine tenths of each length.
+/// Returns `design` with its lengths changed by `side` times `by_m`, in metres; no length loses more than nine tenths.
 pub fn made(design: &Pattern, by_m: &[f64; DIMENSIONS], side: f64) -> Pattern {
     let lengths_m = design.lengths_m();
     let [width_m, spacing_m, depth_m] =
@@ -387,8 +387,8 @@ pub fn made(design: &Pattern, by_m: &[f64; DIMENSIONS], side: f64) -> Pattern {
     Pattern::new(*design.texture(), width_m, spacing_m, depth_m).unwrap_or(*design)
 }
 
-/// Standard deviation by block size of a number that changes by `difference` in blocks of half the size: half of its
-/// extrapolated distance to the limit of vanishing blocks, for an order of convergence of one half.
+/// Standard deviation due to the block size of a value that changes by `difference` in blocks of half the size: half of
+/// the extrapolated distance of the value from the limit of vanishing blocks, for an order of convergence of 1/2.
 fn block_std(difference: f64) -> f64 {
     // |r_l - r_(l/2)| (1 + 1 / (2^(1/2) - 1)), as two standard deviations
     0.5 * difference.abs() * (1.0 + 1.0 / (std::f64::consts::SQRT_2 - 1.0))
@@ -408,7 +408,7 @@ fn diagonal(blocks: &[Covariance]) -> Covariance {
     all
 }
 
-/// Root mean square of the standard deviations on the diagonal.
+/// Root mean square of the standard deviations that the diagonal of `covariance` gives.
 fn rms(covariance: &[Vec<f64>]) -> f64 {
     let sum: f64 = covariance.iter().enumerate().map(|(place, row)| row[place]).sum();
     (sum / covariance.len().max(1) as f64).sqrt()

@@ -46,21 +46,21 @@ pub struct DesignOutcome {
     pub material: KnownMaterial,
     /// Loads at the condition of the design.
     pub loads: Vec<Load>,
-    /// Scene of the confirming run at the condition of the design.
+    /// Scene of the dynamic run that confirms the design, at the design condition.
     pub scene: Scene,
-    /// Result of the confirming run.
+    /// Result of the dynamic run that confirms the design.
     pub confirmed: Simulation,
-    /// Predictions for all designs in whole blocks and bursts, if the task requests them.
+    /// Predictions for all designs in whole blocks and bursts; `None` unless the task requests them.
     pub lattice: Option<Lattice>,
-    /// Designs compared by goals, if the task requests a comparison.
+    /// Designs compared by the goals of the trade-offs; `None` if the task names none.
     pub compared: Option<Compared>,
-    /// Predictions for all designs within the bounds, if the task requests them.
+    /// Predictions for all designs within the bounds; `None` unless the task requests them.
     pub explorer: Option<Explorer>,
 }
 
 /// Finds the texture with the maximum chance for `task`, confirms it by a dynamic run, and reports the inputs that
-/// limit the chance and alternative textures. `cache` stores the answers of the model beyond this run; `monitor`
-/// receives every stage and can cancel. Equal tasks with equal seeds give equal outcomes, except for times.
+/// limit the chance and alternative textures. `cache` stores results of the model for later jobs; `monitor` receives
+/// every stage and can cancel. Equal tasks with equal seeds give equal outcomes, except for times.
 ///
 /// # Errors
 /// [`DesignError`] for a task that is refused, that the monitor cancels, or whose time limit ends before a design is

@@ -33,9 +33,9 @@ use crate::timings::Timings;
 /// Number of sectors of the disc.
 pub const SECTORS: usize = 2;
 /// Maximum number of designs in each direction from which pairs are formed: about three along each length, because
-/// forms change little between neighbours. A round of replacements takes 4 CANDIDATES estimates of 40 ms.
+/// forms change little between neighbours. A round of replacements takes 4 times this many estimates of 40 ms.
 const CANDIDATES: usize = 48;
-/// Minimum relative gain in information with which a pair replaces another: the error of the information.
+/// A pair replaces another if its information is higher by this share, the error of the estimated information.
 const CLEARLY_MORE: f64 = 0.05;
 /// Maximum number of replacements; two or three are usual, and give 95 % of the information of the best of all pairs
 /// (`the_pair_teaches_nearly_as_much_as_the_best_of_all`).

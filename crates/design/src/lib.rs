@@ -5,7 +5,7 @@
 //! task -> table over the bounds -> search for the greatest chance <-> the model itself -> confirming run -> report
 //! ```
 //!
-//! [`run`] performs the job. It takes a [`DesignTask`], a cache for the answers of its model that may outlive the run
+//! [`run`] performs the job. It takes a [`DesignTask`], a cache of model results that may outlive the job
 //! ([`EvaluationCache`], [`NoCache`]), and a [`Monitor`] that shows progress, gives the time and may cancel.
 //!
 //! | module | role |
@@ -13,7 +13,7 @@
 //! | `task`, `prepared_task`, `band` | requirements, and data derived from them |
 //! | `steady_model`, `directional_cells`, `sensitivities`, `inputs` | the model, and its uncertain inputs |
 //! | `table` | interpolation of the model over every texture within the bounds |
-//! | `as_cut`, `prediction` | a texture as cut, and the prediction of a sample |
+//! | `as_cut`, `prediction` | a texture as its samples are cut, and the prediction of a sample |
 //! | `steps`, `search`, `between_designs` | the search for the maximum chance |
 //! | `session`, `job`, `confirmation`, `advice` | `optimize`: the search, the confirming run, the advice |
 //! | `next_trial`, `next_report` | `next`: several samples at once |
@@ -21,13 +21,13 @@
 //! | `slopes`, `blocked`, `trade_offs`, `lattice_table`, `explorer` | further results from the table |
 //! | `design_report`, `target_report`, `stored_result` | the records of result.json |
 //! | `constraint_quantities`, `operating_conditions` | limits, and further speeds, humidities and sliding directions |
-//! | `dynamic_excess`, `scene_errors` | correction of runs to calibrated friction, and errors of a scene's results |
-//! | `evaluation_cache`, `cache_key` | answers stored beyond a run, and their key |
+//! | `dynamic_excess`, `scene_errors` | correction of runs to calibrated friction; errors of a scene's results |
+//! | `evaluation_cache`, `cache_key` | model results stored for later jobs, and their cache key |
 //! | `time_budget`, `timings`, `cost_estimate` | time limit, time used, and estimated time |
 //!
-//! A pattern does not change friction that is proportional to load, except for one per cent by stick-slip on a small sample: with
-//! this material law a ratio of 0.9 cannot be reached. If contact area saturates, so that f(P) falls with pressure, a pattern can
-//! reach it:
+//! A pattern does not change friction that is proportional to load, except for one per cent by stick-slip on a small
+//! sample: with this material law a ratio of 0.9 cannot be reached. If contact area saturates, so that the area factor
+//! f falls with pressure, a pattern can reach 0.9:
 //!
 //! ```
 //! use slipgrid_design::export::{Outline, Specimen};

@@ -67,14 +67,14 @@ pub struct NextReport {
     /// Assumed manufacturing tolerances of samples; absent where the design file does not give them.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tolerances: Option<Tolerances>,
-    /// Seed of the design.
+    /// Seed of the random local coefficients.
     pub seed: u64,
 }
 
 /// Specimen on which the samples are sectors.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct OneDiscReport {
-    /// Name of the specimen, for the field `disc` of its trials.
+    /// Name of the specimen, to be given as `disc` in trials on its sectors.
     pub name: String,
     /// Width of the untextured lands between the sectors.
     pub land_mm: f64,
@@ -95,7 +95,7 @@ const OF_A_RECTANGLE: &str = "the specimen is a rectangle: its sectors meet in i
 /// Sector of a specimen that is one of the samples.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct SectorReport {
-    /// Direction of the middle of the sector on the specimen, anticlockwise from x.
+    /// Direction of the middle of the sector on the specimen, anticlockwise from the specimen's x axis.
     pub middle_deg: f64,
     /// Angle by which the texture is turned with the sector.
     pub turn_deg: f64,
@@ -148,21 +148,21 @@ impl OneDiscReport {
 pub struct RatioPrediction {
     /// Nominal pressure.
     pub pressure_mpa: f64,
-    /// Speed.
+    /// Sliding speed.
     pub speed_mm_s: f64,
     /// Relative humidity.
     pub humidity_pct: f64,
     /// Ratio by the model alone.
     pub modelled: f64,
-    /// Median with the correction by trials.
+    /// Median ratio of samples, with the correction by trials.
     pub ratio: f64,
     /// Ends of the 95 % interval of samples.
     pub interval_95: [f64; 2],
 }
 
 impl RatioPrediction {
-    /// Creates the record of load number `row` of `prediction`, which is the load `at`, for a sample with the ratio
-    /// `modelled` by the model alone.
+    /// Creates the record for the load `at`, which has the index `row` in `prediction`, and a sample whose ratio by the
+    /// model alone is `modelled`.
     pub fn new(at: &Load, modelled: f64, prediction: &Prediction, row: usize) -> Self {
         let quantile = |p: f64| tidy(modelled * prediction.quantile(row, p).exp());
         Self {
@@ -187,7 +187,8 @@ impl NextReport {
         next.chain(own).chain(others).collect()
     }
 
-    /// User's sample with the highest chance, if its chance is clearly higher than that of all samples found.
+    /// User's sample with the highest chance; `None` unless this chance is clearly higher than that of all samples
+    /// found.
     pub fn likelier_own(&self) -> Option<&SampleReport> {
         let found = self.samples.iter().chain(&self.others).filter_map(|of| of.chance).fold(0.0, f64::max);
         let own = self.own.iter().reduce(|best, next| if next.chance > best.chance { next } else { best })?;

@@ -57,7 +57,7 @@ pub struct NextTrials {
     pub report: NextReport,
     /// Patterns of the samples to cut.
     pub patterns: Vec<Pattern>,
-    /// Sectors of one specimen, if requested.
+    /// Sectors of one specimen; empty if not requested.
     pub sectors: Vec<Sector>,
     /// Material and its provenance.
     pub material: Provenance,
@@ -221,7 +221,7 @@ struct Draws<'a> {
 }
 
 impl Draws<'_> {
-    /// Marks the `scenarios` in which sample `number` with the texture of `of` is on target.
+    /// For each of `scenarios`, whether the sample with the number `number` and the texture of `of` is on target.
     fn hits(&self, scenarios: &Scenarios, (number, of): (usize, &Prediction)) -> Vec<bool> {
         scenarios.on_target(&of.texture.candidate(), &self.asked.loads, &self.asked.wanted, number)
     }

@@ -12,7 +12,7 @@ use slipgrid_base::units::{HUMIDITY_PCT, SPEED_MM_S, tidy};
 /// Condition and sliding direction at which friction is computed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Setting {
-    /// Speed and humidity, if coefficients are known per condition.
+    /// Speed and humidity; `None` if coefficients are not given per condition.
     pub condition: Option<Condition>,
     /// Sliding direction, in degrees anticlockwise from the specimen's x axis; `None` if a design has a single
     /// direction.
@@ -54,8 +54,8 @@ impl Setting {
     }
 }
 
-/// Turns `pattern` to slide at `angle_deg`, if given; an invalid angle changes nothing, because the design was refused
-/// before.
+/// Turns `pattern` to slide at `angle_deg` degrees from the specimen's x axis, if given; an invalid angle changes
+/// nothing, because the design was refused before.
 pub fn turned(pattern: &Pattern, angle_deg: Option<f64>) -> Pattern {
     angle_deg.and_then(|angle_deg| pattern.with_sliding_angle_deg(angle_deg).ok()).unwrap_or(*pattern)
 }

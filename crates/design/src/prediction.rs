@@ -13,7 +13,7 @@ use crate::inputs::{FLAT_FRICTION, InputEffect, LOCAL_LAW, MODULUS, Part, SCATTE
 
 /// Assumed relative standard deviation of a measured ratio, to compute the information that a trial gives.
 pub const MEASURED_STD: f64 = 0.01;
-/// Chance from which demands besides a goal count as met: a sample meets the demands more likely than not.
+/// Demands besides a goal count as met if the chance is at least this: a sample meets them more likely than not.
 const KEPT: f64 = 0.5;
 
 /// Prediction of a cut sample of one texture: the joint distribution of its ratio at all loads and conditions, given the
@@ -62,7 +62,7 @@ impl Prediction {
         self.value
     }
 
-    /// Whether the median is accepted at every load.
+    /// Whether the median of samples is accepted at every load.
     pub fn is_within(&self, asked: &Asked) -> bool {
         asked.has_medians_within(&self.texture.ratio, &self.distribution)
     }
@@ -161,8 +161,9 @@ impl Prediction {
             let [all, rest] = [&self.distribution, without].map(|of| of.moments(load).1);
             (all * all - rest * rest).max(0.0).sqrt()
         };
-        // The model's error and the scatter are mixtures, whose moments are ruled by rare large members and would exceed the
-        // interval that is stated. They count by how much they widen it: s = R (exp q_97.5 - exp q_2.5) / (2 1.96).
+        // Model error and scatter are mixtures, whose moments are dominated by rare large errors and would exceed the
+        // stated interval. Their contribution is therefore the widening of this interval: s = R (exp q_97.5 - exp
+        // q_2.5) / (2 1.96).
         let width = |of: &Distribution, load: usize| {
             let [low, high] = [0.025, 0.975].map(|share| of.quantile(load, share).exp());
             own_ratio[load] * (high - low) / (2.0 * NORMAL_95)
@@ -252,16 +253,16 @@ pub struct SampleReport {
     pub limited_by: Vec<LimitedBy>,
     /// Information that a measurement gives about the form of the discrepancy, in bits.
     pub information_bits: f64,
-    /// Laser time; null where the laser's speed is not given.
+    /// Laser time of the sample, in seconds; null where the laser's speed is not given.
     pub laser_s: Option<f64>,
-    /// True if ends, tilt and, in the plane, time were computed for this texture; otherwise interpolated between
-    /// textures.
+    /// True if the effects of the specimen's ends, pressure tilt and, in the plane, time were computed for this
+    /// texture, false if they were interpolated between textures.
     pub is_as_cut: bool,
 }
 
 impl SampleReport {
     /// Returns this sample as an alternative to the chosen sample `best`: its chance is limited to that of `best`,
-    /// because a greater one is only an error of the table.
+    /// because a greater chance would only be an error of the table.
     #[must_use]
     pub fn beside(self, best: &Self) -> Self {
         let chance = self.chance.zip(best.chance).map(|(own, best)| own.min(best));
@@ -274,7 +275,7 @@ impl SampleReport {
 pub struct Expected {
     /// Nominal pressure.
     pub pressure_mpa: f64,
-    /// Speed.
+    /// Sliding speed.
     pub speed_mm_s: f64,
     /// Relative humidity.
     pub humidity_pct: f64,
@@ -307,7 +308,7 @@ pub struct ModelledRatio {
     pub pressure_mpa: f64,
     /// Dynamic friction over that of the flat surface.
     pub ratio: f64,
-    /// Standard deviation from the material and from numerical errors.
+    /// Standard deviation of the ratio from the material and from numerical errors.
     pub std: f64,
 }
 
@@ -318,8 +319,8 @@ pub struct LimitedBy {
     pub input: String,
     /// Accuracy of the input, in words.
     pub known_to: String,
-    /// Standard deviation of the ratio by this input alone, one per load; for the model error and the scatter between
-    /// samples, computed from the widths of the 95 % interval with and without this input.
+    /// Standard deviation of the ratio due to this input alone, one per load; for the model error and the scatter
+    /// between samples, computed from the widths of the 95 % interval with and without this input.
     pub std: Vec<f64>,
     /// Chance without the error of this input.
     pub chance_if_known: f64,

@@ -22,7 +22,8 @@ pub struct Solved<'a> {
     pub scene: &'a Scene,
     /// Result of the simulation.
     pub simulation: &'a Simulation,
-    /// Uncertainty of the material at the loads; with a discrepancy, ratio and friction are corrected by it.
+    /// Uncertainty of the material at the loads. If it holds a discrepancy, ratio and friction are corrected by the
+    /// discrepancy.
     pub knowledge: &'a InputUncertainty,
     /// Derivatives of the ratios with respect to the uncertain inputs.
     pub slopes: &'a Slopes,
@@ -34,7 +35,8 @@ impl Solved<'_> {
         (0..self.simulation.loads.len()).map(|place| self.at(place)).collect()
     }
 
-    /// Errors from the material at load number `place`; `None` if the run has no friction or slopes are unknown.
+    /// Errors from the material at load number `place`; `None` if the run has no friction or the derivatives are
+    /// unknown.
     pub fn deviations(&self, place: usize) -> Option<Deviations> {
         let load = &self.simulation.loads[place];
         let (ratio, mu_flat) = match &load.flat {
@@ -129,7 +131,7 @@ impl Solved<'_> {
     pub fn unknown(&self, uncertainty: &MaterialUncertainty, rows: &[PressureErrors]) -> Vec<String> {
         let mut unknown = uncertainty.unknown(self.knowledge, self.scene.area_law.as_ref());
         if self.scene.pattern.is_none() {
-            // Measured values contain the area law.
+            // Measured flat friction includes the effect of the area law.
             unknown.retain(|name| *name == FLAT_FRICTION);
         }
         if rows.iter().any(|row| row.mu_static.is_some()) && self.knowledge.static_friction.is_none() {

@@ -2,8 +2,8 @@
 //!
 //! ```text
 //! all textures by the table -> best of every region -> climbs over whole blocks and bursts by the table
-//!   -> solve their ends with the model; correct the table by the difference -> repeat until the best is a solved one
-//!   -> effects of ends, tilt and time on the best; correct the table -> repeat until the best is solved as cut
+//!   -> solve where climbs end; correct the table by the difference -> repeat until the best is a solved texture
+//!   -> solve the best as cut (specimen's ends, tilt, time); correct the table -> repeat until the best is as cut
 //! ```
 
 mod ranking;
@@ -30,11 +30,12 @@ use crate::steps::{Place, Steps, climb};
 use crate::table::{Models, Table};
 use crate::task::{ConstraintQuantity, DesignTask};
 
-/// Weight of the likeliest members of the predictor's mixture, which select the textures that the whole mixture ranks.
-/// After one trial, they are a sixth of the members.
+/// Total weight of the likeliest members of the predictor's mixture that preselect textures; the whole mixture ranks
+/// these textures. After one trial, such members are a sixth of all.
 pub const SHARE_OF_RANKING: f64 = 0.8;
-/// Weight of the likeliest members, which predict lattices of a thousand textures for pages and trade-offs. After one
-/// trial, they are half of the members, and give chances to 0.004 (`likeliest_members_give_the_chances_of_all`).
+/// Total weight of the likeliest members of the mixture that predict lattices of a thousand textures for pages and
+/// trade-offs. After one trial, such members are half of all, and give chances to 0.004
+/// (`likeliest_members_give_the_chances_of_all`).
 pub const SHARE_OF_LATTICES: f64 = 0.995;
 /// Number of starts of climbs, in different regions.
 const STARTS: usize = 6;
@@ -49,9 +50,9 @@ const MAX_ROUNDS: usize = 16;
 const MAX_AS_CUT: usize = 4;
 /// Chances that differ by less are equal within the error of the table.
 pub const ALIKE: f64 = 0.005;
-/// Relative gain in value up to which a predicted improvement is not worth another dynamic run. Ends, tilt and time
-/// change values by 0.1 to 2.5 % for the shipped designs and seven other targets, in half of them by less than 0.8 %;
-/// of four predicted gains below 0.7 % three were not confirmed.
+/// Relative gain in value up to which a predicted improvement is not worth another dynamic run. The effects of the
+/// specimen's ends, pressure tilt and time change values by 0.1 to 2.5 % for the shipped designs and seven other
+/// targets, in half of them by less than 0.8 %; of four predicted gains below 0.7 % three were not confirmed.
 const EQUAL: f64 = 0.01;
 /// Maximum difference between the logarithms of any length of two similar textures.
 const UNLIKE: f64 = 0.15;
@@ -100,13 +101,14 @@ pub struct Found {
 struct Progress {
     /// Textures solved by the model.
     solved: Vec<Prediction>,
-    /// Solved textures; those not solved as cut have the interpolated effect of ends, tilt and time.
+    /// Solved textures; those not solved as cut include the interpolated effect of the specimen's ends, pressure tilt
+    /// and time.
     with_cutting: Vec<Prediction>,
-    /// Textures without an answer of the model.
+    /// Textures that the model cannot compute.
     refused: Vec<Pattern>,
     /// Error of the table in ln R, R the friction ratio, at every load, interpolated between solved textures.
     off: BetweenDesigns,
-    /// Effect of ends, tilt and time on ln R of solved textures, interpolated between textures solved as cut.
+    /// Effect of the specimen's ends, pressure tilt and time on ln R, interpolated between textures solved as cut.
     by_cutting: BetweenDesigns,
 }
 
@@ -116,8 +118,8 @@ impl Progress {
         self.refused.contains(design) || self.solved.iter().any(|of| is_same(&of.texture.features, &own))
     }
 
-    /// Covariance of ln R that all samples share, taken from the solved texture nearest to `design`; empty if there is
-    /// none.
+    /// Covariance of ln R from errors that all samples share, taken from the solved texture nearest to `design`; empty
+    /// if there is none.
     fn covariance(&self, design: &Pattern) -> Vec<f64> {
         let apart = |of: &Prediction| -> f64 {
             let lengths = design.lengths_m().into_iter().zip(of.texture.pattern.lengths_m());
@@ -148,8 +150,8 @@ impl Search<'_> {
         Ok(self.task.constraints.violations(pattern, &self.limited.values(pattern, answer)?))
     }
 
-    /// Interpolates `pattern` in the table; `None` next to a node without an answer, if cavities close under load,
-    /// or if the specimen does not take `pattern`.
+    /// Interpolates `pattern` in the table; `None` next to a node that the model cannot compute, if cavities close
+    /// under load, or if the specimen does not take `pattern`.
     pub fn interpolated(&self, pattern: &Pattern) -> Option<CutTexture> {
         let (modelled, answer) = self.table.at(pattern)?;
         let shifts: Vec<DimensionShift> = self.table.dimension_shifts(pattern, &self.tolerances())?;
@@ -165,8 +167,8 @@ impl Search<'_> {
         Some(CutTexture { covariance: known.covariance(pattern), ..texture })
     }
 
-    /// Solved textures, sorted by decreasing value; those not solved as cut have the interpolated effect of ends, tilt
-    /// and time.
+    /// Solved textures, sorted by decreasing value; those not solved as cut include the interpolated effect of the
+    /// specimen's ends, pressure tilt and time.
     fn ordered(&self, known: &mut Progress) -> Vec<Prediction> {
         let one = |of: &Prediction| match known.by_cutting.at(&of.texture.pattern) {
             Some(by) if of.texture.known < Known::AsCut => self.predicted(of.texture.clone().moved(&by)),
@@ -201,7 +203,7 @@ impl Search<'_> {
     }
 
     /// Predicts a sample of `found` that has the dimensions of `made`: the ratio changes as the model computes, and the
-    /// discrepancy is that of `made`. `None` if the model gives no answer.
+    /// discrepancy is that of `made`. `None` unless the model can compute both.
     pub fn made(&self, found: &Prediction, made: &Pattern) -> Option<Prediction> {
         let model = self.models.own;
         let laid = model.lay(&found.texture.pattern).ok()?;
@@ -214,8 +216,8 @@ impl Search<'_> {
         Some(self.predicted(texture.moved(&by)))
     }
 
-    /// Solves `pattern` with the model in the smallest possible blocks, with all input uncertainties; ends and tilt come
-    /// from the table.
+    /// Predicts a sample of `pattern` from a solution in the smallest affordable blocks, with all input uncertainties;
+    /// the effects of the specimen's ends and pressure tilt come from the table.
     ///
     /// # Errors
     /// [`ModelFailure`] if the pattern cannot be computed.
@@ -236,7 +238,8 @@ impl Search<'_> {
         Ok(self.predicted(texture.moved(&self.table.by_face(pattern))))
     }
 
-    /// Replaces the effects of ends and tilt from the table by solved values, and in the plane adds a dynamic run.
+    /// Replaces the effects of the specimen's ends and pressure tilt from the table by solved values, and in the plane
+    /// adds a dynamic run.
     pub fn as_cut(&self, found: &Prediction) -> Prediction {
         if found.texture.known == Known::AsCut {
             return found.clone();
@@ -371,7 +374,8 @@ impl Search<'_> {
         self.asked.learned.trials().iter().filter_map(|trial| of(&trial.features)).collect()
     }
 
-    /// Returns the ends of climbs from `starts` by the corrected table, using `solved` values where known.
+    /// Returns the textures at which climbs from `starts` by the corrected table end; `solved` textures have their
+    /// solved values.
     fn climbed(
         &self,
         steps: &Steps<'_>,

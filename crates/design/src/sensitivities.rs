@@ -19,7 +19,7 @@ use crate::{DesignError, Refusal, TaskPart};
 
 /// Step of the logarithm of Young's modulus to each side for the derivative of ln R.
 const LOG_MODULUS_STEP: f64 = 0.05;
-/// Change of ln R, R the friction ratio, by the local law from which the report of a design mentions it.
+/// The report of a design mentions the local law if it changes ln R, R the friction ratio, by more than this.
 const NOTED_CHANGE: f64 = 0.002;
 /// Relative humidity, from 0 to 1, if neither design nor trials name one.
 const USUAL_HUMIDITY: f64 = 0.4;
@@ -33,7 +33,8 @@ pub struct Modelled {
     pub sensitivity: Vec<Sensitivity>,
 }
 
-/// Models for the sensitivity of ratios to Young's modulus and to the pressure that friction follows.
+/// Models for the changes of friction ratios with Young's modulus, and if friction follows the local instead of the
+/// nominal pressure.
 pub struct Sensitivities<'a> {
     /// Models with a stiffer and a softer body; `None` if the modulus has no effect.
     both: Option<[SteadyModel<'a>; 2]>,
@@ -85,8 +86,8 @@ impl<'a> ByLocalPressure<'a> {
         Ok(Some(Self { still, laws, of_load: conditions.iter().map(place).collect() }))
     }
 
-    /// Change of ln R of `design` at every load if friction follows the local pressure; 0 at loads without such a
-    /// model.
+    /// Change of ln R, R the friction ratio, of `design` at every load if friction follows the local pressure; 0 at
+    /// loads without such a model.
     fn at(&self, design: &Pattern) -> Result<Vec<f64>, ModelFailure> {
         let models: Vec<&SteadyModel<'_>> = std::iter::once(&self.still).chain(&self.laws).collect();
         let ratios: Vec<Vec<f64>> =
@@ -104,7 +105,7 @@ fn made(model: &SteadyModel<'_>, design: &Pattern) -> Result<Vec<f64>, ModelFail
 }
 
 impl<'a> Sensitivities<'a> {
-    /// Builds the models around `own`, with the uncertainty of `material`, at the condition of each load.
+    /// Builds the models for `own` and the uncertainty of `material`; `conditions` holds the condition of each load.
     ///
     /// # Errors
     /// [`DesignError`] if the area law, changed by its errors, is invalid.
@@ -124,7 +125,7 @@ impl<'a> Sensitivities<'a> {
         Ok(Self { both, by_local_pressure: ByLocalPressure::new(own, material, conditions).map_err(refused)?, loads })
     }
 
-    /// All inputs except the lengths of a design, for cache keys.
+    /// All inputs except width, spacing and depth of a design, for cache keys.
     pub(crate) fn content(&self) -> impl Debug + '_ {
         let both = self.both.as_ref().map(|both| both.each_ref().map(SteadyModel::content));
         let laws = self
@@ -134,7 +135,7 @@ impl<'a> Sensitivities<'a> {
         (both, laws)
     }
 
-    /// Computes the sensitivities of `design` at every load.
+    /// Computes the sensitivities of ln R, R the friction ratio of `design`, at every load.
     ///
     /// # Errors
     /// [`ModelFailure`] if the design cannot be computed.
@@ -171,7 +172,7 @@ pub fn from_numbers(numbers: &[f64], loads: usize) -> Vec<Sensitivity> {
 }
 
 /// Note on the change by the local law at the load where it changes the ratio most; `mean` is the expected share of the
-/// change. `None` if the change is insignificant.
+/// change. `None` if the ratio changes by at most 0.2 %.
 pub fn local_law_note(sensitivity: &[Sensitivity], loads: &[Load], mean: f64) -> Option<String> {
     let size = |place: &usize| sensitivity[*place].local_law.abs();
     let most = (0..sensitivity.len()).max_by(|a, b| size(a).total_cmp(&size(b)))?;
@@ -204,12 +205,13 @@ pub fn loads_of(task: &DesignTask, learned: &Discrepancy, further: &[Further], m
     model.asked().loads.iter().zip(conditions_of(task, further)).map(at).collect()
 }
 
-/// Speed and humidity of every setting of `task`, the design condition first; `None` if coefficients have no condition.
+/// Speed and humidity of every setting of `task`, the design condition first; `None` if coefficients are not given per
+/// condition.
 pub fn conditions(task: &DesignTask, further: &[Further]) -> impl Iterator<Item = Option<Condition>> {
     std::iter::once(task.condition).chain(further.iter().map(|further| further.at.condition))
 }
 
-/// Speed and humidity at every load of `task`, setting by setting; `None` if coefficients have no condition.
+/// Speed and humidity at every load of `task`, setting by setting; `None` if coefficients are not given per condition.
 pub fn conditions_of(task: &DesignTask, further: &[Further]) -> Vec<Option<Condition>> {
     let count = task.target.points().len().max(1);
     conditions(task, further).flat_map(|condition| std::iter::repeat_n(condition, count)).collect()

@@ -24,7 +24,7 @@ use crate::timings::Timings;
 const NO_TABLE: &str = "the seconds allowed were spent before the designs within the bounds were known";
 
 /// Tabulates the model over the bounds of `prepared` and calls `then` with the search. With `division`, samples are
-/// sectors of one specimen. `cache`, if given, stores the answers of the model.
+/// sectors of one specimen. `cache`, if given, stores the results of the model.
 ///
 /// # Errors
 /// [`DesignError`] for a task that is refused or that the monitor cancels, where no design can be computed, and those of `then`.

@@ -8,12 +8,12 @@ use crate::inputs::made;
 use crate::prediction::Prediction;
 use crate::search::Search;
 
-/// Derivative of expected values along one dimension.
+/// Derivatives of the expected values of a sample with respect to one dimension.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct SlopeReport {
     /// `width_um`, `spacing_um` or `depth_um`.
     pub dimension: String,
-    /// Change of the median of the target's quantity per micrometre, one per load of each condition.
+    /// Change of the median of samples per micrometre, in the quantity of the target, one per load of each condition.
     pub per_um: Vec<f64>,
 }
 

@@ -24,7 +24,7 @@ const MIN_GUIDE_ROWS: usize = 4;
 /// Minimum number of the guide's blocks in the shortest pitch.
 const MIN_GUIDE_PITCH: f64 = 2.0;
 
-/// Friction ratios of designs by steady cells, scaled to the specimen by the share of cavities.
+/// Computes friction ratios of designs by steady periodic cells, scaled to the areal density of the specimen.
 pub struct SteadyModel<'a> {
     /// Scene with the loads of the design condition.
     scene: Scene,
@@ -110,7 +110,7 @@ impl<'a> SteadyModel<'a> {
         Ok(Laid::new(self.specimen.as_ref(), design, self.dimension())?.share(design))
     }
 
-    /// Lays `design` out on the specimen, for the samples made of it.
+    /// Lays `design` out on the specimen; all samples of the design have this layout.
     ///
     /// # Errors
     /// [`ModelFailure::Trial`] if the specimen does not take the design.
@@ -124,12 +124,12 @@ impl<'a> SteadyModel<'a> {
         &self.asked
     }
 
-    /// Uses `evaluations` as the store of answers.
+    /// Uses `evaluations` as the store of results.
     pub fn keep(&mut self, evaluations: Evaluations<'a>) {
         self.evaluations = evaluations;
     }
 
-    /// All inputs of answers about a texture except its lengths, for cache keys.
+    /// All inputs that results for a texture depend on, except its width, spacing and depth; for cache keys.
     pub(crate) fn content(&self) -> impl Debug + '_ {
         let guide = self.guide.as_ref().map(|(scene, _)| scene);
         (&self.asked, self.scene.loads.len(), &self.directions_deg, &self.texture, guide, &self.specimen)
@@ -155,7 +155,8 @@ impl<'a> SteadyModel<'a> {
         self.guide.is_some()
     }
 
-    /// Cell of a design with the loads of every condition, in the guide's blocks if `coarse` and a guide exists.
+    /// Cell of a design with the loads of every condition, in the larger blocks of the guide if `coarse` and a guide
+    /// exists.
     pub(crate) fn cell(&self, design: &Pattern, coarse: bool) -> Scene {
         let guide = self.guide.as_ref().filter(|_| coarse).map(|(scene, _)| scene);
         Scene { pattern: Some(*design), ..guide.unwrap_or(&self.asked).clone() }
@@ -172,7 +173,7 @@ impl<'a> SteadyModel<'a> {
         Scene { pattern: Some(*design), ..self.scene.clone() }
     }
 
-    /// Computes the ratios of `made`, a sample of the layout `laid`, at every condition.
+    /// Computes the ratios of `made`, a sample with the layout `laid`, at every load of every condition.
     ///
     /// # Errors
     /// [`ModelFailure::Trial`] if the sample cannot be computed, or a cavity closes under load.
@@ -180,7 +181,7 @@ impl<'a> SteadyModel<'a> {
         Ok(open(self.answer_made(made, laid)?)?.ratio)
     }
 
-    /// Computes the answer for `made`, a sample of the layout `laid`, at every condition, including closed cavities.
+    /// Computes the results for `made`, a sample with the layout `laid`, at every condition, also if cavities close.
     ///
     /// # Errors
     /// [`ModelFailure::Trial`] where the sample cannot be computed.
@@ -188,8 +189,8 @@ impl<'a> SteadyModel<'a> {
         Ok(self.answer(&self.asked, &self.solver, made)?.on(laid, made))
     }
 
-    /// Computes the answer for `design` at every condition, including closed cavities, and stores it; uses the guide if
-    /// `coarse` and a guide exists.
+    /// Computes the results for `design` at every condition, also if cavities close, and stores them; uses the guide, a
+    /// model in larger blocks, if `coarse` and a guide exists.
     ///
     /// # Errors
     /// [`ModelFailure`] where the design cannot be computed.
@@ -222,7 +223,7 @@ impl<'a> SteadyModel<'a> {
         }
     }
 
-    /// Computes the answer for `design` at every condition without storing it.
+    /// Computes the results for `design` at every condition without storing them.
     ///
     /// # Errors
     /// [`ModelFailure::Trial`] if the design cannot be computed, or a cavity closes under load.
@@ -267,7 +268,8 @@ impl<'a> SteadyModel<'a> {
         self.scene.area_law.as_ref()
     }
 
-    /// Answer for the cell of `design` by `solver`, which was created from `scene`, not scaled to the specimen.
+    /// Computes the results for the cell of `design` by `solver`, which was created from `scene`; ratios are not scaled
+    /// to the specimen.
     fn answer(&self, scene: &Scene, solver: &Solver, design: &Pattern) -> Result<Answer, ModelFailure> {
         let trial = |reason: String| ModelFailure::Trial { reason };
         let scene = Scene { pattern: Some(*design), ..scene.clone() };
@@ -294,7 +296,7 @@ impl<'a> SteadyModel<'a> {
     }
 }
 
-/// Returns the answer if the cavities stay open under load, otherwise [`ModelFailure::Trial`].
+/// Returns `answer` if the cavities stay open under load, otherwise [`ModelFailure::Trial`].
 fn open(answer: Answer) -> Result<Answer, ModelFailure> {
     if answer.clearance_m().is_some_and(|clearance_m| clearance_m <= 0.0) {
         return Err(ModelFailure::Trial { reason: "the cavity closes under load".to_owned() });

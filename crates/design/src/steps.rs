@@ -1,8 +1,8 @@
 //! Hill climbing from the best designs of a coarse scan to the best design in whole blocks and bursts.
 //!
-//! A step moves to the best of the neighbours of a design, `s` blocks and bursts away along one, two or three lengths,
-//! while that improves the value; then `s` is halved. Cost: at most 26 designs per step, less the designs already
-//! known.
+//! A step moves to the best neighbour of a design; neighbours lie `s` blocks or bursts away along one, two or three
+//! lengths. If no neighbour improves the value, `s` is halved. Cost: at most 26 designs per step, less the designs
+//! already known.
 
 use std::collections::BTreeMap;
 
@@ -13,10 +13,10 @@ use slipgrid_model::pattern::Pattern;
 use crate::task::DesignTask;
 use crate::whole_steps::axes;
 
-/// Steps in blocks and bursts, in decreasing order.
+/// Step sizes `s` of a climb, in blocks (width, spacing) or bursts (depth), in decreasing order.
 const STEPS: [usize; 3] = [4, 2, 1];
 
-/// Lattice index: whole steps of width, spacing and depth.
+/// Lattice index: indices of width, spacing and depth among the lengths of the lattice.
 pub type Place = [usize; 3];
 
 /// Lattice of all designs of whole blocks and bursts within the bounds.
@@ -31,7 +31,7 @@ impl<'a> Steps<'a> {
         Self { task, axes: axes(task).0 }
     }
 
-    /// Returns about `most` designs, or all if there are fewer, spread over all bounds, less those that the laser
+    /// Returns all designs, or at most `most` of them spread evenly over the bounds, without those that the laser
     /// cannot cut.
     pub fn spread(&self, most: usize) -> Vec<Pattern> {
         let [widths, spacings, depths] = [0, 1, 2].map(|axis: usize| self.axes[axis].len());
@@ -44,14 +44,14 @@ impl<'a> Steps<'a> {
         (0..all).step_by(stride).filter_map(|number| self.design(place(number))).collect()
     }
 
-    /// Index of `design`, if it is on the lattice.
+    /// Index of `design`; `None` if it is not on the lattice.
     pub fn place(&self, design: &Pattern) -> Option<Place> {
         let lengths_m = design.lengths_m();
         let along = |axis: usize| self.axes[axis].binary_search_by(|node| node.total_cmp(&lengths_m[axis])).ok();
         Some([along(0)?, along(1)?, along(2)?])
     }
 
-    /// Design at `place`, if the laser can cut it.
+    /// Design at `place`; `None` if the laser cannot cut it.
     fn design(&self, place: Place) -> Option<Pattern> {
         let design = self.task.space.pattern(std::array::from_fn(|axis| self.axes[axis][place[axis]])).ok()?;
         self.task.constraints.limits.violations(&design).is_empty().then_some(design)
@@ -88,11 +88,12 @@ const fn common_divisor(mut a: usize, mut b: usize) -> usize {
 /// Values of designs by lattice index; `None` if a design is excluded or has no value.
 pub type Values = BTreeMap<Place, Option<f64>>;
 
-/// Filter of the allowed designs, and the function that computes their values; `None` if a design has no value.
+/// Filter of the allowed designs, and function that computes the value of a design, or `None` if it has no value.
 pub type Asking<'a> = (&'a (dyn Fn(&Pattern) -> bool + Sync), &'a (dyn Fn(&Pattern) -> Option<f64> + Sync));
 
 /// Climbs from `starts` over designs that the filter `open` allows, until no neighbour improves the value, `most`
-/// designs were evaluated, or `monitor` cancels. `known` holds previous values. Returns each end of a climb once.
+/// designs were evaluated, or `monitor` cancels. `known` holds previous values. Returns the designs at which climbs
+/// end, each once.
 pub fn climb(
     steps: &Steps<'_>,
     starts: &[Place],

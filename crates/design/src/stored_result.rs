@@ -1,4 +1,4 @@
-//! Stored results, with the parts that `export` needs.
+//! Stored results of `optimize` and `next`: the parts that `export` needs.
 
 use crate::results::PatternReport;
 use serde::Deserialize;
@@ -8,7 +8,7 @@ use slipgrid_model::material::Provenance;
 
 use crate::next_report::NextReport;
 
-/// Part of result.json of `optimize` that `export` needs.
+/// Design of `optimize` or sample of `next` to export, from result.json.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 pub struct StoredDesign {
     /// Name of the design.
@@ -28,7 +28,7 @@ pub struct StoredDesign {
     pub laser: Laser,
     /// Assumed manufacturing tolerances of samples; absent where the design file does not give them.
     pub tolerances: Option<Tolerances>,
-    /// Seed of the design.
+    /// Seed of the random local coefficients.
     pub seed: u64,
 }
 
@@ -38,7 +38,7 @@ pub enum StoredError {
     /// Not a result of `optimize`.
     #[error("is not a result of `slipgrid optimize`: {0}")]
     Optimize(#[source] serde_json::Error),
-    /// Not a result of `next`, or of a version that did not write laser, specimen and material.
+    /// Not a result of `next`, or written by a version that did not store laser, specimen and material.
     #[error(
         "is not a result of `slipgrid next` that says laser, specimen and material, as this version writes it: {0}"
     )]
@@ -54,7 +54,7 @@ pub enum StoredError {
     /// A sample was requested from a result with one design.
     #[error("is a result of `slipgrid optimize`, which has one design and no samples")]
     OneDesign,
-    /// The samples are sectors.
+    /// The samples are sectors of one specimen, and no sample number was given.
     #[error(
         "holds sectors of one specimen, whose drawing pattern.dxf stands beside it; --sample 1 takes the pattern of the first on a whole \
          specimen, --sample 2 that of the second"
@@ -70,8 +70,8 @@ struct Kind {
 }
 
 impl StoredDesign {
-    /// Reads the design of a result of `optimize`, or a sample of a result of `next` by its number in the table, from 1,
-    /// by default the first.
+    /// Reads the design from a result of `optimize`, or the sample with the number `sample` from a result of `next`:
+    /// its row in the table, counted from 1, by default the first.
     ///
     /// # Errors
     /// [`StoredError`].

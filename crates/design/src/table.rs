@@ -1,12 +1,13 @@
-//! Table over the bounds: interpolation of the model over all textures within the bounds, from the model's answers at
+//! Table over the bounds: interpolation of the model over all textures within the bounds, from results of the model at
 //! nodes. R is the friction ratio, E Young's modulus.
 //!
 //! | quantity of a texture | nodes | interpolation |
 //! |---|---|---|
 //! | ln R at every load, maximum and minimum pressure, sag of the ceilings | in the plane all in the layer's blocks; in space larger blocks, corrected by fewer cells in the requested ones | cubic splines in ln of the lengths |
-//! | slope of ln R along ln E, its change by the local law; change by smaller blocks; ends and tilt | fewer, as they vary slowly | linear in ln of the lengths |
+//! | d ln R / d ln E; changes of ln R by local law, smaller blocks, ends, tilt | fewer (slow changes) | linear in ln |
 //!
-//! All values are cached by content, so that another target recomputes nothing. Nodes without an answer are holes.
+//! All values are cached by content, so that another target recomputes nothing. Nodes that the model cannot compute are
+//! holes.
 
 use crate::optimize::{ModelFailure, Tolerances};
 use rayon::prelude::*;
@@ -31,8 +32,8 @@ use crate::task::DesignTask;
 
 /// Maximum number of multiplications to solve a cell in smaller blocks: some hundredths of a second.
 const MAX_REFINED: f64 = 2e8;
-/// Number of outputs besides ln R at each load: logarithm of the maximum pressure in pascals, minimum ratio of local to
-/// nominal pressure, sag of the ceilings in metres.
+/// Number of outputs besides ln R, R the friction ratio, at each load: logarithm of the maximum pressure in pascals,
+/// minimum ratio of local to nominal pressure, sag of the ceilings in metres.
 const BESIDE: usize = 3;
 
 /// Numbers of nodes of a table, and of textures for the error estimate.
@@ -45,7 +46,7 @@ pub struct Scope {
     sensitivities: [usize; 3],
     /// Maximum number of nodes along width, spacing and depth for changes by smaller blocks.
     blocks: [usize; 3],
-    /// Maximum number of nodes along width, spacing and depth for effects of ends and tilt.
+    /// Maximum number of nodes along width, spacing and depth for the effects of the specimen's ends and pressure tilt.
     face: [usize; 3],
     /// Number of random textures for the error estimate.
     checks: usize,
@@ -58,12 +59,12 @@ impl Scope {
         lift: ([0.0; 3], [0; 3]),
         sensitivities: [7, 7, 4],
         // More nodes do not reduce the error (0.0021 and 0.0018 in the median of 40 and 30 random textures of the LDPE
-        // design): both jump where one more cavity fits between the ends, or a length is not in whole blocks.
+        // design): the effects jump where one more cavity fits between the ends, or a length is not in whole blocks.
         blocks: [4, 4, 3],
         face: [3, 4, 2],
         checks: 60,
     };
-    /// Scope in space.
+    /// Scope in space, where a node takes longer.
     pub const SPACE: Self = Self {
         nodes: ([5.0, 4.0, 2.0], [12, 12, 7]),
         lift: ([3.0, 3.0, 1.5], [5, 5, 4]),
@@ -78,9 +79,9 @@ impl Scope {
 pub struct TableReport {
     /// Number of nodes.
     pub nodes: usize,
-    /// Number of nodes without an answer.
+    /// Number of nodes that the model cannot compute.
     pub holes: usize,
-    /// Random textures at which the table was compared with the model.
+    /// Number of random textures at which the table was compared with the model.
     pub checked: usize,
     /// Median over the random textures of the largest relative error of the ratio at any load.
     pub median_error: f64,
@@ -97,7 +98,7 @@ pub struct Models<'a> {
 }
 
 impl<'a> Models<'a> {
-    /// Builds the models around `own`, with the uncertainty of `material`, at the condition of each load.
+    /// Builds the models for `own` and the uncertainty of `material`; `conditions` holds the condition of each load.
     ///
     /// # Errors
     /// [`DesignError`] if the area law, changed by its errors, is invalid.
@@ -120,8 +121,8 @@ impl<'a> Models<'a> {
         })
     }
 
-    /// Change of each ratio of `design` by smaller blocks, and the remaining distance to vanishing blocks as a standard
-    /// deviation; `None` for rims in space, in several directions, and if smaller blocks are too expensive.
+    /// Change of each ratio of `design` by smaller blocks, and standard deviation due to the remaining block size;
+    /// `None` for rims in space, in several directions, and if smaller blocks are too expensive.
     pub fn refined(&self, design: &Pattern) -> Option<(Vec<f64>, Vec<f64>)> {
         if self.own.has_directions() {
             return None;
@@ -129,7 +130,7 @@ impl<'a> Models<'a> {
         let scene = Scene { pattern: Some(*design), ..self.own.asked().clone() };
         let share = self.own.share(design).ok()?;
         let ratios = self.own.steady(design).ok()?.ratio;
-        // Ratio of the cell: 1 - r = (1 - r_cell) D / D_period
+        // Ratio of the cell, with the areal densities D of specimen and period: 1 - r = (1 - r_cell) D / D_period
         let own: Vec<Option<f64>> = ratios.iter().map(|ratio| Some(1.0 - (1.0 - ratio) / share)).collect();
         let refined = block_refinement(&scene, &own, MAX_REFINED)?;
         // The error is an upper bound, taken as two standard deviations.
@@ -138,15 +139,16 @@ impl<'a> Models<'a> {
     }
 }
 
-/// Interpolated model values of every texture within the bounds.
+/// Interpolated model results (ratios, sensitivities, extreme pressures, clearance) for every texture within the
+/// bounds.
 #[derive(Clone)]
 pub struct Table {
     surface: ResponseSurface,
-    /// Indices of nodes without an answer; the cells around these nodes have no answer either.
+    /// Indices of nodes that the model cannot compute; no values are interpolated between them and adjacent nodes.
     holes: Vec<usize>,
     sensitivities: Nodes,
     blocks: Nodes,
-    /// Effects of ends and tilt on ln R; `None` if samples are sectors.
+    /// Effects of the specimen's ends and pressure tilt on ln R, R the friction ratio; `None` if samples are sectors.
     face: Option<Nodes>,
     loads: usize,
     /// Error and cost of the table.
@@ -154,8 +156,8 @@ pub struct Table {
 }
 
 impl Table {
-    /// Solves `models` at the nodes over the bounds of `task`, and the effects of ends and tilt by `beyond`; advances
-    /// `stage` by its whole work. `None` if cancelled or if no node has an answer.
+    /// Solves `models` at the nodes over the bounds of `task`, and the effects of the specimen's ends and pressure tilt
+    /// by `beyond`; advances `stage` to its end. `None` if cancelled or if the model can compute no node.
     pub fn new(task: &DesignTask, models: &Models<'_>, beyond: &BeyondCells<'_>, stage: &dyn Monitor) -> Option<Self> {
         let is_guided = models.own.has_guide();
         let scope = if models.own.is_cheap_per_design() { Scope::PLANE } else { Scope::SPACE };
@@ -173,7 +175,7 @@ impl Table {
             let few_axes = axes(task, scope.lift);
             let few = ResponseSurface::nodes(&few_axes);
             let (fine, coarse) = (ask(&few, false, of_lift)?, ask(&few, true, 0.0)?);
-            // A node without an answer takes the neighbour's change, not the change of another answer.
+            // A node without a result takes the difference of fine and coarse blocks from one other node, not from two.
             let over = fine.into_iter().zip(coarse).map(|(fine, coarse)| {
                 Some(fine?.iter().zip(coarse?).map(|(fine, coarse)| fine - coarse).collect::<Vec<f64>>())
             });
@@ -209,7 +211,7 @@ impl Table {
     }
 
     /// Extends the table to the wider bounds of `task`, in the plane: quantities with few nodes are extrapolated as
-    /// constant. `None` if `stage` is cancelled or if no node has an answer.
+    /// constant. `None` if `stage` is cancelled or if the model can compute no node.
     pub fn widened(&self, task: &DesignTask, models: &Models<'_>, stage: &dyn Monitor) -> Option<Self> {
         let lattice = axes(task, Scope::PLANE.nodes);
         let nodes = ResponseSurface::nodes(&lattice);
@@ -240,14 +242,14 @@ impl Table {
     }
 
     /// Interpolates all outputs, ln R at each load and [`BESIDE`] others, at the lengths of `design`; `None` next to a
-    /// hole.
+    /// node that the model cannot compute.
     fn values(&self, design: &Pattern) -> Option<Vec<f64>> {
         let lengths_m = design.lengths_m();
         (!self.surface.is_beside(&self.holes, &lengths_m)).then(|| self.surface.at(&lengths_m))
     }
 
-    /// Model values and answer for `design` in the layer's blocks, without ends and tilt; `None` next to a hole, or if
-    /// cavities close under load.
+    /// Interpolated model values and results for `design` in the layer's blocks, without the effects of the specimen's
+    /// ends and pressure tilt; `None` next to a node that the model cannot compute, or if cavities close.
     pub fn at(&self, design: &Pattern) -> Option<(Modelled, Answer)> {
         let mut log_ratio = self.values(design)?;
         let beside = log_ratio.split_off(self.loads);
@@ -266,20 +268,20 @@ impl Table {
         Some((Modelled { log_ratio, sensitivity }, answer))
     }
 
-    /// Change of the logarithm of each ratio by ends and tilt; empty, as no change, if a neighbouring node has no
-    /// answer.
+    /// Change of the logarithm of each ratio by the specimen's ends and pressure tilt; empty, which means no change, if
+    /// samples are sectors or a neighbouring node has no value.
     pub fn by_face(&self, design: &Pattern) -> Vec<f64> {
         self.face.as_ref().and_then(|face| face.at(design.lengths_m())).unwrap_or_default()
     }
 
-    /// Change of the logarithm of each ratio by smaller blocks; empty, as no change, if a neighbouring node has no
-    /// answer.
+    /// Change of the logarithm of each ratio by smaller blocks; empty, which means no change, if a neighbouring node
+    /// has no value.
     pub fn by_blocks(&self, design: &Pattern) -> Vec<f64> {
         self.blocks.at(design.lengths_m()).unwrap_or_default()
     }
 
     /// Errors of the dimensions of samples of `design` with the standard deviations of `tolerances`, from differences
-    /// over one standard deviation to each side; `None` next to a hole.
+    /// over one standard deviation to each side; `None` next to a node that the model cannot compute.
     pub fn dimension_shifts(&self, design: &Pattern, tolerances: &Tolerances) -> Option<Vec<DimensionShift>> {
         let own = |(_, by_m): (&str, [f64; 3])| {
             let [above, below] = [1.0, -1.0].map(|side| self.values(&made(design, &by_m, side)));
@@ -312,8 +314,8 @@ pub fn random_places(axes: &[Axis; 3], count: usize, seed: u64) -> Vec<[f64; 3]>
     (0..count).map(|_| axes.each_ref().map(&mut at)).collect()
 }
 
-/// Numbers of nodes of the table of `task` by `model`: nodes of the table, and nodes in the requested blocks that
-/// correct larger blocks, 0 if there is no guide.
+/// Numbers of nodes of the table of `task` by `model`: of the table itself, and of its correction from larger to the
+/// requested blocks, 0 if there is no model in larger blocks.
 pub fn nodes(task: &DesignTask, model: &SteadyModel<'_>) -> [f64; 2] {
     let scope = if model.is_cheap_per_design() { Scope::PLANE } else { Scope::SPACE };
     let count = |scope: ([f64; 3], [usize; 3])| axes(task, scope).iter().map(|axis| axis.nodes as f64).product();
@@ -326,10 +328,10 @@ pub fn nodes(task: &DesignTask, model: &SteadyModel<'_>) -> [f64; 2] {
     }
 }
 
-/// Solves the designs with `lengths`, in metres: ln R at each load, ln of the peak pressure in pascals, least pressure
-/// ratio and sag in metres; in the guide's larger blocks if `coarse`. Closed cavities are solved as if their ceiling
-/// could pass the counterface, so that outputs are smooth up to closure. An entry is `None` if its design has no
-/// answer; the result is `None` once `stage` is cancelled or the cache fails.
+/// Solves the designs with `lengths`, in metres: ln R at each load, ln of the peak pressure in pascals, minimum ratio
+/// of local to nominal pressure, and sag in metres; in the guide's larger blocks if `coarse`. Closed cavities are
+/// solved as if their ceiling could pass the counterface, so that outputs are smooth up to closure. An entry is `None`
+/// if its design cannot be computed; the result is `None` once `stage` is cancelled or the cache fails.
 fn solved(
     task: &DesignTask,
     models: &Models<'_>,
@@ -358,7 +360,7 @@ fn solved(
     cached(stage, ("nodes", &content), 1.0, || lengths.par_iter().map(one).collect::<Result<_, _>>()).ok()
 }
 
-/// Fills nodes without an answer with the answer of the nearest node; `None` if there is no answer at all.
+/// Gives nodes without values the values of the nearest node that has them; `None` if no node has values.
 pub fn filled(answers: Vec<Option<Vec<f64>>>, axes: &[Axis; 3]) -> Option<Vec<Vec<f64>>> {
     let [_, rows, depths] = axes.map(|axis| axis.nodes);
     let place = |node: usize| [node / (rows * depths), node / depths % rows, node % depths];

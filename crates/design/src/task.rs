@@ -16,7 +16,7 @@ use crate::error::{Refusal, TaskPart};
 /// Quantity of a design that can be limited.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ConstraintQuantity {
-    /// Maximum local pressure at any target pressure, in the cell and in confirming runs of the specimen.
+    /// Maximum local pressure over all target pressures, in the periodic cell and in dynamic runs of the specimen.
     PeakPressure,
     /// Fraction of the face that is land.
     BearingArea,
@@ -24,9 +24,9 @@ pub enum ConstraintQuantity {
     ArealDensity,
     /// Laser time for the specimen.
     LaserTime,
-    /// Minimum height of a cavity's ceiling above the counterface at any target pressure.
+    /// Minimum height of a cavity's ceiling above the counterface over all target pressures.
     Clearance,
-    /// Minimum ratio of local to nominal pressure at any target pressure; negative under tension.
+    /// Minimum ratio of local to nominal pressure over all target pressures; negative under tension.
     LeastPressure,
 }
 
@@ -44,14 +44,15 @@ pub struct DesignTask {
     pub name: String,
     /// Date of the task for reports, as YYYY-MM-DD, if given; no code here reads a clock.
     pub date: Option<String>,
-    /// Material; friction at the conditions of the task follows from it. A task without a material is not run.
+    /// Material, from which friction at the conditions of the task follows; jobs refuse a task without a material.
     pub material: Option<KnownMaterial>,
     /// Whether the material was computed from the calibration that the design file names, and not read from a material file.
     pub is_calibrated: bool,
     /// Conditions at which the target must hold, the design condition first; empty if the material has coefficients for
     /// one condition only.
     pub ranges: Vec<ConditionRange>,
-    /// Design condition; if a range of conditions is given, it is known once [`DesignTask::resolve`] has chosen it.
+    /// Design condition; if a range of conditions is given, [`DesignTask::resolve`] chooses it. `None` before, and for
+    /// a material with coefficients for one condition only.
     pub condition: Option<Condition>,
     /// Further conditions at which the target must hold, known after [`DesignTask::resolve`].
     pub also_at: Vec<Condition>,
@@ -132,7 +133,7 @@ impl From<Material> for KnownMaterial {
 pub struct FurtherDirections {
     /// Directions that differ from the texture's own and from each other, in degrees.
     pub different_deg: Vec<f64>,
-    /// Directions that are equivalent to another one by symmetry, in degrees.
+    /// Directions that are equivalent to another direction by symmetry, in degrees.
     pub alike_deg: Vec<f64>,
 }
 
@@ -143,7 +144,7 @@ pub enum TradeOffGoal {
     /// Chance that a cut sample is on target.
     Chance,
     /// Largest distance over all loads of the median of samples from the middle of the target, in tolerances. For a
-    /// single limit it is 1 at the limit and 0 from one margin inside.
+    /// single limit the distance is 1 at the limit and 0 from one margin inside.
     Misfit,
     /// Laser time for the specimen, in seconds.
     LaserTime,
@@ -198,12 +199,13 @@ pub const DEFAULT_SPEED_M_S: f64 = 2e-3;
 pub(crate) const SCATTER_BASIS: &str = "standard deviation of a sample's mean, as the design file gives it";
 
 impl DesignTask {
-    /// Laser time for `pattern` on the specimen, in seconds; `None` if the laser's speed is not known.
+    /// Laser time for `pattern` on the specimen, in seconds; `None` if the laser's speed is unknown or `pattern` does
+    /// not fit.
     pub fn laser_time_s(&self, pattern: &Pattern) -> Option<f64> {
         laser_time_s(&self.specimen.layout(*pattern).ok()?, &self.laser)
     }
 
-    /// Assumed manufacturing tolerances, as written to files for the laser.
+    /// Assumed manufacturing tolerances, as written to files for the laser; `None` if all are zero or absent.
     pub fn assumed_tolerances(&self) -> Option<SheetTolerances> {
         let Tolerances { width_std_um, spacing_std_um, depth_std_um, .. } = self.tolerances?;
         let given = |std_um: f64| Some(tidy(std_um)).filter(|std_um| *std_um > 0.0);
@@ -255,9 +257,9 @@ impl DesignTask {
         }
     }
 
-    /// Finds the conditions of all ranges at which `friction` is lowest and highest, each once, chooses the design
-    /// condition among those of the first range, and sets the others as further conditions. Does nothing without
-    /// ranges.
+    /// Finds conditions of all ranges that include the lowest and highest `friction`, each once. Chooses the design
+    /// condition among those of the first range, unless it is already set, and sets the others as further conditions.
+    /// Does nothing without ranges.
     ///
     /// # Errors
     /// [`Refusal`] of a range that reaches outside the measured conditions.
@@ -335,7 +337,8 @@ impl DesignTask {
         self.target.points().iter().map(|point| point.pressure_pa).collect()
     }
 
-    /// Resolves the conditions of the task, and checks that its conditions and pressures are compatible with `known`.
+    /// Resolves the conditions of the task, and checks that conditions and pressures are compatible with the material
+    /// `known`.
     ///
     /// # Errors
     /// [`Refusal`] of the first part that is incompatible.

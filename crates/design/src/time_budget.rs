@@ -2,7 +2,8 @@
 
 use slipgrid_base::monitor::{Monitor, Stage};
 
-/// Share of the remaining time for the table, and then for the search, so that the best design can be confirmed.
+/// Share of the remaining time that the table may use, and the search thereafter, so that the best design can be
+/// confirmed.
 pub const SEARCH_SHARE: f64 = 0.6;
 
 /// Deadline of a job, by the clock of its monitor.

@@ -12,12 +12,12 @@ pub struct Timings {
     pub table: f64,
     /// Seconds for the search in the table.
     pub search: f64,
-    /// Seconds for the confirming run in time.
+    /// Seconds for the dynamic run that confirms the design.
     pub confirm: f64,
-    /// Seconds for sample predictions, limits of the chance, blockers of a target, slopes, and comparing designs by the
-    /// goals of `[trade_offs]`.
+    /// Seconds for sample predictions, inputs that limit the chance, limits that keep a target out of reach, slopes,
+    /// and the comparison of designs by the goals of `[trade_offs]`.
     pub trade_offs: f64,
-    /// Seconds for the page's explorer.
+    /// Seconds for the predictions that the page's explorer shows.
     #[serde(default)]
     pub explorer: f64,
     /// Seconds for drawing and tabulating, up to result.json itself, and for all that belongs to no other stage.

@@ -16,7 +16,7 @@ use crate::search::Search;
 use crate::steps::Steps;
 use crate::task::{TradeOffGoal, TradeOffsWanted};
 
-/// Number of designs of the front in a report; the table file has all.
+/// Maximum number of non-dominated designs listed in a report; trade-offs.csv has all.
 const LISTED: usize = 12;
 
 /// Design with its values by each goal.
@@ -50,20 +50,20 @@ pub struct TradeOffsReport {
     pub designs: usize,
     /// Number of designs that no other design dominates.
     pub front: usize,
-    /// Values of the design found, by each goal.
+    /// Values of the chosen design, one per goal.
     pub chosen: Vec<f64>,
-    /// Selected designs of the front, from one end by the first goal to the other.
+    /// Selected designs that no other design dominates, from the best to the worst by the first goal.
     pub listed: Vec<ListedDesign>,
-    /// Best design of the front by each goal.
+    /// Best design by each goal.
     pub best: Vec<ListedDesign>,
 }
 
-/// Design of the front.
+/// Design that no other design dominates.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ListedDesign {
     /// Texture of the design.
     pub design: PatternReport,
-    /// Value by each goal.
+    /// Values of the design, one per goal.
     pub goals: Vec<f64>,
 }
 
@@ -145,7 +145,7 @@ fn value(search: &Search<'_>, found: &Prediction, goal: TradeOffGoal) -> Option<
     }
 }
 
-/// Values `goals` by the goals `of`, with signs such that less is better.
+/// Values `goals` of the goals `of`, with the sign of a chance reversed, so that less is better for every goal.
 fn lesser(of: &[TradeOffGoal], goals: &[f64]) -> Vec<f64> {
     of.iter().zip(goals).map(|(of, goal)| if *of == TradeOffGoal::Chance { -goal } else { *goal }).collect()
 }
@@ -203,7 +203,7 @@ impl TradeOffsReport {
     }
 }
 
-/// Name of a goal and its unit, by its column.
+/// Name and unit of the goal with the column name `column`.
 fn words(column: &str) -> [&str; 2] {
     match column {
         "laser_time_s" => ["laser time", "s"],

@@ -1,4 +1,4 @@
-//! Designs in whole blocks and bursts within the bounds.
+//! Designs within the bounds, with width and spacing in whole blocks and depth in whole bursts.
 
 use slipgrid_model::pattern::Pattern;
 use slipgrid_model::springblock::Dimension;
@@ -36,7 +36,7 @@ pub fn axes(design: &DesignTask) -> ([Vec<f64>; 3], [f64; 3]) {
 }
 
 /// All designs in whole blocks and bursts within bounds and limits of the laser, width varying slowest, with the steps
-/// of width, spacing and depth in metres. Stops after a million and one, which shows that there are too many.
+/// of width, spacing and depth in metres. Stops after a million and one designs, which shows that there are too many.
 pub fn lattice(design: &DesignTask) -> (Vec<Pattern>, [f64; 3]) {
     let (space, limits) = (&design.space, &design.constraints.limits);
     let ([widths, spacings, depths], steps_m) = axes(design);

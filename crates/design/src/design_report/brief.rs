@@ -8,7 +8,7 @@ use crate::results::{SCREEN_WIDTH, Table, believed_interval, doubts_in_brief, fi
 
 /// Maximum number of loads that the screen lists; the others are counted.
 const MAX_LOADS: usize = 8;
-/// Maximum number of limits that the screen lists with the chance without them.
+/// Maximum number of limits and bounds for which the screen shows the chance without the limit or bound.
 const MAX_LIFTED: usize = 2;
 
 impl DesignReport {

@@ -10,7 +10,8 @@ use crate::results::{
     material_doubts, notes,
 };
 
-/// Factor beyond the measured pressures from which an extrapolated coefficient is the gravest doubt about the material.
+/// If a target pressure is outside the measured pressures by more than this factor, the extrapolated coefficient is
+/// listed before all other doubts about the material.
 const FAR_BEYOND: f64 = 1.25;
 
 impl DesignReport {
@@ -84,7 +85,7 @@ impl DesignReport {
         if self.is_ratio() { "ratio to the flat surface" } else { "dynamic friction" }
     }
 
-    /// Heading of the values of the model alone, which are ratios for every target.
+    /// Heading of the column with values of the model alone, which are ratios even if the target is friction.
     pub(super) fn model_alone(&self) -> &'static str {
         if self.is_ratio() { "model alone" } else { "ratio, model alone" }
     }
@@ -113,7 +114,7 @@ impl DesignReport {
         Some(format!("{goal} {of}: {expected:.4} expected{interval}, {modelled:.4} by the model alone"))
     }
 
-    /// Chance without each limit or bound, in words.
+    /// Chance without each limit or bound that keeps the target out of reach, in words.
     pub(super) fn blocked_in_words(&self) -> Vec<String> {
         let one = |lifted: &LiftedReport| {
             let reach = if lifted.is_within_reach { "" } else { ", still out of reach" };
@@ -129,7 +130,8 @@ impl DesignReport {
         format!("not modelled: {of_lasering}, plasticity, viscoelasticity, heating, wear")
     }
 
-    /// Input that limits the chance most, if the chance without its error is more than 0.02 higher.
+    /// Input that limits the chance most; `None` unless the chance without the error of this input is more than 0.02
+    /// higher.
     pub fn limit(&self) -> Option<&LimitedBy> {
         let chance = self.sample.chance?;
         self.sample.limited_by.first().filter(|limit| limit.chance_if_known > chance + 0.02)
@@ -248,7 +250,7 @@ const LEARNS_SOME: f64 = 0.1;
 const LEARNS_MUCH: f64 = 0.33;
 
 impl SampleReport {
-    /// Information gained by measuring the sample, in words.
+    /// Information gained by measuring the sample, in words: `little`, `some` or `much`.
     pub fn learns(&self) -> &'static str {
         match self.information_bits {
             bits if bits < LEARNS_SOME => "little",

@@ -63,7 +63,7 @@ impl Limit {
         self
     }
 
-    /// Formats `value` with its unit.
+    /// Formats `value`, given in SI units, in the unit of the quantity.
     pub fn tell(&self, value: f64) -> String {
         let told = significant(value / self.unit_si);
         if self.unit.is_empty() { told } else { format!("{told} {}", self.unit) }
@@ -111,7 +111,7 @@ pub enum Violation {
 }
 
 impl Violation {
-    /// Distance beyond the constraint, relative to the constraint: 0 at the constraint.
+    /// Distance beyond the constraint, relative to the limit or a typical value: 0 at the constraint.
     pub fn excess(&self) -> f64 {
         match self {
             Self::Limit(limit) => limit.excess(),

@@ -6,7 +6,7 @@
 //! | [`DesignSpace`] | bounds of width, spacing and depth |
 //! | [`Constraints`], [`Limit`], [`Violation`] | manufacturing limits and limited quantities |
 //! | [`Tolerances`], [`Uncertainty`], [`with_rim_off`] | scatter of samples about a design, and uncertainty of a model's parameters |
-//! | [`ModelFailure`] | reason why a model gives no answer |
+//! | [`ModelFailure`] | reason why a model gives no result |
 //! | [`SearchError`] | reason why target, bounds or tolerances were refused |
 //!
 //! This module is independent of files, measurements and the implementation of models.

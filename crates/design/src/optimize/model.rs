@@ -1,6 +1,6 @@
 //! Failures of a model.
 
-/// Reason why a model gives no answer for a design.
+/// Reason why a model gives no result for a design.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ModelFailure {
     /// Failure of this design only; the search continues.

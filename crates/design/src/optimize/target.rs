@@ -3,10 +3,10 @@
 use crate::optimize::SearchError;
 use crate::optimize::error::positive;
 
-/// Significant change of a ratio if a goal is given, unless a tolerance is smaller.
+/// Smallest significant change of a ratio if a goal is given, unless a tolerance is smaller.
 const RATIO_STEP: f64 = 0.01;
-/// Significant change of a friction coefficient if a goal is given, unless a tolerance is smaller: 1 % of 0.25, the
-/// coefficient of most dry polymers.
+/// Smallest significant change of a friction coefficient if a goal is given, unless a tolerance is smaller: 1 % of
+/// 0.25, the coefficient of most dry polymers.
 const FRICTION_STEP: f64 = 0.0025;
 /// Quantity that the target prescribes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -59,20 +59,20 @@ pub enum Wanted {
     AtLeast {
         /// Lowest accepted value.
         lowest: f64,
-        /// Distance from the limit beyond which nothing is gained.
+        /// Distance inside the limit at which the search aims; values farther inside are not better.
         margin: f64,
     },
     /// Values of at most `highest`; the search aims at `margin` below.
     AtMost {
         /// Highest accepted value.
         highest: f64,
-        /// Distance from the limit beyond which nothing is gained.
+        /// Distance inside the limit at which the search aims; values farther inside are not better.
         margin: f64,
     },
 }
 
 impl Wanted {
-    /// Lowest and highest accepted value, if limited.
+    /// Lowest and highest accepted value; `None` without such a limit.
     pub fn band(&self) -> [Option<f64>; 2] {
         match *self {
             Self::Anything => [None; 2],
@@ -211,7 +211,7 @@ impl Target {
         &self.demands
     }
 
-    /// Goal, if given.
+    /// Goal; `None` if the target has only demands.
     pub const fn goal(&self) -> Option<Goal> {
         self.goal
     }

@@ -10,7 +10,8 @@ use crate::optimize::SearchError;
 /// Number of lengths: width, spacing, depth.
 const AXES: usize = 3;
 
-/// Pivots below this share of an input's own variance are taken as zero: the input depends linearly on earlier inputs.
+/// Pivots of the Cholesky factorization below this share of the variance of an input are taken as zero: the input
+/// depends linearly on earlier inputs.
 const VANISHING: f64 = 1e-12;
 
 /// Standard deviations of the mean dimensions of a whole sample about the designed dimensions, normally distributed.
@@ -44,7 +45,8 @@ impl Tolerances {
         LENGTH_UM.to_si(self.rim_height_std_um)
     }
 
-    /// Nonzero independent errors of width, spacing and depth, each of one standard deviation, in metres.
+    /// Independent errors that are not zero, each as changes of width, spacing and depth by one standard deviation, in
+    /// metres.
     pub fn independent_m(&self) -> Vec<[f64; AXES]> {
         let [width, spacing, depth] = self.std_m();
         let correlation = self.width_spacing_correlation;
@@ -66,7 +68,8 @@ pub struct Uncertainty {
 }
 
 impl Uncertainty {
-    /// Combines `tolerances` with independent parameters of covariance `parameter_covariance`.
+    /// Combines `tolerances` with parameters that are independent of them and have the covariance
+    /// `parameter_covariance`.
     ///
     /// # Errors
     /// [`SearchError::OutOfRange`] for a negative or infinite standard deviation, a correlation beyond -1 to 1, or a
@@ -107,7 +110,7 @@ impl Uncertainty {
         Ok(Self { covariance, has_rim })
     }
 
-    /// Index of the rim height, the last input; `None` if it is exact.
+    /// Index of the rim height, the last input; `None` if its standard deviation is 0.
     pub fn rim(&self) -> Option<usize> {
         self.has_rim.then(|| self.inputs() - 1)
     }

@@ -24,7 +24,7 @@ pub struct CorrectedAt {
     pub factor: f64,
     /// Standard deviation of the factor's logarithm; it contains the error of Young's modulus.
     pub factor_relative_std: f64,
-    /// Ratio times the factor.
+    /// Ratio times the factor; null where the flat surface was not solved.
     pub ratio: Option<ErrorReport>,
     /// Dynamic friction times the factor.
     pub mu: ErrorReport,

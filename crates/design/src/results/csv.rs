@@ -1,7 +1,7 @@
 //! Cells of CSV tables that spreadsheet programs open.
 
 /// Returns `text` as the content of a cell. Text that a spreadsheet would read as a formula gets a leading apostrophe
-/// (OWASP, "CSV injection"). Full-width signs count, because some spreadsheets read them as the narrow ones.
+/// (OWASP, "CSV injection"). Full-width signs count too, because some spreadsheets read them as ordinary signs.
 pub fn guard_formula(text: &str) -> String {
     const FORMULA: [char; 10] = ['=', '+', '-', '@', '\t', '\r', '＝', '＋', '－', '＠'];
     if text.trim_start_matches(['\n', ' ']).starts_with(FORMULA) { format!("'{text}") } else { text.to_owned() }

@@ -8,12 +8,12 @@ use slipgrid_base::units::tidy;
 use slipgrid_infer::calibrate::uncertainty::Deviation;
 use slipgrid_model::springblock::Effect;
 
-/// Source of an error of a run: its finite duration.
+/// Name of a source of error of a run: the finite duration of the run.
 pub const TIME_AVERAGE: &str = "time average";
-/// Source of an error of a run: the drawn local coefficients.
+/// Name of a source of error of a run: the random draw of the local coefficients.
 pub const DRAWS: &str = "local coefficients drawn";
-/// Source of an error of a static peak: the static coefficient. The relative error of the peak is at most that of the
-/// coefficient.
+/// Name of a source of error of a static peak: the static coefficient of the material. The relative error of the peak
+/// is at most that of the coefficient.
 pub const STATIC: &str = "static coefficient";
 /// Entry of [`ErrorsReport::unknown`] for loads at which derivatives by the material's values could not be computed.
 pub const NO_SLOPES: &str =
@@ -76,14 +76,13 @@ pub struct PartsReport {
     pub std: f64,
 }
 
-/// Limits the ends of an interval to values from zero on: friction of a sliding surface and its ratio are not negative.
+/// Sets negative ends of an interval to zero: friction of a sliding surface and ratios of friction are not negative.
 fn physical(ends: [f64; 2]) -> [f64; 2] {
     ends.map(|end| tidy(end.max(0.0)))
 }
 
 impl ErrorReport {
-    /// Combines `own`, the errors of a run, and the deviation from the `material`; all parts are independent of each
-    /// other.
+    /// Combines the errors `own` of a run with the deviation due to the `material`; all parts are taken as independent.
     pub fn new(value: Option<f64>, own: Vec<PartsReport>, material: Option<&Deviation>) -> Self {
         let known = material.filter(|known| !known.parts.is_empty());
         let square =
@@ -123,8 +122,8 @@ impl ErrorReport {
         self
     }
 
-    /// Distances from `value`, the report's own, to the lower and the upper end of the interval. If the lower end was
-    /// limited to zero, the distance is at least 1.96 standard deviations.
+    /// Distances from `value`, the value of this report, to the lower and the upper end of the interval. If the lower
+    /// end was set to zero, the lower distance is at least 1.96 standard deviations.
     fn reach(&self, value: f64) -> [f64; 2] {
         let below_of = |from: f64| match self.std {
             Some(std) if from <= 0.0 => (value - from).max(NORMAL_95 * std),
@@ -152,8 +151,8 @@ impl ErrorReport {
 }
 
 impl ErrorsReport {
-    /// Creates the report of the errors `by_pressure`. `unknown` are the sources that the material leaves open;
-    /// `corrected` values include the discrepancy.
+    /// Creates the report of the errors `by_pressure`. `unknown` names the sources of error that the material does not
+    /// give; `corrected` tells whether the values include the discrepancy.
     pub fn new(by_pressure: Vec<PressureErrors>, unknown: Vec<String>, corrected: bool) -> Self {
         let mut includes: Vec<String> = Vec::new();
         let values = |row: &PressureErrors| {
@@ -185,7 +184,7 @@ impl ErrorsReport {
         is_known.then(|| format!("95 % of {name}: {}", all.join(", ")))
     }
 
-    /// Errors at the pressure with the index `row`.
+    /// Errors at the pressure with the index `row`; `None` if there is no such pressure.
     pub fn at(&self, row: usize) -> Option<&PressureErrors> {
         self.by_pressure.get(row)
     }

@@ -95,11 +95,12 @@ pub struct LoadReport {
     pub mu_static: Option<f64>,
     /// Dynamic friction coefficient of the flat surface; null for a flat scene.
     pub mu_flat: Option<f64>,
-    /// Standard error of `mu_flat`.
+    /// Standard error of `mu_flat`; null for steady runs and flat scenes.
     pub mu_flat_stderr: Option<f64>,
-    /// Static friction coefficient of the flat surface.
+    /// Static friction coefficient of the flat surface; null for steady runs and flat scenes.
     pub mu_flat_static: Option<f64>,
-    /// Dynamic friction, patterned over flat; in a section model, the ratio of the section.
+    /// Dynamic friction of the patterned over the flat surface, in a section model that of the section; null if either
+    /// value is missing.
     pub ratio: Option<f64>,
     /// Standard error of `ratio` from the run; null for steady runs.
     pub ratio_stderr: Option<f64>,
@@ -262,7 +263,7 @@ impl SimulationReport {
     }
 }
 
-/// Statuses of a run that warnings explain, with the explanation.
+/// Statuses of a run, each with the explanation that warnings give.
 const EXPLAINED: [(Status, &str); 4] = [
     (
         Status::NoOnset,
@@ -317,17 +318,17 @@ pub fn beyond_measured(pressures_mpa: &[f64]) -> Option<String> {
     (!named.is_empty()).then(|| format!("at {} MPa {BEYOND_MEASURED}", named.join(", ")))
 }
 
-/// Like [`beyond_measured`], with the measured range, if there is one.
+/// Like [`beyond_measured`], followed by the measured range in MPa, if given.
 pub fn beyond_measured_range(pressures_mpa: &[f64], measured_mpa: Option<[f64; 2]>) -> Option<String> {
     let range = measured_mpa.map_or_else(String::new, |range| format!(" ({})", measured_range(range)));
     beyond_measured(pressures_mpa).map(|words| words + &range)
 }
 
-/// Error of a ratio by block size above which blocks do not resolve a pattern.
+/// Blocks do not resolve a pattern if the error of the ratio due to the block size exceeds this.
 const UNRESOLVED: f64 = 0.1;
 
-/// Describes at which loads blocks of `block_um` do not resolve the pattern, and a remedy; `None` if they do at all
-/// loads.
+/// Describes at which loads blocks of `block_um` do not resolve the pattern, and a remedy; `None` if the blocks resolve
+/// it at all loads.
 pub fn unresolved(results: &[LoadReport], block_um: f64) -> Option<String> {
     let error = |load: &LoadReport| load.blocks_error().filter(|error| *error > UNRESOLVED);
     let named: Vec<String> =

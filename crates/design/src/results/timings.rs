@@ -20,8 +20,8 @@ enum Json {
     Object(Vec<(String, Json)>),
 }
 
-/// Formats `value` like [`json`], but split in two: the result without times, rates and threads, for result.json, and
-/// these alone, each under its path, for timings.json.
+/// Formats `value` like [`json`], but as two texts: the result without times, rates and number of threads, for
+/// result.json, and only these, under the same keys, for timings.json.
 ///
 /// # Errors
 /// [`NoJsonForm`] as for [`json`].

@@ -55,7 +55,8 @@ impl Search<'_> {
             Some((place, found.value(), found.chance(), found.is_within(self.asked)))
         };
         let mut scored: Vec<(usize, f64, f64, bool)> = left.par_iter().enumerate().filter_map(one).collect();
-        // The likeliest members may misjudge a median: before a target counts as out of reach, the others are asked, too.
+        // The likeliest members may misjudge a median: before a target counts as out of reach, the whole mixture checks
+        // the other textures, too.
         let has_median_within = |texture: &CutTexture| {
             let distribution = self.predictor.of(&texture.candidate());
             !self.stage.cancelled() && self.asked.has_medians_within(&texture.ratio, &distribution)
