@@ -49,7 +49,7 @@ impl Outputs {
         self.files.push((name.into(), Content::Bytes(bytes.into())));
     }
 
-    /// Adds `record` as result.json, and its wall times as timings.json.
+    /// Adds `record` as result.json without the wall times, and the wall times as timings.json.
     ///
     /// # Errors
     /// [`NoJsonForm`] if a value has no JSON form.

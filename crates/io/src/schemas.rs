@@ -40,14 +40,14 @@ pub fn sheet_schema<T: JsonSchema>() -> Value {
     schema::<T>(SchemaSettings::draft07().for_serialize().with_transform(without_null))
 }
 
-/// Schema without references, in draft 07, which editors of TOML support.
+/// JSON schema of `T` without references, in draft 07, which editors of TOML support.
 fn schema<T: JsonSchema>(settings: SchemaSettings) -> Value {
     let settings = settings.with(|settings| settings.inline_subschemas = true);
     settings.with_transform(plain).into_generator().into_root_schema_for::<T>().to_value()
 }
 
-/// Reduces a schema to what editors use: descriptions on one line, without the links of rustdoc, tables without further
-/// keys, and no formats or defaults of Rust types.
+/// Reduces a schema to what editors use: descriptions on one line, without the links of rustdoc, tables without
+/// additional keys, and no formats or defaults of Rust types.
 fn plain(schema: &mut Schema) {
     transform_subschemas(&mut plain, schema);
     for key in ["format", "default", "unevaluatedProperties"] {
@@ -59,7 +59,7 @@ fn plain(schema: &mut Schema) {
     if schema.get("properties").is_some() {
         schema.insert("additionalProperties".to_owned(), Value::Bool(false));
     }
-    // An enumeration whose names are described one by one is the list of its names.
+    // An enumeration whose names are described one by one is reduced to the list of its names.
     let names = schema.get("oneOf").and_then(Value::as_array);
     let names: Option<Vec<Value>> = names.and_then(|all| all.iter().map(|one| one.get("const").cloned()).collect());
     if let Some(names) = names {
@@ -114,7 +114,7 @@ fn drop_null(schema: &mut Schema) {
         let [one] = &several[..] else { continue };
         let one = one.clone();
         schema.remove(key);
-        // The description of the key comes before that of its type.
+        // The description of the key takes precedence over that of the key's type.
         for (key, value) in if let Value::Object(one) = one { one } else { Map::from_iter([(key.to_owned(), one)]) } {
             if schema.get(&key).is_none() {
                 schema.insert(key, value);

@@ -26,8 +26,8 @@ impl Engine {
     }
 
     /// Job script that runs `workers` workers with `threads` threads each on the campaign in `folder`. Slurm runs at
-    /// most `at_once` workers at a time; HyperQueue ignores `at_once`. The program is `slipgrid`, or the one named by
-    /// the environment variable SLIPGRID.
+    /// most `at_once` workers at a time if given; HyperQueue ignores `at_once`. The program is `slipgrid`, or the one
+    /// named by the environment variable SLIPGRID.
     ///
     /// # Errors
     /// See [`check_folder_name`](Self::check_folder_name).

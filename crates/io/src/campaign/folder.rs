@@ -55,7 +55,7 @@ impl Share {
 /// Summary of a worker's run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Worked {
-    /// Outcomes of the tasks that this worker did; `missing` counts the tasks of the share that are still without a
+    /// Number of tasks that this worker did, by outcome; `missing` counts the tasks of the share that still have no
     /// result.
     pub counts: Counts,
     /// Number of tasks of the share for which a valid result was found instead of computed.
@@ -85,7 +85,8 @@ impl Folder {
         slipgrid_design::results::json(campaign).map_err(|error| CampaignError::Failed(error.to_string()))
     }
 
-    /// Writes a planned campaign to the folder. An equal campaign that is already there is kept with its results.
+    /// Writes a planned campaign to the folder. If the folder holds an equal campaign, that campaign and its results
+    /// stay unchanged.
     ///
     /// # Errors
     /// [`CampaignError`] if another campaign is in the folder, or the folder is not writable.
@@ -153,9 +154,9 @@ impl Folder {
         if done.id == task.id { Ok(done) } else { Err(refuse("is the result of another task".to_owned())) }
     }
 
-    /// Does the tasks of `share` whose results are missing or damaged, `threads` at a time; after `max_s` seconds no
-    /// further task is started. `seed` sets the order of the tasks, so that workers with equal shares and different
-    /// seeds rarely do the same task.
+    /// Does the tasks of `share` whose results are missing or damaged, `threads` at a time; after `max_s` seconds, if
+    /// given, no further task is started. `seed` sets the order of the tasks, so that workers with equal shares and
+    /// different seeds rarely do the same task.
     ///
     /// # Errors
     /// [`CampaignError`] for a folder without a campaign, a result that cannot be written, and once `monitor` cancels;

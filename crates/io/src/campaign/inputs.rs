@@ -9,7 +9,7 @@ use crate::formats::source::{Entry, Files, Source};
 
 use crate::campaign::records::hash;
 
-/// Contents of files, by SHA-256 in hexadecimal digits.
+/// Contents of files, by SHA-256 hash in hexadecimal digits.
 pub type Contents = BTreeMap<String, Arc<Vec<u8>>>;
 
 /// SHA-256 in hexadecimal digits, and content of a file.
@@ -87,9 +87,9 @@ impl Files for RecordedFiles {
 /// Inputs of a campaign, as a file source for workers.
 #[derive(Debug)]
 pub struct HashedFiles {
-    /// SHA-256 hashes of the files, by path.
+    /// SHA-256 hashes of the files, in hexadecimal digits, by path.
     hashes: BTreeMap<PathBuf, String>,
-    /// Source of the contents; the path of a content is its hash.
+    /// File source of the contents, in which the path of a file is the hash of its content.
     store: Source,
 }
 

@@ -31,9 +31,10 @@ use crate::campaign::inputs::{Contents, ReadOnce, RecordedFiles};
 use crate::campaign::records::{Campaign, Kind, Task};
 use crate::campaign::varied::{GridFile, MAX_TASKS, Row, Varied, combinations};
 
-/// Tables in which the keys of a scene may vary even if the text of the scene does not have the table.
+/// Tables of a scene whose keys may vary even if the text of the scene does not have the table.
 const SCENE_TABLES: [&str; 6] = ["material", "pattern", "sample", "load", "condition", "run"];
-/// Values of the key `work` for a design, the default first: search, or solve the designs of its table as scenes.
+/// Values of the key `work` for a design, the default first: run the search, or solve every design of whole blocks and
+/// bursts within bounds and limits as a steady scene.
 const WORK: [&str; 2] = ["search", "table"];
 
 /// A campaign with its tasks and input files.
@@ -43,7 +44,7 @@ pub struct Planned {
     pub campaign: Campaign,
     /// Tasks without duplicates, in the order of the varied values.
     pub tasks: Vec<Task>,
-    /// Contents of the input files, by hash.
+    /// Contents of the input files, by SHA-256 hash.
     pub contents: Contents,
 }
 
@@ -52,11 +53,13 @@ pub struct Planned {
 pub(crate) struct CampaignFile {
     /// Name of the campaign; the file's name when absent.
     name: Option<String>,
-    /// Path of a scene or a design.
+    /// Path of the scene or the design whose keys the tasks vary.
     base: Spanned<String>,
-    /// Work on a design: `search`, or `table` for every design of its table as a steady scene; `search` when absent.
+    /// Work if `base` is a design: `search` optimizes in every task, `table` solves every design of whole blocks and
+    /// bursts within bounds and limits as a steady scene; `search` when absent.
     work: Option<Spanned<String>>,
-    /// One table for each key that varies independently; every combination of all grids is a task.
+    /// One table `[[grid]]` for each key that varies independently; every combination of the values of all grids is a
+    /// task.
     #[serde(default)]
     grid: Vec<Spanned<GridFile>>,
     /// Rows of keys that vary together, each combined with all grids.
@@ -100,7 +103,7 @@ pub fn plan(files: &Source, path: &Path, monitor: &dyn Monitor) -> Result<Planne
         let noted = RecordedFiles::new(&read_once, folder);
         let source: Source = Arc::clone(&noted) as Source;
         let placed = |refused: Diagnostic| {
-            // If the base is refused without any values as well, the error refers to the base.
+            // If the base file is refused without any values as well, the error refers to the base file.
             let alone = check(kind, &source, &base_path, &campaign.text, monitor).err();
             let is_base =
                 |own: &Diagnostic| base_rows.is_empty() && own.key == refused.key && own.reason == refused.reason;
@@ -135,8 +138,8 @@ pub fn plan(files: &Source, path: &Path, monitor: &dyn Monitor) -> Result<Planne
     Ok(Planned { campaign, tasks, contents })
 }
 
-/// Reads the base of the tasks. Returns the kind of the tasks, the TOML text that they vary, and with `work = "table"`
-/// one row of varied values per design of the table.
+/// Reads the base file of the campaign. Returns the kind of the tasks, the TOML text that the tasks vary, and with
+/// `work = "table"` one row of width, spacing and depth per design.
 fn base(
     files: &Source,
     document: &Document,
@@ -193,7 +196,8 @@ fn dimensions(pattern: &Pattern) -> Row {
     lengths.map(|(name, m)| (format!("pattern.{name}_um"), Json::from(LENGTH_UM.from_si(m)))).into_iter().collect()
 }
 
-/// Reads all that the command of a task would read before it computes, so that refused input is found.
+/// Reads all input that the command of a task would read before computing, so that refused input is found when
+/// planning.
 fn check(kind: Kind, source: &Source, path: &Path, text: &str, monitor: &dyn Monitor) -> Result<(), Diagnostic> {
     let document = Document::within(source, path, text);
     match kind {
@@ -212,7 +216,7 @@ fn check(kind: Kind, source: &Source, path: &Path, text: &str, monitor: &dyn Mon
     Ok(())
 }
 
-/// Refuses varied keys that the tasks do not have, or that the rows of a design's table vary already.
+/// Refuses varied keys that the tasks do not have, or that `base_rows`, the rows for `work = "table"`, vary already.
 fn check_keys(varied: &Varied<'_>, kind: Kind, text: &str, base_rows: &[Row]) -> Result<(), Diagnostic> {
     let refuse = |key: &str, reason: &str, expected: &str| Err(varied.refuse_key(key, reason, expected));
     for key in &varied.keys {

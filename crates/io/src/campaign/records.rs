@@ -32,9 +32,9 @@ pub enum Kind {
 /// Data common to all tasks of a campaign.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Campaign {
-    /// Name of the program.
+    /// Name of the program that planned the campaign.
     pub program: String,
-    /// Version of the program; another version might give other results.
+    /// Version of the program that planned the campaign; another version might give other results.
     pub version: String,
     /// Schema version of this record.
     pub schema: u32,
@@ -42,13 +42,13 @@ pub struct Campaign {
     pub name: String,
     /// Kind of all tasks.
     pub kind: Kind,
-    /// Name of the file that tasks vary.
+    /// Name of the base file: the scene or design whose keys the tasks vary.
     pub base: String,
-    /// Text of the file `base`, as TOML; for the table of a design, a scene made from that file.
+    /// TOML text that the tasks vary: that of the base file, or for `work = "table"` of a steady scene of the design.
     pub text: String,
     /// Varied keys, in the order of the campaign file.
     pub keys: Vec<String>,
-    /// SHA-256 of the files that tasks read, by path relative to the folder of the base.
+    /// SHA-256 hashes of the files that tasks read, by path relative to the folder of the base file.
     pub inputs: BTreeMap<String, String>,
 }
 
@@ -58,7 +58,7 @@ pub struct Task {
     /// Hash of the task's text, of the files that it reads and of the program's version.
     #[serde(deserialize_with = "read_id")]
     pub id: String,
-    /// Values of the varied keys.
+    /// Values of the varied keys, by dotted key.
     pub values: BTreeMap<String, Json>,
 }
 
@@ -91,10 +91,10 @@ impl Campaign {
         Ok(read)
     }
 
-    /// Text of the base with its keys set to `values`, as TOML.
+    /// TOML text of the file `base` with the keys in `values` set.
     ///
     /// # Errors
-    /// The key that cannot be set, and the reason.
+    /// The key that cannot be set, or the name of the base file if its text is no valid TOML, and the reason.
     pub fn text_with(&self, values: &BTreeMap<String, Json>) -> Result<String, (String, String)> {
         let whole = |reason: String| (self.base.clone(), reason);
         let mut table: Table = toml::from_str(&self.text).map_err(|error| whole(error.message().to_owned()))?;

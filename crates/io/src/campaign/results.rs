@@ -7,7 +7,7 @@ use slipgrid_design::results::guard_formula;
 use crate::campaign::records::{Campaign, Kind, Task};
 use crate::campaign::worker::{Done, Outcome};
 
-/// Columns of a table of scenes, which has one row per load.
+/// Columns of the results of a campaign of scenes, which has one row per load.
 const SCENE_COLUMNS: [&str; 8] = [
     "pressure_mpa",
     "mu_dynamic",
@@ -18,7 +18,7 @@ const SCENE_COLUMNS: [&str; 8] = [
     "peak_pressure_mpa",
     "cavity_closed",
 ];
-/// Columns of a table of designs, with JSON pointers to the values in result.json.
+/// Columns of the results of a campaign of designs, with JSON pointers to the values in result.json.
 const DESIGN_COLUMNS: [(&str, &str); 6] = [
     ("found", "/advice"),
     ("chance", "/chance"),
@@ -31,7 +31,7 @@ const DESIGN_COLUMNS: [(&str, &str); 6] = [
 /// Number of tasks by outcome.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counts {
-    /// Number of tasks with a record.
+    /// Number of tasks whose computation succeeded.
     pub done: usize,
     /// Number of tasks whose input was refused.
     pub refused: usize,
@@ -69,7 +69,7 @@ impl Counts {
 pub struct Results<'a> {
     campaign: &'a Campaign,
     text: String,
-    /// Number of columns between outcome and reason, which depends on the kind of task.
+    /// Number of columns between the columns for outcome and reason; depends on the kind of task.
     columns: usize,
     counts: Counts,
 }
@@ -112,7 +112,8 @@ impl<'a> Results<'a> {
         self.counts
     }
 
-    /// Cells of the rows of one task: outcome, columns of the kind of task, and reason.
+    /// Cells of the rows of one task: outcome, columns for the kind of task, and reason; `done` is `None` if the task
+    /// has not been done.
     fn rows(&self, done: Option<&Done>) -> Vec<Vec<String>> {
         let own = |record: &Json, places: &[(&str, &str)]| -> Vec<String> {
             places.iter().map(|(_, place)| cell(record.pointer(place))).collect()
@@ -141,7 +142,7 @@ impl<'a> Results<'a> {
     }
 }
 
-/// Formats a value as a cell; empty if it is absent.
+/// Formats a JSON value as a cell of the CSV; empty for `None`.
 fn cell(value: Option<&Json>) -> String {
     match value {
         None | Some(Json::Null) => String::new(),

@@ -14,7 +14,7 @@ use toml::Value;
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct GridFile {
-    /// Dotted key of the base, present there or not.
+    /// Dotted key of the base file, whether the file has the key or not.
     pub(crate) key: Spanned<String>,
     /// Values of the key.
     #[schemars(with = "Vec<Json>")]
@@ -24,7 +24,7 @@ pub struct GridFile {
 /// Maximum number of tasks of a campaign; each result is a file.
 pub(crate) const MAX_TASKS: usize = 1_000_000;
 
-/// One combination of values, by key.
+/// One combination of values of the varied keys, by dotted key.
 pub(crate) type Row = BTreeMap<String, Json>;
 
 /// A value of a varied key, and its position in the campaign file.
@@ -48,7 +48,7 @@ impl<'a> Varied<'a> {
     /// Combines the tables `[[grid]]` and the rows `[[list]]` of the campaign file `document`.
     ///
     /// # Errors
-    /// [`Diagnostic`] for keys and values that are invalid whatever the base, and for more than `MAX_TASKS`
+    /// [`Diagnostic`] for keys and values that are invalid for every base file, and for more than `MAX_TASKS`
     /// combinations.
     pub(crate) fn new(
         document: &'a Document,
@@ -122,7 +122,7 @@ impl<'a> Varied<'a> {
     }
 
     /// Converts `refused`, an error of the file `base` with `values` set, to an error at the value in the campaign file
-    /// that caused it; `None` if no varied value caused it.
+    /// that caused it; `None` if no varied value caused the error.
     pub(crate) fn locate(&self, refused: &Diagnostic, values: &Row, base: &Path) -> Option<Diagnostic> {
         let named = refused.key.as_deref().unwrap_or_default();
         let within = |inner: &str, outer: &str| {

@@ -22,7 +22,7 @@ use crate::campaign::records::{Campaign, Kind, Task};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Outcome {
-    /// The task has a record.
+    /// The computation succeeded, and the result has a record.
     Done,
     /// The input was refused, or has changed since the task was planned.
     Refused,
@@ -39,9 +39,9 @@ pub struct Done {
     pub id: String,
     /// Outcome of the task.
     pub outcome: Outcome,
-    /// Reason why there is no record; `None` if there is one.
+    /// Reason why there is no record; `None` if the outcome is `done`.
     pub reason: Option<String>,
-    /// Content of result.json of the task's command.
+    /// Content of the result.json that the task's command would write; `None` unless the outcome is `done`.
     pub record: Option<Json>,
 }
 

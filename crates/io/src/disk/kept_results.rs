@@ -14,9 +14,9 @@ use crate::disk::{hexadecimal, put};
 const FORMAT: &[u8] = b"slipgrid kept 2";
 /// Length of the hash at the beginning of a file, in bytes.
 const HASH_BYTES: usize = 32;
-/// Fraction of the size limit to which a folder above the limit is reduced.
+/// Fraction of the size limit to which a cache folder above the limit is reduced.
 const CLEARED_FRACTION: f64 = 0.75;
-/// Approximate size limit of the cache folder of a user, in bytes: some thousand runs.
+/// Approximate size limit of a user's cache folder, in bytes; holds the results of some thousand dynamic runs.
 const MAX_BYTES: u64 = 256 << 20;
 /// File name extension of cached results.
 const EXTENSION: &str = "kept";
@@ -67,7 +67,8 @@ impl KeptResults {
         self.folder.join(format!("{}-{}.{EXTENSION}", key.name(), self.build))
     }
 
-    /// Hash with which the file at `path` that stores `value` begins. It covers the file name, hence key and build.
+    /// Hash at the beginning of the file at `path` that stores `value`. The hash covers the file name, which includes
+    /// key and build.
     fn hash(path: &Path, value: &[u8]) -> [u8; HASH_BYTES] {
         let name = path.file_name().unwrap_or_default().as_encoded_bytes();
         let mut hash = Sha256::new();
@@ -115,7 +116,7 @@ impl Memory for KeptResults {
         if Self::hash(&path, &value)[..] != bytes[..] {
             return None;
         }
-        // Marks the file as used; a failure only makes it look older.
+        // Marks the file as used; after a failure the file only looks less recently used.
         let _ = File::options().append(true).open(&path).and_then(|file| file.set_modified(SystemTime::now()));
         Some(value)
     }

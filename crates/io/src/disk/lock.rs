@@ -118,7 +118,7 @@ impl Drop for Lock {
 }
 
 impl Lock {
-    /// Removes the folders created for the lock file, as far as they are empty.
+    /// Removes those folders created for the lock file that are empty.
     fn remove_made(&self) {
         for folder in &self.made {
             if fs::remove_dir(folder).is_err() {

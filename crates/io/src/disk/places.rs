@@ -31,7 +31,7 @@ impl WriteError {
 /// Reason why results cannot be written to a place.
 #[derive(Debug, thiserror::Error)]
 pub enum PlaceError {
-    /// A file would be lost at the place, or the place is invalid.
+    /// The output would replace a file that must not be lost, or the place is invalid.
     #[error(transparent)]
     Refused(#[from] Diagnostic),
     /// The operating system refuses to write at the place.
@@ -58,7 +58,7 @@ impl<'a> Place<'a> {
         Diagnostic::flag(self.flag, self.path.display().to_string(), reason)
     }
 
-    /// Refuses a link that leads nowhere.
+    /// Refuses a symbolic link whose target does not exist.
     fn check_link(&self) -> Result<(), Diagnostic> {
         if !self.path.exists() && self.path.is_symlink() {
             return Err(self.refuse("is a link to what does not exist").expected("a link to something, or no link"));
@@ -137,7 +137,8 @@ pub fn check_file(place: Place<'_>, inputs: &[PathBuf]) -> Result<(), PlaceError
     Ok(())
 }
 
-/// Writes `bytes` to the file at `place`; `inputs` are files from which the content was made, which are not replaced.
+/// Writes `bytes` to the file at `place`; `inputs` are files from which the content was computed; they are never
+/// replaced.
 ///
 /// # Errors
 /// [`PlaceError`], as in [`check_file`], or for an error of the operating system.
@@ -166,8 +167,8 @@ fn is_same(left: &Path, right: &Path) -> bool {
     matches!((fs::canonicalize(left), fs::canonicalize(right)), (Ok(left), Ok(right)) if left == right)
 }
 
-/// Whether the file at `path` in `folder` was written by slipgrid, according to its mark or to the list in `folder`, or
-/// is empty. Devices and pipes count as written by slipgrid: they hold no data to lose.
+/// Whether the file at `path` in `folder` was written by slipgrid, according to the file's mark or to the list of
+/// written files in `folder`, or is empty. Devices and pipes count as written by slipgrid: they hold no data to lose.
 fn is_ours(folder: &Path, path: &Path) -> bool {
     let file = &folder.join(path);
     if is_device(file) {

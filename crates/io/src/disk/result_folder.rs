@@ -55,7 +55,7 @@ impl ResultFolder {
         &self.path
     }
 
-    /// Name of the design or scene whose result is in the folder now, if there is one.
+    /// Name of the design or scene whose result is in the folder now; `None` if the folder holds no result.
     pub fn earlier_name(&self) -> Option<String> {
         let record: serde_json::Value = serde_json::from_slice(&fs::read(self.path.join(RECORD)).ok()?).ok()?;
         record.get("name")?.as_str().map(str::to_owned)
@@ -100,7 +100,7 @@ impl ResultFolder {
             return Ok(());
         }
         remove_abandoned(folder);
-        // Checked before the work; other files may have been added since.
+        // The folder was checked before the computation; other files may have been added since.
         names.iter().try_for_each(|name| refuse_foreign_in(folder, Path::new(name)))?;
         let mut written = Written::read(folder);
         let stale: Vec<PathBuf> = stale
@@ -145,7 +145,7 @@ impl Staged {
 /// renamed after all other results; the list of written files comes last.
 fn rename_each(staged: &Staged, folder: &Path, names: &BTreeSet<&str>, stale: &[PathBuf]) -> io::Result<()> {
     let is_record = names.contains(RECORD);
-    // First list both the old and the new files as slipgrid's, because a killed run leaves files of both.
+    // First write a list with both old and new files, because a killed run leaves files of both.
     let both = Written::read(folder).to_text() + &fs::read_to_string(staged.folder.path().join(LIST))?;
     put(&folder.join(LIST), both.as_bytes())?;
     if is_record && folder.join(RECORD).is_file() {

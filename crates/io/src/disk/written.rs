@@ -7,7 +7,7 @@ pub const HEAD: usize = 1024;
 const MATERIAL: &str = "# Material, by slipgrid ";
 /// Mark of a synthetic altitude map.
 const SYNTHETIC: &str = "synthetic self-affine map, not a measurement";
-/// Mark of a mean period averaged from a map.
+/// Mark of a height map of the mean period, averaged over the cavities of a measured map.
 const MEAN_PERIOD: &str = "mean period of measured cavities, by slipgrid";
 
 /// First characters of files written by slipgrid, by file extension.

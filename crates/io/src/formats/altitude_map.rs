@@ -41,8 +41,8 @@ pub fn read_period(
 /// than half of this difference.
 const SAME_PIXEL: f64 = 0.02;
 
-/// Computes the slope of the land on the map of a cut sample at `path`, and its ratio to the slope of the map `flat`.
-/// `options` are those of the flat map; all but the crop apply to the cut sample.
+/// Computes the rms slope of the land on the map of a cut sample at `path`, and the ratio of this slope to that of the
+/// map `flat`. `options` are the options of the flat map; all except the crop are applied to the map of the cut sample.
 ///
 /// # Errors
 /// Errors of [`open`]; [`Diagnostic`] if the map shows no cavities or no land, or if its pixels differ from those of `flat`.
@@ -146,7 +146,7 @@ pub fn told(warning: &MapWarning) -> String {
 pub fn open(source: &Source, path: &Path, options: &ReadOptions, monitor: &dyn Monitor) -> Result<ReadMap, Diagnostic> {
     let file = stream(source, path, EXPECTED)?;
     read_map(BufReader::new(CancellableReader::new(file, monitor)), options).map_err(|error| {
-        // A file of settings in place of a map is recognised by its name, because maps may be large.
+        // A TOML file given in place of a map is recognised by its file name, because maps may be large.
         let text = path.extension().filter(|&extension| extension == "toml").map(|_| read_text(source, path, EXPECTED));
         let found = text.and_then(Result::ok).and_then(|text| FileKind::of(&text));
         match (found, error) {
@@ -178,7 +178,7 @@ fn ways(path: &Path, error: &ReadError) -> Diagnostic {
     Diagnostic::file(path, refusal.to_string()).expected(format!("{expected} ({})", ways.join("; ")))
 }
 
-/// Example of an option on the command line and in a calibration file.
+/// Example of how to give `option` on the command line and in a calibration file.
 const fn how_to_give(option: MapOption) -> &'static str {
     match option {
         MapOption::HeightUnit => "--height-unit um; in a calibration's [surface]: height_unit = \"um\"",

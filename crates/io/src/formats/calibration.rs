@@ -45,24 +45,24 @@ pub struct Calibration {
     /// Calibration task with the values that the file states; [`Calibration::task`] adds surface, layer, seed and
     /// selection.
     pub stated: CalibrationTask,
-    /// Source of the area law.
+    /// Source of the area law, as the file states it.
     pub surface: Surface,
-    /// Thickness of the specimen, in metres, if stated.
+    /// Thickness of the specimen, in metres; `None` if the file does not state it.
     pub thickness_m: Option<f64>,
-    /// How the specimen is held, if stated.
+    /// How the specimen is held; `None` if the file does not state it.
     pub holder: Option<Holder>,
     /// Measurements on patterned samples; empty without any.
     pub patterned: Vec<Measurement>,
-    /// Traces from which the measurements were read, if any.
+    /// Traces from which the measurements were computed; empty without any.
     pub traces: Vec<ConditionTraces>,
-    /// Pattern of the patterned samples, if the file names it.
+    /// Pattern of the patterned samples; `None` if the file does not state it.
     pub pattern: Option<Pattern>,
     /// Bounds of the pressure scale of the area law, contact modulus times rms slope, in pascals, if no surface is
-    /// given and the scale is fitted.
+    /// given and the scale is fitted; otherwise `None`.
     pub area_law_scale_pa: Option<[f64; 2]>,
     /// Area law in which friction depends on local pressure as measured flat friction depends on nominal pressure, if
-    /// the calibration uses this law. The shape is the mean over the conditions that were measured at several
-    /// pressures.
+    /// the calibration uses this law, otherwise `None`. The shape is the mean over the conditions that were measured at
+    /// several pressures.
     pub measured_law: Option<AreaLaw>,
     /// File positions of the measurements on flat samples, in the order of the files.
     pub placed: Vec<Placed>,
@@ -70,7 +70,7 @@ pub struct Calibration {
     pub tables: Vec<PathBuf>,
     /// Files from which the calibration was read.
     pub inputs: Vec<PathBuf>,
-    /// Statements for a report, which no computation uses.
+    /// Statements for a report of the measurements, which no computation uses.
     pub reporting: Reporting,
 }
 
@@ -107,7 +107,7 @@ impl Calibration {
         measured.find(|cut| cut.name == name).map(Some).ok_or_else(|| refused.expected(expected))
     }
 
-    /// Relative standard deviation of Young's modulus, if given.
+    /// Standard deviation of Young's modulus, relative to the modulus; `None` if not given.
     pub fn modulus_relative_std(&self) -> Option<f64> {
         Some(self.stated.youngs_modulus_std_pa? / self.stated.elastic.youngs_modulus_pa())
     }
@@ -299,7 +299,7 @@ fn bulk_told(document: &Document, bulk: &BulkFile) -> Result<Vec<Diagnostic>, Di
 }
 
 /// Reads a pattern and checks that one period fits on the specimen, because memory and time of the model's cell grow
-/// with the period. If `is_laid`, the layout on the specimen is checked as well.
+/// with the period. If `is_laid`, the layout of the cavities on the specimen is checked as well.
 pub(crate) fn read_fitting_pattern(
     document: &Document,
     table: &Spanned<PatternFile>,

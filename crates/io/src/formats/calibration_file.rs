@@ -51,7 +51,7 @@ pub(crate) struct CalibrationFile {
 pub(crate) struct BulkFile {
     /// Young's modulus at small strains, at the temperature of the test.
     pub youngs_modulus_gpa: Number,
-    /// Standard deviation of Young's modulus; the errors leave it out when absent.
+    /// Standard deviation of Young's modulus; without the key, errors leave the error of the modulus out.
     pub youngs_modulus_std_gpa: Option<Number>,
     /// Density.
     pub density_g_cm3: Number,
@@ -62,7 +62,7 @@ pub(crate) struct BulkFile {
     pub poisson_ratio: Option<Number>,
 }
 
-/// The face of one specimen, by the radius of a disc or by a shape.
+/// The face of one specimen, given by the radius of a disc or by a shape with its lengths.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct FaceFile {
@@ -86,8 +86,8 @@ pub struct FaceFile {
     /// How the specimen is held: `rigid` if the holder keeps it from turning, so that friction tilts the pressure, or
     /// `self-aligning`; needs `thickness_mm`; that of the requesting design when absent.
     pub holder: Option<Spanned<String>>,
-    /// Cavities that cross the rim of patterned samples: `whole` if they were left out, `clipped` if they were cut;
-    /// `whole` when absent.
+    /// Cavities that cross the rim of the face of patterned samples: `whole` if they were left out, `clipped` if they
+    /// were cut; `whole` when absent.
     pub cavities: Option<Spanned<String>>,
 }
 
@@ -101,8 +101,8 @@ pub(crate) struct MeasurementsFile {
     pub patterned: Option<Spanned<String>>,
     /// Number of specimens that the holder presses at once, also for the tables of trials; 1 when absent.
     pub samples: Option<Spanned<u64>>,
-    /// `per_sample` if a force in the tables presses one specimen, `total` if it presses all of them; needed with
-    /// several `samples`.
+    /// `per_sample` if a force in the tables presses one specimen, `total` if the force presses all specimens; needed
+    /// with several `samples`.
     #[schemars(with = "Option<String>")]
     pub force_is: Option<ForceIs>,
 }
@@ -111,13 +111,13 @@ pub(crate) struct MeasurementsFile {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct FitFile {
-    /// `per-condition`, or `single`: one static and one dynamic coefficient for all loads, speeds and humidities;
-    /// `per-condition` when absent.
+    /// Local friction coefficients to fit: `per-condition`, or `single`, one static and one dynamic coefficient for all
+    /// loads, speeds and humidities; `per-condition` when absent.
     #[schemars(with = "Option<String>")]
     pub coefficients: Option<Coefficients>,
     /// Bounds of the pressure scale of the area law (contact modulus times rms slope), which is then fitted; only
     /// without `[surface]` and with `single` coefficients.
     pub area_law_scale_mpa: Option<NumberList>,
-    /// Relative scatter of the local coefficients; 0.05 when absent.
+    /// Standard deviation of friction coefficients between contact blocks, relative to the mean; 0.05 when absent.
     pub relative_std: Option<Number>,
 }

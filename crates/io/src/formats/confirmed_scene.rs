@@ -91,7 +91,7 @@ impl DesignScene<'_> {
                 speed_mm_s: Some(SPEED_MM_S.from_si(self.speed_m_s).into()),
             }
             .into(),
-            // A sample in space is run as one cell.
+            // A three-dimensional sample is solved as one cell.
             run: RunOptions {
                 extent: if run.extent == Extent::Strip { Extent::Strip } else { Extent::Sample },
                 ..*run
@@ -127,7 +127,8 @@ impl DesignScene<'_> {
         self.known.uncertainty.learned.as_ref().filter(|learned| !learned.trials().is_empty())
     }
 
-    /// One pair of coefficients if all loads share it, otherwise one pair per pressure, with standard errors.
+    /// Local friction coefficients with standard errors: one pair if all loads share a pair, otherwise one pair per
+    /// pressure.
     fn friction(&self, errors: &InputUncertainty) -> FrictionFile {
         let known = &self.known.uncertainty;
         let mut order: Vec<usize> = (0..self.loads.len()).collect();

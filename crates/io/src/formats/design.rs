@@ -60,7 +60,7 @@ pub(crate) struct DesignFile {
     limits: LimitsFile,
     /// The laser, for the process sheet and the laser's input files.
     laser: Option<Spanned<LaserFile>>,
-    /// Specimen on which the pattern is laid.
+    /// Specimen on which the pattern is laid out.
     specimen: Spanned<SpecimenRecord>,
     /// The modelled layer.
     #[serde(default = "default_sample")]
@@ -68,9 +68,11 @@ pub(crate) struct DesignFile {
     /// Solver options and time limit.
     #[serde(default = "usual_search")]
     search: Spanned<SearchOptions>,
-    /// Scatter of the mean dimensions from sample to sample; without this table the chance leaves it out.
+    /// Scatter of the mean dimensions from sample to sample; without this table the chance to be on target leaves this
+    /// scatter out.
     tolerances: Option<Spanned<Tolerances>>,
-    /// Table of Pareto-optimal designs: no other design is better in every goal.
+    /// Comparison of designs by several goals; the Pareto-optimal designs are listed, those that no other design beats
+    /// in every goal.
     trade_offs: Option<Spanned<TradeOffsFile>>,
 }
 
@@ -100,7 +102,7 @@ struct BoundsFile {
 pub struct Design {
     /// Task; without a material if the material must be calibrated first.
     pub task: DesignTask,
-    /// Calibration file from which the material must be calibrated.
+    /// Calibration file from which the material must be calibrated; `None` if the material is known.
     pub calibration: Option<PathBuf>,
     /// Paths of the design file, of the material or calibration file, and of the drawing of the outline.
     pub inputs: Vec<PathBuf>,
@@ -204,7 +206,8 @@ impl Design {
             let table = || (file.pattern.get_ref(), file.pattern.span());
             each.iter().try_for_each(|texture| require_section(&document, table(), texture))?;
         }
-        // One model serves all directions: if one direction must be solved in space, all are.
+        // One model serves all sliding directions: if one direction needs a three-dimensional model, all directions use
+        // it.
         let dimensions =
             search.dimensions.or_else(|| (each.len() > 1).then(|| Dimension::required_for(&each).number()));
         let limits = &file.limits;
@@ -279,8 +282,8 @@ impl Design {
         unusual::of_pressures(&self.document, &self.places.pressures, modulus_gpa).map(|told| self.named(told))
     }
 
-    /// Makes a diagnostic refer to the material if the design was made up for a material; otherwise returns `told`
-    /// unchanged.
+    /// Makes the diagnostic `told` refer to the material file if the design is the default design for a material;
+    /// otherwise returns `told` unchanged.
     fn named(&self, told: Diagnostic) -> Diagnostic {
         match &self.stands_for {
             Some(material) => told.of_material(self.document.path(), material),

@@ -10,17 +10,17 @@ use strsim::levenshtein;
 pub struct Diagnostic {
     /// The file, as the user named it; `None` for the command line.
     pub file: Option<Box<Path>>,
-    /// Line in the file, from 1.
+    /// Line in the file, from 1; `None` if no single line is concerned.
     pub line: Option<u32>,
-    /// Dotted key, for example `bounds.width_um`, or a flag of the command line.
+    /// Dotted key, for example `bounds.width_um`, or a flag of the command line; `None` if neither is concerned.
     pub key: Option<Box<str>>,
-    /// Refused value.
+    /// Refused or unusual value, as the user wrote it; `None` if no single value is concerned.
     pub value: Option<Box<str>>,
-    /// Reason of the refusal.
+    /// Reason of the refusal or the warning.
     pub reason: String,
     /// Accepted values.
     pub expected: Option<Box<str>>,
-    /// Probable intended value.
+    /// Probable intended value; `None` without a guess.
     pub suggestion: Option<Box<str>>,
     /// The file does not exist.
     pub is_absent: bool,

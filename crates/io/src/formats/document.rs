@@ -31,7 +31,7 @@ pub struct Document {
     source: Source,
     path: PathBuf,
     text: String,
-    /// Expected kind of file, if known.
+    /// Expected kind of file; `None` if unknown.
     kind: Option<FileKind>,
 }
 
@@ -140,7 +140,8 @@ impl Document {
         }
     }
 
-    /// Creates a diagnostic for the value at `place`, or, without a place, for `key` with its default value `default`.
+    /// Creates a diagnostic for the value at the file position `place`, or, if `place` is `None`, for `key` with its
+    /// default value `default`.
     pub(crate) fn refuse_or_default(
         &self,
         place: Option<&Range<usize>>,
@@ -252,7 +253,7 @@ impl Document {
         found.unwrap_or_else(|| table.clone())
     }
 
-    /// Converts an optional number of the file to SI units.
+    /// Converts an optional number of the file to SI units; `None` stays `None`.
     ///
     /// # Errors
     /// Errors of [`Document::number`].
@@ -304,7 +305,7 @@ impl Document {
         })
     }
 
-    /// Dotted key of the value at `span`.
+    /// Dotted key of the value at `span`; `None` if no key leads to the span.
     fn key_at(&self, span: &Range<usize>) -> Option<Box<str>> {
         let table = DeTable::parse(&self.text).ok()?;
         let mut path = Vec::new();
@@ -352,7 +353,7 @@ fn find_in_table(table: &DeTable<'_>, span: &Range<usize>, path: &mut Vec<String
     false
 }
 
-/// Finds the inner table of `table` whose span is `span`.
+/// Finds the inner table of `table` whose span is `span`; `None` if there is none.
 fn table_at<'t, 'a>(table: &'t DeTable<'a>, span: &Range<usize>) -> Option<&'t DeTable<'a>> {
     fn of_value<'t, 'a>(value: &'t toml::Spanned<DeValue<'a>>, span: &Range<usize>) -> Option<&'t DeTable<'a>> {
         match value.get_ref() {

@@ -119,7 +119,7 @@ impl FileKind {
         }
     }
 
-    /// First file of this kind in `folder`, by name.
+    /// First file of this kind in `folder` in the order of names; `None` if there is none.
     fn first_in(self, source: &Source, folder: &Path) -> Option<PathBuf> {
         let mut paths: Vec<PathBuf> = source.names(folder).iter().map(|name| folder.join(name)).collect();
         paths.retain(|path| path.extension().is_some_and(|extension| extension == "toml"));

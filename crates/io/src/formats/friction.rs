@@ -11,7 +11,8 @@ use crate::formats::{Diagnostic, Document, Spanned};
 use slipgrid_base::key_error::KeyError;
 use slipgrid_base::units::{EXCESS, FRICTION, FRICTION_STD, HUMIDITY_PCT, PRESSURE_MPA, RELATIVE_STD, SPEED_MM_S};
 
-/// Default relative standard deviation of the local coefficients, as in Balestra et al., J. Tribol. 144, 031704.
+/// Default standard deviation of the friction coefficients between contact blocks, relative to the mean, as in Balestra
+/// et al., J. Tribol. 144, 031704.
 pub const DEFAULT_RELATIVE_STD: f64 = 0.05;
 /// Default ratio of static to dynamic coefficient if no static friction was measured: 0.30 / 0.27, as in Balestra et
 /// al.
@@ -21,13 +22,13 @@ pub const DEFAULT_STATIC_OVER_DYNAMIC: f64 = 0.30 / 0.27;
 #[derive(Clone, Debug, Default, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct FrictionFile {
-    /// Nominal pressures of the coefficients; absent for one pair.
+    /// Nominal pressures, one per coefficient; without the key, one pair of coefficients holds at every pressure.
     pub pressure_mpa: Option<NumberList>,
-    /// Mean local static coefficient.
+    /// Mean static friction coefficient of the contact blocks: one, or one per pressure.
     pub static_mean: Option<Spanned<Numbers>>,
-    /// Mean local dynamic coefficient.
+    /// Mean dynamic friction coefficient of the contact blocks: one, or one per pressure.
     pub dynamic_mean: Option<Spanned<Numbers>>,
-    /// Relative scatter of both coefficients; 0.05 when absent.
+    /// Standard deviation of both coefficients between contact blocks, relative to the mean; 0.05 when absent.
     pub relative_std: Option<Number>,
     /// Standard errors of `static_mean`.
     pub static_std_error: Option<Spanned<Numbers>>,
@@ -41,9 +42,9 @@ pub struct FrictionFile {
     pub dynamic_over_steady: Option<Spanned<Numbers>>,
     /// Modelled minus measured friction of the flat sample, one per measurement.
     pub residual: Option<Vec<f64>>,
-    /// Covariance of `dynamic_mean` and of the logarithm of the area law's pressure scale, if the scale was fitted.
+    /// 2 x 2 covariance of `dynamic_mean` and the logarithm of the area law's pressure scale, if the scale was fitted.
     pub scale_covariance: Option<Spanned<Vec<Vec<f64>>>>,
-    /// Coefficients per condition.
+    /// Coefficients per condition, in place of the coefficients above.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub conditions: Vec<Spanned<ConditionTable>>,
 }
@@ -58,9 +59,9 @@ pub struct ConditionTable {
     pub humidity_pct: Number,
     /// Nominal pressures.
     pub pressure_mpa: NumberList,
-    /// Mean local static coefficients.
+    /// Mean static friction coefficients of the contact blocks: one for all pressures, or one per pressure.
     pub static_mean: Spanned<Numbers>,
-    /// Mean local dynamic coefficients.
+    /// Mean dynamic friction coefficients of the contact blocks: one for all pressures, or one per pressure.
     pub dynamic_mean: Spanned<Numbers>,
     /// Standard errors of `static_mean`.
     pub static_std_error: Option<Spanned<Numbers>>,
@@ -131,7 +132,8 @@ struct Coefficients<'f> {
     dynamic_over_steady: Option<&'f Spanned<Numbers>>,
 }
 
-/// Reads the coefficients and their errors; other fields of the returned uncertainty keep their defaults.
+/// Reads the friction coefficients and their errors; fields of the returned uncertainty that `[friction]` does not
+/// state keep their defaults.
 ///
 /// # Errors
 /// [`Diagnostic`] for any refused input.
@@ -223,7 +225,7 @@ fn coefficients<'f>(document: &Document, file: &'f Spanned<FrictionFile>) -> Res
     }])
 }
 
-/// Keys of coefficients that hold at any condition.
+/// Keys of `[friction]` for coefficients that hold at any condition.
 const OF_ANY_CONDITION: [&str; 8] = [
     "static_mean",
     "dynamic_mean",
@@ -251,8 +253,8 @@ fn refuse_beside_conditions(document: &Document, file: &Spanned<FrictionFile>) -
     Err(document.refuse(place, "stands beside coefficients per condition").expected(expected))
 }
 
-/// Reads the measured friction of flat samples. The standard errors are 0, because the file states them with the
-/// coefficients.
+/// Reads the measured friction of flat samples. The returned standard errors are 0, because the file states errors only
+/// with the coefficients.
 pub(super) fn read_flat_friction(
     document: &Document,
     tables: &[Spanned<FlatFrictionTable>],

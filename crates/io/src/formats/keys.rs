@@ -10,7 +10,7 @@ use toml::{Table, Value};
 
 use super::values::Numbers;
 
-/// Key whose value may be a list; every number of the list keeps its file position.
+/// Key of a table of textures whose value may be a list; every number of the list keeps its file position.
 pub const SEVERAL: &str = "sliding_angle_deg";
 
 /// Keys of a table with their values and file positions. Error messages are those of serde, preceded by the key at
@@ -80,7 +80,7 @@ impl Keys {
             Ok(read) => return Ok(read),
             Err(error) => error.message().to_owned(),
         };
-        // One key at a time tells the key of the error.
+        // Converting one key at a time identifies the key that causes an error.
         for (key, value) in &table {
             let alone = Table::from_iter([(key.clone(), value.clone())]);
             if let Err(error) = T::deserialize(alone) {

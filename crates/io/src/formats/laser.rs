@@ -12,33 +12,34 @@ use crate::formats::plausible::SPOT;
 use crate::formats::{Diagnostic, Document, Spanned};
 use slipgrid_base::units::{LENGTH_MM, LENGTH_UM, POSITIVE, WALL_TAPER_DEG, significant, significant_to, tidy};
 
-/// The laser in the form of a design file.
+/// The table `[laser]` of a design file.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct LaserFile {
     /// Wavelength, for the process sheet.
     wavelength_nm: Option<Number>,
-    /// Diameter of the spot; no cavity is narrower.
+    /// Diameter of the spot, the lower limit of a cavity's width.
     pub(crate) spot_um: Option<Number>,
-    /// Length of a pulse, for the process sheet.
+    /// Duration of a pulse, for the process sheet.
     pulse_ns: Option<Number>,
     /// Power density, for the process sheet.
     power_density_gw_cm2: Option<Number>,
-    /// Pulses a second.
+    /// Repetition rate of pulses.
     repetition_hz: Option<Number>,
-    /// Speed of the spot; with the repetition rate it gives pulses, overlap, passes and time.
+    /// Speed of the spot; with the repetition rate it determines pulses, overlap, passes and time on the process sheet.
     speed_mm_s: Option<Number>,
-    /// Distance between marked lines; the spot when absent.
+    /// Distance between marked lines; the spot diameter when absent.
     hatch_um: Option<Number>,
-    /// Inclination of walls from the vertical; 0 when absent.
+    /// Inclination of the cavity walls from the vertical; 0 when absent.
     pub(crate) wall_taper_deg: Option<Number>,
     /// `hatch` marks lines inside each contour, `mask` exposes whole contours, one with each burst; `hatch` when
     /// absent.
     #[schemars(with = "Option<String>")]
     exposure: Option<Exposure>,
-    /// Fluence used, with `[laser.ablation]`.
+    /// Fluence used for cutting, at which `[laser.ablation]` gives the depth per burst.
     fluence_j_cm2: Option<Number>,
-    /// Measured depths per burst, to which d = delta ln(F / F_th) is fitted, in place of `limits.depth_per_burst_um`.
+    /// Depths per burst d measured at fluences F, to which d = delta ln(F / F_th) with the threshold F_th is fitted, in
+    /// place of `limits.depth_per_burst_um`.
     ablation: Option<Spanned<AblationFile>>,
 }
 
@@ -65,7 +66,7 @@ pub fn read_laser(
     limits: (&Option<Number>, &Option<Number>),
 ) -> Result<Laser, Diagnostic> {
     let copied = |value: Option<&Number>| document.optional(value, POSITIVE);
-    // In the units of the file: only solvers take lengths in metres.
+    // Lengths stay in the units of the file, because only solvers take metres.
     let length = |value: Option<&Number>| {
         document.optional(value, LENGTH_UM)?;
         copied(value)
@@ -100,8 +101,8 @@ pub fn read_laser(
     Ok(laser)
 }
 
-/// Diagnostic for `error` of the laser; if lines or pulses lie farther apart than the spot is wide, at the number that
-/// is most probably wrong.
+/// Diagnostic for `error` of the laser. If lines or pulses lie farther apart than the spot is wide, the diagnostic
+/// refers to the number that is most probably wrong.
 fn unlike_spot(document: &Document, table: &Spanned<LaserFile>, error: &ExportError) -> Diagnostic {
     let file = table.get_ref();
     match (error, &file.hatch_um, &file.speed_mm_s) {
@@ -192,8 +193,8 @@ pub fn read_specimen(document: &Document, file: &Spanned<SpecimenRecord>) -> Res
     file.get_ref().specimen().map_err(|error| document.refuse_key(&file.span(), &error))
 }
 
-/// Refuses a specimen on which the smallest cavity within the bounds does not fit, or on which even the largest and
-/// most distant cavities are too many. The bounds of width, spacing and depth are in metres.
+/// Refuses a specimen on which the smallest cavity within the bounds does not fit, or on which even the largest
+/// cavities at the largest spacing are too many. The bounds of width, spacing and depth are in metres.
 ///
 /// # Errors
 /// [`Diagnostic`] at the width, whose file position is `width_um`, or at the specimen.

@@ -13,17 +13,17 @@ use crate::formats::{Diagnostic, Document, Spanned};
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct LearnedFile {
-    /// Reference pressure P0: mean pressure of the measurements on flat samples.
+    /// Reference pressure P0 of the discrepancy: mean pressure of the measurements on flat samples.
     reference_pressure_mpa: f64,
-    /// Pressure P1: lowest pressure of the measurements on flat samples.
+    /// Pressure P1 of the discrepancy: lowest pressure of the measurements on flat samples.
     lowest_pressure_mpa: f64,
     /// Reference speed of the effect of speed: geometric mean over the measurements on flat samples.
     reference_speed_mm_s: f64,
     /// Relative standard deviation of Young's modulus.
     modulus_relative_std: f64,
-    /// Prior, before any trial.
+    /// Prior standard deviations of the discrepancy, before any trial.
     prior: Hyperparameters,
-    /// The trials that were learned from.
+    /// The trials from which the discrepancy was learned.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     trial: Vec<LearnedTrial>,
 }
@@ -35,39 +35,39 @@ struct LearnedTrial {
     name: String,
     /// Fraction of the face that is cavity.
     areal_density: f64,
-    /// Length of edges per area.
+    /// Length of cavity edges per area of the face.
     edge_per_mm: f64,
     /// Width of a cavity.
     width_um: f64,
-    /// Distance between two cavities, from middle to middle.
+    /// Distance between two neighbouring cavities of a row, from centre to centre.
     pitch_um: f64,
     /// Depth of a cavity.
     depth_um: f64,
-    /// Scatter of ln(ratio) between samples of this texture.
+    /// Standard deviation of ln(ratio) between samples of this texture.
     sample_std: Option<f64>,
-    /// Standard error of the width, used to decide whether two trials have the same texture; 0 when absent.
+    /// Standard error of the mean width, used to decide whether two trials have the same texture; 0 when absent.
     width_std_um: Option<f64>,
     /// Standard error of the spacing; 0 when absent.
     spacing_std_um: Option<f64>,
     /// Standard error of the depth; 0 when absent.
     depth_std_um: Option<f64>,
-    /// Name of the disc of which the sample was a sector. Trials on one disc share the scatter from disc to disc.
+    /// Name of the disc of which the sample was a sector. Trials on one disc share the random deviation of this disc.
     disc: Option<String>,
-    /// Nominal pressures of the measurements.
+    /// Nominal pressures, one per measurement.
     pressure_mpa: Vec<f64>,
-    /// Sliding speeds of the measurements.
+    /// Sliding speeds, one per measurement.
     speed_mm_s: Vec<f64>,
-    /// Relative humidities of the measurements.
+    /// Relative humidities, one per measurement.
     humidity_pct: Vec<f64>,
-    /// Measured ratios, patterned over flat.
+    /// Measured ratios of patterned to flat friction, one per measurement.
     measured_ratio: Vec<f64>,
-    /// Modelled ratios.
+    /// Modelled ratios of patterned to flat friction, one per measurement.
     modelled_ratio: Vec<f64>,
-    /// Relative standard errors of friction of the patterned sample.
+    /// Relative standard errors of measured friction of the patterned sample, one per measurement.
     patterned_std: Vec<f64>,
-    /// Relative standard errors of friction of the flat sample.
+    /// Relative standard errors of measured friction of the flat sample, one per measurement.
     flat_std: Vec<f64>,
-    /// d ln(modelled ratio) / d ln(Young's modulus).
+    /// Derivatives d ln(modelled ratio) / d ln(Young's modulus), one per measurement.
     modulus_sensitivity: Vec<f64>,
     /// Changes of ln(modelled ratio) if local friction follows the local instead of the nominal pressure; zeros when
     /// absent.
@@ -77,8 +77,8 @@ struct LearnedTrial {
     /// the land if mapped; one list each.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     of_dimensions: Vec<Vec<f64>>,
-    /// Texture after the change of each list of `of_dimensions`: areal density, edges per mm, width, pitch and depth in
-    /// um.
+    /// Texture after the change of each list of `of_dimensions`: areal density, edge length per area in 1/mm, width,
+    /// pitch and depth in um.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     texture_of_dimensions: Vec<Vec<f64>>,
 }
@@ -86,14 +86,14 @@ struct LearnedTrial {
 /// Metres in a millimetre: converts edge length per area from 1/m to 1/mm.
 const PER_MM: f64 = 1e-3;
 
-/// Converts features to areal density, edges per mm, width, pitch and depth in um.
+/// Converts features of a texture to areal density, edge length per area in 1/mm, width, pitch and depth in um.
 fn to_columns(of: &Features) -> [f64; 5] {
     let [width_um, pitch_um, depth_um] =
         [of.width_m, of.pitch_m, of.depth_m].map(|length_m| LENGTH_UM.from_si(length_m));
     [of.areal_density, tidy(of.edge_1_m * PER_MM), width_um, pitch_um, depth_um]
 }
 
-/// Features from the columns that [`to_columns`] wrote.
+/// Converts the columns of [`to_columns`] back to features of a texture.
 fn from_columns([areal_density, edge_per_mm, lengths_um @ ..]: &[f64; 5]) -> Features {
     let [width_m, pitch_m, depth_m] = lengths_um.map(|length_um| tidy(LENGTH_UM.to_si(length_um)));
     Features { areal_density: *areal_density, edge_1_m: tidy(edge_per_mm / PER_MM), width_m, pitch_m, depth_m }

@@ -13,29 +13,29 @@ use slipgrid_base::units::{
     CORRELATION, FRACTION, LENGTH_STD_UM, LENGTH_UM, PRESSURE_MPA, Quantity, RIM_HEIGHT_UM, TIME_S, in_digits,
 };
 
-/// Limits in the form of a design file.
+/// The table `[limits]` of a design file.
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct LimitsFile {
     /// Smallest gap between two cavities.
     pub min_land_um: Option<Number>,
-    /// Depth that one burst removes, measured in a cavity that is hatched as those of the design will be: where lines
-    /// overlap, a burst on each spot removes more than a single spot shows. Depths are whole multiples of it. If
-    /// `[laser]` has a spot, a speed and a repetition rate, it is the depth of a single spot, and depths are whole
-    /// multiples of what one pass over an endless hatch removes: `depth_per_burst_um` times the bursts that reach a
-    /// point in a pass.
+    /// Depth that one burst removes, measured in a cavity with the hatch of the design: where lines overlap, a burst on
+    /// each spot removes more than a single spot shows. Cavity depths are whole multiples of this depth. If `[laser]`
+    /// has a spot, a speed and a repetition rate, the key is the depth of a single spot, and cavity depths are whole
+    /// multiples of the depth that one pass over an endless hatch removes: `depth_per_burst_um` times the bursts that
+    /// reach a point in a pass.
     pub depth_per_burst_um: Option<Number>,
     /// Maximum pressure on a contact block at the block size of `[sample]`, at every target pressure: in the steady
     /// cell of every design, and in the confirming run of the specimen, whose outer lands may bear a higher pressure.
     /// If a design breaks the limit in that run, the search is repeated with the pressures of cells increased by the
     /// same factor.
     max_peak_pressure_mpa: Option<Number>,
-    /// Minimum fraction of the face that is land.
+    /// Minimum fraction of the face that is land, not cavity.
     min_bearing_area: Option<Number>,
     /// Maximum fraction of the face that is cavity.
     max_areal_density: Option<Number>,
     /// Maximum time under the laser, as the process sheet estimates it; needs repetition rate, depth per burst and,
-    /// except for a mask, the spot.
+    /// except with `exposure = "mask"`, the spot.
     max_laser_time_s: Option<Number>,
     /// Minimum gap left under the ceiling of a cavity at every target pressure.
     min_clearance_um: Option<Number>,
@@ -68,7 +68,7 @@ impl LimitsFile {
     }
 }
 
-/// Scale of the excess over a limit of 0, in SI units; chosen for clearances, in metres.
+/// Divisor that makes an excess over a limit of 0 dimensionless, in SI units; chosen for clearances, in metres.
 const CLEARANCE_SCALE_M: f64 = 1e-6;
 
 /// Reads the limited quantities and, in the same order, their limits.
@@ -115,7 +115,8 @@ pub fn read_limited(
     Ok((measures, limits))
 }
 
-/// Limit in the unit of `quantity`. The loosest value is infinity for a maximum and 0 for a minimum.
+/// Creates the limit `bound`, in SI units, on the quantity `name`. The loosest value is infinity for a maximum and 0
+/// for a minimum.
 fn limit(name: &'static str, unit: &'static str, quantity: Quantity, bound: Bound) -> Limit {
     let (value, loosest) = match bound {
         Bound::AtMost(most) => (most, f64::INFINITY),
@@ -136,7 +137,7 @@ fn needs_time(document: &Document, limit: &Number, laser: &Laser) -> Result<(), 
         .expected(format!("{} beside it", missing.join(", "))))
 }
 
-/// Keys without which the time under the laser cannot be estimated.
+/// Names of the missing keys without which the time under the laser cannot be estimated.
 pub(super) fn missing_for_time(laser: &Laser) -> Vec<&'static str> {
     let key = |name| match name {
         "spot_um" => "laser.spot_um",
@@ -160,9 +161,9 @@ pub fn check_tolerances(
 ) -> Result<(), Diagnostic> {
     let refuse = |error: KeyError| document.refuse_key(&table.span(), &error);
     let given = table.get_ref();
-    // Draws are normal, and a draw that is not positive is repeated: Phi(-1) = 16 % of draws if a dimension scatters by
-    // as much as it measures. With larger scatter more draws are repeated, and the remaining cells are many times as
-    // large as any within the bounds.
+    // Random dimensions are drawn from a normal distribution, and a draw that is not positive is repeated: Phi(-1) = 16
+    // % of draws if the standard deviation equals the dimension. With larger scatter more draws are repeated, and the
+    // remaining cells are many times as large as any within the bounds.
     let stds = [
         ("width_std_um", given.width_std_um, "width"),
         ("spacing_std_um", given.spacing_std_um, "spacing"),

@@ -29,7 +29,7 @@ use slipgrid_design::results::VERSION;
 pub struct MaterialFile {
     /// The material's name.
     pub name: Option<String>,
-    /// Publication or laboratory.
+    /// Publication or laboratory that the values come from.
     pub source: Option<String>,
     /// Version of the file's schema; 1 when absent.
     pub schema: Option<Spanned<u32>>,
@@ -49,17 +49,17 @@ pub struct MaterialFile {
     pub youngs_modulus_std_gpa: Option<Number>,
     /// Density.
     pub density_g_cm3: Number,
-    /// Contact pressure at which rims flatten permanently; absent where they are elastic.
+    /// Contact pressure at which rims flatten permanently; without the key, rims are elastic.
     pub yield_pressure_mpa: Option<Number>,
-    /// Local friction coefficients.
+    /// Local friction coefficients, those of the contact blocks.
     pub friction: Spanned<FrictionFile>,
-    /// Area law; absent for Amontons-Coulomb.
+    /// Area law; without this table, friction is proportional to load (Amontons-Coulomb).
     pub area_law: Option<Spanned<AreaLawFile>>,
-    /// Dynamic friction of flat samples as measured, per condition. If it contradicts the area law, there is no
-    /// evidence whether friction follows the local or the nominal pressure.
+    /// Dynamic friction of flat samples as measured, per condition. If this friction contradicts the area law, the data
+    /// do not show whether local friction follows the local or the nominal pressure.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub flat_friction: Vec<Spanned<FlatFrictionTable>>,
-    /// Discrepancy learned from trials, for any texture.
+    /// Discrepancy between measured and modelled friction ratios, learned from trials; applies to any texture.
     pub learned: Option<Spanned<LearnedFile>>,
     /// The calibration from which the file was made.
     pub made_from: Option<MadeFrom>,
@@ -71,28 +71,28 @@ pub struct MaterialFile {
 pub struct AreaLawFile {
     /// Source of the law: `map`, `persson`, `fit`, or `measured` for flat friction itself.
     pub origin: Option<String>,
-    /// Rms slope of the map from which the law was computed.
+    /// Rms slope of the surface for which the law was computed.
     pub rms_slope: Option<Number>,
-    /// Arithmetic mean height of the map.
+    /// Arithmetic mean height Sa of the map.
     pub sa_um: Option<Number>,
     /// Pixel size of the map along the sliding direction.
     pub pixel_um: Option<Number>,
-    /// Pixel size of the map across the sliding direction; as along it when absent.
+    /// Pixel size of the map across the sliding direction; as along the sliding direction when absent.
     pub pixel_y_um: Option<Number>,
     /// Poisson's ratio of the contact computation.
     pub poisson_ratio: Option<Number>,
-    /// Tabulated pressures.
+    /// Pressures at which the law is tabulated.
     pub pressure_mpa: NumberList,
-    /// Area factors f, one per pressure: real contact area over the area if it stayed proportional to pressure.
+    /// Area factors f, one per pressure: real contact area over the area that proportionality to pressure would give.
     pub factor: NumberList,
-    /// Standard errors of the factors, from windows of the map.
+    /// Standard errors of the factors, from the scatter between windows of the map.
     pub factor_std: Option<NumberList>,
-    /// Real contact area fractions behind the factors.
+    /// Real over nominal contact area, one per pressure, from which the factors were computed.
     pub area_fraction: Option<NumberList>,
 }
 
 impl MaterialFile {
-    /// File form of a material with elasticity, friction and provenance; all other keys are absent.
+    /// Creates the file form of a material from elasticity, friction and provenance; all other keys stay absent.
     pub(crate) fn new(elastic: &Elastic, provenance: &Provenance, friction: FrictionFile) -> Self {
         let named = |text: &String| Some(text.clone()).filter(|text| !text.is_empty());
         Self {
@@ -117,7 +117,7 @@ impl MaterialFile {
 }
 
 impl AreaLawFile {
-    /// File form of `law`, with factors rounded by `digits`; keys about the origin of the law are absent.
+    /// Converts `law` to its file form, with factors rounded by `digits`; keys about the origin of the law stay absent.
     pub(crate) fn new(law: &AreaLaw, digits: fn(f64) -> f64) -> Self {
         let rounded = |values: &[f64]| number_list(values.iter().map(|&value| digits(value)));
         Self {
@@ -185,7 +185,7 @@ pub fn read_known(
     // Warnings that the file states about its law are not repeated.
     let named = |warning: &str| warning.split(':').next().map(str::to_owned);
     let told = |warning: &String| file.warnings.iter().any(|known| named(known) == named(warning));
-    // A measured law may rise with pressure, because it is not one of contact area.
+    // A measured law may rise with pressure, because it does not describe contact area.
     let laws = area_law.iter().filter(|_| !uncertainty.law_is_measured);
     warnings.extend(laws.flat_map(table_warnings).filter(|warning| !told(warning)));
     let provenance = Provenance {

@@ -25,9 +25,9 @@ pub struct Placed {
     pub path: PathBuf,
     /// Line in the file, counted from 1.
     pub line: u32,
-    /// Distance slid up to the middle of the averaging window, in metres, if known.
+    /// Distance slid up to the middle of the averaging window, in metres; `None` if unknown.
     pub sliding_m: Option<f64>,
-    /// Place in the order of all runs, if given.
+    /// Rank of the measurement in the order in which all measurements were made; `None` if not given.
     pub order: Option<f64>,
 }
 
@@ -60,7 +60,7 @@ const LOW_PRESSURE_MPA: f64 = 0.01;
 /// If the highest speed of a table, in mm/s, is below this value, speeds are probably in another unit.
 const LOW_SPEED_MM_S: f64 = 0.02;
 
-/// Maximum number of conditions that a message lists.
+/// Maximum number of conditions listed in a message.
 const MAX_NAMED: usize = 4;
 
 /// Properties of the specimens by which measurements are checked.
@@ -73,8 +73,8 @@ pub struct Specimens {
 }
 
 impl Placed {
-    /// Replaces the force on a face of `own` by the force that gives the same pressure on a face of `specimens`. If
-    /// `flat` samples were measured at nearly this force, their force is taken.
+    /// Replaces the force on a face of `own` by the force that gives the same pressure on a face of `specimens`. If a
+    /// `flat` sample was measured at nearly this force, the force on the flat sample is used.
     pub(crate) fn on(&self, own: &Specimens, specimens: &Specimens, flat: &[Self]) -> Self {
         let mut row = self.clone();
         if own.area_m2 != specimens.area_m2 {
@@ -151,14 +151,15 @@ pub fn check(rows: &[Placed], specimens: &Specimens) -> Result<Vec<Diagnostic>, 
 }
 
 /// Warns, at the row of the greatest friction, if friction is so high in nearly all `rows` that friction force and
-/// normal force are probably exchanged.
+/// normal force are probably exchanged; otherwise `None`.
 fn high_friction(rows: &[Placed]) -> Option<Diagnostic> {
     let row = rows.iter().max_by(|a, b| a.measurement.mu_dynamic.total_cmp(&b.measurement.mu_dynamic))?;
     let friction: Vec<f64> = rows.iter().map(|row| row.measurement.mu_dynamic).collect();
     Some(Diagnostic { reason: exchanged_forces(&friction)?, ..row.at("mu_dynamic", row.measurement.mu_dynamic) })
 }
 
-/// Warns, at the row of the greatest force, if the forces in all `rows` are so low that they are probably in kN.
+/// Warns, at the row of the greatest force, if the forces in all `rows` are so low that the unit is probably kN;
+/// otherwise `None`.
 fn low_force(rows: &[Placed], specimens: &Specimens) -> Option<Diagnostic> {
     let row = rows.iter().max_by(|a, b| a.measurement.force_n.total_cmp(&b.measurement.force_n))?;
     let force_n = row.measurement.force_n;
@@ -173,7 +174,8 @@ fn low_force(rows: &[Placed], specimens: &Specimens) -> Option<Diagnostic> {
     Some(Diagnostic { reason, ..row.at("force_n", force_n) })
 }
 
-/// Warns, at the row of the greatest speed, if the speeds in all `rows` are so low that they are probably in m/s.
+/// Warns, at the row of the greatest speed, if the speeds in all `rows` are so low that the unit is probably m/s;
+/// otherwise `None`.
 fn low_speed(rows: &[Placed]) -> Option<Diagnostic> {
     let row = rows.iter().max_by(|a, b| a.measurement.speed_m_s.total_cmp(&b.measurement.speed_m_s))?;
     let speed_mm_s = SPEED_MM_S.from_si(row.measurement.speed_m_s);
@@ -186,7 +188,7 @@ fn low_speed(rows: &[Placed]) -> Option<Diagnostic> {
 }
 
 /// Warns, at the row of the greatest humidity, if humidities in all `rows` are so low that they are probably fractions
-/// of 1.
+/// of 1; otherwise `None`.
 fn low_humidity(rows: &[Placed]) -> Option<Diagnostic> {
     let row = rows.iter().max_by(|a, b| a.measurement.humidity.total_cmp(&b.measurement.humidity))?;
     let humidity_pct = tidy(HUMIDITY_PCT.from_si(row.measurement.humidity));

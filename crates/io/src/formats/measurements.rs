@@ -14,10 +14,11 @@ use slipgrid_base::units::{
 };
 use slipgrid_traces::cells::{DecimalSigns, cut, number_in, separator, unquoted};
 
-/// Place of a run in the order of all runs: any positive number that rises with time.
+/// Column `order`, the rank of a measurement in the order of all measurements: any positive number that rises with
+/// time.
 pub(crate) const ORDER: Quantity = WEIGHT;
 
-/// Columns: name, range, and whether the column is required.
+/// Columns of a table: name, range of the numbers, and whether the column is required.
 const COLUMNS: [(&str, Quantity, bool); 9] = [
     ("force_n", FORCE_N, true),
     ("speed_mm_s", SPEED_MM_S, true),
@@ -31,11 +32,11 @@ const COLUMNS: [(&str, Quantity, bool); 9] = [
 ];
 /// Maximum number of rows of a table. A laboratory measures some hundred conditions, and rows are compared in pairs.
 const MAX_ROWS: usize = 5000;
-/// Number of leading columns with the results of a measurement; the others describe how friction was measured.
+/// Number of leading columns with the results of a measurement; the other columns describe how friction was measured.
 const FRICTION_COLUMNS: usize = 7;
 
-/// Reads the table that `key` of `document` names. Forces in the table press `samples` specimens at once; those
-/// returned press one specimen.
+/// Reads the table that `key` of `document` names. A force in the table presses `samples` specimens at once; a returned
+/// force presses one specimen.
 ///
 /// # Errors
 /// [`Diagnostic`] with line and column of the refused value.

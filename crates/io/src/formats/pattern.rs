@@ -21,24 +21,27 @@ use crate::formats::{Diagnostic, Document, Spanned};
 #[serde(try_from = "Keys")]
 #[schemars(!try_from)]
 pub struct PatternFile {
-    /// Width of a cavity along its row; the diameter of a disc.
+    /// Width of a cavity along its row; for discs, the diameter.
     pub width_um: Number,
     /// Gap between two cavities of a row.
     pub spacing_um: Number,
     /// Depth of a cavity.
     pub depth_um: Number,
-    /// Standard error of the measured mean width of a cut sample, at most a third of it; 0 when absent. No key of a scene.
+    /// Standard error of the measured mean width of a cut sample, at most a third of the width; 0 when absent. Refused
+    /// in a scene.
     pub width_std_um: Option<Number>,
-    /// Standard error of the measured mean spacing of a cut sample, at most a third of it; 0 when absent. No key of a scene.
+    /// Standard error of the measured mean spacing of a cut sample, at most a third of the spacing; 0 when absent.
+    /// Refused in a scene.
     pub spacing_std_um: Option<Number>,
-    /// Standard error of the measured mean depth of a cut sample, at most a third of it; 0 when absent. No key of a scene.
+    /// Standard error of the measured mean depth of a cut sample, at most a third of the depth; 0 when absent. Refused
+    /// in a scene.
     pub depth_std_um: Option<Number>,
-    /// Map of one period of the measured face, in place of rims.
+    /// Altitude map of one period of the measured face, in place of keys for rims.
     pub relief: Option<Spanned<String>>,
     /// Shape, arrangement, directions and rims.
     #[serde(flatten)]
     pub texture: TextureFile,
-    // In a schema a later key replaces a flattened one.
+    // In a schema, this key replaces the key of equal name in the flattened `texture`.
     /// Angle of the sliding direction from the specimen's x axis; 0 when absent.
     pub sliding_angle_deg: Option<Number>,
 }
@@ -52,7 +55,8 @@ pub struct TextureFile {
     pub outline: Option<Spanned<String>>,
     /// The layer of the DXF drawing that holds the outline; any when absent.
     pub outline_layer: Option<Spanned<String>>,
-    /// The other keys of a texture. They have no positions: [`Document::refuse_key`] finds a key that is refused.
+    /// The other keys of a texture, without their positions in the file; [`Document::refuse_key`] finds the position of
+    /// a refused key.
     #[serde(flatten)]
     pub record: TextureRecord,
     /// Angle of the sliding direction from the specimen's x axis; 0 when absent. A design may name several.
@@ -155,7 +159,7 @@ pub fn read_pattern(document: &Document, file: &Spanned<PatternFile>) -> Result<
     Pattern::new(texture, width_m, spacing_m, depth_m).map_err(|error| document.refuse(file.span(), error.to_string()))
 }
 
-/// Refuses cavities as deep as `layer` or deeper.
+/// Refuses a cavity depth `depth_m`, in metres, that reaches or exceeds the height of `layer`.
 ///
 /// # Errors
 /// [`Diagnostic`] at the depth.
@@ -199,8 +203,8 @@ fn slid(document: &Document, texture: &Texture, angle_deg: f64, span: Range<usiz
     texture.with_sliding_angle_deg(angle_deg).map_err(|error| document.refuse(span, error.to_string()))
 }
 
-/// Reads the sliding directions of `file` after the first, which `texture` has, and separates those that are equivalent
-/// to another by the symmetry of `texture` and `specimen`.
+/// Reads the sliding directions of `file` except the first, which `texture` already has. Directions that the symmetry
+/// of `texture` and `specimen` makes equivalent to another direction are returned separately.
 ///
 /// # Errors
 /// [`Diagnostic`] for numbers out of range.

@@ -14,7 +14,7 @@ pub struct Plausible {
     pub what: &'static str,
     /// Unit, as in the key.
     pub unit: &'static str,
-    /// Range of measured values; values outside cannot be measured.
+    /// Range of values that can be measured.
     pub measurable: [f64; 2],
     /// Range outside which a mistake is more probable than a discovery.
     pub usual: [f64; 2],
@@ -24,7 +24,7 @@ pub struct Plausible {
     slips: &'static [(&'static str, f64)],
 }
 
-/// Units often mistaken for micrometres, with factors of conversion to micrometres.
+/// Units often mistaken for micrometres, with their factors to micrometres.
 const OF_MICROMETRES: &[(&str, f64)] = &[("in mm, that", 1e3), ("in nm, that", 1e-3)];
 
 /// Plausible friction coefficients.
@@ -190,12 +190,12 @@ pub const RATIO: Plausible = Plausible {
     ],
 };
 
-/// Friction above which most solids do not slide dry; rubber does.
+/// Few dry solids have a friction coefficient above this; rubber does.
 const HIGH_FRICTION: f64 = 1.0;
 /// Range of usual friction, in which the reciprocals of coefficients lie if friction force and normal force were
 /// exchanged.
 const EXCHANGED: [f64; 2] = [0.05, 1.0];
-/// Minimum fraction of coefficients that must look exchanged for a warning.
+/// A warning is given if at least this fraction of the coefficients look exchanged.
 const NEARLY_ALL: f64 = 0.9;
 
 /// Warns of friction coefficients that are nearly all above 1 and whose reciprocals are nearly all usual: friction
@@ -246,7 +246,7 @@ pub fn checked(flag: &str, value: f64, quantity: Quantity) -> Result<f64, Diagno
 }
 
 impl Plausible {
-    /// Replaces the usual range by a better known one.
+    /// Replaces the usual range by `usual`, a better known range.
     #[must_use]
     pub const fn within(self, usual: [f64; 2]) -> Self {
         Self { usual, ..self }
@@ -286,8 +286,8 @@ impl Plausible {
         slips.map(|slip| Self { slips: std::slice::from_ref(slip), ..*self }).find_map(|one| one.slip(value))
     }
 
-    /// Checks `value` for a calibration and returns a warning if it is unusual; `place` gives file, line, key and
-    /// value.
+    /// Checks `value` for a calibration and returns a warning if it is unusual, and `None` if it is usual; `place`
+    /// gives file, line, key and value of the diagnostic.
     ///
     /// # Errors
     /// `place` with the accepted values, if the value cannot be measured.
@@ -301,7 +301,8 @@ impl Plausible {
         }
     }
 
-    /// Like `check`, but for scenes, which refuse no value: a value that cannot be measured gives a warning, too.
+    /// Like `check`, but for scenes, which refuse no value: a value that cannot be measured gives a warning, too;
+    /// `None` for a usual value.
     pub fn tell(&self, value: f64, place: impl FnOnce() -> Diagnostic) -> Option<Diagnostic> {
         self.check(value, place).unwrap_or_else(Some)
     }

@@ -39,8 +39,8 @@ impl ReadableTraces {
     }
 }
 
-/// Reads the options for exports of the calibration in `document`, even if other values of the calibration would be
-/// refused.
+/// Reads the options for reading the exports of the calibration in `document`, even if other values of the calibration
+/// would be refused.
 ///
 /// # Errors
 /// [`Diagnostic`] if the document cannot be parsed, or its table of traces is refused.

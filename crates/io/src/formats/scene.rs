@@ -35,13 +35,14 @@ pub struct SceneFile {
     pub name: Option<String>,
     /// Version of the file's schema; 1 when absent.
     pub schema: Option<Spanned<u32>>,
-    /// Selects coefficients of a material that has them per condition.
+    /// Speed and humidity that select the friction coefficients of a material with coefficients per condition.
     pub condition: Option<Spanned<Condition>>,
     /// Material table, or path of a material file.
     pub material: Spanned<PathOr<MaterialFile>>,
-    /// Texture; absent for a flat surface.
+    /// Pattern of cavities; without this table, the surface is flat.
     pub pattern: Option<Spanned<PatternFile>>,
-    /// Specimen on which the pattern is laid; absent where a sample is one strip of `sample.length_um`.
+    /// Specimen on which the pattern is laid out; without this table, the sample is one strip of length
+    /// `sample.length_um`.
     pub specimen: Option<Spanned<SpecimenRecord>>,
     /// The modelled layer.
     #[serde(default = "default_sample")]
@@ -57,18 +58,18 @@ pub struct SceneFile {
 #[derive(Clone, Debug, Default, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SampleFile {
-    /// Length of the specimen along the sliding direction; that of `[specimen]` where there is one, otherwise 9960 when
+    /// Length of the modelled strip along the sliding direction, not given together with `[specimen]`; 9960 when
     /// absent.
     pub length_um: Option<Number>,
     /// Height of the layer that strips and runs in time represent by blocks; 200 or a smaller thickness when absent.
     /// If given without `thickness_mm`, only this layer is elastic.
     pub layer_um: Option<Number>,
-    /// Thickness of the elastic specimen; 7 when neither this nor the layer is given.
+    /// Thickness of the elastic specimen; 7 if neither `thickness_mm` nor `layer_um` is given.
     pub thickness_mm: Option<Number>,
     /// How the specimen is held: `rigid` if the holder keeps it from turning, so that friction tilts the pressure, or
     /// `self-aligning`; needs `thickness_mm`; anything between the two when absent.
     pub holder: Option<Spanned<String>>,
-    /// Lattice spacing; 10 when absent.
+    /// Lattice spacing, the size of a block; 10 when absent.
     pub block_um: Option<Number>,
 }
 
@@ -79,8 +80,8 @@ pub const DEFAULT_THICKNESS_M: f64 = 7e-3;
 pub const DEFAULT_LAYER: Layer =
     Layer { length_m: 9960e-6, height_m: 200e-6, block_m: 10e-6, thickness_m: None, holder: None };
 
-/// Layer of Balestra et al. as the lowest part of a specimen of the thickness `DEFAULT_THICKNESS_M`; the default of
-/// files.
+/// Layer of Balestra et al. as the lowest part of a specimen of the thickness `DEFAULT_THICKNESS_M`; the default for
+/// files without `[sample]`.
 pub const DEFAULT_SPECIMEN: Layer = Layer { thickness_m: Some(DEFAULT_THICKNESS_M), ..DEFAULT_LAYER };
 
 /// Options of a file without `[run]`.
@@ -99,7 +100,7 @@ pub fn default_sample() -> Spanned<SampleFile> {
 pub struct LoadFile {
     /// Nominal pressures, one or several.
     pub pressure_mpa: Spanned<Numbers>,
-    /// Sliding speed; the condition's when absent.
+    /// Sliding speed; that of `[condition]` when absent.
     pub speed_mm_s: Option<Number>,
 }
 
@@ -116,7 +117,8 @@ pub struct SceneInput {
     pub condition: Option<Condition>,
     /// Specimen with the layout of the pattern that is solved; `None` if one strip or one cell is solved.
     pub specimen: Option<Specimen>,
-    /// For each load, whether coefficients were taken from the nearest measured pressure.
+    /// For each load, whether its coefficients are those of the nearest measured pressure, because the load lies
+    /// outside the measured pressures.
     pub friction_extrapolated: Vec<bool>,
     /// Diagnostics of unusual but accepted inputs in the file and its material.
     pub told: Vec<Diagnostic>,
@@ -192,7 +194,8 @@ impl SceneInput {
             step: of_run("step_ns"),
             travel: of_run("sliding_um"),
         };
-        // A flat specimen is represented by its strip, and one period has no rim.
+        // A flat specimen is modelled as one strip, and a single period of a pattern does not reach the rim of the
+        // specimen.
         let specimen = specimen.filter(|_| pattern.is_some() && run.extent.has_ends());
         let scene = Scene {
             elastic: material.elastic,
@@ -257,7 +260,7 @@ impl SceneInput {
                     self.at(&places.step, "run.step_ns", STEP_NS.from_si(*step_s), reason)
                         .expected(format!("at most {limit_ns}"))
                 } else {
-                    // The default step of the fidelity: blocks are too small for it.
+                    // The time step is the default of the fidelity; the blocks are too small for this step.
                     let step_ns = STEP_NS.from_si(*step_s);
                     let reason =
                         format!("um brings the stability limit of the {scheme} below its step of {step_ns} ns");
@@ -295,7 +298,8 @@ impl SceneInput {
         }
     }
 
-    /// Refuses the value at `place`, or `key` by name if the file leaves the value to the default.
+    /// Refuses the value at the file position `place`, or, if the file leaves `key` to its default value `default`, the
+    /// key by name.
     fn at(&self, place: &Option<Range<usize>>, key: &str, default: f64, reason: String) -> Diagnostic {
         self.document.refuse_or_default(place.as_ref(), (key, Some(default.to_string())), reason)
     }
@@ -317,7 +321,8 @@ impl SceneInput {
     }
 }
 
-/// Minimum width of the face of a specimen at its narrowest place, in blocks: a narrower face is no strip.
+/// Minimum width of the face of a specimen at its narrowest place, in blocks: a narrower face cannot be modelled as a
+/// strip.
 const MIN_FACE_BLOCKS: f64 = 2.0;
 
 /// Refuses a specimen whose face is too narrow for the blocks of `layer`.

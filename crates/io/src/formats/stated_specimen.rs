@@ -14,7 +14,7 @@ use crate::formats::{Diagnostic, Document, Spanned};
 use slipgrid_base::units::LENGTH_MM;
 
 /// Minimum and maximum thickness of a specimen that a calibration may state, in metres: the height of the default
-/// layer, and the maximum number of rows of default blocks.
+/// layer, and the height of the maximum number of rows of default blocks.
 const THICKNESS_M: [f64; 2] = [DEFAULT_LAYER.height_m, MAX_ROWS * DEFAULT_LAYER.block_m];
 
 /// A specimen as stated by a table of a calibration.
@@ -22,14 +22,15 @@ const THICKNESS_M: [f64; 2] = [DEFAULT_LAYER.height_m, MAX_ROWS * DEFAULT_LAYER.
 pub(crate) struct StatedSpecimen {
     /// Face, and treatment of cavities at the rim.
     pub(crate) specimen: Specimen,
-    /// Thickness, in metres, if given.
+    /// Thickness, in metres; `None` if not given.
     pub(crate) thickness_m: Option<f64>,
-    /// How the specimen is held, if given.
+    /// How the specimen is held; `None` if not given.
     pub(crate) holder: Option<Holder>,
 }
 
 impl StatedSpecimen {
-    /// Reads the specimen of `table`; rim, thickness and holder default to those of `usual`.
+    /// Reads the specimen of `table`; treatment of cavities at the rim, thickness and holder default to those of
+    /// `usual`.
     pub(crate) fn read(
         document: &Document,
         table: &Spanned<FaceFile>,
@@ -67,8 +68,8 @@ fn read_thickness_m(document: &Document, given: &Number) -> Result<f64, Diagnost
         .expected(format!("a thickness in millimetres, from {least_mm} to {most_mm}")))
 }
 
-/// Reads how a specimen is held; `None` if not given. A holder is refused without a stated thickness, on which the tilt
-/// of the pressure by friction depends.
+/// Reads how a specimen is held; `None` if not given. A holder is refused without a stated thickness, because the tilt
+/// of the pressure by friction depends on the thickness.
 pub(crate) fn read_holder(
     document: &Document,
     given: Option<&Spanned<String>>,

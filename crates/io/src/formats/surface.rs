@@ -14,7 +14,7 @@ use super::values::Number;
 use crate::formats::{Diagnostic, Document, Spanned};
 use slipgrid_base::units::{LENGTH_UM, SLOPE};
 
-/// The table `[surface]` in the form of a file.
+/// The table `[surface]` of a calibration file.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SurfaceFile {
@@ -22,7 +22,8 @@ pub struct SurfaceFile {
     map: Option<Spanned<String>>,
     /// Altitude map of a flat sample after the test; its difference from `map` is reported.
     map_after: Option<Spanned<String>>,
-    /// Law of local pressure: `area` for contact area, `measured` for flat friction itself; `area` when absent.
+    /// Dependence of local friction on local pressure: `area` follows real contact area, `measured` follows flat
+    /// friction as measured; `area` when absent.
     local_law: Option<Spanned<String>>,
     /// Extrapolation of a measured law above the last measured pressure: `constant` or `logarithmic`.
     extrapolation: Option<Spanned<String>>,
@@ -52,11 +53,11 @@ pub struct SurfaceFile {
     missing: Option<Missing>,
     /// Replace spikes by the median of the neighbouring points; false when absent.
     despike: Option<bool>,
-    /// Form that is subtracted: `mean`, `plane` or `second-order`; `plane` when absent.
+    /// Form that is subtracted from the map: `mean`, `plane` or `second-order`; `plane` when absent.
     #[schemars(with = "Option<String>")]
     form: Option<Form>,
-    /// Pressure up to which friction counts as proportional to load; without it, area factors are relative to the limit
-    /// at small loads.
+    /// Pressure up to which friction counts as proportional to load; without the key, area factors are relative to the
+    /// limit at small loads.
     pub threshold_mpa: Option<Number>,
     /// Number of windows along each side of the map, whose scatter gives the errors of the law: 0 or 1 for none;
     /// without the key 2, if the map is large enough.
@@ -68,8 +69,7 @@ pub struct SurfaceFile {
 pub struct MapOptions {
     /// Known properties of the file, and the part to use.
     pub read: ReadOptions,
-    /// Preparation of the map after reading. From a map of one whole period, the mean is subtracted instead of the
-    /// form.
+    /// Preparation of the map after reading. From a map of one whole period, only the mean is subtracted, not the form.
     pub how: Preparation,
 }
 
@@ -150,7 +150,8 @@ impl Surface {
     }
 }
 
-/// Reads the table with the key `local_law`: measured flat friction as the local law, or a surface as without the key.
+/// Reads the table if `local_law` is given: the value `measured` makes measured flat friction the local law, the value
+/// `area` selects a surface as without the key.
 fn measured(document: &Document, file: &SurfaceFile, law: &Spanned<String>) -> Result<Surface, Diagnostic> {
     if !document.choice(law, &[true, false], |measured| if measured { "measured" } else { "area" })? {
         let rest = SurfaceFile { local_law: None, ..file.clone() };

@@ -9,11 +9,11 @@ use super::values::{MAX_TARGET_PRESSURES, Numbers, check_count, distinct_pressur
 use crate::formats::{Diagnostic, Document, Spanned};
 use slipgrid_base::units::{FRICTION, HUMIDITY_PCT, PRESSURE_MPA, RATIO, SPEED_MM_S, TOLERANCE, WEIGHT};
 
-/// A target in the form of a design file.
+/// The table `[target]` of a design file.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TargetFile {
-    /// Target quantity: `ratio`, patterned over flat, or `mu_dynamic`.
+    /// Target quantity: `ratio`, friction of the patterned over the flat surface, or `mu_dynamic`, dynamic friction.
     quantity: Spanned<String>,
     /// Nominal pressures.
     pub pressure_mpa: Spanned<Numbers>,
@@ -26,9 +26,10 @@ pub struct TargetFile {
     lowest: Option<Spanned<Numbers>>,
     /// Upper end of a band, in place of `value`: one number, or one per pressure.
     highest: Option<Spanned<Numbers>>,
-    /// `lowest` or `highest` mean over the pressures, or `even`, the smallest relative standard deviation.
+    /// Goal of the search: `lowest` or `highest` mean of the quantity over the pressures, or `even`, the smallest
+    /// standard deviation over the pressures relative to the mean.
     goal: Option<Spanned<String>>,
-    /// Weight of each pressure in means; all alike when absent.
+    /// Weight of each pressure in means over the pressures; all alike when absent.
     weights: Option<Spanned<Numbers>>,
 }
 

@@ -8,14 +8,14 @@ use strsim::levenshtein;
 
 use crate::formats::traces::TraceCondition;
 
-/// Relative deviation of a recorded speed from the nominal one that gives a warning.
+/// A recorded speed that deviates from the nominal speed by more than this fraction gives a warning.
 const SPEED_OFF: f64 = 0.1;
 /// Relative deviation of the speed derived from the recorded position that gives a warning. It is larger than
 /// `SPEED_OFF`, because strokes differ in speed.
 const POSITION_OFF: f64 = 0.2;
 /// Deviation of the recorded from the nominal relative humidity, as a fraction of 1, that gives a warning.
 const HUMIDITY_OFF: f64 = 0.05;
-/// Ratio of recorded to nominal speed below which the drive stood still.
+/// The drive counts as at rest if the recorded speed is below this fraction of the nominal speed.
 const STILL: f64 = 0.01;
 /// Relative deviation of the friction coefficient recorded by the instrument that gives a warning: the instrument may
 /// divide by the nominal load, and does not subtract an offset.
@@ -25,7 +25,8 @@ const COEFFICIENT_OFF: f64 = 0.1;
 /// cent.
 const LAG: f64 = 0.05;
 
-/// Warns that a trace was recorded at rest, according to its column of speed; `None` otherwise or without the column.
+/// Warns that a trace was recorded at rest, according to the speed of the recorded trace; `None` otherwise or without a
+/// recorded speed.
 pub(crate) fn stands_still(condition: &TraceCondition, repeat: &Recorded) -> Option<String> {
     let speed = repeat.speed_m_s.map(f64::abs).filter(|speed| *speed < STILL * condition.speed_m_s)?;
     let (found, nominal) = (SPEED_MM_S.from_si(speed), SPEED_MM_S.from_si(condition.speed_m_s));
@@ -98,7 +99,7 @@ fn coefficient_off(condition: &TraceCondition, repeat: &Recorded, findings: &Tra
     ))
 }
 
-/// Warns if friction reverses later or earlier than the position of a reciprocating sample.
+/// Warns if friction reverses later or earlier than the position of a reciprocating sample; `None` otherwise.
 fn lags(condition: &TraceCondition, repeat: &Recorded) -> Option<String> {
     condition.stroke_share?;
     let lag = lag_of_friction(&repeat.channels, &repeat.position_m, condition.window_s)?;
@@ -112,7 +113,7 @@ fn lags(condition: &TraceCondition, repeat: &Recorded) -> Option<String> {
     })
 }
 
-/// Warns if the recorded position moves at another speed than the nominal one.
+/// Warns if the speed derived from the recorded position differs from the nominal speed.
 fn position_speed_off(condition: &TraceCondition, repeat: &Recorded) -> Option<String> {
     let moved = speed_of_position(
         &repeat.channels.time_s,
@@ -121,7 +122,7 @@ fn position_speed_off(condition: &TraceCondition, repeat: &Recorded) -> Option<S
         condition.window_s,
         condition.stroke_share.is_some(),
     );
-    // A nearly constant position is not that of sliding: the position of a pin on its disc, or its wear.
+    // A nearly constant position is not the position along the path: it is the radius of a pin on a disc, or wear.
     let moved = moved.map(|speed| speed / condition.speed_m_s).filter(|ratio| *ratio > STILL);
     let ratio = moved.filter(|ratio| (ratio - 1.0).abs() > POSITION_OFF)?;
     let nominal = SPEED_MM_S.from_si(condition.speed_m_s);

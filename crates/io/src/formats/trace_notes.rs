@@ -4,8 +4,8 @@ use slipgrid_base::units::{HUMIDITY_PCT, SPEED_MM_S, counted};
 
 use super::traces::ConditionTraces;
 
-/// Notes on conditions for a material's provenance. A note that concerns many conditions is written once, with the
-/// first of them.
+/// Notes on anomalies of conditions and their traces, for a material's provenance. A note that concerns many conditions
+/// is written once, with the first of them.
 pub fn notes(conditions: &[ConditionTraces]) -> Vec<String> {
     let traces = conditions.iter().map(|traces| traces.traces.len()).sum();
     let of_traces = grouped(&of_traces(conditions), ("traces", traces));

@@ -16,24 +16,25 @@ use crate::formats::source::{Entry, Source, fits};
 use crate::formats::{Diagnostic, Document, Spanned};
 use slipgrid_base::units::{FORCE_N, HUMIDITY_PCT, LENGTH_MM, SPEED_MM_S, STROKE_SHARE, TIME_S};
 
-/// `[traces]` in the form of a file.
+/// The table `[traces]` of a calibration file.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TracesFile {
     /// Seconds since the first row between which friction is averaged; [10, 40] when absent.
     window_s: Option<NumberList>,
-    /// Distance from the axis to a specimen's centre: mu = torque / (normal force x radius).
+    /// Distance from the axis to a specimen's centre, needed for a torque: mu = torque / (normal force x radius).
     effective_radius_mm: Option<Number>,
     /// Specimens that share the recorded normal force; 1 when absent.
     specimens: Option<Spanned<u64>>,
-    /// Look for a static peak at the onset of sliding; true when absent. Not looked for in reciprocating sliding.
+    /// Whether to look for a static peak at the onset of sliding; true when absent. In reciprocating sliding no peak is
+    /// looked for.
     static_peak: Option<bool>,
     /// The sample slides back and forth; false when absent. Friction is half the width of the loop of two strokes.
     reciprocating: Option<bool>,
     /// Fraction of every stroke, about its middle, that is averaged with `reciprocating`; 0.5 when absent.
     stroke_share: Option<Number>,
-    /// Seconds since the first row, before touchdown, between which the means of normal force and of friction force (or
-    /// torque) are the zero of the sensors, which is subtracted; nothing is when absent.
+    /// Seconds since the first row, before touchdown, between which the mean normal force and friction force (or
+    /// torque) are taken as the zero of the sensors and subtracted; without the key, nothing is subtracted.
     zero_s: Option<NumberList>,
     /// Titles of columns that are not among the known ones, as `{ friction_force = "F_tan", normal_force = "F_norm
     /// [mN]" }`; the known titles of the quantity are then ignored. `#2` behind a title selects the second column with
@@ -112,13 +113,13 @@ pub struct TraceConditionFile {
     force_n: Number,
     /// Sliding speed.
     speed_mm_s: Number,
-    /// Relative humidity; if it was not measured, one number in all conditions.
+    /// Relative humidity; if humidity was not measured, give one number in all conditions.
     humidity_pct: Number,
     /// Surface of the sample, `flat` or `patterned`; `flat` when absent, but `patterned` in a trial.
     surface: Option<Spanned<String>>,
     /// Exports, each once; `*` stands for any letters.
     files: Spanned<Vec<Spanned<String>>>,
-    /// Place of the runs of this condition in the order of all runs, counted from 1; unknown when absent.
+    /// Rank of the measurement of this condition in the order of all measurements, counted from 1; unknown when absent.
     order: Option<Number>,
     /// Step of the exports to read, by its number in the export, or counted from 1 if steps are not numbered; the whole
     /// export when absent.
@@ -129,7 +130,7 @@ pub struct TraceConditionFile {
     window_s: Option<NumberList>,
     /// The sample slides back and forth in this condition; as `[traces]` says when absent.
     reciprocating: Option<bool>,
-    /// Fraction of every stroke in this condition; as `[traces]` says when absent.
+    /// Fraction of every stroke that is averaged in this condition; as `[traces]` says when absent.
     stroke_share: Option<Number>,
     /// Seconds between which the zero of the sensors is read in this condition; as `[traces]` says when absent.
     zero_s: Option<NumberList>,
@@ -148,7 +149,8 @@ pub(crate) struct TraceReader<'d> {
     window_s: [f64; 2],
     reciprocating: bool,
     stroke_share: Option<f64>,
-    /// Times between which the zero of the sensors is read, in seconds, with the file position of the key.
+    /// Times between which the zero of the sensors is read, in seconds since the first row, with the file position of
+    /// the key; `None` if `[traces]` states none.
     zero_s: Option<Zero>,
     /// Every export named so far, with the line of the file that names it.
     named: Vec<(Export, Option<u32>)>,

@@ -75,7 +75,7 @@ impl Export {
 pub struct TraceCondition {
     /// Kind of surface: flat or patterned.
     pub surface: SurfaceKind,
-    /// Trial that was measured, if any.
+    /// Trial to which the sample belongs; `None` for samples outside trials.
     pub trial: Option<OfTrial>,
     /// Nominal normal force on one specimen, in newtons.
     pub force_n: f64,
@@ -85,14 +85,15 @@ pub struct TraceCondition {
     pub humidity: f64,
     /// Averaging window, in seconds since the first row.
     pub window_s: [f64; 2],
-    /// Fraction in the middle of every stroke that is averaged, if the sample slides back and forth.
+    /// Fraction in the middle of every stroke that is averaged if the sample slides back and forth; `None` for sliding
+    /// in one direction.
     pub stroke_share: Option<f64>,
-    /// Span before touchdown whose mean forces are subtracted as the zero of the sensors, in seconds since the first
-    /// row.
+    /// Time span before touchdown, in seconds since the first row, over which mean forces are taken as the zero of the
+    /// sensors and subtracted; `None` subtracts nothing.
     pub zero_s: Option<[f64; 2]>,
-    /// Place in the order of all runs, if given.
+    /// Rank in the order in which all conditions were measured; `None` if not given.
     pub order: Option<f64>,
-    /// Exports, in the order of the file; those that match one `*` are sorted by name.
+    /// Exports, in the order of the calibration file; exports that match one name with `*` are sorted by name.
     pub files: Vec<Export>,
     /// Exports that `exclude` left out.
     pub excluded: Vec<PathBuf>,
@@ -116,7 +117,7 @@ impl TraceCondition {
 /// Options for reading all traces of a calibration.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TraceSetup {
-    /// Distance from the axis to a specimen's centre, in metres; a torque needs it.
+    /// Distance from the axis to a specimen's centre, in metres; needed for a torque.
     pub effective_radius_m: Option<f64>,
     /// Specimens that share the recorded normal force.
     pub specimens: u32,
@@ -136,7 +137,7 @@ impl TraceSetup {
 /// One analysed repeat.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ReadTrace {
-    /// Name of the file, with step and number of the repeat if there are several.
+    /// Name of the file, with the step if only one step is read, and the number of the repeat if there are several.
     pub label: String,
     /// Results of the analysis.
     pub findings: TraceFindings,
@@ -154,12 +155,13 @@ pub struct ConditionTraces {
     pub condition: TraceCondition,
     /// Repeats of the condition.
     pub traces: Vec<ReadTrace>,
-    /// Mean over the repeats.
+    /// Means over the repeats, with standard deviations.
     pub mean: Repeats,
 }
 
 impl ConditionTraces {
-    /// Converts to a row of a table of measurements; the standard deviations are those for another sample.
+    /// Converts the condition to a row of a table of measurements; the standard deviations are those for predicting
+    /// another sample.
     pub fn measurement(&self) -> Measurement {
         let (condition, mean) = (&self.condition, &self.mean);
         Measurement {
@@ -198,7 +200,7 @@ impl ConditionTraces {
 ///
 /// # Errors
 /// [`Diagnostic`] if a file is no export, is given twice or repeats another, or for the first trace that cannot be
-/// used, with the number of further ones.
+/// used, with the number of further unusable traces.
 pub fn analyse_condition(
     source: &Source,
     setup: &TraceSetup,
@@ -207,17 +209,18 @@ pub fn analyse_condition(
     analyse_among(source, setup, condition, &mut Vec::new())
 }
 
-/// A trace read earlier, used to detect repeated content.
+/// A trace that was read earlier, kept to detect a trace that is given twice.
 pub(crate) struct Seen {
     /// Label of the trace, as in `ReadTrace`.
     label: String,
-    /// Number of samples in time.
+    /// Number of samples of the trace.
     samples: usize,
     /// Checksums of the channels: [`TraceChannels::fingerprint`](slipgrid_traces::TraceChannels::fingerprint).
     sums: [u64; 3],
 }
 
-/// Reads and analyses every trace of a condition. Compares each with the traces `seen` before, and adds it to them.
+/// Reads and analyses every trace of a condition. Compares each trace with the traces `seen` before, and adds the trace
+/// to `seen`.
 ///
 /// # Errors
 /// Errors of [`analyse_condition`]; a trace seen before is refused as given twice.

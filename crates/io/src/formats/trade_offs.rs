@@ -10,20 +10,19 @@ use slipgrid_model::pattern::{Arrangement, Texture};
 use super::limits::missing_for_time;
 use crate::formats::{Diagnostic, Document, Spanned};
 
-/// Default number of designs that are compared first.
+/// Default approximate number of designs to compare, spread over the bounds.
 const DEFAULT_DESIGNS: usize = 1000;
-/// Default number of designs that are compared first with the goal `spread`, which needs neighbours of each design as
-/// well.
+/// Default approximate number of designs to compare with the goal `spread`, which also needs neighbours of each design.
 const DEFAULT_DESIGNS_WITH_SPREAD: usize = 400;
 
-/// The table `[trade_offs]` in the form of a design file.
+/// The table `[trade_offs]` of a design file.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TradeOffsFile {
     /// Two or three of `chance`, `misfit`, `laser_time`, `volume`, `peak_pressure` and `spread` (with `[tolerances]`).
     #[schemars(with = "Vec<String>")]
     goals: Spanned<Vec<Spanned<TradeOffGoal>>>,
-    /// Designs compared at first; 1000 when absent, 400 with `spread`.
+    /// Approximate number of designs to compare at first, spread over the bounds; 1000 when absent, 400 with `spread`.
     designs: Option<Spanned<u64>>,
 }
 

@@ -37,14 +37,15 @@ pub struct TrialFile {
     /// Free notes.
     #[serde(default)]
     notes: String,
-    /// Measured pattern.
+    /// Pattern of the sample, with measured dimensions.
     pattern: Spanned<PatternFile>,
-    /// CSV table of friction in the columns of flat samples.
+    /// CSV table of measured friction, with the columns of the table of flat samples.
     measurements: Option<Spanned<String>>,
     /// Raw exports of a tribometer in place of the table, one table per condition; `[traces]` has the reading options.
     traces: Option<Spanned<Vec<TraceConditionFile>>>,
-    /// Altitude map of the sample as cut, with its cavities: the slope of the land over that of the flat sample corrects
-    /// the modelled ratio. Needs `map` in `[surface]`, and is read with its options except `crop`.
+    /// Altitude map of the sample as cut, with its cavities: the slope of the land over that of the flat sample
+    /// corrects the modelled ratio. Needs `map` in `[surface]`, and is read with the options of `[surface]` except
+    /// `crop`.
     map: Option<Spanned<String>>,
     /// Face of this sample, to which `force_n` of its table refers; the calibration's specimen when absent.
     specimen: Option<Spanned<FaceFile>>,
@@ -57,32 +58,32 @@ pub struct TrialFile {
     /// Standard error of the measured mean depth, at most a third of the depth; may stand in `[trial.pattern]` instead;
     /// 0 when absent.
     depth_std_um: Option<Number>,
-    /// Scatter of ln(ratio) between samples of this texture, which no trial changes; 0.02 when absent.
+    /// Standard deviation of ln(ratio) between samples of this texture, which no trial changes; 0.02 when absent.
     sample_std: Option<Number>,
-    /// Name of the disc of which the sample is a sector. Trials on one disc share the scatter from disc to disc.
+    /// Name of the disc of which the sample is a sector. Trials on one disc share the random deviation of this disc.
     disc: Option<Spanned<String>>,
 }
 
 impl TrialFile {
-    /// Path of the measurement table, if any.
+    /// Path of the measurement table; `None` if the trial names none.
     pub fn measurements(&self) -> Option<&str> {
         self.measurements.as_ref().map(|name| name.get_ref().as_str())
     }
 
-    /// Name of the trial, and the list of its own traces, if any.
+    /// Name of the trial and the list of its traces; `None` without traces.
     pub(crate) fn named_traces(&self) -> Option<(&str, &Spanned<Vec<TraceConditionFile>>)> {
         Some((self.name.get_ref(), self.traces.as_ref()?))
     }
 
-    /// Conditions of the trial's own traces, if any.
+    /// Conditions of the trial's traces; `None` without traces.
     pub fn traces(&self) -> Option<&[TraceConditionFile]> {
         self.traces.as_ref().map(|list| list.get_ref().as_slice())
     }
 }
 
-/// Flat samples of a calibration, with which its trials are compared.
+/// Flat samples of a calibration, with which the trials are compared.
 pub(crate) struct FlatSamples<'a> {
-    /// Specimens of the flat samples.
+    /// Specimen of the flat samples, as stated in the calibration.
     pub(crate) stated: StatedSpecimen,
     /// Specimen properties by which measurements are checked.
     pub(crate) specimens: &'a Specimens,
@@ -94,9 +95,9 @@ pub(crate) struct FlatSamples<'a> {
     pub(crate) has_map: bool,
 }
 
-/// Reads the `trials` of a calibration with these `flat` samples, and the prior. The sample `first`, from the patterned
-/// measurements of the calibration, becomes the first trial. `reader` reads the traces, which are returned as well.
-/// Remarks are appended to `remarks`.
+/// Reads the `trials` of a calibration with these `flat` samples, and the `prior` of the discrepancy. The sample
+/// `first`, from the patterned measurements of the calibration, becomes the first trial. `reader` reads the traces,
+/// which are returned as well. Remarks are appended to `remarks`.
 ///
 /// # Errors
 /// [`Diagnostic`] for any refused input.
@@ -184,7 +185,7 @@ pub(crate) fn read_trials(
     Ok((TrialsTask { samples, prior: hyper }, read))
 }
 
-/// Keys of a `[[trial]]` to be filled in, with the designed pattern.
+/// A `[[trial]]` table with the designed pattern, to be completed by the user.
 #[derive(Serialize)]
 struct TemplateTrial<'a> {
     name: String,
@@ -228,7 +229,7 @@ fn read_map(document: &Document, map: &Spanned<String>, has_flat_map: bool) -> R
     existing(document, map, map.get_ref())
 }
 
-/// Reads the name of the disc that a sample shares with others.
+/// Reads the name of the disc that a sample shares with other samples; `None` if not given.
 fn read_disc(document: &Document, disc: Option<&Spanned<String>>) -> Result<Option<String>, Diagnostic> {
     match disc {
         Some(name) if name.get_ref().trim().is_empty() => Err(document

@@ -79,8 +79,8 @@ pub fn too_fast(elastic: &Elastic, pressure_pa: f64, speed_m_s: f64) -> Option<[
     })
 }
 
-/// Warning of a speed of `scene` that is too high for its run in time, unless more than the default damping suppresses
-/// waves.
+/// Warning of a speed of `scene` that is too high for its run in time, unless the scene has more than the default
+/// damping, which suppresses waves; otherwise `None`.
 pub fn of_speed(document: &Document, load: &LoadFile, scene: &Scene) -> Option<Diagnostic> {
     let runs = scene.run.fidelity != Fidelity::Steady && scene.run.damping <= RunOptions::default().damping;
     let loaded = scene.loads.iter().map(|load| load.pressure_pa).filter(|pressure_pa| *pressure_pa > 0.0);
@@ -91,8 +91,8 @@ pub fn of_speed(document: &Document, load: &LoadFile, scene: &Scene) -> Option<D
     Some(Diagnostic { value: None, ..told }.expected(expected))
 }
 
-/// Warning of rims of the pattern in `table` that are higher than lasers leave them, or narrower than two blocks: such
-/// blocks resolve only the mean height of a rim.
+/// Warning of rims of the pattern in `table` that are higher than usual after laser cutting, or narrower than two
+/// blocks, which then resolve only the mean height of a rim; `None` for other rims.
 pub fn of_rims(
     document: &Document,
     rim: Option<&Rim>,
@@ -149,9 +149,10 @@ pub fn of_material(document: &Document, file: &MaterialFile) -> Vec<Diagnostic> 
     told
 }
 
-/// Warning of the first static coefficient whose ratio to the dynamic coefficient no calibration finds. Blocks slide
-/// one after another, so the peak of a specimen is lower than that of its blocks: a peak of twice dynamic friction, the
-/// highest that tables may have, needs blocks with three times.
+/// Warning of the first static coefficient whose ratio to the dynamic coefficient lies outside the range that
+/// calibrations find; `None` if there is none. Blocks slide one after another, so the peak of a specimen is lower than
+/// that of its blocks: a peak of twice dynamic friction, the highest accepted in tables of measurements, needs blocks
+/// whose static coefficient is three times the dynamic coefficient.
 fn of_static(document: &Document, at_rest: &Spanned<Numbers>, sliding: &Spanned<Numbers>) -> Option<Diagnostic> {
     let [least, most] = STATIC_OVER_DYNAMIC;
     let (at_rest_values, sliding) = (at_rest.get_ref().written(), sliding.get_ref().written());
@@ -171,7 +172,7 @@ fn of_static(document: &Document, at_rest: &Spanned<Numbers>, sliding: &Spanned<
 }
 
 /// Warning at the first dynamic coefficient, if nearly all are so high that friction force and normal force are
-/// probably exchanged.
+/// probably exchanged; otherwise `None`.
 fn high_friction(document: &Document, file: &MaterialFile) -> Option<Diagnostic> {
     let friction = file.friction.get_ref();
     let each = friction.conditions.iter().map(|table| &table.get_ref().dynamic_mean);
@@ -185,12 +186,12 @@ fn number(document: &Document, quantity: Plausible, value: &Number) -> Option<Di
     (written != 0.0).then(|| quantity.tell(written, || document.refuse(value.span(), ""))).flatten()
 }
 
-/// Warning of the first unusual value in `values`, so that a list gets one warning.
+/// Warning of the first unusual value in `values`, so that a list gets at most one warning; `None` if all are usual.
 fn numbers(document: &Document, quantity: Plausible, values: &Spanned<Numbers>) -> Option<Diagnostic> {
     first(values, |value| number(document, quantity, value))
 }
 
-/// Returns the first warning that `tell` gives for `values`.
+/// Returns the first warning that `tell` gives for a number of `values`; `None` if there is none.
 fn first(values: &Spanned<Numbers>, tell: impl Fn(&Number) -> Option<Diagnostic>) -> Option<Diagnostic> {
     match values.get_ref() {
         Numbers::One(value) => tell(&Spanned::new(values.span(), *value)),

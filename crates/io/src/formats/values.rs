@@ -22,7 +22,7 @@ pub fn number_list(values: impl IntoIterator<Item = f64>) -> NumberList {
     Spanned::from(values.into_iter().map(Number::from).collect::<Vec<_>>())
 }
 
-/// One number for each entry of another list, without file positions, for files to be written.
+/// Numbers, each for an entry of another list, without file positions, for files to be written.
 pub fn each(values: impl IntoIterator<Item = f64>) -> Spanned<Numbers> {
     Numbers::Each(values.into_iter().map(Number::from).collect()).into()
 }
@@ -121,8 +121,8 @@ pub fn distinct_pressures(
 
 /// Maximum number of pressures of a scene: the report on each takes a millisecond and some kilobytes.
 pub const MAX_PRESSURES: usize = 10_000;
-/// Maximum number of pressures of a design: every design of a search is solved at each, and the errors of all pairs are
-/// correlated.
+/// Maximum number of pressures of a design: a search solves every design at each pressure, and computes the correlation
+/// of errors for all pairs of pressures.
 pub const MAX_TARGET_PRESSURES: usize = 1000;
 
 /// Refuses a list of more than `most` pressures.
@@ -241,11 +241,11 @@ pub fn increasing(document: &Document, values: &NumberList, quantity: Quantity) 
     Ok(read)
 }
 
-/// A path to another file, or the table itself.
+/// A path to a file with the table, or the table itself.
 #[derive(Clone, Debug, Serialize, JsonSchema)]
 #[serde(untagged)]
 pub enum PathOr<T> {
-    /// Path relative to the file that holds it.
+    /// Path, relative to the file that states it.
     Path(String),
     /// The table.
     Table(Box<T>),

@@ -22,7 +22,7 @@ impl Design {
         self.strained().into_iter().chain(self.too_fast()).collect()
     }
 
-    /// Diagnostic if the design models another thickness than `calibration` states.
+    /// Diagnostic if the design models another thickness than `calibration` states; otherwise `None`.
     fn thickness(&self, calibration: &Calibration) -> Option<Diagnostic> {
         let (stated_m, own_m) = (calibration.thickness_m?, self.task.layer.thickness_m?);
         if (own_m / stated_m - 1.0).abs() < SAME_THICKNESS {
@@ -39,8 +39,8 @@ impl Design {
         Some(told.expected(format!("thickness_mm = {stated_mm} in [sample], if the design is for the same specimen")))
     }
 
-    /// Diagnostic if the design models another holder than `calibration` states. Without a thickness, a holder has no
-    /// effect.
+    /// Diagnostic if the design models another holder than `calibration` states; otherwise `None`. Without a thickness,
+    /// a holder has no effect.
     fn holder(&self, calibration: &Calibration) -> Option<Diagnostic> {
         let (stated, own) = (calibration.holder?, self.task.layer.holder);
         if self.task.layer.thickness_m.is_none() || own == Some(stated) {
@@ -55,7 +55,8 @@ impl Design {
         )))
     }
 
-    /// Diagnostic if the speed is so high at the lowest pressure that no run in time represents it.
+    /// Diagnostic if the speed is so high at the lowest pressure that no dynamic run (run in time) represents it;
+    /// otherwise `None`.
     fn too_fast(&self) -> Option<Diagnostic> {
         let elastic = &self.task.material.as_ref()?.material.elastic;
         let lightest_pa = self.task.pressures_pa().into_iter().reduce(f64::min)?;

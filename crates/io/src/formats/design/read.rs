@@ -40,8 +40,8 @@ pub(super) fn depth_steps(laser: &Laser) -> &'static str {
     if laser.bursts_per_pass().is_some() { "passes" } else { "bursts" }
 }
 
-/// Replaces a fixed depth, given by two equal bounds in metres, by the nearest whole number of laser steps if the two
-/// differ by no more than the rounding of printed depths, 0.01 um. Other bounds are unchanged.
+/// Replaces a fixed depth, given by two equal bounds in metres, by the nearest depth of whole laser steps if the two
+/// depths differ by no more than the rounding of printed depths, 0.01 um. Other bounds are unchanged.
 pub(super) fn whole_steps(depth_m: [f64; 2], laser: &Laser) -> [f64; 2] {
     const PRINTED_M: f64 = 0.01e-6;
     let Some(step_m) = laser.depth_step_um().map(|step_um| LENGTH_UM.to_si(step_um)) else { return depth_m };
@@ -60,7 +60,7 @@ pub(super) fn read_limits(
     let limits = ManufacturingLimits {
         min_land_m: document.optional(file.limits.min_land_um.as_ref(), LENGTH_UM)?,
         spot_m: laser.spot_um.map(|spot_um| LENGTH_UM.to_si(spot_um)),
-        // From bursts, given or fitted against fluence, or from passes over the lines of a hatch.
+        // The step is one burst, given or fitted against fluence, or one pass over the lines of a hatch.
         depth_per_burst_m: laser.depth_step_um().map(|depth_um| LENGTH_UM.to_si(depth_um)),
         wall_slope: laser.wall_taper_deg.map(|_| laser.slope()),
     };

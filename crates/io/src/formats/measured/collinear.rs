@@ -4,8 +4,8 @@ use crate::formats::diagnostic::Diagnostic;
 use crate::formats::measured::Placed;
 use slipgrid_base::units::{LENGTH_MM, SPEED_MM_S, significant, tidy};
 
-/// Correlation at or above which two influences cannot be separated. At 0.95 the error of either effect is three times
-/// as large as without correlation.
+/// Correlation at or above which two influences cannot be separated. At 0.95 the standard error of either effect is
+/// three times as large as without correlation.
 const COLLINEAR: f64 = 0.95;
 /// Minimum ratio of the highest to the lowest speed for a warning about speed and sliding distance.
 const SPEEDS_APART: f64 = 1.05;
