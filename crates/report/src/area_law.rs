@@ -13,7 +13,7 @@ mod curve;
 
 pub use curve::{AreaLawCurve, AreaLawOptions};
 
-/// Record that `area-law --json` prints.
+/// Record that `area-law --json` prints. Fields that need a map are null for an analytic law.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct AreaLawReport {
     /// Program name: `slipgrid`.
@@ -22,7 +22,7 @@ pub struct AreaLawReport {
     pub version: &'static str,
     /// Schema version of the record.
     pub schema: u32,
-    /// Name of the map; null for an analytic law, like all map-only fields.
+    /// Name of the map.
     pub map: Option<String>,
     /// The map file states that its surface is synthetic.
     pub synthetic_surface: bool,
@@ -52,7 +52,7 @@ pub struct AreaLawReport {
     /// A/P, real contact area over pressure, is close to the limit for small loads.
     pub threshold_mpa: f64,
     /// A/P at the threshold over A/P at the lowest pressure; 1 if the area A is proportional to the pressure P up to
-    /// the threshold.
+    /// the threshold; null unless pressures at and below the threshold were solved.
     pub threshold_proportionality: Option<f64>,
     /// Relative error tolerance of the contact solver.
     pub tolerance: f64,
@@ -86,7 +86,7 @@ pub struct AreaReport {
     pub factor: Option<f64>,
     /// Standard error of the area factor from the windows of the map; null without windows.
     pub factor_std: Option<f64>,
-    /// Area factor by Persson's theory for the rms slope of the surface.
+    /// Area factor by Persson's theory for the rms slope of the surface; null if the theory gives no area law.
     pub factor_persson: Option<f64>,
     /// Estimated error of both area fractions from stopping the solver at the tolerance.
     pub area_error: f64,

@@ -8,7 +8,8 @@ use slipgrid_design::{Compared, DesignTask, Lattice};
 use slipgrid_model::pattern::Pattern;
 use slipgrid_model::springblock::{Simulation, SurfaceOutcome};
 
-/// Nominal pressure in MPa, name in tables and outcome of each surface at every load, the patterned surface first.
+/// Returns (nominal pressure in MPa, name of the surface in tables, outcome) of each surface at every load; at each
+/// load the patterned surface comes first.
 fn surfaces(simulation: &Simulation) -> impl Iterator<Item = (f64, &'static str, &SurfaceOutcome)> {
     simulation.loads.iter().flat_map(|load| {
         let own = if load.flat.is_some() { "patterned" } else { "flat" };
@@ -29,8 +30,8 @@ pub fn friction_trace(simulation: &Simulation) -> Option<String> {
     (text.len() > header).then_some(text)
 }
 
-/// Formats contact pressure and friction per area along the interface as CSV, one row per contact block; has a column
-/// for y if the model is three-dimensional.
+/// Formats contact pressure and friction force per area, in MPa, along the interface as CSV, one row per contact block;
+/// has a column for y if the model is three-dimensional.
 pub fn interface(simulation: &Simulation) -> String {
     let in_space = surfaces(simulation).any(|(_, _, surface)| surface.interface.iter().any(|point| point.y_m != 0.0));
     let y_title = if in_space { "y_um," } else { "" };
@@ -46,8 +47,8 @@ pub fn interface(simulation: &Simulation) -> String {
     text
 }
 
-/// Formats all designs of a lattice with their predictions as CSV, one row per design; fields without a prediction are
-/// empty.
+/// Formats all designs of `lattice`, the grid of compared designs, with their predictions as CSV, one row per design;
+/// fields without a prediction are empty.
 pub fn lattice(design: &DesignTask, lattice: &Lattice) -> String {
     let quantity = design.target.quantity().name();
     let mut text = "width_um,spacing_um,depth_um".to_owned();
@@ -115,7 +116,7 @@ pub fn trade_offs(compared: &Compared, chosen: &Pattern) -> String {
     text
 }
 
-/// Formats six significant digits.
+/// Formats `value` with six significant digits.
 fn rounded(value: f64) -> String {
     significant(value, 6).to_string()
 }

@@ -1,4 +1,4 @@
-//! Files of a result, identical for every caller.
+//! Files of a designed texture or a solved scene, identical for every caller.
 
 use slipgrid_design::DesignOutcome;
 use slipgrid_design::results::{SimulationReport, VERSION};
@@ -8,8 +8,8 @@ use slipgrid_model::springblock::{Scene, Simulation};
 use crate::uncertainty_budget::{self, UncertaintyBudget};
 use crate::{DrawingInput, LaserFile, Outputs, ReportError, charts, csv, draw, html, linked_data, pictures};
 
-/// Makes the files of the design `found`, except record and page: scene of the confirming run, laser drawings, tables
-/// and pictures.
+/// Makes the files of the design `found`, except record and page (see `add_report`): scene of the run that confirms the
+/// design, laser drawings, tables and pictures.
 ///
 /// # Errors
 /// [`ReportError`] if a file cannot be drawn or written.

@@ -17,7 +17,7 @@ use crate::Outputs;
 use slipgrid_design::results::{SCHEMA, VERSION};
 use slipgrid_laser::export::Specimen;
 
-/// Format of a file of a design; [`LaserFile::described`] names the file and describes the content.
+/// Format of a file for the laser; [`LaserFile::described`] names the file and describes the content.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LaserFile {
     /// DXF drawing (AutoCAD R12).
@@ -109,14 +109,15 @@ pub struct Unwritten {
 /// Adds the pattern's files in `formats` to `outputs`, one per format.
 ///
 /// # Errors
-/// [`ExportError`] if no cavity or far too many fit on the specimen, or if a format needs a value that the design lacks.
+/// [`ExportError`] if no cavity or far too many fit on the specimen, or if a format needs a value that the design
+/// lacks.
 pub fn draw(input: &DrawingInput<'_>, formats: &[LaserFile], outputs: &mut Outputs) -> Result<(), ExportError> {
     let unwritten = draw_with(input, formats, None, outputs)?;
     unwritten.into_iter().next().map_or(Ok(()), |first| Err(first.error))
 }
 
-/// Same as [`draw`], with pixels of `pixel_um` micrometres in a height map. Returns the formats that cannot be written,
-/// and adds the files of all other formats.
+/// Same as [`draw`], with pixels of `pixel_um` micrometres in a height map, or of the default size if `None`. Returns
+/// the formats that cannot be written, and adds the files of all other formats.
 ///
 /// # Errors
 /// [`ExportError`] for errors that affect every format: an invalid laser or depth, no cavity on the specimen, or far
@@ -198,8 +199,8 @@ fn add(
     Ok(())
 }
 
-/// Draws the files of the samples `found` for `task`. Returns one set of files per sample; if the samples are sectors
-/// of one specimen, returns a single set, with a file of trials to fill in.
+/// Draws the files of the next samples to cut, `found` for `task`. Returns one set of files per sample; if the samples
+/// are sectors of one specimen, returns a single set, with a file of trials to fill in.
 ///
 /// # Errors
 /// Same as [`draw`].

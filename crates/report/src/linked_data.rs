@@ -57,7 +57,7 @@ fn condition([pressure_mpa, speed_mm_s, humidity_pct]: [f64; 3]) -> Value {
     ])
 }
 
-/// Describes the lengths of a texture, and its `areal_density` from 0 to 1.
+/// Describes the lengths of a texture, in micrometres, and the `areal_density`, from 0 to 1.
 fn texture([width_um, spacing_um, depth_um]: [f64; 3], areal_density: f64) -> Vec<Value> {
     vec![
         quantity("width of a cavity", Some(width_um), MICROMETRE, None),

@@ -21,9 +21,9 @@ const CONTIGUOUS_BLOCKS: f64 = 1.5;
 /// Label of the flat surface.
 const FLAT: &str = "flat";
 
-/// Labels in the legend of the patterned surface's friction curve and of the means. The ratio of a specimen includes
-/// other strips, smaller blocks and the body behind the layer; the curve is the run of a single strip without these
-/// corrections.
+/// Legend labels of the patterned surface's friction curve and of the mean coefficients. The ratio of a specimen
+/// includes corrections for other strips, smaller blocks and the body behind the layer; the curve is from the run of a
+/// single strip without these corrections.
 fn run_words(scene: &Scene, load: &LoadOutcome) -> [&'static str; 2] {
     let is_whole = load.correction(Effect::Layout).is_some();
     match load.ratio() {
@@ -212,7 +212,8 @@ fn columns(scene: &Scene, points: &[InterfacePoint]) -> [Columns; 2] {
 }
 
 /// Contact blocks of each of `surfaces`, solved as strips, on one line along the sliding direction; x runs along the
-/// line. It is the line with the fewest blocks of the `patterned` surface, which runs through the middle of cavities.
+/// line. The chosen line has the fewest blocks of the `patterned` surface, so that it runs through the middle of
+/// cavities.
 fn lines_through_cavities(
     scene: &Scene,
     surfaces: &[(&'static str, &SurfaceOutcome)],

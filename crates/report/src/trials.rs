@@ -47,7 +47,7 @@ pub struct TrialsReport {
     /// Predictions for the pending trials.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub predicted: Vec<PendingReport>,
-    /// Prior and posterior weights of the forms of the discrepancy.
+    /// Prior and posterior weights of the candidate forms of the discrepancy.
     pub forms: Vec<FormReport>,
     /// Family of forms that the trials identify; null while the textures of the trials do not discriminate between forms.
     pub identified: Option<String>,
@@ -57,13 +57,13 @@ pub struct TrialsReport {
     /// Scatter of samples of one texture; null if the trials carry no information about it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub scatter: Option<ScatterReport>,
-    /// Discrepancy at the texture measured last, and its dependence on the condition.
+    /// Discrepancy at the texture measured last, and dependence of the discrepancy on pressure, speed and humidity.
     pub effects: Vec<EffectReport>,
     /// Slope of the land between cavities, and its effect on the modelled ratios, for trials that name a map of the cut
     /// sample.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub lands: Vec<LandEffect>,
-    /// Lines of friction force against normal force.
+    /// Fitted lines of friction force against normal force.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub load_lines: Vec<LoadLineReport>,
     /// Coverage of the predictions: measured ratios within their intervals.
@@ -111,9 +111,10 @@ pub struct MeasuredReport {
     pub modelled: f64,
     /// Prediction from all earlier trials.
     pub before: PredictedReport,
-    /// Prediction from all other trials.
+    /// Prediction from all trials except this one.
     pub without_trial: PredictedReport,
-    /// Prediction from all other conditions, including those of this trial.
+    /// Prediction from the measurements at all other conditions (pressure, speed and humidity), including those of this
+    /// trial.
     pub without_condition: PredictedReport,
 }
 
@@ -126,14 +127,14 @@ pub struct PredictedReport {
     pub interval_68: [f64; 2],
     /// Ends of the 95 % interval.
     pub interval_95: [f64; 2],
-    /// Deviation of the measured ratio from the prediction, in standard deviations.
+    /// Deviation of the measured ratio from the prediction, in standard deviations of the prediction.
     pub surprise: f64,
-    /// Number of measured ratios behind the prediction; with none, the prediction is the prior.
+    /// Number of measured ratios from which the prediction is made; if 0, the prediction is the prior.
     #[serde(default)]
     pub known: usize,
 }
 
-/// Prior and posterior weight of one form of the discrepancy.
+/// Prior and posterior weight of one candidate form of the discrepancy, the model's error as a function of the texture.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct FormReport {
     /// Name of the form.

@@ -187,8 +187,8 @@ impl AreaLawCurve {
     }
 }
 
-/// Contact area over pressure at the threshold, over that at the lowest pressure; `None` unless the curve has points at
-/// the threshold and below.
+/// Ratio of contact area over pressure at the threshold to contact area over pressure at the lowest pressure; `None`
+/// unless the curve has points at the threshold and below.
 fn proportionality(curve: &[AreaPoint], threshold_pa: f64) -> Option<f64> {
     let share = |point: &AreaPoint| point.area_fraction_corrected / point.pressure_pa;
     let lightest = curve.first().filter(|point| point.pressure_pa < threshold_pa && point.area_fraction > 0.0)?;

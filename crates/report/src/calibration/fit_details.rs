@@ -23,7 +23,7 @@ pub struct FitReport {
     pub parameters: Vec<Parameter>,
     /// Covariance of the parameters; null where the data do not determine it.
     pub covariance: Vec<Vec<Option<f64>>>,
-    /// Sum of squared residuals, in standard deviations.
+    /// Sum of squared residuals, each divided by the standard deviation of the measured value.
     pub chi_square: f64,
     /// Number of measurements minus number of parameters.
     pub degrees_of_freedom: usize,
@@ -73,13 +73,15 @@ pub fn fit_json(task: &CalibrationTask, outcome: &CalibrationOutcome) -> Result<
     Ok(slipgrid_design::results::json(&details)?)
 }
 
-/// Describes a fitted parameter together with its measurement, for example `dynamic_mean 200 N, 2 mm/s, 50 %` for `dynamic_mean 4`.
+/// Describes a fitted parameter together with its measurement, for example `dynamic_mean 200 N, 2 mm/s, 50 %` for
+/// `dynamic_mean 4`.
 pub fn in_words(outcome: &CalibrationOutcome, name: &str) -> String {
     let placed = split_parameter_name(name, &outcome.measurements);
     placed.map_or_else(|| name.to_owned(), |(what, at)| format!("{what} {}", at.condition_in_words()))
 }
 
-/// Explains which error sources the standard errors of the parameters include, compared with the table of coefficients.
+/// Explains which error sources the standard errors of the parameters include, and how these errors differ from those
+/// in the table of coefficients.
 pub fn which_errors(outcome: &CalibrationOutcome) -> &'static str {
     if outcome.fit.pairs.iter().any(|pair| pair.dynamic_std_error_given_law.is_some()) {
         "at the given area law and modulus, as flat friction is known; the errors of mu_d in the table above have those of the law and of \

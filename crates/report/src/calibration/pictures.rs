@@ -7,7 +7,7 @@ use crate::ChartError;
 use crate::area_law::picture_title;
 use crate::charts::{self, AreaPoint, Estimate, FlatSeries};
 
-/// Highest drawn pressure of the area law, relative to the highest measured nominal pressure.
+/// Ratio of the highest drawn pressure of the area law to the highest measured nominal pressure.
 const DRAWN: f64 = 6.0;
 
 /// Draws measured and fitted friction of flat samples, by speed and humidity; an empty title gives a narrow picture for

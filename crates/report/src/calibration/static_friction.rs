@@ -23,7 +23,7 @@ pub struct StaticRow {
     pub measured_std: f64,
     /// Static friction of the flat sample in the last transient run of the fit; null if the peak is not fitted.
     pub modelled: Option<f64>,
-    /// Model minus measurement.
+    /// Modelled minus measured static friction; null if the peak is not fitted.
     pub residual: Option<f64>,
 }
 

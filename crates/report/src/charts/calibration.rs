@@ -114,7 +114,7 @@ pub struct AreaPoint {
     pub factor: f64,
     /// Standard error of f; drawn only if all points have a standard error.
     pub factor_std: Option<f64>,
-    /// Mean of f over windows of the map, with the standard deviation between windows.
+    /// Mean of f over windows of the map, with the standard deviation between windows; `None` without windows.
     pub windows: Option<Estimate>,
 }
 

@@ -20,17 +20,17 @@ pub(super) const GRID: RGBColor = RGBColor(225, 225, 225);
 /// Grey that is dark enough for text: the contrast ratio to white is 5.1.
 pub(super) const GREY: RGBColor = RGBColor(110, 110, 110);
 
-/// Width of a picture.
+/// Width of a picture, in picture units.
 pub(super) const WIDTH: f64 = 900.0;
-/// Width of a picture for a phone or a narrow column.
+/// Width of a picture for a phone or a narrow column, in picture units.
 pub(super) const NARROW: f64 = 480.0;
-/// Margin left of the axes, for the texts of the ticks and the axis title.
+/// Margin left of the axes, for the texts of the ticks and the axis title, in picture units.
 pub(super) const LEFT: f64 = 88.0;
-/// Margin right of the axes.
+/// Margin right of the axes, in picture units.
 pub(super) const RIGHT: f64 = 28.0;
 
-/// Drawing coordinates over picture units. The drawing library rounds to whole pixels, so pictures are drawn larger by
-/// this factor, and the view box scales them back.
+/// Ratio of drawing coordinates to picture units. The drawing library rounds to whole pixels, so pictures are drawn
+/// larger by this factor, and the view box scales them back.
 pub(super) const PRECISION: f64 = 8.0;
 /// Factor on font sizes, because the drawing library divides a font size by 1.24.
 const FONT_FACTOR: f64 = 1.24;
@@ -52,7 +52,7 @@ pub(super) enum Swatch {
     Mark(Mark, RGBColor),
     /// Downward arrow.
     Arrow(RGBColor),
-    /// Arrow along a unit vector whose y axis points up.
+    /// Arrow along a unit vector; y points up.
     Toward([f64; 2], RGBColor),
 }
 

@@ -58,11 +58,11 @@ pub(super) enum Layer<'a> {
     Dots(Vec<[f64; 2]>, RGBColor, f64),
     /// Small text at a position in the picture, in picture units.
     Note(String, [f64; 2]),
-    /// Drawing by a function, which must check its own values.
+    /// Drawing by a function, which must check the values that it draws.
     Own(Drawing<'a>),
 }
 
-/// Width of a chart with `title`, in picture units.
+/// Width of a chart with `title`, in picture units; a chart without a title is narrower.
 pub(super) fn width(title: &str) -> f64 {
     if title.is_empty() { NARROW } else { WIDTH }
 }
@@ -164,7 +164,7 @@ impl Plot<'_> {
         Self { frame, x, y, layers: Vec::new() }
     }
 
-    /// Position of the point `[x, y]`, given in the units of the axes, in the picture, in picture units.
+    /// Position in the picture, in picture units, of the point `[x, y]`, which is in the units of the axes.
     pub(super) fn at(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         let [left, top, right, bottom] = self.frame;
         [left + self.x.share(x) * (right - left), bottom - self.y.share(y) * (bottom - top)]

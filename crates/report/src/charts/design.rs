@@ -16,8 +16,8 @@ use super::{
     Axis, Chart, ChartError, GREY, INK, Layer, Mark, PALETTE, PRECISION, Plot, RIGHT, Swatch, WIDTH, check, extremes,
 };
 
-/// Factor beyond the range of the target's pressures up to which trials are drawn; trials farther away would widen the
-/// plot.
+/// Trials are drawn from the lowest target pressure over this factor to the highest target pressure times this factor;
+/// trials farther away would widen the plot.
 const BEYOND: f64 = 1.1;
 /// Opacity of the accepted band.
 const BAND: f64 = 0.22;
@@ -25,7 +25,7 @@ const BAND: f64 = 0.22;
 const INTERVAL: f64 = 0.4;
 /// Half the width of an interval bar, relative to the range of pressures.
 const HALF_BAR: f64 = 0.012;
-/// Distance between conditions at one pressure, relative to the range of pressures.
+/// Horizontal distance between the marks of different conditions at one pressure, relative to the range of pressures.
 const CONDITION_STEP: f64 = 0.04;
 
 /// Whether a trial's `load` is at the design condition of `task`; true if the task has no condition.
@@ -45,14 +45,14 @@ fn measured(report: &DesignReport, found: &DesignOutcome) -> Vec<[f64; 2]> {
     points.filter(|[p, _]| (low / BEYOND..=high * BEYOND).contains(p)).collect()
 }
 
-/// Friction of the flat surface at the load `row`, in the target's quantity: 1 for a ratio, otherwise the coefficient
-/// from the confirming run; `None` if the confirming run has no value at that load.
+/// Friction of the flat surface at the load with the index `row`, in the target's quantity: 1 for a ratio, otherwise
+/// the coefficient from the run that confirms the design; `None` if this run has no value at that load.
 pub(crate) fn flat_of(report: &DesignReport, row: usize) -> Option<f64> {
     if report.is_ratio() { Some(1.0) } else { report.confirmed.get(row)?.mu_flat }
 }
 
-/// Prediction of the model alone, without corrections from trials, at the load `row`, in the target's quantity; `None`
-/// if it is unknown.
+/// Prediction of the model alone, without corrections from trials, at the load with the index `row`, in the target's
+/// quantity; `None` if it is unknown.
 pub(crate) fn model_alone(report: &DesignReport, row: usize) -> Option<f64> {
     Some(report.sample.modelled.get(row)?.ratio * flat_of(report, row)?)
 }
@@ -173,13 +173,13 @@ fn target_beside(title: &str, report: &DesignReport, measured: &[[f64; 2]]) -> R
 const PANEL_HEIGHT: f64 = 400.0;
 /// Height of title and legend, in picture units.
 const HEADING: f64 = 76.0;
-/// Half the size of the mark of a design off the front, in picture units.
+/// Half the size of the mark of a design that is not on the Pareto front, in picture units.
 const SMALL: f64 = 1.4;
-/// Half the size of the mark of a design on the front, in picture units.
+/// Half the size of the mark of a design on the Pareto front, in picture units.
 const LARGE: f64 = 2.6;
-/// Maximum number of designs drawn in addition to the front; more marks would hide each other.
+/// Maximum number of designs drawn in addition to the Pareto front; more marks would hide each other.
 const MAX_OTHERS: usize = 4000;
-/// Ratio of maximum to minimum above which an axis is logarithmic.
+/// An axis is logarithmic if the ratio of its maximum to its minimum value exceeds this number.
 const WIDE: f64 = 20.0;
 
 /// Draws the `compared` designs with the first goal along x and each further goal along y, in stacked panels. Marks the
@@ -280,7 +280,7 @@ impl Scale {
 
 /// Name of the file with the picture of [`mechanisms`].
 pub const MECHANISMS_FILE: &str = "mechanisms.svg";
-/// Width of the names of mechanisms, in picture units.
+/// Width of the column with the names of the mechanisms, in picture units.
 const NAMES: f64 = 300.0;
 /// Gap between plots, in picture units.
 const GAP: f64 = 40.0;
@@ -294,7 +294,7 @@ const BELOW: f64 = 62.0;
 const RANGE: [f64; 2] = [0.0, 2.0];
 
 /// Draws the ratios of both sectors of a disc and their quotient, one row per mechanism of the model error, at the load
-/// `learning.load`, which discriminates best between mechanisms. `name` is the name of the design.
+/// with the index `learning.load`, which discriminates best between mechanisms. `name` is the name of the design.
 ///
 /// # Errors
 /// [`ChartError`] if there is nothing to draw or a value is not finite.

@@ -13,7 +13,7 @@
 //! | `trials` | measured and predicted ratios of trials, and ratios against texture features |
 //! | `left_out` | measured ratios against those predicted by all other trials |
 //! | `literature` | published ratios beside those of trials |
-//! | `mechanisms` | values of several quantities by mechanism, with intervals |
+//! | `mechanisms` | ratios of both sectors of a disc by mechanism of the model error, with intervals |
 //! | `friction_loops` | friction against position in reciprocating sliding |
 //! | `tribometer` | repeats of a test against time, with the values read from them |
 //! | `surface_map` | a surface seen from above, with heights as colours |
@@ -23,10 +23,11 @@
 //! | `spectrum` | power against wave number |
 //! | `work_precision` | wall time against error, with the front |
 //!
-//! Each function describes its picture as a chart: a title, a legend, and plots of layers, which one renderer checks and
-//! draws. A picture is 900 units wide, or 480 units without a title, for a narrow column of a page that has the title. Text
-//! stays text, and the legend stands outside the axes. Colours are from the palette of Okabe and Ito, which is
-//! distinguishable with common colour vision deficiencies; marks also differ in shape. Identical values give identical bytes.
+//! Each function describes its picture as a chart: a title, a legend, and plots of layers, which one renderer checks
+//! and draws. A picture is 900 units wide, or 480 units without a title, for a narrow column of a page that has the
+//! title. Text stays text, and the legend stands outside the axes. Colours are from the palette of Okabe and Ito, which
+//! is distinguishable with common colour vision deficiencies; marks also differ in shape. Identical values give
+//! identical bytes.
 
 mod axis;
 mod calibration;

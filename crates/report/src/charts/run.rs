@@ -12,7 +12,7 @@ use super::{
 pub struct Trace<'a> {
     /// Time in milliseconds and friction coefficient.
     pub series: Series<'a>,
-    /// Start and end of the averaging window of the dynamic coefficient, in milliseconds.
+    /// Start and end of the averaging window of the dynamic coefficient, in milliseconds; `None` draws no window.
     pub window_ms: Option<[f64; 2]>,
     /// Mean over the averaging window, with its error; `None` draws no mean.
     pub mu_dynamic: Option<Estimate>,
@@ -22,7 +22,7 @@ pub struct Trace<'a> {
 const VALUES: [f64; 2] = [84.0, 72.0];
 /// Opacity of the shading of averaging windows.
 const SHADE: f64 = 0.12;
-/// Distance between two error bars, in picture units.
+/// Horizontal distance between neighbouring error bars, in picture units.
 const BESIDE: f64 = 12.0;
 
 /// Draws friction against time, one trace per surface, with shaded averaging windows and dashed means; `means` is the
@@ -105,7 +105,7 @@ pub struct RepeatTrace<'a> {
 }
 
 /// Draws the traces of repeats with their static peaks and their means over the averaging window `window_s`, given by
-/// start and end.
+/// start and end in seconds.
 ///
 /// # Errors
 /// [`ChartError`] if there is nothing to draw or a value is not finite.

@@ -116,7 +116,8 @@ pub fn edge_profile(
 /// Values over a surface seen from above: heights or pressures.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurfaceValues<'a> {
-    /// Values; y varies fastest and x slowest. NaN where a value is missing.
+    /// Values; the value at position i along x and j along y has the index i * `columns` + j. NaN where a value is
+    /// missing.
     pub values: &'a [f64],
     /// Number of values along y.
     pub columns: usize,

@@ -11,7 +11,8 @@ const FIRST: f64 = 380.0;
 const HEIGHT: f64 = 680.0;
 /// Gap between panels, in picture units, for the texts of ticks.
 const GAP: f64 = 60.0;
-/// Maximum margin above and below all ratios, relative to their range.
+/// Maximum margin above and below all ratios, relative to the range of the ratios, which counts as at least 2 % of the
+/// largest ratio.
 const BEYOND: f64 = 0.75;
 /// Maximum number of trials named in the legend.
 const NAMED: usize = 4;

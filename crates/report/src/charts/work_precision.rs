@@ -28,7 +28,7 @@ pub struct WorkPoint<'a> {
     pub family: usize,
     /// Wall time in seconds.
     pub wall_s: f64,
-    /// Magnitude of the error, in per cent.
+    /// Magnitude of the error, in per cent of the reference's value.
     pub error_pct: f64,
     /// The error is not significant: `error_pct` is an upper bound.
     pub at_most: bool,
@@ -48,15 +48,15 @@ const MIN_ERROR_PCT: f64 = 1e-3;
 const MIN_TIME_S: f64 = 1e-6;
 /// Space around a mark that labels do not cover, in picture units.
 const MARK_ROOM: f64 = 7.0;
-/// Space around the ring of a default that labels do not cover, in picture units.
+/// Space around the ring of a default method that labels do not cover, in picture units.
 const RING_ROOM: f64 = 9.0;
 /// Space beside a line that labels do not cover, in picture units.
 const LINE_ROOM: f64 = 2.0;
 /// Length of the arrow at an upper bound, in picture units.
 const ARROW: f64 = 15.0;
 
-/// Draws error against wall time on logarithmic axes, one plot per panel from top to bottom, each with the front of the
-/// best methods. `families` are the names of the method families, at most as many as there are colours; `reference_s`
+/// Draws error against wall time on logarithmic axes, one plot per panel from top to bottom, each with the Pareto front
+/// of the methods. `families` are the names of the method families, at most as many as there are colours; `reference_s`
 /// is the wall time of the reference method.
 ///
 /// # Errors
@@ -113,9 +113,9 @@ fn logarithms(point: &WorkPoint<'_>) -> [f64; 2] {
     [point.wall_s.max(MIN_TIME_S).log10(), point.error_pct.max(MIN_ERROR_PCT).log10()]
 }
 
-/// Draws the line of the reference, the front, and the marks and labels of the methods at `places`. `places` and
-/// `limits` are decimal logarithms: `limits` of the reference's wall time in seconds and of the smallest
-/// distinguishable error in per cent.
+/// Draws the line of the reference, the front, and the marks and labels of the methods at `places`. `places` are the
+/// decimal logarithms of each method's wall time in seconds and error in per cent; `limits` are the logarithms of the
+/// reference's wall time and of the smallest distinguishable error.
 fn draw(
     canvas: &Canvas<'_>,
     plot: &Plot<'_>,

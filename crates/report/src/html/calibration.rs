@@ -150,7 +150,7 @@ fn verdict(page: &mut Page, outcome: &CalibrationOutcome) {
     }
 }
 
-/// Relative standard error of the dynamic coefficient of a pair; `None` if unknown.
+/// Relative standard error of the dynamic coefficient of a fitted pair of local coefficients; `None` if unknown.
 fn relative_error(pair: &FittedPair) -> Option<f64> {
     Some(pair.dynamic_std_error? / pair.dynamic_mean)
 }

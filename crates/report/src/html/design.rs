@@ -171,7 +171,7 @@ fn slopes(page: &mut Page, report: &DesignReport) {
     }
 }
 
-/// Adds other samples worth cutting, the trade-offs, and the accuracy of the table of the model.
+/// Adds other samples worth cutting, the trade-offs, and the accuracy of the table of model results.
 fn others(page: &mut Page, report: &DesignReport, outputs: &Outputs) {
     let ends = |at: Option<&Expected>| {
         at.map_or_else(String::new, |at| {
@@ -240,7 +240,7 @@ fn trade_offs(page: &mut Page, found: &TradeOffsReport, outputs: &Outputs) {
     page.table(caption, &table.table());
 }
 
-/// Adds the results of the confirming run at the target's pressures.
+/// Adds the results, at the target's pressures, of the run that confirms the design.
 fn confirmed(page: &mut Page, report: &DesignReport) {
     let mut table = Table::of(&report.confirmed);
     table.column("P in MPa", |load| plain(load.pressure_mpa));

@@ -52,7 +52,7 @@ struct Data {
     /// Outputs in this order: ln of the maximum local pressure in MPa, minimum height of a cavity's ceiling under load
     /// in um, areal density, laser time in seconds, and minimum of local over nominal pressure.
     beside: Packed,
-    /// Indices of the nodes of the surfaces at which the model has no answer.
+    /// Indices of the nodes of the surfaces at which the model gives no result.
     holes: Vec<usize>,
     limits: Vec<LimitData>,
     burst_um: Option<f64>,
@@ -202,7 +202,7 @@ pub(super) fn explorer(page: &mut Page, found: &DesignOutcome, outputs: &Outputs
     let toml = outputs.text("scene.toml").unwrap_or_default();
     let (task, material, pattern) = (&found.task, &found.material, &found.pattern);
     let law = material.material.area_law.as_ref();
-    // Friction from the confirming run in time, or steady friction if that run has no value.
+    // Friction from the dynamic run that confirms the design, or steady friction if this run has no value.
     let confirmed = |row: usize| found.report.confirmed.get(row).and_then(|load| load.mu_flat);
     let flat_mu = |(row, load): (usize, &Load)| confirmed(row).unwrap_or_else(|| load.flat_mu(law));
     let flat_mu: Vec<f64> = found.loads.iter().enumerate().map(flat_mu).collect();

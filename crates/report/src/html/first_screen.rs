@@ -9,11 +9,11 @@ use super::page::{Page, Text, known, length_um, number, percent as share, plain,
 use crate::Outputs;
 use crate::charts::{flat_of, target};
 
-/// Maximum number of limits drawn as bars; the table below the first screen lists all.
+/// Maximum number of limiting inputs drawn as bars; the table below the first screen lists all inputs.
 const MAX_BARS: usize = 5;
-/// Minimum standard deviation of a limit drawn as a bar, relative to the longest bar.
+/// Minimum standard deviation of an input drawn as a bar, relative to the longest bar.
 const MIN_BAR: f64 = 0.02;
-/// Minimum increase of the chance, by exact knowledge of an input, that is reported.
+/// The increase of the chance by exact knowledge of an input is reported if it exceeds this value.
 const MIN_GAIN: f64 = 0.02;
 /// Files needed at the laser.
 const LASER_FILES: [&str; 4] = ["pattern.dxf", "pattern.svg", "pattern.csv", "process.toml"];
@@ -261,8 +261,8 @@ fn next_steps(report: &DesignReport, is_calibrated: bool) -> Vec<String> {
     steps
 }
 
-/// Adds what the numbers rest on: trials, material, accuracy of inputs, confirming run, and effects that are not
-/// modelled.
+/// Adds what the numbers rest on: trials, material, accuracy of inputs, the run that confirms the design, and effects
+/// that are not modelled.
 fn basis(page: &mut Page, report: &DesignReport) {
     let mut known = vec![match report.trials {
         0 => "no trial yet".to_owned(),

@@ -9,8 +9,8 @@
 //! | [`trials`] | the ledger of trials |
 //! | [`page`] | parts of any page |
 //!
-//! A page is drawn from a typed record, shows all values of the record and leaves out values that are `None`. It contains
-//! neither times nor thread counts: identical results give identical bytes.
+//! A page is drawn from a typed record, shows all values of the record and leaves out values that are `None`. It
+//! contains neither times nor thread counts: identical results give identical bytes.
 
 mod background;
 mod calibration;

@@ -44,7 +44,7 @@ const FILES: [(&str, &str); 17] = [
     ("hatch.csv", "lines of the hatch"),
 ];
 
-/// Maximum number of doubts on the first screen; a list below the first screen has all doubts.
+/// Maximum number of doubts (warnings) on the first screen; a list below the first screen has all doubts.
 const MAX_BADGES: usize = 3;
 
 /// Maximum number of characters of a cell that holds a number with its error and unit; a column with a longer cell is

@@ -24,7 +24,7 @@ pub(super) struct Point {
     pub kind: &'static str,
     /// Width, spacing and depth of the texture, in micrometres.
     pub at: [f64; 3],
-    /// Whether the map shows the point: it lies within the bounds and has the texture of the bounds.
+    /// Whether the map shows the point: its lengths lie within the bounds, and its texture is that of the task.
     pub on_map: bool,
     #[serde(skip)]
     pub name: String,
@@ -102,8 +102,9 @@ impl Among<'_> {
         }
     }
 
-    /// Expected ratio to flat friction of a design at a pressure, linear between target pressures, as the page draws
-    /// it; `None` outside of the target pressures.
+    /// Expected ratio of patterned to flat friction at `pressure_pa` of the design with width, spacing and depth `at`,
+    /// in micrometres. Linear between target pressures, like the curve on the page; `None` outside the range of target
+    /// pressures.
     fn ratio(&self, at: &[f64; 3], pressure_pa: f64) -> Option<f64> {
         let values = self.explorer.expected.at(at);
         let (pressures, pressure_mpa) = (self.pressure_mpa, PRESSURE_MPA.from_si(pressure_pa));
@@ -121,7 +122,7 @@ impl Among<'_> {
     }
 }
 
-/// Whether `features` are those of a pattern that has the texture `texture` and equal lengths.
+/// Whether `features` are those of a pattern with `texture` and with the width, pitch and depth in `features`.
 fn is_of(texture: &Texture, features: &Features) -> bool {
     let Ok(pattern) = Pattern::new(*texture, features.width_m, features.pitch_m - features.width_m, features.depth_m)
     else {

@@ -14,7 +14,7 @@ const LEFT: f64 = 70.0;
 /// Maximum drawn height of the textured body, in picture units.
 const MAX_HEIGHT: f64 = 420.0;
 
-/// Height below which a rim is drawn higher, in picture units.
+/// A rim whose height to scale is below this value is drawn higher, in picture units.
 const MIN_RIM: f64 = 1.5;
 /// Drawn height of a rim below `MIN_RIM`, before the stretch is rounded to one digit, in picture units.
 const STRETCHED_RIM: f64 = 8.0;

@@ -7,7 +7,8 @@ use slipgrid_base::units::LENGTH_UM;
 use slipgrid_design::results::Table;
 use slipgrid_surface::topography::{LIMITED_BY_PIXELS, SpectrumBin};
 
-/// Share of the squared height in the longest waves above which the size of the map limits the height parameters.
+/// The size of the map limits the height parameters if the longest waves have more than this share of the squared
+/// height.
 const LIMITED_BY_SIDE: f64 = 0.4;
 /// Share of missing points above which the page mentions them.
 const MANY_MISSING: f64 = 0.01;

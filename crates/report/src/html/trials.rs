@@ -13,9 +13,9 @@ use crate::trials::{CoverageReport, EffectReport, PredictedReport, TrialsReport}
 const UNKNOWN: f64 = 0.9;
 /// Minimum number of measured ratios for which the share within an interval is meaningful.
 const ENOUGH: usize = 4;
-/// Share of measured ratios within their 95 % intervals below which the predictions count as too narrow.
+/// Predictions count as too narrow if less than this share of measured ratios lies within their 95 % intervals.
 const TOO_FEW: f64 = 0.8;
-/// Deviation in standard deviations from which a measured ratio counts as surprising.
+/// A measured ratio counts as surprising if it deviates from the prediction by at least this many standard deviations.
 const SURPRISING: f64 = 2.0;
 
 /// Definition of the modelled ratio of a ledger, and difference from the ratio in the report of a design.
@@ -121,7 +121,8 @@ fn verdict(page: &mut Page, report: &TrialsReport) {
     }
 }
 
-/// States how many measured ratios lay within their 95 % intervals, among ratios that an earlier trial predicted.
+/// States how many measured ratios lay within their 95 % intervals, of the ratios that were predicted from earlier
+/// trials.
 fn headline(before: &CoverageReport) -> String {
     let first = match before.without_any {
         0 => String::new(),

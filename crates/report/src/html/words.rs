@@ -50,7 +50,8 @@ pub fn number(value: impl Into<Option<f64>>, digits: usize) -> String {
     fixed(value.into(), digits)
 }
 
-/// Formats a number with the fewest digits that represent it exactly, for example 50, or as a dash if it is unknown.
+/// Formats a number with the fewest digits that read back as the same number, for example 50, or as a dash if it is
+/// unknown.
 pub fn plain(value: impl Into<Option<f64>>) -> String {
     known(value).map_or_else(|| "-".to_owned(), |value| value.to_string())
 }

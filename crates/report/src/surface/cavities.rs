@@ -39,8 +39,8 @@ type Scale = fn(f64) -> f64;
 pub(crate) struct Cavities(pub(super) CavityMetrology);
 
 impl Serialize for Cavities {
-    /// An error is null if it cannot be computed because there is a single sample. If no rim exceeds the roughness, the
-    /// rim's width, profile and standard deviations are null.
+    /// The standard error of a value is null if only one value was measured. If no rim exceeds the roughness, the rim's
+    /// width, profile and standard deviations are null.
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let (found, rim) = (&self.0, &self.0.rim);
         let scaled = |of: Option<Estimate>, scale: Scale| {
@@ -74,7 +74,7 @@ impl Serialize for Cavities {
                 "start_um": um(rim.start_m),
             },
             "wall_angle_deg": scaled(found.wall_angle_deg, tidy),
-            // Slope above which the pixels do not resolve a wall.
+            // Wall angle above which the pixels do not resolve a wall.
             "wall_resolved_deg": found.wall_resolved_deg.map(tidy),
             "floor_sq_um": scaled(found.floor_sq_m, um),
             "crossing": found.crossing.map(|crossing| crossing.to_string()),
@@ -216,7 +216,8 @@ impl Cavities {
     }
 }
 
-/// Formats the cavities as CSV, one row per cavity; fields are empty if the map's border cuts the cavity or a value was not measured.
+/// Formats the cavities as CSV, one row per cavity; fields are empty if the map's border cuts the cavity or a value was
+/// not measured.
 pub fn cavities_csv(metrology: &CavityMetrology) -> String {
     let mut text = String::from(
         "x_um,y_um,width_x_um,width_y_um,depth_um,area_um2,rim_height_um,rim_height_error_um,wall_angle_deg,floor_sq_um\n",

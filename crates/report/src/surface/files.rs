@@ -42,7 +42,7 @@ pub struct Measured<'a> {
     pub spectrum: &'a [SpectrumBin],
     /// Cavities of the map, if they were detected.
     pub cavities: Option<&'a CavityMetrology>,
-    /// Index of the pixel column along which the section runs.
+    /// Index along y of the pixels of the section, which runs along x.
     pub column: usize,
 }
 

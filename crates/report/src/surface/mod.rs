@@ -99,7 +99,8 @@ impl FilterReport {
     }
 }
 
-/// Serializes the shortest waves: upper limit of their wavelength, four pixels of the longer side, and share of the squared slope.
+/// Serializes the shortest waves: upper limit of their wavelength (four pixels of the longer side), and their share of
+/// the squared slope.
 fn short_waves<S: Serializer>(short: &Option<ShortWaves>, serializer: S) -> Result<S::Ok, S::Error> {
     let record = |short: ShortWaves| json!({ "below_um": um(short.below_m), "slope_share": tidy(short.slope_share) });
     short.map(record).serialize(serializer)
@@ -118,7 +119,7 @@ fn rings<S: Serializer>(spectrum: &[SpectrumBin], serializer: S) -> Result<S::Ok
     serializer.collect_seq(spectrum.iter().map(ring))
 }
 
-/// Parameter of ISO 25178-2, or the rms slope of contact theories.
+/// Parameter of ISO 25178-2, or the rms slope that contact theories use.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Parameter {
     /// Key in the record.
@@ -269,7 +270,7 @@ impl SurfaceReport {
     }
 }
 
-/// Formats four significant digits.
+/// Formats `value` with four significant digits.
 fn significant(value: f64) -> String {
     const DIGITS: i32 = 4;
     if value == 0.0 || !value.is_finite() {
@@ -279,7 +280,8 @@ fn significant(value: f64) -> String {
     fixed(Some(value), decimals)
 }
 
-/// Formats the section along x through the pixel column `column` as CSV, one row per point, in micrometres.
+/// Formats the section along x through the pixels with the index `column` along y as CSV, one row per point, in
+/// micrometres.
 pub fn section_csv(map: &HeightMap, column: usize) -> String {
     let mut text = String::from("x_um,height_um\n");
     for i in 0..map.rows() {

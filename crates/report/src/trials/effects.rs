@@ -9,7 +9,7 @@ use slipgrid_infer::discrepancy::{Discrepancy, Load, Sensitivity};
 /// Ratio of posterior to prior standard deviation above which an effect counts as less known than before any trial.
 const LESS_KNOWN: f64 = 1.05;
 
-/// Discrepancy ln(measured / modelled ratio), or its change with pressure, speed or humidity.
+/// Discrepancy ln(measured / modelled ratio), or change of the discrepancy with pressure, speed or humidity.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct EffectReport {
     /// Name of the effect.
@@ -22,8 +22,8 @@ pub struct EffectReport {
     pub prior_std: f64,
 }
 
-/// Effects at the texture measured last, or without trials at the reference texture: the discrepancy and its change
-/// with speed, pressure and humidity.
+/// Effects at the texture measured last, or without trials at the reference texture: the discrepancy, and changes of
+/// the discrepancy with speed, pressure and humidity.
 pub(super) fn effects(learned: &Discrepancy) -> Vec<EffectReport> {
     let features = learned.trials().last().map_or(learned.hyperparameters().reference, |trial| trial.features);
     let mut humidities: Vec<f64> =
@@ -74,9 +74,9 @@ pub(super) fn less_known(effects: &[EffectReport]) -> String {
     .collect()
 }
 
-/// Condition of the last trial at its lowest humidity that is nearest, in logarithms, to the centre of the flat
-/// sample's conditions; without a trial, that centre at 40 % humidity. Also returns a name for the discrepancy at this
-/// condition.
+/// Of the conditions of the last trial at its lowest humidity, returns the one nearest to the centre of the flat
+/// sample's conditions in ln P and ln v (pressure P, speed v); without a trial, returns this centre at 40 % humidity.
+/// Also returns a name for the discrepancy at the returned condition.
 fn central(learned: &Discrepancy) -> (Load, String) {
     let middle = learned.conditions();
     // Squared distance from the centre P0, v0: d^2 = ln(P / P0)^2 + ln(v / v0)^2

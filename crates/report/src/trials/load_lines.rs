@@ -1,4 +1,4 @@
-//! Friction force against normal force: dF/dN and the load at which the line has no friction.
+//! Lines of friction force against normal force: slope dF/dN, and normal force at which friction vanishes.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -20,13 +20,13 @@ pub struct LoadLineReport {
     pub speed_mm_s: f64,
     /// Relative humidity.
     pub humidity_pct: f64,
-    /// Number of normal forces.
+    /// Number of measurements on the line.
     pub forces: usize,
     /// Slope s = dF/dN.
     pub slope: f64,
     /// Standard error of the slope, from the scatter about the line.
     pub slope_std: f64,
-    /// Normal force N0 on one specimen at which the line has no friction.
+    /// Normal force N0 on one specimen at which the friction of the line is zero.
     pub zero_n: f64,
     /// Standard error of N0.
     pub zero_n_std: f64,

@@ -43,10 +43,10 @@ impl PendingReport {
     }
 }
 
-/// Posterior weight of the stated scatter below which the ledger reports a different scatter.
+/// The ledger reports the posterior scatter if the posterior weight of the stated scatter is below this value.
 const BELIEVED: f64 = 0.5;
 
-/// Scatter of the logarithm of the ratio among samples of one texture, for samples without an individually stated scatter.
+/// Standard deviation of ln(ratio) between samples of one texture, for samples without an individually stated scatter.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ScatterReport {
     /// Stated scatter, or the default if none was stated.
@@ -58,8 +58,8 @@ pub struct ScatterReport {
 }
 
 impl ScatterReport {
-    /// Scatter of samples from the trials of `learned`; `None` if trials cannot change it: stated as zero, or stated
-    /// for every trial.
+    /// Scatter of samples from the trials of `learned`; `None` if trials cannot change the scatter, because it is
+    /// stated as zero or for every trial.
     pub(super) fn of(learned: &Discrepancy) -> Option<Self> {
         let all = learned.scatter_weights();
         let stated = all.first().filter(|_| all.len() > 1)?;
@@ -80,8 +80,9 @@ impl ScatterReport {
 }
 
 impl TrialsReport {
-    /// Makes the ledger of the samples of `task`, of the calibration `name`, from which `learned` is known: with the pending
-    /// samples and the slopes of lands. `doubts` about the input come first among the warnings.
+    /// Makes the ledger of the calibration `name` from the samples of `task` and `learned`, the discrepancy learned
+    /// from these samples, with pending samples and slopes of the land between cavities. `doubts` about the input come
+    /// first among the warnings.
     ///
     /// # Errors
     /// [`Cancelled`] once `monitor` has cancelled.

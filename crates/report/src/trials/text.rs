@@ -11,7 +11,7 @@ use slipgrid_infer::discrepancy::Form;
 use super::effects::less_known;
 use super::{CoverageReport, MeasuredReport, PendingReport, TrialReport, TrialsReport, load_lines};
 
-/// Maximum standard deviation, in per cent, that is stated as a number.
+/// Maximum standard deviation of a ratio, in per cent, that is stated as a number; larger ones are stated in words.
 const MAX_STD_PCT: f64 = 50.0;
 /// Maximum number of ratios listed on the screen; further ratios are only counted.
 const MAX_RATIOS: usize = 8;
@@ -42,7 +42,7 @@ impl TrialsReport {
         format!("{} with {}", counted(self.trials.len(), "trial"), counted(measured, "measured ratio"))
     }
 
-    /// Name, size of the ledger and names of pending samples, in one line.
+    /// States the name of the calibration, the size of the ledger and the names of pending samples, in one line.
     fn heading(&self) -> String {
         format!(
             "{}: {}{}",

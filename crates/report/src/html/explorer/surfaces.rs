@@ -15,7 +15,7 @@ pub const LENGTHS: [&str; 3] = ["width", "spacing", "depth"];
 const FULL_SCALE: f64 = 65_535.0;
 
 /// Coefficients of outputs of a response surface. The coefficients of each output are encoded as 16-bit codes, little
-/// endian, in base64, from the smallest to the largest coefficient of the output.
+/// endian, in base64; code 0 is the smallest coefficient of the output, and 65535 the largest.
 #[derive(Serialize)]
 pub struct Packed {
     /// One entry per output, in order.
