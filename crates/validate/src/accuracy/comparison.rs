@@ -12,10 +12,11 @@ pub const OBSERVABLES: [&str; 3] = ["dynamic mu", "static mu", "ratio"];
 
 /// Minimum significant difference, in standard errors.
 const SIGNIFICANT: f64 = 2.0;
-/// Factor on the smallest distinguishable error: standard errors from a few tens of batches are uncertain by a fifth,
-/// so that closer bounds are not ranked.
+/// Factor on the smallest distinguishable error, because standard errors from a few tens of batches are uncertain by a
+/// fifth: smaller errors count as equal in the ranking.
 const STDERR_UNCERTAINTY: f64 = 1.25;
-/// Wall times count as equal if the shorter over the longer exceeds this value: runs of one method differ by as much.
+/// Wall times count as equal if the ratio of the shorter to the longer exceeds this value: runs of one method differ by
+/// as much.
 const SAME_COST: f64 = 0.9;
 
 /// Method with its wall time and its errors against the reference.
@@ -32,13 +33,13 @@ pub struct Compared {
     pub site_updates: Option<u64>,
     /// Wall time of the timed run on one thread.
     pub wall_s: f64,
-    /// Site updates per second of integration.
+    /// Site updates per second of integration; null for steady runs.
     pub site_updates_per_s: Option<f64>,
     /// Values of dynamic mu, static mu and the ratio patterned over flat; null where a method gives none.
     pub values: [Option<Value>; 3],
 }
 
-/// Mean of an observable over the draws of the local coefficients, and difference from the reference.
+/// Mean of an observable over the random draws of the local coefficients, and difference from the reference.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Value {
     /// The mean.
@@ -47,14 +48,14 @@ pub struct Value {
     pub std: Option<f64>,
     /// Standard error of the mean from batch means within the runs: scatter in time, not between draws.
     pub stderr: Option<f64>,
-    /// Difference from the reference, in per cent.
+    /// Difference from the reference, in per cent; null for the reference, or if the reference lacks the observable.
     pub difference_pct: Option<f64>,
-    /// Standard error of the difference, in per cent.
+    /// Standard error of the difference, in per cent; null if unknown.
     pub difference_stderr_pct: Option<f64>,
-    /// Maximum difference that chance may cause, in per cent.
+    /// Maximum difference that chance may cause, in per cent; null without a standard error.
     pub chance_pct: Option<f64>,
-    /// Whether the method is on the front: no method that gives as many observables is both faster and at least as
-    /// accurate.
+    /// Whether the method is on the Pareto front: no method that gives as many observables is both faster and at least
+    /// as accurate.
     pub is_on_front: bool,
     /// Method that is faster and no less accurate; null if the method is on the front, or takes no part in it.
     pub better: Option<String>,
@@ -74,7 +75,8 @@ impl Value {
 }
 
 /// Compares `methods`, the reference first, by `runs`, one list per method. Returns the smallest distinguishable error
-/// of each observable, in per cent, and the compared methods.
+/// of each observable, in per cent (`None` if the reference gives no standard error of the observable), and the
+/// compared methods.
 pub fn compare(methods: Vec<Method>, runs: &[Vec<Run>]) -> ([Option<f64>; 3], Vec<Compared>) {
     let reference = runs.first().map_or(&[][..], Vec::as_slice);
     let mut compared: Vec<Compared> =

@@ -8,17 +8,17 @@ use slipgrid_model::springblock::{
 
 use super::plan::Method;
 
-/// Runs shorter than this are timed again, and the shortest time counts.
+/// Runs shorter than this, in seconds, are timed again, and the shortest time counts.
 const SHORT_S: f64 = 0.05;
 /// Maximum number of timings of a short run.
 const MAX_TIMINGS: usize = 5;
-/// Minimum estimated time of a run, because the setup of a run takes time as well.
+/// Minimum estimated time of a run, in seconds, because the setup of a run takes time as well.
 const MIN_EXPECTED_S: f64 = 1e-3;
 
 /// Result of one run of a method.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Run {
-    /// Seed of the local coefficients.
+    /// Random seed of the local friction coefficients.
     pub seed: u64,
     /// Status at the end of the run, or the reason why the scene was refused.
     pub status: String,
@@ -26,7 +26,7 @@ pub struct Run {
     pub wall_s: f64,
     /// Blocks times force evaluations, both surfaces; 0 for steady runs.
     pub site_updates: u64,
-    /// Site updates per second of integration.
+    /// Site updates per second of integration; `None` for steady runs.
     pub site_updates_per_s: Option<f64>,
     /// Time step, in seconds; `None` for steady runs.
     pub dt_s: Option<f64>,
@@ -81,7 +81,8 @@ fn record(scene: &Scene, simulation: &Simulation) -> Run {
     }
 }
 
-/// Maximum time step at which the scheme of `scene` is stable on both surfaces; `None` if there is no limit.
+/// Maximum time step, in seconds, at which the integration scheme of `scene` is stable on both surfaces; `None` if
+/// there is no limit.
 pub fn stability_limit_s(scene: &Scene) -> Option<f64> {
     let limit = |mut scene: Scene| {
         scene.run.step_s = Some(f64::MAX);
@@ -95,7 +96,7 @@ pub fn stability_limit_s(scene: &Scene) -> Option<f64> {
     Some(own.min(flat))
 }
 
-/// Scene of `method` for the draw number `seed` of the local coefficients, counted from 0.
+/// Scene of `method` with the random draw `seed` of the local friction coefficients, counted from 0.
 pub fn scene_of(method: &Method, base: &Scene, seed: u64) -> Scene {
     let mut scene = base.clone();
     scene.run.seed = base.run.seed.wrapping_add(seed);

@@ -75,9 +75,9 @@ pub fn expected_wall_s(size: Size, base: &Scene, seeds: u64) -> f64 {
     plan::methods(size, base).iter().map(|method| measure::expected_wall_s(method, base, seeds)).sum()
 }
 
-/// Runs the methods of `size` on the scene `base`, each for `seeds` draws of the local coefficients, and compares them
-/// with the reference. `source` describes the origin of the scene; `machine` is the architecture and the operating
-/// system. Times are measured with the monitor's clock.
+/// Runs the methods of `size` on the scene `base`, each for `seeds` random draws of the local friction coefficients,
+/// and compares them with the reference. `source` describes the origin of the scene; `machine` is the architecture and
+/// the operating system. Times are measured with the monitor's clock.
 ///
 /// # Errors
 /// [`StudyError::Cancelled`] once the monitor has cancelled.

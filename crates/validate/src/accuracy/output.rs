@@ -9,8 +9,8 @@ use super::Accuracy;
 use super::comparison::{Compared, OBSERVABLES, Value};
 use super::plan::Family;
 
-/// Indices of the observables with a front, dynamic mu and the ratio: static friction has no standard error within a
-/// run.
+/// Indices in [`OBSERVABLES`] of the observables with a Pareto front: dynamic mu and the ratio. Static friction has no
+/// front, because one run gives no standard error of static friction.
 const WITH_FRONT: [usize; 2] = [0, 2];
 
 /// Formats the comparison as Markdown.
@@ -58,8 +58,8 @@ pub fn markdown(of: &Accuracy) -> String {
     )
 }
 
-/// Formats the front in the observable with the index `observable`, and states which defaults of the program are on it;
-/// empty if errors cannot be distinguished.
+/// Formats the Pareto front of wall time and error in the observable with the index `observable`, and states which
+/// default methods of the program are on the front; empty if the smallest distinguishable error is unknown.
 fn front(of: &Accuracy, observable: usize) -> String {
     let Some(resolution_pct) = of.resolution_pct[observable] else { return String::new() };
     let ranked = || of.methods.iter().filter_map(|compared| Some((compared, compared.values[observable].as_ref()?)));
@@ -98,7 +98,7 @@ fn error(value: Option<&Value>) -> String {
     format!("{sign}{}{stderr}{chance}", fixed(Some(percent), 2))
 }
 
-/// Formats three significant digits.
+/// Formats `value` with three significant digits, or as a dash if it is not positive.
 fn three_digits(value: f64) -> String {
     if value <= 0.0 {
         return "-".to_owned();

@@ -109,7 +109,7 @@ impl Size {
 
 /// Time step near the stability limit, relative to the limit.
 const NEAR_LIMIT: f64 = 0.97;
-/// Relative standard error of mu at which shortened runs stop, as for the confirming runs of `optimize`.
+/// Relative standard error of mu at which shortened runs stop, as in the runs by which `optimize` confirms designs.
 const STOP_STDERR: f64 = 0.001;
 /// Minimum share of the travel after which shortened runs stop.
 const STOP_TRAVEL_SHARE: f64 = 0.2;

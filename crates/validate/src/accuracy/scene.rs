@@ -53,8 +53,8 @@ pub fn paper_scene() -> Result<Scene, StudyError> {
     })
 }
 
-/// Base scene that all methods change: the whole specimen by the paper's scheme, at the first load of `scene`. Seed,
-/// travel, damping and lift-off are taken from `scene`.
+/// Base scene that all methods change: the whole specimen by the paper's integration scheme, at the first load of
+/// `scene`. Seed, travel, damping and lift-off are taken from `scene`.
 pub fn base(scene: &Scene) -> Scene {
     let run = RunOptions {
         fidelity: Fidelity::Reference,

@@ -37,8 +37,8 @@ pub struct Figures<'a> {
 }
 
 impl Figures<'_> {
-    /// Adds the pictures and tables of their numbers to `outputs`; returns the results of the transient run, `None` if
-    /// no run was requested.
+    /// Adds the pictures, and tables of the drawn numbers, to `outputs`. Returns the results of the transient run;
+    /// `None` if no run was requested.
     ///
     /// # Errors
     /// [`StudyError`] if the numbers make no valid scene or a picture cannot be drawn.
@@ -86,8 +86,8 @@ impl Figures<'_> {
         (PRESSURE_MPA.from_si(self.heaviest.pressure_pa) * 1e3).round() / 1e3
     }
 
-    /// Scene of the highest load on `pattern`. The local coefficients are such that the flat surface has the measured
-    /// friction in steady sliding.
+    /// Scene with `pattern` at the highest compared load. The local coefficients are such that the flat surface has the
+    /// measured friction in steady sliding.
     fn scene(&self, pattern: Pattern, fidelity: Fidelity, extent: Extent) -> Result<Scene, StudyError> {
         let body = self.task.body();
         let mut scene = scene(body, self.surface.given(), pattern, &[self.heaviest])?;
@@ -238,8 +238,8 @@ const RATIOS: &str = "force_n,pressure_mpa,speed_mm_s,humidity_pct,mu_flat,mu_fl
                       ratio_amontons_coulomb,depth_um,slope_factor,rms_slope,area_law_factor,dynamic_mean,ratio_groove,ratio_groove_std,\
                       ratio_square,ratio_square_std,ratio_square_estimate";
 
-/// Formats the results as CSV: one row per condition and slope factor, and one row per condition for the measured
-/// depth.
+/// Formats the results as CSV: one row per condition and slope factor, and one row per condition for the measured depth
+/// if it differs from the modelled depth.
 fn ratios_csv(report: &ValidationReport) -> String {
     let mut text = format!("{RATIOS}\n");
     for (row, depth_um, modelled) in solutions(report) {
@@ -253,7 +253,7 @@ fn ratios_csv(report: &ValidationReport) -> String {
     text
 }
 
-/// Formats a number with the fewest digits that represent it exactly; an unknown number gives empty text.
+/// Formats a number with the fewest digits that read back as the same number; an unknown number gives empty text.
 pub fn or_empty(value: Option<f64>) -> String {
     value.map_or_else(String::new, |value| value.to_string())
 }

@@ -23,8 +23,8 @@ use slipgrid_io::formats::surface::Surface;
 /// Random seed of the flat sample's local coefficients in the fit of a pressure scale, as for `calibrate` and `trials`.
 const FIT_SEED: u64 = 1;
 
-/// Area law of the surface with all heights multiplied by one factor, and its contact area, one number per pressure; without
-/// a surface there are no pressures.
+/// Area law of the surface with all heights multiplied by one factor, and the contact area at each tabulated pressure;
+/// without a surface, the lists of pressures and areas are empty.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ScaledLaw {
     /// Factor on heights and slopes of the surface.
@@ -235,8 +235,8 @@ fn tabulated_pa(factor: f64) -> impl Iterator<Item = [f64; 2]> {
     })
 }
 
-/// Contact area of the surface with heights scaled by `factor` at the tabulated pressures, from the `curve` of the
-/// unscaled surface.
+/// Contact area of the surface with heights scaled by `factor`, at the tabulated pressures, from the contact-area
+/// `curve` of the unscaled surface.
 fn scaled(curve: &[AreaPoint], factor: f64) -> Vec<AreaPoint> {
     tabulated_pa(factor)
         .filter_map(|[pressure_pa, unscaled_pa]| {

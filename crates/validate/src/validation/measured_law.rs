@@ -12,7 +12,8 @@ use slipgrid_infer::calibrate::Measurement;
 use slipgrid_io::formats::calibration::Calibration;
 
 /// Modelled ratios of `pattern` at each of `pairs`, with the flat measurements at the speed and humidity of the pair as
-/// the local law. One ratio per extrapolation; none if these measurements have a single pressure.
+/// the local law. Returns one list per pair, with one ratio per extrapolation of the law beyond the measured pressures;
+/// a list is empty if these measurements have a single pressure.
 ///
 /// # Errors
 /// [`StudyError`] if the numbers make no valid scene.
@@ -49,8 +50,8 @@ pub fn ratios(
     Ok(found)
 }
 
-/// Local laws from the flat measurements at the speed and humidity of `measured`, one per extrapolation; none if these
-/// measurements have a single pressure.
+/// Local laws from the flat measurements at the speed and humidity of `measured`, one per extrapolation beyond the
+/// measured pressures; empty if these measurements have a single pressure.
 fn laws(calibration: &Calibration, measured: &Measurement) -> Vec<(Extrapolation, AreaLaw)> {
     let mut rows: Vec<[f64; 2]> = calibration
         .stated

@@ -48,7 +48,7 @@ pub struct ValidationTask<'a> {
     pub path: &'a Path,
     /// Measurements on flat and on patterned samples.
     pub calibration: &'a Calibration,
-    /// Name of the trial whose measurements replace the patterned samples'; `None` to compare the patterned samples.
+    /// Name of the trial whose measurements are compared; `None` to compare the calibration's patterned samples.
     pub trial: Option<String>,
     /// Pattern of the patterned samples at the modelled and at the measured depth, as grooves.
     pub patterns: Patterns,

@@ -58,7 +58,7 @@ pub fn knowledge(modulus_relative_std: Option<f64>, law: Option<&AreaLaw>, point
 /// Pattern and area law of a model that is solved at every measurement.
 #[derive(Clone, Copy, Debug)]
 pub struct Case<'a> {
-    /// Pattern, as grooves.
+    /// Pattern with grooves as cavities.
     pub pattern: Pattern,
     /// Area law; `None` for Amontons-Coulomb.
     pub law: Option<&'a AreaLaw>,
@@ -75,11 +75,11 @@ pub struct Prediction {
     pub outcome: CellOutcome,
     /// Solution for square cavities with equal lengths, in three dimensions.
     pub squares: CellOutcome,
-    /// Change of the ratio of grooves and of squares if the specimen has the thickness of the source; `None` if the
-    /// whole specimen is modelled already, or without a ratio.
+    /// Changes of the friction ratios with grooves and with squares if the whole thickness of the source's specimen is
+    /// modelled instead of a layer; `None` if the whole specimen is modelled already, or if a solution gives no ratio.
     pub thick: [Option<f64>; 2],
-    /// Uncertainty of the ratio of grooves and of squares from Young's modulus and measured flat friction; `None` if it
-    /// cannot be computed.
+    /// Uncertainties of the friction ratios with grooves and with squares, due to Young's modulus and measured flat
+    /// friction; `None` if they cannot be computed.
     pub errors: [Option<Deviations>; 2],
 }
 

@@ -30,7 +30,7 @@ pub struct MeasuredReport {
     pub mu_patterned: f64,
     /// Standard deviation of `mu_patterned`.
     pub mu_patterned_std: f64,
-    /// Ratio patterned over flat.
+    /// Ratio of patterned to flat friction.
     pub ratio: f64,
     /// Standard deviation of the ratio.
     pub ratio_std: f64,
@@ -42,7 +42,7 @@ pub struct RatioReport {
     /// Measured friction of both samples.
     #[serde(flatten)]
     pub measured: MeasuredReport,
-    /// Modelled ratio of grooves without an area law; null if the solution did not converge.
+    /// Modelled ratio with grooves, without an area law; null if the solution did not converge.
     pub ratio_amontons_coulomb: Option<f64>,
     /// Modelled ratios, one per slope factor.
     pub modelled: Vec<ModelledRatio>,
@@ -60,9 +60,11 @@ pub struct RatioReport {
 pub struct MeasuredLawRatio {
     /// Extrapolation of the law above the last measured pressure: `constant` or `logarithmic`.
     pub extrapolation: &'static str,
-    /// Ratio of the pattern as grooves; null if the solution did not converge.
+    /// Friction of the patterned over the flat surface, with grooves as cavities; null if the solution did not
+    /// converge.
     pub ratio_groove: Option<f64>,
-    /// Ratio of square cavities with equal lengths, in three dimensions; null if the solution did not converge.
+    /// Friction of the patterned over the flat surface, with square cavities of equal lengths, in three dimensions;
+    /// null if the solution did not converge.
     pub ratio_square: Option<f64>,
 }
 
@@ -77,30 +79,32 @@ pub struct ModelledRatio {
     pub area_law_factor: f64,
     /// Local dynamic coefficient: measured flat friction over the area factor f.
     pub dynamic_mean: f64,
-    /// Ratio of the pattern as grooves; null if the solution did not converge.
+    /// Friction of the patterned over the flat surface, with grooves as cavities; null if the solution did not
+    /// converge.
     pub ratio_groove: Option<f64>,
-    /// Standard deviation of `ratio_groove`.
+    /// Standard deviation of `ratio_groove`; null if unknown.
     pub ratio_groove_std: Option<f64>,
-    /// Standard deviation of the groove's friction coefficient, ratio times flat friction.
+    /// Standard deviation of the friction coefficient with grooves, which is the ratio times measured flat friction.
     pub mu_groove_std: Option<f64>,
-    /// Ratio of square cavities with equal lengths, in three dimensions; null if the solution did not converge.
+    /// Friction of the patterned over the flat surface, with square cavities of equal lengths, in three dimensions;
+    /// null if the solution did not converge.
     pub ratio_square: Option<f64>,
-    /// Standard deviation of `ratio_square`.
+    /// Standard deviation of `ratio_square`; null if unknown.
     pub ratio_square_std: Option<f64>,
-    /// Standard deviation of the squares' friction coefficient, ratio times flat friction.
+    /// Standard deviation of the friction coefficient with squares, which is the ratio times measured flat friction.
     pub mu_square_std: Option<f64>,
-    /// Estimate of the squares' ratio from the groove's ratio, with the strips between rows of cavities counted as
-    /// flat.
+    /// Estimate of the ratio with squares from `ratio_groove`, with the strips between rows of cavities counted as
+    /// flat; null without `ratio_groove`.
     pub ratio_square_estimate: Option<f64>,
-    /// Change of the groove's ratio if the specimen has the thickness of the source, 7 mm, not only a layer; null if
-    /// the whole specimen is modelled.
+    /// Change of `ratio_groove` if the source's whole specimen, 7 mm thick, is modelled instead of a layer; null if the
+    /// whole specimen is modelled already.
     pub ratio_groove_thick_difference: Option<f64>,
-    /// Change of the squares' ratio if the specimen has the thickness of the source, not only a layer; null if the
-    /// whole specimen is modelled.
+    /// Change of `ratio_square` if the source's whole specimen, 7 mm thick, is modelled instead of a layer; null if the
+    /// whole specimen is modelled already.
     pub ratio_square_thick_difference: Option<f64>,
-    /// Maximum local pressure of grooves; it increases as blocks shrink.
+    /// Maximum local pressure with grooves; it increases as blocks shrink.
     pub peak_pressure_mpa: f64,
-    /// Maximum local pressure of squares.
+    /// Maximum local pressure with squares; it increases as blocks shrink.
     pub peak_pressure_square_mpa: f64,
     /// Number of contact blocks under tension, grooves and squares together.
     pub tension_blocks: usize,
@@ -179,7 +183,7 @@ impl RatioReport {
         self.at_slope(1.0)
     }
 
-    /// Modelled ratio of grooves for the surface as given; `None` if the solution did not converge.
+    /// Modelled ratio with grooves for the surface as given; `None` if the solution did not converge.
     pub fn groove(&self) -> Option<f64> {
         self.given()?.ratio_groove
     }

@@ -105,7 +105,8 @@ pub struct PublishedReport {
     pub here: String,
 }
 
-/// Results of a transient run at one load: whole sample as grooves, from rest.
+/// Results of a transient run at one load: whole sample as grooves, from rest. Friction is null where the run gives
+/// none, for the reason that the status states.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TimeReport {
     /// Nominal pressure.
@@ -124,24 +125,25 @@ pub struct TimeReport {
     pub mu_flat: Option<f64>,
     /// Standard error of `mu_flat` as an average over time.
     pub mu_flat_stderr: Option<f64>,
-    /// Standard deviation of `mu_flat` from the time average, draws of the local coefficients, and measured friction.
+    /// Standard deviation of `mu_flat` from the time average, random draws of the local coefficients, and measured
+    /// friction.
     pub mu_flat_std: Option<f64>,
     /// Static peak at the onset of sliding, flat surface.
     pub mu_static_flat: Option<f64>,
-    /// Standard deviation of `mu_static_flat` between draws of the local coefficients.
+    /// Standard deviation of `mu_static_flat` between random draws of the local coefficients.
     pub mu_static_flat_std: Option<f64>,
     /// Dynamic friction of the patterned surface.
     pub mu_patterned: Option<f64>,
     /// Standard error of `mu_patterned` as an average over time.
     pub mu_patterned_stderr: Option<f64>,
-    /// Standard deviation of `mu_patterned` from the time average, draws of the local coefficients, measured friction,
-    /// and Young's modulus.
+    /// Standard deviation of `mu_patterned` from the time average, random draws of the local coefficients, measured
+    /// friction, and Young's modulus.
     pub mu_patterned_std: Option<f64>,
     /// Static peak at the onset of sliding, patterned surface.
     pub mu_static_patterned: Option<f64>,
-    /// Standard deviation of `mu_static_patterned` between draws of the local coefficients.
+    /// Standard deviation of `mu_static_patterned` between random draws of the local coefficients.
     pub mu_static_patterned_std: Option<f64>,
-    /// Ratio patterned over flat.
+    /// Ratio of patterned to flat dynamic friction.
     pub ratio: Option<f64>,
     /// Standard error of the ratio as an average over time.
     pub ratio_stderr: Option<f64>,

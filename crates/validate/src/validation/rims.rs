@@ -31,7 +31,7 @@ const BLOCK_M: f64 = 5e-6;
 /// Modelled ratios with rims of several heights and widths, and measured ratios.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RimsReport {
-    /// Nominal pressures.
+    /// Nominal pressures; all lists of ratios have one ratio per pressure.
     pub pressure_mpa: Vec<f64>,
     /// Measured ratios.
     pub measured: Vec<f64>,
@@ -41,7 +41,7 @@ pub struct RimsReport {
     pub depth_um: f64,
     /// Size of the contact blocks.
     pub block_um: f64,
-    /// Maximum change of a groove's ratio with blocks of half the size; null if no solution converged.
+    /// Maximum change of a ratio with grooves if blocks have half the size; null if no solution converged.
     pub block_error: Option<f64>,
     /// Rows of the table, one per planform, rim width and rim height.
     pub rows: Vec<RimsRow>,

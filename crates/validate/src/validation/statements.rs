@@ -118,7 +118,7 @@ fn trend(report: &ValidationReport) -> Option<String> {
 }
 
 /// Describes the ratios by the area law and by measured flat friction as the local law, and the measurements that would
-/// discriminate between the two; `None` if one gives no ratio.
+/// discriminate between the two; `None` if either law gives no ratio.
 fn two_laws(report: &ValidationReport) -> Option<String> {
     let by_measured_law =
         |row: &RatioReport| row.measured_law.iter().filter_map(|law| law.ratio_groove).collect::<Vec<_>>();

@@ -19,15 +19,20 @@ pub struct Summary {
     /// Modelled over measured mean reduction, as grooves and for the surface as given; null if the pattern did not
     /// reduce friction or a solution did not converge.
     pub explained_by_grooves: Option<f64>,
-    /// Modelled over measured mean reduction, as square cavities in three dimensions.
+    /// Modelled over measured mean reduction, as square cavities in three dimensions; null for the reasons that hold
+    /// for `explained_by_grooves`.
     pub explained_by_squares: Option<f64>,
-    /// Modelled over measured mean reduction, as squares by the strip estimate.
+    /// Modelled over measured mean reduction, as squares by the strip estimate; null for the reasons that hold for
+    /// `explained_by_grooves`.
     pub explained_by_strip_estimate: Option<f64>,
-    /// Mean change of the groove's ratio from the modelled to the measured depth.
+    /// Mean change of the ratio with grooves from the modelled to the measured depth; null if both depths are equal or
+    /// a solution did not converge.
     pub ratio_change_at_measured_depth: Option<f64>,
-    /// Mean change of the squares' ratio from the modelled to the measured depth.
+    /// Mean change of the ratio with squares from the modelled to the measured depth; null if both depths are equal or
+    /// a solution did not converge.
     pub square_ratio_change_at_measured_depth: Option<f64>,
-    /// Change of the groove's ratio, from the modelled to the measured depth, that has the largest magnitude.
+    /// Change of the ratio with grooves, from the modelled to the measured depth, that has the largest magnitude over
+    /// all conditions; null if the mean change is null.
     pub largest_ratio_change_at_measured_depth: Option<f64>,
 }
 
