@@ -1,9 +1,9 @@
 //! Ctrl-C handling: the first one ends a run as soon as the current stage notices it, the second one at once.
 //!
 //! The handler sets a flag, which long loops poll through their monitor (`progress::Job`) and through the models that
-//! searches call. A stage that does not notice it in time is ended by the handler. Writing in progress is finished or
-//! undone first, so that no file is half written. Only the second Ctrl-C may leave an unfinished file, which a later
-//! run removes.
+//! searches call. A stage that does not notice the flag in time is ended by the handler. Writing in progress is
+//! finished or undone first, so that no file is half written. Only the second Ctrl-C may leave an unfinished file,
+//! which a later run removes.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -33,7 +33,7 @@ struct Account {
     written: Vec<PathBuf>,
     /// Path, number and description of results that are kept even if the run is interrupted.
     kept: Option<(PathBuf, usize, &'static str)>,
-    /// Command that resumes from the kept results.
+    /// Command that resumes from the kept results, if one can.
     goes_on: Option<String>,
 }
 

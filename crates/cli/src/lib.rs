@@ -69,11 +69,12 @@ pub struct Console<'a> {
     pub quiet: bool,
     /// Number of computing threads.
     pub threads: usize,
-    /// Cache of results of earlier runs.
+    /// Cache of results of earlier runs; `None` without a cache.
     pub kept: Option<KeptResults>,
     /// `--no-cache` disabled the cache.
     pub no_cache: bool,
-    /// Monitor of the caller, which follows progress and may cancel the command, as Ctrl-C does: the studio's page.
+    /// Monitor of the caller, which follows progress and may cancel the command, as Ctrl-C does; `None` outside the
+    /// studio.
     pub watcher: Option<&'a dyn Monitor>,
 }
 

@@ -16,7 +16,7 @@ use slipgrid_design::{Answer, Evaluation, EvaluationCache, Fault, LARGEST};
 use crate::interruption;
 use slipgrid_io::formats::Diagnostic;
 
-/// Line of the study file: one design with the model's answer, or with the reason why there is none.
+/// Line of the study file: one design with the model's results, or with the reason why it has none.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Line {
@@ -41,7 +41,7 @@ pub struct StudyFile {
     /// Reuses the results in the file; otherwise the file is replaced at the first new result.
     resume: bool,
     writer: Mutex<Option<Writer>>,
-    /// Error that refused the file, with its line.
+    /// Error for which the file was refused, with the line of the file; `None` if it was not refused.
     refused: Option<Diagnostic>,
 }
 
@@ -52,7 +52,7 @@ impl StudyFile {
         Self { path, resume, writer: Mutex::new(None), refused: None }
     }
 
-    /// Error that refused the file, with its line.
+    /// Error for which the file was refused, with the line of the file; `None` if it was not refused.
     pub const fn refused(&self) -> Option<&Diagnostic> {
         self.refused.as_ref()
     }
@@ -118,7 +118,7 @@ struct Writer {
     /// Number of results in the file.
     answers: usize,
     header: String,
-    /// Bytes of complete lines in a resumed file; `None` for a new file.
+    /// Number of bytes in the complete lines of a resumed file; `None` for a new file.
     whole: Option<u64>,
     file: Option<File>,
 }

@@ -13,7 +13,7 @@ use crate::progress::Job;
 use crate::{CliError, Console, exit_code};
 use slipgrid_io::disk::disk;
 
-/// Solves the surface and writes the page.
+/// Computes the predictions and writes the page.
 pub fn run(args: &ExploreArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
     let is_folder = args.output.is_dir() || args.output.extension().is_none();
     let output = if is_folder { args.output.join("explore.html") } else { args.output.clone() };

@@ -65,7 +65,7 @@ fn refuse(error: MapError) -> Diagnostic {
     Diagnostic { reason: error.to_string(), ..Diagnostic::default() }
 }
 
-/// Cavities requested by the flags.
+/// Cavities requested by the flags; `None` without `--cavities`.
 fn pattern(args: &SynthesizeArgs) -> Result<Option<CutPattern>, Diagnostic> {
     let Some(lengths_um) = args.cavities else { return Ok(None) };
     let [width_m, spacing_m, depth_m] = lengths_um.map(|length_um| checked("--cavities", length_um, LENGTH_UM));
@@ -86,7 +86,7 @@ fn pattern(args: &SynthesizeArgs) -> Result<Option<CutPattern>, Diagnostic> {
     }))
 }
 
-/// Rims requested by the flags.
+/// Rims requested by the flags; `None` without `--rims`.
 fn rim(args: &SynthesizeArgs) -> Result<Option<CutRim>, Diagnostic> {
     let Some([height_um, width_um]) = args.rims else { return Ok(None) };
     Ok(Some(CutRim {
