@@ -23,7 +23,7 @@ pub enum Failure {
     Failed(String),
     /// Exception for work that was cancelled without a Python exception.
     Stopped,
-    /// Any exception.
+    /// Any other exception.
     Raised(PyErr),
 }
 

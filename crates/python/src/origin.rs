@@ -125,15 +125,15 @@ impl Files for Anchored {
 /// Input for a scene, design or calibration: its text, if it is not to be read from a file; contents of objects in the
 /// text by path; and for a copy whether the text came from a file, and all files that it reads.
 pub struct Given {
-    /// Text of the object.
+    /// Text of the object; `None` to read it from its file.
     pub text: Option<String>,
-    /// Contents by path.
+    /// Contents of the objects in the text, by path; `None` without such objects.
     pub objects: Option<Contents>,
-    /// Whether the text came from a file, and contents by path.
+    /// For a copy: whether the text came from a file, and contents of all its files by path.
     pub copied: Option<(bool, Contents)>,
 }
 
-/// Arguments from which a copy is made: text, path, no objects, and what `copied` takes.
+/// Arguments from which a copy is made: text, path, no objects, and the value of `copied`.
 pub type Parts = (String, OsString, Option<Contents>, (bool, Contents));
 
 /// Text and files that an object was read from.

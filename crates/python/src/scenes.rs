@@ -40,7 +40,7 @@ pub struct Scene {
     extent: Option<String>,
 }
 
-/// Arguments from which a copy is made: text, path, `fidelity`, `extent`, no objects, and what `copied` takes.
+/// Arguments from which a copy is made: text, path, `fidelity`, `extent`, no objects, and the value of `copied`.
 type Parts<'a> = (String, OsString, Option<&'a str>, Option<&'a str>, Option<Contents>, (bool, Contents));
 
 /// A solved scene.
@@ -249,8 +249,7 @@ impl SteadyCell {
         Ok(groups)
     }
 
-    /// Loads by the bits of their pressures in MPa, each with the dynamic friction coefficient of the flat surface in
-    /// time.
+    /// Loads by the bits of their pressures in MPa, each with the dynamic friction coefficient of the flat surface.
     fn loads(
         &self,
         py: Python<'_>,

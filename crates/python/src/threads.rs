@@ -76,7 +76,8 @@ pub fn in_pool<T: Send>(py: Python<'_>, work: impl FnOnce() -> T + Send) -> PyRe
     Ok(py.detach(|| pool.install(work)))
 }
 
-/// The pool of this process.
+/// The thread pool of this process, started at the first call. A [`Busy`] is required so that no pool of a forked
+/// parent is used.
 pub fn pool(_busy: &Busy) -> PyResult<Arc<ThreadPool>> {
     let mut pool = POOL.lock().unwrap_or_else(PoisonError::into_inner);
     if let Some(made) = &pool.made {
