@@ -30,7 +30,8 @@ pub struct AtWith {
     calibration: Option<String>,
 }
 
-/// Indices of the samples with which a curve is drawn: all, or the lowest and the highest of every stretch of samples.
+/// Indices of the samples with which a curve is drawn: all, or the samples of lowest and highest value in every
+/// stretch.
 fn thinned(values: &[f64]) -> Vec<usize> {
     if values.len() <= MAX_POINTS {
         return (0..values.len()).collect();
@@ -164,7 +165,7 @@ fn averaged_condition(traces: &ConditionTraces) -> Value {
     })
 }
 
-/// Answers with the averaged traces of a calibration, as far as they can be read.
+/// Answers with the averaged traces of a calibration, as far as they can be read, and with the first error.
 pub async fn averaged(Query(of): Query<OfCalibration>) -> Answer<Value> {
     aside(move || {
         let path = inside(&of.calibration)?;

@@ -62,7 +62,8 @@ impl Guard {
         host == format!("127.0.0.1:{}", self.port) || host == format!("localhost:{}", self.port)
     }
 
-    /// Refuses requests whose `Host` is not this server, and requests from pages of other sites.
+    /// Refuses requests whose `Host` is not this server, and requests from pages of other sites except links that open
+    /// this page.
     fn check(&self, headers: &HeaderMap) -> Result<(), Refused> {
         let refused = |reason: &str| Err(Refused(StatusCode::FORBIDDEN, reason.to_owned()));
         if !text(headers, HOST).is_some_and(|host| self.is_own_host(host)) {

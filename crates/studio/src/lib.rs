@@ -50,7 +50,7 @@ pub type Runner = dyn Fn(&[String], &mut (dyn Write + Send), &mut (dyn Write + S
 pub struct Program {
     /// Runs the commands of the page.
     pub run: Box<Runner>,
-    /// Cache of results of earlier runs.
+    /// Cache of results of earlier runs; `None` without a cache.
     pub kept: Option<KeptResults>,
     /// Number of computing threads.
     pub threads: usize,
@@ -72,7 +72,7 @@ pub enum StudioError {
 
 /// Name of the file that keeps a second server out of the folder.
 const LOCK: &str = ".slipgrid-studio.lock";
-/// Number of threads that answer requests; computations have their own.
+/// Number of threads that answer requests; computations have separate threads.
 const ANSWERING_THREADS: usize = 2;
 /// Interval at which [`serve`] checks whether to stop.
 const STOP_INTERVAL: Duration = Duration::from_millis(100);

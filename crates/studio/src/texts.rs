@@ -113,7 +113,7 @@ pub async fn read(Query(at): Query<At>) -> Answer<Value> {
     .await
 }
 
-/// A text to write: it replaces the text with the digest `digest`, or is a new file without one.
+/// A text to write: it replaces the text with the digest `digest`; without a digest it becomes a new file.
 #[derive(Deserialize)]
 pub struct Written {
     text: String,
