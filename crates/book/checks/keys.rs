@@ -51,7 +51,7 @@ impl<'a> Key<'a> {
         self.schema["description"].as_str().unwrap_or_default()
     }
 
-    /// Default of the key according to its description: the words before "when absent".
+    /// Default of the key according to its description: the words before "when absent"; `None` without these words.
     #[must_use]
     pub fn default(&self) -> Option<&'a str> {
         let (before, _) = self.meaning().split_once(" when absent")?;
@@ -85,7 +85,7 @@ impl<'a> Key<'a> {
         found.filter(|_| is_of_numbers(self.schema)).map_or("", |(_, unit)| unit)
     }
 
-    /// Schema of the table that the key holds, or of the tables in its list.
+    /// Schema of the table that the key holds, or of the tables in its list; `None` for other values.
     #[must_use]
     pub fn table(&self) -> Option<&'a Value> {
         table_in(self.schema)

@@ -100,7 +100,8 @@ fn names(range: &str) -> Option<Vec<&str>> {
     names.into_iter().map(|name| name.strip_prefix('"')?.strip_suffix('"').filter(|name| !name.contains('"'))).collect()
 }
 
-/// Default of `key` in words, such as "0.05", "`round`" or "false", as a value.
+/// Converts the default of `key` in words, such as "0.05", "`round`" or "false", to a value; `None` if the words are no
+/// plain value.
 #[must_use]
 pub fn default(key: &Key<'_>) -> Option<Value> {
     let (words, has) = (key.default()?, |kind| has_type(key.schema, kind));
