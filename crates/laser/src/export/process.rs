@@ -2,6 +2,7 @@
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use slipgrid_base::units::LENGTH_UM;
 use slipgrid_model::pattern::{Pattern, Planform, TextureRecord};
 
 use crate::export::removal::removed_volume_m3;
@@ -112,7 +113,7 @@ pub struct PatternSheet {
     pub pitch_across_um: Option<f64>,
     /// Depth, in um.
     pub depth_um: f64,
-    /// Shape, arrangement, directions, and rims of cavities of this depth.
+    /// Shape, arrangement, directions and rims; the height of rims is that at this depth.
     #[serde(flatten)]
     pub texture: TextureRecord,
     /// Origin of the rim dimensions; absent without rims.
@@ -146,6 +147,10 @@ impl From<&Pattern> for PatternSheet {
     fn from(pattern: &Pattern) -> Self {
         let rim = pattern.texture().rim().filter(|rim| rim.stands());
         let apart_m = pattern.pitch_across_m().filter(|&pitch_m| pitch_m != pattern.pitch_m());
+        let record = TextureRecord::from(pattern);
+        let nanometre = |um: f64| micrometres(LENGTH_UM.to_si(um));
+        let rounded = |um: Option<f64>| um.map(nanometre);
+        let corners = record.vertices_um.iter().flatten().map(|corner| corner.map(nanometre)).collect();
         Self {
             width_um: micrometres(pattern.width_m()),
             spacing_um: micrometres(pattern.spacing_m()),
@@ -153,9 +158,14 @@ impl From<&Pattern> for PatternSheet {
             pitch_across_um: apart_m.map(micrometres),
             depth_um: micrometres(pattern.depth_m()),
             texture: TextureRecord {
+                length_um: rounded(record.length_um),
+                vertices_um: record.vertices_um.as_ref().map(|_| corners),
+                spacing_across_um: apart_m.and(pattern.spacing_across_m()).map(micrometres),
                 rim_height_um: rim.map(|_| micrometres(pattern.rim_height_m())),
                 rim_heights_um: None,
-                ..pattern.into()
+                rim_width_um: rounded(record.rim_width_um),
+                rim_height_std_um: rounded(record.rim_height_std_um),
+                ..record
             },
             rim_basis: rim.map(|_| RIM_BASIS.to_owned()),
             areal_density: round_digits(pattern.areal_density(), DERIVED_DIGITS),
@@ -176,6 +186,7 @@ impl ProcessSheet {
         }
         let pattern = layout.pattern();
         let rim = pattern.texture().rim().filter(|rim| rim.stands());
+        let face = SpecimenRecord::from(&Specimen { outline: *layout.outline(), is_clipped: layout.is_clipped() });
         Ok(Self {
             name,
             program: "slipgrid".to_owned(),
@@ -186,7 +197,7 @@ impl ProcessSheet {
             pattern: PatternSheet::from(pattern),
             tolerances,
             specimen: SpecimenSheet {
-                face: SpecimenRecord::from(&Specimen { outline: *layout.outline(), is_clipped: false }),
+                face: SpecimenRecord { cavities: None, ..face },
                 at_the_rim: if layout.is_clipped() { "cavities are cut" } else { "whole cavities only" }.to_owned(),
                 arrangement: arrangement(layout),
                 cavities: layout.cavities(),

@@ -30,14 +30,14 @@ pub struct TextureRecord {
     /// `square`, `staggered` or `hexagonal`; `square` when absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub arrangement: Option<String>,
-    /// Angle of grooves (of the first family of crossing grooves) from the direction across the specimen's x axis; 0
-    /// when absent.
+    /// Angle of grooves (of the first family of crossing grooves) from the direction across the specimen's x axis,
+    /// anticlockwise; 0 when absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub angle_deg: Option<f64>,
-    /// Angle of the second family of crossing grooves from the first; 90 when absent.
+    /// Angle of the second family of crossing grooves from the first, anticlockwise; 90 when absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub crossing_angle_deg: Option<f64>,
-    /// Angle of the sliding direction from the specimen's x axis; 0 when absent.
+    /// Angle of the sliding direction from the specimen's x axis, anticlockwise; 0 when absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sliding_angle_deg: Option<f64>,
     /// Height of the rims at the edges of cavities, for any depth; no rims when neither `rim_height_um` nor

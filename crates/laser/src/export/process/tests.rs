@@ -3,7 +3,7 @@
 use super::*;
 use crate::export::Outline;
 use crate::export::work::spots_along;
-use slipgrid_model::pattern::{Arrangement, Rim, RimProfile, Texture};
+use slipgrid_model::pattern::{Arrangement, Polygon, Rim, RimProfile, Texture};
 
 /// Laser and pattern of Balestra et al., J. Tribol. 144, 031704, Sec. "Laser patterning"; the repetition rate is an
 /// assumption.
@@ -115,6 +115,26 @@ fn sheets_of_every_kind_read_back_and_name_what_is_not_plain() {
     let sheet = ProcessSheet::new(&Layout::new(pattern, DISC).unwrap(), input(None)).unwrap();
     assert_eq!(sheet.pattern.texture.angle_deg, Some(33.3));
     assert!(sheet.specimen.arrangement.starts_with("grooves turned by 33.3 degrees from lying across x, one"));
+}
+
+#[test]
+fn dimensions_are_rounded_to_a_nanometre_and_rows_state_their_gap() {
+    let corners: Vec<[f64; 2]> =
+        (0..6).map(|k| (f64::from(k) * std::f64::consts::FRAC_PI_3).sin_cos().into()).collect();
+    let hexagon = Texture::new(Planform::Polygon).with_outline(Polygon::new(&corners).unwrap()).unwrap();
+    let hexagon = hexagon.with_arrangement(Arrangement::Hexagonal).unwrap();
+    let rim = Rim::new(1e-6 / 3.0, 1e-5 / 3.0, RimProfile::Flat).unwrap();
+    let pattern = Pattern::new(hexagon.with_rim(rim), 1e-4 / 3.0, 2e-4 / 3.0, 5.2e-6).unwrap();
+    let sheet = ProcessSheet::new(&Layout::clipped(pattern, DISC).unwrap(), input(None)).unwrap();
+    let text = sheet.to_toml().unwrap();
+    let digits = |number: &str| number.trim_start_matches(['0', '.']).chars().filter(char::is_ascii_digit).count();
+    let numbers = text.split(|letter: char| !(letter.is_ascii_digit() || ".e-".contains(letter)));
+    let long: Vec<&str> = numbers.filter(|number| number.parse::<f64>().is_ok() && digits(number) > 8).collect();
+    assert!(long.is_empty(), "{long:?}");
+    let own = (sheet.pattern.texture.spacing_across_um, sheet.pattern.pitch_across_um);
+    assert_eq!(own, (pattern.spacing_across_m().map(micrometres), pattern.pitch_across_m().map(micrometres)));
+    assert_eq!(sheet.specimen.at_the_rim, "cavities are cut");
+    assert!(text.contains(&format!("cavities = {}", sheet.specimen.cavities)) && !text.contains("clipped"), "{text}");
 }
 
 #[test]
