@@ -359,6 +359,22 @@ fn a_page_explores_a_design_or_a_material_before_any_search() {
         assert!(page == "explore.html" || !text.contains("Hatched"), "{page}");
         assert!(text.contains("\"flat_mu\":[0.27") || page == "explore.html", "{page}");
     }
+    // The order in which a target lists its pressures does not matter to the sliders.
+    let data = |page: &str| -> serde_json::Value {
+        let text = std::fs::read_to_string(place.path(page)).unwrap();
+        let from = text.find("id=\"explorer-data\"").unwrap();
+        let from = from + text[from..].find('>').unwrap() + 1;
+        serde_json::from_str(&text[from..from + text[from..].find("</script>").unwrap()]).unwrap()
+    };
+    for (file, listed) in [("up.toml", "[0.65, 1.3, 2.6]"), ("mixed.toml", "[2.6, 0.65, 1.3]")] {
+        let design = small().replace("pressure_mpa = [0.65, 2.6]", &format!("pressure_mpa = {listed}"));
+        std::fs::write(place.path(file), design).unwrap();
+        place.succeed(&["explore", file, "-o", &file.replace("toml", "html")]);
+    }
+    let (up, mixed) = (data("up.html"), data("mixed.html"));
+    for key in ["pressure_mpa", "lowest", "highest", "flat_mu", "medians", "lower", "upper"] {
+        assert_eq!(up[key], mixed[key], "{key}");
+    }
     // A folder takes the page, which is the same when it is written again.
     let text = std::fs::read_to_string(place.path("explore.html")).unwrap();
     place.succeed(&["explore", "design.toml", "-o", "out/page"]);

@@ -252,12 +252,11 @@ impl Design {
             trade_offs,
             ..DesignTask::without_material(target, space, specimen, layer)
         };
-        let pressures = &file.target.get_ref().pressure_mpa;
         let places = Places {
             ranges: places,
             condition: file.condition.as_ref().map_or(file.material.span(), Spanned::span),
             also_at: file.also_at.as_ref().map_or(0..0, Spanned::span),
-            pressures: Spanned::new(pressures.span(), pressures.get_ref().clone().sorted()),
+            pressures: file.target.get_ref().pressure_mpa.clone(),
             block: file.sample.get_ref().block_um.as_ref().map(Spanned::span),
             thickness: file.sample.get_ref().thickness_mm.as_ref().map(Spanned::span),
             holder: file.sample.get_ref().holder.as_ref().map(Spanned::span),

@@ -199,7 +199,7 @@ impl Document {
             Some(schema) if (1..=SCHEMA).contains(schema.get_ref()) => Ok(()),
             Some(schema) => {
                 let reason = if *schema.get_ref() == 0 { "is no schema" } else { "is the schema of a later slipgrid" };
-                Err(self.refuse(schema.span(), reason).expected(format!("a schema from 1 to {SCHEMA}, or none")))
+                Err(self.refuse(schema.span(), reason).expected(format!("a schema up to {SCHEMA}, or none")))
             }
         }
     }

@@ -169,14 +169,4 @@ mod tests {
         assert!(said.contains("tolerance: 0.02 has nothing that it belongs to"), "{said}");
         assert!(read("value = 0.85\nhighest = 0.9\ntolerance = 0.02").unwrap_err().contains("stands beside value"));
     }
-
-    #[test]
-    fn demands_stand_in_the_order_of_their_pressures_whatever_that_of_the_file() {
-        let text = "quantity = \"ratio\"\npressure_mpa = [2.0, 0.5, 1.0]\nvalue = [0.8, 0.9, 0.85]\ntolerance = 0.02";
-        let document = Document::new("design.toml", text);
-        let target = read_target(&document, &document.parse().unwrap()).unwrap();
-        let read: Vec<_> = target.points().iter().map(|point| (point.pressure_pa, point.wanted)).collect();
-        let near = |value| Wanted::Near { value, tolerance: 0.02 };
-        assert_eq!(read, [(0.5e6, near(0.9)), (1e6, near(0.85)), (2e6, near(0.8))]);
-    }
 }

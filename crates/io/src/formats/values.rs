@@ -140,15 +140,6 @@ pub fn check_count(document: &Document, pressures: &Spanned<Numbers>, most: usiz
 }
 
 impl Numbers {
-    /// The numbers in ascending order, each with its position.
-    #[must_use]
-    pub fn sorted(mut self) -> Self {
-        if let Self::Each(each) = &mut self {
-            each.sort_by(|a, b| a.get_ref().total_cmp(b.get_ref()));
-        }
-        self
-    }
-
     /// Numbers as written, in the unit of the file.
     pub fn written(&self) -> Vec<f64> {
         match self {

@@ -134,17 +134,24 @@ impl Subject<'_> {
         let points = among.points(self.report);
         let own = PatternReport::from(self.pattern);
         let design = [own.width_um, own.spacing_um, own.depth_um];
-        let of = |from: usize, count: usize| Packed::new(&explorer.expected, from..from + count);
+        // The page interpolates between pressures, which a file may list in any order.
+        let mut order: Vec<usize> = (0..count).collect();
+        order.sort_by(|a, b| target.pressure_mpa[*a].total_cmp(&target.pressure_mpa[*b]));
+        let of = |from: usize, conditions: usize| {
+            let of_condition = |condition: usize| order.iter().map(move |load| from + condition * count + load);
+            Packed::new(&explorer.expected, (0..conditions).flat_map(of_condition))
+        };
+        let ordered = |values: &[Option<f64>]| order.iter().map(|load| values[*load]).collect();
         Data {
             is_ratio: task.target.quantity() == Quantity::Ratio,
             axes: axes_data(&explorer.expected),
-            lowest: target.lowest,
-            highest: target.highest,
-            pressure_mpa: target.pressure_mpa,
-            flat_mu: self.flat_mu.to_vec(),
-            medians: of(0, loads),
-            lower: of(loads, count),
-            upper: of(2 * loads, count),
+            lowest: ordered(&target.lowest),
+            highest: ordered(&target.highest),
+            pressure_mpa: order.iter().map(|load| target.pressure_mpa[*load]).collect(),
+            flat_mu: order.iter().map(|load| self.flat_mu[*load]).collect(),
+            medians: of(0, loads / count),
+            lower: of(loads, 1),
+            upper: of(2 * loads, 1),
             log_odds: Packed::new(&explorer.log_odds, 0..1),
             beside: Packed::new(&explorer.beside, 0..BESIDE),
             holes: explorer.holes.clone(),

@@ -116,9 +116,11 @@ impl Among<'_> {
         if let Some(load) = (0..pressures.len()).find(same) {
             return ratio(load);
         }
-        let upper = pressures.iter().position(|pressure| *pressure > pressure_mpa).filter(|upper| *upper > 0)?;
-        let t = (pressure_mpa - pressures[upper - 1]) / (pressures[upper] - pressures[upper - 1]);
-        Some((1.0 - t) * ratio(upper - 1)? + t * ratio(upper)?)
+        let by_pressure = |a: &usize, b: &usize| pressures[*a].total_cmp(&pressures[*b]);
+        let lower = (0..pressures.len()).filter(|load| pressures[*load] < pressure_mpa).max_by(by_pressure)?;
+        let upper = (0..pressures.len()).filter(|load| pressures[*load] > pressure_mpa).min_by(by_pressure)?;
+        let t = (pressure_mpa - pressures[lower]) / (pressures[upper] - pressures[lower]);
+        Some((1.0 - t) * ratio(lower)? + t * ratio(upper)?)
     }
 }
 

@@ -1,7 +1,5 @@
 //! Response surfaces as encoded in a page.
 
-use std::ops::Range;
-
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use serde::Serialize;
@@ -31,7 +29,7 @@ struct Output {
 
 impl Packed {
     /// Encodes the outputs of `surface` with the indices `places`.
-    pub fn new(surface: &ResponseSurface, places: Range<usize>) -> Self {
+    pub fn new(surface: &ResponseSurface, places: impl IntoIterator<Item = usize>) -> Self {
         let output = |place: usize| {
             let all = || surface.coefficients().iter().skip(place).step_by(surface.outputs()).copied();
             let [from, to] = extremes(all());
@@ -41,7 +39,7 @@ impl Packed {
             let codes: Vec<u8> = all().flat_map(code).collect();
             Output { from, to: from + span, codes: STANDARD.encode(codes) }
         };
-        Self { outputs: places.map(output).collect() }
+        Self { outputs: places.into_iter().map(output).collect() }
     }
 }
 
