@@ -131,8 +131,9 @@ impl Jobs {
             events: self.events.clone(),
         });
         // A job that has not ended stays, so that it can be cancelled.
-        let ended = all.iter().position(|job| locked(&job.progress).exit_code.is_some() || job.cancelled());
-        if let Some(oldest) = ended.filter(|_| all.len() >= MAX_JOBS) {
+        while all.len() >= MAX_JOBS
+            && let Some(oldest) = all.iter().position(|job| locked(&job.progress).exit_code.is_some())
+        {
             all.remove(oldest);
         }
         all.push(Arc::clone(&job));
