@@ -127,7 +127,7 @@ impl Hyperparameters {
             ("sample_std", self.sample_std),
         ] {
             if !(0.0..=10.0).contains(&value) {
-                return refuse(name, value, "from 0 to 10");
+                return refuse(name, value, "a number from 0 to 10");
             }
         }
         for (name, value) in [
@@ -140,7 +140,7 @@ impl Hyperparameters {
             ("depth of the reference", self.reference.depth_m),
         ] {
             if !(value > 0.0 && value.is_finite()) {
-                return refuse(name, value, "positive and finite");
+                return refuse(name, value, "a positive finite number");
             }
         }
         // Without information from trials, the first scatter is used.
