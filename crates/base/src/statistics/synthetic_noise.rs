@@ -1,25 +1,20 @@
-//! Seeded Gaussian noise for synthetic data: SplitMix64 and Box-Muller, identical on all platforms.
+//! Seeded Gaussian noise for synthetic data: SplitMix64 and Box-Muller.
+
+use super::SplitMix64;
 
 /// A stream of random numbers.
 #[derive(Clone, Copy, Debug)]
-pub struct Noise {
-    state: u64,
-}
+pub struct Noise(SplitMix64);
 
 impl Noise {
     /// Starts the stream with `seed`.
     pub const fn new(seed: u64) -> Self {
-        Self { state: seed }
+        Self(SplitMix64(seed))
     }
 
     /// Uniform deviate in (0, 1).
     pub fn uniform(&mut self) -> f64 {
-        self.state = self.state.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.state;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        z ^= z >> 31;
-        ((z >> 11) as f64 + 0.5) / 9_007_199_254_740_992.0
+        ((self.0.bits() >> 11) as f64 + 0.5) / 9_007_199_254_740_992.0
     }
 
     /// Standard normal deviate: sqrt(-2 ln u) cos(2 pi v).
