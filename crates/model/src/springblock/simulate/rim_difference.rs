@@ -147,6 +147,27 @@ mod tests {
     use crate::springblock::tests::samples;
 
     #[test]
+    fn yielding_counts_by_the_cavities_of_the_face() {
+        let rim = Rim::new(1e-6, 20e-6, RimProfile::Round).unwrap();
+        let pattern = samples::groove(130.0, 370.0, 20.0).with_rim(rim);
+        let mut scene = samples::scene(pattern, &[0.65, 2.6], RunOptions::default());
+        scene.elastic = scene.elastic.with_yield_pressure_pa(Some(9e6)).unwrap();
+        scene.run.extent = Extent::Sample;
+        let cell = SteadyCell::with_dimension(&scene, scene.dimension()).solve(&pattern);
+        let change = |share: f64| -> Vec<f64> {
+            let one = |(cell, load): (&CellOutcome, _)| {
+                crate::springblock::simulate::compare(load, cell.surface.clone(), Some(cell.surface.clone()))
+            };
+            let mut loads: Vec<LoadOutcome> = cell.iter().zip(&scene.loads).map(one).collect();
+            add_yielding(&scene, &pattern, share, &mut loads, &mut Statements::default());
+            loads.iter().map(|load| load.correction(Effect::Rims).unwrap().change).collect()
+        };
+        let (half, whole) = (change(0.5), change(1.0));
+        assert!(whole.iter().all(|change| change.abs() > 1e-4), "{whole:?}");
+        assert!(half.iter().zip(&whole).all(|(half, whole)| (half / whole - 0.5).abs() < 1e-12), "{half:?} {whole:?}");
+    }
+
+    #[test]
     fn rims_add_to_a_strip_what_they_add_to_the_cell() {
         let mut worst = 0.0_f64;
         for (width, spacing, depth, height) in
