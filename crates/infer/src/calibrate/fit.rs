@@ -119,7 +119,7 @@ pub struct Fit {
     pub chi_square: f64,
     /// Number of measured values minus number of parameters.
     pub degrees_of_freedom: usize,
-    /// Whether the coefficients settled within [`MAX_ROUNDS`] rounds.
+    /// Whether the coefficients settled within `MAX_ROUNDS` rounds.
     pub settled: bool,
     /// Notes on methods, assumptions and undetermined values, one sentence each.
     pub notes: Vec<String>,

@@ -1,6 +1,6 @@
 //! Campaigns: many scenes or designs as tasks that any machine can do in any order, with one table of results.
 //!
-//! A campaign file names a scene or a design and the keys that vary. [`plan`] makes a task of every combination. The id
+//! A campaign file names a scene or a design and the keys that vary. [`plan()`] makes a task of every combination. The id
 //! of a task is a hash of its text and of the files that it reads, so that equal tasks are done once. The files are
 //! stored with the campaign, so that a task needs nothing else from the machine where it was planned. [`Worker`] does
 //! tasks, and [`Results`] collects them into a table that does not depend on who did which task.
@@ -21,7 +21,7 @@
 //!
 //! | item | role |
 //! |---|---|
-//! | [`plan`], [`Campaign`], [`Task`] | campaign with its tasks |
+//! | [`plan()`], [`Campaign`], [`Task`] | campaign with its tasks |
 //! | [`Worker`], [`Done`] | doing a task, and its result |
 //! | [`Results`] | all results as CSV, with counts |
 //! | [`Folder`], [`Store`] | a campaign in a folder that several machines share |

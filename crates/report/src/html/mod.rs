@@ -2,11 +2,11 @@
 //!
 //! | function | page |
 //! |---|---|
-//! | [`design`] | result of `optimize`, from its record and pictures |
+//! | [`design()`] | result of `optimize`, from its record and pictures |
 //! | [`exploration`] | predictions for any design of a task, before a search |
-//! | [`calibration`] | result of `calibrate`, and the remaining uncertainty |
-//! | [`surface`] | altitude map: parameters and warnings |
-//! | [`trials`] | the ledger of trials |
+//! | [`calibration()`] | result of `calibrate`, and the remaining uncertainty |
+//! | [`surface()`] | altitude map: parameters and warnings |
+//! | [`trials()`] | the ledger of trials |
 //! | [`page`] | parts of any page |
 //!
 //! A page is drawn from a typed record, shows all values of the record and leaves out values that are `None`. It
