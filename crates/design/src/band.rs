@@ -27,7 +27,8 @@ pub struct Band {
     pub flat: f64,
     /// Minimum and maximum accepted value of the quantity; `None` without such a limit.
     pub accepted: [Option<f64>; 2],
-    /// Half the width of the accepted band, or the margin of a single limit; `None` if nothing is demanded.
+    /// Half the width of the accepted band; for a single limit, the distance inside it at which the search aims; `None`
+    /// if nothing is demanded.
     pub tolerance: Option<f64>,
     /// Weight of this pressure in the mean that a goal optimizes.
     pub weight: f64,
@@ -102,7 +103,7 @@ impl Asked {
         self.bands.iter().any(|band| band.accepted.iter().any(Option::is_some))
     }
 
-    /// Whether `ratios`, one per load, are all accepted.
+    /// Whether `ratios`, one per load, are all within the accepted bands.
     pub fn accepts(&self, ratios: &[f64]) -> bool {
         let Wanted { lower, upper } = &self.wanted;
         ratios.iter().zip(lower.iter().zip(upper)).all(|(ratio, (lower, upper))| (lower..=upper).contains(&ratio))

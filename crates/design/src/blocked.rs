@@ -1,5 +1,5 @@
-//! Limits and bounds that keep a target out of reach: the maximum chance with each limit, or each bound that the best
-//! texture rests on, lifted.
+//! Limits and bounds that keep a target out of reach: the maximum chance with each limit removed, or each bound that
+//! the best texture rests on widened.
 
 use std::fmt;
 
@@ -21,12 +21,13 @@ const WIDER: f64 = 2.0;
 /// A length rests on a bound if the relative difference of the two is at most this.
 const AT_BOUND: f64 = 0.05;
 
-/// Maximum chance without one limit or bound.
+/// Maximum chance without one limit, or with one bound widened.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct LiftedReport {
     /// Name of the limit or bound, in words.
     pub what: String,
-    /// Maximum chance without the limit or bound, by the table.
+    /// Maximum chance, from 0 to 1, without the limit or with the bound widened by a factor of 2, by the table of
+    /// designs.
     pub chance: f64,
     /// Texture that has this chance.
     pub design: PatternReport,
@@ -59,9 +60,9 @@ pub fn bounds_reached(task: &DesignTask, pattern: &Pattern) -> Vec<ReachedBound>
     task.space.lengths_m().into_iter().zip(pattern.lengths_m()).enumerate().filter_map(one).collect()
 }
 
-/// Computes the maximum chance by the table with each limit, and each bound that `best` rests on, lifted separately.
-/// Returns only limits and bounds whose lifting improves the result, those that bring the target within reach first,
-/// then by decreasing chance.
+/// Computes the maximum chance by the table with, separately, each limit removed and each bound that `best` rests on
+/// widened. Returns only limits and bounds for which this improves the result, those that bring the target within reach
+/// first, then by decreasing chance.
 pub fn blocked_by(search: &Search<'_>, best: &Prediction) -> Vec<LiftedReport> {
     let task = search.task;
     let mut all = Vec::new();

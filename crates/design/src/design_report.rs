@@ -42,7 +42,8 @@ pub struct DesignReport {
     /// Date of the task; left out where the task names none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub date: Option<String>,
-    /// Recommended action: `series`, `trial`, `trial_meets_it`, `cannot_be_met` or `do_not_texture`.
+    /// Recommended action: `series` (cut a series), `trial` (cut a trial), `trial_meets_it` (a measured trial
+    /// is on target), `cannot_be_met` or `do_not_texture`.
     pub advice: Cow<'static, str>,
     /// Recommended action in one sentence.
     pub words: String,

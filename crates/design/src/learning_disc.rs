@@ -52,7 +52,7 @@ pub struct LearningReport {
     pub bits: f64,
     /// Information that certainty about the mechanism would give, in bits.
     pub open_bits: f64,
-    /// Reason for this pair, in words.
+    /// Reason for this pair of textures, in words.
     pub why: String,
     /// Proposed content of a second disc.
     pub second_disc: String,

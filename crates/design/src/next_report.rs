@@ -32,8 +32,8 @@ pub struct NextReport {
     pub pending: usize,
     /// Number of designs that were compared.
     pub compared: usize,
-    /// Recommended action: `series`, `trial`, `trial_meets_it`, `cannot_be_met` or `do_not_texture`; `learn` where a disc to
-    /// learn from was requested.
+    /// Recommended action: `series` (cut a series), `trial` (cut a trial), `trial_meets_it` (a measured trial
+    /// is on target), `cannot_be_met` or `do_not_texture`; `learn` where a disc to learn from was requested.
     pub advice: String,
     /// Recommended action in one sentence.
     pub words: String,
@@ -78,7 +78,7 @@ pub struct OneDiscReport {
     pub name: String,
     /// Width of the untextured lands between the sectors.
     pub land_mm: f64,
-    /// Area of the smallest sector without its lands.
+    /// Area of the smallest sector without the untextured lands on its sides.
     pub area_mm2: f64,
     /// Diameter of the largest circle on the smallest sector: a pin or a counter-body has to be smaller.
     pub circle_mm: f64,

@@ -340,8 +340,8 @@ impl Search<'_> {
         Found { solved, compared, is_within_reach }
     }
 
-    /// Whether `solved` has a texture solved as cut whose value is that of `first` within [`EQUAL`], so that a dynamic
-    /// run of `first` would only choose between equals.
+    /// Whether `solved` has a [`Known::AsCut`] texture whose value is at least 1 - [`EQUAL`] times that of `first`, so
+    /// that a dynamic run of `first` is not worth its time. Always false with a goal.
     fn is_alike_as_cut(&self, first: &Prediction, solved: &[Prediction]) -> bool {
         let mut as_cut = solved.iter().filter(|of| of.texture.known == Known::AsCut);
         self.asked.goal.is_none() && as_cut.any(|of| of.value() >= (1.0 - EQUAL) * first.value())

@@ -42,7 +42,7 @@ pub struct Scope {
     nodes: ([f64; 3], [usize; 3]),
     /// As `nodes`, for cells in space in the requested blocks, which correct the table in larger blocks.
     lift: ([f64; 3], [usize; 3]),
-    /// Maximum number of nodes along width, spacing and depth for sensitivities.
+    /// Maximum number of nodes along width, spacing and depth for the sensitivities of the ratio to inputs.
     sensitivities: [usize; 3],
     /// Maximum number of nodes along width, spacing and depth for changes by smaller blocks.
     blocks: [usize; 3],

@@ -20,7 +20,7 @@ pub struct Timings {
     /// Seconds for the predictions that the page's explorer shows.
     #[serde(default)]
     pub explorer: f64,
-    /// Seconds for drawing and tabulating, up to result.json itself, and for all that belongs to no other stage.
+    /// Seconds for drawing and tabulating before result.json is made, and for all that belongs to no other stage.
     pub export: f64,
 }
 

@@ -9,7 +9,7 @@ use slipgrid_design::results::{NoJsonForm, json_and_timings};
 /// Writes a file's bytes; every call writes identical bytes.
 pub type Writer = Arc<dyn Fn(&mut dyn Write) -> io::Result<()> + Send + Sync>;
 
-/// Content of a file of a result.
+/// Content of an output file.
 #[derive(Clone)]
 pub enum Content {
     /// Bytes in memory.

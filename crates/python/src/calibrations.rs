@@ -64,8 +64,9 @@ pub struct Fitted {
 
 #[pymethods]
 impl Calibration {
-    /// Parses the calibration in `text`, by default that of the file at `path`; relative paths in the text start from the folder of
-    /// `path`. `objects` are looked at before the disk, and a copy has no files but those in `copied`.
+    /// Parses the calibration in `text`, by default that of the file at `path`; relative paths in the text start from
+    /// the folder of `path`. `objects` has contents by path that take precedence over files on disk. `copied`, for a
+    /// copy: whether the text came from a file, and the contents of all its files; the disk is then not read.
     #[new]
     #[pyo3(signature = (text, path, objects=None, copied=None))]
     fn new(

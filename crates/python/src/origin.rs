@@ -125,7 +125,7 @@ impl Files for Anchored {
 /// Input for a scene, design or calibration: its text, if it is not to be read from a file; contents of objects in the
 /// text by path; and for a copy whether the text came from a file, and all files that it reads.
 pub struct Given {
-    /// Text of the object; `None` to read it from its file.
+    /// Text of the scene, design or calibration; `None` to read it from its file.
     pub text: Option<String>,
     /// Contents of the objects in the text, by path; `None` without such objects.
     pub objects: Option<Contents>,
@@ -136,16 +136,16 @@ pub struct Given {
 /// Arguments from which a copy is made: text, path, no objects, and the value of `copied`.
 pub type Parts = (String, OsString, Option<Contents>, (bool, Contents));
 
-/// Text and files that an object was read from.
+/// Text and files that a scene, design or calibration was read from.
 #[derive(Debug)]
 pub struct Origin {
-    /// Text of the object.
+    /// Text of the scene, design or calibration.
     pub text: String,
     /// Path of the text, which need not exist.
     pub path: PathBuf,
     /// The file at `path` exists.
     pub is_file: bool,
-    /// The object is a copy, whose warnings were given when the original was made.
+    /// The scene, design or calibration is a copy, whose warnings were given when the original was made.
     pub is_copy: bool,
     /// The disk, with relative paths from the current folder at construction.
     pub disk: Anchored,

@@ -43,19 +43,20 @@ const fn file_at(path: &Path) -> Place<'_> {
     Place { flag: "path", path }
 }
 
-/// Writes `files`, by name, into `folder`, which is made if needed; `inputs` are files that the results were made from.
+/// Writes `files`, by name, into `folder`, which is made if needed; neither `inputs`, the files that the results were
+/// made from, nor files of other programs are replaced.
 #[pyfunction]
 pub fn write_folder(py: Python<'_>, files: Vec<Named>, folder: PathBuf, inputs: Vec<PathBuf>) -> Result<(), Failure> {
     Ok(py.detach(|| slipgrid::disk::write_folder(Place { flag: "folder", path: &folder }, &files, &inputs))?)
 }
 
-/// Writes one file; `inputs` are files that the content was made from.
+/// Writes one file; refuses to replace one of `inputs`, the files that the content was made from.
 #[pyfunction]
 pub fn write_file(content: &[u8], path: PathBuf, inputs: Vec<PathBuf>) -> Result<(), Failure> {
     Ok(slipgrid::disk::write_file(file_at(&path), content, &inputs)?)
 }
 
-/// Checks before a long computation that the file can be written; raises an error otherwise.
+/// Checks before a long computation that the file can be written and is none of `inputs`; raises an error otherwise.
 #[pyfunction]
 pub fn check_file(path: PathBuf, inputs: Vec<PathBuf>) -> Result<(), Failure> {
     Ok(slipgrid::disk::check_file(file_at(&path), &inputs)?)

@@ -125,7 +125,7 @@ impl Monitor for Watch {
     }
 }
 
-/// Ends the wait when dropped, even after a panic.
+/// Guard that, when dropped, marks the work as ended and wakes the waiting thread, even after a panic.
 struct End<'a>(&'a Watch);
 
 impl Drop for End<'_> {

@@ -61,8 +61,10 @@ pub fn named<T: Copy>(what: &str, given: &str, all: &[T], name: impl Fn(T) -> &'
 
 #[pymethods]
 impl Scene {
-    /// Parses the scene in `text`, by default that of the file at `path`; relative paths in the text start from the folder of `path`.
-    /// `objects` are looked at before the disk, and a copy has no files but those in `copied`.
+    /// Parses the scene in `text`, by default that of the file at `path`; relative paths in the text start from the
+    /// folder of `path`. `fidelity` and `extent` override those of the text. `objects` has contents by path that take
+    /// precedence over files on disk. `copied`, for a copy: whether the text came from a file, and the contents of all
+    /// its files; the disk is then not read.
     #[new]
     #[pyo3(signature = (text, path, fidelity=None, extent=None, objects=None, copied=None))]
     fn new(
@@ -139,7 +141,8 @@ impl Scene {
         Ok((records, (found.report.text(), warnings, self.inputs.clone()), found))
     }
 
-    /// The steady cell of the scene's texture, which computes ratios for any pattern.
+    /// Returns the steady cell of the scene's texture, which computes friction ratios for any width, spacing and depth;
+    /// a `ValueError` for a flat scene.
     fn steady(&self) -> PyResult<SteadyCell> {
         match &self.input.scene.pattern {
             Some(pattern) => Ok(SteadyCell { input: self.input.clone(), texture: *pattern.texture() }),

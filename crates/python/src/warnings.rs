@@ -54,7 +54,7 @@ pub fn give_warnings(py: Python<'_>, doubts: Vec<String>) -> PyResult<()> {
     warn_all(py, &doubts)
 }
 
-/// Gives a warning for each of `doubts`.
+/// Gives a Python warning for each of `doubts`.
 ///
 /// # Errors
 /// Same as [`warn`].

@@ -45,8 +45,9 @@ pub fn of_design(found: &DesignOutcome) -> Result<Outputs, ReportError> {
     Ok(outputs)
 }
 
-/// Adds the record of `found`, the uncertainty budget, the description for data catalogues and the page to `outputs`,
-/// which has the other files of the design; the page embeds the pictures in `outputs`.
+/// Adds the record of `found` (result.json and timings.json), the uncertainty budget, the description for data
+/// catalogues and the page report.html to `outputs`, which has the other files of the design; the page embeds the
+/// pictures in `outputs`.
 ///
 /// # Errors
 /// [`ReportError`] if a value has no JSON form.

@@ -23,7 +23,7 @@ impl Refused {
         Self(StatusCode::CONFLICT, reason.into())
     }
 
-    /// Refuses a request because of an error of the system at `path`: 404 if nothing is there, otherwise 500.
+    /// Refuses a request because of an I/O error at `path`: 404 if nothing is there, otherwise 500.
     pub fn system(path: &std::path::Path, error: &std::io::Error) -> Self {
         let status = match error.kind() {
             std::io::ErrorKind::NotFound => StatusCode::NOT_FOUND,

@@ -153,9 +153,9 @@ impl<'a> Layout<'a> {
         Ok(())
     }
 
-    /// Keeps one of several columns of `channel`. If their values differ, keeps the first of step or repeat numbers,
-    /// and none of another channel that can be missing (a coefficient can if a force or torque is there); otherwise
-    /// refuses the columns. `rows` are the lines below the header, which is line `number`.
+    /// Keeps one column of `channel`, of those with the highest priority. If their values differ, keeps the first for
+    /// step and repeat numbers, and none for another optional channel (also for a coefficient beside a force or
+    /// torque); otherwise returns an error. `rows` are the lines below the header, which is line `number`.
     fn select_column(
         &mut self,
         channel: Channel,

@@ -13,7 +13,7 @@ const LOAD_TOLERANCES: (f64, f64) = (0.05, 0.5);
 const MAX_LOAD_VARIATION: f64 = 0.05;
 /// A column counts as the normal force if its mean is within 10 % of the nominal force.
 const FORCE_MATCH_TOLERANCE: f64 = 0.1;
-/// Units of force that are mistaken for newtons, with their values in newtons.
+/// Units of force that are mistaken for newtons, with the newtons per unit.
 const UNITS: [(&str, f64); 5] = [("kN", 1e3), ("mN", 1e-3), ("kgf", 9.806_65), ("gf", 9.806_65e-3), ("uN", 1e-6)];
 
 /// Checks the load. Returns the median absolute normal force in the window, in newtons, and whether the force is

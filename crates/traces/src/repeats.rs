@@ -4,8 +4,8 @@ use slipgrid_base::statistics::{Confidence, mean_and_std};
 
 use super::{TraceFindings, TracePeak};
 
-/// Minimum deviation of an odd repeat from the mean of the other repeats, relative to this mean. Friction scatters by
-/// some per cent.
+/// Minimum deviation of an odd (outlying) repeat from the mean of the other repeats, relative to this mean. Friction
+/// scatters by some per cent.
 const MIN_ODD_DEVIATION: f64 = 0.05;
 /// Minimum difference of two repeats, relative to their mean, that is reported. Two repeats do not show which of them
 /// is odd.

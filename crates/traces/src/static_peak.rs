@@ -53,8 +53,8 @@ pub struct TracePeak {
     pub std: f64,
     /// Standard deviation of the noise of a single reading of the friction coefficient.
     pub noise: f64,
-    /// Height that sampling may have missed: the smaller of the changes of friction to the two neighbouring samples, or
-    /// the only change if the peak has one neighbour.
+    /// Part of the peak's friction coefficient that sampling may have missed: the smaller change to the samples before
+    /// and after the peak (two samples away if the signal was smoothed), or the only change if one of them is missing.
     pub missed: f64,
     /// Time of the peak, in seconds since the trace begins.
     pub time_s: f64,

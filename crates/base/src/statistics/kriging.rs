@@ -2,7 +2,7 @@
 
 use crate::statistics::cholesky::{cholesky, is_regular, solve};
 
-/// Added to the diagonal of the covariance matrix, so that close neighbours leave it regular.
+/// Added to the diagonal of the covariance matrix, so that the matrix stays non-singular for close points.
 const NUGGET: f64 = 1e-12;
 
 /// Interpolator of quantities that are known at common places: exact at these places; far from all places, each

@@ -8,7 +8,7 @@ use crate::output::{Place, ResultFolder, add};
 use crate::{CliError, Console, exit_code};
 use slipgrid_report::Outputs;
 
-/// Prints the completions of a shell.
+/// Prints the completion script for a shell.
 pub fn completions(args: &CompletionsArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
     // The generator does not report write errors, so it writes to memory first.
     let mut script = Vec::new();

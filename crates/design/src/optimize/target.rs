@@ -83,7 +83,8 @@ impl Wanted {
         }
     }
 
-    /// Half the width of the accepted band, or the margin of a single limit; `None` if nothing is demanded.
+    /// Half the width of the accepted band; for a single limit, the distance inside it at which the search aims; `None`
+    /// if nothing is demanded.
     pub fn tolerance(&self) -> Option<f64> {
         match *self {
             Self::Anything => None,

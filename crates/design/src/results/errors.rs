@@ -101,7 +101,7 @@ impl ErrorReport {
         Self { value: value.map(tidy), std: is_known.then(|| tidy(square.sqrt())), interval_95: interval, parts }
     }
 
-    /// Adds a part with the standard deviation `std` that is independent of the others.
+    /// Adds an error contribution of source `input` with the standard deviation `std`, independent of the others.
     #[must_use]
     pub fn and(mut self, input: &str, std: f64) -> Self {
         let Some(value) = self.value else { return self };

@@ -75,7 +75,7 @@ pub enum Surface {
     },
     /// Measured flat friction is used as the law of local pressure.
     FlatFriction {
-        /// The law, from [`crate::calibrate::flat_friction_law`].
+        /// The law, from [`crate::calibrate::flat_friction_law()`].
         law: AreaLaw,
         /// Extrapolation above the highest measured pressure.
         extrapolation: Extrapolation,

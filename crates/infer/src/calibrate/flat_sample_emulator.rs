@@ -31,7 +31,7 @@ pub struct Emulator<'a> {
     load_of: Vec<usize>,
     /// Logarithms of the area law's scales in pascals at the nodes; a single dummy value if the law is given.
     log_scales: Vec<f64>,
-    /// End effect c at the three nodes along mu_d; index [scale][load][node].
+    /// End effect c at the three nodes along mu_d; index `[scale][load][node]`.
     ends: Vec<Vec<[f64; 3]>>,
 }
 

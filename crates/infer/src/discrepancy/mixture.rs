@@ -13,7 +13,7 @@ const ROUNDS: usize = 3;
 /// Relative difference up to which pressures, speeds and humidities count as equal.
 const SAME: f64 = 1e-6;
 
-/// Posterior of the discrepancy given the trials, or the prior without trials.
+/// Posterior of the discrepancy, ln(measured / modelled ratio), given the trials, or the prior without trials.
 #[derive(Clone, Debug)]
 pub struct Discrepancy {
     conditions: Conditions,

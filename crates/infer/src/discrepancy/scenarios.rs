@@ -9,7 +9,8 @@ use crate::discrepancy::rows::Basis;
 use crate::discrepancy::{Candidate, Discrepancy, Load, Sensitivity, Wanted};
 use slipgrid_base::statistics::cholesky::dot;
 
-/// Truths drawn from the mixture, with equal probabilities. A truth fixes the discrepancy of every texture.
+/// Equally weighted random draws (truths) from the posterior of the model discrepancy; each fixes the discrepancy of
+/// every texture.
 #[derive(Clone, Debug)]
 pub struct Scenarios {
     basis: Basis,

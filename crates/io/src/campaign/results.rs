@@ -28,7 +28,7 @@ const DESIGN_COLUMNS: [(&str, &str); 6] = [
     ("areal_density", "/specimen_areal_density"),
 ];
 
-/// Number of tasks by outcome.
+/// Number of tasks by state.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counts {
     /// Number of tasks whose computation succeeded.
@@ -107,7 +107,7 @@ impl<'a> Results<'a> {
         &self.text
     }
 
-    /// Number of tasks by outcome.
+    /// Number of tasks by state.
     pub const fn counts(&self) -> Counts {
         self.counts
     }

@@ -1,6 +1,6 @@
 //! Words of a command line, quoted for a shell.
 
-/// Quotes `word` for a shell if it contains special characters.
+/// Quotes `word` for a shell if it contains special characters; on Windows, if it contains a space.
 pub fn quoted_word(word: &str) -> String {
     let plain = |letter: char| letter.is_alphanumeric() || "/._-+,:@%".contains(letter);
     if cfg!(windows) {

@@ -151,7 +151,7 @@ pub fn check(rows: &[Placed], specimens: &Specimens) -> Result<Vec<Diagnostic>, 
 }
 
 /// Warns, at the row of the greatest friction, if friction is so high in nearly all `rows` that friction force and
-/// normal force are probably exchanged; otherwise `None`.
+/// normal force are probably swapped; otherwise `None`.
 fn high_friction(rows: &[Placed]) -> Option<Diagnostic> {
     let row = rows.iter().max_by(|a, b| a.measurement.mu_dynamic.total_cmp(&b.measurement.mu_dynamic))?;
     let friction: Vec<f64> = rows.iter().map(|row| row.measurement.mu_dynamic).collect();

@@ -193,13 +193,13 @@ pub const RATIO: Plausible = Plausible {
 /// Few dry solids have a friction coefficient above this; rubber does.
 const HIGH_FRICTION: f64 = 1.0;
 /// Range of usual friction, in which the reciprocals of coefficients lie if friction force and normal force were
-/// exchanged.
+/// swapped.
 const EXCHANGED: [f64; 2] = [0.05, 1.0];
-/// A warning is given if at least this fraction of the coefficients look exchanged.
+/// A warning is given if at least this fraction of the coefficients look as if the two forces were swapped.
 const NEARLY_ALL: f64 = 0.9;
 
 /// Warns of friction coefficients that are nearly all above 1 and whose reciprocals are nearly all usual: friction
-/// force and normal force are probably exchanged. `None` for other coefficients.
+/// force and normal force are probably swapped. `None` for other coefficients.
 pub fn exchanged_forces(friction: &[f64]) -> Option<String> {
     let is_likely = |mu: &&f64| **mu > HIGH_FRICTION && 1.0 / **mu >= EXCHANGED[0] && 1.0 / **mu < EXCHANGED[1];
     let likely: Vec<f64> = friction.iter().filter(is_likely).map(|mu| 1.0 / mu).collect();

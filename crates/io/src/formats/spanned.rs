@@ -24,7 +24,7 @@ impl<T> Spanned<T> {
         self.span.start..self.span.end
     }
 
-    /// The value.
+    /// Reference to the value.
     pub const fn get_ref(&self) -> &T {
         &self.value
     }

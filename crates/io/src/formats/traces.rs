@@ -54,7 +54,7 @@ pub struct OfTrial {
 pub struct Export {
     /// Path of the file.
     pub path: PathBuf,
-    /// Step to read, by the instrument's number; `None` for the whole file.
+    /// Step to read, by its number in the export; `None` for the whole file.
     pub step: Option<u32>,
 }
 

@@ -58,7 +58,8 @@ pub struct TrialFile {
     /// Standard error of the measured mean depth, at most a third of the depth; may stand in `[trial.pattern]` instead;
     /// 0 when absent.
     depth_std_um: Option<Number>,
-    /// Standard deviation of ln(ratio) between samples of this texture, which no trial changes; 0.02 when absent.
+    /// Standard deviation of ln(ratio) between samples of this texture, kept as given; without the key, that of
+    /// `[trial_prior]`, which trials update.
     sample_std: Option<Number>,
     /// Name of the disc of which the sample is a sector. Trials on one disc share the random deviation of this disc.
     disc: Option<Spanned<String>>,

@@ -149,7 +149,7 @@ pub fn of_material(document: &Document, file: &MaterialFile) -> Vec<Diagnostic> 
     told
 }
 
-/// Warning of the first static coefficient whose ratio to the dynamic coefficient lies outside the range that
+/// Warning about the first static coefficient whose ratio to the dynamic coefficient lies outside the range that
 /// calibrations find; `None` if there is none. Blocks slide one after another, so the peak of a specimen is lower than
 /// that of its blocks: a peak of twice dynamic friction, the highest accepted in tables of measurements, needs blocks
 /// whose static coefficient is three times the dynamic coefficient.
@@ -172,7 +172,7 @@ fn of_static(document: &Document, at_rest: &Spanned<Numbers>, sliding: &Spanned<
 }
 
 /// Warning at the first dynamic coefficient, if nearly all are so high that friction force and normal force are
-/// probably exchanged; otherwise `None`.
+/// probably swapped; otherwise `None`.
 fn high_friction(document: &Document, file: &MaterialFile) -> Option<Diagnostic> {
     let friction = file.friction.get_ref();
     let each = friction.conditions.iter().map(|table| &table.get_ref().dynamic_mean);

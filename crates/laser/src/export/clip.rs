@@ -74,7 +74,7 @@ pub(crate) fn circle([x_m, y_m]: [f64; 2], radius_m: f64) -> Polygon {
         .collect()
 }
 
-/// Outer border of `outline`, and the border of a ring's hole, as polygons of points `[x, y]` in metres.
+/// Outer border of `outline`, for a ring also that of its hole, as polygons of points `[x, y]` in metres.
 pub(crate) fn rims(outline: &Outline) -> Vec<Vec<[f64; 2]>> {
     match *outline {
         Outline::Disc { diameter_m } => vec![circle([0.0; 2], diameter_m / 2.0)],

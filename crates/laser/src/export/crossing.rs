@@ -7,7 +7,8 @@ use crate::export::clip::{outside_sides, within_sides};
 use crate::export::face::interval_outside;
 use crate::export::{Cavity, Layout, Line};
 
-/// Grooves of the first family, which are cut out of a groove of the second.
+/// Grooves of the first of two crossing families, to subtract from a groove of the second so that nothing is marked
+/// twice.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Crossing {
     /// Layout of the first family on the specimen.

@@ -264,7 +264,7 @@ impl Writer {
         }
     }
 
-    /// Writes a comment of printable ASCII.
+    /// Writes `text` as a comment, transliterated to printable ASCII and truncated to [`MAX_COMMENT_LENGTH`].
     fn comment(&mut self, text: &str) {
         let ascii: String = ascii(text).chars().take(MAX_COMMENT_LENGTH).collect();
         self.pair(999, &ascii);

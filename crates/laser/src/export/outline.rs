@@ -173,7 +173,7 @@ impl Outline {
     }
 }
 
-/// Turns the unit vector `along` by 90 degrees anticlockwise.
+/// Unit vector `[dx, dy]` turned by 90 degrees anticlockwise.
 pub(crate) fn left_of([dx, dy]: [f64; 2]) -> [f64; 2] {
     // Avoids a negative zero.
     [0.0 - dy, dx]

@@ -118,7 +118,7 @@ pub struct PatternSheet {
     pub texture: TextureRecord,
     /// Origin of the rim dimensions; absent without rims.
     pub rim_basis: Option<String>,
-    /// Areal density of the infinite pattern.
+    /// Fraction of the infinite pattern's area that is cavity.
     pub areal_density: f64,
 }
 

@@ -75,7 +75,7 @@ pub struct SectorSheet {
     pub middle_deg: f64,
     /// Angle by which the pattern is turned with the sector, anticlockwise, in degrees.
     pub turn_deg: f64,
-    /// Area of the sector without lands, in mm^2.
+    /// Area of the sector without the untextured lands on its sides, in mm^2.
     pub area_mm2: f64,
     /// Diameter of the largest circle on the sector, in mm; a pin or a counter-body must be smaller.
     pub circle_mm: f64,

@@ -155,7 +155,8 @@ impl Division {
         (1..=self.count).map(|number| self.circle_m(number)).fold(f64::INFINITY, f64::min)
     }
 
-    /// Corners of the mark on the land between the last sector and the first, in metres on the specimen, anticlockwise.
+    /// Corners of the mark that shows where sector 1 begins, on the land between the last sector and the first, in
+    /// metres on the specimen, anticlockwise.
     pub fn mark_m(&self) -> [[f64; 2]; 4] {
         let angle = (self.middle_deg(1) - self.angle_deg() / 2.0).to_radians();
         let [cosine, sine] = [libm::cos(angle), libm::sin(angle)];

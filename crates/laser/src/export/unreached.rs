@@ -18,9 +18,9 @@ const POINTS: u32 = 60;
 /// and all of a disc.
 const MIN_SWEPT: f64 = 0.9;
 
-/// Warnings about areas of the cavities of `layout` that the spot does not reach: for cavities without a line, of which
-/// `bare` is the number and the area in square metres, and for the cavity `one` with its `lines`, which represents all
-/// other cavities.
+/// Warnings about cavity areas of `layout` that a spot of radius `half_spot_m` does not reach. `bare` is the number and
+/// total area, in square metres, of cavities without a hatch line; `one`, with its hatch `lines`, represents the other
+/// cavities.
 pub(crate) fn warnings(
     layout: &Layout,
     half_spot_m: f64,

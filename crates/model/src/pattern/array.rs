@@ -133,7 +133,7 @@ impl Pattern {
         [pitch_m, self.pitch_across_m().map_or(pitch_m, |pitch_across_m| rows * pitch_across_m)]
     }
 
-    /// Half the angle between obliquely crossing grooves, in radians; `None` for other patterns.
+    /// Half of [`Texture::crossing_angle_deg`] for obliquely crossing grooves, in radians; `None` for other patterns.
     fn oblique_half_angle(&self) -> Option<f64> {
         self.texture.oblique_half_angle_deg().map(f64::to_radians)
     }

@@ -166,9 +166,9 @@ impl TextureRecord {
     /// Rims, including rims of zero height; `None` if no key of rims is present.
     ///
     /// # Errors
-    /// [`KeyError`] if a height has no width, if a width, profile or scatter has no height, if heights of both kinds are
-    /// given, if pairs are malformed or their depths do not ascend, if the profile is unknown, or if numbers are out of
-    /// range.
+    /// [`KeyError`] if a height has no width, if a width, profile or scatter has no height, if both `rim_height_um` and
+    /// `rim_heights_um` are given, if `[depth, height]` pairs are malformed or their depths do not ascend, if the
+    /// profile is unknown, or if numbers are out of range.
     pub fn rim(&self) -> Result<Option<Rim>, KeyError> {
         let (key, heights_m) = match (self.rim_height_um, &self.rim_heights_um) {
             (None, None) => {

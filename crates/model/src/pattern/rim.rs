@@ -60,7 +60,7 @@ impl RimProfile {
         }
     }
 
-    /// Integral of [`Self::height`] from 0, the edge, to `s`.
+    /// Integral of [`Self::height`] from 0, the edge, to the relative distance `s`.
     pub fn integral(self, s: f64) -> f64 {
         let s = s.clamp(0.0, 1.0);
         match self {

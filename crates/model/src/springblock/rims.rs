@@ -24,7 +24,7 @@ const SCATTERED_PERIODS: usize = 4;
 /// The golden section, (sqrt(5) - 1) / 2.
 const GOLDEN: f64 = 0.618_033_988_749_894_9;
 
-/// Rims of a row of cavities in the plane.
+/// Rims of a row of cavities in the two-dimensional model.
 pub struct Rims {
     rim: Rim,
     block_m: f64,

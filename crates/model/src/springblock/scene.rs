@@ -34,8 +34,8 @@ impl Holder {
 pub struct Layer {
     /// Length of the specimen along the sliding direction, in metres.
     pub length_m: f64,
-    /// Height, in metres, of the elastic layer whose blocks are modelled individually in scenes with ends and in
-    /// dynamic runs.
+    /// Height of the layer of blocks, in metres, in dynamic runs and in scenes that model the specimen's ends; steady
+    /// cells use `thickness_m` if it is given.
     pub height_m: f64,
     /// Distance between neighbouring blocks, the lattice spacing l, in metres.
     pub block_m: f64,

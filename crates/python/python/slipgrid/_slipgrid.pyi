@@ -59,10 +59,10 @@ def write_folder(files: Sequence[tuple[str, bytes]], folder: _Path, inputs: Sequ
     """Writes `files`, by name, into `folder`; neither `inputs` nor files of other programs are replaced."""
 
 def write_file(content: bytes, path: _Path, inputs: Sequence[_Path]) -> None:
-    """Writes one file; `inputs` are files that the content was made from."""
+    """Writes one file; refuses to replace one of `inputs`, the files that the content was made from."""
 
 def check_file(path: _Path, inputs: Sequence[_Path]) -> None:
-    """Checks before a long computation that the file can be written; raises an error otherwise."""
+    """Checks before a long computation that the file can be written and is none of `inputs`; raises an error otherwise."""
 
 def restore_map(
     heights_m: NDArray[np.float64],

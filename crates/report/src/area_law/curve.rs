@@ -153,7 +153,7 @@ impl AreaLawCurve {
         of_modulus.into_iter().chain(law_warnings(of_surface)).collect()
     }
 
-    /// Reports on the solved points `curve`; fields that need a map stay empty.
+    /// Assembles the report of the solved points `curve`; fields that need a map stay empty.
     fn report(&self, curve: &[AreaPoint], rms_slope: f64) -> AreaLawReport {
         let law = area_law(curve, self.threshold_pa).ok();
         let persson = persson_curve(rms_slope, self.contact_modulus_pa, &self.solved_pa).ok();

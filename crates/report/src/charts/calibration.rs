@@ -43,11 +43,11 @@ pub fn flat_friction(title: &str, series: &[FlatSeries]) -> Result<String, Chart
     Chart::new(title, 500.0, legend).plot(x_axis, y_axis, layers).svg()
 }
 
-/// Height of the picture without the key to the numbers, in picture units.
+/// Height of the picture without the list of measurement names below the plot, in picture units.
 const HEIGHT: f64 = 460.0;
-/// Height of a line of the key, in picture units.
+/// Height of a line of the list of measurement names below the plot, in picture units.
 const KEY_LINE: f64 = 16.0;
-/// Number of columns of the key.
+/// Number of columns of the list of measurement names below the plot.
 const KEY_COLUMNS: usize = 4;
 
 /// Draws the residuals of measurements side by side, with the measured standard deviations as error bars. Measurements

@@ -34,7 +34,7 @@ pub(super) const RIGHT: f64 = 28.0;
 pub(super) const PRECISION: f64 = 8.0;
 /// Factor on font sizes, because the drawing library divides a font size by 1.24.
 const FONT_FACTOR: f64 = 1.24;
-/// Estimated upper bound of the mean width of a character, relative to the font size.
+/// Upper estimate of the mean character width, relative to the font size.
 const CHARACTER_WIDTH: f64 = 0.58;
 
 const TITLE_SIZE: f64 = 18.0;
@@ -133,7 +133,7 @@ impl Canvas<'_> {
         self.line(&[barb(3.5), tip, barb(-3.5)], color, 1.6)
     }
 
-    /// Draws a straight dashed line.
+    /// Draws a straight dashed line; `width` is in picture units.
     pub(super) fn dashed(&self, [from, to]: [[f64; 2]; 2], color: RGBColor, width: f64) -> Result<(), ChartError> {
         const DASH: f64 = 6.0;
         const GAP: f64 = 4.0;

@@ -362,7 +362,7 @@ fn fit(page: &mut Page, task: &CalibrationTask, outcome: &CalibrationOutcome, ou
     });
 }
 
-/// Adds the pictures of tribometer traces, folded.
+/// Adds the pictures of tribometer traces, in a collapsed section.
 fn traces(page: &mut Page, outputs: &Outputs) {
     let drawn: Vec<(String, String)> = outputs
         .names()

@@ -13,7 +13,7 @@ const LIMITED_BY_SIDE: f64 = 0.4;
 /// Share of missing points above which the page mentions them.
 const MANY_MISSING: f64 = 0.01;
 
-/// Symbols and meanings of the parameters.
+/// Symbols and meanings of the surface texture parameters.
 const MEANINGS: [(&str, &str); 17] = [
     ("Sa", "mean distance of the heights from their mean"),
     ("Sq", "root mean square of the same"),

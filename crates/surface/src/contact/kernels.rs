@@ -112,7 +112,7 @@ impl GapSums {
     }
 }
 
-/// Computes the statistics of the gap u - h, with the displacement u and the height h.
+/// Computes the statistics of the gap u - h from the displacement u and the height h, in units of the rms height Sq.
 #[multiversion(targets("x86_64+avx512f", "x86_64+avx2"))]
 pub(crate) fn measure_gap(pressure: &[f64], displacement: &[f64], heights: Heights<'_>) -> GapStatistics {
     let mut sums = GapSums::new();
@@ -141,7 +141,7 @@ fn measure_gap_lanes(
     sums.add(pressure, &gap[..pressure.len()]);
 }
 
-/// Computes the gap g = u - h - `shift`, with the displacement u and the height h.
+/// Computes the gap g = u - h - `shift` from the displacement u and the height h, all in units of the rms height Sq.
 #[multiversion(targets("x86_64+avx512f", "x86_64+avx2"))]
 pub(crate) fn compute_gap(gap: &mut [f32], displacement: &[f64], heights: Heights<'_>, shift: f64) {
     for ((g, &u), &h) in gap.iter_mut().zip(displacement).zip(heights.in_metres()) {

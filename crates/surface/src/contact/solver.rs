@@ -89,7 +89,7 @@ pub(crate) const AREA_DECADE: f64 = 10.0;
 const MIN_LOAD_SHARE: f64 = 1e-9;
 /// Error of the sum of pressures, relative to the load, up to which a step leaves the correction to the next step.
 const NEGLIGIBLE_SHARE: f64 = 1e-2;
-/// A step is shortened afterwards if the energy was least before this fraction of the step.
+/// A step is shortened to the energy minimum along it if this minimum lies at less than this fraction of the step.
 const OVERSHOOT_SHARE: f64 = 0.5;
 /// Maximum number of Newton steps for the level c of the initial pressures max(c + f, 0); a dozen are needed.
 const MAX_LEVEL_STEPS: usize = 50;

@@ -271,7 +271,8 @@ fn sum_rows(sums: &mut [f32], before: &[f32], after: &[f32]) {
     }
 }
 
-/// Computes one row of N x + `added` for the stencil N; `neighbours` is the sum of the rows before and after `row`.
+/// Computes one row of N x + `added` for the stencil N and a periodic grid x, of which `row` is this row; `neighbours`
+/// is the sum of the rows before and after `row`.
 #[multiversion(targets("x86_64+avx512f", "x86_64+avx2"))]
 fn apply_stencil(output: &mut [f32], row: &[f32], neighbours: &[f32], added: &[f32], stencil: Stencil) {
     let [centre, next_row, next_column, corner] =

@@ -133,7 +133,7 @@ pub enum ReadError {
     /// A field that is not a number.
     #[error("line {line}, column {column}: \"{value}\": expected {expected}")]
     NotANumber {
-        /// Line number.
+        /// Line number, counted from 1.
         line: usize,
         /// Position of the field in the line, counted from 1.
         column: usize,
@@ -145,7 +145,7 @@ pub enum ReadError {
     /// A row whose length differs from that of the others.
     #[error("line {line}: {found} values: expected {expected}")]
     RowLength {
-        /// Line number.
+        /// Line number, counted from 1.
         line: usize,
         /// Values on the line.
         found: usize,
@@ -155,7 +155,7 @@ pub enum ReadError {
     /// A header entry that cannot be understood.
     #[error("line {line}: {key} is \"{value}\": expected {expected}")]
     Header {
-        /// Line number.
+        /// Line number, counted from 1.
         line: usize,
         /// The entry's key.
         key: &'static str,
@@ -173,7 +173,7 @@ pub enum ReadError {
     /// A number with a decimal comma, in a file that also lacks needed quantities.
     #[error("line {line}, column {column}: \"{value}\": expected {expected}; then, too, {}", not_given(missing))]
     DecimalComma {
-        /// Line number.
+        /// Line number, counted from 1.
         line: usize,
         /// Position of the field in the line, counted from 1.
         column: usize,

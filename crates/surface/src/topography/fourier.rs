@@ -46,7 +46,7 @@ impl<T: FftNum> fmt::Debug for Fourier<T> {
     }
 }
 
-/// Buffers of one running transform, with the monitor that can cancel it; one per thread.
+/// Buffers for one transform at a time, with the monitor that can cancel it; one per thread.
 #[derive(Clone)]
 pub struct FourierWork<'m, T = f64> {
     /// Half spectrum, column by column.
@@ -106,19 +106,19 @@ impl<T: Precision> Fourier<T> {
         1.0 / (self.rows as f64 * self.cols as f64)
     }
 
-    /// Buffers for one running filter.
+    /// Buffers for one filter at a time.
     pub fn work(&self) -> FourierWork<'static, T> {
         self.work_watched(&Unwatched)
     }
 
-    /// Buffers for one running filter that ends once `monitor` cancels; the filter's output is then undefined.
+    /// Buffers for one filter at a time, which ends once `monitor` cancels; the filter's output is then undefined.
     pub fn work_watched<'m>(&self, monitor: &'m dyn Monitor) -> FourierWork<'m, T> {
         let Some(convolution) = &self.convolution else { return self.transform_work(monitor) };
         let columns = vec![T::zero(); convolution.scratch_len()];
         FourierWork { spectrum: Vec::new(), block: Vec::new(), row: Vec::new(), scratch: Vec::new(), columns, monitor }
     }
 
-    /// Buffers for one running transform.
+    /// Buffers for one transform at a time.
     fn transform_work<'m>(&self, monitor: &'m dyn Monitor) -> FourierWork<'m, T> {
         let zero = Complex::new(T::zero(), T::zero());
         let scratch = self

@@ -58,7 +58,7 @@ pub enum PreparationError {
     },
 }
 
-/// A map ready for computation.
+/// A height map ready for computation: missing points are filled and the form is subtracted.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PreparedMap {
     /// The complete map.

@@ -96,7 +96,7 @@ pub fn stability_limit_s(scene: &Scene) -> Option<f64> {
     Some(own.min(flat))
 }
 
-/// Scene of `method` with the random draw `seed` of the local friction coefficients, counted from 0.
+/// `base` with the changes of `method`; `seed`, from 0, is added to the seed of `base`.
 pub fn scene_of(method: &Method, base: &Scene, seed: u64) -> Scene {
     let mut scene = base.clone();
     scene.run.seed = base.run.seed.wrapping_add(seed);

@@ -144,7 +144,7 @@ const LEAPFROG: [(Springs, Option<Change>); 8] = [
 /// size.
 const BLOCKS: [f64; 3] = [2.0, 0.5, 0.25];
 
-/// All methods, the reference first; `scene` is the base scene.
+/// Methods of a comparison of the given `size`, the reference first; `scene` is the base scene.
 pub fn methods(size: Size, scene: &Scene) -> Vec<Method> {
     let is_full = size == Size::Full;
     let mut methods = vec![

@@ -32,7 +32,7 @@ pub struct Figures<'a> {
     pub task: &'a ValidationTask<'a>,
     pub surface: &'a ScaledLaws,
     pub report: &'a ValidationReport,
-    /// Flat measurement at the highest compared load.
+    /// Measurement of the flat sample at the highest compared load.
     pub heaviest: FlatPoint,
 }
 

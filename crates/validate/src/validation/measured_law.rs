@@ -12,7 +12,7 @@ use slipgrid_infer::calibrate::Measurement;
 use slipgrid_io::formats::calibration::Calibration;
 
 /// Modelled ratios of `pattern` at each of `pairs`, with the flat measurements at the speed and humidity of the pair as
-/// the local law. Returns one list per pair, with one ratio per extrapolation of the law beyond the measured pressures;
+/// the local law. Returns one list per pair, with one entry per extrapolation of the law beyond the measured pressures;
 /// a list is empty if these measurements have a single pressure.
 ///
 /// # Errors

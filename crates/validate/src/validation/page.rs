@@ -7,7 +7,7 @@ use super::report::{TimeReport, ValidationReport};
 use super::rims;
 use super::tables::{self, Captioned, planforms};
 
-/// Makes the page of a validation from its `report` and the pictures in `outputs`.
+/// Makes the HTML page of a validation from its `report` and the pictures in `outputs`.
 pub fn validation(report: &ValidationReport, outputs: &Outputs) -> String {
     let mut page = Page::default();
     let title = format!("{}: measured and modelled", report.name);

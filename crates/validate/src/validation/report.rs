@@ -101,7 +101,7 @@ pub struct PublishedReport {
     pub quantity: String,
     /// Statement of the source.
     pub source: String,
-    /// Result from the tables of the source, or of the model.
+    /// Corresponding result of slipgrid, from the model or from the source's tables.
     pub here: String,
 }
 

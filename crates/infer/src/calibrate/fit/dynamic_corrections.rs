@@ -98,9 +98,9 @@ pub fn correct(
     Ok(runs.corrections(peaks))
 }
 
-/// Corrections from dynamic runs at the fitted `parameters` if any peaks were fitted, because delta (dynamic over
-/// steady friction) depends on the local static coefficient, and the fit used delta from before its last step. Keeps
-/// the slopes of the peaks. Returns `fitted` if there are no peaks.
+/// Recomputes the corrections by dynamic runs at the fitted `parameters`: delta (dynamic over steady friction) depends
+/// on the local static coefficient, and the fit used delta from before its last step. Keeps the slopes d(static
+/// peak)/d(mu_s) of `fitted`. Returns `fitted` unchanged if no peak was fitted.
 pub fn confirm(
     problem: &Problem,
     layout: &Layout,

@@ -41,7 +41,7 @@ const REACH: f64 = 20.0;
 /// Relative difference below which two coefficients are equal.
 const SAME_COEFFICIENT: f64 = 1e-6;
 
-/// Measured friction of the flat samples of `task`, by condition and increasing pressure, with the digits of a material
+/// Measured friction of the flat samples of `task`, by condition and increasing pressure, rounded as in a material
 /// file. Empty if one pair of coefficients holds at all loads, or if no condition has two measurements.
 pub(crate) fn flat_friction(task: &CalibrationTask) -> Vec<CoefficientEstimate> {
     let mut conditions: Vec<(Condition, Vec<CoefficientEstimate>)> = Vec::new();

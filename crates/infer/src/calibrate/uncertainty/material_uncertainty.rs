@@ -118,8 +118,8 @@ impl MaterialUncertainty {
             .filter(|std| *std > 0.0 && !self.law_is_fitted && !self.law_is_measured && area_law.is_some())
     }
 
-    /// Law of friction under `condition` if the local coefficient follows the local pressure, see [`local_law`]; `None` if flat friction is
-    /// not known to contradict the `area_law`.
+    /// Law of friction under `condition` if the local coefficient follows the local pressure, see [`local_law()`];
+    /// `None` if flat friction is not known to contradict the `area_law`.
     pub fn local_law(&self, area_law: Option<&AreaLaw>, condition: Option<&Condition>) -> Option<AreaLaw> {
         let is_of_friction = self.law_is_fitted || self.law_is_measured;
         local_law(area_law.filter(|_| !is_of_friction)?, &self.flat_friction, condition)

@@ -3,7 +3,7 @@
 use super::contact::{ContactForce, ContactRow, ContactSums};
 use super::protocol::Protocol;
 
-/// Initial data of an integrator besides the lattice. Units: spring stiffness k, lattice spacing l, block mass m.
+/// Parameters of an integrator besides the lattice. Units: spring stiffness k, lattice spacing l, block mass m.
 #[derive(Clone, Debug)]
 pub struct Setup<'a> {
     pub contact: ContactRow<'a>,

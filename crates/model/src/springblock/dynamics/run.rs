@@ -226,7 +226,8 @@ impl DynamicRun<'_> {
 }
 
 /// Period of the layer's first shear mode in units of sqrt(m/k): 4 h / c_s with the layer height h and the speed of
-/// shear waves c_s = sqrt(C66/rho) = sqrt(1/2) l sqrt(k/m).
+/// shear waves c_s = sqrt(C66/rho) = sqrt(1/2) l sqrt(k/m), where m is the block mass, k the spring stiffness and l the
+/// lattice spacing.
 fn shear_period(lattice: &Lattice) -> f64 {
     4.0 * lattice.ny() as f64 * std::f64::consts::SQRT_2
 }

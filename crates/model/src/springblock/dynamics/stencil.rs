@@ -71,8 +71,8 @@ fn cuts<R: Real>(nx: usize) -> Vec<usize> {
     cuts
 }
 
-/// Divides a lattice of whole blocks of equal width into strips; returns their coefficients and the balance of the
-/// bulk.
+/// Divides a lattice of whole blocks of equal width into strips; returns their stencil coefficients, and the vertical
+/// force balance of the bulk.
 pub fn strips<R: Real>(lattice: &Lattice) -> (Vec<StripStencil<R>>, BulkBalance) {
     let (nx, ny) = (lattice.nx(), lattice.ny());
     let mut sites = vec![Site::default(); nx * ny];

@@ -328,8 +328,9 @@ pub fn refine_in_plane(
     Ok((BlockRefinement { factor, shifts, errors }, levels.swap_remove(0)))
 }
 
-/// Returns `scene` in blocks `factor` times as large; `None` if these do not divide the height of the layer or make the
-/// scene invalid.
+/// Returns the cell of `scene` with blocks `factor` times as large; the layer height replaces the specimen's length.
+/// `None` if the blocks do not divide the layer height, leave at most one row above the cavities, or make the scene
+/// invalid.
 pub fn with_block_factor(scene: &Scene, factor: f64) -> Option<Scene> {
     let mut other = scene.clone();
     other.layer.block_m *= factor;

@@ -89,9 +89,9 @@ pub struct PressureTilt {
 }
 
 impl PressureTilt {
-    /// Computes the effect for a specimen whose face consists of `rectangles`, covered with cells of `scene` with
-    /// `pattern`. There is no effect if the scene does not give the thickness, if the specimen aligns itself, or once
-    /// `monitor` has cancelled.
+    /// Computes the effect on the ratio for a specimen of `scene` whose face consists of `rectangles` with `pattern`.
+    /// There is no effect if the scene does not give the thickness, if the specimen aligns itself, or once `monitor`
+    /// has cancelled.
     pub fn new(scene: &Scene, pattern: &Pattern, rectangles: &[Rectangle], monitor: &dyn Monitor) -> Self {
         Self::try_new(scene, pattern, rectangles, monitor).unwrap_or_default()
     }

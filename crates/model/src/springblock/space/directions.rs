@@ -85,7 +85,7 @@ impl Directions {
         true
     }
 
-    /// Subtracts the projection of `values` on each image; returns the coefficient of each image.
+    /// Subtracts from `values` its projection on each image; returns the coefficient of each image.
     pub fn project_out(&self, values: &mut [f64]) -> Vec<f64> {
         let mut shares = Vec::with_capacity(self.images.len());
         for images in self.images.chunks(BATCH) {

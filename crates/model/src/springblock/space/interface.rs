@@ -67,15 +67,16 @@ pub struct Surface {
     yields: bool,
     /// Height of the face, in lattice spacings.
     pub relief: f64,
-    /// Stiffness of the tie to the face if the block touches in part, in units of the spring stiffness k; otherwise 0.
+    /// Stiffness of the spring between block and face (the tie) if the block touches in part, in units of the spring
+    /// stiffness k; otherwise 0.
     tie: f64,
     /// Vertical stiffness of the springs upward and the tie together, in units of the spring stiffness k.
     pivot: f64,
 }
 
 impl Surface {
-    /// Stiffness of the tie to the face if the block has an unknown height, otherwise 0; in units of the spring
-    /// stiffness k.
+    /// Stiffness of the spring between block and face (the tie) if the block's height is an unknown of the equations; 0
+    /// if the counterface holds the block. In units of the spring stiffness k.
     fn own_tie(&self) -> f64 {
         self.free.map_or(0.0, |(_, tie)| tie)
     }

@@ -251,7 +251,7 @@ impl SpaceLattice {
         if self.gap > 0 { self.rows } else { self.cavity_rows() }
     }
 
-    /// Row of the lowest blocks above the cavities, which exist at least in part.
+    /// Lowest row in which cavities do not remove the whole block.
     pub fn ceiling_row(&self) -> usize {
         // The depth is validated to be below the height of the layer.
         (self.depth.floor() as usize).min(self.rows - 1)

@@ -110,8 +110,8 @@ impl CondensedModel {
         Some(Self { block_m, youngs_modulus_pa, liftoff, cell })
     }
 
-    /// Like [`Self::new`] for any number of operations, with the contact blocks of the columns `lifted` off the
-    /// counterface.
+    /// Like [`Self::new`], but however many operations it takes, and with the contact blocks of the columns `lifted`
+    /// off the counterface.
     pub(super) fn with_lifted(
         lattice: &Lattice,
         block_m: f64,
@@ -128,8 +128,8 @@ impl CondensedModel {
         Some(Self { block_m, youngs_modulus_pa, liftoff, cell })
     }
 
-    /// Like [`Self::new`] for any number of operations, with the heights of the face as inputs, as needed by
-    /// [`super::raised`].
+    /// Like [`Self::new`], but however many operations it takes, and with the heights of the face as inputs, as needed
+    /// by [`super::raised`].
     pub(super) fn with_raised_face(lattice: &Lattice, block_m: f64, youngs_modulus_pa: f64) -> Option<Self> {
         let cell = Arc::new(Equations::for_lattice(lattice, &[], true)?.condense(lattice)?);
         Some(Self { block_m, youngs_modulus_pa, liftoff: true, cell })

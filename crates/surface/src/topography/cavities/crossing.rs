@@ -13,7 +13,7 @@ use super::found::Found;
 const MIN_PATCHES: usize = 4;
 /// A line of pixels lies within a groove along it if at least this fraction of the line lies in cavities.
 const IN_GROOVE: f64 = 0.9;
-/// Fraction of a strip that is left out on either side, to exclude walls.
+/// Fraction of a land strip between grooves that is left out on each side, to exclude walls.
 const WALL: f64 = 0.1;
 /// Minimum number of lines of a strip for the strip to be recommended.
 const MIN_LINES: usize = 8;

@@ -118,7 +118,7 @@ pub(super) struct Scene<'a> {
     /// Whether the edges of each region, by label, are used.
     pub(super) counts: &'a [bool],
     pub(super) pixel_m: [f64; 2],
-    /// Distance from the edge at half depth to the start of the rim.
+    /// Distance from the cavity's edge, which is taken at half depth, to the start of the rim.
     pub(super) start_m: f64,
     /// Mean width of the cavities, the smaller of those along x and y.
     pub(super) width_m: f64,

@@ -10,7 +10,7 @@ use crate::topography::{LengthUnit, ReadError};
 /// Number of unused header lines that are quoted; further ones are only counted.
 const MAX_NAMED: usize = 4;
 
-/// Values found in a header.
+/// Values found in the header of a map file.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Header {
     /// Extent of the map along x, which is along a line of heights, in metres.

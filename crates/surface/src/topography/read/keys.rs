@@ -87,7 +87,7 @@ fn plain(word: &str) -> String {
 /// Parts of words, in lower case, that indicate a unit or a scale.
 const SCALE_WORDS: &str =
     "unit,einheit,unidad,jednot,scale,skal,factor,faktor,facteur,fattore,pixel,calibrat,size,spacing,step,resolution";
-/// Parts of words, in lower case, of lengths that concern neither heights nor pixels.
+/// Substrings, in lower case, of names of quantities that are neither heights nor pixel sizes.
 const OTHER_WORDS: &str =
     "offset,origin,position,distance,speed,cutoff,cut-off,filter,wavelength,radius,range,min,max,image size";
 

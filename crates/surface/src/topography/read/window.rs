@@ -58,7 +58,7 @@ pub(crate) struct Window {
     row: usize,
     /// Column of the next height in the file.
     col: usize,
-    /// Sum and number of the heights of each block in the current rows.
+    /// Sum and number of the heights of each decimation block in the current rows.
     block: Vec<(f64, u32)>,
     /// Number of rows added to the current blocks.
     block_rows: usize,

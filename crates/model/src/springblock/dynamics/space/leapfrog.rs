@@ -20,7 +20,8 @@ use super::sweep::{InsideRows, RowForces};
 use crate::springblock::{Coefficients, SpaceLattice};
 use slipgrid_base::fft::vectorized;
 
-/// Initial data of the leapfrog besides the lattice. Units: spring stiffness k, lattice spacing l, block mass m.
+/// Parameters of the leapfrog integrator besides the lattice. Units: spring stiffness k, lattice spacing l, block mass
+/// m.
 #[derive(Clone, Debug)]
 pub struct SpaceSetup<'a> {
     /// Local friction coefficients; index j * nx + i for column i along x and j along y.
