@@ -98,7 +98,8 @@ fn a_killed_server_leaves_the_earlier_result_and_a_free_folder() {
     server.kill();
     assert!(fs::read(&record).unwrap() == before, "job {id}");
     let server = Server::start(folder.path());
-    assert_eq!(server.job(&words)["state"], "done");
+    let again = server.job(&words);
+    assert_eq!(again["state"], "done", "{again}");
     assert!(fs::read(&record).unwrap() != before);
 }
 

@@ -409,7 +409,7 @@ fn numbers_without_meaning_are_named() {
     );
     let hyper = Hyperparameters { residual_length: 0.0, ..Hyperparameters::default() };
     let refused = Discrepancy::new(hyper, Conditions::default(), 0.2, Vec::new()).unwrap_err();
-    assert_eq!(refused.to_string(), "residual_length is 0, and must be positive and finite");
+    assert_eq!(refused.to_string(), "residual_length is 0, and must be a positive finite number");
 }
 
 #[test]

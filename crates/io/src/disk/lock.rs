@@ -80,7 +80,9 @@ impl Lock {
                 return Err(refused.expected("another folder of results, or no such file").into());
             }
             let emptied = file.set_len(0).and_then(|()| file.rewind());
-            if let Err(error) = emptied.and_then(|()| writeln!(file, "{MARK} {}", std::process::id())) {
+            // At once: a run that is killed between two writes would leave half a mark, which the next run takes for foreign.
+            let mark = format!("{MARK} {}\n", std::process::id());
+            if let Err(error) = emptied.and_then(|()| file.write_all(mark.as_bytes())) {
                 // On a full disk an empty file would remain.
                 let _ = fs::remove_file(path);
                 return Err(failed(error).into());
