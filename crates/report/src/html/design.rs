@@ -137,7 +137,9 @@ fn known(table: &Table) -> Table {
 fn limited_by(page: &mut Page, report: &DesignReport) {
     let last = report.target.pressure_mpa.len().saturating_sub(1);
     let limits = report.sample.limited_by.iter();
-    let limits: Vec<&LimitedBy> = limits.filter(|limit| limit.std.iter().any(|std| *std >= MIN_STD)).collect();
+    let mut limits: Vec<&LimitedBy> = limits.filter(|limit| limit.std.iter().any(|std| *std >= MIN_STD)).collect();
+    let std = |limit: &LimitedBy| limit.std.get(last).copied().unwrap_or(0.0);
+    limits.sort_by(|a, b| std(b).total_cmp(&std(a)));
     let mut table = Table::of(&limits);
     table.column("input", |limit| limit.input.clone());
     table.column("how well it is known", |limit| micrometres(&limit.known_to));

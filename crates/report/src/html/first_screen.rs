@@ -181,6 +181,7 @@ fn limits(page: &mut Page, report: &DesignReport, found: Option<&DesignOutcome>)
     let largest = report.sample.limited_by.iter().map(std).fold(tolerance.unwrap_or(0.0), f64::max);
     let mut shown: Vec<&LimitedBy> =
         report.sample.limited_by.iter().filter(|limit| std(limit) >= MIN_BAR * largest).collect();
+    shown.sort_by(|a, b| std(b).total_cmp(&std(a)));
     shown.truncate(MAX_BARS);
     if largest > 0.0 && !shown.is_empty() {
         let at = plain(report.target.pressure_mpa.get(row).copied());
