@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 class ConditionTable(TypedDict, total=False):
-    """Selects coefficients of a material that has them per condition."""
+    """Speed and humidity that select the friction coefficients of a material with coefficients per condition."""
 
     speed_mm_s: Required[float]
     humidity_pct: Required[float]
@@ -39,7 +39,7 @@ class ConditionsTable(TypedDict, total=False):
 
 
 class FrictionTable(TypedDict, total=False):
-    """Local friction coefficients."""
+    """Local friction coefficients, those of the contact blocks."""
 
     pressure_mpa: ArrayLike
     static_mean: ArrayLike
@@ -55,7 +55,7 @@ class FrictionTable(TypedDict, total=False):
 
 
 class AreaLawTable(TypedDict, total=False):
-    """Area law; absent for Amontons-Coulomb."""
+    """Area law; without this table, friction is proportional to load (Amontons-Coulomb)."""
 
     origin: str
     rms_slope: float
@@ -79,7 +79,7 @@ class FlatFrictionTable(TypedDict, total=False):
 
 
 class PriorTable(TypedDict, total=False):
-    """Prior, before any trial."""
+    """Prior standard deviations of the discrepancy, before any trial."""
 
     amplitude_std: float
     pressure_std: float
@@ -118,7 +118,7 @@ class TrialTable(TypedDict, total=False):
 
 
 class LearnedTable(TypedDict, total=False):
-    """Discrepancy learned from trials, for any texture."""
+    """Discrepancy between measured and modelled friction ratios, learned from trials; applies to any texture."""
 
     reference_pressure_mpa: Required[float]
     lowest_pressure_mpa: Required[float]
@@ -158,7 +158,7 @@ class MaterialTable(TypedDict, total=False):
 
 
 class PatternTable(TypedDict, total=False):
-    """Texture; absent for a flat surface."""
+    """Pattern of cavities; without this table, the surface is flat."""
 
     width_um: Required[float]
     spacing_um: Required[float]
@@ -185,7 +185,7 @@ class PatternTable(TypedDict, total=False):
 
 
 class SpecimenTable(TypedDict, total=False):
-    """Specimen on which the pattern is laid; absent where a sample is one strip of ``sample.length_um``."""
+    """Specimen on which the pattern is laid out; without this table, the sample is one strip of length ``sample.length_um``."""
 
     shape: Required[Literal["disc", "rectangle", "ring"]]
     diameter_mm: float
@@ -307,7 +307,7 @@ class LimitsTable(TypedDict, total=False):
 
 
 class AblationTable(TypedDict, total=False):
-    """Measured depths per burst, to which d = delta ln(F / F_th) is fitted, in place of ``limits.depth_per_burst_um``."""
+    """Depths per burst d measured at fluences F, to which d = delta ln(F / F_th) with the threshold F_th is fitted, in place of ``limits.depth_per_burst_um``."""
 
     fluence_j_cm2: Required[ArrayLike]
     depth_per_burst_um: Required[ArrayLike]
@@ -352,7 +352,7 @@ class SearchTable(TypedDict, total=False):
 
 
 class TolerancesTable(TypedDict, total=False):
-    """Scatter of the mean dimensions from sample to sample; without this table the chance leaves it out."""
+    """Scatter of the mean dimensions from sample to sample; without this table the chance to be on target leaves this scatter out."""
 
     width_std_um: float
     spacing_std_um: float
@@ -362,7 +362,7 @@ class TolerancesTable(TypedDict, total=False):
 
 
 class TradeOffsTable(TypedDict, total=False):
-    """Table of Pareto-optimal designs: no other design is better in every goal."""
+    """Comparison of designs by several goals; the Pareto-optimal designs are listed, those that no other design beats in every goal."""
 
     goals: Required[Sequence[Literal["chance", "misfit", "laser_time", "volume", "peak_pressure", "spread"]]]
     designs: int
@@ -627,7 +627,7 @@ class LimitedBy(Record):
 
 
 class Goal(Record):
-    """Expected value of the goal; null without one."""
+    """Expected value of the goal; null without a goal."""
 
     goal: str
     of: str
@@ -650,7 +650,7 @@ class Sample(Record):
 
 
 class Blocked(Record):
-    """Maximum chance without one limit or bound."""
+    """Maximum chance without one limit, or with one bound widened."""
 
     what: str
     chance: float
@@ -659,14 +659,14 @@ class Blocked(Record):
 
 
 class Slope(Record):
-    """Derivative of expected values along one dimension."""
+    """Derivatives of the expected values of a sample with respect to one dimension."""
 
     dimension: str
     per_um: list[float]
 
 
 class ListedDesign(Record):
-    """Design of the front."""
+    """Design that no other design dominates."""
 
     design: Pattern
     goals: list[float]
@@ -685,7 +685,7 @@ class TradeOffs(Record):
 
 
 class TableErrors(Record):
-    """Table of the bounds that the designs were compared by."""
+    """Size and error of the table by which designs were compared."""
 
     nodes: int
     holes: int
@@ -708,7 +708,7 @@ class Removal(Record):
 
 
 class Target(Record):
-    """Target of the task."""
+    """Friction target of the task."""
 
     quantity: str
     pressure_mpa: list[float]
@@ -770,7 +770,7 @@ class MaterialSource(Record):
 
 
 class Specimen(Record):
-    """Specimen."""
+    """Specimen on which the design is laid out."""
 
     shape: str
     diameter_mm: Optional[float]
@@ -795,7 +795,7 @@ class Ablation(Record):
 
 
 class Laser(Record):
-    """Laser."""
+    """Laser settings."""
 
     wavelength_nm: Optional[float]
     spot_um: Optional[float]
@@ -950,7 +950,7 @@ class SimulationRecord(Record):
 
 
 class Sector(Record):
-    """Sample as a sector."""
+    """Sector of a specimen that is one of the samples."""
 
     middle_deg: float
     turn_deg: float
@@ -1045,7 +1045,7 @@ class PastPrediction(Record):
 
 
 class MeasuredRatio(Record):
-    """Measured ratio with its predictions."""
+    """Measured ratio of patterned to flat friction, with predictions."""
 
     pressure_mpa: float
     speed_mm_s: float
@@ -1083,7 +1083,7 @@ class PendingTrial(Record):
 
 
 class Form(Record):
-    """Weights of a form."""
+    """Prior and posterior weight of one candidate form of the discrepancy, the model's error as a function of the texture."""
 
     form: str
     prior: float
@@ -1099,7 +1099,7 @@ class Scatter(Record):
 
 
 class Effect(Record):
-    """Discrepancy of the logarithm of the ratio, or its dependence on a quantity."""
+    """Discrepancy ln(measured / modelled ratio), or change of the discrepancy with pressure, speed or humidity."""
 
     of: str
     value: float
@@ -1120,7 +1120,7 @@ class Land(Record):
 
 
 class LoadLine(Record):
-    """Line F = s (N - N0) of friction force against normal force at one speed and humidity, by least squares. Adhesion would pull, N0 < 0. A film that bears load without friction pushes, N0 > 0; s is then free of it."""
+    """Line F = s (N - N0) of friction force against normal force at one speed and humidity, by least squares. N0 < 0 indicates adhesion; N0 > 0 indicates a film that bears load without friction, which does not affect s."""
 
     sample: str
     speed_mm_s: float
@@ -1143,7 +1143,7 @@ class Coverage(Record):
 
 
 class TrialsRecord(Record):
-    """Ledger of a calibration's trials."""
+    """Ledger of a calibration's trials: measured ratios with their predictions, as ``slipgrid trials`` reports them."""
 
     program: str
     version: str
