@@ -86,7 +86,7 @@ fn bandwidth(bytes: usize) -> f64 {
     })
 }
 
-/// What the machine allows, a second.
+/// Limits of the machine, per second.
 struct Machine {
     /// Additions in double and in single precision.
     additions: [f64; 2],

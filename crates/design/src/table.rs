@@ -40,7 +40,7 @@ const BESIDE: usize = 3;
 pub struct Scope {
     /// Number of nodes along width, spacing and depth per factor e between the bounds, and maximum number.
     nodes: ([f64; 3], [usize; 3]),
-    /// As `nodes`, for cells in space in the requested blocks, which correct the table in larger blocks.
+    /// Like `nodes`, for cells in space in the requested blocks, which correct the table in larger blocks.
     lift: ([f64; 3], [usize; 3]),
     /// Maximum number of nodes along width, spacing and depth for the sensitivities of the ratio to inputs.
     sensitivities: [usize; 3],

@@ -123,7 +123,7 @@ impl Memory for InMemory {
 /// incomplete; such a monitor must remain cancelled.
 ///
 /// # Errors
-/// Those of `compute`.
+/// Errors of `compute`.
 pub fn cached<T: Serialize + DeserializeOwned, E>(
     monitor: &dyn Monitor,
     (kind, content): (&str, &dyn Debug),

@@ -74,8 +74,8 @@ pub(super) fn less_known(effects: &[EffectReport]) -> String {
     .collect()
 }
 
-/// Of the conditions of the last trial at its lowest humidity, returns the one nearest to the centre of the flat
-/// sample's conditions in ln P and ln v (pressure P, speed v); without a trial, returns this centre at 40 % humidity.
+/// Returns that condition of the last trial, at its lowest humidity, which is nearest to the centre of the flat sample's
+/// conditions in ln P and ln v (pressure P, speed v); without a trial, returns this centre at 40 % humidity.
 /// Also returns a name for the discrepancy at the returned condition.
 fn central(learned: &Discrepancy) -> (Load, String) {
     let middle = learned.conditions();
