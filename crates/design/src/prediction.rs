@@ -168,12 +168,10 @@ impl Prediction {
             let [low, high] = [0.025, 0.975].map(|share| of.quantile(load, share).exp());
             own_ratio[load] * (high - low) / (2.0 * NORMAL_95)
         };
+        let widths: Vec<f64> = (0..n).map(|load| width(&self.distribution, load)).collect();
         let widening = |without: &Distribution| -> Vec<f64> {
-            let of = |load| {
-                let [all, rest] = [&self.distribution, without].map(|of| width(of, load));
-                tidy((all * all - rest * rest).max(0.0).sqrt())
-            };
-            (0..n).map(of).collect()
+            let of = |(load, all): (usize, &f64)| tidy((all * all - width(without, load).powi(2)).max(0.0).sqrt());
+            widths.iter().enumerate().map(of).collect()
         };
         add("model error", trials, widening(&known), (&known, own_ratio));
         let alike = predictor.without_scatter().of(&self.texture.candidate());
