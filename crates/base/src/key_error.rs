@@ -109,13 +109,16 @@ impl Refusal {
     pub fn expected(&self) -> Option<String> {
         match self {
             Self::OutOfRange { quantity, .. } => Some(quantity.to_string()),
-            Self::UnknownName { known, .. } => {
-                Some(known.iter().map(|name| format!("\"{name}\"")).collect::<Vec<_>>().join(" or "))
-            }
+            Self::UnknownName { known, .. } => Some(alternatives(known)),
             Self::Missing => None,
             Self::Rule { expected, .. } => expected.clone(),
         }
     }
+}
+
+/// Lists accepted `names` in quotes: `"left" or "right"`.
+pub fn alternatives(names: &[&str]) -> String {
+    names.iter().map(|name| format!("\"{name}\"")).collect::<Vec<_>>().join(" or ")
 }
 
 impl fmt::Display for Refusal {

@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use super::Document;
 use crate::formats::diagnostic::{Diagnostic, nearest};
+use slipgrid_base::key_error::alternatives;
 
 impl Document {
     /// Converts an `error` of the TOML parser or of serde to a diagnostic.
@@ -19,8 +20,7 @@ impl Document {
         if let Some((written, known)) = unknown(message, "variant") {
             let mut refused = self.refuse(span, "is not known");
             refused.suggestion = nearest(written, known.iter().copied()).map(Into::into);
-            let known: Vec<String> = known.iter().map(|name| format!("\"{name}\"")).collect();
-            return refused.expected(known.join(" or "));
+            return refused.expected(alternatives(&known));
         }
         // Errors of records name their key first.
         if let Some((key, message)) = message.strip_prefix('`').and_then(|message| message.split_once("`: ")) {

@@ -6,6 +6,7 @@ use std::fmt;
 use serde::de::value::StrDeserializer;
 use serde::de::{DeserializeSeed, Deserializer, Error, MapAccess, SeqAccess, Unexpected, Visitor};
 use serde::forward_to_deserialize_any;
+use slipgrid_base::key_error::alternatives;
 
 /// Wraps a deserializer, a seed or a visitor, and refuses lists where a structure is read. Enumerations are read from
 /// names alone.
@@ -143,8 +144,7 @@ impl<'de, V: Visitor<'de>> Visitor<'de> for NameReader<V> {
     type Value = V::Value;
 
     fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let names: Vec<String> = self.variants.iter().map(|name| format!("\"{name}\"")).collect();
-        f.write_str(&names.join(" or "))
+        f.write_str(&alternatives(self.variants))
     }
 
     fn visit_str<E: Error>(self, name: &str) -> Result<V::Value, E> {
