@@ -2,13 +2,12 @@
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use slipgrid_base::units::LENGTH_UM;
 use slipgrid_model::pattern::{Pattern, Planform, TextureRecord};
 
 use crate::export::removal::removed_volume_m3;
 use crate::export::{
-    DERIVED_DIGITS, ExportError, Laser, Layout, Specimen, SpecimenRecord, WorkSheet, burst_warnings, groove_direction,
-    lattice, micrometres, positive, round_digits,
+    DERIVED_DIGITS, ExportError, Laser, Layout, MICROMETRE_DECIMALS, Specimen, SpecimenRecord, WorkSheet,
+    burst_warnings, groove_direction, lattice, micrometres, positive, round_decimals, round_digits,
 };
 
 /// Effects that no model of slipgrid contains, for a pattern with or without rims; process sheets list them.
@@ -148,9 +147,8 @@ impl From<&Pattern> for PatternSheet {
         let rim = pattern.texture().rim().filter(|rim| rim.stands());
         let apart_m = pattern.pitch_across_m().filter(|&pitch_m| pitch_m != pattern.pitch_m());
         let record = TextureRecord::from(pattern);
-        let nanometre = |um: f64| micrometres(LENGTH_UM.to_si(um));
-        let rounded = |um: Option<f64>| um.map(nanometre);
-        let corners = record.vertices_um.iter().flatten().map(|corner| corner.map(nanometre)).collect();
+        let rounded = |um: f64| round_decimals(um, MICROMETRE_DECIMALS);
+        let corners = |corners: Vec<[f64; 2]>| corners.into_iter().map(|corner| corner.map(rounded)).collect();
         Self {
             width_um: micrometres(pattern.width_m()),
             spacing_um: micrometres(pattern.spacing_m()),
@@ -158,13 +156,13 @@ impl From<&Pattern> for PatternSheet {
             pitch_across_um: apart_m.map(micrometres),
             depth_um: micrometres(pattern.depth_m()),
             texture: TextureRecord {
-                length_um: rounded(record.length_um),
-                vertices_um: record.vertices_um.as_ref().map(|_| corners),
+                length_um: record.length_um.map(rounded),
+                vertices_um: record.vertices_um.map(corners),
                 spacing_across_um: apart_m.and(pattern.spacing_across_m()).map(micrometres),
                 rim_height_um: rim.map(|_| micrometres(pattern.rim_height_m())),
                 rim_heights_um: None,
-                rim_width_um: rounded(record.rim_width_um),
-                rim_height_std_um: rounded(record.rim_height_std_um),
+                rim_width_um: record.rim_width_um.map(rounded),
+                rim_height_std_um: record.rim_height_std_um.map(rounded),
                 ..record
             },
             rim_basis: rim.map(|_| RIM_BASIS.to_owned()),
