@@ -22,16 +22,27 @@ pub const STRIP_HEIGHTS: f64 = 15.0;
 /// Minimum width of land at the end of a strip that a lattice resolves, in blocks.
 const MIN_END_BLOCKS: f64 = 2.0;
 
-/// Part of the face that is solved on one lattice, with its equations.
-pub struct Piece {
+/// Part of the face that is solved on one lattice.
+#[derive(Clone, Copy)]
+struct Piece {
+    /// Index of the band of its strip.
     band: usize,
     /// Area that the piece represents, in square metres.
     area_m2: f64,
     /// Area of the cavities, in square metres.
     cavity_area_m2: f64,
-    model: SteadyModel,
-    /// Pressure relative to the nominal pressure, P_s / P.
-    pressure_share: f64,
+    /// Index of its lattice; the cells between the ends of all strips have the same.
+    lattice: usize,
+}
+
+/// Parts of a face before they are solved.
+#[derive(Default)]
+struct Plan {
+    pieces: Vec<Piece>,
+    /// Different lattices of the pieces.
+    lattices: Vec<Lattice>,
+    /// Number of strips that were shortened by whole periods.
+    shortened: usize,
 }
 
 /// Outcomes of steady sliding of the whole face with mean local coefficients, by load.
@@ -89,44 +100,50 @@ pub fn without_slivers(mut strip: Strip, depth_m: f64, block_m: f64) -> Strip {
     strip
 }
 
-/// Part of a face before it is solved: index of the band of its strip, area and cavity area in square metres, and
-/// lattice.
-type Planned = (usize, f64, f64, Lattice);
-
-/// Divides `face` into parts with the blocks of `layer`; also returns the number of strips that were shortened.
-fn planned(layer: &Layer, pattern: &Pattern, face: &Face) -> (Vec<Planned>, usize) {
-    let (block_m, rows) = (layer.block_m, layer.rows());
-    let blocks = |strip: &Strip| -> Vec<[f64; 2]> {
-        strip.cavities_m.iter().map(|ends_m| ends_m.map(|at_m| at_m / block_m)).collect()
-    };
-    // Rounding to a billionth of a row removes the rounding errors of decimal numbers in files.
-    let depth = (pattern.depth_m() / block_m * 1e9).round() * 1e-9;
-    let mut planned: Vec<Planned> = Vec::new();
-    let mut count = 0;
-    for strip in face.strips() {
-        let (kept, out_m) = shortened(strip, layer);
+impl Plan {
+    /// Divides `face` into parts with the blocks of `layer`.
+    fn new(layer: &Layer, pattern: &Pattern, face: &Face) -> Self {
+        let (block_m, rows) = (layer.block_m, layer.rows());
+        let blocks = |strip: &Strip| -> Vec<[f64; 2]> {
+            strip.cavities_m.iter().map(|ends_m| ends_m.map(|at_m| at_m / block_m)).collect()
+        };
+        // Rounding to a billionth of a row removes the rounding errors of decimal numbers in files.
+        let depth = (pattern.depth_m() / block_m * 1e9).round() * 1e-9;
         let cavity_m2 = |strip: &Strip| strip.cavity_length_m() * strip.width_m;
-        let bearing = without_slivers(kept.clone(), pattern.depth_m(), block_m);
-        let ends = Lattice::new(columns::strip(kept.length_m / block_m, &blocks(&bearing), depth), rows, false);
-        planned.push((strip.band, kept.area_m2(), cavity_m2(&kept), ends));
-        if out_m > 0.0 {
-            count += 1;
-            let middle = if kept.cavities_m.is_empty() {
-                columns::flat(UNIFORM_COLUMNS)
-            } else {
-                columns::cell(pattern, block_m)
-            };
-            let cavity_area_m2 = cavity_m2(strip) - cavity_m2(&kept);
-            planned.push((strip.band, out_m * strip.width_m, cavity_area_m2, Lattice::new(middle, rows, true)));
+        let mut plan = Self::default();
+        for strip in face.strips() {
+            let (kept, out_m) = shortened(strip, layer);
+            let bearing = without_slivers(kept.clone(), pattern.depth_m(), block_m);
+            let ends = Lattice::new(columns::strip(kept.length_m / block_m, &blocks(&bearing), depth), rows, false);
+            plan.add(strip.band, [kept.area_m2(), cavity_m2(&kept)], ends);
+            if out_m > 0.0 {
+                plan.shortened += 1;
+                let middle = if kept.cavities_m.is_empty() {
+                    columns::flat(UNIFORM_COLUMNS)
+                } else {
+                    columns::cell(pattern, block_m)
+                };
+                let cavity_area_m2 = cavity_m2(strip) - cavity_m2(&kept);
+                plan.add(strip.band, [out_m * strip.width_m, cavity_area_m2], Lattice::new(middle, rows, true));
+            }
         }
+        plan
     }
-    (planned, count)
-}
 
-/// Returns the memory, in bytes, of the equations of all parts `planned`; refuses them if they do not fit in memory.
-fn affordable(planned: &[Planned]) -> Result<f64, SceneError> {
-    let bytes = |(.., lattice): &Planned| factor_bytes(lattice.nx(), lattice.ny(), lattice.is_periodic());
-    require_memory(planned.iter().map(bytes).sum())
+    fn add(&mut self, band: usize, [area_m2, cavity_area_m2]: [f64; 2], lattice: Lattice) {
+        let known = self.lattices.iter().position(|known| *known == lattice);
+        let place = known.unwrap_or(self.lattices.len());
+        if known.is_none() {
+            self.lattices.push(lattice);
+        }
+        self.pieces.push(Piece { band, area_m2, cavity_area_m2, lattice: place });
+    }
+
+    /// Returns the memory, in bytes, of the equations of all parts; refuses them if they do not fit in memory.
+    fn affordable(&self) -> Result<f64, SceneError> {
+        let bytes = |lattice: &Lattice| factor_bytes(lattice.nx(), lattice.ny(), lattice.is_periodic());
+        require_memory(self.lattices.iter().map(bytes).sum())
+    }
 }
 
 /// Memory of the equations of `face` with the blocks of `layer`, in bytes.
@@ -134,7 +151,7 @@ fn affordable(planned: &[Planned]) -> Result<f64, SceneError> {
 /// # Errors
 /// [`SceneError::TooLarge`], as in [`SteadyFace::new`].
 pub fn face_bytes(layer: &Layer, pattern: &Pattern, face: &Face) -> Result<f64, SceneError> {
-    affordable(&planned(layer, &without_rim(pattern), face).0)
+    Plan::new(layer, &without_rim(pattern), face).affordable()
 }
 
 impl SteadyFace {
@@ -148,37 +165,44 @@ impl SteadyFace {
     ) -> Result<Option<Self>, SceneError> {
         // Strips are solved with flat lands; the effect of rims is that on the cell.
         let pattern = &without_rim(pattern);
-        let (planned, count) = planned(&scene.layer, pattern, face);
-        affordable(&planned)?;
-        let pieces: Option<Vec<Piece>> = planned
-            .into_par_iter()
-            .map(|(band, area_m2, cavity_area_m2, lattice)| {
-                monitor.heed().ok()?;
-                let model = SteadyModel::for_scene(scene, lattice);
-                Some(Piece { band, area_m2, cavity_area_m2, pressure_share: model.stiffness_per_length(), model })
-            })
-            .collect();
-        let Some(mut pieces) = pieces else { return Ok(None) };
+        let plan = Plan::new(&scene.layer, pattern, face);
+        plan.affordable()?;
+        let model = |lattice: &Lattice| monitor.heed().ok().map(|()| SteadyModel::for_scene(scene, lattice.clone()));
+        let models: Option<Vec<SteadyModel>> = plan.lattices.par_iter().map(model).collect();
+        let Some(models) = models else { return Ok(None) };
         // P_s = k_s d with sum A_s P_s = P sum A_s
-        let area_m2: f64 = pieces.iter().map(|piece| piece.area_m2).sum();
-        let carried: f64 = pieces.iter().map(|piece| piece.area_m2 * piece.pressure_share).sum();
-        for piece in &mut pieces {
-            piece.pressure_share *= area_m2 / carried;
-        }
+        let stiffness: Vec<f64> = models.iter().map(SteadyModel::stiffness_per_length).collect();
+        let area_m2: f64 = plan.pieces.iter().map(|piece| piece.area_m2).sum();
+        let carried: f64 = plan.pieces.iter().map(|piece| piece.area_m2 * stiffness[piece.lattice]).sum();
+        let shares: Vec<f64> = stiffness.iter().map(|own| own * (area_m2 / carried)).collect();
         let solved =
-            |piece: &Piece| Some(solve(scene, &piece.model, piece.pressure_share)).filter(|_| !monitor.cancelled());
-        let by_piece: Option<Vec<Vec<SurfaceOutcome>>> = pieces.par_iter().map(solved).collect();
-        let Some(by_piece) = by_piece else { return Ok(None) };
-        let mut by_piece: Vec<_> = by_piece.into_iter().map(Vec::into_iter).collect();
+            |(model, share): (&SteadyModel, &f64)| Some(solve(scene, model, *share)).filter(|_| !monitor.cancelled());
+        let by_lattice: Option<Vec<Vec<SurfaceOutcome>>> = models.par_iter().zip(&shares).map(solved).collect();
+        let Some(by_lattice) = by_lattice else { return Ok(None) };
         let flat = FlatFace::new(scene, face).solve(scene);
-        let each = scene.loads.iter().zip(flat).map(|(load, flat)| {
-            let surfaces: Vec<SurfaceOutcome> = by_piece.iter_mut().filter_map(Iterator::next).collect();
-            face_load(face, &pieces, &surfaces, flat, load)
+        let each = scene.loads.iter().zip(flat).enumerate().map(|(place, (load, flat))| {
+            let parts = plan.pieces.iter().map(|piece| SolvedPiece {
+                piece,
+                columns: models[piece.lattice].lattice().nx(),
+                pressure_share: shares[piece.lattice],
+                surface: &by_lattice[piece.lattice][place],
+            });
+            face_load(face, &parts.collect::<Vec<_>>(), flat, load)
         });
         let mut loads: Vec<LoadOutcome> = each.collect();
         rims.add(face.share_of(pattern), &mut loads);
-        Ok(Some(Self { loads, shortened: count }))
+        Ok(Some(Self { loads, shortened: plan.shortened }))
     }
+}
+
+/// Piece of a face under one load.
+struct SolvedPiece<'a> {
+    piece: &'a Piece,
+    /// Number of columns of its lattice.
+    columns: usize,
+    /// Pressure relative to the nominal pressure, P_s / P.
+    pressure_share: f64,
+    surface: &'a SurfaceOutcome,
 }
 
 /// Solves steady sliding on `model` at each load of `scene`, with `share` times the pressure and the mean coefficient
@@ -238,31 +262,24 @@ impl FlatFace {
     }
 }
 
-/// Combines the outcomes `surfaces` of the pieces and the outcome `flat` of the flat face under one load.
-fn face_load(
-    face: &Face,
-    pieces: &[Piece],
-    surfaces: &[SurfaceOutcome],
-    flat: SurfaceOutcome,
-    load: &Load,
-) -> LoadOutcome {
-    let (ratio, sampling_error) = face_ratio(face, pieces, surfaces, flat.mu_dynamic).unzip();
-    let longest = surfaces.iter().zip(pieces).max_by(|(_, a), (_, b)| {
-        (a.cavity_area_m2 > 0.0, a.model.lattice().nx()).cmp(&(b.cavity_area_m2 > 0.0, b.model.lattice().nx()))
-    });
-    let worst = surfaces.iter().map(|surface| surface.status).max();
-    let most = |of: fn(&SurfaceOutcome) -> f64| surfaces.iter().map(of).fold(0.0, f64::max);
+/// Combines the outcomes of `parts` and the outcome `flat` of the flat face under one load.
+fn face_load(face: &Face, parts: &[SolvedPiece<'_>], flat: SurfaceOutcome, load: &Load) -> LoadOutcome {
+    let (ratio, sampling_error) = face_ratio(face, parts, flat.mu_dynamic).unzip();
+    let longest = parts.iter().max_by_key(|part| (part.piece.cavity_area_m2 > 0.0, part.columns));
+    let surfaces = || parts.iter().map(|part| part.surface);
+    let worst = surfaces().map(|surface| surface.status).max();
+    let most = |of: fn(&SurfaceOutcome) -> f64| surfaces().map(of).fold(0.0, f64::max);
     let surface = SurfaceOutcome {
         status: worst.unwrap_or(Status::Converged),
         peak_pressure_pa: most(|surface| surface.peak_pressure_pa),
         residual: Some(most(|surface| surface.residual.unwrap_or(0.0))),
-        tension_blocks: surfaces.iter().map(|surface| surface.tension_blocks).sum(),
-        cavity_closed: surfaces.iter().any(|surface| surface.cavity_closed),
-        clearance_m: surfaces.iter().filter_map(|surface| surface.clearance_m).reduce(f64::min),
-        area_law_extrapolated: surfaces.iter().any(|surface| surface.area_law_extrapolated),
-        iterations: surfaces.iter().map(|surface| surface.iterations).max().unwrap_or(0),
+        tension_blocks: surfaces().map(|surface| surface.tension_blocks).sum(),
+        cavity_closed: surfaces().any(|surface| surface.cavity_closed),
+        clearance_m: surfaces().filter_map(|surface| surface.clearance_m).reduce(f64::min),
+        area_law_extrapolated: surfaces().any(|surface| surface.area_law_extrapolated),
+        iterations: surfaces().map(|surface| surface.iterations).max().unwrap_or(0),
         mu_dynamic: ratio.zip(flat.mu_dynamic).map(|(ratio, mu)| ratio * mu),
-        ..longest.map_or_else(|| flat.clone(), |(surface, _)| surface.clone())
+        ..longest.map_or_else(|| flat.clone(), |part| part.surface.clone())
     };
     let mut outcome = compare(load, surface, Some(flat));
     outcome.correct(Effect::Layout, 0.0, sampling_error);
@@ -272,14 +289,14 @@ fn face_load(
 /// Friction ratio of the face to the flat face with the coefficient `flat_mu`, and the standard error of sampling the
 /// face by strips, from the deviations of the bands from a friction reduction proportional to their cavities; `None`
 /// without a ratio.
-fn face_ratio(face: &Face, pieces: &[Piece], surfaces: &[SurfaceOutcome], flat_mu: Option<f64>) -> Option<(f64, f64)> {
+fn face_ratio(face: &Face, parts: &[SolvedPiece<'_>], flat_mu: Option<f64>) -> Option<(f64, f64)> {
     let flat_mu = flat_mu.filter(|mu| *mu != 0.0)?;
-    let area_m2: f64 = pieces.iter().map(|piece| piece.area_m2).sum();
+    let area_m2: f64 = parts.iter().map(|part| part.piece.area_m2).sum();
     // By band: reduction of the ratio, and area of cavities over the area of the face.
     let mut bands = vec![[0.0; 2]; face.bands()];
-    for (piece, surface) in pieces.iter().zip(surfaces) {
+    for SolvedPiece { piece, pressure_share, surface, .. } in parts {
         let [lowered, share] = &mut bands[piece.band];
-        *lowered += piece.area_m2 * piece.pressure_share * (1.0 - surface.mu_dynamic? / flat_mu) / area_m2;
+        *lowered += piece.area_m2 * pressure_share * (1.0 - surface.mu_dynamic? / flat_mu) / area_m2;
         *share += piece.cavity_area_m2 / area_m2;
     }
     let [lowered, share] = bands.iter().fold([0.0; 2], |sum, band| [sum[0] + band[0], sum[1] + band[1]]);
