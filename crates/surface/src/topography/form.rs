@@ -3,7 +3,7 @@
 use serde::Deserialize;
 use slipgrid_base::monitor::Monitor;
 
-use crate::topography::{HeightMap, MapError};
+use crate::topography::{HeightMap, MapError, cholesky};
 
 /// Shape fitted by least squares to the points present, and subtracted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Deserialize)]
@@ -48,10 +48,9 @@ const TERMS: usize = 6;
 const SMALLEST_PIVOT: f64 = 1e-10;
 
 /// A fitted form, in coordinates that run from -1 to 1 over the map along x and y.
-#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct FittedForm {
-    coefficient: [f64; TERMS],
-    count: usize,
+    /// Factors of the first [`terms`], in metres.
+    coefficients: Vec<f64>,
 }
 
 /// Legendre polynomials of the coordinates u along x and v along y: nearly orthogonal over a full map, which keeps the
@@ -69,7 +68,7 @@ impl FittedForm {
     /// Height of the form at row i and column j of `map`, in metres.
     fn height_m(&self, [i, j]: [usize; 2], map: &HeightMap) -> f64 {
         let (u, v) = (place(i, map.rows()), place(j, map.cols()));
-        terms(u, v)[..self.count].iter().zip(&self.coefficient).map(|(term, factor)| term * factor).sum()
+        terms(u, v).iter().zip(&self.coefficients).map(|(term, factor)| term * factor).sum()
     }
 
     /// Heights of the form at all points of `map`, in metres; ends once `monitor` cancels.
@@ -128,28 +127,15 @@ impl HeightMap {
         if points < count {
             return Err(undetermined);
         }
-        // Cholesky factorisation A = L L^T in the lower half.
-        for i in 0..count {
-            for j in 0..=i {
-                let sum = (0..j).fold(a[i][j], |sum, k| sum - a[i][k] * a[j][k]);
-                if i == j {
-                    if sum <= SMALLEST_PIVOT * points as f64 {
-                        return Err(undetermined);
-                    }
-                    a[i][i] = sum.sqrt();
-                } else {
-                    a[i][j] = sum / a[j][j];
-                }
-            }
-        }
-        for i in 0..count {
-            b[i] = (0..i).fold(b[i], |sum, k| sum - a[i][k] * b[k]) / a[i][i];
-        }
+        let least = SMALLEST_PIVOT * points as f64;
+        let factor = cholesky::factor(count, |i, j| a[i][j], least).ok_or(undetermined)?;
+        let mut coefficients = cholesky::solve_lower(&factor, &b[..count]);
         for i in (0..count).rev() {
-            b[i] = (i + 1..count).fold(b[i], |sum, k| sum - a[k][i] * b[k]) / a[i][i];
+            let known = (i + 1..count).fold(coefficients[i], |sum, k| sum - factor[k][i] * coefficients[k]);
+            coefficients[i] = known / factor[i][i];
         }
-        b[0] += origin;
-        Ok(FittedForm { coefficient: b, count })
+        coefficients[0] += origin;
+        Ok(FittedForm { coefficients })
     }
 
     /// Subtracts `form` and returns the rms height of the subtracted form about its mean, in metres.

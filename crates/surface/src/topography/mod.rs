@@ -39,6 +39,7 @@
 pub mod fourier;
 
 mod cavities;
+mod cholesky;
 mod despike;
 mod error;
 mod file_faults;

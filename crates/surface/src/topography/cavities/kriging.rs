@@ -1,5 +1,9 @@
 //! Least squares for profiles with rough noise: the difference of two heights of a profile grows with their distance.
 
+use slipgrid_base::statistics::cholesky::dot;
+
+use crate::topography::cholesky;
+
 /// Minimum nugget relative to the maximum semivariance, which keeps the equations well conditioned.
 const MIN_NUGGET: f64 = 1e-3;
 /// Variance of the profiles' common level over the maximum semivariance: large, since every fit has its own level.
@@ -93,20 +97,7 @@ impl Kriging {
             0 => sill,
             lag => sill - variogram.at(lag) - nugget,
         };
-        let mut factor: Vec<Vec<f64>> = Vec::new();
-        for i in 0..bins.len() {
-            let mut row: Vec<f64> = Vec::new();
-            for (j, above) in factor.iter().enumerate() {
-                let sum = (0..j).fold(covariance(i, j), |sum, k| sum - row[k] * above[k]);
-                row.push(sum / above[j]);
-            }
-            let square = row.iter().fold(covariance(i, i), |sum, value| sum - value * value);
-            if square <= 0.0 {
-                return None;
-            }
-            row.push(square.sqrt());
-            factor.push(row);
-        }
+        let factor = cholesky::factor(bins.len(), covariance, 0.0)?;
         let mut kriging = Self { factor, ones: Vec::new(), drift: Vec::new() };
         kriging.ones = kriging.whiten(&vec![1.0; bins.len()]);
         for power in [0, 1] {
@@ -122,13 +113,7 @@ impl Kriging {
 
     /// Whitens a profile z: returns L^-1 z, with the Cholesky factor L of the covariance.
     pub(super) fn whiten(&self, profile: &[f64]) -> Vec<f64> {
-        let mut white = Vec::with_capacity(profile.len());
-        for (row, &value) in self.factor.iter().zip(profile) {
-            let known =
-                row.iter().zip(&white).fold(value, |sum: f64, (factor, white): (&f64, &f64)| sum - factor * white);
-            white.push(known / row[white.len()]);
-        }
-        white
+        cholesky::solve_lower(&self.factor, profile)
     }
 
     /// Removes constant and slope from a whitened profile.
@@ -173,10 +158,6 @@ impl Kriging {
     pub(super) fn level(&self, profile: &[f64]) -> f64 {
         dot(&self.whiten(profile), &self.ones) / dot(&self.ones, &self.ones)
     }
-}
-
-fn dot(one: &[f64], other: &[f64]) -> f64 {
-    one.iter().zip(other).map(|(one, other)| one * other).sum()
 }
 
 #[cfg(test)]
