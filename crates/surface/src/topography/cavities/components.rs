@@ -2,13 +2,6 @@
 
 use slipgrid_base::monitor::{Cancelled, Monitor};
 
-/// Axis along which lines cross a region.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Axis {
-    X,
-    Y,
-}
-
 /// Section of one line of pixels within one region.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Chord {
@@ -102,19 +95,17 @@ impl Regions {
         self.cols
     }
 
-    /// Returns the chords along `axis`, line by line in order. A chord extends from the first to the last point of a
+    /// Returns the chords along `axis`, 0 for x and 1 for y, line by line in order. A chord extends from the first to the last point of a
     /// region on a line and ends where the height crosses the region's own threshold.
     pub(super) fn chords(
         &self,
         height: &[f64],
         threshold: impl Fn(u32) -> f64,
-        axis: Axis,
+        axis: usize,
         monitor: &dyn Monitor,
     ) -> Result<Vec<Chord>, Cancelled> {
-        let (lines, length, along, across) = match axis {
-            Axis::X => (self.cols, self.rows, self.cols, 1),
-            Axis::Y => (self.rows, self.cols, 1, self.cols),
-        };
+        let (lines, length, along, across) =
+            if axis == 0 { (self.cols, self.rows, self.cols, 1) } else { (self.rows, self.cols, 1, self.cols) };
         let mut chords: Vec<Chord> = Vec::new();
         for line in 0..lines {
             monitor.heed()?;
@@ -212,10 +203,10 @@ mod tests {
     fn chords_end_where_the_threshold_is_crossed_or_the_map_ends() {
         let (heights, cols) = grid(&["....", ".##.", ".##.", "....", "#...", "#..."]);
         let regions = Regions::find(&heights, cols, 0.0, 0.0, &Unwatched).unwrap();
-        let along_x = regions.chords(&heights, |_| 0.0, Axis::X, &Unwatched).unwrap();
+        let along_x = regions.chords(&heights, |_| 0.0, 0, &Unwatched).unwrap();
         assert_eq!(along_x[0], Chord { region: 2, line: 0, from: Some(3.5), to: None });
         assert_eq!(along_x[1], Chord { region: 1, line: 1, from: Some(0.5), to: Some(2.5) });
-        let along_y = regions.chords(&heights, |_| 0.5, Axis::Y, &Unwatched).unwrap();
+        let along_y = regions.chords(&heights, |_| 0.5, 1, &Unwatched).unwrap();
         assert_eq!(along_y[0], Chord { region: 1, line: 1, from: Some(0.25), to: Some(2.75) });
         assert_eq!(along_y[2], Chord { region: 2, line: 4, from: None, to: Some(0.75) });
     }
@@ -236,7 +227,7 @@ mod tests {
         let (heights, cols) = grid(&["........", ".##.###.", ".######.", "........"]);
         let chords = Regions::find(&heights, cols, 0.0, 0.0, &Unwatched)
             .unwrap()
-            .chords(&heights, |_| 0.0, Axis::Y, &Unwatched)
+            .chords(&heights, |_| 0.0, 1, &Unwatched)
             .unwrap();
         assert_eq!(chords.len(), 2);
         assert_eq!((chords[0].from, chords[0].to), (Some(0.5), Some(6.5)));

@@ -2,9 +2,11 @@
 
 use std::f64::consts::TAU;
 
-use super::RimProfile;
-use crate::topography::{HeightMap, MapError};
 use slipgrid_base::statistics::splitmix64;
+
+use super::RimProfile;
+use crate::topography::map::check_range;
+use crate::topography::{HeightMap, MapError};
 
 /// Shape of the cavities in plan view.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -72,27 +74,34 @@ pub struct CutCavity {
 
 impl CutPattern {
     fn validate(&self) -> Result<(), MapError> {
-        let check = |quantity, value: f64, range: std::ops::RangeInclusive<f64>, expected| {
-            if range.contains(&value) { Ok(()) } else { Err(MapError::OutOfRange { quantity, value, expected }) }
-        };
         const LENGTH: &str = "a length from 1e-9 to 1 m";
-        check("cavity width", self.width_m, 1e-9..=1.0, LENGTH)?;
-        check("cavity spacing", self.spacing_m, 1e-9..=1.0, LENGTH)?;
-        check("cavity depth", self.depth_m, 1e-12..=1.0, "a length from 1e-12 to 1 m")?;
-        check("wall width", self.wall_m, 0.0..=self.width_m, "a length of at most the cavity's width")?;
+        check_range("cavity width", self.width_m, 1e-9..=1.0, LENGTH)?;
+        check_range("cavity spacing", self.spacing_m, 1e-9..=1.0, LENGTH)?;
+        check_range("cavity depth", self.depth_m, 1e-12..=1.0, "a length from 1e-12 to 1 m")?;
+        check_range("wall width", self.wall_m, 0.0..=self.width_m, "a length of at most the cavity's width")?;
         const SPREAD: &str = "at most a fifth of the mean";
-        check("deviation of the width", self.width_std_m, 0.0..=0.2 * self.width_m, SPREAD)?;
-        check(
+        check_range("deviation of the width", self.width_std_m, 0.0..=0.2 * self.width_m, SPREAD)?;
+        check_range(
             "deviation of the pitch",
             self.pitch_std_m,
             0.0..=0.2 * self.spacing_m,
             "at most a fifth of the spacing",
         )?;
-        check("deviation of the depth", self.depth_std_m, 0.0..=0.35 * self.depth_m, "at most 0.35 of the mean")?;
+        check_range("deviation of the depth", self.depth_std_m, 0.0..=0.35 * self.depth_m, "at most 0.35 of the mean")?;
         let Some(rim) = self.rim else { return Ok(()) };
-        check("rim height", rim.height_m, 1e-12..=1e-3, "a length from 1e-12 to 1e-3 m")?;
-        check("rim width", rim.width_m, 1e-9..=0.5 * self.spacing_m, "a length from 1e-9 m to half of the spacing")?;
-        check("deviation of the rim height", rim.height_std_m, 0.0..=0.35 * rim.height_m, "at most 0.35 of the mean")
+        check_range("rim height", rim.height_m, 1e-12..=1e-3, "a length from 1e-12 to 1e-3 m")?;
+        check_range(
+            "rim width",
+            rim.width_m,
+            1e-9..=0.5 * self.spacing_m,
+            "a length from 1e-9 m to half of the spacing",
+        )?;
+        check_range(
+            "deviation of the rim height",
+            rim.height_std_m,
+            0.0..=0.35 * rim.height_m,
+            "at most 0.35 of the mean",
+        )
     }
 }
 

@@ -2,7 +2,8 @@
 
 use slipgrid_base::monitor::{Cancelled, Monitor};
 
-use super::components::{Axis, Chord};
+use super::components::Chord;
+use super::period::line_through;
 
 /// Number of pixel lines on either side over which a straight edge is fitted.
 const LINES: usize = 3;
@@ -106,13 +107,8 @@ fn along(ends: &[(usize, f64)], axis: usize, pixel_m: [f64; 2]) -> impl Iterator
             let near = beside.iter().filter(|(other, _)| other.abs_diff(line) <= LINES);
             near.map(|&(other, place)| (other as f64 - line as f64, place))
         };
-        // Least squares: position = a + m t over the neighbouring lines t.
-        let count = beside().count() as f64;
-        let [t, p] = beside().fold([0.0; 2], |[t, p], (dt, place)| [t + dt / count, p + place / count]);
-        let tt: f64 = beside().map(|(dt, _)| (dt - t).powi(2)).sum();
-        let tp: f64 = beside().map(|(dt, place)| (dt - t) * (place - p)).sum();
-        let slope = if tt > 0.0 { tp / tt } else { 0.0 };
-        let fitted = if count > 2.0 { p - slope * t } else { place };
+        let [at_line, slope] = line_through(beside());
+        let fitted = if beside().count() > 2 { at_line } else { place };
         // dx/dy of an edge across x, dy/dx of an edge across y
         let tangent = slope * pixel_m[axis] / pixel_m[1 - axis];
         let unit = tangent.hypot(1.0);
@@ -193,9 +189,6 @@ fn nearest(
     Ok(nearest)
 }
 
-/// The axes, in the order of their indices: 0 for x, 1 for y.
-pub(super) const AXES: [Axis; 2] = [Axis::X, Axis::Y];
-
 #[cfg(test)]
 mod tests {
     use slipgrid_base::monitor::Unwatched;
@@ -207,7 +200,7 @@ mod tests {
         let heights: Vec<f64> =
             (0..rows * cols).map(|n| height((n / cols) as f64 * pixel_m[0], (n % cols) as f64 * pixel_m[1])).collect();
         let regions = Regions::find(&heights, cols, 0.0, 0.0, &Unwatched).unwrap();
-        let chords = AXES.map(|axis| regions.chords(&heights, |_| 0.0, axis, &Unwatched).unwrap());
+        let chords = [0, 1].map(|axis| regions.chords(&heights, |_| 0.0, axis, &Unwatched).unwrap());
         Edges::find(&chords, |_, _| true, [rows, cols], pixel_m, &Unwatched).unwrap()
     }
 

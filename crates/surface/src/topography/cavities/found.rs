@@ -6,7 +6,7 @@ use slipgrid_base::monitor::{Cancelled, Monitor};
 use slipgrid_base::statistics::median;
 
 use super::components::{Chord, Regions};
-use super::edge::{AXES, Edges};
+use super::edge::Edges;
 use super::land::Land;
 use super::{MARGIN, RimMetrology, SPECK};
 use crate::topography::form::Form;
@@ -44,7 +44,7 @@ impl Found {
         // A margin of a third of a typical width excludes rims from the land.
         let pixel_m = [map.dx_m(), map.dy_m()];
         let mut typical_m = f64::INFINITY;
-        for (axis, pixel_m) in AXES.into_iter().zip(pixel_m) {
+        for (axis, pixel_m) in pixel_m.into_iter().enumerate() {
             let chords = regions.chords(&land.height_m, |_| land.threshold_m, axis, monitor)?;
             let mut lengths: Vec<f64> = chords.iter().filter_map(length).collect();
             typical_m = typical_m.min(median(&mut lengths).map_or(f64::INFINITY, |length| length * pixel_m));
@@ -95,15 +95,17 @@ impl Found {
         monitor: &dyn Monitor,
     ) -> Result<Self, MapError> {
         monitor.heed()?;
-        let [x, y] = AXES.map(|axis| regions.chords(&filled_m, |_| land.threshold_m, axis, monitor));
-        let chords = [x?, y?];
+        let both = |threshold_m: &dyn Fn(u32) -> f64| {
+            let [x, y] = [0, 1].map(|axis| regions.chords(&filled_m, threshold_m, axis, monitor));
+            Ok::<_, Cancelled>([x?, y?])
+        };
+        let chords = both(&|_| land.threshold_m)?;
         // Each cavity has its own half depth.
         let along = Along::gather(&chords, regions.count());
         let (floors, middle) = floors(&regions, &chords, &along, bare_m.unwrap_or(&land.height_m), monitor)?;
-        let half_m =
-            |region: u32| floors[region as usize].map_or(land.threshold_m, |floor| floor.land_m - 0.5 * floor.depth_m);
-        let [x, y] = AXES.map(|axis| regions.chords(&filled_m, half_m, axis, monitor));
-        let chords = [x?, y?];
+        let chords = both(&|region| {
+            floors[region as usize].map_or(land.threshold_m, |floor| floor.land_m - 0.5 * floor.depth_m)
+        })?;
         let along = Along::gather(&chords, regions.count());
         Ok(Self { land, filled_m, regions, chords, along, floors, middle, pixel_m })
     }
@@ -118,6 +120,11 @@ impl Found {
     pub(super) fn counts(&self, axis: usize, region: usize) -> bool {
         let across = &self.along[1 - axis][region];
         self.along[axis][region].is_within() && (across.is_within() || across.runs_through())
+    }
+
+    /// Whether the map's sides cut a region along no axis.
+    pub(super) fn is_whole(&self, region: usize) -> bool {
+        self.counts(0, region) && self.counts(1, region)
     }
 
     /// Whether a region shows both ends along an axis, or one complete end: it counts along the axis, or is a groove

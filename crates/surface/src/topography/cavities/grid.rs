@@ -87,10 +87,9 @@ impl Grid {
     pub(super) fn of(found: &Found, width_m: impl Fn(usize) -> [Option<f64>; 2]) -> Self {
         let centers_m = [0, 1].map(|axis| found.centers_m(axis));
         let regions = &found.regions;
-        let is_whole = |region: &usize| [0, 1].iter().all(|&axis| found.counts(axis, *region));
         let mut whole = BTreeMap::new();
         let mut points = 0;
-        for region in (1..=regions.count()).filter(is_whole) {
+        for region in (1..=regions.count()).filter(|&region| found.is_whole(region)) {
             let [Some(x_m), Some(y_m)] = width_m(region) else { continue };
             let center_m = [0, 1].map(|axis| centers_m[axis][region]);
             // At most 2^28 regions: the cast is exact.
@@ -145,7 +144,7 @@ impl Grid {
         }
         let land_m =
             |pair: &[Whole; 2]| apart_m(across)(pair) - 0.5 * (pair[0].width_m[across] + pair[1].width_m[across]);
-        let spacing = Spread::of(&next_row.iter().map(land_m).collect::<Vec<f64>>())?;
+        let spacing = Spread::of(next_row.iter().map(land_m))?;
         let is_hexagonal = (row_m / (HEXAGONAL * pitch_m) - 1.0).abs() < MAX_OFF_HEXAGONAL;
         let arrangement = if is_hexagonal { Arrangement::Hexagonal } else { Arrangement::Staggered };
         Some((StaggeredRows { along_y: along == 1, arrangement }, spacing))

@@ -73,9 +73,10 @@ pub struct Spread {
 }
 
 impl Spread {
-    fn of(values: &[f64]) -> Option<Self> {
-        let (mean_m, std_m) = mean_and_std(values.iter().copied())?;
-        Some(Self { mean_m, std_m: std_m.unwrap_or(0.0), count: values.len() })
+    fn of(values: impl Iterator<Item = f64> + Clone) -> Option<Self> {
+        let count = values.clone().count();
+        let (mean_m, std_m) = mean_and_std(values)?;
+        Some(Self { mean_m, std_m: std_m.unwrap_or(0.0), count })
     }
 }
 
@@ -211,10 +212,8 @@ impl Sought {
                 })
             })
             .collect();
-        let spacing = [0, 1]
-            .map(|axis| Spread::of(&found.neighbours(axis).into_iter().map(|(_, gap_m)| gap_m).collect::<Vec<f64>>()));
-        let widths =
-            [0, 1].map(|axis| Spread::of(&width_m.iter().filter_map(|width| width[axis]).collect::<Vec<f64>>()));
+        let spacing = [0, 1].map(|axis| Spread::of(found.neighbours(axis).iter().map(|(_, gap_m)| *gap_m)));
+        let widths = [0, 1].map(|axis| Spread::of(width_m.iter().filter_map(|width| width[axis])));
         let least_m =
             |spreads: [Option<Spread>; 2]| spreads.into_iter().flatten().map(|spread| spread.mean_m).reduce(f64::min);
         let edges = found.edges(monitor)?;
@@ -274,8 +273,7 @@ fn measure(found: &Found, sought: Sought, monitor: &dyn Monitor) -> Result<Cavit
             }
         })
         .collect();
-    let spread =
-        |value: &dyn Fn(&Cavity) -> Option<f64>| Spread::of(&cavities.iter().filter_map(value).collect::<Vec<f64>>());
+    let spread = |value: &dyn Fn(&Cavity) -> Option<f64>| Spread::of(cavities.iter().filter_map(value));
     let depth = spread(&|cavity| cavity.depth_m);
     Ok(CavityMetrology {
         width: [spread(&|cavity| cavity.width_m[0]), spread(&|cavity| cavity.width_m[1])],

@@ -4,6 +4,7 @@ use std::fmt;
 
 use slipgrid_base::monitor::Monitor;
 use slipgrid_base::statistics::median;
+use slipgrid_base::units::tidy;
 
 use super::Crossing;
 use super::found::Found;
@@ -13,6 +14,8 @@ use crate::topography::{HeightMap, MapError};
 
 /// Minimum number of whole cavities, or of grooves, for a mean period.
 const LEAST: usize = 2;
+/// Reason for which fewer than [`LEAST`] have no mean period.
+const TOO_FEW: &str = "expected at least two that the map's sides do not cut off";
 /// Maximum deviation of a centre from its lattice position, in pitches; at half a pitch it would belong to another
 /// position.
 const MAX_STRAY: f64 = 0.2;
@@ -67,7 +70,7 @@ impl MeanPeriod {
     /// Description for the header of a file, one line each. The phrase "one period" marks the map as periodic for
     /// readers.
     pub fn description(&self) -> [String; 3] {
-        let um = |length_m: f64| crate::topography::write::rounded((length_m * 1e10).round() / 1e4);
+        let um = |length_m: f64| tidy((length_m * 1e10).round() / 1e4);
         let sides_m = [self.map.rows() as f64 * self.map.dx_m(), self.map.cols() as f64 * self.map.dy_m()];
         [
             "mean period of measured cavities, by slipgrid".to_owned(),
@@ -97,16 +100,13 @@ impl HeightMap {
         let regions = || 1..=found.regions.count();
         let along: [Vec<usize>; 2] =
             [0, 1].map(|axis| regions().filter(|&region| found.counts(axis, region)).collect());
-        let whole: Vec<usize> = along[0].iter().copied().filter(|region| along[1].contains(region)).collect();
+        let whole: Vec<usize> = regions().filter(|&region| found.is_whole(region)).collect();
         let grooves = [0, 1].map(|axis| along[axis].len() - whole.len());
-        if whole.len().max(grooves[0]).max(grooves[1]) < LEAST {
-            if let Some(crossing) = Crossing::of(&found, monitor)? {
-                return Err(MapError::Crossing(crossing));
-            }
-            let whole = whole.len().max(grooves[0]).max(grooves[1]);
-            return Err(MapError::NoPeriod {
-                whole,
-                reason: "expected at least two that the map's sides do not cut off",
+        let most = whole.len().max(grooves[0]).max(grooves[1]);
+        if most < LEAST {
+            return Err(match Crossing::of(&found, monitor)? {
+                Some(crossing) => MapError::Crossing(crossing),
+                None => MapError::NoPeriod { whole: most, reason: TOO_FEW },
             });
         }
         if whole.len() >= grooves[0].max(grooves[1]) {
@@ -119,22 +119,20 @@ impl HeightMap {
 
 /// For each complete chord of `region` along `axis`: index of its pixel line, and its middle in metres from the first
 /// pixel's centre.
-fn middles(found: &Found, axis: usize, region: usize) -> Vec<(f64, f64)> {
-    let chords = found.chords[axis].iter().filter(|chord| chord.region as usize == region);
-    chords
-        .filter_map(|chord| {
-            let (from, to) = chord.from.zip(chord.to)?;
-            Some((chord.line as f64, 0.5 * (from + to) * found.pixel_m[axis]))
-        })
-        .collect()
+fn middles(found: &Found, axis: usize, region: usize) -> impl Iterator<Item = (f64, f64)> + Clone {
+    let chords = found.chords[axis].iter().filter(move |chord| chord.region as usize == region);
+    chords.filter_map(move |chord| {
+        let (from, to) = chord.from.zip(chord.to)?;
+        Some((chord.line as f64, 0.5 * (from + to) * found.pixel_m[axis]))
+    })
 }
 
 /// Fits the least-squares line y = a + b x to `points`; returns `[a, b]`.
-fn line(points: &[(f64, f64)]) -> [f64; 2] {
-    let count = points.len() as f64;
-    let [x, y] = points.iter().fold([0.0; 2], |[sx, sy], (x, y)| [sx + x / count, sy + y / count]);
-    let xx: f64 = points.iter().map(|point| (point.0 - x).powi(2)).sum();
-    let xy: f64 = points.iter().map(|point| (point.0 - x) * (point.1 - y)).sum();
+pub(super) fn line_through(points: impl Iterator<Item = (f64, f64)> + Clone) -> [f64; 2] {
+    let count = points.clone().count() as f64;
+    let [x, y] = points.clone().fold([0.0; 2], |[sx, sy], (x, y)| [sx + x / count, sy + y / count]);
+    let xx: f64 = points.clone().map(|point| (point.0 - x).powi(2)).sum();
+    let xy: f64 = points.map(|point| (point.0 - x) * (point.1 - y)).sum();
     let slope = if xx > 0.0 { xy / xx } else { 0.0 };
     [y - slope * x, slope]
 }
@@ -211,13 +209,13 @@ fn of_grooves(
     let rows = found.land.height_m.len() / found.cols();
     let lines = if axis == 0 { found.cols() } else { rows };
     // Middle line of each groove: a + b line.
-    let middle: Vec<[f64; 2]> = grooves.iter().map(|&groove| line(&middles(found, axis, groove))).collect();
+    let middle: Vec<[f64; 2]> = grooves.iter().map(|&groove| line_through(middles(found, axis, groove))).collect();
     let mut centers: Vec<f64> = middle.iter().map(|[a, b]| a + b * 0.5 * (lines - 1) as f64).collect();
     centers.sort_by(f64::total_cmp);
     let mut gaps: Vec<f64> = centers.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let refuse = |reason| Err(MapError::NoPeriod { whole: grooves.len(), reason });
     let Some(typical_m) = median(&mut gaps).filter(|gap_m| *gap_m > 0.0) else {
-        return refuse("expected at least two that the map's sides do not cut off");
+        return refuse(TOO_FEW);
     };
     // Undetected grooves leave gaps of several pitches.
     let mut index = 0.0;
@@ -226,7 +224,7 @@ fn of_grooves(
         index += ((pair[1] - pair[0]) / typical_m).round();
         places.push((index, pair[1]));
     }
-    let [first_m, pitch_m] = line(&places);
+    let [first_m, pitch_m] = line_through(places.iter().copied());
     if places.iter().any(|(index, at_m)| (at_m - first_m - index * pitch_m).abs() > MAX_STRAY * pitch_m) {
         return refuse("grooves stray from even distances by more than a fifth of their pitch");
     }
@@ -269,7 +267,7 @@ fn of_cells(found: &Found, is_land: &[bool], whole: &[usize], monitor: &dyn Moni
         for _ in 0..2 {
             let place = |at_m: f64| (2.0 * (at_m - first_m) / pitch_m[axis]).round();
             *places = whole.iter().map(|&region| (place(centers_m[axis][region]), centers_m[axis][region])).collect();
-            let [a, b] = line(places);
+            let [a, b] = line_through(places.iter().copied());
             (first_m, pitch_m[axis]) = (a, 2.0 * b);
         }
         let stray = |(place, at_m): &(f64, f64)| (at_m - first_m - 0.5 * pitch_m[axis] * place).abs();

@@ -52,25 +52,23 @@ fn diameters_m(found: &Found, region: usize) -> Option<[f64; 2]> {
 /// Diameters of every region by label, along both axes in metres, if most whole regions are round; otherwise `None`. An
 /// entry is `None` if the region is not round.
 pub(super) fn diameters(found: &Found) -> Option<Vec<Option<[f64; 2]>>> {
-    let regions = 0..=found.regions.count();
-    let whole = regions.clone().filter(|&region| region > 0 && [0, 1].iter().all(|&axis| found.counts(axis, region)));
-    let diameters: Vec<Option<[f64; 2]>> =
-        regions.map(|region| if region > 0 { diameters_m(found, region) } else { None }).collect();
-    let round = diameters.iter().flatten().count();
-    (2 * round > whole.count()).then_some(diameters)
+    let regions = 1..=found.regions.count();
+    let whole = regions.clone().filter(|&region| found.is_whole(region)).count();
+    let of_regions = regions.map(|region| diameters_m(found, region));
+    let diameters: Vec<Option<[f64; 2]>> = std::iter::once(None).chain(of_regions).collect();
+    (2 * diameters.iter().flatten().count() > whole).then_some(diameters)
 }
 
 /// Width of the land between neighbours along `axis`, in metres: the distance of their centres minus their mean
 /// diameter. Cavities cut by the map's sides have no diameter and are left out. `None` without neighbours.
 pub(super) fn spacing(found: &Found, axis: usize, diameters_m: &[Option<[f64; 2]>]) -> Option<Spread> {
     let centers_m = found.centers_m(axis);
-    let gap_m = |([one, other], _): ([u32; 2], f64)| {
-        let [one, other] = [one as usize, other as usize];
+    let gap_m = |(pair, _): &([u32; 2], f64)| {
+        let [one, other] = pair.map(|region| region as usize);
         let mean_m = 0.5 * (diameters_m[one]?[axis] + diameters_m[other]?[axis]);
         Some((centers_m[other] - centers_m[one]).abs() - mean_m)
     };
-    let gaps: Vec<f64> = found.neighbours(axis).into_iter().filter_map(gap_m).collect();
-    Spread::of(&gaps)
+    Spread::of(found.neighbours(axis).iter().filter_map(gap_m))
 }
 
 #[cfg(test)]

@@ -43,8 +43,8 @@ fn holed(map: &HeightMap, every: usize) -> HeightMap {
     })
 }
 
-fn expected(values: impl Iterator<Item = f64>) -> Spread {
-    Spread::of(&values.collect::<Vec<f64>>()).unwrap()
+fn expected(values: impl Iterator<Item = f64> + Clone) -> Spread {
+    Spread::of(values).unwrap()
 }
 
 fn close(found: Option<Spread>, expected: Spread, mean_m: f64, std_m: f64) {
