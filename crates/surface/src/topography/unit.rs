@@ -26,6 +26,9 @@ macro_rules! unit_names {
 }
 pub(crate) use unit_names;
 
+/// Name in files, and number in a metre, of every unit in the order of [`LengthUnit`].
+const UNITS: [(&str, f64); 6] = [("m", 1.0), ("cm", 1e2), ("mm", 1e3), ("um", 1e6), ("nm", 1e9), ("pm", 1e12)];
+
 impl LengthUnit {
     /// Accepted names of units, for messages.
     pub const NAMES: &'static str = unit_names!();
@@ -36,26 +39,12 @@ impl LengthUnit {
 
     /// The name used in files.
     pub const fn name(self) -> &'static str {
-        match self {
-            Self::Metre => "m",
-            Self::Centimetre => "cm",
-            Self::Millimetre => "mm",
-            Self::Micrometre => "um",
-            Self::Nanometre => "nm",
-            Self::Picometre => "pm",
-        }
+        UNITS[self as usize].0
     }
 
     /// Number of these units in a metre: a power of ten and therefore exact.
     pub const fn per_metre(self) -> f64 {
-        match self {
-            Self::Metre => 1.0,
-            Self::Centimetre => 1e2,
-            Self::Millimetre => 1e3,
-            Self::Micrometre => 1e6,
-            Self::Nanometre => 1e9,
-            Self::Picometre => 1e12,
-        }
+        UNITS[self as usize].1
     }
 
     /// Converts `value` from this unit to metres, correctly rounded.
