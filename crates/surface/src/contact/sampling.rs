@@ -29,20 +29,19 @@ pub fn windows(map: &HeightMap, per_side: usize, monitor: &dyn Monitor) -> Resul
 /// # Errors
 /// [`ContactError`] if points are missing, or a window would have fewer than 16 points per side.
 pub fn window_pixels(map: &HeightMap, per_side: usize) -> Result<[usize; 2], ContactError> {
-    map.require_complete()?;
-    let shortest = map.rows().min(map.cols());
-    let max_factor = (shortest / MIN_PIXELS) as f64;
-    require_within(
-        "number of windows per side",
-        per_side as f64,
-        1.0..=max_factor,
-        "from 1 to a sixteenth of the pixels per side",
-    )?;
-    Ok([map.rows() / per_side, map.cols() / per_side])
+    divided("number of windows per side", map, per_side)
 }
 
 /// Minimum number of points along the side of a window or of a coarser map.
 const MIN_PIXELS: usize = 16;
+
+/// Numbers of rows and columns of a complete `map` over `factor`, which `quantity` names in errors.
+fn divided(quantity: &'static str, map: &HeightMap, factor: usize) -> Result<[usize; 2], ContactError> {
+    map.require_complete()?;
+    let most = (map.rows().min(map.cols()) / MIN_PIXELS) as f64;
+    require_within(quantity, factor as f64, 1.0..=most, "from 1 to a sixteenth of the pixels per side")?;
+    Ok([map.rows() / factor, map.cols() / factor])
+}
 
 /// Averages `map` over `factor` x `factor` points, as an instrument with larger pixels would.
 ///
@@ -52,15 +51,7 @@ const MIN_PIXELS: usize = 16;
 /// # Errors
 /// [`ContactError`] if points are missing, or fewer than 16 points per side would remain.
 pub fn coarser(map: &HeightMap, factor: usize) -> Result<HeightMap, ContactError> {
-    map.require_complete()?;
-    let max_factor = (map.rows().min(map.cols()) / MIN_PIXELS) as f64;
-    require_within(
-        "factor of coarser pixels",
-        factor as f64,
-        1.0..=max_factor,
-        "from 1 to a sixteenth of the pixels per side",
-    )?;
-    let (rows, cols) = (map.rows() / factor, map.cols() / factor);
+    let [rows, cols] = divided("factor of coarser pixels", map, factor)?;
     let mut height = vec![0.0; rows * cols];
     for (i, line) in map.heights_m().chunks_exact(map.cols()).take(rows * factor).enumerate() {
         let target = &mut height[i / factor * cols..][..cols];
