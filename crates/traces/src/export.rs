@@ -199,7 +199,7 @@ impl<'a> Reader<'a, '_> {
         let is_numbers = !line.contains(|letter: char| letter.is_alphabetic() || letter == ':')
             && cells.iter().any(|cell| number_in(cell, separator).is_some());
         let lacks_time = cells.len() >= width && cells.get(layout.time).is_some_and(|cell| is_missing(cell));
-        if !(has_time || is_numbers || (lacks_time && !self.has_words_for_numbers(&cells))) {
+        if !(has_time || is_numbers || (lacks_time && layout.words_for_numbers(&cells).is_none())) {
             return Ok(false);
         }
         if let Some((line, is_long)) = self.words.take() {
@@ -222,15 +222,6 @@ impl<'a> Reader<'a, '_> {
             self.read(number, &cells)?;
         }
         Ok(true)
-    }
-
-    /// Whether a cell of a needed column holds words.
-    fn has_words_for_numbers(&self, cells: &[&str]) -> bool {
-        let Some(layout) = &self.layout else { return false };
-        let is_word = |cell: &str| number_in(cell, layout.separator).is_none() && !is_missing(cell);
-        let needed =
-            layout.columns.iter().zip(cells).filter(|(column, _)| column.as_ref().is_some_and(|c| layout.requires(c)));
-        needed.into_iter().any(|(_, cell)| is_word(cell))
     }
 
     /// Assigns the row in line `number` to the current trace, or begins another trace.
@@ -327,10 +318,7 @@ impl<'a> Reader<'a, '_> {
     fn text_error(&self, (number, line): Line<'_>, is_long: bool) -> ExportError {
         let Some(layout) = &self.layout else { return ExportError::at(Some(number), "is no row", "numbers") };
         let cells = cut(line, layout.separator);
-        let is_word = |cell: &str| number_in(cell, layout.separator).is_none() && !is_missing(cell);
-        let needed = |column: &&Option<Column>| column.as_ref().is_some_and(|column| layout.requires(column));
-        let word = layout.columns.iter().zip(&cells).find(|(column, cell)| needed(column) && is_word(cell));
-        match word.and_then(|(column, cell)| Some((column.as_ref()?, cell))) {
+        match layout.words_for_numbers(&cells) {
             Some((column, cell)) if is_long => ExportError::cell(number, column.name(), cell),
             _ => short_line(number, cells.len(), layout.titles.len()),
         }

@@ -80,6 +80,13 @@ impl<'a> Layout<'a> {
         is_checked_only || matches!(column.channel, Channel::Position | Channel::Step)
     }
 
+    /// The first needed column in which a row holds words, and its cell; `None` if there is none.
+    pub(crate) fn words_for_numbers<'c>(&self, cells: &[&'c str]) -> Option<(&Column, &'c str)> {
+        let is_word = |cell: &str| number_in(cell, self.separator).is_none() && !is_missing(cell);
+        let used = self.columns.iter().zip(cells).filter_map(|(column, cell)| Some((column.as_ref()?, *cell)));
+        used.into_iter().find(|(column, cell)| self.requires(column) && is_word(cell))
+    }
+
     /// Titles of columns that are not used.
     pub(crate) fn unused(&self) -> Vec<String> {
         let cells = self.titles.iter().zip(&self.columns);
@@ -89,7 +96,7 @@ impl<'a> Layout<'a> {
 
     /// Index of the first column of `channel`; `None` if no column is used for it.
     pub(crate) fn find(&self, channel: Channel) -> Option<usize> {
-        self.columns.iter().position(|column| column.as_ref().is_some_and(|column| column.channel == channel))
+        self.all(channel).next()
     }
 
     /// Whether a torque or a friction force was recorded, so that the instrument computed a coefficient from it.
@@ -97,9 +104,9 @@ impl<'a> Layout<'a> {
         self.find(Channel::Torque).or_else(|| self.find(Channel::FrictionForce)).is_some()
     }
 
-    fn all(&self, channel: Channel) -> Vec<usize> {
-        let is = |column: &Option<Column>| column.as_ref().is_some_and(|column| column.channel == channel);
-        (0..self.columns.len()).filter(|&at| is(&self.columns[at])).collect()
+    fn all(&self, channel: Channel) -> impl Iterator<Item = usize> {
+        let columns = self.columns.iter().enumerate();
+        columns.filter(move |(_, column)| column.as_ref().is_some_and(|c| c.channel == channel)).map(|(at, _)| at)
     }
 
     fn drop_where(&mut self, is_dropped: impl Fn(&Column) -> bool) {
@@ -166,7 +173,7 @@ impl<'a> Layout<'a> {
         let first = self.columns.iter().flatten().filter(|column| column.channel == channel).map(|c| c.priority).min();
         let Some(first) = first else { return Ok(()) };
         self.drop_where(|column| column.channel == channel && column.priority != first);
-        let several = self.all(channel);
+        let several: Vec<usize> = self.all(channel).collect();
         if several.len() < 2 {
             return Ok(());
         }
