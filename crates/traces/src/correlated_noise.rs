@@ -13,7 +13,7 @@
 //! squares R of generalized least squares, and the variance v of the plain mean, or of the plain slope, for unit noise
 //! strength.
 
-use slipgrid_base::statistics::cholesky::{cholesky, log_determinant, solve_lower};
+use slipgrid_base::statistics::cholesky::{cholesky, dot, log_determinant, solve_lower};
 
 /// Correlation times as fractions of the window, in addition to 0 (white noise). Noise with a longer correlation time
 /// cannot be distinguished from a drift.
@@ -72,7 +72,6 @@ fn hypothesis(values: &[f64], correlation_time: f64, log_prior: f64) -> Option<H
     let x = |i: usize| (i as f64 + 0.5) / count - 0.5;
     let middle = values[n / 2];
     let (ones, slope, left) = (whitened(&|_| 1.0), whitened(&x), whitened(&|i| values[i] - middle));
-    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
     let subtract =
         |a: &[f64], factor: f64, b: &[f64]| -> Vec<f64> { a.iter().zip(b).map(|(a, b)| a - factor * b).collect() };
     // Gram-Schmidt: make the slope orthogonal to the mean, and the residuals orthogonal to both.

@@ -89,6 +89,8 @@ pub use strokes::DEFAULT_STROKE_SHARE;
 pub use trace_errors::{TraceError, TraceFlag};
 pub use zero::SensorZero;
 
+use slipgrid_base::units::counted;
+
 use checks::{
     check_channels, check_saturation, correct_sign, find_gaps, no_friction, samples_between, sampling_interval,
     window_samples,
@@ -312,9 +314,8 @@ pub fn analyse(channels: &TraceChannels, options: &TraceOptions) -> Result<Trace
     }
     if let Some(peak) = static_peak.filter(TracePeak::is_coarse) {
         flags.push(TraceFlag::Odd(format!(
-            "the static peak rests on {} sample{} and may have been higher: friction changes by {:.4} beside it",
-            peak.samples_at_top,
-            if peak.samples_at_top == 1 { "" } else { "s" },
+            "the static peak rests on {} and may have been higher: friction changes by {:.4} beside it",
+            counted(peak.samples_at_top, "sample"),
             peak.missed
         )));
     }

@@ -2,8 +2,9 @@
 
 use std::ops::Range;
 
+use slipgrid_base::units::significant;
+
 use super::time_series::median;
-use super::trace_errors::short;
 use super::{Tangential, TraceChannels, TraceError, TraceFlag, TraceOptions, UNLOADED_FRACTION};
 
 /// Deviation of the mean normal force from the nominal force, relative to the nominal force: above the first number the
@@ -50,7 +51,7 @@ pub fn check_load(
         let off = (mean / nominal_n - 1.0).abs();
         let likely = likely_cause(&channels.tangential, inside, mean, nominal_n);
         if off > LOAD_TOLERANCES.1 {
-            let found_n = short(mean);
+            let found_n = significant(mean, 3);
             return Err(TraceError::Refused(format!(
                 "the normal force is {found_n} N in the window: expected about {nominal_n} N, as the condition says{likely}"
             )));

@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use slipgrid_base::units::significant;
+
 use super::zero::SensorZero;
 
 /// Reason why a trace was refused. Times are seconds since the trace begins.
@@ -11,7 +13,7 @@ pub enum TraceError {
     #[error(
         "the trace ends at {end_s:.4} s, with a sample every {} s: expected one that covers the window up to {window_end_s} s, or \
          another window, window_s in [traces] or --window-s; if the trace was longer, time is in another unit than its title says, as \
-         `Time [s]`", short(*pause_s)
+         `Time [s]`", significant(*pause_s, 3)
     )]
     TooShort {
         /// Time of the last sample, in seconds since the trace begins.
@@ -25,7 +27,7 @@ pub enum TraceError {
     #[error(
         "the window holds {found} samples, one every {} s: expected at least {expected}; if they were recorded faster, time \
          is in another unit than its title says, as `Time [s]`",
-        short(*pause_s)
+        significant(*pause_s, 3)
     )]
     TooFewSamples {
         /// Number of samples in the window.
@@ -46,11 +48,6 @@ pub enum TraceError {
     /// Any other reason; the text says what was found and what was expected.
     #[error("{0}")]
     Refused(String),
-}
-
-/// Rounds to three significant digits, for messages.
-pub(crate) fn short(value: f64) -> f64 {
-    format!("{value:.2e}").parse().unwrap_or(value)
 }
 
 /// Warning about a trace that was accepted. Times are seconds since the trace begins.

@@ -6,8 +6,9 @@
 use std::fmt;
 use std::ops::Range;
 
+use slipgrid_base::units::significant;
+
 use super::time_series::{median, sample_noise};
-use super::trace_errors::short;
 use super::{Tangential, TraceChannels, TraceError, UNLOADED_FRACTION, samples_between, sampling_interval};
 
 /// Minimum number of samples in the span from which a zero is computed.
@@ -94,7 +95,7 @@ pub fn subtract(
             "the zero from {from_s} to {to_s} s holds {} samples, one every {} s: expected a zero_s with at least {MIN_ZERO_SAMPLES} \
              of them before touchdown",
             span.len(),
-            short(sampling_interval(time_s))
+            significant(sampling_interval(time_s), 3)
         )));
     }
     let zero = mean_readings(channels, &span, span_s, channel);

@@ -10,10 +10,11 @@
 use std::fmt;
 
 use slipgrid_base::monitor::{Cancelled, Monitor};
+use slipgrid_base::statistics::upper_median;
+use slipgrid_base::units::counted;
 
 use crate::topography::HeightMap;
 use crate::topography::plausibility::limits::{MAX_SPIKE_POINTS, MIN_SPIKE_NEIGHBOURS, SPIKE_DEVIATIONS, SPIKE_REACH};
-use slipgrid_base::statistics::upper_median;
 
 /// Ratio of the standard deviation of a normal distribution to the median of its absolute values.
 pub(crate) const ROBUST_DEVIATION: f64 = 1.4826;
@@ -63,11 +64,6 @@ impl Spikes {
     }
 }
 
-/// `count` and `noun`, in the plural unless `count` is 1.
-fn count_with_noun(count: usize, noun: &str) -> String {
-    format!("{count} {noun}{}", if count == 1 { "" } else { "s" })
-}
-
 impl fmt::Display for Spikes {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let extent = |place: fn(&Spike) -> usize| {
@@ -78,8 +74,8 @@ impl fmt::Display for Spikes {
         write!(
             f,
             "{} in {} stand{} alone, beyond all points around (rows {}, columns {}; worst at row, column: ",
-            count_with_noun(self.points(), "point"),
-            count_with_noun(self.list.len(), "place"),
+            counted(self.points(), "point"),
+            counted(self.list.len(), "place"),
             if self.points() == 1 { "s" } else { "" },
             // A row of a file runs along x, as a column does in this module: the indices are exchanged to match the
             // file.

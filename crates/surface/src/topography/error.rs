@@ -264,8 +264,7 @@ fn um(length_m: f64) -> String {
 
 /// Formats `value` to the given number of significant digits.
 pub(crate) fn significant(value: f64, digits: usize) -> String {
-    let written = format!("{value:.*e}", digits.saturating_sub(1));
-    written.parse().map_or(written, plain)
+    plain(slipgrid_base::units::significant(value, digits))
 }
 
 #[cfg(test)]

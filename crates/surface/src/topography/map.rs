@@ -51,11 +51,17 @@ pub(crate) fn check_grid(rows: usize, cols: usize) -> Result<(), MapError> {
 
 /// Checks that `value`, a side of a pixel in metres, lies in the accepted range.
 pub(crate) fn check_pixel(quantity: &'static str, value: f64) -> Result<(), MapError> {
-    if PIXEL_RANGE_M.contains(&value) {
-        Ok(())
-    } else {
-        Err(MapError::OutOfRange { quantity, value, expected: "a length from 1e-13 to 1e3 m" })
-    }
+    check_range(quantity, value, PIXEL_RANGE_M, "a length from 1e-13 to 1e3 m")
+}
+
+/// Refuses a `value` outside `range`; `expected` describes the range.
+pub(crate) fn check_range(
+    quantity: &'static str,
+    value: f64,
+    range: std::ops::RangeInclusive<f64>,
+    expected: &'static str,
+) -> Result<(), MapError> {
+    if range.contains(&value) { Ok(()) } else { Err(MapError::OutOfRange { quantity, value, expected }) }
 }
 
 impl HeightMap {

@@ -1,7 +1,8 @@
-use slipgrid_base::statistics::splitmix64;
 use std::f64::consts::TAU;
 
 use slipgrid_base::monitor::Unwatched;
+use slipgrid_base::statistics::splitmix64;
+use slipgrid_base::units::tidy;
 
 use crate::topography::map::{check_grid, check_pixel};
 use crate::topography::{HeightMap, MapError};
@@ -112,11 +113,11 @@ impl SelfAffine {
                 "{} x {} pixels, side {} mm, Hurst exponent {}, waves per side {} to {}, Sa {} um, seed {}",
                 self.pixels,
                 self.pixels,
-                crate::topography::write::rounded(self.side_m * 1e3),
+                tidy(self.side_m * 1e3),
                 self.hurst,
                 self.min_wave,
                 self.max_wave,
-                crate::topography::write::rounded(self.sa_m * 1e6),
+                tidy(self.sa_m * 1e6),
                 self.seed
             ),
             "one period: opposite sides continue each other".to_owned(),

@@ -1,5 +1,7 @@
 use std::fmt::Write as _;
 
+use slipgrid_base::units::tidy;
+
 use crate::topography::read::is_square;
 use crate::topography::{HeightMap, LengthUnit};
 
@@ -60,14 +62,9 @@ impl HeightMap {
     }
 }
 
-/// Removes the rounding errors of a change of unit from the last digits of `value`.
-pub(crate) fn rounded(value: f64) -> f64 {
-    format!("{value:.11e}").parse().unwrap_or(value)
-}
-
 /// Formats a length in millimetres, or in metres if millimetres would lose a digit.
 fn length(length_m: f64) -> String {
-    let length_mm = rounded(length_m * 1e3);
+    let length_mm = tidy(length_m * 1e3);
     if LengthUnit::Millimetre.to_metres(length_mm) == length_m {
         format!("{length_mm} mm")
     } else {

@@ -9,6 +9,7 @@ mod multigrid;
 
 use multigrid::{Level, Multigrid, NONE};
 use slipgrid_base::monitor::Monitor;
+use slipgrid_base::statistics::cholesky::dot;
 
 use crate::topography::HeightMap;
 
@@ -127,7 +128,6 @@ impl HeightMap {
 fn solve(holes: &mut Holes, height: &[f64], mean_m: f64, monitor: &dyn Monitor) -> (Vec<f64>, Filling) {
     let count = holes.nodes().len();
     let mut residual: Vec<f64> = (0..count).map(|n| holes.known_neighbour_sum(n, height, mean_m)).collect();
-    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
     let mut solution = vec![0.0; count];
     let mut direction = vec![0.0; count];
     let mut image = vec![0.0; count];
