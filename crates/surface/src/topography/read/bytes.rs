@@ -2,6 +2,7 @@
 
 use std::io::{ErrorKind, Read};
 
+use super::window::Window;
 use crate::topography::ReadError;
 
 /// Number of values decoded at a time.
@@ -115,15 +116,15 @@ pub(crate) fn skip(
     Ok(())
 }
 
-/// Reads `count` numbers and passes them to `take` in pieces, until `take` returns false. Returns whether all were
-/// read.
+/// Reads `count` numbers, which may be big endian, until `window` is full; `height` converts a number to a height of the
+/// window, NaN where missing. Returns whether all were read.
 pub(crate) fn numbers(
     source: &mut impl Read,
     format: &'static str,
-    number: Number,
-    big_endian: bool,
+    (number, big_endian): (Number, bool),
     count: u64,
-    mut take: impl FnMut(&mut [f64]) -> Result<bool, ReadError>,
+    window: &mut Window,
+    mut height: impl FnMut(f64) -> Result<f64, ReadError>,
 ) -> Result<bool, ReadError> {
     let size = number.bytes();
     let mut bytes = vec![0; PIECE * size];
@@ -138,14 +139,16 @@ pub(crate) fn numbers(
             piece.chunks_exact_mut(size).for_each(<[u8]>::reverse);
         }
         values.clear();
-        values.extend(piece[..found].chunks_exact(size).map(|bytes| number.decode(bytes)));
-        let wants_more = take(&mut values)?;
+        for bytes in piece[..found].chunks_exact(size) {
+            values.push(height(number.decode(bytes))?);
+        }
+        window.push(&values)?;
         if found < wanted * size {
             let found = count - left + (found / size) as u64;
             return Err(ReadError::Ended { format, what: "heights", expected: count, found });
         }
         left -= wanted as u64;
-        if !wants_more {
+        if window.is_full() {
             return Ok(left == 0);
         }
     }
@@ -177,12 +180,12 @@ mod tests {
     use super::*;
 
     fn all(bytes: &[u8], number: Number, big_endian: bool, count: u64) -> Result<Vec<f64>, ReadError> {
-        let mut found = Vec::new();
-        numbers(&mut &bytes[..], "test", number, big_endian, count, |values| {
-            found.extend_from_slice(values);
-            Ok(true)
-        })
-        .map(|whole| assert!(whole))?;
+        let (mut found, mut window) = (Vec::new(), Window::new(None, 1, None, None)?);
+        let whole = numbers(&mut &bytes[..], "test", (number, big_endian), count, &mut window, |value| {
+            found.push(value);
+            Ok(value)
+        })?;
+        assert!(whole);
         Ok(found)
     }
 

@@ -7,7 +7,7 @@
 
 use std::borrow::Cow;
 
-use super::lines::{Delimiter, excerpt, height};
+use super::lines::{Delimiter, height, not_a_number};
 use crate::topography::ReadError;
 
 /// Decimal sign of a text, as far as known.
@@ -48,12 +48,10 @@ impl DecimalSign {
         }
         let own = text.replace(',', ".");
         match text.split([';', '\t', ' ']).enumerate().find(|(_, field)| field.contains('.')) {
-            Some((place, field)) => Err(ReadError::NotANumber {
-                line,
-                column: place + 1,
-                value: excerpt(field),
-                expected: "a decimal comma, as in the lines before, or decimal points everywhere",
-            }),
+            Some((place, field)) => {
+                let expected = "a decimal comma, as in the lines before, or decimal points everywhere";
+                Err(not_a_number(line, place, field, expected))
+            }
             None => Ok(own.into()),
         }
     }

@@ -6,6 +6,30 @@ use super::scale::Scale;
 use crate::topography::unit::unit_names;
 use crate::topography::{LengthUnit, ReadError};
 
+/// An entry of the header of a file in a format.
+#[derive(Clone, Copy)]
+pub(super) struct Entry<'a> {
+    pub(super) format: &'static str,
+    pub(super) name: &'static str,
+    pub(super) text: &'a str,
+}
+
+impl Entry<'_> {
+    pub(super) fn refused(self, expected: &'static str) -> ReadError {
+        ReadError::Field { format: self.format, field: self.name, value: excerpt(self.text), expected }
+    }
+
+    /// The entry as a whole number above 0.
+    pub(super) fn count(self) -> Result<u64, ReadError> {
+        self.text.parse().ok().filter(|count| *count > 0).ok_or_else(|| self.refused("a whole number from 1 up"))
+    }
+
+    /// The entry as a number; refused unless `accepts` it.
+    pub(super) fn number(self, accepts: fn(f64) -> bool, expected: &'static str) -> Result<f64, ReadError> {
+        number(self.text).filter(|&number| accepts(number)).ok_or_else(|| self.refused(expected))
+    }
+}
+
 /// Parses a length with its unit, such as `1.5 mm`; returns it in metres.
 pub(super) fn length(line: usize, key: &'static str, value: &str) -> Result<f64, ReadError> {
     let refused = || ReadError::Header {

@@ -5,8 +5,8 @@
 use std::io::Read;
 
 use super::bytes::{Number, at_end, exact, header_too_long, numbers};
-use super::lines::{excerpt, number};
-use super::overridden::StatedValues;
+use super::entries::Entry;
+use super::overridden::Lengths;
 use super::window::Window;
 use super::{MapFormat, ReadMap, ReadOptions, keep_comment};
 use crate::topography::unit::unit_names;
@@ -33,67 +33,49 @@ pub(super) fn read(mut source: impl Read, options: &ReadOptions) -> Result<ReadM
         let Some((key, value)) = line.split_once('=') else { continue };
         let (key, value) = (key.trim(), value.trim());
         keep_comment(&mut comments, &format!("{key}: {value}"));
-        let refused = |field, expected| ReadError::Field { format: FORMAT, field, value: excerpt(value), expected };
-        let pixels = |field| {
-            value.parse().ok().filter(|count| *count > 0).ok_or_else(|| refused(field, "a whole number from 1 up"))
-        };
-        let side = |field| number(value).filter(|side| *side > 0.0).ok_or_else(|| refused(field, "a length above 0"));
-        let unit = |field| match value {
+        let entry = |name| Entry { format: FORMAT, name, text: value };
+        let side = |name| entry(name).number(|side| side > 0.0, "a length above 0").map(Some);
+        let unit = |name| match value {
             "" => Ok(None),
-            name => name.parse().map(Some).map_err(|_| refused(field, "a unit of length, for instance m")),
+            unit => unit.parse().map(Some).map_err(|_| entry(name).refused("a unit of length, for instance m")),
         };
         match key {
-            "XRes" => header.pixels[1] = Some(pixels("XRes")?),
-            "YRes" => header.pixels[0] = Some(pixels("YRes")?),
-            "XReal" => header.side[1] = Some(side("XReal")?),
-            "YReal" => header.side[0] = Some(side("YReal")?),
+            "XRes" => header.pixels[1] = Some(entry("XRes").count()?),
+            "YRes" => header.pixels[0] = Some(entry("YRes").count()?),
+            "XReal" => header.side[1] = side("XReal")?,
+            "YReal" => header.side[0] = side("YReal")?,
             "XYUnits" => header.lateral_unit = unit("XYUnits")?,
             "ZUnits" => header.height_unit = unit("ZUnits")?,
             _ => {}
         }
     }
-    let missing = |field| ReadError::Field {
-        format: FORMAT,
-        field,
-        value: String::new(),
-        expected: "the number of pixels, a whole number from 1 up",
-    };
+    let missing =
+        |name| Entry { format: FORMAT, name, text: "" }.refused("the number of pixels, a whole number from 1 up");
     let rows = header.pixels[0].ok_or_else(|| missing("YRes"))?;
     let cols = header.pixels[1].ok_or_else(|| missing("XRes"))?;
-    let height_unit = options.height_unit.or(header.height_unit);
-    let lateral_unit = options.lateral_unit.or(header.lateral_unit);
-    let pixel = |unit: LengthUnit| {
-        [(0, rows), (1, cols)].map(|(axis, pixels)| unit.to_metres(header.side[axis].unwrap_or(1.0) / pixels as f64))
-    };
-    let pixel_m = options.grid_m().or(lateral_unit.map(pixel));
-    let (Some(height_unit), Some(pixel_m)) = (height_unit, pixel_m) else {
-        let no_height = NotGiven {
-            what: "unit of the heights",
-            expected: concat!("ZUnits in the header, or a unit by option: ", unit_names!()),
-            option: MapOption::HeightUnit,
-        };
-        let no_side = NotGiven {
-            what: "unit of the sides",
-            expected: "XYUnits in the header, or a unit or a pixel size by option",
-            option: MapOption::LateralUnit,
-        };
-        let missing = [height_unit.is_none().then_some(no_height), pixel_m.is_none().then_some(no_side)];
-        return Err(ReadError::NotGiven { missing: missing.into_iter().flatten().collect() });
-    };
-    let steps = [(1, cols), (0, rows)].map(|(axis, pixels)| header.side[axis].unwrap_or(1.0) / pixels as f64);
-    let notes = StatedValues::from_steps(steps, header.lateral_unit, header.height_unit).notes(options, MapFormat::Gsf);
+    let Header { side, lateral_unit, height_unit, .. } = header;
+    let no_height = options.height_unit.or(height_unit).is_none().then_some(NotGiven {
+        what: "unit of the heights",
+        expected: concat!("ZUnits in the header, or a unit by option: ", unit_names!()),
+        option: MapOption::HeightUnit,
+    });
+    let no_side = (options.pixel_m.is_none() && options.lateral_unit.or(lateral_unit).is_none()).then_some(NotGiven {
+        what: "unit of the sides",
+        expected: "XYUnits in the header, or a unit or a pixel size by option",
+        option: MapOption::LateralUnit,
+    });
+    let missing: Vec<NotGiven> = no_height.into_iter().chain(no_side).collect();
+    if !missing.is_empty() {
+        return Err(ReadError::NotGiven { missing });
+    }
     let mut window = Window::new(Some(rows), cols, options.crop, options.decimation)?;
     // The window has checked both counts, so the product fits.
-    let read_all = numbers(&mut source, FORMAT, Number::F32, false, rows.saturating_mul(cols), |values| {
-        window.push(values)?;
-        Ok(!window.is_full())
-    })?;
-    if read_all {
+    let points = rows.saturating_mul(cols);
+    if numbers(&mut source, FORMAT, (Number::F32, false), points, &mut window, Ok)? {
         at_end(&mut source, FORMAT)?;
     }
-    let whole = window.is_whole();
-    let map = window.finish_lines(pixel_m, |height| height_unit.to_metres(height))?;
-    Ok(ReadMap { map, whole, format: MapFormat::Gsf, comments, notes })
+    let steps = [(1, cols), (0, rows)].map(|(axis, pixels)| side[axis].unwrap_or(1.0) / pixels as f64);
+    Lengths { steps, lateral_unit, height_unit }.map(window, |height| height, options, MapFormat::Gsf, comments)
 }
 
 /// Reads the header up to and including its padding of zeros.
@@ -104,12 +86,8 @@ fn header_text(source: &mut impl Read) -> Result<String, ReadError> {
         let group: [u8; 4] = exact(source, FORMAT, "header")?;
         let text = group.iter().position(|&byte| byte == 0).unwrap_or(4);
         if group[text..].iter().any(|&byte| byte != 0) {
-            return Err(ReadError::Field {
-                format: FORMAT,
-                field: "padding",
-                value: format!("{group:?}"),
-                expected: "zeros from the header's end to a multiple of four bytes",
-            });
+            let expected = "zeros from the header's end to a multiple of four bytes";
+            return Err(Entry { format: FORMAT, name: "padding", text: &format!("{group:?}") }.refused(expected));
         }
         bytes.extend_from_slice(&group[..text]);
         if text < 4 {

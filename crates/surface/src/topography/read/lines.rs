@@ -134,6 +134,11 @@ pub(crate) fn excerpt(field: &str) -> String {
     field.chars().take(40).map(|c| if c.is_control() { char::REPLACEMENT_CHARACTER } else { c }).collect()
 }
 
+/// Error for the `field` at `place`, counted from 0, on line number `line`, which is not what is `expected`.
+pub(crate) fn not_a_number(line: usize, place: usize, field: &str, expected: &'static str) -> ReadError {
+    ReadError::NotANumber { line, column: place + 1, value: excerpt(field), expected }
+}
+
 /// Whether `field` holds several numbers, which means that commas delimit fields and are decimal commas too.
 fn is_several(field: &str) -> bool {
     field.split_whitespace().nth(1).is_some_and(|second| second.starts_with(|c: char| c.is_ascii_digit() || c == '-'))

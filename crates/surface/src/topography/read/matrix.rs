@@ -3,7 +3,7 @@
 use std::io::BufRead;
 
 use super::header::Header;
-use super::lines::{Delimiter, Lines, excerpt, expected_height, height};
+use super::lines::{Delimiter, Lines, expected_height, height, not_a_number};
 use super::overridden::StatedValues;
 use super::scale::Scale;
 use super::tables::CoordinateListCheck;
@@ -128,12 +128,7 @@ impl MatrixReader {
         }
         let text = text.strip_prefix(&self.indent[..]).unwrap_or(text);
         for (n, field) in self.delimiter.all_fields(text).enumerate() {
-            let value = height(field).ok_or_else(|| ReadError::NotANumber {
-                line,
-                column: n + 1,
-                value: excerpt(field),
-                expected: expected_height(field),
-            })?;
+            let value = height(field).ok_or_else(|| not_a_number(line, n, field, expected_height(field)))?;
             self.row.push(value.unwrap_or(f64::NAN));
         }
         let ends = self.delimiter.ends(text);
@@ -169,16 +164,11 @@ impl MatrixReader {
         self.window.is_full()
     }
 
-    /// Whether all values read are in the map.
-    pub(super) fn is_whole(&self) -> bool {
-        self.window.is_whole()
-    }
-
     /// Number of rows of the whole text: those read and, if the header's sides must be divided among all rows or their
     /// number is known, those still to come. A last column without any height is removed.
     pub(super) fn count_rest(
         &mut self,
-        lines: &mut Lines<impl BufRead>,
+        mut lines: Option<&mut Lines<impl BufRead>>,
         options: &ReadOptions,
         header: &Header,
     ) -> Result<usize, ReadError> {
@@ -188,7 +178,7 @@ impl MatrixReader {
         let is_undecided = self.last == LastField::Open && self.window.takes_last_col();
         let may_be_indented = self.unindented.is_some() || self.unless_indented.is_some();
         if shared || header.pixels[0].is_some() || is_undecided || may_be_indented {
-            while let Some(text) = lines.next_row()? {
+            while let Some(text) = lines.as_mut().map_or(Ok(None), |lines| lines.next_row())? {
                 let is_blank = text.trim().is_empty() && !self.is_row_of_missing(text);
                 if header.restates_side(text) {
                     break;
@@ -263,8 +253,13 @@ impl MatrixReader {
         StatedValues { pixel_m: [along_x_m, along_y_m], height_unit: header.value(), lateral_unit: None }
     }
 
-    /// The map, with the header's sides divided among `rows` rows.
-    pub(super) fn finish(self, rows: usize, header: &Header, options: &ReadOptions) -> Result<HeightMap, ReadError> {
+    /// The map, with the header's sides divided among `rows` rows, and whether all values read are in it.
+    pub(super) fn finish(
+        self,
+        rows: usize,
+        header: &Header,
+        options: &ReadOptions,
+    ) -> Result<(HeightMap, bool), ReadError> {
         let scale = options.height_unit.map(Scale::from).or(header.value());
         let grid_m = match options.grid_m() {
             Some(grid_m) => grid_m.map(Some),

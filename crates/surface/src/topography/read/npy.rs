@@ -31,14 +31,10 @@ pub(super) fn read(mut source: impl Read, options: &ReadOptions) -> Result<ReadM
     let mut header = String::new();
     (&mut source).take(length as u64).read_to_string(&mut header).map_err(|error| unreadable(FORMAT, &error))?;
     if header.len() < length {
-        return Err(ReadError::Ended {
-            format: FORMAT,
-            what: "header",
-            expected: length as u64,
-            found: header.len() as u64,
-        });
+        let (expected, found) = (length as u64, header.len() as u64);
+        return Err(ReadError::Ended { format: FORMAT, what: "header", expected, found });
     }
-    let (number, big_endian) = number(&header)?;
+    let number = number(&header)?;
     let fortran_order = match entry(&header, "fortran_order") {
         Some(value) if value.starts_with("True") => true,
         Some(value) if value.starts_with("False") => false,
@@ -57,24 +53,15 @@ pub(super) fn read(mut source: impl Read, options: &ReadOptions) -> Result<ReadM
         ([rows, cols], options.crop, pixel_m)
     };
     let mut window = Window::new(Some(file[0]), file[1], crop, options.decimation)?;
-    let read_all = numbers(&mut source, FORMAT, number, big_endian, rows.saturating_mul(cols), |values| {
-        window.push(values)?;
-        Ok(!window.is_full())
-    })?;
-    if read_all {
+    if numbers(&mut source, FORMAT, number, rows.saturating_mul(cols), &mut window, Ok)? {
         at_end(&mut source, FORMAT)?;
     }
-    let whole = window.is_whole();
     let to_metres = |height| height_unit.to_metres(height);
     // An array stored by columns already has the order of the map; one stored by rows is a file of lines.
-    let map = if fortran_order { window.finish(pixel, to_metres)? } else { window.finish_lines(pixel, to_metres)? };
-    Ok(ReadMap {
-        map,
-        whole,
-        format: MapFormat::Npy,
-        comments: Vec::new(),
-        notes: StatedValues::default().notes(options, MapFormat::Npy),
-    })
+    let (map, whole) =
+        if fortran_order { window.finish(pixel, to_metres)? } else { window.finish_lines(pixel, to_metres)? };
+    let notes = StatedValues::default().notes(options, MapFormat::Npy);
+    Ok(ReadMap { map, whole, format: MapFormat::Npy, comments: Vec::new(), notes })
 }
 
 fn refused(field: &'static str, value: String, expected: &'static str) -> ReadError {

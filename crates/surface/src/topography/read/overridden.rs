@@ -1,8 +1,9 @@
 //! Notes on options that replace values stated by a file, and on options without meaning for its format.
 
 use super::scale::Scale;
-use super::{MapFormat, ReadOptions};
-use crate::topography::LengthUnit;
+use super::window::Window;
+use super::{MapFormat, ReadMap, ReadOptions};
+use crate::topography::{LengthUnit, ReadError};
 
 /// Relative difference up to which a given pixel size counts as that of the file: programs count distances between
 /// pixels, or round the sides.
@@ -19,18 +20,46 @@ pub(super) struct StatedValues {
     pub(super) lateral_unit: Option<Scale>,
 }
 
-impl StatedValues {
-    /// Values of a format whose lengths are in `lateral_unit` and heights in `height_unit`; `steps` along x and y are
-    /// in the file's unit.
-    pub(super) fn from_steps(
-        steps: [f64; 2],
-        lateral_unit: Option<LengthUnit>,
-        height_unit: Option<LengthUnit>,
-    ) -> Self {
-        let pixel_m = steps.map(|step| Some(lateral_unit?.to_metres(step)));
-        Self { pixel_m, height_unit: height_unit.map(Scale::from), lateral_unit: lateral_unit.map(Scale::from) }
+/// Lengths stated by a file of lines of heights.
+pub(super) struct Lengths {
+    /// Pixel sides along x and along y, in `lateral_unit`.
+    pub(super) steps: [f64; 2],
+    pub(super) lateral_unit: Option<LengthUnit>,
+    pub(super) height_unit: Option<LengthUnit>,
+}
+
+impl Lengths {
+    /// Lengths in metres, with pixel sides `steps` along x and y.
+    pub(super) fn metres(steps: [f64; 2]) -> Self {
+        Self { steps, lateral_unit: Some(LengthUnit::Metre), height_unit: Some(LengthUnit::Metre) }
     }
 
+    /// The map of the heights in `window`, which `height` converts to the unit of heights; `options` replace what the
+    /// file states, and lengths without unit are metres.
+    pub(super) fn map(
+        self,
+        window: Window,
+        height: impl Fn(f64) -> f64,
+        options: &ReadOptions,
+        format: MapFormat,
+        comments: Vec<String>,
+    ) -> Result<ReadMap, ReadError> {
+        let Self { steps, lateral_unit, height_unit } = self;
+        let stated = StatedValues {
+            pixel_m: steps.map(|step| Some(lateral_unit?.to_metres(step))),
+            height_unit: height_unit.map(Scale::from),
+            lateral_unit: lateral_unit.map(Scale::from),
+        };
+        let lateral = options.lateral_unit.or(lateral_unit).unwrap_or(LengthUnit::Metre);
+        let vertical = options.height_unit.or(height_unit).unwrap_or(LengthUnit::Metre);
+        let [x, y] = steps.map(|step| lateral.to_metres(step));
+        let to_metres = |value| vertical.to_metres(height(value));
+        let (map, whole) = window.finish_lines(options.grid_m().unwrap_or([y, x]), to_metres)?;
+        Ok(ReadMap { map, whole, format, comments, notes: stated.notes(options, format) })
+    }
+}
+
+impl StatedValues {
     /// Notes on `options` that differ from the values that the file states, one sentence each.
     pub(super) fn notes(&self, options: &ReadOptions, format: MapFormat) -> Vec<String> {
         // Rounded to a picometre, which hides the rounding of the file's sides divided by the number of pixels.
@@ -58,20 +87,14 @@ impl StatedValues {
             let (given, own) = given.zip(own).filter(|(given, own)| Scale::from(*given) != *own)?;
             Some(format!("the unit of {what} is {given}, as given by option, and not {own}, as the file says"))
         };
-        let is_used = |_: &LengthUnit| match format {
-            MapFormat::Matrix | MapFormat::Npy => false,
-            MapFormat::Xyz => true,
-            _ => options.pixel_m.is_none(),
+        let unused = match format {
+            MapFormat::Matrix | MapFormat::Npy => Some("a matrix has no numbers x and y"),
+            MapFormat::Xyz => None,
+            _ => options.pixel_m.map(|_| "the sides of the pixels are given by option"),
         };
-        let lateral = match options.lateral_unit {
-            Some(given) if !is_used(&given) => {
-                let why = match format {
-                    MapFormat::Matrix | MapFormat::Npy => "a matrix has no numbers x and y",
-                    _ => "the sides of the pixels are given by option",
-                };
-                Some(format!("--lateral-unit or lateral_unit is not used: {why}"))
-            }
-            given => unit("x and y", given, self.lateral_unit),
+        let lateral = match (options.lateral_unit, unused) {
+            (Some(_), Some(why)) => Some(format!("--lateral-unit or lateral_unit is not used: {why}")),
+            (given, _) => unit("x and y", given, self.lateral_unit),
         };
         let height = unit("heights", options.height_unit, self.height_unit);
         pixel.into_iter().chain(lateral).chain(height).collect()

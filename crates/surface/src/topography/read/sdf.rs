@@ -15,11 +15,12 @@
 use std::io::{BufRead, Read};
 
 use super::bytes::{Number, array, exact, numbers, text};
-use super::lines::{Lines, excerpt, height, number};
-use super::overridden::StatedValues;
+use super::entries::Entry;
+use super::lines::{Lines, height, not_a_number};
+use super::overridden::Lengths;
 use super::window::Window;
 use super::{MapFormat, ReadMap, ReadOptions, keep_comment};
-use crate::topography::{LengthUnit, ReadError};
+use crate::topography::ReadError;
 
 const FORMAT: &str = MapFormat::Sdf.name();
 /// First characters of the version, after the letter that distinguishes text and binary.
@@ -90,14 +91,7 @@ impl Header {
 
     fn finish(&self, window: Window, options: &ReadOptions, comments: Vec<String>) -> Result<ReadMap, ReadError> {
         let [x, y, z] = self.scale_m;
-        let lateral = |scale: f64| options.lateral_unit.unwrap_or(LengthUnit::Metre).to_metres(scale);
-        let pixel_m = options.grid_m().unwrap_or([lateral(y), lateral(x)]);
-        let unit = options.height_unit.unwrap_or(LengthUnit::Metre);
-        let whole = window.is_whole();
-        let map = window.finish_lines(pixel_m, |height| unit.to_metres(height * z))?;
-        let metre = Some(LengthUnit::Metre);
-        let notes = StatedValues::from_steps([x, y], metre, metre).notes(options, MapFormat::Sdf);
-        Ok(ReadMap { map, whole, format: MapFormat::Sdf, comments, notes })
+        Lengths::metres([x, y]).map(window, |height| height * z, options, MapFormat::Sdf, comments)
     }
 }
 
@@ -119,13 +113,8 @@ fn read_binary(mut source: impl Read, options: &ReadOptions) -> Result<ReadMap, 
     let scale_m = [0, 8, 16].map(|at| f64::from_le_bytes(array(&bytes[at..])));
     let header = Header::new(counts[0], counts[1], scale_m, [bytes[32].into(), bytes[33].into()])?;
     let mut window = header.window(options)?;
-    numbers(&mut source, FORMAT, header.number, false, counts[0] * counts[1], |values| {
-        for value in values.iter_mut().filter(|value| header.is_missing(**value)) {
-            *value = f64::NAN;
-        }
-        window.push(values)?;
-        Ok(!window.is_full())
-    })?;
+    let height = |value| Ok(if header.is_missing(value) { f64::NAN } else { value });
+    numbers(&mut source, FORMAT, (header.number, false), counts[0] * counts[1], &mut window, height)?;
     header.finish(window, options, comments)
 }
 
@@ -142,9 +131,9 @@ impl Entries {
     fn take(&mut self, text: &str) -> Result<bool, ReadError> {
         let Some((key, value)) = text.split_once('=') else { return Ok(false) };
         let value = value.trim();
-        let refused = |field, expected| ReadError::Field { format: FORMAT, field, value: excerpt(value), expected };
-        let whole = |field| value.parse().map(Some).map_err(|_| refused(field, "a whole number"));
-        let real = |field| number(value).map(Some).ok_or_else(|| refused(field, "a number with a decimal point"));
+        let entry = |name| Entry { format: FORMAT, name, text: value };
+        let whole = |name| value.parse().map(Some).map_err(|_| entry(name).refused("a whole number"));
+        let real = |name| entry(name).number(|_| true, "a number with a decimal point").map(Some);
         match key.trim() {
             "NumPoints" => self.counts[0] = whole("NumPoints")?,
             "NumProfiles" => self.counts[1] = whole("NumProfiles")?,
@@ -159,7 +148,7 @@ impl Entries {
     }
 
     fn finish(&self) -> Result<Header, ReadError> {
-        let missing = |field| ReadError::Field { format: FORMAT, field, value: String::new(), expected: "a number" };
+        let missing = |name| Entry { format: FORMAT, name, text: "" }.refused("a number");
         let [points, profiles] = self.counts;
         let [x, y, z] = self.scale_m;
         Header::new(
@@ -190,12 +179,9 @@ fn read_text(source: impl BufRead, options: &ReadOptions) -> Result<ReadMap, Rea
         keep_comment(&mut comments, text);
         // The first line is the version; empty lines are ignored.
         if !entries.take(text)? && line > 1 && !text.is_empty() {
-            return Err(ReadError::Field {
-                format: FORMAT,
-                field: "header",
-                value: excerpt(text),
-                expected: "lines name = value, then a line with *",
-            });
+            return Err(
+                Entry { format: FORMAT, name: "header", text }.refused("lines name = value, then a line with *")
+            );
         }
     };
     let header = entries.finish()?;
@@ -226,12 +212,8 @@ fn take_heights(
         if field.starts_with('*') {
             return Ok(true);
         }
-        let value = height(field).ok_or_else(|| ReadError::NotANumber {
-            line,
-            column: n + 1,
-            value: excerpt(field),
-            expected: "a height with a decimal point, or BAD where it is missing",
-        })?;
+        let expected = "a height with a decimal point, or BAD where it is missing";
+        let value = height(field).ok_or_else(|| not_a_number(line, n, field, expected))?;
         let value = value.filter(|value| !header.is_missing(*value)).unwrap_or(f64::NAN);
         *found += 1;
         window.push(&[value])?;

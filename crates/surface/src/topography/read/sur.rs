@@ -141,23 +141,16 @@ pub(super) fn read(mut source: impl BufRead, options: &ReadOptions) -> Result<Re
 
     let missing = (header.short(86) != 0).then(|| f64::from(header.int(100)) - 2.0);
     let mut window = Window::new(Some(lines), points, options.crop, options.decimation)?;
-    let take = |values: &mut [f64]| {
-        for value in values.iter_mut().filter(|value| Some(**value) == missing) {
-            *value = f64::NAN;
-        }
-        window.push(values)?;
-        Ok(!window.is_full())
-    };
+    let height = |value| Ok(if Some(value) == missing { f64::NAN } else { value });
     if header.0.starts_with(MAGIC_COMPRESSED) {
         let mut streams = Streams::new(source, total, number.bytes() as u64)?;
-        if numbers(&mut streams, FORMAT, number, false, total, take)? {
+        if numbers(&mut streams, FORMAT, (number, false), total, &mut window, height)? {
             at_end(&mut streams, FORMAT)?;
         }
     } else {
-        numbers(&mut source, FORMAT, number, false, total, take)?;
+        numbers(&mut source, FORMAT, (number, false), total, &mut window, height)?;
     }
-    let whole = window.is_whole();
-    let map = window.finish_lines(pixel_m, |height| unit.to_metres(height * step_z + offset_z))?;
+    let (map, whole) = window.finish_lines(pixel_m, |height| unit.to_metres(height * step_z + offset_z))?;
     Ok(ReadMap { map, whole, format: MapFormat::Sur, comments, notes })
 }
 

@@ -232,7 +232,7 @@ fn read_table(source: impl BufRead, is_keyence: bool, options: &ReadOptions) -> 
     released.map_err(|error| text.with_all_that_is_missing(error))?;
     let mut notes = text.notes();
     let Text { header, data, axes, has_another, .. } = text;
-    let (map, whole, format, stated) = match data {
+    let ((map, whole), format, stated) = match data {
         None => {
             let lines = lines.line();
             let reason = format!("no data after {lines} lines: expected rows of heights, or points x y z");
@@ -241,19 +241,14 @@ fn read_table(source: impl BufRead, is_keyence: bool, options: &ReadOptions) -> 
         Some(Data::Matrix(mut matrix)) => {
             // If the header gives only the sides, the pixel size depends on the number of rows, including those behind
             // a crop.
-            let rows = if has_another {
-                matrix.count_rest(&mut Lines::new(std::io::empty()), options, &header)?
-            } else {
-                matrix.count_rest(&mut lines, options, &header)?
-            };
-            let whole = matrix.is_whole();
+            let rows = matrix.count_rest((!has_another).then_some(&mut lines), options, &header)?;
             let stated = matrix.stated_values(rows, &header);
-            (matrix.finish(rows, &header, options)?, whole, MapFormat::Matrix, stated)
+            (matrix.finish(rows, &header, options)?, MapFormat::Matrix, stated)
         }
         Some(Data::Xyz(points)) => {
             let stated = StatedValues { pixel_m: [None; 2], height_unit: header.value(), lateral_unit: header.lateral };
-            let (map, whole) = window_of(points.finish(&header, options)?, options.crop, options.decimation)?;
-            (map, whole, MapFormat::Xyz, stated)
+            let part = window_of(points.finish(&header, options)?, options.crop, options.decimation)?;
+            (part, MapFormat::Xyz, stated)
         }
     };
     // If a matrix has axes, the unit of x and y is that of their steps.

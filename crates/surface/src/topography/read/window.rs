@@ -75,12 +75,8 @@ impl Window {
     ) -> Result<Self, ReadError> {
         let decimation = decimation.unwrap_or(Decimation { factor: 1, method: DecimationMethod::Mean });
         if decimation.factor == 0 {
-            return Err(MapError::OutOfRange {
-                quantity: "decimation factor",
-                value: 0.0,
-                expected: "a whole number from 1 up",
-            }
-            .into());
+            let (quantity, expected) = ("decimation factor", "a whole number from 1 up");
+            return Err(MapError::OutOfRange { quantity, value: 0.0, expected }.into());
         }
         if file_cols == 0 {
             return Err(MapError::TooFewPoints { rows: file_rows.map_or(0, |rows| rows as usize), cols: 0 }.into());
@@ -92,17 +88,17 @@ impl Window {
                 _ => Ok([first, end]),
             }
         };
+        let counted = |count: u64| usize::try_from(count).unwrap_or(usize::MAX);
         let (rows, cols) = match crop {
             Some(crop) => (
                 crop_ends("rows", crop.first_row, crop.rows, file_rows)?,
                 crop_ends("columns", crop.first_col, crop.cols, Some(file_cols))?,
             ),
-            None => ([0, usize::MAX], [0, usize::try_from(file_cols).unwrap_or(usize::MAX)]),
+            None => ([0, usize::MAX], [0, counted(file_cols)]),
         };
-        let file_cols = usize::try_from(file_cols).unwrap_or(usize::MAX);
         let window = Self {
-            file_rows: file_rows.map(|rows| usize::try_from(rows).unwrap_or(usize::MAX)),
-            file_cols,
+            file_rows: file_rows.map(counted),
+            file_cols: counted(file_cols),
             rows,
             cols,
             decimation,
@@ -113,9 +109,8 @@ impl Window {
             height: Vec::new(),
         };
         // A size above the limit is refused before the data are read.
-        if let Some(file_rows) = file_rows {
-            let last = rows[1].min(usize::try_from(file_rows).unwrap_or(usize::MAX));
-            let kept = (last.saturating_sub(rows[0]) / decimation.factor) as f64;
+        if let Some(file_rows) = window.file_rows {
+            let kept = (rows[1].min(file_rows).saturating_sub(rows[0]) / decimation.factor) as f64;
             check_points(kept * window.kept_cols() as f64)?;
         }
         Ok(window)
@@ -234,13 +229,10 @@ impl Window {
                     DecimationMethod::Pick => 1,
                 };
                 check_points((self.height.len() + self.block.len()) as f64)?;
-                self.height.extend(
-                    self.block.iter().map(
-                        |&(sum, count)| {
-                            if (count as usize) < least { f64::NAN } else { sum / f64::from(count) }
-                        },
-                    ),
-                );
+                let of_block = |&(sum, count): &(f64, u32)| {
+                    if (count as usize) < least { f64::NAN } else { sum / f64::from(count) }
+                };
+                self.height.extend(self.block.iter().map(of_block));
                 self.block.fill((0.0, 0));
                 self.block_rows = 0;
             }
@@ -252,27 +244,33 @@ impl Window {
 
     /// The map of a file of lines of heights: points of a line follow each other along x, lines along y. Heights are
     /// converted by `to_metres`, which must be linear; `pixel_m` are the distances between lines and between the points
-    /// of a line, before decimation.
+    /// of a line, before decimation. Also returns whether every pixel of the file is in the map.
     pub(crate) fn finish_lines(
         self,
         pixel_m: [f64; 2],
         to_metres: impl Fn(f64) -> f64,
-    ) -> Result<HeightMap, ReadError> {
-        Ok(self.finish(pixel_m, to_metres)?.transposed())
+    ) -> Result<(HeightMap, bool), ReadError> {
+        let (map, whole) = self.finish(pixel_m, to_metres)?;
+        Ok((map.transposed(), whole))
     }
 
     /// The map in the order received. Heights are converted by `to_metres`, which must be linear; `pixel_m` are the
-    /// distances between rows and between columns, before decimation.
-    pub(crate) fn finish(mut self, pixel_m: [f64; 2], to_metres: impl Fn(f64) -> f64) -> Result<HeightMap, ReadError> {
+    /// distances between rows and between columns, before decimation. Also returns whether every pixel of the file is in
+    /// the map.
+    pub(crate) fn finish(
+        mut self,
+        pixel_m: [f64; 2],
+        to_metres: impl Fn(f64) -> f64,
+    ) -> Result<(HeightMap, bool), ReadError> {
         if self.rows[1] != usize::MAX && self.row < self.rows[1] {
             return Err(outside("rows", self.rows[0], self.rows[1] - self.rows[0], self.row as u64));
         }
         for height in &mut self.height {
             *height = to_metres(*height);
         }
-        let (cols, factor) = (self.kept_cols(), self.decimation.factor as f64);
+        let (cols, factor, whole) = (self.kept_cols(), self.decimation.factor as f64, self.is_whole());
         let rows = self.height.len().checked_div(cols).unwrap_or(0);
-        Ok(HeightMap::new(rows, cols, pixel_m[0] * factor, pixel_m[1] * factor, self.height)?)
+        Ok((HeightMap::new(rows, cols, pixel_m[0] * factor, pixel_m[1] * factor, self.height)?, whole))
     }
 }
 
@@ -296,7 +294,8 @@ impl HeightMap {
     /// # Errors
     /// [`ReadError`] if the crop lies outside the map, or no point is left.
     pub fn windowed(&self, crop: Option<Crop>, decimation: Option<Decimation>) -> Result<Self, ReadError> {
-        self.window(crop, decimation)?.finish([self.dx_m(), self.dy_m()], |height| height)
+        let window = self.window(crop, decimation)?;
+        window.finish([self.dx_m(), self.dy_m()], |height| height).map(|(map, _)| map)
     }
 
     fn window(&self, crop: Option<Crop>, decimation: Option<Decimation>) -> Result<Window, ReadError> {
@@ -317,9 +316,7 @@ pub(super) fn window_of(
     }
     // Rows of a crop are lines, as in files of lines of heights.
     let lines = map.transposed();
-    let window = lines.window(crop, decimation)?;
-    let whole = window.is_whole();
-    Ok((window.finish_lines([lines.dx_m(), lines.dy_m()], |height| height)?, whole))
+    lines.window(crop, decimation)?.finish_lines([lines.dx_m(), lines.dy_m()], |height| height)
 }
 
 #[cfg(test)]
@@ -333,7 +330,7 @@ mod tests {
         for part in heights.chunks(piece) {
             window.push(part)?;
         }
-        window.finish([1e-6, 2e-6], |height| height * 1e-9)
+        window.finish([1e-6, 2e-6], |height| height * 1e-9).map(|(map, _)| map)
     }
 
     #[test]
@@ -390,7 +387,7 @@ mod tests {
         let mut window =
             Window::new(Some(4), 4, None, Some(Decimation { factor: 2, method: DecimationMethod::Mean })).unwrap();
         window.push(&[1.0, nan, nan, nan, nan, 3.0, nan, 8.0, 1.0, 1.0, 2.0, 2.0, 1.0, 1.0, 2.0, 2.0]).unwrap();
-        let map = window.finish([1.0, 1.0], |height| height).unwrap();
+        let (map, _) = window.finish([1.0, 1.0], |height| height).unwrap();
         assert_eq!(map.heights_m()[0], 2.0);
         assert!(map.heights_m()[1].is_nan());
         assert_eq!(map.heights_m()[2..], [1.0, 2.0]);

@@ -3,7 +3,8 @@
 
 use std::io::BufRead;
 
-use super::lines::{Lines, excerpt, expected_height, height, number};
+use super::entries::Entry;
+use super::lines::{Lines, expected_height, height, not_a_number};
 use super::overridden::StatedValues;
 use super::scale::Scale;
 use super::window::{Crop, Window};
@@ -43,14 +44,8 @@ impl Header {
                 continue;
             }
             keep_comment(&mut header.comments, &fields.join(" "));
-            let positive = |field| {
-                let refused = || refused(field, value, "a number above 0");
-                number(value).filter(|number| *number > 0.0).map(Some).ok_or_else(refused)
-            };
-            let count = |field| {
-                let refused = || refused(field, value, "a whole number from 1 up");
-                value.parse().ok().filter(|count| *count > 0).map(Some).ok_or_else(refused)
-            };
+            let positive = |name| entry(name, value).number(|number| number > 0.0, "a number above 0").map(Some);
+            let count = |name| entry(name, value).count().map(Some);
             match word {
                 "X Size" => header.size[0] = count("X Size")?,
                 "Y Size" => header.size[1] = count("Y Size")?,
@@ -61,7 +56,7 @@ impl Header {
                 _ => {}
             }
         }
-        Err(refused("RAW_DATA", "", "a block of heights"))
+        Err(entry("RAW_DATA", "").refused("a block of heights"))
     }
 
     /// Length that a height value of 1 represents; the second number after the format's name on the first line tells
@@ -71,27 +66,28 @@ impl Header {
         if flags.split_whitespace().nth(1) == Some("1") {
             return Ok(LengthUnit::Nanometre.into());
         }
-        let wavelength_nm = self.wavelength_nm.ok_or_else(|| refused("Wavelength", "", "a number of nanometres"))?;
+        let wavelength_nm =
+            self.wavelength_nm.ok_or_else(|| entry("Wavelength", "").refused("a number of nanometres"))?;
         Ok(Scale::new(wavelength_nm / self.mult.unwrap_or(1.0), LengthUnit::Nanometre))
     }
 }
 
-fn refused(field: &'static str, value: &str, expected: &'static str) -> ReadError {
-    ReadError::Field { format: FORMAT, field, value: excerpt(value), expected }
+fn entry<'a>(name: &'static str, text: &'a str) -> Entry<'a> {
+    Entry { format: FORMAT, name, text }
 }
 
 pub(super) fn read(source: impl BufRead, options: &ReadOptions) -> Result<ReadMap, ReadError> {
     let mut lines = Lines::new(source);
     let header = Header::read(&mut lines)?;
     let [Some(along_x), Some(along_y)] = header.size else {
-        return Err(refused("X Size and Y Size", "", "the numbers of points, whole numbers from 1 up"));
+        return Err(entry("X Size and Y Size", "").refused("the numbers of points, whole numbers from 1 up"));
     };
     let own_m = header.pixel_mm.map(|pixel_mm| LengthUnit::Millimetre.to_metres(pixel_mm));
     let own_m = [own_m, own_m.map(|pixel_m| pixel_m * header.aspect.unwrap_or(1.0))];
     let pixel_m = match (options.pixel_m, own_m) {
         (Some(given_m), _) => given_m,
         (None, [Some(x_m), Some(y_m)]) => [x_m, y_m],
-        _ => return Err(refused("Pixel_size", "", "a number of millimetres, or a pixel size by option")),
+        _ => return Err(entry("Pixel_size", "").refused("a number of millimetres, or a pixel size by option")),
     };
     let own = header.scale()?;
     let scale = options.height_unit.map_or(own, Scale::from);
@@ -105,8 +101,7 @@ pub(super) fn read(source: impl BufRead, options: &ReadOptions) -> Result<ReadMa
         };
         row.clear();
         for (place, field) in text.split_whitespace().enumerate() {
-            let (column, value, expected) = (place + 1, excerpt(field), expected_height(field));
-            let height = height(field).ok_or(ReadError::NotANumber { line, column, value, expected })?;
+            let height = height(field).ok_or_else(|| not_a_number(line, place, field, expected_height(field)))?;
             row.push(height.unwrap_or(f64::NAN));
         }
         if row.len() as u64 != along_y {
@@ -116,8 +111,7 @@ pub(super) fn read(source: impl BufRead, options: &ReadOptions) -> Result<ReadMa
         window.push(&row)?;
         found += 1;
     }
-    let whole = window.is_whole();
-    let map = window.finish(pixel_m, |height| scale.to_metres(height))?;
+    let (map, whole) = window.finish(pixel_m, |height| scale.to_metres(height))?;
     let stated = StatedValues { pixel_m: own_m, height_unit: Some(own), lateral_unit: None };
     let notes = stated.notes(options, MapFormat::Matrix);
     Ok(ReadMap { map, whole, format: MapFormat::Matrix, comments: header.comments, notes })

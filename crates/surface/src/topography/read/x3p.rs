@@ -11,11 +11,11 @@ use zip::read::ZipFile;
 
 use super::bytes::{at_end, numbers, unreadable};
 use super::foreign;
-use super::overridden::StatedValues;
+use super::overridden::Lengths;
 use super::window::Window;
 use super::x3p_index::{FORMAT, Heights, Index, refused};
 use super::{MapFormat, ReadMap, ReadOptions, bomb, check_expansion};
-use crate::topography::{LengthUnit, ReadError};
+use crate::topography::ReadError;
 
 pub(super) const MAGIC: &[u8] = b"PK\x03\x04";
 /// Largest archive, in bytes. It is held in memory because its directory is at the end.
@@ -53,36 +53,21 @@ pub(super) fn read(mut source: impl Read, options: &ReadOptions) -> Result<ReadM
     };
     let mut window = Window::new(Some(index.rows), index.cols, options.crop, options.decimation)?;
     match &index.heights {
-        Heights::File { path, valid: None } => {
-            let mut file = data_entry(&mut archive, places.find(path)?, &index)?;
-            let read_all = numbers(&mut file, FORMAT, index.number, false, index.points(), |values| {
-                keep_finite(values);
-                window.push(values)?;
-                Ok(!window.is_full())
-            })?;
-            if read_all {
-                at_end(&mut file, FORMAT)?;
-            }
-        }
-        Heights::File { path, valid: Some(valid_path) } => {
+        Heights::File { path, valid } => {
             // Two entries are read in parallel, through two views of the same bytes.
-            let mut other = ZipArchive::new(Cursor::new(bytes.as_slice())).map_err(|error| broken(&error))?;
-            let needed = index.points().div_ceil(8);
-            let mut bits = Bits::new(sized_entry(&mut other, places.find(valid_path)?, needed)?);
+            let (mut other, needed) = (archive.clone(), index.points().div_ceil(8));
+            let mut bits = match valid {
+                Some(valid) => Some(Bits::new(sized_entry(&mut other, places.find(valid)?, needed)?)),
+                None => None,
+            };
             let mut file = data_entry(&mut archive, places.find(path)?, &index)?;
-            let read_all = numbers(&mut file, FORMAT, index.number, false, index.points(), |values| {
-                keep_finite(values);
-                for value in values.iter_mut() {
-                    if !bits.next()? {
-                        *value = f64::NAN;
-                    }
-                }
-                window.push(values)?;
-                Ok(!window.is_full())
-            })?;
-            if read_all {
+            let height = |value: f64| {
+                let is_valid = bits.as_mut().map_or(Ok(true), Bits::next)?;
+                Ok(if is_valid && !value.is_infinite() { value } else { f64::NAN })
+            };
+            if numbers(&mut file, FORMAT, (index.number, false), index.points(), &mut window, height)? {
                 at_end(&mut file, FORMAT)?;
-                at_end(&mut bits.source, FORMAT)?;
+                bits.map_or(Ok(()), |mut bits| at_end(&mut bits.source, FORMAT))?;
             }
         }
         Heights::List(values) => {
@@ -93,16 +78,9 @@ pub(super) fn read(mut source: impl Read, options: &ReadOptions) -> Result<ReadM
             window.push(values)?;
         }
     }
-    let lateral = |value: f64| options.lateral_unit.unwrap_or(LengthUnit::Metre).to_metres(value);
-    let pixel_m = options.grid_m().unwrap_or([lateral(index.increment_m[1]), lateral(index.increment_m[0])]);
-    let unit = options.height_unit.unwrap_or(LengthUnit::Metre);
-    let [.., scale] = index.increment_m;
-    let whole = window.is_whole();
-    let map = window.finish_lines(pixel_m, |height| unit.to_metres(height * scale + index.offset_z_m))?;
-    let metre = Some(LengthUnit::Metre);
-    let [x, y, _] = index.increment_m;
-    let notes = StatedValues::from_steps([x, y], metre, metre).notes(options, MapFormat::X3p);
-    Ok(ReadMap { map, whole, format: MapFormat::X3p, comments: index.comments, notes })
+    let [x, y, z] = index.increment_m;
+    let height = |value| value * z + index.offset_z_m;
+    Lengths::metres([x, y]).map(window, height, options, MapFormat::X3p, index.comments)
 }
 
 fn broken(error: &zip::result::ZipError) -> ReadError {
@@ -178,13 +156,6 @@ fn sized_entry<'a, 'b>(
         return Err(ReadError::Ended { format: FORMAT, what: "bytes of data", expected, found });
     }
     Ok(file)
-}
-
-/// Converts infinite heights to missing ones.
-fn keep_finite(values: &mut [f64]) {
-    for value in values.iter_mut().filter(|value| value.is_infinite()) {
-        *value = f64::NAN;
-    }
 }
 
 /// Reads bits, lowest first.

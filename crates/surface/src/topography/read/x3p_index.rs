@@ -6,6 +6,7 @@ use quick_xml::Reader;
 use quick_xml::events::Event;
 
 use super::bytes::{Number, unreadable};
+use super::entries::Entry;
 use super::lines::{excerpt, number};
 use super::{MapFormat, keep_comment};
 use crate::topography::ReadError;
@@ -111,24 +112,19 @@ impl Entries {
         if text.is_empty() && name != "Datum" {
             return Ok(());
         }
-        let whole = |field| {
-            text.parse()
-                .ok()
-                .filter(|count| *count > 0)
-                .map(Some)
-                .ok_or_else(|| refused(field, excerpt(text), "a whole number from 1 up"))
-        };
-        let real = |field| number(text).ok_or_else(|| refused(field, excerpt(text), "a number of metres"));
+        let entry = |name| Entry { format: FORMAT, name, text };
+        let whole = |name| entry(name).count().map(Some);
+        let real = |name| entry(name).number(|_| true, "a number of metres");
         match (parent.as_str(), name.as_str()) {
             ("Record1", "FeatureType") => {
                 if text != "SUR" {
                     let expected = if text == "PRF" { "SUR, a surface: this is a profile" } else { "SUR, a surface" };
-                    return Err(refused("FeatureType", excerpt(text), expected));
+                    return Err(entry("FeatureType").refused(expected));
                 }
                 self.feature = true;
             }
             ("CX", "AxisType") | ("CY", "AxisType") if text != "I" => {
-                return Err(refused("AxisType of x and y", excerpt(text), "I, equal steps"));
+                return Err(entry("AxisType of x and y").refused("I, equal steps"));
             }
             ("CX", "Increment") => self.increment_m[0] = Some(real("Increment of x")?),
             ("CY", "Increment") => self.increment_m[1] = Some(real("Increment of y")?),
@@ -140,7 +136,7 @@ impl Entries {
                     "L" => Number::I32,
                     "F" => Number::F32,
                     "D" => Number::F64,
-                    _ => return Err(refused("DataType of z", excerpt(text), "I, L, F or D")),
+                    _ => return Err(entry("DataType of z").refused("I, L, F or D")),
                 });
             }
             ("MatrixDimension", "SizeX") => self.sizes[0] = whole("SizeX")?,
@@ -189,5 +185,6 @@ fn datum(text: &str) -> Result<f64, ReadError> {
     if last.is_empty() || last.eq_ignore_ascii_case("nan") {
         return Ok(f64::NAN);
     }
-    number(last).ok_or_else(|| refused("Datum", excerpt(text), "a number, or nothing where it is missing"))
+    let entry = Entry { format: FORMAT, name: "Datum", text };
+    number(last).ok_or_else(|| entry.refused("a number, or nothing where it is missing"))
 }

@@ -2,7 +2,7 @@
 
 use super::ReadOptions;
 use super::header::Header;
-use super::lines::{Delimiter, excerpt, expected_coordinate, expected_height, height, number};
+use super::lines::{Delimiter, expected_coordinate, expected_height, height, not_a_number, number};
 use super::matrix::NO_HEIGHT_UNIT;
 use super::scale::Scale;
 use super::scan::Scan;
@@ -86,15 +86,14 @@ impl XyzReader {
         let (Some(x), Some(y), Some(z), None) = (x, y, z, fields.next()) else {
             return Err(ReadError::RowLength { line, found: delimiter.fields(row).count(), expected: 3 });
         };
-        let refused = |column, field, expected| ReadError::NotANumber { line, column, value: excerpt(field), expected };
         let coordinate =
-            |column, field| number(field).ok_or_else(|| refused(column, field, expected_coordinate(field)));
-        let z = height(z).ok_or_else(|| refused(3, z, expected_height(z)))?;
+            |place, field| number(field).ok_or_else(|| not_a_number(line, place, field, expected_coordinate(field)));
+        let z = height(z).ok_or_else(|| not_a_number(line, 2, z, expected_height(z)))?;
         if self.points.len() == MAX_POINTS {
             let points = self.points.len() as f64 + 1.0;
             return Err(MapError::TooManyPoints { points, most: MAX_POINTS }.into());
         }
-        let point = Point { x: coordinate(1, x)?, y: coordinate(2, y)?, z: z.unwrap_or(f64::NAN), line };
+        let point = Point { x: coordinate(0, x)?, y: coordinate(1, y)?, z: z.unwrap_or(f64::NAN), line };
         match &mut self.points {
             Points::Any(points) => points.push(point),
             Points::Scan(scan) => {

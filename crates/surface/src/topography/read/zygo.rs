@@ -4,7 +4,8 @@
 
 use std::io::BufRead;
 
-use super::lines::{Lines, excerpt, number};
+use super::entries::Entry;
+use super::lines::{Lines, not_a_number, number};
 use super::overridden::StatedValues;
 use super::scale::Scale;
 use super::window::{Window, window_of};
@@ -43,8 +44,7 @@ impl Header {
                 None => break,
             }
         }
-        let (found, expected) = (header.len().to_string(), "at most 40, then a line with #");
-        Err(ReadError::Field { format: FORMAT, field: "number of header lines", value: found, expected })
+        Err(entry("number of header lines", &header.len().to_string()).refused("at most 40, then a line with #"))
     }
 
     fn of(lines: Vec<String>) -> Result<Self, ReadError> {
@@ -54,8 +54,7 @@ impl Header {
         let size = counts.iter().position(|count| *count == 4);
         let optics = size.and_then(|size| (size + 1..counts.len()).find(|line| counts[*line] >= 7));
         let expected = "a line of four numbers and one of seven or more above the line with #";
-        let refused = || ReadError::Field { format: FORMAT, field: "header", value: String::new(), expected };
-        let (size, optics) = size.zip(optics).ok_or_else(refused)?;
+        let (size, optics) = size.zip(optics).ok_or_else(|| entry("header", "").refused(expected))?;
         Ok(Self { lines, size, optics })
     }
 
@@ -67,9 +66,7 @@ impl Header {
         accepts: fn(f64) -> bool,
     ) -> Result<f64, ReadError> {
         let word = self.lines.get(line).and_then(|line| line.split_whitespace().nth(place)).unwrap_or_default();
-        let expected = "a number that the format allows, at its place";
-        let refused = || ReadError::Field { format: FORMAT, field, value: excerpt(word), expected };
-        number(word).filter(|&number| accepts(number)).ok_or_else(refused)
+        entry(field, word).number(accepts, "a number that the format allows, at its place")
     }
 
     fn count(&self, field: &'static str, place: [usize; 2]) -> Result<u64, ReadError> {
@@ -103,6 +100,10 @@ impl Header {
     }
 }
 
+fn entry<'a>(name: &'static str, text: &'a str) -> Entry<'a> {
+    Entry { format: FORMAT, name, text }
+}
+
 pub(super) fn read(source: impl BufRead, options: &ReadOptions) -> Result<ReadMap, ReadError> {
     let mut lines = Lines::new(source);
     let header = Header::read(&mut lines)?;
@@ -130,8 +131,7 @@ pub(super) fn read(source: impl BufRead, options: &ReadOptions) -> Result<ReadMa
         let own = Scale::new(header.phase_m()?, LengthUnit::Metre);
         let window = phases(&mut lines, &header, options)?;
         let scale = options.height_unit.map_or(own, Scale::from);
-        let whole = window.is_whole();
-        let map = window.finish_lines([pixel_m[1], pixel_m[0]], |phase| scale.to_metres(phase))?;
+        let (map, whole) = window.finish_lines([pixel_m[1], pixel_m[0]], |phase| scale.to_metres(phase))?;
         (map, whole, Some(own))
     };
     let stated = StatedValues { pixel_m: [own_pixel_m; 2], height_unit, lateral_unit: None };
@@ -187,9 +187,7 @@ fn fill(lines: &mut Lines<impl BufRead>, mut window: Window, expected: u64) -> R
         };
         phases.clear();
         for (place, word) in text.split_whitespace().enumerate().filter(|(_, word)| *word != "#") {
-            let refused =
-                || ReadError::NotANumber { line, column: place + 1, value: excerpt(word), expected: "a phase" };
-            let phase = number(word).ok_or_else(refused)?;
+            let phase = number(word).ok_or_else(|| not_a_number(line, place, word, "a phase"))?;
             phases.push(if phase < MIN_INVALID_PHASE { phase } else { f64::NAN });
         }
         phases.truncate(usize::try_from(expected - found).unwrap_or(usize::MAX));
