@@ -280,24 +280,6 @@ impl<T: Precision> Fourier<T> {
 }
 
 impl Fourier {
-    /// Computes the sum of weight(|q|) |h_q|^2 over all waves except the mean, with the Fourier coefficient h_q = (1/N)
-    /// sum h exp(-i q x) over N points and q in rad/m on pixels with the sides `pixel_m` along x and y.
-    ///
-    /// # Errors
-    /// [`Cancelled`] once `monitor` cancels.
-    pub fn spectral_sum(
-        &self,
-        input: &[f64],
-        pixel_m: [f64; 2],
-        weight: impl Fn(f64) -> f64,
-        monitor: &dyn Monitor,
-    ) -> Result<f64, Cancelled> {
-        let mut sum = 0.0;
-        self.visit_waves(input, pixel_m, |q, twins, square| sum += twins * weight(q) * square, monitor)?;
-        let points = self.rows as f64 * self.cols as f64;
-        Ok(sum / (points * points))
-    }
-
     /// Calls `visit(|q|, twins, |sum h exp(-i q x)|^2)` for every wave except the mean, with q in rad/m on pixels of
     /// `dx_m` x `dy_m`. Of a wave and its mirror image (-k, -l) one is visited, with `twins` = 2; if l is 0 or the
     /// Nyquist wave, both are, with `twins` = 1.
@@ -329,7 +311,7 @@ impl Fourier {
     pub(crate) fn autocorrelate(&self, map: &mut [f64], monitor: &dyn Monitor) -> Result<(), Cancelled> {
         let work = &mut self.transform_work(monitor);
         self.rows_forward(map, work)?;
-        let inverse_points = 1.0 / (self.rows as f64 * self.cols as f64);
+        let inverse_points = self.inverse_points();
         for column in work.spectrum.chunks_exact_mut(self.stride()) {
             monitor.heed()?;
             let column = &mut column[..self.rows];
@@ -452,7 +434,9 @@ mod tests {
             let points = input.len() as f64;
             let mean = input.iter().sum::<f64>() / points;
             let variance = input.iter().map(|h| (h - mean).powi(2)).sum::<f64>() / points;
-            let sum = Fourier::new(rows, cols).spectral_sum(&input, [1.0; 2], |_| 1.0, &Unwatched).unwrap();
+            let mut sum = 0.0;
+            let add = |_, twins, square| sum += twins * square / (points * points);
+            Fourier::new(rows, cols).visit_waves(&input, [1.0; 2], add, &Unwatched).unwrap();
             assert!((sum - variance).abs() < 1e-14, "{rows} x {cols}: {sum} and {variance}");
         }
     }

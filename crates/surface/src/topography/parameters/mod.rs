@@ -50,8 +50,11 @@ impl HeightMap {
         let deviation: Vec<f64> = self.heights_m().iter().map(|height| height - mean_m).collect();
         monitor.heed()?;
         let fourier = Fourier::new(self.rows(), self.cols());
-        // h'rms^2 = mean of |grad h|^2 = sum |q|^2 |h_q|^2 (Parseval)
-        Ok(fourier.spectral_sum(&deviation, [self.dx_m(), self.dy_m()], |q| q * q, monitor)?.sqrt())
+        // h'rms^2 = mean of |grad h|^2 = sum |q|^2 |h_q|^2 (Parseval), h_q = (1/N) sum h exp(-i q x) over N points
+        let (mut sum, points) = (0.0, self.rows() as f64 * self.cols() as f64);
+        let add = |q: f64, twins: f64, square: f64| sum += twins * (q * q) * square;
+        fourier.visit_waves(&deviation, [self.dx_m(), self.dy_m()], add, monitor)?;
+        Ok((sum / (points * points)).sqrt())
     }
 
     /// Finite-difference rms slope, sqrt(mean (dh/dx)^2 + mean (dh/dy)^2), with forward differences between neighbours
