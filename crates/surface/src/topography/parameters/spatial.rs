@@ -20,14 +20,10 @@ pub struct CorrelationLengths {
     /// Sal, the smallest distance at which the autocorrelation falls to 0.2 of its value at zero distance, in metres;
     /// `None` if it does not fall so far within half the map in any direction.
     pub sal_m: Option<f64>,
-    /// Largest distance over all directions at which the autocorrelation first falls to 0.2 of its value at zero
-    /// distance, in metres; `None` if it does not fall so far within half the map in some direction.
-    pub slowest_m: Option<f64>,
-    /// Str = Sal / largest distance, 1 for an isotropic surface; `None` if the largest distance is `None`.
+    /// Str, 1 for an isotropic surface: Sal over the largest distance in any direction at which the autocorrelation first
+    /// falls to 0.2 of its value at zero distance; `None` if it does not fall so far within half the map in some
+    /// direction.
     pub str_ratio: Option<f64>,
-    /// Direction of fastest decay of the autocorrelation, from x towards y, in degrees from -90 to 90; `None` if
-    /// `sal_m` is.
-    pub fastest_deg: Option<f64>,
     /// Side in pixels of the blocks that were averaged first; 1 for all but the largest maps.
     pub block: usize,
 }
@@ -68,31 +64,20 @@ impl HeightMap {
 
 fn lengths(map: &HeightMap, sides: Sides, block: usize, monitor: &dyn Monitor) -> Result<CorrelationLengths, MapError> {
     monitor.heed()?;
-    let none = CorrelationLengths { sal_m: None, slowest_m: None, str_ratio: None, fastest_deg: None, block };
     let correlation = Correlation::new(map, sides, monitor)?;
     if correlation.value(0, 0) <= 0.0 {
-        return Ok(none);
+        return Ok(CorrelationLengths { sal_m: None, str_ratio: None, block });
     }
     let level = CORRELATION_THRESHOLD * correlation.value(0, 0);
-    let (mut fastest, mut slowest) = (None::<(f64, f64)>, Some(0.0_f64));
+    let (mut least_m, mut most_m) = (None, Some(0.0_f64));
     for direction in 0..DIRECTIONS {
         monitor.heed()?;
-        let angle = PI * direction as f64 / DIRECTIONS as f64;
-        let decay = correlation.decay(angle, level);
-        if let Some(length) = decay.filter(|length| fastest.is_none_or(|(least, _)| *length < least)) {
-            fastest = Some((length, angle));
-        }
-        slowest = slowest.zip(decay).map(|(a, b)| a.max(b));
+        let decay_m = correlation.decay(PI * direction as f64 / DIRECTIONS as f64, level);
+        least_m = least_m.into_iter().chain(decay_m).reduce(f64::min);
+        most_m = most_m.zip(decay_m).map(|(a, b)| a.max(b));
     }
-    let degrees = |angle: f64| if angle > 0.5 * PI { angle.to_degrees() - 180.0 } else { angle.to_degrees() };
-    Ok(CorrelationLengths {
-        sal_m: fastest.map(|(length, _)| length),
-        slowest_m: slowest.filter(|_| fastest.is_some()),
-        // Str = r_min / r_max
-        str_ratio: fastest.zip(slowest).map(|((least, _), most)| least / most),
-        fastest_deg: fastest.map(|(_, angle)| degrees(angle)),
-        ..none
-    })
+    // Str = r_min / r_max
+    Ok(CorrelationLengths { sal_m: least_m, str_ratio: least_m.zip(most_m).map(|(least, most)| least / most), block })
 }
 
 /// Autocorrelation at displacements of up to half the map.
@@ -219,7 +204,7 @@ mod tests {
         let exact = 0.2_f64.acos() / TAU * 40e-6;
         let found = map.correlation_lengths(Sides::Periodic, &Unwatched).unwrap();
         assert!((found.sal_m.unwrap() / exact - 1.0).abs() < 1e-4, "{found:?}");
-        assert_eq!((found.slowest_m, found.str_ratio, found.fastest_deg), (None, None, Some(0.0)));
+        assert_eq!(found.str_ratio, None);
         // Six periods on an open map; the overlap is not a whole number of periods.
         let open = map.correlation_lengths(Sides::Open, &Unwatched).unwrap();
         assert!((open.sal_m.unwrap() / exact - 1.0).abs() < 0.02, "{open:?}");
@@ -234,9 +219,7 @@ mod tests {
         let found = map.correlation_lengths(Sides::Periodic, &Unwatched).unwrap();
         let least = (-0.6_f64).acos() / TAU * 30e-6;
         assert!((found.sal_m.unwrap() / least - 1.0).abs() < 1e-3, "{found:?} {least}");
-        assert!((found.slowest_m.unwrap() / (2.0 * least) - 1.0).abs() < 1e-3, "{found:?}");
         assert!((found.str_ratio.unwrap() - 0.5).abs() < 1e-3, "{found:?}");
-        assert_eq!(found.fastest_deg, Some(0.0));
     }
 
     #[test]
