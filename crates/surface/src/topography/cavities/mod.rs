@@ -138,8 +138,6 @@ pub struct CavityMetrology {
     pub depth: Option<Spread>,
     /// Area fraction of the map below half depth.
     pub area_fraction: f64,
-    /// Depth below the land, in metres, half-way to the floors, below which a point counts as cavity.
-    pub threshold_m: f64,
     /// Root mean square height of the land about its form, in metres.
     pub land_sq_m: f64,
     /// Rims along the edges.
@@ -283,7 +281,6 @@ fn measure(found: &Found, sought: Sought, monitor: &dyn Monitor) -> Result<Cavit
         round: diameters_m.is_some(),
         depth,
         area_fraction: regions.points.iter().sum::<usize>() as f64 / regions.label.len() as f64,
-        threshold_m: -found.land.threshold_m,
         land_sq_m: found.land.sq_m(),
         rim: sought.rim,
         wall_angle_deg: Estimate::mean(cavities.iter().filter_map(|cavity| cavity.wall_angle_deg)),
