@@ -88,7 +88,7 @@ fn is_plu(start: &[u8]) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use crate::topography::{ReadOptions, read_map};
+    use super::super::plainly::refused;
 
     #[test]
     fn files_of_instruments_that_are_not_read_are_named_with_what_to_do() {
@@ -109,7 +109,7 @@ mod tests {
             (b"\x1f\x8b\x08\0", "archive"),
             (b"solid ascii\nfacet normal 0 0 1\n", "mesh (.stl"),
         ] {
-            let message = read_map(bytes, &ReadOptions::default()).unwrap_err().to_string();
+            let message = refused(bytes);
             assert!(message.contains(name) && message.contains("not read: export"), "{message}");
         }
         for (names, name) in [
@@ -120,13 +120,12 @@ mod tests {
         ] {
             let mut writer = zip::ZipWriter::new(std::io::Cursor::new(Vec::new()));
             names.iter().for_each(|name| writer.start_file(*name, zip::write::SimpleFileOptions::default()).unwrap());
-            let bytes = writer.finish().unwrap().into_inner();
-            let message = read_map(&bytes[..], &ReadOptions::default()).unwrap_err().to_string();
+            let message = refused(writer.finish().unwrap().into_inner());
             assert!(message.contains(name), "{message}");
         }
         // Numbers and dates in texts are not recognised as such files.
         for text in [&b"10:17:24 2007 1 2 3\n"[..], b"1 2 3 4\n5 6 7 8\n", b"BM: 3\n1 2 3 4\n"] {
-            let message = read_map(text, &ReadOptions::default()).unwrap_err().to_string();
+            let message = refused(text);
             assert!(!message.contains("export"), "{message}");
         }
     }

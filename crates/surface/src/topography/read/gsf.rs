@@ -101,6 +101,7 @@ fn header_text(source: &mut impl Read) -> Result<String, ReadError> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::{GIVEN, plainly};
     use super::*;
     use crate::topography::read_map;
 
@@ -118,7 +119,7 @@ mod tests {
     fn sides_units_and_every_length_of_padding() {
         for title in ["", "T", "Ti", "Tit"] {
             let extra = format!("XReal = 3e-6\nYReal = 4e-6\nXYUnits = m\nZUnits = nm\nTitle = {title}\n");
-            let read = read_map(&file(&extra)[..], &ReadOptions::default()).unwrap();
+            let read = plainly::read(file(&extra));
             assert_eq!(read.format, MapFormat::Gsf);
             let map = &read.map;
             assert_eq!((map.rows(), map.cols(), map.missing()), (3, 2, 1));
@@ -130,16 +131,12 @@ mod tests {
 
     #[test]
     fn what_the_header_does_not_say_must_be_given() {
-        let refused = |extra: &str| read_map(&file(extra)[..], &ReadOptions::default()).unwrap_err().to_string();
+        let refused = |extra: &str| plainly::refused(file(extra));
         assert!(refused("").contains("unit of the heights"));
         assert!(refused("ZUnits = V\n").contains("\"V\""));
         assert!(refused("ZUnits = m\n").contains("unit of the sides"));
         assert!(refused("ZUnits = m\nXReal = -1\n").contains("XReal"));
-        let given = ReadOptions {
-            pixel_m: Some([1e-6; 2]),
-            height_unit: Some(LengthUnit::Micrometre),
-            ..ReadOptions::default()
-        };
+        let given = ReadOptions { lateral_unit: None, ..GIVEN };
         assert_eq!(read_map(&file("")[..], &given).unwrap().map.heights_m()[5], 6e-6);
         let longer = [file(""), vec![0]].concat();
         assert!(read_map(&longer[..], &given).unwrap_err().to_string().contains("go on behind"));

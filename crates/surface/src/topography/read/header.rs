@@ -371,9 +371,9 @@ pub(super) fn begins_with_a_word(text: &str) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::super::GIVEN;
+    use super::super::{GIVEN, plainly};
     use super::*;
-    use crate::topography::{MapFormat, ReadOptions, read_map};
+    use crate::topography::{MapFormat, read_map};
 
     fn header(lines: &[&str]) -> Result<Header, ReadError> {
         let mut header = Header::default();
@@ -453,18 +453,17 @@ mod tests {
         let refused = |text: &str| read_map(text.as_bytes(), &GIVEN).unwrap_err().to_string();
         let points = "0,0,1\n1,0,2\n0,1,3\n1,1,4\n";
         let text = format!("Measurement 17\nOperator,Anna\n\nX,Y,Z\num,um,nm\n{points}");
-        let read = read_map(text.as_bytes(), &ReadOptions::default()).unwrap();
+        let read = plainly::read(text);
         assert_eq!((read.format, read.map.dx_m()), (MapFormat::Xyz, 1e-6));
         assert_eq!(read.map.heights_m(), [1e-9, 3e-9, 2e-9, 4e-9]);
         // Lines that name a value are read like comments.
         let named = "Instrument: Profiler 9\nOperator: AN\nWidth: 2 um\nHeight: 2 um\nValue units: nm\n1;2\n3;4\n";
-        let named = read_map(named.as_bytes(), &ReadOptions::default()).unwrap();
+        let named = plainly::read(named);
         assert_eq!((named.map.dx_m(), named.map.heights_m()), (1e-6, &[1e-9, 3e-9, 2e-9, 4e-9][..]));
         assert_eq!(named.comments[0], "Instrument: Profiler 9");
         // Sizes of the instrument itself neither refuse the points below titles nor turn them into a matrix.
         for words in ["Height: 480\nWidth: 640", "Width: 10 mm\nHeight: 10 mm", "Value units: counts"] {
-            let read = read_map(format!("{words}\nX [um],Y [um],Z [nm]\n{points}").as_bytes(), &ReadOptions::default())
-                .unwrap();
+            let read = plainly::read(format!("{words}\nX [um],Y [um],Z [nm]\n{points}"));
             assert_eq!((read.format, read.map.heights_m()), (MapFormat::Xyz, &[1e-9, 3e-9, 2e-9, 4e-9][..]), "{words}");
             assert_eq!(read.comments[0], words.lines().next().unwrap());
         }

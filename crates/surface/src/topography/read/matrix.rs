@@ -294,7 +294,8 @@ const HOW_TO_GIVE_PIXEL: &str =
 
 #[cfg(test)]
 mod tests {
-    use crate::topography::{ReadOptions, read_map};
+    use super::super::GIVEN;
+    use crate::topography::{Crop, Decimation, DecimationMethod, ReadOptions, read_map};
 
     /// Rows of 64 heights below a header that gives the sides.
     fn text(width: &str, height: &str, rows: usize) -> String {
@@ -316,7 +317,7 @@ mod tests {
         }
         assert!(refused(&text("128.0 um", "128.0 um", 24), &plain).unwrap().contains("pixels of 2 x 5.33333 um"));
         // A crop does not change this.
-        let crop = crate::topography::Crop { first_row: 0, first_col: 0, rows: 8, cols: 8 };
+        let crop = Crop { first_row: 0, first_col: 0, rows: 8, cols: 8 };
         assert!(refused(&text("128.0 um", "128.0 um", 24), &ReadOptions { crop: Some(crop), ..plain }).is_some());
         // Complete files pass if the sides are rounded or counted from pixel to pixel, and so do sides given by the
         // caller.
@@ -336,8 +337,7 @@ mod tests {
 
     #[test]
     fn an_empty_last_field_is_a_missing_point_and_a_mark_that_ends_all_lines_is_none() {
-        let um = Some(crate::topography::LengthUnit::Micrometre);
-        let given = ReadOptions { pixel_m: Some([1e-6; 2]), height_unit: um, ..ReadOptions::default() };
+        let given = ReadOptions { lateral_unit: None, ..GIVEN };
         let map = |text: &str, options| read_map(text.as_bytes(), &options);
         // Compared as text, in which NaN equals NaN.
         let read = |text: &str, options| map(text, options).map(|read| format!("{:?} {}", read.map, read.whole));
@@ -358,20 +358,16 @@ mod tests {
             let expected = map(&format!("1{mark}2{mark}3{mark}4{mark}NaN\n{written}"), given).unwrap().map;
             assert_eq!(read(&first_hole, given), Ok(format!("{expected:?} true")), "{first_hole}");
             // Also in blocks, and if a crop ends before the column is found not to exist.
-            let pick = crate::topography::Decimation { factor: 2, method: crate::topography::DecimationMethod::Pick };
+            let pick = Decimation { factor: 2, method: DecimationMethod::Pick };
             let blocks = ReadOptions { decimation: Some(pick), ..given };
             let joined = expected.transposed().windowed(None, Some(pick)).unwrap().transposed();
             assert_eq!(read(&first_hole, blocks), Ok(format!("{joined:?} false")));
-            let crop = ReadOptions {
-                crop: Some(crate::topography::Crop { first_row: 0, first_col: 3, rows: 1, cols: 2 }),
-                ..given
-            };
+            let crop = ReadOptions { crop: Some(Crop { first_row: 0, first_col: 3, rows: 1, cols: 2 }), ..given };
             assert!(!map(&first_hole, crop).unwrap_err().to_string().contains("crop"), "{mark:?}");
         }
         // Four columns in blocks of four, closed on every line: the delimiter adds no block.
         let four = "1;2;3;4;\n".repeat(8);
-        let of_four =
-            |factor| crate::topography::Decimation { factor, method: crate::topography::DecimationMethod::Pick };
+        let of_four = |factor| Decimation { factor, method: DecimationMethod::Pick };
         for factor in [1, 2] {
             let options = ReadOptions { decimation: Some(of_four(factor)), ..given };
             let expected = read(&four.replace(";\n", "\n"), options).unwrap();
@@ -392,7 +388,7 @@ mod tests {
         // Tabs next to other delimiters are blanks, also at the ends of lines.
         assert_eq!(map("1;\t2;\t3;\t4;\t\n5;\t6;\t7;\t8;\t\n", given).unwrap().map.missing(), 0);
         // A crop of a column that does not exist is refused, not narrowed.
-        let crop = |cols| Some(crate::topography::Crop { first_row: 0, first_col: 1, rows: 2, cols });
+        let crop = |cols| Some(Crop { first_row: 0, first_col: 1, rows: 2, cols });
         let cropped = |cols| read("1;2;3;4;\n5;6;7;8;\n", ReadOptions { crop: crop(cols), ..given });
         assert!(cropped(3).is_ok() && cropped(4).unwrap_err().to_string().contains("the crop takes"));
     }

@@ -258,6 +258,40 @@ const GIVEN: ReadOptions = ReadOptions {
     ..NONE
 };
 
+/// Readings of files without any option, for tests.
+#[cfg(test)]
+mod plainly {
+    use super::{MapFormat, ReadMap, ReadOptions, read_map};
+
+    pub(super) fn read(bytes: impl AsRef<[u8]>) -> ReadMap {
+        read_map(bytes.as_ref(), &ReadOptions::default()).unwrap()
+    }
+
+    /// The message with which `bytes` are refused.
+    pub(super) fn refused(bytes: impl AsRef<[u8]>) -> String {
+        read_map(bytes.as_ref(), &ReadOptions::default()).unwrap_err().to_string()
+    }
+
+    /// Asserts that `bytes` are in `format` and hold a map of 3 x 2 points with pixel sides `pixel_m`, one point missing,
+    /// and these heights, all in metres.
+    pub(super) fn check(
+        bytes: &[u8],
+        format: MapFormat,
+        pixel_m: [f64; 2],
+        heights_m: [f64; 6],
+        within_m: f64,
+    ) -> ReadMap {
+        let read = read(bytes);
+        let map = &read.map;
+        assert_eq!((read.format, map.rows(), map.cols(), map.missing()), (format, 3, 2, 1));
+        assert_eq!([map.dx_m(), map.dy_m()], pixel_m);
+        for (found, expected) in map.heights_m().iter().zip(heights_m) {
+            assert!(found.is_nan() && expected.is_nan() || (found - expected).abs() < within_m, "{found} {expected}");
+        }
+        read
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

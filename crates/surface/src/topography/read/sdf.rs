@@ -224,7 +224,7 @@ fn take_heights(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::topography::read_map;
+    use crate::topography::read::plainly;
 
     const TEXT: &str = "aISO-1.0\r\nManufacID = test\r\nNumPoints = 3\r\nNumProfiles = 2\r\nXscale = 1e-6\r\n\
                         Yscale = 2e-6\r\nZscale = 1.0E-9\r\nZresolution = -1\r\nCompression = 0\r\nDataType = 7\r\n\
@@ -245,14 +245,8 @@ mod tests {
     }
 
     fn check(bytes: &[u8], third: f64) {
-        let read = read_map(bytes, &ReadOptions::default()).unwrap();
-        let map = &read.map;
-        assert_eq!((read.format, map.rows(), map.cols(), map.missing()), (MapFormat::Sdf, 3, 2, 1));
-        assert_eq!((map.dx_m(), map.dy_m()), (1e-6, 2e-6));
-        assert!(map.heights_m()[1].is_nan());
-        for (found, expected) in map.heights_m().iter().zip([1e-9, f64::NAN, 2e-9, -5e-9, third, 6e-9]) {
-            assert!(expected.is_nan() || (found - expected).abs() < 1e-24, "{found} {expected}");
-        }
+        let heights_m = [1e-9, f64::NAN, 2e-9, -5e-9, third, 6e-9];
+        let read = plainly::check(bytes, MapFormat::Sdf, [1e-6, 2e-6], heights_m, 1e-24);
         assert!(read.comments.iter().any(|comment| comment.contains("test")));
     }
 
@@ -273,9 +267,7 @@ mod tests {
 
     #[test]
     fn headers_that_lie_are_refused_by_name() {
-        let refused = |from: &str, to: &str| {
-            read_map(TEXT.replace(from, to).as_bytes(), &ReadOptions::default()).unwrap_err().to_string()
-        };
+        let refused = |from: &str, to: &str| plainly::refused(TEXT.replace(from, to));
         assert!(refused("NumPoints = 3", "NumPoints = 4000000000").contains("expected at most"));
         assert!(refused("NumPoints = 3", "NumPoints = 4").contains("after 6 of 8"));
         assert!(refused("NumPoints = 3", "NumPoints = 2").contains("6 of 4"));
@@ -285,8 +277,8 @@ mod tests {
         assert!(refused("Compression = 0", "Compression = 1").contains("Compression"));
         assert!(refused("3.5", "3,5").contains("\"3,5\""));
         let short = binary(b"bISO-1.0", 7, &[0; 40]);
-        assert!(read_map(&short[..], &ReadOptions::default()).unwrap_err().to_string().contains("after 5 of 6"));
+        assert!(plainly::refused(short).contains("after 5 of 6"));
         let kind = binary(b"bISO-1.0", 9, &[0; 48]);
-        assert!(read_map(&kind[..], &ReadOptions::default()).unwrap_err().to_string().contains("DataType"));
+        assert!(plainly::refused(kind).contains("DataType"));
     }
 }

@@ -227,30 +227,24 @@ mod tests {
     use std::io::Write as _;
 
     use super::*;
-    use crate::topography::read_map;
+    use crate::topography::read::plainly;
 
     fn header(magic: &[u8], bits: u16) -> Vec<u8> {
         let mut bytes = vec![0; 512];
         let mut put = |at: usize, value: &[u8]| bytes[at..at + value.len()].copy_from_slice(value);
         put(0, magic);
-        put(16, &1_u16.to_le_bytes());
-        put(18, &2_u16.to_le_bytes());
-        put(50, b"an operator");
-        put(86, &1_u16.to_le_bytes());
-        put(98, &bits.to_le_bytes());
-        put(100, &(-5_i32).to_le_bytes());
-        put(108, &3_i32.to_le_bytes());
-        put(112, &2_i32.to_le_bytes());
-        put(116, &6_i32.to_le_bytes());
-        put(120, &1.5_f32.to_le_bytes());
-        put(124, &2.5_f32.to_le_bytes());
-        put(128, &0.5_f32.to_le_bytes());
-        put(180, b"\xb5m");
-        put(196, b"um              ");
-        put(212, b"nm");
-        put(334, &7_u16.to_le_bytes());
-        put(336, &2_u16.to_le_bytes());
-        put(474, &100_f32.to_le_bytes());
+        for (at, value) in [(16, 1), (18, 2), (86, 1), (98, bits), (334, 7), (336, 2)] {
+            put(at, &value.to_le_bytes());
+        }
+        for (at, value) in [(100, -5_i32), (108, 3), (112, 2), (116, 6)] {
+            put(at, &value.to_le_bytes());
+        }
+        for (at, value) in [(120, 1.5_f32), (124, 2.5), (128, 0.5), (474, 100.0)] {
+            put(at, &value.to_le_bytes());
+        }
+        for (at, text) in [(50, &b"an operator"[..]), (180, b"\xb5m"), (196, b"um              "), (212, b"nm")] {
+            put(at, text);
+        }
         bytes.extend_from_slice(b"comment\0\0");
         bytes
     }
@@ -262,13 +256,8 @@ mod tests {
     }
 
     fn check(bytes: &[u8]) {
-        let read = read_map(bytes, &ReadOptions::default()).unwrap();
-        let map = &read.map;
-        assert_eq!((read.format, map.rows(), map.cols(), map.missing()), (MapFormat::Sur, 3, 2, 1));
-        assert_eq!((map.dx_m(), map.dy_m()), (1.5e-6, 2.5e-6));
-        for (found, expected) in map.heights_m().iter().zip([100.5, f64::NAN, 101.0, 97.5, 101.5, 103.0]) {
-            assert!(expected.is_nan() || (found * 1e9 - expected).abs() < 1e-9, "{found} {expected}");
-        }
+        let heights_m = [100.5, f64::NAN, 101.0, 97.5, 101.5, 103.0].map(|height_nm| 1e-9 * height_nm);
+        let read = plainly::check(bytes, MapFormat::Sur, [1.5e-6, 2.5e-6], heights_m, 1e-18);
         assert_eq!(read.comments, ["operator: an operator", "comment"]);
     }
 
@@ -301,7 +290,7 @@ mod tests {
         let refused = |at: usize, value: &[u8]| {
             let mut bytes = [header(MAGIC_PLAIN, 16), short.clone()].concat();
             bytes[at..at + value.len()].copy_from_slice(value);
-            read_map(&bytes[..], &ReadOptions::default()).unwrap_err().to_string()
+            plainly::refused(bytes)
         };
         assert!(refused(12, &[1, 1]).contains("byte order is \"257\""));
         assert!(refused(18, &[12, 0]).contains("kind of object"));
@@ -322,7 +311,7 @@ mod tests {
         let with = |lengths: [u32; 3]| {
             let lengths: Vec<u8> = lengths.into_iter().flat_map(u32::to_le_bytes).collect();
             let bytes = [&header(MAGIC_COMPRESSED, 32)[..], &lengths, &packed].concat();
-            read_map(&bytes[..], &ReadOptions::default()).unwrap_err().to_string()
+            plainly::refused(bytes)
         };
         assert!(with([u32::MAX, 24, packed.len() as u32]).contains("number of streams"));
         assert!(with([1, u32::MAX, packed.len() as u32]).contains("length of the streams"));

@@ -119,7 +119,8 @@ pub(super) fn read(source: impl BufRead, options: &ReadOptions) -> Result<ReadMa
 
 #[cfg(test)]
 mod tests {
-    use crate::topography::{Crop, ReadOptions, read_map};
+    use super::super::plainly;
+    use crate::topography::{Crop, MapFormat, ReadOptions, read_map};
 
     fn text(is_nm: u8) -> String {
         format!(
@@ -132,12 +133,8 @@ mod tests {
     #[test]
     fn lines_run_along_y_and_heights_are_nanometres_or_wavelengths() {
         for (is_nm, nm) in [(1, 1.0), (0, 316.4)] {
-            let map = read_map(text(is_nm).as_bytes(), &ReadOptions::default()).unwrap().map;
-            assert_eq!((map.rows(), map.cols(), map.dx_m(), map.missing()), (3, 2, 2e-6, 1));
-            assert!((map.dy_m() - 3e-6).abs() < 1e-20);
-            for (found, value) in map.heights_m().iter().zip([1.0, 2.0, 3.0, f64::NAN, 5.0, 6.0]) {
-                assert!(value.is_nan() || (found * 1e9 - nm * value).abs() < 1e-9, "{found} {value}");
-            }
+            let heights_m = [1.0, 2.0, 3.0, f64::NAN, 5.0, 6.0].map(|value| 1e-9 * nm * value);
+            plainly::check(text(is_nm).as_bytes(), MapFormat::Matrix, [2e-6, 3e-6], heights_m, 1e-18);
         }
         // Rows of a crop run along y, as for other files.
         let crop = Some(Crop { first_row: 0, first_col: 1, rows: 2, cols: 2 });
@@ -147,9 +144,7 @@ mod tests {
 
     #[test]
     fn files_that_lie_or_are_cut_short_are_refused() {
-        let refused = |from: &str, to: &str| {
-            read_map(text(0).replace(from, to).as_bytes(), &ReadOptions::default()).unwrap_err().to_string()
-        };
+        let refused = |from: &str, to: &str| plainly::refused(text(0).replace(from, to));
         assert!(refused("\n5\t6\n", "\n").contains("the lines of heights end after 2 of 3"));
         assert!(refused("\n5\t6", "\n5").contains("1 values: expected 2"));
         assert!(refused("\n5\t6", "\n5\tx").contains("column 2: \"x\""));

@@ -186,10 +186,11 @@ impl<R: Read> Bits<R> {
 mod tests {
     use std::io::Write as _;
 
+    use zip::CompressionMethod;
     use zip::write::SimpleFileOptions;
 
-    use super::*;
-    use crate::topography::read_map;
+    use super::super::plainly::{self, refused};
+    use super::{Cursor, MAX_INDEX_BYTES, MapFormat};
 
     const INDEX: &str = r#"<?xml version="1.0" encoding="UTF-8"?>
 <p:ISO5436_2 xmlns:p="http://www.opengps.eu/2008/ISO5436_2">
@@ -206,14 +207,22 @@ mod tests {
     const LINKS: &str = "<DataLink><PointDataLink>bindata/data.bin</PointDataLink>\
                          <ValidPointsLink>bindata/valid.bin</ValidPointsLink></DataLink>";
 
-    fn archive(index: &str, files: &[(&str, &[u8])]) -> Vec<u8> {
+    fn zipped(files: &[(&str, &[u8])], method: CompressionMethod) -> Vec<u8> {
         let mut writer = zip::ZipWriter::new(Cursor::new(Vec::new()));
-        let options = SimpleFileOptions::default().compression_method(zip::CompressionMethod::Deflated);
-        for (name, bytes) in [("main.xml", index.as_bytes())].iter().chain(files) {
-            writer.start_file(*name, options).unwrap();
+        for (name, bytes) in files {
+            writer.start_file(*name, SimpleFileOptions::default().compression_method(method)).unwrap();
             writer.write_all(bytes).unwrap();
         }
         writer.finish().unwrap().into_inner()
+    }
+
+    fn archive(index: &str, files: &[(&str, &[u8])]) -> Vec<u8> {
+        zipped(&[&[("main.xml", index.as_bytes())], files].concat(), CompressionMethod::Deflated)
+    }
+
+    /// Six heights, the fourth of them missing.
+    fn floats() -> Vec<u8> {
+        [1.0_f32, 2.0, 3.0, f32::NAN, -5.0, 6.0].into_iter().flat_map(f32::to_le_bytes).collect()
     }
 
     fn index(kind: &str, data: &str) -> String {
@@ -221,20 +230,14 @@ mod tests {
     }
 
     fn check(bytes: &[u8]) {
-        let read = read_map(bytes, &ReadOptions::default()).unwrap();
-        let map = &read.map;
-        assert_eq!((read.format, map.rows(), map.cols(), map.missing()), (MapFormat::X3p, 3, 2, 1));
-        assert_eq!((map.dx_m(), map.dy_m()), (1e-6, 2e-6));
-        for (found, expected) in map.heights_m().iter().zip([6.0, f64::NAN, 7.0, 0.0, 8.0, 11.0]) {
-            assert!(expected.is_nan() || (found * 1e9 - expected).abs() < 1e-9, "{found} {expected}");
-        }
+        let heights_m = [6.0, f64::NAN, 7.0, 0.0, 8.0, 11.0].map(|height_nm| 1e-9 * height_nm);
+        let read = plainly::check(bytes, MapFormat::X3p, [1e-6, 2e-6], heights_m, 1e-18);
         assert!(read.comments.contains(&"Comment: a <comment>".to_owned()), "{:?}", read.comments);
     }
 
     #[test]
     fn every_way_to_store_heights_gives_the_same_map() {
-        let floats: Vec<u8> = [1.0_f32, 2.0, 3.0, f32::NAN, -5.0, 6.0].into_iter().flat_map(f32::to_le_bytes).collect();
-        check(&archive(&index("F", LINK), &[("bindata/data.bin", &floats)]));
+        check(&archive(&index("F", LINK), &[("bindata/data.bin", &floats())]));
         let shorts: Vec<u8> = [1_i16, 2, 3, 99, -5, 6].into_iter().flat_map(i16::to_le_bytes).collect();
         let valid = [0b11_0111_u8];
         check(&archive(&index("I", LINKS), &[("bindata/data.bin", &shorts), ("bindata/valid.bin", &valid)]));
@@ -246,26 +249,19 @@ mod tests {
 
     #[test]
     fn files_are_found_in_folders_in_any_case_and_with_any_slashes() {
-        let floats: Vec<u8> = [1.0_f32, 2.0, 3.0, f32::NAN, -5.0, 6.0].into_iter().flat_map(f32::to_le_bytes).collect();
-        let bits = [0xFF_u8];
-        let zipped = |prefix: &str, main: &str, link: &str| {
-            let mut writer = zip::ZipWriter::new(Cursor::new(Vec::new()));
+        let packed = |prefix: &str, main: &str, link: &str| {
             let linked = LINKS
                 .replace("bindata/data.bin", link)
                 .replace("bindata/valid.bin", &link.replace("data.bin", "valid.bin"));
             let index = index("F", &linked);
-            let junk = format!("__MACOSX/{prefix}._main.xml");
-            for (name, bytes) in [
-                (junk, &b"\x00\x05\x16\x07"[..]),
-                (format!("__MACOSX/{prefix}main.xml"), b"no index"),
-                (format!("{prefix}{main}"), index.as_bytes()),
-                (format!("{prefix}bindata/data.bin"), &floats),
-                (format!("{prefix}bindata/valid.bin"), &bits),
-            ] {
-                writer.start_file(name, SimpleFileOptions::default()).unwrap();
-                writer.write_all(bytes).unwrap();
-            }
-            writer.finish().unwrap().into_inner()
+            let files = [
+                (&format!("__MACOSX/{prefix}._main.xml")[..], &b"\x00\x05\x16\x07"[..]),
+                (&format!("__MACOSX/{prefix}main.xml"), b"no index"),
+                (&format!("{prefix}{main}"), index.as_bytes()),
+                (&format!("{prefix}bindata/data.bin"), &floats()),
+                (&format!("{prefix}bindata/valid.bin"), &[0xFF]),
+            ];
+            zipped(&files, CompressionMethod::Deflated)
         };
         for (prefix, main, link) in [
             ("", "main.xml", "bindata/data.bin"),
@@ -276,7 +272,7 @@ mod tests {
             ("", "MAIN.XML", "/bindata/data.bin"),
             ("sample-7/", "main.xml", "sample-7/bindata/data.bin"),
         ] {
-            check(&zipped(prefix, main, link));
+            check(&packed(prefix, main, link));
         }
     }
 
@@ -297,11 +293,10 @@ mod tests {
 
     #[test]
     fn archives_that_lie_are_refused_by_name() {
-        let refused = |bytes: &[u8]| read_map(bytes, &ReadOptions::default()).unwrap_err().to_string();
         let data = [0; 48];
-        let whole = |xml: &str| refused(&archive(xml, &[("bindata/data.bin", &data)]));
-        assert!(refused(&archive(&index("D", LINK), &[])).contains("no bindata/data.bin"));
-        assert!(refused(&archive(&index("D", LINK), &[("bindata/data.bin", &data[1..])])).contains("47"));
+        let whole = |xml: &str| refused(archive(xml, &[("bindata/data.bin", &data)]));
+        assert!(refused(archive(&index("D", LINK), &[])).contains("no bindata/data.bin"));
+        assert!(refused(archive(&index("D", LINK), &[("bindata/data.bin", &data[1..])])).contains("47"));
         assert!(whole(&index("X", LINK)).contains("DataType"));
         assert!(whole(&index("D", LINK).replace(">SUR<", ">PCL<")).contains("FeatureType"));
         assert!(whole(&index("D", LINK).replace("<SizeX>3", "<SizeX>4000000000")).contains("expected at most"));
@@ -316,17 +311,12 @@ mod tests {
     #[test]
     fn damaged_heights_fail_their_check_sum() {
         let data: Vec<u8> = [1.0_f64, 2.0, 3.0, 4.0, 5.0, 6.0].into_iter().flat_map(f64::to_le_bytes).collect();
-        let mut writer = zip::ZipWriter::new(Cursor::new(Vec::new()));
-        let stored = SimpleFileOptions::default().compression_method(zip::CompressionMethod::Stored);
-        for (name, bytes) in [("main.xml", index("D", LINK).as_bytes()), ("bindata/data.bin", &data[..])] {
-            writer.start_file(name, stored).unwrap();
-            writer.write_all(bytes).unwrap();
-        }
-        let mut bytes = writer.finish().unwrap().into_inner();
-        assert!(read_map(&bytes[..], &ReadOptions::default()).is_ok());
+        let files = [("main.xml", index("D", LINK).into_bytes()), ("bindata/data.bin", data)];
+        let mut bytes = zipped(&files.each_ref().map(|(name, bytes)| (*name, &bytes[..])), CompressionMethod::Stored);
+        plainly::read(&bytes);
         let at = bytes.windows(8).position(|part| part == 5.0_f64.to_le_bytes()).unwrap();
         bytes[at + 6] ^= 1;
-        let message = read_map(&bytes[..], &ReadOptions::default()).unwrap_err().to_string();
+        let message = refused(bytes);
         assert!(message.contains("checksum"), "{message}");
     }
 
@@ -337,10 +327,10 @@ mod tests {
         let zeros = vec![0; 8 * 3_000_000];
         let bomb = archive(&size, &[("bindata/data.bin", &zeros)]);
         drop(zeros);
-        let message = read_map(&bomb[..], &ReadOptions::default()).unwrap_err().to_string();
+        let message = refused(bomb);
         assert!(message.contains("unpacks to 24000000 bytes"), "{message}");
         let xml = index("D", LINK) + &" ".repeat(MAX_INDEX_BYTES as usize);
-        let message = read_map(&archive(&xml, &[])[..], &ReadOptions::default()).unwrap_err().to_string();
+        let message = refused(archive(&xml, &[]));
         assert!(message.contains("main.xml"), "{message}");
     }
 }

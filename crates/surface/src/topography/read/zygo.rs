@@ -199,6 +199,7 @@ fn fill(lines: &mut Lines<impl BufRead>, mut window: Window, expected: u64) -> R
 
 #[cfg(test)]
 mod tests {
+    use super::super::plainly::{check, read, refused};
     use crate::topography::{Crop, MapFormat, ReadOptions, read_map};
 
     /// A header for 3 x 2 points on pixels of 2 um.
@@ -214,12 +215,9 @@ mod tests {
     #[test]
     fn points_count_pixels_and_heights_are_micrometres() {
         let text = header("Zygo XYZ Data File", "0 0 0") + POINTS + "#\n";
-        let read = read_map(text.as_bytes(), &ReadOptions::default()).unwrap();
-        let map = &read.map;
-        assert_eq!((read.format, map.rows(), map.cols(), map.missing()), (MapFormat::Xyz, 3, 2, 1));
-        assert_eq!((map.dx_m(), map.dy_m()), (2e-6, 2e-6));
-        assert_eq!(map.heights_m()[..4], [1e-6, 4e-6, 2e-6, 5e-6]);
-        assert!(read.notes.len() == 1 && read.notes[0].contains("um is taken"), "{:?}", read.notes);
+        let heights_m = [1e-6, 4e-6, 2e-6, 5e-6, f64::NAN, 6e-6];
+        let found = check(text.as_bytes(), MapFormat::Xyz, [2e-6; 2], heights_m, f64::MIN_POSITIVE);
+        assert!(found.notes.len() == 1 && found.notes[0].contains("um is taken"), "{:?}", found.notes);
         let given = ReadOptions {
             pixel_m: Some([3e-6, 4e-6]),
             height_unit: Some(crate::topography::LengthUnit::Nanometre),
@@ -229,10 +227,9 @@ mod tests {
         assert_eq!((given.map.dx_m(), given.map.dy_m(), given.map.heights_m()[0]), (3e-6, 4e-6, 1e-9));
         assert!(given.notes[0].starts_with("pixels of 3 x 4 um are taken"), "{:?}", given.notes);
         // All points without the terminating mark are accepted, fewer are not.
-        assert!(read_map((header("Zygo XYZ Data File", "0 0 0") + POINTS).as_bytes(), &ReadOptions::default()).is_ok());
+        read(header("Zygo XYZ Data File", "0 0 0") + POINTS);
         let cut = header("Zygo XYZ Data File", "0 0 0") + &POINTS[..POINTS.len() - 8];
-        let refused = read_map(cut.as_bytes(), &ReadOptions::default()).unwrap_err().to_string();
-        assert!(refused.contains("the points end after 5 of 6"), "{refused}");
+        assert!(refused(&cut).contains("the points end after 5 of 6"), "{}", refused(&cut));
     }
 
     #[test]
@@ -244,22 +241,17 @@ mod tests {
             ("2 2 1", format!("7 8\n9 10\n#\n{phases}")),
         ] {
             let text = header("Zygo ASCII Data File", intensities) + &text;
-            let read = read_map(text.as_bytes(), &ReadOptions::default()).unwrap();
-            let map = &read.map;
-            assert_eq!((read.format, map.rows(), map.cols(), map.missing()), (MapFormat::Matrix, 3, 2, 1));
-            for (found, waves) in map.heights_m().iter().zip([0.5, 0.0, -0.5, 0.25, f64::NAN, 1.0]) {
-                assert!(waves.is_nan() || (found - waves * 632.8e-9).abs() < 1e-18, "{found} {waves}");
-            }
+            let heights_m = [0.5, 0.0, -0.5, 0.25, f64::NAN, 1.0].map(|waves| waves * 632.8e-9);
+            check(text.as_bytes(), MapFormat::Matrix, [2e-6; 2], heights_m, 1e-18);
             let crop = Some(Crop { first_row: 0, first_col: 1, rows: 2, cols: 2 });
             let part = read_map(text.as_bytes(), &ReadOptions { crop, ..ReadOptions::default() }).unwrap().map;
             assert_eq!((part.rows(), part.cols(), part.heights_m()[3]), (2, 2, 632.8e-9));
         }
         let text = header("Zygo ASCII Data File", "0 0 0");
-        let refused = |text: &str| read_map(text.as_bytes(), &ReadOptions::default()).unwrap_err().to_string();
-        assert!(refused(&(text.clone() + "1 2 3 4\n#\n")).contains("the phases end after 4 of 6"));
-        assert!(refused(&(text.clone() + "1 2 x\n")).contains("column 3: \"x\""));
-        assert!(refused(&text.replace("\n1 1 20", "\n7 1 20")).contains("phase resolution is \"7\""));
-        assert!(refused(&text.replace("2.0e-006", "0")).contains("pixel size"));
+        assert!(refused(text.clone() + "1 2 3 4\n#\n").contains("the phases end after 4 of 6"));
+        assert!(refused(text.clone() + "1 2 x\n").contains("column 3: \"x\""));
+        assert!(refused(text.replace("\n1 1 20", "\n7 1 20")).contains("phase resolution is \"7\""));
+        assert!(refused(text.replace("2.0e-006", "0")).contains("pixel size"));
         assert!(refused("Zygo ASCII Data File - Format 2\n1 2\n#\n").contains("a line of four numbers"));
         assert!(refused("Zygo ASCII Data File - Format 2\n1 2\n").contains("number of header lines is \"2\""));
     }
