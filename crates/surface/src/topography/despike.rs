@@ -127,30 +127,18 @@ impl HeightMap {
         Ok(!self.spike_clusters(threshold_m, monitor)?.is_empty())
     }
 
-    /// Calls `visit` for the nodes of the square of half-width `reach` around `node`, without `node` itself.
-    fn for_each_neighbour(&self, node: usize, reach: usize, mut visit: impl FnMut(usize)) {
-        let (i, j) = (node / self.cols(), node % self.cols());
-        let last = [(i + reach).min(self.rows() - 1), (j + reach).min(self.cols() - 1)];
-        for row in i.saturating_sub(reach)..=last[0] {
-            for col in j.saturating_sub(reach)..=last[1] {
-                let other = row * self.cols() + col;
-                if other != node {
-                    visit(other);
-                }
-            }
-        }
+    /// Nodes of the square of half-width `reach` around `node`, row by row, without `node` itself.
+    fn neighbours(&self, node: usize, reach: usize) -> impl Iterator<Item = usize> {
+        let (i, j, cols) = (node / self.cols(), node % self.cols(), self.cols());
+        let rows = i.saturating_sub(reach)..(i + reach + 1).min(self.rows());
+        let nodes = move |row| (j.saturating_sub(reach)..(j + reach + 1).min(cols)).map(move |col| row * cols + col);
+        rows.flat_map(nodes).filter(move |other| *other != node)
     }
 
     /// Median of the points present in the 5 x 5 square around `node`, without `node` itself; NaN if there are none.
     fn median_about(&self, node: usize) -> f64 {
-        let mut around = Vec::with_capacity((2 * SPIKE_REACH + 1).pow(2));
-        self.for_each_neighbour(node, SPIKE_REACH, |other| {
-            let height = self.heights_m()[other];
-            if !height.is_nan() {
-                around.push(height);
-            }
-        });
-        upper_median(&mut around).unwrap_or(f64::NAN)
+        let around = self.neighbours(node, SPIKE_REACH).map(|other| self.heights_m()[other]);
+        upper_median(&mut around.filter(|height| !height.is_nan()).collect::<Vec<f64>>()).unwrap_or(f64::NAN)
     }
 
     /// The threshold T, the distance from the median beyond which a point is suspect, in metres; `None` if the map is
@@ -213,14 +201,14 @@ impl HeightMap {
             let mut nodes = vec![suspects[first]];
             let mut next = 0;
             while next < nodes.len() {
-                self.for_each_neighbour(nodes[next], 1, |other| {
+                for other in self.neighbours(nodes[next], 1) {
                     if let Ok(place) = suspects.binary_search(&other)
                         && !taken[place]
                     {
                         taken[place] = true;
                         nodes.push(other);
                     }
-                });
+                }
                 next += 1;
             }
             clusters.extend(self.spike(nodes, threshold_m));
@@ -240,12 +228,12 @@ impl HeightMap {
         let upright = |node: usize| height_m.signum() * heights[node];
         let (mut rim, mut around) = (f64::NEG_INFINITY, 0);
         for &node in &nodes {
-            self.for_each_neighbour(node, 1, |other| {
+            for other in self.neighbours(node, 1) {
                 if !nodes.contains(&other) && !heights[other].is_nan() {
                     rim = rim.max(upright(other));
                     around += 1;
                 }
-            });
+            }
         }
         let stands_alone = around > 2 && upright(farthest) - rim > threshold_m;
         let (row, col) = (farthest / self.cols(), farthest % self.cols());
@@ -293,11 +281,8 @@ mod tests {
     }
 
     fn with(map: &HeightMap, places: &[(usize, f64)]) -> HeightMap {
-        let mut heights = map.heights_m().to_vec();
-        for &(node, height_m) in places {
-            heights[node] += height_m;
-        }
-        HeightMap::new(map.rows(), map.cols(), map.dx_m(), map.dy_m(), heights).unwrap()
+        let added = |node: usize| places.iter().find(|place| place.0 == node).map_or(0.0, |place| place.1);
+        map.changed(|node, height_m| height_m + added(node))
     }
 
     #[test]
@@ -371,8 +356,7 @@ mod tests {
     fn coarse_steps_flat_maps_and_holes_do_not_hide_a_spike() {
         let steps = rough(2);
         let quantum = 0.3 * steps.sq_m();
-        let rounded = steps.heights_m().iter().map(|height| (height / quantum).round() * quantum).collect();
-        let rounded = HeightMap::new(SIDE, SIDE, 2e-6, 2e-6, rounded).unwrap();
+        let rounded = steps.changed(|_, height| (height / quantum).round() * quantum);
         assert_eq!(rounded.clone().despike(&Unwatched).unwrap().points(), 0);
         assert_eq!(with(&rounded, &[(777, 60.0 * quantum)]).despike(&Unwatched).unwrap().points(), 1);
         let flat = HeightMap::new(SIDE, SIDE, 1e-6, 1e-6, vec![3e-6; SIDE * SIDE]).unwrap();
@@ -380,9 +364,7 @@ mod tests {
         let mut spiked = with(&flat, &[(777, 1e-6), (9000, -1e-3)]);
         assert_eq!(spiked.despike(&Unwatched).unwrap().points(), 2);
         assert_eq!(spiked, flat);
-        let holed = |n: usize, h: f64| if n.is_multiple_of(3) { f64::NAN } else { h };
-        let holed = rough(1).heights_m().iter().enumerate().map(|(n, h)| holed(n, *h)).collect();
-        let holed = HeightMap::new(SIDE, SIDE, 2e-6, 2e-6, holed).unwrap();
+        let holed = rough(1).changed(|n, height| if n.is_multiple_of(3) { f64::NAN } else { height });
         assert_eq!(holed.clone().despike(&Unwatched).unwrap().points(), 0);
         let mut spiked = with(&holed, &[(5 * SIDE + 100, 1e-3)]);
         assert_eq!((spiked.despike(&Unwatched).unwrap().points(), spiked.missing()), (1, holed.missing()));

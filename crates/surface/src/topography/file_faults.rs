@@ -57,21 +57,21 @@ impl HeightMap {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::topography::plausibility::tests::{changed, rough};
+    use crate::topography::plausibility::tests::rough;
 
     #[test]
     fn blocks_of_zeros_are_named_unless_other_heights_come_in_blocks_too() {
         let map = rough(0.8);
         let inside = |n: usize| (40..50).contains(&(n / 128)) && (10..20).contains(&(n % 128));
-        let holed = changed(&map, |n, h| if inside(n) { 0.0 } else { h });
+        let holed = map.changed(|n, h| if inside(n) { 0.0 } else { h });
         assert!(holed.zeros_warning().unwrap().to_string().starts_with("zeros: 100 of 16384 points are exactly 0"));
         let step_m = 2.0 * map.sq_m();
         for (other, name) in [
             (map.clone(), "measured"),
-            (changed(&map, |n, h| if n % 97 == 0 { 0.0 } else { h }), "single zeros"),
-            (changed(&map, |_, _| 0.0), "no relief"),
-            (changed(&map, |_, h| (h / step_m).round() * step_m - step_m), "coarse heights"),
-            (changed(&map, |n, h| if inside(n) { -1e-6 } else { h }), "a floor"),
+            (map.changed(|n, h| if n % 97 == 0 { 0.0 } else { h }), "single zeros"),
+            (map.changed(|_, _| 0.0), "no relief"),
+            (map.changed(|_, h| (h / step_m).round() * step_m - step_m), "coarse heights"),
+            (map.changed(|n, h| if inside(n) { -1e-6 } else { h }), "a floor"),
         ] {
             assert_eq!(other.zeros_warning(), None, "{name}");
         }

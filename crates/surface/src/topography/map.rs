@@ -179,6 +179,14 @@ impl HeightMap {
 mod tests {
     use super::*;
 
+    impl HeightMap {
+        /// The map with other heights, in metres, computed from those at each index.
+        pub(crate) fn changed(&self, change: impl Fn(usize, f64) -> f64) -> Self {
+            let heights = self.height_m.iter().enumerate().map(|(n, &height)| change(n, height)).collect();
+            Self::new(self.rows, self.cols, self.dx_m, self.dy_m, heights).unwrap()
+        }
+    }
+
     #[test]
     fn maps_that_mean_nothing_are_refused() {
         let flat = |rows, cols, dx, len| HeightMap::new(rows, cols, dx, 1e-6, vec![0.0; len]);

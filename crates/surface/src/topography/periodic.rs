@@ -73,7 +73,7 @@ pub fn periodic_component(map: &HeightMap, monitor: &dyn Monitor) -> Result<Heig
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::topography::SelfAffine;
+    use crate::topography::{Crop, SelfAffine};
     use slipgrid_base::monitor::Unwatched;
 
     fn period() -> HeightMap {
@@ -82,9 +82,7 @@ mod tests {
 
     /// A window of the period: 40 x 48 of its points.
     fn window() -> HeightMap {
-        let (map, rows, cols) = (period(), 40, 48);
-        let height = (0..rows * cols).map(|n| map.heights_m()[n / cols * 64 + n % cols]).collect();
-        HeightMap::new(rows, cols, map.dx_m(), map.dy_m(), height).unwrap()
+        period().windowed(Some(Crop { first_row: 0, first_col: 0, rows: 40, cols: 48 }), None).unwrap()
     }
 
     #[test]

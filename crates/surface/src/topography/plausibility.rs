@@ -293,11 +293,6 @@ pub(crate) mod tests {
         SelfAffine { hurst, ..size }.map().unwrap()
     }
 
-    pub(crate) fn changed(map: &HeightMap, change: impl Fn(usize, f64) -> f64) -> HeightMap {
-        let heights = map.heights_m().iter().enumerate().map(|(n, &height)| change(n, height)).collect();
-        HeightMap::new(map.rows(), map.cols(), map.dx_m(), map.dy_m(), heights).unwrap()
-    }
-
     #[test]
     fn a_plausible_surface_gives_no_warning() {
         for hurst in [0.2, 0.5, 0.8, 1.0] {
@@ -312,13 +307,13 @@ pub(crate) mod tests {
     fn dust_is_debris_and_land_between_cavities_is_not() {
         let map = rough(0.8);
         let square = |n: usize, side: usize| n / 128 % 64 < side && n % 128 % 64 < side;
-        let dusty = changed(&map, |n, h| if n / 128 < 8 && n % 128 < 8 { h + 40.0 * map.sq_m() } else { h });
+        let dusty = map.changed(|n, h| if n / 128 < 8 && n % 128 < 8 { h + 40.0 * map.sq_m() } else { h });
         let warnings = dusty.height_warnings(0.01, 63);
         assert_eq!(warnings.len(), 1, "{warnings:?}");
         assert_eq!(dusty.height_warnings(0.01, 64), []);
         assert!(warnings[0].to_string().starts_with("debris: 64 points stand"), "{}", warnings[0]);
         for side in [20, 60] {
-            let cut = changed(&map, |n, h| if square(n, side) { h - 40.0 * map.sq_m() } else { h });
+            let cut = map.changed(|n, h| if square(n, side) { h - 40.0 * map.sq_m() } else { h });
             assert_eq!(cut.height_warnings(0.01, 0), [], "{side}");
             assert!(cut.spike_warning(&Unwatched).unwrap().is_none(), "{side}");
         }
@@ -328,22 +323,23 @@ pub(crate) mod tests {
     fn a_part_far_below_the_rest_is_a_hole() {
         let map = rough(0.8);
         let inside = |n: usize| (40..60).contains(&(n / 128)) && (10..50).contains(&(n % 128));
-        let holed = changed(&map, |n, h| if inside(n) { h - 40.0 * map.sq_m() } else { h });
+        let holed = map.changed(|n, h| if inside(n) { h - 40.0 * map.sq_m() } else { h });
         let warning = holed.hole_warning().unwrap();
         assert!(warning.text.contains("(within rows 10 to 49, columns 40 to 59)"), "{warning}");
         assert!(warning.to_string().starts_with("hole: 4.9 % of the map lies"), "{warning}");
         assert_eq!(map.hole_warning(), None);
         // A few pits are part of the surface.
-        let pitted = changed(&map, |n, h| if n % 400 == 0 { h - 40.0 * map.sq_m() } else { h });
+        let pitted = map.changed(|n, h| if n % 400 == 0 { h - 40.0 * map.sq_m() } else { h });
         assert_eq!(pitted.hole_warning(), None);
     }
 
     #[test]
     fn spikes_matter_where_they_change_the_slope_or_the_highest_point() {
         let map = rough(0.8);
-        let tilted = changed(&map, |n, h| h + 20.0 * map.sq_m() * (n / 128) as f64);
+        let tilted = map.changed(|n, h| h + 20.0 * map.sq_m() * (n / 128) as f64);
         let spiked = |by: f64| {
-            changed(&tilted, |n, h| if n == 3000 { h + by * map.sq_m() } else { h })
+            tilted
+                .changed(|n, h| if n == 3000 { h + by * map.sq_m() } else { h })
                 .spike_warning(&Unwatched)
                 .unwrap()
                 .unwrap()
@@ -367,7 +363,7 @@ pub(crate) mod tests {
     #[test]
     fn missing_points_slopes_and_units_have_limits() {
         let map = rough(0.8);
-        let holed = |share: f64| changed(&map, |n, h| if (n as f64) < share * 16384.0 { f64::NAN } else { h });
+        let holed = |share: f64| map.changed(|n, h| if (n as f64) < share * 16384.0 { f64::NAN } else { h });
         assert_eq!(holed(0.09).missing_warning(), None);
         assert!(holed(0.2).missing_warning().unwrap().to_string().starts_with("missing points: 20 % of the map"));
         for (slope, warned) in [(2e-4, false), (0.9, false), (1.1, true), (5e-5, true), (f64::NAN, true)] {

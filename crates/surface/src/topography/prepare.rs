@@ -283,27 +283,24 @@ mod tests {
     use slipgrid_base::monitor::Unwatched;
 
     use super::*;
-    use crate::topography::MapDoubt;
-    use crate::topography::{DecimationMethod, SelfAffine};
+    use crate::topography::{Crop, DecimationMethod, MapDoubt, SelfAffine};
 
     /// Prepares a map, tilted by `tilt_m` from its first to its last line, as one period.
     fn prepared_with_tilt(map: &HeightMap, tilt_m: f64) -> PreparedMap {
-        let (rows, cols) = (map.rows(), map.cols());
-        let tilted = (0..rows * cols).map(|n| map.heights_m()[n] + tilt_m * (n / cols) as f64 / rows as f64).collect();
-        let map = HeightMap::new(rows, cols, map.dx_m(), map.dy_m(), tilted).unwrap();
-        let read = ReadMap { map, whole: true, format: MapFormat::Matrix, comments: Vec::new(), notes: Vec::new() };
-        PreparedMap::one_period(read, Preparation::default(), &Unwatched).unwrap()
+        let (rows, cols) = (map.rows() as f64, map.cols());
+        let tilted = map.changed(|n, height_m| height_m + tilt_m * (n / cols) as f64 / rows);
+        PreparedMap::one_period(read(tilted), Preparation::default(), &Unwatched).unwrap()
+    }
+
+    fn read(map: HeightMap) -> ReadMap {
+        ReadMap { map, whole: true, format: MapFormat::Matrix, comments: Vec::new(), notes: Vec::new() }
     }
 
     #[test]
     fn spikes_are_removed_before_points_are_joined() {
         let clean = SelfAffine { pixels: 64, max_wave: 16, ..SelfAffine::STAND_IN }.map().unwrap();
-        let read = |spike_m: f64| {
-            let mut height_m = clean.heights_m().to_vec();
-            height_m[20 * 64 + 31] += spike_m;
-            let map = HeightMap::new(64, 64, clean.dx_m(), clean.dy_m(), height_m).unwrap();
-            ReadMap { map, whole: true, format: MapFormat::Matrix, comments: Vec::new(), notes: Vec::new() }
-        };
+        let read =
+            |spike_m: f64| read(clean.changed(|n, height_m| height_m + if n == 20 * 64 + 31 { spike_m } else { 0.0 }));
         let of_two = |method| Decimation { factor: 2, method };
         let slope = |read: &ReadMap| read.map.rms_slope_spectral(&Unwatched).unwrap();
         for method in [DecimationMethod::Mean, DecimationMethod::Pick] {
@@ -325,9 +322,7 @@ mod tests {
         let rough = SelfAffine { pixels: 64, max_wave: 8, ..SelfAffine::STAND_IN }.map().unwrap();
         let curved = |bow_m: f64, form: Form| {
             let u = |n: usize| 2.0 * n as f64 / 63.0 - 1.0;
-            let height_m = (0..64 * 64).map(|n| rough.heights_m()[n] + bow_m * u(n / 64).powi(2)).collect();
-            let map = HeightMap::new(64, 64, rough.dx_m(), rough.dy_m(), height_m).unwrap();
-            let read = ReadMap { map, whole: true, format: MapFormat::Matrix, comments: Vec::new(), notes: Vec::new() };
+            let read = read(rough.changed(|n, height_m| height_m + bow_m * u(n / 64).powi(2)));
             let found = PreparedMap::new(read, Preparation { form, ..Preparation::default() }, &Unwatched).unwrap();
             found.warnings.into_iter().find(|warning| warning.doubt == MapDoubt::Curved)
         };
@@ -352,21 +347,12 @@ mod tests {
             assert!(prepared.period);
             assert_eq!(prepared.notes[0] == "the least-squares plane has been subtracted", tilt_m != 0.0);
             // The plane of the period itself is removed together with the tilt.
-            assert!(
-                (prepared.rms_slope / prepared_slope(&level) - 1.0).abs() < 0.02,
-                "{tilt_m} m: {}",
-                prepared.rms_slope
-            );
+            let slope = prepared.rms_slope / prepared_with_tilt(&level, 0.0).rms_slope;
+            assert!((slope - 1.0).abs() < 0.02, "{tilt_m} m: {slope}");
         }
         // A piece of the map is not a period: its steps are reported with or without tilt, and are the same.
-        let (rows, cols) = (40, 48);
-        let piece = (0..rows * cols).map(|n| level.heights_m()[n / cols * 64 + n % cols]).collect();
-        let piece = HeightMap::new(rows, cols, level.dx_m(), level.dy_m(), piece).unwrap();
+        let piece = level.windowed(Some(Crop { first_row: 0, first_col: 0, rows: 40, cols: 48 }), None).unwrap();
         let said = steps(&prepared_with_tilt(&piece, 0.0)).unwrap();
         assert_eq!(steps(&prepared_with_tilt(&piece, 3e-5)).unwrap(), said);
-    }
-
-    fn prepared_slope(map: &HeightMap) -> f64 {
-        prepared_with_tilt(map, 0.0).rms_slope
     }
 }

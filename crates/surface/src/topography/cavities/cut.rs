@@ -218,7 +218,7 @@ impl HeightMap {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
 
     pub(crate) const GROOVES: CutPattern = CutPattern {

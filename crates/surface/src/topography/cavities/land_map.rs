@@ -46,7 +46,8 @@ mod tests {
 
     use super::*;
     use crate::topography::SelfAffine;
-    use crate::topography::cavities::{CutPattern, CutRim, CutShape, RimProfile};
+    use crate::topography::cavities::tests::PUBLISHED;
+    use crate::topography::cavities::{CutPattern, CutRim, RimProfile};
 
     /// The land of a cut surface is the surface before the cut, at the points that neither cavity nor rim reaches.
     #[test]
@@ -55,26 +56,13 @@ mod tests {
         let rim = CutRim { height_m: 1e-6, width_m: 60e-6, profile: RimProfile::Round, height_std_m: 0.0 };
         for rim in [None, Some(rim)] {
             let mut cut = flat.clone();
-            let pattern = CutPattern {
-                shape: CutShape::Groove,
-                width_m: 130e-6,
-                spacing_m: 370e-6,
-                depth_m: 5.2e-6,
-                wall_m: 10e-6,
-                width_std_m: 0.0,
-                pitch_std_m: 0.0,
-                depth_std_m: 0.0,
-                rim,
-                seed: 7,
-            };
+            let pattern = CutPattern { width_std_m: 0.0, pitch_std_m: 0.0, depth_std_m: 0.0, rim, ..PUBLISHED };
             cut.cut_cavities(&pattern).unwrap();
             let land = cut.land(Form::Plane, &Unwatched).unwrap();
             let share = 1.0 - land.missing() as f64 / land.heights_m().len() as f64;
             assert!(share > 0.3 && share < 0.74, "{share}");
             // The same points of the surface before the cut.
-            let same = flat.heights_m().iter().zip(land.heights_m());
-            let same = same.map(|(flat, land)| if land.is_nan() { f64::NAN } else { *flat }).collect();
-            let same = HeightMap::new(flat.rows(), flat.cols(), flat.dx_m(), flat.dy_m(), same).unwrap();
+            let same = flat.changed(|n, height| if land.heights_m()[n].is_nan() { f64::NAN } else { height });
             let [(found, _), (expected, _)] = [&land, &same].map(|map| map.windowed_slope(4));
             assert!((found / expected - 1.0).abs() < 0.01, "{found} {expected}");
             // Few places of a surface have the slope of all within the error that the windows give.

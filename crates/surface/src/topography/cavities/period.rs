@@ -326,6 +326,7 @@ fn of_cells(found: &Found, is_land: &[bool], whole: &[usize], monitor: &dyn Moni
 mod tests {
     use slipgrid_base::monitor::Unwatched;
 
+    use super::super::cut::tests::GROOVES;
     use super::*;
     use crate::topography::{CutPattern, CutRim, CutShape, RimProfile, SelfAffine};
 
@@ -335,22 +336,17 @@ mod tests {
         spacing_m: 141e-6,
         depth_m: 5.2e-6,
         wall_m: 10e-6,
-        width_std_m: 0.0,
         pitch_std_m: 2e-6,
-        depth_std_m: 0.0,
         rim: Some(CutRim { height_m: 1e-6, width_m: 16e-6, profile: RimProfile::Flat, height_std_m: 0.0 }),
         seed: 5,
+        ..GROOVES
     };
 
     /// A rough, tilted map of 2 um pixels, 1.024 mm wide, with one of 17 points missing.
     fn rough(pattern: &CutPattern) -> HeightMap {
         let mut map = SelfAffine { side_m: 1.024e-3, ..SelfAffine::STAND_IN }.map().unwrap();
         map.cut_cavities(pattern).unwrap();
-        let tilted =
-            map.heights_m().iter().enumerate().map(|(n, height)| {
-                if n * 7919 % 17 == 0 { f64::NAN } else { height + 10e-6 * (n / 512) as f64 / 512.0 }
-            });
-        HeightMap::new(512, 512, map.dx_m(), map.dy_m(), tilted.collect()).unwrap()
+        map.changed(|n, height| if n * 7919 % 17 == 0 { f64::NAN } else { height + 10e-6 * (n / 512) as f64 / 512.0 })
     }
 
     /// Minimum and maximum height within a square ring of distances from the middle, along x and y.
@@ -398,8 +394,6 @@ mod tests {
     #[test]
     fn grooves_have_one_profile_on_a_square_whichever_way_they_run() {
         let along_y = rough(&CutPattern { shape: CutShape::Groove, ..PATTERN });
-        let turned = (0..512 * 512).map(|n| along_y.heights_m()[n % 512 * 512 + n / 512]).collect();
-        let along_x = HeightMap::new(512, 512, along_y.dy_m(), along_y.dx_m(), turned).unwrap();
         let period = along_y.mean_cavity_period(Form::Plane, &Unwatched).unwrap();
         assert_eq!((period.arrangement, period.cavities), (Arrangement::GroovesAlongY, 5));
         assert_eq!(period.map.rows(), period.map.cols());
@@ -409,12 +403,10 @@ mod tests {
             let [low, high] = range_um(&period.map, ring, &[0]);
             assert!(low > height - 0.2 && high < height + 0.2, "{ring:?}: {low} to {high}");
         }
-        let other = along_x.mean_cavity_period(Form::Plane, &Unwatched).unwrap();
+        let other = along_y.transposed().mean_cavity_period(Form::Plane, &Unwatched).unwrap();
         assert_eq!(other.arrangement, Arrangement::GroovesAlongX);
-        let size = period.map.rows();
-        for n in 0..size * size {
-            let difference = other.map.heights_m()[n] - period.map.heights_m()[n % size * size + n / size];
-            assert!(difference.abs() < 1e-12, "{difference}");
+        for (found, expected) in other.map.heights_m().iter().zip(period.map.transposed().heights_m()) {
+            assert!((found - expected).abs() < 1e-12, "{found} {expected}");
         }
     }
 

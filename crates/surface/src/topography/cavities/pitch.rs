@@ -87,12 +87,6 @@ mod tests {
         HeightMap::new(260, 420, 1e-6, 1e-6, (0..260 * 420).map(height).collect()).unwrap()
     }
 
-    fn transposed(map: &HeightMap) -> HeightMap {
-        let (rows, cols) = (map.cols(), map.rows());
-        let heights = (0..rows * cols).map(|n| map.heights_m()[n % cols * rows + n / cols]).collect();
-        HeightMap::new(rows, cols, map.dy_m(), map.dx_m(), heights).unwrap()
-    }
-
     /// Asserts that adjacent copies match and have two discs each.
     fn check_tiles(period: &MeanPeriod, [along_um, across_um]: [f64; 2], diameter_um: f64) {
         let map = &period.map;
@@ -116,7 +110,7 @@ mod tests {
         // Hidden along x; along y; along both.
         for (rows_um, diameter_um) in [([52.0, 60.0], 44.0), ([35.0, 80.0], 50.0), ([40.0, 80.0], 54.0)] {
             let map = staggered(rows_um, 0.5, diameter_um);
-            for (map, turned) in [(transposed(&map), true), (map, false)] {
+            for (map, turned) in [(map.transposed(), true), (map, false)] {
                 let period = map.mean_cavity_period(Form::Mean, &Unwatched).unwrap();
                 assert_eq!(period.arrangement, Arrangement::Staggered);
                 let mut sides_um = [2.0 * rows_um[0], rows_um[1]];

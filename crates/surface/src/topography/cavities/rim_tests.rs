@@ -1,5 +1,7 @@
 use slipgrid_base::monitor::Unwatched;
 
+use super::cut::tests::GROOVES;
+use super::tests::PUBLISHED;
 use super::*;
 use crate::topography::form::Form;
 use crate::topography::{HeightMap, SelfAffine};
@@ -7,16 +9,13 @@ use slipgrid_base::statistics::splitmix64;
 
 /// Cavities 60 um wide, 5.2 um deep and 140 um apart, for maps of 2 um pixels, 1.024 mm wide.
 const PATTERN: CutPattern = CutPattern {
-    shape: CutShape::Groove,
     width_m: 60e-6,
     spacing_m: 140e-6,
-    depth_m: 5.2e-6,
-    wall_m: 10e-6,
     width_std_m: 1e-6,
     pitch_std_m: 3e-6,
     depth_std_m: 0.2e-6,
-    rim: None,
     seed: 3,
+    ..PUBLISHED
 };
 
 fn rim(height_um: f64, width_um: f64, profile: RimProfile, height_std_um: f64) -> Option<CutRim> {
@@ -32,34 +31,20 @@ fn measured(pattern: &CutPattern, seed: u32) -> (HeightMap, Vec<CutCavity>) {
     let uniform = |n: usize, of: u64| {
         (splitmix64(splitmix64(u64::from(seed) << 40 | of << 32 | n as u64)) >> 11) as f64 / (1_u64 << 53) as f64
     };
-    let mut heights: Vec<f64> = map
-        .heights_m()
-        .iter()
-        .enumerate()
-        .map(|(n, &height)| {
-            let (x, y) = ((n / cols) as f64 / rows as f64, (n % cols) as f64 / cols as f64);
-            // The sum of twelve uniform deviates has variance 1.
-            let noise = (1..=12).map(|of| uniform(n, of)).sum::<f64>() - 6.0;
-            height + 15e-6 * x - 8e-6 * y + 20e-9 * noise
-        })
-        .collect();
+    let noisy = |n: usize, height: f64| {
+        let (x, y) = ((n / cols) as f64 / rows as f64, (n % cols) as f64 / cols as f64);
+        // The sum of twelve uniform deviates has variance 1.
+        let noise = (1..=12).map(|of| uniform(n, of)).sum::<f64>() - 6.0;
+        height + 15e-6 * x - 8e-6 * y + 20e-9 * noise
+    };
     let steep = |n: usize| {
         let at = |other: usize| (map.heights_m()[other.min(rows * cols - 1)] - map.heights_m()[n]).abs();
         at(n + cols).max(at(n.saturating_sub(cols))).max(at(n + 1)).max(at(n.saturating_sub(1))) > 0.5e-6
     };
-    let walls: Vec<usize> = (0..rows * cols).filter(|&n| steep(n)).collect();
-    let lost_walls = (0.025 * (rows * cols) as f64 / walls.len() as f64).min(0.5);
-    for n in walls {
-        if uniform(n, 13) < lost_walls {
-            heights[n] = f64::NAN;
-        }
-    }
-    for (n, height) in heights.iter_mut().enumerate() {
-        if uniform(n, 14) < 0.025 {
-            *height = f64::NAN;
-        }
-    }
-    (HeightMap::new(rows, cols, map.dx_m(), map.dy_m(), heights).unwrap(), cut)
+    let walls = (0..rows * cols).filter(|&n| steep(n)).count();
+    let lost_walls = (0.025 * (rows * cols) as f64 / walls as f64).min(0.5);
+    let is_lost = |n: usize| steep(n) && uniform(n, 13) < lost_walls || uniform(n, 14) < 0.025;
+    (map.changed(|n, height| if is_lost(n) { f64::NAN } else { noisy(n, height) }), cut)
 }
 
 /// Asserts that `found` is within a tenth of `truth`, or within twice its stated error.
@@ -164,9 +149,7 @@ fn the_share_of_an_edge_with_a_rim_is_found_and_the_height_is_its_mean() {
         let (rimmed, _) = measured(&CutPattern { rim: rim(height_um, 14.0, RimProfile::Round, 0.0), ..pattern }, seed);
         // Rims along 60 % of the grooves, in two pieces.
         let has_rim = |j: usize| (100..300).contains(&j) || (400..507).contains(&j);
-        let both = bare.heights_m().iter().zip(rimmed.heights_m()).enumerate();
-        let heights = both.map(|(n, (bare, rimmed))| if has_rim(n % 512) { *rimmed } else { *bare }).collect();
-        let map = HeightMap::new(512, 512, bare.dx_m(), bare.dy_m(), heights).unwrap();
+        let map = bare.changed(|n, height| if has_rim(n % 512) { rimmed.heights_m()[n] } else { height });
         let found = map.measure_cavities(Form::Plane, &Unwatched).unwrap().rim;
         let share = found.share_of_edge.unwrap();
         assert!(
@@ -201,16 +184,7 @@ fn walls_steeper_than_pixels_resolve_say_so_and_floors_have_their_roughness() {
     let mut smooth = HeightMap::new(200, 200, 1e-6, 1e-6, vec![0.0; 40_000]).unwrap();
     let rim = rim(0.5, 8.0, RimProfile::Flat, 0.0);
     smooth
-        .cut_cavities(&CutPattern {
-            width_m: 20e-6,
-            spacing_m: 50e-6,
-            wall_m: 4e-6,
-            width_std_m: 0.0,
-            pitch_std_m: 0.0,
-            depth_std_m: 0.0,
-            rim,
-            ..PATTERN
-        })
+        .cut_cavities(&CutPattern { width_m: 20e-6, spacing_m: 50e-6, depth_m: 5.2e-6, wall_m: 4e-6, rim, ..GROOVES })
         .unwrap();
     let found = smooth.measure_cavities(Form::Plane, &Unwatched).unwrap();
     let rim = found.rim.height_m.unwrap();

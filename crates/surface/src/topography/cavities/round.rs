@@ -75,6 +75,7 @@ pub(super) fn spacing(found: &Found, axis: usize, diameters_m: &[Option<[f64; 2]
 mod tests {
     use slipgrid_base::monitor::Unwatched;
 
+    use super::super::cut::tests::GROOVES;
     use crate::topography::form::Form;
     use crate::topography::{CutPattern, CutRim, CutShape, HeightMap, RimProfile, SelfAffine};
 
@@ -88,19 +89,16 @@ mod tests {
             spacing_m: 120e-6,
             depth_m: 10e-6,
             wall_m,
-            width_std_m: 0.0,
-            pitch_std_m: 0.0,
-            depth_std_m: 0.0,
             rim: rim_height_m.map(rim),
             seed: 3,
+            ..GROOVES
         };
         map.cut_cavities(&pattern).unwrap();
         let (rows, cols) = (map.rows(), map.cols());
         let noise = |n: usize| ((n * 2_654_435_761) >> 7) % 2001;
-        let tilted = map.heights_m().iter().enumerate().map(|(n, height_m)| {
+        map.changed(|n, height_m| {
             height_m + 4e-6 * (n / cols) as f64 / rows as f64 + (noise(n) as f64 - 1000.0) * 5e-11
-        });
-        HeightMap::new(rows, cols, map.dx_m(), map.dy_m(), tilted.collect()).unwrap()
+        })
     }
 
     #[test]

@@ -1,7 +1,8 @@
 use slipgrid_base::monitor::Unwatched;
 
+use super::cut::tests::GROOVES;
 use super::*;
-use crate::topography::SelfAffine;
+use crate::topography::{Crop, SelfAffine};
 
 /// A rough map of 5 um pixels, 2.56 mm wide, like the measured flat surface.
 fn rough() -> HeightMap {
@@ -9,7 +10,7 @@ fn rough() -> HeightMap {
 }
 
 /// The published cavities: 130 +- 8 um wide, 370 +- 13 um apart, 5.2 +- 1.3 um deep.
-const PUBLISHED: CutPattern = CutPattern {
+pub(super) const PUBLISHED: CutPattern = CutPattern {
     shape: CutShape::Groove,
     width_m: 130e-6,
     spacing_m: 370e-6,
@@ -22,21 +23,16 @@ const PUBLISHED: CutPattern = CutPattern {
     seed: 7,
 };
 
-fn changed(map: &HeightMap, change: impl Fn(usize, f64) -> f64) -> HeightMap {
-    let heights = map.heights_m().iter().enumerate().map(|(n, &height)| change(n, height)).collect();
-    HeightMap::new(map.rows(), map.cols(), map.dx_m(), map.dy_m(), heights).unwrap()
-}
-
 /// Tilted by 20 um along x and -12 um along y.
 fn tilted(map: &HeightMap) -> HeightMap {
     let (rows, cols) = (map.rows() as f64, map.cols());
-    changed(map, |n, height| height + 20e-6 * (n / cols) as f64 / rows - 12e-6 * (n % cols) as f64 / cols as f64)
+    map.changed(|n, height| height + 20e-6 * (n / cols) as f64 / rows - 12e-6 * (n % cols) as f64 / cols as f64)
 }
 
 /// Removes every `every`-th point, and most points of the steep walls.
 fn holed(map: &HeightMap, every: usize) -> HeightMap {
     let cols = map.cols();
-    changed(map, |n, height| {
+    map.changed(|n, height| {
         let steep = n >= cols && (map.heights_m()[n - cols] - height).abs() > 0.5e-6;
         let lost = |of: usize| (n * 7919 + n / cols * 104_729).is_multiple_of(of);
         if lost(every) || steep && !lost(3) { f64::NAN } else { height }
@@ -59,17 +55,7 @@ fn close(found: Option<Spread>, expected: Spread, mean_m: f64, std_m: f64) {
 #[test]
 fn a_smooth_pattern_is_measured_exactly() {
     let mut map = HeightMap::new(500, 200, 1e-6, 2e-6, vec![0.0; 100_000]).unwrap();
-    let pattern = CutPattern {
-        width_m: 30e-6,
-        spacing_m: 70e-6,
-        depth_m: 5e-6,
-        wall_m: 6e-6,
-        width_std_m: 0.0,
-        pitch_std_m: 0.0,
-        depth_std_m: 0.0,
-        ..PUBLISHED
-    };
-    map.cut_cavities(&pattern).unwrap();
+    map.cut_cavities(&CutPattern { wall_m: 6e-6, ..GROOVES }).unwrap();
     let found = map.measure_cavities(Form::Plane, &Unwatched).unwrap();
     assert_eq!(found.cavities.len(), 5);
     close(found.width[0], Spread { mean_m: 30e-6, std_m: 0.0, count: 5 }, 1e-9, 1e-9);
@@ -151,7 +137,7 @@ fn a_curved_specimen_needs_the_second_order() {
     let mut map = rough();
     map.cut_cavities(&PUBLISHED).unwrap();
     let cols = map.cols();
-    let bowed = changed(&map, |n, height| height - 60e-6 * ((n / cols) as f64 / 512.0 - 0.4).powi(2));
+    let bowed = map.changed(|n, height| height - 60e-6 * ((n / cols) as f64 / 512.0 - 0.4).powi(2));
     let straight = map.measure_cavities(Form::Plane, &Unwatched).unwrap();
     let found = bowed.measure_cavities(Form::SecondOrder, &Unwatched).unwrap();
     close(found.depth, straight.depth.unwrap(), 0.05e-6, 0.05e-6);
@@ -162,7 +148,7 @@ fn a_curved_specimen_needs_the_second_order() {
 fn noise_of_single_pixels_and_specks_do_no_harm() {
     let mut map = rough();
     let cut = map.cut_cavities(&PUBLISHED).unwrap();
-    let noisy = changed(&map, |n, height| {
+    let noisy = map.changed(|n, height| {
         let noise = ((n * 2_654_435_761) >> 7) % 2001;
         let spike = if n % 9973 == 0 { 30e-6 } else { 0.0 };
         let pit = if n % 7001 == 0 { -12e-6 } else { 0.0 };
@@ -189,8 +175,7 @@ fn grooves_that_cross_are_named_and_a_strip_between_two_shows_one_family() {
     let map = rough();
     let in_groove = |k: usize| (20..30).contains(&(k % 50));
     let cols = map.cols();
-    let crossed =
-        changed(&map, |n, height| height - if in_groove(n / cols) || in_groove(n % cols) { 8e-6 } else { 0.0 });
+    let crossed = map.changed(|n, height| height - if in_groove(n / cols) || in_groove(n % cols) { 8e-6 } else { 0.0 });
     let found = crossed.measure_cavities(Form::Plane, &Unwatched).unwrap();
     let crossing = found.crossing.unwrap();
     let [Some([first, last]), Some(columns)] = crossing.strips else { panic!("{crossing}") };
@@ -200,8 +185,8 @@ fn grooves_that_cross_are_named_and_a_strip_between_two_shows_one_family() {
         refused.contains("grooves that cross") && refused.contains(&format!("columns {first} to {last}")),
         "{refused}"
     );
-    let heights = crossed.heights_m()[first * cols..(last + 1) * cols].to_vec();
-    let strip = HeightMap::new(last + 1 - first, cols, map.dx_m(), map.dy_m(), heights).unwrap();
+    let strip = Crop { first_row: first, first_col: 0, rows: last + 1 - first, cols };
+    let strip = crossed.windowed(Some(strip), None).unwrap();
     let found = strip.measure_cavities(Form::Plane, &Unwatched).unwrap();
     let width = found.width[1].unwrap();
     assert!((width.mean_m - 10.0 * map.dy_m()).abs() < 0.5 * map.dy_m() && found.crossing.is_none(), "{width:?}");
