@@ -1,8 +1,7 @@
 //! Surfaces of any size, pixel shape and kind.
 
 use crate::common::surfaces::{KINDS, Surface, random};
-use crate::common::{MODULUS_PA, rows};
-use slipgrid_surface::contact::{RoughContact, SolveOptions, Unwatched};
+use crate::common::{MODULUS_PA, full_contact_pa, rows, solve};
 use slipgrid_surface::topography::HeightMap;
 use slipgrid_surface::topography::fourier::Fourier;
 
@@ -22,10 +21,7 @@ fn compare_with_table(wanted: impl Fn(usize) -> bool) {
         };
         let points = surface.rows * surface.cols;
         if wanted(points) {
-            let map = surface.map();
-            let contact = RoughContact::new(&map, MODULUS_PA, &Unwatched).unwrap();
-            let pressure_pa = row[5].parse::<f64>().unwrap() * 1e6;
-            let state = contact.solve(pressure_pa, &SolveOptions::default(), &Unwatched).unwrap();
+            let state = solve(&surface.map(), row[5].parse::<f64>().unwrap() * 1e6);
             let pixels = (state.area.fraction * points as f64).round() as usize;
             assert_eq!(pixels, whole(6), "{row:?}");
             compared += 1;
@@ -47,8 +43,7 @@ fn validation_surfaces_of_any_size_touch_as_by_other_codes() {
 
 /// Asserts the conditions of contact; the minimum of this convex problem is unique.
 fn assert_contact(map: &HeightMap, pressure_pa: f64, name: &str) {
-    let contact = RoughContact::new(map, MODULUS_PA, &Unwatched).unwrap();
-    let state = contact.solve(pressure_pa, &SolveOptions::default(), &Unwatched).unwrap();
+    let state = solve(map, pressure_pa);
     let points = state.pressure_pa.len() as f64;
     assert!(state.pressure_pa.iter().all(|&p| p >= 0.0) && state.gap_m.iter().all(|&g| g >= 0.0), "{name}");
     let mean_pa = state.pressure_pa.iter().sum::<f64>() / points;
@@ -63,11 +58,8 @@ fn assert_contact(map: &HeightMap, pressure_pa: f64, name: &str) {
     let offset_m = |n: usize| displacement_m[n] - map.heights_m()[n] - state.gap_m[n];
     let height_m = map.heights_m().iter().fold(map.sq_m(), |highest, h| highest.max(h.abs()));
     for n in 0..displacement_m.len() {
-        assert!(
-            (offset_m(n) - offset_m(0)).abs() < 1e-9 * height_m,
-            "{name}: {} at point {n}",
-            offset_m(n) - offset_m(0)
-        );
+        let off_m = offset_m(n) - offset_m(0);
+        assert!(off_m.abs() < 1e-9 * height_m, "{name}: {off_m} at point {n}");
     }
 }
 
@@ -82,9 +74,8 @@ fn random_surfaces_of_any_size_end_in_contact() {
         let surface = Surface { kind, rows: side(0), cols: side(1), aspect, seed: case };
         let map = surface.map();
         if map.sq_m() > 0.0 {
-            let full_pa = RoughContact::new(&map, MODULUS_PA, &Unwatched).unwrap().full_contact_pressure_pa();
             let share = 10f64.powf(-4.0 * uniform(3).powi(2));
-            assert_contact(&map, share * full_pa, &format!("{surface:?} at {share} p*"));
+            assert_contact(&map, share * full_contact_pa(&map), &format!("{surface:?} at {share} p*"));
         }
     }
 }
@@ -109,7 +100,7 @@ fn degenerate_surfaces_end_in_contact() {
         ("one spike", changed(tiny, &|n, h| if n == 9 { h + 3e-9 } else { h })),
     ];
     for (name, map) in &maps {
-        let full_pa = RoughContact::new(map, MODULUS_PA, &Unwatched).unwrap().full_contact_pressure_pa();
+        let full_pa = full_contact_pa(map);
         for share in [1e-4, 6e-4, 1e-2, 0.3, 0.9] {
             assert_contact(map, share * full_pa, &format!("{name} at {share} p*"));
         }

@@ -1,7 +1,9 @@
 //! Observed order of convergence on shapes with closed-form pressures.
 
-use crate::closed_form::{CrossedWaves, Hertz};
-use crate::common::{MODULUS_PA, SIDE_M, crossed_waves, square};
+use std::f64::consts::TAU;
+
+use crate::closed_form::{CrossedWaves, Hertz, Wave};
+use crate::common::{MODULUS_PA, SIDE_M, crossed_waves, paraboloid, solve};
 use slipgrid_surface::contact::{RoughContact, SolveOptions, Unwatched};
 use slipgrid_surface::topography::HeightMap;
 
@@ -33,7 +35,7 @@ fn validation_pressure_under_a_sphere_converges_at_order_one() {
     let radius_m = 0.01;
     // Contact radii of 4 to 7 % of the period: neighbours a period away change the pressure by less than 1e-3.
     let error = |n: usize| {
-        let map = square(n, |x, y| -((x - 0.5).powi(2) + (y - 0.5).powi(2)) * SIDE_M * SIDE_M / (2.0 * radius_m));
+        let map = paraboloid(n);
         rms((0..8).map(|load| {
             let contact_radius_m = SIDE_M * (0.04 + 0.03 * f64::from(load) / 7.0);
             // F = 4 E* a^3 / (3 R)
@@ -50,6 +52,27 @@ fn validation_pressure_under_a_sphere_converges_at_order_one() {
     let order = (coarse / fine).log2() / 2.0;
     assert!((0.85..1.15).contains(&order), "order {order}: {coarse}, {fine}");
     assert!(fine < 0.04, "{fine}");
+}
+
+#[test]
+fn validation_pressure_under_a_wave_converges_at_order_one() {
+    // The slope of the pressure is singular at the edge of the contact, so that the grid allows order one at most.
+    let exact = Wave::new(1e-6, SIDE_M, MODULUS_PA);
+    let error = |n: usize| {
+        let heights = (0..n * 2).map(|k| 1e-6 * (TAU * (k / 2) as f64 / n as f64).cos()).collect();
+        let pixel_m = SIDE_M / n as f64;
+        let map = HeightMap::new(n, 2, pixel_m, pixel_m, heights).unwrap();
+        rms((0..60).map(|load| {
+            let nominal_pa = (0.05 + 0.9 * (f64::from(load) + 0.5) / 60.0) * exact.full_contact_pressure_pa();
+            let found = solve(&map, nominal_pa).pressure_pa.into_iter().step_by(2);
+            relative_distance(found, (0..n).map(|i| exact.pressure_pa(nominal_pa, i as f64 * pixel_m)))
+        }))
+    };
+    let (coarse, fine) = (error(64), error(1024));
+    let order = (coarse / fine).ln() / 16f64.ln();
+    assert!((0.9..1.1).contains(&order), "{order}");
+    // The rms error is about 0.55 / n.
+    assert!(fine < 0.65 / 1024.0, "{fine}");
 }
 
 #[test]

@@ -2,23 +2,16 @@
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use crate::common::{MODULUS_PA, crossed_waves, self_affine};
-use slipgrid_surface::contact::{
-    ContactError, ContactState, Monitor, RoughContact, SolveOptions, Unwatched, area_curve,
-};
-use slipgrid_surface::topography::{HeightMap, MapError, SelfAffine};
-
-fn solve(map: &HeightMap, pressure_pa: f64) -> ContactState {
-    let contact = RoughContact::new(map, MODULUS_PA, &Unwatched).unwrap();
-    contact.solve(pressure_pa, &SolveOptions::default(), &Unwatched).unwrap()
-}
+use crate::common::{MODULUS_PA, crossed_waves, full_contact_pa, self_affine, solve};
+use slipgrid_surface::contact::{ContactError, Monitor, RoughContact, SolveOptions, Unwatched, area_curve};
+use slipgrid_surface::topography::{Crop, HeightMap, MapError, SelfAffine};
 
 /// A rough map with non-square pixels whose size is not a power of two.
 fn uneven() -> HeightMap {
     let map = SelfAffine { pixels: 128, max_wave: 16, ..SelfAffine::STAND_IN }.map().unwrap();
     let (rows, cols) = (90, 77);
-    let heights = (0..rows * cols).map(|n| map.heights_m()[n / cols * 128 + n % cols]).collect();
-    HeightMap::new(rows, cols, 8e-6, 11e-6, heights).unwrap()
+    let part = map.windowed(Some(Crop { first_row: 0, first_col: 0, rows, cols }), None).unwrap();
+    HeightMap::new(rows, cols, 8e-6, 11e-6, part.heights_m().to_vec()).unwrap()
 }
 
 #[test]
@@ -92,9 +85,8 @@ fn height_scales_like_inverse_pressure() {
 #[test]
 fn from_full_contact_pressure_on_all_is_in_contact() {
     let map = self_affine(64);
-    let contact = RoughContact::new(&map, MODULUS_PA, &Unwatched).unwrap();
-    let full_pa = contact.full_contact_pressure_pa();
-    let at = |pressure_pa| contact.solve(pressure_pa, &SolveOptions::default(), &Unwatched).unwrap();
+    let full_pa = full_contact_pa(&map);
+    let at = |pressure_pa| solve(&map, pressure_pa);
     for pressure_pa in [full_pa, 1.5 * full_pa, 1e15] {
         let state = at(pressure_pa);
         assert_eq!((state.area.fraction, state.area.fraction_corrected), (1.0, 1.0));
@@ -115,11 +107,7 @@ fn from_full_contact_pressure_on_all_is_in_contact() {
 #[test]
 fn near_full_contact_few_iterations_are_left() {
     let map = self_affine(128);
-    let contact = RoughContact::new(&map, MODULUS_PA, &Unwatched).unwrap();
-    let iterations = |share: f64| {
-        let pressure_pa = share * contact.full_contact_pressure_pa();
-        contact.solve(pressure_pa, &SolveOptions::default(), &Unwatched).unwrap().convergence.iterations
-    };
+    let iterations = |share: f64| solve(&map, share * full_contact_pa(&map)).convergence.iterations;
     let [middle, near, nearer] = [0.3, 0.9, 0.999].map(iterations);
     assert!(nearer < 7 && 2 * nearer <= near && near < middle && near < 14 && middle < 17, "{middle} {near} {nearer}");
 }
@@ -167,10 +155,8 @@ fn steps_that_overshoot_are_taken_back() {
     for (rows, cols, dy_m) in [(128, 128, 1e-6), (96, 160, 1e-6), (128, 64, 4e-6)] {
         let heights = (0..rows * cols).map(|n| 3e-7 * noise(n)).collect();
         let map = HeightMap::new(rows, cols, 1e-6, dy_m, heights).unwrap();
-        let contact = RoughContact::new(&map, MODULUS_PA, &Unwatched).unwrap();
         for share in [0.01, 0.05, 0.1, 0.15, 0.2, 0.3, 0.5, 0.8] {
-            let pressure_pa = share * contact.full_contact_pressure_pa();
-            let convergence = contact.solve(pressure_pa, &SolveOptions::default(), &Unwatched).unwrap().convergence;
+            let convergence = solve(&map, share * full_contact_pa(&map)).convergence;
             assert!(convergence.iterations < 60, "{rows} x {cols}, {share} p*: {convergence:?}");
         }
     }
@@ -180,10 +166,8 @@ fn steps_that_overshoot_are_taken_back() {
 #[test]
 fn an_iteration_takes_one_pair_of_transforms() {
     let map = self_affine(256);
-    let contact = RoughContact::new(&map, MODULUS_PA, &Unwatched).unwrap();
     for share in [0.01, 0.1, 0.3, 0.7] {
-        let pressure_pa = share * contact.full_contact_pressure_pa();
-        let found = contact.solve(pressure_pa, &SolveOptions::default(), &Unwatched).unwrap().convergence;
+        let found = solve(&map, share * full_contact_pa(&map)).convergence;
         assert!((1..6).contains(&(found.fourier_pairs - found.iterations)), "{share} p*: {found:?}");
     }
 }
@@ -216,12 +200,8 @@ fn absurd_input_is_refused_or_solved_but_never_breaks() {
     let mut heights = map.heights_m().to_vec();
     heights[17] = f64::NAN;
     let holed = HeightMap::new(64, 64, 1e-6, 1e-6, heights).unwrap();
-    assert!(
-        RoughContact::new(&holed, MODULUS_PA, &Unwatched)
-            .unwrap_err()
-            .to_string()
-            .contains("1 of 4096 heights are missing")
-    );
+    let refused = RoughContact::new(&holed, MODULUS_PA, &Unwatched).unwrap_err().to_string();
+    assert!(refused.contains("1 of 4096 heights are missing"), "{refused}");
     assert!(area_curve(&map, MODULUS_PA, &[], &SolveOptions::default(), &Unwatched).unwrap().points.is_empty());
     // Tiny, huge and spiky heights, and the smallest possible map.
     for scale in [1e-200, 1e-20, 1e6] {

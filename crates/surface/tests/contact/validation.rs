@@ -1,18 +1,12 @@
 //! Validation against independent results: closed forms, and tables computed with Tamaas.
 
 use crate::closed_form::{CrossedWaves, Hertz, Wave};
-use crate::common::{MODULUS_PA, SIDE_M, crossed_waves, rows, self_affine, square, wave};
+use crate::common::{MODULUS_PA, SIDE_M, crossed_waves, paraboloid, rows, self_affine, solve, wave};
 use slipgrid_surface::contact::closed_form::persson_area_fraction;
-use slipgrid_surface::contact::{ContactState, RoughContact, SolveOptions, Unwatched, area_curve};
-use slipgrid_surface::topography::HeightMap;
+use slipgrid_surface::contact::{ContactState, SolveOptions, Unwatched, area_curve};
 
 const AREA_CURVES: &str = include_str!("reference/area_curves.csv");
 const SMOOTH_SHAPES: &str = include_str!("reference/smooth_shapes.csv");
-
-fn solve(map: &HeightMap, pressure_pa: f64) -> ContactState {
-    let contact = RoughContact::new(map, MODULUS_PA, &Unwatched).unwrap();
-    contact.solve(pressure_pa, &SolveOptions::default(), &Unwatched).unwrap()
-}
 
 fn peak_pa(state: &ContactState) -> f64 {
     state.pressure_pa.iter().copied().fold(0.0, f64::max)
@@ -72,11 +66,6 @@ fn validation_smooth_shapes() {
     }
 }
 
-/// A paraboloid of radius 10 mm, its summit in the middle of the map.
-fn paraboloid(n: usize) -> HeightMap {
-    square(n, |x, y| -((x - 0.5).powi(2) + (y - 0.5).powi(2)) * SIDE_M * SIDE_M / (2.0 * 0.01))
-}
-
 #[test]
 fn validation_hertz() {
     let hertz = Hertz::new(0.01, 0.057, MODULUS_PA);
@@ -85,37 +74,6 @@ fn validation_hertz() {
     assert!((peak_pa(&state) / hertz.peak_pressure_pa() - 1.0).abs() < 2e-3);
     let radius_m = (state.area.fraction_corrected / std::f64::consts::PI).sqrt() * SIDE_M;
     assert!((radius_m / hertz.contact_radius_m() - 1.0).abs() < 1e-3, "{radius_m}");
-}
-
-/// Relative L2 distance between the computed pressure under a wave and Westergaard's solution.
-fn wave_error(n: usize, share: f64) -> f64 {
-    let exact = Wave::new(1e-6, SIDE_M, MODULUS_PA);
-    let nominal_pa = share * exact.full_contact_pressure_pa();
-    let heights = (0..n * 2).map(|k| 1e-6 * (std::f64::consts::TAU * (k / 2) as f64 / n as f64).cos()).collect();
-    let pixel_m = SIDE_M / n as f64;
-    let state = solve(&HeightMap::new(n, 2, pixel_m, pixel_m, heights).unwrap(), nominal_pa);
-    let (mut distance, mut norm) = (0.0, 0.0);
-    for (i, p) in state.pressure_pa.chunks_exact(2).map(|pair| pair[0]).enumerate() {
-        let expected = exact.pressure_pa(nominal_pa, i as f64 * pixel_m);
-        distance += (p - expected).powi(2);
-        norm += expected.powi(2);
-    }
-    (distance / norm).sqrt()
-}
-
-#[test]
-fn validation_pressure_under_a_wave_converges_at_order_one() {
-    // The slope of the pressure is singular at the edge of the contact, so that the grid allows order one at most. The
-    // position of the edge within a pixel makes single errors scatter, hence the rms over many loads.
-    let rms = |n: usize| {
-        let square = |load: usize| wave_error(n, 0.05 + 0.9 * (load as f64 + 0.5) / 60.0).powi(2);
-        ((0..60).map(square).sum::<f64>() / 60.0).sqrt()
-    };
-    let (coarse, fine) = (rms(64), rms(1024));
-    let order = (coarse / fine).ln() / 16f64.ln();
-    assert!((0.9..1.1).contains(&order), "{order}");
-    // The rms error is about 0.55 / n.
-    assert!(fine < 0.65 / 1024.0, "{fine}");
 }
 
 #[test]

@@ -5,7 +5,6 @@ use std::f64::consts::PI;
 /// H. Hertz, J. reine angew. Math. 92, 156 (1881); K. L. Johnson, Contact Mechanics, section 4.2.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hertz {
-    radius_m: f64,
     contact_radius_m: f64,
     peak_pressure_pa: f64,
 }
@@ -16,7 +15,7 @@ impl Hertz {
         // a = (3 F R / (4 E*))^(1/3),  p0 = 3 F / (2 pi a^2)
         let contact_radius_m = libm::cbrt(0.75 * force_n * radius_m / contact_modulus_pa);
         let peak_pressure_pa = 1.5 * force_n / (PI * contact_radius_m * contact_radius_m);
-        Self { radius_m, contact_radius_m, peak_pressure_pa }
+        Self { contact_radius_m, peak_pressure_pa }
     }
 
     /// Radius of the contact a, in metres.
@@ -27,12 +26,6 @@ impl Hertz {
     /// Pressure at the centre p0, in pascals.
     pub const fn peak_pressure_pa(&self) -> f64 {
         self.peak_pressure_pa
-    }
-
-    /// Approach of distant points, in metres.
-    pub fn approach_m(&self) -> f64 {
-        // delta = a^2 / R
-        self.contact_radius_m * self.contact_radius_m / self.radius_m
     }
 
     /// Pressure at the distance `r_m` from the centre, in pascals.
@@ -49,7 +42,6 @@ fn numbers_of_a_worked_case_and_the_force() {
     let hertz = Hertz::new(0.01, 0.057, 427.5e6);
     assert!((hertz.contact_radius_m() - 1e-4).abs() < 1e-17);
     assert!((hertz.peak_pressure_pa() - 2.721_549e6).abs() < 1.0);
-    assert!((hertz.approach_m() - 1e-6).abs() < 1e-18);
     // The integral of the pressure equals the force: 2 pi int p r dr.
     let steps = 200_000;
     let width = hertz.contact_radius_m() / f64::from(steps);

@@ -1,7 +1,5 @@
 use std::f64::consts::{PI, SQRT_2};
 
-use super::Hertz;
-
 /// E* D / lambda, in pascals.
 fn slope_pressure_pa(amplitude_m: f64, wavelength_m: f64, contact_modulus_pa: f64) -> f64 {
     contact_modulus_pa * amplitude_m / wavelength_m
@@ -58,8 +56,7 @@ impl Wave {
     }
 }
 
-/// A surface with two crossed waves, h = D cos(2 pi x / lambda) cos(2 pi y / lambda). The limits of light load and of
-/// nearly full contact have closed forms.
+/// A surface with two crossed waves, h = D cos(2 pi x / lambda) cos(2 pi y / lambda).
 ///
 /// K. L. Johnson, J. A. Greenwood and J. G. Higginson, Int. J. Mech. Sci. 27, 383 (1985).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -78,19 +75,6 @@ impl CrossedWaves {
     /// p*, the mean pressure of full contact, in pascals.
     pub const fn full_contact_pressure_pa(&self) -> f64 {
         self.full_contact_pressure_pa
-    }
-
-    /// Real contact area fraction in the limit of light loads, where every summit is a Hertz contact.
-    pub fn area_fraction_light(&self, nominal_pa: f64) -> f64 {
-        // A = pi (3 P / (8 pi p*))^(2/3)
-        let cube = libm::cbrt(3.0 / (8.0 * PI) * (nominal_pa / self.full_contact_pressure_pa).max(0.0));
-        PI * cube * cube
-    }
-
-    /// Real contact area fraction just below full contact, where every valley is a pressurized crack.
-    pub fn area_fraction_heavy(&self, nominal_pa: f64) -> f64 {
-        // A = 1 - 3/(2 pi) (1 - P/p*)
-        1.0 - 1.5 / PI * (1.0 - nominal_pa / self.full_contact_pressure_pa).clamp(0.0, 1.0)
     }
 }
 
@@ -112,16 +96,4 @@ fn the_pressure_under_a_wave_carries_the_load() {
     let half_m = 0.5e-3 * wave.area_fraction(0.3 * full);
     assert_eq!(wave.pressure_pa(0.3 * full, half_m * 1.000_001), 0.0);
     assert!(wave.pressure_pa(0.3 * full, half_m * 0.999_999) > 0.0);
-}
-
-#[test]
-fn light_crossed_waves_are_hertz_contacts() {
-    // A summit has curvature D (2 pi/lambda)^2 and carries P lambda^2/2, since there are two summits per period.
-    let (amplitude_m, wavelength_m, modulus_pa, nominal_pa) = (1e-6, 1e-3, 427.5e6, 10.0);
-    let radius_m = 1.0 / (amplitude_m * (2.0 * PI / wavelength_m).powi(2));
-    let hertz = Hertz::new(radius_m, nominal_pa * wavelength_m.powi(2) / 2.0, modulus_pa);
-    let area = 2.0 * PI * hertz.contact_radius_m().powi(2) / wavelength_m.powi(2);
-    let waves = CrossedWaves::new(amplitude_m, wavelength_m, modulus_pa);
-    assert!((waves.area_fraction_light(nominal_pa) / area - 1.0).abs() < 1e-12);
-    assert_eq!(waves.area_fraction_heavy(waves.full_contact_pressure_pa()), 1.0);
 }
