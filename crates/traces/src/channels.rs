@@ -219,11 +219,7 @@ impl Channel {
 
     /// Key in `columns` of a `[traces]` table that gives this channel a custom title.
     pub fn key(self) -> String {
-        match self {
-            Self::Repeat => "repeat".to_owned(),
-            Self::Step => "step".to_owned(),
-            channel => channel.title().replace(' ', "_"),
-        }
+        self.title().trim_start_matches("number of the ").replace(' ', "_")
     }
 
     /// Name of the channel in messages.

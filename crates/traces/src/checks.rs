@@ -45,11 +45,7 @@ pub(crate) fn check_channels(channels: &TraceChannels, options: &TraceOptions) -
         }
     }
     if time_s.len() < MIN_SAMPLES {
-        return Err(TraceError::TooFewSamples {
-            found: time_s.len(),
-            expected: MIN_SAMPLES,
-            pause_s: sampling_interval(time_s),
-        });
+        return Err(too_few(time_s.len(), time_s));
     }
     if let Some(i) = time_s.windows(2).position(|pair| pair[1] < pair[0]) {
         let rises = |values: &[f64]| !values.is_empty() && values.windows(2).all(|pair| pair[1] > pair[0]);
@@ -78,6 +74,11 @@ pub(crate) fn check_channels(channels: &TraceChannels, options: &TraceOptions) -
         )));
     }
     Ok(())
+}
+
+/// Creates the error for `found` samples where more are needed.
+fn too_few(found: usize, time_s: &[f64]) -> TraceError {
+    TraceError::TooFewSamples { found, expected: MIN_SAMPLES, pause_s: sampling_interval(time_s) }
 }
 
 /// Creates the error for a clock that goes back from `from_s` to `to_s`, in seconds, at `sample`, counted from 1;
@@ -109,11 +110,7 @@ pub(crate) fn window_samples(time_s: &[f64], window_s: [f64; 2]) -> Result<Range
     }
     let inside = samples_between(time_s, window_s);
     if inside.len() < MIN_SAMPLES {
-        return Err(TraceError::TooFewSamples {
-            found: inside.len(),
-            expected: MIN_SAMPLES,
-            pause_s: sampling_interval(time_s),
-        });
+        return Err(too_few(inside.len(), time_s));
     }
     Ok(inside)
 }
