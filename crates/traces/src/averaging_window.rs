@@ -53,6 +53,7 @@ pub fn window_mean(time_s: &[f64], mu: &[f64], window_s: [f64; 2]) -> WindowMean
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::tests::red;
     use slipgrid_base::statistics::Noise;
 
     #[test]
@@ -94,19 +95,6 @@ mod tests {
         let [mean, drift] = [0, 1].map(|place: usize| (stated[place] / spread[place]).sqrt());
         let share = |count: u32| f64::from(count) / f64::from(runs);
         Judged { stated_over_true: [mean, drift], held: share(held), told: share(told) }
-    }
-
-    /// Noise whose correlation falls as exp(-t / `memory_s`), sampled every `step_s`; white for `memory_s` = 0.
-    fn red(noise: &mut Noise, samples: usize, step_s: f64, memory_s: f64) -> Vec<f64> {
-        let kept = if memory_s > 0.0 { (-step_s / memory_s).exp() } else { 0.0 };
-        let mut value = noise.normal();
-        (0..samples)
-            .map(|_| {
-                let now = value;
-                value = kept * value + (1.0 - kept * kept).sqrt() * noise.normal();
-                now
-            })
-            .collect()
     }
 
     /// Errors from ten batches about their line were 0.65 of the true spread at 2 s and 0.41 at 5 s, with a coverage of

@@ -70,12 +70,10 @@ fn time_is_counted_from_the_first_row_even_where_it_lacks_a_number() {
     };
     let options = crate::TraceOptions {
         window_s: [15.0, 45.0],
-        effective_radius_m: f64::NAN,
         nominal_force_n: Some(60.0),
         speed_m_s: 2e-3,
         static_peak: false,
-        stroke_share: None,
-        zero_s: None,
+        ..crate::tests::OPTIONS
     };
     let analysed = |repeat: &Recorded, options: &crate::TraceOptions| crate::analyse(&repeat.channels, options);
     let (whole, late) = (table(0.0), table(12.0));

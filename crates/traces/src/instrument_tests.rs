@@ -23,12 +23,10 @@ fn read(text: &str, step: Option<u32>, titles: &[(Channel, &str)]) -> Result<Tra
 /// Window from 1 to 9 s under a stated force of 10 N.
 const OPTIONS: TraceOptions = TraceOptions {
     window_s: [1.0, 9.0],
-    effective_radius_m: f64::NAN,
     nominal_force_n: Some(10.0),
     speed_m_s: 0.1,
     static_peak: false,
-    stroke_share: None,
-    zero_s: None,
+    ..crate::tests::OPTIONS
 };
 
 /// Mean friction of every trace, and the flags of the first one.

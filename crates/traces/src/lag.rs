@@ -148,12 +148,10 @@ mod tests {
         let (channels, position_m) = strokes(0.0, true);
         let options = TraceOptions {
             window_s: [2.0, 18.0],
-            effective_radius_m: f64::NAN,
             nominal_force_n: None,
-            speed_m_s: 0.02,
             static_peak: false,
             stroke_share: Some(0.5),
-            zero_s: None,
+            ..crate::tests::OPTIONS
         };
         let loops = friction_loops(&channels, &position_m, &options);
         // Two loops of a second at 200 Hz.

@@ -102,15 +102,8 @@ mod tests {
     use super::*;
     use crate::analyse;
 
-    const OPTIONS: TraceOptions = TraceOptions {
-        window_s: [10.0, 40.0],
-        effective_radius_m: f64::NAN,
-        nominal_force_n: Some(60.0),
-        speed_m_s: 2e-3,
-        static_peak: true,
-        stroke_share: None,
-        zero_s: None,
-    };
+    const OPTIONS: TraceOptions =
+        TraceOptions { nominal_force_n: Some(60.0), speed_m_s: 2e-3, ..crate::tests::OPTIONS };
 
     fn recorded(friction_n: f64, normal_n: f64) -> TraceChannels {
         let time_s: Vec<f64> = (0..=450).map(|i| 0.1 * f64::from(i)).collect();

@@ -228,6 +228,13 @@ mod tests {
         }
     }
 
+    /// As many repeats as `count`, each drawn by `sample`.
+    fn drawn(count: usize, mut sample: impl FnMut() -> f64) -> Repeats {
+        let values: Vec<(f64, f64)> = (0..count).map(|_| (sample(), 1e-5)).collect();
+        let MeanStd { mean, std, .. } = mean_std(&values);
+        of(count, mean, std)
+    }
+
     #[test]
     fn scatter_is_drawn_toward_that_of_other_conditions() {
         let moderated = |mut all: Vec<Repeats>| {
@@ -255,14 +262,8 @@ mod tests {
         for count in [2, 3, 5] {
             let mut held = [0, 0];
             for _ in 0..2000 {
-                let mut all: Vec<Repeats> = (0..5)
-                    .map(|_| {
-                        let values: Vec<(f64, f64)> =
-                            (0..count).map(|_| (0.3 * (1.0 + 0.01 * noise.normal()), 1e-5)).collect();
-                        let MeanStd { mean, std, .. } = mean_std(&values);
-                        of(count, mean, std)
-                    })
-                    .collect();
+                let mut all: Vec<Repeats> =
+                    (0..5).map(|_| drawn(count, || 0.3 * (1.0 + 0.01 * noise.normal()))).collect();
                 for (place, held) in held.iter_mut().enumerate() {
                     let weights: Vec<f64> = all.iter().map(|of| count as f64 * of.mu_dynamic.std.powi(-2)).collect();
                     let sum: f64 = weights.iter().sum();
@@ -288,13 +289,7 @@ mod tests {
             let runs = 12_000 / conditions;
             for _ in 0..runs {
                 let mut sample = || 0.3 * (1.0 + 0.01 * noise.normal());
-                let mut all: Vec<Repeats> = (0..conditions)
-                    .map(|_| {
-                        let values: Vec<(f64, f64)> = (0..count).map(|_| (sample(), 1e-5)).collect();
-                        let MeanStd { mean, std, .. } = mean_std(&values);
-                        of(count, mean, std)
-                    })
-                    .collect();
+                let mut all: Vec<Repeats> = (0..conditions).map(|_| drawn(count, &mut sample)).collect();
                 let others: Vec<f64> = (0..conditions).map(|_| sample()).collect();
                 let within = |of: &Repeats, std: f64, other: f64| (other - of.mu_dynamic.mean).abs() < 1.959_964 * std;
                 let plain = all.iter().zip(&others).filter(|(of, other)| within(of, of.mu_dynamic.std, **other));

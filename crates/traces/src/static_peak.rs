@@ -254,6 +254,7 @@ impl UpToWindow<'_> {
 mod tests {
     use super::*;
     use crate::averaging_window::window_mean;
+    use crate::tests::red;
     use slipgrid_base::statistics::Noise;
 
     fn trace(peak: f64, noise: f64) -> (Vec<f64>, Vec<f64>) {
@@ -305,16 +306,7 @@ mod tests {
         let time: Vec<f64> = (0..3000).map(|i| f64::from(i) * 0.01).collect();
         let (mut false_ones, mut found) = (0, 0);
         for seed in 0..200 {
-            let mut deviates = Noise::new(seed);
-            let memory = (-0.01 / (0.05 * 10_f64.powf(seed as f64 / 200.0))).exp();
-            let mut wander = 0.0;
-            let noise: Vec<f64> = time
-                .iter()
-                .map(|_| {
-                    wander = memory * wander + (1.0 - memory * memory).sqrt() * deviates.normal();
-                    0.008 * wander
-                })
-                .collect();
+            let noise = red_noise(&time, 0.008, 0.05 * 10_f64.powf(seed as f64 / 200.0), seed);
             let is_peak = |of: &dyn Fn(f64) -> f64| {
                 let mu: Vec<f64> = time.iter().zip(&noise).map(|(&t, noise)| of(t) + noise).collect();
                 before(&time, &mu, 8.0, 20e-3, 0.01).peak.is_some()
@@ -327,14 +319,8 @@ mod tests {
 
     /// Noise with the correlation time `memory_s` and the standard deviation `std`.
     fn red_noise(time: &[f64], std: f64, memory_s: f64, seed: u64) -> Vec<f64> {
-        let mut deviates = Noise::new(seed);
-        let memory = (-(time[1] - time[0]) / memory_s).exp();
-        let mut value = deviates.normal();
-        let mut next = || {
-            value = memory * value + (1.0 - memory * memory).sqrt() * deviates.normal();
-            std * value
-        };
-        time.iter().map(|_| next()).collect()
+        let noise = red(&mut Noise::new(seed), time.len(), time[1] - time[0], memory_s);
+        noise.into_iter().map(|value| std * value).collect()
     }
 
     fn add(time: &[f64], noise: &[f64], friction: impl Fn(f64) -> f64) -> Vec<f64> {

@@ -152,6 +152,7 @@ fn reversals(values: &[f64], threshold: f64) -> Vec<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::tests::red;
     use slipgrid_base::statistics::Noise;
 
     fn sampled(shape: impl Fn(f64) -> f64, noise: f64) -> (Vec<f64>, Vec<f64>) {
@@ -185,17 +186,6 @@ mod tests {
         }
     }
 
-    /// Red noise: AR(1) of unit standard deviation with a correlation time, in seconds, sampled every `step_s`.
-    fn red(deviates: &mut Noise, count: u32, step_s: f64, correlation_s: f64) -> Vec<f64> {
-        let kept = (-step_s / correlation_s).exp();
-        let mut value = deviates.normal();
-        let next = |_| {
-            value = kept * value + (1.0 - kept * kept).sqrt() * deviates.normal();
-            value
-        };
-        (0..count).map(next).collect()
-    }
-
     /// Sampling intervals and correlation times of red noise, in seconds.
     const RED: [[f64; 2]; 12] = [
         [0.01, 0.05],
@@ -224,7 +214,7 @@ mod tests {
                 let count = (30.0 / step_s) as u32;
                 let time: Vec<f64> = (0..count).map(|i| f64::from(i) * step_s).collect();
                 let deviation = [0.002, 0.006, 0.02][seed as usize % 3];
-                let noise = red(&mut deviates, count, step_s, correlation_s).into_iter();
+                let noise = red(&mut deviates, time.len(), step_s, correlation_s).into_iter();
                 let mu: Vec<f64> = noise.map(|value| 0.3 + deviation * value).collect();
                 let Some(found) = oscillation(&time, &mu, 0.3) else { continue };
                 slips += u64::from(found.is_relaxation());

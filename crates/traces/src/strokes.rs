@@ -158,13 +158,10 @@ mod tests {
     }
 
     const OPTIONS: TraceOptions = TraceOptions {
-        window_s: crate::DEFAULT_WINDOW_S,
-        effective_radius_m: f64::NAN,
         nominal_force_n: Some(20.0),
         speed_m_s: 5e-3,
-        static_peak: true,
         stroke_share: Some(DEFAULT_STROKE_SHARE),
-        zero_s: None,
+        ..crate::tests::OPTIONS
     };
 
     #[test]

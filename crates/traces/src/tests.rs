@@ -21,7 +21,7 @@ fn good() -> TraceChannels {
 }
 
 /// At 50 um/s friction falls from its peak within 50 um.
-const OPTIONS: TraceOptions = TraceOptions {
+pub(crate) const OPTIONS: TraceOptions = TraceOptions {
     window_s: DEFAULT_WINDOW_S,
     effective_radius_m: RADIUS_M,
     nominal_force_n: Some(150.0),
@@ -30,6 +30,18 @@ const OPTIONS: TraceOptions = TraceOptions {
     stroke_share: None,
     zero_s: None,
 };
+
+/// Noise of unit standard deviation whose correlation falls as exp(-t / `memory_s`), sampled every `step_s`; white for
+/// `memory_s` = 0.
+pub(crate) fn red(noise: &mut Noise, samples: usize, step_s: f64, memory_s: f64) -> Vec<f64> {
+    let kept = if memory_s > 0.0 { (-step_s / memory_s).exp() } else { 0.0 };
+    let mut value = noise.normal();
+    let next = |_| {
+        value = kept * value + (1.0 - kept * kept).sqrt() * noise.normal();
+        value
+    };
+    (0..samples).map(next).collect()
+}
 
 fn torque(channels: &mut TraceChannels) -> &mut Vec<f64> {
     match &mut channels.tangential {

@@ -198,15 +198,7 @@ mod tests {
     use slipgrid_base::statistics::Noise;
 
     const FREE_S: f64 = 4.0;
-    const OPTIONS: TraceOptions = TraceOptions {
-        window_s: [10.0, 40.0],
-        effective_radius_m: f64::NAN,
-        nominal_force_n: None,
-        speed_m_s: 2e-3,
-        static_peak: true,
-        stroke_share: None,
-        zero_s: None,
-    };
+    const OPTIONS: TraceOptions = TraceOptions { nominal_force_n: None, speed_m_s: 2e-3, ..crate::tests::OPTIONS };
 
     /// The sample hangs free for 4 s, is loaded within 1 s, and slides at 0.25 under `load_n`; the sensors have these
     /// offsets.
