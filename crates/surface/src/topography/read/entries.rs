@@ -30,15 +30,15 @@ impl Entry<'_> {
     }
 }
 
+/// Error for the entry `key` on line number `line` of a text, whose `value` is not what is `expected`.
+pub(super) fn refused(line: usize, key: &'static str, value: &str, expected: &'static str) -> ReadError {
+    ReadError::Header { line, key, value: excerpt(value), expected }
+}
+
 /// Parses a length with its unit, such as `1.5 mm`; returns it in metres.
 pub(super) fn length(line: usize, key: &'static str, value: &str) -> Result<f64, ReadError> {
-    let refused = || ReadError::Header {
-        line,
-        key,
-        value: excerpt(value),
-        expected: concat!("a positive length with its unit (", unit_names!(), "), for instance 1.5 mm"),
-    };
-    stated_length(value).map(|length| length.to_metres(1.0)).ok_or_else(refused)
+    let expected = concat!("a positive length with its unit (", unit_names!(), "), for instance 1.5 mm");
+    stated_length(value).map(|length| length.to_metres(1.0)).ok_or_else(|| refused(line, key, value, expected))
 }
 
 /// Parses a length with its unit; `None` unless `value` begins with a number.
@@ -62,20 +62,15 @@ pub(super) fn nanometres(line: usize, key: &'static str, value: &str) -> Result<
 }
 
 pub(super) fn positive(line: usize, key: &'static str, value: &str) -> Result<f64, ReadError> {
-    let refused = || ReadError::Header { line, key, value: excerpt(value), expected: "a number of nanometres above 0" };
-    number(value).filter(|amount| *amount > 0.0).ok_or_else(refused)
+    let expected = "a number of nanometres above 0";
+    number(value).filter(|amount| *amount > 0.0).ok_or_else(|| refused(line, key, value, expected))
 }
 
 pub(super) fn whole(line: usize, key: &'static str, value: &str) -> Result<u64, ReadError> {
-    let refused = || ReadError::Header { line, key, value: excerpt(value), expected: "a whole number from 1 up" };
-    value.parse().ok().filter(|count| *count > 0).ok_or_else(refused)
+    let count = value.parse().ok().filter(|count| *count > 0);
+    count.ok_or_else(|| refused(line, key, value, "a whole number from 1 up"))
 }
 
 pub(super) fn unit(line: usize, key: &'static str, value: &str) -> Result<Scale, ReadError> {
-    Scale::parse(value).ok_or_else(|| ReadError::Header {
-        line,
-        key,
-        value: excerpt(value),
-        expected: concat!("one of ", unit_names!()),
-    })
+    Scale::parse(value).ok_or_else(|| refused(line, key, value, concat!("one of ", unit_names!())))
 }

@@ -324,7 +324,7 @@ mod tests {
     fn a_matrix_with_the_header_of_spip() {
         let text = "# File Format = ASCII\r\n# Created by SPIP 6.7 2015-03-02 10:11\r\n# x-pixels = 3\r\n\
                     # y-pixels = 2\r\n# x-length = 6000\r\n# y-length = 2000\r\n# Bit2nm = 0.5\r\n\
-                    # Start of Data:\r\n1\t2\t3\r\n4\t5\tNaN\r\n";
+                    # voidpixels = 0\r\n# Start of Data:\r\n1\t2\t3\r\n4\t5\tNaN\r\n";
         let found = read(text).unwrap();
         let map = &found.map;
         assert_eq!((found.format, map.rows(), map.cols(), map.missing()), (MapFormat::Matrix, 3, 2, 1));
@@ -334,7 +334,7 @@ mod tests {
         let with_unit = text.replace("# Start", "# z-unit = um\r\n# Start");
         assert!((read(&with_unit).unwrap().map.heights_m()[3] - 5e-6).abs() < 1e-21);
         let refused = |from: &str, to: &str| read(&text.replace(from, to)).unwrap_err().to_string();
-        assert_eq!(refused("x-pixels = 3", "x-pixels = 4"), "line 9: 3 values: expected 4");
+        assert_eq!(refused("x-pixels = 3", "x-pixels = 4"), "line 10: 3 values: expected 4");
         assert!(refused("y-pixels = 2", "y-pixels = 3").contains("rows end after 2 of 3"));
         assert!(refused("y-pixels = 2", "y-pixels = 99999999999").contains("after 2 of"));
     }
