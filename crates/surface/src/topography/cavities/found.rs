@@ -240,20 +240,26 @@ impl Along {
 
 /// Running mean.
 #[derive(Clone, Copy, Default)]
-struct Mean {
+pub(super) struct Mean {
     sum: f64,
     count: f64,
 }
 
 impl Mean {
-    fn add(&mut self, value: f64) {
+    pub(super) fn add(&mut self, value: f64) {
         if !value.is_nan() {
             self.sum += value;
             self.count += 1.0;
         }
     }
 
-    fn value(self) -> Option<f64> {
+    /// Adds the values of another mean.
+    pub(super) fn join(&mut self, other: Self) {
+        self.sum += other.sum;
+        self.count += other.count;
+    }
+
+    pub(super) fn value(self) -> Option<f64> {
         (self.count > 0.0).then(|| self.sum / self.count)
     }
 }

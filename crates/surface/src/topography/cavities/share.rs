@@ -2,6 +2,7 @@
 
 use slipgrid_base::monitor::{Cancelled, Monitor};
 
+use super::found::Mean;
 use super::rims::Scene;
 use super::{Estimate, RimProfile};
 
@@ -14,24 +15,6 @@ const MAX_ERROR: f64 = 0.25;
 /// Number of trial fractions.
 const STEPS: u32 = 200;
 
-/// Sum and number of heights in a band of distances from an edge.
-#[derive(Clone, Copy, Default)]
-struct Band {
-    sum_m: f64,
-    count: f64,
-}
-
-impl Band {
-    fn add(&mut self, other: Self) {
-        self.sum_m += other.sum_m;
-        self.count += other.count;
-    }
-
-    fn difference(self, base: Self) -> Option<f64> {
-        (self.count > 0.0 && base.count > 0.0).then(|| self.sum_m / self.count - base.sum_m / base.count)
-    }
-}
-
 /// Fraction of pieces of edge whose relief, the height of the core minus that of the land beyond, exceeds half of the
 /// relief of a rim. The same bands moved outward onto the land give the rate of false decisions by roughness. `None` if
 /// there is no land for the moved bands, or if the error of the fraction exceeds [`MAX_ERROR`].
@@ -42,11 +25,11 @@ pub(super) fn share_of_edge(
     monitor: &dyn Monitor,
 ) -> Result<Option<Estimate>, Cancelled> {
     let Some((bands_m, mean)) = bands_m(scene, profile, width_m) else { return Ok(None) };
-    let mut sums = vec![[Band::default(); 4]; scene.edges.points.len()];
+    let mut sums = vec![[Mean::default(); 4]; scene.edges.points.len()];
     scene.for_land(monitor, |number, distance_m, height_m| {
         for (band, [from_m, to_m]) in sums[number].iter_mut().zip(bands_m) {
             if (from_m..to_m).contains(&distance_m) {
-                band.add(Band { sum_m: height_m, count: 1.0 });
+                band.add(height_m);
             }
         }
     })?;
@@ -76,7 +59,7 @@ fn bands_m(scene: &Scene<'_>, profile: RimProfile, width_m: f64) -> Option<([[f6
 
 /// Fraction of the edges with a rim, from the sums of heights in each band at every edge point; `mean` is the mean over
 /// the core of a rim of height 1.
-fn share_of(scene: &Scene<'_>, sums: &[[Band; 4]], mean: f64, width_m: f64) -> Option<Estimate> {
+fn share_of(scene: &Scene<'_>, sums: &[[Mean; 4]], mean: f64, width_m: f64) -> Option<Estimate> {
     // Pieces of edge are as long as the rim is wide.
     let piece_m = width_m.max(MIN_PIECE * scene.bin_m());
     let mut pieces: Vec<(f64, f64)> = Vec::new();
@@ -88,10 +71,10 @@ fn share_of(scene: &Scene<'_>, sums: &[[Band; 4]], mean: f64, width_m: f64) -> O
     };
     let numbers: Vec<usize> = (0..sums.len()).collect();
     for piece in numbers.chunk_by(|&one, &other| key(one) == key(other)) {
-        let mut total = [Band::default(); 4];
+        let mut total = [Mean::default(); 4];
         for &number in piece {
             for (total, &band) in total.iter_mut().zip(&sums[number]) {
-                total.add(band);
+                total.join(band);
             }
         }
         let length_m: f64 = piece.iter().map(|&number| scene.edges.points[number].length_m).sum();
@@ -99,8 +82,9 @@ fn share_of(scene: &Scene<'_>, sums: &[[Band; 4]], mean: f64, width_m: f64) -> O
         if length_m < 0.5 * piece_m {
             continue;
         }
-        pieces.extend(total[0].difference(total[1]).map(|relief_m| (length_m, relief_m / mean)));
-        land.extend(total[2].difference(total[3]).map(|relief_m| relief_m / mean));
+        let [core_m, base_m, moved_core_m, moved_base_m] = total.map(Mean::value);
+        pieces.extend(core_m.zip(base_m).map(|(core_m, base_m)| (length_m, (core_m - base_m) / mean)));
+        land.extend(moved_core_m.zip(moved_base_m).map(|(core_m, base_m)| (core_m - base_m) / mean));
     }
     if pieces.len() < 2 || land.len() < 2 {
         return None;
