@@ -44,14 +44,9 @@ pub fn periodic_component(map: &HeightMap, monitor: &dyn Monitor) -> Result<Heig
     map.require_complete()?;
     let (rows, cols, height) = (map.rows(), map.cols(), map.heights_m());
     let mut steps = vec![0.0; height.len()];
-    for j in 0..cols {
-        let (first, last) = (j, (rows - 1) * cols + j);
-        let step = height[last] - height[first];
-        steps[first] += step;
-        steps[last] -= step;
-    }
-    for i in 0..rows {
-        let (first, last) = (i * cols, (i + 1) * cols - 1);
+    let along_x = (0..cols).map(|j| (j, (rows - 1) * cols + j));
+    let along_y = (0..rows).map(|i| (i * cols, (i + 1) * cols - 1));
+    for (first, last) in along_x.chain(along_y) {
         let step = height[last] - height[first];
         steps[first] += step;
         steps[last] -= step;

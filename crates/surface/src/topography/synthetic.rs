@@ -4,7 +4,7 @@ use slipgrid_base::monitor::Unwatched;
 use slipgrid_base::statistics::splitmix64;
 use slipgrid_base::units::tidy;
 
-use crate::topography::map::{check_grid, check_pixel};
+use crate::topography::map::{check_grid, check_pixel, check_range};
 use crate::topography::{HeightMap, MapError};
 
 /// A synthetic self-affine map: every wave in a band has a random phase and an amplitude given by a power law.
@@ -142,10 +142,7 @@ impl SelfAffine {
             );
         }
         // Below 1e-30 m the squares of heights would underflow.
-        if !(self.sa_m >= 1e-30 && self.sa_m <= 1.0) {
-            return refuse("Sa", self.sa_m, "a positive height of at most 1 m");
-        }
-        Ok(())
+        check_range("Sa", self.sa_m, 1e-30..=1.0, "a positive height of at most 1 m")
     }
 
     /// Real and imaginary part of the amplitude 2 sqrt(C) exp(i phi) of the wave (kx, ky); `None` outside the band.

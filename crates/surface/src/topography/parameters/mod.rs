@@ -63,27 +63,9 @@ impl HeightMap {
     /// pairs of neighbours contributes zero.
     pub fn rms_slope_finite_difference(&self) -> f64 {
         let (heights, cols) = (self.heights_m(), self.cols());
-        let mean_square = |sum: f64, count: f64| if count > 0.0 { sum / count } else { 0.0 };
-        let (mut sum_x, mut count_x, mut sum_y, mut count_y) = (0.0, 0.0, 0.0, 0.0);
-        for (here, next) in heights.iter().zip(&heights[cols..]) {
-            let step = next - here;
-            if !step.is_nan() {
-                sum_x += step * step;
-                count_x += 1.0;
-            }
-        }
-        for row in heights.chunks_exact(cols) {
-            for pair in row.windows(2) {
-                let step = pair[1] - pair[0];
-                if !step.is_nan() {
-                    sum_y += step * step;
-                    count_y += 1.0;
-                }
-            }
-        }
-        (mean_square(sum_x, count_x) / (self.dx_m() * self.dx_m())
-            + mean_square(sum_y, count_y) / (self.dy_m() * self.dy_m()))
-        .sqrt()
+        let along_x = heights.iter().zip(&heights[cols..]).map(|(here, next)| next - here);
+        let along_y = heights.chunks_exact(cols).flat_map(|row| row.windows(2)).map(|pair| pair[1] - pair[0]);
+        (mean_square(along_x) / (self.dx_m() * self.dx_m()) + mean_square(along_y) / (self.dy_m() * self.dy_m())).sqrt()
     }
 
     /// [`Self::rms_slope_finite_difference`] with its relative standard error, from the scatter of the logarithms of
@@ -94,6 +76,13 @@ impl HeightMap {
         let std = slipgrid_base::statistics::mean_and_std(logs.iter().copied()).and_then(|(_, std)| std);
         (self.rms_slope_finite_difference(), std.map(|std| std / (logs.len() as f64).sqrt()))
     }
+}
+
+/// Mean of the squares of the `steps` between points that are present; 0 without any.
+fn mean_square(steps: impl Iterator<Item = f64>) -> f64 {
+    let known = steps.filter(|step| !step.is_nan());
+    let (sum, count) = known.fold((0.0, 0.0), |(sum, count), step| (sum + step * step, count + 1.0));
+    if count > 0.0 { sum / count } else { 0.0 }
 }
 
 #[cfg(test)]
