@@ -1,5 +1,7 @@
 //! Delay between the reversals of the position and the sign changes of friction in reciprocating sliding.
 
+use std::ops::Range;
+
 use super::time_series::median;
 use super::{Tangential, TraceChannels, TraceOptions, samples_between, sampling_interval, zero};
 
@@ -23,16 +25,9 @@ pub struct Lag {
 /// trace begins). `position_m` has one value per sample, in metres. `None` if there are too few reversals, if the
 /// position was not recorded, or if the lag is below two sampling intervals.
 pub fn lag_of_friction(channels: &TraceChannels, position_m: &[f64], window_s: [f64; 2]) -> Option<Lag> {
-    let friction = channels.tangential.values();
-    if position_m.len() != friction.len() || friction.len() != channels.time_s.len() {
-        return None;
-    }
-    let time_s: Vec<f64> = channels.time_s.iter().map(|t| t - channels.start_s).collect();
-    let inside = samples_between(&time_s, window_s);
-    let (time_s, friction, position) = (&time_s[inside.clone()], &friction[inside.clone()], &position_m[inside]);
-    if !position.iter().all(|x| x.is_finite()) || time_s.is_empty() {
-        return None;
-    }
+    let (time_s, inside) = recorded(channels, position_m, window_s)?;
+    let friction = &channels.tangential.values()[inside.clone()];
+    let (time_s, position) = (&time_s[inside.clone()], &position_m[inside]);
     let turns: Vec<f64> =
         crossings(time_s, position).windows(2).map(|pair| turning_time(time_s, position, pair[0], pair[1])).collect();
     let changes: Vec<f64> =
@@ -50,26 +45,30 @@ pub fn lag_of_friction(channels: &TraceChannels, position_m: &[f64], window_s: [
     (lag_s.abs() > 2.0 * sampling_interval(time_s)).then_some(Lag { lag_s, stroke_s })
 }
 
+/// Times in seconds since the trace begins, and the indices of the samples within `window_s`; `None` without samples, or
+/// if the position of any was not recorded.
+fn recorded(channels: &TraceChannels, position_m: &[f64], window_s: [f64; 2]) -> Option<(Vec<f64>, Range<usize>)> {
+    if [channels.tangential.values().len(), channels.time_s.len()] != [position_m.len(); 2] {
+        return None;
+    }
+    let time_s: Vec<f64> = channels.time_s.iter().map(|t| t - channels.start_s).collect();
+    let inside = samples_between(&time_s, window_s);
+    let is_known = !inside.is_empty() && position_m[inside.clone()].iter().all(|x| x.is_finite());
+    is_known.then_some((time_s, inside))
+}
+
 /// Pairs of position, in metres, and friction coefficient with its recorded sign, in the last two loops within the
 /// averaging window. Empty if the position was not recorded, if there are too few strokes, or if the zero of the
 /// sensors in `options` is refused.
 pub fn friction_loops(channels: &TraceChannels, position_m: &[f64], options: &TraceOptions) -> Vec<[f64; 2]> {
-    if position_m.len() != channels.tangential.values().len() || position_m.len() != channels.time_s.len() {
-        return Vec::new();
-    }
-    let time_s: Vec<f64> = channels.time_s.iter().map(|t| t - channels.start_s).collect();
-    let inside = samples_between(&time_s, options.window_s);
+    let Some((time_s, inside)) = recorded(channels, position_m, options.window_s) else { return Vec::new() };
     if let Some(span_s) = options.zero_s {
         let zeroed = zero::subtract(channels, &time_s, &inside, span_s, options.window_s[0]);
         let options = TraceOptions { zero_s: None, ..*options };
         return zeroed.map_or_else(|_| Vec::new(), |(channels, _)| friction_loops(&channels, position_m, &options));
     }
     let tangential = channels.tangential.values();
-    let position = &position_m[inside.clone()];
-    if position.is_empty() || !position.iter().all(|x| x.is_finite()) {
-        return Vec::new();
-    }
-    let turns = crossings(&time_s[inside.clone()], position);
+    let turns = crossings(&time_s[inside.clone()], &position_m[inside.clone()]);
     let Some(from) = turns.len().checked_sub(2 * LOOPS + 1) else { return Vec::new() };
     let force_n = |at: usize| channels.normal_force_n.get(at).copied().or(options.nominal_force_n).map(f64::abs);
     let coefficient = |at: usize| {
