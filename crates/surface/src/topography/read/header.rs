@@ -13,15 +13,13 @@ const MAX_NAMED: usize = 4;
 /// Values found in the header of a map file.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Header {
-    /// Extent of the map along x, which is along a line of heights, in metres.
-    pub(super) width_m: Option<f64>,
-    /// Extent of the map along y, which is across the lines of heights, in metres.
-    pub(super) height_m: Option<f64>,
+    /// Extents of the map along x, which is along a line of heights, and along y, across the lines, in metres.
+    pub(super) sides_m: [Option<f64>; 2],
     /// Both extents of a square scan, in metres.
     side_m: Option<f64>,
     /// Sides of a pixel along x and y, in metres.
     pub(super) pixel_m: [Option<f64>; 2],
-    /// Relative rounding errors of the map's extents along y and x as written in the header.
+    /// Relative rounding errors of the map's extents along x and y as written in the header.
     pub(super) rounding: [f64; 2],
     value_unit: Option<Scale>,
     /// Length that a height value of 1 represents, used if no unit is stated.
@@ -119,18 +117,13 @@ impl Header {
         let count = || value.parse().ok().filter(|count| *count > 0);
         match key {
             Key::Width | Key::Height => {
-                let axis = usize::from(key == Key::Height);
                 if let Some(length) = number(value).filter(|_| word.contains('-')) {
                     self.unitless.push((key, length, line, word.to_owned()));
                     return Ok(true);
                 }
-                let length_m = Some(length(line, name, value)?);
-                if axis == 0 {
-                    self.width_m = length_m
-                } else {
-                    self.height_m = length_m
-                }
-                self.rounding[1 - axis] = rounding(value);
+                let axis = usize::from(key == Key::Height);
+                self.sides_m[axis] = Some(length(line, name, value)?);
+                self.rounding[axis] = rounding(value);
             }
             Key::Side => self.side_m = Some(length(line, name, value)?),
             Key::Cols => self.pixels[1] = count().or(self.pixels[1]),
@@ -163,8 +156,8 @@ impl Header {
         match key {
             "x-pixels" => self.pixels[1] = Some(whole(line, "x-pixels", value)?),
             "y-pixels" => self.pixels[0] = Some(whole(line, "y-pixels", value)?),
-            "x-length" => self.width_m = Some(nanometres(line, "x-length", value)?),
-            "y-length" => self.height_m = Some(nanometres(line, "y-length", value)?),
+            "x-length" => self.sides_m[0] = Some(nanometres(line, "x-length", value)?),
+            "y-length" => self.sides_m[1] = Some(nanometres(line, "y-length", value)?),
             "z-unit" => self.value_unit = Some(unit(line, "z-unit", value)?),
             "bit2nm" => self.value_factor = Some(Scale::new(positive(line, "Bit2nm", value)?, LengthUnit::Nanometre)),
             "voidpixels" if value.parse() != Ok(0_u64) => {
@@ -210,8 +203,8 @@ impl Header {
         for (key, length, line, word) in std::mem::take(&mut self.unitless) {
             match (self.lateral.filter(|_| length > 0.0).map(|lateral| lateral.to_metres(length)), key) {
                 (None, _) => self.record_unused(&format!("{word}: {length}"), line),
-                (Some(length_m), Key::Width) => self.width_m = Some(length_m),
-                (Some(length_m), Key::Height) => self.height_m = Some(length_m),
+                (Some(length_m), Key::Width) => self.sides_m[0] = Some(length_m),
+                (Some(length_m), Key::Height) => self.sides_m[1] = Some(length_m),
                 (Some(length_m), _) => self.set_pixel(key, length_m),
             }
         }
@@ -244,13 +237,13 @@ impl Header {
 
     /// Whether a size of the map or of its pixels is stated, as for a matrix.
     pub(super) fn is_sized(&self) -> bool {
-        let lengths = [self.width_m, self.height_m, self.side_m, self.pixel_m[0], self.pixel_m[1]];
-        lengths.iter().any(Option::is_some) || self.pixels[1].is_some() || !self.unitless.is_empty()
+        let mut lengths = self.sides_m.iter().chain(&self.pixel_m).chain([&self.side_m]);
+        lengths.any(Option::is_some) || self.pixels[1].is_some() || !self.unitless.is_empty()
     }
 
     /// Whether the pixel size depends on the number of lines in the file.
     pub(super) fn shares_sides(&self) -> bool {
-        self.pixel_m.contains(&None) && (self.height_m.is_some() || self.side_m.is_some())
+        self.pixel_m.contains(&None) && self.sides_m[1].or(self.side_m).is_some()
     }
 
     /// Distances between lines and between the points of a line, in metres, for a map of `rows` lines of `cols` points;
@@ -260,13 +253,17 @@ impl Header {
         let side_m = self.side_m.filter(|_| rows == cols);
         let share =
             |pixel_m: Option<f64>, side_m: Option<f64>, count| pixel_m.or(side_m.map(|side_m| side_m / count as f64));
-        [share(self.pixel_m[1], self.height_m.or(side_m), rows), share(self.pixel_m[0], self.width_m.or(side_m), cols)]
+        [
+            share(self.pixel_m[1], self.sides_m[1].or(side_m), rows),
+            share(self.pixel_m[0], self.sides_m[0].or(side_m), cols),
+        ]
     }
 
     /// Whether `text`, below data, states a side of the map again, so that another map begins.
     pub(super) fn restates_side(&self, text: &str) -> bool {
         let key = text.strip_prefix(['#', '%']).and_then(entry).and_then(|(word, _)| Key::of(word));
-        key == Some(Key::Width) && self.width_m.is_some() || key == Some(Key::Height) && self.height_m.is_some()
+        let is_known = |side: Key, side_m: Option<f64>| key == Some(side) && side_m.is_some();
+        is_known(Key::Width, self.sides_m[0]) || is_known(Key::Height, self.sides_m[1])
     }
 
     /// Records an unused line that states a unit or a scale.

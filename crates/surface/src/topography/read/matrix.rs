@@ -234,8 +234,8 @@ impl MatrixReader {
         // Counts stated in the header were compared already.
         let is_stated = header.pixels[0].is_some() || header.pixel_m.iter().any(Option::is_some);
         let allowed = (SQUARE_TOLERANCE + header.rounding.iter().sum::<f64>()).min(MAX_SQUARE_TOLERANCE);
-        match (header.height_m.zip(header.width_m), grid_m) {
-            (Some((height_m, width_m)), [Some(along_y_m), Some(along_x_m)])
+        match (header.sides_m, grid_m) {
+            ([Some(width_m), Some(height_m)], [Some(along_y_m), Some(along_x_m)])
                 if !is_stated && log_aspect_ratio([along_y_m, along_x_m]) > allowed =>
             {
                 Err(ReadError::Oblong { sides_m: [height_m, width_m], rows, cols: self.cols })

@@ -18,11 +18,6 @@ pub(super) struct Scan {
 }
 
 impl Scan {
-    /// Number of points so far.
-    pub(super) const fn len(&self) -> usize {
-        self.z.len()
-    }
-
     /// Adds the next point, if it continues the scan; returns whether it does.
     pub(super) fn push(&mut self, point: Point) -> bool {
         let count = self.z.len();

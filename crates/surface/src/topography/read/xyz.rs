@@ -28,22 +28,6 @@ pub(super) struct Point {
     pub(super) line: usize,
 }
 
-/// Points read so far, stored as a scan as long as they are in scan order.
-#[derive(Debug)]
-enum Points {
-    Scan(Scan),
-    Any(Vec<Point>),
-}
-
-impl Points {
-    const fn len(&self) -> usize {
-        match self {
-            Self::Scan(scan) => scan.len(),
-            Self::Any(points) => points.len(),
-        }
-    }
-}
-
 /// Whether `text` has three values; the height of a missing point may be an empty field at the end of the line.
 pub(super) fn is_point(text: &str) -> bool {
     let row = text.trim();
@@ -63,16 +47,15 @@ pub(super) fn is_point(text: &str) -> bool {
 }
 
 /// Reads points line by line.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct XyzReader {
     delimiter: Option<Delimiter>,
-    points: Points,
-}
-
-impl Default for XyzReader {
-    fn default() -> Self {
-        Self { delimiter: None, points: Points::Scan(Scan::default()) }
-    }
+    /// Number of points read so far.
+    count: usize,
+    /// The points, as long as they are in scan order.
+    scan: Scan,
+    /// The points in any order; `None` as long as they are in scan order.
+    any: Option<Vec<Point>>,
 }
 
 impl XyzReader {
@@ -89,18 +72,16 @@ impl XyzReader {
         let coordinate =
             |place, field| number(field).ok_or_else(|| not_a_number(line, place, field, expected_coordinate(field)));
         let z = height(z).ok_or_else(|| not_a_number(line, 2, z, expected_height(z)))?;
-        if self.points.len() == MAX_POINTS {
-            let points = self.points.len() as f64 + 1.0;
+        if self.count == MAX_POINTS {
+            let points = self.count as f64 + 1.0;
             return Err(MapError::TooManyPoints { points, most: MAX_POINTS }.into());
         }
         let point = Point { x: coordinate(0, x)?, y: coordinate(1, y)?, z: z.unwrap_or(f64::NAN), line };
-        match &mut self.points {
-            Points::Any(points) => points.push(point),
-            Points::Scan(scan) => {
-                if !scan.push(point) {
-                    self.points = Points::Any(scan.points().chain([point]).collect());
-                }
-            }
+        self.count += 1;
+        match &mut self.any {
+            Some(points) => points.push(point),
+            None if self.scan.push(point) => {}
+            None => self.any = Some(std::mem::take(&mut self.scan).points().chain([point]).collect()),
         }
         Ok(())
     }
@@ -132,9 +113,10 @@ impl XyzReader {
             let (dx_m, dy_m) = (scale_x.to_metres(along_x.step), scale_y.to_metres(along_y.step));
             Ok(HeightMap::new(along_x.count as usize, along_y.count as usize, dx_m, dy_m, height_m)?)
         };
-        let points = match self.points {
-            Points::Any(points) => points,
-            Points::Scan(scan) => match from_scan(&scan, height_unit) {
+        let Self { scan, any, .. } = self;
+        let points = match any {
+            Some(points) => points,
+            None => match from_scan(&scan, height_unit) {
                 Some((grid, height_m)) => {
                     drop(scan);
                     return map(grid, height_m);
