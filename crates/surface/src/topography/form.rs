@@ -214,12 +214,18 @@ mod tests {
 
     #[test]
     fn the_plane_is_that_of_subtract_plane() {
-        let c = [1.0, 0.2, -0.3, 0.05, 0.01, -0.02];
-        let (mut one, mut other) = (map(c, &[3, 50]), map(c, &[3, 50]));
-        one.remove_form(Form::Plane, &Unwatched).unwrap();
-        other.subtract_plane(&Unwatched).unwrap();
-        for (a, b) in one.heights_m().iter().zip(other.heights_m()) {
-            assert!(a.is_nan() && b.is_nan() || (a - b).abs() < 1e-18);
+        for (c, holes) in [
+            ([1.0, 0.2, -0.3, 0.05, 0.01, -0.02], &[3, 50][..]),
+            ([3.0, 0.02, -0.1, 0.0, 0.0, 0.0], &[]),
+            ([3.0, 0.02, -0.1, 0.0, 0.0, 0.0], &[0, 1, 8, 34]),
+        ] {
+            let (mut one, mut other) = (map(c, holes), map(c, holes));
+            one.remove_form(Form::Plane, &Unwatched).unwrap();
+            other.subtract_plane(&Unwatched).unwrap();
+            for (a, b) in one.heights_m().iter().zip(other.heights_m()) {
+                assert!(a.is_nan() && b.is_nan() || (a - b).abs() < 1e-18);
+            }
+            assert!(c[3] != 0.0 || largest(&other) < 1e-18, "{}", largest(&other));
         }
     }
 

@@ -82,25 +82,6 @@ mod tests {
     use super::*;
     use slipgrid_base::monitor::Unwatched;
 
-    /// A tilted plane on 5 x 7 pixels of 1 um x 2 um, with the points `holes` missing.
-    fn tilted(holes: &[usize]) -> HeightMap {
-        let height = |n: usize| {
-            let (x, y) = ((n / 7) as f64 * 1e-6, (n % 7) as f64 * 2e-6);
-            if holes.contains(&n) { f64::NAN } else { 3e-6 + 0.02 * x - 0.05 * y }
-        };
-        HeightMap::new(5, 7, 1e-6, 2e-6, (0..35).map(height).collect()).unwrap()
-    }
-
-    #[test]
-    fn a_plane_is_removed_whole_with_or_without_holes() {
-        for holes in [&[][..], &[0, 1, 8, 34]] {
-            let mut map = tilted(holes);
-            map.subtract_plane(&Unwatched).unwrap();
-            assert!(map.heights_m().iter().filter(|h| !h.is_nan()).all(|h| h.abs() < 1e-18));
-            assert_eq!(map.missing(), holes.len());
-        }
-    }
-
     #[test]
     fn points_on_one_line_have_no_plane() {
         let diagonal = |n: usize| if n / 4 == n % 4 { n as f64 * 1e-6 } else { f64::NAN };
