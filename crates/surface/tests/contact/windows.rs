@@ -1,6 +1,7 @@
 //! How well windows of a map represent the whole map.
 
 use crate::common::{MODULUS_PA, self_affine};
+use slipgrid_base::statistics::mean_and_std;
 use slipgrid_surface::contact::{SolveOptions, Unwatched, area_curve, coarser, windows};
 use slipgrid_surface::topography::{HeightMap, SelfAffine};
 
@@ -11,10 +12,9 @@ fn factor(map: &HeightMap) -> f64 {
     points[1].area_fraction_corrected / points[0].area_fraction_corrected * 0.7 / 2.6
 }
 
-fn mean_and_spread(values: &[f64]) -> (f64, f64) {
-    let count = values.len() as f64;
-    let mean = values.iter().sum::<f64>() / count;
-    (mean, (values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (count - 1.0)).sqrt())
+fn mean_and_spread(maps: &[HeightMap]) -> (f64, f64) {
+    let factors: Vec<f64> = maps.iter().map(factor).collect();
+    mean_and_std(factors).map(|(mean, std)| (mean, std.unwrap())).unwrap()
 }
 
 #[test]
@@ -24,8 +24,7 @@ fn windows_without_a_period_of_their_own_give_the_factor_of_the_period() {
     // too high.
     let map = self_affine(512);
     let quarters = windows(&map, 2, &Unwatched).unwrap();
-    let factors: Vec<f64> = quarters.iter().map(factor).collect();
-    let (mean, spread) = mean_and_spread(&factors);
+    let (mean, spread) = mean_and_spread(&quarters);
     assert!((mean - factor(&map)).abs() < 2e-3, "{mean}");
     assert!((1e-3..8e-3).contains(&spread), "{spread}");
     let slope = map.rms_slope_spectral(&Unwatched).unwrap();
@@ -40,12 +39,8 @@ fn the_spread_of_windows_tells_the_standard_error_of_the_map() {
     // each map alone must estimate it from its own four windows.
     let surface = SelfAffine { pixels: 512, min_wave: 16, max_wave: 64, ..SelfAffine::STAND_IN }.map().unwrap();
     let maps = windows(&surface, 4, &Unwatched).unwrap();
-    let factors: Vec<f64> = maps.iter().map(factor).collect();
-    let (_, true_error) = mean_and_spread(&factors);
-    let told = maps.iter().map(|map| {
-        let factors: Vec<f64> = windows(map, 2, &Unwatched).unwrap().iter().map(factor).collect();
-        (mean_and_spread(&factors).1 / 2.0).powi(2)
-    });
+    let (_, true_error) = mean_and_spread(&maps);
+    let told = maps.iter().map(|map| (mean_and_spread(&windows(map, 2, &Unwatched).unwrap()).1 / 2.0).powi(2));
     let told = (told.sum::<f64>() / 16.0).sqrt();
     assert!((0.6..1.7).contains(&(told / true_error)), "told {told}, true {true_error}");
 }

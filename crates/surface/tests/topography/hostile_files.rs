@@ -46,6 +46,14 @@ const WORDS: [&[u8]; 14] = [
     b"&x;",
 ];
 
+/// The outcome of `work`, and the memory that it takes at most.
+fn measured<T>(work: impl FnOnce() -> T) -> (T, usize) {
+    let before = PEAK.current_usage();
+    PEAK.reset_peak_usage();
+    let outcome = work();
+    (outcome, PEAK.peak_usage().saturating_sub(before))
+}
+
 fn damage(bytes: &mut Vec<u8>, random: &mut Random) {
     let at = random.below(bytes.len().max(1)).min(bytes.len().saturating_sub(1));
     // Damage to headers is most likely to have an effect.
@@ -128,10 +136,7 @@ fn damaged_files_are_read_or_refused_within_bounded_memory() {
                 }
             }
             for options in [ReadOptions::default(), given, part] {
-                let before = PEAK.current_usage();
-                PEAK.reset_peak_usage();
-                let outcome = read_map(&bytes[..], &options);
-                let used = PEAK.peak_usage().saturating_sub(before);
+                let (outcome, used) = measured(|| read_map(&bytes[..], &options));
                 assert!(used < MAX_BYTES, "{name}: {used} bytes for {:?}", outcome.map(|read| read.map.rows()));
                 most = most.max(used);
                 match outcome {
@@ -162,10 +167,8 @@ const MAX_PER_BYTE: usize = 3 * 64;
 /// Files that pack zeros, with correct or wrong lengths, take no more memory than measured heights of their size.
 fn small_files_never_swell() {
     let refused = |name: &str, bytes: &[u8]| {
-        let before = PEAK.current_usage();
-        PEAK.reset_peak_usage();
-        let error = read_map(bytes, &ReadOptions::default()).map(|read| read.map.rows()).unwrap_err();
-        let used = PEAK.peak_usage() - before;
+        let (read, used) = measured(|| read_map(bytes, &ReadOptions::default()));
+        let error = read.unwrap_err();
         assert!(used < MAX_BYTES.max(MAX_PER_BYTE * bytes.len()), "{name}: {used} bytes of {}", bytes.len());
         assert!(error.to_string().contains("unpacks to"), "{name}: {error}");
     };
@@ -253,11 +256,10 @@ fn claims_are_never_reserved() {
     bytes.extend_from_slice(&[0; 800]);
     let given =
         ReadOptions { pixel_m: Some([1e-6; 2]), height_unit: Some(LengthUnit::Micrometre), ..ReadOptions::default() };
-    let before = PEAK.current_usage();
-    PEAK.reset_peak_usage();
-    let error = read_map(&bytes[..], &given).unwrap_err();
+    let (read, used) = measured(|| read_map(&bytes[..], &given));
+    let error = read.unwrap_err();
     assert!(matches!(error, ReadError::Ended { expected: 25_000_000, found: 100, .. }), "{error}");
-    assert!(PEAK.peak_usage() - before < 1 << 20);
+    assert!(used < 1 << 20);
     // Twenty-five million points decimated by 10 take the memory of a quarter of a million.
     let header_bytes = bytes.len() - 800;
     let endless = std::io::BufReader::new(std::io::Read::chain(
@@ -265,11 +267,9 @@ fn claims_are_never_reserved() {
         std::io::Read::take(std::io::repeat(0), 200_000_000),
     ));
     let decimation = Some(Decimation { factor: 10, method: DecimationMethod::Mean });
-    let before = PEAK.current_usage();
-    PEAK.reset_peak_usage();
-    let map = read_map(endless, &ReadOptions { decimation, ..given }).unwrap().map;
+    let (read, used) = measured(|| read_map(endless, &ReadOptions { decimation, ..given }));
+    let map = read.unwrap().map;
     assert_eq!((map.rows(), map.cols()), (500, 500));
     assert!((map.dx_m() - 1e-5).abs() < 1e-15);
-    let used = PEAK.peak_usage() - before;
     assert!(used < 8 << 20, "{used} bytes");
 }

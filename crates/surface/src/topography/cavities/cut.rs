@@ -219,6 +219,7 @@ impl HeightMap {
 
 #[cfg(test)]
 pub(super) mod tests {
+    use super::super::Spread;
     use super::*;
 
     pub(crate) const GROOVES: CutPattern = CutPattern {
@@ -265,15 +266,11 @@ pub(super) mod tests {
         };
         let cut = map.cut_cavities(&pattern).unwrap();
         assert_eq!(cut.len(), 400);
-        let spread = |value: &dyn Fn(&CutCavity) -> f64| {
-            let mean = cut.iter().map(value).sum::<f64>() / 400.0;
-            (mean, (cut.iter().map(|cavity| (value(cavity) - mean).powi(2)).sum::<f64>() / 399.0).sqrt())
-        };
         // Deviates truncated at 2.7 have 0.98 of their standard deviation, which 400 of them determine to 4 %.
-        let (mean, std) = spread(&|cavity| cavity.width_m);
-        assert!((mean - 30e-6).abs() < 0.3e-6 && (std / 2e-6 - 0.98).abs() < 0.1, "{mean} {std}");
-        let (mean, std) = spread(&|cavity| cavity.depth_m);
-        assert!((mean - 5e-6).abs() < 0.08e-6 && (std / 0.5e-6 - 0.98).abs() < 0.1, "{mean} {std}");
+        let Spread { mean_m, std_m, .. } = Spread::of(cut.iter().map(|cavity| cavity.width_m)).unwrap();
+        assert!((mean_m - 30e-6).abs() < 0.3e-6 && (std_m / 2e-6 - 0.98).abs() < 0.1, "{mean_m} {std_m}");
+        let Spread { mean_m, std_m, .. } = Spread::of(cut.iter().map(|cavity| cavity.depth_m)).unwrap();
+        assert!((mean_m - 5e-6).abs() < 0.08e-6 && (std_m / 0.5e-6 - 0.98).abs() < 0.1, "{mean_m} {std_m}");
         assert_eq!(map, {
             let mut again = HeightMap::new(1000, 1000, 2e-6, 2e-6, vec![0.0; 1_000_000]).unwrap();
             again.cut_cavities(&pattern).unwrap();
