@@ -36,19 +36,13 @@ pub enum MapDoubt {
 impl MapDoubt {
     /// Name of the warning.
     pub const fn name(self) -> &'static str {
-        match self {
-            Self::Spikes => "spikes",
-            Self::Debris => "debris",
-            Self::Hole => "hole",
-            Self::Curved => "curved",
-            Self::MissingPoints => "missing points",
-            Self::Zeros => "zeros",
-            Self::Pixels => "pixels",
-            Self::Slope => "slope",
-            Self::UnitOfHeights => "unit of heights",
-        }
+        NAMES[self as usize]
     }
 }
+
+/// Names of the warnings, in the order of [`MapDoubt`].
+const NAMES: [&str; 9] =
+    ["spikes", "debris", "hole", "curved", "missing points", "zeros", "pixels", "slope", "unit of heights"];
 
 /// A warning about a map. It is displayed with its name in front of the text.
 #[derive(Clone, Debug, PartialEq)]
@@ -120,7 +114,7 @@ impl HeightMap {
             let _ = map.subtract_plane(monitor);
             monitor.heed()?;
             let highest_m = map.heights_m().iter().copied().fold(f64::NEG_INFINITY, f64::max);
-            let above_m = highest_m - map.median_m();
+            let above_m = highest_m - upper_median(&mut map.sampled_heights_m()).unwrap_or(f64::NAN);
             monitor.heed()?;
             Ok([map.rms_slope_finite_difference(), above_m])
         };
@@ -163,12 +157,6 @@ impl HeightMap {
             )
         };
         Ok(is_curved.then(|| MapWarning { doubt: MapDoubt::Curved, text: text() }))
-    }
-
-    /// Median of the heights present, in metres.
-    fn median_m(&self) -> f64 {
-        let mut sample = self.sampled_heights_m();
-        upper_median(&mut sample).unwrap_or(f64::NAN)
     }
 
     /// Warning on a part that lies far below the rest of a map whose form is removed; `None` unless the part's fraction

@@ -20,7 +20,8 @@ pub(super) struct Regions {
     /// Number of points of each region, by label; 0 for label 0.
     pub(super) points: Vec<usize>,
     rows: usize,
-    cols: usize,
+    /// Number of points in a row of the grid.
+    pub(super) cols: usize,
 }
 
 impl Regions {
@@ -88,11 +89,6 @@ impl Regions {
 
     pub(super) fn count(&self) -> usize {
         self.points.len() - 1
-    }
-
-    /// Number of points in a row of the grid.
-    pub(super) fn cols(&self) -> usize {
-        self.cols
     }
 
     /// Returns the chords along `axis`, 0 for x and 1 for y, line by line in order. A chord extends from the first to the last point of a

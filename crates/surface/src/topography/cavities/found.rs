@@ -112,7 +112,7 @@ impl Found {
 
     /// Number of points along y.
     pub(super) fn cols(&self) -> usize {
-        self.regions.cols()
+        self.regions.cols
     }
 
     /// Whether a region counts along an axis: the region ends within the map along the axis, and across the axis it is
@@ -282,7 +282,7 @@ fn floors(
     height_m: &[f64],
     monitor: &dyn Monitor,
 ) -> Result<(Vec<Option<Floor>>, Vec<bool>), Cancelled> {
-    let cols = regions.cols();
+    let cols = regions.cols;
     // A point is in the middle if it is so along every axis on which the region ends within the map. Lines within a
     // groove's walls meet it in short chords, between which there is wall, not land.
     let mut middle = vec![true; regions.label.len()];
