@@ -45,8 +45,8 @@ pub fn lag_of_friction(channels: &TraceChannels, position_m: &[f64], window_s: [
     (lag_s.abs() > 2.0 * sampling_interval(time_s)).then_some(Lag { lag_s, stroke_s })
 }
 
-/// Times in seconds since the trace begins, and the indices of the samples within `window_s`; `None` without samples, or
-/// if the position of any was not recorded.
+/// Times in seconds since the trace begins, and the indices of the samples within `window_s`; `None` without samples,
+/// or if the position of any was not recorded.
 fn recorded(channels: &TraceChannels, position_m: &[f64], window_s: [f64; 2]) -> Option<(Vec<f64>, Range<usize>)> {
     if [channels.tangential.values().len(), channels.time_s.len()] != [position_m.len(); 2] {
         return None;

@@ -1,7 +1,7 @@
 //! Cholesky factorisation A = L L^T whose sums run from the first term on, starting at the entry of A.
 
-/// Lower triangular factor L, row by row, of the symmetric matrix A = `entry`, n x n; `None` if the square of a pivot is
-/// at most `least`.
+/// Lower triangular factor L, row by row, of the symmetric matrix A = `entry`, n x n; `None` if the square of a pivot
+/// is at most `least`.
 pub(super) fn factor(n: usize, entry: impl Fn(usize, usize) -> f64, least: f64) -> Option<Vec<Vec<f64>>> {
     let mut factor: Vec<Vec<f64>> = Vec::new();
     for i in 0..n {

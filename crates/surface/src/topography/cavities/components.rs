@@ -91,8 +91,8 @@ impl Regions {
         self.points.len() - 1
     }
 
-    /// Returns the chords along `axis`, 0 for x and 1 for y, line by line in order. A chord extends from the first to the last point of a
-    /// region on a line and ends where the height crosses the region's own threshold.
+    /// Returns the chords along `axis`, 0 for x and 1 for y, line by line in order. A chord extends from the first to
+    /// the last point of a region on a line and ends where the height crosses the region's own threshold.
     pub(super) fn chords(
         &self,
         height: &[f64],

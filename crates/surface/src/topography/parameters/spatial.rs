@@ -20,8 +20,8 @@ pub struct CorrelationLengths {
     /// Sal, the smallest distance at which the autocorrelation falls to 0.2 of its value at zero distance, in metres;
     /// `None` if it does not fall so far within half the map in any direction.
     pub sal_m: Option<f64>,
-    /// Str, 1 for an isotropic surface: Sal over the largest distance in any direction at which the autocorrelation first
-    /// falls to 0.2 of its value at zero distance; `None` if it does not fall so far within half the map in some
+    /// Str, 1 for an isotropic surface: Sal over the largest distance in any direction at which the autocorrelation
+    /// first falls to 0.2 of its value at zero distance; `None` if it does not fall so far within half the map in some
     /// direction.
     pub str_ratio: Option<f64>,
     /// Side in pixels of the blocks that were averaged first; 1 for all but the largest maps.

@@ -116,8 +116,8 @@ pub(crate) fn skip(
     Ok(())
 }
 
-/// Reads `count` numbers, which may be big endian, until `window` is full; `height` converts a number to a height of the
-/// window, NaN where missing. Returns whether all were read.
+/// Reads `count` numbers, which may be big endian, until `window` is full; `height` converts a number to a height of
+/// the window, NaN where missing. Returns whether all were read.
 pub(crate) fn numbers(
     source: &mut impl Read,
     format: &'static str,

@@ -272,8 +272,8 @@ mod plainly {
         read_map(bytes.as_ref(), &ReadOptions::default()).unwrap_err().to_string()
     }
 
-    /// Asserts that `bytes` are in `format` and hold a map of 3 x 2 points with pixel sides `pixel_m`, one point missing,
-    /// and these heights, all in metres.
+    /// Asserts that `bytes` are in `format` and hold a map of 3 x 2 points with pixel sides `pixel_m`, one point
+    /// missing, and these heights, all in metres.
     pub(super) fn check(
         bytes: &[u8],
         format: MapFormat,

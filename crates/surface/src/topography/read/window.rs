@@ -255,8 +255,8 @@ impl Window {
     }
 
     /// The map in the order received. Heights are converted by `to_metres`, which must be linear; `pixel_m` are the
-    /// distances between rows and between columns, before decimation. Also returns whether every pixel of the file is in
-    /// the map.
+    /// distances between rows and between columns, before decimation. Also returns whether every pixel of the file is
+    /// in the map.
     pub(crate) fn finish(
         mut self,
         pixel_m: [f64; 2],
