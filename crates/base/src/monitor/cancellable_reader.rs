@@ -31,23 +31,14 @@ mod tests {
 
     use super::*;
 
-    #[derive(Default)]
-    struct Button(AtomicBool);
-
-    impl Monitor for Button {
-        fn cancelled(&self) -> bool {
-            self.0.load(Ordering::Relaxed)
-        }
-    }
-
     #[test]
     fn a_source_fails_once_its_monitor_cancels() {
-        let button = Button::default();
+        let button = AtomicBool::new(false);
         let mut source = CancellableReader::new(&b"0123456789"[..], &button);
         let mut four = [0; 4];
         source.read_exact(&mut four).unwrap();
         assert_eq!(&four, b"0123");
-        button.0.store(true, Ordering::Relaxed);
+        button.store(true, Ordering::Relaxed);
         assert_eq!(source.read_exact(&mut four).unwrap_err().to_string(), "cancelled");
     }
 }

@@ -8,17 +8,10 @@
 //! use slipgrid_base::monitor::{Monitor, Stage};
 //! use std::sync::atomic::{AtomicBool, Ordering};
 //!
-//! struct Button(AtomicBool);
-//! impl Monitor for Button {
-//!     fn cancelled(&self) -> bool {
-//!         self.0.load(Ordering::Relaxed)
-//!     }
-//! }
-//!
-//! let button = Button(AtomicBool::new(false));
+//! let button = AtomicBool::new(false);
 //! let stage = Stage::new(&button, "search", None);
 //! assert!(!stage.cancelled());
-//! button.0.store(true, Ordering::Relaxed);
+//! button.store(true, Ordering::Relaxed);
 //! assert!(stage.cancelled() && !stage.is_out_of_time());
 //! ```
 
@@ -26,28 +19,50 @@ mod cancellable_reader;
 pub mod memory;
 
 use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 pub use cancellable_reader::CancellableReader;
 pub use memory::{InMemory, Key, Memory, cached};
 
-/// Progress, cancellation and time. All methods have defaults, so that a monitor implements only the methods that it
-/// needs.
+/// Progress, cancellation and time. All methods have defaults, which forward to [`Monitor::outer`], so that a monitor
+/// implements only the methods that it needs.
 pub trait Monitor: Sync {
+    /// Monitor to which calls are forwarded that this one does not handle itself; `None` if they have no effect.
+    fn outer(&self) -> Option<&dyn Monitor> {
+        None
+    }
+
     /// Reports that the stage `name` begins; [`Monitor::advance`] counts from 0 again.
-    fn stage(&self, _name: &str) {}
+    fn stage(&self, name: &str) {
+        if let Some(outer) = self.outer() {
+            outer.stage(name);
+        }
+    }
 
     /// Describes the current work within the stage.
-    fn detail(&self, _text: &str) {}
+    fn detail(&self, text: &str) {
+        if let Some(outer) = self.outer() {
+            outer.detail(text);
+        }
+    }
 
     /// Reports that the current stage has ended.
-    fn stage_ended(&self) {}
+    fn stage_ended(&self) {
+        if let Some(outer) = self.outer() {
+            outer.stage_ended();
+        }
+    }
 
     /// Reports that the fraction `share` of the stage's work, 0 to 1, was done since the last call.
-    fn advance(&self, _share: f64) {}
+    fn advance(&self, share: f64) {
+        if let Some(outer) = self.outer() {
+            outer.advance(share);
+        }
+    }
 
     /// Whether to stop; called many times per second by any thread.
     fn cancelled(&self) -> bool {
-        false
+        self.outer().is_some_and(|outer| outer.cancelled())
     }
 
     /// Checks for cancellation between two stages, and after a stage that ended early.
@@ -60,18 +75,26 @@ pub trait Monitor: Sync {
 
     /// Seconds from an arbitrary start; only differences matter. With a constant clock no time limit is reached.
     fn seconds(&self) -> f64 {
-        0.0
+        self.outer().map_or(0.0, |outer| outer.seconds())
     }
 
     /// Shows a message to the user while the work continues.
-    fn note(&self, _text: &str) {}
+    fn note(&self, text: &str) {
+        if let Some(outer) = self.outer() {
+            outer.note(text);
+        }
+    }
 
     /// Reports that `results` complete results are stored at `place` and will survive a later failure.
-    fn kept(&self, _place: &Path, _results: usize) {}
+    fn kept(&self, place: &Path, results: usize) {
+        if let Some(outer) = self.outer() {
+            outer.kept(place, results);
+        }
+    }
 
     /// Cache of earlier results; results do not depend on it.
     fn memory(&self) -> Option<&dyn Memory> {
-        None
+        self.outer()?.memory()
     }
 }
 
@@ -84,6 +107,13 @@ pub struct Cancelled;
 pub struct Unwatched;
 
 impl Monitor for Unwatched {}
+
+/// A button: the work is cancelled once it is true.
+impl Monitor for AtomicBool {
+    fn cancelled(&self) -> bool {
+        self.load(Ordering::Relaxed)
+    }
+}
 
 /// One stage of a job; cancelled with the job, or when its time limit is reached.
 pub struct Stage<'a> {
@@ -112,44 +142,9 @@ impl<'a> Stage<'a> {
     }
 }
 
-/// Implements the methods of `Monitor` that a part of a job forwards unchanged to its field `$to`.
-macro_rules! forwarded {
-    ($to:ident) => {
-        fn stage(&self, name: &str) {
-            self.$to.stage(name);
-        }
-
-        fn detail(&self, text: &str) {
-            self.$to.detail(text);
-        }
-
-        fn stage_ended(&self) {
-            self.$to.stage_ended();
-        }
-
-        fn seconds(&self) -> f64 {
-            self.$to.seconds()
-        }
-
-        fn note(&self, text: &str) {
-            self.$to.note(text);
-        }
-
-        fn kept(&self, place: &Path, results: usize) {
-            self.$to.kept(place, results);
-        }
-
-        fn memory(&self) -> Option<&dyn Memory> {
-            self.$to.memory()
-        }
-    };
-}
-
 impl Monitor for Stage<'_> {
-    forwarded!(job);
-
-    fn advance(&self, share: f64) {
-        self.job.advance(share);
+    fn outer(&self) -> Option<&dyn Monitor> {
+        Some(self.job)
     }
 
     fn cancelled(&self) -> bool {
@@ -171,14 +166,12 @@ impl<'a> Part<'a> {
 }
 
 impl Monitor for Part<'_> {
-    forwarded!(stage);
+    fn outer(&self) -> Option<&dyn Monitor> {
+        Some(self.stage)
+    }
 
     fn advance(&self, share: f64) {
         self.stage.advance(share * self.share);
-    }
-
-    fn cancelled(&self) -> bool {
-        self.stage.cancelled()
     }
 }
 
@@ -196,36 +189,8 @@ impl<'a> CachingMonitor<'a> {
 }
 
 impl Monitor for CachingMonitor<'_> {
-    fn stage(&self, name: &str) {
-        self.inner.stage(name);
-    }
-
-    fn detail(&self, text: &str) {
-        self.inner.detail(text);
-    }
-
-    fn stage_ended(&self) {
-        self.inner.stage_ended();
-    }
-
-    fn advance(&self, share: f64) {
-        self.inner.advance(share);
-    }
-
-    fn cancelled(&self) -> bool {
-        self.inner.cancelled()
-    }
-
-    fn seconds(&self) -> f64 {
-        self.inner.seconds()
-    }
-
-    fn note(&self, text: &str) {
-        self.inner.note(text);
-    }
-
-    fn kept(&self, place: &Path, results: usize) {
-        self.inner.kept(place, results);
+    fn outer(&self) -> Option<&dyn Monitor> {
+        Some(self.inner)
     }
 
     fn memory(&self) -> Option<&dyn Memory> {
@@ -237,7 +202,7 @@ impl Monitor for CachingMonitor<'_> {
 mod tests {
     use super::*;
     use std::sync::Mutex;
-    use std::sync::atomic::{AtomicU64, Ordering};
+    use std::sync::atomic::AtomicU64;
 
     /// A manual clock that records calls.
     #[derive(Default)]

@@ -279,31 +279,21 @@ mod tests {
         surface_area_law(&surface, &request, &Unwatched).unwrap()
     }
 
-    /// Cancels when it is told to.
-    #[derive(Default)]
-    struct Cancelling(AtomicBool);
-
-    impl Monitor for Cancelling {
-        fn cancelled(&self) -> bool {
-            self.0.load(Ordering::Relaxed)
-        }
-    }
-
     #[test]
     fn a_curve_is_kept_to_the_last_bit_and_solved_again_for_another_map_or_pressure() {
         let map = SelfAffine { pixels: 32, max_wave: 8, ..SelfAffine::STAND_IN }.map().unwrap();
         let mut height_m = map.heights_m().to_vec();
         height_m[7] += 1e-12;
         let other = HeightMap::new(32, 32, map.dx_m(), map.dy_m(), height_m).unwrap();
-        let cancelling = Cancelling::default();
+        let cancelling = AtomicBool::new(false);
         let monitor = CachingMonitor::new(&cancelling);
         let pressures_pa = [0.5e6, 2e6, 1e9];
         for (map, pressures_pa) in [(&map, &pressures_pa[..]), (&other, &pressures_pa), (&map, &pressures_pa[..2])] {
             let curve = |monitor: &dyn Monitor| area_curve(map, 0.43e9, pressures_pa, 1e-6, monitor);
             let is_kept_as = |expected: &AreaCurve| {
-                cancelling.0.store(true, Ordering::Relaxed);
+                cancelling.store(true, Ordering::Relaxed);
                 let found = curve(&monitor);
-                cancelling.0.store(false, Ordering::Relaxed);
+                cancelling.store(false, Ordering::Relaxed);
                 found.as_ref() == Ok(expected)
             };
             let solved = curve(&Unwatched).unwrap();
