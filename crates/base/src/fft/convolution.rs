@@ -120,7 +120,7 @@ impl<T: Number> Convolution<T> {
         (self.rows * self.width()).max(3 * self.cols)
     }
 
-    /// Arranges the factors in the order that [`Precision::filter`](crate::fft::Precision::filter) expects.
+    /// Arranges the factors in the order that [`Factors::Stored`] expects.
     ///
     /// `factor(k, l)` is the factor of the wave with k periods along x and l along y, with k up to rows/2 and l up to
     /// cols/2. It must include the normalization 1/(rows cols).
@@ -179,15 +179,20 @@ impl<T: Number> Convolution<T> {
     }
 }
 
-/// Application of a filter to a map.
-pub(crate) struct Filter<'a, T> {
-    pub(crate) plan: &'a Convolution<T>,
-    pub(crate) input: &'a [T],
-    pub(crate) factors: Factors<'a, T>,
-    pub(crate) output: &'a mut [T],
-    pub(crate) scratch: &'a mut [T],
+/// Application of a filter to a map. Maps are stored row by row.
+pub struct Filter<'a, T> {
+    /// Plan for maps of this size.
+    pub plan: &'a Convolution<T>,
+    /// The map.
+    pub input: &'a [T],
+    /// Factors by which the waves are multiplied.
+    pub factors: Factors<'a, T>,
+    /// The resulting map; incomplete if the filter was stopped.
+    pub output: &'a mut [T],
+    /// Buffer of at least [`Convolution::scratch_len`] numbers.
+    pub scratch: &'a mut [T],
     /// Called between parts of some ten thousand numbers; the filter stops if it returns false.
-    pub(crate) should_continue: &'a dyn Fn() -> bool,
+    pub should_continue: &'a dyn Fn() -> bool,
 }
 
 impl<T: Number> Filter<'_, T> {
@@ -220,7 +225,7 @@ impl<T: Number> WithSimd for Filter<'_, T> {
                     (*sum, *difference) = (T::sum(simd, a, b), T::difference(simd, a, b));
                 }
             }
-            plan.columns_forward(simd, columns);
+            plan.columns(simd, columns, false);
             for (row, column) in columns.chunks_exact(width).enumerate() {
                 output[row * cols + first..][..width].copy_from_slice(column);
             }
@@ -256,7 +261,7 @@ impl<T: Number> WithSimd for Filter<'_, T> {
             for (row, column) in columns.chunks_exact_mut(width).enumerate() {
                 column.copy_from_slice(&output[row * cols + first..][..width]);
             }
-            plan.columns_inverse(simd, columns);
+            plan.columns(simd, columns, true);
             let (upper, lower) = output.split_at_mut(half * cols);
             let (sums, differences) = columns.split_at(half * width);
             let both = sums.chunks_exact(width).zip(differences.chunks_exact(width));
@@ -274,41 +279,35 @@ impl<T: Number> WithSimd for Filter<'_, T> {
 }
 
 impl<T: Number> Convolution<T> {
-    /// Transforms `columns`, stored as rows of equal length; the first split of the real numbers has already been made.
+    /// Transforms `columns`, stored as rows of equal length, after the first split of the real numbers; if `back`, the
+    /// inverse, which leaves the last join of the real numbers open.
     #[inline(always)]
-    fn columns_forward<S: Simd>(&self, simd: S, columns: &mut [T]) {
+    fn columns<S: Simd>(&self, simd: S, columns: &mut [T], back: bool) {
         let vectors = T::vectors_mut::<S>(columns);
         let row = vectors.len() / self.rows;
-        let mut real = self.rows / 2;
-        while real > 1 {
-            real /= 2;
-            let (sums, differences) = vectors[..2 * real * row].split_at_mut(real * row);
-            for (a, b) in sums.iter_mut().zip(differences) {
-                (*a, *b) = (T::sum(simd, *a, *b), T::difference(simd, *a, *b));
+        let levels = self.rows.ilog2() - 1;
+        if !back {
+            for level in (0..levels).rev() {
+                Self::split_reals(simd, &mut vectors[..(2 << level) * row]);
             }
         }
         for half in self.complex_row_counts() {
             let (re, im) = vectors[half * row..2 * half * row].split_at_mut(half / 2 * row);
-            self.split_rows(simd, (re, im), (half / 2, 2), false);
+            self.split_rows(simd, (re, im), (half / 2, 2), back);
+        }
+        if back {
+            for level in 0..levels {
+                Self::split_reals(simd, &mut vectors[..(2 << level) * row]);
+            }
         }
     }
 
-    /// Inverse of [`Self::columns_forward`].
+    /// Replaces two halves of real numbers by their sums and differences, in place.
     #[inline(always)]
-    fn columns_inverse<S: Simd>(&self, simd: S, columns: &mut [T]) {
-        let vectors = T::vectors_mut::<S>(columns);
-        let row = vectors.len() / self.rows;
-        for half in self.complex_row_counts() {
-            let (re, im) = vectors[half * row..2 * half * row].split_at_mut(half / 2 * row);
-            self.split_rows(simd, (re, im), (half / 2, 2), true);
-        }
-        let mut real = 1;
-        while real < self.rows / 2 {
-            let (sums, differences) = vectors[..2 * real * row].split_at_mut(real * row);
-            for (a, b) in sums.iter_mut().zip(differences) {
-                (*a, *b) = (T::sum(simd, *a, *b), T::difference(simd, *a, *b));
-            }
-            real *= 2;
+    fn split_reals<S: Simd>(simd: S, vectors: &mut [T::V<S>]) {
+        let (sums, differences) = vectors.split_at_mut(vectors.len() / 2);
+        for (a, b) in sums.iter_mut().zip(differences) {
+            (*a, *b) = (T::sum(simd, *a, *b), T::difference(simd, *a, *b));
         }
     }
 
@@ -362,20 +361,23 @@ mod tests {
         1.0 / (1.0 + k as f64 + 0.3 * l as f64)
     }
 
+    /// Output of a filter with these `factors`, applied by `run`.
+    fn output_of<'a, T: Number>(
+        plan: &'a Convolution<T>,
+        input: &'a [T],
+        factors: Factors<'a, T>,
+        run: &dyn Fn(Filter<'_, T>),
+    ) -> Vec<T> {
+        let (mut output, mut scratch) = (vec![T::zero(); input.len()], vec![T::zero(); plan.scratch_len()]);
+        let (into, scratch) = (&mut output, &mut scratch);
+        run(Filter { plan, input, factors, output: into, scratch, should_continue: &|| true });
+        output
+    }
+
     fn filtered<T: Number>(rows: usize, cols: usize, input: &[T]) -> Vec<T> {
         let plan = Convolution::<T>::new(rows, cols).unwrap();
         let factors = plan.factors(|k, l| factor(k, l) / (rows * cols) as f64);
-        let (mut output, mut scratch) = (vec![T::zero(); input.len()], vec![T::zero(); plan.scratch_len()]);
-        Filter {
-            plan: &plan,
-            input,
-            factors: Factors::Stored(&factors),
-            output: &mut output,
-            scratch: &mut scratch,
-            should_continue: &|| true,
-        }
-        .run();
-        output
+        output_of(&plan, input, Factors::Stored(&factors), &|filter| filter.run())
     }
 
     #[test]
@@ -416,16 +418,8 @@ mod tests {
         fn same<T: Number>(input: &[T], bits: impl Fn(T) -> u64) {
             let plan = Convolution::<T>::new(16, 512).unwrap();
             let factors = plan.factors(factor);
-            let with = |run: &dyn Fn(Filter<T>)| {
-                let (mut output, mut scratch) = (vec![T::zero(); input.len()], vec![T::zero(); plan.scratch_len()]);
-                run(Filter {
-                    plan: &plan,
-                    input,
-                    factors: Factors::Stored(&factors),
-                    output: &mut output,
-                    scratch: &mut scratch,
-                    should_continue: &|| true,
-                });
+            let with = |run: &dyn Fn(Filter<'_, T>)| {
+                let output = output_of(&plan, input, Factors::Stored(&factors), run);
                 output.into_iter().map(&bits).collect::<Vec<u64>>()
             };
             let scalar = with(&|filter| Simd::vectorize(pulp::Scalar::new(), filter));
@@ -449,12 +443,7 @@ mod tests {
     fn computed_factors_give_the_bytes_of_stored_ones() {
         fn both<T: Number>(input: &[T]) {
             let plan = Convolution::<T>::new(16, 512).unwrap();
-            let filtered = |factors| {
-                let (mut output, mut scratch) = (vec![T::zero(); input.len()], vec![T::zero(); plan.scratch_len()]);
-                let (output, scratch) = (&mut output, &mut scratch);
-                Filter { plan: &plan, input, factors, output, scratch, should_continue: &|| true }.run();
-                output.clone()
-            };
+            let filtered = |factors| output_of(&plan, input, factors, &|filter| filter.run());
             assert_eq!(filtered(Factors::Computed(&factor)), filtered(Factors::Stored(&plan.factors(factor))));
         }
         let input = uneven(16 * 512);

@@ -20,12 +20,11 @@ mod splits;
 
 use std::sync::Arc;
 
-pub use convolution::{Convolution, Factors};
+pub use convolution::{Convolution, Factors, Filter};
 pub use realfft::{ComplexToReal, FftNum, RealToComplex};
 pub use rustfft::Fft;
 pub use rustfft::num_complex::Complex;
 
-use convolution::Filter;
 use number::Number;
 pub use number::vectorized;
 use realfft::RealFftPlanner;
@@ -57,18 +56,8 @@ pub trait Precision: Number {
     /// Plans transforms of complex rows of `length` numbers; `length` is at least 1.
     fn complex_plans(length: usize) -> ComplexPlans<Self>;
 
-    /// Multiplies every Fourier component of the map `input` by its factor, and writes the resulting map to `output`.
-    ///
-    /// Maps are stored row by row; `scratch` has at least [`Convolution::scratch_len`] numbers. If
-    /// `should_continue` returns false, the filter stops and `output` is incomplete.
-    fn filter(
-        plan: &Convolution<Self>,
-        input: &[Self],
-        factors: Factors<'_, Self>,
-        output: &mut [Self],
-        scratch: &mut [Self],
-        should_continue: &dyn Fn() -> bool,
-    );
+    /// Runs `filter`: multiplies every Fourier component of its map by the factor of the component.
+    fn filter(filter: Filter<'_, Self>);
 }
 
 /// Implements [`Precision`], which instantiates the generic transforms in this module.
@@ -85,15 +74,8 @@ macro_rules! impl_precision {
                 ComplexPlans { forward: planner.plan_fft_forward(length), inverse: planner.plan_fft_inverse(length) }
             }
 
-            fn filter(
-                plan: &Convolution<Self>,
-                input: &[Self],
-                factors: Factors<'_, Self>,
-                output: &mut [Self],
-                scratch: &mut [Self],
-                should_continue: &dyn Fn() -> bool,
-            ) {
-                Filter { plan, input, factors, output, scratch, should_continue }.run();
+            fn filter(filter: Filter<'_, Self>) {
+                filter.run();
             }
         }
     };

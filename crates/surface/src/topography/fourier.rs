@@ -19,7 +19,7 @@ use std::f64::consts::TAU;
 use std::fmt;
 use std::sync::Arc;
 
-use slipgrid_base::fft::{Complex, ComplexToReal, Convolution, Factors, Fft, FftNum, Precision, RealToComplex};
+use slipgrid_base::fft::{Complex, ComplexToReal, Convolution, Factors, Fft, FftNum, Filter, Precision, RealToComplex};
 use slipgrid_base::monitor::{Cancelled, Monitor, Unwatched};
 
 /// Rows transformed before each transposition: their complex numbers in one column fill two cache lines.
@@ -184,8 +184,9 @@ impl<T: Precision> Fourier<T> {
 
     fn filter_by(&self, input: &[T], factors: Factors<'_, T>, output: &mut [T], work: &mut FourierWork<'_, T>) {
         if let Some(convolution) = &self.convolution {
-            let goes_on = || !work.monitor.cancelled();
-            return T::filter(convolution, input, factors, output, &mut work.columns, &goes_on);
+            let should_continue = &|| !work.monitor.cancelled();
+            let scratch = &mut work.columns;
+            return T::filter(Filter { plan: convolution, input, factors, output, scratch, should_continue });
         }
         // A cancelled transform leaves the output undefined, as documented.
         let _ = self.filter_columns(input, factors, output, work);
