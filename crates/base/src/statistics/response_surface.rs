@@ -39,14 +39,20 @@ impl Axis {
         if self.nodes == 1 { 1 } else { self.nodes + 2 }
     }
 
+    /// Distance of `length` from the first node, in node distances; a length outside the axis is moved to the nearest
+    /// end.
+    fn place(&self, length: f64) -> f64 {
+        let place = (length / self.from).ln() / (self.to / self.from).ln() * (self.nodes - 1) as f64;
+        place.clamp(0.0, (self.nodes - 1) as f64)
+    }
+
     /// Indices of the nodes below and above `length`; equal at a node, and outside the axis, where both are the end
     /// node.
     fn around(&self, length: f64) -> [usize; 2] {
         if self.nodes == 1 {
             return [0; 2];
         }
-        let place = (length / self.from).ln() / (self.to / self.from).ln() * (self.nodes - 1) as f64;
-        let place = place.clamp(0.0, (self.nodes - 1) as f64);
+        let place = self.place(length);
         // Lengths of nodes are rounded.
         [(place + 1e-9).floor() as usize, (place - 1e-9).ceil() as usize]
     }
@@ -57,8 +63,7 @@ impl Axis {
         if self.nodes == 1 {
             return (0, [1.0, 0.0, 0.0, 0.0]);
         }
-        let place = (length / self.from).ln() / (self.to / self.from).ln() * (self.nodes - 1) as f64;
-        let place = place.clamp(0.0, (self.nodes - 1) as f64);
+        let place = self.place(length);
         let first = (place.floor() as usize).min(self.nodes - 2);
         let t = place - first as f64;
         // The four pieces of the cubic B-spline.
