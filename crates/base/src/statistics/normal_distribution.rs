@@ -327,6 +327,19 @@ mod tests {
         BoxRule::new(mean.len()).probability(mean, factor, [lower, upper], 0..512)
     }
 
+    /// Share of normal vectors, drawn by mean and factor, that lie between their lower and upper ends.
+    fn drawn_share([mean, factor, lower, upper]: [&[f64]; 4], draws: u32, normals: &mut Normals) -> f64 {
+        let n = mean.len();
+        let is_inside = |z: Vec<f64>| {
+            (0..n).all(|row| {
+                let y = mean[row] + (0..=row).map(|c| factor[row * n + c] * z[c]).sum::<f64>();
+                (lower[row]..=upper[row]).contains(&y)
+            })
+        };
+        let inside = (0..draws).filter(|_| is_inside((0..n).map(|_| normals.draw()).collect())).count();
+        inside as f64 / f64::from(draws)
+    }
+
     #[test]
     fn quantiles_undo_probabilities() {
         for (p, x) in [(0.5, 0.0), (0.975, 1.959_963_984_540_054), (0.84, 0.994_457_883_209_753_2)] {
@@ -393,17 +406,7 @@ mod tests {
             let (lower, upper): (Vec<f64>, Vec<f64>) =
                 (0..n).map(|_| (-1.0 - normals.draw().abs(), 0.8 + normals.draw().abs())).unzip();
             let found = box_probability(&mean, &factor, &lower, &upper);
-            let draws = 200_000;
-            let inside = (0..draws)
-                .filter(|_| {
-                    let z: Vec<f64> = (0..n).map(|_| normals.draw()).collect();
-                    (0..n).all(|row| {
-                        let y: f64 = mean[row] + (0..=row).map(|c| factor[row * n + c] * z[c]).sum::<f64>();
-                        lower[row] <= y && y <= upper[row]
-                    })
-                })
-                .count();
-            let share = inside as f64 / f64::from(draws);
+            let share = drawn_share([&mean, &factor, &lower, &upper], 200_000, &mut normals);
             // Draws: 0.0011 at most; the rule's own error.
             assert!((found - share).abs() < 0.004, "{case}: {found} {share}");
         }
@@ -467,15 +470,7 @@ mod tests {
             let n = 18 + 2 * (case % 4);
             let [factor, mean, lower, upper] = of_conditions(n, &mut normals);
             let found = box_probability(&mean, &factor, &lower, &upper);
-            let draws = 10_000;
-            let is_inside = |z: Vec<f64>| {
-                (0..n).all(|row| {
-                    let y = mean[row] + (0..=row).map(|c| factor[row * n + c] * z[c]).sum::<f64>();
-                    (lower[row]..=upper[row]).contains(&y)
-                })
-            };
-            let inside = (0..draws).filter(|_| is_inside((0..n).map(|_| normals.draw()).collect())).count();
-            let share = inside as f64 / f64::from(draws);
+            let share = drawn_share([&mean, &factor, &lower, &upper], 10_000, &mut normals);
             between += usize::from(share > 0.05 && share < 0.95);
             squares += (found - share).powi(2) / cases as f64;
         }
