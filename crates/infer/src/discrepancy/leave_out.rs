@@ -98,14 +98,7 @@ pub fn leave_out(discrepancy: &Discrepancy, by: LeftOut, monitor: &dyn Monitor) 
 /// Covariance of all measurements for one member of the mixture, row by row: noise + Phi Phi^T, with the basis
 /// functions Phi at the measurements. Measurements lie at places of the residual's basis, so the basis is exact.
 fn covariance(discrepancy: &Discrepancy, member: &Member, noise: &[f64]) -> Vec<f64> {
-    let rows: Vec<Vec<f64>> = discrepancy
-        .rows()
-        .map(|(trial, at)| {
-            let features = &discrepancy.trials()[trial].features;
-            let form = member.value(features);
-            discrepancy.basis().row(form, member.residual, features, &at.load, at.sensitivity)
-        })
-        .collect();
+    let rows = discrepancy.basis_rows(member);
     let n = rows.len();
     (0..n * n).map(|entry| noise[entry] + dot(&rows[entry / n], &rows[entry % n])).collect()
 }

@@ -189,6 +189,15 @@ impl Discrepancy {
         self.trials.iter().enumerate().flat_map(|(place, trial)| trial.measured.iter().map(move |at| (place, at)))
     }
 
+    /// Basis functions of all coefficients at each measurement, for one member of the mixture.
+    pub(crate) fn basis_rows(&self, member: &Member) -> Vec<Vec<f64>> {
+        let row = |(trial, at): (usize, &Measured)| {
+            let features = &self.trials[trial].features;
+            self.basis.row(member.value(features), member.residual, features, &at.load, at.sensitivity)
+        };
+        self.rows().map(row).collect()
+    }
+
     /// Standard deviation of the scatter of the sample with index `trial`; `scatter` if the trial states none.
     pub(crate) fn own_std(&self, trial: usize, scatter: f64) -> f64 {
         self.trials[trial].sample_std.unwrap_or(scatter)
@@ -207,15 +216,8 @@ impl Discrepancy {
     pub(crate) fn noise(&self, scatter: f64, discrepancy_by: &dyn Fn(usize, &DimensionShift) -> f64) -> Vec<f64> {
         let rows: Vec<(usize, &Measured)> = self.rows().collect();
         let n = rows.len();
-        let first: Vec<usize> = self
-            .trials
-            .iter()
-            .scan(0, |next, trial| {
-                let own = *next;
-                *next += trial.measured.len();
-                Some(own)
-            })
-            .collect();
+        // Index of each row within its trial.
+        let own: Vec<usize> = self.trials.iter().flat_map(|trial| 0..trial.measured.len()).collect();
         let mut noise = vec![0.0; n * n];
         for (i, (left, a)) in rows.iter().enumerate() {
             for (j, (right, b)) in rows.iter().enumerate() {
@@ -225,9 +227,8 @@ impl Discrepancy {
                     shared += self.own_std(*left, scatter) * self.own_std(*right, scatter);
                 }
                 if left == right {
-                    let by = |row: usize, shift: &DimensionShift| {
-                        shift.log_ratio[row - first[*left]] + discrepancy_by(row, shift)
-                    };
+                    let by =
+                        |row: usize, shift: &DimensionShift| shift.log_ratio[own[row]] + discrepancy_by(row, shift);
                     let shifts = self.trials[*left].dimension_shifts.iter();
                     shared += shifts.map(|shift| by(i, shift) * by(j, shift)).sum::<f64>();
                 }
@@ -268,33 +269,22 @@ impl Discrepancy {
     /// order about the discrepancy at each trial, which [`ROUNDS`] regressions find (effective variance method, Orear,
     /// Am. J. Phys. 50, 912, 1982). Also returns the log evidence. `None` if a covariance has no inverse.
     fn fit_as_made(&self, member: Member, as_designed: &Whitened) -> Option<(Member, f64)> {
-        let (mut found, evidence) = self.fit(member, as_designed)?;
-        if self.trials.iter().all(|trial| trial.dimension_shifts.is_empty()) {
-            return Some((found, evidence + as_designed.log_density));
-        }
-        let mut evidence = evidence + as_designed.log_density;
-        for _ in 0..ROUNDS {
+        let (mut found, mut evidence) = self.fit(member, as_designed)?;
+        let is_exact = self.trials.iter().all(|trial| trial.dimension_shifts.is_empty());
+        for _ in 0..if is_exact { 0 } else { ROUNDS } {
             let whitened = self.whitened(&self.noise_of(&found))?;
-            let (next, gained) = self.fit(found, &whitened)?;
-            (found, evidence) = (next, gained + whitened.log_density);
+            (found, evidence) = self.fit(found, &whitened)?;
         }
         Some((found, evidence))
     }
 
-    /// Fits the form of `member` to the whitened data. Also returns the log evidence relative to no discrepancy. `None`
-    /// if the posterior precision matrix is singular.
+    /// Fits the form of `member` to the whitened data. Also returns the log evidence. `None` if the posterior precision
+    /// matrix is singular.
     fn fit(&self, member: Member, whitened: &Whitened) -> Option<(Member, f64)> {
-        let Whitened { factor, excess, .. } = whitened;
+        let Whitened { factor, excess, log_density } = whitened;
         let (p, n) = (self.basis.count(), excess.len());
         // Columns of the whitened rows: S^-1 Phi, noise = S S^T
-        let rows: Vec<Vec<f64>> = self
-            .rows()
-            .map(|(trial, at)| {
-                let features = &self.trials[trial].features;
-                let value = member.value(features);
-                self.basis.row(value, member.residual, features, &at.load, at.sensitivity)
-            })
-            .collect();
+        let rows = self.basis_rows(&member);
         let columns: Vec<Vec<f64>> = (0..p)
             .map(|c| {
                 let mut column: Vec<f64> = rows.iter().map(|row| row[c]).collect();
@@ -315,8 +305,8 @@ impl Discrepancy {
         // mean = precision^-1 Phi^T noise^-1 y
         let mut mean: Vec<f64> = columns.iter().map(|column| dot(column, excess)).collect();
         solve_lower(&lower, p, &mut mean);
-        // ln N(y; 0, noise + Phi Phi^T) - ln N(y; 0, noise)
-        let evidence = 0.5 * (dot(&mean, &mean) - log_determinant(&lower, p));
+        // ln N(y; 0, noise + Phi Phi^T), up to a constant
+        let evidence = 0.5 * (dot(&mean, &mean) - log_determinant(&lower, p)) + log_density;
         solve_upper(&lower, p, &mut mean);
         let mut inverse = vec![0.0; p * p];
         for c in 0..p {
