@@ -65,26 +65,15 @@ fn percent(log: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::discrepancy::{Conditions, Features, Hyperparameters, Load, Measured, Sensitivity, Trial};
-    use slipgrid_model::pattern::{Pattern, Planform};
+    use crate::discrepancy::tests::{cut, groove, measured};
+    use crate::discrepancy::{Conditions, Hyperparameters, Load, Sensitivity, Trial};
 
     /// Samples of one texture with these logarithms of measured over modelled ratios.
     fn learned(excess: &[f64], sample_std: Option<f64>) -> Discrepancy {
-        let of = |(number, excess): (usize, &f64)| Trial {
-            name: format!("cut-{}", number + 1),
-            features: Features::from(&Pattern::new(Planform::Groove, 150e-6, 300e-6, 12e-6).unwrap()),
-            sample_std,
-            disc: None,
-            measured: vec![Measured {
-                load: Load { pressure_pa: 2e6, speed_m_s: 5e-3, humidity: 0.45 },
-                measured: 0.9 * excess.exp(),
-                modelled: 0.9,
-                patterned_std: 0.005,
-                flat_std: 0.005,
-                sensitivity: Sensitivity::of_modulus(0.05),
-            }],
-            dimensions_std_m: [0.0; 3],
-            dimension_shifts: Vec::new(),
+        let load = Load { pressure_pa: 2e6, speed_m_s: 5e-3, humidity: 0.45 };
+        let of = |(number, excess): (usize, &f64)| {
+            let at = measured(load, *excess, 0.005, Sensitivity::of_modulus(0.05));
+            Trial { sample_std, ..cut(&format!("cut-{}", number + 1), groove(150.0, 300.0, 12.0), vec![at]) }
         };
         let trials = excess.iter().enumerate().map(of).collect();
         Discrepancy::new(Hyperparameters::default(), Conditions::default(), 0.1, trials).unwrap()

@@ -133,15 +133,13 @@ fn log_slope(law: &AreaLaw, pressure_pa: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::discrepancy::tests::{groove, measured};
     use crate::discrepancy::{Load, Sensitivity};
-    use slipgrid_model::pattern::{Pattern, Planform};
 
     fn applied(over_flat: f64, law: &AreaLaw, pressure_pa: f64, modulus: f64) -> (Measured, DimensionShift) {
         let load = Load { pressure_pa, speed_m_s: 2e-3, humidity: 0.4 };
-        let sensitivity = Sensitivity::of_modulus(modulus);
-        let at = Measured { load, measured: 0.8, modelled: 0.9, patterned_std: 0.01, flat_std: 0.01, sensitivity };
-        let features = Features::from(&Pattern::new(Planform::Groove, 1e-4, 3e-4, 1e-5).unwrap());
-        let (mut measured, mut shifts) = ([at], Vec::new());
+        let features = groove(100.0, 300.0, 10.0);
+        let (mut measured, mut shifts) = ([measured(load, -0.1, 0.01, Sensitivity::of_modulus(modulus))], Vec::new());
         let slope = LandSlope { rms_slope: 0.02, over_flat, log_std: 0.05 };
         let effect = slope.apply("cut", law, &mut measured, (&mut shifts, features));
         assert!((effect.factor[0] - measured[0].modelled / 0.9).abs() < 1e-5);

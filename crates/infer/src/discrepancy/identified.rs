@@ -54,33 +54,16 @@ impl Discrepancy {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::discrepancy::{Conditions, Hyperparameters, Load, Measured, Sensitivity, Trial};
-    use slipgrid_model::pattern::{Pattern, Planform};
+    use crate::discrepancy::tests::{cut, groove, measured};
+    use crate::discrepancy::{Conditions, Hyperparameters, Load, Sensitivity, Trial};
 
     /// Discrepancy learned from grooves of these widths, spacings and depths, in um, that grows with edge length.
     fn learned(textures: &[[f64; 3]]) -> Discrepancy {
-        let trial = |lengths_um: &[f64; 3]| {
-            let [width_m, spacing_m, depth_m] = lengths_um.map(|length_um| length_um * 1e-6);
-            let features = Features::from(&Pattern::new(Planform::Groove, width_m, spacing_m, depth_m).unwrap());
-            let measured = Measured {
-                load: Load { pressure_pa: 1e6, speed_m_s: 2e-3, humidity: 0.4 },
-                measured: 0.9 * libm::exp(-0.1 * features.edge_1_m / 2080.0),
-                modelled: 0.9,
-                patterned_std: 0.005,
-                flat_std: 0.005,
-                sensitivity: Sensitivity::default(),
-            };
-            let (name, dimension_shifts) = (format!("{lengths_um:?}"), Vec::new());
-            let dimensions_std_m = [0.0; 3];
-            Trial {
-                name,
-                features,
-                sample_std: None,
-                disc: None,
-                measured: vec![measured],
-                dimensions_std_m,
-                dimension_shifts,
-            }
+        let load = Load { pressure_pa: 1e6, speed_m_s: 2e-3, humidity: 0.4 };
+        let trial = |&[width_um, spacing_um, depth_um]: &[f64; 3]| -> Trial {
+            let features = groove(width_um, spacing_um, depth_um);
+            let log = -0.1 * features.edge_1_m / 2080.0;
+            cut("", features, vec![measured(load, log, 0.005, Sensitivity::default())])
         };
         let trials = textures.iter().map(trial).collect();
         Discrepancy::new(Hyperparameters::default(), Conditions::default(), 0.0, trials).unwrap()

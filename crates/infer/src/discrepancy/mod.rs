@@ -79,10 +79,4 @@ pub use scenarios::Scenarios;
 pub use trial::{DimensionShift, Measured, Sensitivity, Trial};
 
 #[cfg(test)]
-mod local_law_tests;
-#[cfg(test)]
-mod made_tests;
-#[cfg(test)]
-mod scatter_tests;
-#[cfg(test)]
-mod tests;
+pub(crate) mod tests;

@@ -1,7 +1,5 @@
 //! Prediction of the mixture for a texture.
 
-#[cfg(test)]
-use slipgrid_base::statistics::BoxRule;
 use slipgrid_base::statistics::{mixture_quantile, normal_probability};
 
 use crate::discrepancy::mixture::Member;
@@ -275,19 +273,15 @@ impl Predictor {
 
     /// Predicts a sample of `candidate`, including its dimension shifts and covariance.
     pub fn of(&self, candidate: &Candidate<'_>) -> Prediction {
-        self.of_candidate(candidate, false)
+        self.predicted(&[*candidate], false).with(candidate.covariance)
     }
 
     /// Predicts a sample of `candidate` with the discrepancy of the texture fixed so that the medians are `medians`: the
     /// uncertainty of modulus, local law, dimensions and the scatter of the sample remain.
     pub fn of_known_form(&self, candidate: &Candidate<'_>, medians: &[f64]) -> Prediction {
-        let mut found = self.of_candidate(candidate, true);
+        let mut found = self.predicted(&[*candidate], true).with(candidate.covariance);
         found.components.iter_mut().for_each(|component| medians.clone_into(&mut component.mean));
         found
-    }
-
-    fn of_candidate(&self, candidate: &Candidate<'_>, has_known_form: bool) -> Prediction {
-        self.predicted(&[*candidate], has_known_form).with(candidate.covariance)
     }
 
     /// Predicts `samples` of one disc, which share its scatter and the errors of the material; values are sorted by
@@ -377,17 +371,6 @@ impl Prediction {
     /// Median of the log ratio at each load.
     pub fn medians(&self) -> Vec<f64> {
         (0..self.loads()).map(|load| self.quantile(load, 0.5)).collect()
-    }
-
-    /// Probability that all loads lie between `lower` and `upper`, summed over components.
-    #[cfg(test)]
-    pub(crate) fn probability_within(&self, lower: &[f64], upper: &[f64]) -> f64 {
-        let n = self.loads();
-        let of = |of: &Component| {
-            let factor = covariance_factor(&of.covariance, n);
-            of.weight * BoxRule::new(n).probability(&of.mean, &factor, [lower, upper], 0..512)
-        };
-        self.components.iter().map(of).sum()
     }
 
     /// Draws log ratios, one per load, from the component that the standard normal deviate `which` selects, with the

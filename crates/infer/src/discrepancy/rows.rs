@@ -182,7 +182,7 @@ fn correlation(hyper: &Hyperparameters, a: f64, b: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::discrepancy::{Measured, Sensitivity};
+    use crate::discrepancy::tests::{cut, measured};
 
     /// K(a, b) - K(a, t) K(t, b) / K(t, t), with a trial t between a and b.
     #[test]
@@ -190,23 +190,7 @@ mod tests {
         let hyper = Hyperparameters { residual_pressure_length: 1.0, ..Hyperparameters::default() };
         let features = hyper.reference;
         let load = |pressure_pa: f64| Load { pressure_pa, speed_m_s: 2e-3, humidity: 0.4 };
-        let measured = Measured {
-            load: load(1.4e6),
-            measured: 0.9,
-            modelled: 0.9,
-            patterned_std: 0.01,
-            flat_std: 0.01,
-            sensitivity: Sensitivity::of_modulus(0.0),
-        };
-        let trial = Trial {
-            name: String::new(),
-            features,
-            sample_std: None,
-            disc: None,
-            measured: vec![measured],
-            dimensions_std_m: [0.0; 3],
-            dimension_shifts: Vec::new(),
-        };
+        let trial = cut("", features, vec![measured(load(1.4e6), 0.0, 0.01, Sensitivity::of_modulus(0.0))]);
         let basis = Basis::new(&hyper, Conditions::default(), 0.2, &[trial]);
         let [a, b] = [0.2e6, 10e6].map(|pressure_pa| basis.place(&features, &load(pressure_pa)));
         let rows = [&a, &b].map(|place| basis.residual(place));

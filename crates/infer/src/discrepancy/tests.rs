@@ -1,5 +1,10 @@
-use slipgrid_base::monitor::{Cancelled, Monitor, Unwatched};
-use slipgrid_base::statistics::{Normals, normal_probability, normal_quantile};
+use std::sync::atomic::AtomicBool;
+
+use slipgrid_base::monitor::{Cancelled, Unwatched};
+use slipgrid_base::statistics::cholesky::{
+    cholesky, covariance_factor, dot, log_determinant, solve_lower, solve_upper,
+};
+use slipgrid_base::statistics::{BoxRule, Normals, normal_probability, normal_quantile};
 use slipgrid_model::pattern::{Pattern, Planform};
 
 use super::*;
@@ -7,8 +12,12 @@ use super::*;
 mod chances;
 mod come_true;
 mod joint;
+mod local_law;
+mod made;
+mod scatter;
 
-fn groove(width_um: f64, spacing_um: f64, depth_um: f64) -> Features {
+/// Features of a groove of this width, spacing and depth, in um.
+pub fn groove(width_um: f64, spacing_um: f64, depth_um: f64) -> Features {
     let [width_m, spacing_m, depth_m] = [width_um, spacing_um, depth_um].map(|length| length * 1e-6);
     Features::from(&Pattern::new(Planform::Groove, width_m, spacing_m, depth_m).unwrap())
 }
@@ -21,17 +30,19 @@ fn loads() -> Vec<Load> {
     [0.65, 1.3, 1.95, 2.6].map(|pressure_mpa| load(pressure_mpa, 2.0, 40.0)).to_vec()
 }
 
-/// Trial with the true discrepancy `truth` at each of `loads`, measured with `noise` of each kind.
-fn trial(name: &str, features: Features, loads: &[Load], noise: f64, truth: &mut dyn FnMut(usize) -> f64) -> Trial {
-    let measured = |(place, load): (usize, &Load)| Measured {
-        load: *load,
-        measured: 0.9 * truth(place).exp(),
-        modelled: 0.9,
-        patterned_std: noise,
-        flat_std: noise,
-        sensitivity: Sensitivity::of_modulus(0.1 + 0.02 * place as f64),
-    };
-    let measured = loads.iter().enumerate().map(measured).collect();
+/// Two loads at which dimensions and the local law have effects.
+fn two_loads() -> [Load; 2] {
+    [0.8, 2.2].map(|pressure_mpa| load(pressure_mpa, 2.0, 40.0))
+}
+
+/// Measurement of a modelled ratio of 0.9 with the discrepancy `log`, and with relative errors `std` of both samples.
+pub fn measured(load: Load, log: f64, std: f64, sensitivity: Sensitivity) -> Measured {
+    let (patterned_std, flat_std) = (std, std);
+    Measured { load, measured: 0.9 * log.exp(), modelled: 0.9, patterned_std, flat_std, sensitivity }
+}
+
+/// Trial of a sample with exact dimensions, on a separate disc.
+pub fn cut(name: &str, features: Features, measured: Vec<Measured>) -> Trial {
     Trial {
         name: name.to_owned(),
         features,
@@ -41,6 +52,13 @@ fn trial(name: &str, features: Features, loads: &[Load], noise: f64, truth: &mut
         dimensions_std_m: [0.0; 3],
         dimension_shifts: Vec::new(),
     }
+}
+
+/// Trial with the true discrepancy `truth` at each of `loads`, measured with `noise` of each kind.
+fn trial(name: &str, features: Features, loads: &[Load], noise: f64, truth: &mut dyn FnMut(usize) -> f64) -> Trial {
+    let sensitivity = |place: usize| Sensitivity::of_modulus(0.1 + 0.02 * place as f64);
+    let at = |(place, load): (usize, &Load)| measured(*load, truth(place), noise, sensitivity(place));
+    cut(name, features, loads.iter().enumerate().map(at).collect())
 }
 
 /// Error of a dimension that changes the modelled ratio only.
@@ -54,7 +72,17 @@ fn moduli<const N: usize>(slopes: [f64; N]) -> [Sensitivity; N] {
 }
 
 fn discrepancy(trials: Vec<Trial>) -> Discrepancy {
-    Discrepancy::new(Hyperparameters::default(), Conditions::default(), 0.2, trials).unwrap()
+    learned(Hyperparameters::default(), trials)
+}
+
+/// Discrepancy with a relative error of Young's modulus of 0.2.
+fn learned(hyper: Hyperparameters, trials: Vec<Trial>) -> Discrepancy {
+    Discrepancy::new(hyper, Conditions::default(), 0.2, trials).unwrap()
+}
+
+/// Discrepancy for an exact Young's modulus.
+fn learned_exactly(hyper: Hyperparameters, trials: Vec<Trial>) -> Discrepancy {
+    Discrepancy::new(hyper, Conditions::default(), 0.0, trials).unwrap()
 }
 
 /// Prior in which the texture has an effect for certain.
@@ -66,6 +94,33 @@ fn of_an_effect() -> Hyperparameters {
     hyper
 }
 
+/// Prior with one form of one size, without residual.
+fn one_form() -> Hyperparameters {
+    let one = vec![(1.0, 1.0)];
+    Hyperparameters {
+        scales: one.clone(),
+        residuals: vec![(0.0, 1.0)],
+        scatters: one,
+        forms: vec![(Form::Density, 1.0)],
+        ..Hyperparameters::default()
+    }
+}
+
+/// Prior with one form that has an amplitude only, for closed forms and one-dimensional integrals.
+fn amplitude_alone() -> Hyperparameters {
+    Hyperparameters { pressure_std: 0.0, inverse_pressure_std: 0.0, speed_std: 0.0, humidity_std: 0.0, ..one_form() }
+}
+
+/// Probability that all loads lie between `lower` and `upper`, summed over components.
+fn probability_within(prediction: &Prediction, lower: &[f64], upper: &[f64]) -> f64 {
+    let n = prediction.loads();
+    let of = |of: &Component| {
+        let factor = covariance_factor(&of.covariance, n);
+        of.weight * BoxRule::new(n).probability(&of.mean, &factor, [lower, upper], 0..512)
+    };
+    prediction.components.iter().map(of).sum()
+}
+
 fn prior() -> Discrepancy {
     discrepancy(Vec::new())
 }
@@ -73,8 +128,7 @@ fn prior() -> Discrepancy {
 #[test]
 fn without_cavities_there_is_no_discrepancy() {
     let trials = vec![trial("A", groove(100.0, 300.0, 10.0), &loads(), 0.01, &mut |_| -0.2)];
-    let learned = |trials| Discrepancy::new(of_an_effect(), Conditions::default(), 0.2, trials).unwrap();
-    for known in [learned(Vec::new()), learned(trials)] {
+    for known in [Vec::new(), trials].map(|trials| learned(of_an_effect(), trials)) {
         let own = known.sample_std();
         let nothing = Features { areal_density: 0.0, edge_1_m: 0.0, ..groove(100.0, 300.0, 10.0) };
         let mut last = f64::INFINITY;
@@ -169,25 +223,12 @@ fn weights_are_prior_times_evidence() {
         .iter()
         .map(|member| {
             let noise = found.noise(member.scatter, &|_, _| 0.0);
-            let phi: Vec<Vec<f64>> = rows
-                .iter()
-                .map(|(trial, at)| {
-                    let features = &found.trials()[*trial].features;
-                    let form = member.value(features);
-                    found.basis().row(form, member.residual, features, &at.load, at.sensitivity)
-                })
-                .collect();
-            let dense: Vec<f64> = (0..n * n)
-                .map(|e| noise[e] + slipgrid_base::statistics::cholesky::dot(&phi[e / n], &phi[e % n]))
-                .collect();
-            let factor = slipgrid_base::statistics::cholesky::cholesky(&dense, n).unwrap();
+            let phi = found.basis_rows(member);
+            let dense: Vec<f64> = (0..n * n).map(|e| noise[e] + dot(&phi[e / n], &phi[e % n])).collect();
+            let factor = cholesky(&dense, n).unwrap();
             let mut y: Vec<f64> = rows.iter().map(|(_, at)| at.log_excess()).collect();
-            slipgrid_base::statistics::cholesky::solve_lower(&factor, n, &mut y);
-            member.prior
-                * (-0.5
-                    * (slipgrid_base::statistics::cholesky::dot(&y, &y)
-                        + slipgrid_base::statistics::cholesky::log_determinant(&factor, n)))
-                .exp()
+            solve_lower(&factor, n, &mut y);
+            member.prior * (-0.5 * (dot(&y, &y) + log_determinant(&factor, n))).exp()
         })
         .collect();
     let sum: f64 = evidences.iter().sum();
@@ -248,7 +289,7 @@ fn a_flat_sample_measured_once_is_off_alike_in_all_trials() {
         let textures = [groove(100.0, 300.0, 10.0), groove(100.0, 300.0, 10.0)];
         let all = textures.iter().zip([first, second]).map(|(of, at)| trial("", *of, &[at], 0.03, &mut |_| -0.2));
         let hyper = Hyperparameters { sample_std: 0.005, ..Hyperparameters::default() };
-        let known = Discrepancy::new(hyper, Conditions::default(), 0.2, all.collect()).unwrap();
+        let known = learned(hyper, all.collect());
         known.at(&[first]).predict(&textures[0], &moduli([0.1])).moments(0).1
     };
     let (same, other) = (shared(load(1.3, 2.0, 40.0)), shared(load(1.3, 2.000_1, 40.0)));
@@ -260,28 +301,15 @@ fn a_flat_sample_measured_once_is_off_alike_in_all_trials() {
 #[test]
 fn two_trials_of_one_disc_tell_less_of_the_mean_and_more_of_their_difference() {
     let (a2, s2, e2) = (0.2_f64.powi(2), 0.03_f64.powi(2), 0.01_f64.powi(2));
-    let one = vec![(1.0, 1.0)];
-    let hyper = Hyperparameters {
-        pressure_std: 0.0,
-        inverse_pressure_std: 0.0,
-        speed_std: 0.0,
-        humidity_std: 0.0,
-        scales: one.clone(),
-        residuals: vec![(0.0, 1.0)],
-        sample_std: s2.sqrt(),
-        scatters: one.clone(),
-        forms: vec![(Form::Density, 1.0)],
-        ..Hyperparameters::default()
-    };
+    let hyper = Hyperparameters { sample_std: s2.sqrt(), ..amplitude_alone() };
     let (at, texture) = ([load(1.3, 2.0, 40.0)], hyper.reference);
-    let cut = |disc: [Option<&str>; 2]| {
+    let both_on = |disc: [Option<&str>; 2]| {
         let of = |(place, disc): (usize, Option<&str>)| {
             let mut cut = trial(&place.to_string(), texture, &at, e2.sqrt(), &mut |_| -0.1);
             cut.measured[0].flat_std = 0.0;
             Trial { disc: disc.map(str::to_owned), ..cut }
         };
-        Discrepancy::new(hyper.clone(), Conditions::default(), 0.0, disc.into_iter().enumerate().map(of).collect())
-            .unwrap()
+        learned_exactly(hyper.clone(), disc.into_iter().enumerate().map(of).collect())
     };
     // A third sample, on a separate disc: 1 / (1 / A^2 + 1 / V) + s^2, V the variance of the mean of the two.
     let third = |known: &Discrepancy| known.at(&at).predict(&texture, &moduli([0.0])).moments(0).1.powi(2);
@@ -290,9 +318,10 @@ fn two_trials_of_one_disc_tell_less_of_the_mean_and_more_of_their_difference() {
     let second = |known: &Discrepancy| {
         let all = leave_out(known, LeftOut::TrialAndLater, &Unwatched).unwrap();
         let [low, high] = all.iter().find(|of| of.trial == 1).unwrap().interval_95;
-        ((high - low) / (2.0 * slipgrid_base::statistics::normal_quantile(0.975))).powi(2)
+        ((high - low) / (2.0 * normal_quantile(0.975))).powi(2)
     };
-    let (k, apart, together) = (a2 + s2 + e2, cut([Some("A"), Some("B")]), cut([Some("A"), Some("A")]));
+    let k = a2 + s2 + e2;
+    let [apart, together] = ["B", "A"].map(|second| both_on([Some("A"), Some(second)]));
     for (known, mean, shared) in [(&together, s2 + e2 / 2.0, a2 + s2), (&apart, (s2 + e2) / 2.0, a2)] {
         assert!((third(known) / expected(mean) - 1.0).abs() < 1e-10, "{} {}", third(known), expected(mean));
         assert!((second(known) / (k - shared * shared / k) - 1.0).abs() < 1e-8, "{}", second(known));
@@ -300,7 +329,7 @@ fn two_trials_of_one_disc_tell_less_of_the_mean_and_more_of_their_difference() {
     assert!(third(&together) > 1.3 * third(&apart) && second(&together) < 0.2 * second(&apart));
     // Trials without a disc name have separate discs.
     for other in [[None, None], [Some("A"), None]] {
-        assert_eq!(third(&cut(other)).to_bits(), third(&apart).to_bits());
+        assert_eq!(third(&both_on(other)).to_bits(), third(&apart).to_bits());
     }
 }
 
@@ -312,7 +341,7 @@ fn without_an_effect_samples_scatter_alone() {
     let wider = DimensionShift { log_ratio: vec![0.03; 4], above: groove(21.0, 9.0, 30.0), below: None };
     let trials = [-0.2, 0.1].map(|log| trial("", groove(100.0, 300.0, 10.0), &loads(), 0.01, &mut |_| log));
     for trials in [Vec::new(), trials.to_vec()] {
-        let known = Discrepancy::new(hyper.clone(), Conditions::default(), 0.0, trials).unwrap();
+        let known = learned_exactly(hyper.clone(), trials);
         assert_eq!(known.members().len(), hyper.scatters.len());
         let own = known.sample_std().powi(2);
         let found = known.at(&loads()).predict_made(&far, &moduli([0.0; 4]), std::slice::from_ref(&wider));
@@ -336,18 +365,11 @@ fn without_an_effect_samples_scatter_alone() {
 /// K = A^2 + B^2 u u' + S^2 s s' + (N^2 + G^2 q q') exp(-|H - H'| / 0.3).
 #[test]
 fn effects_of_low_loads_belong_to_a_humidity() {
-    let one = vec![(1.0, 1.0)];
-    let hyper = Hyperparameters {
-        scales: one.clone(),
-        residuals: vec![(0.0, 1.0)],
-        scatters: one,
-        forms: vec![(Form::Density, 1.0)],
-        ..Hyperparameters::default()
-    };
+    let hyper = one_form();
     let at = [load(0.65, 2.0, 15.0), load(2.6, 2.0, 15.0), load(0.65, 4.0, 80.0), load(1.3, 2.0, 80.0)];
     let (log, noise, t) = ([-0.1, -0.2, -0.27, -0.22], 0.01_f64, hyper.sample_std);
     let measured = trial("", hyper.reference, &at, noise, &mut |row| log[row]);
-    let known = Discrepancy::new(hyper, Conditions::default(), 0.0, vec![measured]).unwrap();
+    let known = learned_exactly(hyper, vec![measured]);
     let covariance = |a: &Load, b: &Load| {
         let both = |of: fn(&Load) -> f64| of(a) * of(b);
         let humidity = (-(a.humidity - b.humidity).abs() / 0.3).exp();
@@ -359,12 +381,11 @@ fn effects_of_low_loads_belong_to_a_humidity() {
     let n = at.len();
     let noise = |e: usize| if e.is_multiple_of(n + 1) { t * t + 2.0 * noise * noise } else { t * t };
     let all: Vec<f64> = (0..n * n).map(|e| covariance(&at[e / n], &at[e % n]) + noise(e)).collect();
-    let factor = slipgrid_base::statistics::cholesky::cholesky(&all, n).unwrap();
+    let factor = cholesky(&all, n).unwrap();
     let solved = |mut of: Vec<f64>| {
-        slipgrid_base::statistics::cholesky::solve_lower(&factor, n, &mut of);
+        solve_lower(&factor, n, &mut of);
         of
     };
-    let dot = slipgrid_base::statistics::cholesky::dot;
     let y = solved(log.to_vec());
     for to in [at[0], load(0.65, 2.0, 40.0), load(5.0, 1.0, 100.0)] {
         let k = solved(at.iter().map(|own| covariance(own, &to)).collect());
@@ -378,7 +399,7 @@ fn effects_of_low_loads_belong_to_a_humidity() {
 fn an_unmeasured_humidity_lies_between_what_is_known_and_the_prior() {
     let hyper = Hyperparameters { sample_std: 0.005, scatters: vec![(1.0, 1.0)], ..Hyperparameters::default() };
     let trials = vec![trial("", groove(100.0, 300.0, 10.0), &loads(), 0.002, &mut |_| -0.2)];
-    let known = Discrepancy::new(hyper, Conditions::default(), 0.2, trials).unwrap();
+    let known = learned(hyper, trials);
     let std = |humidity_pct: f64| {
         known.at(&[load(1.3, 2.0, humidity_pct)]).predict(&groove(100.0, 300.0, 10.0), &moduli([0.1])).moments(0).1
     };
@@ -391,7 +412,7 @@ fn a_trial_teaches_of_the_form_where_forms_differ() {
     // After one trial at a texture, all forms of an effect agree there, but differ at other textures.
     let here = groove(100.0, 300.0, 10.0);
     let trials = vec![trial("", here, &loads(), 0.005, &mut |_| -0.2)];
-    let known = Discrepancy::new(of_an_effect(), Conditions::default(), 0.2, trials).unwrap();
+    let known = learned(of_an_effect(), trials);
     let predictor = known.at(&loads());
     let of = |texture: &Features| information(&predictor.predict(texture, &moduli([0.1; 4])), 0.01, |form| *form);
     let (again, far) = (of(&here), of(&groove(20.0, 30.0, 25.0)));
@@ -414,14 +435,8 @@ fn numbers_without_meaning_are_named() {
 
 #[test]
 fn leaving_out_ends_when_the_monitor_cancels() {
-    struct Pressed;
-    impl Monitor for Pressed {
-        fn cancelled(&self) -> bool {
-            true
-        }
-    }
     let known = discrepancy(vec![trial("A", groove(100.0, 300.0, 10.0), &loads(), 0.01, &mut |_| -0.2)]);
     for by in [LeftOut::Trial, LeftOut::Condition, LeftOut::TrialAndLater] {
-        assert_eq!(leave_out(&known, by, &Pressed), Err(Cancelled));
+        assert_eq!(leave_out(&known, by, &AtomicBool::new(true)), Err(Cancelled));
     }
 }

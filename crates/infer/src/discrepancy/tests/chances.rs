@@ -1,7 +1,5 @@
 //! Chances of the mixture, by points, by draws and by truths.
 
-use slipgrid_base::statistics::normal_probability;
-
 use super::*;
 
 /// Features of a groove with a width larger by a twentieth, at equal pitch.
@@ -13,7 +11,7 @@ fn wider(of: Features) -> Features {
 fn scenarios_are_on_target_as_often_as_the_chance_says() {
     let at = loads();
     let trials = vec![trial("", groove(100.0, 300.0, 10.0), &at, 0.01, &mut |_| -0.1)];
-    let known = Discrepancy::new(Hyperparameters::default(), Conditions::default(), 0.2, trials).unwrap();
+    let known = discrepancy(trials);
     let scenarios = Scenarios::new(&known, 4000, 1);
     // Half of the variance from the dimensions of each sample, half shared by all.
     let all: Vec<f64> = (0..16).map(|e| if e % 5 == 0 { 1e-4 } else { 0.5e-4 }).collect();
@@ -37,16 +35,8 @@ fn scenarios_are_on_target_as_often_as_the_chance_says() {
 /// over the shared errors.
 #[test]
 fn one_of_several_samples_is_on_target_as_often_as_they_differ() {
-    let exact = Hyperparameters {
-        sample_std: 1e-9,
-        amplitude_std: 1e-9,
-        pressure_std: 0.0,
-        inverse_pressure_std: 0.0,
-        speed_std: 0.0,
-        humidity_std: 0.0,
-        ..Hyperparameters::default()
-    };
-    let known = Discrepancy::new(exact, Conditions::default(), 0.0, Vec::new()).unwrap();
+    let exact = Hyperparameters { sample_std: 1e-9, amplitude_std: 1e-9, ..amplitude_alone() };
+    let known = learned_exactly(exact, Vec::new());
     let (scenarios, at) = (Scenarios::new(&known, 8000, 1), [load(1.3, 2.0, 40.0)]);
     let half = 0.0115_f64;
     let wanted = Wanted { lower: vec![0.9 * (-half).exp()], upper: vec![0.9 * half.exp()] };
@@ -75,15 +65,8 @@ fn one_of_several_samples_is_on_target_as_often_as_they_differ() {
 #[test]
 fn samples_on_one_disc_are_off_together() {
     // The model error is almost known: the scatter of the disc remains.
-    let scatters = vec![(1.0, 1.0)];
-    let hyper = Hyperparameters { sample_std: 0.02, amplitude_std: 1e-6, scatters, ..Hyperparameters::default() };
-    let known = Discrepancy::new(
-        Hyperparameters { pressure_std: 0.0, inverse_pressure_std: 0.0, speed_std: 0.0, humidity_std: 0.0, ..hyper },
-        Conditions::default(),
-        0.0,
-        Vec::new(),
-    )
-    .unwrap();
+    let hyper = Hyperparameters { sample_std: 0.02, amplitude_std: 1e-6, ..amplitude_alone() };
+    let known = learned_exactly(hyper, Vec::new());
     let (at, textures) = ([load(1.3, 2.0, 40.0)], [groove(100.0, 300.0, 10.0), groove(60.0, 300.0, 20.0)]);
     let wanted = Wanted { lower: vec![0.9 * (-0.02_f64).exp()], upper: vec![0.9 * 0.02_f64.exp()] };
     let scenarios = Scenarios::new(&known, 4000, 1);
@@ -129,7 +112,7 @@ fn more_loads_are_never_likelier_within_their_bounds_than_fewer() {
                 prediction.draw(which, &z).iter().all(|y| (-0.06..=0.02).contains(y))
             });
             let drawn = within.count() as f64 / f64::from(draws);
-            let share = prediction.probability_within(&lower, &upper);
+            let share = probability_within(&prediction, &lower, &upper);
             // Error of the draws: 0.0035, and the error of the rule.
             assert!((share - drawn).abs() < 0.012, "{width_um} {n}: {share} {drawn}");
             share
@@ -143,7 +126,6 @@ fn more_loads_are_never_likelier_within_their_bounds_than_fewer() {
 /// trials and after one.
 #[test]
 fn points_shared_by_all_components_leave_little_of_a_chance_open() {
-    use slipgrid_base::statistics::{BoxRule, cholesky::covariance_factor};
     let after = discrepancy(vec![trial("A", groove(100.0, 300.0, 10.0), &loads(), 0.01, &mut |_| -0.1)]);
     let both: Vec<Load> =
         [2.0, 5.0].into_iter().flat_map(|speed| [2.0, 4.0, 8.0].map(|pressure| load(pressure, speed, 45.0))).collect();
@@ -158,12 +140,12 @@ fn points_shared_by_all_components_leave_little_of_a_chance_open() {
                 let wanted = Wanted { lower: vec![0.87 - half; n], upper: vec![0.87 + half; n] };
                 let [lower, upper] = wanted.over(&modelled);
                 let rule = BoxRule::new(n);
-                let part = |of: &crate::discrepancy::Component| {
+                let part = |of: &Component| {
                     let factor = covariance_factor(&of.covariance, n);
                     of.weight * rule.probability(&of.mean, &factor, [&lower, &upper], 0..1 << 11)
                 };
                 let integral: f64 = prediction.components.iter().map(part).sum();
-                let off = |score: crate::discrepancy::Score| score.chance - integral;
+                let off = |score: Score| score.chance - integral;
                 exact += off(wanted.score(&prediction, &modelled)).powi(2);
                 rough += off(wanted.rough_score(&prediction, &modelled)).powi(2);
                 count += 1.0;
@@ -184,8 +166,7 @@ fn likeliest_members_give_the_chances_of_all() {
         let (n, all) = (loads().len(), known.at(&loads()));
         let (some, one) = (all.likeliest(0.995), all.likeliest(1e-9));
         let sensitivity = vec![Sensitivity::of_modulus(0.1); n];
-        let components =
-            |of: &crate::discrepancy::Predictor| of.predict(&groove(100.0, 300.0, 10.0), &sensitivity).components;
+        let components = |of: &Predictor| of.predict(&groove(100.0, 300.0, 10.0), &sensitivity).components;
         let weight: f64 = components(&some).iter().map(|of| of.weight).sum();
         assert!((weight - 1.0).abs() < 1e-12 && components(&some).len() < components(&all).len());
         // The first is the likeliest.
@@ -193,7 +174,7 @@ fn likeliest_members_give_the_chances_of_all() {
         assert!(matches!(&components(&one)[..], [only] if only.mean == most.mean && only.weight == 1.0));
         for width_um in [40.0, 110.0, 300.0] {
             for half in [0.02, 0.05, 0.1] {
-                let chance = |of: &crate::discrepancy::Predictor| {
+                let chance = |of: &Predictor| {
                     let prediction = of.predict(&groove(width_um, 300.0, 10.0), &sensitivity);
                     let wanted = Wanted { lower: vec![0.87 - half; n], upper: vec![0.87 + half; n] };
                     wanted.score(&prediction, &vec![0.95; n]).chance

@@ -34,7 +34,7 @@ fn said_and_came_true(laboratories: usize) -> Vec<(f64, bool)> {
     let truths = Scenarios::new(&prior(), laboratories, 5);
     // Each cut is of another sample, also where two are of one texture.
     let samples: Vec<Vec<Vec<Vec<f64>>>> = (0..CUTS)
-        .map(|cut| (0..textures.len()).map(|place| truths.log_excesses(&candidate(place), &at, cut)).collect())
+        .map(|own| (0..textures.len()).map(|place| truths.log_excesses(&candidate(place), &at, own)).collect())
         .collect();
     let mut normals = Normals::new(7);
     let mut found = Vec::new();
@@ -71,15 +71,8 @@ fn said_and_came_true(laboratories: usize) -> Vec<(f64, bool)> {
                     sensitivity: sensitivity[load],
                 }
             };
-            trials.push(Trial {
-                name: format!("cut {}", trials.len() + 1),
-                features: candidate.features,
-                sample_std: None,
-                disc: None,
-                measured: at.iter().enumerate().map(measured).collect(),
-                dimensions_std_m: [0.0; 3],
-                dimension_shifts: Vec::new(),
-            });
+            let name = format!("cut {}", trials.len() + 1);
+            trials.push(cut(&name, candidate.features, at.iter().enumerate().map(measured).collect()));
         }
     }
     found

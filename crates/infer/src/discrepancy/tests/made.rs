@@ -1,12 +1,6 @@
 //! Tests of dimensions as made, for trials and predictions, against brute force.
 
-use slipgrid_base::statistics::Normals;
-use slipgrid_model::pattern::{Pattern, Planform};
-
-use crate::discrepancy::{
-    Conditions, DimensionShift, Discrepancy, Features, Form, Hyperparameters, Load, Measured, Sensitivity, Trial,
-    Wanted,
-};
+use super::*;
 
 const WIDTH_M: f64 = 60e-6;
 const PITCH_M: f64 = 200e-6;
@@ -20,27 +14,6 @@ fn squares(width_m: f64) -> Features {
     Features::from(&Pattern::new(Planform::Square, width_m, PITCH_M - width_m, DEPTH_M).unwrap())
 }
 
-fn loads() -> [Load; 2] {
-    [0.8e6, 2.2e6].map(|pressure_pa| Load { pressure_pa, speed_m_s: 2e-3, humidity: 0.4 })
-}
-
-/// Prior with one form and one amplitude, for which every integral is one-dimensional.
-fn amplitude_alone(amplitude_std: f64) -> Hyperparameters {
-    let one = vec![(1.0, 1.0)];
-    Hyperparameters {
-        amplitude_std,
-        pressure_std: 0.0,
-        inverse_pressure_std: 0.0,
-        speed_std: 0.0,
-        humidity_std: 0.0,
-        scales: one.clone(),
-        residuals: vec![(0.0, 1.0)],
-        scatters: one,
-        forms: vec![(Form::Density, 1.0)],
-        ..Hyperparameters::default()
-    }
-}
-
 fn shift() -> DimensionShift {
     DimensionShift {
         log_ratio: LOG_SLOPE.map(|slope| slope * WIDTH_STD_M / WIDTH_M).to_vec(),
@@ -50,23 +23,9 @@ fn shift() -> DimensionShift {
 }
 
 fn trial(log_excess: [f64; 2]) -> Trial {
-    let measured = |(load, log): (Load, f64)| Measured {
-        load,
-        measured: 0.9 * log.exp(),
-        modelled: 0.9,
-        patterned_std: 0.01,
-        flat_std: 0.005,
-        sensitivity: Sensitivity::default(),
-    };
-    Trial {
-        name: "A".to_owned(),
-        features: squares(WIDTH_M),
-        sample_std: None,
-        disc: None,
-        measured: loads().into_iter().zip(log_excess).map(measured).collect(),
-        dimensions_std_m: [WIDTH_STD_M, 0.0, 0.0],
-        dimension_shifts: vec![shift()],
-    }
+    let at = |(load, log)| Measured { flat_std: 0.005, ..measured(load, log, 0.01, Sensitivity::default()) };
+    let own = cut("A", squares(WIDTH_M), two_loads().into_iter().zip(log_excess).map(at).collect());
+    Trial { dimensions_std_m: [WIDTH_STD_M, 0.0, 0.0], dimension_shifts: vec![shift()], ..own }
 }
 
 fn form(width_m: f64, hyper: &Hyperparameters) -> f64 {
@@ -111,11 +70,11 @@ fn brute_force(
 
 #[test]
 fn dimensions_as_made_move_physics_and_discrepancy_of_trial_and_sample() {
-    let hyper = amplitude_alone(0.2);
+    let hyper = amplitude_alone();
     for log_excess in [None, Some([-0.25, -0.2])] {
         let trials = log_excess.map(trial).into_iter().collect();
-        let known = Discrepancy::new(hyper.clone(), Conditions::default(), 0.0, trials).unwrap();
-        let found = known.at(&loads()).predict_made(&squares(WIDTH_M), &[Sensitivity::default(); 2], &[shift()]);
+        let known = learned_exactly(hyper.clone(), trials);
+        let found = known.at(&two_loads()).predict_made(&squares(WIDTH_M), &[Sensitivity::default(); 2], &[shift()]);
         let band = if log_excess.is_some() { [-0.27, -0.17] } else { [-0.1, 0.1] };
         let (mean, std, chance) = brute_force(&hyper, log_excess, band);
         for load in 0..2 {
@@ -125,13 +84,11 @@ fn dimensions_as_made_move_physics_and_discrepancy_of_trial_and_sample() {
             assert!(off < 0.2, "{log_excess:?} {load}: {own_mean} {}", mean[load]);
             assert!((own_std / std[load] - 1.0).abs() < 0.06, "{log_excess:?} {load}: {own_std} {}", std[load]);
         }
-        let by_mixture = found.probability_within(&[band[0]; 2], &[band[1]; 2]);
+        let within = |of: &Prediction| probability_within(of, &[band[0]; 2], &[band[1]; 2]);
+        let by_mixture = within(&found);
         assert!((by_mixture - chance).abs() < 0.02, "{log_excess:?}: {by_mixture} {chance}");
         // By the model alone, widths would have almost no effect.
-        let as_designed = known
-            .at(&loads())
-            .predict(&squares(WIDTH_M), &[Sensitivity::default(); 2])
-            .probability_within(&[band[0]; 2], &[band[1]; 2]);
+        let as_designed = within(&known.at(&two_loads()).predict(&squares(WIDTH_M), &[Sensitivity::default(); 2]));
         assert!(log_excess.is_none() || as_designed > chance + 0.03, "{as_designed} {chance}");
         let wanted = Wanted { lower: vec![0.9 * band[0].exp(); 2], upper: vec![0.9 * band[1].exp(); 2] };
         assert!((wanted.score(&found, &[0.9; 2]).chance - by_mixture).abs() < 0.01);

@@ -1,63 +1,13 @@
 //! Tests of lambda, the effect of local pressure on friction, against closed forms and the dense covariance.
 
-use slipgrid_base::statistics::cholesky::{cholesky, solve_lower, solve_upper};
-use slipgrid_model::pattern::{Pattern, Planform};
-
-use crate::discrepancy::{
-    Candidate, Conditions, Discrepancy, Features, Form, Hyperparameters, LeftOut, Load, Measured, Scenarios,
-    Sensitivity, Trial, Wanted, leave_out,
-};
+use super::*;
 
 const MODULUS_STD: f64 = 0.2;
 const NOISE: f64 = 0.01;
 
-fn groove(width_um: f64, spacing_um: f64) -> Features {
-    let [width_m, spacing_m] = [width_um, spacing_um].map(|length_um| length_um * 1e-6);
-    Features::from(&Pattern::new(Planform::Groove, width_m, spacing_m, 10e-6).unwrap())
-}
-
-fn loads() -> [Load; 2] {
-    [0.8e6, 2.2e6].map(|pressure_pa| Load { pressure_pa, speed_m_s: 2e-3, humidity: 0.4 })
-}
-
-/// Prior with one form, one amplitude and no residual, which has a closed-form covariance.
-fn amplitude_alone() -> Hyperparameters {
-    let one = vec![(1.0, 1.0)];
-    Hyperparameters {
-        pressure_std: 0.0,
-        inverse_pressure_std: 0.0,
-        speed_std: 0.0,
-        humidity_std: 0.0,
-        scales: one.clone(),
-        residuals: vec![(0.0, 1.0)],
-        scatters: one,
-        forms: vec![(Form::Density, 1.0)],
-        ..Hyperparameters::default()
-    }
-}
-
 fn trial(features: Features, sensitivity: [Sensitivity; 2], log_excess: [f64; 2]) -> Trial {
-    let at = |((load, sensitivity), log): ((Load, Sensitivity), f64)| Measured {
-        load,
-        measured: 0.9 * log.exp(),
-        modelled: 0.9,
-        patterned_std: NOISE,
-        flat_std: 0.0,
-        sensitivity,
-    };
-    Trial {
-        name: String::new(),
-        features,
-        sample_std: None,
-        disc: None,
-        measured: loads().into_iter().zip(sensitivity).zip(log_excess).map(at).collect(),
-        dimensions_std_m: [0.0; 3],
-        dimension_shifts: Vec::new(),
-    }
-}
-
-fn known(hyper: Hyperparameters, trials: Vec<Trial>) -> Discrepancy {
-    Discrepancy::new(hyper, Conditions::default(), MODULUS_STD, trials).unwrap()
+    let at = |((load, sensitivity), log)| Measured { flat_std: 0.0, ..measured(load, log, NOISE, sensitivity) };
+    cut("", features, two_loads().into_iter().zip(sensitivity).zip(log_excess).map(at).collect())
 }
 
 fn changes(modulus: [f64; 2], local_law: [f64; 2]) -> [Sensitivity; 2] {
@@ -66,13 +16,13 @@ fn changes(modulus: [f64; 2], local_law: [f64; 2]) -> [Sensitivity; 2] {
 
 #[test]
 fn before_any_trial_half_of_the_change_is_expected_and_known_to_half_of_it() {
-    let of = groove(100.0, 300.0);
+    let of = groove(100.0, 300.0, 10.0);
     for hyper in [amplitude_alone(), Hyperparameters::default()] {
-        let prior = known(hyper, Vec::new());
+        let prior = learned(hyper, Vec::new());
         let (mean, std) = prior.local_law();
         // Weights sum to 1 up to rounding.
         assert!((mean - 0.5).abs() < 1e-12 && (std - 0.5).abs() < 1e-12, "{mean} {std}");
-        let predictor = prior.at(&loads());
+        let predictor = prior.at(&two_loads());
         let without = predictor.predict(&of, &changes([0.05, 0.07], [0.0; 2]));
         let with = predictor.predict(&of, &changes([0.05, 0.07], [0.11, -0.04]));
         let ((mean, covariance), (own_mean, own_covariance)) = (without.mixed(), with.mixed());
@@ -89,7 +39,7 @@ fn before_any_trial_half_of_the_change_is_expected_and_known_to_half_of_it() {
 #[test]
 fn lambda_is_learned_as_the_dense_covariance_says() {
     let hyper = amplitude_alone();
-    let textures = [groove(100.0, 300.0), groove(60.0, 120.0), groove(200.0, 500.0)];
+    let textures = [groove(100.0, 300.0, 10.0), groove(60.0, 120.0, 10.0), groove(200.0, 500.0, 10.0)];
     let sensitivity = [
         changes([0.05, 0.07], [0.11, 0.06]),
         changes([0.09, 0.10], [-0.03, 0.20]),
@@ -97,7 +47,7 @@ fn lambda_is_learned_as_the_dense_covariance_says() {
     ];
     let excess = [[-0.1, -0.12], [-0.2, 0.05]];
     let trials = (0..2).map(|place| trial(textures[place], sensitivity[place], excess[place])).collect();
-    let learned = known(hyper.clone(), trials);
+    let learned = learned(hyper.clone(), trials);
 
     let form = |of: &Features| of.areal_density / hyper.reference.areal_density;
     let (sample, load) = (|row: usize| row / 2, |row: usize| row % 2);
@@ -125,7 +75,7 @@ fn lambda_is_learned_as_the_dense_covariance_says() {
         (mean, (0..4).map(|row| other(row) * solved[row]).sum::<f64>())
     };
 
-    let (mean, covariance) = learned.at(&loads()).predict(&textures[2], &sensitivity[2]).mixed();
+    let (mean, covariance) = learned.at(&two_loads()).predict(&textures[2], &sensitivity[2]).mixed();
     for l in 0..2 {
         for m in 0..2 {
             let (own, explained) = conditional(&|row| prior(row, 4 + l), &|row| prior(row, 4 + m));
@@ -147,8 +97,8 @@ fn lambda_is_learned_as_the_dense_covariance_says() {
 fn a_trial_moves_lambda_to_the_law_that_it_was_measured_by() {
     let change = [0.12, 0.05];
     let moved = |log_excess: [f64; 2]| {
-        let of = trial(groove(100.0, 200.0), changes([0.03, 0.03], change), log_excess);
-        known(Hyperparameters::default(), vec![of]).local_law()
+        let of = trial(groove(100.0, 200.0, 10.0), changes([0.03, 0.03], change), log_excess);
+        discrepancy(vec![of]).local_law()
     };
     let (by_local, by_nominal, between) = (moved(change), moved([0.0; 2]), moved(change.map(|own| 0.5 * own)));
     assert!(by_local.0 > 0.55 && by_nominal.0 < 0.45, "{by_local:?} {by_nominal:?}");
@@ -157,9 +107,9 @@ fn a_trial_moves_lambda_to_the_law_that_it_was_measured_by() {
 
 #[test]
 fn truths_and_what_is_left_out_count_lambda() {
-    let of = trial(groove(100.0, 300.0), changes([0.05, 0.07], [0.10, 0.20]), [-0.05, 0.02]);
-    let learned = known(Hyperparameters::default(), vec![of]);
-    let (features, sensitivity) = (groove(120.0, 240.0), changes([0.05, 0.06], [0.25, 0.15]));
+    let of = trial(groove(100.0, 300.0, 10.0), changes([0.05, 0.07], [0.10, 0.20]), [-0.05, 0.02]);
+    let learned = discrepancy(vec![of]);
+    let (features, sensitivity) = (groove(120.0, 240.0, 10.0), changes([0.05, 0.06], [0.25, 0.15]));
     let candidate = Candidate {
         features,
         modelled: &[0.9, 0.85],
@@ -168,12 +118,12 @@ fn truths_and_what_is_left_out_count_lambda() {
         dimension_shifts: &[],
     };
     let wanted = Wanted { lower: vec![0.85, 0.8], upper: vec![1.0, 1.0] };
-    let chance = wanted.score(&learned.at(&loads()).of(&candidate), candidate.modelled).chance;
-    let on = Scenarios::new(&learned, 8000, 1).on_target(&candidate, &loads(), &wanted, 0);
+    let chance = wanted.score(&learned.at(&two_loads()).of(&candidate), candidate.modelled).chance;
+    let on = Scenarios::new(&learned, 8000, 1).on_target(&candidate, &two_loads(), &wanted, 0);
     let share = on.iter().filter(|on| **on).count() as f64 / 8000.0;
     assert!((share - chance).abs() < 0.02 && chance > 0.2 && chance < 0.8, "{share} {chance}");
     // Without others, a trial is predicted by the prior, which includes half of the change.
-    let found = leave_out(&learned, LeftOut::Trial, &slipgrid_base::monitor::Unwatched).unwrap();
+    let found = leave_out(&learned, LeftOut::Trial, &Unwatched).unwrap();
     for (surprise, change) in found.iter().zip([0.10, 0.20]) {
         assert!((surprise.median - 0.5 * change).abs() < 1e-9, "{surprise:?}");
     }

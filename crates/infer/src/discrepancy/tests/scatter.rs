@@ -1,42 +1,31 @@
-use slipgrid_base::monitor::Unwatched;
-use slipgrid_base::statistics::Normals;
-use slipgrid_model::pattern::{Pattern, Planform};
+//! Scatter of samples of one texture.
 
-use crate::discrepancy::{
-    Conditions, Discrepancy, Features, Form, Hyperparameters, LeftOut, Load, Measured, ScatterWeight, Sensitivity,
-    Trial, leave_out,
-};
+use super::*;
 
-fn groove(lengths_um: [f64; 3]) -> Features {
-    let [width_m, spacing_m, depth_m] = lengths_um.map(|length_um| length_um * 1e-6);
-    Features::from(&Pattern::new(Planform::Groove, width_m, spacing_m, depth_m).unwrap())
+/// Width, spacing and depth of the grooves that contradict each other, in um.
+const LENGTHS_UM: [f64; 3] = [150.0, 300.0, 12.0];
+
+fn groove([width_um, spacing_um, depth_um]: [f64; 3]) -> Features {
+    super::groove(width_um, spacing_um, depth_um)
 }
 
 /// Trial with `rows` of pressure in MPa, speed in mm/s, measured and modelled ratio.
 fn trial(name: &str, features: Features, rows: &[[f64; 4]]) -> Trial {
     let measured = |[pressure_mpa, speed_mm_s, measured, modelled]: &[f64; 4]| Measured {
-        load: Load { pressure_pa: pressure_mpa * 1e6, speed_m_s: speed_mm_s * 1e-3, humidity: 0.45 },
+        load: load(*pressure_mpa, *speed_mm_s, 45.0),
         measured: *measured,
         modelled: *modelled,
         patterned_std: 0.0105,
         flat_std: 0.008,
         sensitivity: Sensitivity::of_modulus(0.05),
     };
-    Trial {
-        name: name.to_owned(),
-        features,
-        sample_std: None,
-        disc: None,
-        measured: rows.iter().map(measured).collect(),
-        dimensions_std_m: [0.0; 3],
-        dimension_shifts: Vec::new(),
-    }
+    cut(name, features, rows.iter().map(measured).collect())
 }
 
 /// Two grooves, the second of `other`, and squares between them; the grooves' ratios differ by a tenth.
 fn contradicting(other: [f64; 3]) -> Vec<Trial> {
     let squares = Features::from(&Pattern::new(Planform::Square, 110e-6, 120e-6, 13e-6).unwrap());
-    let first = trial("cut-1", groove([150.0, 300.0, 12.0]), &[[1.592, 5.0, 0.868, 0.953], [4.775, 5.0, 0.819, 0.886]]);
+    let first = trial("cut-1", groove(LENGTHS_UM), &[[1.592, 5.0, 0.868, 0.953], [4.775, 5.0, 0.819, 0.886]]);
     vec![
         Trial { dimensions_std_m: [3e-6, 3e-6, 0.7e-6], ..first },
         trial("cut-2", squares, &[[1.592, 20.0, 0.923, 0.899]]),
@@ -58,15 +47,14 @@ fn learned(trials: Vec<Trial>) -> Discrepancy {
 
 /// Standard deviation of the change by an increase of speed by the factor e.
 fn of_speed(known: &Discrepancy) -> f64 {
-    let at = |speed_m_s: f64| Load { pressure_pa: 4.775e6, speed_m_s, humidity: 0.45 };
-    let loads = [at(5e-3 * std::f64::consts::E), at(5e-3)];
-    let (_, covariance) = known.at(&loads).predict(&groove([150.0, 300.0, 12.0]), &[Sensitivity::default(); 2]).mixed();
+    let loads = [5.0 * std::f64::consts::E, 5.0].map(|speed_mm_s| load(4.775, speed_mm_s, 45.0));
+    let (_, covariance) = known.at(&loads).predict(&groove(LENGTHS_UM), &[Sensitivity::default(); 2]).mixed();
     (covariance[0] - 2.0 * covariance[1] + covariance[3]).sqrt()
 }
 
 #[test]
 fn samples_of_one_texture_that_contradict_each_other_raise_the_scatter() {
-    for other in [[150.0, 300.0, 12.0], [152.0, 298.0, 12.2]] {
+    for other in [LENGTHS_UM, [152.0, 298.0, 12.2]] {
         let known = learned(contradicting(other));
         let [pair] = known.contradictions()[..] else { panic!("{:?}", known.contradictions()) };
         assert_eq!((pair.trials, pair.ratios, pair.is_own, pair.sample_std), ([0, 2], 2, [false; 2], [0.005; 2]));
@@ -86,7 +74,7 @@ fn samples_of_one_texture_that_contradict_each_other_raise_the_scatter() {
         let deep = Form::DepthDensity { scale_m: 20e-6 };
         let deep = known.forms().into_iter().find(|of| of.form == deep).unwrap();
         assert!(deep.weight < deep.prior, "{deep:?}");
-        let loads = [1.592e6, 4.775e6].map(|pressure_pa| Load { pressure_pa, speed_m_s: 5e-3, humidity: 0.45 });
+        let loads = [1.592, 4.775].map(|pressure_mpa| load(pressure_mpa, 5.0, 45.0));
         let at =
             |lengths_um: [f64; 3]| known.at(&loads).predict(&groove(lengths_um), &[Sensitivity::of_modulus(0.05); 2]);
         let near = at([160.0, 290.0, 12.0]);
@@ -107,7 +95,7 @@ fn samples_of_one_texture_that_contradict_each_other_raise_the_scatter() {
 #[test]
 fn a_scatter_that_is_stated_of_the_samples_is_kept() {
     let with = |sample_std: f64| {
-        let all = contradicting([150.0, 300.0, 12.0]);
+        let all = contradicting(LENGTHS_UM);
         learned(all.into_iter().map(|of| Trial { sample_std: Some(sample_std), ..of }).collect())
     };
     let (small, large) = (with(0.005), with(0.05));
@@ -121,7 +109,7 @@ fn a_scatter_that_is_stated_of_the_samples_is_kept() {
 
 #[test]
 fn samples_that_may_differ_contradict_nothing() {
-    let all = contradicting([150.0, 300.0, 12.0]);
+    let all = contradicting(LENGTHS_UM);
     let others: [fn(Trial) -> Trial; 4] = [
         // One disc, another texture, other conditions, and similar samples.
         |of| Trial { disc: Some("disc".to_owned()), ..of },
@@ -144,7 +132,7 @@ fn samples_that_may_differ_contradict_nothing() {
 /// Tests that one sample hardly changes the prior of the scatter.
 #[test]
 fn one_sample_leaves_the_scatter_as_it_is_believed_before_any() {
-    let all = contradicting([150.0, 300.0, 12.0]);
+    let all = contradicting(LENGTHS_UM);
     let exact = Hyperparameters { scatters: vec![(1.0, 1.0)], ..Hyperparameters::default() };
     let of = |trials: &[Trial], hyper: &Hyperparameters| {
         Discrepancy::new(hyper.clone(), Conditions::default(), 0.1, trials.to_vec()).unwrap()
@@ -195,11 +183,11 @@ fn intervals_hold_samples_that_scatter_more_than_is_stated() {
 /// Tests that samples that repeat better than usual lower the scatter.
 #[test]
 fn samples_that_agree_lower_the_scatter() {
-    let texture = groove([150.0, 300.0, 12.0]);
-    let cut = |count: usize| {
+    let texture = groove(LENGTHS_UM);
+    let samples = |count: usize| {
         let one = |_| trial("", texture, &[[1.592, 5.0, 0.88, 0.953], [4.775, 5.0, 0.83, 0.886]]);
         Discrepancy::new(Hyperparameters::default(), Conditions::default(), 0.1, (0..count).map(one).collect()).unwrap()
     };
-    let stds = [1, 3, 6].map(|count| cut(count).sample_std());
+    let stds = [1, 3, 6].map(|count| samples(count).sample_std());
     assert!(stds.windows(2).all(|pair| pair[1] < 0.9 * pair[0]), "{stds:?}");
 }
