@@ -8,74 +8,57 @@ use std::f64::consts::TAU;
 use slipgrid_model::pattern::geometry::{contains, edges};
 
 use crate::export::Outline;
-use crate::export::clip::{at, chord_in_disc, circle, join_runs, outside_disc, push_arc, without_slivers};
+use crate::export::clip::{at, chord_in_disc, join_runs, outside_disc, push_arc, rims, without_slivers};
 
 type Polygon = Vec<[f64; 2]>;
 
-/// Outer border of an outline, which is convex.
-#[derive(Clone, Copy)]
-enum Rim {
-    Disc { radius_m: f64 },
-    Rectangle { half_m: [f64; 2] },
-}
-
 /// Parts of a simple anticlockwise polygon that lie on the specimen.
 pub(crate) fn clip_simple(polygon: &[[f64; 2]], outline: &Outline) -> Vec<Polygon> {
-    let parts = match *outline {
-        Outline::Disc { diameter_m } => within(polygon, Rim::Disc { radius_m: diameter_m / 2.0 }),
-        Outline::Rectangle { length_m, width_m } => {
-            within(polygon, Rim::Rectangle { half_m: [length_m / 2.0, width_m / 2.0] })
-        }
-        Outline::Ring { outer_diameter_m, inner_diameter_m } => {
-            let parts = within(polygon, Rim::Disc { radius_m: outer_diameter_m / 2.0 });
+    let parts = within(polygon, outline);
+    without_slivers(match *outline {
+        Outline::Ring { inner_diameter_m, .. } => {
             parts.iter().flat_map(|part| outside_disc(part, inner_diameter_m / 2.0)).collect()
         }
-    };
-    without_slivers(parts)
+        _ => parts,
+    })
 }
 
-impl Rim {
-    /// Part of the edge from `a` to `b` inside the border, as fractions of the edge; `None` if no part is inside.
-    fn chord(self, a: [f64; 2], b: [f64; 2]) -> Option<[f64; 2]> {
-        match self {
-            Self::Disc { radius_m } => chord_in_disc(a, b, radius_m),
-            Self::Rectangle { half_m } => {
-                let (mut from, mut to) = (0.0_f64, 1.0_f64);
-                for axis in 0..2 {
-                    let along = b[axis] - a[axis];
-                    if along == 0.0 {
-                        if a[axis].abs() > half_m[axis] {
-                            return None;
-                        }
-                        continue;
-                    }
-                    let ends = [(-half_m[axis] - a[axis]) / along, (half_m[axis] - a[axis]) / along];
-                    from = from.max(ends[0].min(ends[1]));
-                    to = to.min(ends[0].max(ends[1]));
-                }
-                (from < to).then_some([from, to])
-            }
+/// Part of the edge from `a` to `b` inside the outer border, as fractions of the edge; `None` if no part is inside.
+fn chord(outline: &Outline, a: [f64; 2], b: [f64; 2]) -> Option<[f64; 2]> {
+    let half_m = match *outline {
+        Outline::Disc { diameter_m } | Outline::Ring { outer_diameter_m: diameter_m, .. } => {
+            return chord_in_disc(a, b, diameter_m / 2.0);
         }
-    }
-
-    /// Appends the corners of the border between its points `from` and `to`, anticlockwise, without these points.
-    fn push_between(self, out: &mut Polygon, from: [f64; 2], to: [f64; 2]) {
-        match self {
-            Self::Disc { radius_m } => push_arc(out, from, to, radius_m, true),
-            Self::Rectangle { half_m: [x, y] } => {
-                let way = anticlockwise(from, to);
-                let mut corners =
-                    [[x, y], [-x, y], [-x, -y], [x, -y]].map(|corner| (anticlockwise(from, corner), corner));
-                corners.sort_by(|a, b| a.0.total_cmp(&b.0));
-                out.extend(corners.into_iter().filter(|(away, _)| *away < way).map(|(_, corner)| corner));
+        Outline::Rectangle { length_m, width_m } => [length_m / 2.0, width_m / 2.0],
+    };
+    let (mut from, mut to) = (0.0_f64, 1.0_f64);
+    for axis in 0..2 {
+        let along = b[axis] - a[axis];
+        if along == 0.0 {
+            if a[axis].abs() > half_m[axis] {
+                return None;
             }
+            continue;
         }
+        let ends = [(-half_m[axis] - a[axis]) / along, (half_m[axis] - a[axis]) / along];
+        from = from.max(ends[0].min(ends[1]));
+        to = to.min(ends[0].max(ends[1]));
     }
+    (from < to).then_some([from, to])
+}
 
-    fn polygon(self) -> Polygon {
-        match self {
-            Self::Disc { radius_m } => circle([0.0; 2], radius_m),
-            Self::Rectangle { half_m: [x, y] } => vec![[-x, -y], [x, -y], [x, y], [-x, y]],
+/// Appends the corners of the outer border between its points `from` and `to`, anticlockwise, without these points.
+fn push_between(outline: &Outline, out: &mut Polygon, from: [f64; 2], to: [f64; 2]) {
+    match *outline {
+        Outline::Disc { diameter_m } | Outline::Ring { outer_diameter_m: diameter_m, .. } => {
+            push_arc(out, from, to, diameter_m / 2.0, true);
+        }
+        Outline::Rectangle { .. } => {
+            let way = anticlockwise(from, to);
+            let mut corners = rims(outline).concat();
+            corners.retain(|corner| anticlockwise(from, *corner) < way);
+            corners.sort_by(|a, b| anticlockwise(from, *a).total_cmp(&anticlockwise(from, *b)));
+            out.extend(corners);
         }
     }
 }
@@ -87,13 +70,14 @@ fn anticlockwise(from: [f64; 2], to: [f64; 2]) -> f64 {
     if turn > TAU - 1e-12 { 0.0 } else { turn }
 }
 
-fn within(polygon: &[[f64; 2]], rim: Rim) -> Vec<Polygon> {
+/// Parts of a simple anticlockwise polygon inside the outer border, which is convex.
+fn within(polygon: &[[f64; 2]], outline: &Outline) -> Vec<Polygon> {
     // Runs of the boundary inside the border: each starts where it enters and ends where it leaves.
     let mut runs: Vec<Polygon> = Vec::new();
     let mut current: Polygon = Vec::new();
     let mut starts_within = None;
     for (a, b) in edges(polygon) {
-        let chord = rim.chord(a, b);
+        let chord = chord(outline, a, b);
         starts_within.get_or_insert(chord.is_some_and(|[from, _]| from <= 0.0));
         if chord.is_none_or(|[from, _]| from > 0.0) && !current.is_empty() {
             // The previous edge ended on the border.
@@ -111,7 +95,7 @@ fn within(polygon: &[[f64; 2]], rim: Rim) -> Vec<Polygon> {
         if !current.is_empty() {
             return vec![current];
         }
-        return if contains(polygon, [0.0; 2]) { vec![rim.polygon()] } else { Vec::new() };
+        return if contains(polygon, [0.0; 2]) { rims(outline)[..1].to_vec() } else { Vec::new() };
     }
     if !current.is_empty() {
         if starts_within == Some(true) {
@@ -121,7 +105,7 @@ fn within(polygon: &[[f64; 2]], rim: Rim) -> Vec<Polygon> {
             runs.push(current);
         }
     }
-    join_runs(&runs, anticlockwise, |part, from, to| rim.push_between(part, from, to))
+    join_runs(&runs, anticlockwise, |part, from, to| push_between(outline, part, from, to))
 }
 
 #[cfg(test)]
