@@ -6,7 +6,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::export::{ExportError, positive, round_digits};
+use crate::export::{ExportError, all_positive, positive, six_digits};
 
 /// A measured depth per burst.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,9 +18,6 @@ pub struct AblationPoint {
     /// Standard deviation of the depth, in um; `None` if not known.
     pub depth_std_um: Option<f64>,
 }
-
-/// Significant digits of fitted numbers.
-const DIGITS: usize = 6;
 
 /// Fitted ablation law, and the depth per burst at the fluence used.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -55,12 +52,12 @@ impl Ablation {
     /// fluence, or `fluence_j_cm2` lies below the threshold.
     pub fn fit(points: &[AblationPoint], fluence_j_cm2: f64) -> Result<Self, ExportError> {
         positive("fluence_j_cm2", fluence_j_cm2)?;
-        let mut fluences = Vec::with_capacity(points.len());
         for point in points {
-            fluences.push(positive("ablation fluence_j_cm2", point.fluence_j_cm2)?);
+            positive("ablation fluence_j_cm2", point.fluence_j_cm2)?;
             positive("ablation depth_um", point.depth_um)?;
-            point.depth_std_um.map_or(Ok(0.0), |std_um| positive("ablation depth_std_um", std_um))?;
+            all_positive([("ablation depth_std_um", point.depth_std_um)])?;
         }
+        let mut fluences: Vec<f64> = points.iter().map(|point| point.fluence_j_cm2).collect();
         fluences.sort_by(f64::total_cmp);
         fluences.dedup();
         if fluences.len() < 3 {
@@ -102,15 +99,14 @@ impl Ablation {
             let expected = "a fluence above the fitted threshold";
             return Err(ExportError::out_of_range("fluence_j_cm2", fluence_j_cm2, expected));
         }
-        let tidy = |value: f64| round_digits(value, DIGITS);
         Ok(Self {
-            delta_um: tidy(delta),
-            delta_stderr_um: tidy(var_delta.sqrt()),
-            threshold_j_cm2: tidy(threshold),
-            threshold_stderr_j_cm2: tidy(threshold * var_ln_threshold.sqrt()),
+            delta_um: six_digits(delta),
+            delta_stderr_um: six_digits(var_delta.sqrt()),
+            threshold_j_cm2: six_digits(threshold),
+            threshold_stderr_j_cm2: six_digits(threshold * var_ln_threshold.sqrt()),
             fluence_j_cm2,
-            depth_per_burst_um: tidy(depth_um),
-            depth_per_burst_stderr_um: tidy((var_mean + from_mean * from_mean * var_delta).sqrt()),
+            depth_per_burst_um: six_digits(depth_um),
+            depth_per_burst_stderr_um: six_digits((var_mean + from_mean * from_mean * var_delta).sqrt()),
             points: points.len(),
         })
     }

@@ -63,7 +63,7 @@ impl Crossing {
         // Points lie on the specimen or close to it, which bounds the indices, so that the casts are exact.
         let first = ((low_m - half_m) / pattern.pitch_m()).ceil() as i64;
         let last = ((high_m + half_m) / pattern.pitch_m()).floor() as i64;
-        (first..=last).flat_map(|column| self.grooves.uncut_grooves(column)).flatten().collect()
+        (first..=last).flat_map(|column| self.grooves.rectangles(column)).flatten().collect()
     }
 
     /// Sides of a groove widened by `grown_m`: unit normals, and distances from the origin along them, in metres.

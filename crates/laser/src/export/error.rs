@@ -1,3 +1,5 @@
+use crate::export::six_digits;
+
 /// Reason why nothing can be exported.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ExportError {
@@ -23,7 +25,7 @@ pub enum ExportError {
         most: usize,
     },
     /// The laser cannot make a pattern, or a setting is out of range.
-    #[error("{what} of {} um is {relation} {limit}, {} um", tidy(*value_um), tidy(*limit_um))]
+    #[error("{what} of {} um is {relation} {limit}, {} um", six_digits(*value_um), six_digits(*limit_um))]
     BeyondLaser {
         /// Name of the quantity that is out of range.
         what: &'static str,
@@ -39,7 +41,7 @@ pub enum ExportError {
     /// Pulses along a line do not touch.
     #[error(
         "pulses lie {} um apart, speed_mm_s = {speed_mm_s} over repetition_hz = {repetition_hz}, and do not meet: expected at most spot_um, {} um",
-        tidy(*pulse_um), tidy(*spot_um)
+        six_digits(*pulse_um), six_digits(*spot_um)
     )]
     PulsesApart {
         /// Distance between pulses, in um.
@@ -60,26 +62,26 @@ pub enum ExportError {
 impl ExportError {
     /// Creates the error for a number out of range; `value` is in the unit that the name `quantity` states.
     pub(crate) fn out_of_range(quantity: &str, value: f64, expected: &str) -> Self {
-        Self::Refused(format!("{quantity} is {}: expected {expected}", tidy(value)))
+        Self::Refused(format!("{quantity} is {}: expected {expected}", six_digits(value)))
     }
 }
 
-/// Returns `value` if it is finite and positive; otherwise an error that names `quantity`.
-pub(crate) fn positive(quantity: &str, value: f64) -> Result<f64, ExportError> {
+/// Checks that `value` is finite and positive; the error names `quantity`.
+pub(crate) fn positive(quantity: &str, value: f64) -> Result<(), ExportError> {
     if value.is_finite() && value > 0.0 {
-        return Ok(value);
+        return Ok(());
     }
     Err(ExportError::out_of_range(quantity, value, "a positive number"))
 }
 
-/// Rounds to 6 significant digits for messages, because derived lengths have many digits.
-pub(crate) fn tidy(value: f64) -> f64 {
-    format!("{value:.5e}").parse().unwrap_or(value)
+/// Checks that every given value is finite and positive; the error names the quantity.
+pub(crate) fn all_positive(all: impl IntoIterator<Item = (&'static str, Option<f64>)>) -> Result<(), ExportError> {
+    all.into_iter().try_for_each(|(quantity, value)| value.map_or(Ok(()), |value| positive(quantity, value)))
 }
 
 /// Converts metres to millimetres, rounded for messages.
 pub(crate) fn mm(length_m: f64) -> f64 {
-    tidy(length_m * 1e3)
+    six_digits(length_m * 1e3)
 }
 
 #[cfg(test)]

@@ -5,7 +5,7 @@
 
 use std::io::{self, Write};
 
-use crate::export::{Cavity, ExportError, Heading, Laser, Layout, ascii, tidy};
+use crate::export::{Cavity, ExportError, Heading, Laser, Layout, ascii, six_digits};
 
 /// Maximum number of pixels along a side of the map.
 pub const MAX_PIXELS: u32 = 32_768;
@@ -22,7 +22,8 @@ const FLOOR: u16 = 0;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HeightMap {
     pixel_m: f64,
-    size: [u32; 2],
+    /// Number of columns and rows.
+    pub(crate) size: [u32; 2],
     slope: f64,
 }
 
@@ -39,7 +40,7 @@ impl HeightMap {
         let pixel_m = pixel_um.map_or(usual_m, |pixel_um| pixel_um * 1e-6);
         let pixels = (longer_m / pixel_m - 1e-6).ceil();
         if !(1.0..=f64::from(MAX_PIXELS)).contains(&pixels) {
-            let pixel_um = tidy(pixel_m * 1e6);
+            let pixel_um = six_digits(pixel_m * 1e6);
             return Err(ExportError::Refused(format!(
                 "pixels of {pixel_um} um make a height map {pixels:.0} wide: expected 1 to {MAX_PIXELS}"
             )));
@@ -49,28 +50,8 @@ impl HeightMap {
         Ok(Self { pixel_m, size, slope: laser.slope() })
     }
 
-    /// Number of columns and rows.
-    pub const fn size(&self) -> [u32; 2] {
-        self.size
-    }
-
-    /// Side of a pixel, in metres.
-    pub const fn pixel_m(&self) -> f64 {
-        self.pixel_m
-    }
-
-    /// Depth at the middle of a pixel as a fraction of the depth of the cavities: 0 on the face, 1 on the floor. Row 0
-    /// has the largest y.
-    pub fn depth(&self, layout: &Layout, column: u32, row: u32) -> f64 {
-        let (x_m, y_m) = (self.x_m(column), self.y_m(row));
-        // Where grooves cross, the larger depth counts.
-        let inside_m = layout.cell([x_m, y_m]).cavities.into_iter().flatten();
-        let inside_m = inside_m.map(|cavity| cavity.wall_distance_m([x_m, y_m])).fold(f64::NEG_INFINITY, f64::max);
-        if inside_m >= 0.0 { self.depth_inside(layout, inside_m) } else { 0.0 }
-    }
-
-    /// Fills `heights` with the pixels of a row as written to the file: `height` of [`HeightMap::depth`], but faster,
-    /// because each cell of the lattice is looked up once, and walls are tested only where the row meets them.
+    /// Fills `heights` with the pixels of a row as written to the file. Row 0 has the largest y. Each cell of the lattice
+    /// is looked up once, and walls are tested only where the row meets them.
     fn row(&self, layout: &Layout, row: u32, heights: &mut [u16]) {
         heights.fill(FACE);
         let y_m = self.y_m(row);
@@ -78,7 +59,7 @@ impl HeightMap {
         while column < heights.len() {
             // At most MAX_PIXELS, so that the cast is exact.
             let cell = layout.cell([self.x_m(column as u32), y_m]);
-            for cavity in cell.cavities.iter().flatten() {
+            for cavity in &cell.cavities {
                 self.cut(layout, cavity, y_m, heights);
             }
             column = self.after(cell.end_x_m).max(column + 1);
@@ -185,17 +166,26 @@ mod tests {
     use crate::export::Outline;
     use crate::export::layout::every_kind;
 
+    /// Depth at the middle of a pixel as a fraction of the depth of the cavities: 0 on the face, 1 on the floor.
+    fn depth(map: &HeightMap, layout: &Layout, column: u32, row: u32) -> f64 {
+        let at_m = [map.x_m(column), map.y_m(row)];
+        // Where grooves cross, the larger depth counts.
+        let cavities = layout.cell(at_m).cavities.into_iter();
+        let inside_m = cavities.map(|cavity| cavity.wall_distance_m(at_m)).fold(f64::NEG_INFINITY, f64::max);
+        if inside_m >= 0.0 { map.depth_inside(layout, inside_m) } else { 0.0 }
+    }
+
     /// Compares every pixel of `layout` from its row with the separately computed one; returns how many are not face.
     fn compared(layout: &Layout, taper_deg: Option<f64>, pixel_um: f64) -> usize {
         let laser = Laser { wall_taper_deg: taper_deg, ..Laser::default() };
         let map = HeightMap::new(layout, &laser, Some(pixel_um)).unwrap();
-        let [columns, rows] = map.size();
+        let [columns, rows] = map.size;
         let mut heights = vec![7; columns as usize];
         let mut cut = 0;
         for row in 0..rows {
             map.row(layout, row, &mut heights);
             for (column, &found) in heights.iter().enumerate() {
-                let alone = height(map.depth(layout, column as u32, row));
+                let alone = height(depth(&map, layout, column as u32, row));
                 assert_eq!(found, alone, "{layout:?}, {taper_deg:?}, {pixel_um} um: {column} {row}");
                 cut += usize::from(found != FACE);
             }

@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use slipgrid_model::pattern::{ManufacturingLimits, Pattern};
 
-use crate::export::{Ablation, ExportError, positive, tidy};
+use crate::export::{Ablation, ExportError, all_positive, six_digits};
 
 /// Method by which the laser exposes a cavity.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
@@ -72,7 +72,7 @@ impl Laser {
     /// [`ExportError::BeyondLaser`] if lines are farther apart than the spot is wide; [`ExportError::PulsesApart`] if
     /// pulses are farther apart; [`ExportError::Refused`] for other numbers out of range.
     pub fn validate(&self) -> Result<(), ExportError> {
-        for (quantity, value) in [
+        all_positive([
             ("wavelength_nm", self.wavelength_nm),
             ("spot_um", self.spot_um),
             ("pulse_ns", self.pulse_ns),
@@ -82,9 +82,7 @@ impl Laser {
             ("speed_mm_s", self.speed_mm_s),
             ("hatch_um", self.hatch_um),
             ("min_land_um", self.min_land_um),
-        ] {
-            value.map_or(Ok(0.0), |value| positive(quantity, value))?;
-        }
+        ])?;
         if let Some(taper_deg) = self.wall_taper_deg
             && !(0.0..=MAX_TAPER_DEG).contains(&taper_deg)
         {
@@ -108,23 +106,6 @@ impl Laser {
             _ => Ok(()),
         }
     }
-
-    /// A laser without known parameters.
-    #[cfg(test)]
-    pub(crate) const UNKNOWN: Self = Self {
-        wavelength_nm: None,
-        spot_um: None,
-        pulse_ns: None,
-        power_density_gw_cm2: None,
-        depth_per_burst_um: None,
-        repetition_hz: None,
-        speed_mm_s: None,
-        hatch_um: None,
-        wall_taper_deg: None,
-        exposure: None,
-        min_land_um: None,
-        ablation: None,
-    };
 
     /// Checks that `pattern` is not too fine for the laser; the error names the limit.
     ///
@@ -201,9 +182,9 @@ impl Laser {
         let of = if self.bursts_per_pass().is_some() { "passes" } else { "bursts" };
         Err(ExportError::Refused(format!(
             "the depth of {} um is no whole number of {of} of {} um: expected for instance {} um",
-            tidy(depth_um),
-            tidy(step_um),
-            tidy(steps * step_um)
+            six_digits(depth_um),
+            six_digits(step_um),
+            six_digits(steps * step_um)
         )))
     }
 

@@ -2,7 +2,7 @@ use slipgrid_model::pattern::{Pattern, Planform};
 
 use crate::export::crossing::Crossing;
 use crate::export::face::Face;
-use crate::export::{Boundary, Cavity, ExportError, Outline};
+use crate::export::{Boundary, Cavity, ExportError, Outline, Specimen};
 
 /// Maximum number of cavities of a layout: a DXF file of so many takes about 2.5 GB.
 pub const MAX_CAVITIES: usize = 10_000_000;
@@ -27,8 +27,7 @@ const FIT_TOLERANCE: f64 = 1e-9;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Layout {
     pattern: Pattern,
-    outline: Outline,
-    is_clipped: bool,
+    specimen: Specimen,
     /// Largest index of columns and of rows, which run from minus to plus this value; grooves have no rows.
     reach: [i64; 2],
     cavities: usize,
@@ -36,11 +35,11 @@ pub struct Layout {
 }
 
 /// One cell of the pattern's lattice.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Cell {
     /// Cavities in the cell: at most one, or for each family of grooves up to two parts of a groove on a ring. For
     /// polygons in interlocking rows also the neighbours.
-    pub(crate) cavities: [Option<Cavity>; 5],
+    pub(crate) cavities: Vec<Cavity>,
     /// End of the cell towards larger x, at the y of the query, in metres.
     pub(crate) end_x_m: f64,
 }
@@ -54,36 +53,25 @@ enum Position {
 }
 
 impl Layout {
-    /// Lays out complete cavities of `pattern` on `outline`. Computing time is proportional to the number of lattice
-    /// points.
+    /// Lays out complete cavities of `pattern` on `outline`.
     ///
     /// # Errors
-    /// [`ExportError::Refused`] if the outline has no extent or too large a hole, [`ExportError::NoCavityFits`] if no
-    /// cavity fits on it, [`ExportError::TooManyCavities`] for more than [`MAX_CAVITIES`].
+    /// See [`Specimen::layout`].
     pub fn new(pattern: Pattern, outline: Outline) -> Result<Self, ExportError> {
-        Self::laid_out(pattern, outline, false)
+        Specimen { outline, is_clipped: false }.layout(pattern)
     }
 
     /// Lays out cavities of `pattern` on `outline` and cuts those that cross the border.
     ///
     /// # Errors
-    /// See [`Layout::new`].
+    /// See [`Specimen::layout`].
     pub fn clipped(pattern: Pattern, outline: Outline) -> Result<Self, ExportError> {
-        Self::laid_out(pattern, outline, true)
+        Specimen { outline, is_clipped: true }.layout(pattern)
     }
 
-    /// Checks whether `pattern` can be laid out on `outline`, without computing the complete layout.
-    ///
-    /// # Errors
-    /// See [`Layout::new`].
-    pub fn check(pattern: Pattern, outline: Outline, is_clipped: bool) -> Result<(), ExportError> {
-        let layout = Self::planned(pattern, outline, is_clipped)?;
-        let first = layout.iter().next();
-        first.map(|_| ()).ok_or_else(|| no_cavity_fits(&pattern, &outline))
-    }
-
-    fn laid_out(pattern: Pattern, outline: Outline, is_clipped: bool) -> Result<Self, ExportError> {
-        let mut layout = Self::planned(pattern, outline, is_clipped)?;
+    /// Lays out `pattern` on `specimen`, see [`Specimen::layout`].
+    pub(crate) fn on(specimen: Specimen, pattern: Pattern) -> Result<Self, ExportError> {
+        let mut layout = Self::planned(pattern, specimen)?;
         let (mut cavities, mut area_m2) = (0, 0.0);
         let mut whole = 0_usize;
         if let Some(count) = layout.whole_cavities() {
@@ -99,7 +87,7 @@ impl Layout {
             }
         }
         if cavities == 0 {
-            return Err(no_cavity_fits(&pattern, &outline));
+            return Err(no_cavity_fits(&pattern, &specimen.outline));
         }
         layout.cavities = cavities;
         let square_m2 = whole as f64 * pattern.width_m() * pattern.length_m().unwrap_or(0.0);
@@ -108,16 +96,24 @@ impl Layout {
         Ok(layout)
     }
 
+    /// Checks whether `pattern` can be laid out on `specimen`, see [`Specimen::check`].
+    pub(crate) fn check(specimen: Specimen, pattern: Pattern) -> Result<(), ExportError> {
+        let first = Self::planned(pattern, specimen)?.iter().next();
+        first.map(|_| ()).ok_or_else(|| no_cavity_fits(&pattern, &specimen.outline))
+    }
+
     /// Number of complete rectangles or discs, if the layout holds nothing else; otherwise `None`. Cavities are counted
     /// without a list, because a search lays out thousands of designs with up to a thousand lattice points each.
     fn whole_cavities(&self) -> Option<usize> {
-        let length_m =
-            self.pattern.length_m().filter(|_| !self.is_clipped && self.pattern.texture().outline().is_none())?;
+        let length_m = self
+            .pattern
+            .length_m()
+            .filter(|_| !self.specimen.is_clipped && self.pattern.texture().outline().is_none())?;
         let [columns, rows] = self.reach;
         let is_inside =
             |column: i64, row: i64| self.position_of(&self.cavity(column, row, length_m)) == Position::Inside;
         let in_row = |row: i64| {
-            if matches!(self.outline, Outline::Ring { .. }) {
+            if matches!(self.specimen.outline, Outline::Ring { .. }) {
                 return (-columns..=columns).filter(|&column| is_inside(column, row)).count();
             }
             // Without a hole, all places between an inside place and the middle of its row are inside.
@@ -128,7 +124,8 @@ impl Layout {
     }
 
     /// Creates the layout without counting cavities: their number and area are 0.
-    fn planned(pattern: Pattern, outline: Outline, is_clipped: bool) -> Result<Self, ExportError> {
+    fn planned(pattern: Pattern, specimen: Specimen) -> Result<Self, ExportError> {
+        let outline = specimen.outline;
         outline.validate()?;
         let [extent_x_m, extent_y_m] = outline.extents_m();
         let along = |orientation: [f64; 2]| outline.extent_along_m(orientation) / pattern.pitch_m() + 1.0;
@@ -145,7 +142,7 @@ impl Layout {
         }
         // Half the places, plus one on either side that may still reach in; bounded by MAX_CAVITIES.
         let reach = [columns, rows].map(|places| (places / 2.0).ceil() as i64 + 1);
-        Ok(Self { pattern, outline, is_clipped, reach, cavities: 0, cavity_area_m2: 0.0 })
+        Ok(Self { pattern, specimen, reach, cavities: 0, cavity_area_m2: 0.0 })
     }
 
     /// Pattern of the cavities.
@@ -153,14 +150,19 @@ impl Layout {
         &self.pattern
     }
 
+    /// The specimen.
+    pub const fn specimen(&self) -> &Specimen {
+        &self.specimen
+    }
+
     /// Outline of the specimen.
     pub const fn outline(&self) -> &Outline {
-        &self.outline
+        &self.specimen.outline
     }
 
     /// Whether cavities that cross the border are cut there instead of left out.
     pub const fn is_clipped(&self) -> bool {
-        self.is_clipped
+        self.specimen.is_clipped
     }
 
     /// Number of cavities, at least one.
@@ -181,7 +183,7 @@ impl Layout {
     /// Fraction of the specimen's face that is cavity. It differs from the areal density of the infinite pattern at the
     /// border; on a face of many periods it is lower if complete cavities leave the border untextured.
     pub fn areal_density(&self) -> f64 {
-        self.cavity_area_m2 / self.outline.area_m2()
+        self.cavity_area_m2 / self.specimen.outline.area_m2()
     }
 
     /// The cavities in the order described for [`Layout`], computed one by one.
@@ -210,7 +212,10 @@ impl Layout {
             .flat_map(move |row| {
                 (-columns..=columns).flat_map(move |column| match self.pattern.length_m() {
                     None => self.groove(column),
-                    Some(length_m) => [self.place(self.cavity(column, row, length_m)), None],
+                    Some(length_m) => {
+                        let cavity = self.cut(self.cavity(column, row, length_m));
+                        [cavity.filter(|cavity| cavity.cut_by.is_none() || !cavity.boundaries().is_empty()), None]
+                    }
                 })
             })
             .flatten()
@@ -218,19 +223,19 @@ impl Layout {
             .filter(|cavity| cavity.crossed_by.is_none() || !cavity.boundaries().is_empty())
     }
 
-    /// Grooves at `column` as complete rectangles: of a clipped layout one rectangle longer than the specimen,
-    /// otherwise those that `groove` returns.
-    pub(crate) fn uncut_grooves(&self, column: i64) -> [Option<Cavity>; 2] {
-        if self.is_clipped { [Some(Cavity { cut_by: None, ..self.strip(column) }), None] } else { self.groove(column) }
+    /// Grooves at `column` as rectangles: of a clipped layout one rectangle longer than the specimen, to be cut at the
+    /// border, otherwise those that `groove` returns.
+    pub(crate) fn rectangles(&self, column: i64) -> [Option<Cavity>; 2] {
+        if self.specimen.is_clipped { [Some(self.strip(column)), None] } else { self.groove(column) }
     }
 
     /// Returns the lattice cell that contains the point; for crossing grooves, the cells of both families together.
     pub(crate) fn cell(&self, [x_m, y_m]: [f64; 2]) -> Cell {
         if self.pattern.planform() == Planform::Crosshatch {
-            let mut cell = Cell { cavities: [None; 5], end_x_m: f64::INFINITY };
-            for (place, (family, _)) in self.families().iter().enumerate().take(2) {
+            let mut cell = Cell { cavities: Vec::new(), end_x_m: f64::INFINITY };
+            for (family, _) in self.families() {
                 let own = family.cell([x_m, y_m]);
-                cell.cavities[2 * place..2 * place + 2].copy_from_slice(&own.cavities[..2]);
+                cell.cavities.extend(own.cavities);
                 cell.end_x_m = cell.end_x_m.min(own.end_x_m);
             }
             return cell;
@@ -240,9 +245,7 @@ impl Layout {
             let [cosine, sine] = self.pattern.texture().orientation();
             // Points lie on the specimen, which bounds the indices, so that the casts are exact.
             let column = ((x_m * cosine + y_m * sine) / pitch_m).round();
-            let place = column as i64;
-            let [one, other] = if self.is_clipped { [Some(self.strip(place)), None] } else { self.groove(place) };
-            let cavities = [one, other, None, None, None];
+            let cavities = self.rectangles(column as i64).into_iter().flatten().collect();
             // x cos a + y sin a = (column +- 1/2) pitch; the cell of a groove along x is infinite.
             let end_x_m = ((column + 0.5_f64.copysign(cosine)) * pitch_m - y_m * sine) / cosine;
             return Cell { cavities, end_x_m: if cosine == 0.0 { f64::INFINITY } else { end_x_m } };
@@ -250,33 +253,22 @@ impl Layout {
         let row = (y_m / across_m).round() as i64;
         let shift = if self.is_shifted(row) { 0.5 } else { 0.0 };
         let column = (x_m / pitch_m - shift).round();
-        let laid = |column: i64, row: i64| {
-            let cavity = self.cavity(column, row, length_m);
-            match self.position_of(&cavity) {
-                Position::Inside => Some(cavity),
-                Position::Across if self.is_clipped => Some(Cavity { cut_by: Some(self.outline), ..cavity }),
-                Position::Across | Position::Outside => None,
-            }
-        };
-        let mut cavities = [laid(column as i64, row), None, None, None, None];
+        let mut places = vec![(column as i64, row)];
         if self.pattern.texture().outline().is_some() && length_m > across_m {
             // Neighbours in the rows below and above at half a pitch to either side.
             let left = column as i64 - i64::from(!self.is_shifted(row));
-            for (place, (row, side)) in [(row - 1, 0), (row - 1, 1), (row + 1, 0), (row + 1, 1)].into_iter().enumerate()
-            {
-                cavities[place + 1] = laid(left + side, row);
-            }
+            places.extend([(left, row - 1), (left + 1, row - 1), (left, row + 1), (left + 1, row + 1)]);
         }
-        Cell { cavities, end_x_m: (column + shift + 0.5) * pitch_m }
+        let laid = |(column, row)| self.cut(self.cavity(column, row, length_m));
+        Cell { cavities: places.into_iter().filter_map(laid).collect(), end_x_m: (column + shift + 0.5) * pitch_m }
     }
 
-    /// Returns the cavity as laid out: complete or cut at the border; `None` if it is left out.
-    fn place(&self, cavity: Cavity) -> Option<Cavity> {
+    /// Returns the cavity complete or cut at the border, of which nothing may remain; `None` if it is left out.
+    fn cut(&self, cavity: Cavity) -> Option<Cavity> {
         match self.position_of(&cavity) {
             Position::Inside => Some(cavity),
-            Position::Across if self.is_clipped => {
-                let cut = Cavity { cut_by: Some(self.outline), ..cavity };
-                (!cut.boundaries().is_empty()).then_some(cut)
+            Position::Across if self.specimen.is_clipped => {
+                Some(Cavity { cut_by: Some(self.specimen.outline), ..cavity })
             }
             Position::Across | Position::Outside => None,
         }
@@ -287,7 +279,7 @@ impl Layout {
         let slack_m = FIT_TOLERANCE * self.pattern.pitch_m();
         let (x_m, y_m) = (cavity.centre_x_m.abs(), cavity.centre_y_m.abs());
         let (half_x_m, half_y_m) = (cavity.width_m / 2.0, cavity.length_m / 2.0);
-        let diameter_m = match self.outline {
+        let diameter_m = match self.specimen.outline {
             Outline::Rectangle { length_m, width_m } => {
                 let inside = |at_m: f64, half_m: f64, limit_m: f64| at_m + half_m <= limit_m + slack_m;
                 let outside = |at_m: f64, half_m: f64, limit_m: f64| at_m - half_m >= limit_m - slack_m;
@@ -311,7 +303,7 @@ impl Layout {
         } else {
             ((x_m - half_x_m).max(0.0).hypot((y_m - half_y_m).max(0.0)), (x_m + half_x_m).hypot(y_m + half_y_m))
         };
-        let (rim_m, hole_m) = (diameter_m / 2.0, self.outline.hole_m() / 2.0);
+        let (rim_m, hole_m) = (diameter_m / 2.0, self.specimen.outline.hole_m() / 2.0);
         if near_m >= rim_m - slack_m || far_m <= hole_m + slack_m {
             Position::Outside
         } else if far_m <= rim_m + slack_m && near_m >= hole_m - slack_m {
@@ -365,9 +357,9 @@ impl Layout {
 
     /// Groove at `column`, longer than the specimen, to be cut at the border.
     fn strip(&self, column: i64) -> Cavity {
-        let [extent_x_m, extent_y_m] = self.outline.extents_m();
+        let [extent_x_m, extent_y_m] = self.specimen.outline.extents_m();
         let half_m = extent_x_m.hypot(extent_y_m);
-        Cavity { cut_by: Some(self.outline), ..self.groove_between(column, [-half_m, half_m]) }
+        Cavity { cut_by: Some(self.specimen.outline), ..self.groove_between(column, [-half_m, half_m]) }
     }
 
     /// Grooves at `column` pitches along the pattern's x axis, by increasing position along the groove: one, or one on
@@ -379,7 +371,7 @@ impl Layout {
         let orientation = self.pattern.texture().orientation();
         let offset_m = column as f64 * pitch_m;
         let laid = |span_m: [f64; 2]| self.groove_between(column, span_m);
-        if self.is_clipped {
+        if self.specimen.is_clipped {
             // Cut the strip, then set its extent to that of the remaining parts.
             let cut = self.strip(column);
             let corners = cut.boundaries().iter().flat_map(Boundary::polygon_m).collect::<Vec<_>>();
@@ -389,12 +381,12 @@ impl Layout {
         }
         // The outline is convex except for the hole, so that a rectangle ends where the shorter of its two sides does.
         let side_m = |side: f64| offset_m + side * (width_m / 2.0) - side * slack_m;
-        let chords_m = [-1.0, 1.0].map(|side| self.outline.chord_m(orientation, side_m(side)));
+        let chords_m = [-1.0, 1.0].map(|side| self.specimen.outline.chord_m(orientation, side_m(side)));
         let [Some(one_m), Some(other_m)] = chords_m else { return [None; 2] };
         let (low_m, high_m) = (one_m[0].max(other_m[0]), one_m[1].min(other_m[1]));
         let fits = |span_m: [f64; 2]| (span_m[1] - span_m[0] >= width_m - slack_m).then(|| laid(span_m));
         // The hole is widest where the groove is closest to the centre.
-        let (hole_m, near_m) = (self.outline.hole_m() / 2.0, (offset_m.abs() - width_m / 2.0).max(0.0));
+        let (hole_m, near_m) = (self.specimen.outline.hole_m() / 2.0, (offset_m.abs() - width_m / 2.0).max(0.0));
         if near_m >= hole_m - slack_m {
             return [fits([low_m, high_m]), None];
         }

@@ -119,6 +119,15 @@ impl Marking {
         ((self.inset_m - half_apart_m) * (self.inset_m + half_apart_m)).max(0.0).sqrt()
     }
 
+    /// Positions of evenly spaced lines over an extent of `across_m`, including both ends, as fractions of it; the
+    /// middle for a single line. Also returns the distance between lines, in metres, if there are several.
+    fn evenly(&self, across_m: f64) -> (impl Iterator<Item = f64>, Option<f64>) {
+        let gaps = (across_m / self.distance_m - ROUNDING).ceil().max(0.0);
+        // Bounded by the size of the cavity over the line distance, so that the cast is exact.
+        let shares = (0..=gaps as u64).map(move |line| if gaps > 0.0 { line as f64 / gaps } else { 0.5 });
+        (shares, (gaps > 0.0).then(|| across_m / gaps))
+    }
+
     /// Fills a polygonal cavity with evenly spaced lines along `[dx, dy]`, including both outermost positions of the
     /// spot, where the spot fits inside the walls and on the specimen. Returns the distance between lines, in metres,
     /// if there are several.
@@ -128,10 +137,9 @@ impl Marking {
         let (low_m, high_m) =
             across.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), at| (low.min(at), high.max(at)));
         let (low_m, across_m) = (low_m + face.inset_m, high_m - low_m - 2.0 * face.inset_m);
-        let gaps = (across_m / self.distance_m - ROUNDING).ceil().max(0.0);
-        // Bounded by the size of the cavity over the line distance, so that the cast is exact.
-        for line in 0..=gaps as u64 {
-            let at_m = low_m + across_m * if gaps > 0.0 { line as f64 / gaps } else { 0.5 };
+        let (shares, apart_m) = self.evenly(across_m);
+        for share in shares {
+            let at_m = low_m + across_m * share;
             let mut spans_m = face.spans_m([dx, dy], at_m);
             if let Some(outline) = &inner.cut_by {
                 let both = |[from_m, to_m]: [f64; 2], [low_m, high_m]: [f64; 2]| [from_m.max(low_m), to_m.min(high_m)];
@@ -142,23 +150,21 @@ impl Marking {
             let point = |along_m: f64| [along_m * dx - at_m * dy, along_m * dy + at_m * dx];
             lines.extend(spans_m.into_iter().map(|ends_m| ends_m.map(point)));
         }
-        (gaps > 0.0).then(|| across_m / gaps)
+        apart_m
     }
 
     /// Fills a rectangle with evenly spaced lines along `[dx, dy]`, from one edge to the other, including both. Returns
     /// the distance between lines, in metres, if there are several.
     fn hatch_rectangle(&self, inner: &Cavity, [dx, dy]: [f64; 2], lines: &mut Vec<Line>) -> Option<f64> {
         let (along_m, across_m) = (inner.length_m.max(inner.width_m), inner.length_m.min(inner.width_m));
-        let gaps = (across_m / self.distance_m - ROUNDING).ceil().max(0.0);
-        // Bounded by the size of the cavity over the line distance, so that the cast is exact.
-        for line in 0..=gaps as u64 {
-            let offset_m = if gaps > 0.0 { across_m * (line as f64 / gaps - 0.5) } else { 0.0 };
-            let end = |half_m: f64| {
+        let (shares, apart_m) = self.evenly(across_m);
+        lines.extend(shares.map(|share| {
+            let offset_m = across_m * (share - 0.5);
+            [-along_m / 2.0, along_m / 2.0].map(|half_m| {
                 [inner.centre_x_m + half_m * dx - offset_m * dy, inner.centre_y_m + half_m * dy + offset_m * dx]
-            };
-            lines.push([end(-along_m / 2.0), end(along_m / 2.0)]);
-        }
-        (gaps > 0.0).then(|| across_m / gaps)
+            })
+        }));
+        apart_m
     }
 
     /// Fills a polygon with evenly spaced lines along `[dx, dy]`. The first line lies on the outermost edge if this
@@ -221,7 +227,9 @@ mod tests {
     use slipgrid_model::pattern::geometry::point_to_segment;
     use slipgrid_model::pattern::{Pattern, Planform, Polygon, Texture};
 
-    const LASER: Laser = Laser { spot_um: Some(23.0), hatch_um: Some(15.0), ..Laser::UNKNOWN };
+    fn laser() -> Laser {
+        Laser { spot_um: Some(23.0), hatch_um: Some(15.0), ..Laser::default() }
+    }
 
     fn first(planform: Planform) -> Cavity {
         let pattern = Pattern::new(planform, 130e-6, 370e-6, 5e-6).unwrap();
@@ -231,7 +239,7 @@ mod tests {
 
     #[test]
     fn a_square_is_filled_from_edge_to_edge() {
-        let marking = Marking::new(&LASER).unwrap();
+        let marking = Marking::new(&laser()).unwrap();
         let lines = marking.lines(&first(Planform::Square));
         // 130 - 23 = 107 um across: eight gaps of 13.375 um.
         assert_eq!(lines.len(), 9);
@@ -239,16 +247,16 @@ mod tests {
         assert!(lines.windows(2).all(|pair| (pair[1][0][1] - pair[0][0][1] - 13.375e-6).abs() < 1e-12));
         // Alternating directions: the next line starts where this one ends.
         assert!(lines.windows(2).all(|pair| (pair[1][0][0] - pair[0][1][0]).abs() < 1e-12));
-        let wide = Marking::new(&Laser { spot_um: Some(130.0), hatch_um: None, ..LASER }).unwrap();
+        let wide = Marking::new(&Laser { spot_um: Some(130.0), hatch_um: None, ..laser() }).unwrap();
         assert_eq!(wide.lines(&first(Planform::Square)).len(), 1);
-        let wider = Marking::new(&Laser { spot_um: Some(131.0), hatch_um: None, ..LASER }).unwrap();
+        let wider = Marking::new(&Laser { spot_um: Some(131.0), hatch_um: None, ..laser() }).unwrap();
         assert!(wider.lines(&first(Planform::Square)).is_empty());
     }
 
     /// A groove that ends at the border of a disc is as wide as a complete one.
     #[test]
     fn a_clipped_groove_is_filled_from_edge_to_edge() {
-        let marking = Marking::new(&LASER).unwrap();
+        let marking = Marking::new(&laser()).unwrap();
         let pattern = Pattern::new(Planform::Groove, 130e-6, 370e-6, 5e-6).unwrap();
         let layout = Layout::clipped(pattern, Outline::Disc { diameter_m: 5e-3 }).unwrap();
         let middle = layout.iter().min_by(|a, b| a.centre_x_m.abs().total_cmp(&b.centre_x_m.abs())).unwrap();
@@ -264,7 +272,7 @@ mod tests {
 
     #[test]
     fn the_spots_edge_stays_inside_every_kind_of_cavity_and_reaches_its_edge() {
-        let marking = Marking::new(&LASER).unwrap();
+        let marking = Marking::new(&laser()).unwrap();
         let half_m = 11.5e-6;
         for texture in every_kind() {
             let pattern = Pattern::new(texture, 131.2e-6, 370e-6, 5e-6).unwrap();
@@ -295,7 +303,7 @@ mod tests {
 
     #[test]
     fn a_square_given_as_a_polygon_is_filled_like_the_square() {
-        let marking = Marking::new(&LASER).unwrap();
+        let marking = Marking::new(&laser()).unwrap();
         let outline = Polygon::new(&[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]).unwrap();
         let texture = Texture::new(Planform::Polygon).with_outline(outline).unwrap();
         for outline in [Outline::Disc { diameter_m: 3e-3 }, Outline::Rectangle { length_m: 2e-3, width_m: 3e-3 }] {
@@ -313,7 +321,7 @@ mod tests {
 
     #[test]
     fn crossings_are_marked_by_one_family_alone() {
-        let marking = Marking::new(&LASER).unwrap();
+        let marking = Marking::new(&laser()).unwrap();
         for (crossing_deg, outline) in [
             (90.0, Outline::Disc { diameter_m: 4e-3 }),
             (50.0, Outline::Rectangle { length_m: 3e-3, width_m: 2e-3 }),
@@ -378,24 +386,26 @@ mod tests {
     #[test]
     fn a_mask_needs_the_contour_alone() {
         let marking =
-            Marking::new(&Laser { exposure: Some(Exposure::Mask), spot_um: None, hatch_um: None, ..LASER }).unwrap();
+            Marking::new(&Laser { exposure: Some(Exposure::Mask), spot_um: None, hatch_um: None, ..laser() }).unwrap();
         let lines = marking.lines(&first(Planform::Square));
         assert_eq!(lines.len(), 4);
         assert!(lines.iter().all(|line| (length_m(line) - 130e-6).abs() < 1e-12));
         // Marked as lines, contours would be walls, so that no file of lines holds them.
-        let mask = Laser { exposure: Some(Exposure::Mask), ..LASER };
+        let mask = Laser { exposure: Some(Exposure::Mask), ..laser() };
         let refused = Marking::of_lines(&mask, "hatch.csv").unwrap_err();
         assert!(refused.to_string().starts_with("hatch.csv holds the lines of a spot, but a mask"), "{refused}");
-        assert!(Marking::of_lines(&LASER, "hatch.csv").is_ok());
+        assert!(Marking::of_lines(&laser(), "hatch.csv").is_ok());
     }
 
     #[test]
     fn lines_that_do_not_meet_are_refused_with_the_limit() {
         let refused = |laser: Laser| Marking::new(&laser).unwrap_err().to_string();
-        assert!(refused(Laser { hatch_um: Some(30.0), ..LASER }).contains("hatch_um of 30 um is above spot_um, 23 um"));
-        let fast = Laser { speed_mm_s: Some(100.0), repetition_hz: Some(1000.0), ..LASER };
+        assert!(
+            refused(Laser { hatch_um: Some(30.0), ..laser() }).contains("hatch_um of 30 um is above spot_um, 23 um")
+        );
+        let fast = Laser { speed_mm_s: Some(100.0), repetition_hz: Some(1000.0), ..laser() };
         assert!(refused(fast).contains("pulses lie 100 um apart, speed_mm_s = 100 over repetition_hz = 1000"));
-        assert!(refused(Laser { spot_um: None, ..LASER }).contains("laser.spot_um"));
-        assert!(refused(Laser { wall_taper_deg: Some(90.0), ..LASER }).contains("80"));
+        assert!(refused(Laser { spot_um: None, ..laser() }).contains("laser.spot_um"));
+        assert!(refused(Laser { wall_taper_deg: Some(90.0), ..laser() }).contains("80"));
     }
 }

@@ -90,7 +90,7 @@ pub use dxf::{
     LAYER_CAVITIES, LAYER_MARK, LAYER_ORIGIN, LAYER_OUTLINE, LAYER_SLIDING_DIRECTION, dxf, dxf_of_sectors, sector_layer,
 };
 pub use error::ExportError;
-pub(crate) use error::{mm, positive, tidy};
+pub(crate) use error::{all_positive, mm, positive};
 pub use gcode::{GcodePlan, gcode};
 pub use height_map::{HeightMap, MAX_PIXELS, height_map};
 pub use hpgl::hpgl;
@@ -99,7 +99,7 @@ pub use layout::{Layout, MAX_CAVITIES};
 pub use marking::{Line, Marking};
 pub use number::COORDINATE_DECIMALS;
 pub(crate) use number::{
-    DERIVED_DIGITS, MICROMETRE_DECIMALS, decimal, micrometres, millimetres, push_decimal, round_decimals, round_digits,
+    MICROMETRE_DECIMALS, decimal, micrometres, millimetres, push_decimal, round_decimals, six_digits,
 };
 pub use outline::Outline;
 pub(crate) use outline::left_of;

@@ -2,14 +2,13 @@
 
 use std::fmt::Write as _;
 
+use slipgrid_base::units::significant;
+
 /// Decimals of a coordinate in millimetres, in DXF, SVG and CSV: one nanometre.
 pub const COORDINATE_DECIMALS: usize = 6;
 
 /// Decimals of a length in micrometres: one nanometre.
 pub(crate) const MICROMETRE_DECIMALS: usize = 3;
-
-/// Significant digits of derived quantities: areas, volumes, times.
-pub(crate) const DERIVED_DIGITS: usize = 6;
 
 /// Appends `value` with at most `decimals` decimals, without trailing zeros or a negative zero.
 pub(crate) fn push_decimal(out: &mut String, value: f64, decimals: usize) {
@@ -37,9 +36,9 @@ pub(crate) fn round_decimals(value: f64, decimals: usize) -> f64 {
     decimal(value, decimals).parse().unwrap_or(value)
 }
 
-/// Rounds `value` to `digits` significant digits.
-pub(crate) fn round_digits(value: f64, digits: usize) -> f64 {
-    format!("{value:.*e}", digits.saturating_sub(1)).parse().unwrap_or(value)
+/// Rounds `value` to six significant digits: derived quantities (areas, volumes, times), and lengths in messages.
+pub(crate) fn six_digits(value: f64) -> f64 {
+    significant(value, 6)
 }
 
 /// Converts metres to micrometres, rounded to one nanometre.
@@ -61,8 +60,6 @@ mod tests {
         assert_eq!(micrometres(130e-6 + 370e-6), 500.0);
         assert_eq!(micrometres(0.000_129_999_999_99), 130.0);
         assert_eq!(millimetres(10e-3), 10.0);
-        assert_eq!(round_digits(0.123_456_789, 6), 0.123_457);
-        assert_eq!(round_digits(0.0, 6), 0.0);
     }
 
     #[test]

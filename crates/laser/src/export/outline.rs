@@ -29,21 +29,20 @@ impl Outline {
     /// Checks that lengths are positive and finite, and that the hole of a ring is smaller than the ring.
     pub(crate) fn validate(&self) -> Result<(), ExportError> {
         match *self {
-            Self::Disc { diameter_m } => positive("diameter_m", diameter_m).map(|_| ()),
+            Self::Disc { diameter_m } => positive("diameter_m", diameter_m),
             Self::Rectangle { length_m, width_m } => {
                 positive("length_m", length_m)?;
-                positive("width_m", width_m).map(|_| ())
+                positive("width_m", width_m)
             }
             Self::Ring { outer_diameter_m, inner_diameter_m } => {
                 positive("outer_diameter_m", outer_diameter_m)?;
                 positive("inner_diameter_m", inner_diameter_m)?;
                 if inner_diameter_m < outer_diameter_m {
-                    Ok(())
-                } else {
-                    let [outer_mm, inner_mm] = [outer_diameter_m, inner_diameter_m].map(mm);
-                    let ring = format!("a ring of {outer_mm} mm has a hole of {inner_mm} mm");
-                    Err(ExportError::Refused(format!("{ring}: expected a smaller hole")))
+                    return Ok(());
                 }
+                let [outer_mm, inner_mm] = [outer_diameter_m, inner_diameter_m].map(mm);
+                let ring = format!("a ring of {outer_mm} mm has a hole of {inner_mm} mm");
+                Err(ExportError::Refused(format!("{ring}: expected a smaller hole")))
             }
         }
     }

@@ -6,8 +6,8 @@ use slipgrid_model::pattern::{Pattern, Planform, TextureRecord};
 
 use crate::export::removal::removed_volume_m3;
 use crate::export::{
-    DERIVED_DIGITS, ExportError, Laser, Layout, MICROMETRE_DECIMALS, Specimen, SpecimenRecord, WorkSheet,
-    burst_warnings, groove_direction, lattice, micrometres, positive, round_decimals, round_digits,
+    ExportError, Laser, Layout, MICROMETRE_DECIMALS, SpecimenRecord, WorkSheet, all_positive, burst_warnings,
+    groove_direction, lattice, micrometres, round_decimals, six_digits,
 };
 
 /// Effects that no model of slipgrid contains, for a pattern with or without rims; process sheets list them.
@@ -166,7 +166,7 @@ impl From<&Pattern> for PatternSheet {
                 ..record
             },
             rim_basis: rim.map(|_| RIM_BASIS.to_owned()),
-            areal_density: round_digits(pattern.areal_density(), DERIVED_DIGITS),
+            areal_density: six_digits(pattern.areal_density()),
         }
     }
 }
@@ -179,12 +179,12 @@ impl ProcessSheet {
     pub fn new(layout: &Layout, input: ProcessInput) -> Result<Self, ExportError> {
         let ProcessInput { name, version, schema, seed, laser, tolerances, material } = input;
         laser.validate()?;
-        if let Some(tolerances) = &tolerances {
-            tolerances.validate()?;
+        if let Some(Tolerances { width_um, spacing_um, depth_um, .. }) = tolerances {
+            let names = ["tolerance width_um", "tolerance spacing_um", "tolerance depth_um"];
+            all_positive(names.into_iter().zip([width_um, spacing_um, depth_um]))?;
         }
         let pattern = layout.pattern();
         let rim = pattern.texture().rim().filter(|rim| rim.stands());
-        let face = SpecimenRecord::from(&Specimen { outline: *layout.outline(), is_clipped: layout.is_clipped() });
         Ok(Self {
             name,
             program: "slipgrid".to_owned(),
@@ -195,13 +195,13 @@ impl ProcessSheet {
             pattern: PatternSheet::from(pattern),
             tolerances,
             specimen: SpecimenSheet {
-                face: SpecimenRecord { cavities: None, ..face },
+                face: SpecimenRecord { cavities: None, ..SpecimenRecord::from(layout.specimen()) },
                 at_the_rim: if layout.is_clipped() { "cavities are cut" } else { "whole cavities only" }.to_owned(),
                 arrangement: arrangement(layout),
                 cavities: layout.cavities(),
-                areal_density: round_digits(layout.areal_density(), DERIVED_DIGITS),
-                cavity_area_mm2: round_digits(layout.cavity_area_m2() * 1e6, DERIVED_DIGITS),
-                cavity_volume_mm3: round_digits(removed_volume_m3(layout, &laser) * 1e9, DERIVED_DIGITS),
+                areal_density: six_digits(layout.areal_density()),
+                cavity_area_mm2: six_digits(layout.cavity_area_m2() * 1e6),
+                cavity_volume_mm3: six_digits(removed_volume_m3(layout, &laser) * 1e9),
             },
             laser,
             work: WorkSheet { warnings: burst_warnings(layout, &laser), ..WorkSheet::new(layout, &laser) },
@@ -229,19 +229,6 @@ pub(crate) fn sheet_toml(sliding: &str, sheet: &impl Serialize) -> Result<String
     Ok(format!("# Process sheet. {sliding}; units stand in the keys.\n{body}"))
 }
 
-impl Tolerances {
-    fn validate(&self) -> Result<(), ExportError> {
-        for (quantity, value) in [
-            ("tolerance width_um", self.width_um),
-            ("tolerance spacing_um", self.spacing_um),
-            ("tolerance depth_um", self.depth_um),
-        ] {
-            value.map_or(Ok(0.0), |value| positive(quantity, value))?;
-        }
-        Ok(())
-    }
-}
-
 fn arrangement(layout: &Layout) -> String {
     let pattern = layout.pattern();
     let ends = if layout.is_clipped() { "each cut at the rim" } else { "each as long as fits whole on the specimen" };
@@ -259,4 +246,4 @@ fn arrangement(layout: &Layout) -> String {
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

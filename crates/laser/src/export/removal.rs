@@ -18,8 +18,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::export::marking::length_m;
 use crate::export::{
-    Cavity, DERIVED_DIGITS, Laser, Layout, Line, MICROMETRE_DECIMALS, Marking, decimal, micrometres, round_decimals,
-    round_digits, unreached,
+    Cavity, Laser, Layout, Line, MICROMETRE_DECIMALS, Marking, decimal, micrometres, round_decimals, six_digits,
+    unreached,
 };
 
 /// Range of a cavity's width that counts as its middle, as fractions.
@@ -209,7 +209,7 @@ impl Hatched {
         // z is proportional to 1 / v
         let speed = speed_mm_s * made_um / design_um;
         let are_pulses_close = speed / speed_mm_s * pulse_um <= laser.spot_um? * (1.0 + LENGTH_TOLERANCE);
-        let speed_for_depth_mm_s = are_pulses_close.then(|| round_digits(speed, DERIVED_DIGITS));
+        let speed_for_depth_mm_s = are_pulses_close.then(|| six_digits(speed));
         let mut warnings = self.unreached_warnings(layout);
         let off = |made_um: f64, wanted_um: f64| {
             let share = made_um / wanted_um - 1.0;

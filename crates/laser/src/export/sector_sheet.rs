@@ -6,9 +6,8 @@ use serde::{Deserialize, Serialize};
 use crate::export::process::sheet_toml;
 use crate::export::sectors::wrong_count;
 use crate::export::{
-    ANGLE_DECIMALS, DERIVED_DIGITS, Division, ExportError, Laser, MAX_SECTORS, MaterialNote, PatternSheet,
-    ProcessInput, Removal, Sector, burst_warnings, laser_time_s, millimetres, not_modelled, round_decimals,
-    round_digits, sector_layer,
+    ANGLE_DECIMALS, Division, ExportError, Laser, MAX_SECTORS, MaterialNote, PatternSheet, ProcessInput, Removal,
+    Sector, burst_warnings, laser_time_s, millimetres, not_modelled, round_decimals, sector_layer, six_digits,
 };
 
 /// Advice for measuring sectors.
@@ -163,19 +162,18 @@ impl DividedSheet {
 impl SectorSheet {
     fn new(sector: &Sector, laser: &Laser) -> Self {
         let (number, division, pattern) = (sector.number(), sector.division(), sector.pattern());
-        let rounded = |value: f64| round_digits(value, DERIVED_DIGITS);
         let share = sector.cavity_area_m2() / sector.whole().cavity_area_m2();
         Self {
             number,
             layer: sector_layer(number),
             middle_deg: round_decimals(division.middle_deg(number), ANGLE_DECIMALS),
             turn_deg: round_decimals(division.turn_deg(number), ANGLE_DECIMALS),
-            area_mm2: rounded(division.area_m2(number) * 1e6),
-            circle_mm: rounded(division.circle_m(number) * 1e3),
+            area_mm2: six_digits(division.area_m2(number) * 1e6),
+            circle_mm: six_digits(division.circle_m(number) * 1e3),
             cavities: sector.cavities(),
-            areal_density: rounded(sector.areal_density()),
+            areal_density: six_digits(sector.areal_density()),
             bursts_per_cavity: laser.bursts(pattern.depth_m()),
-            estimated_time_s: laser_time_s(sector.whole(), laser).map(|time_s| rounded(share * time_s)),
+            estimated_time_s: laser_time_s(sector.whole(), laser).map(|time_s| six_digits(share * time_s)),
             pattern: PatternSheet::from(pattern),
             warnings: burst_warnings(sector.whole(), laser),
             removal: Removal::new(sector.whole(), laser),
@@ -186,7 +184,7 @@ impl SectorSheet {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::export::{Outline, Specimen};
+    use crate::export::{Outline, Specimen, process};
     use slipgrid_model::pattern::{Pattern, Planform};
 
     #[test]
@@ -197,15 +195,7 @@ mod tests {
         let sectors = Division::new(specimen, 2).unwrap().lay(&patterns).unwrap();
         let laser =
             Laser { spot_um: Some(25.0), depth_per_burst_um: Some(2.6), repetition_hz: Some(1e4), ..Laser::default() };
-        let input = ProcessInput {
-            name: "two".to_owned(),
-            version: "0".to_owned(),
-            schema: 1,
-            seed: 1,
-            laser,
-            tolerances: None,
-            material: MaterialNote { name: "m".to_owned(), source: "s".to_owned(), synthetic_surface: false },
-        };
+        let input = ProcessInput { laser, ..process::tests::input(None) };
         let sheet = SectorsSheet::new(&sectors, input).unwrap();
         let text = sheet.to_toml().unwrap();
         let body = text.split_once('\n').unwrap().1;

@@ -14,12 +14,13 @@ pub struct Specimen {
 }
 
 impl Specimen {
-    /// Lays out `pattern` on the specimen.
+    /// Lays out `pattern` on the specimen. Computing time is proportional to the number of lattice points.
     ///
     /// # Errors
-    /// [`ExportError`] if no cavity fits, or there are far too many.
+    /// [`ExportError::Refused`] if the outline has no extent or too large a hole, [`ExportError::NoCavityFits`] if no
+    /// cavity fits on it, [`ExportError::TooManyCavities`] for more than [`crate::export::MAX_CAVITIES`].
     pub fn layout(&self, pattern: Pattern) -> Result<Layout, ExportError> {
-        if self.is_clipped { Layout::clipped(pattern, self.outline) } else { Layout::new(pattern, self.outline) }
+        Layout::on(*self, pattern)
     }
 
     /// Length of the face through the middle along the unit vector `sliding`, in metres, rounded to an integer number
@@ -42,12 +43,12 @@ impl Specimen {
         is_alike && texture.slides_alike(other_deg)
     }
 
-    /// Checks whether `pattern` fits on the specimen.
+    /// Checks whether `pattern` fits on the specimen, without computing the complete layout.
     ///
     /// # Errors
     /// See [`Specimen::layout`].
     pub fn check(&self, pattern: Pattern) -> Result<(), ExportError> {
-        Layout::check(pattern, self.outline, self.is_clipped)
+        Layout::check(*self, pattern)
     }
 }
 

@@ -26,30 +26,26 @@ pub fn stl(layout: &Layout, laser: &Laser, heading: &Heading, to: &mut dyn Write
     let triangles: u64 =
         layout.iter().flat_map(|cavity| solids(&cavity, inset_m)).map(|(face, _)| 4 * (face.len() as u64) - 4).sum();
     let count = u32::try_from(triangles).map_err(|_| io::Error::other("more triangles than STL can count"))?;
-    let mut bytes = Vec::with_capacity(BLOCK + 1024);
+    let mut to = io::BufWriter::with_capacity(BLOCK, to);
     let text = format!("slipgrid {}: removed volume, mm", heading.version);
-    bytes.extend(text.bytes().chain(std::iter::repeat(b' ')).take(80));
-    bytes.extend(count.to_le_bytes());
+    to.write_all(&text.bytes().chain(std::iter::repeat(b' ')).take(80).collect::<Vec<u8>>())?;
+    to.write_all(&count.to_le_bytes())?;
     for cavity in layout.iter() {
         for (face, floor) in solids(&cavity, inset_m) {
             let at = |[x_m, y_m]: [f64; 2], z_m: f64| [x_m, y_m, z_m];
             for [a, b, c] in triangulate(&face) {
-                triangle(&mut bytes, [at(face[a], 0.0), at(face[b], 0.0), at(face[c], 0.0)]);
-                triangle(&mut bytes, [at(floor[a], -depth_m), at(floor[c], -depth_m), at(floor[b], -depth_m)]);
+                triangle(&mut to, [at(face[a], 0.0), at(face[b], 0.0), at(face[c], 0.0)])?;
+                triangle(&mut to, [at(floor[a], -depth_m), at(floor[c], -depth_m), at(floor[b], -depth_m)])?;
             }
             for i in 0..face.len() {
                 let j = (i + 1) % face.len();
                 let (below_i, below_j) = (at(floor[i], -depth_m), at(floor[j], -depth_m));
-                triangle(&mut bytes, [at(face[i], 0.0), below_i, below_j]);
-                triangle(&mut bytes, [at(face[i], 0.0), below_j, at(face[j], 0.0)]);
+                triangle(&mut to, [at(face[i], 0.0), below_i, below_j])?;
+                triangle(&mut to, [at(face[i], 0.0), below_j, at(face[j], 0.0)])?;
             }
         }
-        if bytes.len() >= BLOCK {
-            to.write_all(&bytes)?;
-            bytes.clear();
-        }
     }
-    to.write_all(&bytes)
+    to.flush()
 }
 
 /// Checks that STL can hold `layout`: the border cuts no sloping walls, and walls reach the floor before they meet.
@@ -64,19 +60,16 @@ pub fn check(layout: &Layout, laser: &Laser) -> Result<(), ExportError> {
         let refused = "STL holds no leaning walls that the rim cuts: expected whole cavities, or wall_taper_deg = 0";
         return Err(ExportError::Refused(refused.to_owned()));
     }
+    // Each part of a cavity has a floor with as many corners as its lid.
+    let corners = |cavity: &Cavity| faces(cavity).iter().map(Vec::len).collect::<Vec<_>>();
     let has_floor =
-        |cavity: Cavity| cavity.inset(inset_m, 0.0).is_some_and(|floor| matches(&faces(&cavity), &faces(&floor)));
+        |cavity: Cavity| cavity.inset(inset_m, 0.0).is_some_and(|floor| corners(&cavity) == corners(&floor));
     let is_plain = layout.iter().all(|cavity| cavity.face.is_none() && cavity.crossed_by.is_none());
     if inset_m == 0.0 || is_plain || layout.iter().all(has_floor) {
         return Ok(());
     }
     let refused = "STL holds no cavity of which a leaning wall ends above the floor: expected longer edges of the outline, or a smaller wall_taper_deg";
     Err(ExportError::Refused(refused.to_owned()))
-}
-
-/// Whether each part of a cavity has a floor with as many corners as its lid.
-fn matches(lids: &[Polygon], floors: &[Polygon]) -> bool {
-    lids.len() == floors.len() && lids.iter().zip(floors).all(|(lid, floor)| lid.len() == floor.len())
 }
 
 /// Corners of a polygon, anticlockwise, in metres.
@@ -135,14 +128,14 @@ fn triangulate(polygon: &[[f64; 2]]) -> Vec<[usize; 3]> {
     triangles
 }
 
-fn triangle(bytes: &mut Vec<u8>, corners_m: [[f64; 3]; 3]) {
+fn triangle(to: &mut dyn Write, corners_m: [[f64; 3]; 3]) -> io::Result<()> {
     let [a, b, c] = corners_m;
     let (u, v) = ([b[0] - a[0], b[1] - a[1], b[2] - a[2]], [c[0] - a[0], c[1] - a[1], c[2] - a[2]]);
     let normal = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
     let size = normal[0].hypot(normal[1]).hypot(normal[2]);
     let unit = |value: f64| if size > 0.0 { value / size } else { 0.0 };
     for value in normal.map(unit).into_iter().chain(corners_m.into_iter().flatten().map(|at_m| at_m * 1e3)) {
-        bytes.extend((value as f32).to_le_bytes());
+        to.write_all(&(value as f32).to_le_bytes())?;
     }
-    bytes.extend([0, 0]);
+    to.write_all(&[0, 0])
 }

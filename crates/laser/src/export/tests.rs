@@ -141,15 +141,7 @@ fn the_sheet_states_the_distances_that_lines_have() {
     let marking = Marking::new(&laser).unwrap();
     let (mut nearer, mut unlike) = (0, 0);
     for layout in layouts() {
-        let input = ProcessInput {
-            name: String::new(),
-            version: String::new(),
-            schema: 1,
-            seed: 1,
-            laser,
-            tolerances: None,
-            material: MaterialNote { name: String::new(), source: String::new(), synthetic_surface: false },
-        };
+        let input = ProcessInput { laser, tolerances: None, ..process::tests::input(None) };
         let work = ProcessSheet::new(&layout, input).unwrap().work;
         assert_eq!(work.line_distance_um, Some(20.0));
         let (least_um, greatest_um) = (work.least_line_distance_um.unwrap(), work.greatest_line_distance_um.unwrap());
@@ -210,7 +202,7 @@ fn height_maps_hold_the_area_and_the_volume_of_the_cavities() {
             let mut bytes = Vec::new();
             height_map(&layout, &map, &HEADING, &mut bytes).unwrap();
             let (columns, rows, heights, per_metre) = read_png(&bytes);
-            assert_eq!(([columns, rows], per_metre), (map.size(), 250_000));
+            assert_eq!(([columns, rows], per_metre), (map.size, 250_000));
             let removed = heights.iter().map(|height| 1.0 - height).sum::<f64>() * 16e-12;
             // With vertical walls it is the area, otherwise the volume over the depth. Edges of round and turned
             // cavities are sampled randomly, those along the raster's axes are off by at most one pixel.

@@ -76,7 +76,7 @@ mod tests {
     fn swept(texture: Texture, width_um: f64, spot_um: f64) -> f64 {
         let pattern = Pattern::new(texture, width_um * 1e-6, 100e-6, 10e-6).unwrap();
         let cavity = Layout::new(pattern, DISC).unwrap().iter().next().unwrap();
-        let laser = Laser { spot_um: Some(spot_um), ..Laser::UNKNOWN };
+        let laser = Laser { spot_um: Some(spot_um), ..Laser::default() };
         let marking = Marking::new(&laser).unwrap();
         swept_share(&cavity, &marking.lines(&cavity), marking.spot_compensation_m())
     }
@@ -98,7 +98,7 @@ mod tests {
 
     #[test]
     fn cavities_that_get_no_line_and_corners_that_are_not_swept_are_warned_of() {
-        let laser = Laser { spot_um: Some(30.0), depth_per_burst_um: Some(2.0), ..Laser::UNKNOWN };
+        let laser = Laser { spot_um: Some(30.0), depth_per_burst_um: Some(2.0), ..Laser::default() };
         let corners = [[0.0, 0.0], [1.0, 0.0], [0.5, 0.75_f64.sqrt()]];
         let triangle = Texture::new(Planform::Polygon).with_outline(Polygon::new(&corners).unwrap()).unwrap();
         let pattern = |texture: Texture, width_um: f64| Pattern::new(texture, width_um * 1e-6, 100e-6, 10e-6).unwrap();

@@ -6,8 +6,7 @@ use slipgrid_model::pattern::Planform;
 
 use crate::export::removal::Hatched;
 use crate::export::{
-    DERIVED_DIGITS, Exposure, Laser, Layout, MICROMETRE_DECIMALS, Marking, Removal, micrometres, round_decimals,
-    round_digits,
+    Exposure, Laser, Layout, MICROMETRE_DECIMALS, Marking, Removal, micrometres, round_decimals, six_digits,
 };
 
 const SPOTS_FORMULA: &str = "ceil(cavity width / spot) * ceil(cavity length / spot): spots edge to edge, the spot taken as a square of that side; \
@@ -177,9 +176,9 @@ impl WorkSheet {
     fn mark(&mut self, layout: &Layout, laser: &Laser) {
         // A mask exposes whole cavities, so that there are no lines.
         let Some(marking) = Marking::new(laser).ok().filter(|_| !laser.is_mask()) else { return };
-        let rounded = |value: f64| round_digits(value, DERIVED_DIGITS);
         let hatched = Hatched::new(layout, &marking);
-        (self.lines_on_specimen, self.marked_length_mm) = (Some(hatched.lines), Some(rounded(hatched.length_m * 1e3)));
+        (self.lines_on_specimen, self.marked_length_mm) =
+            (Some(hatched.lines), Some(six_digits(hatched.length_m * 1e3)));
         self.spot_compensation_um = Some(micrometres(marking.spot_compensation_m()));
         self.marking_direction = Some(
             if layout.pattern().planform() == Planform::Crosshatch {
@@ -191,23 +190,23 @@ impl WorkSheet {
             .to_owned(),
         );
         let overlap =
-            |distance_um: Option<f64>| distance_um.zip(laser.spot_um).map(|(d, spot)| rounded(1.0 - d / spot));
+            |distance_um: Option<f64>| distance_um.zip(laser.spot_um).map(|(d, spot)| six_digits(1.0 - d / spot));
         self.line_distance_um = laser.line_distance_um();
         let [least_um, greatest_um] = [0, 1].map(|end| hatched.apart_m.map(|apart_m| micrometres(apart_m[end])));
         (self.least_line_distance_um, self.greatest_line_distance_um) = (least_um, greatest_um);
         self.line_distance_formula = Some(LINES_FORMULA.to_owned());
         self.line_overlap = overlap(greatest_um);
         if self.bursts_per_cavity.is_some() {
-            self.exposures_of_a_point = hatched.exposures().map(rounded);
+            self.exposures_of_a_point = hatched.exposures().map(six_digits);
             self.exposures_of_a_point_formula = self.exposures_of_a_point.map(|_| EXPOSURES_FORMULA.to_owned());
         }
-        self.pulse_distance_um = laser.pulse_distance_um().map(rounded);
+        self.pulse_distance_um = laser.pulse_distance_um().map(six_digits);
         self.pulse_overlap = overlap(laser.pulse_distance_um());
-        self.bursts_per_pass = laser.bursts_per_pass().map(rounded);
+        self.bursts_per_pass = laser.bursts_per_pass().map(six_digits);
         self.bursts_per_pass_formula = self.bursts_per_pass.map(|_| BURSTS_FORMULA.to_owned());
         self.removal = hatched.removal(layout, laser);
         if let Some(passes) = self.removal.as_ref().map(|removal| removal.passes) {
-            self.removed_volume_mm3 = hatched.volume_m3(laser, passes).map(|volume_m3| rounded(volume_m3 * 1e9));
+            self.removed_volume_mm3 = hatched.volume_m3(laser, passes).map(|volume_m3| six_digits(volume_m3 * 1e9));
             self.depths_across_um = hatched.across_um(laser, passes);
             self.depths_across_formula = self.depths_across_um.as_ref().map(|_| ACROSS_FORMULA.to_owned());
             self.removal_formula = Some(REMOVAL_FORMULA.to_owned());
@@ -229,7 +228,7 @@ impl WorkSheet {
             }
             (None, None) => None,
         };
-        self.estimated_time_s = time_s.map(|time_s| round_digits(time_s, DERIVED_DIGITS));
+        self.estimated_time_s = time_s.map(|time_s| six_digits(time_s));
         let missing = laser.missing_for_time();
         self.no_estimate_because = (!missing.is_empty()).then(|| format!("not given: {}", missing.join(", ")));
         let (formula, assumptions) = if lines.is_some() {
@@ -258,7 +257,7 @@ mod tests {
 
     #[test]
     fn bursts_make_the_depth_of_the_design_and_exposures_of_a_point_are_told() {
-        let laser = Laser { spot_um: Some(23.0), depth_per_burst_um: Some(2.6), ..Laser::UNKNOWN };
+        let laser = Laser { spot_um: Some(23.0), depth_per_burst_um: Some(2.6), ..Laser::default() };
         let sheet = |width_um: f64, laser: &Laser| {
             let pattern = Pattern::new(Planform::Groove, width_um * 1e-6, 98.7e-6, 15.6e-6).unwrap();
             let layout = Layout::new(pattern, Outline::Disc { diameter_m: 4e-3 }).unwrap();

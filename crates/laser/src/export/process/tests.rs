@@ -7,7 +7,7 @@ use slipgrid_model::pattern::{Arrangement, Polygon, Rim, RimProfile, Texture};
 
 /// Laser and pattern of Balestra et al., J. Tribol. 144, 031704, Sec. "Laser patterning"; the repetition rate is an
 /// assumption.
-fn input(repetition_hz: Option<f64>) -> ProcessInput {
+pub(crate) fn input(repetition_hz: Option<f64>) -> ProcessInput {
     ProcessInput {
         name: "LDPE, lower friction".to_owned(),
         version: "0.1.0".to_owned(),
@@ -108,7 +108,7 @@ fn sheets_of_every_kind_read_back_and_name_what_is_not_plain() {
         assert_eq!(text.contains("x is the sliding direction"), texture.sliding_angle_deg() == 0.0);
         assert_eq!(text.contains("arrangement = \"staggered\""), texture.arrangement() == Arrangement::Staggered);
         assert_eq!(named("length_um"), texture.planform() == Planform::Rectangle);
-        assert_eq!(sheet.pattern.areal_density, round_digits(pattern.areal_density(), DERIVED_DIGITS));
+        assert_eq!(sheet.pattern.areal_density, six_digits(pattern.areal_density()));
     }
     let turned = Texture::new(Planform::Groove).with_groove_angle_deg(33.3).unwrap();
     let pattern = Pattern::new(turned, 130e-6, 370e-6, 5.2e-6).unwrap();

@@ -2,20 +2,22 @@
 
 use super::*;
 use crate::export::layout::every_kind;
-use crate::export::{MaterialNote, Outline, ProcessInput, ProcessSheet};
+use crate::export::{Outline, ProcessInput, ProcessSheet, process};
 use slipgrid_model::pattern::{Pattern, Planform, Texture};
 
 /// Removes 35.343 um in two passes over an infinite hatch: (pi/4) 30^2 / (4 8) x 0.8 um each.
-const NARROW: Laser = laser(30.0, 8.0, 200.0, 0.8);
+fn narrow() -> Laser {
+    laser(30.0, 8.0, 200.0, 0.8)
+}
 
-const fn laser(spot_um: f64, hatch_um: f64, speed_mm_s: f64, burst_um: f64) -> Laser {
+fn laser(spot_um: f64, hatch_um: f64, speed_mm_s: f64, burst_um: f64) -> Laser {
     Laser {
         spot_um: Some(spot_um),
         depth_per_burst_um: Some(burst_um),
         repetition_hz: Some(50e3),
         speed_mm_s: Some(speed_mm_s),
         hatch_um: Some(hatch_um),
-        ..Laser::UNKNOWN
+        ..Laser::default()
     }
 }
 
@@ -42,7 +44,7 @@ fn pulses(lines: &[Line], pulse_m: f64) -> Vec<[f64; 2]> {
 #[test]
 fn depths_are_what_pulses_remove_one_by_one() {
     for (texture, lengths_um, laser) in [
-        (Texture::new(Planform::Groove), [30.0, 60.0, 35.343], NARROW),
+        (Texture::new(Planform::Groove), [30.0, 60.0, 35.343], narrow()),
         (Texture::new(Planform::Groove), [69.9, 80.1, 35.343], laser(40.0, 8.0, 200.0, 0.45)),
         (Texture::new(Planform::Groove), [200.0, 100.0, 20.0], laser(20.0, 10.0, 100.0, 0.2)),
         (Texture::new(Planform::Square), [130.0, 170.0, 12.0], laser(23.0, 11.5, 4.6 * 50.0, 0.2)),
@@ -87,7 +89,7 @@ fn depths_are_what_pulses_remove_one_by_one() {
 #[test]
 fn a_narrow_groove_gets_the_passes_that_its_one_line_needs_and_a_warning() {
     let layout = laid(Planform::Groove, [30.0, 60.0, 35.343]);
-    let removal = Removal::new(&layout, &NARROW).unwrap();
+    let removal = Removal::new(&layout, &narrow()).unwrap();
     // 0.8 um / 4 um times the mean chord over |y| < 5 um of a spot of 30 um, 2 (F(5) - F(0)) / 5, F = (y sqrt(225 -
     // y^2) + 225 asin(y/15)) / 2: 29.436 um.
     assert!((removal.depth_per_pass_um - 0.2 * 29.436).abs() < 1e-3, "{removal:?}");
@@ -110,15 +112,7 @@ fn wide_cavities_are_as_deep_as_an_endless_hatch_says() {
     assert_eq!((removal.passes, &removal.warnings[..]), (4, &[][..]));
     assert!((removal.depth_per_pass_um / step_um - 1.0).abs() < 0.01, "{removal:?}");
     // Volumes of pulses and of cavities agree up to the fraction of the edges, (s - h) / w, and of the ends, s / 1 mm.
-    let input = ProcessInput {
-        name: String::new(),
-        version: String::new(),
-        schema: 1,
-        seed: 1,
-        laser,
-        tolerances: None,
-        material: MaterialNote { name: String::new(), source: String::new(), synthetic_surface: false },
-    };
+    let input = ProcessInput { laser, tolerances: None, ..process::tests::input(None) };
     let sheet = ProcessSheet::new(&layout, input).unwrap();
     let share = sheet.work.removed_volume_mm3.unwrap() / sheet.specimen.cavity_volume_mm3;
     assert!((share - (1.0 - 5.0 / 510.0) * (1.0 - 10.0 / 1000.0)).abs() < 1e-3, "{share}");
@@ -127,13 +121,7 @@ fn wide_cavities_are_as_deep_as_an_endless_hatch_says() {
     // Bins of an eighth of half the width: a flat floor in all but the first, which holds the edge.
     let ends: Vec<f64> = across.iter().map(|[end_um, _]| *end_um).collect();
     assert!(ends.iter().zip(1..).all(|(end_um, bin)| (end_um - 31.875 * f64::from(bin)).abs() < 1e-9), "{ends:?}");
-    assert!(
-        sheet
-            .work
-            .depths_across_formula
-            .as_ref()
-            .is_some_and(|said| said.contains("the bin that ends at the distance x"))
-    );
+    assert!(sheet.work.depths_across_formula.unwrap().contains("the bin that ends at the distance x"));
     assert_eq!(sheet.work.depth_step_um, Some(round_decimals(step_um, MICROMETRE_DECIMALS)));
     assert!(across[7][0] == 255.0 && (across[7][1] / removal.depth_um - 1.0).abs() < 0.01, "{across:?}");
     assert_eq!(toml::from_str::<Removal>(&toml::to_string(&removal).unwrap()).unwrap(), removal);
