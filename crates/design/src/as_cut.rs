@@ -147,7 +147,6 @@ impl BeyondCells<'_> {
     /// Change of the logarithms of `ratios` of `pattern` by the specimen's ends and pressure tilt; zeros without a face
     /// or if strips are too large to solve. `is_rough` uses larger blocks, for comparisons of many textures.
     pub fn by_face(&self, pattern: &Pattern, ratios: &[f64], is_rough: bool, monitor: &dyn Monitor) -> Vec<f64> {
-        let solve = if is_rough { SteadyOnFace::roughly } else { SteadyOnFace::new };
         let part = Share::new(monitor, 0.0);
         let mut scene = self.scene(pattern);
         // This change hardly depends on the block size if lands and cavities have at least two blocks.
@@ -156,7 +155,8 @@ impl BeyondCells<'_> {
         if is_rough && rows.is_multiple_of(2) && least_m >= MIN_BLOCKS * coarse_m {
             scene.layer.block_m = coarse_m;
         }
-        let on_face = self.face.as_ref().and_then(|face| solve(&scene, pattern, face, &part).ok());
+        let solve = |face| SteadyOnFace::new(&scene, pattern, face, is_rough, &part).ok();
+        let on_face = self.face.as_ref().and_then(solve);
         self.log_shifts(ratios, &|load| on_face.as_ref().and_then(|on_face| on_face.added(load)).unwrap_or(0.0))
     }
 

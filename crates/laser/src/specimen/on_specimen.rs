@@ -15,8 +15,7 @@ use crate::specimen::laid::{Laid, cavity_fraction, density_share, on_face};
 /// solved. On discs of 10 mm the ratio from 32 bands differs from the one from 128 bands by less than the stated error
 /// (`bands_sample_a_disc`).
 const BANDS: usize = 32;
-/// Number of bands for [`SteadyOnFace::roughly`]: a fifth of the cost, at an accuracy of about a tenth of the
-/// corrections.
+/// Number of bands for rough corrections: a fifth of the cost, at an accuracy of about a tenth of the corrections.
 const ROUGH_BANDS: usize = 6;
 /// Root-mean-square deviation of rows of squares, solved in three dimensions, from the formula 1 - r = (1 - `r_cell`) D
 /// / `D_period`, over the deviation of grooves of the same section. Measured for five textures at three loads
@@ -52,7 +51,7 @@ pub fn simulate_on(
     let scene = &with_specimen_length(specimen, &pattern, scene);
     let layout = specimen.layout(pattern)?;
     if scene.dimension().takes_strips() {
-        return Ok(simulate_specimen(scene, &solved_face(&layout, scene.layer.block_m)?, monitor)?);
+        return Ok(simulate_specimen(scene, &solved_face(BANDS, &layout, scene.layer.block_m)?, monitor)?);
     }
     let share = density_share(&layout, scene.dimension());
     let (mut simulation, strip_density_ratio) = if scene.run.extent == Extent::Strip {
@@ -104,13 +103,9 @@ fn with_specimen_length(specimen: &Specimen, pattern: &Pattern, scene: &Scene) -
     scene
 }
 
-/// Strips of `layout` for the solver: all strips for grooves across the sliding direction, and the strip through the
+/// Strips of `layout` for the solver: strips of all `bands` for grooves across the sliding direction, and the strip through the
 /// middle of the cavities for other planforms in two dimensions.
-fn solved_face(layout: &Layout, block_m: f64) -> Result<Face, SceneError> {
-    face_from_bands(BANDS, layout, block_m)
-}
-
-fn face_from_bands(bands: usize, layout: &Layout, block_m: f64) -> Result<Face, SceneError> {
+fn solved_face(bands: usize, layout: &Layout, block_m: f64) -> Result<Face, SceneError> {
     let is_groove = layout.pattern().texture().is_one_section();
     let strips = if is_groove { layout.strips(bands) } else { layout.central_strip() };
     face_from_strips(layout, strips, block_m)
@@ -143,7 +138,8 @@ pub struct SteadyOnFace {
 
 impl SteadyOnFace {
     /// Computes the corrections for `pattern`, which replaces that of `scene`, on `specimen`. Takes them from the cache
-    /// of `monitor` if it holds them, for example from an earlier trial.
+    /// of `monitor` if it holds them, for example from an earlier trial. With `is_rough`, few strips are solved, for
+    /// ranking designs: the corrections are accurate to about a tenth, at a fifth of the cost.
     ///
     /// # Errors
     /// [`SpecimenError`] if the scene is invalid or the pattern does not fit on the specimen.
@@ -151,30 +147,7 @@ impl SteadyOnFace {
         scene: &Scene,
         pattern: &Pattern,
         specimen: &Specimen,
-        monitor: &dyn Monitor,
-    ) -> Result<Self, SpecimenError> {
-        Self::by_bands(BANDS, scene, pattern, specimen, monitor)
-    }
-
-    /// Computes the corrections with few strips, for ranking designs: the corrections for ends and tilt are accurate to
-    /// about a tenth, at a fifth of the cost.
-    ///
-    /// # Errors
-    /// See [`Self::new`].
-    pub fn roughly(
-        scene: &Scene,
-        pattern: &Pattern,
-        specimen: &Specimen,
-        monitor: &dyn Monitor,
-    ) -> Result<Self, SpecimenError> {
-        Self::by_bands(ROUGH_BANDS, scene, pattern, specimen, monitor)
-    }
-
-    fn by_bands(
-        bands: usize,
-        scene: &Scene,
-        pattern: &Pattern,
-        specimen: &Specimen,
+        is_rough: bool,
         monitor: &dyn Monitor,
     ) -> Result<Self, SpecimenError> {
         let scene = with_specimen_length(specimen, pattern, scene);
@@ -182,6 +155,7 @@ impl SteadyOnFace {
         let layout = specimen.layout(*pattern)?;
         let laid = Laid::from_layout(&layout, scene.dimension());
         let share = laid.share(pattern);
+        let bands = if is_rough { ROUGH_BANDS } else { BANDS };
         let content = (bands, &scene, pattern, specimen);
         let solve = || ends_and_tilt(bands, &scene, pattern, (&layout, share), monitor);
         let added = cached(monitor, ("face", &content), 0.0, solve)?;
@@ -198,7 +172,7 @@ impl SteadyOnFace {
         if !scene.dimension().takes_strips() {
             return Ok(0.0);
         }
-        Ok(steady_face_bytes(&scene, pattern, &solved_face(&specimen.layout(*pattern)?, scene.layer.block_m)?)?)
+        Ok(steady_face_bytes(&scene, pattern, &solved_face(BANDS, &specimen.layout(*pattern)?, scene.layer.block_m)?)?)
     }
 
     /// Term added to the friction ratio for the specimen's ends and pressure tilt at the load with the index `place`,
@@ -226,7 +200,7 @@ fn ends_and_tilt(
     let takes_strips = scene.dimension().takes_strips();
     let block_m = scene.layer.block_m;
     let face = if takes_strips {
-        face_from_bands(bands, layout, block_m)?
+        solved_face(bands, layout, block_m)?
     } else {
         face_from_strips(layout, layout.strips(bands), block_m)?
     };
@@ -268,7 +242,7 @@ pub fn time_changes_on(
     let face = match specimen {
         Some(specimen) => {
             scene = with_specimen_length(specimen, &pattern, &scene);
-            solved_face(&specimen.layout(pattern)?, scene.layer.block_m)?
+            solved_face(BANDS, &specimen.layout(pattern)?, scene.layer.block_m)?
         }
         None => infinite_strip(&pattern, scene.layer.length_m)?,
     };
@@ -309,7 +283,7 @@ fn layout_errors(
     let plane = Scene { run, ..with_specimen_length(specimen, &groove, scene) };
     let Ok(layout) = specimen.layout(groove) else { return Ok(vec![None; scene.loads.len()]) };
     let share = layout.areal_density() / groove.areal_density();
-    let strips = steady_face_ratios(&plane, &groove, &solved_face(&layout, plane.layer.block_m)?, monitor)?;
+    let strips = steady_face_ratios(&plane, &groove, &solved_face(BANDS, &layout, plane.layer.block_m)?, monitor)?;
     let cells = SteadyCell::new(&plane).ratios(&groove);
     let across = pattern.areal_density() / pattern.section_density();
     let error = |(ratio, cell): (Option<f64>, Option<f64>)| {

@@ -257,7 +257,7 @@ fn steady_ratios_on_a_face_are_those_of_the_specimen() {
             scene.layer.block_m = 20e-6;
         }
         // Strips are not tilted.
-        let on_face = SteadyOnFace::new(&scene, &pattern.with_rim(None), &DISC, &Unwatched).unwrap();
+        let on_face = SteadyOnFace::new(&scene, &pattern.with_rim(None), &DISC, false, &Unwatched).unwrap();
         let cells = steady_ratios(&Scene { run: RunOptions::default(), ..scene.clone() }, &Unwatched).unwrap();
         let solved = simulate_on(&scene, Some(&DISC), &Unwatched).unwrap();
         let (mut farthest, mut tilted) = (0.0, 0.0);
