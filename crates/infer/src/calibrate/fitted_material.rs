@@ -2,8 +2,8 @@
 //! are equal.
 
 use slipgrid_base::units::{
-    DENSITY_G_CM3, EXCESS, FACTOR, FACTOR_STD, FRICTION, FRICTION_STD, HUMIDITY_PCT, MODULUS_GPA, MODULUS_STD_GPA,
-    PRESSURE_MPA, Quantity, SPEED_MM_S, tidy,
+    DENSITY_G_CM3, EXCESS, FACTOR, FACTOR_STD, FRICTION, FRICTION_STD, MODULUS_GPA, MODULUS_STD_GPA, PRESSURE_MPA,
+    Quantity, tidy,
 };
 use slipgrid_model::material::{
     AreaLaw, Condition, ConditionFriction, Elastic, Friction, LocalFriction, Material, Provenance,
@@ -13,10 +13,11 @@ use crate::calibrate::area_law::table_warnings;
 use crate::calibrate::calibration_task::{CalibrationError, CalibrationTask};
 use crate::calibrate::contradicting_samples::contradicting_samples;
 use crate::calibrate::load_dependence::load_dependence_warning;
+use crate::calibrate::select_measurements::{as_written, by_condition};
 use crate::calibrate::surface_area_law_source::{AreaLawOrigin, SurfaceFindings};
 use crate::calibrate::trial_discrepancy::{Learned, note};
 use crate::calibrate::uncertainty::{CoefficientEstimate, MaterialUncertainty, flat_friction};
-use crate::calibrate::{Coefficients, Fit, FittedPair, FittedRow, Measurement, split_parameter_name};
+use crate::calibrate::{Coefficients, Fit, FittedPair, FittedRow, Measurement, Prediction, split_parameter_name};
 
 /// Result of a calibration.
 #[derive(Clone, Debug, PartialEq)]
@@ -56,11 +57,11 @@ pub(crate) fn outcome(
     measurements: Vec<Measurement>,
     fit: Fit,
     surface: SurfaceFindings,
-    Learned { discrepancy: learned, warnings: trial_warnings, lands }: Learned,
+    Learned { discrepancy: learned, warnings: trial_warnings, lands, .. }: Learned,
 ) -> Result<CalibrationOutcome, CalibrationError> {
     let by_condition = match task.coefficients {
         Coefficients::Single => Vec::new(),
-        Coefficients::PerCondition => by_condition(task, &measurements, &fit),
+        Coefficients::PerCondition => fitted_rows(task, &measurements, &fit),
     };
     let elastic = Elastic::new(
         MODULUS_GPA.as_written(task.elastic.youngs_modulus_pa()),
@@ -197,7 +198,7 @@ fn row_uncertainty(
 }
 
 fn single_pair(task: &CalibrationTask, fit: &Fit) -> Result<(Friction, MaterialUncertainty), CalibrationError> {
-    let Some(found) = fit.pairs.first() else { return Err(no_measurement()) };
+    let found = &fit.pairs[0];
     let friction = pair(found, task.relative_std)?;
     let mut uncertainty = MaterialUncertainty::default();
     row_uncertainty(&[(None, *found, friction, fit.mean_over_local_law())], None, &mut uncertainty)?;
@@ -212,20 +213,13 @@ fn single_pair(task: &CalibrationTask, fit: &Fit) -> Result<(Friction, MaterialU
     Ok((Friction::Single(friction), uncertainty))
 }
 
-fn no_measurement() -> CalibrationError {
-    CalibrationError::Fit { error: crate::calibrate::FitError::NoMeasurement, measurement: None }
-}
-
 fn pairs_by_condition(
     task: &CalibrationTask,
     conditions: &[(Condition, Vec<FittedRow>)],
 ) -> Result<(Friction, MaterialUncertainty), CalibrationError> {
     let (mut table, mut uncertainty) = (Vec::new(), MaterialUncertainty::default());
     for (condition, rows) in conditions {
-        let condition = Condition {
-            speed_m_s: SPEED_MM_S.as_written(condition.speed_m_s),
-            humidity: HUMIDITY_PCT.as_written(condition.humidity),
-        };
+        let condition = as_written(condition);
         let mut known = Vec::new();
         for row in rows {
             let pressure_pa = rounded("friction.pressure_mpa", PRESSURE_MPA, row.pressure_pa)?;
@@ -240,21 +234,17 @@ fn pairs_by_condition(
 
 /// Groups the fitted rows by speed and humidity: groups in the order of the measurements, rows of a group by increasing
 /// pressure.
-fn by_condition(task: &CalibrationTask, measurements: &[Measurement], fit: &Fit) -> Vec<(Condition, Vec<FittedRow>)> {
-    let mut conditions: Vec<(Condition, Vec<FittedRow>)> = Vec::new();
-    for (measured, (&pair, predicted)) in measurements.iter().zip(fit.pairs.iter().zip(&fit.predictions)) {
-        let condition = measured.condition();
+fn fitted_rows(task: &CalibrationTask, measurements: &[Measurement], fit: &Fit) -> Vec<(Condition, Vec<FittedRow>)> {
+    let row = |(measured, (&pair, predicted)): (&Measurement, (&FittedPair, &Prediction))| {
         let row = FittedRow {
             pressure_pa: task.pressure_pa(measured),
             pair,
             residual: predicted.residual,
             dynamic_over_steady: five_digits(predicted.over_local_law),
         };
-        match conditions.iter_mut().find(|(other, _)| other.matches(&condition)) {
-            Some((_, rows)) => rows.push(row),
-            None => conditions.push((condition, vec![row])),
-        }
-    }
+        (measured.condition(), row)
+    };
+    let mut conditions = by_condition(measurements.iter().zip(fit.pairs.iter().zip(&fit.predictions)).map(row));
     for (_, rows) in &mut conditions {
         rows.sort_by(|a, b| a.pressure_pa.total_cmp(&b.pressure_pa));
     }

@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use rayon::prelude::*;
-use slipgrid_base::monitor::Monitor;
+use slipgrid_base::monitor::{Monitor, Part};
 use slipgrid_base::units::PRESSURE_MPA;
 use slipgrid_laser::specimen::{SpecimenError, SteadyOnFace, nearest_known, time_changes_on};
 use slipgrid_model::material::{AreaLaw, Condition, Elastic, LocalFriction, MaterialError};
@@ -13,9 +13,9 @@ use slipgrid_model::springblock::{Layer, Load, RunOptions, Scene, steady_ratios}
 use slipgrid_surface::contact::AreaPoint;
 
 use crate::calibrate::area_law::area_law;
+use crate::calibrate::select_measurements::by_condition;
 use crate::calibrate::uncertainty::{flat_friction, local_law};
 use crate::calibrate::{CalibrationError, CalibrationTask, CutSpecimen, Measurement};
-use slipgrid_base::monitor::Part;
 
 /// Step of ln E, with Young's modulus E, for derivatives of ratios: small against the error of the modulus, large
 /// against rounding errors.
@@ -105,21 +105,15 @@ impl Model<'_> {
         let mut found = vec![None; pairs.len()];
         let (Some(area_law), false) = (self.law.0, self.law.1.is_empty()) else { return Ok(found) };
         let flat = flat_friction(self.task);
-        let mut conditions: Vec<Condition> = Vec::new();
-        for [own, _] in pairs {
-            if !conditions.iter().any(|known| known.matches(&own.condition())) {
-                conditions.push(own.condition());
-            }
-        }
+        let conditions = by_condition(pairs.iter().enumerate().map(|(place, [own, _])| (own.condition(), place)));
         let part = Part::new(monitor, 1.0 / conditions.len().max(1) as f64);
-        let ratios = |condition: &Condition| -> Result<Vec<(usize, Option<f64>)>, CalibrationError> {
-            let Some(law) = local_law(area_law, &flat, Some(condition)) else { return Ok(Vec::new()) };
-            let places: Vec<usize> =
-                (0..pairs.len()).filter(|place| pairs[*place][0].condition().matches(condition)).collect();
-            let own: Vec<Pair> = places.iter().map(|place| pairs[*place]).collect();
-            let Some(scene) = self.scene(self.task.elastic, Some(law), &own)? else { return Ok(Vec::new()) };
-            Ok(places.into_iter().zip(steady_ratios(&scene, &part)?).collect())
-        };
+        let ratios =
+            |(condition, places): &(Condition, Vec<usize>)| -> Result<Vec<(usize, Option<f64>)>, CalibrationError> {
+                let Some(law) = local_law(area_law, &flat, Some(condition)) else { return Ok(Vec::new()) };
+                let own: Vec<Pair> = places.iter().map(|place| pairs[*place]).collect();
+                let Some(scene) = self.scene(self.task.elastic, Some(law), &own)? else { return Ok(Vec::new()) };
+                Ok(places.iter().copied().zip(steady_ratios(&scene, &part)?).collect())
+            };
         let cells = conditions.par_iter().map(ratios).collect::<Result<Vec<_>, _>>()?;
         for (place, cell) in cells.into_iter().flatten() {
             let [flat, _] = &pairs[place];
@@ -165,7 +159,7 @@ impl Model<'_> {
         let flat = self.without_rims();
         let own = if self.pattern.texture().is_one_section() { &flat } else { self };
         let Some(scene) = own.face_scene(pairs)? else { return Ok(None) };
-        Ok(Some(SteadyOnFace::new(&scene, &own.pattern, face, monitor)?))
+        Ok(Some(SteadyOnFace::new(&scene, &own.pattern, face, false, monitor)?))
     }
 
     /// Memory, in bytes, that [`Self::face_correction`] takes.

@@ -1,5 +1,6 @@
 //! Selection of the measurements that a design needs, because each measurement on a flat sample requires a dynamic run.
 
+use slipgrid_base::units::{HUMIDITY_PCT, SPEED_MM_S};
 use slipgrid_model::material::{Condition, ConditionFriction, Friction, LocalFriction, MaterialError, between};
 
 use crate::calibrate::{CalibrationTask, Coefficients, Measurement, Selection};
@@ -30,6 +31,26 @@ impl Selection {
                 && self.pressures_pa.iter().any(|wanted| is_beside(&own, task.pressure_pa(row), *wanted))
         };
         task.flat.iter().filter(is_needed).copied().collect()
+    }
+}
+
+/// Groups `rows` by speed and humidity: groups in the order of their first rows, rows of a group in their order.
+pub(crate) fn by_condition<T>(rows: impl Iterator<Item = (Condition, T)>) -> Vec<(Condition, Vec<T>)> {
+    let mut groups: Vec<(Condition, Vec<T>)> = Vec::new();
+    for (condition, row) in rows {
+        match groups.iter_mut().find(|(other, _)| other.matches(&condition)) {
+            Some((_, rows)) => rows.push(row),
+            None => groups.push((condition, vec![row])),
+        }
+    }
+    groups
+}
+
+/// Speed and humidity as they are read back from a file.
+pub(crate) fn as_written(condition: &Condition) -> Condition {
+    Condition {
+        speed_m_s: SPEED_MM_S.as_written(condition.speed_m_s),
+        humidity: HUMIDITY_PCT.as_written(condition.humidity),
     }
 }
 

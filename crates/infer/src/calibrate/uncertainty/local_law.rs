@@ -17,7 +17,7 @@
 //! f_c(p) = f_c(P_n) [f(p) / f(P_n)]^s,     s = 1 - ln[c(P_n) / c(P_1)] / ln[f(P_1) / f(P_n)],     0 <= s <= 1
 //! ```
 
-use slipgrid_base::units::{FRICTION, HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S};
+use slipgrid_base::units::{FRICTION, PRESSURE_MPA};
 use slipgrid_model::material::{AreaLaw, Condition, MaterialError};
 use slipgrid_model::pattern::Pattern;
 use slipgrid_model::springblock::{Scene, SteadyCell};
@@ -25,6 +25,7 @@ use slipgrid_model::springblock::{Scene, SteadyCell};
 use super::CoefficientEstimate;
 use super::first_order_propagation::{steady_cell, with_law};
 use super::material_uncertainty::{mean, shares};
+use crate::calibrate::select_measurements::{as_written, by_condition};
 use crate::calibrate::{CalibrationTask, Coefficients, Measurement};
 
 /// Number of linear parts of the local law f_c between two measured loads, and above the heaviest load. Between loads
@@ -44,32 +45,24 @@ const SAME_COEFFICIENT: f64 = 1e-6;
 /// Measured friction of the flat samples of `task`, by condition and increasing pressure, rounded as in a material
 /// file. Empty if one pair of coefficients holds at all loads, or if no condition has two measurements.
 pub(crate) fn flat_friction(task: &CalibrationTask) -> Vec<CoefficientEstimate> {
-    let mut conditions: Vec<(Condition, Vec<CoefficientEstimate>)> = Vec::new();
     let measured: &[Measurement] = if task.coefficients == Coefficients::PerCondition { &task.flat } else { &[] };
-    for flat in measured {
-        let condition = Condition {
-            speed_m_s: SPEED_MM_S.as_written(flat.speed_m_s),
-            humidity: HUMIDITY_PCT.as_written(flat.humidity),
-        };
+    let estimate = |flat: &Measurement| {
+        let condition = as_written(&flat.condition());
         let own = CoefficientEstimate {
             pressure_pa: Some(PRESSURE_MPA.as_written(task.pressure_pa(flat))),
             condition: Some(condition),
             value: FRICTION.as_written(flat.mu_dynamic),
             std_error: 0.0,
         };
-        match conditions.iter_mut().find(|(other, _)| other.matches(&condition)) {
-            Some((_, all)) => all.push(own),
-            None => conditions.push((condition, vec![own])),
-        }
-    }
+        (condition, own)
+    };
+    let mut conditions = by_condition(measured.iter().map(estimate));
     if conditions.iter().all(|(_, all)| all.len() < 2) {
         return Vec::new();
     }
-    let sorted = |(_, mut all): (Condition, Vec<CoefficientEstimate>)| {
-        all.sort_by(|a, b| a.pressure_pa.partial_cmp(&b.pressure_pa).unwrap_or(std::cmp::Ordering::Equal));
-        all
-    };
-    conditions.into_iter().flat_map(sorted).collect()
+    let pressure_pa = |own: &CoefficientEstimate| own.pressure_pa.unwrap_or(0.0);
+    conditions.iter_mut().for_each(|(_, all)| all.sort_by(|a, b| pressure_pa(a).total_cmp(&pressure_pa(b))));
+    conditions.into_iter().flat_map(|(_, all)| all).collect()
 }
 
 /// Computes the law f_c of local pressure from the `area_law` and the measured `flat` friction under `condition`;
