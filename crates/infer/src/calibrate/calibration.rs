@@ -7,22 +7,9 @@ use crate::calibrate::fitted_material::CalibrationOutcome;
 use crate::calibrate::surface_area_law_source::surface_findings;
 use crate::calibrate::trial_discrepancy::{Learned, learn, sample_bytes, trial};
 use crate::calibrate::{
-    CalibrationError, CalibrationTask, CutSample, FitError, LandEffect, Measurement, PendingSample, Problem, Surface,
+    CalibrationError, CalibrationTask, CutSample, FitError, Measurement, PendingSample, Problem, Surface,
     fit_coefficients, fitted_material, planned_steps,
 };
-use crate::discrepancy::Discrepancy;
-
-/// Discrepancy learned from a calibration's samples, and modelled ratios of pending samples.
-#[derive(Clone, Debug, PartialEq)]
-pub struct LearnedSamples {
-    /// Posterior of the discrepancy, the logarithm of the measured over the modelled ratio.
-    pub discrepancy: Discrepancy,
-    /// Modelled ratios of the pending samples.
-    pub pending: Vec<PendingSample>,
-    /// Effects of the slope of the land on modelled ratios, for measured samples whose land was compared with the flat
-    /// sample.
-    pub lands: Vec<LandEffect>,
-}
 
 /// Runs a calibration: selects the required measurements, computes the area law, fits local coefficients and learns
 /// from trials. Stages of the monitor: "area law", "windows", "area law after the test", "calibration", and "trials" if
@@ -31,9 +18,11 @@ pub struct LearnedSamples {
 /// # Errors
 /// [`CalibrationError`] if a number is invalid, the model cannot reproduce a measurement, or the monitor cancels.
 pub fn run(task: &CalibrationTask, monitor: &dyn Monitor) -> Result<CalibrationOutcome, CalibrationError> {
-    let check_cancelled = || if monitor.cancelled() { Err(CalibrationError::Cancelled) } else { Ok(()) };
     // Estimated first, so that a run that needs too much memory fails at once.
-    note_memory(sample_bytes(task)?, monitor);
+    let gib = sample_bytes(task)? / NOTED_BYTES;
+    if gib > 1.0 {
+        monitor.note(&format!("the strips of a measured sample take about {gib:.1} GiB of memory"));
+    }
     let measurements = task.selection.flat(task);
     // Finds a modulus in the wrong unit before the contact of a map is computed.
     check_speeds(&task.elastic, task.specimen_area_m2, &measurements).map_err(|error| refused(error, &measurements))?;
@@ -75,7 +64,9 @@ pub fn run(task: &CalibrationTask, monitor: &dyn Monitor) -> Result<CalibrationO
             learned
         }
     };
-    check_cancelled()?;
+    if monitor.cancelled() {
+        return Err(CalibrationError::Cancelled);
+    }
     fitted_material::outcome(task, problem.measurements, fit, surface, learned?)
 }
 
@@ -91,14 +82,6 @@ fn refused(error: FitError, measurements: &[Measurement]) -> CalibrationError {
 
 /// Memory of a calibration, in bytes, above which the monitor gets a note.
 const NOTED_BYTES: f64 = (1_u64 << 30) as f64;
-
-/// Sends the monitor a note on the memory, in bytes, of the samples if it is above `NOTED_BYTES`.
-fn note_memory(bytes: f64, monitor: &dyn Monitor) {
-    if bytes > NOTED_BYTES {
-        let gib = bytes / NOTED_BYTES;
-        monitor.note(&format!("the strips of a measured sample take about {gib:.1} GiB of memory"));
-    }
-}
 
 /// Estimated minutes of a fit above which a note is given.
 const NOTED_MINUTES: f64 = 0.5;
@@ -120,7 +103,7 @@ fn long_fit_note(problem: &Problem) -> Option<String> {
 ///
 /// # Errors
 /// See [`run`].
-pub fn learn_alone(task: &CalibrationTask, monitor: &dyn Monitor) -> Result<LearnedSamples, CalibrationError> {
+pub fn learn_alone(task: &CalibrationTask, monitor: &dyn Monitor) -> Result<Learned, CalibrationError> {
     let (surface, learned) = if matches!(task.surface, Surface::FittedScale { .. }) {
         let found = run(task, monitor)?;
         (found.surface, found.uncertainty.learned)
@@ -132,7 +115,7 @@ pub fn learn_alone(task: &CalibrationTask, monitor: &dyn Monitor) -> Result<Lear
     // An area law that is fitted has no map with which a land could be compared.
     let learned = learned.map_or_else(
         || learn(task, law, &stage),
-        |discrepancy| Ok(Learned { discrepancy, warnings: Vec::new(), lands: Vec::new() }),
+        |discrepancy| Ok(Learned { discrepancy, warnings: Vec::new(), lands: Vec::new(), pending: Vec::new() }),
     );
     let pending = task.trials.samples.iter().filter(|sample| sample.measured.is_empty());
     let pending = pending.map(|sample| {
@@ -145,6 +128,6 @@ pub fn learn_alone(task: &CalibrationTask, monitor: &dyn Monitor) -> Result<Lear
     if monitor.cancelled() {
         return Err(CalibrationError::Cancelled);
     }
-    let Learned { discrepancy, lands, .. } = learned?;
-    Ok(LearnedSamples { discrepancy, pending: pending?, lands })
+    let learned = learned?;
+    Ok(Learned { pending: pending?, ..learned })
 }

@@ -6,34 +6,26 @@
 
 use slipgrid_model::material::{AreaLaw, MaterialError};
 
-use crate::calibrate::{Fit, Problem};
-
-/// Load of a measurement from which a coefficient was fitted.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct FlatLoad {
-    /// Nominal pressure, in pascals.
-    pub pressure_pa: f64,
-    /// Weight of the measurement in the coefficient; 1 for a single measurement.
-    pub weight: f64,
-}
+use crate::calibrate::{Fit, Measurement, Problem};
 
 /// Relative standard deviation of the local coefficient mu_d, including the errors of the area law. `conditional` is
 /// the relative standard deviation for a given `law`, `log_modulus_std` the standard deviation of the logarithm of
-/// Young's modulus, and `loads` are the measurements from which the coefficient was fitted.
+/// Young's modulus, and `loads` are the measurements from which the coefficient was fitted: pairs of nominal pressure, in
+/// pascals, and weight in the coefficient.
 ///
 /// # Errors
 /// [`MaterialError`] if the law cannot be shifted.
-pub fn marginal_relative_std(
+fn marginal_relative_std(
     conditional: f64,
     law: &AreaLaw,
     log_modulus_std: f64,
-    loads: &[FlatLoad],
+    loads: &[(f64, f64)],
 ) -> Result<f64, MaterialError> {
     let (softer, stiffer) = (law.at_modulus((-log_modulus_std).exp())?, law.at_modulus(log_modulus_std.exp())?);
     let shifted = law.with_factors_off_by(1.0);
-    let total: f64 = loads.iter().map(|load| load.weight).sum();
+    let total: f64 = loads.iter().map(|(_, weight)| weight).sum();
     let mean = |value: &dyn Fn(f64) -> f64| {
-        loads.iter().map(|load| load.weight * value(load.pressure_pa)).sum::<f64>() / total
+        loads.iter().map(|(pressure_pa, weight)| weight * value(*pressure_pa)).sum::<f64>() / total
     };
     // d ln mu_d = -d ln f
     let from_modulus = mean(&|at_pa| 0.5 * (softer.factor(at_pa) / stiffer.factor(at_pa)).ln());
@@ -57,15 +49,12 @@ impl Fit {
         if log_modulus_std == 0.0 && law.factor_std().is_none() {
             return Ok(());
         }
-        let loads: Vec<FlatLoad> = problem
-            .measurements
-            .iter()
-            .map(|measured| {
-                let pressure_pa = problem.pressure_pa(measured);
-                // Weights in sum [(mu_d f_i - mu_i) / s_i]^2.
-                FlatLoad { pressure_pa, weight: (law.factor(pressure_pa) / measured.mu_dynamic_std).powi(2) }
-            })
-            .collect();
+        // Weights in sum [(mu_d f_i - mu_i) / s_i]^2.
+        let load = |measured: &Measurement| {
+            let pressure_pa = problem.pressure_pa(measured);
+            (pressure_pa, (law.factor(pressure_pa) / measured.mu_dynamic_std).powi(2))
+        };
+        let loads: Vec<(f64, f64)> = problem.measurements.iter().map(load).collect();
         let single = self.pairs.len() == 1;
         for (place, pair) in self.pairs.iter_mut().enumerate() {
             let Some(error) = pair.dynamic_std_error else { continue };
@@ -86,30 +75,24 @@ impl Fit {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::calibrate::uncertainty::covariances::tests::{exponential_law, g};
 
     #[test]
     fn a_coefficient_is_off_by_what_the_factor_at_its_pressure_is() {
-        // A = 1 - exp(-P / S), S proportional to Young's modulus: d ln f / d ln E = g(P0) - g(P), g = -x e^-x / (1 -
-        // e^-x) at x = P / S.
-        let pressure_pa: Vec<f64> = (1..600).map(|i| 0.05e6 * f64::from(i)).collect();
-        let area: Vec<f64> = pressure_pa.iter().map(|p| 1.0 - (-p / 4e6_f64).exp()).collect();
-        let law = AreaLaw::from_area_curve(&pressure_pa, &area, 0.7e6).unwrap();
-        let g = |pressure_pa: f64| {
-            let x = pressure_pa / 4e6;
-            -x * (-x).exp() / (1.0 - (-x).exp())
-        };
-        let at = |pressure_pa: f64, weight: f64| FlatLoad { pressure_pa, weight };
-        let one = marginal_relative_std(0.01, &law, 0.2, &[at(5e6, 1.0)]).unwrap();
-        let none = marginal_relative_std(0.01, &law, 0.2, &[at(0.3e6, 1.0)]).unwrap();
-        let known = marginal_relative_std(0.01, &law, 0.0, &[at(5e6, 1.0)]).unwrap();
+        // S is proportional to Young's modulus.
+        let law = exponential_law(4e6, 0.7e6);
+        let g = |pressure_pa: f64| g(pressure_pa / 4e6);
+        let one = marginal_relative_std(0.01, &law, 0.2, &[(5e6, 1.0)]).unwrap();
+        let none = marginal_relative_std(0.01, &law, 0.2, &[(0.3e6, 1.0)]).unwrap();
+        let known = marginal_relative_std(0.01, &law, 0.0, &[(5e6, 1.0)]).unwrap();
         let slope = |found: f64| (found * found - 1e-4).max(0.0).sqrt() / 0.2;
         assert!((known - 0.01).abs() < 1e-12 && slope(none) < 1e-6, "{known} {none}");
         assert!((slope(one) / (g(5e6) - g(0.7e6)).abs() - 1.0).abs() < 0.03, "{one}");
-        let both = marginal_relative_std(0.01, &law, 0.2, &[at(5e6, 3.0), at(0.3e6, 1.0)]).unwrap();
+        let both = marginal_relative_std(0.01, &law, 0.2, &[(5e6, 3.0), (0.3e6, 1.0)]).unwrap();
         assert!((slope(both) / slope(one) - 0.75).abs() < 1e-3, "{both}");
         let factor_std = law.factors().iter().map(|f| 0.03 * f).collect();
         let errors = law.with_factor_std(factor_std).unwrap();
-        let wide = marginal_relative_std(0.01, &errors, 0.0, &[at(5e6, 1.0)]).unwrap();
+        let wide = marginal_relative_std(0.01, &errors, 0.0, &[(5e6, 1.0)]).unwrap();
         assert!((wide - 0.01_f64.hypot(1.03_f64.ln())).abs() < 1e-3, "{wide}");
     }
 }

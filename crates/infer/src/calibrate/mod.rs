@@ -93,7 +93,7 @@ mod surface_area_law_source;
 mod trial_discrepancy;
 pub mod uncertainty;
 
-pub use calibration::{LearnedSamples, learn_alone, run};
+pub use calibration::{learn_alone, run};
 pub use calibration_task::{CalibrationError, CalibrationTask, MapSurface, Selection, Surface};
 pub use contradicting_samples::contradicting_samples;
 pub use cut_sample::{CutSample, CutSpecimen, TrialsTask};
@@ -105,7 +105,6 @@ pub use fitted_material::CalibrationOutcome;
 pub use flat_friction_law::flat_friction_law;
 pub use land_slope::{LandEffect, LandSlope};
 pub use law_pressures::{LawPressures, light_pressure_pa};
-pub use marginal_uncertainty::{FlatLoad, marginal_relative_std};
 pub use pending_sample::{ModelledRatio, PendingSample};
 pub use select_measurements::measured_friction;
 pub use surface_area_law_source::{AreaLawOrigin, SurfaceFindings};

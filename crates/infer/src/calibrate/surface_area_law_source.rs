@@ -144,22 +144,16 @@ pub(crate) fn surface_findings(
     task: &CalibrationTask,
     monitor: &dyn Monitor,
 ) -> Result<SurfaceFindings, CalibrationError> {
-    let mut found = findings(task, monitor)?;
-    found.warnings.extend(threshold_warning(task, &found.curve));
-    Ok(found)
-}
-
-fn findings(task: &CalibrationTask, monitor: &dyn Monitor) -> Result<SurfaceFindings, CalibrationError> {
     let contact_modulus_pa = task.elastic.contact_modulus_pa(task.poisson_ratio);
-    match &task.surface {
-        Surface::None => Ok(SurfaceFindings {
+    let mut found = match &task.surface {
+        Surface::None => SurfaceFindings {
             notes: vec!["no surface was given: friction is proportional to load (Amontons-Coulomb)".to_owned()],
             ..SurfaceFindings::default()
-        }),
+        },
         Surface::FittedScale { bounds_pa } => {
-            Ok(SurfaceFindings { scale_bounds_pa: Some(*bounds_pa), ..SurfaceFindings::default() })
+            SurfaceFindings { scale_bounds_pa: Some(*bounds_pa), ..SurfaceFindings::default() }
         }
-        Surface::FlatFriction { law, extrapolation } => Ok(SurfaceFindings {
+        Surface::FlatFriction { law, extrapolation } => SurfaceFindings {
             origin: Some(AreaLawOrigin::Measured),
             law: Some(law.clone()),
             notes: vec![format!(
@@ -168,11 +162,11 @@ fn findings(task: &CalibrationTask, monitor: &dyn Monitor) -> Result<SurfaceFind
                 extrapolation.name()
             )],
             ..SurfaceFindings::default()
-        }),
+        },
         Surface::RmsSlope(rms_slope) => {
             let table = LawPressures::new(task.threshold_pa, contact_modulus_pa, *rms_slope, None);
             let curve = persson_curve(*rms_slope, contact_modulus_pa, &table.pressures_pa)?;
-            Ok(SurfaceFindings {
+            SurfaceFindings {
                 origin: Some(AreaLawOrigin::Persson),
                 rms_slope: Some(*rms_slope),
                 law: Some(area_law(&curve, table.threshold_pa).map_err(CalibrationError::NoAreaLaw)?),
@@ -180,7 +174,7 @@ fn findings(task: &CalibrationTask, monitor: &dyn Monitor) -> Result<SurfaceFind
                 notes: vec!["area law by Persson's theory from the rms slope: no substitute for a map".to_owned()],
                 warnings: SurfaceWarning::check_slope(*rms_slope).into_iter().collect(),
                 ..SurfaceFindings::default()
-            })
+            }
         }
         Surface::Map(surface) => {
             let map = &surface.map;
@@ -193,9 +187,11 @@ fn findings(task: &CalibrationTask, monitor: &dyn Monitor) -> Result<SurfaceFind
                 tolerance: CONTACT_TOLERANCE,
                 windows: surface.windows,
             };
-            findings_from_map(surface, &request, monitor)
+            findings_from_map(surface, &request, monitor)?
         }
-    }
+    };
+    found.warnings.extend(threshold_warning(task, &found.curve));
+    Ok(found)
 }
 
 fn findings_from_map(
@@ -281,38 +277,26 @@ fn after_test(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::calibrate::{Coefficients, Selection, TrialsTask};
+    use crate::calibrate::Measurement;
+    use crate::calibrate::trial_discrepancy::tests;
     use slipgrid_base::monitor::Unwatched;
     use slipgrid_model::material::Elastic;
-    use slipgrid_model::springblock::Layer;
+    use slipgrid_model::pattern::Planform;
 
     #[test]
     fn a_given_slope_of_no_surface_makes_the_law_doubtful() {
-        let warnings = |rms_slope: f64| surface_findings(&task(0.38e9, rms_slope), &Unwatched).unwrap().warnings;
+        let warnings =
+            |rms_slope: f64| surface_findings(&task(0.38e9, rms_slope, Vec::new()), &Unwatched).unwrap().warnings;
         assert_eq!(warnings(0.0137), []);
         assert_eq!(warnings(2.0), SurfaceWarning::check_slope(2.0).into_iter().collect::<Vec<_>>());
     }
 
-    fn task(modulus_pa: f64, rms_slope: f64) -> CalibrationTask {
+    fn task(modulus_pa: f64, rms_slope: f64, flat: Vec<Measurement>) -> CalibrationTask {
         CalibrationTask {
-            name: String::new(),
-            source: String::new(),
             elastic: Elastic::new(modulus_pa, 900.0).unwrap(),
-            youngs_modulus_std_pa: None,
-            poisson_ratio: 1.0 / 3.0,
             surface: Surface::RmsSlope(rms_slope),
-            threshold_pa: None,
             specimen_area_m2: 50e-6,
-            flat: Vec::new(),
-            trials: TrialsTask::default(),
-            coefficients: Coefficients::PerCondition,
-            relative_std: 0.05,
-            static_over_dynamic: 1.1,
-            layer: Layer { length_m: 500e-6, height_m: 100e-6, block_m: 10e-6, thickness_m: None, holder: None },
-            seed: 1,
-            selection: Selection::default(),
-            notes: Vec::new(),
-            doubts: Vec::new(),
+            ..tests::task(flat, Planform::Groove)
         }
     }
 
@@ -320,17 +304,10 @@ mod tests {
     fn without_a_threshold_the_law_follows_the_area_within_the_measured_loads() {
         // Loads of 0.15 to 1 MPa on a soft solid, E* h'rms = 1.93 MPa; the threshold published for polyethylene is
         // within this range.
-        let measured = |force_n: f64| crate::calibrate::Measurement {
-            force_n,
-            speed_m_s: 1e-2,
-            humidity: 0.4,
-            mu_dynamic: 0.6,
-            mu_dynamic_std: 0.01,
-            static_peak: None,
-        };
+        let measured = |force_n: f64| tests::measured(force_n, 0.4, 0.6);
         let of = |threshold_pa: Option<f64>| {
             let flat = [7.5, 15.0, 50.0].map(measured).to_vec();
-            surface_findings(&CalibrationTask { threshold_pa, flat, ..task(48e6, 0.0358) }, &Unwatched).unwrap()
+            surface_findings(&CalibrationTask { threshold_pa, ..task(48e6, 0.0358, flat) }, &Unwatched).unwrap()
         };
         let (free, stated) = (of(None), of(Some(0.7e6)));
         let factors =
@@ -343,7 +320,7 @@ mod tests {
         assert!(said.contains("up to 0.7 MPa, where contact area per load is 0.92 times that at 0.15 MPa"), "{said}");
         // There is no warning for a threshold below the loads, nor if area is proportional to load.
         assert_eq!(of(Some(0.1e6)).warnings, []);
-        let stiff = CalibrationTask { threshold_pa: Some(0.7e6), flat: vec![measured(30.0)], ..task(0.38e9, 0.0137) };
+        let stiff = CalibrationTask { threshold_pa: Some(0.7e6), ..task(0.38e9, 0.0137, vec![measured(30.0)]) };
         assert_eq!(surface_findings(&stiff, &Unwatched).unwrap().warnings, []);
     }
 }

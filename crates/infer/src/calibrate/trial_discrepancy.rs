@@ -8,18 +8,21 @@ use slipgrid_model::springblock::Dimension;
 use slipgrid_surface::contact::AreaPoint;
 
 use crate::calibrate::patterned_samples::{Model, Pair, pair_measurements};
-use crate::calibrate::{CalibrationError, CalibrationTask, CutSample, LandEffect};
+use crate::calibrate::{CalibrationError, CalibrationTask, CutSample, LandEffect, PendingSample};
 use crate::discrepancy::{Conditions, DimensionShift, Discrepancy, Features, Load, Measured, Sensitivity, Trial};
 
-/// Result of learning from trials.
+/// Discrepancy learned from a calibration's samples, and modelled ratios of pending samples.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Learned {
     /// Posterior of the discrepancy, the logarithm of the measured over the modelled ratio.
     pub discrepancy: Discrepancy,
     /// Warnings about samples that are not modelled like designs, one sentence each.
     pub warnings: Vec<String>,
-    /// Effects of the slope of the land on modelled ratios, for samples whose land was compared with the flat sample.
+    /// Effects of the slope of the land on modelled ratios, for measured samples whose land was compared with the flat
+    /// sample.
     pub lands: Vec<LandEffect>,
+    /// Modelled ratios of the pending samples, if they were asked for.
+    pub pending: Vec<PendingSample>,
 }
 
 /// A cut sample with its measured and modelled ratios.
@@ -54,7 +57,8 @@ pub fn learn(
     let (_, curve) = law;
     let modulus = if curve.is_empty() { 0.0 } else { tidy(task.modulus_relative_std().unwrap_or(0.0)) };
     let discrepancy = Discrepancy::new(task.trials.prior.clone(), conditions(task), modulus, trials);
-    Ok(Learned { discrepancy: discrepancy.map_err(CalibrationError::Trials)?, warnings, lands })
+    let discrepancy = discrepancy.map_err(CalibrationError::Trials)?;
+    Ok(Learned { discrepancy, warnings, lands, pending: Vec::new() })
 }
 
 /// Memory, in bytes, for the strips of the largest measured sample of `task`; samples are modelled one after the other.
@@ -107,17 +111,18 @@ pub(super) fn trial(
     let model = |pattern: Pattern| Model { task, law, pattern, relief: cut.relief.clone(), specimen: cut.specimen };
     let pairs = pair_measurements(task, &cut.measured);
     let is_cheap = Dimension::of(None, cut.pattern.texture()).is_cheap_per_design();
-    let solved_pairs = if is_cheap { SolvedPairs { solved: pairs.clone() } } else { SolvedPairs::new(&pairs) };
+    // Ratios of other pairs are interpolated.
+    let solved = if is_cheap { pairs.clone() } else { extreme_pairs(&pairs) };
     let (steady, added) = rayon::join(
-        || model(cut.pattern).sensitive_ratios(&solved_pairs.solved, &monitor),
+        || model(cut.pattern).sensitive_ratios(&solved, &monitor),
         || model(cut.pattern).time_changes(&pairs, &Part::new(&monitor, 0.0)),
     );
     let ((steady, on_face), added) = (steady?, added?);
-    let face = (&solved_pairs.solved[..], on_face.as_ref());
+    let face = (&solved[..], on_face.as_ref());
     let by_local_law = model(cut.pattern).local_law_ratios(&pairs, face, &monitor)?;
     let known = pairs.iter().zip(&added.at).zip(by_local_law);
     let known = known.filter_map(|((pair, added), by_local_law)| {
-        let [ratio, modulus] = solved_pairs.between(pair, |place| steady[place])?;
+        let [ratio, modulus] = between(&solved, pair, |place| steady[place])?;
         let local_law = by_local_law.map_or(0.0, |by_local_law| (by_local_law / ratio).ln());
         Some((pair, ratio, Sensitivity { modulus, local_law }, *added))
     });
@@ -130,9 +135,9 @@ pub(super) fn trial(
             lengths_m[other] + if other == axis { cut.dimensions_std_m[axis] } else { 0.0 }
         });
         let Ok(moved) = Pattern::new(*cut.pattern.texture(), width_m, spacing_m, depth_m) else { continue };
-        let others = model(moved).ratios(&solved_pairs.solved, on_face.as_ref(), &monitor)?;
+        let others = model(moved).ratios(&solved, on_face.as_ref(), &monitor)?;
         let change = |(pair, own, _, added): &(&Pair, f64, Sensitivity, f64)| {
-            let [other] = solved_pairs.between(pair, |place| Some([others[place]?]))?;
+            let [other] = between(&solved, pair, |place| Some([others[place]?]))?;
             Some(tidy(((other + added) / (own + added)).ln()))
         };
         let log_ratio = known.iter().map(change).collect::<Option<Vec<f64>>>();
@@ -199,46 +204,39 @@ pub(crate) fn note(learned: &Discrepancy) -> Option<String> {
     })
 }
 
-/// Pairs of measurements whose ratios are solved; ratios of other pairs are interpolated.
-struct SolvedPairs {
-    /// All pairs, or those with the lowest and highest flat friction at each force.
-    solved: Vec<Pair>,
+/// Of `pairs`, those with the lowest and highest flat friction at each force.
+fn extreme_pairs(pairs: &[Pair]) -> Vec<Pair> {
+    let mut extreme: Vec<Pair> = Vec::new();
+    for [flat, _] in pairs {
+        if extreme.iter().any(|[own, _]| own.force_n == flat.force_n) {
+            continue;
+        }
+        let mut alike: Vec<&Pair> = pairs.iter().filter(|[other, _]| other.force_n == flat.force_n).collect();
+        alike.sort_by(|a, b| a[0].mu_dynamic.total_cmp(&b[0].mu_dynamic));
+        let (least, most) = (*alike[0], *alike[alike.len() - 1]);
+        extreme.push(least);
+        extreme.extend((most[0].mu_dynamic > least[0].mu_dynamic).then_some(most));
+    }
+    extreme
 }
 
-impl SolvedPairs {
-    fn new(pairs: &[Pair]) -> Self {
-        let mut solved: Vec<Pair> = Vec::new();
-        for [flat, _] in pairs {
-            if solved.iter().any(|[own, _]| own.force_n == flat.force_n) {
-                continue;
-            }
-            let mut alike: Vec<&Pair> = pairs.iter().filter(|[other, _]| other.force_n == flat.force_n).collect();
-            alike.sort_by(|a, b| a[0].mu_dynamic.total_cmp(&b[0].mu_dynamic));
-            let (least, most) = (*alike[0], *alike[alike.len() - 1]);
-            solved.push(least);
-            solved.extend((most[0].mu_dynamic > least[0].mu_dynamic).then_some(most));
-        }
-        Self { solved }
+/// Values for `pair`, interpolated linearly in flat friction between the `solved` pairs at its force; `at` gives the
+/// values of a solved pair by index. `None` if `at` has no values for a required pair.
+fn between<const N: usize>(solved: &[Pair], pair: &Pair, at: impl Fn(usize) -> Option<[f64; N]>) -> Option<[f64; N]> {
+    if let Some(place) = solved.iter().position(|own| own == pair) {
+        return at(place);
     }
-
-    /// Values for `pair`, interpolated linearly in flat friction between the solved pairs at its force; `at` gives the
-    /// values of a solved pair by index. `None` if `at` has no values for a required pair.
-    fn between<const N: usize>(&self, pair: &Pair, at: impl Fn(usize) -> Option<[f64; N]>) -> Option<[f64; N]> {
-        if let Some(place) = self.solved.iter().position(|own| own == pair) {
-            return at(place);
-        }
-        let [flat, _] = pair;
-        let first = self.solved.iter().position(|[own, _]| own.force_n == flat.force_n)?;
-        let least = at(first)?;
-        let Some([most, _]) = self.solved.get(first + 1).filter(|[most, _]| most.force_n == flat.force_n) else {
-            return Some(least);
-        };
-        let from = self.solved[first][0].mu_dynamic;
-        let t = (flat.mu_dynamic - from) / (most.mu_dynamic - from);
-        let greatest = at(first + 1)?;
-        Some(std::array::from_fn(|value| least[value] + t * (greatest[value] - least[value])))
-    }
+    let [flat, _] = pair;
+    let first = solved.iter().position(|[own, _]| own.force_n == flat.force_n)?;
+    let least = at(first)?;
+    let Some([most, _]) = solved.get(first + 1).filter(|[most, _]| most.force_n == flat.force_n) else {
+        return Some(least);
+    };
+    let from = solved[first][0].mu_dynamic;
+    let t = (flat.mu_dynamic - from) / (most.mu_dynamic - from);
+    let greatest = at(first + 1)?;
+    Some(std::array::from_fn(|value| least[value] + t * (greatest[value] - least[value])))
 }
 
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;

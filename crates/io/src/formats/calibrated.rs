@@ -6,7 +6,7 @@ use slipgrid_base::monitor::{Cancelled, Key, Monitor};
 use slipgrid_design::KnownMaterial;
 use slipgrid_infer::calibrate::area_law::AreaLawError;
 use slipgrid_infer::calibrate::{
-    CalibrationError, CalibrationOutcome, CalibrationTask, FitError, LearnedSamples, Selection, measured_friction,
+    CalibrationError, CalibrationOutcome, CalibrationTask, FitError, Learned, Selection, measured_friction,
     sample_bytes,
 };
 use slipgrid_model::material::{Material, Provenance};
@@ -172,7 +172,7 @@ pub fn learn(
     files: &Source,
     sample: (Layer, u64),
     monitor: &dyn Monitor,
-) -> Result<(CalibrationTask, LearnedSamples), Failure> {
+) -> Result<(CalibrationTask, Learned), Failure> {
     let task = calibration.task(files, sample, Selection::default(), monitor)?;
     let learned =
         slipgrid_infer::calibrate::learn_alone(&task, monitor).map_err(|error| failed(&error, path, calibration))?;

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use slipgrid_base::monitor::{Cancelled, Monitor};
 use slipgrid_base::units::{LENGTH_UM, tidy};
 use slipgrid_design::RatioPrediction;
-use slipgrid_infer::calibrate::{CalibrationTask, LearnedSamples, PendingSample};
+use slipgrid_infer::calibrate::{CalibrationTask, Learned, PendingSample};
 use slipgrid_infer::discrepancy::{Discrepancy, Sensitivity};
 
 use super::{PER_MM, TrialsReport};
@@ -89,11 +89,11 @@ impl TrialsReport {
     pub fn of_samples(
         name: &str,
         task: &CalibrationTask,
-        learned: &LearnedSamples,
+        learned: &Learned,
         doubts: &[String],
         monitor: &dyn Monitor,
     ) -> Result<Self, Cancelled> {
-        let LearnedSamples { discrepancy, pending, lands } = learned;
+        let Learned { discrepancy, pending, lands, .. } = learned;
         let ledger = Self::new(name, &task.flat, &task.trials.samples, discrepancy, monitor)?;
         let predicted = pending.iter().map(|sample| PendingReport::new(sample, discrepancy)).collect();
         Ok(Self { predicted, lands: lands.clone(), ..ledger }.with_warnings(doubts.to_vec()))

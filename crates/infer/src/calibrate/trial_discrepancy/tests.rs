@@ -9,11 +9,12 @@ use crate::calibrate::uncertainty::{flat_friction, local_law};
 use crate::calibrate::{Coefficients, Selection};
 use crate::calibrate::{CutSpecimen, Measurement, PendingSample, Surface, TrialsTask, learn_alone};
 
-fn measured(force_n: f64, humidity: f64, mu_dynamic: f64) -> Measurement {
+pub fn measured(force_n: f64, humidity: f64, mu_dynamic: f64) -> Measurement {
     Measurement { force_n, speed_m_s: 2e-3, humidity, mu_dynamic, mu_dynamic_std: 0.002, static_peak: None }
 }
 
-fn task(flat: Vec<Measurement>, planform: Planform) -> CalibrationTask {
+/// Calibration task of one sample, cut into the same specimen as the `flat` samples and measured at their conditions.
+pub fn task(flat: Vec<Measurement>, planform: Planform) -> CalibrationTask {
     let sample = CutSample {
         name: "cut".to_owned(),
         date: String::new(),

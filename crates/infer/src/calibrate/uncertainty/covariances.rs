@@ -25,29 +25,31 @@ pub fn with_scale(known: &[[f64; 2]; 2], law: &AreaLaw, loads: &[Load]) -> Resul
 }
 
 #[cfg(test)]
-mod tests {
+pub mod tests {
     use super::*;
     use slipgrid_model::material::LocalFriction;
 
-    fn loads(pressures_mpa: &[f64]) -> Vec<Load> {
-        let friction = LocalFriction::new(0.3, 0.27, 0.05).unwrap();
-        pressures_mpa.iter().map(|p| Load { pressure_pa: p * 1e6, friction }).collect()
+    /// Area law of the contact area A = 1 - exp(-P / S) from `threshold_pa` on, with S = `scale_pa`, up to 30 MPa.
+    pub fn exponential_law(scale_pa: f64, threshold_pa: f64) -> AreaLaw {
+        let pressure_pa: Vec<f64> = (1..1500).map(|i| 0.02e6 * f64::from(i)).collect();
+        let area: Vec<f64> = pressure_pa.iter().map(|p| 1.0 - (-p / scale_pa).exp()).collect();
+        AreaLaw::from_area_curve(&pressure_pa, &area, threshold_pa).unwrap()
+    }
+
+    /// d ln f / d ln S = g(P0) - g(P) of this law, with g(x) = -x e^-x / (1 - e^-x) at x = P / S.
+    pub fn g(x: f64) -> f64 {
+        -x * (-x).exp() / (1.0 - (-x).exp())
     }
 
     #[test]
     fn flat_friction_is_off_with_the_coefficient_and_with_the_scale() {
-        // A = 1 - exp(-P / S): d ln f / d ln S = g(P0) - g(P), g(x) = -x e^-x / (1 - e^-x) at x = P / S.
         let scale_pa = 5e6;
-        let pressure_pa: Vec<f64> = (1..600).map(|i| 0.05e6 * f64::from(i)).collect();
-        let area: Vec<f64> = pressure_pa.iter().map(|p| 1.0 - (-p / scale_pa).exp()).collect();
-        let law = AreaLaw::from_area_curve(&pressure_pa, &area, 0.7e6).unwrap();
-        let loads = loads(&[0.5, 1.3, 2.6]);
+        let law = exponential_law(scale_pa, 0.7e6);
+        let friction = LocalFriction::new(0.3, 0.27, 0.05).unwrap();
+        let loads = [0.5e6, 1.3e6, 2.6e6].map(|pressure_pa| Load { pressure_pa, friction });
         let known = [[4e-4, -1.5e-4], [-1.5e-4, 1e-2]];
         let covariance = with_scale(&known, &law, &loads).unwrap();
-        let g = |pressure_pa: f64| {
-            let x = pressure_pa / scale_pa;
-            -x * (-x).exp() / (1.0 - (-x).exp())
-        };
+        let g = |pressure_pa: f64| g(pressure_pa / scale_pa);
         let slope = |pressure_pa: f64| if pressure_pa < 0.7e6 { 0.0 } else { g(pressure_pa) - g(0.7e6) };
         let rows: Vec<[f64; 2]> = loads.iter().map(|load| [1.0, slope(load.pressure_pa)]).chain([[0.0, 1.0]]).collect();
         for (i, left) in rows.iter().enumerate() {

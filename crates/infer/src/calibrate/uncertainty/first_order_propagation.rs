@@ -9,23 +9,14 @@ use slipgrid_model::springblock::{Expense, Extent, Fidelity, Load, RunOptions, S
 
 use super::{InputUncertainty, Source};
 
-/// Slopes of the steady ratio at one load; zero for inputs without known errors.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct Slope {
-    /// Slope against the relative error of flat friction.
-    friction: f64,
-    /// Slope against the logarithm of Young's modulus, or of the fitted scale.
-    scale: f64,
-    /// Slope against the common shift of all factors of the area law, in standard errors.
-    law: f64,
-}
-
 /// Sensitivity of the ratio of a pattern to uncertain inputs: central differences over one standard deviation, with the
 /// steady cell.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Slopes {
-    /// Slopes, one entry per load; `None` if the ratio cannot be computed at one of the shifted inputs.
-    by_load: Vec<Option<Slope>>,
+    /// Slopes of the steady ratio at each load against the relative error of flat friction, the logarithm of Young's
+    /// modulus or of the fitted scale, and the common shift of all factors of the area law in standard errors; zero for
+    /// inputs without known errors. `None` if the ratio cannot be computed at one of the shifted inputs.
+    by_load: Vec<Option<[f64; 3]>>,
     has_law_errors: bool,
     /// Changes of the ratio for deviations [`BENT_DEVIATIONS`] of Young's modulus, one list per load; empty if the
     /// error of the modulus is not known or a ratio cannot be computed.
@@ -103,7 +94,7 @@ impl Slopes {
         let has_law_errors = scene.area_law.as_ref().is_some_and(|law| law.factor_std().is_some());
         let count = scene.loads.len();
         let Some(pattern) = &scene.pattern else {
-            return Self { by_load: vec![Some(Slope::default()); count], has_law_errors, bends: Vec::new() };
+            return Self { by_load: vec![Some([0.0; 3]); count], has_law_errors, bends: Vec::new() };
         };
         let cell = steady_cell(scene, pattern);
         let zeros = vec![0.0; count];
@@ -134,11 +125,11 @@ impl Slopes {
             || rayon::join(|| along(&zeros, scale_step, 0.0), || along(&zeros, 0.0, law_step)),
         );
         let slope = |load: usize| {
-            Some(Slope {
-                friction: over(friction[load], friction_step[load])?,
-                scale: over(scale[load], scale_step)?,
-                law: over(law[load], law_step)?,
-            })
+            Some([
+                over(friction[load], friction_step[load])?,
+                over(scale[load], scale_step)?,
+                over(law[load], law_step)?,
+            ])
         };
         let modulus = knowledge.scale.as_ref().filter(|scale| !scale.is_fitted && scale.variance > 0.0);
         let bends = modulus.and_then(|scale| bends(&cell, pattern, scale.variance.sqrt())).unwrap_or_default();
@@ -149,7 +140,7 @@ impl Slopes {
     /// the modulus is not known, or the law does not depend on it.
     pub fn modulus_sensitivity(&self, ratios: &[f64], knowledge: &InputUncertainty) -> Vec<f64> {
         let moves = knowledge.scale.as_ref().is_some_and(|scale| !scale.is_fitted);
-        let slopes = self.by_load.iter().map(|slope| slope.filter(|_| moves).map_or(0.0, |slope| slope.scale));
+        let slopes = self.by_load.iter().map(|slope| slope.filter(|_| moves).map_or(0.0, |[_, scale, _]| scale));
         slopes.zip(ratios).map(|(slope, ratio)| slope / ratio).collect()
     }
 
@@ -171,14 +162,9 @@ impl Slopes {
         // The discrepancy includes the error of the modulus.
         let scale = knowledge.scale.as_ref().filter(|scale| scale.is_fitted || discrepancy.is_none());
         // c = r F exp(d): F the factor of the discrepancy, d its error
-        let ratio_slope = [
-            factor * slope.friction,
-            factor * slope.scale,
-            factor * slope.law,
-            if discrepancy.is_some() { factor * ratio } else { 0.0 },
-        ];
+        let [x, m, a] = slope.map(|slope| factor * slope);
+        let d = if discrepancy.is_some() { factor * ratio } else { 0.0 };
         // mu = c mu_flat (1 + x), x the relative error of flat friction
-        let [x, m, a, d] = ratio_slope;
         let mu_slope = [mu_flat * (x + factor * ratio), mu_flat * m, mu_flat * a, mu_flat * d];
         // Changes of c at the interval ends of the discrepancy, or at the deviations BENT_DEVIATIONS of the modulus.
         let bent = match discrepancy {
@@ -228,7 +214,7 @@ impl Slopes {
             }
         };
         let flat = Deviation::of_flat(load, mu_flat, knowledge);
-        Some(Deviations { ratio: deviation(ratio_slope, 1.0), mu: deviation(mu_slope, mu_flat), flat })
+        Some(Deviations { ratio: deviation([x, m, a, d], 1.0), mu: deviation(mu_slope, mu_flat), flat })
     }
 }
 

@@ -11,7 +11,7 @@
 //! changes, for example with Young's modulus, mu_d changes and mu_flat stays. The remaining error of a ratio comes from
 //! the edges of cavities.
 
-mod covariances;
+pub(super) mod covariances;
 mod first_order_propagation;
 mod local_law;
 mod material_uncertainty;

@@ -26,7 +26,9 @@ pub struct SamplingScatter {
 /// deviates.
 pub fn sampling_scatter(load: &LoadOutcome, scatter: f64) -> SamplingScatter {
     let own = concentration(&load.surface);
-    let flat = load.flat.as_ref().and_then(concentration_of_flat);
+    // The blocks of the flat surface carry equal shares.
+    let blocks = load.flat.as_ref().map(|flat| flat.interface.len()).filter(|blocks| *blocks > 0);
+    let flat = blocks.map(|blocks| 1.0 / blocks as f64);
     let std = |square: f64| scatter * square.max(0.0).sqrt();
     SamplingScatter { ratio: own.zip(flat).map(|(own, flat)| std(own - flat)), mu: own.map(std), flat: flat.map(std) }
 }
@@ -37,11 +39,6 @@ fn concentration(surface: &SurfaceOutcome) -> Option<f64> {
     let total: f64 = surface.interface.iter().map(|point| point.friction_pa).sum();
     let square: f64 = surface.interface.iter().map(|point| (point.friction_pa / total).powi(2)).sum();
     (square.is_finite() && square > 0.0).then_some(square)
-}
-
-/// Sum of w_i^2 for a flat surface, whose n blocks carry equal shares: 1/n. `None` without blocks.
-fn concentration_of_flat(surface: &SurfaceOutcome) -> Option<f64> {
-    (!surface.interface.is_empty()).then(|| 1.0 / surface.interface.len() as f64)
 }
 
 #[cfg(test)]
