@@ -108,14 +108,13 @@ pub fn window_spread(
         factors.push(factor);
         slopes.push(window.rms_slope_spectral(&monitor)?);
     }
-    let at = |n: usize| factors.iter().map(move |factor| factor[n]);
-    let mean_and_spread = |values: &mut dyn Iterator<Item = f64>| {
-        // There are at least four windows.
-        let found = mean_and_std(values.collect::<Vec<f64>>());
-        found.map_or([f64::NAN; 2], |(mean, std)| [mean, std.unwrap_or(f64::NAN)])
+    // There are at least four windows.
+    let mean_and_spread = |values: Vec<f64>| {
+        mean_and_std(values).map_or((f64::NAN, f64::NAN), |(mean, std)| (mean, std.unwrap_or(f64::NAN)))
     };
-    let statistics: Vec<[f64; 2]> = (0..request.pressures_pa.len()).map(|n| mean_and_spread(&mut at(n))).collect();
-    let [rms_slope_mean, rms_slope_spread] = mean_and_spread(&mut slopes.iter().copied());
+    let at = |n: usize| mean_and_spread(factors.iter().map(|factor| factor[n]).collect());
+    let (factor_mean, factor_spread) = (0..request.pressures_pa.len()).map(at).unzip();
+    let (rms_slope_mean, rms_slope_spread) = mean_and_spread(slopes);
     Ok(Some(WindowSpread {
         per_side,
         count: windows.len(),
@@ -123,8 +122,8 @@ pub fn window_spread(
         columns: windows[0].cols(),
         made_periodic: WINDOW_STATEMENT,
         tolerance: STATISTICS_TOLERANCE,
-        factor_mean: statistics.iter().map(|pair| pair[0]).collect(),
-        factor_spread: statistics.iter().map(|pair| pair[1]).collect(),
+        factor_mean,
+        factor_spread,
         rms_slope_mean,
         rms_slope_spread,
         wall_s: 0.0,

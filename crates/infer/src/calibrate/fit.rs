@@ -182,10 +182,8 @@ enum Attempt {
 fn attempt(problem: &Problem, monitor: &dyn Monitor) -> Result<Attempt, FitError> {
     let layout = Layout::new(problem);
     let mut parameters = first_guess(problem, &layout);
-    let mut emulator = None;
-    let mut corrections: Option<Corrections> = None;
     let mut settled = false;
-    let mut solution: Option<Solution> = None;
+    let mut last: Option<(Solution, Corrections, Emulator<'_>)> = None;
     // One round of dynamic runs is typical, two with static peaks.
     let rounds = if problem.has_peaks() { 2.0 } else { 1.0 };
     let portion = Part::new(monitor, 1.0 / rounds);
@@ -203,7 +201,6 @@ fn attempt(problem: &Problem, monitor: &dyn Monitor) -> Result<Attempt, FitError
         let about = Emulator::new(problem, &means, &portion)?;
         let fitted =
             Model { problem, layout: &layout, corrections: &found, emulator: &about }.fit(&parameters, round == 0)?;
-        emulator = Some(about);
         let noise = found.relative_stderr.iter().copied().fold(0.0, f64::max);
         let size = |i: usize| if layout.log_scale == Some(i) { 1.0 } else { fitted.parameters[i].abs() };
         // The scale is a logarithm, so that its change is already relative.
@@ -213,12 +210,11 @@ fn attempt(problem: &Problem, monitor: &dyn Monitor) -> Result<Attempt, FitError
                 change < (SETTLED_CHANGE.max(3.0 * noise) * size(i)).max(0.1 * fitted.standard_error(i).min(size(i)))
             })
         };
-        settled = solution.as_ref().is_some_and(same)
+        settled = last.as_ref().is_some_and(|(before, ..)| same(before))
             || found.peaks.iter().all(Option::is_none)
                 && found.moved(problem, &layout, [&parameters, &fitted.parameters])? < SETTLED_CHANGE;
         parameters.clone_from(&fitted.parameters);
-        solution = Some(fitted);
-        corrections = Some(found);
+        last = Some((fitted, found, about));
         if settled && !flat.is_empty() {
             return Ok(Attempt::LeftOut(flat, PEAK_INDEPENDENT_OF_MU_S));
         }
@@ -226,9 +222,7 @@ fn attempt(problem: &Problem, monitor: &dyn Monitor) -> Result<Attempt, FitError
             break;
         }
     }
-    let (Some(solution), Some(corrections), Some(emulator)) = (solution, corrections, emulator) else {
-        return Err(FitError::NoMeasurement);
-    };
+    let Some((solution, corrections, emulator)) = last else { return Err(FitError::NoMeasurement) };
     let confirmed = confirm(problem, &layout, &solution.parameters, &corrections, &portion)?;
     let unmet = unreproduced_peaks(problem, &layout, [&corrections, &confirmed], &solution, settled);
     if !unmet.is_empty() {

@@ -81,7 +81,8 @@ pub fn left_out_warning(problem: &Problem, number: usize, why: &str) -> String {
 /// Returns the first error that is known before the first run, otherwise the number of time steps of every run in the
 /// first round.
 pub fn check(problem: &Problem) -> Result<Vec<u64>, FitError> {
-    let (count, most) = (Layout::new(problem).count, MAX_COEFFICIENTS);
+    let layout = Layout::new(problem);
+    let (count, most) = (layout.count, MAX_COEFFICIENTS);
     if count > most {
         return Err(FitError::TooManyCoefficients { count, most });
     }
@@ -102,7 +103,6 @@ pub fn check(problem: &Problem) -> Result<Vec<u64>, FitError> {
             }
         }
     }
-    let layout = Layout::new(problem);
     let guess = first_guess(problem, &layout);
     let steps = flat_sample::planned_steps(problem, &layout.pairs(problem, &guess)?);
     for ((measured, &steps), number) in problem.measurements.iter().zip(&steps).zip(1..) {

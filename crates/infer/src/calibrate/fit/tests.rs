@@ -131,6 +131,18 @@ fn a_measured_static_peak_determines_the_static_coefficient() {
     assert!((pair.dynamic_mean / 0.25 - 1.0).abs() < 0.01, "{pair:?}");
 }
 
+/// Dynamic friction of runs with the fitted coefficients minus the measured one, in standard deviations.
+fn off_by(fit: &Fit, problem: &Problem) -> Vec<f64> {
+    let pair = |of: &FittedPair| LocalFriction::new(of.static_mean, of.dynamic_mean, problem.relative_std).unwrap();
+    let pairs: Pairs = fit.pairs.iter().map(pair).collect();
+    let alone: Vec<usize> = (0..pairs.len()).collect();
+    let found = flat_sample::dynamic(problem, &pairs, &alone, &Unwatched).unwrap();
+    let off = |(found, measured): (&flat_sample::DynamicFlat, &Measurement)| {
+        (found.mu_dynamic - measured.mu_dynamic) / measured.mu_dynamic_std
+    };
+    found.iter().zip(&problem.measurements).map(off).collect()
+}
+
 /// With peaks below or above those of the model, modelled dynamic friction must still equal the measured one.
 #[test]
 fn flat_friction_does_not_pay_for_a_static_peak_that_the_model_does_not_have() {
@@ -140,11 +152,7 @@ fn flat_friction_does_not_pay_for_a_static_peak_that_the_model_does_not_have() {
             measured.static_peak = measured.static_peak.map(|peak| StaticPeak { mu: factor * peak.mu, std: 0.0005 });
         }
         let fit = fit_coefficients(&problem, &Unwatched).unwrap();
-        let pair = |of: &FittedPair| LocalFriction::new(of.static_mean, of.dynamic_mean, problem.relative_std).unwrap();
-        let pairs: Vec<LocalFriction> = fit.pairs.iter().map(pair).collect();
-        let found = flat_sample::dynamic(&problem, &pairs, &[0, 1, 2], &Unwatched).unwrap();
-        for (found, measured) in found.iter().zip(&problem.measurements) {
-            let off = (found.mu_dynamic - measured.mu_dynamic) / measured.mu_dynamic_std;
+        for off in off_by(&fit, &problem) {
             assert!(off.abs() < 3.0, "{factor}: {off} {:?}", fit.notes);
         }
     }
@@ -166,18 +174,14 @@ fn is_named_and_left_out(above: f64) {
         measured.mu_dynamic = found.mu_dynamic;
     }
     assert!(found[1].mu_static.unwrap() < 1.05 * found[1].mu_dynamic, "{found:?}");
-    let measured = problem.measurements.clone();
-    problem.measurements[1].static_peak = Some(StaticPeak { mu: above * measured[1].mu_dynamic, std: 0.0005 });
+    let mu = above * problem.measurements[1].mu_dynamic;
+    problem.measurements[1].static_peak = Some(StaticPeak { mu, std: 0.0005 });
     let fit = fit_coefficients(&problem, &Unwatched).unwrap();
     let named = "is not met by the model together with dynamic friction";
     let named = fit.warnings.iter().any(|text| text.starts_with("static_mean 2: ") && text.contains(named));
     assert!(named && fit.settled && fit.pairs[1].static_std_error.is_none(), "{above}: {fit:?}");
     assert!(fit.predictions[1].mu_static.is_none(), "{above}: {fit:?}");
-    let pair = |of: &FittedPair| LocalFriction::new(of.static_mean, of.dynamic_mean, problem.relative_std).unwrap();
-    let pairs: Vec<LocalFriction> = fit.pairs.iter().map(pair).collect();
-    let found = flat_sample::dynamic(&problem, &pairs, &[0, 1], &Unwatched).unwrap();
-    for (found, measured) in found.iter().zip(&measured) {
-        let off = (found.mu_dynamic - measured.mu_dynamic) / measured.mu_dynamic_std;
+    for off in off_by(&fit, &problem) {
         assert!(off.abs() < 1.0, "{above}: {off}");
     }
 }

@@ -17,15 +17,9 @@ fn scaled_problem() -> Problem {
     let mut problem = problem(Coefficients::Single);
     problem.area_law = None;
     problem.area_law_scale = Some(unknown_law());
+    let static_peak = Some(StaticPeak { mu: 0.2, std: 0.004 });
     problem.measurements = [0.637e6, 1.0e6, 1.5e6, 2.5e6, 4.0e6, 6.0e6]
-        .map(|pressure_pa| Measurement {
-            force_n: pressure_pa,
-            speed_m_s: 2e-3,
-            humidity: 0.15,
-            mu_dynamic: 0.2,
-            mu_dynamic_std: 0.002,
-            static_peak: Some(StaticPeak { mu: 0.2, std: 0.004 }),
-        })
+        .map(|force_n| Measurement { force_n, static_peak, ..problem.measurements[0] })
         .to_vec();
     problem
 }
