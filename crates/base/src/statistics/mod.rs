@@ -24,7 +24,7 @@ pub use kriging::{Kriging, distance};
 pub use normal::Normals;
 pub use normal_distribution::{BoxRule, mixture_quantile, normal_probability, normal_quantile};
 pub use response_surface::{Axis, ResponseSurface};
-pub use sample::{mean_and_std, median, upper_median};
+pub use sample::{extremes, mean_and_std, median, upper_median};
 pub use split_mix::{SplitMix64, splitmix64};
 pub use student::{Confidence, NORMAL_95};
 pub use synthetic_noise::Noise;

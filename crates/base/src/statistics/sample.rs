@@ -21,6 +21,12 @@ pub fn median(values: &mut [f64]) -> Option<f64> {
     Some(0.5 * (lower + upper))
 }
 
+/// Smallest and largest of `values`; infinities of the opposite sign without values.
+pub fn extremes(values: impl IntoIterator<Item = f64>) -> [f64; 2] {
+    let wider = |[least, most]: [f64; 2], value: f64| [least.min(value), most.max(value)];
+    values.into_iter().fold([f64::INFINITY, f64::NEG_INFINITY], wider)
+}
+
 /// Mean and, for two or more values, standard deviation (n - 1) of a sample; `None` for an empty sample.
 pub fn mean_and_std<I>(values: I) -> Option<(f64, Option<f64>)>
 where

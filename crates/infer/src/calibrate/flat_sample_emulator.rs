@@ -1,8 +1,8 @@
 //! Emulator of steady friction of the flat sample for any local coefficient and scale of the area law, from a few
 //! solves.
 
-use slipgrid_base::monitor::Monitor;
-use slipgrid_base::monitor::cached;
+use slipgrid_base::monitor::{Monitor, cached};
+use slipgrid_base::statistics::extremes;
 use slipgrid_model::material::{AreaLaw, LocalFriction};
 
 use crate::calibrate::{FitError, Problem, flat_sample};
@@ -112,8 +112,7 @@ fn loads(problem: &Problem, dynamic_means: &[f64]) -> (Vec<AtLoad>, Vec<usize>) 
         let known = loads.iter().position(|load| pressure(load.first) == pressure(i));
         load_of.push(known.unwrap_or_else(|| {
             let alike = (0..dynamic_means.len()).filter(|j| pressure(*j) == pressure(i)).map(|j| dynamic_means[j]);
-            let [least, most] =
-                alike.fold([f64::INFINITY, 0.0], |[least, most], mean| [mean.min(least), mean.max(most)]);
+            let [least, most] = extremes(alike);
             let nodes = [BEYOND[0] * least, (least * most).sqrt(), BEYOND[1] * most];
             loads.push(AtLoad { first: i, nodes });
             loads.len() - 1

@@ -1,5 +1,7 @@
 //! Identification: whether the trials distinguish the forms.
 
+use slipgrid_base::statistics::extremes;
+
 use crate::discrepancy::{Discrepancy, Features, Form};
 
 /// Minimum posterior weight of a family of forms that counts as identified.
@@ -27,8 +29,12 @@ impl Discrepancy {
         let family = forms.iter().map(|of| of.form.family()).find(|family| share(family) > IDENTIFIED)?;
         let own = forms.iter().filter(|of| of.form.family() == family);
         let own = own.max_by(|a, b| a.weight.total_cmp(&b.weight))?;
-        let mut others = forms.iter().filter(|of| of.form.family() != family && of.prior > 0.0);
-        others.all(|other| self.tell_apart(&own.form, &other.form)).then_some(family)
+        let mut others = forms.iter().filter(|of| of.form.family() != family && of.prior > 0.0).map(|of| of.form);
+        let are_apart = |one: Form, other: Form| {
+            let growth = |of: &Features| libm::log(one.value(of) / other.value(of));
+            [one, other].contains(&Form::None) || self.range(&growth) > APART
+        };
+        others.all(|other| are_apart(own.form, other)).then_some(family)
     }
 
     /// Whether all trials have one texture, by areal density, edge length and depth.
@@ -37,16 +43,10 @@ impl Discrepancy {
         !self.trials().is_empty() && features.iter().all(|of| self.range(&|own| libm::log(of(own))) <= APART)
     }
 
-    /// Whether the growth of two forms differs between some pair of trials; always true if one of them is
-    /// [`Form::None`].
-    fn tell_apart(&self, one: &Form, other: &Form) -> bool {
-        [one, other].contains(&&Form::None) || self.range(&|of| libm::log(one.value(of) / other.value(of))) > APART
-    }
-
     /// Maximum minus minimum of the finite values of `log` at the features of the trials.
     fn range(&self, log: &dyn Fn(&Features) -> f64) -> f64 {
-        let logs = || self.trials().iter().map(|trial| log(&trial.features)).filter(|log| log.is_finite());
-        let (least, most) = (logs().fold(f64::INFINITY, f64::min), logs().fold(f64::NEG_INFINITY, f64::max));
+        let logs = self.trials().iter().map(|trial| log(&trial.features)).filter(|log| log.is_finite());
+        let [least, most] = extremes(logs);
         most - least
     }
 }

@@ -3,6 +3,8 @@
 //! The intersection belongs to the first family. The second family consists of the parts of its grooves between the
 //! grooves of the first family, so that areas add up, contours do not overlap, and nothing is marked twice.
 
+use slipgrid_base::statistics::extremes;
+
 use crate::export::clip::{outside_sides, within_sides};
 use crate::export::face::interval_outside;
 use crate::export::{Cavity, Layout, Line};
@@ -57,8 +59,7 @@ impl Crossing {
         let pattern = self.grooves.pattern();
         let [cosine, sine] = pattern.texture().orientation();
         let offsets_m = points.iter().map(|[x_m, y_m]| x_m * cosine + y_m * sine);
-        let (low_m, high_m) =
-            offsets_m.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), at| (low.min(at), high.max(at)));
+        let [low_m, high_m] = extremes(offsets_m);
         let half_m = pattern.width_m() / 2.0 + self.grown_m;
         // Points lie on the specimen or close to it, which bounds the indices, so that the casts are exact.
         let first = ((low_m - half_m) / pattern.pitch_m()).ceil() as i64;

@@ -9,6 +9,7 @@
 //! d = sqrt((s/2)^2 - (h / (2 sin a))^2)      s: spot diameter, h: distance of lines, a: angle of the families
 //! ```
 
+use slipgrid_base::statistics::extremes;
 use slipgrid_model::pattern::geometry::edges;
 
 use crate::export::crossing::Crossing;
@@ -84,7 +85,10 @@ impl Marking {
     /// several lines, in metres. Distances are at most the nominal one; a mask has none.
     pub(crate) fn fill(&self, cavity: &Cavity) -> (Vec<Line>, Vec<f64>) {
         if self.exposure == Exposure::Mask {
-            return (cavity.boundaries().iter().flat_map(contour).collect(), Vec::new());
+            let boundaries = cavity.boundaries().into_iter().map(|boundary| boundary.polygon_m());
+            let contours =
+                boundaries.flat_map(|polygon| edges(&polygon).map(|(from, to)| [from, to]).collect::<Vec<_>>());
+            return (contours.collect(), Vec::new());
         }
         let Some(inner) = cavity.inset(self.inset_m, self.inset_m) else { return (Vec::new(), Vec::new()) };
         let direction = self.direction(cavity);
@@ -134,8 +138,7 @@ impl Marking {
     fn hatch_face(&self, inner: &Cavity, [dx, dy]: [f64; 2], lines: &mut Vec<Line>) -> Option<f64> {
         let face = inner.face.as_ref()?;
         let across = face.corners_m().into_iter().map(|[x, y]| y * dx - x * dy);
-        let (low_m, high_m) =
-            across.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), at| (low.min(at), high.max(at)));
+        let [low_m, high_m] = extremes(across);
         let (low_m, across_m) = (low_m + face.inset_m, high_m - low_m - 2.0 * face.inset_m);
         let (shares, apart_m) = self.evenly(across_m);
         for share in shares {
@@ -172,11 +175,7 @@ impl Marking {
     /// where a line would have no length. Returns the distance between lines, in metres, if there are several.
     fn hatch_polygon(&self, polygon: &[[f64; 2]], [dx, dy]: [f64; 2], lines: &mut Vec<Line>) -> Option<f64> {
         let turned: Vec<[f64; 2]> = polygon.iter().map(|[x, y]| [x * dx + y * dy, y * dx - x * dy]).collect();
-        let extent = |axis: usize| {
-            let along = turned.iter().map(|point| point[axis]);
-            (along.clone().fold(f64::INFINITY, f64::min), along.fold(f64::NEG_INFINITY, f64::max))
-        };
-        let ((left_m, right_m), (low_m, high_m)) = (extent(0), extent(1));
+        let [[left_m, right_m], [low_m, high_m]] = [0, 1].map(|axis| extremes(turned.iter().map(|point| point[axis])));
         let range_m = high_m - low_m;
         if range_m <= 0.0 {
             return None;
@@ -207,11 +206,6 @@ impl Marking {
         }
         (between > 0.0).then(|| range_m / distances)
     }
-}
-
-/// Edges of a boundary, in order.
-fn contour(boundary: &Boundary) -> Vec<Line> {
-    edges(&boundary.polygon_m()).map(|(from, to)| [from, to]).collect()
 }
 
 /// Length of a line, in metres.
@@ -347,7 +341,7 @@ mod tests {
                 }
                 // No wall remains at a crossing: one family or the other sweeps all of complete grooves except their
                 // corners.
-                for groove in second.iter().filter(|_| !layout.is_clipped()).take(3) {
+                for groove in second.iter().filter(|_| !layout.specimen().is_clipped).take(3) {
                     let lines = marking.lines(groove);
                     let alone = Cavity { crossed_by: None, ..*groove };
                     let [[cosine, sine], half_m] = [groove.orientation, [groove.width_m / 2.0, groove.length_m / 2.0]];
@@ -376,7 +370,7 @@ mod tests {
                 let counted = points.filter(|point| outline.contains(*point) && inside(*point)).count();
                 let counted_m2 = counted as f64 / 22500.0 * extent_x_m * extent_y_m;
                 assert!((layout.cavity_area_m2() / counted_m2 - 1.0).abs() < 0.02, "{counted_m2}");
-                if layout.is_clipped() {
+                if layout.specimen().is_clipped {
                     assert!((layout.areal_density() / pattern.areal_density() - 1.0).abs() < 0.05);
                 }
             }

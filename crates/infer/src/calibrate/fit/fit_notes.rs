@@ -1,5 +1,7 @@
 //! Notes and warnings of a fit: methods, undetermined values, and measurements that would determine them.
 
+use slipgrid_base::statistics::extremes;
+
 use super::{Fit, FittedPair, MAX_ROUNDS, Model, SETTLED_CHANGE};
 use crate::calibrate::flat_sample::speed_m_s;
 
@@ -8,13 +10,9 @@ const MAX_SCALE_RATIO: f64 = 3.0;
 
 pub fn notes(model: &Model<'_>, fit: &Fit) -> Vec<String> {
     let Model { problem, layout, corrections, .. } = *model;
-    let above_pct = |values: &mut dyn Iterator<Item = f64>| {
-        let [least, most] =
-            values.fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], at| [least.min(at), most.max(at)]);
-        format!("{:.2} to {:.2} %", (least - 1.0) * 100.0, (most - 1.0) * 100.0)
-    };
-    let over_steady = above_pct(&mut corrections.delta.iter().copied());
-    let over_law = above_pct(&mut fit.predictions.iter().map(|predicted| predicted.over_local_law));
+    let above_pct = |[least, most]: [f64; 2]| format!("{:.2} to {:.2} %", (least - 1.0) * 100.0, (most - 1.0) * 100.0);
+    let over_steady = above_pct(extremes(corrections.delta.iter().copied()));
+    let over_law = above_pct(extremes(fit.predictions.iter().map(|predicted| predicted.over_local_law)));
     let mut notes = vec![format!(
         "dynamic_mean: fitted through the spring-block model of the flat sample; its dynamic friction lies {over_steady} above its own steady \
          sliding, and the fit corrects for it. Above mu_d f(P), the steady sliding of an endless sample, it lies {over_law}: that is \

@@ -3,7 +3,7 @@ use super::*;
 use crate::calibrate::flat_sample;
 use crate::calibrate::flat_sample::Pairs;
 use crate::calibrate::{AreaLawScale, Measurement, StaticPeak};
-use slipgrid_base::statistics::Noise;
+use slipgrid_base::statistics::{Noise, extremes};
 use slipgrid_model::material::LocalFriction;
 use slipgrid_model::material::{AreaLaw, Elastic};
 use slipgrid_model::springblock::{Layer, Unwatched};
@@ -109,10 +109,8 @@ fn coefficients_behind_the_models_own_data_are_recovered_with_standard_errors() 
         assert!(fit.settled && fit.notes.iter().any(|note| note.contains("static_mean: not determined")));
         // The excess over steady sliding and the value in the material file are two numbers, and the note distinguishes
         // them.
-        let percent = |of: f64| format!("{:.2}", 100.0 * (of - 1.0));
-        let over_law: Vec<f64> = fit.predictions.iter().map(|predicted| predicted.over_local_law).collect();
-        let least = percent(over_law.iter().copied().fold(f64::INFINITY, f64::min));
-        let most = percent(over_law.iter().copied().fold(f64::NEG_INFINITY, f64::max));
+        let [least, most] = extremes(fit.predictions.iter().map(|predicted| predicted.over_local_law))
+            .map(|over| format!("{:.2}", 100.0 * (over - 1.0)));
         let said = format!("Above mu_d f(P), the steady sliding of an endless sample, it lies {least} to {most} %");
         assert!(fit.notes[0].contains(&said), "{said}: {}", fit.notes[0]);
     }

@@ -17,6 +17,7 @@
 //! f_c(p) = f_c(P_n) [f(p) / f(P_n)]^s,     s = 1 - ln[c(P_n) / c(P_1)] / ln[f(P_1) / f(P_n)],     0 <= s <= 1
 //! ```
 
+use slipgrid_base::statistics::extremes;
 use slipgrid_base::units::{FRICTION, PRESSURE_MPA};
 use slipgrid_model::material::{AreaLaw, Condition, MaterialError};
 use slipgrid_model::pattern::Pattern;
@@ -89,7 +90,7 @@ pub fn local_law(area_law: &AreaLaw, flat: &[CoefficientEstimate], condition: Op
         Some(shares(&known, pressures_pa, condition)?.iter().map(|row| mean(row, &known)).collect())
     };
     let at_measured = measured(&measured_pa)?;
-    let [least, most] = [f64::min, f64::max].map(|end| at_measured.iter().copied().fold(at_measured[0], end));
+    let [least, most] = extremes(at_measured.iter().copied());
     if !(least > 0.0 && most > least * (1.0 + SAME_COEFFICIENT)) {
         return None;
     }
