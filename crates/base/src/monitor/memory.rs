@@ -40,12 +40,8 @@ impl Key {
         let mut hashed = Hashed(Sha256::new_with_prefix(SCHEMA));
         // Writing to a hash cannot fail.
         let _ = write!(hashed, "{content:?}");
-        let digest = hashed.0.finalize();
-        let hex = digest.iter().fold(String::new(), |mut hex, byte| {
-            let _ = write!(hex, "{byte:02x}");
-            hex
-        });
-        Self(format!("{kind}-{hex}"))
+        let hex: Vec<String> = hashed.0.finalize().iter().map(|byte| format!("{byte:02x}")).collect();
+        Self(format!("{kind}-{}", hex.concat()))
     }
 
     /// Text of the key: letters, digits and a hyphen, suitable as a file name.

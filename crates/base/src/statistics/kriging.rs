@@ -11,13 +11,8 @@ const NUGGET: f64 = 1e-12;
 pub struct Kriging<const D: usize> {
     range: f64,
     places: Vec<[f64; D]>,
-    quantities: Vec<Quantity>,
-}
-
-#[derive(Clone, Debug, PartialEq)]
-struct Quantity {
-    mean: f64,
-    weights: Vec<f64>,
+    /// Mean of each quantity, and weights of its values.
+    quantities: Vec<(f64, Vec<f64>)>,
 }
 
 impl<const D: usize> Kriging<D> {
@@ -37,12 +32,12 @@ impl<const D: usize> Kriging<D> {
         let regular = factor.as_ref().map(|factor| (factor, solved(factor, vec![1.0; n])));
         let quantity = |known: Vec<f64>| {
             let Some((factor, ones)) = &regular else {
-                return Quantity { mean: known.iter().sum::<f64>() / n.max(1) as f64, weights: vec![0.0; n] };
+                return (known.iter().sum::<f64>() / n.max(1) as f64, vec![0.0; n]);
             };
             // m = 1' C^-1 d / 1' C^-1 1,   w = C^-1 (d - m 1)
             let weights = solved(factor, known);
             let mean = weights.iter().sum::<f64>() / ones.iter().sum::<f64>();
-            Quantity { mean, weights: weights.iter().zip(ones).map(|(weight, one)| weight - mean * one).collect() }
+            (mean, weights.iter().zip(ones).map(|(weight, one)| weight - mean * one).collect())
         };
         let quantities = quantities.into_iter().map(quantity).collect();
         Self { range, places, quantities }
@@ -52,8 +47,8 @@ impl<const D: usize> Kriging<D> {
     /// the covariance C, and the places `t_i` of the known values.
     pub fn at(&self, place: &[f64; D]) -> Vec<f64> {
         let near: Vec<f64> = self.places.iter().map(|known| covariance(known, place, self.range)).collect();
-        let interpolate = |quantity: &Quantity| {
-            quantity.mean + quantity.weights.iter().zip(&near).map(|(weight, c)| weight * c).sum::<f64>()
+        let interpolate = |(mean, weights): &(f64, Vec<f64>)| {
+            mean + weights.iter().zip(&near).map(|(weight, c)| weight * c).sum::<f64>()
         };
         self.quantities.iter().map(interpolate).collect()
     }
