@@ -117,56 +117,43 @@ impl Hyperparameters {
     /// # Errors
     /// [`DiscrepancyError::Hyperparameter`] of the first invalid one.
     pub(crate) fn check(&self) -> Result<(), DiscrepancyError> {
-        let refuse = |name, value, expected| Err(DiscrepancyError::Hyperparameter { name, value, expected });
-        for (name, value) in [
-            ("amplitude_std", self.amplitude_std),
-            ("pressure_std", self.pressure_std),
-            ("inverse_pressure_std", self.inverse_pressure_std),
-            ("speed_std", self.speed_std),
-            ("humidity_std", self.humidity_std),
-            ("sample_std", self.sample_std),
-        ] {
-            if !(0.0..=10.0).contains(&value) {
-                return refuse(name, value, "a number from 0 to 10");
-            }
-        }
-        for (name, value) in [
-            ("least_measured_std", self.least_measured_std),
-            ("humidity_length", self.humidity_length),
-            ("residual_length", self.residual_length),
-            ("residual_pressure_length", self.residual_pressure_length),
-            ("areal density of the reference", self.reference.areal_density),
-            ("edge length of the reference", self.reference.edge_1_m),
-            ("depth of the reference", self.reference.depth_m),
-        ] {
-            if !(value > 0.0 && value.is_finite()) {
-                return refuse(name, value, "a positive finite number");
-            }
-        }
+        let bounded = |name, value: f64| (name, value, (0.0..=10.0).contains(&value), "a number from 0 to 10");
+        let positive = |name, value: f64| (name, value, value > 0.0 && value.is_finite(), "a positive finite number");
         // Without information from trials, the first scatter is used.
-        if !self.scatters.first().is_some_and(|(times, weight)| *times == 1.0 && *weight > 0.0) {
-            let first = self.scatters.first().map_or(f64::NAN, |(times, _)| *times);
-            return refuse("first of the scatters", first, "1, the stated one, with a weight");
-        }
-        let forms = self.forms.iter().map(|(_, weight)| *weight);
-        for (name, weights, sizes) in [
-            ("sum of the forms' weights", forms.collect::<Vec<f64>>(), Vec::new()),
-            weighted("sum of the scales' weights", &self.scales),
-            weighted("sum of the residuals' weights", &self.residuals),
-            weighted("sum of the scatters' weights", &self.scatters),
+        let (first, weight) = self.scatters.first().copied().unwrap_or((f64::NAN, 0.0));
+        let mut numbers = vec![
+            bounded("amplitude_std", self.amplitude_std),
+            bounded("pressure_std", self.pressure_std),
+            bounded("inverse_pressure_std", self.inverse_pressure_std),
+            bounded("speed_std", self.speed_std),
+            bounded("humidity_std", self.humidity_std),
+            bounded("sample_std", self.sample_std),
+            positive("least_measured_std", self.least_measured_std),
+            positive("humidity_length", self.humidity_length),
+            positive("residual_length", self.residual_length),
+            positive("residual_pressure_length", self.residual_pressure_length),
+            positive("areal density of the reference", self.reference.areal_density),
+            positive("edge length of the reference", self.reference.edge_1_m),
+            positive("depth of the reference", self.reference.depth_m),
+            ("first of the scatters", first, first == 1.0 && weight > 0.0, "1, the stated one, with a weight"),
+        ];
+        let forms: Vec<(f64, f64)> = self.forms.iter().map(|(_, weight)| (1.0, *weight)).collect();
+        for (name, all) in [
+            ("sum of the forms' weights", &forms),
+            ("sum of the scales' weights", &self.scales),
+            ("sum of the residuals' weights", &self.residuals),
+            ("sum of the scatters' weights", &self.scatters),
         ] {
-            let sum: f64 = weights.iter().sum();
-            if weights.iter().any(|weight| weight.is_nan() || *weight < 0.0) || (sum - 1.0).abs() > 1e-6 {
-                return refuse(name, sum, "1, each of them 0 or more");
-            }
-            if let Some(size) = sizes.into_iter().find(|size| !(0.0..=100.0).contains(size)) {
-                return refuse("a scale, residual or scatter", size, "from 0 to 100");
+            let sum: f64 = all.iter().map(|(_, weight)| weight).sum();
+            let is_valid = all.iter().all(|(_, weight)| *weight >= 0.0) && (sum - 1.0).abs() <= 1e-6;
+            numbers.push((name, sum, is_valid, "1, each of them 0 or more"));
+            for (size, _) in all {
+                numbers.push(("a scale, residual or scatter", *size, (0.0..=100.0).contains(size), "from 0 to 100"));
             }
         }
-        Ok(())
+        match numbers.into_iter().find(|(_, _, is_valid, _)| !is_valid) {
+            Some((name, value, _, expected)) => Err(DiscrepancyError::Hyperparameter { name, value, expected }),
+            None => Ok(()),
+        }
     }
-}
-
-fn weighted(name: &'static str, all: &[(f64, f64)]) -> (&'static str, Vec<f64>, Vec<f64>) {
-    (name, all.iter().map(|(_, weight)| *weight).collect(), all.iter().map(|(size, _)| *size).collect())
 }

@@ -16,7 +16,6 @@ const SAME: f64 = 1e-6;
 /// Posterior of the discrepancy, ln(measured / modelled ratio), given the trials, or the prior without trials.
 #[derive(Clone, Debug)]
 pub struct Discrepancy {
-    conditions: Conditions,
     trials: Vec<Trial>,
     basis: Basis,
     members: Vec<Member>,
@@ -25,7 +24,7 @@ pub struct Discrepancy {
 impl PartialEq for Discrepancy {
     /// Compares trials and prior, which determine the posterior.
     fn eq(&self, other: &Self) -> bool {
-        self.conditions == other.conditions
+        self.conditions() == other.conditions()
             && self.trials == other.trials
             && self.hyperparameters() == other.hyperparameters()
             && self.modulus_relative_std() == other.modulus_relative_std()
@@ -92,7 +91,7 @@ impl Discrepancy {
             return Err(DiscrepancyError::Hyperparameter { name, value: modulus_relative_std, expected });
         }
         let basis = Basis::new(&hyper, conditions, modulus_relative_std, &trials);
-        let mut found = Self { conditions, trials, basis, members: Vec::new() };
+        let mut found = Self { trials, basis, members: Vec::new() };
         let mut fitted: Vec<(Member, f64)> = Vec::new();
         for (scatter, weight) in found.scatters() {
             let noise = found.noise(scatter, &|_, _| 0.0);
@@ -120,17 +119,17 @@ impl Discrepancy {
 
     /// Returns the reference pressures and speed.
     pub const fn conditions(&self) -> Conditions {
-        self.conditions
+        self.basis.conditions
     }
 
     /// Returns the prior.
     pub const fn hyperparameters(&self) -> &Hyperparameters {
-        self.basis.hyper()
+        &self.basis.hyper
     }
 
     /// Returns the prior relative standard deviation of Young's modulus.
     pub const fn modulus_relative_std(&self) -> f64 {
-        self.basis.modulus_std()
+        self.basis.modulus_std
     }
 
     /// Returns posterior mean and standard deviation of the share lambda of the local law: 0 if local friction follows
@@ -173,7 +172,7 @@ impl Discrepancy {
     /// # Errors
     /// [`DiscrepancyError`] as for [`Discrepancy::new`].
     pub fn with_trials(&self, trials: Vec<Trial>) -> Result<Self, DiscrepancyError> {
-        Self::new(self.hyperparameters().clone(), self.conditions, self.modulus_relative_std(), trials)
+        Self::new(self.hyperparameters().clone(), self.conditions(), self.modulus_relative_std(), trials)
     }
 
     pub(crate) const fn basis(&self) -> &Basis {

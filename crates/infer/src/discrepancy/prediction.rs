@@ -90,7 +90,7 @@ struct FormAt {
 
 impl Predictor {
     pub(crate) fn new(basis: &Basis, members: &[Member], loads: &[Load]) -> Self {
-        let (p, of_form, of_residual) = (basis.count(), basis.of_form(), basis.first_of_residual());
+        let (p, of_form, of_residual) = (basis.count(), basis.of_form(), basis.of_form() + GLOBALS);
         let rows: Vec<Vec<f64>> = loads.iter().map(|load| basis.at_load(load)).collect();
         let mut forms: Vec<Form> = Vec::new();
         let mut place_of = |form: Form| {

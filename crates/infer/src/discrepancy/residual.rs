@@ -20,7 +20,7 @@ const EXPLAINED: f64 = 1e-12;
 
 /// Texture at a pressure: the logarithms of width, pitch, depth and pressure, each over its correlation length.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Place([f64; 4]);
+pub struct Place(pub [f64; 4]);
 
 impl Place {
     pub fn new(hyper: &Hyperparameters, of: &Features, load: &Load) -> Self {
@@ -28,10 +28,6 @@ impl Place {
         let length = hyper.residual_length;
         let pressure = libm::log(load.pressure_pa) / hyper.residual_pressure_length;
         Self([width / length, pitch / length, depth / length, pressure])
-    }
-
-    pub const fn coordinates(&self) -> &[f64; 4] {
-        &self.0
     }
 
     /// Prior correlation exp(-|x - y|^2 / 2) of the residual at two places x and y.
@@ -44,7 +40,7 @@ impl Place {
 /// Places of the expansion of the residual, with the lower factor of their correlation.
 #[derive(Clone, Debug)]
 pub struct ResidualBasis {
-    places: Vec<Place>,
+    pub places: Vec<Place>,
     factor: Vec<f64>,
 }
 
@@ -80,14 +76,6 @@ impl ResidualBasis {
         Self { places, factor }
     }
 
-    pub const fn count(&self) -> usize {
-        self.places.len()
-    }
-
-    pub fn places(&self) -> &[Place] {
-        &self.places
-    }
-
     /// Basis functions w(x) = L^-1 k(x) at the place x, with its correlations k(x) with the places of the basis.
     pub fn whitened(&self, place: &Place) -> Vec<f64> {
         let mut row: Vec<f64> = self.places.iter().map(|own| own.correlation(place)).collect();
@@ -110,7 +98,7 @@ mod tests {
         let place = |x: f64, y: f64| Place([x, 0.0, y, 0.0]);
         let all = vec![place(0.0, 0.0), place(1.0, 0.5), place(0.0, 0.0), place(1e-7, 0.0), place(-0.3, 2.0)];
         let basis = ResidualBasis::new(all.clone());
-        assert_eq!(basis.count(), 3);
+        assert_eq!(basis.places.len(), 3);
         for a in &all {
             for b in &all {
                 let by_basis = dot(&basis.whitened(a), &basis.whitened(b));

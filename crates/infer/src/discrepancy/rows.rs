@@ -34,13 +34,15 @@ impl Sensitivity {
 /// at the trials.
 #[derive(Clone, Debug)]
 pub struct Basis {
-    hyper: Hyperparameters,
-    conditions: Conditions,
-    modulus_std: f64,
+    pub hyper: Hyperparameters,
+    pub conditions: Conditions,
+    /// Prior relative standard deviation of Young's modulus.
+    pub modulus_std: f64,
     humidities: Vec<f64>,
     /// Lower factor of the correlation of eta, and of gamma, at the measured humidities.
     humidity_factor: Vec<f64>,
-    residual: ResidualBasis,
+    /// Expansion of the residual.
+    pub residual_basis: ResidualBasis,
 }
 
 impl Basis {
@@ -55,17 +57,13 @@ impl Basis {
             levels.iter().flat_map(|a| levels.iter().map(|b| correlation(hyper, *a, *b))).collect();
         let places = measured().map(|(trial, at)| Place::new(hyper, &trial.features, &at.load)).collect();
         Self {
-            residual: ResidualBasis::new(places),
+            residual_basis: ResidualBasis::new(places),
             humidity_factor: cholesky(&correlation, n).unwrap_or_default(),
             humidities: levels,
             hyper: hyper.clone(),
             conditions,
             modulus_std,
         }
-    }
-
-    pub const fn hyper(&self) -> &Hyperparameters {
-        &self.hyper
     }
 
     /// Number of coefficients that a form multiplies, without the residual.
@@ -75,17 +73,12 @@ impl Basis {
 
     /// Number of all coefficients: those of a form, eps and lambda, and those of the residual.
     pub fn count(&self) -> usize {
-        self.of_form() + GLOBALS + self.residual.count()
+        self.of_form() + GLOBALS + self.residual_basis.places.len()
     }
 
     /// Indices of the coefficients eps (error of ln(modulus)) and lambda (share of the local law).
     pub fn globals(&self) -> [usize; GLOBALS] {
         std::array::from_fn(|global| self.of_form() + global)
-    }
-
-    /// Index of the first coefficient of the residual.
-    pub fn first_of_residual(&self) -> usize {
-        self.of_form() + GLOBALS
     }
 
     /// Prior standard deviations of eps (error of ln(modulus)) and lambda (share of the local law).
@@ -97,10 +90,6 @@ impl Basis {
     pub fn global_means(&self, mean: &[f64]) -> [f64; GLOBALS] {
         let [modulus, local_law] = self.globals();
         [self.modulus_std * mean[modulus], LOCAL_LAW_MEAN + LOCAL_LAW_STD * mean[local_law]]
-    }
-
-    pub const fn modulus_std(&self) -> f64 {
-        self.modulus_std
     }
 
     /// Basis functions of the form's coefficients at `load`, for a form of value 1.
@@ -145,7 +134,7 @@ impl Basis {
 
     /// Basis functions of the residual at `place`, times the amplitude.
     pub fn residual(&self, place: &Place) -> Vec<f64> {
-        let mut row = self.residual.whitened(place);
+        let mut row = self.residual_basis.whitened(place);
         row.iter_mut().for_each(|entry| *entry *= self.hyper.amplitude_std);
         row
     }
@@ -156,11 +145,6 @@ impl Basis {
         let left = self.hyper.amplitude_std.powi(2) * a.correlation(b) - dot(row_a, row_b);
         // A variance that rounding makes negative.
         if a == b { left.max(0.0) } else { left }
-    }
-
-    /// Places of the expansion of the residual.
-    pub const fn residual_basis(&self) -> &ResidualBasis {
-        &self.residual
     }
 
     /// Basis functions of all coefficients at a texture and a load. `form` is the value of the form times the scale,

@@ -61,7 +61,7 @@ impl ResidualDraw {
             (frequency, libm::atan2(normals.draw(), normals.draw()))
         };
         let mut found = Self { waves: (0..WAVES).map(wave).collect(), whitened: Vec::new() };
-        let mut whitened: Vec<f64> = basis.places().iter().map(|place| found.prior(place)).collect();
+        let mut whitened: Vec<f64> = basis.places.iter().map(|place| found.prior(place)).collect();
         basis.whiten(&mut whitened);
         found.whitened = whitened;
         found
@@ -69,7 +69,7 @@ impl ResidualDraw {
 
     /// Value of the prior draw at the place x: sqrt(2 / J) sum_j cos(omega_j x + phi_j) over J waves.
     fn prior(&self, place: &Place) -> f64 {
-        let wave = |(omega, phase): &([f64; 4], f64)| libm::cos(dot(omega, place.coordinates()) + phase);
+        let wave = |(omega, phase): &([f64; 4], f64)| libm::cos(dot(omega, &place.0) + phase);
         (2.0 / WAVES as f64).sqrt() * self.waves.iter().map(wave).sum::<f64>()
     }
 }
@@ -99,7 +99,7 @@ impl Scenarios {
             draws.push(Truth {
                 member: place,
                 coefficients: (0..p).map(coefficient).collect(),
-                residual: ResidualDraw::new(basis.residual_basis(), &mut of_residual),
+                residual: ResidualDraw::new(&basis.residual_basis, &mut of_residual),
             });
         }
         Self { basis, members, draws, of_disc: Vec::new(), seed }
@@ -128,7 +128,7 @@ impl Scenarios {
         let n = loads.len();
         let places: Vec<Place> = loads.iter().map(|load| self.basis.place(&candidate.features, load)).collect();
         let explained: Vec<Vec<f64>> = places.iter().map(|place| self.basis.residual(place)).collect();
-        let amplitude = self.basis.hyper().amplitude_std;
+        let amplitude = self.basis.hyper.amplitude_std;
         // c beyond the trials: f(x) - w(x)^T L^-1 f(trials)
         let residual_left = |draw: &ResidualDraw, load: usize| {
             amplitude * draw.prior(&places[load]) - dot(&explained[load], &draw.whitened)

@@ -113,41 +113,29 @@ impl Trial {
     /// [`DiscrepancyError::Measured`] of the first invalid number.
     pub(crate) fn check(&self) -> Result<(), DiscrepancyError> {
         for (row, at) in self.measured.iter().enumerate() {
-            let refuse = |quantity, value, expected| {
-                Err(DiscrepancyError::Measured { trial: self.name.clone(), row: row + 1, quantity, value, expected })
-            };
-            for (quantity, value) in [
-                ("pressure in pascals", at.load.pressure_pa),
-                ("speed in m/s", at.load.speed_m_s),
-                ("measured ratio", at.measured),
-                ("modelled ratio", at.modelled),
-            ] {
-                if !(value > 0.0 && value.is_finite()) {
-                    return refuse(quantity, value, "positive and finite");
-                }
-            }
-            for (quantity, value) in [
-                ("humidity", at.load.humidity),
-                ("error of the patterned sample", at.patterned_std),
-                ("error of the flat sample", at.flat_std),
-            ] {
-                if !(0.0..=1.0).contains(&value) {
-                    return refuse(quantity, value, "from 0 to 1");
-                }
-            }
-            for (quantity, value) in [
-                ("sensitivity to the modulus", at.sensitivity.modulus),
-                ("change by the local law", at.sensitivity.local_law),
-            ] {
-                if !value.is_finite() {
-                    return refuse(quantity, value, "finite");
-                }
-            }
-            for shift in &self.dimension_shifts {
+            let positive =
+                |quantity, value: f64| (quantity, value, value > 0.0 && value.is_finite(), "positive and finite");
+            let share = |quantity, value: f64| (quantity, value, (0.0..=1.0).contains(&value), "from 0 to 1");
+            let finite = |quantity, value: f64, expected| (quantity, value, value.is_finite(), expected);
+            let numbers = [
+                positive("pressure in pascals", at.load.pressure_pa),
+                positive("speed in m/s", at.load.speed_m_s),
+                positive("measured ratio", at.measured),
+                positive("modelled ratio", at.modelled),
+                share("humidity", at.load.humidity),
+                share("error of the patterned sample", at.patterned_std),
+                share("error of the flat sample", at.flat_std),
+                finite("sensitivity to the modulus", at.sensitivity.modulus, "finite"),
+                finite("change by the local law", at.sensitivity.local_law, "finite"),
+            ];
+            let change = |shift: &DimensionShift| {
                 let change = shift.log_ratio.get(row).copied().unwrap_or(f64::NAN);
-                if !change.is_finite() {
-                    return refuse("change by an error of a dimension", change, "finite, one a measurement");
-                }
+                finite("change by an error of a dimension", change, "finite, one a measurement")
+            };
+            let mut all = numbers.into_iter().chain(self.dimension_shifts.iter().map(change));
+            if let Some((quantity, value, _, expected)) = all.find(|(_, _, is_valid, _)| !is_valid) {
+                let (trial, row) = (self.name.clone(), row + 1);
+                return Err(DiscrepancyError::Measured { trial, row, quantity, value, expected });
             }
         }
         Ok(())
