@@ -4,9 +4,7 @@
 use rayon::prelude::*;
 use slipgrid_base::statistics::Noise;
 use slipgrid_infer::calibrate::uncertainty::{InputUncertainty, ScaleError, Slopes};
-use slipgrid_infer::calibrate::{
-    Coefficients, FlatLoad, Measurement, Problem, fit_coefficients, marginal_relative_std,
-};
+use slipgrid_infer::calibrate::{Coefficients, Measurement, Problem, fit_coefficients, marginal_relative_std};
 use slipgrid_model::material::{AreaLaw, LocalFriction, THRESHOLD_PRESSURE_PA};
 use slipgrid_model::springblock::{Extent, Fidelity, Layer, Load, RunOptions, Scene, Unwatched, simulate};
 use slipgrid_surface::contact::closed_form::persson_area_fraction;
@@ -190,7 +188,7 @@ fn intervals_of_flat_friction_and_of_its_coefficient_hold_the_truth_as_often_as_
             let fit = fit_coefficients(&problem, &Unwatched).unwrap();
             let (pair, predicted) = (fit.pairs[0], fit.predictions[0]);
             let conditional = pair.dynamic_std_error.unwrap() / pair.dynamic_mean;
-            let loads = [FlatLoad { pressure_pa: PRESSURE_PA, weight: 1.0 }];
+            let loads = [(PRESSURE_PA, 1.0)];
             let law = problem.area_law.as_ref().unwrap();
             let marginal = marginal_relative_std(conditional, law, MODULUS_STD / stiffer, &loads).unwrap();
             [predicted.mu_dynamic, predicted.dynamic_over_steady, pair.dynamic_mean, conditional, marginal]

@@ -7,8 +7,8 @@ use crate::calibrate::fitted_material::CalibrationOutcome;
 use crate::calibrate::surface_area_law_source::surface_findings;
 use crate::calibrate::trial_discrepancy::{Learned, learn, sample_bytes, trial};
 use crate::calibrate::{
-    CalibrationError, CalibrationTask, CutSample, FitError, Measurement, PendingSample, Problem, Surface,
-    fit_coefficients, fitted_material, planned_steps,
+    CalibrationError, CalibrationTask, CutSample, FitError, Measurement, Problem, Surface, fit_coefficients,
+    fitted_material, planned_steps,
 };
 
 /// Runs a calibration: selects the required measurements, computes the area law, fits local coefficients and learns
@@ -121,7 +121,7 @@ pub fn learn_alone(task: &CalibrationTask, monitor: &dyn Monitor) -> Result<Lear
     let pending = pending.map(|sample| {
         // Flat measurements stand in for patterned ones; only the modelled values are used.
         let sample = CutSample { measured: task.flat.clone(), ..sample.clone() };
-        trial(task, &sample, law, &Part::new(&stage, 0.0)).map(|found| PendingSample::from(found.trial))
+        trial(task, &sample, law, &Part::new(&stage, 0.0)).map(|found| found.trial)
     });
     let pending = pending.collect::<Result<Vec<_>, CalibrationError>>();
     stage.finish();

@@ -59,20 +59,19 @@ pub(crate) fn outcome(
     surface: SurfaceFindings,
     Learned { discrepancy: learned, warnings: trial_warnings, lands, .. }: Learned,
 ) -> Result<CalibrationOutcome, CalibrationError> {
-    let by_condition = match task.coefficients {
-        Coefficients::Single => Vec::new(),
-        Coefficients::PerCondition => fitted_rows(task, &measurements, &fit),
+    let (by_condition, (friction, mut uncertainty)) = match task.coefficients {
+        Coefficients::Single => (Vec::new(), single_pair(task, &fit)?),
+        Coefficients::PerCondition => {
+            let rows = fitted_rows(task, &measurements, &fit);
+            let pairs = pairs_by_condition(task, &rows)?;
+            (rows, pairs)
+        }
     };
     let elastic = Elastic::new(
         MODULUS_GPA.as_written(task.elastic.youngs_modulus_pa()),
         DENSITY_G_CM3.as_written(task.elastic.density_kg_m3()),
     )?
     .with_yield_pressure_pa(task.elastic.yield_pressure_pa().map(|pa| PRESSURE_MPA.as_written(pa)))?;
-    let (friction, mut uncertainty) = if task.coefficients == Coefficients::Single {
-        single_pair(task, &fit)?
-    } else {
-        pairs_by_condition(task, &by_condition)?
-    };
     let modulus_std_pa = task.youngs_modulus_std_pa.map(|std_pa| MODULUS_STD_GPA.as_written(std_pa));
     uncertainty.modulus_relative_std = modulus_std_pa.map(|std_pa| std_pa / elastic.youngs_modulus_pa());
     let has_origin = |origin| surface.law.is_some() && surface.origin == Some(origin);

@@ -3,8 +3,8 @@
 use slipgrid_base::monitor::Part;
 use slipgrid_model::material::LocalFriction;
 use slipgrid_model::springblock::{
-    Extent, Fidelity, Load, LoadOutcome, Monitor, RunOptions, Scene, Status, SurfaceOutcome, run_speed_m_s,
-    shear_modulus_pa, shear_period_s, simulate, warm_travel_m,
+    Extent, Fidelity, Load, LoadOutcome, Monitor, RunOptions, Scene, Status, run_speed_m_s, shear_modulus_pa,
+    shear_period_s, simulate, warm_travel_m,
 };
 
 use crate::calibrate::{FitError, Measurement, Problem};
@@ -123,18 +123,17 @@ pub fn steady(problem: &Problem, pairs: &Pairs) -> Result<Vec<f64>, FitError> {
     // Steady sliding does not depend on speed.
     let scene = scene(problem, problem.measurements[0].speed_m_s, loads, RunOptions::default());
     let simulation = simulate(&scene, &slipgrid_model::springblock::Unwatched)?;
-    let friction = |(i, outcome): (usize, &LoadOutcome)| {
-        dynamic_friction(outcome.pressure_pa, &outcome.surface).map_err(|error| error.with_place(i))
-    };
-    simulation.loads.iter().enumerate().map(friction).collect()
+    simulation.loads.iter().enumerate().map(|(place, outcome)| dynamic_friction(place, outcome)).collect()
 }
 
-fn dynamic_friction(pressure_pa: f64, surface: &SurfaceOutcome) -> Result<f64, FitError> {
-    match (surface.status, surface.mu_dynamic) {
+/// Dynamic friction of the measurement with index `place`, from 0.
+fn dynamic_friction(place: usize, outcome: &LoadOutcome) -> Result<f64, FitError> {
+    let (number, pressure_pa) = (place + 1, outcome.pressure_pa);
+    match (outcome.surface.status, outcome.surface.mu_dynamic) {
         // A standard error above the requested one is accepted, and propagated as it is.
         (Status::Converged | Status::StderrNotReached, Some(mu)) => Ok(mu),
         (Status::Cancelled, _) => Err(FitError::Cancelled),
-        (status, _) => Err(FitError::NoSliding { number: 1, pressure_pa, status: status.name() }),
+        (status, _) => Err(FitError::NoSliding { number, pressure_pa, status: status.name() }),
     }
 }
 
@@ -181,8 +180,7 @@ pub fn dynamic(
         let simulation = simulate(&scene(problem, speed_m_s, loads, run), &portion)?;
         for (&i, outcome) in group.iter().zip(&simulation.loads) {
             found[i] = DynamicFlat {
-                mu_dynamic: dynamic_friction(outcome.pressure_pa, &outcome.surface)
-                    .map_err(|error| error.with_place(i))?,
+                mu_dynamic: dynamic_friction(i, outcome)?,
                 stderr: outcome.surface.mu_dynamic_stderr.unwrap_or(0.0),
                 mu_static: outcome.surface.mu_static,
             };

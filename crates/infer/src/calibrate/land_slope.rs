@@ -89,7 +89,10 @@ impl LandSlope {
             let factor = libm::exp(log_factor(law, at, log_q));
             at.modelled = tidy(at.modelled * factor);
             // A(P / q) / A(P) depends on P / E alone: d ln / d ln E = a(P) - a(P / q), a = d ln A / d ln P.
-            let slope = |pressure_pa: f64| log_slope(law, pressure_pa);
+            let slope = |pressure_pa: f64| {
+                let f = |log: f64| libm::log(law.factor(pressure_pa * libm::exp(log)));
+                (f(LOG_STEP) - f(-LOG_STEP)) / (2.0 * LOG_STEP)
+            };
             at.sensitivity.modulus =
                 tidy(at.sensitivity.modulus + slope(pressure_pa) - slope(pressure_pa / self.over_flat));
             [PRESSURE_MPA.from_si(pressure_pa), tidy(factor)]
@@ -122,12 +125,6 @@ fn log_factor(law: &AreaLaw, at: &Measured, log_q: f64) -> f64 {
     let f = |pressure_pa: f64| libm::log(law.factor(pressure_pa));
     let pressure_pa = at.load.pressure_pa;
     at.sensitivity.modulus * log_q + f(pressure_pa * libm::exp(-log_q)) - log_q - f(pressure_pa)
-}
-
-/// Derivative d ln f / d ln P of the area factor f at `pressure_pa`.
-fn log_slope(law: &AreaLaw, pressure_pa: f64) -> f64 {
-    let f = |log: f64| libm::log(law.factor(pressure_pa * libm::exp(log)));
-    (f(LOG_STEP) - f(-LOG_STEP)) / (2.0 * LOG_STEP)
 }
 
 #[cfg(test)]

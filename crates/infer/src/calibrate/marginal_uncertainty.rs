@@ -15,7 +15,7 @@ use crate::calibrate::{Fit, Measurement, Problem};
 ///
 /// # Errors
 /// [`MaterialError`] if the law cannot be shifted.
-fn marginal_relative_std(
+pub fn marginal_relative_std(
     conditional: f64,
     law: &AreaLaw,
     log_modulus_std: f64,

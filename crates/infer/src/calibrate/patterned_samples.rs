@@ -6,6 +6,7 @@ use std::sync::Arc;
 use rayon::prelude::*;
 use slipgrid_base::monitor::{Monitor, Part};
 use slipgrid_base::units::PRESSURE_MPA;
+use slipgrid_laser::export::Specimen;
 use slipgrid_laser::specimen::{SpecimenError, SteadyOnFace, nearest_known, time_changes_on};
 use slipgrid_model::material::{AreaLaw, Condition, Elastic, LocalFriction, MaterialError};
 use slipgrid_model::pattern::{Pattern, ReliefMap};
@@ -155,23 +156,26 @@ impl Model<'_> {
     /// Computes the correction that takes ratios of infinite patterns to the face of the specimen, at `pairs`; `None`
     /// without a face or without pairs.
     fn face_correction(&self, pairs: &[Pair], monitor: &dyn Monitor) -> Result<Option<SteadyOnFace>, CalibrationError> {
-        let Some(face) = &self.specimen.face else { return Ok(None) };
-        let flat = self.without_rims();
-        let own = if self.pattern.texture().is_one_section() { &flat } else { self };
-        let Some(scene) = own.face_scene(pairs)? else { return Ok(None) };
-        Ok(Some(SteadyOnFace::new(&scene, &own.pattern, face, false, monitor)?))
+        let Some((face, scene, pattern)) = self.strips(pairs)? else { return Ok(None) };
+        Ok(Some(SteadyOnFace::new(&scene, &pattern, face, false, monitor)?))
     }
 
     /// Memory, in bytes, that [`Self::face_correction`] takes.
     pub fn face_bytes(&self, pairs: &[Pair]) -> Result<f64, CalibrationError> {
-        let Some(face) = &self.specimen.face else { return Ok(0.0) };
-        let flat = self.without_rims();
-        let own = if self.pattern.texture().is_one_section() { &flat } else { self };
-        let Some(scene) = own.face_scene(pairs)? else { return Ok(0.0) };
-        SteadyOnFace::bytes(&scene, &own.pattern, face).map_err(|error| match error {
+        let Some((face, scene, pattern)) = self.strips(pairs)? else { return Ok(0.0) };
+        SteadyOnFace::bytes(&scene, &pattern, face).map_err(|error| match error {
             SpecimenError::Scene(error) => error.into(),
             error => error.into(),
         })
+    }
+
+    /// Face of the specimen, with the scene and the pattern of its strips at `pairs`; `None` without a face or without
+    /// pairs.
+    fn strips(&self, pairs: &[Pair]) -> Result<Option<(&Specimen, Scene, Pattern)>, CalibrationError> {
+        let Some(face) = &self.specimen.face else { return Ok(None) };
+        let flat = self.without_rims();
+        let own = if self.pattern.texture().is_one_section() { &flat } else { self };
+        Ok(own.face_scene(pairs)?.map(|scene| (face, scene, own.pattern)))
     }
 
     /// The model without rims and relief, for which strips can be solved; only the ratio of the cell includes the

@@ -8,7 +8,7 @@ use slipgrid_model::springblock::Dimension;
 use slipgrid_surface::contact::AreaPoint;
 
 use crate::calibrate::patterned_samples::{Model, Pair, pair_measurements};
-use crate::calibrate::{CalibrationError, CalibrationTask, CutSample, LandEffect, PendingSample};
+use crate::calibrate::{CalibrationError, CalibrationTask, CutSample, LandEffect};
 use crate::discrepancy::{Conditions, DimensionShift, Discrepancy, Features, Load, Measured, Sensitivity, Trial};
 
 /// Discrepancy learned from a calibration's samples, and modelled ratios of pending samples.
@@ -21,8 +21,9 @@ pub struct Learned {
     /// Effects of the slope of the land on modelled ratios, for measured samples whose land was compared with the flat
     /// sample.
     pub lands: Vec<LandEffect>,
-    /// Modelled ratios of the pending samples, if they were asked for.
-    pub pending: Vec<PendingSample>,
+    /// Samples that were cut and not yet measured, modelled at the conditions of the flat sample, if they were asked
+    /// for; their measured ratios have no meaning.
+    pub pending: Vec<Trial>,
 }
 
 /// A cut sample with its measured and modelled ratios.

@@ -6,8 +6,8 @@ use serde::{Deserialize, Serialize};
 use slipgrid_base::monitor::{Cancelled, Monitor};
 use slipgrid_base::units::{LENGTH_UM, tidy};
 use slipgrid_design::RatioPrediction;
-use slipgrid_infer::calibrate::{CalibrationTask, Learned, PendingSample};
-use slipgrid_infer::discrepancy::{Discrepancy, Sensitivity};
+use slipgrid_infer::calibrate::{CalibrationTask, Learned};
+use slipgrid_infer::discrepancy::{Discrepancy, Sensitivity, Trial};
 
 use super::{PER_MM, TrialsReport};
 
@@ -27,12 +27,12 @@ pub struct PendingReport {
 }
 
 impl PendingReport {
-    fn new(of: &PendingSample, learned: &Discrepancy) -> Self {
-        let loads: Vec<_> = of.modelled.iter().map(|at| at.load).collect();
-        let sensitivity: Vec<Sensitivity> = of.modelled.iter().map(|at| at.sensitivity).collect();
+    fn new(of: &Trial, learned: &Discrepancy) -> Self {
+        let loads: Vec<_> = of.measured.iter().map(|at| at.load).collect();
+        let sensitivity: Vec<Sensitivity> = of.measured.iter().map(|at| at.sensitivity).collect();
         let found = learned.at(&loads).predict_made(&of.features, &sensitivity, &of.dimension_shifts);
         let predicted =
-            of.modelled.iter().enumerate().map(|(row, at)| RatioPrediction::new(&at.load, at.ratio, &found, row));
+            of.measured.iter().enumerate().map(|(row, at)| RatioPrediction::new(&at.load, at.modelled, &found, row));
         Self {
             name: of.name.clone(),
             areal_density: tidy(of.features.areal_density),

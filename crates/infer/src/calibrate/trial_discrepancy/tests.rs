@@ -7,7 +7,7 @@ use super::*;
 use crate::calibrate::surface_area_law_source::surface_findings;
 use crate::calibrate::uncertainty::{flat_friction, local_law};
 use crate::calibrate::{Coefficients, Selection};
-use crate::calibrate::{CutSpecimen, Measurement, PendingSample, Surface, TrialsTask, learn_alone};
+use crate::calibrate::{CutSpecimen, Measurement, Surface, TrialsTask, learn_alone};
 
 pub fn measured(force_n: f64, humidity: f64, mu_dynamic: f64) -> Measurement {
     Measurement { force_n, speed_m_s: 2e-3, humidity, mu_dynamic, mu_dynamic_std: 0.002, static_peak: None }
@@ -210,5 +210,11 @@ fn a_pending_sample_is_modelled_as_it_will_be_measured() {
     task.trials.samples[0].measured.clear();
     let found = learn_alone(&task, &Unwatched).unwrap();
     assert!(found.discrepancy.trials().is_empty());
-    assert_eq!(found.pending[0], PendingSample::from(known.discrepancy.trials()[0].clone()));
+    let (pending, measured) = (&found.pending[0], &known.discrepancy.trials()[0]);
+    assert_eq!((&pending.name, &pending.dimension_shifts), (&measured.name, &measured.dimension_shifts));
+    assert_eq!((pending.features, pending.measured.len()), (measured.features, measured.measured.len()));
+    for (pending, measured) in pending.measured.iter().zip(&measured.measured) {
+        assert_eq!((pending.load, pending.modelled), (measured.load, measured.modelled));
+        assert_eq!(pending.sensitivity, measured.sensitivity);
+    }
 }

@@ -2,6 +2,7 @@
 //! is nonlinear in Young's modulus, whose error may be a fifth of the value; therefore intervals are computed from
 //! solves at 1 and 1.96 standard deviations on both sides, and are asymmetric.
 
+use rayon::prelude::*;
 use slipgrid_base::statistics::NORMAL_95;
 use slipgrid_model::material::{AreaLaw, LocalFriction, MaterialError};
 use slipgrid_model::pattern::Pattern;
@@ -107,7 +108,7 @@ impl Slopes {
         let is_fitted = knowledge.scale.as_ref().is_some_and(|scale| scale.is_fitted);
         let shift = |log: f64| ScaleShift { log, is_fitted };
         // (r(x + s) - r(x - s)) / 2s
-        let along = |friction: &[f64], scale: f64, law: f64| -> Vec<Option<f64>> {
+        let along = |&(friction, scale, law): &(&[f64], f64, f64)| -> Vec<Option<f64>> {
             if friction.iter().chain([&scale, &law]).all(|step| *step == 0.0) {
                 return vec![Some(0.0); count];
             }
@@ -119,17 +120,11 @@ impl Slopes {
             let difference = |load: usize| Some((above.as_ref().ok()?[load]? - below.as_ref().ok()?[load]?) / 2.0);
             (0..count).map(difference).collect()
         };
-        let over = |difference: Option<f64>, step: f64| Some(if step == 0.0 { 0.0 } else { difference? / step });
-        let (friction, (scale, law)) = rayon::join(
-            || along(&friction_step, 0.0, 0.0),
-            || rayon::join(|| along(&zeros, scale_step, 0.0), || along(&zeros, 0.0, law_step)),
-        );
+        let inputs = [(&friction_step[..], 0.0, 0.0), (&zeros, scale_step, 0.0), (&zeros, 0.0, law_step)];
+        let differences: Vec<Vec<Option<f64>>> = inputs.par_iter().map(along).collect();
         let slope = |load: usize| {
-            Some([
-                over(friction[load], friction_step[load])?,
-                over(scale[load], scale_step)?,
-                over(law[load], law_step)?,
-            ])
+            let over = |input: usize, step: f64| Some(if step == 0.0 { 0.0 } else { differences[input][load]? / step });
+            Some([over(0, friction_step[load])?, over(1, scale_step)?, over(2, law_step)?])
         };
         let modulus = knowledge.scale.as_ref().filter(|scale| !scale.is_fitted && scale.variance > 0.0);
         let bends = modulus.and_then(|scale| bends(&cell, pattern, scale.variance.sqrt())).unwrap_or_default();
@@ -175,31 +170,20 @@ impl Slopes {
             None => self.bends.get(load).copied(),
         };
         let deviation = |[x, m, a, d]: [f64; 4], times: f64| {
-            let mut variance = 0.0;
-            let mut parts = Vec::new();
-            let mut add = |source: Source, own: f64| {
-                variance += own;
-                parts.push((source, own.sqrt()));
-            };
-            if let Some(friction) = friction {
-                add(Source::FlatFriction, x * x * friction);
-            }
-            if let Some(scale) = scale {
-                add(if scale.is_fitted { Source::FittedScale } else { Source::Modulus }, m * m * scale.variance);
-            }
-            if self.has_law_errors {
-                add(Source::AreaLaw, a * a);
-            }
-            if let Some(found) = discrepancy {
-                add(Source::Discrepancy, (d * found.log_std).powi(2));
-            }
+            let variances = [
+                friction.map(|friction| (Source::FlatFriction, x * x * friction)),
+                scale.map(|scale| {
+                    let source = if scale.is_fitted { Source::FittedScale } else { Source::Modulus };
+                    (source, m * m * scale.variance)
+                }),
+                self.has_law_errors.then_some((Source::AreaLaw, a * a)),
+                discrepancy.map(|found| (Source::Discrepancy, (d * found.log_std).powi(2))),
+            ];
+            let bent_variance = variances[3].or(variances[1]).map_or(0.0, |(_, own)| own);
             let shared = scale.filter(|_| friction.is_some());
             let shared = shared.and_then(|scale| scale.with_friction.get(load)).copied().unwrap_or(0.0);
-            let variance = (variance + 2.0 * x * m * shared).max(0.0);
-            let bent_variance = match discrepancy {
-                Some(found) => (d * found.log_std).powi(2),
-                None => scale.map_or(0.0, |scale| m * m * scale.variance),
-            };
+            let sum: f64 = variances.iter().flatten().map(|(_, own)| own).sum();
+            let variance = (sum + 2.0 * x * m * shared).max(0.0);
             let reach = |bent: Option<[f64; 2]>, normal: f64| {
                 let Some(bent) = bent else { return [normal * variance.sqrt(); 2] };
                 let others = normal * normal * (variance - bent_variance).max(0.0);
@@ -208,7 +192,7 @@ impl Slopes {
             };
             Deviation {
                 std: variance.sqrt(),
-                parts,
+                parts: variances.into_iter().flatten().map(|(source, own)| (source, own.sqrt())).collect(),
                 reach_68: reach(bent.map(|all| [all[1], all[2]]), 1.0),
                 reach_95: reach(bent.map(|all| [all[0], all[3]]), NORMAL_95),
             }
