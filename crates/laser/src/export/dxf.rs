@@ -69,7 +69,7 @@ pub fn dxf(layout: &Layout, heading: &Heading, to: &mut dyn Write) -> io::Result
     if pattern.texture().crossing_angle_deg().is_some() {
         file.comment("Grooves of the second family end at the walls of the first: nothing is marked twice.");
     }
-    if layout.is_clipped() {
+    if layout.specimen().is_clipped {
         file.comment("Cavities that pass the rim are cut there.");
     }
     for note in heading.notes {

@@ -1,3 +1,4 @@
+use slipgrid_base::statistics::extremes;
 use slipgrid_model::pattern::{Pattern, Planform};
 
 use crate::export::crossing::Crossing;
@@ -158,11 +159,6 @@ impl Layout {
     /// Outline of the specimen.
     pub const fn outline(&self) -> &Outline {
         &self.specimen.outline
-    }
-
-    /// Whether cavities that cross the border are cut there instead of left out.
-    pub const fn is_clipped(&self) -> bool {
-        self.specimen.is_clipped
     }
 
     /// Number of cavities, at least one.
@@ -376,7 +372,7 @@ impl Layout {
             let cut = self.strip(column);
             let corners = cut.boundaries().iter().flat_map(Boundary::polygon_m).collect::<Vec<_>>();
             let along = corners.iter().map(|[x, y]| y * orientation[0] - x * orientation[1]);
-            let span_m = along.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], at| [low.min(at), high.max(at)]);
+            let span_m = extremes(along);
             return [(!corners.is_empty()).then(|| Cavity { cut_by: cut.cut_by, ..laid(span_m) }), None];
         }
         // The outline is convex except for the hole, so that a rectangle ends where the shorter of its two sides does.

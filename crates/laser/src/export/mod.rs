@@ -62,7 +62,7 @@ mod gcode;
 mod height_map;
 mod hpgl;
 mod laser;
-mod layout;
+pub(crate) mod layout;
 mod marking;
 mod number;
 mod outline;

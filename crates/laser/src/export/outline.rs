@@ -104,11 +104,10 @@ impl Outline {
     /// Whether a point, in metres, lies on the face.
     pub(crate) fn contains(&self, [x_m, y_m]: [f64; 2]) -> bool {
         match *self {
-            Self::Disc { diameter_m } => x_m.hypot(y_m) <= diameter_m / 2.0,
             Self::Rectangle { length_m, width_m } => x_m.abs() <= length_m / 2.0 && y_m.abs() <= width_m / 2.0,
-            Self::Ring { outer_diameter_m, inner_diameter_m } => {
+            Self::Disc { diameter_m } | Self::Ring { outer_diameter_m: diameter_m, .. } => {
                 let distance_m = x_m.hypot(y_m);
-                distance_m <= outer_diameter_m / 2.0 && distance_m >= inner_diameter_m / 2.0
+                distance_m <= diameter_m / 2.0 && distance_m >= self.hole_m() / 2.0
             }
         }
     }

@@ -196,7 +196,8 @@ impl ProcessSheet {
             tolerances,
             specimen: SpecimenSheet {
                 face: SpecimenRecord { cavities: None, ..SpecimenRecord::from(layout.specimen()) },
-                at_the_rim: if layout.is_clipped() { "cavities are cut" } else { "whole cavities only" }.to_owned(),
+                at_the_rim: if layout.specimen().is_clipped { "cavities are cut" } else { "whole cavities only" }
+                    .to_owned(),
                 arrangement: arrangement(layout),
                 cavities: layout.cavities(),
                 areal_density: six_digits(layout.areal_density()),
@@ -231,7 +232,8 @@ pub(crate) fn sheet_toml(sliding: &str, sheet: &impl Serialize) -> Result<String
 
 fn arrangement(layout: &Layout) -> String {
     let pattern = layout.pattern();
-    let ends = if layout.is_clipped() { "each cut at the rim" } else { "each as long as fits whole on the specimen" };
+    let ends =
+        if layout.specimen().is_clipped { "each cut at the rim" } else { "each as long as fits whole on the specimen" };
     match pattern.planform() {
         Planform::Groove => {
             format!("grooves {}, one through the centre, {ends}", groove_direction(pattern.texture()))
@@ -240,7 +242,7 @@ fn arrangement(layout: &Layout) -> String {
             "{}, one of each family through the centre, {ends}; where they cross the first family is cut, the second ends at its walls",
             groove_direction(pattern.texture())
         ),
-        _ if layout.is_clipped() => format!("{}, one cavity on the centre, cut at the rim", lattice(pattern)),
+        _ if layout.specimen().is_clipped => format!("{}, one cavity on the centre, cut at the rim", lattice(pattern)),
         _ => format!("{}, one cavity on the centre, only whole cavities", lattice(pattern)),
     }
 }

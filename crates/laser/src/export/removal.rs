@@ -89,11 +89,9 @@ pub(crate) struct Hatched {
     pub(crate) apart_m: Option<[f64; 2]>,
     /// Number and area, in square metres, of cavities without a line.
     bare: (u32, f64),
-    /// First cavity with the greatest total length of lines, which represents all cavities; `None` if all lines have
-    /// zero length.
-    one: Option<Cavity>,
-    /// Lines of the cavity `one`.
-    lines_of_one: Vec<Line>,
+    /// First cavity with the greatest total length of lines, which represents all cavities, and its lines; `None` if
+    /// all lines have zero length.
+    one: Option<(Cavity, Vec<Line>)>,
     /// Radius of the spot, in metres.
     half_spot_m: f64,
     /// Section of the cavity `one` along which depth is sampled; `None` without such a cavity.
@@ -111,7 +109,7 @@ struct Section {
 
 impl Hatched {
     pub(crate) fn new(layout: &Layout, marking: &Marking) -> Self {
-        let (mut lines, mut length, mut most_m, mut lines_of_one) = (0, 0.0, 0.0, None);
+        let (mut lines, mut length, mut most_m, mut one) = (0, 0.0, 0.0, None);
         let mut apart_m: Option<[f64; 2]> = None;
         let mut bare = (0, 0.0);
         for cavity in layout.iter() {
@@ -127,20 +125,18 @@ impl Hatched {
             lines += own.len() as u64;
             length += own_m;
             if own_m > most_m * (1.0 + LENGTH_TOLERANCE) {
-                (most_m, lines_of_one) = (own_m, Some((cavity, own)));
+                (most_m, one) = (own_m, Some((cavity, own)));
             }
         }
-        let section =
-            lines_of_one.as_ref().and_then(|(cavity, own)| Section::across(cavity, own, marking.direction(cavity)));
-        let half_spot_m = marking.spot_compensation_m();
-        let (one, lines_of_one) = lines_of_one.map_or_else(Default::default, |(cavity, own)| (Some(cavity), own));
-        Self { lines, length_m: length, apart_m, bare, one, lines_of_one, half_spot_m, section }
+        let across = |(cavity, own): &(Cavity, Vec<Line>)| Section::across(cavity, own, marking.direction(cavity));
+        let section = one.as_ref().and_then(across);
+        Self { lines, length_m: length, apart_m, bare, one, half_spot_m: marking.spot_compensation_m(), section }
     }
 
     /// Warnings about areas that the spot does not reach.
     pub(crate) fn unreached_warnings(&self, layout: &Layout) -> Vec<String> {
-        let of = |one| unreached::warnings(layout, self.half_spot_m, self.bare, one, &self.lines_of_one);
-        self.one.as_ref().map_or_else(Vec::new, of)
+        let Some((one, lines)) = &self.one else { return Vec::new() };
+        unreached::warnings(layout, self.half_spot_m, self.bare, one, lines)
     }
 
     /// Mean over a part of `section`, from `from` to `to` as fractions of its width, of a sum over lines: each line
@@ -149,15 +145,10 @@ impl Hatched {
         let at_point = |k: u32| -> f64 {
             let at_m = section.width_m * (from + (to - from) * (f64::from(k) + 0.5) / f64::from(SAMPLE_POINTS));
             let at = [0, 1].map(|axis| section.from_m[axis] + at_m * section.across[axis]);
-            self.lines_of_one.iter().map(|line| of(within_m(line, at, self.half_spot_m))).sum()
+            let lines = self.one.iter().flat_map(|(_, lines)| lines);
+            lines.map(|line| of(within_m(line, at, self.half_spot_m))).sum()
         };
         (0..SAMPLE_POINTS).map(at_point).sum::<f64>() / f64::from(SAMPLE_POINTS)
-    }
-
-    /// Mean total length of lines within half a spot of a point, in metres, over a part of the section given by
-    /// fractions of its width.
-    fn mean_reach_m(&self, section: &Section, shares: [f64; 2]) -> f64 {
-        self.mean_of_lines(section, shares, |within_m| within_m)
     }
 
     /// Mean number of lines within half a spot of a point, over the middle third of the cavity's width; `None` without
@@ -174,7 +165,7 @@ impl Hatched {
         let scale = f64::from(passes) * laser.depth_per_burst_um? / laser.pulse_distance_um()?;
         let share = |k: u32| 0.5 * f64::from(k) / f64::from(LISTED_BINS);
         let up_to = |k: u32| {
-            let depth_m = scale * self.mean_reach_m(section, [share(k - 1), share(k)]);
+            let depth_m = scale * self.mean_of_lines(section, [share(k - 1), share(k)], |within_m| within_m);
             [micrometres(section.width_m * share(k)), micrometres(depth_m)]
         };
         Some((1..=LISTED_BINS).map(up_to).collect())
@@ -192,7 +183,8 @@ impl Hatched {
         let (burst_um, pulse_um, speed_mm_s) =
             (laser.depth_per_burst_um?, laser.pulse_distance_um()?, laser.speed_mm_s?);
         let design_um = layout.pattern().depth_m() * 1e6;
-        let middle_m = self.section.as_ref().map(|section| self.mean_reach_m(section, MIDDLE_RANGE));
+        let middle_m =
+            self.section.as_ref().map(|section| self.mean_of_lines(section, MIDDLE_RANGE, |within_m| within_m));
         let Some(reach_m) = middle_m.filter(|mean_m| *mean_m > 0.0) else {
             // Lines have zero length: only the depth of an infinite hatch is known.
             let passes = (design_um / laser.depth_step_um()?).round().clamp(1.0, MAX_PASSES) as u32;

@@ -192,14 +192,9 @@ impl Sector {
             )));
         }
         let layout = division.specimen.layout(pattern)?;
-        let mut sector = Self { division, number, layout, cavities: 0, cavity_area_m2: 0.0 };
-        let (mut cavities, mut area) = (0, 0.0);
-        for boundary in sector.own_boundaries() {
-            cavities += 1;
-            area += boundary.area_m2();
-        }
-        (sector.cavities, sector.cavity_area_m2) = (cavities, area);
-        Ok(sector)
+        let sector = Self { division, number, layout, cavities: 0, cavity_area_m2: 0.0 };
+        let areas_m2: Vec<f64> = sector.own_boundaries().map(|boundary| boundary.area_m2()).collect();
+        Ok(Self { cavities: areas_m2.len(), cavity_area_m2: areas_m2.iter().fold(0.0, |sum, own| sum + own), ..sector })
     }
 
     /// Number of the sector, from 1.

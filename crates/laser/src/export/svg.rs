@@ -60,7 +60,9 @@ pub fn svg(layout: &Layout, heading: &Heading, to: &mut dyn io::Write) -> io::Re
     let unit_mm = extent_x_mm.max(extent_y_mm) / CONTENT;
 
     let title = title(heading);
-    let (dimensions, remarks) = (dimensions(layout), remarks(heading));
+    let dimensions = dimensions(layout);
+    let mut remarks: Vec<String> = heading.notes.iter().flat_map(|note| wrap(note, CAPTION_CHARACTERS)).collect();
+    remarks.push(format!("slipgrid {}", heading.version));
     let arrangement = wrap(&arrangement(layout.pattern()), BOLD_CHARACTERS);
     let caption_lines = (arrangement.len() + dimensions.len() + remarks.len()) as f64;
     let title_height = title.len() as f64 * 1.4 * TITLE_SIZE + 2.0;
@@ -155,13 +157,6 @@ fn dimensions(layout: &Layout) -> Vec<(&'static str, String)> {
             },
         ),
     ]);
-    lines
-}
-
-/// Notes and version for the caption, one string per line.
-fn remarks(heading: &Heading) -> Vec<String> {
-    let mut lines: Vec<String> = heading.notes.iter().flat_map(|note| wrap(note, CAPTION_CHARACTERS)).collect();
-    lines.push(format!("slipgrid {}", heading.version));
     lines
 }
 

@@ -228,7 +228,7 @@ impl WorkSheet {
             }
             (None, None) => None,
         };
-        self.estimated_time_s = time_s.map(|time_s| six_digits(time_s));
+        self.estimated_time_s = time_s.map(six_digits);
         let missing = laser.missing_for_time();
         self.no_estimate_because = (!missing.is_empty()).then(|| format!("not given: {}", missing.join(", ")));
         let (formula, assumptions) = if lines.is_some() {

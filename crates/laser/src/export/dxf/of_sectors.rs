@@ -35,7 +35,6 @@ pub fn dxf_of_sectors(sectors: &[Sector], laser: &Laser, heading: &Heading, to: 
     ));
     for sector in sectors {
         let (number, pattern) = (sector.number(), sector.pattern());
-        let depth_m = pattern.depth_m();
         let steps = steps(sector.whole(), laser);
         file.comment(&format!(
             "{}: {}{}, width {:.3} um, spacing {:.3} um, depth {:.3} um{steps}, turned by {:.6} degrees",
@@ -44,7 +43,7 @@ pub fn dxf_of_sectors(sectors: &[Sector], laser: &Laser, heading: &Heading, to: 
             texture_words(pattern),
             pattern.width_m() * 1e6,
             pattern.spacing_m() * 1e6,
-            depth_m * 1e6,
+            pattern.depth_m() * 1e6,
             division.turn_deg(number),
         ));
     }

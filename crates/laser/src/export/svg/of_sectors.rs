@@ -82,7 +82,6 @@ pub fn svg_of_sectors(sectors: &[Sector], laser: &Laser, heading: &Heading, to: 
 fn words(sector: &Sector, laser: &Laser) -> String {
     let pattern = sector.pattern();
     let um = |length_m: f64| decimal(length_m * 1e6, MICROMETRE_DECIMALS);
-    let depth_m = pattern.depth_m();
     let steps = steps(sector.whole(), laser);
     format!(
         "{}: {} {} µm wide, spacing {} µm, {} µm deep{steps}; {:.2} % of the sector, {:.2} % of the pattern",
@@ -90,7 +89,7 @@ fn words(sector: &Sector, laser: &Laser) -> String {
         cavities(pattern.planform()),
         um(pattern.width_m()),
         um(pattern.spacing_m()),
-        um(depth_m),
+        um(pattern.depth_m()),
         100.0 * sector.areal_density(),
         100.0 * pattern.areal_density(),
     )
