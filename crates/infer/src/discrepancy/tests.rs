@@ -111,16 +111,6 @@ fn amplitude_alone() -> Hyperparameters {
     Hyperparameters { pressure_std: 0.0, inverse_pressure_std: 0.0, speed_std: 0.0, humidity_std: 0.0, ..one_form() }
 }
 
-/// Probability that all loads lie between `lower` and `upper`, summed over components.
-fn probability_within(prediction: &Prediction, lower: &[f64], upper: &[f64]) -> f64 {
-    let n = prediction.loads();
-    let of = |of: &Component| {
-        let factor = covariance_factor(&of.covariance, n);
-        of.weight * BoxRule::new(n).probability(&of.mean, &factor, [lower, upper], 0..512)
-    };
-    prediction.components.iter().map(of).sum()
-}
-
 fn prior() -> Discrepancy {
     discrepancy(Vec::new())
 }
@@ -393,18 +383,6 @@ fn effects_of_low_loads_belong_to_a_humidity() {
         let expected = (covariance(&to, &to) - dot(&k, &k) + t * t).sqrt();
         assert!((mean - dot(&k, &y)).abs() < 1e-10 && (std - expected).abs() < 1e-10, "{mean} {std} {expected}");
     }
-}
-
-#[test]
-fn an_unmeasured_humidity_lies_between_what_is_known_and_the_prior() {
-    let hyper = Hyperparameters { sample_std: 0.005, scatters: vec![(1.0, 1.0)], ..Hyperparameters::default() };
-    let trials = vec![trial("", groove(100.0, 300.0, 10.0), &loads(), 0.002, &mut |_| -0.2)];
-    let known = learned(hyper, trials);
-    let std = |humidity_pct: f64| {
-        known.at(&[load(1.3, 2.0, humidity_pct)]).predict(&groove(100.0, 300.0, 10.0), &moduli([0.1])).moments(0).1
-    };
-    let stds = [40.0, 45.0, 60.0, 100.0].map(std);
-    assert!(stds.is_sorted() && stds[0] < 0.01 && stds[3] > 5.0 * stds[0], "{stds:?}");
 }
 
 #[test]

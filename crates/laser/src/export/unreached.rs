@@ -73,6 +73,11 @@ mod tests {
 
     const DISC: Outline = Outline::Disc { diameter_m: 2e-3 };
 
+    fn triangle() -> Texture {
+        let corners = [[0.0, 0.0], [1.0, 0.0], [0.5, 0.75_f64.sqrt()]];
+        Texture::new(Planform::Polygon).with_outline(Polygon::new(&corners).unwrap()).unwrap()
+    }
+
     fn swept(texture: Texture, width_um: f64, spot_um: f64) -> f64 {
         let pattern = Pattern::new(texture, width_um * 1e-6, 100e-6, 10e-6).unwrap();
         let cavity = Layout::new(pattern, DISC).unwrap().iter().next().unwrap();
@@ -89,9 +94,7 @@ mod tests {
         assert!(swept(Texture::new(Planform::Groove), 75.0, 23.0) > 0.98);
         // For an equilateral triangle at most the part swept by a disc: 1 - (3 sqrt(3) - pi) r^2 / A, with the spot's
         // radius r.
-        let corners = [[0.0, 0.0], [1.0, 0.0], [0.5, 0.75_f64.sqrt()]];
-        let triangle = Texture::new(Planform::Polygon).with_outline(Polygon::new(&corners).unwrap()).unwrap();
-        let (found, area_um2) = (swept(triangle, 80.0, 15.0), 0.25 * 3_f64.sqrt() * 6400.0);
+        let (found, area_um2) = (swept(triangle(), 80.0, 15.0), 0.25 * 3_f64.sqrt() * 6400.0);
         let closed = 1.0 - (3.0 * 3_f64.sqrt() - std::f64::consts::PI) * 56.25 / area_um2;
         assert!(found < closed && found > closed - 0.1, "{found} {closed}");
     }
@@ -99,10 +102,8 @@ mod tests {
     #[test]
     fn cavities_that_get_no_line_and_corners_that_are_not_swept_are_warned_of() {
         let laser = Laser { spot_um: Some(30.0), depth_per_burst_um: Some(2.0), ..Laser::default() };
-        let corners = [[0.0, 0.0], [1.0, 0.0], [0.5, 0.75_f64.sqrt()]];
-        let triangle = Texture::new(Planform::Polygon).with_outline(Polygon::new(&corners).unwrap()).unwrap();
         let pattern = |texture: Texture, width_um: f64| Pattern::new(texture, width_um * 1e-6, 100e-6, 10e-6).unwrap();
-        let layout = Layout::new(pattern(triangle, 60.0), DISC).unwrap();
+        let layout = Layout::new(pattern(triangle(), 60.0), DISC).unwrap();
         let said = laser_warnings(&layout, &laser);
         assert!(said.iter().any(|said| said.starts_with("lines sweep ") && said.contains("30 um")), "{said:?}");
         // Grooves 160 um wide every 260 um on a plate 920 um long, whose outer grooves are cut to 20 um.

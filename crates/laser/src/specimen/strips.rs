@@ -134,7 +134,8 @@ fn half_width_m(cavity: &Cavity, y_m: f64) -> Option<f64> {
 mod tests {
     use super::*;
     use crate::export::Outline;
-    use slipgrid_model::pattern::{Pattern, Polygon, Texture};
+    use crate::export::layout::every_kind;
+    use slipgrid_model::pattern::{Pattern, Texture};
 
     const DISC: Outline = Outline::Disc { diameter_m: 10e-3 };
 
@@ -166,8 +167,7 @@ mod tests {
 
     #[test]
     fn strips_of_polygons_and_of_crossing_grooves_have_their_share() {
-        let bent = [[0.0, 0.0], [100.0, 10.0], [90.0, 60.0], [65.0, 55.0], [60.0, 110.0], [5.0, 105.0]];
-        let bent = Texture::new(Planform::Polygon).with_outline(Polygon::new(&bent).unwrap()).unwrap();
+        let bent = every_kind().into_iter().find(|kind| kind.outline().is_some()).unwrap();
         let crossed = Texture::new(Planform::Crosshatch).with_crossing_angle_deg(60.0).unwrap();
         let plate = Outline::Rectangle { length_m: 2.4e-3, width_m: 1.7e-3 };
         for texture in [bent, crossed.with_groove_angle_deg(-25.0).unwrap()] {

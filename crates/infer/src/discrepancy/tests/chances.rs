@@ -103,7 +103,7 @@ fn more_loads_are_never_likelier_within_their_bounds_than_fewer() {
             let n = loads.len();
             let prediction =
                 known.at(loads).predict(&groove(width_um, 278.3, 29.45), &vec![Sensitivity::of_modulus(0.1); n]);
-            let (lower, upper) = (vec![-0.06; n], vec![0.02; n]);
+            let wanted = Wanted { lower: vec![(-0.06_f64).exp(); n], upper: vec![0.02_f64.exp(); n] };
             let mut normals = Normals::new(1);
             let draws = 20_000;
             let within = (0..draws).filter(|_| {
@@ -112,7 +112,7 @@ fn more_loads_are_never_likelier_within_their_bounds_than_fewer() {
                 prediction.draw(which, &z).iter().all(|y| (-0.06..=0.02).contains(y))
             });
             let drawn = within.count() as f64 / f64::from(draws);
-            let share = probability_within(&prediction, &lower, &upper);
+            let share = wanted.score(&prediction, &vec![1.0; n]).chance;
             // Error of the draws: 0.0035, and the error of the rule.
             assert!((share - drawn).abs() < 0.012, "{width_um} {n}: {share} {drawn}");
             share

@@ -14,27 +14,6 @@ fn changes(modulus: [f64; 2], local_law: [f64; 2]) -> [Sensitivity; 2] {
     [0, 1].map(|load| Sensitivity { modulus: modulus[load], local_law: local_law[load] })
 }
 
-#[test]
-fn before_any_trial_half_of_the_change_is_expected_and_known_to_half_of_it() {
-    let of = groove(100.0, 300.0, 10.0);
-    for hyper in [amplitude_alone(), Hyperparameters::default()] {
-        let prior = learned(hyper, Vec::new());
-        let (mean, std) = prior.local_law();
-        // Weights sum to 1 up to rounding.
-        assert!((mean - 0.5).abs() < 1e-12 && (std - 0.5).abs() < 1e-12, "{mean} {std}");
-        let predictor = prior.at(&two_loads());
-        let without = predictor.predict(&of, &changes([0.05, 0.07], [0.0; 2]));
-        let with = predictor.predict(&of, &changes([0.05, 0.07], [0.11, -0.04]));
-        let ((mean, covariance), (own_mean, own_covariance)) = (without.mixed(), with.mixed());
-        for (load, change) in [0.11, -0.04].into_iter().enumerate() {
-            assert!((own_mean[load] - mean[load] - 0.5 * change).abs() < 1e-15);
-        }
-        for (entry, (a, b)) in [(0.11, 0.11), (0.11, -0.04), (-0.04, 0.11), (-0.04, -0.04)].into_iter().enumerate() {
-            assert!((own_covariance[entry] - covariance[entry] - 0.25 * a * b).abs() < 1e-15);
-        }
-    }
-}
-
 /// Compares with N(y; m, K), K in closed form: alpha h, eps g, lambda d, t and measurement errors.
 #[test]
 fn lambda_is_learned_as_the_dense_covariance_says() {
@@ -46,9 +25,6 @@ fn lambda_is_learned_as_the_dense_covariance_says() {
         changes([0.02, 0.03], [0.15, -0.05]),
     ];
     let excess = [[-0.1, -0.12], [-0.2, 0.05]];
-    let trials = (0..2).map(|place| trial(textures[place], sensitivity[place], excess[place])).collect();
-    let learned = learned(hyper.clone(), trials);
-
     let form = |of: &Features| of.areal_density / hyper.reference.areal_density;
     let (sample, load) = (|row: usize| row / 2, |row: usize| row % 2);
     let at = |row: usize| sensitivity[sample(row)][load(row)];
@@ -60,36 +36,39 @@ fn lambda_is_learned_as_the_dense_covariance_says() {
             + 0.25 * at(i).local_law * at(j).local_law
             + t
     };
-    let inner: Vec<f64> =
-        (0..16).map(|e| prior(e / 4, e % 4) + if e / 4 == e % 4 { NOISE * NOISE } else { 0.0 }).collect();
-    let factor = cholesky(&inner, 4).unwrap();
-    let solve = |mut values: Vec<f64>| {
-        solve_lower(&factor, 4, &mut values);
-        solve_upper(&factor, 4, &mut values);
-        values
-    };
-    let y = solve((0..4).map(|row| excess[sample(row)][load(row)] - 0.5 * at(row).local_law).collect());
-    let conditional = |column: &dyn Fn(usize) -> f64, other: &dyn Fn(usize) -> f64| {
-        let solved = solve((0..4).map(column).collect());
-        let mean: f64 = (0..4).map(|row| column(row) * y[row]).sum();
-        (mean, (0..4).map(|row| other(row) * solved[row]).sum::<f64>())
-    };
+    // Before any trial, half of the change is expected, and known to half of it.
+    for n in [0, 4] {
+        let trials = (0..n / 2).map(|place| trial(textures[place], sensitivity[place], excess[place])).collect();
+        let learned = learned(hyper.clone(), trials);
+        let inner: Vec<f64> =
+            (0..n * n).map(|e| prior(e / n, e % n) + if e / n == e % n { NOISE * NOISE } else { 0.0 }).collect();
+        let factor = cholesky(&inner, n).unwrap();
+        let solve = |mut values: Vec<f64>| {
+            solve_lower(&factor, n, &mut values);
+            solve_upper(&factor, n, &mut values);
+            values
+        };
+        let y = solve((0..n).map(|row| excess[sample(row)][load(row)] - 0.5 * at(row).local_law).collect());
+        let conditional = |column: &dyn Fn(usize) -> f64, other: &dyn Fn(usize) -> f64| {
+            let solved = solve((0..n).map(column).collect());
+            let mean: f64 = (0..n).map(|row| column(row) * y[row]).sum();
+            (mean, (0..n).map(|row| other(row) * solved[row]).sum::<f64>())
+        };
 
-    let (mean, covariance) = learned.at(&two_loads()).predict(&textures[2], &sensitivity[2]).mixed();
-    for l in 0..2 {
-        for m in 0..2 {
+        let (mean, covariance) = learned.at(&two_loads()).predict(&textures[2], &sensitivity[2]).mixed();
+        for (l, m) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
             let (own, explained) = conditional(&|row| prior(row, 4 + l), &|row| prior(row, 4 + m));
             assert!((mean[l] - 0.5 * at(4 + l).local_law - own).abs() < 1e-12, "{l}: {} {own}", mean[l]);
             let expected = prior(4 + l, 4 + m) - explained;
             assert!((covariance[2 * l + m] - expected).abs() < 1e-12, "{l} {m}: {} {expected}", covariance[2 * l + m]);
         }
+        // cov(lambda, y_i) = d_i / 4
+        let of_lambda = |row: usize| 0.25 * at(row).local_law;
+        let (own, explained) = conditional(&of_lambda, &of_lambda);
+        let (mean, std) = learned.local_law();
+        assert!((mean - 0.5 - own).abs() < 1e-12 && (std * std - 0.25 + explained).abs() < 1e-12, "{mean} {std}");
+        assert!(n == 0 || std < 0.4, "{std}");
     }
-    // cov(lambda, y_i) = d_i / 4
-    let of_lambda = |row: usize| 0.25 * at(row).local_law;
-    let (own, explained) = conditional(&of_lambda, &of_lambda);
-    let (mean, std) = learned.local_law();
-    assert!((mean - 0.5 - own).abs() < 1e-12 && (std * std - 0.25 + explained).abs() < 1e-12, "{mean} {std}");
-    assert!(std < 0.4, "{std}");
 }
 
 /// Tests all forms, scales and scatters, at a texture with realistic measurement errors.

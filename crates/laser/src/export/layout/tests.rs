@@ -33,19 +33,6 @@ fn squares_on_the_published_disc_are_those_whose_corners_lie_inside() {
 }
 
 #[test]
-fn grooves_on_a_disc_end_on_the_circle() {
-    let pattern = squares(130.0, 370.0).as_groove();
-    let layout = Layout::new(pattern, DISC).unwrap();
-    assert_eq!(layout.iter().count(), layout.cavities());
-    assert_eq!(layout.cavities(), 19);
-    for groove in layout.iter() {
-        let farthest = groove.corners_m().iter().map(|[x, y]| x.hypot(*y)).fold(0.0, f64::max);
-        assert!((farthest - 5e-3).abs() < 1e-12, "{groove:?}");
-        assert!(groove.length_m >= groove.width_m);
-    }
-}
-
-#[test]
 fn a_rectangle_takes_cavities_that_touch_its_edge() {
     // 2 (0.9) + 0.1 = 1.9 mm: the outermost cavities end on the outline.
     let outline = Outline::Rectangle { length_m: 1.9e-3, width_m: 0.7e-3 };
@@ -55,27 +42,6 @@ fn a_rectangle_takes_cavities_that_touch_its_edge() {
     assert_eq!(grooves.cavities(), 7);
     assert!(grooves.iter().all(|groove| (groove.length_m - 0.7e-3).abs() < 1e-15));
     assert!((grooves.areal_density() - 7.0 * 0.1 / 1.9).abs() < 1e-12);
-}
-
-#[test]
-fn the_density_on_large_specimens_tends_to_the_patterns_own() {
-    for pattern in [squares(130.0, 370.0), squares(130.0, 370.0).as_groove()] {
-        let error = |diameter_m| {
-            let layout = Layout::new(pattern, Outline::Disc { diameter_m }).unwrap();
-            (layout.areal_density() / pattern.areal_density() - 1.0).abs()
-        };
-        // Perimeter over area: the error decreases at least as 1/diameter.
-        assert!(error(0.4) < 3e-3, "{}", error(0.4));
-        assert!(error(0.04) < 3e-2, "{}", error(0.04));
-    }
-}
-
-#[test]
-fn every_corner_of_a_hundred_thousand_cavities_lies_inside() {
-    let layout = Layout::new(squares(20.0, 8.0), DISC).unwrap();
-    assert!(layout.cavities() > 90_000);
-    assert_eq!(layout.iter().count(), layout.cavities());
-    assert!(layout.iter().flat_map(|cavity| cavity.corners_m()).all(|[x, y]| x.hypot(y) <= 5e-3 + 1e-12));
 }
 
 #[test]
@@ -161,19 +127,20 @@ fn every_cavity_that_fits_whole_is_laid_and_no_other() {
 #[test]
 fn turned_grooves_are_as_long_as_the_outline_lets_them() {
     let groove = Texture::new(Planform::Groove);
-    for angle_deg in [-90.0, -33.3, 10.0, 45.0, 90.0] {
+    for angle_deg in [-90.0, -33.3, 0.0, 10.0, 45.0, 90.0] {
         let turned = groove.with_groove_angle_deg(angle_deg).unwrap();
         let pattern = Pattern::new(turned, 130e-6, 370e-6, 5.2e-6).unwrap();
         // A disc holds equal grooves at any angle.
         let layout = Layout::new(pattern, DISC).unwrap();
         let across = Layout::new(pattern.as_groove(), DISC).unwrap();
-        assert_eq!(layout.cavities(), across.cavities());
+        assert_eq!((layout.cavities(), layout.iter().count(), across.cavities()), (19, 19, 19));
         assert!((layout.cavity_area_m2() / across.cavity_area_m2() - 1.0).abs() < 1e-12);
         for outline in OUTLINES {
             let layout = Layout::new(pattern, outline).unwrap();
             assert!(layout.cavities() >= 5);
             for groove in layout.iter() {
                 assert!(excess_m(&groove, &outline).abs() < 1e-12, "{angle_deg}: {groove:?}");
+                assert!(groove.length_m >= groove.width_m);
                 // Both ends lie on the outline: a groove extended at one end crosses it.
                 for end in [-1.0, 1.0] {
                     let [cosine, sine] = groove.orientation;

@@ -2,6 +2,7 @@ use super::*;
 use crate::calibrate::uncertainty::DiscrepancyAt;
 use crate::calibrate::uncertainty::covariances::tests::exponential_law;
 use crate::calibrate::uncertainty::{ScaleError, with_scale};
+use slipgrid_base::statistics::Normals;
 use slipgrid_model::material::Elastic;
 use slipgrid_model::pattern::{Planform, Rim, RimProfile};
 use slipgrid_model::springblock::{Layer, Load, Unwatched, simulate};
@@ -117,15 +118,8 @@ fn first_order_is_what_samples_scatter() {
     };
     let slopes = Slopes::new(&scene, &knowledge);
     let cell = steady_cell(&scene, &scene.pattern.unwrap());
-    // Normal deviates as sums of twelve uniform ones.
-    let mut state = 1_u64;
-    let mut normal = || {
-        let mut uniform = || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (state >> 11) as f64 / (1_u64 << 53) as f64
-        };
-        (0..12).map(|_| uniform()).sum::<f64>() - 6.0
-    };
+    let mut normals = Normals::new(1);
+    let mut normal = || normals.draw();
     let nominal = solved(&scene);
     const DRAWS: usize = 400;
     let mut drawn = vec![Vec::new(); 3];
