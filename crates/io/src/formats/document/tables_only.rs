@@ -12,7 +12,7 @@ use slipgrid_base::key_error::alternatives;
 /// names alone.
 pub struct TablesOnly<T>(pub T);
 
-/// A visitor, and whether it reads a structure.
+/// A visitor, and whether it reads a structure. Forwards the values that TOML has.
 struct Reader<V> {
     visitor: V,
     is_structure: bool,
@@ -82,36 +82,12 @@ impl<'de, V: Visitor<'de>> Visitor<'de> for Reader<V> {
         self.visitor.visit_u64(value)
     }
 
-    fn visit_i128<E: Error>(self, value: i128) -> Result<V::Value, E> {
-        self.visitor.visit_i128(value)
-    }
-
-    fn visit_u128<E: Error>(self, value: u128) -> Result<V::Value, E> {
-        self.visitor.visit_u128(value)
-    }
-
     fn visit_f64<E: Error>(self, value: f64) -> Result<V::Value, E> {
         self.visitor.visit_f64(value)
     }
 
     fn visit_str<E: Error>(self, value: &str) -> Result<V::Value, E> {
         self.visitor.visit_str(value)
-    }
-
-    fn visit_borrowed_str<E: Error>(self, value: &'de str) -> Result<V::Value, E> {
-        self.visitor.visit_borrowed_str(value)
-    }
-
-    fn visit_string<E: Error>(self, value: String) -> Result<V::Value, E> {
-        self.visitor.visit_string(value)
-    }
-
-    fn visit_none<E: Error>(self) -> Result<V::Value, E> {
-        self.visitor.visit_none()
-    }
-
-    fn visit_unit<E: Error>(self) -> Result<V::Value, E> {
-        self.visitor.visit_unit()
     }
 
     fn visit_some<D: Deserializer<'de>>(self, inner: D) -> Result<V::Value, D::Error> {
@@ -158,10 +134,6 @@ impl<'de, A: SeqAccess<'de>> SeqAccess<'de> for TablesOnly<A> {
     fn next_element_seed<S: DeserializeSeed<'de>>(&mut self, seed: S) -> Result<Option<S::Value>, A::Error> {
         self.0.next_element_seed(TablesOnly(seed))
     }
-
-    fn size_hint(&self) -> Option<usize> {
-        self.0.size_hint()
-    }
 }
 
 impl<'de, A: MapAccess<'de>> MapAccess<'de> for TablesOnly<A> {
@@ -173,10 +145,6 @@ impl<'de, A: MapAccess<'de>> MapAccess<'de> for TablesOnly<A> {
 
     fn next_value_seed<S: DeserializeSeed<'de>>(&mut self, seed: S) -> Result<S::Value, A::Error> {
         self.0.next_value_seed(TablesOnly(seed))
-    }
-
-    fn size_hint(&self) -> Option<usize> {
-        self.0.size_hint()
     }
 }
 
