@@ -4,8 +4,11 @@
 //! line; sections; entities that begin with group 0 and stand on the layer of group 8. LWPOLYLINE was added in Release
 //! 14.
 
+use std::collections::BTreeSet;
+
 use super::curves::{ellipse, push_bulge};
-use super::{Corners, Wrong, only};
+use super::{Corners, only, wrong, wrong_at};
+use crate::formats::Diagnostic;
 
 const EXPECTED: &str = "one closed POLYLINE, LWPOLYLINE or CIRCLE on the layer, of text DXF";
 const STRICT: &str = "text DXF: a group code and its value in turn, each on a line of its own, from a section to EOF";
@@ -19,11 +22,11 @@ struct Group<'a> {
 }
 
 impl Group<'_> {
-    fn number(&self) -> Result<f64, Wrong> {
+    fn number(&self) -> Result<f64, Diagnostic> {
         let read: Option<f64> = self.value.parse().ok();
         read.filter(|value| value.is_finite()).ok_or_else(|| {
-            Wrong::new(self.line, "is no finite number", "a decimal number")
-                .at(format!("group {}", self.code), self.value)
+            let refused = wrong(self.line, "is no finite number", "a decimal number");
+            wrong_at(&format!("group {}", self.code), self.value, refused)
         })
     }
 }
@@ -44,26 +47,25 @@ impl Entity<'_> {
         self.find(8).map_or("0", |group| group.value)
     }
 
-    fn number(&self, code: i32) -> Result<Option<f64>, Wrong> {
+    fn number(&self, code: i32) -> Result<Option<f64>, Diagnostic> {
         self.find(code).map(Group::number).transpose()
     }
 
-    fn needed(&self, code: i32) -> Result<f64, Wrong> {
-        let missing = || Wrong::new(self.line, format!("{} without group {code}", self.kind), EXPECTED);
+    fn needed(&self, code: i32) -> Result<f64, Diagnostic> {
+        let missing = || wrong(self.line, format!("{} without group {code}", self.kind), EXPECTED);
         self.number(code)?.ok_or_else(missing)
     }
 }
 
 /// Corners of the only closed outline on `layer`, or in the drawing if `layer` is `None`, and the line in which the
 /// outline begins.
-pub(super) fn outline(text: &str, layer: Option<&str>) -> Result<(Corners, u32), Wrong> {
+pub(super) fn outline(text: &str, layer: Option<&str>) -> Result<(Corners, u32), Diagnostic> {
     if text.starts_with("AutoCAD Binary DXF") {
-        return Err(Wrong::new(None, "is a binary DXF drawing", STRICT));
+        return Err(wrong(None, "is a binary DXF drawing", STRICT));
     }
     let entities = entities(text)?;
-    let is_asked = |entity: &Entity<'_>| layer.is_none_or(|layer| entity.layer() == layer);
     let mut found = Vec::new();
-    let mut others: Vec<String> = Vec::new();
+    let mut others = BTreeSet::new();
     let mut place = 0;
     while let Some(entity) = entities.get(place) {
         place += 1;
@@ -74,29 +76,30 @@ pub(super) fn outline(text: &str, layer: Option<&str>) -> Result<(Corners, u32),
             own = &entities[place..place + vertices];
             place += vertices;
             if entities.get(place).is_none_or(|entity| entity.kind != "SEQEND") {
-                return Err(Wrong::new(entity.line, "is a POLYLINE without SEQEND", EXPECTED));
+                return Err(wrong(entity.line, "is a POLYLINE without SEQEND", EXPECTED));
             }
             place += 1;
         }
-        if !is_asked(entity) {
-            others.push(entity.layer().to_owned());
-            continue;
+        if layer.is_none_or(|layer| entity.layer() == layer) {
+            found.push((corners(entity, own)?, entity.line));
+        } else {
+            others.insert(entity.layer());
         }
-        found.push((corners(entity, own)?, entity.line));
     }
     if let (true, Some(layer)) = (found.is_empty(), layer) {
-        others.sort();
-        others.dedup();
-        let named = if others.is_empty() { "no layer at all".to_owned() } else { others.join(", ") };
-        return Err(
-            Wrong::new(None, format!("holds nothing on that layer, but on {named}"), EXPECTED).at("layer", layer)
-        );
+        let others = Vec::from_iter(others).join(", ");
+        let named = if others.is_empty() { "no layer at all" } else { &others };
+        return Err(wrong_at(
+            "layer",
+            layer,
+            wrong(None, format!("holds nothing on that layer, but on {named}"), EXPECTED),
+        ));
     }
     only(found, EXPECTED)
 }
 
 /// Reads the entities of the section ENTITIES.
-fn entities(text: &str) -> Result<Vec<Entity<'_>>, Wrong> {
+fn entities(text: &str) -> Result<Vec<Entity<'_>>, Diagnostic> {
     let mut lines = text.lines().zip(1_u32..);
     let mut entities: Vec<Entity<'_>> = Vec::new();
     // Sections begin with group 0 SECTION and their name in group 2.
@@ -105,9 +108,9 @@ fn entities(text: &str) -> Result<Vec<Entity<'_>>, Wrong> {
         if is_ended {
             if code.trim().is_empty() { continue } else { break }
         }
-        let wrong = |line: u32, reason: &str, value: &str| Err(Wrong::new(line, reason, STRICT).at("group", value));
-        let Ok(number) = code.trim().parse::<i32>() else { return wrong(line, "is no group code", code.trim()) };
-        let Some((value, line)) = lines.next() else { return wrong(line, "has no value after it", code.trim()) };
+        let refuse = |reason: &str| wrong_at("group", code.trim(), wrong(line, reason, STRICT));
+        let number = code.trim().parse::<i32>().map_err(|_| refuse("is no group code"))?;
+        let (value, line) = lines.next().ok_or_else(|| refuse("has no value after it"))?;
         let group = Group { code: number, value: value.trim(), line };
         match (group.code, group.value) {
             (0, "SECTION") => is_named_next = true,
@@ -123,11 +126,11 @@ fn entities(text: &str) -> Result<Vec<Entity<'_>>, Wrong> {
             _ => {}
         }
     }
-    if is_ended { Ok(entities) } else { Err(Wrong::new(None, "ends before EOF", STRICT)) }
+    if is_ended { Ok(entities) } else { Err(wrong(None, "ends before EOF", STRICT)) }
 }
 
 /// Corners of an entity; those of a POLYLINE are given by the `vertices`, the entities that follow it.
-fn corners(entity: &Entity<'_>, vertices: &[Entity<'_>]) -> Result<Corners, Wrong> {
+fn corners(entity: &Entity<'_>, vertices: &[Entity<'_>]) -> Result<Corners, Diagnostic> {
     // Bit 1: closed. Bit 128 (linetypes) does not affect the shape; curve fits, meshes and polylines in space do.
     let flags = entity.number(70)?.unwrap_or(0.0);
     let is_closed = flags.rem_euclid(2.0) == 1.0;
@@ -139,12 +142,11 @@ fn corners(entity: &Entity<'_>, vertices: &[Entity<'_>]) -> Result<Corners, Wron
         "POLYLINE" => {
             if ![0.0, 1.0, 128.0, 129.0].contains(&flags) {
                 let reason = "is a fitted curve, a mesh or a polyline in space";
-                return Err(Wrong::new(entity.line, reason, EXPECTED).at("group 70", flags.to_string()));
+                return Err(wrong_at("group 70", flags.to_string(), wrong(entity.line, reason, EXPECTED)));
             }
-            let point = |vertex: &Entity<'_>| -> Result<([f64; 2], f64), Wrong> {
-                Ok(([vertex.needed(10)?, vertex.needed(20)?], vertex.number(42)?.unwrap_or(0.0)))
-            };
-            vertices.iter().map(point).collect::<Result<_, _>>()?
+            let point =
+                |vertex: &Entity<'_>| Ok(([vertex.needed(10)?, vertex.needed(20)?], vertex.number(42)?.unwrap_or(0.0)));
+            vertices.iter().map(point).collect::<Result<_, Diagnostic>>()?
         }
         "LWPOLYLINE" => {
             let mut points: Vec<([f64; 2], f64)> = Vec::new();
@@ -158,13 +160,11 @@ fn corners(entity: &Entity<'_>, vertices: &[Entity<'_>]) -> Result<Corners, Wron
             }
             points
         }
-        kind => {
-            return Err(Wrong::new(entity.line, "is no closed outline", EXPECTED).at("group 0", kind));
-        }
+        kind => return Err(wrong_at("group 0", kind, wrong(entity.line, "is no closed outline", EXPECTED))),
     };
     let ends = points.first().zip(points.last()).map(|(first, last)| [first.0, last.0]);
     if !is_closed && ends.is_some_and(|[first, last]| first != last) {
-        return Err(Wrong::new(entity.line, format!("is a {} that is not closed", entity.kind), EXPECTED));
+        return Err(wrong(entity.line, format!("is a {} that is not closed", entity.kind), EXPECTED));
     }
     let mut out: Corners = points.first().map(|(first, _)| vec![*first]).unwrap_or_default();
     for (from, to) in points.iter().zip(points.iter().skip(1).chain(points.first().filter(|_| is_closed))) {

@@ -82,13 +82,7 @@ pub fn read_drawing(source: &Source, path: &Path, layer: Option<&str>) -> Result
     let text = String::from_utf8_lossy(&bytes);
     let found =
         if has_extension(&path.to_string_lossy(), "dxf") { dxf::outline(&text, layer) } else { svg::outline(&text) };
-    let refuse = |wrong: Wrong| Diagnostic {
-        line: wrong.line,
-        key: wrong.key.map(Into::into),
-        value: wrong.value.map(Into::into),
-        ..Diagnostic::file(path, wrong.reason).expected(wrong.expected)
-    };
-    let (corners, line) = found.map_err(refuse)?;
+    let (corners, line) = found.map_err(|wrong| Diagnostic { file: Some(path.into()), ..wrong })?;
     Polygon::new(&corners)
         .map_err(|error| refused(Diagnostic { line: Some(line), ..Diagnostic::file(path, "") }, &error))
 }
@@ -105,37 +99,25 @@ fn has_extension(name: &str, extension: &str) -> bool {
     Path::new(name).extension().is_some_and(|own| own.eq_ignore_ascii_case(extension))
 }
 
-/// Error in a drawing.
-#[derive(Debug)]
-struct Wrong {
-    line: Option<u32>,
-    key: Option<String>,
-    value: Option<String>,
-    reason: String,
-    expected: &'static str,
+/// Error in a drawing, without the path of the drawing.
+fn wrong(line: impl Into<Option<u32>>, reason: impl Into<String>, expected: &str) -> Diagnostic {
+    Diagnostic { line: line.into(), reason: reason.into(), ..Diagnostic::default() }.expected(expected)
 }
 
-impl Wrong {
-    fn new(line: impl Into<Option<u32>>, reason: impl Into<String>, expected: &'static str) -> Self {
-        Self { line: line.into(), key: None, value: None, reason: reason.into(), expected }
-    }
-
-    fn at(mut self, key: impl Into<String>, value: impl Into<String>) -> Self {
-        (self.key, self.value) = (Some(key.into()), Some(value.into()));
-        self
-    }
+/// Error in the `value` of `key` in a drawing, without the path of the drawing.
+fn wrong_at(key: &str, value: impl Into<Box<str>>, wrong: Diagnostic) -> Diagnostic {
+    Diagnostic { key: Some(key.into()), value: Some(value.into()), ..wrong }
 }
 
 /// Returns the only outline in `found` with the line in which it begins; an error unless there is exactly one outline.
-fn only(mut found: Vec<(Corners, u32)>, what: &'static str) -> Result<(Corners, u32), Wrong> {
+fn only(mut found: Vec<(Corners, u32)>, what: &str) -> Result<(Corners, u32), Diagnostic> {
     match (found.len(), found.pop()) {
         (1, Some(one)) => Ok(one),
-        (0, _) | (_, None) => Err(Wrong::new(None, "holds no closed outline", what)),
-        (count, Some((_, line))) => Err(Wrong::new(
-            line,
-            format!("holds {count} closed outlines"),
-            "one: a cavity has no holes and is one piece",
-        )),
+        (0, _) | (_, None) => Err(wrong(None, "holds no closed outline", what)),
+        (count, Some((_, line))) => {
+            let reason = format!("holds {count} closed outlines");
+            Err(wrong(line, reason, "one: a cavity has no holes and is one piece"))
+        }
     }
 }
 

@@ -7,13 +7,14 @@ use quick_xml::Reader;
 use quick_xml::events::{BytesStart, Event};
 
 use super::curves::{ellipse, push_arc, push_bezier};
-use super::{Corners, Wrong, only};
+use super::{Corners, only, wrong, wrong_at};
+use crate::formats::Diagnostic;
 
 const EXPECTED: &str = "one closed path, polygon, rect or circle";
 const PATH: &str = "a closed path of M L H V C Q A Z, absolute or relative";
 
 /// Corners of the only closed outline of the drawing `text`, and the line in which the outline begins.
-pub(super) fn outline(text: &str) -> Result<(Corners, u32), Wrong> {
+pub(super) fn outline(text: &str) -> Result<(Corners, u32), Diagnostic> {
     let mut reader = Reader::from_str(text);
     let mut found = Vec::new();
     let mut is_drawing = false;
@@ -26,7 +27,7 @@ pub(super) fn outline(text: &str) -> Result<(Corners, u32), Wrong> {
         line += text.as_bytes()[counted..begins].iter().filter(|byte| **byte == b'\n').count() as u32;
         counted = begins;
         let element = match reader.read_event() {
-            Err(error) => return Err(Wrong::new(line, format!("is no XML: {error}"), "an SVG drawing")),
+            Err(error) => return Err(wrong(line, format!("is no XML: {error}"), "an SVG drawing")),
             Ok(Event::Eof) => break,
             Ok(Event::Start(element) | Event::Empty(element)) => element,
             Ok(_) => continue,
@@ -35,9 +36,8 @@ pub(super) fn outline(text: &str) -> Result<(Corners, u32), Wrong> {
         is_drawing |= name == "svg";
         let attributes = attributes(&element, line)?;
         if let Some((_, value)) = attributes.iter().find(|(key, _)| key == "transform") {
-            return Err(
-                Wrong::new(line, "is a transformation", "none: coordinates as they are drawn").at("transform", value)
-            );
+            let refused = wrong(line, "is a transformation", "none: coordinates as they are drawn");
+            return Err(wrong_at("transform", value.as_str(), refused));
         }
         let number = |key: &str, default: Option<f64>| number(&attributes, (&name, key), default, line);
         let mut corners = match name.as_str() {
@@ -46,43 +46,39 @@ pub(super) fn outline(text: &str) -> Result<(Corners, u32), Wrong> {
             "circle" => ellipse([number("cx", Some(0.0))?, number("cy", Some(0.0))?], [number("r", None)?; 2]),
             "rect" => {
                 if number("rx", Some(0.0))? != 0.0 || number("ry", Some(0.0))? != 0.0 {
-                    return Err(Wrong::new(
-                        line,
-                        "is a rect with round corners",
-                        "a rect without rx and ry, or a path",
-                    ));
+                    return Err(wrong(line, "is a rect with round corners", "a rect without rx and ry, or a path"));
                 }
                 let [x, y] = [number("x", Some(0.0))?, number("y", Some(0.0))?];
                 let [width, height] = [number("width", None)?, number("height", None)?];
                 vec![[x, y], [x + width, y], [x + width, y + height], [x, y + height]]
             }
             "ellipse" | "line" | "polyline" | "text" | "image" | "use" => {
-                return Err(Wrong::new(line, format!("is a {name}"), EXPECTED));
+                return Err(wrong(line, format!("is a {name}"), EXPECTED));
             }
             _ => continue,
         };
         corners.iter_mut().for_each(|corner| corner[1] = -corner[1]);
         found.push((corners, line));
     }
-    if is_drawing { only(found, EXPECTED) } else { Err(Wrong::new(None, "is no SVG drawing", EXPECTED)) }
+    if is_drawing { only(found, EXPECTED) } else { Err(wrong(None, "is no SVG drawing", EXPECTED)) }
 }
 
 /// Names, without prefixes, and values of the attributes of an element.
-fn attributes(element: &BytesStart<'_>, line: u32) -> Result<Vec<(String, String)>, Wrong> {
-    let wrong =
-        |error: String| Wrong::new(line, format!("has an attribute that cannot be read: {error}"), "an SVG drawing");
-    let mut read = Vec::new();
-    for attribute in element.attributes() {
-        let attribute = attribute.map_err(|error| wrong(error.to_string()))?;
-        let key = attribute.key.local_name().as_ref().to_owned();
-        read.push((key, attribute.value.as_ref().to_owned()));
-    }
-    Ok(read)
+fn attributes(element: &BytesStart<'_>, line: u32) -> Result<Vec<(String, String)>, Diagnostic> {
+    let read = element.attributes().map(|attribute| match attribute {
+        Ok(attribute) => Ok((attribute.key.local_name().as_ref().to_owned(), attribute.value.as_ref().to_owned())),
+        Err(error) => Err(wrong(line, format!("has an attribute that cannot be read: {error}"), "an SVG drawing")),
+    });
+    read.collect()
 }
 
-fn text_of<'a>(attributes: &'a [(String, String)], (name, key): (&str, &str), line: u32) -> Result<&'a str, Wrong> {
+fn text_of<'a>(
+    attributes: &'a [(String, String)],
+    (name, key): (&str, &str),
+    line: u32,
+) -> Result<&'a str, Diagnostic> {
     let found = attributes.iter().find(|(own, _)| own == key).map(|(_, value)| value.as_str());
-    found.ok_or_else(|| Wrong::new(line, format!("is a {name} without {key}"), EXPECTED))
+    found.ok_or_else(|| wrong(line, format!("is a {name} without {key}"), EXPECTED))
 }
 
 fn number(
@@ -90,7 +86,7 @@ fn number(
     (name, key): (&str, &str),
     default: Option<f64>,
     line: u32,
-) -> Result<f64, Wrong> {
+) -> Result<f64, Diagnostic> {
     if let (Some(default), true) = (default, attributes.iter().all(|(own, _)| own != key)) {
         return Ok(default);
     }
@@ -99,11 +95,12 @@ fn number(
     let digits = value.trim().trim_end_matches("mm").trim_end_matches("px");
     let read = digits.parse().ok().filter(|read: &f64| read.is_finite());
     read.ok_or_else(|| {
-        Wrong::new(line, "is no number", "a number without a unit, or in mm or px").at(format!("{name}.{key}"), value)
+        let refused = wrong(line, "is no number", "a number without a unit, or in mm or px");
+        wrong_at(&format!("{name}.{key}"), value, refused)
     })
 }
 
-fn polygon(points: &str, line: u32) -> Result<Corners, Wrong> {
+fn polygon(points: &str, line: u32) -> Result<Corners, Diagnostic> {
     let mut numbers = Tokens { rest: points, line, key: "polygon.points" };
     let mut corners = Vec::new();
     while let Some(x) = numbers.number()? {
@@ -125,9 +122,9 @@ impl Tokens<'_> {
         self.rest = self.rest.trim_start_matches(|letter: char| letter.is_ascii_whitespace() || letter == ',');
     }
 
-    fn wrong(&self, reason: &str) -> Wrong {
+    fn wrong(&self, reason: &str) -> Diagnostic {
         let shown: String = self.rest.chars().take(20).collect();
-        Wrong::new(self.line, reason, PATH).at(self.key, shown)
+        wrong_at(self.key, shown, wrong(self.line, reason, PATH))
     }
 
     /// Reads the letter of a command; `None` if no letter follows.
@@ -139,7 +136,7 @@ impl Tokens<'_> {
     }
 
     /// Reads a number; `None` if no number follows.
-    fn number(&mut self) -> Result<Option<f64>, Wrong> {
+    fn number(&mut self) -> Result<Option<f64>, Diagnostic> {
         self.skip_blank();
         let bytes = self.rest.as_bytes();
         let digits = |from: usize| bytes[from..].iter().take_while(|byte| byte.is_ascii_digit()).count();
@@ -167,12 +164,12 @@ impl Tokens<'_> {
         Ok(Some(read))
     }
 
-    fn needed(&mut self) -> Result<f64, Wrong> {
+    fn needed(&mut self) -> Result<f64, Diagnostic> {
         self.number()?.ok_or_else(|| self.wrong("is where a number should stand"))
     }
 
     /// Reads a flag of an arc, 0 or 1, which needs no separator after it.
-    fn flag(&mut self) -> Result<bool, Wrong> {
+    fn flag(&mut self) -> Result<bool, Diagnostic> {
         self.skip_blank();
         let flag = match self.rest.as_bytes().first() {
             Some(b'0') => false,
@@ -183,46 +180,40 @@ impl Tokens<'_> {
         Ok(flag)
     }
 
-    fn end(&mut self) -> Result<(), Wrong> {
+    fn end(&mut self) -> Result<(), Diagnostic> {
         self.skip_blank();
         if self.rest.is_empty() { Ok(()) } else { Err(self.wrong("is nothing that is known")) }
     }
 }
 
 /// Corners of the only closed subpath of the path `data`.
-fn path(data: &str, line: u32) -> Result<Corners, Wrong> {
+fn path(data: &str, line: u32) -> Result<Corners, Diagnostic> {
     let mut tokens = Tokens { rest: data, line, key: "path.d" };
     let mut corners: Corners = Vec::new();
     let (mut at, mut is_closed) = ([0.0; 2], false);
     while let Some(letter) = tokens.letter() {
-        if is_closed || (letter.eq_ignore_ascii_case(&'m') && !corners.is_empty()) {
-            return Err(Wrong::new(line, "has a second subpath", "one: a cavity has no holes and is one piece")
-                .at("path.d", letter));
-        }
-        if corners.is_empty() && !letter.eq_ignore_ascii_case(&'m') {
-            return Err(Wrong::new(line, "begins without M", PATH).at("path.d", letter));
-        }
+        let refuse =
+            |reason: &str, expected: &str| Err(wrong_at("path.d", letter.to_string(), wrong(line, reason, expected)));
         let is_relative = letter.is_ascii_lowercase();
         let command = letter.to_ascii_uppercase();
+        if is_closed || (command == 'M' && !corners.is_empty()) {
+            return refuse("has a second subpath", "one: a cavity has no holes and is one piece");
+        }
+        if corners.is_empty() && command != 'M' {
+            return refuse("begins without M", PATH);
+        }
         if command == 'Z' {
             is_closed = true;
             continue;
         }
         // Further numbers after a command repeat the command.
-        let mut is_first = true;
-        loop {
+        let mut next = Some(tokens.needed()?);
+        while let Some(first) = next {
             let origin = if is_relative { at } else { [0.0; 2] };
-            let Some(first) = tokens.number()? else {
-                if is_first {
-                    return Err(tokens.wrong("is where a number should stand"));
-                }
-                break;
-            };
-            is_first = false;
-            let point = |tokens: &mut Tokens<'_>| -> Result<[f64; 2], Wrong> {
+            let point = |tokens: &mut Tokens<'_>| -> Result<[f64; 2], Diagnostic> {
                 Ok([origin[0] + tokens.needed()?, origin[1] + tokens.needed()?])
             };
-            let end = match command {
+            at = match command {
                 'M' | 'L' => {
                     let end = [origin[0] + first, origin[1] + tokens.needed()?];
                     corners.push(end);
@@ -248,15 +239,15 @@ fn path(data: &str, line: u32) -> Result<Corners, Wrong> {
                     push_arc(&mut corners, at, end, shape, flags);
                     end
                 }
-                _ => return Err(Wrong::new(line, "is a command that is not read", PATH).at("path.d", letter)),
+                _ => return refuse("is a command that is not read", PATH),
             };
-            at = end;
+            next = tokens.number()?;
         }
     }
     tokens.end()?;
     let ends = corners.first().zip(corners.last());
     if !is_closed && ends.is_none_or(|(first, last)| first != last) {
-        return Err(Wrong::new(line, "is not closed", "a path that ends with Z, or where it began"));
+        return Err(wrong(line, "is not closed", "a path that ends with Z, or where it began"));
     }
     Ok(corners)
 }
