@@ -7,7 +7,7 @@ use slipgrid_design::cost_line;
 use slipgrid_design::results::json;
 use slipgrid_io::formats::run::Overrides;
 use slipgrid_io::formats::scene::SceneInput;
-use slipgrid_model::springblock::{Expense, Fidelity, Scene};
+use slipgrid_model::springblock::{Expense, Fidelity};
 use slipgrid_report::Outputs;
 use slipgrid_validate::accuracy::{self, Size};
 
@@ -17,39 +17,35 @@ use crate::progress::Job;
 use crate::{CliError, Console, exit_code};
 use slipgrid_io::disk::disk;
 
+/// Source of the scene without a scene file.
+const PAPER: &str = "LDPE after Balestra et al., J. Tribol. 144, 031704; synthetic surface: area law by Persson's theory from \
+                     the rms slope 0.0137 of the map that stands in for the unpublished one";
+
 /// Runs every method of the comparison and reports.
 pub fn run(args: &AccuracyArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
     let inputs: Vec<PathBuf> = args.scene.iter().cloned().collect();
     let folder = open(args.output.as_ref(), &["accuracy.*", "result.json"], &inputs)?;
-    let (scene, input) = match &args.scene {
+    let (scene, source, input) = match &args.scene {
         Some(path) => {
-            let input =
-                SceneInput::read(&disk(), path, Overrides { fidelity: Some(Fidelity::Reference), extent: None })?;
-            (input.scene.clone(), Some(input))
+            let overrides = Overrides { fidelity: Some(Fidelity::Reference), extent: None };
+            let input = SceneInput::read(&disk(), path, overrides)?;
+            let first = if input.scene.loads.len() > 1 { ", the first of its loads" } else { "" };
+            (input.scene.clone(), format!("scene: {}{first}", path.display()), Some(input))
         }
-        None => (accuracy::paper_scene()?, None),
-    };
-    let source = match &args.scene {
-        Some(path) => source_of(path, &scene),
-        None => {
-            "LDPE after Balestra et al., J. Tribol. 144, 031704; synthetic surface: area law by Persson's theory from \
-                 the rms slope 0.0137 of the map that stands in for the unpublished one"
-                .to_owned()
-        }
+        None => (accuracy::paper_scene()?, PAPER.to_owned(), None),
     };
     let size = if args.full { Size::Full } else { Size::Quick };
     let base = accuracy::base(&scene);
-    let base = if size == Size::Quick { accuracy::reduced(&base) } else { base };
+    let base = if args.full { base } else { accuracy::reduced(&base) };
     accuracy::check_reference(&base).map_err(|error| match &input {
         Some(input) => CliError::from(input.refuse(&error)),
         None => CliError::Other(format!("the built-in scene: {error}")),
     })?;
-    let seeds = args.seeds;
-    let wall_s = accuracy::expected_wall_s(size, &base, seeds);
+    let wall_s = accuracy::expected_wall_s(size, &base, args.seeds);
     let expense = Expense { core_s: wall_s * console.threads as f64, wall_s, bytes: 0.0 };
     let line = cost_line("this comparison", expense, false, console.threads);
     line.iter().for_each(|line| console.note(line));
-    let compared = accuracy::compare(size, &base, &source, seeds, [ARCH, OS], &Job::new(console))?;
+    let compared = accuracy::compare(size, &base, &source, args.seeds, [ARCH, OS], &Job::new(console))?;
     if let Some(folder) = &folder {
         let mut outputs = Outputs::default();
         outputs.add("accuracy.md", accuracy::markdown(&compared));
@@ -66,9 +62,4 @@ pub fn run(args: &AccuracyArgs, console: &mut Console<'_>) -> Result<u8, CliErro
         console.answer(&accuracy::markdown(&compared))?;
     }
     Ok(exit_code::DONE)
-}
-
-fn source_of(path: &std::path::Path, scene: &Scene) -> String {
-    let first = if scene.loads.len() > 1 { ", the first of its loads" } else { "" };
-    format!("scene: {}{first}", path.display())
 }

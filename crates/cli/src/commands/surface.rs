@@ -45,19 +45,13 @@ pub fn run(args: &SurfaceArgs, console: &mut Console<'_>) -> Result<u8, CliError
         surface.warnings.retain(|warning| warning.doubt != MapDoubt::Hole);
     }
     let map = &surface.map;
-    let column = match section_m {
-        None => map.cols() / 2,
-        Some(section_m) => {
-            // Index of the pixel that contains the distance; pixels are dy wide.
-            let column = (section_m / map.dy_m()) as usize;
-            if column >= map.cols() {
-                let side_um = LENGTH_UM.from_si(map.dy_m() * map.cols() as f64);
-                let flag = Diagnostic::flag("--section-um", section_um(args), "lies outside the map");
-                return Err(flag.expected(format!("less than {side_um} um")).into());
-            }
-            column
-        }
-    };
+    // Index of the pixel that contains the distance; pixels are dy wide.
+    let column = section_m.map_or(map.cols() / 2, |section_m| (section_m / map.dy_m()) as usize);
+    if let Some(section_um) = args.section_um.filter(|_| column >= map.cols()) {
+        let side_um = LENGTH_UM.from_si(map.dy_m() * map.cols() as f64);
+        let refused = Diagnostic::flag("--section-um", section_um.to_string(), "lies outside the map");
+        return Err(refused.expected(format!("less than {side_um} um")).into());
+    }
     let curve = MaterialRatioCurve::new(map, &job).map_err(cancelled)?;
     let lengths = map.correlation_lengths(surface.sides(), &job).map_err(refuse)?;
     let spectrum = map.radial_spectrum(surface.sides(), &job).map_err(refuse)?;
@@ -75,8 +69,4 @@ pub fn run(args: &SurfaceArgs, console: &mut Console<'_>) -> Result<u8, CliError
     }
     console.report(args.json, &report, || report.table())?;
     Ok(exit_code::DONE)
-}
-
-fn section_um(args: &SurfaceArgs) -> String {
-    args.section_um.map_or_else(String::new, |section_um| section_um.to_string())
 }

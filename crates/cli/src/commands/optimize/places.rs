@@ -16,7 +16,13 @@ pub fn default_folder(design: &Path) -> PathBuf {
 
 /// Path of the study file, next to the folder of results: out/NAME.study.jsonl.
 pub fn study_path(folder: &Path) -> PathBuf {
-    beside(folder, ".study.jsonl")
+    let mut name = folder.file_name().map_or_else(|| "design".into(), std::ffi::OsStr::to_os_string);
+    name.push(".study.jsonl");
+    match folder.file_name() {
+        Some(_) => folder.with_file_name(name),
+        // `.` and `..` have no file name, so the file goes inside the folder.
+        None => folder.join(name),
+    }
 }
 
 /// Message with the paths of the report and the laser's files in `folder`, and with the next steps. `command` repeats
@@ -27,25 +33,20 @@ pub fn written(command: &str, calibration: Option<&Path>, folder: &Path, advice:
     if *advice != Advice::DoNotTexture {
         text += &format!("laser   {}, {}\n", at("pattern.dxf"), at("process.toml"));
     }
-    if *advice == Advice::Trial {
-        // A material file has the trials of the day on which it was made.
-        let ledger = calibration.map_or_else(
-            || {
-                "its calibration,\n        make the material anew: slipgrid calibrate CALIBRATION.toml -o MATERIAL.toml"
-                    .to_owned()
-            },
-            |path| quoted(&shortened(path)),
-        );
-        text += &format!("next    cut it, measure it, add it as [[trial]] to {ledger},\n        then: {command}\n");
-    }
     match advice {
+        Advice::Trial => {
+            // A material file has the trials of the day on which it was made.
+            let without = "its calibration,\n        make the material anew: slipgrid calibrate CALIBRATION.toml -o MATERIAL.toml";
+            let ledger = calibration.map_or_else(|| without.to_owned(), |path| quoted(&shortened(path)));
+            text + &format!("next    cut it, measure it, add it as [[trial]] to {ledger},\n        then: {command}\n")
+        }
         Advice::TrialMeetsIt(_) => {
             text + "next    make the trial's texture; to come closer, cut the one above as another trial\n"
         }
         Advice::CannotBeMet => {
             text + "next    accept more, widen a bound or a limit, or cut the texture above as a trial\n"
         }
-        Advice::Series | Advice::Trial | Advice::DoNotTexture => text,
+        Advice::Series | Advice::DoNotTexture => text,
     }
 }
 
@@ -53,16 +54,6 @@ pub fn written(command: &str, calibration: Option<&Path>, folder: &Path, advice:
 fn shortened(path: &Path) -> PathBuf {
     let below = || Some(path.canonicalize().ok()?.strip_prefix(std::env::current_dir().ok()?).ok()?.to_owned());
     below().unwrap_or_else(|| path.to_owned())
-}
-
-fn beside(folder: &Path, ending: &str) -> PathBuf {
-    let mut name = folder.file_name().map_or_else(|| "design".into(), std::ffi::OsStr::to_os_string);
-    name.push(ending);
-    match folder.file_name() {
-        Some(_) => folder.with_file_name(name),
-        // `.` and `..` have no file name, so the file goes inside the folder.
-        None => folder.join(name),
-    }
 }
 
 #[cfg(test)]
