@@ -6,5 +6,5 @@ use std::process::ExitCode;
 fn main() -> ExitCode {
     let args = std::iter::once(OsString::from("slipgrid")).chain(std::env::args_os().skip(1));
     let kept = slipgrid_io::disk::KeptResults::for_this_program();
-    slipgrid_cli::run_with(args, &mut std::io::stdout(), &mut std::io::stderr(), kept).into()
+    slipgrid_cli::run_with(args, &mut std::io::stdout(), &mut std::io::stderr(), kept, None).into()
 }

@@ -14,15 +14,9 @@ pub enum CliError {
     /// Several files were refused; nothing was written.
     #[error("{0}")]
     Inputs(String),
-    /// A result could not be written.
-    #[error(transparent)]
-    Write(#[from] WriteError),
     /// Stdout could not be written.
     #[error("standard output: {0}")]
     Stdout(#[from] std::io::Error),
-    /// The numbers of a material give an invalid derived value.
-    #[error(transparent)]
-    Material(#[from] MaterialError),
     /// Ctrl-C was pressed.
     #[error("{}", crate::interruption::message())]
     Interrupted,
@@ -46,6 +40,8 @@ macro_rules! told {
 }
 
 told!(
+    MaterialError,
+    WriteError,
     slipgrid_design::results::NoJsonForm,
     slipgrid_report::ChartError,
     slipgrid_report::ReportError,
@@ -56,7 +52,7 @@ impl From<PlaceError> for CliError {
     fn from(error: PlaceError) -> Self {
         match error {
             PlaceError::Refused(refused) => Self::Input(refused),
-            PlaceError::Unwritable(error) => Self::Write(error),
+            PlaceError::Unwritable(error) => error.into(),
         }
     }
 }
@@ -103,7 +99,7 @@ impl CliError {
             Self::Input(_) | Self::Inputs(_) => crate::exit_code::BAD_INPUT,
             Self::Interrupted => crate::exit_code::INTERRUPTED,
             Self::OutOfTime(_) => crate::exit_code::BUDGET,
-            Self::Write(_) | Self::Stdout(_) | Self::Material(_) | Self::Other(_) => crate::exit_code::FAILURE,
+            Self::Stdout(_) | Self::Other(_) => crate::exit_code::FAILURE,
         }
     }
 }

@@ -121,7 +121,7 @@ impl Console<'_> {
     /// Replaces an earlier result in `folder` by `outputs`, and prints a note.
     ///
     /// # Errors
-    /// [`CliError::Write`], as for [`ResultFolder::replace`].
+    /// [`CliError`], as for [`ResultFolder::replace`].
     pub fn keep(&mut self, outputs: &Outputs, folder: &ResultFolder) -> Result<(), CliError> {
         output::replace(outputs, folder)?;
         self.kept(outputs, folder.path());
@@ -143,7 +143,7 @@ where
     I: IntoIterator<Item = T>,
     T: Into<OsString> + Clone,
 {
-    run_with(args, out, err, None)
+    run_with(args, out, err, None, None)
 }
 
 /// Lets `command` and its subcommands accept negative numbers, and lists that begin with one, as values: a negative number is then
@@ -160,22 +160,9 @@ fn with_negative_numbers(command: clap::Command) -> clap::Command {
     command.mut_args(with_numbers).mut_subcommands(with_negative_numbers)
 }
 
-/// Same as [`run`], with `kept` as the cache of earlier results unless the flags disable it.
+/// Same as [`run`], with `kept` as the cache of earlier results unless the flags disable it; `watcher` follows progress and
+/// may cancel. One command runs at a time in a process.
 pub fn run_with<I, T>(
-    args: I,
-    out: &mut (dyn Write + Send),
-    err: &mut (dyn Write + Send),
-    kept: Option<KeptResults>,
-) -> u8
-where
-    I: IntoIterator<Item = T>,
-    T: Into<OsString> + Clone,
-{
-    run_watched(args, out, err, kept, None)
-}
-
-/// Same as [`run_with`]; `watcher` follows progress and may cancel. One command runs at a time in a process.
-pub fn run_watched<I, T>(
     args: I,
     out: &mut (dyn Write + Send),
     err: &mut (dyn Write + Send),

@@ -12,7 +12,7 @@ fn main() -> ExitCode {
         let _ = slipgrid_cli::interruption::install();
     }
     let kept = slipgrid_io::disk::KeptResults::for_this_program();
-    slipgrid_cli::run_with(std::env::args_os(), &mut std::io::stdout(), &mut std::io::stderr(), kept).into()
+    slipgrid_cli::run_with(std::env::args_os(), &mut std::io::stdout(), &mut std::io::stderr(), kept, None).into()
 }
 
 /// Whether the program was started with `signal` ignored, if the system reports it.

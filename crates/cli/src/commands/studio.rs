@@ -8,7 +8,7 @@ use slipgrid_studio::{Program, Runner, example, serve};
 
 use crate::args::StudioArgs;
 use crate::interruption::{asked, hold_writing};
-use crate::{CliError, Console, exit_code, run_watched};
+use crate::{CliError, Console, exit_code, run_with};
 
 /// Default folder of `--example`.
 const EXAMPLE: &str = "slipgrid-example";
@@ -27,7 +27,7 @@ pub fn run(args: &StudioArgs, console: &mut Console<'_>) -> Result<u8, CliError>
     let kept = move || KeptResults::for_this_program().filter(|_| !no_cache);
     let run: Box<Runner> = Box::new(move |words, out, err, monitor| {
         let options = ["slipgrid".to_owned(), "--threads".to_owned(), threads.to_string()];
-        run_watched(options.iter().chain(words), out, err, kept(), Some(monitor))
+        run_with(options.iter().chain(words), out, err, kept(), Some(monitor))
     });
     let program = Program { run, kept: kept(), threads };
     let opens = !args.no_browser;
@@ -54,6 +54,6 @@ fn write_example(folder: &Path) -> Result<(), CliError> {
     }
     let map = folder.join(example::MAP).display().to_string();
     let (mut out, mut err) = (Vec::new(), Vec::new());
-    let code = run_watched(["slipgrid", "--quiet", "synthesize", "-o", &map], &mut out, &mut err, None, None);
+    let code = run_with(["slipgrid", "--quiet", "synthesize", "-o", &map], &mut out, &mut err, None, None);
     if code == exit_code::DONE { Ok(()) } else { Err(CliError::Other(String::from_utf8_lossy(&err).into_owned())) }
 }
