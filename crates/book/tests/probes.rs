@@ -10,7 +10,7 @@ use slipgrid_io::disk::disk;
 use slipgrid_io::formats::calibration::Calibration;
 use slipgrid_io::formats::design::Design;
 use slipgrid_io::formats::material::{MaterialFile, read_known};
-use slipgrid_io::formats::scene::{SceneFile, SceneInput};
+use slipgrid_io::formats::scene::SceneInput;
 use slipgrid_io::formats::{Diagnostic, Document};
 use toml::{Table, Value};
 
@@ -54,8 +54,7 @@ pub const KINDS: [Kind; 5] = [
         examples: scenes,
         read: |path, text| {
             let document = Document::within(&disk(), path, text);
-            let file: SceneFile = document.parse()?;
-            let input = SceneInput::from_file(document, &file, slipgrid_io::formats::run::Overrides::default())?;
+            let input = SceneInput::from_document(document, slipgrid_io::formats::run::Overrides::default())?;
             Ok(format!("{:?}", (input.scene, input.specimen, input.material)))
         },
     },

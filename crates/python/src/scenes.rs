@@ -85,8 +85,7 @@ impl Scene {
         };
         let (origin, input) = in_pool(py, || {
             let origin = Origin::new(FileKind::Scene, Given { text, objects, copied }, path)?;
-            let document = origin.document(FileKind::Scene)?;
-            let input = SceneInput::from_file(document.clone(), &document.parse()?, overrides)?;
+            let input = SceneInput::from_document(origin.document(FileKind::Scene)?, overrides)?;
             Ok::<_, Diagnostic>((origin, input))
         })??;
         let inputs = origin.inputs(std::slice::from_ref(&origin.path));

@@ -17,7 +17,7 @@ use slipgrid_io::formats::design::Design;
 use slipgrid_io::formats::diagnostic::Diagnostic;
 use slipgrid_io::formats::file_kind::FileKind;
 use slipgrid_io::formats::run::Overrides;
-use slipgrid_io::formats::scene::{SceneFile, SceneInput};
+use slipgrid_io::formats::scene::SceneInput;
 use toml_edit::DocumentMut;
 
 use crate::error::{Answer, Refused, aside};
@@ -70,9 +70,7 @@ fn checked(path: &Path, text: &str) -> Value {
         Some(FileKind::Design) => Design::from_document(document()).map(|read| read.told.iter().map(message).collect()),
         Some(FileKind::Calibration) => Calibration::from_document(&document())
             .map(|read| read.stated.notes.into_iter().chain(read.stated.doubts).map(remark).collect()),
-        Some(FileKind::Scene) => document()
-            .parse::<SceneFile>()
-            .and_then(|file| SceneInput::from_file(document(), &file, Overrides::default()).map(|_| Vec::new())),
+        Some(FileKind::Scene) => SceneInput::from_document(document(), Overrides::default()).map(|_| Vec::new()),
         _ => match toml::from_str::<toml::Table>(text) {
             Ok(_) => Ok(Vec::new()),
             Err(error) => {

@@ -163,9 +163,8 @@ const TRACE: &str = "# 20 samples a second\ntime_s,torque_nm,normal_force_n,spee
 const POINTS: &str = "0.0 0.0 1.0\n1.0 0.0 2.0\n0.0 1.0 -1.0\n1.0 1.0 0.5\n";
 
 fn scene(text: &str) -> Result<SceneInput, String> {
-    let document = Document::new("x.toml", text);
-    let file = document.parse().map_err(|refused| refused.to_string())?;
-    let input = SceneInput::from_file(document, &file, Overrides::default()).map_err(|refused| refused.to_string())?;
+    let input = SceneInput::from_document(Document::new("x.toml", text), Overrides::default());
+    let input = input.map_err(|refused| refused.to_string())?;
     // What only the solver can judge is refused in its own words.
     input.scene.validate().map_err(|error| input.refuse(&error).to_string())?;
     Ok(input)

@@ -202,7 +202,7 @@ fn check(kind: Kind, source: &Source, path: &Path, text: &str, monitor: &dyn Mon
     let document = Document::within(source, path, text);
     match kind {
         Kind::Scene => {
-            SceneInput::from_file(document.clone(), &document.parse()?, Overrides::default())?;
+            SceneInput::from_document(document, Overrides::default())?;
         }
         Kind::Design => {
             let design = Design::from_document(document)?;

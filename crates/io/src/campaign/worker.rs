@@ -128,8 +128,7 @@ impl Monitor for Quiet<'_> {
 }
 
 fn solved(document: Document, monitor: &dyn Monitor) -> Result<SimulationReport, Failure> {
-    let file = document.parse()?;
-    let input = SceneInput::from_file(document, &file, Overrides::default())?;
+    let input = SceneInput::from_document(document, Overrides::default())?;
     let solved = simulate_on(&input.scene, input.specimen.as_ref(), monitor);
     if monitor.cancelled() {
         return Err(Failure::Cancelled);

@@ -219,7 +219,7 @@ mod tests {
         let scene =
             DesignScene { task: &task, known: &known, pattern: &pattern, loads: &loads, speed_m_s: 2e-3, run: &run };
         let document = Document::new("scene.toml", scene.to_toml().unwrap());
-        let read = SceneInput::from_file(document.clone(), &document.parse().unwrap(), Overrides::default()).unwrap();
+        let read = SceneInput::from_document(document, Overrides::default()).unwrap();
         assert_eq!((read.scene.pattern, read.specimen), (Some(pattern), Some(specimen)));
         assert_eq!((read.scene.layer, read.scene.run, read.scene.speed_m_s), (layer, run, 2e-3));
         assert_eq!(read.scene.area_law, material.area_law);

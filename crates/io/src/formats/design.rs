@@ -122,12 +122,6 @@ struct Places {
     condition: Range<usize>,
     also_at: Range<usize>,
     pressures: Spanned<Numbers>,
-    /// Position of `sample.block_um`; `None` if the default holds.
-    block: Option<Range<usize>>,
-    /// Position of `sample.thickness_mm`; `None` if the default holds.
-    thickness: Option<Range<usize>>,
-    /// Position of `sample.holder`; `None` if the design does not state the holder.
-    holder: Option<Range<usize>>,
 }
 
 impl Design {
@@ -257,9 +251,6 @@ impl Design {
             condition: file.condition.as_ref().map_or(file.material.span(), Spanned::span),
             also_at: file.also_at.as_ref().map_or(0..0, Spanned::span),
             pressures: file.target.get_ref().pressure_mpa.clone(),
-            block: file.sample.get_ref().block_um.as_ref().map(Spanned::span),
-            thickness: file.sample.get_ref().thickness_mm.as_ref().map(Spanned::span),
-            holder: file.sample.get_ref().holder.as_ref().map(Spanned::span),
         };
         let drawing = file.pattern.get_ref().outline.as_ref().map(|outline| document.resolve(outline.get_ref()));
         let inputs = std::iter::once(document.path().to_owned()).chain(named).chain(drawing).collect();
@@ -306,17 +297,17 @@ impl Design {
             TaskPart::FurtherConditions => at(&self.places.also_at),
             TaskPart::Pressure(place) => at(&number_span(&self.places.pressures, place)),
             TaskPart::BlockSize => {
-                let default = ("sample.block_um", Some(self.task.block_um().to_string()));
-                self.document.refuse_or_default(self.places.block.as_ref(), default, refused.reason.clone())
+                let default = self.task.block_um().to_string();
+                self.document.refuse_or_default(("sample", "block_um"), Some(default), refused.reason.clone())
             }
         };
         let pressure_pa = match refused.part {
             TaskPart::Pressure(place) => self.task.pressures_pa().get(place).copied(),
             _ => None,
         };
-        let expected = refused.expected.as_ref().map(|expected| {
-            let pressure_mpa = pressure_pa.map(|pressure_pa| PRESSURE_MPA.from_si(pressure_pa));
-            pressure_mpa.map_or_else(|| expected.clone(), |at_mpa| unusual::with_slip(expected, at_mpa))
+        let expected = refused.expected.clone().map(|expected| match pressure_pa {
+            Some(pressure_pa) => unusual::with_slip(&expected, PRESSURE_MPA.from_si(pressure_pa)),
+            None => expected,
         });
         self.named(Diagnostic { expected: expected.map(Into::into), ..found })
     }

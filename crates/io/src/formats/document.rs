@@ -131,30 +131,36 @@ impl Document {
     /// Creates a diagnostic for the value at `span`, in bytes, with its line and key.
     pub fn refuse(&self, span: Range<usize>, reason: impl Into<String>) -> Diagnostic {
         Diagnostic {
-            file: Some(self.path.as_path().into()),
             line: Some(self.line(span.start)),
             key: self.key_at(&span),
             value: self.value_at(span),
-            reason: reason.into(),
-            ..Diagnostic::default()
+            ..Diagnostic::file(&self.path, reason)
         }
     }
 
-    /// Creates a diagnostic for the value at the file position `place`, or, if `place` is `None`, for `key` with its
-    /// default value `default`.
+    /// Creates a diagnostic for the value of `key` in the outermost table `table`, or, if the file does not state it, for
+    /// the key with its default value `default`.
     pub(crate) fn refuse_or_default(
         &self,
-        place: Option<&Range<usize>>,
-        (key, default): (&str, Option<String>),
+        (table, key): (&str, &str),
+        default: Option<String>,
         reason: impl Into<String>,
     ) -> Diagnostic {
-        match place {
-            Some(place) => self.refuse(place.clone(), reason),
+        match self.place(table, key) {
+            Some(place) => self.refuse(place, reason),
             None => Diagnostic {
-                key: Some(key.into()),
+                key: Some(format!("{table}.{key}").into()),
                 value: default.map(|default| format!("{default} (the default)").into()),
                 ..Diagnostic::file(&self.path, reason)
             },
+        }
+    }
+
+    /// Span of the value of `key` in the outermost table `table`; `None` if the file does not state it.
+    pub(crate) fn place(&self, table: &str, key: &str) -> Option<Range<usize>> {
+        match DeTable::parse(&self.text).ok()?.get_ref().get(table)?.get_ref() {
+            DeValue::Table(table) => Some(table.get(key)?.span()),
+            _ => None,
         }
     }
 
@@ -164,28 +170,23 @@ impl Document {
         let outer = Some(&table).filter(|span| !span.is_empty() && **span != (0..self.text.len()));
         let outer = outer.and_then(|span| self.key_at(span));
         if outer.is_none() && DeTable::parse(&self.text).is_ok_and(|table| table.get_ref().is_empty()) {
-            let expected = self.kind.map_or_else(
-                || {
-                    format!(
-                        "a file with the key {key}{}",
-                        needed_value(key).map_or_else(String::new, |value| format!(": {value}"))
-                    )
-                },
-                |kind| format!("{}, such as `{}` writes", kind.expected(), kind.written_by()),
-            );
+            let expected = match (self.kind, needed_value(key)) {
+                (Some(kind), _) => format!("{}, such as `{}` writes", kind.expected(), kind.written_by()),
+                (None, Some(value)) => format!("a file with the key {key}: {value}"),
+                (None, None) => format!("a file with the key {key}"),
+            };
             return Diagnostic::file(&self.path, "holds no keys").expected(expected);
         }
         let kind = self.kind.filter(|_| outer.is_none());
-        let needed = kind.and_then(|kind| Some((kind.needed_table(key)?, kind.written_by())));
-        let needed = needed.map(|(keys, by)| format!("a table [{key}] with {keys}, as `{by}` writes one"));
-        let inside = outer.map_or_else(|| key.into(), |outer| format!("{outer}.{key}").into());
+        let needed = kind.and_then(|kind| {
+            let (keys, by) = (kind.needed_table(key)?, kind.written_by());
+            Some(format!("a table [{key}] with {keys}, as `{by}` writes one"))
+        });
         Diagnostic {
-            file: Some(self.path.as_path().into()),
             line: Some(self.line(table.start)),
-            key: Some(inside),
-            reason: "is missing".to_owned(),
+            key: Some(outer.map_or_else(|| key.into(), |outer| format!("{outer}.{key}").into())),
             expected: needed.or_else(|| needed_value(key)).map(Into::into),
-            ..Diagnostic::default()
+            ..Diagnostic::file(&self.path, "is missing")
         }
     }
 
@@ -194,14 +195,9 @@ impl Document {
     /// # Errors
     /// [`Diagnostic`] at the key if `schema` is 0 or above the supported version.
     pub fn check_schema(&self, schema: Option<&Spanned<u32>>) -> Result<(), Diagnostic> {
-        match schema {
-            None => Ok(()),
-            Some(schema) if (1..=SCHEMA).contains(schema.get_ref()) => Ok(()),
-            Some(schema) => {
-                let reason = if *schema.get_ref() == 0 { "is no schema" } else { "is the schema of a later slipgrid" };
-                Err(self.refuse(schema.span(), reason).expected(format!("a schema up to {SCHEMA}, or none")))
-            }
-        }
+        let Some(schema) = schema.filter(|schema| !(1..=SCHEMA).contains(schema.get_ref())) else { return Ok(()) };
+        let reason = if *schema.get_ref() == 0 { "is no schema" } else { "is the schema of a later slipgrid" };
+        Err(self.refuse(schema.span(), reason).expected(format!("a schema up to {SCHEMA}, or none")))
     }
 
     /// Converts a number of the file to SI units.
@@ -225,19 +221,16 @@ impl Document {
         let is_list = self.text.get(span.clone()).is_some_and(|text| text.starts_with('['));
         let mut refused = self.refuse(span, refusal.to_string());
         refused.expected = refusal.expected().map(Into::into);
-        match refusal {
-            Refusal::OutOfRange { value, quantity } => {
-                if is_list {
-                    refused.value = Some(value.to_string().into());
-                }
-                if let Some(slip) = plausible::slip(*quantity, *value) {
-                    refused.expected = Some(format!("{quantity}; {slip}").into());
-                }
+        if let Refusal::OutOfRange { value, quantity } = refusal {
+            if is_list {
+                refused.value = Some(value.to_string().into());
             }
-            Refusal::UnknownName { name, known } => {
-                refused.suggestion = nearest(name, known.iter().copied()).map(Into::into);
+            if let Some(slip) = plausible::slip(*quantity, *value) {
+                refused.expected = Some(format!("{quantity}; {slip}").into());
             }
-            Refusal::Missing | Refusal::Rule { .. } => {}
+        }
+        if let Refusal::UnknownName { name, known } = refusal {
+            refused.suggestion = nearest(name, known.iter().copied()).map(Into::into);
         }
         refused
     }

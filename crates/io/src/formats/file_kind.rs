@@ -32,10 +32,7 @@ impl FileKind {
             return read.get("design").is_some().then_some(Self::Result);
         }
         let parsed = DeTable::parse(text).ok()?;
-        let value = |key: &str| {
-            let found = parsed.get_ref().iter().find(|(name, _)| name.get_ref().as_ref() == key);
-            found.map(|(_, value)| value.get_ref())
-        };
+        let value = |key: &str| Some(parsed.get_ref().get(key)?.get_ref());
         let table = |key: &str| matches!(value(key), Some(DeValue::Table(_) | DeValue::Array(_)));
         let mut seen = [
             (Self::Scene, table("load")),

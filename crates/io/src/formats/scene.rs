@@ -1,7 +1,5 @@
 //! Scene files, the input of `simulate`.
 
-use std::ops::Range;
-
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use slipgrid_model::material::{Condition, Material, MaterialError};
@@ -123,16 +121,6 @@ pub struct SceneInput {
     /// Diagnostics of unusual but accepted inputs in the file and its material.
     pub told: Vec<Diagnostic>,
     document: Document,
-    places: Places,
-}
-
-/// File positions for diagnostics of a scene; `None` where the default holds.
-#[derive(Clone, Debug)]
-struct Places {
-    block: Option<Range<usize>>,
-    width: Option<Range<usize>>,
-    step: Option<Range<usize>>,
-    travel: Option<Range<usize>>,
 }
 
 impl SceneInput {
@@ -141,16 +129,15 @@ impl SceneInput {
     /// # Errors
     /// [`Diagnostic`] for any refused input in the file or in a file that it names.
     pub fn read(source: &Source, path: &std::path::Path, overrides: Overrides) -> Result<Self, Diagnostic> {
-        let document = Document::read(source, path, FileKind::Scene)?;
-        let file: SceneFile = document.parse()?;
-        Self::from_file(document, &file, overrides)
+        Self::from_document(Document::read(source, path, FileKind::Scene)?, overrides)
     }
 
-    /// Converts a scene from its file form to one that can be solved.
+    /// Reads a scene from a document.
     ///
     /// # Errors
-    /// [`Diagnostic`] for any refused input.
-    pub fn from_file(document: Document, file: &SceneFile, overrides: Overrides) -> Result<Self, Diagnostic> {
+    /// Errors of [`SceneInput::read`].
+    pub fn from_document(document: Document, overrides: Overrides) -> Result<Self, Diagnostic> {
+        let file: SceneFile = document.parse()?;
         document.check_schema(file.schema.as_ref())?;
         let (KnownMaterial { mut material, uncertainty }, mut told) = read_referenced(&document, &file.material)?;
         let condition = file.condition.as_ref().map(|at| check_condition(&document, at)).transpose()?;
@@ -169,13 +156,11 @@ impl SceneInput {
         if let Some((table, specimen)) = file.specimen.as_ref().zip(specimen.as_ref()) {
             check_face(&document, table, specimen, &layer)?;
         }
+        let mut relief = None;
         if let Some((table, pattern)) = file.pattern.as_ref().zip(pattern.as_ref()) {
             check_depth(&document, table.get_ref(), pattern.depth_m(), &layer)?;
+            relief = read_relief(&document, table, pattern)?;
         }
-        let relief = match file.pattern.as_ref().zip(pattern.as_ref()) {
-            Some((table, pattern)) => read_relief(&document, table, pattern)?,
-            None => None,
-        };
         let run = read_run(&document, &file.run, overrides, specimen.is_some())?;
         let speed_m_s = read_speed(&document, &file.load, condition.as_ref())?;
         // A scene may have zero load and zero speed: both are meaningful, though without a friction coefficient.
@@ -184,16 +169,6 @@ impl SceneInput {
         let asked = file.condition.as_ref().map_or(file.material.span(), Spanned::span);
         let (loads, friction_extrapolated) = loads(&material.friction, &pressures_pa, condition.as_ref())
             .map_err(|error| document.refuse(asked, error.to_string()))?;
-        let place = |number: Option<&Number>| number.map(Spanned::span);
-        let (options, sample) = (file.run.span(), file.sample.get_ref());
-        let of_run = |key| Some(document.value_span(&options, key)).filter(|place| *place != options);
-        let texture = file.pattern.as_ref().map(Spanned::get_ref);
-        let places = Places {
-            block: place(sample.block_um.as_ref()),
-            width: place(texture.map(|pattern| &pattern.width_um)),
-            step: of_run("step_ns"),
-            travel: of_run("sliding_um"),
-        };
         // A flat specimen is modelled as one strip, and a single period of a pattern does not reach the rim of the
         // specimen.
         let specimen = specimen.filter(|_| pattern.is_some() && run.extent.has_ends());
@@ -214,68 +189,64 @@ impl SceneInput {
             require_section(&document, (&file.get_ref().texture, file.span()), pattern.texture())?;
         }
         let modulus_gpa = MODULUS_GPA.from_si(scene.elastic.youngs_modulus_pa());
-        told.extend(unusual::of_scene(&document, file, modulus_gpa));
+        told.extend(unusual::of_scene(&document, &file, modulus_gpa));
         told.extend(unusual::of_speed(&document, file.load.get_ref(), &scene));
-        let extent = of_run("extent");
-        let input =
-            Self { scene, material, uncertainty, condition, specimen, friction_extrapolated, told, document, places };
-        if let Some(extent) = extent.filter(|_| input.scene.is_strip_aslant()) {
-            return Err(input
-                .document
+        if let Some(extent) = document.place("run", "extent").filter(|_| scene.is_strip_aslant()) {
+            return Err(document
                 .refuse(extent, "asks for a strip of a pattern that slides aslant, and repeats at no distance across")
                 .expected("\"cell\", or a sliding direction along or across the rows"));
         }
+        let input = Self { scene, material, uncertainty, condition, specimen, friction_extrapolated, told, document };
         input.scene.validate().map_err(|error| input.refuse(&error))?;
         Ok(input)
     }
 
     /// Diagnostic for an error of the solver, at the file position concerned and in the file's units.
     pub fn refuse(&self, error: &SceneError) -> Diagnostic {
-        let (places, layer) = (&self.places, &self.scene.layer);
         let um = |length_m: f64| LENGTH_UM.from_si(length_m);
+        let at = |table, key, default: f64, reason| {
+            self.document.refuse_or_default((table, key), Some(default.to_string()), reason)
+        };
+        let at_block = |reason| at("sample", "block_um", um(self.scene.layer.block_m), reason);
         match error {
             SceneError::TooManyBlocks { blocks, most } => {
-                let reason = format!("divides the layer into {blocks:.1e} blocks");
-                self.at(&places.block, "sample.block_um", um(layer.block_m), reason)
+                at_block(format!("divides the layer into {blocks:.1e} blocks"))
                     .expected(format!("a size that gives at most {most:.0e}"))
             }
             SceneError::TooLarge { bytes, most_bytes } => {
                 let gib = |bytes: f64| bytes / (1_u64 << 30) as f64;
-                let reason = format!("makes a lattice that takes {:.0} GiB", gib(*bytes));
-                self.at(&places.block, "sample.block_um", um(layer.block_m), reason)
+                at_block(format!("makes a lattice that takes {:.0} GiB", gib(*bytes)))
                     .expected(format!("larger blocks or a smaller layer, at most {:.0} GiB", gib(*most_bytes)))
             }
             SceneError::TooLong { core_s, most_s } => {
                 let days = |seconds: f64| seconds / 86_400.0;
                 let reason = format!("would take about {:.0} days of one core", days(*core_s));
-                self.at(&places.travel, "run.sliding_um", um(self.scene.run.sliding_m), reason).expected(format!(
+                at("run", "sliding_um", um(self.scene.run.sliding_m), reason).expected(format!(
                     "less travel, larger blocks or a higher speed, at most {:.0} days",
                     days(*most_s)
                 ))
             }
             SceneError::UnstableStep { step_s, limit_s, scheme } => {
                 let limit_ns = significant_to(limit_s * 1e9, 4, f64::floor);
-                if places.step.is_some() {
-                    let reason = format!("is beyond the stability limit of the {scheme}, {limit_ns}");
-                    self.at(&places.step, "run.step_ns", STEP_NS.from_si(*step_s), reason)
-                        .expected(format!("at most {limit_ns}"))
-                } else {
+                match self.document.place("run", "step_ns") {
+                    Some(step) => self
+                        .document
+                        .refuse(step, format!("is beyond the stability limit of the {scheme}, {limit_ns}"))
+                        .expected(format!("at most {limit_ns}")),
                     // The time step is the default of the fidelity; the blocks are too small for this step.
-                    let step_ns = STEP_NS.from_si(*step_s);
-                    let reason =
-                        format!("um brings the stability limit of the {scheme} below its step of {step_ns} ns");
-                    self.at(&places.block, "sample.block_um", um(layer.block_m), reason)
+                    None => {
+                        let step_ns = STEP_NS.from_si(*step_s);
+                        at_block(format!(
+                            "um brings the stability limit of the {scheme} below its step of {step_ns} ns"
+                        ))
                         .expected(format!("larger blocks, or run.step_ns of at most {limit_ns}"))
+                    }
                 }
             }
-            SceneError::OutOfRange { quantity: "pitch_m", value, expected } => self
-                .at(
-                    &places.width,
-                    "pattern.width_um",
-                    f64::NAN,
-                    format!("and the spacing make a pitch of {} um", um(*value)),
-                )
-                .expected(*expected),
+            SceneError::OutOfRange { quantity: "pitch_m", value, expected } => {
+                let reason = format!("and the spacing make a pitch of {} um", um(*value));
+                self.document.refuse_or_default(("pattern", "width_um"), None, reason).expected(*expected)
+            }
             SceneError::Unsupported { what, instead } => {
                 Diagnostic::file(self.document.path(), format!("{what} is not available")).expected(*instead)
             }
@@ -293,15 +264,9 @@ impl SceneInput {
         match error {
             SpecimenError::Scene(error) => self.refuse(error),
             SpecimenError::Layout(error) => {
-                self.at(&self.places.width, "pattern.width_um", f64::NAN, format!("um: {error}"))
+                self.document.refuse_or_default(("pattern", "width_um"), None, format!("um: {error}"))
             }
         }
-    }
-
-    /// Refuses the value at the file position `place`, or, if the file leaves `key` to its default value `default`, the
-    /// key by name.
-    fn at(&self, place: &Option<Range<usize>>, key: &str, default: f64, reason: String) -> Diagnostic {
-        self.document.refuse_or_default(place.as_ref(), (key, Some(default.to_string())), reason)
     }
 
     /// Corrects the friction of `simulation`, the solution of this scene, to the calibrated friction of the flat

@@ -29,13 +29,13 @@ impl Design {
             return None;
         }
         let [stated_mm, own_mm] = [stated_m, own_m].map(|length_m| tidy(LENGTH_MM.from_si(length_m)));
-        let own = match self.places.thickness {
+        let key = ("sample", "thickness_mm");
+        let own = match self.document.place(key.0, key.1) {
             Some(_) => "mm is the thickness here".to_owned(),
             None => format!("is not given, so that {own_mm} mm is taken"),
         };
         let reason = format!("{own}, and the specimen of the calibration is {stated_mm} mm thick");
-        let told =
-            self.document.refuse_or_default(self.places.thickness.as_ref(), ("sample.thickness_mm", None), reason);
+        let told = self.document.refuse_or_default(key, None, reason);
         Some(told.expected(format!("thickness_mm = {stated_mm} in [sample], if the design is for the same specimen")))
     }
 
@@ -48,7 +48,7 @@ impl Design {
         }
         let own = own.map_or("is not given", |_| "is the holder here");
         let reason = format!("{own}, and the holder of the calibration's specimen is \"{}\"", stated.name());
-        let told = self.document.refuse_or_default(self.places.holder.as_ref(), ("sample.holder", None), reason);
+        let told = self.document.refuse_or_default(("sample", "holder"), None, reason);
         Some(told.expected(format!(
             "holder = \"{}\" beside thickness_mm in [sample], if the design is for a specimen that is held so",
             stated.name()

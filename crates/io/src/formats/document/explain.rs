@@ -38,14 +38,9 @@ impl Document {
     /// Converts `message`, in which serde says why the value at `span` was refused, to a diagnostic.
     fn explain_value(&self, span: Range<usize>, message: &str) -> Diagnostic {
         if let Some(value) = decimal_comma(self.line_text(span.start)) {
-            return Diagnostic {
-                file: Some(self.path.as_path().into()),
-                line: Some(self.line(span.start)),
-                reason: "has a decimal comma".to_owned(),
-                value: Some(value.clone().into()),
-                ..Diagnostic::default()
-            }
-            .expected(format!("a decimal point: {}", value.replace(',', ".")));
+            let expected = format!("a decimal point: {}", value.replace(',', "."));
+            let refused = self.refuse(span, "has a decimal comma").expected(expected);
+            return Diagnostic { key: None, value: Some(value.into()), ..refused };
         }
         let plain = [
             ("floating point ", ""),
@@ -90,19 +85,11 @@ impl Document {
     /// Refuses a key or table heading that occurs for the second time at `span`.
     fn duplicate(&self, span: Range<usize>) -> Diagnostic {
         let is_heading = self.line_text(span.start).trim_start().starts_with('[');
-        let key = self.text.get(span.clone()).unwrap_or_default();
-        Diagnostic {
-            file: Some(self.path.as_path().into()),
-            line: Some(self.line(span.start)),
-            key: Some(key.trim_matches(['"', '\'']).into()),
-            reason: "occurs a second time".to_owned(),
-            ..Diagnostic::default()
-        }
-        .expected(if is_heading {
-            "one table with all of its keys"
-        } else {
-            "one line with this key in its table"
-        })
+        let expected =
+            if is_heading { "one table with all of its keys" } else { "one line with this key in its table" };
+        let key = self.text.get(span.clone()).unwrap_or_default().trim_matches(['"', '\'']).into();
+        let refused = self.refuse(span, "occurs a second time").expected(expected);
+        Diagnostic { key: Some(key), value: None, ..refused }
     }
 }
 
