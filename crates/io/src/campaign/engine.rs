@@ -40,34 +40,31 @@ impl Engine {
     ) -> Result<String, Diagnostic> {
         let folder = format!("'{}'", Self::check_folder_name(folder)?.replace('\'', "'\\''"));
         let (engine, at_once) = (self.name(), at_once.unwrap_or(workers).min(workers));
-        let run = |threads: &str, number: &str| {
-            format!(
-                "exec \"${{SLIPGRID:-slipgrid}}\" --threads {threads} --quiet campaign work {folder} --share \"{number}/{workers}\"\n"
-            )
-        };
-        Ok(match self {
-            Self::Slurm => format!(
-                "#!/bin/bash\n\
-                 # By slipgrid: sbatch {engine}.sh, and in the end slipgrid campaign merge {folder}\n\
-                 #SBATCH --job-name=slipgrid\n\
-                 #SBATCH --array=1-{workers}%{at_once}\n\
-                 #SBATCH --ntasks=1\n\
-                 #SBATCH --cpus-per-task={threads}\n\
-                 {}",
-                run(&format!("\"${{SLURM_CPUS_PER_TASK:-{threads}}}\""), "$SLURM_ARRAY_TASK_ID")
+        let (submit, options, threads, number) = match self {
+            Self::Slurm => (
+                "sbatch",
+                format!(
+                    "#SBATCH --job-name=slipgrid\n#SBATCH --array=1-{workers}%{at_once}\n#SBATCH --ntasks=1\n\
+                     #SBATCH --cpus-per-task={threads}"
+                ),
+                format!("\"${{SLURM_CPUS_PER_TASK:-{threads}}}\""),
+                "$SLURM_ARRAY_TASK_ID",
             ),
             // HyperQueue reads these lines as options of submit; the number of concurrent workers is limited by the
             // resources.
-            Self::HyperQueue => format!(
-                "#!/bin/bash\n\
-                 # By slipgrid: hq submit {engine}.sh, and in the end slipgrid campaign merge {folder}\n\
-                 #HQ --name=slipgrid\n\
-                 #HQ --array=1-{workers}\n\
-                 #HQ --cpus={threads}\n\
-                 {}",
-                run(&threads.to_string(), "$HQ_TASK_ID")
+            Self::HyperQueue => (
+                "hq submit",
+                format!("#HQ --name=slipgrid\n#HQ --array=1-{workers}\n#HQ --cpus={threads}"),
+                threads.to_string(),
+                "$HQ_TASK_ID",
             ),
-        })
+        };
+        Ok(format!(
+            "#!/bin/bash\n\
+             # By slipgrid: {submit} {engine}.sh, and in the end slipgrid campaign merge {folder}\n\
+             {options}\n\
+             exec \"${{SLIPGRID:-slipgrid}}\" --threads {threads} --quiet campaign work {folder} --share \"{number}/{workers}\"\n"
+        ))
     }
 
     /// Checks that the name of `folder` can be part of a script; a line break in it would begin a line of the script.

@@ -17,9 +17,11 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
+use serde::Serialize;
+
 use crate::disk::WriteError;
 use crate::formats::Diagnostic;
-use crate::formats::source::{Entry, Files, Source, read_text};
+use crate::formats::source::{Files, Source, read_text};
 use slipgrid_base::monitor::{Monitor, Stage};
 use slipgrid_base::statistics::SplitMix64;
 
@@ -80,24 +82,16 @@ impl Folder {
         Ok(self.store.put(path, bytes).map_err(WriteError::at(path))?)
     }
 
-    /// Content of campaign.json.
-    fn json(campaign: &Campaign) -> Result<String, CampaignError> {
-        slipgrid_design::results::json(campaign).map_err(|error| CampaignError::Failed(error.to_string()))
-    }
-
     /// Writes a planned campaign to the folder. If the folder holds an equal campaign, that campaign and its results
     /// stay unchanged.
     ///
     /// # Errors
     /// [`CampaignError`] if another campaign is in the folder, or the folder is not writable.
     pub fn keep(&self, planned: &Planned) -> Result<(), CampaignError> {
-        let (path, record) = (self.path.join("campaign.json"), Self::json(&planned.campaign)?);
-        let mut lines = String::new();
-        for task in &planned.tasks {
-            lines += &serde_json::to_string(task).map_err(|error| CampaignError::Failed(error.to_string()))?;
-            lines.push('\n');
-        }
-        let tasks = self.path.join("tasks.jsonl");
+        let (path, tasks) = (self.path.join("campaign.json"), self.path.join("tasks.jsonl"));
+        let record = slipgrid_design::results::json(&planned.campaign);
+        let record = record.map_err(|error| CampaignError::Failed(error.to_string()))?;
+        let lines = planned.tasks.iter().map(json_line).collect::<Result<String, _>>()?;
         let is_there = |path: &Path, text: &str| self.store.read(path).is_ok_and(|there| there == text.as_bytes());
         if self.store.entry(&path).is_ok() && !(is_there(&path, &record) && is_there(&tasks, &lines)) {
             let reason = "holds another campaign, or one whose tasks have changed since";
@@ -192,8 +186,7 @@ impl Folder {
         shuffle(&mut missing, seed);
         let results = self.path.join("results");
         monitor.kept(&results, worked.known);
-        let inputs = Inputs { store: Arc::clone(&self.store), folder: self.path.join("inputs") };
-        let worker = Worker::with_store(&campaign, Arc::new(inputs));
+        let worker = Worker::with_store(&campaign, Arc::clone(&self.store) as Source, self.path.join("inputs"));
         let stage = Stage::new(monitor, "tasks", max_s.map(|seconds| monitor.seconds() + seconds));
         let (next, ended) = (AtomicUsize::new(0), Mutex::new((worked, None::<CampaignError>)));
         let lane = || {
@@ -242,8 +235,7 @@ impl Folder {
     /// Does one task and writes its result.
     fn do_task(&self, worker: &Worker<'_>, task: &Task, monitor: &dyn Monitor) -> Result<Done, CampaignError> {
         let done = worker.work(task, monitor).ok_or(CampaignError::Cancelled)?;
-        let text = serde_json::to_string(&done).map_err(|error| CampaignError::Failed(error.to_string()))?;
-        self.put(&self.result(&task.id), (text + "\n").as_bytes())?;
+        self.put(&self.result(&task.id), json_line(&done)?.as_bytes())?;
         Ok(done)
     }
 
@@ -269,27 +261,15 @@ impl Folder {
     }
 }
 
+/// Formats `record` as JSON on a line of its own.
+fn json_line(record: &impl Serialize) -> Result<String, CampaignError> {
+    Ok(serde_json::to_string(record).map_err(|error| CampaignError::Failed(error.to_string()))? + "\n")
+}
+
 /// Shuffles `items` in an order that depends on `seed` only (Fisher and Yates).
 fn shuffle<T>(items: &mut [T], seed: u64) {
     let mut random = SplitMix64(seed);
     for last in (1..items.len()).rev() {
         items.swap(last, random.below(last + 1));
-    }
-}
-
-/// File source for the inputs of a campaign; the path of an input is the hash of its content.
-#[derive(Debug)]
-struct Inputs {
-    store: Arc<dyn Store>,
-    folder: PathBuf,
-}
-
-impl Files for Inputs {
-    fn read(&self, path: &Path) -> io::Result<Vec<u8>> {
-        self.store.read(&self.folder.join(path))
-    }
-
-    fn entry(&self, path: &Path) -> io::Result<Entry> {
-        self.store.entry(&self.folder.join(path))
     }
 }

@@ -89,20 +89,22 @@ impl Files for RecordedFiles {
 pub struct HashedFiles {
     /// SHA-256 hashes of the files, in hexadecimal digits, by path.
     hashes: BTreeMap<PathBuf, String>,
-    /// File source of the contents, in which the path of a file is the hash of its content.
+    /// File source of the contents.
     store: Source,
+    /// Folder of the contents in `store`, in which the name of a file is the hash of its content.
+    folder: PathBuf,
 }
 
 impl HashedFiles {
-    pub fn new(inputs: &BTreeMap<String, String>, store: Source) -> Self {
-        Self { hashes: inputs.iter().map(|(path, hash)| (path.into(), hash.clone())).collect(), store }
+    pub fn new(inputs: &BTreeMap<String, String>, store: Source, folder: PathBuf) -> Self {
+        Self { hashes: inputs.iter().map(|(path, hash)| (path.into(), hash.clone())).collect(), store, folder }
     }
 }
 
 impl Files for HashedFiles {
     fn read(&self, path: &Path) -> io::Result<Vec<u8>> {
         let wanted = self.hashes.get(path).ok_or(io::ErrorKind::NotFound)?;
-        let bytes = self.store.read(Path::new(wanted))?;
+        let bytes = self.store.read(&self.folder.join(wanted))?;
         if hash(&bytes) != *wanted {
             let reason = "it is not what it was when the campaign was planned";
             return Err(io::Error::new(io::ErrorKind::InvalidData, reason));

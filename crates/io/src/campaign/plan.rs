@@ -20,8 +20,8 @@ use serde::Deserialize;
 use serde_json::Value as Json;
 use slipgrid_base::monitor::{Monitor, Stage};
 use slipgrid_base::units::LENGTH_UM;
+use slipgrid_design::lattice;
 use slipgrid_design::results::{SCHEMA, VERSION};
-use slipgrid_design::{DesignError, DesignTask, lattice};
 use slipgrid_infer::calibrate::Selection;
 use slipgrid_model::pattern::Pattern;
 use toml::{Table, Value};
@@ -84,15 +84,14 @@ pub fn plan(files: &Source, path: &Path, monitor: &dyn Monitor) -> Result<Planne
     let folder = base_path.parent().unwrap_or(Path::new(""));
     let base_name = base_path.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let (kind, text, base_rows) = base(files, &document, &file, &base_path, monitor)?;
-    check_keys(&varied, kind, &text, &base_rows)?;
+    check_keys(&varied, &text, &base_rows)?;
     let rows = combinations(varied.rows.clone(), &base_rows);
     if rows.len() > MAX_TASKS {
         return Err(document.refuse(file.base.span(), "has more than a million tasks").expected("fewer values").into());
     }
     let mut keys = varied.keys.clone();
     keys.extend(base_rows.iter().flat_map(Row::keys).cloned().collect::<BTreeSet<_>>());
-    let (program, inputs) = ("slipgrid".to_owned(), BTreeMap::new());
-    let version = VERSION.to_owned();
+    let (program, version, inputs) = ("slipgrid".to_owned(), VERSION.to_owned(), BTreeMap::new());
     let mut campaign = Campaign { program, version, schema: SCHEMA, name, kind, base: base_name, text, keys, inputs };
 
     let stage = Stage::new(monitor, "tasks", None);
@@ -147,7 +146,6 @@ fn base(
     path: &Path,
     monitor: &dyn Monitor,
 ) -> Result<(Kind, String, Vec<Row>), CampaignError> {
-    let failed = |error: &dyn std::fmt::Display| CampaignError::Failed(error.to_string());
     let text = read_text(files, path, "a scene or a design").map_err(|refused| {
         document.refuse(file.base.span(), refused.reason).expected("a scene file or a design file")
     })?;
@@ -169,10 +167,12 @@ fn base(
                 document
                     .refuse(file.base.span(), "has no design of whole blocks and bursts within its bounds and limits")
             })?;
-            let scene = scene(&design.task, first).map_err(|error| match error {
-                DesignError::Refused(refused) => design.refuse(&refused).into(),
-                error => failed(&error),
-            })?;
+            let task = &design.task;
+            let known = task.material.as_ref();
+            let known = known.ok_or_else(|| CampaignError::Failed("the design has no material".to_owned()))?;
+            let (loads, _) = task.loads(&known.material).map_err(|refused| design.refuse(&refused))?;
+            let scene = steady_scene(task, known, &loads, first);
+            let scene = scene.map_err(|error| CampaignError::Failed(error.to_string()))?;
             Ok((Kind::Scene, scene, patterns.iter().map(dimensions).collect()))
         }
         (Some(FileKind::Design), _) => Ok((Kind::Design, text, Vec::new())),
@@ -181,13 +181,6 @@ fn base(
             Err(refused.expected("a scene file or a design file").into())
         }
     }
-}
-
-/// Steady scene of `pattern` at the loads of `task`, as TOML.
-fn scene(task: &DesignTask, pattern: &Pattern) -> Result<String, DesignError> {
-    let known = task.material.as_ref().ok_or_else(|| DesignError::Failed("the design has no material".to_owned()))?;
-    let (loads, _) = task.loads(&known.material)?;
-    steady_scene(task, known, &loads, pattern).map_err(|error| DesignError::Failed(error.to_string()))
 }
 
 /// Width, spacing and depth of `pattern`, in micrometres, as varied keys of a scene.
@@ -216,30 +209,23 @@ fn check(kind: Kind, source: &Source, path: &Path, text: &str, monitor: &dyn Mon
     Ok(())
 }
 
-/// Refuses varied keys that the tasks do not have, or that `base_rows`, the rows for `work = "table"`, vary already.
-fn check_keys(varied: &Varied<'_>, kind: Kind, text: &str, base_rows: &[Row]) -> Result<(), Diagnostic> {
-    let refuse = |key: &str, reason: &str, expected: &str| Err(varied.refuse_key(key, reason, expected));
+/// Refuses varied keys that the scenes of `work = "table"`, varied by `base_rows`, do not have, or vary already. `text` is
+/// that of one of these scenes.
+fn check_keys(varied: &Varied<'_>, text: &str, base_rows: &[Row]) -> Result<(), Diagnostic> {
+    let Some(row) = base_rows.first() else { return Ok(()) };
     for key in &varied.keys {
-        let first = key.split('.').next().unwrap_or(key);
-        match kind {
-            Kind::Scene if base_rows.first().is_some_and(|row| row.contains_key(key)) => {
-                let expected = "another key, or bounds of the design that give these values";
-                return refuse(key, "is what the rows of the design's table vary already", expected);
-            }
-            Kind::Scene if !base_rows.is_empty() && !may_have_table(text, first) => {
-                let reason = "is no key of the scenes that work = \"table\" makes of the design";
-                let expected = format!("a key of {}, or work = \"search\"", SCENE_TABLES.join(", "));
-                return refuse(key, reason, &expected);
-            }
-            _ => {}
+        if row.contains_key(key) {
+            let expected = "another key, or bounds of the design that give these values";
+            return Err(varied.refuse_key(key, "is what the rows of the design's table vary already", expected));
+        }
+        let table = key.split('.').next().unwrap_or(key);
+        if !SCENE_TABLES.contains(&table) && !text.parse::<Table>().is_ok_and(|scene| scene.contains_key(table)) {
+            let reason = "is no key of the scenes that work = \"table\" makes of the design";
+            let expected = format!("a key of {}, or work = \"search\"", SCENE_TABLES.join(", "));
+            return Err(varied.refuse_key(key, reason, &expected));
         }
     }
     Ok(())
-}
-
-/// Whether a scene with `text` has, or may have, the table `first`.
-fn may_have_table(text: &str, first: &str) -> bool {
-    SCENE_TABLES.contains(&first) || text.parse::<Table>().is_ok_and(|table| table.contains_key(first))
 }
 
 /// Adapts an error that concerns none of the varied `values`: adds the values, and removes the line number, which

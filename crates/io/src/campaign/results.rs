@@ -77,16 +77,13 @@ pub struct Results<'a> {
 impl<'a> Results<'a> {
     /// Creates an empty table.
     pub fn new(campaign: &'a Campaign) -> Self {
-        let own: Vec<&str> = match campaign.kind {
+        let own = match campaign.kind {
             Kind::Scene => SCENE_COLUMNS.to_vec(),
             Kind::Design => DESIGN_COLUMNS.map(|(name, _)| name).to_vec(),
         };
-        let columns = own.len();
-        let keys = campaign.keys.iter().map(|key| quoted(key));
-        let header = ["task".to_owned()].into_iter().chain(keys).chain(["outcome".to_owned()]);
-        let header = header.chain(own.iter().map(|name| (*name).to_owned())).chain(["reason".to_owned()]);
-        let text = header.collect::<Vec<_>>().join(",") + "\n";
-        Self { campaign, text, columns, counts: Counts::default() }
+        let keys: String = campaign.keys.iter().map(|key| quoted(key) + ",").collect();
+        let text = format!("task,{keys}outcome,{},reason\n", own.join(","));
+        Self { campaign, text, columns: own.len(), counts: Counts::default() }
     }
 
     /// Adds the result `done` of `task`, which is `None` if the task has not been done.
@@ -96,9 +93,8 @@ impl<'a> Results<'a> {
             None => self.counts.missing += 1,
         }
         for cells in self.rows(done) {
-            let values = self.campaign.keys.iter().map(|key| cell(task.values.get(key)));
-            let row = [task.id.clone()].into_iter().chain(values).chain(cells);
-            self.text += &(row.collect::<Vec<_>>().join(",") + "\n");
+            let values: String = self.campaign.keys.iter().map(|key| cell(task.values.get(key)) + ",").collect();
+            self.text += &format!("{},{values}{cells}\n", task.id);
         }
     }
 
@@ -112,33 +108,25 @@ impl<'a> Results<'a> {
         self.counts
     }
 
-    /// Cells of the rows of one task: outcome, columns for the kind of task, and reason; `done` is `None` if the task
-    /// has not been done.
-    fn rows(&self, done: Option<&Done>) -> Vec<Vec<String>> {
-        let own = |record: &Json, places: &[(&str, &str)]| -> Vec<String> {
-            places.iter().map(|(_, place)| cell(record.pointer(place))).collect()
-        };
-        let empty = |outcome: &str, reason: &str| {
-            let mut row = vec![outcome.to_owned()];
-            row.resize(1 + self.columns, String::new());
-            row.push(quoted(reason));
-            vec![row]
-        };
-        let Some(done) = done else { return empty("missing", "") };
-        let reason = done.reason.as_deref().unwrap_or_default();
+    /// Cells of each row of one task: outcome, columns for the kind of task, and reason; `done` is `None` if the task has
+    /// not been done.
+    fn rows(&self, done: Option<&Done>) -> Vec<String> {
+        let commas = ",".repeat(1 + self.columns);
+        let Some(done) = done else { return vec![format!("missing{commas}")] };
+        let reason = quoted(done.reason.as_deref().unwrap_or_default());
         let record = match (&done.record, done.outcome) {
             (Some(record), Outcome::Done) => record,
-            (_, Outcome::Refused) => return empty("refused", reason),
-            _ => return empty("failed", reason),
+            (_, Outcome::Refused) => return vec![format!("refused{commas}{reason}")],
+            _ => return vec![format!("failed{commas}{reason}")],
         };
-        let cells = match self.campaign.kind {
-            Kind::Design => vec![own(record, &DESIGN_COLUMNS)],
+        let cells: Vec<Vec<String>> = match self.campaign.kind {
+            Kind::Design => vec![DESIGN_COLUMNS.iter().map(|(_, place)| cell(record.pointer(place))).collect()],
             Kind::Scene => {
-                let loads = record.get("results").and_then(Json::as_array).map_or(&[][..], Vec::as_slice);
-                loads.iter().map(|load| SCENE_COLUMNS.iter().map(|name| cell(load.get(*name))).collect()).collect()
+                let loads = record.get("results").and_then(Json::as_array).into_iter().flatten();
+                loads.map(|load| SCENE_COLUMNS.iter().map(|name| cell(load.get(*name))).collect()).collect()
             }
         };
-        cells.into_iter().map(|cells| [vec!["done".to_owned()], cells, vec![String::new()]].concat()).collect()
+        cells.into_iter().map(|cells| format!("done,{},", cells.join(","))).collect()
     }
 }
 

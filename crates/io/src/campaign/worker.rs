@@ -1,6 +1,6 @@
 //! Execution of the tasks of a campaign.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use crate::formats::calibrated::{Failure, complete};
@@ -68,12 +68,12 @@ pub struct Worker<'a> {
 impl<'a> Worker<'a> {
     /// Creates a worker with the contents of files in memory.
     pub fn new(campaign: &'a Campaign, contents: Contents) -> Self {
-        Self::with_store(campaign, Arc::new(InMemory(contents)))
+        Self::with_store(campaign, Arc::new(InMemory(contents)), PathBuf::new())
     }
 
-    /// Creates a worker that reads the contents of files from `store` by hash.
-    pub fn with_store(campaign: &'a Campaign, store: Source) -> Self {
-        let given = HashedFiles::new(&campaign.inputs, store);
+    /// Creates a worker that reads the contents of files from `folder` of `store`, where they are named by their hashes.
+    pub(crate) fn with_store(campaign: &'a Campaign, store: Source, folder: PathBuf) -> Self {
+        let given = HashedFiles::new(&campaign.inputs, store, folder);
         Self { campaign, files: ReadOnce::new(Arc::new(given)) }
     }
 
