@@ -24,7 +24,7 @@ use slipgrid_design::KnownMaterial;
 use slipgrid_design::results::VERSION;
 
 /// A material in the form of its file.
-#[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
+#[derive(Clone, Debug, Default, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MaterialFile {
     /// The material's name.
@@ -66,7 +66,7 @@ pub struct MaterialFile {
 }
 
 /// An area law in the form of a file.
-#[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
+#[derive(Clone, Debug, Default, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct AreaLawFile {
     /// Source of the law: `map`, `persson`, `fit`, or `measured` for flat friction itself.
@@ -98,20 +98,15 @@ impl MaterialFile {
         Self {
             name: named(&provenance.name),
             source: named(&provenance.source),
-            schema: None,
             slipgrid_version: Some(VERSION.to_owned()),
             synthetic_surface: Some(provenance.synthetic_surface),
             notes: provenance.notes.clone(),
             warnings: provenance.warnings.clone(),
             youngs_modulus_gpa: MODULUS_GPA.from_si(elastic.youngs_modulus_pa()).into(),
-            youngs_modulus_std_gpa: None,
             density_g_cm3: DENSITY_G_CM3.from_si(elastic.density_kg_m3()).into(),
             yield_pressure_mpa: elastic.yield_pressure_pa().map(|pa| PRESSURE_MPA.from_si(pa).into()),
             friction: friction.into(),
-            area_law: None,
-            flat_friction: Vec::new(),
-            learned: None,
-            made_from: None,
+            ..Self::default()
         }
     }
 }
@@ -121,16 +116,10 @@ impl AreaLawFile {
     pub(crate) fn new(law: &AreaLaw, digits: fn(f64) -> f64) -> Self {
         let rounded = |values: &[f64]| number_list(values.iter().map(|&value| digits(value)));
         Self {
-            origin: None,
-            rms_slope: None,
-            sa_um: None,
-            pixel_um: None,
-            pixel_y_um: None,
-            poisson_ratio: None,
             pressure_mpa: number_list(law.pressures_pa().iter().map(|&p| PRESSURE_MPA.from_si(p))),
             factor: rounded(law.factors()),
             factor_std: law.factor_std().map(rounded),
-            area_fraction: None,
+            ..Self::default()
         }
     }
 }
@@ -141,15 +130,13 @@ impl AreaLawFile {
 /// [`Diagnostic`] at the key if the file does not exist.
 pub fn existing<T>(document: &Document, key: &Spanned<T>, path: &str) -> Result<std::path::PathBuf, Diagnostic> {
     let path = document.resolve(path);
-    match document.source().entry(&path) {
-        Ok(Entry::File) => Ok(path),
-        Ok(_) => Err(document
-            .refuse(key.span(), format!("({}) is not a file", path.display()))
-            .expected("the path of a file, relative to this one")),
-        Err(error) => Err(document
-            .refuse(key.span(), format!("({}) cannot be read: {error}", path.display()))
-            .expected("the path of a file, relative to this one")),
-    }
+    let reason = match document.source().entry(&path) {
+        Ok(Entry::File) => return Ok(path),
+        Ok(_) => "is not a file".to_owned(),
+        Err(error) => format!("cannot be read: {error}"),
+    };
+    let refused = document.refuse(key.span(), format!("({}) {reason}", path.display()));
+    Err(refused.expected("the path of a file, relative to this one"))
 }
 
 /// Reads the material and its uncertainty from `file` in `document`; `place` is the span of the whole table.

@@ -17,7 +17,7 @@ use crate::formats::outline::read_outline;
 use crate::formats::{Diagnostic, Document, Spanned};
 
 /// A pattern in the form of a scene file.
-#[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
+#[derive(Clone, Debug, Default, Deserialize, Serialize, JsonSchema)]
 #[serde(try_from = "Keys")]
 #[schemars(!try_from)]
 pub struct PatternFile {
@@ -133,12 +133,9 @@ impl From<&Pattern> for PatternFile {
             width_um,
             spacing_um,
             depth_um,
-            width_std_um: None,
-            spacing_std_um: None,
-            depth_std_um: None,
-            relief: None,
             sliding_angle_deg: record.sliding_angle_deg.take().map(Number::from),
             texture: TextureFile { record, ..TextureFile::default() },
+            ..Self::default()
         }
     }
 }
