@@ -13,9 +13,6 @@ use slipgrid_base::units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, significant, 
 
 mod collinear;
 
-/// Relative difference up to which two values count as equal.
-const SAME: f64 = 1e-9;
-
 /// A measurement with its file position: a row of a table, or the traces of a condition.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Placed {
@@ -102,12 +99,6 @@ impl Placed {
     pub fn condition(&self) -> String {
         self.measurement.condition_in_words()
     }
-
-    fn is_at_condition_of(&self, other: &Self) -> bool {
-        let same = |a: f64, b: f64| (a - b).abs() <= SAME * a.abs().max(b.abs());
-        let (own, other) = (&self.measurement, &other.measurement);
-        same(own.force_n, other.force_n) && same(own.speed_m_s, other.speed_m_s) && same(own.humidity, other.humidity)
-    }
 }
 
 /// Checks `rows`, the measurements on one kind of sample; returns diagnostics of unusual values.
@@ -153,16 +144,21 @@ pub fn check(rows: &[Placed], specimens: &Specimens) -> Result<Vec<Diagnostic>, 
 /// Warns, at the row of the greatest friction, if friction is so high in nearly all `rows` that friction force and
 /// normal force are probably swapped; otherwise `None`.
 fn high_friction(rows: &[Placed]) -> Option<Diagnostic> {
-    let row = rows.iter().max_by(|a, b| a.measurement.mu_dynamic.total_cmp(&b.measurement.mu_dynamic))?;
+    let (row, mu_dynamic) = greatest(rows, |measured| measured.mu_dynamic)?;
     let friction: Vec<f64> = rows.iter().map(|row| row.measurement.mu_dynamic).collect();
-    Some(Diagnostic { reason: exchanged_forces(&friction)?, ..row.at("mu_dynamic", row.measurement.mu_dynamic) })
+    Some(Diagnostic { reason: exchanged_forces(&friction)?, ..row.at("mu_dynamic", mu_dynamic) })
+}
+
+/// Row with the greatest of the values that `of` takes from the measurements, and this value; `None` without rows.
+fn greatest(rows: &[Placed], of: fn(&Measurement) -> f64) -> Option<(&Placed, f64)> {
+    let values = rows.iter().map(|row| (row, of(&row.measurement)));
+    values.max_by(|(_, a), (_, b)| a.total_cmp(b))
 }
 
 /// Warns, at the row of the greatest force, if the forces in all `rows` are so low that the unit is probably kN;
 /// otherwise `None`.
 fn low_force(rows: &[Placed], specimens: &Specimens) -> Option<Diagnostic> {
-    let row = rows.iter().max_by(|a, b| a.measurement.force_n.total_cmp(&b.measurement.force_n))?;
-    let force_n = row.measurement.force_n;
+    let (row, force_n) = greatest(rows, |measured| measured.force_n)?;
     let pressure_mpa = PRESSURE_MPA.from_si(force_n / specimens.area_m2);
     let is_usual = FORCE.judge(force_n) == Ok(None) && PRESSURE.judge(pressure_mpa) == Ok(None);
     let slip = FORCE.greater(force_n).filter(|_| is_usual && pressure_mpa < LOW_PRESSURE_MPA)?;
@@ -177,8 +173,8 @@ fn low_force(rows: &[Placed], specimens: &Specimens) -> Option<Diagnostic> {
 /// Warns, at the row of the greatest speed, if the speeds in all `rows` are so low that the unit is probably m/s;
 /// otherwise `None`.
 fn low_speed(rows: &[Placed]) -> Option<Diagnostic> {
-    let row = rows.iter().max_by(|a, b| a.measurement.speed_m_s.total_cmp(&b.measurement.speed_m_s))?;
-    let speed_mm_s = SPEED_MM_S.from_si(row.measurement.speed_m_s);
+    let (row, speed_m_s) = greatest(rows, |measured| measured.speed_m_s)?;
+    let speed_mm_s = SPEED_MM_S.from_si(speed_m_s);
     let is_usual = SPEED.judge(speed_mm_s) == Ok(None);
     let slip = SPEED.greater(speed_mm_s).filter(|_| is_usual && speed_mm_s < LOW_SPEED_MM_S)?;
     let reason = format!(
@@ -190,8 +186,8 @@ fn low_speed(rows: &[Placed]) -> Option<Diagnostic> {
 /// Warns, at the row of the greatest humidity, if humidities in all `rows` are so low that they are probably fractions
 /// of 1; otherwise `None`.
 fn low_humidity(rows: &[Placed]) -> Option<Diagnostic> {
-    let row = rows.iter().max_by(|a, b| a.measurement.humidity.total_cmp(&b.measurement.humidity))?;
-    let humidity_pct = tidy(HUMIDITY_PCT.from_si(row.measurement.humidity));
+    let (row, humidity) = greatest(rows, |measured| measured.humidity)?;
+    let humidity_pct = tidy(HUMIDITY_PCT.from_si(humidity));
     let reason = format!("is the greatest of its table, {}", share_of_one(humidity_pct)?);
     Some(Diagnostic { reason, ..row.at("humidity_pct", humidity_pct) })
 }
@@ -211,16 +207,14 @@ pub fn check_partners(rows: &[Placed], written: &[Placed], flat: &[Placed]) -> R
     let measured = flat.iter().take(MAX_NAMED).map(Placed::condition).collect::<Vec<_>>().join("; ");
     let more = if flat.len() > MAX_NAMED { format!("; {} more", flat.len() - MAX_NAMED) } else { String::new() };
     let named = |(row, written): &(&Placed, &Placed), so: &str| {
-        let (force_n, own_n) = (row.measurement.force_n, written.measurement.force_n);
-        let (as_much, there) = if row.is_at_condition_of(written) {
-            (String::new(), "")
-        } else {
-            let force_n = tidy(significant(force_n, 6));
-            let as_much = format!("N on this face press as {force_n} N do on the calibration's: it ");
-            (as_much, ", with forces on the calibration's face")
-        };
-        let reason = format!("{as_much}has no flat sample beside it, measured at {}: {so}", row.condition());
-        let at = Diagnostic { reason, ..row.at("force_n", own_n) };
+        let (mut reason, mut there) = (String::new(), "");
+        if !row.measurement.is_at(&written.measurement) {
+            let force_n = tidy(significant(row.measurement.force_n, 6));
+            reason = format!("N on this face press as {force_n} N do on the calibration's: it ");
+            there = ", with forces on the calibration's face";
+        }
+        reason += &format!("has no flat sample beside it, measured at {}: {so}", row.condition());
+        let at = Diagnostic { reason, ..row.at("force_n", written.measurement.force_n) };
         at.expected(format!("a condition of the flat samples{there}: {measured}{more}"))
     };
     if alone.len() == rows.len() {
@@ -253,7 +247,7 @@ pub fn doubtful_ratios(rows: &[Placed], flat: &[Placed]) -> Vec<Diagnostic> {
 /// [`Diagnostic`] at the second occurrence.
 pub fn refuse_repeated(rows: &[Placed]) -> Result<(), Diagnostic> {
     for (place, row) in rows.iter().enumerate() {
-        if let Some(first) = rows[..place].iter().find(|first| first.is_at_condition_of(row)) {
+        if let Some(first) = rows[..place].iter().find(|first| first.measurement.is_at(&row.measurement)) {
             let reason = format!("has {} again, as line {} has", row.condition(), first.line);
             return Err(Diagnostic { line: Some(row.line), ..Diagnostic::file(&row.path, reason) }
                 .expected("one row a condition: mean and standard deviation of its repeats"));
@@ -278,12 +272,10 @@ pub(crate) fn identical(others: &[Placed], rows: &[Placed]) -> Vec<Diagnostic> {
         first.path == row.path || alike >= least
     };
     let told = found.iter().filter(is_meant).map(|(first, row)| {
-        let what = if (&first.path, first.line) == (&row.path, row.line) {
-            "is read a second time".to_owned()
-        } else {
-            let elsewhere =
-                if first.path == row.path { String::new() } else { format!(" of {}", first.path.display()) };
-            format!("has the same numbers as line {}{elsewhere}", first.line)
+        let what = match (first.path == row.path, first.line) {
+            (true, line) if line == row.line => "is read a second time".to_owned(),
+            (true, line) => format!("has the same numbers as line {line}"),
+            (false, line) => format!("has the same numbers as line {line} of {}", first.path.display()),
         };
         let (condition, mu) = (row.condition(), row.measurement.mu_dynamic);
         let reason = format!("{what}, {condition} with mu_dynamic = {mu}, and counts as a measurement of its own");
