@@ -12,7 +12,7 @@ use slipgrid_model::material::{AreaLaw, Elastic, Extrapolation};
 use slipgrid_model::pattern::Pattern;
 use slipgrid_model::springblock::{Holder, Layer};
 
-use super::calibration_file::{BulkFile, CalibrationFile};
+use super::calibration_file::{BulkFile, CalibrationFile, FitFile};
 use super::file_kind::FileKind;
 use super::friction::{DEFAULT_RELATIVE_STD, DEFAULT_STATIC_OVER_DYNAMIC};
 use super::material::check_modulus_std;
@@ -130,8 +130,8 @@ impl Calibration {
         let surface = file.surface.as_ref().map_or(Ok(Surface::None), |surface| Surface::new(document, surface))?;
         let threshold = file.surface.as_ref().and_then(|surface| surface.get_ref().threshold_mpa.as_ref());
         let threshold_pa = document.optional(threshold, PRESSURE_MPA)?;
-        let fit = file.fit.as_ref();
-        let coefficients = fit.and_then(|fit| fit.coefficients).unwrap_or(Coefficients::PerCondition);
+        let fit = file.fit.clone().unwrap_or_default();
+        let coefficients = fit.coefficients.unwrap_or(Coefficients::PerCondition);
         let stated = StatedSpecimen::read(document, &file.specimen, None)?;
         let outline = stated.specimen.outline;
         let specimens = Specimens { area_m2: area_m2(&outline), modulus_pa: elastic.youngs_modulus_pa() };
@@ -162,7 +162,7 @@ impl Calibration {
             trials::read_trials(document, &file.trial, prior, &flat, first, &mut reader, &mut remarks)?;
         let once = unrepeated(&traces);
         traces.extend(of_trials);
-        let area_law_scale_pa = read_scale(document, &file)?;
+        let area_law_scale_pa = read_scale(document, &fit, file.surface.is_some())?;
         let measured_law = match (&surface, &file.surface) {
             (Surface::Measured { extrapolation }, Some(table)) => {
                 Some(measured_law(document, table, &placed, specimens.area_m2, *extrapolation)?)
@@ -190,7 +190,7 @@ impl Calibration {
                 trials,
                 coefficients,
                 relative_std: document
-                    .optional(fit.and_then(|fit| fit.relative_std.as_ref()), RELATIVE_STD)?
+                    .optional(fit.relative_std.as_ref(), RELATIVE_STD)?
                     .unwrap_or(DEFAULT_RELATIVE_STD),
                 static_over_dynamic: DEFAULT_STATIC_OVER_DYNAMIC,
                 layer: DEFAULT_LAYER,
@@ -360,12 +360,10 @@ fn read_measured(
     reader: &mut TraceReader<'_>,
 ) -> Result<Measured, Diagnostic> {
     let mut tables = [Vec::new(), Vec::new()];
-    if let Some(measurements) = &file.measurements {
-        let names = [measurements.get_ref().flat.as_ref(), measurements.get_ref().patterned.as_ref()];
-        for (table, name) in tables.iter_mut().zip(names) {
-            if let Some(name) = name {
-                *table = measurements::read(document, name, samples)?;
-            }
+    if let Some(table) = &file.measurements {
+        let names = [&table.get_ref().flat, &table.get_ref().patterned];
+        for (kind, name) in names.into_iter().enumerate().filter_map(|(kind, name)| Some((kind, name.as_ref()?))) {
+            tables[kind] = measurements::read(document, name, samples)?;
         }
     }
     let mut read = Vec::new();
@@ -398,9 +396,9 @@ fn read_measured(
     Ok(Measured { flat, patterned, traces: read })
 }
 
-fn read_scale(document: &Document, file: &CalibrationFile) -> Result<Option<[f64; 2]>, Diagnostic> {
-    let Some(bounds) = file.fit.as_ref().and_then(|fit| fit.area_law_scale_mpa.as_ref()) else { return Ok(None) };
-    if file.surface.is_some() {
+fn read_scale(document: &Document, fit: &FitFile, has_surface: bool) -> Result<Option<[f64; 2]>, Diagnostic> {
+    let Some(bounds) = &fit.area_law_scale_mpa else { return Ok(None) };
+    if has_surface {
         return Err(document
             .refuse(bounds.span(), "stands beside [surface]")
             .expected("either area_law_scale_mpa or [surface]"));

@@ -108,7 +108,7 @@ pub(crate) struct MeasurementsFile {
 }
 
 /// Options of the fit.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct FitFile {
     /// Local friction coefficients to fit: `per-condition`, or `single`, one static and one dynamic coefficient for all

@@ -5,19 +5,21 @@ use std::path::{Path, PathBuf};
 
 use schemars::JsonSchema;
 use serde::Deserialize;
+use slipgrid_model::material::Condition;
 use slipgrid_traces::columns::{Channel, Titles};
 use slipgrid_traces::{DEFAULT_STROKE_SHARE, DEFAULT_WINDOW_S, moderate};
 
+use super::friction::read_condition;
 use super::measurements::ORDER;
 use super::stated_specimen::read_count;
 use super::traces::{ConditionTraces, Export, OfTrial, Seen, SurfaceKind, TraceCondition, TraceSetup, analyse_among};
 use super::values::{Number, NumberList};
 use crate::formats::source::{Entry, Source, fits};
 use crate::formats::{Diagnostic, Document, Spanned};
-use slipgrid_base::units::{FORCE_N, HUMIDITY_PCT, LENGTH_MM, SPEED_MM_S, STROKE_SHARE, TIME_S};
+use slipgrid_base::units::{FORCE_N, LENGTH_MM, STROKE_SHARE, TIME_S};
 
 /// The table `[traces]` of a calibration file.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TracesFile {
     /// Seconds since the first row between which friction is averaged; [10, 40] when absent.
@@ -168,18 +170,17 @@ impl<'d> TraceReader<'d> {
         file: Option<&TracesFile>,
         mut of_trials: impl Iterator<Item = &'f TraceConditionFile>,
     ) -> Result<Self, Diagnostic> {
-        let window_s = read_window(document, file.and_then(|file| file.window_s.as_ref()))?;
-        let specimens = file.and_then(|file| file.specimens.as_ref());
-        let specimens = specimens.map_or(Ok(1), |count| read_count(document, count))?;
-        let zero_s = read_zero(document, file.and_then(|file| file.zero_s.as_ref()))?;
-        let radius = file.and_then(|file| file.effective_radius_mm.as_ref());
-        let effective_radius_m = document.optional(radius, LENGTH_MM)?;
-        let reciprocating = file.and_then(|file| file.reciprocating).unwrap_or(false);
-        let share = file.and_then(|file| file.stroke_share.as_ref());
-        let conditions = file.and_then(|file| file.condition.as_ref()).map_or(&[][..], |list| list.get_ref());
+        let none = TracesFile::default();
+        let file = file.unwrap_or(&none);
+        let window_s = read_window(document, file.window_s.as_ref())?;
+        let specimens = file.specimens.as_ref().map_or(Ok(1), |count| read_count(document, count))?;
+        let zero_s = read_zero(document, file.zero_s.as_ref())?;
+        let effective_radius_m = document.optional(file.effective_radius_mm.as_ref(), LENGTH_MM)?;
+        let reciprocating = file.reciprocating.unwrap_or(false);
         let turns = |condition: &TraceConditionFile| condition.reciprocating == Some(true);
-        let some_turn = reciprocating || conditions.iter().any(turns) || of_trials.any(turns);
-        if let Some(share) = share.filter(|_| !some_turn) {
+        let some_turn =
+            reciprocating || file.condition.iter().flat_map(Spanned::get_ref).any(turns) || of_trials.any(turns);
+        if let Some(share) = file.stroke_share.as_ref().filter(|_| !some_turn) {
             return Err(needs_reciprocating(document, share));
         }
         Ok(Self {
@@ -187,14 +188,12 @@ impl<'d> TraceReader<'d> {
             setup: TraceSetup {
                 effective_radius_m,
                 specimens,
-                static_peak: file.and_then(|file| file.static_peak).unwrap_or(true),
-                titles: file
-                    .and_then(|file| file.columns.as_ref())
-                    .map_or(Ok(Titles::default()), |columns| columns.titles(document))?,
+                static_peak: file.static_peak.unwrap_or(true),
+                titles: file.columns.as_ref().map_or(Ok(Titles::default()), |columns| columns.titles(document))?,
             },
             window_s: window_s.unwrap_or(DEFAULT_WINDOW_S),
             reciprocating,
-            stroke_share: document.optional(share, STROKE_SHARE)?,
+            stroke_share: document.optional(file.stroke_share.as_ref(), STROKE_SHARE)?,
             zero_s,
             named: Vec::new(),
             seen: Vec::new(),
@@ -232,9 +231,9 @@ impl<'d> TraceReader<'d> {
         trial: Option<&OfTrial>,
     ) -> Result<PlacedConditions, Diagnostic> {
         if list.get_ref().is_empty() {
-            let one =
-                if trial.is_some() { "at least one [[trial.traces]]" } else { "at least one [[traces.condition]]" };
-            return Err(self.document.refuse(list.span(), "is empty").expected(one));
+            let table = if trial.is_some() { "trial.traces" } else { "traces.condition" };
+            let refused = self.document.refuse(list.span(), "is empty");
+            return Err(refused.expected(format!("at least one [[{table}]]")));
         }
         let mut all = PlacedConditions::new();
         for file in list.get_ref() {
@@ -288,18 +287,15 @@ impl<'d> TraceReader<'d> {
     fn condition(&mut self, file: &TraceConditionFile, trial: Option<&OfTrial>) -> Result<TraceCondition, Diagnostic> {
         let document = self.document;
         let usual = if trial.is_some() { SurfaceKind::Patterned } else { SurfaceKind::Flat };
-        let surface = file
-            .surface
-            .as_ref()
-            .map_or(Ok(usual), |name| document.choice(name, &SurfaceKind::ALL, SurfaceKind::name))?;
+        let surface = file.surface.as_ref();
+        let surface = surface.map_or(Ok(usual), |name| document.choice(name, &SurfaceKind::ALL, SurfaceKind::name))?;
         if let Some(name) = file.surface.as_ref().filter(|_| trial.is_some() && surface == SurfaceKind::Flat) {
             return Err(document
                 .refuse(name.span(), "is not the surface of a trial")
                 .expected("\"patterned\" or no key; flat samples stand in [[traces.condition]]"));
         }
-        let (force_n, speed_m_s) =
-            (document.number(&file.force_n, FORCE_N)?, document.number(&file.speed_mm_s, SPEED_MM_S)?);
-        let humidity = document.number(&file.humidity_pct, HUMIDITY_PCT)?;
+        let force_n = document.number(&file.force_n, FORCE_N)?;
+        let Condition { speed_m_s, humidity } = read_condition(document, &file.speed_mm_s, &file.humidity_pct)?;
         let window_s = read_window(document, file.window_s.as_ref())?.unwrap_or(self.window_s);
         let stroke_share = match (&file.stroke_share, file.reciprocating.unwrap_or(self.reciprocating)) {
             (Some(share), false) => return Err(needs_reciprocating(document, share)),
@@ -344,9 +340,10 @@ impl<'d> TraceReader<'d> {
         for name in list.get_ref() {
             let found = matching(document.source(), &document.resolve(name.get_ref()));
             if found.is_empty() {
-                let entry = document.source().entry(&document.resolve(name.get_ref()));
-                let what =
-                    if entry.is_ok_and(|entry| entry == Entry::Folder) { "is a folder" } else { "names no file" };
+                let what = match document.source().entry(&document.resolve(name.get_ref())) {
+                    Ok(Entry::Folder) => "is a folder",
+                    _ => "names no file",
+                };
                 return Err(document.refuse(name.span(), what).expected("an export, or a name with * in it"));
             }
             for path in &found {
