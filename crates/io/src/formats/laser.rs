@@ -147,16 +147,12 @@ fn with_ablation(
     let column = |list: &NumberList| column(document, list, POSITIVE, fluences.len(), "fluence");
     let depths = column(&given.depth_per_burst_um)?;
     let deviations = given.depth_std_um.as_ref().map(column).transpose()?;
-    let points: Vec<AblationPoint> = fluences
-        .iter()
-        .zip(&depths)
-        .enumerate()
-        .map(|(place, (&fluence_j_cm2, &depth_um))| AblationPoint {
-            fluence_j_cm2,
-            depth_um,
-            depth_std_um: deviations.as_ref().map(|all| all[place]),
-        })
-        .collect();
+    let point = |place: usize| AblationPoint {
+        fluence_j_cm2: fluences[place],
+        depth_um: depths[place],
+        depth_std_um: deviations.as_ref().map(|all| all[place]),
+    };
+    let points: Vec<AblationPoint> = (0..fluences.len()).map(point).collect();
     let law = Ablation::fit(&points, fluence_j_cm2)
         .map_err(|error| document.refuse(given.fluence_j_cm2.span(), error.to_string()))?;
     Ok(Laser { depth_per_burst_um: Some(law.depth_per_burst_um), ablation: Some(law), ..laser })
@@ -205,33 +201,26 @@ pub fn check_fits(
     texture: &Texture,
     (width_m, spacing_m, depth_m): ([f64; 2], [f64; 2], [f64; 2]),
 ) -> Result<(), Diagnostic> {
-    for end in [0, 1] {
+    let error_at = |end: usize| {
         // Lengths that the texture does not allow are refused with the bounds.
-        let Ok(pattern) = Pattern::new(*texture, width_m[end], spacing_m[end], depth_m[0]) else { continue };
-        match outline.check(pattern) {
-            Err(ExportError::NoCavityFits { needed_m, extent_m, .. }) if end == 0 => {
-                let has = if width_m[0] < width_m[1] {
-                    "cavities of the smallest of these widths"
-                } else {
-                    "cavities of this width"
-                };
-                let [extent_mm, needed_mm] = [
-                    significant(LENGTH_MM.from_si(extent_m), 4),
-                    significant_to(LENGTH_MM.from_si(needed_m) * (1.0 - EXACT), 3, f64::ceil),
-                ];
-                return Err(document
-                    .refuse(width_um, format!("{has} do not fit whole on the specimen, whose extent is {extent_mm} mm"))
-                    .expected(format!("narrower cavities, or a specimen with an extent of at least {needed_mm} mm")));
-            }
-            Err(error @ ExportError::TooManyCavities { .. }) if end == 1 => {
-                return Err(document
-                    .refuse(table.span(), error.to_string())
-                    .expected("a smaller specimen, or larger bounds"));
-            }
-            _ => {}
-        }
+        let pattern = Pattern::new(*texture, width_m[end], spacing_m[end], depth_m[0]).ok()?;
+        outline.check(pattern).err()
+    };
+    if let Some(ExportError::NoCavityFits { needed_m, extent_m, .. }) = error_at(0) {
+        let smallest = if width_m[0] < width_m[1] { "the smallest of these widths" } else { "this width" };
+        let extent_mm = significant(LENGTH_MM.from_si(extent_m), 4);
+        let needed_mm = significant_to(LENGTH_MM.from_si(needed_m) * (1.0 - EXACT), 3, f64::ceil);
+        let reason = format!("cavities of {smallest} do not fit whole on the specimen, whose extent is {extent_mm} mm");
+        return Err(document
+            .refuse(width_um, reason)
+            .expected(format!("narrower cavities, or a specimen with an extent of at least {needed_mm} mm")));
     }
-    Ok(())
+    match error_at(1) {
+        Some(error @ ExportError::TooManyCavities { .. }) => {
+            Err(document.refuse(table.span(), error.to_string()).expected("a smaller specimen, or larger bounds"))
+        }
+        _ => Ok(()),
+    }
 }
 
 #[cfg(test)]

@@ -258,25 +258,27 @@ impl Plausible {
     /// Range of measured values with examples, if `value` cannot be measured.
     pub fn judge(&self, value: f64) -> Result<Option<String>, String> {
         let within = |[from, to]: [f64; 2]| value >= from && value <= to;
-        if within(self.usual) {
-            return Ok(None);
-        }
-        let [from, to] = if within(self.measurable) { self.usual } else { self.measurable };
-        let unit = if self.unit.is_empty() { String::new() } else { format!(" {}", self.unit) };
         let slip = self.slip(value).map_or_else(String::new, |slip| format!("; {slip}"));
-        if within(self.measurable) {
-            Ok(Some(format!("is unusual: {} mostly lie from {from} to {to}{unit}, as {}{slip}", self.what, self.why)))
+        let described = |[from, to]: [f64; 2]| format!("{from} to {to}{}, as {}{slip}", self.after_number(), self.why);
+        if within(self.usual) {
+            Ok(None)
+        } else if within(self.measurable) {
+            Ok(Some(format!("is unusual: {} mostly lie from {}", self.what, described(self.usual))))
         } else {
-            Err(format!("{from} to {to}{unit}, as {}{slip}", self.why))
+            Err(described(self.measurable))
         }
+    }
+
+    /// The unit as it stands after a number.
+    fn after_number(&self) -> String {
+        if self.unit.is_empty() { String::new() } else { format!(" {}", self.unit) }
     }
 
     /// Names the probable intended unit, in which `value` is usual; `None` if there is none.
     pub fn slip(&self, value: f64) -> Option<String> {
         let is_usual = |value: f64| value >= self.usual[0] && value <= self.usual[1];
         let (what, factor) = self.slips.iter().find(|(_, factor)| is_usual(value * factor))?;
-        let unit = if self.unit.is_empty() { String::new() } else { format!(" {}", self.unit) };
-        Some(format!("{what} would be {}{unit}", tidy(value * factor)))
+        Some(format!("{what} would be {}{}", tidy(value * factor), self.after_number()))
     }
 
     /// Names the probable intended unit of a `value` that is too small, in which it is greater and usual; `None` if

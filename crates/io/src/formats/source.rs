@@ -85,9 +85,7 @@ pub fn fits(name: &str, pattern: &str) -> bool {
 /// # Errors
 /// [`Diagnostic`] if `path` is a folder or cannot be read.
 pub fn read_bytes(source: &Source, path: &Path, expected: &str) -> Result<Vec<u8>, Diagnostic> {
-    if source.entry(path).is_ok_and(|entry| entry == Entry::Folder) {
-        return Err(Diagnostic::file(path, "is a folder").expected(expected));
-    }
+    refuse_folder(source, path, expected)?;
     source.read(path).map_err(|error| unreadable(path, &error))
 }
 
@@ -96,10 +94,15 @@ pub fn read_bytes(source: &Source, path: &Path, expected: &str) -> Result<Vec<u8
 /// # Errors
 /// [`Diagnostic`] if `path` is a folder or cannot be opened.
 pub fn stream(source: &Source, path: &Path, expected: &str) -> Result<Box<dyn io::Read>, Diagnostic> {
-    if source.entry(path).is_ok_and(|entry| entry == Entry::Folder) {
-        return Err(Diagnostic::file(path, "is a folder").expected(expected));
-    }
+    refuse_folder(source, path, expected)?;
     source.stream(path).map_err(|error| unreadable(path, &error))
+}
+
+fn refuse_folder(source: &Source, path: &Path, expected: &str) -> Result<(), Diagnostic> {
+    match source.entry(path) {
+        Ok(Entry::Folder) => Err(Diagnostic::file(path, "is a folder").expected(expected)),
+        _ => Ok(()),
+    }
 }
 
 /// Text of the file at `path` of `source`, in UTF-8, or in UTF-16 with a byte order mark; `expected` describes the

@@ -172,11 +172,9 @@ pub(crate) enum ForceIs {
 /// # Errors
 /// [`Diagnostic`] if the number is 0 or above `MAX_SPECIMENS`.
 pub(crate) fn read_count(document: &Document, given: &Spanned<u64>) -> Result<u32, Diagnostic> {
-    u32::try_from(*given.get_ref()).ok().filter(|count| (1..=MAX_SPECIMENS).contains(count)).ok_or_else(|| {
-        document
-            .refuse(given.span(), "specimens are not held")
-            .expected(format!("a whole number from 1 to {MAX_SPECIMENS}"))
-    })
+    let count = u32::try_from(*given.get_ref()).ok().filter(|count| (1..=MAX_SPECIMENS).contains(count));
+    let expected = format!("a whole number from 1 to {MAX_SPECIMENS}");
+    count.ok_or_else(|| document.refuse(given.span(), "specimens are not held").expected(expected))
 }
 
 /// Number of specimens that a force in the tables presses: `samples` if forces are totals, otherwise 1.

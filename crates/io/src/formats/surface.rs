@@ -125,26 +125,22 @@ impl Surface {
                 .refuse(after.span(), "stands alone")
                 .expected("`map` beside it: the map before the test"));
         }
-        match (&surface.map, &surface.persson_rms_slope) {
-            (Some(_), Some(slope)) => Err(document
+        let existing = |path: &Spanned<String>| existing(document, path, path.get_ref());
+        match (&surface.map, &surface.persson_rms_slope, &surface.windows) {
+            (Some(_), Some(slope), _) => Err(document
                 .refuse(slope.span(), "stands beside a map")
                 .expected("either `map` or `persson_rms_slope`")),
-            (None, None) => Err(document.missing(file.span(), "map").expected("`map` or `persson_rms_slope`")),
-            (None, Some(_)) if surface.windows.is_some() => {
-                let windows = surface.windows.as_ref().map_or(0..0, Spanned::span);
-                Err(document.refuse(windows, "stands without a map").expected("windows only of a map"))
+            (None, None, _) => Err(document.missing(file.span(), "map").expected("`map` or `persson_rms_slope`")),
+            (None, Some(_), Some(windows)) => {
+                Err(document.refuse(windows.span(), "stands without a map").expected("windows only of a map"))
             }
-            (None, Some(slope)) => Ok(Self::Persson { rms_slope: document.number(slope, SLOPE)? }),
-            (Some(map), None) => Ok(Self::Map {
-                path: existing(document, map, map.get_ref())?,
+            (None, Some(slope), None) => Ok(Self::Persson { rms_slope: document.number(slope, SLOPE)? }),
+            (Some(map), None, windows) => Ok(Self::Map {
+                path: existing(map)?,
                 synthetic: surface.synthetic.unwrap_or(false),
                 options: options(document, surface)?,
-                windows: surface.windows.as_ref().map(|windows| *windows.get_ref()),
-                after: surface
-                    .map_after
-                    .as_ref()
-                    .map(|after| existing(document, after, after.get_ref()))
-                    .transpose()?,
+                windows: windows.as_ref().map(|windows| *windows.get_ref()),
+                after: surface.map_after.as_ref().map(existing).transpose()?,
             }),
         }
     }
@@ -157,17 +153,16 @@ fn measured(document: &Document, file: &SurfaceFile, law: &Spanned<String>) -> R
         let rest = SurfaceFile { local_law: None, ..file.clone() };
         return Surface::new(document, &Spanned::new(law.span(), rest));
     }
-    let stray = [&file.map, &file.map_after].into_iter().flatten().map(Spanned::span).next();
-    if let Some(stray) = stray.or(file.persson_rms_slope.as_ref().map(Spanned::span)) {
+    let maps = file.map.as_ref().or(file.map_after.as_ref()).map(Spanned::span);
+    if let Some(stray) = maps.or(file.persson_rms_slope.as_ref().map(Spanned::span)) {
         return Err(document
             .refuse(stray, "stands beside local_law = \"measured\", which takes no surface")
             .expected("either local_law = \"measured\" alone, or a surface by map or persson_rms_slope"));
     }
-    let extrapolation = file.extrapolation.as_ref().ok_or_else(|| {
-        document
-            .missing(law.span(), "extrapolation")
-            .expected("\"constant\" or \"logarithmic\": how friction goes on above the last measured pressure")
-    })?;
+    let Some(extrapolation) = &file.extrapolation else {
+        let expected = "\"constant\" or \"logarithmic\": how friction goes on above the last measured pressure";
+        return Err(document.missing(law.span(), "extrapolation").expected(expected));
+    };
     let extrapolation = document.choice(extrapolation, &Extrapolation::ALL, Extrapolation::name)?;
     Ok(Surface::Measured { extrapolation })
 }
@@ -217,13 +212,12 @@ fn crop(document: &Document, crop: &Spanned<Vec<usize>>) -> Result<Crop, Diagnos
 }
 
 fn decimation(document: &Document, file: &SurfaceFile) -> Result<Option<Decimation>, Diagnostic> {
-    let method = file.decimate_by.as_ref().map(|name| {
-        document.choice(name, &[DecimationMethod::Mean, DecimationMethod::Pick], |method| match method {
-            DecimationMethod::Mean => "mean",
-            DecimationMethod::Pick => "pick",
-        })
-    });
-    let method = method.transpose()?;
+    let name_of = |method| match method {
+        DecimationMethod::Mean => "mean",
+        DecimationMethod::Pick => "pick",
+    };
+    let all = [DecimationMethod::Mean, DecimationMethod::Pick];
+    let method = file.decimate_by.as_ref().map(|name| document.choice(name, &all, name_of)).transpose()?;
     match (&file.decimate, &file.decimate_by) {
         (Some(factor), _) if *factor.get_ref() == 0 => {
             Err(document.refuse(factor.span(), "is out of range").expected("a whole number from 1 up"))

@@ -23,7 +23,7 @@ pub struct TradeOffsFile {
     #[schemars(with = "Vec<String>")]
     goals: Spanned<Vec<Spanned<TradeOffGoal>>>,
     /// Approximate number of designs to compare at first, spread over the bounds; 1000 when absent, 400 with `spread`.
-    designs: Option<Spanned<u64>>,
+    designs: Option<Spanned<usize>>,
 }
 
 /// Other inputs of the design that goals may need.
@@ -68,13 +68,14 @@ pub fn read_trade_offs(
                  hexagonal or turned have no section that stands for the whole texture, and to solve so many cells in space would take hours")
             .expected("rows along the sliding direction in a square arrangement, or no [trade_offs]: the search itself solves such patterns in space"));
     }
-    let usual = if goals.contains(&TradeOffGoal::Spread) { DEFAULT_DESIGNS_WITH_SPREAD } else { DEFAULT_DESIGNS };
     let designs = match &file.designs {
-        None => usual,
+        None if goals.contains(&TradeOffGoal::Spread) => DEFAULT_DESIGNS_WITH_SPREAD,
+        None => DEFAULT_DESIGNS,
+        Some(designs) if (8..=1_000_000).contains(designs.get_ref()) => *designs.get_ref(),
         Some(designs) => {
-            usize::try_from(*designs.get_ref()).ok().filter(|count| (8..=1_000_000).contains(count)).ok_or_else(
-                || document.refuse(designs.span(), "is out of range").expected("a whole number from 8 to 1000000"),
-            )?
+            return Err(document
+                .refuse(designs.span(), "is out of range")
+                .expected("a whole number from 8 to 1000000"));
         }
     };
     Ok(TradeOffsWanted { goals, designs })
@@ -82,30 +83,18 @@ pub fn read_trade_offs(
 
 /// Refuses a goal that needs inputs that the design does not give.
 fn needs(document: &Document, name: &Spanned<TradeOffGoal>, given: &Given<'_>) -> Result<(), Diagnostic> {
-    let refuse = |reason: &str, expected: String| Err(document.refuse(name.span(), reason).expected(expected));
-    match name.get_ref() {
-        TradeOffGoal::LaserTime => {
-            let missing = missing_for_time(given.laser);
-            if !missing.is_empty() {
-                return refuse("is a time that cannot be estimated", format!("{} beside it", missing.join(", ")));
-            }
-        }
-        TradeOffGoal::Misfit if !given.target.has_demands() => {
-            return refuse("has nothing to miss", "a value or a band in [target]".to_owned());
-        }
-        TradeOffGoal::Spread if !given.has_tolerances => {
-            return refuse("needs to know how samples scatter", "a table [tolerances]".to_owned());
-        }
+    let missing = missing_for_time(given.laser);
+    let beside = format!("{} beside it", missing.join(", "));
+    let (reason, expected) = match name.get_ref() {
+        TradeOffGoal::LaserTime if !missing.is_empty() => ("is a time that cannot be estimated", &beside[..]),
+        TradeOffGoal::Misfit if !given.target.has_demands() => ("has nothing to miss", "a value or a band in [target]"),
+        TradeOffGoal::Spread if !given.has_tolerances => ("needs to know how samples scatter", "a table [tolerances]"),
         TradeOffGoal::Chance if !given.target.has_demands() || given.target.goal().is_some() => {
-            return refuse("is that of designs on a target", "a value or a band in [target], and no goal".to_owned());
+            ("is that of designs on a target", "a value or a band in [target], and no goal")
         }
-        TradeOffGoal::Chance
-        | TradeOffGoal::Misfit
-        | TradeOffGoal::Volume
-        | TradeOffGoal::Spread
-        | TradeOffGoal::PeakPressure => {}
-    }
-    Ok(())
+        _ => return Ok(()),
+    };
+    Err(document.refuse(name.span(), reason).expected(expected))
 }
 
 #[cfg(test)]

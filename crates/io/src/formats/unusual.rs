@@ -60,7 +60,7 @@ pub fn of_pressures(document: &Document, pressures: &Spanned<Numbers>, modulus_g
         let reason = format!("MPa is {strain} of Young's modulus, {modulus_mpa} MPa: this {usual}{slip}");
         Some(document.refuse(value.span(), reason))
     };
-    first(pressures, strained).or_else(|| numbers(document, GIVEN_PRESSURE, pressures))
+    first(pressures, strained).or_else(|| first(pressures, |value| number(document, GIVEN_PRESSURE, value)))
 }
 
 /// Reason and accepted range for a speed that is too high for any run in time at this pressure; `None` for a lower
@@ -140,11 +140,11 @@ pub fn of_material(document: &Document, file: &MaterialFile) -> Vec<Diagnostic> 
     let friction = file.friction.get_ref();
     let tables = friction.conditions.iter().map(|table| (&table.get_ref().static_mean, &table.get_ref().dynamic_mean));
     let pairs: Vec<_> = tables.chain(friction.static_mean.as_ref().zip(friction.dynamic_mean.as_ref())).collect();
-    for mean in pairs.iter().flat_map(|(at_rest, sliding)| [at_rest, sliding]) {
-        told.extend(numbers(document, FRICTION, mean));
-    }
+    let means = pairs.iter().flat_map(|(at_rest, sliding)| [at_rest, sliding]);
+    told.extend(means.filter_map(|mean| first(mean, |value| number(document, FRICTION, value))));
     told.extend(pairs.iter().filter_map(|(at_rest, sliding)| of_static(document, at_rest, sliding)));
-    told.extend(high_friction(document, file));
+    let sliding: Vec<&Spanned<Numbers>> = pairs.iter().map(|(_, sliding)| *sliding).collect();
+    told.extend(high_friction(document, &sliding));
     told.extend(file.made_from.as_ref().and_then(|made| made.changed(document)));
     told
 }
@@ -171,27 +171,21 @@ fn of_static(document: &Document, at_rest: &Spanned<Numbers>, sliding: &Spanned<
     Some(document.refuse(number_span(at_rest, place), reason).expected(expected))
 }
 
-/// Warning at the first dynamic coefficient, if nearly all are so high that friction force and normal force are
-/// probably swapped; otherwise `None`.
-fn high_friction(document: &Document, file: &MaterialFile) -> Option<Diagnostic> {
-    let friction = file.friction.get_ref();
-    let each = friction.conditions.iter().map(|table| &table.get_ref().dynamic_mean);
-    let all: Vec<&Spanned<Numbers>> = each.chain(friction.dynamic_mean.as_ref()).collect();
-    let means: Vec<f64> = all.iter().flat_map(|of| of.get_ref().written()).collect();
-    Some(document.refuse(all.first()?.span(), exchanged_forces(&means)?))
+/// Warning at the first of the dynamic coefficients `sliding`, if nearly all are so high that friction force and normal
+/// force are probably swapped; otherwise `None`.
+fn high_friction(document: &Document, sliding: &[&Spanned<Numbers>]) -> Option<Diagnostic> {
+    let means: Vec<f64> = sliding.iter().flat_map(|of| of.get_ref().written()).collect();
+    Some(document.refuse(sliding.first()?.span(), exchanged_forces(&means)?))
 }
 
+/// Warning of an unusual `value` other than zero; `None` for a usual one.
 fn number(document: &Document, quantity: Plausible, value: &Number) -> Option<Diagnostic> {
-    let written = *value.get_ref();
-    (written != 0.0).then(|| quantity.tell(written, || document.refuse(value.span(), ""))).flatten()
+    let written = Some(*value.get_ref()).filter(|written| *written != 0.0)?;
+    quantity.tell(written, || document.refuse(value.span(), ""))
 }
 
-/// Warning of the first unusual value in `values`, so that a list gets at most one warning; `None` if all are usual.
-fn numbers(document: &Document, quantity: Plausible, values: &Spanned<Numbers>) -> Option<Diagnostic> {
-    first(values, |value| number(document, quantity, value))
-}
-
-/// Returns the first warning that `tell` gives for a number of `values`; `None` if there is none.
+/// Returns the first warning that `tell` gives for a number of `values`, so that a list gets at most one warning; `None`
+/// if there is none.
 fn first(values: &Spanned<Numbers>, tell: impl Fn(&Number) -> Option<Diagnostic>) -> Option<Diagnostic> {
     match values.get_ref() {
         Numbers::One(value) => tell(&Spanned::new(values.span(), *value)),
@@ -210,11 +204,7 @@ pub fn of_cavity(document: &Document, table: &Spanned<PatternFile>) -> Vec<Diagn
         (CAVITY_WIDTH, length.as_ref()),
         (CAVITY_DEPTH, Some(&file.depth_um)),
     ];
-    let told = |(quantity, length): (Plausible, Option<&Spanned<f64>>)| {
-        let length = length?;
-        quantity.tell(*length.get_ref(), || document.refuse(length.span(), ""))
-    };
-    lengths.into_iter().filter_map(told).collect()
+    lengths.into_iter().filter_map(|(quantity, length)| number(document, quantity, length?)).collect()
 }
 
 #[cfg(test)]
