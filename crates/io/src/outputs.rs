@@ -6,30 +6,9 @@ use std::sync::Arc;
 use serde::Serialize;
 use slipgrid_design::results::{NoJsonForm, json_and_timings};
 
-/// Writes a file's bytes; every call writes identical bytes.
-pub type Writer = Arc<dyn Fn(&mut dyn Write) -> io::Result<()> + Send + Sync>;
-
-/// Content of an output file.
-#[derive(Clone)]
-pub enum Content {
-    /// Bytes in memory.
-    Bytes(Vec<u8>),
-    /// Bytes generated during writing, for files too large for memory.
-    Stream(Writer),
-}
-
-impl Content {
-    /// Writes the content to `to`.
-    ///
-    /// # Errors
-    /// The error of writing to `to`.
-    pub fn write(&self, to: &mut dyn Write) -> io::Result<()> {
-        match self {
-            Self::Bytes(bytes) => to.write_all(bytes),
-            Self::Stream(write) => write(to),
-        }
-    }
-}
+/// Content of an output file: writes its bytes, identical ones with every call. Files too large for memory are generated
+/// during writing.
+pub type Content = Arc<dyn Fn(&mut dyn Write) -> io::Result<()> + Send + Sync>;
 
 /// Files of one result: names and contents.
 #[derive(Clone, Default)]
@@ -46,7 +25,8 @@ impl std::fmt::Debug for Outputs {
 impl Outputs {
     /// Adds the file `name` with the content `bytes`.
     pub fn add(&mut self, name: impl Into<String>, bytes: impl Into<Vec<u8>>) {
-        self.files.push((name.into(), Content::Bytes(bytes.into())));
+        let bytes = bytes.into();
+        self.add_stream(name, move |to| to.write_all(&bytes));
     }
 
     /// Adds `record` as result.json without the wall times, and the wall times as timings.json.
@@ -62,7 +42,7 @@ impl Outputs {
 
     /// Adds all files of `others` with `prefix` before each name; the prefix `next-1/` puts the files into a folder.
     pub fn add_below(&mut self, prefix: &str, others: &Self) {
-        self.files.extend(others.files.iter().map(|(name, content)| (format!("{prefix}{name}"), content.clone())));
+        self.files.extend(others.files.iter().map(|(name, content)| (format!("{prefix}{name}"), Arc::clone(content))));
     }
 
     /// Adds a file that `write` generates piece by piece during writing.
@@ -71,14 +51,14 @@ impl Outputs {
         name: impl Into<String>,
         write: impl Fn(&mut dyn Write) -> io::Result<()> + Send + Sync + 'static,
     ) {
-        self.files.push((name.into(), Content::Stream(Arc::new(write))));
+        self.files.push((name.into(), Arc::new(write)));
     }
 
     /// The file `name` as text; `None` if it does not exist or is not text.
     pub fn text(&self, name: &str) -> Option<String> {
         let (_, content) = self.files.iter().find(|(other, _)| other == name)?;
         let mut bytes = Vec::new();
-        content.write(&mut bytes).ok()?;
+        content(&mut bytes).ok()?;
         String::from_utf8(bytes).ok()
     }
 

@@ -21,7 +21,7 @@ pub type Named = (String, Vec<u8>);
 pub fn contents(outputs: &Outputs) -> Result<Vec<Named>, Failure> {
     let content = |(name, content): (&str, &Content)| {
         let mut bytes = Vec::new();
-        content.write(&mut bytes).map_err(failed)?;
+        content(&mut bytes).map_err(failed)?;
         Ok((name.to_owned(), bytes))
     };
     outputs.iter().map(content).collect()

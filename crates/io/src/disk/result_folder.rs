@@ -169,7 +169,7 @@ fn rename_each(staged: &Staged, folder: &Path, names: &BTreeSet<&str>, stale: &[
 /// only afterwards.
 fn write_through(file: File, content: &Content, is_cancelled: &dyn Fn() -> bool) -> io::Result<String> {
     let mut buffered = BufWriter::new(Hashing { file, hash: Sha256::new(), is_cancelled });
-    content.write(&mut buffered)?;
+    content(&mut buffered)?;
     let Hashing { file, hash, .. } = buffered.into_inner().map_err(io::IntoInnerError::into_error)?;
     file.sync_data()?;
     Ok(hexadecimal(&hash.finalize()))
