@@ -93,15 +93,14 @@ pub fn parse(path: &Path, text: &str) -> Result<Vec<Placed>, Diagnostic> {
         }
         order.push(column);
     }
-    for (column, (name, quantity, required)) in COLUMNS.iter().enumerate() {
-        if *required && !order.contains(&column) {
-            let not_measured = match *name {
-                "humidity_pct" => "; of a humidity that was not measured one number in all rows, as 50",
-                _ => "",
-            };
-            return Err(refuse(header_line, Some(name), None, "is missing".into())
-                .expected(format!("the columns {}; {name} is {quantity}{not_measured}", names()[..5].join(","))));
-        }
+    let is_missing = |column: &usize| COLUMNS[*column].2 && !order.contains(column);
+    if let Some((name, quantity, _)) = (0..COLUMNS.len()).find(is_missing).map(|column| COLUMNS[column]) {
+        let not_measured = match name {
+            "humidity_pct" => "; of a humidity that was not measured one number in all rows, as 50",
+            _ => "",
+        };
+        return Err(refuse(header_line, Some(name), None, "is missing".into())
+            .expected(format!("the columns {}; {name} is {quantity}{not_measured}", names()[..5].join(","))));
     }
 
     let (mut rows, mut signs) = (Vec::new(), DecimalSigns::default());
@@ -111,11 +110,9 @@ pub fn parse(path: &Path, text: &str) -> Result<Vec<Placed>, Diagnostic> {
             if filled(content).into_iter().map(unquoted).eq(filled(header).into_iter().map(unquoted)) {
                 continue;
             }
+            let columns: Vec<&str> = order.iter().map(|&column| COLUMNS[column].0).collect();
             return Err(refuse(line, None, None, format!("has a header again, another than line {header_line}"))
-                .expected(format!(
-                    "rows of numbers below {}",
-                    order.iter().map(|&column| COLUMNS[column].0).collect::<Vec<_>>().join(",")
-                )));
+                .expected(format!("rows of numbers below {}", columns.join(","))));
         }
         let mut cells = cut(content, separator);
         // Allows as many empty cells behind the last column as the header has, because a decimal comma would shift the
@@ -142,53 +139,34 @@ pub fn parse(path: &Path, text: &str) -> Result<Vec<Placed>, Diagnostic> {
                 let name = COLUMNS.get(point.column).map(|column| column.0);
                 return Err(refuse(point.line, name, Some(&point.number), reason).expected(DecimalSigns::EXPECTED));
             }
-            match number {
-                Some(value) if quantity.accepts(value) => values[column] = Some(quantity.to_si(value)),
-                Some(_) => {
-                    return Err(
-                        refuse(line, Some(name), Some(bare), "is out of range".into()).expected(quantity.to_string())
-                    );
+            let reason = match number {
+                Some(value) if quantity.accepts(value) => {
+                    values[column] = Some(quantity.to_si(value));
+                    continue;
                 }
-                None => {
-                    return Err(
-                        refuse(line, Some(name), Some(bare), "is no number".into()).expected(quantity.to_string())
-                    );
-                }
-            }
+                Some(_) => "is out of range",
+                None => "is no number",
+            };
+            return Err(refuse(line, Some(name), Some(bare), reason.into()).expected(quantity.to_string()));
         }
-        if let [
-            Some(force_n),
-            Some(speed_m_s),
-            Some(humidity),
-            Some(mu_dynamic),
-            Some(mu_dynamic_std),
-            mu_static,
-            mu_static_std,
-            sliding_m,
-            order,
-        ] = values
-        {
-            let (given, lacking) = (COLUMNS[5].0, COLUMNS[6].0);
-            if mu_static.is_some() != mu_static_std.is_some() {
-                let (there, absent) = if mu_static.is_some() { (given, lacking) } else { (lacking, given) };
-                return Err(refuse(line, Some(there), None, format!("stands without {absent}"))
-                    .expected("both in a row, or neither where no static peak was measured"));
-            }
-            let static_peak = mu_static.zip(mu_static_std).map(|(mu, std)| StaticPeak { mu, std });
-            let measurement = Measurement { force_n, speed_m_s, humidity, mu_dynamic, mu_dynamic_std, static_peak };
-            if rows.len() == MAX_ROWS {
-                return Err(refuse(
-                    line,
-                    None,
-                    None,
-                    format!("is row {}: too many for a table of means", MAX_ROWS + 1),
-                )
-                .expected(format!(
-                    "at most {MAX_ROWS}, one a condition; samples in time are exports, which stand in [traces]"
-                )));
-            }
-            rows.push(Placed { measurement, path: path.to_owned(), line, sliding_m, order });
+        let [required @ .., mu_static, mu_static_std, sliding_m, order] = values;
+        // Empty cells of required columns have been refused.
+        let [force_n, speed_m_s, humidity, mu_dynamic, mu_dynamic_std] = required.map(Option::unwrap_or_default);
+        let (given, lacking) = (COLUMNS[5].0, COLUMNS[6].0);
+        if mu_static.is_some() != mu_static_std.is_some() {
+            let (there, absent) = if mu_static.is_some() { (given, lacking) } else { (lacking, given) };
+            return Err(refuse(line, Some(there), None, format!("stands without {absent}"))
+                .expected("both in a row, or neither where no static peak was measured"));
         }
+        let static_peak = mu_static.zip(mu_static_std).map(|(mu, std)| StaticPeak { mu, std });
+        let measurement = Measurement { force_n, speed_m_s, humidity, mu_dynamic, mu_dynamic_std, static_peak };
+        if rows.len() == MAX_ROWS {
+            let reason = format!("is row {}: too many for a table of means", MAX_ROWS + 1);
+            return Err(refuse(line, None, None, reason).expected(format!(
+                "at most {MAX_ROWS}, one a condition; samples in time are exports, which stand in [traces]"
+            )));
+        }
+        rows.push(Placed { measurement, path: path.to_owned(), line, sliding_m, order });
     }
     if rows.is_empty() {
         return Err(Diagnostic::file(path, "has no rows").expected("at least one measurement"));
@@ -198,10 +176,8 @@ pub fn parse(path: &Path, text: &str) -> Result<Vec<Placed>, Diagnostic> {
 
 /// Formats `rows` as a table, with `comment` in a line above the header.
 pub fn table(comment: &str, rows: &[Measurement]) -> String {
-    let mut text = format!(
-        "# {comment}\n{}\n",
-        COLUMNS[..FRICTION_COLUMNS].iter().map(|column| column.0).collect::<Vec<_>>().join(",")
-    );
+    let columns = COLUMNS.map(|(name, _, _)| name)[..FRICTION_COLUMNS].join(",");
+    let mut text = format!("# {comment}\n{columns}\n");
     for row in rows {
         let rounded = |value: f64| tidy((value * 1e6).round() / 1e6).to_string();
         let optional = |value: Option<f64>| value.map_or_else(String::new, rounded);
