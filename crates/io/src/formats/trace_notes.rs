@@ -1,6 +1,7 @@
 //! Notes on anomalies in the traces of a calibration.
 
 use slipgrid_base::units::{HUMIDITY_PCT, SPEED_MM_S, counted};
+use slipgrid_traces::Repeats;
 
 use super::traces::ConditionTraces;
 
@@ -8,12 +9,14 @@ use super::traces::ConditionTraces;
 /// is written once, with the first of them.
 pub fn notes(conditions: &[ConditionTraces]) -> Vec<String> {
     let traces = conditions.iter().map(|traces| traces.traces.len()).sum();
-    let of_traces = grouped(&of_traces(conditions), ("traces", traces));
-    let of_conditions = grouped(&of_conditions(conditions), ("conditions", conditions.len()));
-    let list = "traces.csv, which calibrate --report and traces -o write, says of every trace what is odd about it";
-    let list = of_traces.iter().any(|group| group.is_of_many).then(|| list.to_owned());
-    let words = |groups: Vec<Group>| groups.into_iter().map(|group| group.words);
-    words(of_traces).chain(list).chain(words(of_conditions)).collect()
+    let remarks = of_traces(conditions);
+    let mut notes = grouped(&remarks, ("traces", traces));
+    if notes.len() < remarks.len() {
+        let list = "traces.csv, which calibrate --report and traces -o write, says of every trace what is odd about it";
+        notes.push(list.to_owned());
+    }
+    notes.extend(grouped(&of_conditions(conditions), ("conditions", conditions.len())));
+    notes
 }
 
 /// Note that errors are incomplete, if a condition was measured once and no other condition on the same kind of surface
@@ -37,15 +40,9 @@ struct Remark {
     words: String,
 }
 
-/// Remarks that differ at most in their numbers, joined to one sentence.
-struct Group {
-    words: String,
-    is_of_many: bool,
-}
-
 /// Joins remarks that differ only in their numbers to one sentence; `what` names the subject, traces or conditions, and
 /// `all` is the total number of subjects.
-fn grouped(remarks: &[Remark], (what, all): (&str, usize)) -> Vec<Group> {
+fn grouped(remarks: &[Remark], (what, all): (&str, usize)) -> Vec<String> {
     let kind = |words: &str| words.replace(|letter: char| letter.is_ascii_digit() || "+-".contains(letter), "");
     let mut groups: Vec<(String, &Remark, usize)> = Vec::new();
     for remark in remarks {
@@ -55,12 +52,9 @@ fn grouped(remarks: &[Remark], (what, all): (&str, usize)) -> Vec<Group> {
             None => groups.push((own, remark, 1)),
         }
     }
-    let in_words = |(_, first, count): (String, &Remark, usize)| Group {
-        words: match count {
-            1 => format!("{}: {}", first.place, first.words),
-            _ => format!("{count} of {all} {what}, the first of them {}: {}", first.place, first.words),
-        },
-        is_of_many: count > 1,
+    let in_words = |(_, Remark { place, words }, count): (String, &Remark, usize)| match count {
+        1 => format!("{place}: {words}"),
+        _ => format!("{count} of {all} {what}, the first of them {place}: {words}"),
     };
     groups.into_iter().map(in_words).collect()
 }
@@ -79,14 +73,12 @@ fn place(traces: &ConditionTraces) -> String {
 
 /// Anomalies of single traces.
 fn of_traces(conditions: &[ConditionTraces]) -> Vec<Remark> {
-    let of_condition = |traces: &ConditionTraces| -> Vec<Remark> {
-        let place = place(traces);
-        let of_trace = traces.traces.iter().flat_map(|trace| {
-            trace.flags.iter().map(|flag| Remark { place: format!("{place}, {}", trace.label), words: flag.clone() })
-        });
-        of_trace.collect()
-    };
-    conditions.iter().flat_map(of_condition).collect()
+    let of_one = conditions.iter().flat_map(|traces| traces.traces.iter().map(|trace| (place(traces), trace)));
+    let remarks = of_one.flat_map(|(place, trace)| {
+        let remark = move |words: &String| Remark { place: format!("{place}, {}", trace.label), words: words.clone() };
+        trace.flags.iter().map(remark)
+    });
+    remarks.collect()
 }
 
 /// Anomalies of the repeats of a condition.
@@ -100,24 +92,19 @@ fn of_conditions(conditions: &[ConditionTraces]) -> Vec<Remark> {
             add(format!("{} left out by `exclude`", names.join(", ")));
         }
         if traces.mean.count == 1 {
-            let words = match traces.mean.mu_dynamic.freedom {
-                0 => "one repeat; its deviation is the error within the trace, not between repeats",
-                _ => {
-                    "one repeat; its deviation is that between repeats of other conditions, at least the error within the trace"
-                }
+            let deviation = match traces.mean.mu_dynamic.freedom {
+                0 => "the error within the trace, not between repeats",
+                _ => "that between repeats of other conditions, at least the error within the trace",
             };
-            add(words.to_owned());
+            add(format!("one repeat; its deviation is {deviation}"));
         }
-        if traces.mean.stick_slips > 0 {
-            let (found, of) = (traces.mean.stick_slips, traces.mean.count);
-            add(format!(
-                "stick-slip in {found} of {}; the model has no stick-slip of the whole sample",
-                counted(of, "repeat")
-            ));
+        let Repeats { stick_slips, peaks, count, .. } = traces.mean;
+        if stick_slips > 0 {
+            let of = counted(count, "repeat");
+            add(format!("stick-slip in {stick_slips} of {of}; the model has no stick-slip of the whole sample"));
         }
-        if (1..traces.mean.count).contains(&traces.mean.peaks) {
-            let (found, of) = (traces.mean.peaks, traces.mean.count);
-            add(format!("a static peak in {found} of {of} repeats only; it is not fitted"));
+        if (1..count).contains(&peaks) {
+            add(format!("a static peak in {peaks} of {count} repeats only; it is not fitted"));
         }
     }
     remarks
@@ -136,9 +123,8 @@ mod tests {
             remark("b.csv", "friction rises by 0.0202, 12 %, after 1.70 s"),
             remark("c.csv", "friction falls by 0.0202, 12 %, after 1.70 s"),
         ];
-        let words: Vec<String> = grouped(&remarks, ("traces", 23)).into_iter().map(|group| group.words).collect();
         assert_eq!(
-            words,
+            grouped(&remarks, ("traces", 23)),
             [
                 "2 of 23 traces, the first of them a.csv: friction rises by 0.0199, 7 %, after 1.68 s",
                 "a.csv: only 3 different values occur",

@@ -247,11 +247,11 @@ pub(crate) fn analyse_among(
         let near_titles = near_titles(&file, &setup.titles);
         for repeat in &file.repeats {
             let name = export.name();
-            let step = export.step.map_or_else(String::new, |step| format!("step {step}"));
-            let number = if several { format!("repeat {}", repeat.number) } else { String::new() };
-            let parts: Vec<&str> = [&step[..], &number[..]].into_iter().filter(|part| !part.is_empty()).collect();
+            let step = export.step.map(|step| format!("step {step}"));
+            let parts: Vec<String> =
+                step.into_iter().chain(several.then(|| format!("repeat {}", repeat.number))).collect();
             let which = if parts.is_empty() { String::new() } else { format!("{}: ", parts.join(", ")) };
-            let label = [&[&name[..]], &parts[..]].concat().join(", ");
+            let label = [&[name.clone()], &parts[..]].concat().join(", ");
             let (samples, sums) = (repeat.channels.time_s.len(), repeat.channels.fingerprint());
             if let Some(Seen { label, .. }) = seen.iter().find(|other| (other.samples, other.sums) == (samples, sums)) {
                 let reason = format!("{which}holds the {samples} samples of {label} again: one export given twice");
