@@ -43,14 +43,12 @@ fn refuse_fit(
 ) -> Option<Diagnostic> {
     let (speed, change);
     let expected = match error {
-        FitError::NoSliding { status, .. } => match *status {
-            "no_onset" => {
-                "friction and a load at which the modelled layer slides as a whole, or no mu_static in this row"
-            }
-            _ => {
-                "a load and a speed at which the modelled layer slides evenly: a lower speed or a higher load, where it slides in waves (sliding_waves)"
-            }
-        },
+        FitError::NoSliding { status: "no_onset", .. } => {
+            "friction and a load at which the modelled layer slides as a whole, or no mu_static in this row"
+        }
+        FitError::NoSliding { .. } => {
+            "a load and a speed at which the modelled layer slides evenly: a lower speed or a higher load, where it slides in waves (sliding_waves)"
+        }
         FitError::PeakTooHigh { .. } => "a smaller mu_static, or nothing in mu_static and mu_static_std",
         FitError::BeyondLaw { .. } => "another [surface], or a smaller load",
         FitError::TooFast { most_m_s, modulus_pa, most_modulus_pa, .. } => {

@@ -1,5 +1,6 @@
 //! Reads the parts of a design file.
 
+use std::ops::Range;
 use std::path::PathBuf;
 
 use slipgrid_design::KnownMaterial;
@@ -21,7 +22,7 @@ use toml::value::Datetime;
 pub(super) fn read_ranges(
     document: &Document,
     file: &DesignFile,
-) -> Result<Vec<(ConditionRange, std::ops::Range<usize>)>, Diagnostic> {
+) -> Result<Vec<(ConditionRange, Range<usize>)>, Diagnostic> {
     if let (None, Some(also_at)) = (&file.condition, &file.also_at) {
         return Err(document
             .refuse(also_at.span(), "stands without the condition that is designed for")
@@ -65,16 +66,16 @@ pub(super) fn read_limits(
         wall_slope: laser.wall_taper_deg.map(|_| laser.slope()),
     };
     let bounds = file.bounds.get_ref();
-    if let Some(min_land_m) = limits.min_land_m
-        && spacing_m[1] < min_land_m
-    {
-        return Err(document
-            .refuse(bounds.spacing_um.span(), "ends below limits.min_land_um: no pattern is left")
-            .expected(format!("a largest spacing of at least {} um", LENGTH_UM.from_si(min_land_m))));
+    let none_left = |place: Range<usize>, below: &str, least: &str, least_m: f64| {
+        let refused = document.refuse(place, format!("{below}: no pattern is left"));
+        refused.expected(format!("{least} {} um", LENGTH_UM.from_si(least_m)))
+    };
+    let of_pattern = |key: &str| document.value_span(&file.pattern.span(), key);
+    if let Some(least_m) = limits.min_land_m.filter(|least_m| spacing_m[1] < *least_m) {
+        let spacing = bounds.spacing_um.span();
+        return Err(none_left(spacing, "ends below limits.min_land_um", "a largest spacing of at least", least_m));
     }
-    if let Some(spot_m) = limits.spot_m
-        && width_m[1] < spot_m
-    {
+    if let Some(spot_m) = limits.spot_m.filter(|spot_m| width_m[1] < *spot_m) {
         let (spot_um, most_um) = (LENGTH_UM.from_si(spot_m), LENGTH_UM.from_si(width_m[1]));
         if let Some(spot) = file.laser.as_ref().and_then(|laser| laser.get_ref().spot_um.as_ref())
             && let Some(slip) = SPOT.within([1.0, most_um]).slip(spot_um)
@@ -82,25 +83,16 @@ pub(super) fn read_limits(
             let reason = format!("is wider than the widest cavity within the bounds, {most_um} um");
             return Err(document.refuse(spot.span(), reason).expected(format!("at most {most_um} um; {slip}")));
         }
-        return Err(document
-            .refuse(bounds.width_um.span(), "ends below the laser's spot: no pattern is left")
-            .expected(format!("a largest width of at least {} um", LENGTH_UM.from_si(spot_m))));
+        let width = bounds.width_um.span();
+        return Err(none_left(width, "ends below the laser's spot", "a largest width of at least", spot_m));
     }
-    let too_small = |key: &str, limit: &str, least_m: f64| {
-        document
-            .refuse(document.value_span(&file.pattern.span(), key), format!("is below {limit}: no pattern is left"))
-            .expected(format!("at least {} um", LENGTH_UM.from_si(least_m)))
-    };
-    if let Some(spot_m) = limits.spot_m
-        && asked.length_m().is_some_and(|length_m| length_m < spot_m)
-    {
-        return Err(too_small("length_um", "the laser's spot", spot_m));
+    if let Some((spot_m, _)) = limits.spot_m.zip(asked.length_m()).filter(|(spot_m, length_m)| length_m < spot_m) {
+        return Err(none_left(of_pattern("length_um"), "is below the laser's spot", "at least", spot_m));
     }
-    if let Some(min_land_m) = limits.min_land_m
-        && asked.arrangement() == Arrangement::Square
-        && asked.spacing_across_m().is_some_and(|spacing_m| spacing_m < min_land_m)
-    {
-        return Err(too_small("spacing_across_um", "limits.min_land_um", min_land_m));
+    let across_m = asked.spacing_across_m().filter(|_| asked.arrangement() == Arrangement::Square);
+    if let Some((least_m, _)) = limits.min_land_m.zip(across_m).filter(|(least_m, across_m)| across_m < least_m) {
+        let across = of_pattern("spacing_across_um");
+        return Err(none_left(across, "is below limits.min_land_um", "at least", least_m));
     }
     if let Some(burst_m) = limits.depth_per_burst_m {
         // Smallest whole number of bursts at or above the minimum depth, with a tolerance for decimals.
@@ -121,15 +113,13 @@ pub(super) fn read_limits(
         // tan(taper) = w / 2d
         let most_deg = significant_to((extent_m / (2.0 * depth_m[0])).atan().to_degrees(), 3, f64::floor);
         let (extent_um, depth_um) = (LENGTH_UM.from_si(extent_m), LENGTH_UM.from_si(depth_m[0]));
+        let reason = format!(
+            "lets walls meet above the floor of every cavity within the bounds: the widest is {} um wide, the shallowest {} um deep",
+            significant(extent_um, 4),
+            significant(depth_um, 4)
+        );
         return Err(document
-            .refuse(
-                taper.span(),
-                format!(
-                    "lets walls meet above the floor of every cavity within the bounds: the widest is {} um wide, the shallowest {} um deep",
-                    significant(extent_um, 4),
-                    significant(depth_um, 4)
-                ),
-            )
+            .refuse(taper.span(), reason)
             .expected(format!("at most {most_deg} degrees, or wider or shallower cavities")));
     }
     Ok(limits)
