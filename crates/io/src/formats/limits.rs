@@ -182,32 +182,3 @@ pub fn check_tolerances(
     KeyError::number("rim_height_std_um", given.rim_height_std_um, RIM_HEIGHT_UM).map_err(refuse)?;
     Ok(())
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[derive(Deserialize)]
-    struct Both {
-        limits: LimitsFile,
-        pressure_mpa: Spanned<Numbers>,
-    }
-
-    #[test]
-    fn a_nominal_pressure_at_the_limit_of_the_largest_is_refused_with_both_keys_and_lines() {
-        let checked = |pressures: &str| {
-            let document = Document::new(
-                "d.toml",
-                format!("pressure_mpa = {pressures}\n\n[limits]\nmax_peak_pressure_mpa = 10.0"),
-            );
-            let both: Both = document.parse().unwrap();
-            both.limits.check_peak(&document, &both.pressure_mpa).map_err(|refused| refused.to_string())
-        };
-        for high in ["[1.0, 12.0]", "[1.0, 10.0]"] {
-            let said = checked(high).unwrap_err();
-            assert!(said.starts_with("d.toml:1: pressure_mpa: 1") && said.contains("MPa is not below"), "{said}");
-            assert!(said.contains("limits.max_peak_pressure_mpa = 10 in line 4"), "{said}");
-        }
-        assert_eq!(checked("[1.0, 9.9]"), Ok(()));
-    }
-}

@@ -130,11 +130,8 @@ mod tests {
         let by_chance = read("goals = [\"chance\", \"volume\"]", &bare, false).unwrap();
         assert_eq!(by_chance.goals, [TradeOffGoal::Chance, TradeOffGoal::Volume]);
         for (text, laser, has_tolerances, says) in [
-            ("goals = [\"misfit\"]", &bare, false, "two or three"),
             ("goals = [\"misfit\", \"misfit\"]", &bare, false, "each goal once"),
             ("goals = [\"misfit\", \"cost\"]", &bare, false, "\"laser_time\""),
-            ("goals = [\"misfit\", \"laser_time\"]", &bare, false, "laser.repetition_hz"),
-            ("goals = [\"misfit\", \"spread\"]", &bare, false, "[tolerances]"),
             ("goals = [\"misfit\", \"peak_pressure\"]\ndesigns = 1", &bare, false, "from 8 to 1000000"),
         ] {
             let refused = read(text, laser, has_tolerances).unwrap_err();
