@@ -8,8 +8,7 @@ use crate::client::{Server, program};
 
 #[test]
 fn only_the_page_with_its_token_is_answered() {
-    let folder = tempfile::tempdir().unwrap();
-    let server = Server::start(folder.path());
+    let (_folder, server) = Server::anywhere();
     let (host, cookie) = (format!("127.0.0.1:{}", server.port), server.cookie());
     let own = [("Host", &host[..]), ("Cookie", &cookie[..])];
     let status = |headers: &[(&str, &str)]| server.raw("GET", "/api/folder", headers, b"").status;
@@ -77,12 +76,10 @@ fn no_path_leaves_the_folder() {
         refused("GET", &format!("/api/trace?path={path}"), "");
         refused("GET", &format!("/api/zip?folder={path}"), "");
         refused("GET", &format!("{files_at}{path}"), "");
-        refused("POST", "/api/explore", &json!({ "path": path.replace("%2e", ".").replace("%5c", "\\") }).to_string());
-        let job = json!({ "command": ["optimize", path.replace("%2e", ".").replace("%5c", "\\")] }).to_string();
-        refused("POST", "/api/jobs", &job);
-        let job =
-            json!({ "command": ["new", "design", "-o", path.replace("%2e", ".").replace("%5c", "\\")] }).to_string();
-        refused("POST", "/api/jobs", &job);
+        let path = path.replace("%2e", ".").replace("%5c", "\\");
+        refused("POST", "/api/explore", &json!({ "path": path }).to_string());
+        refused("POST", "/api/jobs", &json!({ "command": ["optimize", path] }).to_string());
+        refused("POST", "/api/jobs", &json!({ "command": ["new", "design", "-o", path] }).to_string());
     }
     assert_eq!(fs::read_to_string(place.path().join("secret.toml")).unwrap(), "secret = 1\n");
     assert_eq!(fs::read_dir(place.path()).unwrap().count(), 2);
@@ -98,8 +95,7 @@ fn no_path_leaves_the_folder() {
 
 #[test]
 fn wrong_requests_are_refused_and_the_page_goes_on() {
-    let folder = tempfile::tempdir().unwrap();
-    let server = Server::start(folder.path());
+    let (_folder, server) = Server::anywhere();
     for (method, target, body) in [
         ("POST", "/api/jobs", "{"),
         ("POST", "/api/jobs", r#"{"command": []}"#),
@@ -121,8 +117,7 @@ fn wrong_requests_are_refused_and_the_page_goes_on() {
 
 #[test]
 fn one_server_works_in_a_folder_and_a_killed_one_leaves_it_free() {
-    let folder = tempfile::tempdir().unwrap();
-    let server = Server::start(folder.path());
+    let (folder, server) = Server::anywhere();
     let second = program(folder.path()).output().unwrap();
     let said = String::from_utf8_lossy(&second.stderr).into_owned();
     assert!(second.status.code() == Some(2) && said.contains("another run works for this folder"), "{said}");

@@ -7,6 +7,9 @@ use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
 use serde_json::Value;
+use tempfile::TempDir;
+
+use crate::DESIGN;
 
 /// Longest time for an answer or a job.
 const PATIENCE: Duration = Duration::from_secs(120);
@@ -40,6 +43,20 @@ pub fn program(folder: &Path) -> Command {
 }
 
 impl Server {
+    /// Server for a new folder.
+    pub fn anywhere() -> (TempDir, Self) {
+        let folder = tempfile::tempdir().unwrap();
+        let server = Self::start(folder.path());
+        (folder, server)
+    }
+
+    /// Server for a folder with [`DESIGN`] in the file quick.toml.
+    pub fn with_design() -> (TempDir, Self) {
+        let (folder, server) = Self::anywhere();
+        std::fs::write(folder.path().join("quick.toml"), DESIGN).unwrap();
+        (folder, server)
+    }
+
     pub fn start(folder: &Path) -> Self {
         let mut child = program(folder).stdout(Stdio::piped()).spawn().unwrap();
         let mut line = String::new();

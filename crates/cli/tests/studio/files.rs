@@ -9,8 +9,7 @@ use crate::client::Server;
 
 #[test]
 fn texts_are_checked_edited_and_never_lost() {
-    let folder = tempfile::tempdir().unwrap();
-    let server = Server::start(folder.path());
+    let (folder, server) = Server::anywhere();
     let target = "/api/text?path=designs/quick.toml";
     let made = server.send("PUT", target, &json!({ "text": DESIGN, "digest": null }));
     assert_eq!([&made["kind"], &made["check"]["errors"]], [&json!("design"), &json!([])]);
@@ -44,8 +43,7 @@ fn texts_are_checked_edited_and_never_lost() {
 
 #[test]
 fn uploads_never_replace_a_file() {
-    let folder = tempfile::tempdir().unwrap();
-    let server = Server::start(folder.path());
+    let (folder, server) = Server::anywhere();
     let target = "/api/upload?path=m/traces/flat-1.csv";
     let text = b"time,fx,fz\n0,1,2\n";
     let made = server.ask("PUT", target, text);
@@ -63,8 +61,7 @@ fn uploads_never_replace_a_file() {
 
 #[test]
 fn the_schemas_describe_every_form() {
-    let folder = tempfile::tempdir().unwrap();
-    let server = Server::start(folder.path());
+    let (_folder, server) = Server::anywhere();
     for kind in ["calibration", "design", "material", "scene", "campaign"] {
         assert!(server.get(&format!("/api/schema?kind={kind}"))["properties"].is_object());
     }

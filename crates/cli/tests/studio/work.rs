@@ -85,10 +85,8 @@ fn a_job_is_followed_and_cancelled() {
 
 #[test]
 fn a_killed_server_leaves_the_earlier_result_and_a_free_folder() {
-    let folder = tempfile::tempdir().unwrap();
-    fs::write(folder.path().join("quick.toml"), DESIGN).unwrap();
+    let (folder, server) = Server::with_design();
     let words = ["optimize", "quick.toml"];
-    let server = Server::start(folder.path());
     assert_eq!(server.job(&words)["state"], "done");
     let record = folder.path().join("out/quick/result.json");
     let before = fs::read(&record).unwrap();
@@ -105,9 +103,7 @@ fn a_killed_server_leaves_the_earlier_result_and_a_free_folder() {
 
 #[test]
 fn two_pages_at_once_share_jobs_and_lose_no_edit() {
-    let folder = tempfile::tempdir().unwrap();
-    fs::write(folder.path().join("quick.toml"), DESIGN).unwrap();
-    let server = Server::start(folder.path());
+    let (folder, server) = Server::with_design();
     let digest = server.get("/api/text?path=quick.toml")["digest"].clone();
     let edit = |key: &str, value: f64| {
         let edit = json!({ "digest": digest, "edits": [{ "at": ["target", key], "value": value }] });
@@ -175,9 +171,7 @@ fn traces_are_understood_and_averaged_as_on_the_command_line() {
 
 #[test]
 fn sliders_read_what_the_bounds_were_computed_for() {
-    let folder = tempfile::tempdir().unwrap();
-    fs::write(folder.path().join("quick.toml"), DESIGN).unwrap();
-    let server = Server::start(folder.path());
+    let (folder, server) = Server::with_design();
     let at = |width_um: f64| {
         let target = format!("/api/predict?path=quick.toml&width_um={width_um}&spacing_um=300&depth_um=10");
         server.ask("GET", &target, b"")
