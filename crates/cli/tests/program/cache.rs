@@ -3,15 +3,11 @@
 use std::fs;
 use std::path::Path;
 
-use crate::common::{CALIBRATION, FLAT, Place, program, short};
+use crate::common::{CALIBRATION, FLAT, Place, measured, short, untimed};
 
 /// A short sample whose material is calibrated first.
 fn place() -> Place {
-    let design = short();
-    let (head, rest) = design.split_once("[material]").unwrap();
-    let (_, rest) = rest.split_once("[target]").unwrap();
-    let calibrated = "material = \"calibration.toml\"\ncondition = { speed_mm_s = 2.0, humidity_pct = 15.0 }\n\n";
-    let design = format!("{head}{calibrated}[target]{rest}")
+    let design = measured(&short(), "calibration.toml")
         .replace("[0.65, 2.6]", "[0.65]")
         .replace("value = 0.9", "value = 0.95")
         .replace("tolerance = 0.01", "tolerance = 0.03");
@@ -20,16 +16,9 @@ fn place() -> Place {
 
 /// Runs the design into the folder `out`, with the results in `cache`.
 fn optimize(place: &Place, out: &str, cache: &Path, flags: &[&str]) {
-    let mut command = program();
-    let run = command.current_dir(place.path("")).env("SLIPGRID_CACHE", cache);
-    let ended = run.args(["optimize", "design.toml", "-o", out, "-q"]).args(flags).output().unwrap();
+    let mut command = place.uncached(&["optimize", "design.toml", "-o", out, "-q"]);
+    let ended = command.env("SLIPGRID_CACHE", cache).args(flags).output().unwrap();
     assert!(matches!(ended.status.code(), Some(0 | 3 | 4)), "{}", String::from_utf8_lossy(&ended.stderr));
-}
-
-/// Names and contents of all result files in a folder except the timings.
-fn files(place: &Place, out: &str) -> Vec<(String, Vec<u8>)> {
-    let names = crate::common::names(&place.path(out)).into_iter().filter(|name| name != "timings.json");
-    names.map(|name| (name.clone(), fs::read(place.path(out).join(name)).unwrap())).collect()
 }
 
 #[test]
@@ -40,11 +29,11 @@ fn kept_results_give_the_same_bytes_as_computed_ones() {
     let kept = crate::common::names(&cache);
     assert!(kept.iter().any(|name| name.starts_with("material-")), "{kept:?}");
     assert!(kept.iter().filter(|name| name.starts_with("run-")).count() >= 3, "{kept:?}");
-    let first = files(&place, "first");
+    let first = untimed(&place, "first");
     assert!(first.len() > 10);
 
     optimize(&place, "again", &cache, &[]);
-    assert_eq!(files(&place, "again"), first);
+    assert_eq!(untimed(&place, "again"), first);
     assert_eq!(crate::common::names(&cache), kept, "nothing is computed twice");
 
     // Broken files are computed anew.
@@ -53,11 +42,11 @@ fn kept_results_give_the_same_bytes_as_computed_ones() {
         fs::write(cache.join(name), &bytes[..bytes.len() * number / kept.len()]).unwrap();
     }
     optimize(&place, "broken", &cache, &[]);
-    assert_eq!(files(&place, "broken"), first);
+    assert_eq!(untimed(&place, "broken"), first);
 
     let none = place.path("none");
     optimize(&place, "without", &none, &["--no-cache", "--threads", "1"]);
-    assert_eq!(files(&place, "without"), first);
+    assert_eq!(untimed(&place, "without"), first);
     assert!(!none.exists());
 }
 
@@ -71,5 +60,5 @@ fn two_programs_may_share_the_results() {
             scope.spawn(move || optimize(place, out, cache, &[]));
         }
     });
-    assert_eq!(files(&place, "one"), files(&place, "two"));
+    assert_eq!(untimed(&place, "one"), untimed(&place, "two"));
 }

@@ -56,13 +56,6 @@ fn a_table_says_what_sampling_may_have_missed_of_a_static_peak() {
 }
 
 #[test]
-fn one_export_by_two_paths_is_given_twice() {
-    let place = Place::with(&[("a.csv", &trace(1, |t| 0.25 * rise(t)))]);
-    let message = place.refuse(&traces(&["a.csv", "./a.csv"], &[]));
-    assert!(message.contains("a.csv: is given twice") && message.lines().count() == 1, "{message}");
-}
-
-#[test]
 fn a_sample_that_slides_back_and_forth_is_read_by_its_strokes() {
     // A crank at 1 Hz: friction has turned 0.05 s after each dead centre; the sensor shows 0.02 too much.
     let of = |mu: f64, t: f64| mu * (20.0 * (std::f64::consts::TAU * t).sin()).clamp(-1.0, 1.0) + 0.02;
@@ -251,37 +244,6 @@ fn windows_that_a_map_does_not_hold_are_refused_in_the_file_that_asks_for_them()
     place.succeed(&["synthesize", "--pixels", "256", "-o", "map.asc"]);
     let message = place.refuse(&["calibrate", "c.toml", "-q"]);
     assert!(message.starts_with("error: c.toml: surface.windows: number of windows per side is 200"), "{message}");
-}
-
-#[test]
-fn what_is_merely_unusual_is_told() {
-    let place = Place::with(&[("flat.csv", FLAT)]);
-    let text = CALIBRATION.replace("youngs_modulus_gpa = 0.38", "youngs_modulus_gpa = 380.0");
-    let read =
-        Calibration::from_document(&Document::within(&slipgrid_io::disk::disk(), place.path("c.toml"), text)).unwrap();
-    assert!(
-        read.stated.notes.len() == 1
-            && read.stated.notes[0].contains("c.toml:4: material.youngs_modulus_gpa: 380.0 is unusual"),
-        "{:?}",
-        read.stated.notes
-    );
-    assert!(read.stated.notes[0].contains("in MPa, that would be 0.38 GPa"), "{:?}", read.stated.notes);
-    let usual =
-        Calibration::from_document(&Document::within(&slipgrid_io::disk::disk(), place.path("c.toml"), CALIBRATION))
-            .unwrap();
-    assert_eq!(usual.stated.notes, [""; 0]);
-    // A scene is told on stderr and solved.
-    fs::write(
-        place.path("s.toml"),
-        crate::common::SCENE.replace("youngs_modulus_gpa = 0.38", "youngs_modulus_gpa = 380.0"),
-    )
-    .unwrap();
-    let output = place.run(&["simulate", "s.toml"]);
-    let told = String::from_utf8(output.stderr).unwrap();
-    assert!(
-        output.status.success() && told.contains("warning: s.toml:2: material.youngs_modulus_gpa: 380.0 is unusual"),
-        "{told}"
-    );
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use crate::common::{Place, free, json, number, result, short, trusted};
+use crate::common::{Place, free, number, optimized, short, trusted};
 use serde_json::Value;
 
 const TOLERANCES: &str = "[tolerances]\nwidth_std_um = 6.0\nspacing_std_um = 1.0\ndepth_std_um = 0.2\n";
@@ -19,18 +19,11 @@ fn fixed(target: &str, more: &str) -> String {
     design(target, more).replace("[40.0, 100.0]", "80.0")
 }
 
-fn optimize(place: &Place, file: &str, code: i32) -> (String, Value) {
-    let output = place.run(&["optimize", file]);
-    assert_eq!(output.status.code(), Some(code), "{file}: {}", String::from_utf8_lossy(&output.stderr));
-    let folder = format!("out/{}", file.trim_end_matches(".toml"));
-    (String::from_utf8(output.stdout).unwrap(), result(place, &folder))
-}
-
 #[test]
 fn the_chance_comes_first_with_what_is_expected_and_what_limits_it() {
     let text = design("value = 0.88\ntolerance = 0.02", TOLERANCES).replace("density_g_cm3 = 0.9\n", MODULUS);
     let place = Place::with(&[("a.toml", &text)]);
-    let (told, found) = optimize(&place, "a.toml", 0);
+    let (told, found) = optimized(&place, "a.toml", 0);
     let chance = number(&found["chance"]);
     let words = format!("cut a trial: {:.0} % chance that a cut sample is on target", 100.0 * chance);
     assert!(told.starts_with(&format!("test design: {words}\n")), "{told}");
@@ -77,7 +70,7 @@ fn the_chance_is_the_share_of_the_samples_that_are_expected() {
     let place = Place::with(&[]);
     let of = |target: &str| {
         fs::write(place.path("a.toml"), trusted(&fixed(target, TOLERANCES))).unwrap();
-        json(&place.succeed(&["optimize", "a.toml", "--json"]))
+        place.json(&["optimize", "a.toml", "--json"])
     };
     let found = of("value = 0.88\ntolerance = 0.02");
     let [low, median, high] = ["low_95", "median", "high_95"].map(|key| number(&found["expected"][0][key]));
@@ -99,7 +92,7 @@ fn the_limits_are_all_that_scatters_samples() {
     let text =
         free(&trusted(&design("value = 0.88\ntolerance = 0.02", TOLERANCES))).replace("density_g_cm3 = 0.9\n", MODULUS);
     let place = Place::with(&[("a.toml", &text)]);
-    let (_, found) = optimize(&place, "a.toml", 0);
+    let (_, found) = optimized(&place, "a.toml", 0);
     let limits = found["limited_by"].as_array().unwrap();
     let sum = limits.iter().map(|limit| number(&limit["std"][0]).powi(2)).sum::<f64>().sqrt();
     let [low, high] = ["low_95", "high_95"].map(|key| number(&found["expected"][0][key]));
@@ -119,20 +112,20 @@ fn a_target_above_the_flat_surface_is_not_answered_by_a_pattern() {
         ("flat.toml", &design("lowest = 0.95\nhighest = 1.05", "")),
     ]);
     // Before any trial only a trial says how far the model is off.
-    let (told, found) = optimize(&place, "above.toml", 0);
+    let (told, found) = optimized(&place, "above.toml", 0);
     assert!(told.contains("no texture is expected to lie within it, but before any trial"), "{told}");
     assert_eq!(found["advice"], "trial");
     for file in ["highest.toml", "flat.toml"] {
-        let (told, found) = optimize(&place, file, 3);
+        let (told, found) = optimized(&place, file, 3);
         assert!(told.contains("do not texture: the flat surface is what is asked for"), "{told}");
         assert_eq!(found["advice"], "do_not_texture", "{file}");
     }
     let page = fs::read_to_string(place.path("out/highest/report.html")).unwrap();
     assert!(page.contains("Do not texture: the flat surface is what is asked for"));
     // An even one is sought among textures, and the flat surface does not do what is demanded beside the goal.
-    let (_, found) = optimize(&place, "even.toml", 0);
+    let (_, found) = optimized(&place, "even.toml", 0);
     assert_eq!((&found["advice"], &found["chance"]), (&"trial".into(), &Value::Null));
-    let (_, found) = optimize(&place, "beside.toml", 0);
+    let (_, found) = optimized(&place, "beside.toml", 0);
     assert_eq!((&found["advice"], &found["goal"]["goal"]), (&"trial".into(), &"highest".into()));
     assert!(number(&found["expected"][0]["median"]) <= 0.93 && number(&found["chance"]) >= 0.5, "{found}");
 }

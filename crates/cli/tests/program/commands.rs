@@ -3,7 +3,7 @@
 use std::fs;
 
 use crate::common::{
-    CALIBRATION, COMMANDS, FLAT, Place, SCENE, THREE_FORCES, json, names, patterned_calibration, small,
+    CALIBRATION, COMMANDS, FLAT, Place, SCENE, THREE_FORCES, json, names, patterned, patterned_calibration, small,
 };
 use serde_json::Value;
 
@@ -23,7 +23,7 @@ fn the_interface_of_cavities_in_space_is_drawn_from_above() {
     let disc = SCENE.replace("\"groove\"", "\"disc\"\narrangement = \"staggered\"\nsliding_angle_deg = 30.0");
     let groove = format!("{SCENE}dimensions = 3\n");
     let place = Place::with(&[("disc.toml", &disc), ("groove.toml", SCENE), ("groove3.toml", &groove)]);
-    let solve = |scene: &str| json(&place.succeed(&["simulate", scene, "--json", "-o", "out"]));
+    let solve = |scene: &str| place.json(&["simulate", scene, "--json", "-o", "out"]);
     let ratio = |result: &Value| result["results"][1]["ratio"].as_f64().unwrap();
     let (plane, space) = (solve("groove.toml"), solve("groove3.toml"));
     assert!((ratio(&plane) - ratio(&space)).abs() < 1e-9);
@@ -40,8 +40,8 @@ fn the_interface_of_cavities_in_space_is_drawn_from_above() {
 fn square_cavities_in_two_dimensions_are_a_section_model() {
     let square = format!("{}dimensions = 2\n", SCENE.replace("\"groove\"", "\"square\""));
     let place = Place::with(&[("scene.toml", &square), ("groove.toml", SCENE)]);
-    let square = json(&place.succeed(&["simulate", "scene.toml", "--json"]));
-    let groove = json(&place.succeed(&["simulate", "groove.toml", "--json"]));
+    let square = place.json(&["simulate", "scene.toml", "--json"]);
+    let groove = place.json(&["simulate", "groove.toml", "--json"]);
     assert_eq!(square["section_model"], true);
     assert_eq!(groove["section_model"], false);
     assert_eq!(square["areal_density"], 0.0676);
@@ -119,11 +119,11 @@ fn a_synthetic_map_and_its_area_law() {
 
     // Where no pressure reaches down to 0.7 MPa, the area there is computed beside the list.
     let above = ["area-law", "map.asc", "--pressures-mpa", "1.4", "--json"];
-    let stated = json(&place.succeed(&[&above[..], &["--threshold-mpa", "0.7"]].concat()));
+    let stated = place.json(&[&above[..], &["--threshold-mpa", "0.7"]].concat());
     assert_eq!(stated["results"].as_array().unwrap().len(), 1);
     assert_eq!(stated["results"][0]["factor"], points[2]["factor"]);
     // Without a threshold A/P counts from a small load, at which 400 of the 64 x 64 points touch or more.
-    let light = json(&place.succeed(&above));
+    let light = place.json(&above);
     let scale_mpa = 427.5 * law["rms_slope"].as_f64().unwrap();
     assert!((light["threshold_mpa"].as_f64().unwrap() / scale_mpa / 0.0612 - 1.0).abs() < 0.01, "{light}");
 }
@@ -134,7 +134,7 @@ fn an_area_law_states_its_uncertainty() {
     place.succeed(&["synthesize", "--pixels", "128", "--waves", "4:16", "-o", "map.asc"]);
     let list = ["area-law", "map.asc", "--pressures-mpa", "0.3,0.7,2.6", "--resolutions", "--json", "-o", "law"];
     let list = [&list[..], &["--threshold-mpa", "0.7"]].concat();
-    let law = json(&place.succeed(&list));
+    let law = place.json(&list);
     let points = law["results"].as_array().unwrap();
     assert_eq!((&points[0]["factor_std"], &points[1]["factor_std"]), (&Value::from(0.0), &Value::from(0.0)));
     let std = points[2]["factor_std"].as_f64().unwrap();
@@ -155,12 +155,12 @@ fn an_area_law_states_its_uncertainty() {
 
     let alone =
         ["area-law", "map.asc", "--pressures-mpa", "0.7,2.6", "--windows", "1", "--json", "--threshold-mpa", "0.7"];
-    let alone = json(&place.succeed(&alone));
+    let alone = place.json(&alone);
     assert_eq!(alone["results"][1]["factor"], points[2]["factor"]);
     assert!(alone["windows"].is_null() && alone["results"][1]["factor_std"].is_null());
 
     let theory = ["area-law", "--persson-rms-slope", "0.0137", "--pressures-mpa", "0.7,2.6", "--json"];
-    let theory = json(&place.succeed(&theory));
+    let theory = place.json(&theory);
     assert!(theory["map"].is_null() && theory["sa_um"].is_null());
     let area =
         |mpa: f64| slipgrid_surface::contact::closed_form::persson_area_fraction(mpa * 1e6, 427.5e6, 0.0137).unwrap();
@@ -171,20 +171,19 @@ fn an_area_law_states_its_uncertainty() {
     // With another threshold P0 = 2.6 MPa nothing falls short of proportionality.
     let late =
         ["area-law", "--persson-rms-slope", "0.0137", "--pressures-mpa", "0.7,2.6", "--threshold-mpa", "2.6", "--json"];
-    assert_eq!(json(&place.succeed(&late))["results"][1]["factor"], 1.0);
+    assert_eq!(place.json(&late)["results"][1]["factor"], 1.0);
 }
 
 #[test]
 fn measured_ratios_are_tabulated() {
-    let calibration = CALIBRATION.replace("flat = \"flat.csv\"", "flat = \"flat.csv\"\npatterned = \"patterned.csv\"");
     let more = "200,2,15,0.278,0.001\n50,2,40,0.269,0.004\n";
-    let patterned = "200,2,15,0.224,0.002\n50,2,40,0.211,0.002\n";
+    let cut = "200,2,15,0.224,0.002\n50,2,40,0.211,0.002\n";
     let place = Place::with(&[
-        ("calibration.toml", &calibration),
+        ("calibration.toml", &patterned()),
         ("flat.csv", &format!("{FLAT}{more}")),
-        ("patterned.csv", &format!("{}{patterned}", FLAT.replace("0.248,0.002", "0.208,0.007"))),
+        ("patterned.csv", &format!("{}{cut}", FLAT.replace("0.248,0.002", "0.208,0.007"))),
     ]);
-    let result = json(&place.succeed(&["validate", "calibration.toml", "--json"]));
+    let result = place.json(&["validate", "calibration.toml", "--json"]);
     // Only the speed and humidity of the first row.
     assert_eq!(result["results"].as_array().unwrap().len(), 2);
     let row = &result["results"][0];
@@ -200,7 +199,7 @@ fn measured_ratios_are_tabulated() {
     assert!(result["errors"].as_str().unwrap().contains("Young's modulus, known to"));
     // 50 N on a radius of 5 mm: 50 N / (pi 25 mm^2) = 2/pi MPa.
     assert!((row["pressure_mpa"].as_f64().unwrap() - std::f64::consts::FRAC_2_PI).abs() < 1e-9);
-    let all = json(&place.succeed(&["validate", "calibration.toml", "--json", "--all"]));
+    let all = place.json(&["validate", "calibration.toml", "--json", "--all"]);
     assert_eq!(all["results"].as_array().unwrap().len(), 3);
     assert_eq!(all["results"][1]["modelled"], result["results"][1]["modelled"]);
 
@@ -225,16 +224,14 @@ fn measured_ratios_are_tabulated() {
     assert!((number(&result["summary"], "explained_by_grooves") - explained).abs() < 1e-12);
     let change = number(&heavy["modelled_at_measured_depth"], "ratio_groove") - groove(1);
     assert!(change != 0.0);
-    let shallow = json(&place.succeed(&["validate", "calibration.toml", "--json", "--depth-um", "5.2"]));
+    let shallow = place.json(&["validate", "calibration.toml", "--json", "--depth-um", "5.2"]);
     assert_eq!(shallow["results"][1]["modelled"][1], heavy["modelled_at_measured_depth"]);
     assert!(shallow["results"][1]["modelled_at_measured_depth"].is_null());
 }
 
 #[test]
 fn a_validation_goes_to_a_folder_and_says_what_it_rests_on() {
-    let calibration = CALIBRATION
-        .replace("persson_rms_slope = 0.0137", "map = \"map.asc\"\nthreshold_mpa = 0.7")
-        .replace("flat = \"flat.csv\"", "flat = \"flat.csv\"\npatterned = \"patterned.csv\"");
+    let calibration = patterned().replace("persson_rms_slope = 0.0137", "map = \"map.asc\"\nthreshold_mpa = 0.7");
     let heavy = "200,2,15,0.278,0.001\n";
     let place = Place::with(&[
         ("calibration.toml", &calibration),
@@ -305,7 +302,7 @@ fn a_dynamic_run_says_from_when_it_averaged() {
         .replace("\"steady\"", "\"dynamic\"")
         .replace("sliding_um = 2.0", "sliding_um = 3.0");
     let place = Place::with(&[("scene.toml", &scene)]);
-    let load = &json(&place.succeed(&["simulate", "scene.toml", "--json", "-o", "out"]))["results"][0];
+    let load = &place.json(&["simulate", "scene.toml", "--json", "-o", "out"])["results"][0];
     let travel_s = 3e-6 / 20e-3;
     let from_s = load["averaged_from_s"].as_f64().unwrap();
     // Stationary within the first half of the run.
@@ -384,14 +381,9 @@ fn a_page_explores_a_design_or_a_material_before_any_search() {
         pressure_mpa = [0.65, 2.6]\nstatic_mean = [0.3, 0.3]\ndynamic_mean = [0.27, 0.27]\n[[friction.conditions]]\nspeed_mm_s = 10.0\nhumidity_pct = 50.0\n\
         pressure_mpa = [0.65, 2.6]\nstatic_mean = [0.33, 0.33]\ndynamic_mean = [0.3, 0.3]\n";
     std::fs::write(place.path("conditions.toml"), conditions).unwrap();
-    let refused = place.run(&["explore", "conditions.toml"]);
-    let said = String::from_utf8_lossy(&refused.stderr).into_owned();
+    let said = place.refuse(&["explore", "conditions.toml"]);
     assert!(said.contains("conditions.toml: ") && said.contains("--speed-mm-s"), "{said}");
-    let said = |args: &[&str]| {
-        let ended = place.run(&[&["explore", "-o", "r.html"], args].concat());
-        assert_eq!(ended.status.code(), Some(2), "{args:?}");
-        String::from_utf8_lossy(&ended.stderr).into_owned()
-    };
+    let said = |args: &[&str]| place.refuse(&[&["explore", "-o", "r.html"], args].concat());
     let at = |speed: &'static str, humidity: &'static str| ["--speed-mm-s", speed, "--humidity-pct", humidity];
     // What stands in a file or in a flag is refused there, and no condition is asked for in its place.
     std::fs::write(place.path("high.toml"), material.replace("0.27", "27")).unwrap();

@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use crate::common::{CALIBRATION, Place, free, number, result, short, trusted};
+use crate::common::{Place, free, measured, number, patterned_calibration, result, short, trusted};
 use serde_json::Value;
 
 /// Condition of the material: speed in mm/s, humidity in percent, mean local dynamic coefficient.
@@ -221,10 +221,7 @@ fn a_range_is_the_list_of_its_conditions_and_each_humidity_has_its_own_discrepan
 #[test]
 fn a_calibration_takes_in_every_condition_of_a_range() {
     let calibration =
-        CALIBRATION.replace("flat = \"flat.csv\"", "flat = \"flat.csv\"\npatterned = \"patterned.csv\"").replace(
-            "[fit]",
-            "[pattern]\nplanform = \"groove\"\nwidth_um = 130.0\nspacing_um = 370.0\ndepth_um = 20.0\n[fit]",
-        );
+        patterned_calibration("planform = \"groove\"\nwidth_um = 130.0\nspacing_um = 370.0\ndepth_um = 20.0\n");
     // At 5 mm/s nothing is needed: the range ends before.
     let table = |dry: f64, humid: f64| {
         let mut text = "force_n,speed_mm_s,humidity_pct,mu_dynamic,mu_dynamic_std\n".to_owned();
@@ -236,14 +233,7 @@ fn a_calibration_takes_in_every_condition_of_a_range() {
         text + &format!("205,5,15,{},0.0025\n", 0.3 * dry)
     };
     let text = free(&design("quantity = \"ratio\"\nvalue = 0.8\ntolerance = 0.08", &[(2.0, 15.0, 0.27)], ""));
-    let (from, to) = (text.find("[material]").unwrap(), text.find("[target]").unwrap());
-    let named = format!("{}{}", &text[..from], &text[to..]);
-    let with = |humidity: &str| {
-        let header = format!(
-            "name = \"test design\"\nmaterial = \"c.toml\"\ncondition = {{ speed_mm_s = 2.0, humidity_pct = {humidity} }}\n"
-        );
-        named.replace("name = \"test design\"\n", &header)
-    };
+    let with = |humidity: &str| measured(&text, "c.toml").replace("_pct = 15.0", &format!("_pct = {humidity}"));
     let place = Place::with(&[
         ("a.toml", &with("[15.0, 80.0]")),
         ("outside.toml", &with("[15.0, 81.0]")),

@@ -5,14 +5,13 @@
 use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
-use crate::common::{CALIBRATION, DESIGN, FLAT, Place, SCENE};
+use crate::common::{CALIBRATION, DESIGN, FLAT, Place, SCENE, many_squares};
 
 /// Time after which a test has hung: runs end within about a second of Ctrl-C, but machines may be busy.
 const HUNG: Duration = Duration::from_secs(600);
 
 fn start(place: &Place, args: &[&str]) -> Child {
-    let mut command = crate::common::program();
-    command.current_dir(place.path("")).args(args).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
+    place.uncached(args).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
 }
 
 fn press(run: &Child) {
@@ -206,11 +205,7 @@ fn files_are_whole_or_absent_whenever_it_is_pressed() {
     if crate::common::ignores_ctrl_c() {
         return;
     }
-    let result = r#"{"name": "x", "version": "0", "seed": 1, "design": {"width_um": 40.0, "spacing_um": 50.0,
-        "depth_um": 5.2, "planform": "square", "areal_density": 0.1, "section_density": 0.1}, "laser": {"spot_um": 23.0},
-        "specimen": {"shape": "disc", "diameter_mm": 20.0},
-        "material": {"name": "", "source": "", "synthetic_surface": false, "notes": []}}"#;
-    let place = Place::with(&[("result.json", result)]);
+    let place = Place::with(&[("result.json", &many_squares(20.0))]);
     let args = ["export", "result.json", "--format", "dxf,svg,csv,corners,hatch,plt,stl", "-o", "out"];
     let started = Instant::now();
     place.succeed(&args);

@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use crate::common::{CALIBRATION, Place, correction, free, json, number, result, short, trusted};
+use crate::common::{Place, correction, free, measured, number, patterned_calibration, result, short, trusted};
 use serde_json::Value;
 
 /// Design of a short sample at one pressure.
@@ -76,7 +76,7 @@ fn a_trial_moves_what_is_expected_and_says_what_to_do() {
     let words = "nothing need be cut: trial \"first\" (width/spacing/depth 80/120/10 um) already meets the target; the likeliest other texture has a chance of ";
     assert!(found["advice"] == "trial_meets_it" && plain.contains(words), "{told}");
     assert!(fs::read_to_string(place.path("out/met/report.html")).unwrap().contains("already meets the target"));
-    let next = json(&place.succeed(&["next", "met.toml", "--json"]));
+    let next = place.json(&["next", "met.toml", "--json"]);
     assert_eq!((&next["advice"], &next["words"]), (&found["advice"], &found["words"]));
 
     let told = place.succeed(&["optimize", "series.toml"]);
@@ -91,7 +91,7 @@ fn a_scene_without_errors_shows_those_of_its_run_alone_and_says_so() {
     place.succeed(&["optimize", "a.toml"]);
     let told = place.succeed(&["simulate", "out/a/scene.toml"]);
     assert!(told.contains("not known of this material: flat friction, Young's modulus, area law"), "{told}");
-    let found = json(&place.succeed(&["simulate", "out/a/scene.toml", "--json"]));
+    let found = place.json(&["simulate", "out/a/scene.toml", "--json"]);
     let (at, run) = (&found["errors"]["by_pressure"][0], &found["results"][0]);
     let own = number(&run["ratio_stderr"]);
     let effects = ["layout on the specimen", "sliding in time", "size of blocks"];
@@ -116,10 +116,7 @@ fn a_simulated_design_has_what_trials_say_and_the_errors_of_what_is_solved() {
     let place = Place::with(&[("a.toml", &known(design("value = 0.8\ntolerance = 0.02", TRIAL)))]);
     place.succeed(&["optimize", "a.toml"]);
     let (found, scene) = (result(&place, "out/a"), "out/a/scene.toml");
-    let simulate = |more: &[&str]| -> Value {
-        let arguments: Vec<&str> = ["simulate", scene, "--json"].into_iter().chain(more.iter().copied()).collect();
-        json(&place.succeed(&arguments))
-    };
+    let simulate = |more: &[&str]| -> Value { place.json(&[&["simulate", scene, "--json"], more].concat()) };
     let again = simulate(&[]);
     let simulated = &again["errors"]["by_pressure"][0];
     assert_eq!(again["results"][0]["ratio"], found["confirmed"][0]["ratio"]);
@@ -150,7 +147,7 @@ fn a_simulated_design_has_what_trials_say_and_the_errors_of_what_is_solved() {
     fs::write(place.path("flat.toml"), format!("{}{}", &flat[..from], &flat[to..])).unwrap();
     let (from, to) = (with_static.find("[pattern]").unwrap(), with_static.find("[sample]").unwrap());
     fs::write(place.path("static.toml"), format!("{}{}", &with_static[..from], &with_static[to..])).unwrap();
-    let of = |scene: &str| -> Value { serde_json::from_str(&place.succeed(&["simulate", scene, "--json"])).unwrap() };
+    let of = |scene: &str| -> Value { place.json(&["simulate", scene, "--json"]) };
     let [open, known] = ["flat.toml", "static.toml"].map(of);
     let at = &known["errors"]["by_pressure"][0];
     assert!((part(&at["mu"], "flat friction") / number(&at["mu"]["value"]) - 0.01).abs() < 1e-6, "{at}");
@@ -164,28 +161,19 @@ fn a_simulated_design_has_what_trials_say_and_the_errors_of_what_is_solved() {
 
 #[test]
 fn a_calibration_is_interpolated_between_its_speeds() {
-    let calibration =
-        CALIBRATION.replace("flat = \"flat.csv\"", "flat = \"flat.csv\"\npatterned = \"patterned.csv\"").replace(
-            "[fit]",
-            "[pattern]\nplanform = \"groove\"\nwidth_um = 80.0\nspacing_um = 160.0\ndepth_um = 20.0\n[fit]",
-        );
+    let groove = "planform = \"groove\"\nwidth_um = 80.0\nspacing_um = 160.0\ndepth_um = 20.0\n";
     // Coefficients at 1 and at 4 mm/s lie 10 % about those at 2 mm/s: half way in the logarithm.
     let table = |factor: f64| {
         let header = "force_n,speed_mm_s,humidity_pct,mu_dynamic,mu_dynamic_std\n".to_owned();
         let rows = [(1, 0.9), (4, 1.1)].map(|(speed, of)| format!("205,{speed},15,{},0.0025\n", 0.25 * of * factor));
         header + &rows.concat()
     };
-    let text = free(&design("value = 0.8\ntolerance = 0.02", ""));
-    let (from, to) = (text.find("[material]").unwrap(), text.find("[target]").unwrap());
-    let named = format!("{}{}", &text[..from], &text[to..]);
-    let header =
-        "name = \"test design\"\nmaterial = \"c.toml\"\ncondition = { speed_mm_s = 2.0, humidity_pct = 15.0 }\n";
-    let named = named.replace("name = \"test design\"\n", header);
+    let named = measured(&free(&design("value = 0.8\ntolerance = 0.02", "")), "c.toml");
     let outside = named.replace("speed_mm_s = 2.0", "speed_mm_s = 0.9");
     let place = Place::with(&[
         ("a.toml", &named),
         ("outside.toml", &outside),
-        ("c.toml", &calibration),
+        ("c.toml", &patterned_calibration(groove)),
         ("flat.csv", &table(1.0)),
         ("patterned.csv", &table(0.9)),
     ]);
@@ -202,16 +190,15 @@ fn a_calibration_is_interpolated_between_its_speeds() {
     // Measured ratios are 0.9 of those of a flat sample: what is expected of another sample of those grooves.
     let trial = fs::read_to_string(place.path("out/a/scene.toml")).unwrap();
     let (from, to) = (trial.find("[pattern]").unwrap(), trial.find("[sample]").unwrap());
-    let pattern = "[pattern]\nplanform = \"groove\"\nwidth_um = 80.0\nspacing_um = 160.0\ndepth_um = 20.0\n\n";
-    fs::write(place.path("trial.toml"), format!("{}{pattern}{}", &trial[..from], &trial[to..])).unwrap();
-    let steady =
-        json(&place.succeed(&["simulate", "trial.toml", "--fidelity", "steady", "--extent", "cell", "--json"]));
+    let trial = format!("{}[pattern]\n{groove}\n{}", &trial[..from], &trial[to..]);
+    fs::write(place.path("trial.toml"), trial).unwrap();
+    let steady = place.json(&["simulate", "trial.toml", "--fidelity", "steady", "--extent", "cell", "--json"]);
     let (at, corrected) = (&steady["errors"]["by_pressure"][0], &steady["discrepancy"]["by_pressure"][0]);
     // Two measurements, each known to 1.4 %, on a sample of which little was believed.
     assert!((number(&corrected["ratio"]["value"]) / 0.9 - 1.0).abs() < 0.02, "{corrected} {at}");
     // Each of two coefficients is known to 1 %, and what lies between them no better.
     let share = part(&at["mu"], "flat friction") / number(&at["mu"]["value"]);
     assert!((share / 0.01 - 1.0).abs() < 0.1, "{share}");
-    let own = json(&place.succeed(&["next", "a.toml", "--candidate", "80,160,18.2", "--json"]));
+    let own = place.json(&["next", "a.toml", "--candidate", "80,160,18.2", "--json"]);
     assert!((number(&own["own"][0]["expected"][0]["median"]) / 0.9 - 1.0).abs() < 0.03, "{}", own["own"]);
 }

@@ -1,6 +1,6 @@
 //! Maps that are unsuitable for computation: warnings in every output, and refusals.
 
-use crate::common::{CALIBRATION, FLAT, Place, SCENE, json};
+use crate::common::{CALIBRATION, FLAT, Place, SCENE, measured, patterned_calibration};
 use serde_json::Value;
 
 fn strings(value: &Value) -> Vec<&str> {
@@ -54,11 +54,11 @@ fn law<'a>(map: &'a str, flags: &[&'a str]) -> Vec<&'a str> {
 #[test]
 fn spikes_are_named_by_surface_and_area_law_and_removed_when_asked() {
     let place = place(&[("spiked.asc", &spiked(SPIKE_NM))]);
-    let clean = json(&place.succeed(&["surface", "clean.asc", "--json"]));
+    let clean = place.json(&["surface", "clean.asc", "--json"]);
     assert!(clean.get("warnings").is_none(), "{}", clean["warnings"]);
     let slope = |result: &Value| result["parameters"]["rms_slope"].as_f64().unwrap();
 
-    let found = json(&place.succeed(&["surface", "spiked.asc", "--json"]));
+    let found = place.json(&["surface", "spiked.asc", "--json"]);
     let warnings = strings(&found["warnings"]);
     assert!(warnings[0].starts_with("spikes: 5 points in 4 places stand alone"), "{warnings:?}");
     assert!(warnings[0].contains("rows 20 to 90, columns 0 to 8") && warnings[0].contains("--despike"), "{warnings:?}");
@@ -66,33 +66,22 @@ fn spikes_are_named_by_surface_and_area_law_and_removed_when_asked() {
     let text = place.succeed(&["surface", "spiked.asc"]);
     assert!(text.contains("\n! spikes: 5 points"), "{text}");
 
-    let despiked = json(&place.succeed(&["surface", "spiked.asc", "--despike", "--json"]));
+    let despiked = place.json(&["surface", "spiked.asc", "--despike", "--json"]);
     assert!(despiked.get("warnings").is_none());
     assert!(strings(&despiked["model"]).iter().any(|note| note.starts_with("despiked: 5 points in 4 places")));
     assert!((slope(&despiked) / slope(&clean) - 1.0).abs() < 0.01, "{} {}", slope(&despiked), slope(&clean));
-    let untouched = json(&place.succeed(&["surface", "clean.asc", "--despike", "--json"]));
+    let untouched = place.json(&["surface", "clean.asc", "--despike", "--json"]);
     assert!(strings(&untouched["model"]).contains(&"despiked: no spikes were found"));
     assert_eq!(untouched["parameters"], clean["parameters"]);
 
-    let said = json(&place.succeed(&law("spiked.asc", &["--json"])));
+    let said = place.json(&law("spiked.asc", &["--json"]));
     assert!(strings(&said["warnings"])[0].starts_with("spikes: 5 points"), "{said}");
     assert!(place.succeed(&law("spiked.asc", &[])).contains("\n! spikes: 5 points"));
-    let [clean, despiked] = [law("clean.asc", &["--json"]), law("spiked.asc", &["--despike", "--json"])]
-        .map(|args| json(&place.succeed(&args)));
+    let [clean, despiked] =
+        [law("clean.asc", &["--json"]), law("spiked.asc", &["--despike", "--json"])].map(|args| place.json(&args));
     assert!(despiked.get("warnings").is_none() && clean.get("warnings").is_none());
     let factor = |law: &Value| law["results"][2]["factor"].as_f64().unwrap();
     assert!((factor(&despiked) / factor(&clean) - 1.0).abs() < 0.01, "{} {}", factor(&despiked), factor(&clean));
-}
-
-#[test]
-fn zeros_in_place_of_points_and_pixels_of_two_units_are_named() {
-    let zeros = |row: usize, col: usize, height: f64| if row < 8 && col < 8 { 0.0 } else { height };
-    let place = place(&[("zeros.asc", &zeros)]);
-    let found = json(&place.succeed(&["surface", "zeros.asc", "--json"]));
-    assert!(strings(&found["warnings"])[0].starts_with("zeros: 64 of 9216 points are exactly 0 in blocks"), "{found}");
-    let oblong = ["surface", "clean.asc", "--pixel-um", "0.5", "--pixel-y-um", "500", "--json"];
-    let found = json(&place.succeed(&oblong));
-    assert!(strings(&found["warnings"])[0].starts_with("pixels: pixels of 0.5 x 500 um are implausible"), "{found}");
 }
 
 #[test]
@@ -107,30 +96,23 @@ fn what_is_wrong_with_a_map_stands_in_every_result_that_rests_on_it() {
     let material = std::fs::read_to_string(place.path("material.toml")).unwrap();
     assert!(material.contains("warnings = [\"spikes: 5 points in 4 places"), "{material}");
 
-    let without = SCENE.find("[pattern]").unwrap();
-    let scene = format!(
-        "material = \"material.toml\"\ncondition = {{ speed_mm_s = 2.0, humidity_pct = 15.0 }}\n{}",
-        &SCENE[without..]
-    );
-    std::fs::write(place.path("scene.toml"), &scene).unwrap();
-    let result = json(&place.succeed(&["simulate", "scene.toml", "--json"]));
+    std::fs::write(place.path("scene.toml"), measured(SCENE, "material.toml")).unwrap();
+    let result = place.json(&["simulate", "scene.toml", "--json"]);
     assert!(strings(&result["material"]["warnings"])[0].starts_with("spikes: 5 points"), "{result}");
     assert!(place.succeed(&["simulate", "scene.toml"]).contains("! the material is doubtful: spikes: 5 points"));
 
     let printed = place.succeed(&["calibrate", "despiked.toml", "-o", "material.toml"]);
     assert!(!printed.contains("! spikes") && printed.contains("- despiked: 5 points in 4 places"), "{printed}");
-    let result = json(&place.succeed(&["simulate", "scene.toml", "--json"]));
+    let result = place.json(&["simulate", "scene.toml", "--json"]);
     assert!(result["material"].get("warnings").is_none());
 }
 
 #[test]
 fn a_doubtful_ratio_and_a_doubtful_map_are_each_said_once() {
     let place = place(&[("spiked.asc", &spiked(SPIKE_NM))]);
-    let pattern = "[pattern]\nplanform = \"groove\"\nwidth_um = 130.0\nspacing_um = 370.0\ndepth_um = 5.2\n";
-    let calibration = CALIBRATION
-        .replace("persson_rms_slope = 0.0137", "map = \"spiked.asc\"")
-        .replace("flat = \"flat.csv\"", "flat = \"flat.csv\"\npatterned = \"patterned.csv\"");
-    std::fs::write(place.path("calibration.toml"), calibration + pattern).unwrap();
+    let pattern = "planform = \"groove\"\nwidth_um = 130.0\nspacing_um = 370.0\ndepth_um = 5.2\n";
+    let calibration = patterned_calibration(pattern).replace("persson_rms_slope = 0.0137", "map = \"spiked.asc\"");
+    std::fs::write(place.path("calibration.toml"), calibration).unwrap();
     std::fs::write(place.path("patterned.csv"), FLAT.replace("0.248", "1.2")).unwrap();
     place.succeed(&["calibrate", "calibration.toml", "-o", "material.toml"]);
     let material: toml::Table = std::fs::read_to_string(place.path("material.toml")).unwrap().parse().unwrap();
@@ -193,7 +175,7 @@ fn maps_that_are_hardly_there_are_told_or_refused() {
     };
     let place = place(&[("tenth.asc", &seen(11)), ("hundredth.asc", &seen(4)), ("most.asc", &seen(31))]);
     let missing = |map: &str| {
-        let found = json(&place.succeed(&["surface", map, "--json"]));
+        let found = place.json(&["surface", map, "--json"]);
         strings(&found["warnings"])
             .iter()
             .find(|warning| warning.starts_with("missing points"))
@@ -207,7 +189,7 @@ fn maps_that_are_hardly_there_are_told_or_refused() {
     }
     let law =
         ["area-law", "tenth.asc", "--windows", "1", "--pressures-mpa", "0.7,2.6", "--threshold-mpa", "0.7", "--json"];
-    let law = json(&place.succeed(&law));
+    let law = place.json(&law);
     assert!(strings(&law["warnings"])[0].starts_with("missing points: 88 %"), "{law}");
 }
 
@@ -220,10 +202,10 @@ fn a_law_that_jumps_or_exceeds_one_is_told() {
         ("jump.toml", "area law jumps: f falls from 1 to 0.9 at its first pressure, 0.7 MPa"),
         ("above.toml", "factor above 1: f is 1.2 at 2.6 MPa"),
     ] {
-        let result = json(&place.succeed(&["simulate", file, "--json"]));
+        let result = place.json(&["simulate", file, "--json"]);
         assert!(strings(&result["material"]["warnings"])[0].starts_with(warning), "{result}");
         assert!(place.succeed(&["simulate", file]).contains(&format!("! the material is doubtful: {warning}")));
     }
     let plain = Place::with(&[("scene.toml", SCENE)]);
-    assert!(json(&plain.succeed(&["simulate", "scene.toml", "--json"]))["material"].get("warnings").is_none());
+    assert!(plain.json(&["simulate", "scene.toml", "--json"])["material"].get("warnings").is_none());
 }

@@ -2,12 +2,7 @@
 
 use std::fs;
 
-use crate::common::{CALIBRATION, DESIGN, FLAT, Place, SCENE, small};
-use serde_json::Value;
-
-fn result(place: &Place) -> Value {
-    serde_json::from_str(&fs::read_to_string(place.path("out/result.json")).unwrap()).unwrap()
-}
+use crate::common::{CALIBRATION, DESIGN, FLAT, Place, SCENE, json, measured, result, small};
 
 /// Design of discs in a thin layer with a target out of reach.
 fn discs() -> String {
@@ -24,7 +19,7 @@ fn the_stages_of_a_design_sum_to_its_duration() {
     let output = place.run(&["optimize", "discs.toml", "-o", "out"]);
     let (told, said) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
     assert_eq!(output.status.code(), Some(0), "{told}{said}");
-    let times: Value = serde_json::from_str(&fs::read_to_string(place.path("out/timings.json")).unwrap()).unwrap();
+    let times = json(&fs::read_to_string(place.path("out/timings.json")).unwrap());
     let timings = times["timings_s"].as_object().unwrap();
     let sum: f64 = timings.values().map(|seconds| seconds.as_f64().unwrap()).sum();
     let wall_s = times["wall_s"].as_f64().unwrap();
@@ -79,9 +74,7 @@ fn what_takes_more_than_memory_or_a_month_is_refused_by_name() {
     );
     assert!(!place.path("out").exists() && !place.path("out.study.jsonl").exists());
     // Blocks are the design's, also those in which the samples of its calibration are modelled.
-    let head = "material = \"c.toml\"\ncondition = { speed_mm_s = 2.0, humidity_pct = 15.0 }\n";
-    let calibrated = format!("name = \"d\"\n{head}{}", &fine[fine.find("[target]").unwrap()..]);
-    let place = Place::with(&[("d.toml", calibrated.as_str()), ("c.toml", CALIBRATION), ("flat.csv", FLAT)]);
+    let place = Place::with(&[("d.toml", &measured(&fine, "c.toml")), ("c.toml", CALIBRATION), ("flat.csv", FLAT)]);
     for command in ["optimize", "next", "explore"] {
         let message = place.refuse(&[command, "d.toml"]);
         let says = "sample.block_um: 1.0 um makes samples of the calibration that take about 12 GiB of memory";
@@ -93,7 +86,7 @@ fn what_takes_more_than_memory_or_a_month_is_refused_by_name() {
 fn a_bound_without_brackets_fixes_a_dimension() {
     let place = Place::with(&[("fixed.toml", &small())]);
     place.run(&["optimize", "fixed.toml", "-o", "out"]);
-    let design = &result(&place)["design"];
+    let design = &result(&place, "out")["design"];
     assert_eq!((design["spacing_um"].as_f64(), design["depth_um"].as_f64()), (Some(60.0), Some(5.2)));
 }
 
@@ -105,7 +98,7 @@ fn hexagonal_discs_are_designed_and_drawn() {
     let output = place.run(&["optimize", "hexagonal.toml", "-o", "out"]);
     let (told, said) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
     assert!(matches!(output.status.code(), Some(0 | 3)), "{told}{said}");
-    let found = result(&place);
+    let found = result(&place, "out");
     assert_eq!(found["design"]["arrangement"], "hexagonal");
     // Rows lie sqrt(3)/2 of a pitch apart: centres of the file of cavities.
     let csv = fs::read_to_string(place.path("out/pattern.csv")).unwrap();

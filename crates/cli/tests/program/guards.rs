@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use crate::common::{CALIBRATION, FLAT, Place, SCENE, names, small};
+use crate::common::{CALIBRATION, FLAT, Place, SCENE, names, small, untimed};
 
 const MAP: [&str; 5] = ["synthesize", "--pixels", "32", "--waves", "2:8"];
 
@@ -159,13 +159,6 @@ fn a_design_named_by_dots_does_not_write_into_the_current_folder() {
     assert_eq!(names(&place.path("out")), ["design", "design.study.jsonl"]);
 }
 
-/// Names and contents of all files of a folder except timings.json.
-fn bytes(place: &Place, folder: &str) -> Vec<(String, Vec<u8>)> {
-    let folder = place.path(folder);
-    let read = |name: String| (name.clone(), fs::read(folder.join(&name)).unwrap());
-    names(&folder).into_iter().filter(|name| name != "timings.json").map(read).collect()
-}
-
 #[test]
 fn the_same_run_writes_the_same_bytes_but_for_its_timings() {
     let text =
@@ -179,7 +172,7 @@ fn the_same_run_writes_the_same_bytes_but_for_its_timings() {
         place.succeed(&["simulate", "s.toml", "--fidelity", "dynamic", "--threads", threads, "-o", &scene]);
     }
     for (one, two) in [("one", "two"), ("one-scene", "two-scene")] {
-        let (one, two) = (bytes(&place, one), bytes(&place, two));
+        let (one, two) = (untimed(&place, one), untimed(&place, two));
         assert!(one.len() >= 4);
         for ((name, one), (_, two)) in one.iter().zip(&two) {
             assert!(one == two, "{name} differs");

@@ -3,18 +3,14 @@
 #![cfg(unix)]
 
 use std::fs;
-use std::process::{Command, Stdio};
+use std::process::Command;
 use std::time::Duration;
 
-use crate::common::{Place, SCENE, names};
+use crate::common::{Place, SCENE, many_squares, names};
 
 /// Result with a design whose files take a megabyte.
 fn result() -> String {
-    r#"{"name": "x", "version": "0", "seed": 1, "design": {"width_um": 40.0, "spacing_um": 50.0, "depth_um": 5.2,
-    "planform": "square", "areal_density": 0.1, "section_density": 0.1}, "laser": {"spot_um": 23.0},
-    "specimen": {"shape": "disc", "diameter_mm": 6.0},
-    "material": {"name": "", "source": "", "synthetic_surface": false, "notes": []}}"#
-        .to_owned()
+    many_squares(6.0)
 }
 
 /// Drawing of an earlier run.
@@ -29,21 +25,26 @@ fn shell(place: &Place, line: &str) -> std::process::Output {
     command.current_dir(place.path("")).args(["-c", line, env!("CARGO_BIN_EXE_slipgrid")]).output().unwrap()
 }
 
+/// Message of a run that must end with exit code 1.
+fn fails(output: &std::process::Output) -> String {
+    let message = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(1), "{message}");
+    message
+}
+
 #[test]
 fn a_full_disk_is_said_and_leaves_nothing() {
     let place = Place::with(&[("result.json", &result()), ("scene.toml", SCENE)]);
     // Files end at 64 blocks of 512 bytes; the signal that would kill the program is ignored.
-    let output = shell(&place, "trap '' XFSZ; ulimit -f 64; exec \"$0\" export result.json -o out");
-    let message = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert_eq!(output.status.code(), Some(1), "{message}");
+    let full = "trap '' XFSZ; ulimit -f 64; exec \"$0\" export result.json -o out";
+    let message = fails(&shell(&place, full));
     assert!(message.starts_with("error: out: cannot be written: "), "{message}");
     assert_eq!(place.names(), ["result.json", "scene.toml"]);
 
     // The same where the folder stands already: its files stay as they were.
     fs::create_dir(place.path("out")).unwrap();
     fs::write(place.path("out/pattern.dxf"), EARLIER).unwrap();
-    let output = shell(&place, "trap '' XFSZ; ulimit -f 64; exec \"$0\" export result.json -o out");
-    assert_eq!(output.status.code(), Some(1));
+    fails(&shell(&place, full));
     assert_eq!(names(&place.path("out")), ["pattern.dxf"]);
     assert_eq!(fs::read_to_string(place.path("out/pattern.dxf")).unwrap(), EARLIER);
 }
@@ -61,9 +62,7 @@ fn a_place_that_takes_no_files_is_refused_at_once() {
         vec!["export", "result.json", "-o", "/proc/out"],
         vec!["synthesize", "--pixels", "32", "--waves", "2:8", "-o", "/proc/out"],
     ] {
-        let output = place.run(&command);
-        let message = String::from_utf8_lossy(&output.stderr).into_owned();
-        assert_eq!(output.status.code(), Some(1), "{message}");
+        let message = fails(&place.run(&command));
         assert!(message.starts_with("error: /proc/out: cannot be written: "), "{message}");
     }
     assert_eq!(place.names(), ["result.json", "scene.toml"]);
@@ -77,13 +76,9 @@ fn a_device_is_written_to_and_not_replaced() {
         return;
     }
     let place = Place::with(&[("scene.toml", SCENE)]);
-    let output = shell(&place, "exec \"$0\" simulate scene.toml --json > /dev/full");
-    let message = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert_eq!(output.status.code(), Some(1), "{message}");
+    let message = fails(&shell(&place, "exec \"$0\" simulate scene.toml --json > /dev/full"));
     assert!(message.starts_with("error: standard output: "), "{message}");
-    let output = place.run(&["synthesize", "--pixels", "32", "--waves", "2:8", "-o", "/dev/full"]);
-    let message = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert_eq!(output.status.code(), Some(1), "{message}");
+    let message = fails(&place.run(&["synthesize", "--pixels", "32", "--waves", "2:8", "-o", "/dev/full"]));
     assert!(message.contains("/dev/full: cannot be written"), "{message}");
     use std::os::unix::fs::FileTypeExt;
     assert!(fs::metadata("/dev/full").unwrap().file_type().is_char_device());
@@ -111,9 +106,7 @@ fn a_folder_that_cannot_be_written_is_said() {
         folders.extend(["closed", "closed/out"]);
     }
     for folder in folders {
-        let output = place.run(&["simulate", "scene.toml", "-o", folder]);
-        let message = String::from_utf8_lossy(&output.stderr).into_owned();
-        assert_eq!(output.status.code(), Some(1), "{message}");
+        let message = fails(&place.run(&["simulate", "scene.toml", "-o", folder]));
         assert!(message.contains("cannot be written"), "{message}");
     }
     fs::set_permissions(&closed, fs::Permissions::from_mode(0o755)).unwrap();
@@ -143,9 +136,7 @@ fn a_run_killed_at_any_moment_leaves_whole_files_or_none() {
                     fs::copy(entry.path(), place.path("out").join(entry.file_name())).unwrap();
                 }
             }
-            let mut command = crate::common::program();
-            command.current_dir(place.path("")).args(EXPORT).stdout(Stdio::null());
-            let mut run = command.spawn().unwrap();
+            let mut run = place.begin(&EXPORT);
             std::thread::sleep(Duration::from_secs_f64(whole.as_secs_f64() * f64::from(kill) / f64::from(KILLS - 1)));
             run.kill().unwrap();
             run.wait().unwrap();

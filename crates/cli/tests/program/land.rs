@@ -1,6 +1,6 @@
 //! The land of a cut sample, which is steeper than the flat sample, corrects the modelled ratio of its trial.
 
-use crate::common::{CALIBRATION, Place, THREE_FORCES, json, number};
+use crate::common::{CALIBRATION, Place, THREE_FORCES, number};
 use serde_json::Value;
 
 /// Options for both maps: pixels of 4 um, waves of 32 um and longer.
@@ -34,8 +34,7 @@ fn a_land_a_fifth_steeper_lowers_the_modelled_ratio_as_its_contact_area() {
     synthesize("--rms-slope 0.02 --side-mm 1.024 -o flat.asc");
     synthesize(&format!("--rms-slope 0.024 --side-mm 1.024 {CUT}"));
     synthesize("--rms-slope 0.024 --side-mm 0.512 -o fine.asc");
-    let [alone, mapped] =
-        ["alone.toml", "mapped.toml"].map(|name| json(&place.succeed(&["trials", name, "--json", "-q"])));
+    let [alone, mapped] = ["alone.toml", "mapped.toml"].map(|name| place.json(&["trials", name, "--json", "-q"]));
     assert!(alone.get("lands").is_none());
     let land = &mapped["lands"][0];
     let (over_flat, log_std) = (number(&land["over_flat"]), number(&land["log_std"]));

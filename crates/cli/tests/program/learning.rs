@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use crate::common::{DESIGN, Place, json, names, number, result};
+use crate::common::{DESIGN, Place, names, number, result};
 
 #[test]
 fn the_disc_that_teaches_most_is_drawn_with_what_every_mechanism_predicts() {
@@ -42,7 +42,7 @@ fn the_disc_that_teaches_most_is_drawn_with_what_every_mechanism_predicts() {
         }
     }
     // The same command prints the same record, and takes no number of samples.
-    assert_eq!(json(&place.succeed(&["next", "design.toml", "--learn", "--json", "-q"])), found);
+    assert_eq!(place.json(&["next", "design.toml", "--learn", "--json", "-q"]), found);
     let refused = place.run(&["next", "design.toml", "--learn", "--count", "2"]);
     assert_eq!(refused.status.code(), Some(2), "{refused:?}");
 }

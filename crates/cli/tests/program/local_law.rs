@@ -3,7 +3,7 @@
 
 use std::fs;
 
-use crate::common::{CALIBRATION, Place};
+use crate::common::{CALIBRATION, Place, SCENE, measured, patterned};
 use serde_json::Value;
 
 const FLAT: &str =
@@ -16,28 +16,22 @@ fn with_surface(surface: &str) -> String {
 
 /// Steady ratio of a groove and flat friction at the heavier load.
 fn solved(place: &Place, material: &str) -> [f64; 2] {
-    let scene = format!(
-        "material = \"{material}\"\ncondition = {{ speed_mm_s = 2.0, humidity_pct = 15.0 }}\n[pattern]\nwidth_um = 130.0\n\
-         spacing_um = 370.0\ndepth_um = 20.0\n[sample]\nlength_um = 9960.0\nlayer_um = 200.0\nblock_um = 10.0\n[load]\n\
-         pressure_mpa = 2.5974\nspeed_mm_s = 2.0\n[run]\nfidelity = \"steady\"\nextent = \"cell\"\n"
-    );
+    let scene = measured(SCENE, material).replace("[0.65, 2.6]", "2.5974");
     fs::write(place.path("scene.toml"), scene).unwrap();
-    let found: Value = serde_json::from_str(&place.succeed(&["simulate", "scene.toml", "--json"])).unwrap();
+    let found: Value = place.json(&["simulate", "scene.toml", "--json"]);
     let row = &found["errors"]["by_pressure"][0];
     ["ratio", "mu_flat"].map(|key| row[key]["value"].as_f64().unwrap())
 }
 
 #[test]
 fn by_the_measured_law_the_same_groove_raises_friction_that_the_area_law_lowers() {
-    let patterned = FLAT.replace("0.248", "0.20").replace("0.278", "0.23");
-    let text = |surface: &str| {
-        with_surface(surface).replace("flat = \"flat.csv\"", "flat = \"flat.csv\"\npatterned = \"patterned.csv\"")
-    };
+    let cut = FLAT.replace("0.248", "0.20").replace("0.278", "0.23");
+    let text = |surface: &str| patterned().replace("persson_rms_slope = 0.0137\n", surface);
     let place = Place::with(&[
         ("measured.toml", &text(MEASURED)),
         ("area.toml", &text("persson_rms_slope = 0.0137\nlocal_law = \"area\"\n")),
         ("flat.csv", FLAT),
-        ("patterned.csv", &patterned),
+        ("patterned.csv", &cut),
     ]);
     let told = place.succeed(&["calibrate", "measured.toml", "-o", "m.toml"]);
     assert!(told.contains("measured flat friction itself"), "{told}");
@@ -78,7 +72,7 @@ fn a_fitted_law_is_compared_as_trials_have_it() {
     let place = Place::with(&[]);
     let whole = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).ancestors().nth(2).unwrap().join(calibration);
     let file = whole.join("calibration.toml").to_str().unwrap().to_owned();
-    let json = |args: &[&str]| -> serde_json::Value { serde_json::from_str(&place.succeed(args)).unwrap() };
+    let json = |args: &[&str]| -> serde_json::Value { place.json(args) };
     let found = json(&["validate", &file, "--slope-factors", "2", "--json"]);
     let learned = json(&["trials", &file, "--json"]);
     let modelled = |factor: f64| -> Vec<f64> {

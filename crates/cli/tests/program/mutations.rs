@@ -4,7 +4,7 @@ use std::fs;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
-use crate::common::{CALIBRATION, DESIGN, FLAT, Place, SCENE};
+use crate::common::{CALIBRATION, DESIGN, FLAT, Place, SCENE, by_hand};
 use slipgrid_base::statistics::SplitMix64;
 use slipgrid_io::formats::Document;
 use slipgrid_io::formats::calibration::Calibration;
@@ -241,31 +241,10 @@ fn two_million_spoiled_files_are_refused_or_read() {
 #[test]
 fn the_program_answers_spoiled_files_or_refuses_them() {
     // A key a line and commas in front: a line's value can be exchanged.
-    let result = r#"{
-"name": "x"
-, "version": "0"
-, "seed": 1
-, "design": {
-"width_um": 130.0
-, "spacing_um": 370.0
-, "depth_um": 5.2
-, "planform": "square"
-, "areal_density": 0.1
-, "section_density": 0.1
-}, "laser": {
-"spot_um": 23.0
-, "hatch_um": 20.0
-, "wall_taper_deg": 5.0
-}, "specimen": {
-"shape": "ring"
-, "outer_diameter_mm": 4.0
-, "inner_diameter_mm": 1.0
-}, "material": {
-"name": ""
-, "source": ""
-, "synthetic_surface": false
-, "notes": []
-}}"#;
+    let laser = r#""spot_um": 23.0, "hatch_um": 20.0, "wall_taper_deg": 5.0"#;
+    let specimen = r#""shape": "ring", "outer_diameter_mm": 4.0, "inner_diameter_mm": 1.0"#;
+    let result = by_hand(r#""planform": "square""#, laser, specimen);
+    let result = result.split_whitespace().collect::<Vec<_>>().join(" ").replace(", \"", "\n, \"").replace('{', "{\n");
     let place = Place::with(&[]);
     let mut dice = SplitMix64(7);
     let mut codes = [0; 2];

@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use crate::common::{Place, names, program, result, short, trusted};
+use crate::common::{Place, by_hand, names, optimized, program, short, trusted};
 use serde_json::Value;
 
 /// Design of a short sample of several periods, confirmed in a second, with a target at one pressure.
@@ -16,12 +16,9 @@ fn design(value: &str) -> String {
 #[test]
 fn a_design_is_found_confirmed_and_written_for_a_laser() {
     let place = Place::with(&[("grooves.toml", &trusted(&design("value = 0.88")))]);
-    let output = place.run(&["optimize", "grooves.toml"]);
-    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
-    let summary = String::from_utf8(output.stdout).unwrap();
+    let (summary, found) = optimized(&place, "grooves.toml", 0);
     assert!(summary.contains("make a series: ") || summary.contains("cut a trial: "), "{summary}");
 
-    let found = result(&place, "out/grooves");
     let confirmed = found["confirmed"][0]["ratio"].as_f64().unwrap();
     assert!((confirmed - 0.88).abs() <= 0.03, "{confirmed}");
     let um = |key: &str| found["design"][key].as_f64().unwrap();
@@ -51,7 +48,7 @@ fn a_design_is_found_confirmed_and_written_for_a_laser() {
     }
 
     // The written scene is the confirming run.
-    let again: Value = serde_json::from_str(&place.succeed(&["simulate", "out/grooves/scene.toml", "--json"])).unwrap();
+    let again: Value = place.json(&["simulate", "out/grooves/scene.toml", "--json"]);
     assert_eq!(again["results"][0]["ratio"], found["confirmed"][0]["ratio"]);
 
     // Exported again: the same bytes.
@@ -65,14 +62,7 @@ fn a_design_is_found_confirmed_and_written_for_a_laser() {
 /// Exports a result made by hand, so that no solver is involved.
 #[test]
 fn every_planform_can_be_exported() {
-    let result = |texture: &str| {
-        format!(
-            r#"{{"name": "by hand", "version": "0", "seed": 1, "design": {{"width_um": 130.0, "spacing_um": 370.0,
-            "depth_um": 5.2, {texture}, "areal_density": 0.1, "section_density": 0.1}}, "laser": {{}},
-            "specimen": {{"shape": "disc", "diameter_mm": 10.0}},
-            "material": {{"name": "", "source": "", "synthetic_surface": false, "notes": []}}}}"#
-        )
-    };
+    let result = |texture: &str| by_hand(texture, "", r#""shape": "disc", "diameter_mm": 10.0"#);
     for (texture, says) in [
         (r#""planform": "disc", "arrangement": "staggered""#, "Pattern: disc, staggered, width 130.000 um"),
         (r#""planform": "groove", "angle_deg": 30.0"#, "Pattern: groove, turned by 30 degrees from lying across x"),
@@ -106,13 +96,10 @@ fn every_planform_can_be_exported() {
 #[test]
 fn a_mask_has_contours_and_no_lines() {
     let result = |exposure: &str| {
-        format!(
-            r#"{{"name": "by hand", "version": "0", "seed": 1, "design": {{"width_um": 130.0, "spacing_um": 370.0,
-            "depth_um": 5.2, "planform": "square", "areal_density": 0.1, "section_density": 0.1}},
-            "laser": {{"exposure": "{exposure}", "spot_um": 20.0, "speed_mm_s": 100.0, "repetition_hz": 20000.0,
-            "hatch_um": 10.0}}, "specimen": {{"shape": "disc", "diameter_mm": 3.0}},
-            "material": {{"name": "", "source": "", "synthetic_surface": false, "notes": []}}}}"#
-        )
+        let laser = format!(
+            r#""exposure": "{exposure}", "spot_um": 20.0, "speed_mm_s": 100.0, "repetition_hz": 20000.0, "hatch_um": 10.0"#
+        );
+        by_hand(r#""planform": "square""#, &laser, r#""shape": "disc", "diameter_mm": 3.0"#)
     };
     let place = Place::with(&[("mask.json", &result("mask")), ("hatch.json", &result("hatch"))]);
     for (format, what) in [("gcode", "G-code"), ("hatch", "hatch.csv")] {

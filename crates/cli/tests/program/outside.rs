@@ -2,20 +2,11 @@
 
 use std::process::{Command, Stdio};
 
-use crate::common::Place;
+use crate::common::{Place, by_hand};
 
 /// Runs `program`; `None` if it is not installed.
 fn try_run(program: &str, args: &[&str]) -> Option<std::process::Output> {
     Command::new(program).args(args).stdin(Stdio::null()).output().ok()
-}
-
-fn result(design: &str, specimen: &str) -> String {
-    format!(
-        r#"{{"name": "by hand", "version": "0", "seed": 1, "design": {{"width_um": 130.0,
-        "spacing_um": 370.0, "depth_um": 5.2, {design}, "areal_density": 0.1, "section_density": 0.1}},
-        "laser": {{"spot_um": 23.0}}, "specimen": {{{specimen}}},
-        "material": {{"name": "", "source": "", "synthetic_surface": false, "notes": []}}}}"#
-    )
 }
 
 const AUDIT: &str = r#"
@@ -44,7 +35,7 @@ fn drawings_pass_an_independent_audit() {
     ];
     let planforms = [r#""planform": "groove", "angle_deg": 30.0"#, r#""planform": "disc", "arrangement": "staggered""#];
     for (number, (planform, shape)) in planforms.iter().flat_map(|p| shapes.map(|s| (*p, s))).enumerate() {
-        std::fs::write(place.path("result.json"), result(planform, shape)).unwrap();
+        std::fs::write(place.path("result.json"), by_hand(planform, r#""spot_um": 23.0"#, shape)).unwrap();
         place.succeed(&["export", "result.json", "--format", "dxf", "-o", &number.to_string()]);
         files.push(place.path(&format!("{number}/pattern.dxf")).display().to_string());
     }

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use crate::common::{Place, SCENE, json, small};
+use crate::common::{Place, SCENE, result, small};
 use serde_json::Value;
 
 fn shipped(name: &str) -> String {
@@ -20,7 +20,18 @@ fn scene(keys: &str) -> String {
 
 fn simulated(place: &Place, text: &str) -> Value {
     fs::write(place.path("a.toml"), text).unwrap();
-    json(&place.succeed(&["simulate", "a.toml", "--json"]))
+    place.json(&["simulate", "a.toml", "--json"])
+}
+
+/// Result of the search of the design `text`, the scene and all laser files of which are made as well.
+fn searched(place: &Place, text: &str) -> Value {
+    fs::write(place.path("design.toml"), text).unwrap();
+    place.succeed(&["optimize", "design.toml", "-o", "out"]);
+    // The confirming run is a scene that reads back.
+    place.succeed(&["simulate", "out/scene.toml", "--json"]);
+    let formats = "dxf,svg,csv,process,plt,gcode,corners,hatch,png,stl";
+    place.succeed(&["export", "out/result.json", "--format", formats, "-o", "files"]);
+    result(place, "out")
 }
 
 #[test]
@@ -30,7 +41,7 @@ fn hexagons_of_a_drawing_are_those_of_a_list_of_vertices() {
     let coarse = shipped("scene-hexagon.toml").replace("block_um = 20.0", "block_um = 20.0\nlayer_um = 40.0");
     fs::write(place.path("scene-hexagon.toml"), coarse.replace("depth_um = 20.0", "depth_um = 15.0")).unwrap();
     fs::write(place.path("hexagon.svg"), shipped("hexagon.svg")).unwrap();
-    let drawn = json(&place.succeed(&["simulate", "scene-hexagon.toml", "--json"]));
+    let drawn = place.json(&["simulate", "scene-hexagon.toml", "--json"]);
     assert_eq!((drawn["dimensions"].as_u64(), drawn["pattern"]["vertices_um"].as_array().unwrap().len()), (Some(3), 6));
     // Hexagons within hexagons one pitch apart.
     assert!((drawn["areal_density"].as_f64().unwrap() - (100.0_f64 / 160.0).powi(2)).abs() < 1e-9);
@@ -87,9 +98,7 @@ fn crossing_grooves_are_searched_confirmed_and_exported() {
     let text = small().replace("\"groove\"", keys).replace("spot_um = 23.0", "spot_um = 23.0\nspeed_mm_s = 100.0");
     // Grooves that cross take more than half of the face.
     let text = text.replace("value = 0.9", "value = [0.8, 0.65]");
-    fs::write(place.path("crossed.toml"), text).unwrap();
-    place.succeed(&["optimize", "crossed.toml", "-o", "out"]);
-    let result = json(&fs::read_to_string(place.path("out/result.json")).unwrap());
+    let result = searched(&place, &text);
     let design = &result["design"];
     let [width, spacing] = ["width_um", "spacing_um"].map(|key| design[key].as_f64().unwrap());
     let density = 1.0 - (spacing / (width + spacing)).powi(2);
@@ -100,10 +109,6 @@ fn crossing_grooves_are_searched_confirmed_and_exported() {
         process.contains("crossing_angle_deg = 60.0") && process.contains("crossings are marked once"),
         "{process}"
     );
-    // The confirming run is a scene that reads back.
-    place.succeed(&["simulate", "out/scene.toml", "--json"]);
-    let formats = "dxf,svg,csv,process,plt,gcode,corners,hatch,png,stl";
-    place.succeed(&["export", "out/result.json", "--format", formats, "-o", "files"]);
     for name in ["pattern.gcode", "removed.stl", "height-map.png", "corners.csv"] {
         assert!(fs::metadata(place.path("files").join(name)).unwrap().len() > 500, "{name}");
     }
@@ -115,24 +120,18 @@ fn polygons_are_searched_confirmed_and_exported() {
     let keys =
         "\"polygon\"\nvertices_um = [[0, 0], [10, 1], [9, 6], [6, 5], [6, 11], [0, 10]]\narrangement = \"staggered\"";
     let text = small().replace("\"groove\"", keys).replace("spot_um = 23.0", "spot_um = 15.0\nspeed_mm_s = 100.0");
-    fs::write(place.path("bent.toml"), text).unwrap();
-    place.succeed(&["optimize", "bent.toml", "-o", "out"]);
-    let result = json(&fs::read_to_string(place.path("out/result.json")).unwrap());
+    let result = searched(&place, &text);
     let corners = result["design"]["vertices_um"].as_array().unwrap();
     let x = |corner: &Value| corner[0].as_f64().unwrap();
     let extent =
         corners.iter().map(x).fold(f64::NEG_INFINITY, f64::max) - corners.iter().map(x).fold(f64::INFINITY, f64::min);
     assert!(corners.len() == 6 && (extent - result["design"]["width_um"].as_f64().unwrap()).abs() < 1e-9);
-    place.succeed(&["simulate", "out/scene.toml", "--json"]);
-    let formats = "dxf,svg,csv,process,plt,gcode,corners,hatch,png,stl";
-    place.succeed(&["export", "out/result.json", "--format", formats, "-o", "files"]);
     let rows = fs::read_to_string(place.path("files/corners.csv")).unwrap().lines().count() - 1;
     let cavities = fs::read_to_string(place.path("files/pattern.csv")).unwrap().lines().count() - 1;
     assert_eq!(rows, 6 * cavities);
     // A study of another outline is not taken over.
-    let other = fs::read_to_string(place.path("bent.toml")).unwrap().replace("[6, 5]", "[5, 5]");
-    fs::write(place.path("bent.toml"), other).unwrap();
-    let refused = place.refuse(&["optimize", "bent.toml", "-o", "out", "--resume"]);
+    fs::write(place.path("design.toml"), text.replace("[6, 5]", "[5, 5]")).unwrap();
+    let refused = place.refuse(&["optimize", "design.toml", "-o", "out", "--resume"]);
     assert!(refused.contains("vertices_um"), "{refused}");
 }
 
@@ -145,7 +144,7 @@ fn a_strip_in_space_is_drawn_from_end_to_end() {
             .replace("length_um = 9960.0", "length_um = 960.0\nlayer_um = 100.0")
     };
     fs::write(place.path("a.toml"), strip("planform = \"square\"").replace("layer_um = 200.0", "")).unwrap();
-    let told = json(&place.succeed(&["simulate", "a.toml", "--json", "-o", "out/a"]));
+    let told = place.json(&["simulate", "a.toml", "--json", "-o", "out/a"]);
     assert_eq!((told["dimensions"].as_u64(), told["extent"].as_str()), (Some(3), Some("strip")));
     let table = fs::read_to_string(place.path("out/a/interface.csv")).unwrap();
     let reach = |column: usize| {

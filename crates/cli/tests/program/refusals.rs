@@ -90,7 +90,7 @@ fn conditions_that_were_not_measured() {
     }
     let scene = format!("material = \"m.toml\"\ncondition = {{ speed_mm_s = 2.0, humidity_pct = 15.0 }}\n{rest}");
     let folder = Place::with(&[("scene.toml", &scene), ("m.toml", material)]);
-    let json: serde_json::Value = serde_json::from_str(&folder.succeed(&["simulate", "scene.toml", "--json"])).unwrap();
+    let json: serde_json::Value = folder.json(&["simulate", "scene.toml", "--json"]);
     assert_eq!(json["results"][0]["friction_extrapolated"], false);
     assert_eq!(json["results"][1]["friction_extrapolated"], true);
 }

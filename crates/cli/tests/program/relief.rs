@@ -16,7 +16,7 @@ fn scene(more: &str) -> String {
 }
 
 fn ratios(place: &Place, name: &str) -> Vec<f64> {
-    let result: Value = serde_json::from_str(&place.succeed(&["simulate", name, "--json"])).unwrap();
+    let result: Value = place.json(&["simulate", name, "--json"]);
     result["results"].as_array().unwrap().iter().map(|row| row["ratio"].as_f64().unwrap()).collect()
 }
 

@@ -10,15 +10,21 @@ const FLAGS: [&str; 6] = ["--force-n", "60", "--speed-mm-s", "2", "--humidity-pc
 /// Header of an export: time in seconds, position in millimetres, friction force and normal force in newtons.
 const HEADER: &str = "t [s];x [mm];Reibkraft [N];Normalkraft [N]\n";
 
-/// Export of 45 s in one direction at 2 mm/s under 60 N with friction `mu`; the ripple depends on the seed.
-fn run(header: &str, seed: u32, mu: f64) -> String {
+/// Export of 45 s in one direction at 2 mm/s with the friction force and normal force of `forces`, from a time and a
+/// ripple that depends on the seed.
+fn export(header: &str, seed: u32, forces: impl Fn(f64, f64) -> [f64; 2]) -> String {
     let mut text = header.to_owned();
     for i in 0..=900 {
         let t = 0.05 * f64::from(i);
-        let ripple = 1e-4 * (1.7 * f64::from(i * (seed + 3))).sin();
-        writeln!(text, "{t:.3};{:.4};{:.5};60.0", 2.0 * t, (mu + ripple) * 60.0).unwrap();
+        let [friction_n, normal_n] = forces(t, 1e-4 * (1.7 * f64::from(i * (seed + 3))).sin());
+        writeln!(text, "{t:.3};{:.4};{friction_n:.5};{normal_n:.5}", 2.0 * t).unwrap();
     }
     text
+}
+
+/// Export under 60 N with friction `mu`.
+fn run(header: &str, seed: u32, mu: f64) -> String {
+    export(header, seed, |_, ripple| [(mu + ripple) * 60.0, 60.0])
 }
 
 /// Calibration with `keys` in `[traces]` and `condition` in its only condition.
@@ -137,18 +143,6 @@ fn an_offset_of_all_traces_is_told_once() {
 }
 
 #[test]
-fn a_column_with_a_slip_of_the_pen_in_its_title_is_named_with_the_title_that_is_meant() {
-    let of = |title: &str| run(&HEADER.replace("x [mm]", title), 1, 0.305);
-    let place = Place::with(&[("slip.txt", &of("Positon (mm)")), ("wear.txt", &of("Wear (mm)"))]);
-    let told = |file: &str| place.succeed(&[&["traces", file], &FLAGS[..]].concat());
-    let slip = told("slip.txt");
-    assert!(slip.contains("slip.txt: the column `Positon (mm)` is not used: "), "{slip}");
-    assert!(slip.contains("near to `position`"), "{slip}");
-    let wear = told("wear.txt");
-    assert!(!wear.contains("not used"), "{wear}");
-}
-
-#[test]
 fn a_stretch_without_numbers_is_named_with_its_column_and_times() {
     // The row of 0.05 n s is in line n + 2.
     let without = |rows: std::ops::Range<usize>, word: &str| {
@@ -197,14 +191,10 @@ fn a_stretch_without_numbers_is_named_with_its_column_and_times() {
 /// Export of a run under `force_n` that starts with the head unloaded; its friction and normal force are 0.3 N and 2.4
 /// N too high.
 fn with_offset(seed: u32, force_n: f64) -> String {
-    let mut text = HEADER.to_owned();
-    for i in 0..=900 {
-        let t = 0.05 * f64::from(i);
+    export(HEADER, seed, |t, ripple| {
         let load = force_n * (t - 4.0).clamp(0.0, 1.0);
-        let ripple = 1e-4 * (1.7 * f64::from(i * (seed + 3))).sin();
-        writeln!(text, "{t:.3};{:.4};{:.5};{:.5}", 2.0 * t, (0.25 + ripple) * load + 0.3, load + 2.4 + ripple).unwrap();
-    }
-    text
+        [(0.25 + ripple) * load + 0.3, load + 2.4 + ripple]
+    })
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use std::fs;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
-use std::process::{Child, Command, Stdio};
+use std::process::{Child, Command};
 use std::time::{Duration, Instant};
 
 use crate::common::{DESIGN, Place, small};
@@ -87,13 +87,6 @@ fn a_spoiled_study_is_refused_by_its_line_or_used_and_never_ends_the_program() {
     assert!(refused > 100 && used > 10, "{refused} refused, {used} used");
 }
 
-/// Starts the program without waiting for it.
-fn begin(place: &Place, args: &[&str]) -> Child {
-    let mut command = crate::common::program();
-    command.current_dir(place.path("")).args(args).stdout(Stdio::null()).stderr(Stdio::null());
-    command.spawn().unwrap()
-}
-
 fn wait_for(path: &Path) {
     let began = Instant::now();
     while !path.exists() {
@@ -107,7 +100,7 @@ fn of_two_runs_for_one_folder_the_second_is_refused_and_a_killed_one_blocks_nobo
     // The first run takes some seconds.
     let place = Place::with(&[("d.toml", DESIGN), ("small.toml", &small())]);
     // What is kept leaves nothing to solve.
-    let mut first = begin(&place, &["optimize", "d.toml", "-o", "out/a", "--no-cache"]);
+    let mut first = place.begin(&["optimize", "d.toml", "-o", "out/a", "--no-cache"]);
     wait_for(&place.path("out/a.study.jsonl"));
     let message = place.refuse(&["optimize", "d.toml", "-o", "out/a", "--resume"]);
     let who = format!("error: out/a.lock: another run works for this folder: process {};", first.id());
@@ -131,7 +124,7 @@ fn a_run_ended_from_the_keyboard_takes_its_lock_along() {
     }
     let place = Place::with(&[("d.toml", DESIGN)]);
     for signal in ["INT", "TERM"] {
-        let mut run = begin(&place, &["optimize", "d.toml", "-o", "out/a"]);
+        let mut run = place.begin(&["optimize", "d.toml", "-o", "out/a"]);
         wait_for(&place.path("out/a.lock"));
         let killed = Command::new("sh").args(["-c", &format!("kill -{signal} {}", run.id())]).status().unwrap();
         assert!(killed.success());
@@ -145,7 +138,7 @@ fn many_runs_for_one_folder_leave_a_whole_study() {
     let place = Place::with(&[("d.toml", &small())]);
     let args = ["optimize", "d.toml", "-o", "out/a", "--resume", "--threads", "1"];
     for _ in 0..2 {
-        let runs: Vec<Child> = (0..4).map(|_| begin(&place, &args)).collect();
+        let runs: Vec<Child> = (0..4).map(|_| place.begin(&args)).collect();
         let codes: Vec<Option<i32>> = runs.into_iter().map(|mut run| run.wait().unwrap().code()).collect();
         assert!(codes.iter().all(|code| matches!(code, Some(0 | 2))) && codes.contains(&Some(0)), "{codes:?}");
         place.succeed(&args);

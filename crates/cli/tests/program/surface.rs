@@ -18,7 +18,7 @@ fn a_patterned_map_is_measured_drawn_and_written() {
     assert!(header.contains("# 5 grooves cut: width 130 +- 8 um, spacing 370 um"), "{}", &header[..600]);
     assert!(!header.contains("one period"));
 
-    let result = json(&place.succeed(&["surface", "textured.asc", "--cavities", "--json", "-o", "out"]));
+    let result = place.json(&["surface", "textured.asc", "--cavities", "--json", "-o", "out"]);
     assert_eq!((&result["format"], &result["synthetic_surface"]), (&Value::from("matrix"), &Value::from(true)));
     let spread = |key: &str, part: &str| result["cavities"][key][part].as_f64().unwrap();
     // The five drawn stray from the pattern by their standard errors: 8, 13 and 0.5 um over sqrt 5.
@@ -78,7 +78,7 @@ fn rims_are_found_and_stand_in_the_mean_period() {
     assert!(header.contains("# rims raised: round, height 1 +- 0.1 um, width 16 um"), "{}", &header[..700]);
 
     let given = ["surface", "rims.asc", "--cavities", "--period-out", "period.asc", "--json", "-o", "out"];
-    let result = json(&place.succeed(&given));
+    let result = place.json(&given);
     let rim = &result["cavities"]["rim"];
     let part = |key: &str, part: &str| rim[key][part].as_f64().unwrap_or_else(|| panic!("{key}: {rim}"));
     // 25 rims drawn from 1 +- 0.1 um have a mean within 0.02 um of it.
@@ -102,7 +102,7 @@ fn rims_are_found_and_stand_in_the_mean_period() {
     // 1 - s^2 between 1 and 7 um of 16: 0.93
     assert!((mean(18, 21) - 0.93).abs() < 0.15, "{}", mean(18, 21));
     assert!(mean(27, 49).abs() < 0.12, "{}", mean(27, 49));
-    let read = json(&place.succeed(&["surface", "period.asc", "--json"]));
+    let read = place.json(&["surface", "period.asc", "--json"]);
     assert_eq!(read["synthetic_surface"], Value::from(true));
     let width_um = read["pixel_um"][0].as_f64().unwrap() * rows as f64;
     assert!((width_um - 200.0).abs() < 2.0, "{width_um}");
@@ -145,7 +145,7 @@ fn a_slope_can_be_asked_for_instead_of_sa() {
     let place = Place::with(&[]);
     let said = place.succeed_line("synthesize --pixels 64 --waves 2:8 --rms-slope 0.02 -o m.asc");
     assert!(said.contains("rms slope 0.020000"), "{said}");
-    let slope = json(&place.succeed(&["surface", "m.asc", "--json"]))["parameters"]["rms_slope"].as_f64().unwrap();
+    let slope = place.json(&["surface", "m.asc", "--json"])["parameters"]["rms_slope"].as_f64().unwrap();
     assert!((slope - 0.02).abs() < 1e-6, "{slope}");
 }
 
@@ -155,7 +155,7 @@ fn decimal_commas_and_oblong_pixels_are_asked_for_by_flags() {
     let place = Place::with(&[("plain.csv", table), ("comma.csv", &table.replace('.', ","))]);
     let read = |name: &str, more: &[&str]| {
         let given = ["surface", name, "--pixel-um", "2", "--height-unit", "nm", "--form", "mean", "--json"];
-        json(&place.succeed(&[&given, more].concat()))
+        place.json(&[&given, more].concat())
     };
     let whole = read("plain.csv", &[]);
     assert_eq!((whole["rows"].as_u64(), whole["columns"].as_u64()), (Some(4), Some(4)));
@@ -168,7 +168,7 @@ fn a_part_of_a_period_is_none() {
     let place = Place::with(&[]);
     place.succeed(&["synthesize", "--pixels", "64", "--waves", "2:8", "--rms-slope", "0.02", "-o", "m.asc"]);
     let says = |flags: &[&str], what: &str| {
-        let law = json(&place.succeed(&[&["area-law", "m.asc", "--pressures-mpa", "1", "--json"][..], flags].concat()));
+        let law = place.json(&[&["area-law", "m.asc", "--pressures-mpa", "1", "--json"][..], flags].concat());
         assert!(law["model"].as_array().unwrap().iter().any(|note| note.as_str().unwrap().contains(what)), "{law}");
         law
     };
@@ -196,8 +196,7 @@ fn the_slope_of_a_part_is_that_of_the_whole() {
     let place = Place::with(&[]);
     place.succeed(&["synthesize", "--pixels", "256", "--side-mm", "0.5", "-o", "map.asc"]);
     let slope = |more: &[&str]| {
-        let found: Value =
-            serde_json::from_str(&place.succeed(&[&["surface", "map.asc", "--json"], more].concat())).unwrap();
+        let found: Value = place.json(&[&["surface", "map.asc", "--json"], more].concat());
         found["parameters"]["rms_slope"].as_f64().unwrap()
     };
     let (whole, part) = (slope(&[]), slope(&["--crop", "0,0,128,128"]));

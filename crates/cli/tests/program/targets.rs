@@ -1,22 +1,14 @@
 //! Kinds of targets and limits, reasons why a target is out of reach, and studies from which a killed run is resumed.
 
 use std::fs;
-use std::process::Stdio;
 use std::time::Duration;
 
-use crate::common::{Place, free, names, number, result, short, small, trusted};
+use crate::common::{Place, free, number, optimized, short, small, trusted, untimed};
 use serde_json::Value;
 
 /// Design of a short sample of several periods, which is confirmed in a second.
 fn design(target: &str, limits: &str) -> String {
     short().replace("value = 0.9\ntolerance = 0.01", target).replace("max_peak_pressure_mpa = 20.0", limits)
-}
-
-fn optimize(place: &Place, file: &str, code: i32) -> (String, Value) {
-    let output = place.run(&["optimize", file]);
-    assert_eq!(output.status.code(), Some(code), "{file}: {}", String::from_utf8_lossy(&output.stderr));
-    let folder = format!("out/{}", file.trim_end_matches(".toml"));
-    (String::from_utf8(output.stdout).unwrap(), result(place, &folder))
 }
 
 #[test]
@@ -29,7 +21,7 @@ fn goals_and_bands_are_searched_told_and_drawn() {
         ("even.toml", &trusted(&design("lowest = 0.7\nhighest = [1.0, 0.95]\ngoal = \"even\"", ""))),
         ("most.toml", &design("highest = [0.98, 0.9]\nweights = [1.0, 3.0]", "max_areal_density = 0.4")),
     ]);
-    let (told, found) = optimize(&place, "lowest.toml", 0);
+    let (told, found) = optimized(&place, "lowest.toml", 0);
     assert!(told.contains("cut a trial: the best texture found for the goal"), "{told}");
     assert!(told.contains("lowest mean ratio over the pressures: "), "{told}");
     let medians = |found: &Value| [0, 1].map(|load| number(&found["expected"][load]["median"]));
@@ -43,7 +35,7 @@ fn goals_and_bands_are_searched_told_and_drawn() {
     let page = fs::read_to_string(place.path("out/lowest/report.html")).unwrap();
     assert!(page.contains("Cut a trial: the best texture found for the goal"));
 
-    let (told, found) = optimize(&place, "even.toml", 0);
+    let (told, found) = optimized(&place, "even.toml", 0);
     assert!(
         told.contains("0.700 to 1.000") && told.contains("even standard deviation of the ratio over its mean"),
         "{told}"
@@ -52,7 +44,7 @@ fn goals_and_bands_are_searched_told_and_drawn() {
     assert!((0.7..=1.0).contains(&first) && (0.7..=0.95).contains(&last) && number(&found["chance"]) >= 0.5);
     assert_eq!(found["target"]["highest"], serde_json::json!([1.0, 0.95]));
 
-    let (told, found) = optimize(&place, "most.toml", 0);
+    let (told, found) = optimized(&place, "most.toml", 0);
     assert!(told.contains("<= 0.900"), "{told}");
     assert!(medians(&found)[0] <= 0.98 && medians(&found)[1] <= 0.9, "{}", found["expected"]);
     assert!(number(&found["specimen_areal_density"]) <= 0.4);
@@ -71,17 +63,10 @@ fn time_under_the_laser_can_be_limited() {
         let sheet: toml::Table = fs::read_to_string(place.path(folder).join("process.toml")).unwrap().parse().unwrap();
         sheet["work"]["estimated_time_s"].as_float().unwrap()
     };
-    let slow = optimize(&place, "slow.toml", 0).1["goal"]["expected"].as_f64().unwrap();
-    let fast = optimize(&place, "fast.toml", 0).1["goal"]["expected"].as_f64().unwrap();
+    let slow = optimized(&place, "slow.toml", 0).1["goal"]["expected"].as_f64().unwrap();
+    let fast = optimized(&place, "fast.toml", 0).1["goal"]["expected"].as_f64().unwrap();
     assert!(time_s("out/slow") > 5.0, "{}", time_s("out/slow"));
     assert!(time_s("out/fast") <= 5.0 && fast > slow, "{} {fast} {slow}", time_s("out/fast"));
-}
-
-/// Contents of the folder without the values that depend on time.
-fn untimed(place: &Place, folder: &str) -> Vec<(String, Vec<u8>)> {
-    let folder = place.path(folder);
-    let untimed = |name: String| (name.clone(), fs::read(folder.join(&name)).unwrap());
-    names(&folder).into_iter().filter(|name| name != "timings.json").map(untimed).collect()
 }
 
 #[test]
@@ -94,9 +79,7 @@ fn a_killed_run_is_resumed_and_ends_with_the_same_bytes() {
     let lines = study.lines().count();
 
     // Killed as soon as something has been answered.
-    let mut command = crate::common::program();
-    command.current_dir(place.path("")).args(["optimize", "a.toml", "-o", "cut"]).stdout(Stdio::null());
-    let mut child = command.stderr(Stdio::null()).spawn().unwrap();
+    let mut child = place.begin(&["optimize", "a.toml", "-o", "cut"]);
     let path = place.path("cut.study.jsonl");
     while !fs::metadata(&path).is_ok_and(|file| file.len() > 1000) && child.try_wait().unwrap().is_none() {
         std::thread::sleep(Duration::from_micros(100));
@@ -109,9 +92,7 @@ fn a_killed_run_is_resumed_and_ends_with_the_same_bytes() {
     let output = place.run(&["optimize", "a.toml", "-o", "cut", "--resume", "--no-cache"]);
     assert!(output.status.success());
     assert!(String::from_utf8_lossy(&output.stderr).contains("took over "));
-    for ((name, resumed), (whole_name, whole)) in untimed(&place, "cut").into_iter().zip(whole) {
-        assert!(name == whole_name && resumed == whole, "{name} {whole_name}");
-    }
+    assert!(untimed(&place, "cut") == whole);
     let both = [study, fs::read_to_string(&path).unwrap()].map(|text| {
         let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
         lines.sort();
@@ -133,7 +114,7 @@ fn a_killed_run_is_resumed_and_ends_with_the_same_bytes() {
 fn what_keeps_a_target_out_of_reach_is_said_and_lifting_it_suffices() {
     let text = trusted(&free(&design("value = [0.9, 0.82]\ntolerance = 0.03", "min_bearing_area = 0.85")));
     let place = Place::with(&[("far.toml", &text)]);
-    let (told, found) = optimize(&place, "far.toml", 0);
+    let (told, found) = optimized(&place, "far.toml", 0);
     assert!(found["advice"] == "trial" && told.contains("no texture is expected to lie within it"), "{told}");
     let blocked = &found["blocked_by"][0];
     assert_eq!(
@@ -147,7 +128,7 @@ fn what_keeps_a_target_out_of_reach_is_said_and_lifting_it_suffices() {
     assert!(page.contains("the limit of bearing area, 0.85"));
     // What is said to be within reach is.
     fs::write(place.path("near.toml"), text.replace("min_bearing_area = 0.85\n", "")).unwrap();
-    let (_, near) = optimize(&place, "near.toml", 0);
+    let (_, near) = optimized(&place, "near.toml", 0);
     // The table knows ends, tilt and time of the design itself but roughly.
     assert!((number(&near["chance"]) - number(&blocked["chance"])).abs() < 0.06, "{} {blocked}", near["chance"]);
 }
@@ -158,7 +139,7 @@ fn a_table_of_every_design_confirms_the_search() {
         .replace("seed = 1", "seed = 1\ntable = true")
         .replace("spacing_um = 120.0", "spacing_um = [40.0, 200.0]");
     let place = Place::with(&[("all.toml", &text)]);
-    let (_, found) = optimize(&place, "all.toml", 0);
+    let (_, found) = optimized(&place, "all.toml", 0);
     let csv = fs::read_to_string(place.path("out/all/table.csv")).unwrap();
     // Widths 40 to 100, spacings 40 to 200.
     assert_eq!(csv.lines().count(), 1 + 7 * 17);

@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use crate::common::{COMMANDS, Place, names};
+use crate::common::{CALIBRATION, COMMANDS, Place, names};
 use slipgrid_io::formats::Document;
 use slipgrid_io::formats::calibration::Calibration;
 use slipgrid_io::formats::design::Design;
@@ -86,44 +86,42 @@ fn the_calibration_template_explains_every_key() {
     let place = Place::with(&[]);
     place.succeed(&["new", "calibration"]);
     let template = fs::read_to_string(place.path("calibration/calibration.toml")).unwrap();
+    // Lines with the header above them, without the marks of comments.
+    let mut header = "";
+    let lines: Vec<(&str, &str)> = template
+        .lines()
+        .map(|line| {
+            let line = line.trim_start_matches("# ");
+            header = if line.starts_with('[') { line } else { header };
+            (header, line)
+        })
+        .collect();
     let text = format!(
-        "{}\n{}",
-        crate::common::CALIBRATION,
-        "[traces]\n[[traces.condition]]\nforce_n = 1\nspeed_mm_s = 1\nhumidity_pct = 1\nfiles = []\n\
+        "{CALIBRATION}[traces]\n[[traces.condition]]\nforce_n = 1\nspeed_mm_s = 1\nhumidity_pct = 1\nfiles = []\n\
          [pattern]\nwidth_um = 1\nspacing_um = 1\ndepth_um = 1\n"
     );
-    for table in ["", "material", "surface", "specimen", "measurements", "traces", "traces.condition", "pattern", "fit"]
-    {
-        let header =
-            if table == "traces.condition" { "[[traces.condition]]\n".to_owned() } else { format!("[{table}]\n") };
-        let spoiled = match table {
-            "" => format!("no_such_key = 1\n{text}"),
-            _ => text.replace(&header, &format!("{header}no_such_key = 1\n")),
-        };
-        let document = Document::new("c.toml", spoiled);
-        let refused = Calibration::from_document(&document).unwrap_err();
+    for table in [
+        "",
+        "[material]",
+        "[surface]",
+        "[specimen]",
+        "[measurements]",
+        "[traces]",
+        "[[traces.condition]]",
+        "[pattern]",
+        "[fit]",
+    ] {
+        let unknown = format!("{table}\nno_such_key = 1\n");
+        let spoiled = if table.is_empty() { unknown + &text } else { text.replace(&format!("{table}\n"), &unknown) };
+        let refused = Calibration::from_document(&Document::new("c.toml", spoiled)).unwrap_err();
         let keys = refused.expected.clone().unwrap_or_default();
         let Some(keys) = keys.strip_prefix("one of ") else { panic!("{table}: {refused}") };
-        let mut section = String::new();
-        // The table's own lines, up to the next header.
-        let starts = |line: &str| line.trim_start_matches("# ").starts_with('[');
-        let mut own = table.is_empty();
-        for line in template.lines() {
-            if starts(line) {
-                own = line.trim_start_matches("# ").starts_with(header.trim_end());
-            }
-            if own {
-                section += &format!("{line}\n");
-            }
-        }
         for key in keys.split(", ") {
-            let is_explained = if table.is_empty() && !["name", "source"].contains(&key) {
-                template.contains(&format!("[{key}]"))
-            } else if (table, key) == ("traces", "condition") {
-                template.contains("[[traces.condition]]")
-            } else {
-                section.lines().any(|line| line.trim_start_matches("# ").starts_with(&format!("{key} = ")))
-            };
+            let is_explained = lines.iter().any(|(header, line)| {
+                (table.is_empty() || header.starts_with(table)) && line.starts_with(&format!("{key} = "))
+                    || table.is_empty() && line.starts_with(&format!("[{key}]"))
+                    || table == "[traces]" && line.starts_with(&format!("[[traces.{key}]]"))
+            });
             assert!(is_explained, "{table}: {key} is not in the template");
         }
     }

@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use crate::common::{DESIGN, Place, SCENE, correction, json};
+use crate::common::{DESIGN, Place, SCENE, correction};
 use serde_json::Value;
 
 /// Effects as results name them.
@@ -43,8 +43,8 @@ fn a_scene_without_a_layer_is_the_specimen_as_thick_as_it_is() {
     ]);
     // A film of ten rows is its own layer.
     place.succeed(&["simulate", "film.toml"]);
-    let [none, seven, high, thin] = ["none", "seven", "high", "thin"]
-        .map(|name| json(&place.succeed(&["simulate", &format!("{name}.toml"), "--json"])));
+    let [none, seven, high, thin] =
+        ["none", "seven", "high", "thin"].map(|name| place.json(&["simulate", &format!("{name}.toml"), "--json"]));
     assert_eq!(ratios(&none), ratios(&seven));
     // Two periods are a half-space; block by block they take far longer.
     for (own, high) in ratios(&none).iter().zip(ratios(&high)) {
@@ -68,8 +68,7 @@ fn what_is_added_to_strips_is_among_the_errors() {
         format!("{text}[specimen]\nshape = \"disc\"\ndiameter_mm = 10.0\n")
     };
     let place = Place::with(&[("thick.toml", &on_disc("")), ("thin.toml", &on_disc("layer_um = 200.0\n"))]);
-    let [thick, thin] =
-        ["thick", "thin"].map(|name| json(&place.succeed(&["simulate", &format!("{name}.toml"), "--json"])));
+    let [thick, thin] = ["thick", "thin"].map(|name| place.json(&["simulate", &format!("{name}.toml"), "--json"]));
     let added = changes(&thick, BEHIND);
     // Half of what the tilt changes is in the ratio.
     let tilts: Vec<f64> = changes(&thick, TILT).into_iter().map(|half| 2.0 * half.unwrap()).collect();
@@ -109,7 +108,7 @@ fn designs_are_searched_in_the_specimen_as_thick_as_it_is() {
         serde_json::from_str(&fs::read_to_string(place.path("out").join("result.json")).unwrap()).unwrap();
     assert!(correction(&result["confirmed"][0], BEHIND).unwrap()["change"].as_f64().unwrap() < 0.0);
     // The written scene gives the confirmed ratio to the last bit.
-    let again = json(&place.succeed(&["simulate", "out/scene.toml", "--json"]));
+    let again = place.json(&["simulate", "out/scene.toml", "--json"]);
     for (place, load) in result["confirmed"].as_array().unwrap().iter().enumerate() {
         assert_eq!(load["ratio"], again["results"][place]["ratio"]);
     }

@@ -4,11 +4,8 @@
 use std::fmt::Write as _;
 use std::fs;
 
-use crate::common::{CALIBRATION, DESIGN, Place, SCENE, correction};
+use crate::common::{CALIBRATION, DESIGN, Place, SCENE, correction, measured};
 use serde_json::Value;
-use slipgrid_base::units::LENGTH_STD_UM;
-use slipgrid_io::disk::disk;
-use slipgrid_io::formats::calibration::Calibration;
 
 /// Forces, in newtons, with pressures of 0.64 to 2.55 MPa on the disc, and the flat sample's friction.
 const FORCES_N: [f64; 3] = [50.0, 100.0, 200.0];
@@ -42,14 +39,14 @@ fn truth(place: &Place, [width_um, spacing_um, depth_um]: [f64; 3]) -> [f64; 3] 
          rim_height_um = 0.2\nrim_width_um = 20.0\n{rest}"
     );
     fs::write(place.path("truth.toml"), scene).unwrap();
-    let found: Value = serde_json::from_str(&place.succeed(&["simulate", "truth.toml", "--json"])).unwrap();
+    let found: Value = place.json(&["simulate", "truth.toml", "--json"]);
     let ratio = |row: usize| found["results"][row]["ratio"].as_f64().unwrap();
     [ratio(0), ratio(1), ratio(2)]
 }
 
 fn design(target: [f64; 3]) -> String {
-    let from = DESIGN.find("[target]").unwrap();
-    let rest = DESIGN[from..]
+    measured(DESIGN, "calibration.toml")
+        .replace("test design", "three cuts")
         .replace("pressure_mpa = [0.65, 2.6]", "pressure_mpa = [0.63662, 1.27324, 2.54648]")
         .replace("value = 0.9\n", &format!("value = [{:.4}, {:.4}, {:.4}]\n", target[0], target[1], target[2]))
         .replace("tolerance = 0.01", &format!("tolerance = {TOLERANCE}"))
@@ -57,15 +54,12 @@ fn design(target: [f64; 3]) -> String {
         .replace("[40.0, 400.0]", "[60.0, 200.0]")
         .replace("[40.0, 1000.0]", "[100.0, 500.0]")
         // Flat samples of the calibration are run in a third of the time.
-        .replace("diameter_mm = 10.0", "diameter_mm = 3.0");
-    format!(
-        "name = \"three cuts\"\nmaterial = \"calibration.toml\"\ncondition = {{ speed_mm_s = 2.0, humidity_pct = 15.0 }}\n{rest}"
-    )
+        .replace("diameter_mm = 10.0", "diameter_mm = 3.0")
 }
 
 fn next(place: &Place, more: &[&str]) -> Value {
     let args = [&["next", "design.toml", "--json", "-q"], more].concat();
-    serde_json::from_str(&place.succeed(&args)).unwrap()
+    place.json(&args)
 }
 
 fn lengths(of: &Value) -> [f64; 3] {
@@ -245,17 +239,12 @@ fn a_material_is_told_from_its_calibration_that_has_changed_since() {
     let scene =
         "material = \"m.toml\"\ncondition = { speed_mm_s = 2.0, humidity_pct = 15.0 }\n[load]\npressure_mpa = 1.0\n";
     fs::write(place.path("scene.toml"), scene).unwrap();
-    let told_by = |args: &[&str]| {
-        let output = place.run(args);
-        assert!(output.status.success(), "{output:?}");
-        String::from_utf8(output.stderr).unwrap()
-    };
-    let told = || told_by(&["simulate", "scene.toml"]);
+    let told = || place.told(&["simulate", "scene.toml"]);
     assert!(!told().contains("has changed since"));
     fs::write(place.path("a.csv"), table([0.9, 0.88, 0.86])).unwrap();
     let more = trial("A", [100.0, 200.0, 10.4], "measurements = \"a.csv\"\n");
     fs::write(place.path("calibration.toml"), format!("{CALIBRATION}\n{more}")).unwrap();
-    for said in [told(), told_by(&["next", "design.toml"])] {
+    for said in [told(), place.told(&["next", "design.toml"])] {
         assert!(said.contains("m.toml: was made from calibration.toml, which has changed since"), "{said}");
         assert!(said.contains("slipgrid calibrate calibration.toml -o m.toml"), "{said}");
     }
@@ -289,8 +278,7 @@ fn a_trial_that_is_compared_is_named_and_has_its_own_lengths() {
     fs::write(place.path("a.csv"), table([0.9, 0.88, 0.86])).unwrap();
     fs::write(place.path("calibration.toml"), format!("{CALIBRATION}\n{more}")).unwrap();
     let validate = ["validate", "calibration.toml", "--trial", "A"];
-    let refused = place.run(&[&validate[..], &["--depth-um", "20"]].concat());
-    let said = String::from_utf8_lossy(&refused.stderr).into_owned();
+    let said = place.refuse(&[&validate[..], &["--depth-um", "20"]].concat());
     assert!(said.contains("--depth-um: 20 stands beside the trial \"A\""), "{said}");
     place.succeed(&[&validate[..], &["--sliding-um", "0", "-o", "out"]].concat());
     let result = crate::common::result(&place, "out");
@@ -305,8 +293,7 @@ fn a_trial_that_is_compared_is_named_and_has_its_own_lengths() {
     for text in [&page, &said] {
         assert!(!text.contains("square"), "{text}");
     }
-    let ledger: serde_json::Value =
-        serde_json::from_str(&place.succeed(&["trials", "calibration.toml", "--json"])).unwrap();
+    let ledger: serde_json::Value = place.json(&["trials", "calibration.toml", "--json"]);
     let by_trials = ledger["trials"][0]["measured"].as_array().unwrap();
     for (own, row) in by_trials.iter().zip(result["results"].as_array().unwrap()) {
         let modelled = row["modelled"].as_array().unwrap();
@@ -317,14 +304,13 @@ fn a_trial_that_is_compared_is_named_and_has_its_own_lengths() {
     }
     // Without any there is nothing to compare.
     fs::write(place.path("flat-alone.toml"), CALIBRATION).unwrap();
-    let refused = place.run(&["validate", "flat-alone.toml"]);
-    let said = String::from_utf8_lossy(&refused.stderr).into_owned();
+    let said = place.refuse(&["validate", "flat-alone.toml"]);
     assert!(said.contains("has no measured sample with a pattern") && said.contains("[[trial]]"), "{said}");
     let rows = table([0.9, 0.88, 0.86]);
     let again = rows.lines().last().unwrap();
     fs::write(place.path("a.csv"), format!("{rows}{again}\n")).unwrap();
-    let refused = place.run(&["trials", "calibration.toml"]);
-    assert!(String::from_utf8_lossy(&refused.stderr).contains("% again, as line 4 has"), "{refused:?}");
+    let said = place.refuse(&["trials", "calibration.toml"]);
+    assert!(said.contains("% again, as line 4 has"), "{said}");
 }
 
 /// A trial with the friction of its confirming run has no discrepancy: both include the change in time, the margins of
@@ -343,14 +329,14 @@ fn a_sample_that_slides_as_it_was_confirmed_lacks_nothing() {
         pressures.join(", ")
     );
     fs::write(place.path("confirmed.toml"), scene).unwrap();
-    let found: Value = serde_json::from_str(&place.succeed(&["simulate", "confirmed.toml", "--json"])).unwrap();
+    let found: Value = place.json(&["simulate", "confirmed.toml", "--json"]);
     let ratio = |key: &str| [0, 1, 2].map(|row| found["results"][row][key].as_f64().unwrap());
     let time = |row: usize| correction(&found["results"][row], "sliding in time").unwrap()["change"].as_f64().unwrap();
     let (confirmed, by_time) = (ratio("ratio"), [0, 1, 2].map(time));
     let more = trial("A", [100.0, 200.0, 10.4], "measurements = \"a.csv\"\n");
     fs::write(place.path("a.csv"), table(confirmed)).unwrap();
     fs::write(place.path("calibration.toml"), format!("{CALIBRATION}\n{more}")).unwrap();
-    let ledger: Value = serde_json::from_str(&place.succeed(&["trials", "calibration.toml", "--json"])).unwrap();
+    let ledger: Value = place.json(&["trials", "calibration.toml", "--json"]);
     for (row, (confirmed, by_time)) in confirmed.into_iter().zip(by_time).enumerate() {
         let modelled = ledger["trials"][0]["measured"][row]["modelled"].as_f64().unwrap();
         // Two runs in time, of blocks drawn anew: each within its error.
@@ -440,26 +426,6 @@ fn sectors_of_one_disc_are_drawn_and_become_trials() {
     place.succeed(&["calibrate", "calibration.toml", "-o", "learned.toml", "-q"]);
     let learned = fs::read_to_string(place.path("learned.toml")).unwrap();
     assert_eq!(learned.matches("disc = \"three cuts, disc 1\"").count(), 3, "{learned}");
-    let ledger: Value = serde_json::from_str(&place.succeed(&["trials", "calibration.toml", "--json"])).unwrap();
+    let ledger: Value = place.json(&["trials", "calibration.toml", "--json"]);
     assert_eq!(ledger["trials"][2]["disc"], "three cuts, disc 1");
-}
-
-#[test]
-fn a_pattern_states_the_errors_of_its_dimensions() {
-    let place = Place::with(&[("flat.csv", &table([1.0; 3])), ("patterned.csv", &table([0.95, 0.94, 0.93]))]);
-    let named = CALIBRATION.replace("flat = \"flat.csv\"", "flat = \"flat.csv\"\npatterned = \"patterned.csv\"");
-    let lengths = "planform = \"groove\"\nwidth_um = 130.0\nspacing_um = 370.0\ndepth_um = 5.2\n";
-    let read = |keys: &str| {
-        fs::write(place.path("c.toml"), format!("{named}[pattern]\n{lengths}{keys}")).unwrap();
-        Calibration::read(&disk(), &place.path("c.toml"))
-    };
-    let stds_m = |keys: &str| read(keys).unwrap().stated.trials.samples[0].dimensions_std_m;
-    assert_eq!(stds_m(""), [0.0; 3]);
-    let expected = [8.0, 13.0, 1.3].map(|um| LENGTH_STD_UM.to_si(um));
-    assert_eq!(stds_m("width_std_um = 8.0\nspacing_std_um = 13.0\ndepth_std_um = 1.3\n"), expected);
-    let refused = read("depth_std_um = 5.0\n").unwrap_err().to_string();
-    assert!(
-        refused.contains("pattern.depth_std_um: 5.0 is more than a third of the measured depth, 5.2 um"),
-        "{refused}"
-    );
 }

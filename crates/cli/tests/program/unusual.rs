@@ -1,6 +1,6 @@
 //! Unusual values are warned of before a run that they may cause to be refused.
 
-use crate::common::{CALIBRATION, DESIGN, Place, SCENE, small};
+use crate::common::{CALIBRATION, DESIGN, Place, SCENE, measured, small};
 
 /// Table with forces of 0.6 and 1 N entered in kN, and friction with its two forces exchanged.
 const SLIPS: &str =
@@ -11,13 +11,8 @@ const EXCHANGED: &str = "2 of 2 friction coefficients are above 1, as of rubber;
 
 #[test]
 fn slips_of_units_and_columns_are_told_before_a_run_is_refused() {
-    let (_, task) = DESIGN.split_once("[target]").unwrap();
-    let at = "condition = { speed_mm_s = 20.0, humidity_pct = 15.0 }";
-    let place = Place::with(&[
-        ("c.toml", CALIBRATION),
-        ("flat.csv", SLIPS),
-        ("d.toml", &format!("name = \"slips\"\nmaterial = \"c.toml\"\n{at}\n[target]{task}")),
-    ]);
+    let design = measured(DESIGN, "c.toml").replace("speed_mm_s = 2.0", "speed_mm_s = 20.0");
+    let place = Place::with(&[("c.toml", CALIBRATION), ("flat.csv", SLIPS), ("d.toml", &design)]);
     for command in [&["calibrate", "c.toml"][..], &["optimize", "d.toml"], &["next", "d.toml"]] {
         let message = place.refuse(command);
         let refused = message.find("error: flat.csv:").unwrap_or_else(|| panic!("{command:?}: {message}"));
@@ -30,20 +25,12 @@ fn slips_of_units_and_columns_are_told_before_a_run_is_refused() {
 }
 
 #[test]
-fn a_material_whose_coefficients_are_all_above_1_is_asked_about() {
-    let high = |text: &str| {
-        text.replace("static_mean = 0.30", "static_mean = 2.8").replace("dynamic_mean = 0.27", "dynamic_mean = 2.5")
-    };
-    let place = Place::with(&[("s.toml", &high(SCENE)), ("usual.toml", SCENE), ("d.toml", &high(&small()))]);
-    let says = "in each other's place, friction would be 0.4";
-    let told = |args: &[&str]| String::from_utf8(place.run(args).stderr).unwrap();
-    let simulated = told(&["simulate", "s.toml"]);
-    assert!(simulated.contains("warning: s.toml:6: material.friction.dynamic_mean: 2.5 is unusual"), "{simulated}");
-    assert!(simulated.contains(says), "{simulated}");
-    assert!(!told(&["simulate", "usual.toml"]).contains("warning"));
-    let designed = told(&["optimize", "d.toml"]);
-    assert!(designed.contains("warning: d.toml:7: material.friction.dynamic_mean: 2.5 is unusual"), "{designed}");
-    assert!(designed.contains(says), "{designed}");
+fn an_unusual_scene_is_told_of_and_solved() {
+    let scene = SCENE.replace("youngs_modulus_gpa = 0.38", "youngs_modulus_gpa = 380.0");
+    let place = Place::with(&[("s.toml", &scene), ("usual.toml", SCENE)]);
+    let told = place.told(&["simulate", "s.toml"]);
+    assert!(told.contains("warning: s.toml:2: material.youngs_modulus_gpa: 380.0 is unusual"), "{told}");
+    assert!(!place.told(&["simulate", "usual.toml"]).contains("warning"));
 }
 
 #[test]

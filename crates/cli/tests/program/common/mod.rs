@@ -4,7 +4,7 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::{Child, Command, Output, Stdio};
 use std::sync::LazyLock;
 
 use serde_json::Value;
@@ -66,10 +66,22 @@ sliding_um = 2.0
 pub const THREE_FORCES: &str = "force_n,speed_mm_s,humidity_pct,mu_dynamic,mu_dynamic_std\n50,2,15,0.25,0.002\n\
     75,2,15,0.25,0.002\n100,2,15,0.26,0.002\n";
 
-/// Calibration with the tables flat.csv ([`THREE_FORCES`]) and patterned.csv; `pattern` holds the lines of `[pattern]`.
+/// [`CALIBRATION`] with the table patterned.csv beside flat.csv.
+pub fn patterned() -> String {
+    CALIBRATION.replace("flat = \"flat.csv\"", "flat = \"flat.csv\"\npatterned = \"patterned.csv\"")
+}
+
+/// Calibration of [`patterned`] with the lines `pattern` of `[pattern]`.
 pub fn patterned_calibration(pattern: &str) -> String {
-    let text = CALIBRATION.replace("flat = \"flat.csv\"\n", "flat = \"flat.csv\"\npatterned = \"patterned.csv\"\n");
-    format!("{text}[pattern]\n{pattern}")
+    format!("{}[pattern]\n{pattern}", patterned())
+}
+
+/// Scene or design `text` with the material of `file` at 2 mm/s and 15 % in place of its own.
+pub fn measured(text: &str, file: &str) -> String {
+    let (head, _) = text.split_once("[material]").unwrap();
+    let rest = text.find("[target]").or_else(|| text.find("[pattern]")).unwrap();
+    let condition = "condition = { speed_mm_s = 2.0, humidity_pct = 15.0 }";
+    format!("{head}material = \"{file}\"\n{condition}\n{}", &text[rest..])
 }
 
 /// Design with an inline material.
@@ -197,6 +209,39 @@ fn shared_cache() -> &'static Path {
     &CACHE
 }
 
+/// Content of a result.json made by hand, from which files for the laser can be exported without any solver; the
+/// arguments are keys of its tables.
+pub fn by_hand(design: &str, laser: &str, specimen: &str) -> String {
+    format!(
+        r#"{{"name": "by hand", "version": "0", "seed": 1, "design": {{"width_um": 130.0, "spacing_um": 370.0,
+        "depth_um": 5.2, {design}, "areal_density": 0.1, "section_density": 0.1}}, "laser": {{{laser}}},
+        "specimen": {{{specimen}}},
+        "material": {{"name": "", "source": "", "synthetic_surface": false, "notes": []}}}}"#
+    )
+}
+
+/// Result of [`by_hand`] with many squares, so that its files are large.
+pub fn many_squares(diameter_mm: f64) -> String {
+    let specimen = format!(r#""shape": "disc", "diameter_mm": {diameter_mm:.1}"#);
+    let result = by_hand(r#""planform": "square""#, r#""spot_um": 23.0"#, &specimen);
+    result.replace("130.0", "40.0").replace("370.0", "50.0")
+}
+
+/// Stdout and result.json of `optimize` of `file`, which must end with `code`.
+pub fn optimized(place: &Place, file: &str, code: i32) -> (String, Value) {
+    let output = place.run(&["optimize", file]);
+    assert_eq!(output.status.code(), Some(code), "{file}: {}", String::from_utf8_lossy(&output.stderr));
+    let folder = format!("out/{}", file.trim_end_matches(".toml"));
+    (String::from_utf8(output.stdout).unwrap(), result(place, &folder))
+}
+
+/// Names and contents of all files of a folder except those that depend on time.
+pub fn untimed(place: &Place, folder: &str) -> Vec<(String, Vec<u8>)> {
+    let folder = place.path(folder);
+    let read = |name: String| (name.clone(), fs::read(folder.join(&name)).unwrap());
+    names(&folder).into_iter().filter(|name| name != "timings.json").map(read).collect()
+}
+
 /// Parses JSON from stdout or a file.
 pub fn json(text: &str) -> Value {
     serde_json::from_str(text).unwrap()
@@ -255,10 +300,21 @@ impl Place {
 
     /// The program in this folder with `args`.
     pub fn command(&self, args: &[&str]) -> Command {
-        let mut command = program();
+        let mut command = self.uncached(args);
         command.env("SLIPGRID_CACHE", self.cache.as_ref().map_or_else(|| shared_cache(), |cache| cache.path()));
+        command
+    }
+
+    /// Like [`Self::command`], without results of earlier runs.
+    pub fn uncached(&self, args: &[&str]) -> Command {
+        let mut command = program();
         command.current_dir(self.folder.path()).args(args);
         command
+    }
+
+    /// Starts [`Self::uncached`] without waiting for it.
+    pub fn begin(&self, args: &[&str]) -> Child {
+        self.uncached(args).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap()
     }
 
     /// Runs the program with `--details` where it has that option: tests read all that is known of a result.
@@ -276,6 +332,19 @@ impl Place {
         let output = self.run(args);
         assert!(output.status.success(), "{args:?}: {}", String::from_utf8_lossy(&output.stderr));
         String::from_utf8(output.stdout).unwrap()
+    }
+
+    /// JSON on the stdout of a run, which must succeed.
+    pub fn json(&self, args: &[&str]) -> Value {
+        json(&self.succeed(args))
+    }
+
+    /// Stderr of a run, which must succeed.
+    pub fn told(&self, args: &[&str]) -> String {
+        let output = self.run(args);
+        let message = String::from_utf8(output.stderr).unwrap();
+        assert!(output.status.success(), "{args:?}: {message}");
+        message
     }
 
     /// Like [`Self::succeed`], for arguments separated by spaces.
