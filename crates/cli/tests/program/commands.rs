@@ -3,7 +3,7 @@
 use std::fs;
 
 use crate::common::{
-    CALIBRATION, COMMANDS, FLAT, Place, SCENE, THREE_FORCES, json, names, patterned, patterned_calibration, small,
+    CALIBRATION, COMMANDS, FLAT, Place, SCENE, THREE_FORCES, json, patterned, patterned_calibration, small,
 };
 use serde_json::Value;
 
@@ -60,17 +60,8 @@ fn results_go_to_a_folder() {
     let place = Place::with(&[("scene.toml", SCENE)]);
     let printed = place.succeed(&["simulate", "scene.toml", "--json", "-o", "out/scene"]);
     let folder = place.path("out/scene");
-    assert_eq!(
-        names(&folder),
-        [
-            "interface-0.65mpa.svg",
-            "interface-2.6mpa.svg",
-            "interface.csv",
-            "result.json",
-            "timings.json",
-            "uncertainty.csv"
-        ]
-    );
+    let rest = "interface.csv result.json timings.json uncertainty.csv";
+    assert_eq!(place.listed("out/scene"), format!("interface-0.65mpa.svg interface-2.6mpa.svg {rest}"));
     let kept = fs::read_to_string(folder.join("result.json")).unwrap();
     assert_eq!(json(&kept), timeless(json(&printed)), "all but times");
     let times = json(&fs::read_to_string(folder.join("timings.json")).unwrap());
@@ -86,10 +77,8 @@ fn results_go_to_a_folder() {
     // Pictures of other loads go.
     fs::write(place.path("scene.toml"), SCENE.replace("[0.65, 2.6]", "1e-320")).unwrap();
     place.succeed(&["simulate", "scene.toml", "-o", "out/scene"]);
-    let left =
-        ["interface-1e-320mpa.svg", "interface.csv", "notes.txt", "result.json", "timings.json", "uncertainty.csv"];
-    assert_eq!(names(&folder), left);
-    assert_eq!(names(&place.path("out")), ["scene"]);
+    let left = "interface-1e-320mpa.svg interface.csv notes.txt result.json timings.json uncertainty.csv";
+    assert_eq!((place.listed("out/scene").as_str(), place.listed("out").as_str()), (left, "scene"));
 }
 
 #[test]
@@ -115,7 +104,7 @@ fn a_synthetic_map_and_its_area_law() {
     assert_eq!((&points[0]["factor"], &points[1]["factor"]), (&Value::from(1.0), &Value::from(1.0)));
     // f(P) = [A(P)/A(P0)] / [P/P0], P = 2 P0
     assert!((points[2]["factor"].as_f64().unwrap() - area(2) / area(1) / 2.0).abs() < 1e-12);
-    assert_eq!(names(&place.path("law")), ["area-law.csv", "area-law.svg", "result.json", "timings.json"]);
+    assert_eq!(place.listed("law"), "area-law.csv area-law.svg result.json timings.json");
 
     // Where no pressure reaches down to 0.7 MPa, the area there is computed beside the list.
     let above = ["area-law", "map.asc", "--pressures-mpa", "1.4", "--json"];
@@ -247,12 +236,9 @@ fn a_validation_goes_to_a_folder_and_says_what_it_rests_on() {
         assert!(printed.contains(said), "{said}: {printed}");
     }
     let folder = place.path("out");
-    let pictures = ["area-law.svg", "friction.svg", "interface-end.svg", "interface-squares.svg", "interface.svg"];
-    let mut expected = vec!["area-law.csv", "friction.csv", "interface.csv", "ratios.csv", "ratios.svg", "report.html"];
-    expected.extend(pictures);
-    expected.extend(["result.json", "rims.csv", "rims.svg", "timings.json"]);
-    expected.sort_unstable();
-    assert_eq!(names(&folder), expected);
+    let files = "area-law.csv area-law.svg friction.csv friction.svg interface-end.svg interface-squares.svg \
+                 interface.csv interface.svg ratios.csv ratios.svg report.html result.json rims.csv rims.svg timings.json";
+    assert_eq!(place.listed("out"), files);
     let table = fs::read_to_string(folder.join("ratios.csv")).unwrap();
     // Two conditions at three slopes and at the measured depth.
     assert_eq!(table.lines().count(), 1 + 2 * 4);
@@ -261,7 +247,7 @@ fn a_validation_goes_to_a_folder_and_says_what_it_rests_on() {
     assert!(fs::read_to_string(folder.join("ratios.svg")).unwrap().contains("(synthetic surface)"));
     // The page holds every picture, every measurement with its deviation, and what time integration found.
     let page = fs::read_to_string(folder.join("report.html")).unwrap();
-    assert_eq!(page.matches("<figure>").count(), pictures.len() + 3);
+    assert_eq!(page.matches("<figure>").count(), files.matches(".svg").count() + 1);
     for said in [
         "0.278 ± 0.001",
         "0.224 ± 0.001",
@@ -325,7 +311,7 @@ fn a_dynamic_run_says_from_when_it_averaged() {
 fn help_shows_examples_for_every_command() {
     let place = Place::with(&[]);
     let help = place.succeed(&["--help"]);
-    for command in COMMANDS {
+    for command in COMMANDS.split(' ') {
         assert!(help.contains(command), "{command}");
         let help = place.succeed(&[command, "--help"]);
         assert!(help.contains(&format!("slipgrid {command}")) && help.contains("Examples:"), "{help}");
@@ -383,16 +369,6 @@ fn a_page_explores_a_design_or_a_material_before_any_search() {
     std::fs::write(place.path("conditions.toml"), conditions).unwrap();
     let said = place.refuse(&["explore", "conditions.toml"]);
     assert!(said.contains("conditions.toml: ") && said.contains("--speed-mm-s"), "{said}");
-    let said = |args: &[&str]| place.refuse(&[&["explore", "-o", "r.html"], args].concat());
-    let at = |speed: &'static str, humidity: &'static str| ["--speed-mm-s", speed, "--humidity-pct", humidity];
-    // What stands in a file or in a flag is refused there, and no condition is asked for in its place.
-    std::fs::write(place.path("high.toml"), material.replace("0.27", "27")).unwrap();
-    let high = said(&["high.toml"]);
-    assert!(high.contains("high.toml:5: friction.dynamic_mean: 27") && !high.contains("--speed-mm-s"), "{high}");
-    let own = format!("condition = {{ speed_mm_s = 2.0, humidity_pct = 50.0 }}\n{}", small());
-    std::fs::write(place.path("own.toml"), own).unwrap();
-    let own = said(&[&["own.toml"], &at("2", "50")[..]].concat());
-    assert!(own.contains("its own speed"), "{own}");
     // Reports have the explorer, unless it is left out.
     place.run(&["optimize", "design.toml", "-o", "without", "--no-explorer"]);
     assert!(!std::fs::read_to_string(place.path("without/report.html")).unwrap().contains("explorer-data"));

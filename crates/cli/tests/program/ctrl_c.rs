@@ -5,10 +5,15 @@
 use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
-use crate::common::{CALIBRATION, DESIGN, FLAT, Place, SCENE, many_squares};
+use crate::common::{CALIBRATION, DESIGN, FLAT, Place, SCENE, ignores_ctrl_c, many_squares};
 
 /// Time after which a test has hung: runs end within about a second of Ctrl-C, but machines may be busy.
 const HUNG: Duration = Duration::from_secs(600);
+
+/// Folder with `files`; `None` where nothing is to be tested, because programs ignore Ctrl-C.
+fn listening(files: &[(&str, &str)]) -> Option<Place> {
+    (!ignores_ctrl_c()).then(|| Place::with(files))
+}
 
 fn start(place: &Place, args: &[&str]) -> Child {
     place.uncached(args).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
@@ -50,9 +55,6 @@ fn told(place: &Place, output: &Output) -> String {
 
 #[test]
 fn every_command_ends_and_writes_nothing() {
-    if crate::common::ignores_ctrl_c() {
-        return;
-    }
     let fine = SCENE.replace("block_um = 10.0", "block_um = 2.5").replace("\"cell\"", "\"sample\"");
     let dynamic = SCENE.replace("\"steady\"", "\"dynamic\"").replace("sliding_um = 2.0", "sliding_um = 90.0");
     let solid_dynamic = dynamic.replace("\"groove\"", "\"disc\"");
@@ -69,7 +71,7 @@ fn every_command_ends_and_writes_nothing() {
         ("mapped.toml", &mapped),
         ("flat.csv", &flat),
     ];
-    let place = Place::with(&files);
+    let Some(place) = listening(&files) else { return };
     place.succeed(&["synthesize", "--pixels", "512", "-o", "map.asc"]);
     let simulate = |scene: &'static str| vec!["simulate", scene, "-o", "out"];
     let mut ended = 0;
@@ -115,10 +117,7 @@ fn discs() -> String {
 
 #[test]
 fn every_stage_of_a_design_ends_and_names_what_goes_on() {
-    if crate::common::ignores_ctrl_c() {
-        return;
-    }
-    let place = Place::with(&[("discs.toml", &discs())]);
+    let Some(place) = listening(&[("discs.toml", &discs())]) else { return };
     let mut stages = Vec::new();
     for after_s in [0.2, 0.6, 1.5, 3.0, 8.0, 20.0, 60.0] {
         let Some(output) = interrupted(&place, &["optimize", "discs.toml", "-o", "out"], after_s) else { break };
@@ -134,10 +133,7 @@ fn every_stage_of_a_design_ends_and_names_what_goes_on() {
 
 #[test]
 fn the_command_that_is_named_goes_on() {
-    if crate::common::ignores_ctrl_c() {
-        return;
-    }
-    let place = Place::with(&[("design.toml", DESIGN)]);
+    let Some(place) = listening(&[("design.toml", DESIGN)]) else { return };
     let output = interrupted(&place, &["optimize", "design.toml", "-o", "out"], 0.4);
     let kept = output.map(|output| told(&place, &output)).filter(|message| message.contains("--resume"));
     if let Some(message) = kept {
@@ -155,13 +151,10 @@ fn the_command_that_is_named_goes_on() {
 
 #[test]
 fn a_worker_of_a_campaign_says_what_is_kept_and_what_goes_on() {
-    if crate::common::ignores_ctrl_c() {
-        return;
-    }
     let scene = SCENE.replace("\"cell\"", "\"sample\"");
     let seeds: Vec<String> = (1..200).map(|seed| seed.to_string()).collect();
     let campaign = format!("base = \"scene.toml\"\n[[grid]]\nkey = \"run.seed\"\nvalues = [{}]\n", seeds.join(", "));
-    let place = Place::with(&[("scene.toml", &scene), ("campaign.toml", &campaign)]);
+    let Some(place) = listening(&[("scene.toml", &scene), ("campaign.toml", &campaign)]) else { return };
     place.succeed(&["campaign", "plan", "campaign.toml", "-o", "my seeds"]);
     let work = ["campaign", "work", "my seeds", "--share", "1/2", "--threads", "1"];
     let results = || -> usize {
@@ -186,10 +179,7 @@ fn a_worker_of_a_campaign_says_what_is_kept_and_what_goes_on() {
 
 #[test]
 fn a_second_one_ends_at_once() {
-    if crate::common::ignores_ctrl_c() {
-        return;
-    }
-    let place = Place::with(&[("scene.toml", &SCENE.replace("block_um = 10.0", "block_um = 1.0"))]);
+    let Some(place) = listening(&[("scene.toml", &SCENE.replace("block_um = 10.0", "block_um = 1.0"))]) else { return };
     let run = start(&place, &["simulate", "scene.toml", "-o", "out"]);
     std::thread::sleep(Duration::from_millis(700));
     press(&run);
@@ -202,10 +192,7 @@ fn a_second_one_ends_at_once() {
 
 #[test]
 fn files_are_whole_or_absent_whenever_it_is_pressed() {
-    if crate::common::ignores_ctrl_c() {
-        return;
-    }
-    let place = Place::with(&[("result.json", &many_squares(20.0))]);
+    let Some(place) = listening(&[("result.json", &many_squares(20.0))]) else { return };
     let args = ["export", "result.json", "--format", "dxf,svg,csv,corners,hatch,plt,stl", "-o", "out"];
     let started = Instant::now();
     place.succeed(&args);

@@ -143,10 +143,10 @@ fn a_simulated_design_has_what_trials_say_and_the_errors_of_what_is_solved() {
     };
     let flat: String = text.lines().filter_map(from_rest).collect();
     let (from, to) = (flat.find("[pattern]").unwrap(), flat.find("[sample]").unwrap());
+    let flat = format!("{}{}", &flat[..from], &flat[to..]);
     let with_static = flat.replace("dynamic_std_error", "static_std_error = 0.003\ndynamic_std_error");
-    fs::write(place.path("flat.toml"), format!("{}{}", &flat[..from], &flat[to..])).unwrap();
-    let (from, to) = (with_static.find("[pattern]").unwrap(), with_static.find("[sample]").unwrap());
-    fs::write(place.path("static.toml"), format!("{}{}", &with_static[..from], &with_static[to..])).unwrap();
+    fs::write(place.path("flat.toml"), flat).unwrap();
+    fs::write(place.path("static.toml"), with_static).unwrap();
     let of = |scene: &str| -> Value { place.json(&["simulate", scene, "--json"]) };
     let [open, known] = ["flat.toml", "static.toml"].map(of);
     let at = &known["errors"]["by_pressure"][0];

@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use crate::common::{CALIBRATION, FLAT, Place, SCENE, names, small, untimed};
+use crate::common::{CALIBRATION, FLAT, Place, SCENE, small, untimed};
 
 const MAP: [&str; 5] = ["synthesize", "--pixels", "32", "--waves", "2:8"];
 
@@ -32,7 +32,7 @@ fn inputs_and_what_others_wrote_are_not_replaced() {
         assert!(message.contains(says) && message.contains("so that nothing is lost"), "{args:?}: {message}");
     }
     assert_eq!(contents(), before);
-    assert_eq!(names(&place.path("job")), ["scene.toml"]);
+    assert_eq!(place.listed("job"), "scene.toml");
     // What begins as a file of slipgrid is none.
     place.succeed(&[&MAP[..], &["-o", "own.asc"]].concat());
     fs::create_dir(place.path("others")).unwrap();
@@ -156,7 +156,7 @@ fn a_design_named_by_dots_does_not_write_into_the_current_folder() {
     let place = Place::with(&[("...toml", &small())]);
     place.succeed(&["optimize", "...toml", "--no-cache"]);
     assert_eq!(place.names(), ["...toml", "out"]);
-    assert_eq!(names(&place.path("out")), ["design", "design.study.jsonl"]);
+    assert_eq!(place.listed("out"), "design design.study.jsonl");
 }
 
 #[test]

@@ -6,7 +6,7 @@ use std::fs;
 use std::process::Command;
 use std::time::Duration;
 
-use crate::common::{Place, SCENE, many_squares, names};
+use crate::common::{Place, SCENE, many_squares, names, untimed};
 
 /// Result with a design whose files take a megabyte.
 fn result() -> String {
@@ -118,14 +118,12 @@ fn a_run_killed_at_any_moment_leaves_whole_files_or_none() {
     let started = std::time::Instant::now();
     place.succeed(&EXPORT);
     let whole = started.elapsed();
-    let files = names(&place.path("out"));
-    assert_eq!(files.len(), 7);
-    let read = |name: &String| fs::read(place.path("out").join(name)).unwrap();
-    let good: Vec<Vec<u8>> = files.iter().map(read).collect();
+    let good = untimed(&place, "out");
+    assert_eq!(good.len(), 7);
     // The files of an earlier result.
     fs::write(place.path("earlier.json"), result().replace("40.0", "30.0")).unwrap();
     place.succeed(&[&["export", "earlier.json"], &EXPORT[2..5], &["earlier"]].concat());
-    let before: Vec<Vec<u8>> = files.iter().map(|name| fs::read(place.path("earlier").join(name)).unwrap()).collect();
+    let before = untimed(&place, "earlier");
     const KILLS: u32 = 12;
     for fresh in [true, false] {
         for kill in 0..KILLS {
@@ -145,11 +143,8 @@ fn a_run_killed_at_any_moment_leaves_whole_files_or_none() {
                 fs::create_dir(place.path("out")).unwrap();
                 continue;
             }
-            let there: Vec<String> =
-                names(&place.path("out")).into_iter().filter(|name| !name.starts_with(".slipgrid-")).collect();
-            assert_eq!(there, files, "the folder appears with all of its files");
-            let there: Vec<Vec<u8>> = files.iter().map(read).collect();
-            assert!(there == good || (!fresh && there == before), "files of two results");
+            let there = untimed(&place, "out");
+            assert!(there == good || (!fresh && there == before), "files missing, or of two results");
         }
     }
 }

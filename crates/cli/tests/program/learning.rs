@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use crate::common::{DESIGN, Place, names, number, result};
+use crate::common::{DESIGN, Place, number, result};
 
 #[test]
 fn the_disc_that_teaches_most_is_drawn_with_what_every_mechanism_predicts() {
@@ -15,9 +15,8 @@ fn the_disc_that_teaches_most_is_drawn_with_what_every_mechanism_predicts() {
     let said = place.succeed(&["next", "design.toml", "--learn", "-o", "out", "-q"]);
     assert!(said.contains("sector 1: grooves across the sliding direction"), "{said}");
     assert!(said.contains("sector 2: grooves along the sliding direction"), "{said}");
-    let files =
-        ["mechanisms.svg", "pattern.dxf", "pattern.svg", "process.toml", "result.json", "timings.json", "trials.toml"];
-    assert_eq!(names(&place.path("out")), files);
+    let files = "mechanisms.svg pattern.dxf pattern.svg process.toml result.json timings.json trials.toml";
+    assert_eq!(place.listed("out"), files);
     let found = result(&place, "out");
     let learning = &found["learning"];
     assert!((0.0..number(&learning["open_bits"])).contains(&number(&learning["bits"])), "{learning}");

@@ -16,59 +16,18 @@ use slipgrid_io::formats::traces::{Export, TraceSetup, parse_export};
 use slipgrid_surface::topography::{ReadOptions, read_map};
 use slipgrid_traces::{TraceOptions, analyse};
 
-/// Replacements of a value.
-const VALUES: [&str; 28] = [
-    "nan",
-    "-nan",
-    "inf",
-    "-inf",
-    "0",
-    "-0.0",
-    "-1",
-    "1e308",
-    "-1e308",
-    "1e-320",
-    "1e400",
-    "99999999999999999999",
-    "9223372036854775807",
-    "0x7fffffffffffffff",
-    "\"\"",
-    "\"a\"",
-    "true",
-    "[]",
-    "[[]]",
-    "{}",
-    "[1.0, \"a\"]",
-    "1979-05-27",
-    "1_000_000",
-    "1e7",
-    "1e-9",
-    "'''\n'''",
-    "[0.65, 0.65]",
-    "[2.6, 0.65]",
-];
+/// Replacements of a value, separated by bars.
+const VALUES: &str = "nan|-nan|inf|-inf|0|-0.0|-1|1e308|-1e308|1e-320|1e400|99999999999999999999|\
+        9223372036854775807|0x7fffffffffffffff|\"\"|\"a\"|true|[]|[[]]|{}|[1.0, \"a\"]|\
+        1979-05-27|1_000_000|1e7|1e-9|'''\n'''|[0.65, 0.65]|[2.6, 0.65]";
 
-/// Text that is inserted at a random place.
-const PIECES: [&str; 18] = [
-    "\0",
-    "\u{feff}",
-    "\u{202e}",
-    "µ",
-    "\r\n",
-    "\n\n",
-    "[",
-    "]",
-    "{",
-    "}",
-    "=",
-    "\"",
-    "'''",
-    "#",
-    ",",
-    ".",
-    "[[run]]\n",
-    "a.b.c = 1\n",
-];
+/// Text that is inserted at a random place, separated by bars.
+const PIECES: &str = "\0|\u{feff}|\u{202e}|µ|\r\n|\n\n|[|]|{|}|=|\"|'''|#|,|.|[[run]]\n|a.b.c = 1\n";
+
+/// A random one of the texts in `list`.
+fn one_of(list: &'static str, dice: &mut SplitMix64) -> &'static str {
+    list.split('|').nth(dice.below(list.matches('|').count() + 1)).unwrap()
+}
 
 /// Applies one to four random changes to `text`.
 fn spoil(text: &str, dice: &mut SplitMix64) -> Vec<u8> {
@@ -83,7 +42,7 @@ fn spoil(text: &str, dice: &mut SplitMix64) -> Vec<u8> {
                 bytes.drain(at..end);
             }
             3 => {
-                bytes.splice(at..at, PIECES[dice.below(PIECES.len())].bytes());
+                bytes.splice(at..at, one_of(PIECES, dice).bytes());
             }
             _ => bytes = spoil_line(&bytes, dice),
         }
@@ -102,7 +61,7 @@ fn spoil_line(bytes: &[u8], dice: &mut SplitMix64) -> Vec<u8> {
         1 => lines.insert(other, lines[line].clone()),
         2 => lines.swap(line, other),
         _ => {
-            let value = VALUES[dice.below(VALUES.len())].as_bytes();
+            let value = one_of(VALUES, dice).as_bytes();
             let text = lines[line].clone();
             let equals = text.iter().position(|&byte| byte == b'=');
             lines[line] = match equals {

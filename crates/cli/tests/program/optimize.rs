@@ -53,7 +53,7 @@ fn a_design_is_found_confirmed_and_written_for_a_laser() {
 
     // Exported again: the same bytes.
     place.succeed(&["export", "out/grooves/result.json", "--format", "dxf,process,dxf", "-o", "laser"]);
-    assert_eq!(names(&place.path("laser")), ["pattern.dxf", "process.toml"]);
+    assert_eq!(place.listed("laser"), "pattern.dxf process.toml");
     for name in ["pattern.dxf", "process.toml"] {
         assert_eq!(fs::read(place.path("laser").join(name)).unwrap(), fs::read(folder.join(name)).unwrap(), "{name}");
     }
@@ -114,7 +114,7 @@ fn a_mask_has_contours_and_no_lines() {
     let some = place.run(&["export", "mask.json", "--format", "gcode,dxf,hatch,csv", "-o", "some"]);
     let said = String::from_utf8_lossy(&some.stderr).into_owned();
     assert_eq!(some.status.code(), Some(1), "{said}");
-    assert_eq!(names(&place.path("some")), ["pattern.csv", "pattern.dxf"]);
+    assert_eq!(place.listed("some"), "pattern.csv pattern.dxf");
     assert_eq!(String::from_utf8_lossy(&some.stdout).lines().count(), 2);
     let lines: Vec<&str> = said.lines().collect();
     assert_eq!(lines[0], "error: mask.json: 2 of 4 formats cannot be written:");
@@ -126,5 +126,5 @@ fn a_mask_has_contours_and_no_lines() {
     let plot = fs::read_to_string(place.path("contours/pattern.plt")).unwrap();
     assert!(plot.contains("PD"), "{plot}");
     place.succeed(&["export", "hatch.json", "--format", "gcode,hatch", "-o", "lines"]);
-    assert_eq!(names(&place.path("lines")), ["hatch.csv", "pattern.gcode"]);
+    assert_eq!(place.listed("lines"), "hatch.csv pattern.gcode");
 }

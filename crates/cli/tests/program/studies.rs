@@ -113,7 +113,7 @@ fn of_two_runs_for_one_folder_the_second_is_refused_and_a_killed_one_blocks_nobo
     assert!(left.lines().count() > 0 && left.ends_with('\n'), "{left}");
     assert!(place.path("out/a.lock").exists() && !place.path("out/b.lock").exists());
     place.succeed(&["optimize", "small.toml", "-o", "out/a", "--no-cache"]);
-    assert_eq!(crate::common::names(&place.path("out")), ["a", "a.study.jsonl", "b", "b.study.jsonl"]);
+    assert_eq!(place.listed("out"), "a a.study.jsonl b b.study.jsonl");
 }
 
 #[test]
@@ -143,5 +143,5 @@ fn many_runs_for_one_folder_leave_a_whole_study() {
         assert!(codes.iter().all(|code| matches!(code, Some(0 | 2))) && codes.contains(&Some(0)), "{codes:?}");
         place.succeed(&args);
     }
-    assert_eq!(crate::common::names(&place.path("out")), ["a", "a.study.jsonl"]);
+    assert_eq!(place.listed("out"), "a a.study.jsonl");
 }

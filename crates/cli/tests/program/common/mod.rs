@@ -10,27 +10,9 @@ use std::sync::LazyLock;
 use serde_json::Value;
 use tempfile::TempDir;
 
-/// All commands.
-pub const COMMANDS: [&str; 18] = [
-    "simulate",
-    "optimize",
-    "explore",
-    "calibrate",
-    "next",
-    "trials",
-    "area-law",
-    "studio",
-    "surface",
-    "traces",
-    "synthesize",
-    "export",
-    "validate",
-    "accuracy",
-    "campaign",
-    "new",
-    "completions",
-    "man",
-];
+/// All commands, separated by spaces.
+pub const COMMANDS: &str = "simulate optimize explore calibrate next trials area-law studio surface traces synthesize \
+                            export validate accuracy campaign new completions man";
 
 /// Scene that is solved in milliseconds.
 pub const SCENE: &str = r#"[material]
@@ -235,11 +217,12 @@ pub fn optimized(place: &Place, file: &str, code: i32) -> (String, Value) {
     (String::from_utf8(output.stdout).unwrap(), result(place, &folder))
 }
 
-/// Names and contents of all files of a folder except those that depend on time.
+/// Names and contents of all files of a folder except those that depend on time or stand beside results.
 pub fn untimed(place: &Place, folder: &str) -> Vec<(String, Vec<u8>)> {
     let folder = place.path(folder);
     let read = |name: String| (name.clone(), fs::read(folder.join(&name)).unwrap());
-    names(&folder).into_iter().filter(|name| name != "timings.json").map(read).collect()
+    let is_result = |name: &String| name != "timings.json" && !name.starts_with(".slipgrid-");
+    names(&folder).into_iter().filter(is_result).map(read).collect()
 }
 
 /// Parses JSON from stdout or a file.
@@ -291,6 +274,11 @@ impl Place {
     /// Names of all entries of the folder, including hidden files.
     pub fn names(&self) -> Vec<String> {
         names(self.folder.path())
+    }
+
+    /// Names of the entries of `folder` within this one, separated by spaces.
+    pub fn listed(&self, folder: &str) -> String {
+        names(&self.path(folder)).join(" ")
     }
 
     /// Names of all that the runs in this folder kept in the cache.
