@@ -137,11 +137,8 @@ pub(crate) fn area_m2(outline: &Outline) -> f64 {
 
 /// Greatest extent of a face, in metres.
 pub(crate) fn extent_m(outline: &Outline) -> f64 {
-    match *outline {
-        Outline::Disc { diameter_m } => diameter_m,
-        Outline::Rectangle { length_m, width_m } => length_m.max(width_m),
-        Outline::Ring { outer_diameter_m, .. } => outer_diameter_m,
-    }
+    let [x_m, y_m] = outline.extents_m();
+    x_m.max(y_m)
 }
 
 /// Diagnostic for an unusual size of the specimen, `None` for a usual one; refuses an impossible size.
