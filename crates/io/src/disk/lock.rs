@@ -100,6 +100,11 @@ impl Lock {
         Diagnostic::file(&self.path, format!("another run works for this folder{process}"))
             .expected("another folder after -o, or to wait until that run has ended")
     }
+
+    /// Removes those folders created for the lock file that are empty, up to the first that is not.
+    fn remove_made(&self) {
+        let _ = self.made.iter().try_for_each(fs::remove_dir);
+    }
 }
 
 impl Drop for Lock {
@@ -116,17 +121,6 @@ impl Drop for Lock {
             let _ = fs::remove_file(&self.path);
         }
         self.remove_made();
-    }
-}
-
-impl Lock {
-    /// Removes those folders created for the lock file that are empty.
-    fn remove_made(&self) {
-        for folder in &self.made {
-            if fs::remove_dir(folder).is_err() {
-                return;
-            }
-        }
     }
 }
 

@@ -108,6 +108,7 @@ impl LearnedFile {
             let of_length =
                 |axis: usize| Some(LENGTH_UM.from_si(trial.dimensions_std_m[axis])).filter(|std| *std > 0.0);
             let [areal_density, edge_per_mm, width_um, pitch_um, depth_um] = to_columns(&trial.features);
+            let shifts = &trial.dimension_shifts;
             LearnedTrial {
                 name: trial.name.clone(),
                 areal_density,
@@ -128,17 +129,11 @@ impl LearnedFile {
                 patterned_std: column(|at| at.patterned_std),
                 flat_std: column(|at| at.flat_std),
                 modulus_sensitivity: column(|at| at.sensitivity.modulus),
-                local_law_change: if trial.measured.iter().any(|at| at.sensitivity.local_law != 0.0) {
-                    column(|at| at.sensitivity.local_law)
-                } else {
-                    Vec::new()
-                },
-                of_dimensions: trial.dimension_shifts.iter().map(|shift| shift.log_ratio.clone()).collect(),
-                texture_of_dimensions: trial
-                    .dimension_shifts
-                    .iter()
-                    .map(|shift| to_columns(&shift.above).to_vec())
-                    .collect(),
+                local_law_change: Some(column(|at| at.sensitivity.local_law))
+                    .filter(|changes: &Vec<f64>| changes.iter().any(|change| *change != 0.0))
+                    .unwrap_or_default(),
+                of_dimensions: shifts.iter().map(|shift| shift.log_ratio.clone()).collect(),
+                texture_of_dimensions: shifts.iter().map(|shift| to_columns(&shift.above).to_vec()).collect(),
             }
         };
         Self {
@@ -196,15 +191,11 @@ impl LearnedFile {
             };
             let LearnedTrial { areal_density, edge_per_mm, width_um, pitch_um, depth_um, .. } = *trial;
             let features = from_columns(&[areal_density, edge_per_mm, width_um, pitch_um, depth_um]);
-            // For a file written before the key existed: the changes of the model alone.
-            let above = |place: usize| {
+            let shift = |(place, log_ratio): (usize, &Vec<f64>)| {
                 let columns = trial.texture_of_dimensions.get(place).and_then(|columns| columns.first_chunk::<5>());
-                columns.map_or(features, from_columns)
-            };
-            let shift = |(place, log_ratio): (usize, &Vec<f64>)| DimensionShift {
-                log_ratio: log_ratio.clone(),
-                above: above(place),
-                below: None,
+                // For a file written before the key existed: the changes of the model alone.
+                let above = columns.map_or(features, from_columns);
+                DimensionShift { log_ratio: log_ratio.clone(), above, below: None }
             };
             let dimension_shifts = trial.of_dimensions.iter().enumerate().map(shift).collect();
             Ok(Trial {

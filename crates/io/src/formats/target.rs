@@ -73,12 +73,8 @@ pub fn read_target(document: &Document, file: &Spanned<TargetFile>) -> Result<Ta
     if let (Some(lowest), Some(highest), Some(place)) = (&lowest, &highest, &target.highest)
         && let Some(reversed) = lowest.iter().zip(highest).position(|(lowest, highest)| lowest >= highest)
     {
-        return Err(document
-            .refuse(
-                place.span(),
-                format!("does not lie above lowest at {} MPa", PRESSURE_MPA.from_si(pressures_pa[reversed])),
-            )
-            .expected("a band: lowest below highest"));
+        let reason = format!("does not lie above lowest at {} MPa", PRESSURE_MPA.from_si(pressures_pa[reversed]));
+        return Err(document.refuse(place.span(), reason).expected("a band: lowest below highest"));
     }
     let demand = |(place, &pressure_pa): (usize, &f64)| Demand {
         pressure_pa,
