@@ -40,7 +40,7 @@ fn a_table_says_what_sampling_may_have_missed_of_a_static_peak() {
         ("peak.csv", &trace(2, |t| run_in(t) + if (0.38..0.42).contains(&t) { 0.08 } else { 0.0 })),
     ]);
     place.succeed(&traces(&["peak.csv"], &["-o", "sharp"]));
-    let row = fs::read_to_string(place.path("sharp/flat.csv")).unwrap();
+    let row = place.read("sharp/flat.csv");
     assert!(
         row.contains(": mu_static_std is ") && row.contains(", what sampling may have missed of the peak\n"),
         "{row}"
@@ -50,7 +50,7 @@ fn a_table_says_what_sampling_may_have_missed_of_a_static_peak() {
     for (file, flag) in [("run-in.csv", &[][..]), ("peak.csv", &["--no-static-peak"])] {
         let told = place.succeed(&traces(&[file], &[&["-o", "none"], flag].concat()));
         assert_eq!(told.contains("run-in, no static peak"), flag.is_empty(), "{told}");
-        let row = fs::read_to_string(place.path("none/flat.csv")).unwrap();
+        let row = place.read("none/flat.csv");
         assert!(row.lines().last().unwrap().ends_with(",,"), "{row}");
     }
 }
@@ -89,7 +89,7 @@ fn a_sample_that_slides_back_and_forth_is_read_by_its_strokes() {
     let condition =
         "[[traces.condition]]\nforce_n = 50.0\nspeed_mm_s = 2.0\nhumidity_pct = 15.0\nfiles = [\"crank*.csv\"]\n";
     let text = |keys: &str| format!("{head}[traces]\neffective_radius_mm = 40.0\n{keys}{condition}");
-    fs::write(place.path("c.toml"), text("reciprocating = true\nstroke_share = 0.7\n")).unwrap();
+    place.write("c.toml", text("reciprocating = true\nstroke_share = 0.7\n"));
     let told = place.succeed(&["traces", "c.toml"]);
     assert!((of_first(&told, "crank.csv") - 0.25).abs() < 2e-4, "{told}");
     let refused = place.refuse(&["traces", "c.toml", "--window-s", "-1,2"]);
@@ -100,7 +100,7 @@ fn a_sample_that_slides_back_and_forth_is_read_by_its_strokes() {
         ("stroke_share = 0.7\n", "stroke_share: 0.7 needs `reciprocating = true`"),
         ("reciprocating = true\nstroke_share = 1.5\n", "expected a number above 0 up to 1"),
     ] {
-        fs::write(place.path("c.toml"), text(keys)).unwrap();
+        place.write("c.toml", text(keys));
         let refused = place.refuse(&["traces", "c.toml"]);
         assert!(refused.contains(says), "{refused}");
     }
@@ -130,12 +130,12 @@ fn conditions_and_trials_have_traces_of_their_own() {
         + &condition("trial.traces", "10.0", "cut-back-*.csv", back);
     let trial = |more: &str| format!("[[trial]]\nname = \"pilot\"\n{more}{pattern}{cut}");
     let text = |more: &str| format!("{head}[traces]\neffective_radius_mm = 40.0\n{flat}{tail}{}", trial(more));
-    fs::write(place.path("c.toml"), text("")).unwrap();
+    place.write("c.toml", text(""));
     let told = place.succeed(&["traces", "c.toml", "-o", "out"]);
     assert!(told.contains("trial \"pilot\", 50 N, 10 mm/s") && told.contains("flat sample, 50 N, 10 mm/s"), "{told}");
-    let flat_rows = fs::read_to_string(place.path("out/flat.csv")).unwrap();
-    let cut_rows = fs::read_to_string(place.path("out/trial-1-measured.csv")).unwrap();
-    let drawn = fs::read_to_string(place.path("out/trial-1-50N-10mm_s-15pct.svg")).unwrap();
+    let flat_rows = place.read("out/flat.csv");
+    let cut_rows = place.read("out/trial-1-measured.csv");
+    let drawn = place.read("out/trial-1-50N-10mm_s-15pct.svg");
     assert!(drawn.contains("\nFriction in time: trial &quot;pilot&quot;, 50 N, 10 mm/s, 15 % humidity\n"));
     assert!(!place.path("out/patterned.csv").exists());
     let friction = |rows: &str| -> Vec<f64> {
@@ -145,7 +145,7 @@ fn conditions_and_trials_have_traces_of_their_own() {
         assert!((cut / flat - 0.8).abs() < 0.002, "{flat_rows}{cut_rows}");
     }
     let read = |text: String| {
-        fs::write(place.path("c.toml"), text).unwrap();
+        place.write("c.toml", text);
         Calibration::read(&slipgrid_io::disk::disk(), &place.path("c.toml"))
     };
     let own = read(text("")).unwrap();
@@ -214,17 +214,17 @@ fn one_export_named_twice_in_a_calibration_is_refused() {
     let (head, _) = CALIBRATION.split_once("[measurements]").unwrap();
     let condition = "[[traces.condition]]\nforce_n = 50.0\nspeed_mm_s = 2.0\nhumidity_pct = 15.0\n";
     let text = format!("{head}[traces]\neffective_radius_mm = 40.0\n{condition}files = [\"a-1.csv\", \"a-*.csv\"]\n");
-    fs::write(place.path("c.toml"), &text).unwrap();
+    place.write("c.toml", &text);
     let message = place.refuse(&["traces", "c.toml"]);
     assert!(message.contains("c.toml:17: traces.condition.files") && message.contains("as line 17 does"), "{message}");
-    fs::write(place.path("c.toml"), text.replace("\"a-1.csv\", ", "")).unwrap();
+    place.write("c.toml", text.replace("\"a-1.csv\", ", ""));
     place.succeed(&["traces", "c.toml"]);
     fs::create_dir(place.path("exports")).unwrap();
-    fs::write(place.path("c.toml"), text.replace("\"a-1.csv\", \"a-*.csv\"", "\"exports\"")).unwrap();
+    place.write("c.toml", text.replace("\"a-1.csv\", \"a-*.csv\"", "\"exports\""));
     let message = place.refuse(&["traces", "c.toml"]);
     assert!(message.contains("traces.condition.files: \"exports\" is a folder"), "{message}");
     let off = text.replace("\"a-1.csv\", ", "").replace("[traces]\n", "[traces]\nstatic_peak = false\n");
-    fs::write(place.path("c.toml"), off).unwrap();
+    place.write("c.toml", off);
     place.succeed(&["traces", "c.toml"]);
 }
 

@@ -15,7 +15,7 @@ fn place(campaign: &str) -> Place {
 
 /// Table and results of a finished campaign in `folder`.
 fn results(place: &Place, folder: &str) -> Vec<(String, String)> {
-    let read = |path: String| (path.clone(), fs::read_to_string(place.path(&path)).unwrap());
+    let read = |path: String| (path.clone(), place.read(&path));
     let mut all = vec![("table".to_owned(), read(format!("{folder}/table.csv")).1)];
     let shelves = crate::common::names(&place.path(&format!("{folder}/results")));
     for shelf in shelves {
@@ -71,7 +71,7 @@ fn a_design_is_searched_or_tabulated() {
     designs.succeed(&["campaign", "plan", "search.toml", "-o", "search"]);
     designs.succeed(&["campaign", "work", "search"]);
     designs.succeed(&["campaign", "merge", "search"]);
-    let table = fs::read_to_string(designs.path("search/table.csv")).unwrap();
+    let table = designs.read("search/table.csv");
     let rows: Vec<Vec<&str>> = table.lines().map(|line| line.split(',').collect()).collect();
     assert_eq!(rows[0][1..6], ["target.value", "outcome", "found", "chance", "width_um"]);
     assert_eq!((rows.len(), rows[1][1], rows[1][2], rows[1][3]), (3, "0.9", "done", "trial"));
@@ -88,9 +88,9 @@ fn a_design_is_searched_or_tabulated() {
     designs.succeed(&["campaign", "plan", "table.toml", "-o", "table"]);
     let done = designs.succeed(&["campaign", "work", "table"]);
     let merged = designs.succeed(&["campaign", "merge", "table", "-o", "all.csv"]);
-    let lines = fs::read_to_string(designs.path("all.csv")).unwrap();
+    let lines = designs.read("all.csv");
     designs.run(&["optimize", "design.toml", "-o", "own", "--table"]);
-    let table = fs::read_to_string(designs.path("own/table.csv")).unwrap();
+    let table = designs.read("own/table.csv");
     let nodes = table.lines().skip(1).filter(|line| !line.starts_with('#')).count();
     assert!(done.contains(&format!("{nodes} tasks: {nodes} done")), "{done}");
     assert!(merged.contains("0 missing, in all.csv") && lines.lines().count() == 1 + 2 * nodes, "{merged}");
@@ -104,7 +104,7 @@ fn a_design_is_searched_or_tabulated() {
         ("pattern.width_um", "is what the rows of the design's table vary already; expected another key"),
     ] {
         let text = format!("base = \"design.toml\"\nwork = \"table\"\n[[grid]]\nkey = \"{key}\"\nvalues = [60.0]\n");
-        fs::write(designs.path("wrong.toml"), text).unwrap();
+        designs.write("wrong.toml", text);
         let told = designs.refuse(&["campaign", "plan", "wrong.toml", "-o", "wrong"]);
         assert!(told.starts_with(&format!("error: wrong.toml:5: {key}: 60.0 {says}")), "{told}");
     }
@@ -115,8 +115,8 @@ fn a_material_that_is_calibrated_travels_with_the_campaign() {
     let design = measured(&small(), "m/calibration.toml").replace("[0.65, 2.6]", "0.7");
     let place = Place::with(&[("design.toml", &design), ("campaign.toml", "base = \"design.toml\"\n")]);
     fs::create_dir(place.path("m")).unwrap();
-    fs::write(place.path("m/calibration.toml"), CALIBRATION).unwrap();
-    fs::write(place.path("m/flat.csv"), FLAT).unwrap();
+    place.write("m/calibration.toml", CALIBRATION);
+    place.write("m/flat.csv", FLAT);
     place.succeed(&["campaign", "plan", "campaign.toml", "-o", "out"]);
     // Nothing else of this folder is needed.
     fs::remove_dir_all(place.path("m")).unwrap();
@@ -129,7 +129,7 @@ fn job_scripts_and_refusals_say_what_they_should() {
     let place = place(&format!("{CAMPAIGN}[[list]]\n\"run.seed\" = 2\n"));
     let flags = ["--emit", "slurm", "--workers", "20", "--cores", "2", "--at-once", "5"];
     place.succeed(&[&["campaign", "plan", "campaign.toml", "-o", "it's"][..], &flags].concat());
-    let script = fs::read_to_string(place.path("it's/slurm.sh")).unwrap();
+    let script = place.read("it's/slurm.sh");
     assert!(script.contains("#SBATCH --array=1-20%5\n") && script.contains("#SBATCH --cpus-per-task=2\n"), "{script}");
     assert!(script.contains("it'\\''s' --share \"$SLURM_ARRAY_TASK_ID/20\""), "{script}");
     let mut bash = Command::new("bash");

@@ -1,7 +1,5 @@
 //! The chance that a cut sample is on target: every command gives the same number, and the advice follows from it.
 
-use std::fs;
-
 use crate::common::{Place, free, number, optimized, short, trusted};
 use serde_json::Value;
 
@@ -56,7 +54,7 @@ fn the_chance_comes_first_with_what_is_expected_and_what_limits_it() {
     let most = expected.hypot(share * of("model error"));
     assert!((0.9 * expected..1.1 * most).contains(&of("width")), "{slope} {most} {}", limit("width"));
 
-    let page = fs::read_to_string(place.path("out/a/report.html")).unwrap();
+    let page = place.read("out/a/report.html");
     let at = |what: &str| page.find(what).unwrap_or_else(|| panic!("{what}"));
     assert!(at("chance that a cut sample is on target") < at("95 % of samples"));
     assert!(page.contains("explorer-data"));
@@ -69,7 +67,7 @@ fn the_chance_comes_first_with_what_is_expected_and_what_limits_it() {
 fn the_chance_is_the_share_of_the_samples_that_are_expected() {
     let place = Place::with(&[]);
     let of = |target: &str| {
-        fs::write(place.path("a.toml"), trusted(&fixed(target, TOLERANCES))).unwrap();
+        place.write("a.toml", trusted(&fixed(target, TOLERANCES)));
         place.json(&["optimize", "a.toml", "--json"])
     };
     let found = of("value = 0.88\ntolerance = 0.02");
@@ -120,7 +118,7 @@ fn a_target_above_the_flat_surface_is_not_answered_by_a_pattern() {
         assert!(told.contains("do not texture: the flat surface is what is asked for"), "{told}");
         assert_eq!(found["advice"], "do_not_texture", "{file}");
     }
-    let page = fs::read_to_string(place.path("out/highest/report.html")).unwrap();
+    let page = place.read("out/highest/report.html");
     assert!(page.contains("Do not texture: the flat surface is what is asked for"));
     // An even one is sought among textures, and the flat surface does not do what is demanded beside the goal.
     let (_, found) = optimized(&place, "even.toml", 0);

@@ -28,10 +28,10 @@ fn the_interface_of_cavities_in_space_is_drawn_from_above() {
     let (plane, space) = (solve("groove.toml"), solve("groove3.toml"));
     assert!((ratio(&plane) - ratio(&space)).abs() < 1e-9);
     solve("disc.toml");
-    let interface = fs::read_to_string(place.path("out").join("interface.csv")).unwrap();
+    let interface = place.read("out/interface.csv");
     assert_eq!(interface.lines().next().unwrap(), "load_mpa,surface,x_um,y_um,pressure_mpa,friction_mpa");
     // From above, with its colour scale.
-    let map = fs::read_to_string(place.path("out").join("interface-2.6mpa.svg")).unwrap();
+    let map = place.read("out/interface-2.6mpa.svg");
     assert_eq!(map.matches("<image ").count(), 2);
     assert!(map.contains("MPa") && map.contains("sliding direction, 30° from x") && map.contains("y (µm)"));
 }
@@ -75,7 +75,7 @@ fn results_go_to_a_folder() {
     place.succeed(&["simulate", "scene.toml", "-o", "out/scene"]);
     assert_eq!(fs::read_to_string(folder.join("notes.txt")).unwrap(), "mine");
     // Pictures of other loads go.
-    fs::write(place.path("scene.toml"), SCENE.replace("[0.65, 2.6]", "1e-320")).unwrap();
+    place.write("scene.toml", SCENE.replace("[0.65, 2.6]", "1e-320"));
     place.succeed(&["simulate", "scene.toml", "-o", "out/scene"]);
     let left = "interface-1e-320mpa.svg interface.csv notes.txt result.json timings.json uncertainty.csv";
     assert_eq!((place.listed("out/scene").as_str(), place.listed("out").as_str()), (left, "scene"));
@@ -139,7 +139,7 @@ fn an_area_law_states_its_uncertainty() {
         assert!(coarse["factor"][2].as_f64().unwrap() < factor);
     }
     assert_eq!(law["resolutions"][1]["pixel_um"], 4.0 * law["pixel_um"].as_f64().unwrap());
-    let svg = std::fs::read_to_string(place.path("law").join("area-law.svg")).unwrap();
+    let svg = place.read("law/area-law.svg");
     assert!(svg.contains("standard error"));
 
     let alone =
@@ -296,7 +296,7 @@ fn a_dynamic_run_says_from_when_it_averaged() {
     assert!(load["averaged_from_s_flat"].is_number());
 
     // The mean over the trace from there on is the reported one: every interval is as long.
-    let trace = fs::read_to_string(place.path("out/friction.csv")).unwrap();
+    let trace = place.read("out/friction.csv");
     let points = trace.lines().filter_map(|line| {
         let cells: Vec<&str> = line.strip_prefix("2.6,patterned,")?.split(',').collect();
         Some((cells[0].parse::<f64>().unwrap() * 1e-6, cells[1].parse::<f64>().unwrap()))
@@ -304,7 +304,7 @@ fn a_dynamic_run_says_from_when_it_averaged() {
     let window: Vec<f64> = points.filter(|point| point.0 > from_s * (1.0 + 1e-9)).map(|point| point.1).collect();
     let mean = window.iter().sum::<f64>() / window.len() as f64;
     assert!((mean / load["mu_dynamic"].as_f64().unwrap() - 1.0).abs() < 1e-4, "{mean}");
-    assert!(fs::read_to_string(place.path("out/friction-2.6mpa.svg")).unwrap().contains("averaging window"));
+    assert!(place.read("out/friction-2.6mpa.svg").contains("averaging window"));
 }
 
 #[test]
@@ -325,11 +325,11 @@ fn a_page_explores_a_design_or_a_material_before_any_search() {
     let material =
         "youngs_modulus_gpa = 0.38\ndensity_g_cm3 = 0.9\n[friction]\nstatic_mean = 0.30\ndynamic_mean = 0.27\n";
     let place = Place::with(&[("design.toml", &small()), ("material.toml", material), ("scene.toml", SCENE)]);
-    std::fs::write(place.path("calibration.toml"), CALIBRATION).unwrap();
-    std::fs::write(place.path("flat.csv"), FLAT).unwrap();
+    place.write("calibration.toml", CALIBRATION);
+    place.write("flat.csv", FLAT);
     for (file, page) in [("design.toml", "explore.html"), ("material.toml", "m.html")] {
         place.succeed(&["explore", file, "-o", page]);
-        let text = std::fs::read_to_string(place.path(page)).unwrap();
+        let text = place.read(page);
         assert!(text.contains("id=\"explorer-data\""), "{page}");
         let said = [
             "What is expected of a cut sample of any design within the bounds",
@@ -344,14 +344,14 @@ fn a_page_explores_a_design_or_a_material_before_any_search() {
     }
     // The order in which a target lists its pressures does not matter to the sliders.
     let data = |page: &str| -> serde_json::Value {
-        let text = std::fs::read_to_string(place.path(page)).unwrap();
+        let text = place.read(page);
         let from = text.find("id=\"explorer-data\"").unwrap();
         let from = from + text[from..].find('>').unwrap() + 1;
         serde_json::from_str(&text[from..from + text[from..].find("</script>").unwrap()]).unwrap()
     };
     for (file, listed) in [("up.toml", "[0.65, 1.3, 2.6]"), ("mixed.toml", "[2.6, 0.65, 1.3]")] {
         let design = small().replace("pressure_mpa = [0.65, 2.6]", &format!("pressure_mpa = {listed}"));
-        std::fs::write(place.path(file), design).unwrap();
+        place.write(file, design);
         place.succeed(&["explore", file, "-o", &file.replace("toml", "html")]);
     }
     let (up, mixed) = (data("up.html"), data("mixed.html"));
@@ -359,19 +359,19 @@ fn a_page_explores_a_design_or_a_material_before_any_search() {
         assert_eq!(up[key], mixed[key], "{key}");
     }
     // A folder takes the page, which is the same when it is written again.
-    let text = std::fs::read_to_string(place.path("explore.html")).unwrap();
+    let text = place.read("explore.html");
     place.succeed(&["explore", "design.toml", "-o", "out/page"]);
-    assert_eq!(text, std::fs::read_to_string(place.path("out/page/explore.html")).unwrap());
+    assert_eq!(text, place.read("out/page/explore.html"));
     // A material's condition is asked for by name.
     let conditions = "youngs_modulus_gpa = 0.38\ndensity_g_cm3 = 0.9\n[[friction.conditions]]\nspeed_mm_s = 2.0\nhumidity_pct = 50.0\n\
         pressure_mpa = [0.65, 2.6]\nstatic_mean = [0.3, 0.3]\ndynamic_mean = [0.27, 0.27]\n[[friction.conditions]]\nspeed_mm_s = 10.0\nhumidity_pct = 50.0\n\
         pressure_mpa = [0.65, 2.6]\nstatic_mean = [0.33, 0.33]\ndynamic_mean = [0.3, 0.3]\n";
-    std::fs::write(place.path("conditions.toml"), conditions).unwrap();
+    place.write("conditions.toml", conditions);
     let said = place.refuse(&["explore", "conditions.toml"]);
     assert!(said.contains("conditions.toml: ") && said.contains("--speed-mm-s"), "{said}");
     // Reports have the explorer, unless it is left out.
     place.run(&["optimize", "design.toml", "-o", "without", "--no-explorer"]);
-    assert!(!std::fs::read_to_string(place.path("without/report.html")).unwrap().contains("explorer-data"));
+    assert!(!place.read("without/report.html").contains("explorer-data"));
 }
 
 /// Without `--details` an answer fits on one screen; the details are in addition to it.

@@ -48,7 +48,7 @@ fn steady(place: &Place, folder: &str, mean: f64) -> [f64; 2] {
         Some(("dynamic_mean", _)) => format!("dynamic_mean = {mean}"),
         _ => line.to_owned(),
     });
-    fs::write(place.path("steady.toml"), lines.collect::<Vec<_>>().join("\n")).unwrap();
+    place.write("steady.toml", lines.collect::<Vec<_>>().join("\n"));
     let told = place.succeed(&["simulate", "steady.toml", "--fidelity", "steady", "--extent", "cell", "--json"]);
     let told: Value = serde_json::from_str(&told).unwrap();
     ["ratio", "peak_pressure_mpa"].map(|key| number(&told["results"][0][key]))
@@ -115,7 +115,7 @@ fn shares_of_samples_count_all_conditions_together() {
     let median = |found: &Value, condition: usize| number(&at(found)[condition]["median"]);
     assert!(median(&found, 1) > 1.2 * median(&found, 0), "{found}");
     let highest = 1.01 * median(&found, 1);
-    fs::write(place.path("near.toml"), text(&format!("quantity = \"mu_dynamic\"\nhighest = {highest}"))).unwrap();
+    place.write("near.toml", text(&format!("quantity = \"mu_dynamic\"\nhighest = {highest}")));
     place.succeed(&["optimize", "near.toml"]);
     let found = result(&place, "out/near");
     assert_eq!((median(&found, 0), at(&found).len()), (median(&result(&place, "out/wide"), 0), 2));
@@ -152,7 +152,7 @@ fn a_ratio_target_and_a_peak_pressure_hold_at_the_worst_condition() {
     for mean in [0.2, 0.25, 0.3, 0.35, 0.4, 0.45] {
         assert!((ends[0]..=ends[1]).contains(&of(mean)), "{mean} {} {ends:?}", of(mean));
     }
-    let table = fs::read_to_string(place.path("out/both/table.csv")).unwrap();
+    let table = place.read("out/both/table.csv");
     assert!(table.starts_with("width_um,spacing_um,depth_um,ratio_at_2.6_mpa,ratio_at_2.6_mpa_2_mm_s_80_pct,"));
 
     // Pressures are highest where friction is: the limit holds there.
@@ -205,7 +205,7 @@ fn a_range_is_the_list_of_its_conditions_and_each_humidity_has_its_own_discrepan
     let places: Vec<[f64; 2]> =
         at(&one).iter().map(|at| [number(&at["speed_mm_s"]), number(&at["humidity_pct"])]).collect();
     assert_eq!(places, [[2.0, 15.0], [1.5, 15.0], [1.5, 80.0], [2.0, 80.0], [4.0, 15.0], [4.0, 80.0]]);
-    assert!(fs::read_to_string(place.path("out/one/scene.toml")).unwrap().contains("speed_mm_s = 2.0"));
+    assert!(place.read("out/one/scene.toml").contains("speed_mm_s = 2.0"));
     // Each humidity has what was measured there; of the speed nothing is known, which moves a median by little.
     let of = |humidity: f64| -> Vec<f64> {
         let own = at(&one).iter().zip(factors(&one)).filter(|(at, _)| at["humidity_pct"] == humidity);

@@ -12,7 +12,7 @@ fn contradictions(design: &str, calibration: &str) -> Vec<String> {
     let place = Place::with(&[("c.toml", calibration), ("flat.csv", FLAT)]);
     let (head, rest) = design.split_once("[material]").unwrap();
     let design = format!("{head}material = \"c.toml\"\n[target]{}", rest.split_once("[target]").unwrap().1);
-    std::fs::write(place.path("d.toml"), design).unwrap();
+    place.write("d.toml", design);
     let design = Design::read(&slipgrid_io::disk::disk(), &place.path("d.toml")).unwrap();
     let calibration = Calibration::read(&slipgrid_io::disk::disk(), &place.path("c.toml")).unwrap();
     let folder = format!("{}/", place.path("").display()).replace("//", "/");

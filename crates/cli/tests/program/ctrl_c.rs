@@ -124,7 +124,7 @@ fn every_stage_of_a_design_ends_and_names_what_goes_on() {
         let message = told(&place, &output);
         if message.contains("answers of the search's model are kept in out.study.jsonl") {
             assert!(message.contains("slipgrid optimize discs.toml -o out --resume"), "{message}");
-            assert!(std::fs::read_to_string(place.path("out.study.jsonl")).unwrap().lines().count() > 1);
+            assert!(place.read("out.study.jsonl").lines().count() > 1);
         }
         stages.push(message);
     }

@@ -1,7 +1,5 @@
 //! Designs for several sliding directions.
 
-use std::fs;
-
 use crate::common::{Place, json, number, result, small, trusted};
 
 /// Small design of rectangles, half as long as the minimum width.
@@ -17,7 +15,7 @@ fn rectangles(angles: &str) -> String {
 #[test]
 fn the_target_holds_in_each_direction() {
     let place = Place::with(&[]);
-    fs::write(place.path("both.toml"), trusted(&rectangles("[0, 90]"))).unwrap();
+    place.write("both.toml", trusted(&rectangles("[0, 90]")));
     let said = place.succeed(&["optimize", "both.toml", "-o", "both"]);
     assert!(said.contains("at 0 deg") && said.contains("at 90 deg"), "{said}");
     let found = result(&place, "both");
@@ -29,11 +27,11 @@ fn the_target_holds_in_each_direction() {
         assert!((number(&at["target_low"])..=number(&at["target_high"])).contains(&median) && median < 0.999, "{at}");
     }
     // Each is what the turned scene gives alone as a steady cell, but for what is beyond cells, which is that of the first.
-    let scene = fs::read_to_string(place.path("both/scene.toml")).unwrap();
+    let scene = place.read("both/scene.toml");
     let beyond = ["0.0", "90.0"].map(|angle_deg| {
         let planform = "planform = \"rectangle\"";
         let turned = scene.replace(planform, &format!("{planform}\nsliding_angle_deg = {angle_deg}"));
-        fs::write(place.path("turned.toml"), turned).unwrap();
+        place.write("turned.toml", turned);
         let told = place.succeed(&["simulate", "turned.toml", "--json", "--fidelity", "steady", "--extent", "cell"]);
         let ratios =
             json(&told)["results"].as_array().unwrap().iter().map(|load| number(&load["ratio"])).collect::<Vec<_>>();
@@ -45,7 +43,7 @@ fn the_target_holds_in_each_direction() {
     }
     // A second run takes the study over, and one of other directions does not.
     place.succeed(&["optimize", "both.toml", "-o", "both", "--resume"]);
-    fs::write(place.path("both.toml"), rectangles("[0, 45]")).unwrap();
+    place.write("both.toml", rectangles("[0, 45]"));
     let refused = place.refuse(&["optimize", "both.toml", "-o", "both", "--resume"]);
     assert!(refused.contains("sliding_angle_deg"), "{refused}");
 }
@@ -53,8 +51,7 @@ fn the_target_holds_in_each_direction() {
 #[test]
 fn directions_alike_by_symmetry_are_solved_once() {
     let place = Place::with(&[]);
-    fs::write(place.path("groove.toml"), small().replace("\"groove\"", "\"groove\"\nsliding_angle_deg = [0.0, 180.0]"))
-        .unwrap();
+    place.write("groove.toml", small().replace("\"groove\"", "\"groove\"\nsliding_angle_deg = [0.0, 180.0]"));
     place.succeed(&["optimize", "groove.toml", "-o", "groove"]);
     let found = result(&place, "groove");
     assert_eq!((found["dimensions"].as_u64(), found["expected"].as_array().map(Vec::len)), (Some(2), Some(2)));

@@ -1,7 +1,5 @@
 //! Discrepancies from trials in designs and scenes, and the error of every value of a scene.
 
-use std::fs;
-
 use crate::common::{Place, correction, free, measured, number, patterned_calibration, result, short, trusted};
 use serde_json::Value;
 
@@ -75,7 +73,7 @@ fn a_trial_moves_what_is_expected_and_says_what_to_do() {
     let plain = told.split_whitespace().collect::<Vec<_>>().join(" ");
     let words = "nothing need be cut: trial \"first\" (width/spacing/depth 80/120/10 um) already meets the target; the likeliest other texture has a chance of ";
     assert!(found["advice"] == "trial_meets_it" && plain.contains(words), "{told}");
-    assert!(fs::read_to_string(place.path("out/met/report.html")).unwrap().contains("already meets the target"));
+    assert!(place.read("out/met/report.html").contains("already meets the target"));
     let next = place.json(&["next", "met.toml", "--json"]);
     assert_eq!((&next["advice"], &next["words"]), (&found["advice"], &found["words"]));
 
@@ -101,7 +99,7 @@ fn a_scene_without_errors_shows_those_of_its_run_alone_and_says_so() {
     assert!((number(&at["ratio"]["std"]) / own - 1.0).abs() < 1e-6, "{at}");
     // 5 % over the blocks in contact and of about equal friction; it is taken out of the ratio.
     let mu = &at["mu"];
-    let interface = fs::read_to_string(place.path("out/a/interface.csv")).unwrap();
+    let interface = place.read("out/a/interface.csv");
     let land = interface.lines().filter(|line| line.contains(",patterned,")).count() as f64;
     let expected = 0.05 * number(&mu["value"]) / land.sqrt();
     let drawn = part(mu, "local coefficients drawn");
@@ -135,7 +133,7 @@ fn a_simulated_design_has_what_trials_say_and_the_errors_of_what_is_solved() {
     assert!(told.contains("the model corrected by one trial"), "{told}");
 
     // On a flat surface flat friction is all there is, and of a static peak its coefficient and its draw.
-    let text = fs::read_to_string(place.path(scene)).unwrap();
+    let text = place.read(scene);
     let from_rest = |line: &str| match line.split_once(" = ") {
         Some(("warm_start" | "mu_stderr", _)) => None,
         Some(("sliding_um", _)) => Some("sliding_um = 1.0\n".to_owned()),
@@ -145,8 +143,8 @@ fn a_simulated_design_has_what_trials_say_and_the_errors_of_what_is_solved() {
     let (from, to) = (flat.find("[pattern]").unwrap(), flat.find("[sample]").unwrap());
     let flat = format!("{}{}", &flat[..from], &flat[to..]);
     let with_static = flat.replace("dynamic_std_error", "static_std_error = 0.003\ndynamic_std_error");
-    fs::write(place.path("flat.toml"), flat).unwrap();
-    fs::write(place.path("static.toml"), with_static).unwrap();
+    place.write("flat.toml", flat);
+    place.write("static.toml", with_static);
     let of = |scene: &str| -> Value { place.json(&["simulate", scene, "--json"]) };
     let [open, known] = ["flat.toml", "static.toml"].map(of);
     let at = &known["errors"]["by_pressure"][0];
@@ -188,10 +186,10 @@ fn a_calibration_is_interpolated_between_its_speeds() {
     assert!(notes.iter().any(|note| note.as_str().unwrap().contains("1 mm/s at 15 % (0.50), 4 mm/s at 15 % (0.50)")));
     assert_eq!(found["trials"], 1);
     // Measured ratios are 0.9 of those of a flat sample: what is expected of another sample of those grooves.
-    let trial = fs::read_to_string(place.path("out/a/scene.toml")).unwrap();
+    let trial = place.read("out/a/scene.toml");
     let (from, to) = (trial.find("[pattern]").unwrap(), trial.find("[sample]").unwrap());
     let trial = format!("{}[pattern]\n{groove}\n{}", &trial[..from], &trial[to..]);
-    fs::write(place.path("trial.toml"), trial).unwrap();
+    place.write("trial.toml", trial);
     let steady = place.json(&["simulate", "trial.toml", "--fidelity", "steady", "--extent", "cell", "--json"]);
     let (at, corrected) = (&steady["errors"]["by_pressure"][0], &steady["discrepancy"]["by_pressure"][0]);
     // Two measurements, each known to 1.4 %, on a sample of which little was believed.

@@ -15,7 +15,7 @@ type Change<'a> = dyn Fn(usize, usize, f64) -> f64 + 'a;
 fn place(changed: &[(&str, &Change<'_>)]) -> Place {
     let place = Place::with(&[("flat.csv", FLAT)]);
     place.succeed(&["synthesize", "--pixels", "96", "--waves", "3:24", "--rms-slope", "0.03", "-o", "clean.asc"]);
-    let clean = std::fs::read_to_string(place.path("clean.asc")).unwrap();
+    let clean = place.read("clean.asc");
     for (name, change) in changed {
         let mut row = 0;
         let lines = clean.lines().map(|line| {
@@ -29,7 +29,7 @@ fn place(changed: &[(&str, &Change<'_>)]) -> Place {
             heights.join("\t") + "\n"
         });
         let text: String = lines.collect();
-        std::fs::write(place.path(name), text).unwrap();
+        place.write(name, text);
     }
     place
 }
@@ -89,14 +89,14 @@ fn what_is_wrong_with_a_map_stands_in_every_result_that_rests_on_it() {
     let place = place(&[("spiked.asc", &spiked(SPIKE_NM))]);
     let calibration =
         |more: &str| CALIBRATION.replace("persson_rms_slope = 0.0137", &format!("map = \"spiked.asc\"{more}"));
-    std::fs::write(place.path("calibration.toml"), calibration("")).unwrap();
-    std::fs::write(place.path("despiked.toml"), calibration("\ndespike = true")).unwrap();
+    place.write("calibration.toml", calibration(""));
+    place.write("despiked.toml", calibration("\ndespike = true"));
     let printed = place.succeed(&["calibrate", "calibration.toml", "-o", "material.toml"]);
     assert!(printed.contains("\n! spikes: 5 points in 4 places"), "{printed}");
-    let material = std::fs::read_to_string(place.path("material.toml")).unwrap();
+    let material = place.read("material.toml");
     assert!(material.contains("warnings = [\"spikes: 5 points in 4 places"), "{material}");
 
-    std::fs::write(place.path("scene.toml"), measured(SCENE, "material.toml")).unwrap();
+    place.write("scene.toml", measured(SCENE, "material.toml"));
     let result = place.json(&["simulate", "scene.toml", "--json"]);
     assert!(strings(&result["material"]["warnings"])[0].starts_with("spikes: 5 points"), "{result}");
     assert!(place.succeed(&["simulate", "scene.toml"]).contains("! the material is doubtful: spikes: 5 points"));
@@ -112,10 +112,10 @@ fn a_doubtful_ratio_and_a_doubtful_map_are_each_said_once() {
     let place = place(&[("spiked.asc", &spiked(SPIKE_NM))]);
     let pattern = "planform = \"groove\"\nwidth_um = 130.0\nspacing_um = 370.0\ndepth_um = 5.2\n";
     let calibration = patterned_calibration(pattern).replace("persson_rms_slope = 0.0137", "map = \"spiked.asc\"");
-    std::fs::write(place.path("calibration.toml"), calibration).unwrap();
-    std::fs::write(place.path("patterned.csv"), FLAT.replace("0.248", "1.2")).unwrap();
+    place.write("calibration.toml", calibration);
+    place.write("patterned.csv", FLAT.replace("0.248", "1.2"));
     place.succeed(&["calibrate", "calibration.toml", "-o", "material.toml"]);
-    let material: toml::Table = std::fs::read_to_string(place.path("material.toml")).unwrap().parse().unwrap();
+    let material = place.toml("material.toml");
     let told: Vec<&str> = material["warnings"].as_array().unwrap().iter().map(|told| told.as_str().unwrap()).collect();
     let count = |start: &str| told.iter().filter(|told| told.starts_with(start)).count();
     assert_eq!((count("measured ratio: "), count("spikes: ")), (1, 1), "{told:?}");

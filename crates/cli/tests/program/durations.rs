@@ -1,7 +1,5 @@
 //! Long computations: their duration is announced before, reported afterwards, and limited.
 
-use std::fs;
-
 use crate::common::{CALIBRATION, DESIGN, FLAT, Place, SCENE, json, measured, result, small};
 
 /// Design of discs in a thin layer with a target out of reach.
@@ -19,7 +17,7 @@ fn the_stages_of_a_design_sum_to_its_duration() {
     let output = place.run(&["optimize", "discs.toml", "-o", "out"]);
     let (told, said) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
     assert_eq!(output.status.code(), Some(0), "{told}{said}");
-    let times = json(&fs::read_to_string(place.path("out/timings.json")).unwrap());
+    let times = json(&place.read("out/timings.json"));
     let timings = times["timings_s"].as_object().unwrap();
     let sum: f64 = timings.values().map(|seconds| seconds.as_f64().unwrap()).sum();
     let wall_s = times["wall_s"].as_f64().unwrap();
@@ -101,7 +99,7 @@ fn hexagonal_discs_are_designed_and_drawn() {
     let found = result(&place, "out");
     assert_eq!(found["design"]["arrangement"], "hexagonal");
     // Rows lie sqrt(3)/2 of a pitch apart: centres of the file of cavities.
-    let csv = fs::read_to_string(place.path("out/pattern.csv")).unwrap();
+    let csv = place.read("out/pattern.csv");
     let mut lines = csv.lines().filter(|line| !line.starts_with('#'));
     let columns: Vec<&str> = lines.next().unwrap().split(',').collect();
     let place_of = |name: &str| columns.iter().position(|column| column.starts_with(name)).unwrap();

@@ -11,9 +11,9 @@ fn inputs_and_what_others_wrote_are_not_replaced() {
     let place = Place::with(&[("c.toml", CALIBRATION), ("flat.csv", FLAT), ("s.toml", SCENE)]);
     fs::create_dir(place.path("job")).unwrap();
     let design = small();
-    fs::write(place.path("job/scene.toml"), &design).unwrap();
-    fs::write(place.path("d.toml"), &design).unwrap();
-    fs::write(place.path("map.asc"), "# Channel: height\n# Width: 1 um\n# Height: 1 um\n1 2\n3 4\n").unwrap();
+    place.write("job/scene.toml", &design);
+    place.write("d.toml", &design);
+    place.write("map.asc", "# Channel: height\n# Width: 1 um\n# Height: 1 um\n1 2\n3 4\n");
     let kept = ["c.toml", "flat.csv", "s.toml", "job/scene.toml", "d.toml", "map.asc"];
     let contents = || kept.map(|name| fs::read(place.path(name)).unwrap());
     let before = contents();
@@ -55,7 +55,7 @@ fn inputs_and_what_others_wrote_are_not_replaced() {
     }
     // Files that are not in the way are nobody's concern.
     place.succeed(&["simulate", "s.toml", "-o", "job"]);
-    fs::write(place.path("job/result.json"), "{\"mine\": 1}").unwrap();
+    place.write("job/result.json", "{\"mine\": 1}");
     assert!(
         place.refuse(&["simulate", "s.toml", "-o", "job"]).contains("job holds result.json, which was not written")
     );
@@ -68,7 +68,7 @@ fn every_command_replaces_what_it_wrote_before() {
     let map = [&MAP[..], &["--cavities", "100,100,5", "-o", "map.asc"]].concat();
     let all = "dxf,svg,csv,process,plt,gcode,corners,hatch,png,stl";
     let laser = "spot_um = 23.0\nspeed_mm_s = 10.0";
-    fs::write(place.path("d.toml"), design.replace("spot_um = 23.0", laser)).unwrap();
+    place.write("d.toml", design.replace("spot_um = 23.0", laser));
     for args in [
         map,
         vec!["optimize", "d.toml", "--table"],
@@ -93,7 +93,7 @@ fn what_stands_in_the_way_is_said_before_anything_is_computed() {
     let place =
         Place::with_cache(&[("d.toml", &small()), ("c.toml", CALIBRATION), ("flat.csv", FLAT), ("s.toml", SCENE)]);
     symlink("nowhere", place.path("link")).unwrap();
-    fs::write(place.path("file"), "").unwrap();
+    place.write("file", "");
     fs::create_dir_all(place.path("results/result.json")).unwrap();
     fs::create_dir_all(place.path("out/d.study.jsonl")).unwrap();
     fs::create_dir_all(place.path("held.lock")).unwrap();
@@ -138,14 +138,13 @@ fn a_design_that_no_specimen_takes_is_refused_before_the_search() {
         ),
     ] {
         let squares = small().replace("\"groove\"", "\"square\"").replace("[search]", "[search]\ndimensions = 2");
-        fs::write(place.path("d.toml"), squares.replace("diameter_mm = 1.0", "diameter_mm = 10.0").replace(from, to))
-            .unwrap();
+        place.write("d.toml", squares.replace("diameter_mm = 1.0", "diameter_mm = 10.0").replace(from, to));
         let message = place.refuse(&["optimize", "d.toml"]);
         assert!(message.contains("specimen") && message.contains(says), "{message}");
         assert_eq!(place.names(), ["d.toml"]);
     }
     // Where only some designs fit, the others are no answer.
-    fs::write(place.path("d.toml"), small().replace("diameter_mm = 1.0", "diameter_mm = 0.07")).unwrap();
+    place.write("d.toml", small().replace("diameter_mm = 1.0", "diameter_mm = 0.07"));
     let code = place.run(&["optimize", "d.toml"]).status.code();
     assert!(matches!(code, Some(0 | 3 | 4)), "{code:?}");
     assert!(place.path("out/d/pattern.csv").exists());
@@ -179,7 +178,7 @@ fn the_same_run_writes_the_same_bytes_but_for_its_timings() {
         }
         assert_eq!(one.len(), two.len());
     }
-    let times = fs::read_to_string(place.path("two/timings.json")).unwrap();
+    let times = place.read("two/timings.json");
     // No more threads than cores are started.
     let threads = format!("\"threads\": {}", std::thread::available_parallelism().map_or(1, usize::from).min(64));
     for key in ["\"timings_s\"", "\"wall_s\"", &threads, "\"site_updates_per_s\""] {
@@ -192,7 +191,7 @@ fn what_a_file_holds_cannot_steer_the_terminal() {
     let brackets = "[".repeat(1000);
     let long = "x".repeat(100_000);
     let place = Place::with(&[("c.toml", CALIBRATION), ("flat.csv", FLAT)]);
-    let scene = |from: &str, to: &str| fs::write(place.path("s.toml"), SCENE.replace(from, to)).unwrap();
+    let scene = |from: &str, to: &str| place.write("s.toml", SCENE.replace(from, to));
     let pieces = [
         "\"\\u001b[31m\u{9b}\u{202e}red\"",
         &format!("\"{long}\""),
@@ -217,16 +216,16 @@ fn what_a_file_holds_cannot_steer_the_terminal() {
         }
     }
     // A name in a summary, and a path.
-    fs::write(place.path("d.toml"), small().replace("test design", "a\\u001b[2Jb\\u009bc")).unwrap();
+    place.write("d.toml", small().replace("test design", "a\\u001b[2Jb\\u009bc"));
     let told = place.succeed(&["optimize", "d.toml"]);
     assert!(
         told.starts_with("a\\u{1b}[2Jb\\u{9b}c: ") && told.contains("chance that a cut sample is on target"),
         "{told:?}"
     );
-    fs::write(place.path("c.toml"), CALIBRATION.replace("name = \"test\"", "name = \"\\u001b]0;x\\u0007\"")).unwrap();
+    place.write("c.toml", CALIBRATION.replace("name = \"test\"", "name = \"\\u001b]0;x\\u0007\""));
     assert!(!place.succeed(&["calibrate", "c.toml"]).contains('\u{1b}'));
     let message = place.refuse(&["simulate", "\u{1b}[31m.toml"]);
     assert!(message.starts_with("error: \\u{1b}[31m.toml: cannot be read"), "{message:?}");
-    fs::write(place.path("flat.csv"), FLAT.replace("0.248", "\u{1b}[31m")).unwrap();
+    place.write("flat.csv", FLAT.replace("0.248", "\u{1b}[31m"));
     assert!(!place.refuse(&["calibrate", "c.toml"]).contains('\u{1b}'));
 }

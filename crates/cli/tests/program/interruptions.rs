@@ -43,10 +43,10 @@ fn a_full_disk_is_said_and_leaves_nothing() {
 
     // The same where the folder stands already: its files stay as they were.
     fs::create_dir(place.path("out")).unwrap();
-    fs::write(place.path("out/pattern.dxf"), EARLIER).unwrap();
+    place.write("out/pattern.dxf", EARLIER);
     fails(&shell(&place, full));
     assert_eq!(names(&place.path("out")), ["pattern.dxf"]);
-    assert_eq!(fs::read_to_string(place.path("out/pattern.dxf")).unwrap(), EARLIER);
+    assert_eq!(place.read("out/pattern.dxf"), EARLIER);
 }
 
 #[test]
@@ -90,7 +90,7 @@ fn a_link_stays_a_link() {
     std::os::unix::fs::symlink("map.asc", place.path("link.asc")).unwrap();
     place.succeed(&["synthesize", "--pixels", "32", "--waves", "2:8", "-o", "link.asc"]);
     assert!(fs::symlink_metadata(place.path("link.asc")).unwrap().is_symlink());
-    assert!(fs::read_to_string(place.path("map.asc")).unwrap().len() > 1000);
+    assert!(place.read("map.asc").len() > 1000);
 }
 
 #[test]
@@ -121,7 +121,7 @@ fn a_run_killed_at_any_moment_leaves_whole_files_or_none() {
     let good = untimed(&place, "out");
     assert_eq!(good.len(), 7);
     // The files of an earlier result.
-    fs::write(place.path("earlier.json"), result().replace("40.0", "30.0")).unwrap();
+    place.write("earlier.json", result().replace("40.0", "30.0"));
     place.succeed(&[&["export", "earlier.json"], &EXPORT[2..5], &["earlier"]].concat());
     let before = untimed(&place, "earlier");
     const KILLS: u32 = 12;

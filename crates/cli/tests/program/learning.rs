@@ -1,7 +1,5 @@
 //! `next --learn`: a disc of two sectors that tells mechanisms apart.
 
-use std::fs;
-
 use crate::common::{DESIGN, Place, number, result};
 
 #[test]
@@ -21,14 +19,14 @@ fn the_disc_that_teaches_most_is_drawn_with_what_every_mechanism_predicts() {
     let learning = &found["learning"];
     assert!((0.0..number(&learning["open_bits"])).contains(&number(&learning["bits"])), "{learning}");
     let mechanisms = learning["mechanisms"].as_array().unwrap();
-    let picture = fs::read_to_string(place.path("out/mechanisms.svg")).unwrap();
+    let picture = place.read("out/mechanisms.svg");
     for of in mechanisms {
         let name = of["mechanism"].as_str().unwrap();
         assert!(said.contains(name) && picture.contains(name), "{name}");
         assert_eq!(of["loads"].as_array().unwrap().len(), 2, "one prediction per pressure");
     }
     // The files cut the sectors that the record names, one of them turned by a right angle.
-    let read = |name: &str| -> toml::Table { fs::read_to_string(place.path(name)).unwrap().parse().unwrap() };
+    let read = |name: &str| -> toml::Table { place.read(name).parse().unwrap() };
     let trials = read("out/trials.toml");
     let turned = |trial: &toml::Value| trial["pattern"].get("angle_deg").map_or(0.0, |angle| angle.as_float().unwrap());
     let angles: Vec<f64> = trials["trial"].as_array().unwrap().iter().map(turned).collect();

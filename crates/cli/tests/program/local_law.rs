@@ -1,8 +1,6 @@
 //! Measured flat friction as the local law, compared with the area law; maps before and after a test; errors of local
 //! coefficients and the excess of dynamic friction in material files.
 
-use std::fs;
-
 use crate::common::{CALIBRATION, Place, SCENE, measured, patterned};
 use serde_json::Value;
 
@@ -17,7 +15,7 @@ fn with_surface(surface: &str) -> String {
 /// Steady ratio of a groove and flat friction at the heavier load.
 fn solved(place: &Place, material: &str) -> [f64; 2] {
     let scene = measured(SCENE, material).replace("[0.65, 2.6]", "2.5974");
-    fs::write(place.path("scene.toml"), scene).unwrap();
+    place.write("scene.toml", scene);
     let found: Value = place.json(&["simulate", "scene.toml", "--json"]);
     let row = &found["errors"]["by_pressure"][0];
     ["ratio", "mu_flat"].map(|key| row[key]["value"].as_f64().unwrap())
@@ -36,7 +34,7 @@ fn by_the_measured_law_the_same_groove_raises_friction_that_the_area_law_lowers(
     let told = place.succeed(&["calibrate", "measured.toml", "-o", "m.toml"]);
     assert!(told.contains("measured flat friction itself"), "{told}");
     place.succeed(&["calibrate", "area.toml", "-o", "a.toml"]);
-    let written: toml::Table = fs::read_to_string(place.path("m.toml")).unwrap().parse().unwrap();
+    let written = place.toml("m.toml");
     assert_eq!(written["area_law"]["origin"].as_str(), Some("measured"));
     assert!(written.get("warnings").is_none(), "a law that rises is no fault of contact area");
     let ([raised, flat], [lowered, flat_by_area]) = (solved(&place, "m.toml"), solved(&place, "a.toml"));
@@ -46,7 +44,7 @@ fn by_the_measured_law_the_same_groove_raises_friction_that_the_area_law_lowers(
 
     // A page without a picture of contact area, which a measured law does not have.
     place.succeed(&["validate", "measured.toml", "--sliding-um", "0", "-o", "page"]);
-    let page = fs::read_to_string(place.path("page/report.html")).unwrap();
+    let page = place.read("page/report.html");
     assert!(page.contains("measured law") && !place.path("page/area-law.svg").exists());
 
     // Both laws side by side, with what would decide.
@@ -55,13 +53,13 @@ fn by_the_measured_law_the_same_groove_raises_friction_that_the_area_law_lowers(
     assert!(told.contains("Two laws fit the flat samples alike") && told.contains("would decide"), "{told}");
 
     // What does not take the law for known is more by what Young's modulus leaves open of f, at the heavier load.
-    let written: toml::Table = fs::read_to_string(place.path("a.toml")).unwrap().parse().unwrap();
+    let written = place.toml("a.toml");
     let table = &written["friction"]["conditions"][0];
     let at = |key: &str, place: usize| table[key][place].as_float().unwrap();
     assert!((at("dynamic_std_error", 0) / at("dynamic_std_error_given_law", 0) - 1.0).abs() < 0.1);
     assert!(at("dynamic_std_error", 1) > 3.0 * at("dynamic_std_error_given_law", 1), "{table}");
     assert!((at("dynamic_over_steady", 1) - 1.015).abs() < 0.01, "{table}");
-    let written: toml::Table = fs::read_to_string(place.path("m.toml")).unwrap().parse().unwrap();
+    let written = place.toml("m.toml");
     assert!(written["friction"]["conditions"][0].get("dynamic_std_error_given_law").is_none());
 }
 
@@ -112,11 +110,11 @@ fn a_map_after_the_test_is_compared_and_the_law_rests_on_the_one_before() {
             |heights| heights.iter().map(|height| (height * 0.426 / 0.158).to_string()).collect::<Vec<_>>().join(" "),
         )
     };
-    let before = fs::read_to_string(place.path("before.asc")).unwrap();
-    fs::write(place.path("after.asc"), before.lines().map(|line| rougher(line) + "\n").collect::<String>()).unwrap();
+    let before = place.read("before.asc");
+    place.write("after.asc", before.lines().map(|line| rougher(line) + "\n").collect::<String>());
     place.succeed(&["calibrate", "alone.toml", "-o", "alone-m.toml"]);
     place.succeed(&["calibrate", "both.toml", "-o", "both-m.toml"]);
-    let read = |name: &str| -> toml::Table { fs::read_to_string(place.path(name)).unwrap().parse().unwrap() };
+    let read = |name: &str| -> toml::Table { place.read(name).parse().unwrap() };
     let (alone, both) = (read("alone-m.toml"), read("both-m.toml"));
     assert_eq!(alone["area_law"], both["area_law"]);
     let notes = both["notes"].to_string();

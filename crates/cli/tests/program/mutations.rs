@@ -1,6 +1,5 @@
 //! Fuzzing: ten thousand damaged files give a clear error or are accepted, and none crashes the program.
 
-use std::fs;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
@@ -214,7 +213,7 @@ fn the_program_answers_spoiled_files_or_refuses_them() {
         let spoiled =
             if dice.below(2) == 0 { spoil(&written, &mut dice) } else { spoil_line(written.as_bytes(), &mut dice) };
         let spoiled: Vec<u8> = String::from_utf8_lossy(&spoiled).replace("= ", ": ").into_bytes();
-        fs::write(place.path("x.json"), &spoiled).unwrap();
+        place.write("x.json", &spoiled);
         let path = place.path("x.json").display().to_string();
         let folder = place.path("out").display().to_string();
         let (mut out, mut err) = (Vec::new(), Vec::new());

@@ -26,7 +26,7 @@ fn a_design_is_found_confirmed_and_written_for_a_laser() {
     let bursts = um("depth_um") / 2.6;
     assert!((bursts - bursts.round()).abs() < 1e-6 && found["bursts"].as_f64().unwrap() == bursts.round());
     assert!(found.get("timings_s").is_none() && found.get("threads").is_none());
-    let times = fs::read_to_string(place.path("out/grooves/timings.json")).unwrap();
+    let times = place.read("out/grooves/timings.json");
     let times: Value = serde_json::from_str(&times).unwrap();
     for stage in ["material", "table", "search", "confirm", "trade_offs", "explorer", "export"] {
         assert!(times["timings_s"][stage].as_f64().unwrap() >= 0.0);
@@ -74,7 +74,7 @@ fn every_planform_can_be_exported() {
     ] {
         let place = Place::with(&[("result.json", &result(texture))]);
         place.succeed(&["export", "result.json", "--format", "dxf,svg,csv,process", "-o", "laser"]);
-        let drawing = fs::read_to_string(place.path("laser/pattern.dxf")).unwrap();
+        let drawing = place.read("laser/pattern.dxf");
         assert!(drawing.contains(says), "{texture}");
         // Two circles at least: the outline and a disc.
         assert_eq!(drawing.matches("\nCIRCLE\n").count() > 1, texture.contains("disc"));
@@ -123,7 +123,7 @@ fn a_mask_has_contours_and_no_lines() {
         "{said}"
     );
     place.succeed(&["export", "mask.json", "--format", "dxf,plt,corners,csv,process", "-o", "contours"]);
-    let plot = fs::read_to_string(place.path("contours/pattern.plt")).unwrap();
+    let plot = place.read("contours/pattern.plt");
     assert!(plot.contains("PD"), "{plot}");
     place.succeed(&["export", "hatch.json", "--format", "gcode,hatch", "-o", "lines"]);
     assert_eq!(place.listed("lines"), "hatch.csv pattern.gcode");

@@ -35,7 +35,7 @@ fn drawings_pass_an_independent_audit() {
     ];
     let planforms = [r#""planform": "groove", "angle_deg": 30.0"#, r#""planform": "disc", "arrangement": "staggered""#];
     for (number, (planform, shape)) in planforms.iter().flat_map(|p| shapes.map(|s| (*p, s))).enumerate() {
-        std::fs::write(place.path("result.json"), by_hand(planform, r#""spot_um": 23.0"#, shape)).unwrap();
+        place.write("result.json", by_hand(planform, r#""spot_um": 23.0"#, shape));
         place.succeed(&["export", "result.json", "--format", "dxf", "-o", &number.to_string()]);
         files.push(place.path(&format!("{number}/pattern.dxf")).display().to_string());
     }

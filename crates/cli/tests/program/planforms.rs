@@ -19,13 +19,13 @@ fn scene(keys: &str) -> String {
 }
 
 fn simulated(place: &Place, text: &str) -> Value {
-    fs::write(place.path("a.toml"), text).unwrap();
+    place.write("a.toml", text);
     place.json(&["simulate", "a.toml", "--json"])
 }
 
 /// Result of the search of the design `text`, the scene and all laser files of which are made as well.
 fn searched(place: &Place, text: &str) -> Value {
-    fs::write(place.path("design.toml"), text).unwrap();
+    place.write("design.toml", text);
     place.succeed(&["optimize", "design.toml", "-o", "out"]);
     // The confirming run is a scene that reads back.
     place.succeed(&["simulate", "out/scene.toml", "--json"]);
@@ -39,8 +39,8 @@ fn hexagons_of_a_drawing_are_those_of_a_list_of_vertices() {
     let place = Place::with(&[]);
     // Coarser, and with nothing behind the layer: in a second.
     let coarse = shipped("scene-hexagon.toml").replace("block_um = 20.0", "block_um = 20.0\nlayer_um = 40.0");
-    fs::write(place.path("scene-hexagon.toml"), coarse.replace("depth_um = 20.0", "depth_um = 15.0")).unwrap();
-    fs::write(place.path("hexagon.svg"), shipped("hexagon.svg")).unwrap();
+    place.write("scene-hexagon.toml", coarse.replace("depth_um = 20.0", "depth_um = 15.0"));
+    place.write("hexagon.svg", shipped("hexagon.svg"));
     let drawn = place.json(&["simulate", "scene-hexagon.toml", "--json"]);
     assert_eq!((drawn["dimensions"].as_u64(), drawn["pattern"]["vertices_um"].as_array().unwrap().len()), (Some(3), 6));
     // Hexagons within hexagons one pitch apart.
@@ -58,10 +58,10 @@ fn hexagons_of_a_drawing_are_those_of_a_list_of_vertices() {
     let vertices: String = corners.iter().map(|[x, y]| format!("0\nVERTEX\n8\nHEX\n10\n{x}\n20\n{y}\n")).collect();
     let dxf =
         format!("0\nSECTION\n2\nENTITIES\n0\nPOLYLINE\n8\nHEX\n66\n1\n70\n1\n{vertices}0\nSEQEND\n0\nENDSEC\n0\nEOF\n");
-    fs::write(place.path("hexagon.dxf"), dxf).unwrap();
+    place.write("hexagon.dxf", dxf);
     for other in [list.as_str(), "outline = \"hexagon.dxf\"\noutline_layer = \"HEX\""] {
-        let text = fs::read_to_string(place.path("scene-hexagon.toml"))
-            .unwrap()
+        let text = place
+            .read("scene-hexagon.toml")
             .lines()
             .map(|line| if line.starts_with("outline") { other } else { line })
             .collect::<Vec<_>>()
@@ -104,7 +104,7 @@ fn crossing_grooves_are_searched_confirmed_and_exported() {
     let density = 1.0 - (spacing / (width + spacing)).powi(2);
     assert!((design["areal_density"].as_f64().unwrap() - density).abs() < 1e-9);
     assert_eq!((design["crossing_angle_deg"].as_f64(), result["dimensions"].as_u64()), (Some(60.0), Some(3)));
-    let process = fs::read_to_string(place.path("out/process.toml")).unwrap();
+    let process = place.read("out/process.toml");
     assert!(
         process.contains("crossing_angle_deg = 60.0") && process.contains("crossings are marked once"),
         "{process}"
@@ -126,11 +126,11 @@ fn polygons_are_searched_confirmed_and_exported() {
     let extent =
         corners.iter().map(x).fold(f64::NEG_INFINITY, f64::max) - corners.iter().map(x).fold(f64::INFINITY, f64::min);
     assert!(corners.len() == 6 && (extent - result["design"]["width_um"].as_f64().unwrap()).abs() < 1e-9);
-    let rows = fs::read_to_string(place.path("files/corners.csv")).unwrap().lines().count() - 1;
-    let cavities = fs::read_to_string(place.path("files/pattern.csv")).unwrap().lines().count() - 1;
+    let rows = place.read("files/corners.csv").lines().count() - 1;
+    let cavities = place.read("files/pattern.csv").lines().count() - 1;
     assert_eq!(rows, 6 * cavities);
     // A study of another outline is not taken over.
-    fs::write(place.path("design.toml"), text.replace("[6, 5]", "[5, 5]")).unwrap();
+    place.write("design.toml", text.replace("[6, 5]", "[5, 5]"));
     let refused = place.refuse(&["optimize", "design.toml", "-o", "out", "--resume"]);
     assert!(refused.contains("vertices_um"), "{refused}");
 }
@@ -143,10 +143,10 @@ fn a_strip_in_space_is_drawn_from_end_to_end() {
             .replace("\"cell\"", "\"strip\"")
             .replace("length_um = 9960.0", "length_um = 960.0\nlayer_um = 100.0")
     };
-    fs::write(place.path("a.toml"), strip("planform = \"square\"").replace("layer_um = 200.0", "")).unwrap();
+    place.write("a.toml", strip("planform = \"square\"").replace("layer_um = 200.0", ""));
     let told = place.json(&["simulate", "a.toml", "--json", "-o", "out/a"]);
     assert_eq!((told["dimensions"].as_u64(), told["extent"].as_str()), (Some(3), Some("strip")));
-    let table = fs::read_to_string(place.path("out/a/interface.csv")).unwrap();
+    let table = place.read("out/a/interface.csv");
     let reach = |column: usize| {
         let places = table.lines().skip(1).map(|line| line.split(',').nth(column).unwrap().parse::<f64>().unwrap());
         places.fold(0.0, f64::max)

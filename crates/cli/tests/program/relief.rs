@@ -42,7 +42,7 @@ fn the_mean_period_of_a_map_gives_the_friction_of_its_rims() {
         assert!(by_rims > 0.03 && (by_relief / by_rims - 1.0).abs() < 0.25, "{flat} {rims} {relief}");
     }
     // A map whose grooves run along its lines is turned: never ignored.
-    let period = std::fs::read_to_string(place.path("period.asc")).unwrap();
+    let period = place.read("period.asc");
     let (header, rows): (Vec<&str>, Vec<&str>) = period.lines().partition(|line| line.starts_with('#'));
     let rows: Vec<Vec<&str>> = rows.iter().map(|row| row.split('\t').collect()).collect();
     let count = rows.len();
@@ -50,7 +50,7 @@ fn the_mean_period_of_a_map_gives_the_friction_of_its_rims() {
         let lines =
             (0..count).map(|i| (0..count).map(|j| rows[at(i, j) / count][at(i, j) % count]).collect::<Vec<_>>());
         let lines: Vec<String> = lines.map(|line| line.join("\t")).collect();
-        std::fs::write(place.path(name), format!("{}\n{}\n", header.join("\n"), lines.join("\n"))).unwrap();
+        place.write(name, format!("{}\n{}\n", header.join("\n"), lines.join("\n")));
     };
     write("turned.asc", &|i, j| j * count + i);
     assert_eq!(ratios(&place, "turned.toml"), relief);

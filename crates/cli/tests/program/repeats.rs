@@ -1,9 +1,7 @@
 //! Repeats of one condition that differ, and columns with custom titles.
 
-use std::fmt::Write as _;
-use std::fs;
-
 use crate::common::{CALIBRATION, Place};
+use std::fmt::Write as _;
 
 const FLAGS: [&str; 6] = ["--force-n", "60", "--speed-mm-s", "2", "--humidity-pct", "45"];
 
@@ -48,14 +46,14 @@ fn a_spoilt_repeat_is_named_everywhere_and_can_be_left_out() {
     assert!(named.contains(says) && named.contains("`exclude = [\"sp-3.txt\"]`"), "{named}");
     let told = place.succeed(&["traces", "c.toml", "-o", "out"]);
     assert!(told.contains(says) && told.contains("mean of 3"), "{told}");
-    assert!(fs::read_to_string(place.path("out/traces.csv")).unwrap().contains("it may be spoilt"));
+    assert!(place.read("out/traces.csv").contains("it may be spoilt"));
     let fitted = place.succeed(&["calibrate", "c.toml", "-o", "m.toml", "--report", "fit"]);
     assert!(fitted.contains(says), "{fitted}");
     for file in ["m.toml", "fit/report.html"] {
-        assert!(fs::read_to_string(place.path(file)).unwrap().contains("36 % above the mean 0.3065"), "{file}");
+        assert!(place.read(file).contains("36 % above the mean 0.3065"), "{file}");
     }
     // What the message proposes leaves it out, and is told.
-    fs::write(place.path("c.toml"), calibration("", "exclude = [\"sp-3.txt\"]\n")).unwrap();
+    place.write("c.toml", calibration("", "exclude = [\"sp-3.txt\"]\n"));
     let told = place.succeed(&["traces", "c.toml"]);
     assert!(told.contains("mean of 2  0.3065") && told.contains("sp-3.txt left out by `exclude`"), "{told}");
     assert!(!told.contains("spoilt"), "{told}");
@@ -63,7 +61,7 @@ fn a_spoilt_repeat_is_named_everywhere_and_can_be_left_out() {
         ("exclude = [\"sp-4.txt\"]\n", "\"sp-4.txt\" leaves out none of the files"),
         ("exclude = [\"sp-*.txt\"]\n", "is left out as a whole"),
     ] {
-        fs::write(place.path("c.toml"), calibration("", exclude)).unwrap();
+        place.write("c.toml", calibration("", exclude));
         let refused = place.refuse(&["traces", "c.toml"]);
         assert!(refused.contains(says), "{refused}");
     }
@@ -82,10 +80,10 @@ fn titles_of_ones_own_are_given_in_the_calibration() {
         "{refused}"
     );
     let columns = "columns = { friction_force = \"F_tan\", normal_force = \"F_norm\" }\n";
-    fs::write(place.path("c.toml"), calibration(columns, "")).unwrap();
+    place.write("c.toml", calibration(columns, ""));
     let told = place.succeed(&["traces", "c.toml"]);
     assert!(told.contains("mean of 2  0.3050"), "{told}");
-    fs::write(place.path("c.toml"), calibration("columns = { normal_force = \"-\" }\n", "")).unwrap();
+    place.write("c.toml", calibration("columns = { normal_force = \"-\" }\n", ""));
     let refused = place.refuse(&["traces", "c.toml"]);
     assert!(refused.contains("normal_force: \"-\" is no title"), "{refused}");
 }
@@ -131,7 +129,7 @@ fn an_offset_of_all_traces_is_told_once() {
         assert_eq!(told.matches("there and back").count(), 1, "{told}");
     }
     // Each trace keeps its own in the table.
-    assert_eq!(fs::read_to_string(place.path("out/traces.csv")).unwrap().matches("there and back").count(), 3);
+    assert_eq!(place.read("out/traces.csv").matches("there and back").count(), 3);
 }
 
 #[test]
@@ -214,11 +212,11 @@ fn an_offset_before_touchdown_is_told_at_all_forces_and_zero_s_removes_it() {
     let calibrated = place.succeed(&["calibrate", "c.toml", "-o", "m.toml"]);
     let once = "errors of friction: 3 of 3 conditions were measured once, and no other was repeated";
     assert!(calibrated.contains(&format!("! {once}")), "{calibrated}");
-    assert!(fs::read_to_string(place.path("m.toml")).unwrap().contains(once));
+    assert!(place.read("m.toml").contains(once));
     // (0.25 60 + 0.3) / 62.4
     assert!(told.contains("mean of 1  0.2452") && !told.contains("0.2500"), "{told}");
     for (keys, more) in [("zero_s = [0.0, 2.2]\n", ""), ("zero_s = [0.5, 3.0]\n", "zero_s = [0.0, 3.5]\n")] {
-        fs::write(place.path("c.toml"), text(keys, more)).unwrap();
+        place.write("c.toml", text(keys, more));
         let told = place.succeed(&["traces", "c.toml"]);
         assert_eq!(told.matches("mean of 1  0.2500").count(), 3, "{told}");
         assert!(told.contains("were subtracted as the sensors' zero") && !told.contains("before touchdown"), "{told}");
@@ -255,7 +253,7 @@ fn an_offset_before_touchdown_is_told_at_all_forces_and_zero_s_removes_it() {
             "z-60.txt: the zero from 0 to 0.1 s holds 3 samples, one every 0.05 s: expected a zero_s",
         ),
     ] {
-        fs::write(place.path("c.toml"), text(keys, more)).unwrap();
+        place.write("c.toml", text(keys, more));
         let refused = place.refuse(&["traces", "c.toml"]);
         assert!(refused.contains(says), "{says}\n{refused}");
     }

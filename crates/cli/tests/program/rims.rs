@@ -107,12 +107,12 @@ fn a_design_with_rims_carries_them_and_their_tolerance_into_every_file() {
     }
     assert!(!process.contains("recast"));
     place.succeed(&["export", "out", "-o", "again"]);
-    assert_eq!(fs::read_to_string(place.path("again").join("process.toml")).unwrap(), process);
+    assert_eq!(place.read("again/process.toml"), process);
     let page = read("report.html");
     assert!(page.contains("rims, as assumed"));
 
     // Rims of other heights have other answers.
-    fs::write(place.path("d.toml"), of(RIMS)).unwrap();
+    place.write("d.toml", of(RIMS));
     let message = place.refuse(&["optimize", "d.toml", "-o", "out", "--resume"]);
     assert!(message.contains("rim"), "{message}");
 }

@@ -109,7 +109,7 @@ fn of_two_runs_for_one_folder_the_second_is_refused_and_a_killed_one_blocks_nobo
     place.succeed(&["optimize", "small.toml", "-o", "out/b", "--no-cache"]);
     first.kill().unwrap();
     first.wait().unwrap();
-    let left = fs::read_to_string(place.path("out/a.study.jsonl")).unwrap();
+    let left = place.read("out/a.study.jsonl");
     assert!(left.lines().count() > 0 && left.ends_with('\n'), "{left}");
     assert!(place.path("out/a.lock").exists() && !place.path("out/b.lock").exists());
     place.succeed(&["optimize", "small.toml", "-o", "out/a", "--no-cache"]);

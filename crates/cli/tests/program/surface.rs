@@ -14,7 +14,7 @@ fn a_patterned_map_is_measured_drawn_and_written() {
     let place = Place::with(&[]);
     let said = place.succeed_line(TEXTURED);
     assert!(said.contains("Sa 0.1580 um") && said.contains("before 5 cavities were cut"), "{said}");
-    let header = fs::read_to_string(place.path("textured.asc")).unwrap();
+    let header = place.read("textured.asc");
     assert!(header.contains("# 5 grooves cut: width 130 +- 8 um, spacing 370 um"), "{}", &header[..600]);
     assert!(!header.contains("one period"));
 
@@ -63,7 +63,7 @@ fn rims_are_found_and_stand_in_the_mean_period() {
     let made = "synthesize --side-mm 1.024 --waves 4:64 --cavities 60,140,5.2 --wall-um 10 --cavity-std 1,3,0.2 \
                 --cavity-shape square --rims 1,16 --rim-profile round --rim-std-um 0.1 -o rims.asc --quiet";
     place.succeed_line(made);
-    let header = fs::read_to_string(place.path("rims.asc")).unwrap();
+    let header = place.read("rims.asc");
     assert!(header.contains("# rims raised: round, height 1 +- 0.1 um, width 16 um"), "{}", &header[..700]);
 
     let given = ["surface", "rims.asc", "--cavities", "--period-out", "period.asc", "--json", "-o", "out"];
@@ -79,7 +79,7 @@ fn rims_are_found_and_stand_in_the_mean_period() {
     assert!((angle - (5.2_f64 / 10.0).atan().to_degrees()).abs() < 1.5, "{angle}");
 
     // Cavity in the middle, land at 0, rims between.
-    let text = fs::read_to_string(place.path("period.asc")).unwrap();
+    let text = place.read("period.asc");
     assert!(text.contains("one period") && text.contains("synthetic") && text.contains("# Value units: um"));
     let period = matrix(&text);
     let (rows, cols) = (period.len(), period[0].len());
@@ -97,11 +97,11 @@ fn rims_are_found_and_stand_in_the_mean_period() {
     assert!((width_um - 200.0).abs() < 2.0, "{width_um}");
     assert!(read["model"].as_array().unwrap().iter().any(|note| note.as_str().unwrap().contains("one whole period")));
 
-    let svg = fs::read_to_string(place.path("out").join("edge-profile.svg")).unwrap();
+    let svg = place.read("out/edge-profile.svg");
     assert!(svg.contains("round rim") && svg.contains("height above the land"));
     // It is replaced as slipgrid's own; the map that it comes from is not.
     place.succeed(&["surface", "rims.asc", "--cavities", "--period-out", "period.asc"]);
-    assert_eq!(fs::read_to_string(place.path("period.asc")).unwrap(), text);
+    assert_eq!(place.read("period.asc"), text);
     let said = place.refuse(&["surface", "rims.asc", "--cavities", "--period-out", "rims.asc"]);
     assert!(said.contains("--period-out") && said.contains("input of this run"), "{said}");
 }

@@ -32,7 +32,7 @@ fn goals_and_bands_are_searched_told_and_drawn() {
     assert_eq!(number(&found["design"]["width_um"]), 80.0);
     assert!(number(&found["specimen_areal_density"]) <= 0.4);
     assert_eq!((&found["target"]["value"], &found["target"]["goal"]), (&Value::Null, &Value::from("lowest")));
-    let page = fs::read_to_string(place.path("out/lowest/report.html")).unwrap();
+    let page = place.read("out/lowest/report.html");
     assert!(page.contains("Cut a trial: the best texture found for the goal"));
 
     let (told, found) = optimized(&place, "even.toml", 0);
@@ -75,7 +75,7 @@ fn a_killed_run_is_resumed_and_ends_with_the_same_bytes() {
     // Answers of earlier runs would stand in no study.
     place.succeed(&["optimize", "a.toml", "-o", "whole", "--no-cache"]);
     let whole = untimed(&place, "whole");
-    let study = fs::read_to_string(place.path("whole.study.jsonl")).unwrap();
+    let study = place.read("whole.study.jsonl");
     let lines = study.lines().count();
 
     // Killed as soon as something has been answered.
@@ -102,11 +102,11 @@ fn a_killed_run_is_resumed_and_ends_with_the_same_bytes() {
     assert_eq!(both[0], both[1], "nothing is evaluated twice");
 
     // Another target is served by the same study, another layer is not.
-    let text = fs::read_to_string(place.path("a.toml")).unwrap();
-    fs::write(place.path("a.toml"), text.replace("layer_um = 60.0", "layer_um = 70.0")).unwrap();
+    let text = place.read("a.toml");
+    place.write("a.toml", text.replace("layer_um = 60.0", "layer_um = 70.0"));
     let message = place.refuse(&["optimize", "a.toml", "-o", "cut", "--resume"]);
     assert!(message.contains("cut.study.jsonl:1: is a study of another design: its `layer` is "), "{message}");
-    fs::write(place.path("a.toml"), text.replace("0.9]", "0.91]")).unwrap();
+    place.write("a.toml", text.replace("0.9]", "0.91]"));
     place.succeed(&["optimize", "a.toml", "-o", "cut", "--resume"]);
 }
 
@@ -124,10 +124,10 @@ fn what_keeps_a_target_out_of_reach_is_said_and_lifting_it_suffices() {
     assert!(number(&blocked["chance"]) > number(&found["chance"]), "{blocked}");
     let line = told.lines().find(|line| line.contains("without the limit of bearing area, 0.85: ")).unwrap();
     assert!(!line.contains("still out of reach"), "{line}");
-    let page = fs::read_to_string(place.path("out/far/report.html")).unwrap();
+    let page = place.read("out/far/report.html");
     assert!(page.contains("the limit of bearing area, 0.85"));
     // What is said to be within reach is.
-    fs::write(place.path("near.toml"), text.replace("min_bearing_area = 0.85\n", "")).unwrap();
+    place.write("near.toml", text.replace("min_bearing_area = 0.85\n", ""));
     let (_, near) = optimized(&place, "near.toml", 0);
     // The table knows ends, tilt and time of the design itself but roughly.
     assert!((number(&near["chance"]) - number(&blocked["chance"])).abs() < 0.06, "{} {blocked}", near["chance"]);
@@ -140,7 +140,7 @@ fn a_table_of_every_design_confirms_the_search() {
         .replace("spacing_um = 120.0", "spacing_um = [40.0, 200.0]");
     let place = Place::with(&[("all.toml", &text)]);
     let (_, found) = optimized(&place, "all.toml", 0);
-    let csv = fs::read_to_string(place.path("out/all/table.csv")).unwrap();
+    let csv = place.read("out/all/table.csv");
     // Widths 40 to 100, spacings 40 to 200.
     assert_eq!(csv.lines().count(), 1 + 7 * 17);
     let head = "width_um,spacing_um,depth_um,ratio_at_0.65_mpa,ratio_at_2.6_mpa,bearing_area,chance,keeps_limits";
@@ -155,7 +155,7 @@ fn a_table_of_every_design_confirms_the_search() {
     let own = rows.iter().find(|row| row[..3].iter().zip(lengths).all(|(a, b)| (a - b).abs() < 1e-6)).unwrap();
     assert!((own[4] - number(&found["expected"][1]["median"])).abs() < 0.01, "{own:?}");
 
-    fs::write(place.path("space.toml"), text.replace("\"groove\"", "\"square\"")).unwrap();
+    place.write("space.toml", text.replace("\"groove\"", "\"square\""));
     assert!(place.refuse(&["optimize", "space.toml"]).contains("a table takes the vertical plane"));
 }
 
@@ -171,6 +171,6 @@ fn sliding_that_waves_carry_is_told() {
     let output = place.run(&["optimize", "waves.toml"]);
     let told = String::from_utf8(output.stdout).unwrap();
     assert!(told.lines().any(|line| line.starts_with("! ") && line.contains("sliding is unstable to waves")), "{told}");
-    let found = fs::read_to_string(place.path("out/waves/result.json")).unwrap();
+    let found = place.read("out/waves/result.json");
     assert!(found.contains("\"sliding_waves\""));
 }

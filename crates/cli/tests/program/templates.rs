@@ -1,7 +1,5 @@
 //! Template files run unchanged; completions and the manual page list every command.
 
-use std::fs;
-
 use crate::common::{CALIBRATION, COMMANDS, Place, names};
 use slipgrid_io::formats::Document;
 use slipgrid_io::formats::calibration::Calibration;
@@ -20,13 +18,13 @@ fn templates_run_as_they_are() {
     Design::read(&slipgrid_io::disk::disk(), &place.path("design.toml")).unwrap();
 
     // The design as it is, but on a short sample.
-    let text = fs::read_to_string(place.path("design.toml")).unwrap();
+    let text = place.read("design.toml");
     let short = text
         .replace("diameter_mm = 10.0", "diameter_mm = 2.0")
         .replace("tolerance = 0.02", "tolerance = 0.05")
         .replace("depth_um = [2.0, 50.0]", "depth_um = 10.4")
         .replace("spacing_um = [40.0, 1000.0]", "spacing_um = [100.0, 300.0]");
-    fs::write(place.path("short.toml"), short).unwrap();
+    place.write("short.toml", short);
     let output = place.run(&["optimize", "short.toml", "-o", "out"]);
     assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
     assert!(names(&place.path("out")).contains(&"report.html".to_owned()));
@@ -37,7 +35,7 @@ fn templates_run_as_they_are() {
 fn commented_keys_of_templates_are_known() {
     let place = Place::with(&[]);
     place.succeed(&["new", "design"]);
-    let text = fs::read_to_string(place.path("design.toml")).unwrap();
+    let text = place.read("design.toml");
     let every: String = text
         .lines()
         .map(|line| match line.strip_prefix("# ") {
@@ -50,7 +48,7 @@ fn commented_keys_of_templates_are_known() {
         .filter(|line| !line.starts_with("depth_per_burst_um"))
         .map(|line| format!("{line}\n"))
         .collect();
-    fs::write(place.path("every.toml"), every).unwrap();
+    place.write("every.toml", every);
     let design = Design::read(&slipgrid_io::disk::disk(), &place.path("every.toml")).unwrap();
     assert!(
         design.task.laser.ablation.is_some()
@@ -74,9 +72,9 @@ fn shells_and_readers_learn_every_command() {
     expected.push("slipgrid.1".to_owned());
     expected.sort();
     assert_eq!(names(&place.path("man1")), expected);
-    let page = fs::read_to_string(place.path("man1/slipgrid-optimize.1")).unwrap();
+    let page = place.read("man1/slipgrid-optimize.1");
     assert!(page.contains(".TH slipgrid-optimize 1") && page.contains("Design file"), "{page}");
-    let page = fs::read_to_string(place.path("man1/slipgrid-campaign-work.1")).unwrap();
+    let page = place.read("man1/slipgrid-campaign-work.1");
     assert!(page.contains(".TH slipgrid-campaign-work 1") && page.contains("Folder of the campaign"), "{page}");
 }
 
@@ -85,7 +83,7 @@ fn shells_and_readers_learn_every_command() {
 fn the_calibration_template_explains_every_key() {
     let place = Place::with(&[]);
     place.succeed(&["new", "calibration"]);
-    let template = fs::read_to_string(place.path("calibration/calibration.toml")).unwrap();
+    let template = place.read("calibration/calibration.toml");
     // Lines with the header above them, without the marks of comments.
     let mut header = "";
     let lines: Vec<(&str, &str)> = template

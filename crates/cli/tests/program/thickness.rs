@@ -1,7 +1,5 @@
 //! Thickness of the specimen in the model.
 
-use std::fs;
-
 use crate::common::{DESIGN, Place, SCENE, correction};
 use serde_json::Value;
 
@@ -102,10 +100,9 @@ fn designs_are_searched_in_the_specimen_as_thick_as_it_is() {
         narrow.replace("diameter_mm = 10.0", "diameter_mm = 3.0").replace("block_um = 10.0", "block_um = 20.0");
     let place = Place::with(&[("thick.toml", &narrow.replace("layer_um = 200.0\n", ""))]);
     place.run(&["optimize", "thick.toml", "-o", "out", "--quiet"]);
-    let design = fs::read_to_string(place.path("out").join("scene.toml")).unwrap();
+    let design = place.read("out/scene.toml");
     assert!(design.contains("layer_um = 200.0") && design.contains("thickness_mm = 7.0"), "{design}");
-    let result: Value =
-        serde_json::from_str(&fs::read_to_string(place.path("out").join("result.json")).unwrap()).unwrap();
+    let result: Value = serde_json::from_str(&place.read("out/result.json")).unwrap();
     assert!(correction(&result["confirmed"][0], BEHIND).unwrap()["change"].as_f64().unwrap() < 0.0);
     // The written scene gives the confirmed ratio to the last bit.
     let again = place.json(&["simulate", "out/scene.toml", "--json"]);
@@ -113,6 +110,6 @@ fn designs_are_searched_in_the_specimen_as_thick_as_it_is() {
         assert_eq!(load["ratio"], again["results"][place]["ratio"]);
     }
     // A study of thin layers holds other answers.
-    let study = fs::read_to_string(place.path("out.study.jsonl")).unwrap();
+    let study = place.read("out.study.jsonl");
     assert!(study.lines().next().unwrap().contains("\"thickness_mm\":7.0"), "{}", study.lines().next().unwrap());
 }

@@ -38,7 +38,7 @@ fn truth(place: &Place, [width_um, spacing_um, depth_um]: [f64; 3]) -> [f64; 3] 
         "{material}[pattern]\nplanform = \"groove\"\nwidth_um = {width_um}\nspacing_um = {spacing_um}\ndepth_um = {depth_um}\n\
          rim_height_um = 0.2\nrim_width_um = 20.0\n{rest}"
     );
-    fs::write(place.path("truth.toml"), scene).unwrap();
+    place.write("truth.toml", scene);
     let found: Value = place.json(&["simulate", "truth.toml", "--json"]);
     let ratio = |row: usize| found["results"][row]["ratio"].as_f64().unwrap();
     [ratio(0), ratio(1), ratio(2)]
@@ -78,11 +78,11 @@ fn trial(name: &str, [width_um, spacing_um, depth_um]: [f64; 3], measurements: &
 fn a_hidden_rim_is_on_target_within_three_cuts() {
     let place = place();
     let target = truth(&place, [120.0, 330.0, 10.4]);
-    fs::write(place.path("design.toml"), design(target)).unwrap();
+    place.write("design.toml", design(target));
     let mut calibration = CALIBRATION.to_owned();
     let mut cuts = Vec::new();
     loop {
-        fs::write(place.path("calibration.toml"), &calibration).unwrap();
+        place.write("calibration.toml", &calibration);
         let found = next(&place, &[]);
         assert_eq!(found["trials"], cuts.len());
         assert!(found["compared"].as_u64().unwrap() > 500);
@@ -95,7 +95,7 @@ fn a_hidden_rim_is_on_target_within_three_cuts() {
         }
         assert!(cuts.len() < 3, "{cuts:?}");
         let name = format!("cut-{}", cuts.len());
-        fs::write(place.path(&format!("{name}.csv")), table(made)).unwrap();
+        place.write(&format!("{name}.csv"), table(made));
         calibration += &trial(&name, lengths, &format!("measurements = \"{name}.csv\"\n"));
     }
     assert!(cuts.len() > 1, "what nobody measured was guessed at once: the truth is too easy");
@@ -104,7 +104,7 @@ fn a_hidden_rim_is_on_target_within_three_cuts() {
     assert!(ledger.contains("cut-1") && ledger.contains("predicted by the trials before it"), "{ledger}");
     let files = "friction-sheet.md report.html result.json result.jsonld timings.json trials.csv trials.svg";
     assert_eq!(place.listed("ledger"), files);
-    let read: Value = serde_json::from_str(&fs::read_to_string(place.path("ledger/result.json")).unwrap()).unwrap();
+    let read: Value = serde_json::from_str(&place.read("ledger/result.json")).unwrap();
     let before = &read["trials"][0]["measured"][0]["before"];
     let [low, high] = [0, 1].map(|end| before["interval_95"][end].as_f64().unwrap());
     assert!(high / low > 1.5, "before the first trial nothing is known: {low} {high}");
@@ -114,7 +114,7 @@ fn a_hidden_rim_is_on_target_within_three_cuts() {
 #[ignore = "takes ten to twenty seconds of both cores"]
 fn several_samples_complement_each_other_and_those_that_are_pending() {
     let place = place();
-    fs::write(place.path("design.toml"), design([0.85, 0.83, 0.8])).unwrap();
+    place.write("design.toml", design([0.85, 0.83, 0.8]));
     let alone = next(&place, &["--count", "3", "--candidate", "100,300,10.4", "-o", "out"]);
     let chances = |found: &Value| -> Vec<f64> {
         found["samples"].as_array().unwrap().iter().map(|next| next["chance"].as_f64().unwrap()).collect()
@@ -130,20 +130,20 @@ fn several_samples_complement_each_other_and_those_that_are_pending() {
     for (sample, of) in [("1", &alone["samples"][0]), ("3", &alone["samples"][2]), ("4", &alone["own"][0])] {
         let folder = format!("laser-{sample}");
         place.succeed(&["export", "out", "--sample", sample, "--format", "process,stl", "-o", &folder]);
-        let sheet = fs::read_to_string(place.path(&format!("{folder}/process.toml"))).unwrap();
+        let sheet = place.read(&format!("{folder}/process.toml"));
         let sheet: toml::Table = toml::from_str(&sheet).unwrap();
         let of_sheet = |key: &str| sheet["pattern"][key].as_float().unwrap();
         assert_eq!([of_sheet("width_um"), of_sheet("spacing_um"), of_sheet("depth_um")], lengths(of));
         if sample != "4" {
-            let beside = fs::read_to_string(place.path(&format!("out/next-{sample}/process.toml"))).unwrap();
-            assert_eq!(beside, fs::read_to_string(place.path(&format!("{folder}/process.toml"))).unwrap());
+            let beside = place.read(&format!("out/next-{sample}/process.toml"));
+            assert_eq!(beside, place.read(&format!("{folder}/process.toml")));
         }
     }
     let said = place.refuse(&["export", "out", "--sample", "99"]);
     assert!(said.contains("samples: those to cut first, then yours"), "{said}");
     // The first of them pending, another comes next, and together they are as good as two at once.
     let pending = format!("{CALIBRATION}{}", trial("first", lengths(&alone["samples"][0]), ""));
-    fs::write(place.path("calibration.toml"), pending).unwrap();
+    place.write("calibration.toml", pending);
     let after = next(&place, &[]);
     assert_eq!((after["pending"].as_u64(), after["trials"].as_u64()), (Some(1), Some(0)));
     assert_ne!(lengths(&after["samples"][0]), lengths(&alone["samples"][0]));
@@ -157,10 +157,10 @@ fn samples_of_one_texture_that_contradict_each_other_are_named_once() {
     let mut calibration = CALIBRATION.to_owned();
     for (name, ratio) in [("cut-1", 0.84), ("cut-2", 0.98)] {
         let file = format!("{name}.csv");
-        fs::write(place.path(&file), table([ratio; 3])).unwrap();
+        place.write(&file, table([ratio; 3]));
         calibration += &trial(name, [150.0, 300.0, 12.0], &format!("measurements = \"{file}\"\n"));
     }
-    fs::write(place.path("pair.toml"), calibration).unwrap();
+    place.write("pair.toml", calibration);
     for command in ["calibrate", "trials"] {
         let said = place.succeed(&[command, "pair.toml", "-o", command]);
         assert_eq!(said.matches("contradicting samples: \"cut-1\" and \"cut-2\"").count(), 1, "{said}");
@@ -184,7 +184,7 @@ fn rows_of_a_trial_without_a_flat_partner_are_named() {
             && told.contains("a.csv:3: force_n: 141 has no flat sample beside it, measured at 141 N, 2 mm/s, 15 %"),
         "{told}"
     );
-    fs::write(place.path("a.csv"), rows.replace(",2,15,", ",2,40,")).unwrap();
+    place.write("a.csv", rows.replace(",2,15,", ",2,40,"));
     let output = place.run(&["trials", "calibration.toml"]);
     let told = String::from_utf8(output.stderr).unwrap();
     assert!(
@@ -229,12 +229,12 @@ fn a_material_is_told_from_its_calibration_that_has_changed_since() {
     .unwrap();
     let scene =
         "material = \"m.toml\"\ncondition = { speed_mm_s = 2.0, humidity_pct = 15.0 }\n[load]\npressure_mpa = 1.0\n";
-    fs::write(place.path("scene.toml"), scene).unwrap();
+    place.write("scene.toml", scene);
     let told = || place.told(&["simulate", "scene.toml"]);
     assert!(!told().contains("has changed since"));
-    fs::write(place.path("a.csv"), table([0.9, 0.88, 0.86])).unwrap();
+    place.write("a.csv", table([0.9, 0.88, 0.86]));
     let more = trial("A", [100.0, 200.0, 10.4], "measurements = \"a.csv\"\n");
-    fs::write(place.path("calibration.toml"), format!("{CALIBRATION}\n{more}")).unwrap();
+    place.write("calibration.toml", format!("{CALIBRATION}\n{more}"));
     for said in [told(), place.told(&["next", "design.toml"])] {
         assert!(said.contains("m.toml: was made from calibration.toml, which has changed since"), "{said}");
         assert!(said.contains("slipgrid calibrate calibration.toml -o m.toml"), "{said}");
@@ -242,7 +242,7 @@ fn a_material_is_told_from_its_calibration_that_has_changed_since() {
     // Made again it knows the trial; a row that is corrected in its table counts as a change too.
     place.succeed(&["calibrate", "calibration.toml", "-o", "m.toml", "-q"]);
     assert!(!told().contains("has changed since"));
-    fs::write(place.path("a.csv"), table([0.9, 0.88, 0.87])).unwrap();
+    place.write("a.csv", table([0.9, 0.88, 0.87]));
     assert!(told().contains("has changed since"));
     // However the calibration is named, and though the folder of the material is made only now.
     let absolute = place.path("calibration.toml").display().to_string();
@@ -252,7 +252,7 @@ fn a_material_is_told_from_its_calibration_that_has_changed_since() {
         ("calibration.toml", "newer/m.toml", "calibration = \"../calibration.toml\""),
     ] {
         place.succeed(&["calibrate", calibration, "-o", output, "-q"]);
-        let text = fs::read_to_string(place.path(output)).unwrap();
+        let text = place.read(output);
         assert!(text.contains("[made_from]") && text.contains(way), "{text}");
     }
     // A calibration that went elsewhere is not missed.
@@ -266,8 +266,8 @@ fn a_trial_that_is_compared_is_named_and_has_its_own_lengths() {
     let place = place();
     // A sector of a disc, which is modelled as endless, as what is compared is.
     let more = trial("A", [100.0, 200.0, 10.4], "measurements = \"a.csv\"\ndisc = \"one\"\n");
-    fs::write(place.path("a.csv"), table([0.9, 0.88, 0.86])).unwrap();
-    fs::write(place.path("calibration.toml"), format!("{CALIBRATION}\n{more}")).unwrap();
+    place.write("a.csv", table([0.9, 0.88, 0.86]));
+    place.write("calibration.toml", format!("{CALIBRATION}\n{more}"));
     let validate = ["validate", "calibration.toml", "--trial", "A"];
     let said = place.refuse(&[&validate[..], &["--depth-um", "20"]].concat());
     assert!(said.contains("--depth-um: 20 stands beside the trial \"A\""), "{said}");
@@ -277,7 +277,7 @@ fn a_trial_that_is_compared_is_named_and_has_its_own_lengths() {
     // The published layer and squares are no part of it: the whole height of the specimen is modelled, as `trials` does.
     assert_eq!(result["thickness_mm"], 7.0);
     assert!(!place.path("out/friction.svg").exists(), "without a run in time");
-    let page = fs::read_to_string(place.path("out/report.html")).unwrap();
+    let page = place.read("out/report.html");
     assert!(page.contains("Compared is the trial") && page.contains("the whole specimen, 7 mm high"));
     let said = place.succeed(&validate);
     assert!(said.contains("of the measured reduction: the rest comes from elsewhere"), "{said}");
@@ -294,12 +294,12 @@ fn a_trial_that_is_compared_is_named_and_has_its_own_lengths() {
         assert!((own - here).abs() < 0.015, "{own} {here}");
     }
     // Without any there is nothing to compare.
-    fs::write(place.path("flat-alone.toml"), CALIBRATION).unwrap();
+    place.write("flat-alone.toml", CALIBRATION);
     let said = place.refuse(&["validate", "flat-alone.toml"]);
     assert!(said.contains("has no measured sample with a pattern") && said.contains("[[trial]]"), "{said}");
     let rows = table([0.9, 0.88, 0.86]);
     let again = rows.lines().last().unwrap();
-    fs::write(place.path("a.csv"), format!("{rows}{again}\n")).unwrap();
+    place.write("a.csv", format!("{rows}{again}\n"));
     let said = place.refuse(&["trials", "calibration.toml"]);
     assert!(said.contains("% again, as line 4 has"), "{said}");
 }
@@ -319,14 +319,14 @@ fn a_sample_that_slides_as_it_was_confirmed_lacks_nothing() {
          mu_stderr = 0.001\nrefine = true\n",
         pressures.join(", ")
     );
-    fs::write(place.path("confirmed.toml"), scene).unwrap();
+    place.write("confirmed.toml", scene);
     let found: Value = place.json(&["simulate", "confirmed.toml", "--json"]);
     let ratio = |key: &str| [0, 1, 2].map(|row| found["results"][row][key].as_f64().unwrap());
     let time = |row: usize| correction(&found["results"][row], "sliding in time").unwrap()["change"].as_f64().unwrap();
     let (confirmed, by_time) = (ratio("ratio"), [0, 1, 2].map(time));
     let more = trial("A", [100.0, 200.0, 10.4], "measurements = \"a.csv\"\n");
-    fs::write(place.path("a.csv"), table(confirmed)).unwrap();
-    fs::write(place.path("calibration.toml"), format!("{CALIBRATION}\n{more}")).unwrap();
+    place.write("a.csv", table(confirmed));
+    place.write("calibration.toml", format!("{CALIBRATION}\n{more}"));
     let ledger: Value = place.json(&["trials", "calibration.toml", "--json"]);
     for (row, (confirmed, by_time)) in confirmed.into_iter().zip(by_time).enumerate() {
         let modelled = ledger["trials"][0]["measured"][row]["modelled"].as_f64().unwrap();
@@ -342,7 +342,7 @@ fn a_pending_sample_stands_in_the_ledger_with_what_is_predicted() {
     let place = Place::with(&[("flat.csv", &table([1.0; 3])), ("calibration.toml", &calibration)]);
     let said = place.succeed(&["trials", "calibration.toml", "-o", "ledger"]);
     assert!(said.contains("pending: cut and not yet measured") && said.contains("to come    0.333"), "{said}");
-    let page = fs::read_to_string(place.path("ledger/report.html")).unwrap();
+    let page = place.read("ledger/report.html");
     assert!(page.contains("Pending: cut and not yet measured"));
 }
 
@@ -388,7 +388,7 @@ fn sectors_of_one_disc_are_drawn_and_become_trials() {
     let found = next(&place, &["--count", "3", "--one-disc", "-o", "out"]);
     let files = "pattern.dxf pattern.svg process.toml result.json timings.json trials.toml";
     assert_eq!(place.listed("out"), files);
-    let read = |name: &str| fs::read_to_string(place.path(&format!("out/{name}"))).unwrap();
+    let read = |name: &str| place.read(&format!("out/{name}"));
     let sheet: toml::Table = toml::from_str(&read("process.toml")).unwrap();
     let sectors = sheet["sector"].as_array().unwrap();
     assert!(sheet["measuring"].as_str().unwrap().contains("a mean of all sectors"));
@@ -402,12 +402,12 @@ fn sectors_of_one_disc_are_drawn_and_become_trials() {
     // Again into the same folder: these are slipgrid's own.
     next(&place, &["--count", "3", "--one-disc", "-o", "out"]);
     let trials = read("trials.toml");
-    fs::write(place.path("calibration.toml"), format!("{CALIBRATION}{trials}")).unwrap();
+    place.write("calibration.toml", format!("{CALIBRATION}{trials}"));
     let after = next(&place, &["--count", "2", "--one-disc"]);
     assert_eq!((after["pending"].as_u64(), after["one_disc"]["name"].as_str()), (Some(3), Some("three cuts, disc 2")));
     // Measured: the material keeps which trials share a disc.
     for number in 1..=3 {
-        fs::write(place.path(&format!("sector-{number}.csv")), table([0.9, 0.88, 0.86])).unwrap();
+        place.write(&format!("sector-{number}.csv"), table([0.9, 0.88, 0.86]));
     }
     fs::write(
         place.path("calibration.toml"),
@@ -415,7 +415,7 @@ fn sectors_of_one_disc_are_drawn_and_become_trials() {
     )
     .unwrap();
     place.succeed(&["calibrate", "calibration.toml", "-o", "learned.toml", "-q"]);
-    let learned = fs::read_to_string(place.path("learned.toml")).unwrap();
+    let learned = place.read("learned.toml");
     assert_eq!(learned.matches("disc = \"three cuts, disc 1\"").count(), 3, "{learned}");
     let ledger: Value = place.json(&["trials", "calibration.toml", "--json"]);
     assert_eq!(ledger["trials"][2]["disc"], "three cuts, disc 1");

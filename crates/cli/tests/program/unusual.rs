@@ -47,5 +47,5 @@ fn what_is_doubtful_of_a_material_is_said_by_next_and_explore_as_by_optimize() {
     let explored = place.run(&["explore", "d.toml", "-o", "e.html"]);
     let told = String::from_utf8(explored.stderr).unwrap();
     assert!(told.contains(&format!("warning: {doubt}")), "{told}");
-    assert!(std::fs::read_to_string(place.path("e.html")).unwrap().contains("The material is doubtful: slope: odd."));
+    assert!(place.read("e.html").contains("The material is doubtful: slope: odd."));
 }

@@ -12,7 +12,7 @@ fn a_folder_in_place_of_a_file() {
         assert!(message.contains("; expected "), "{command}: {message}");
     }
     // The one that was meant is named.
-    std::fs::write(folder.path("mine/calibration.toml"), CALIBRATION).unwrap();
+    folder.write("mine/calibration.toml", CALIBRATION);
     let message = folder.refuse(&["calibrate", "mine"]);
     assert!(message.contains("(did you mean `mine/calibration.toml`?)"), "{message}");
     assert!(!folder.refuse(&["optimize", "mine"]).contains("did you mean"));

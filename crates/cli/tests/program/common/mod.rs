@@ -232,7 +232,7 @@ pub fn json(text: &str) -> Value {
 
 /// Content of result.json in a folder of `place`.
 pub fn result(place: &Place, folder: &str) -> Value {
-    json(&fs::read_to_string(place.path(folder).join("result.json")).unwrap())
+    json(&place.read(&format!("{folder}/result.json")))
 }
 
 pub fn number(value: &Value) -> f64 {
@@ -249,7 +249,7 @@ impl Place {
     pub fn with(files: &[(&str, &str)]) -> Self {
         let place = Self { folder: tempfile::tempdir().unwrap(), cache: None };
         for (name, text) in files {
-            fs::write(place.path(name), text).unwrap();
+            place.write(name, text);
         }
         place
     }
@@ -266,9 +266,24 @@ impl Place {
     /// ln(measured / modelled) of the first patterned measurement of the calibration NAME.toml.
     pub fn log_excess(&self, name: &str) -> f64 {
         self.succeed(&["calibrate", &format!("{name}.toml"), "-o", &format!("{name}-m.toml")]);
-        let table: toml::Table = fs::read_to_string(self.path(&format!("{name}-m.toml"))).unwrap().parse().unwrap();
+        let table = self.toml(&format!("{name}-m.toml"));
         let ratio = |key: &str| table["learned"]["trial"][0][key][0].as_float().unwrap();
         (ratio("measured_ratio") / ratio("modelled_ratio")).ln()
+    }
+
+    /// Text of a file of the folder.
+    pub fn read(&self, name: &str) -> String {
+        fs::read_to_string(self.path(name)).unwrap()
+    }
+
+    /// Content of a TOML file of the folder.
+    pub fn toml(&self, name: &str) -> toml::Table {
+        self.read(name).parse().unwrap()
+    }
+
+    /// Writes a file into the folder.
+    pub fn write(&self, name: &str, text: impl AsRef<[u8]>) {
+        fs::write(self.path(name), text).unwrap();
     }
 
     /// Names of all entries of the folder, including hidden files.
