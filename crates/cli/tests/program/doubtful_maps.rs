@@ -148,11 +148,7 @@ fn a_law_that_rises_above_one_and_slopes_of_no_surface_are_refused() {
     assert!(said.contains("spikes: ") && said.contains("--despike"), "{said}");
     assert!(place.refuse(&["area-law", "metres.asc"]).contains("unit of heights: Sq is"));
     place.succeed(&["area-law", "high.asc", "--windows", "1", "--despike", "--json"]);
-    std::fs::write(
-        place.path("calibration.toml"),
-        CALIBRATION.replace("persson_rms_slope = 0.0137", "map = \"high.asc\""),
-    )
-    .unwrap();
+    place.write("calibration.toml", CALIBRATION.replace("persson_rms_slope = 0.0137", "map = \"high.asc\""));
     assert!(place.refuse(&["calibrate", "calibration.toml"]).contains("the area law means nothing"));
     let said = place.refuse(&["surface", "metres.asc", "-o", "out"]);
     assert!(said.contains("expected a slope from 1e-7 to 10: see the units of heights (--height-unit"), "{said}");

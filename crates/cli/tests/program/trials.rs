@@ -73,6 +73,13 @@ fn trial(name: &str, [width_um, spacing_um, depth_um]: [f64; 3], measurements: &
     )
 }
 
+/// Adds the trial A with these ratios and `keys` to the calibration.
+fn add_trial(place: &Place, ratios: [f64; 3], keys: &str) {
+    let own = trial("A", [100.0, 200.0, 10.4], &format!("measurements = \"a.csv\"\n{keys}"));
+    place.write("a.csv", table(ratios));
+    place.write("calibration.toml", format!("{CALIBRATION}\n{own}"));
+}
+
 #[test]
 #[ignore = "takes ten to twenty seconds of both cores"]
 fn a_hidden_rim_is_on_target_within_three_cuts() {
@@ -170,35 +177,23 @@ fn samples_of_one_texture_that_contradict_each_other_are_named_once() {
 /// A ratio requires a flat sample at the same force, speed and humidity; rows without one are reported.
 #[test]
 fn rows_of_a_trial_without_a_flat_partner_are_named() {
-    let calibration = format!("{CALIBRATION}\n{}", trial("A", [100.0, 200.0, 10.4], "measurements = \"a.csv\"\n"));
     let rows = table([0.9; 3]);
-    let place = Place::with(&[
-        ("flat.csv", &table([1.0; 3])),
-        ("calibration.toml", &calibration),
-        ("a.csv", &rows.replace("\n100,2,", "\n141,2,")),
-    ]);
-    let output = place.run(&["trials", "calibration.toml"]);
-    let told = String::from_utf8(output.stderr).unwrap();
-    assert!(
-        output.status.success()
-            && told.contains("a.csv:3: force_n: 141 has no flat sample beside it, measured at 141 N, 2 mm/s, 15 %"),
-        "{told}"
-    );
+    let place = Place::with(&[("flat.csv", &table([1.0; 3]))]);
+    add_trial(&place, [0.9; 3], "");
+    place.write("a.csv", rows.replace("\n100,2,", "\n141,2,"));
+    let told = place.told(&["trials", "calibration.toml"]);
+    let says = "a.csv:3: force_n: 141 has no flat sample beside it, measured at 141 N, 2 mm/s, 15 %";
+    assert!(told.contains(says), "{told}");
     place.write("a.csv", rows.replace(",2,15,", ",2,40,"));
-    let output = place.run(&["trials", "calibration.toml"]);
-    let told = String::from_utf8(output.stderr).unwrap();
-    assert!(
-        output.status.code() == Some(2) && told.contains("a.csv:2") && told.contains("50 N, 2 mm/s, 15 %"),
-        "{told}"
-    );
+    let told = place.refuse(&["trials", "calibration.toml"]);
+    assert!(told.contains("a.csv:2") && told.contains("50 N, 2 mm/s, 15 %"), "{told}");
 }
 
 /// A misplaced decimal point in a measurement is reported with the resulting ratio and a correction.
 #[test]
 fn a_ratio_that_is_hardly_meant_is_named_with_its_line() {
-    let calibration = format!("{CALIBRATION}\n{}", trial("A", [100.0, 200.0, 10.4], "measurements = \"a.csv\"\n"));
-    let rows = table([8.2, 0.88, 0.86]);
-    let place = Place::with(&[("flat.csv", &table([1.0; 3])), ("calibration.toml", &calibration), ("a.csv", &rows)]);
+    let place = Place::with(&[("flat.csv", &table([1.0; 3]))]);
+    add_trial(&place, [8.2, 0.88, 0.86], "");
     let said = place.succeed(&["trials", "calibration.toml"]);
     assert!(
         said.contains(
@@ -219,22 +214,19 @@ fn a_ratio_that_is_hardly_meant_is_named_with_its_line() {
 #[test]
 fn a_material_is_told_from_its_calibration_that_has_changed_since() {
     let place = place();
-    fs::write(
-        place.path("design.toml"),
+    place.write(
+        "design.toml",
         design([0.85, 0.83, 0.8])
             .replace("[60.0, 200.0]", "120.0")
             .replace("[100.0, 500.0]", "300.0")
             .replace("\"calibration.toml\"", "\"m.toml\""),
-    )
-    .unwrap();
+    );
     let scene =
         "material = \"m.toml\"\ncondition = { speed_mm_s = 2.0, humidity_pct = 15.0 }\n[load]\npressure_mpa = 1.0\n";
     place.write("scene.toml", scene);
     let told = || place.told(&["simulate", "scene.toml"]);
     assert!(!told().contains("has changed since"));
-    place.write("a.csv", table([0.9, 0.88, 0.86]));
-    let more = trial("A", [100.0, 200.0, 10.4], "measurements = \"a.csv\"\n");
-    place.write("calibration.toml", format!("{CALIBRATION}\n{more}"));
+    add_trial(&place, [0.9, 0.88, 0.86], "");
     for said in [told(), place.told(&["next", "design.toml"])] {
         assert!(said.contains("m.toml: was made from calibration.toml, which has changed since"), "{said}");
         assert!(said.contains("slipgrid calibrate calibration.toml -o m.toml"), "{said}");
@@ -265,9 +257,7 @@ fn a_material_is_told_from_its_calibration_that_has_changed_since() {
 fn a_trial_that_is_compared_is_named_and_has_its_own_lengths() {
     let place = place();
     // A sector of a disc, which is modelled as endless, as what is compared is.
-    let more = trial("A", [100.0, 200.0, 10.4], "measurements = \"a.csv\"\ndisc = \"one\"\n");
-    place.write("a.csv", table([0.9, 0.88, 0.86]));
-    place.write("calibration.toml", format!("{CALIBRATION}\n{more}"));
+    add_trial(&place, [0.9, 0.88, 0.86], "disc = \"one\"\n");
     let validate = ["validate", "calibration.toml", "--trial", "A"];
     let said = place.refuse(&[&validate[..], &["--depth-um", "20"]].concat());
     assert!(said.contains("--depth-um: 20 stands beside the trial \"A\""), "{said}");
@@ -324,9 +314,7 @@ fn a_sample_that_slides_as_it_was_confirmed_lacks_nothing() {
     let ratio = |key: &str| [0, 1, 2].map(|row| found["results"][row][key].as_f64().unwrap());
     let time = |row: usize| correction(&found["results"][row], "sliding in time").unwrap()["change"].as_f64().unwrap();
     let (confirmed, by_time) = (ratio("ratio"), [0, 1, 2].map(time));
-    let more = trial("A", [100.0, 200.0, 10.4], "measurements = \"a.csv\"\n");
-    place.write("a.csv", table(confirmed));
-    place.write("calibration.toml", format!("{CALIBRATION}\n{more}"));
+    add_trial(&place, confirmed, "");
     let ledger: Value = place.json(&["trials", "calibration.toml", "--json"]);
     for (row, (confirmed, by_time)) in confirmed.into_iter().zip(by_time).enumerate() {
         let modelled = ledger["trials"][0]["measured"][row]["modelled"].as_f64().unwrap();
@@ -380,11 +368,10 @@ fn forces_on_a_sample_of_another_size_count_by_their_pressure() {
 #[test]
 fn sectors_of_one_disc_are_drawn_and_become_trials() {
     let place = place();
-    fs::write(
-        place.path("design.toml"),
+    place.write(
+        "design.toml",
         design([0.85, 0.83, 0.8]).replace("diameter_mm = 3.0", "diameter_mm = 10.0").replace("[100.0, 500.0]", "300.0"),
-    )
-    .unwrap();
+    );
     let found = next(&place, &["--count", "3", "--one-disc", "-o", "out"]);
     let files = "pattern.dxf pattern.svg process.toml result.json timings.json trials.toml";
     assert_eq!(place.listed("out"), files);
@@ -409,11 +396,7 @@ fn sectors_of_one_disc_are_drawn_and_become_trials() {
     for number in 1..=3 {
         place.write(&format!("sector-{number}.csv"), table([0.9, 0.88, 0.86]));
     }
-    fs::write(
-        place.path("calibration.toml"),
-        format!("{CALIBRATION}{}", trials.replace("# measurements", "measurements")),
-    )
-    .unwrap();
+    place.write("calibration.toml", format!("{CALIBRATION}{}", trials.replace("# measurements", "measurements")));
     place.succeed(&["calibrate", "calibration.toml", "-o", "learned.toml", "-q"]);
     let learned = place.read("learned.toml");
     assert_eq!(learned.matches("disc = \"three cuts, disc 1\"").count(), 3, "{learned}");
