@@ -57,10 +57,8 @@ impl Solved<'_> {
         let flat_mu = load.flat.as_ref().and_then(|flat| flat.mu_dynamic);
         // Error of the ratio; for friction, times the friction of the flat surface.
         let of_specimen = |times: Option<f64>| {
-            let part = move |correction: &Correction| {
-                Some(PartsReport { input: correction.effect.name().to_owned(), std: correction.std? * factor * times? })
-            };
-            load.corrections().iter().filter_map(part)
+            let std = move |correction: &Correction| Some(correction.std? * factor * times?);
+            load.corrections().iter().filter_map(move |of| PartsReport::known(of.effect.name(), std(of)))
         };
         let mut own_mu = self.of_run(mu, surface.mu_dynamic_stderr.map(|stderr| stderr * factor), drawn.mu);
         own_mu.extend(of_specimen(flat_mu));
@@ -109,9 +107,10 @@ impl Solved<'_> {
         // therefore taken from the drawn coefficients, and only the excess is attributed to time.
         let counted = drawn.filter(|_| draws > 1.0).unwrap_or(0.0);
         let of_time = stderr.map(|stderr| (stderr * stderr - counted * counted).max(0.0).sqrt());
-        let parts = [(TIME_AVERAGE, of_time), (DRAWS, drawn)];
-        let part = |(input, std): (&str, Option<f64>)| Some(PartsReport { input: input.to_owned(), std: std? });
-        parts.into_iter().filter_map(part).collect()
+        [(TIME_AVERAGE, of_time), (DRAWS, drawn)]
+            .into_iter()
+            .filter_map(|(input, std)| PartsReport::known(input, std))
+            .collect()
     }
 
     /// Static coefficient with its error: scatter between draws, each with a single static peak, and uncertainty of the
@@ -122,8 +121,8 @@ impl Solved<'_> {
         let times = |share: Option<f64>| share.map(|share| value * share);
         let drawn = times(drawn.map(|share| share / (self.scene.run.draws as f64).sqrt()));
         let parts = [(DRAWS, drawn), (STATIC, times(coefficient.map(|variance| variance.sqrt())))];
-        let part = |(input, std): (&str, Option<f64>)| Some(PartsReport { input: input.to_owned(), std: std? });
-        Some(ErrorReport::new(Some(value), parts.into_iter().filter_map(part).collect(), None))
+        let parts = parts.into_iter().filter_map(|(input, std)| PartsReport::known(input, std)).collect();
+        Some(ErrorReport::new(Some(value), parts, None))
     }
 
     /// Names of the errors that `rows` do not include, because the material of `uncertainty` does not give them or the
@@ -160,7 +159,7 @@ pub fn of_scene(
     let slopes = Slopes::new(scene, &knowledge);
     let solved = Solved { scene, simulation, knowledge: &knowledge, slopes: &slopes };
     let rows = solved.errors();
-    let errors = ErrorsReport::new(rows.clone(), solved.unknown(uncertainty, &rows), false);
+    let errors = ErrorsReport::new(rows.clone(), solved.unknown(uncertainty, &rows));
     let learned = uncertainty.learned.as_ref().filter(|learned| !learned.trials().is_empty());
     let Some((learned, pattern)) = learned.zip(scene.pattern.as_ref()) else { return Ok((errors, None)) };
     let humidity = condition.map_or_else(|| usual_humidity(learned), |condition| condition.humidity);
@@ -238,9 +237,11 @@ mod tests {
                 scene.run.seed = 1 + 2 * seed;
                 let simulation = simulate(&scene, &Unwatched).unwrap();
                 let (errors, _) = of_scene(&scene, &MaterialUncertainty::default(), None, &simulation).unwrap();
-                let ratio = errors.at(0).unwrap().ratio.clone().unwrap();
-                assert_eq!(ratio.std_of(DRAWS).is_some(), has_rims);
-                [simulation.loads[0].ratio().unwrap(), ratio.std_of_all(&[TIME_AVERAGE, DRAWS])]
+                let parts = &errors.by_pressure[0].ratio.as_ref().unwrap().parts;
+                assert_eq!(parts.iter().any(|part| part.input == DRAWS), has_rims);
+                let of_run = parts.iter().filter(|part| [TIME_AVERAGE, DRAWS].contains(&part.input.as_str()));
+                let stated = of_run.map(|part| part.std.powi(2)).sum::<f64>().sqrt();
+                [simulation.loads[0].ratio().unwrap(), stated]
             })
             .collect();
         let count = found.len() as f64;

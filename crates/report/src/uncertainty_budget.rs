@@ -219,7 +219,7 @@ mod tests {
             "material": {"name": "", "source": "", "synthetic_surface": false, "notes": []}, "pattern": null,
             "section_model": false, "areal_density": null, "section_density": null, "block_um": 5.0, "speed_mm_s": 2.0,
             "seed": 1, "draws": 1, "results": [], "discrepancy": null,
-            "errors": ErrorsReport::new(vec![at], Vec::new(), false),
+            "errors": ErrorsReport::new(vec![at], Vec::new()),
         }))
         .unwrap();
         let found = UncertaintyBudget::of_scene(&report);

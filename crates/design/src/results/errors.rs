@@ -6,7 +6,6 @@ use serde::{Deserialize, Serialize};
 use slipgrid_base::statistics::NORMAL_95;
 use slipgrid_base::units::tidy;
 use slipgrid_infer::calibrate::uncertainty::Deviation;
-use slipgrid_model::springblock::Effect;
 
 /// Name of a source of error of a run: the finite duration of the run.
 pub const TIME_AVERAGE: &str = "time average";
@@ -76,9 +75,11 @@ pub struct PartsReport {
     pub std: f64,
 }
 
-/// Sets negative ends of an interval to zero: friction of a sliding surface and ratios of friction are not negative.
-fn physical(ends: [f64; 2]) -> [f64; 2] {
-    ends.map(|end| tidy(end.max(0.0)))
+impl PartsReport {
+    /// Contribution of the source `input` with the standard deviation `std`; `None` if this is not known.
+    pub fn known(input: &str, std: Option<f64>) -> Option<Self> {
+        Some(Self { input: input.to_owned(), std: std? })
+    }
 }
 
 impl ErrorReport {
@@ -92,7 +93,8 @@ impl ErrorReport {
         let interval = value.filter(|_| is_known).map(|value| {
             let [below, above] =
                 known.map_or([0.0; 2], |known| known.reach_95).map(|reach| (reach * reach + of_run).sqrt());
-            physical([value - below, value + above])
+            // Friction of a sliding surface and ratios of friction are not negative.
+            [value - below, value + above].map(|end| tidy(end.max(0.0)))
         });
         let of_material = known.into_iter().flat_map(|known| &known.parts);
         let of_material = of_material.map(|&(source, std)| PartsReport { input: source.name().to_owned(), std });
@@ -100,60 +102,12 @@ impl ErrorReport {
             own.into_iter().chain(of_material).map(|part| PartsReport { std: tidy(part.std), ..part }).collect();
         Self { value: value.map(tidy), std: is_known.then(|| tidy(square.sqrt())), interval_95: interval, parts }
     }
-
-    /// Adds an error contribution of source `input` with the standard deviation `std`, independent of the others.
-    #[must_use]
-    pub fn and(mut self, input: &str, std: f64) -> Self {
-        let Some(value) = self.value else { return self };
-        let reach = NORMAL_95 * std;
-        let [below, above] = self.reach(value);
-        self.interval_95 = Some(physical([value - below.hypot(reach), value + above.hypot(reach)]));
-        self.std = Some(tidy(self.std.unwrap_or(0.0).hypot(std)));
-        self.parts.push(PartsReport { input: input.to_owned(), std: tidy(std) });
-        self
-    }
-
-    /// Moves value and interval to `value`; the errors are unchanged.
-    #[must_use]
-    pub fn about(mut self, value: f64) -> Self {
-        let [below, above] = self.reach(self.value.unwrap_or(value));
-        self.interval_95 = self.interval_95.map(|_| physical([value - below, value + above]));
-        self.value = Some(tidy(value));
-        self
-    }
-
-    /// Distances from `value`, the value of this report, to the lower and the upper end of the interval. If the lower
-    /// end was set to zero, the lower distance is at least 1.96 standard deviations.
-    fn reach(&self, value: f64) -> [f64; 2] {
-        let below_of = |from: f64| match self.std {
-            Some(std) if from <= 0.0 => (value - from).max(NORMAL_95 * std),
-            _ => value - from,
-        };
-        self.interval_95.map_or([0.0; 2], |[from, to]| [below_of(from), to - value])
-    }
-
-    /// Standard deviation from the part `input` alone; `None` if there is no such part.
-    pub fn std_of(&self, input: &str) -> Option<f64> {
-        self.parts.iter().find(|part| part.input == input).map(|part| part.std)
-    }
-
-    /// Standard deviation from the run itself: duration, draws, and all corrections except the size of blocks.
-    pub fn std_of_run(&self) -> f64 {
-        let corrections = [Effect::Rims, Effect::Layout, Effect::Time, Effect::Behind, Effect::Tilt].map(Effect::name);
-        self.std_of_all(&[&[TIME_AVERAGE, DRAWS][..], &corrections].concat())
-    }
-
-    /// Standard deviation from the parts `inputs` together.
-    pub fn std_of_all(&self, inputs: &[&str]) -> f64 {
-        let of = self.parts.iter().filter(|part| inputs.contains(&part.input.as_str()));
-        of.map(|part| part.std.powi(2)).sum::<f64>().sqrt()
-    }
 }
 
 impl ErrorsReport {
     /// Creates the report of the errors `by_pressure`. `unknown` names the sources of error that the material does not
-    /// give; `corrected` tells whether the values include the discrepancy.
-    pub fn new(by_pressure: Vec<PressureErrors>, unknown: Vec<String>, corrected: bool) -> Self {
+    /// give.
+    pub fn new(by_pressure: Vec<PressureErrors>, unknown: Vec<String>) -> Self {
         let mut includes: Vec<String> = Vec::new();
         let values = |row: &PressureErrors| {
             [row.ratio.clone(), Some(row.mu.clone()), row.mu_static.clone()].into_iter().flatten()
@@ -171,7 +125,7 @@ impl ErrorsReport {
         if !unknown.is_empty() {
             words += &format!("; not known of this material: {}", unknown.join(", "));
         }
-        words += if corrected { "" } else { "; it does not include how far the model itself is off" };
+        words += "; it does not include how far the model itself is off";
         Self { meaning: words, includes, unknown, by_pressure }
     }
 
@@ -183,16 +137,12 @@ impl ErrorsReport {
         let is_known = all.iter().any(|ends| ends != "-");
         is_known.then(|| format!("95 % of {name}: {}", all.join(", ")))
     }
-
-    /// Errors at the pressure with the index `row`; `None` if there is no such pressure.
-    pub fn at(&self, row: usize) -> Option<&PressureErrors> {
-        self.by_pressure.get(row)
-    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use slipgrid_model::springblock::Effect;
 
     #[test]
     fn parts_and_corrections_name_an_effect_alike() {
@@ -205,13 +155,8 @@ mod tests {
     #[test]
     fn intervals_of_friction_and_of_ratios_end_at_nil() {
         let part = |std: f64| vec![PartsReport { input: "size of blocks".to_owned(), std }];
-        let wide = ErrorReport::new(Some(0.4), part(0.3), None);
-        let [from, to] = wide.interval_95.unwrap();
+        let [from, to] = ErrorReport::new(Some(0.4), part(0.3), None).interval_95.unwrap();
         assert!(from == 0.0 && (to - 0.988).abs() < 1e-3, "{from} to {to}");
-        // Nothing is forgotten of what lies below nil.
-        let [from, to] = wide.clone().about(0.9).interval_95.unwrap();
-        assert!((from - 0.312).abs() < 1e-3 && (to - 1.488).abs() < 1e-3, "{from} to {to}");
-        assert_eq!(wide.and("more", 0.1).interval_95.unwrap()[0], 0.0);
         let narrow = ErrorReport::new(Some(0.4), part(0.1), None).interval_95.unwrap();
         assert!((narrow[0] - 0.204).abs() < 1e-3, "{narrow:?}");
     }
