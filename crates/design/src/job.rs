@@ -1,7 +1,7 @@
 //! Job of `optimize`, from a task to a design: the texture with the maximum chance of a sample on target, confirmed by
 //! a dynamic run.
 
-use crate::results::{VERSION, load_reports, measured_range, model_notes};
+use crate::results::{VERSION, load_reports, measured_range, section_note};
 use slipgrid_base::monitor::{CachingMonitor, Monitor};
 use slipgrid_base::units::tidy;
 use slipgrid_laser::export::{Removal, burst_warnings};
@@ -174,7 +174,7 @@ fn reported(
     if let Some(range) = measured_mpa {
         said.model(format!("{}; beyond that the nearest measurement's coefficients were taken", measured_range(range)));
     }
-    said.model.extend(model_notes(section));
+    said.model.extend(section.map(section_note));
     let answer = search.models.own.steady(&pattern);
     let broken = answer.and_then(|answer| search.violations(&pattern, &answer)).unwrap_or_default();
     let report = DesignReport {

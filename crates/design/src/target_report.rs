@@ -3,7 +3,6 @@
 use std::borrow::Cow;
 
 use crate::optimize::{Demand, Target, Wanted};
-use crate::results::fixed;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use slipgrid_base::units::PRESSURE_MPA;
@@ -69,20 +68,6 @@ impl From<&Target> for TargetReport {
 }
 
 impl TargetReport {
-    /// Describes the accepted values at the pressure with the index `row`.
-    pub fn wanted(&self, row: usize) -> String {
-        if let Some(value) = &self.value {
-            return fixed(value.get(row).copied(), 4);
-        }
-        let edge = |edges: &[Option<f64>]| edges.get(row).copied().flatten();
-        match (edge(&self.lowest), edge(&self.highest)) {
-            (Some(lowest), Some(highest)) => format!("{lowest:.4} to {highest:.4}"),
-            (Some(lowest), None) => format!(">= {lowest:.4}"),
-            (None, Some(highest)) => format!("<= {highest:.4}"),
-            (None, None) => self.goal.as_deref().unwrap_or("-").to_owned(),
-        }
-    }
-
     /// Whether some pressure has a demand.
     pub fn has_demands(&self) -> bool {
         self.lowest.iter().chain(&self.highest).any(Option::is_some)

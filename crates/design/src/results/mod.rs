@@ -42,7 +42,7 @@ pub use notes::{ABOUT_MATERIAL, SCREEN_WIDTH, WHERE_ALL, doubt_in_brief, doubts_
 pub use pattern::{PatternReport, duration_in_words, length_in_words};
 pub use simulation::{
     LoadReport, SimulationReport, beyond_measured, beyond_measured_range, load_reports, material_doubts,
-    measured_range, model_notes, unresolved, warnings,
+    measured_range, section_note, unresolved, warnings,
 };
 pub use table::{Records, Table, fixed, with_error};
 pub use timings::{TIMES, json_and_timings};

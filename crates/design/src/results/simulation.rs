@@ -152,7 +152,7 @@ impl LoadReport {
 
     /// Creates the record of `load`. `pattern` is given if the vertical plane is a section of it.
     pub fn new(load: &LoadOutcome, pattern: Option<&Pattern>, friction_extrapolated: bool) -> Self {
-        let surface = &load.surface;
+        let (surface, flat) = (&load.surface, load.flat.as_ref());
         let strip = pattern.zip(load.ratio());
         let cost = surface.cost;
         Self {
@@ -161,9 +161,9 @@ impl LoadReport {
             mu_dynamic_stderr: surface.mu_dynamic_stderr,
             mu_across: surface.mu_across,
             mu_static: surface.mu_static,
-            mu_flat: load.flat.as_ref().and_then(|flat| flat.mu_dynamic),
-            mu_flat_stderr: load.flat.as_ref().and_then(|flat| flat.mu_dynamic_stderr),
-            mu_flat_static: load.flat.as_ref().and_then(|flat| flat.mu_static),
+            mu_flat: flat.and_then(|flat| flat.mu_dynamic),
+            mu_flat_stderr: flat.and_then(|flat| flat.mu_dynamic_stderr),
+            mu_flat_static: flat.and_then(|flat| flat.mu_static),
             ratio: load.ratio(),
             ratio_stderr: load.ratio_stderr,
             corrections: load.corrections().to_vec(),
@@ -171,15 +171,14 @@ impl LoadReport {
             peak_pressure_mpa: PRESSURE_MPA.from_si(surface.peak_pressure_pa),
             tension_blocks: surface.tension_blocks,
             status: surface.status.name().into(),
-            status_flat: load.flat.as_ref().map(|flat| flat.status.name().into()),
+            status_flat: flat.map(|flat| flat.status.name().into()),
             cavity_closed: surface.cavity_closed,
-            area_law_extrapolated: surface.area_law_extrapolated
-                || load.flat.as_ref().is_some_and(|flat| flat.area_law_extrapolated),
+            area_law_extrapolated: surface.area_law_extrapolated || flat.is_some_and(|flat| flat.area_law_extrapolated),
             friction_extrapolated,
             residual: surface.residual,
             iterations: surface.iterations,
             averaged_from_s: surface.averaged_from_s.map(tidy),
-            averaged_from_s_flat: load.flat.as_ref().and_then(|flat| flat.averaged_from_s).map(tidy),
+            averaged_from_s_flat: flat.and_then(|flat| flat.averaged_from_s).map(tidy),
             steps: cost.map(|cost| cost.steps),
             dt_s: cost.map(|cost| cost.dt_s),
             site_updates: cost.map(|cost| cost.site_updates),
@@ -201,21 +200,16 @@ pub fn load_reports(simulation: &Simulation, pattern: Option<&Pattern>, outside:
 const SYNTHETIC_SURFACE: &str =
     "the altitude map is synthetic, not measured: map a flat sample, since every ratio rests on it";
 
-/// Statements about the model that the solver does not make itself. `pattern` is given if the model is a vertical
-/// section of it, although it needs three dimensions.
-pub fn model_notes(pattern: Option<&Pattern>) -> Vec<String> {
-    let mut notes = Vec::new();
-    if let Some(pattern) = pattern {
-        notes.push(format!(
-            "section model: {} cavities are modelled by the vertical section through their centres, as grooves: {:.2} % \
-             of the section, {:.2} % of the surface; `ratio` is the section's, `ratio_strip_estimate` counts the strips \
-             between rows of cavities as flat",
-            pattern.planform(),
-            100.0 * pattern.section_density(),
-            100.0 * pattern.areal_density(),
-        ));
-    }
-    notes
+/// Statement that the model is a vertical section of `pattern`, although this needs three dimensions.
+pub fn section_note(pattern: &Pattern) -> String {
+    format!(
+        "section model: {} cavities are modelled by the vertical section through their centres, as grooves: {:.2} % \
+         of the section, {:.2} % of the surface; `ratio` is the section's, `ratio_strip_estimate` counts the strips \
+         between rows of cavities as flat",
+        pattern.planform(),
+        100.0 * pattern.section_density(),
+        100.0 * pattern.areal_density(),
+    )
 }
 
 impl SimulationReport {
@@ -237,7 +231,7 @@ impl SimulationReport {
             fidelity: scene.run.fidelity.name().into(),
             extent: scene.run.extent.name().into(),
             dimensions: scene.dimension().number(),
-            model: [simulation.statements.model.clone(), model_notes(section)].concat(),
+            model: simulation.statements.model.iter().cloned().chain(section.map(section_note)).collect(),
             method: simulation.statements.method.clone(),
             material: provenance.clone(),
             pattern: pattern.map(PatternReport::from),
@@ -281,11 +275,15 @@ const EXPLAINED: [(Status, &str); 4] = [
     (Status::StderrNotReached, "the standard error asked for was not reached within the longest travel"),
 ];
 
-/// Test whether a load is outside the validity of the model, with an explanation.
+/// Test whether the results of a load are doubtful, with an explanation.
 type Doubt = (fn(&LoadReport) -> bool, &'static str);
 
-/// Reasons for results outside the validity of the model.
-const DOUBTS: [Doubt; 3] = [
+/// Reasons to doubt the results of a load besides [`EXPLAINED`] statuses.
+const DOUBTS: [Doubt; 5] = [
+    (
+        |load| load.status != "converged" && !EXPLAINED.iter().any(|(status, _)| load.has_status(*status)),
+        "the run has no result that can be trusted: see its status",
+    ),
     (
         |load| load.cavity_closed,
         "cavities close: their ceiling reaches the counterface, and the model lets it pass through",
@@ -295,17 +293,13 @@ const DOUBTS: [Doubt; 3] = [
         "local pressures exceed the area law's last: the area is taken as constant there",
     ),
     (|load| load.friction_extrapolated, BEYOND_MEASURED),
+    (|load| load.tension_blocks > 0, "some contact blocks are under tension and carry no friction"),
 ];
 
 /// Statement about loads at which friction was not measured.
 const BEYOND_MEASURED: &str = "outside the measured range: the nearest measurement's coefficients were taken";
 
 impl LoadReport {
-    /// Reasons why the results are outside the validity of the model, one sentence each.
-    pub fn doubts(&self) -> impl Iterator<Item = &'static str> {
-        DOUBTS.into_iter().filter(|(is_so, _)| is_so(self)).map(|(_, words)| words)
-    }
-
     /// Whether the surface, or the flat surface of comparison, ended with `status`.
     fn has_status(&self, status: Status) -> bool {
         self.status == status.name() || self.status_flat.as_deref() == Some(status.name())
@@ -350,12 +344,5 @@ pub fn warnings(results: &[LoadReport]) -> Vec<String> {
         (!named.is_empty()).then(|| format!("at {} MPa {text}", named.join(", ")))
     };
     let explained = EXPLAINED.into_iter().filter_map(|(status, text)| at(&|load| load.has_status(status), text));
-    let failed: Doubt = (
-        |load| load.status != "converged" && !EXPLAINED.iter().any(|(status, _)| load.has_status(*status)),
-        "the run has no result that can be trusted: see its status",
-    );
-    let tension: Doubt =
-        (|load| load.tension_blocks > 0, "some contact blocks are under tension and carry no friction");
-    let others = std::iter::once(failed).chain(DOUBTS).chain([tension]);
-    explained.chain(others.filter_map(|(test, text)| at(&test, text))).collect()
+    explained.chain(DOUBTS.into_iter().filter_map(|(test, text)| at(&test, text))).collect()
 }
