@@ -1,15 +1,13 @@
 //! Requirements of a task on a cut sample: one [`Band`] per load.
 
 use crate::optimize::{Goal, Quantity};
-use slipgrid_infer::calibrate::uncertainty::MaterialUncertainty;
 use slipgrid_infer::discrepancy::{Discrepancy, Load, Prediction as Distribution, Trial, Wanted};
-use slipgrid_model::material::{AreaLaw, END_MARGIN};
+use slipgrid_model::material::END_MARGIN;
 
 use crate::DesignError;
-use crate::operating_conditions::{Further, Setting};
-use crate::sensitivities::loads_of;
-use crate::steady_model::SteadyModel;
-use crate::task::DesignTask;
+use crate::operating_conditions::Setting;
+use crate::prepared_task::PreparedTask;
+use crate::sensitivities::usual_humidity;
 
 /// Relative difference up to which the speeds of trial and task are equal. Pressures are equal within [`END_MARGIN`].
 const SAME_SPEED: f64 = 0.02;
@@ -51,39 +49,31 @@ pub struct Asked {
 }
 
 impl Asked {
-    /// Builds the requirements of `task` at the loads of `model`.
+    /// Builds the requirements of `prepared`.
     ///
     /// # Errors
     /// [`DesignError`] if the trials of the material are invalid.
-    pub fn new(
-        task: &DesignTask,
-        material: &MaterialUncertainty,
-        further: &[Further],
-        model: &SteadyModel<'_>,
-    ) -> Result<Self, DesignError> {
-        let learned = material.discrepancy().map_err(|error| DesignError::Failed(error.to_string()))?;
-        let loads = loads_of(task, &learned, further, model);
-        let count = task.target.points().len();
-        let settings = std::iter::once(Setting::first(task)).chain(further.iter().map(|further| further.at));
+    pub fn new(prepared: &PreparedTask) -> Result<Self, DesignError> {
+        let PreparedTask { task, material, uncertainty, settings, .. } = prepared;
+        let learned = uncertainty.discrepancy().map_err(|error| DesignError::Failed(error.to_string()))?;
+        let usual = usual_humidity(&learned);
         let pressures_pa = task.pressures_pa();
         let mut bands = Vec::new();
-        for (place, setting) in settings.enumerate() {
-            let excess = material.excess(&pressures_pa, setting.condition.as_ref());
-            for (row, demand) in task.target.points().iter().enumerate() {
-                let at = &model.asked().loads[place * count + row];
+        for Setting { condition, sliding_angle_deg, loads } in settings {
+            let excess = uncertainty.excess(&pressures_pa, condition.as_ref());
+            let speed_m_s = condition.map_or(task.speed_m_s, |condition| condition.speed_m_s);
+            let humidity = condition.map_or(usual, |condition| condition.humidity);
+            for (row, (demand, at)) in task.target.points().iter().zip(loads).enumerate() {
                 // For friction itself, the factor is mu_d f(P) times dynamic over steady friction, from the flat sample.
-                let law = |law: &AreaLaw| law.factor(at.pressure_pa);
                 let flat = match task.target.quantity() {
                     Quantity::Ratio => 1.0,
                     Quantity::DynamicFriction => {
-                        at.friction.dynamic_mean()
-                            * model.area_law().map_or(1.0, law)
-                            * excess.as_ref().map_or(1.0, |excess| excess[row])
+                        at.flat_mu(material.area_law.as_ref()) * excess.as_ref().map_or(1.0, |excess| excess[row])
                     }
                 };
                 bands.push(Band {
-                    load: loads[place * count + row],
-                    sliding_angle_deg: setting.sliding_angle_deg,
+                    load: Load { pressure_pa: at.pressure_pa, speed_m_s, humidity },
+                    sliding_angle_deg: *sliding_angle_deg,
                     flat,
                     accepted: demand.wanted.band(),
                     tolerance: demand.wanted.tolerance(),
@@ -91,6 +81,8 @@ impl Asked {
                 });
             }
         }
+        let loads = bands.iter().map(|band| band.load).collect();
+        let count = prepared.loads().len();
         let end = |side: usize, open: f64| {
             bands.iter().map(|band| band.accepted[side].map_or(open, |end| end / band.flat)).collect()
         };

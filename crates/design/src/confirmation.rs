@@ -42,7 +42,7 @@ pub fn confirming_scene(prepared: &PreparedTask, model: &SteadyModel<'_>, patter
         Extent::Strip => 1,
         Extent::Cell | Extent::Sample => model.draws(pattern, MIN_CONTACTS),
     };
-    let flat = task.flat_scene(&prepared.material, prepared.loads.clone(), run);
+    let flat = task.flat_scene(&prepared.material, prepared.loads().to_vec(), run);
     let scene = Scene { pattern: Some(*pattern), ..flat };
     run.refine = can_refine(&scene, pattern);
     Scene { run, ..scene }.in_time()

@@ -169,7 +169,8 @@ pub fn explore_bounds(task: &DesignTask, monitor: &dyn Monitor) -> Result<Explor
         Ok((found, search.asked.learned.trials().len()))
     });
     let ((pattern, explorer), trials) = found?;
-    let PreparedTask { task, material, uncertainty, loads, outside, .. } = prepared.clone();
+    let loads = prepared.loads().to_vec();
+    let PreparedTask { task, material, uncertainty, outside, .. } = prepared.clone();
     let beyond_measured = task.beyond_measured(&material, &outside);
     let excess = uncertainty.excess(&task.pressures_pa(), task.condition.as_ref());
     let in_time = |row: usize| excess.as_ref().map_or(1.0, |excess| excess[row]);

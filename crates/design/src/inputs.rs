@@ -5,22 +5,17 @@
 //! second order as well. Errors that all samples share are a covariance of ln R; errors that are independent between
 //! samples are a [`DimensionShift`], which also changes the discrepancy.
 
-use std::ops::Range;
-
-use crate::optimize::{ModelFailure, Quantity, SearchError, Tolerances, Uncertainty, with_rim_off};
+use crate::optimize::{ModelFailure, Quantity, SearchError, Tolerances, with_rim_off};
 use slipgrid_base::units::{LENGTH_UM, tidy};
-use slipgrid_infer::calibrate::uncertainty::{Covariance, MaterialUncertainty, ScaleShift, Source, moved, with_scale};
+use slipgrid_infer::calibrate::uncertainty::{Covariance, ScaleShift, Source, moved, with_scale};
 use slipgrid_infer::discrepancy::{DimensionShift, Features};
 use slipgrid_model::material::{Condition, MaterialError};
 use slipgrid_model::pattern::Pattern;
 use slipgrid_model::springblock::Scene;
 
 use crate::DesignError;
-use crate::evaluation_cache::Answer;
-use crate::operating_conditions::Further;
-use crate::sensitivities::conditions;
+use crate::prepared_task::PreparedTask;
 use crate::steady_model::SteadyModel;
-use crate::task::DesignTask;
 
 /// Number of dimensions: width, spacing and depth, the first inputs.
 const DIMENSIONS: usize = 3;
@@ -32,16 +27,6 @@ const WIDEST_SHARE: f64 = 0.5;
 /// of stick-slip: in the plane, from the test `ratios_that_are_predicted_are_those_of_the_specimen`; and in space,
 /// where the search does not model sliding in time, and runs differ by 0.001 to 0.004.
 const RUN_STD: [f64; 2] = [0.0015, 0.003];
-
-/// Uncertain input.
-#[derive(Clone, Debug, PartialEq)]
-struct Input {
-    name: &'static str,
-    /// Accuracy of the input, in words that follow the name.
-    known_to: String,
-    /// Indices of the input's components among all inputs.
-    places: Range<usize>,
-}
 
 /// Effect of one uncertain input on a texture.
 #[derive(Clone, Debug, PartialEq)]
@@ -67,146 +52,102 @@ pub enum InputEffect {
 pub struct Inputs<'a> {
     is_ratio: bool,
     loads: usize,
-    /// Number of loads with separate inputs: the loads of one sliding direction, whose inputs all directions share.
-    inputs_of_loads: usize,
     tolerances: Tolerances,
-    uncertainty: Uncertainty,
+    /// Relative standard deviation of the depth per burst; `None` if the laser settings give no error of this depth.
+    burst_std: Option<f64>,
     /// Model with all inputs at their means.
     still: SteadyModel<'a>,
     /// Model in blocks of half the size; `None` in space.
     fine: Option<SteadyModel<'a>>,
-    /// Pairs of models with changed flat friction, scale of the area law (or Young's modulus), and factors of the area
-    /// law.
-    along: Vec<Along<'a>>,
-    /// Index of the depth per burst among the inputs; `None` if the laser settings give no error of this depth.
-    burst: Option<usize>,
-    inputs: Vec<Input>,
+    inputs: Vec<Input<'a>>,
 }
 
-/// Pair of models with one input, or flat friction at all loads, one standard deviation above and below the mean.
-struct Along<'a> {
+/// Uncertain number of the material, with models at one standard deviation above and below its mean.
+struct Input<'a> {
+    source: Source,
+    /// Accuracy of the input, in words that follow the name.
+    known_to: String,
+    /// Covariance of the input: of flat friction between the loads of one sliding direction, whose inputs all directions
+    /// share; of other inputs the variance alone.
+    covariance: Covariance,
     above: SteadyModel<'a>,
     below: SteadyModel<'a>,
-    /// Standard deviation of the input, one per load.
-    step: Vec<f64>,
-    /// Index of the first changed input.
-    first: usize,
-    is_friction: bool,
-    /// Whether the input is Young's modulus. The discrepancy includes its first-order effect, because trials inform
-    /// about it.
-    is_modulus: bool,
 }
 
-#[derive(Default)]
-struct Blocks {
-    inputs: Vec<Input>,
-    blocks: Vec<Covariance>,
-    count: usize,
+impl Input<'_> {
+    /// Standard deviation of the input at the load with the index `load`.
+    fn std(&self, load: usize) -> f64 {
+        std_at(&self.covariance, load)
+    }
 }
 
-impl Blocks {
-    /// Adds the covariance of further inputs and returns the index of the first of them.
-    fn add(&mut self, block: Covariance) -> usize {
-        let first = self.count;
-        self.count += block.len();
-        self.blocks.push(block);
-        first
-    }
-
-    fn name(&mut self, name: &'static str, known_to: String, places: Range<usize>) {
-        self.inputs.push(Input { name, known_to, places });
-    }
+/// Standard deviation at the load with the index `load`, from the `covariance` of an [`Input`].
+fn std_at(covariance: &Covariance, load: usize) -> f64 {
+    let place = load % covariance.len();
+    covariance[place][place].sqrt()
 }
 
 impl<'a> Inputs<'a> {
-    /// Collects the inputs of `task` with its `material` for `model` at every condition, the design condition first.
+    /// Collects the inputs of `prepared` for `model` at every condition.
     ///
     /// # Errors
-    /// [`DesignError`] if the stated errors of the material are invalid.
-    pub fn new(
-        task: &DesignTask,
-        material: &MaterialUncertainty,
-        model: &SteadyModel<'a>,
-        further: &[Further],
-    ) -> Result<Self, DesignError> {
+    /// [`DesignError`] if the stated errors of the material or the tolerances are invalid.
+    pub fn new(prepared: &PreparedTask, model: &SteadyModel<'a>) -> Result<Self, DesignError> {
+        let PreparedTask { task, uncertainty: material, settings, .. } = prepared;
         let values = model.asked().loads.len();
         // All directions share the material, so the loads of the first direction stand for the others.
         let directions = 1 + task.directions.different_deg.len();
         let count = values / directions;
         let loads = &model.asked().loads[..count];
-        let conditions: Vec<Option<Condition>> = conditions(task, further).collect();
-        let conditions = &conditions[..conditions.len() / directions];
+        let conditions: Vec<Option<Condition>> =
+            settings[..settings.len() / directions].iter().map(|setting| setting.condition).collect();
         let of_material = |error: MaterialError| DesignError::Failed(format!("errors of the material: {error}"));
         let tolerances = task.tolerances.unwrap_or_default();
-        let mut parts = Blocks { count: DIMENSIONS, ..Blocks::default() };
+        let refused = |error: SearchError| DesignError::Failed(format!("errors of the material: {error}"));
+        tolerances.check().map_err(refused)?;
 
         let law = model.area_law();
-        let (mut friction_at, mut scale_at) = (None, None);
+        let mut stated: Vec<(Source, String, Covariance)> = Vec::new();
         if let (Some(known), Some(law)) = (&material.scale_covariance, law) {
             let joint = with_scale(known, law, loads).map_err(of_material)?;
-            let first = parts.add(joint.clone());
-            parts.name(FLAT_FRICTION, percent(rms(&joint[..count])), first..first + count);
-            parts.name("scale of the area law", percent(joint[count][count].sqrt()), first + count..first + count + 1);
-            (friction_at, scale_at) = (Some(first), Some(first + count));
+            let friction: Covariance = joint[..count].iter().map(|row| row[..count].to_vec()).collect();
+            let variance = joint[count][count];
+            stated.push((Source::FlatFriction, percent(rms(&friction)), friction));
+            stated.push((Source::FittedScale, percent(variance.sqrt()), vec![vec![variance]]));
         } else {
-            if let Some(covariance) = material.friction_covariance(&task.pressures_pa(), conditions) {
-                let known_to = percent(rms(&covariance));
-                let first = parts.add(covariance);
-                parts.name(FLAT_FRICTION, known_to, first..first + count);
-                friction_at = Some(first);
+            if let Some(covariance) = material.friction_covariance(&task.pressures_pa(), &conditions) {
+                stated.push((Source::FlatFriction, percent(rms(&covariance)), covariance));
             }
             if let Some(std) = material.modulus_std(law) {
-                let first = parts.add(vec![vec![std * std]]);
-                parts.name(MODULUS, percent(std), first..first + 1);
-                scale_at = Some(first);
+                stated.push((Source::Modulus, percent(std), vec![vec![std * std]]));
             }
         }
-        let mut law_at = None;
         if law.is_some_and(|law| law.factor_std().is_some()) {
-            let first = parts.add(vec![vec![1.0]]);
-            parts.name("area law", "known to the scatter of its map's windows".to_owned(), first..first + 1);
-            law_at = Some(first);
+            let known_to = "known to the scatter of its map's windows".to_owned();
+            stated.push((Source::AreaLaw, known_to, vec![vec![1.0]]));
         }
-        let burst = task.laser.depth_per_burst_std().map(|std| parts.add(vec![vec![std * std]]));
-        let refused = |error: SearchError| DesignError::Failed(format!("errors of the material: {error}"));
-        let uncertainty = Uncertainty::new(&tolerances, &diagonal(&parts.blocks)).map_err(refused)?;
 
         let is_fitted = material.scale_covariance.is_some();
-        let along = |first: Option<usize>, inputs: usize, friction: bool, scale: f64, law: f64| {
-            let Some(first) = first else { return Ok(None) };
-            let step: Vec<f64> = (0..values).map(|place| uncertainty.std(first + place % inputs)).collect();
+        let input = |(source, known_to, covariance): (Source, String, Covariance)| {
             let own = |side: f64| {
-                let by: Vec<f64> = step.iter().map(|step| if friction { side * step } else { 0.0 }).collect();
-                let one = side * step[0];
-                let scale = ScaleShift::off_by(scale * one, is_fitted);
-                model.beside(|scene: &Scene| moved(scene, &by, scale, law * one)).map_err(of_material)
+                let if_of = |is_own: bool, load: usize| if is_own { side * std_at(&covariance, load) } else { 0.0 };
+                let by: Vec<f64> = (0..values).map(|load| if_of(source == Source::FlatFriction, load)).collect();
+                let scale = if_of(matches!(source, Source::Modulus | Source::FittedScale), 0);
+                let scale = ScaleShift::off_by(scale, is_fitted);
+                let law = if_of(source == Source::AreaLaw, 0);
+                model.beside(|scene: &Scene| moved(scene, &by, scale, law)).map_err(of_material)
             };
-            let is_modulus = scale > 0.0 && !is_fitted;
-            Ok::<_, DesignError>(Some(Along {
-                above: own(1.0)?,
-                below: own(-1.0)?,
-                step,
-                first,
-                is_friction: friction,
-                is_modulus,
-            }))
+            let (above, below) = (own(1.0)?, own(-1.0)?);
+            Ok::<_, DesignError>(Input { source, known_to, covariance, above, below })
         };
-        let all = [
-            along(friction_at, count, true, 0.0, 0.0)?,
-            along(scale_at, 1, false, 1.0, 0.0)?,
-            along(law_at, 1, false, 0.0, 1.0)?,
-        ];
         Ok(Self {
             is_ratio: task.target.quantity() == Quantity::Ratio,
             loads: values,
-            inputs_of_loads: count,
             tolerances,
+            burst_std: task.laser.depth_per_burst_std(),
             still: model.beside(|scene: &Scene| Ok::<_, DesignError>(scene.clone()))?,
             fine: fine(model)?,
-            along: all.into_iter().flatten().collect(),
-            burst,
-            uncertainty,
-            inputs: parts.inputs,
+            inputs: stated.into_iter().map(input).collect::<Result<_, _>>()?,
         })
     }
 
@@ -229,41 +170,30 @@ impl<'a> Inputs<'a> {
             let n = self.loads;
             (0..n * n).map(|e| covariance(e / n, e % n) / (ratio[e / n] * ratio[e % n])).collect()
         };
-        let mut slopes = vec![vec![0.0; self.loads]; self.uncertainty.inputs()];
-        let mut bends: Vec<(usize, Vec<f64>)> = Vec::new();
-        let mut known_elsewhere = Vec::new();
-        for along in &self.along {
+        for input in &self.inputs {
             // All evaluations use one layout, because the layout of crossing grooves takes as long as a solve.
             let at = |model: &SteadyModel| model.ratios_made(design, &laid);
-            let (above, below) = rayon::join(|| at(&along.above), || at(&along.below));
+            let (above, below) = rayon::join(|| at(&input.above), || at(&input.below));
             let (above, below) = (above?, below?);
+            let is_friction = input.source == Source::FlatFriction;
+            let mut slopes = vec![vec![0.0; self.loads]; input.covariance.len()];
             let mut bend = vec![0.0; self.loads];
-            for (load, bend) in bend.iter_mut().enumerate() {
-                let (above, below, own, step) = (above[load], below[load], still[load], along.step[load]);
-                // (r(x + s) - r(x - s)) / 2s and (r(x + s) - 2 r(x) + r(x - s)) / 2
-                let of_friction = if along.is_friction && !self.is_ratio { ratio[load] } else { 0.0 };
-                let place = along.first + if along.is_friction { load % self.inputs_of_loads } else { 0 };
-                // mu = r mu_flat (1 + x)
-                slopes[place][load] = (above - below) / (2.0 * step) + of_friction;
-                *bend = 0.5 * (above - 2.0 * own + below);
+            for load in 0..self.loads {
+                let (above, below, own) = (above[load], below[load], still[load]);
+                // (r(x + s) - r(x - s)) / 2s and (r(x + s) - 2 r(x) + r(x - s)) / 2; mu = r mu_flat (1 + x)
+                let of_friction = if is_friction && !self.is_ratio { ratio[load] } else { 0.0 };
+                slopes[load % input.covariance.len()][load] = (above - below) / (2.0 * input.std(load)) + of_friction;
+                bend[load] = 0.5 * (above - 2.0 * own + below);
             }
-            if !along.is_friction {
-                bends.push((along.first, bend));
-            }
-            if along.is_modulus {
-                known_elsewhere.push(along.first);
-            }
-        }
-        for input in &self.inputs {
-            let is_own = |place: usize| input.places.contains(&place) && !known_elsewhere.contains(&place);
-            let of_input = self.uncertainty.covariance_of(&slopes, &is_own);
-            // x^2 of a standard deviate x has the variance 2.
-            let bent = |l: usize, m: usize| -> f64 {
-                let own = bends.iter().filter(|(place, _)| input.places.contains(place));
-                own.map(|(_, bend)| 2.0 * bend[l] * bend[m]).sum()
-            };
-            let covariance = log(&|l, m| of_input[l][m] + bent(l, m));
-            let (name, known_to) = (input.name, input.known_to.clone());
+            let first_order = propagated(&input.covariance, &slopes);
+            let covariance = log(&|l, m| {
+                // The discrepancy includes the first order of the modulus, because trials inform about it.
+                let first = if input.source == Source::Modulus { 0.0 } else { first_order[l][m] };
+                // x^2 of a standard deviate x has the variance 2.
+                let second = if is_friction { 0.0 } else { 2.0 * bend[l] * bend[m] };
+                first + second
+            });
+            let (name, known_to) = (input.source.name(), input.known_to.clone());
             parts.push(Part { name, known_to, effect: InputEffect::Shared(covariance) });
         }
         let of_blocks = match of_blocks {
@@ -301,21 +231,18 @@ impl<'a> Inputs<'a> {
             let own_m = by_m.iter().copied().find(|by_m| *by_m != 0.0).unwrap_or(0.0);
             parts.push(part(name, made_to(own_m), by_m, self.by_lengths(design, &by_m)?));
         }
-        let per = |step: &Answers, std: f64| -> Vec<f64> {
-            let each = step.above.ratio.iter().zip(&step.below.ratio).zip(still);
-            each.map(|((above, below), own)| std * (above - below) / (step.step * own)).collect()
-        };
-        if self.uncertainty.rim().is_some() {
-            let std_m = self.tolerances.rim_height_std_m();
+        let std_m = self.tolerances.rim_height_std_m();
+        if std_m > 0.0 {
             let laid = self.still.lay(design)?;
             let at = |by_m: f64| self.still.answer_made(&with_rim_off(design, by_m), &laid);
             // One-sided, upwards, if the rims are lower than one standard deviation.
             let below_m = if design.rim_height_m() < std_m { 0.0 } else { -std_m };
-            let log = per(&Answers { above: at(std_m)?, below: at(below_m)?, step: std_m - below_m }, std_m);
+            let (above, below) = (at(std_m)?.ratio, at(below_m)?.ratio);
+            let each = above.iter().zip(below).zip(still);
+            let log = each.map(|((above, below), own)| std_m * (above - below) / ((std_m - below_m) * own)).collect();
             parts.push(part("rim height", made_to(std_m), [0.0; DIMENSIONS], log));
         }
-        if let Some(place) = self.burst {
-            let std = self.uncertainty.std(place);
+        if let Some(std) = self.burst_std {
             let by_m = std::array::from_fn(|axis| if axis == DEPTH { std * design.depth_m() } else { 0.0 });
             parts.push(part("depth per burst", percent(std), by_m, self.by_lengths(design, &by_m)?));
         }
@@ -349,19 +276,13 @@ impl<'a> Inputs<'a> {
 }
 
 /// Name of the input Young's modulus.
-pub const MODULUS: &str = "Young's modulus";
+pub const MODULUS: &str = Source::Modulus.name();
 /// Name of the input flat friction, the only uncertain input of a flat surface.
 pub const FLAT_FRICTION: &str = Source::FlatFriction.name();
 /// Name of the input that decides whether friction follows the local or the nominal pressure.
 pub const LOCAL_LAW: &str = "local law";
 /// Name of the scatter of friction between samples of one texture.
 pub const SCATTER: &str = "scatter between samples";
-
-struct Answers {
-    above: Answer,
-    below: Answer,
-    step: f64,
-}
 
 /// Independent errors of the dimensions of samples: name of the first dimension that changes, and changes of width,
 /// spacing and depth by one standard deviation, in metres.
@@ -394,18 +315,20 @@ fn block_std(difference: f64) -> f64 {
     0.5 * difference.abs() * (1.0 + 1.0 / (std::f64::consts::SQRT_2 - 1.0))
 }
 
-/// Joins the covariances of independent groups of inputs to a block-diagonal matrix.
-fn diagonal(blocks: &[Covariance]) -> Covariance {
-    let count = blocks.iter().map(Vec::len).sum();
-    let mut all = vec![vec![0.0; count]; count];
-    let mut first = 0;
-    for block in blocks {
-        for (row, entries) in block.iter().enumerate() {
-            all[first + row][first..first + block.len()].copy_from_slice(entries);
+/// Covariance of values from inputs with the `covariance` C, one row per value: G' C G, with the derivatives
+/// G = `slopes`, one row per input and one column per value.
+fn propagated(covariance: &Covariance, slopes: &[Vec<f64>]) -> Covariance {
+    let count = slopes.first().map_or(0, Vec::len);
+    let mut of_values = vec![vec![0.0; count]; count];
+    for (row, left) in covariance.iter().zip(slopes) {
+        for (entry, right) in row.iter().zip(slopes).filter(|(entry, _)| **entry != 0.0) {
+            for (value, sums) in of_values.iter_mut().enumerate() {
+                let left = left[value] * entry;
+                sums.iter_mut().zip(right).for_each(|(sum, right)| *sum += left * right);
+            }
         }
-        first += block.len();
     }
-    all
+    of_values
 }
 
 /// Root mean square of the standard deviations that the diagonal of `covariance` gives.

@@ -162,7 +162,7 @@ fn reported(
     let section = search.models.own.dimension().section_of(&pattern);
     let measured_mpa = task.measured_mpa(&prepared.material, &prepared.outside);
     let mut said = confirmed.statements.clone();
-    said.model.extend(statements(task, prepared.further.len()));
+    said.model.extend(statements(prepared));
     search.models.own.describe(&mut said);
     let (local_law, _) = asked.learned.local_law();
     if let Some(note) = local_law_note(&best.texture.sensitivity, &asked.loads, local_law) {
@@ -219,7 +219,8 @@ fn reported(
         seed: task.search.seed,
         ..DesignReport::default()
     };
-    let PreparedTask { task, material, uncertainty, loads, .. } = prepared.clone();
+    let loads = prepared.loads().to_vec();
+    let PreparedTask { task, material, uncertainty, .. } = prepared.clone();
     let material = KnownMaterial { material, uncertainty };
     Ok(DesignOutcome { report, advice, pattern, task, material, loads, scene, confirmed, lattice, compared, explorer })
 }

@@ -1,48 +1,27 @@
-//! Operating conditions of the target besides the design condition: further speeds and humidities, and further sliding
-//! directions.
+//! Operating conditions at which the target must hold: speeds and humidities, in every sliding direction.
 
 use slipgrid_model::material::{Condition, Material};
 use slipgrid_model::pattern::Pattern;
 use slipgrid_model::springblock::Load;
 
-use crate::DesignError;
+use crate::Refusal;
+use crate::prepared_task::PreparedTask;
 use crate::task::DesignTask;
 use slipgrid_base::units::{HUMIDITY_PCT, SPEED_MM_S, tidy};
 
-/// Condition and sliding direction at which friction is computed.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// Condition and sliding direction at which the target must hold, with its loads.
+#[derive(Clone, Debug)]
 pub struct Setting {
     /// Speed and humidity; `None` if coefficients are not given per condition.
     pub condition: Option<Condition>,
     /// Sliding direction, in degrees anticlockwise from the specimen's x axis; `None` if a design has a single
     /// direction.
     pub sliding_angle_deg: Option<f64>,
-}
-
-/// Setting of the target in addition to the design setting, with its loads.
-#[derive(Clone, Debug)]
-pub struct Further {
-    /// Speed, humidity and direction.
-    pub at: Setting,
     /// Target pressures with the coefficients of this setting.
     pub loads: Vec<Load>,
-    /// Whether each pressure lies outside the measured range.
-    pub outside: Vec<bool>,
 }
 
 impl Setting {
-    /// Returns the design setting of `design`: the design condition in the texture's own sliding direction.
-    pub fn first(design: &DesignTask) -> Self {
-        let has_several = !design.directions.different_deg.is_empty();
-        let own_deg = design.space.texture().sliding_angle_deg();
-        Self { condition: design.condition, sliding_angle_deg: has_several.then_some(own_deg) }
-    }
-
-    /// Turns `pattern` to the sliding direction of this setting.
-    pub fn turned(&self, pattern: &Pattern) -> Pattern {
-        turned(pattern, self.sliding_angle_deg)
-    }
-
     /// Describes the setting.
     pub fn in_words(&self) -> String {
         let condition = self.condition.map(|condition| {
@@ -60,32 +39,29 @@ pub fn turned(pattern: &Pattern, angle_deg: Option<f64>) -> Pattern {
     angle_deg.and_then(|angle_deg| pattern.with_sliding_angle_deg(angle_deg).ok()).unwrap_or(*pattern)
 }
 
-/// Lists the settings of `design` besides the design setting: its further conditions, then all conditions in every
-/// further direction, the design condition first.
+/// Lists the settings of `design`: its conditions in the texture's own sliding direction, the design condition first,
+/// then all conditions in every further direction.
 ///
 /// # Errors
-/// [`DesignError`] for a condition outside those measured.
-pub fn further(design: &DesignTask, material: &Material) -> Result<Vec<Further>, DesignError> {
+/// [`Refusal`] of a condition outside those measured.
+pub fn settings(design: &DesignTask, material: &Material) -> Result<Vec<Setting>, Refusal> {
+    let further_deg = &design.directions.different_deg;
+    let own_deg = (!further_deg.is_empty()).then_some(design.space.texture().sliding_angle_deg());
     let mut all = Vec::new();
-    let first = Setting::first(design);
-    let turned = design.directions.different_deg.iter().map(|&angle_deg| Some(angle_deg));
-    for sliding_angle_deg in std::iter::once(None).chain(turned) {
-        let at = Setting { sliding_angle_deg: sliding_angle_deg.or(first.sliding_angle_deg), ..first };
-        if sliding_angle_deg.is_some() {
-            let (loads, outside) = design.loads(material)?;
-            all.push(Further { at, loads, outside });
-        }
+    for sliding_angle_deg in std::iter::once(own_deg).chain(further_deg.iter().copied().map(Some)) {
+        let (loads, _) = design.loads(material)?;
+        all.push(Setting { condition: design.condition, sliding_angle_deg, loads });
         for condition in &design.also_at {
-            let (loads, outside) = design.loads_at(material, condition)?;
-            let at = Setting { condition: Some(*condition), ..at };
-            all.push(Further { at, loads, outside });
+            let loads = design.loads_at(material, condition)?;
+            all.push(Setting { condition: Some(*condition), sliding_angle_deg, loads });
         }
     }
     Ok(all)
 }
 
-/// Statements on the conditions and sliding directions of `design`, with `further` settings besides the first.
-pub fn statements(design: &DesignTask, further: usize) -> Vec<String> {
+/// Statements on the conditions and sliding directions of `prepared`.
+pub fn statements(prepared: &PreparedTask) -> Vec<String> {
+    let (design, settings) = (&prepared.task, &prepared.settings);
     let mut statements = Vec::new();
     let alike: Vec<String> = design.directions.alike_deg.iter().map(|angle_deg| tidy(*angle_deg).to_string()).collect();
     if !alike.is_empty() {
@@ -110,12 +86,12 @@ pub fn statements(design: &DesignTask, further: usize) -> Vec<String> {
             ends(range.humidity().map(|humidity| HUMIDITY_PCT.from_si(humidity))),
         ));
     }
-    if further > 0 {
+    if settings.len() > 1 {
         statements.push(format!(
             "the target holds at {} conditions or sliding directions at once, each with its own coefficients; ends, tilt and time are \
              those of the first, at {}",
-            1 + further,
-            Setting::first(design).in_words()
+            settings.len(),
+            settings[0].in_words()
         ));
     }
     statements

@@ -4,7 +4,7 @@ use slipgrid_infer::calibrate::uncertainty::MaterialUncertainty;
 use slipgrid_model::material::Material;
 use slipgrid_model::springblock::Load;
 
-use crate::operating_conditions::{self, Further};
+use crate::operating_conditions::{Setting, settings};
 use crate::task::{DesignTask, KnownMaterial};
 use crate::{DesignError, whole_steps};
 
@@ -17,12 +17,10 @@ pub struct PreparedTask {
     pub material: Material,
     /// Uncertainty of the material.
     pub uncertainty: MaterialUncertainty,
-    /// Loads at the design condition.
-    pub loads: Vec<Load>,
-    /// Whether each load lies outside the pressures at which friction was measured.
+    /// Conditions and sliding directions at which the target must hold, the design condition first.
+    pub settings: Vec<Setting>,
+    /// Whether each load at the design condition lies outside the pressures at which friction was measured.
     pub outside: Vec<bool>,
-    /// Settings besides the design setting: further conditions and sliding directions.
-    pub further: Vec<Further>,
 }
 
 impl PreparedTask {
@@ -38,12 +36,17 @@ impl PreparedTask {
         let conditions = task.condition.iter().chain(&task.also_at);
         let interpolated = conditions.filter_map(|condition| material.friction.interpolation(Some(condition)));
         material.provenance.notes.extend(interpolated);
-        let (loads, outside) = task.loads(&material)?;
-        let further = operating_conditions::further(&task, &material)?;
+        let (_, outside) = task.loads(&material)?;
+        let settings = settings(&task, &material)?;
         if task.search.table {
             whole_steps::check(&task)?;
         }
-        Ok(Self { task, material, uncertainty, loads, outside, further })
+        Ok(Self { task, material, uncertainty, settings, outside })
+    }
+
+    /// Loads at the design condition.
+    pub fn loads(&self) -> &[Load] {
+        &self.settings[0].loads
     }
 
     /// Relative standard deviation of Young's modulus; 0 if the modulus has no effect.

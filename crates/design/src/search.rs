@@ -26,8 +26,9 @@ use crate::evaluation_cache::Answer;
 use crate::inputs::{InputEffect, Inputs, Part, percent};
 use crate::prediction::Prediction;
 use crate::prepared_task::PreparedTask;
+use crate::sensitivities::Models;
 use crate::steps::{Place, Steps, climb};
-use crate::table::{Models, Table};
+use crate::table::Table;
 use crate::task::{ConstraintQuantity, DesignTask};
 
 /// Total weight of the likeliest members of the predictor's mixture that preselect textures; the whole mixture ranks

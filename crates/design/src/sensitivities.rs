@@ -1,22 +1,22 @@
-//! Sensitivity of modelled ratios to inputs shared by all textures, and the loads of a task in the form that trials
-//! have.
+//! Model of the search, with the sensitivity of its ratios to inputs that all textures share.
 
 use std::fmt::Debug;
 
 use crate::optimize::ModelFailure;
 use rayon::prelude::*;
 use slipgrid_base::units::PRESSURE_MPA;
-use slipgrid_infer::calibrate::uncertainty::{MaterialUncertainty, ScaleShift, moved, with_local_law};
+use slipgrid_infer::calibrate::uncertainty::{ScaleShift, moved, with_local_law};
 use slipgrid_infer::discrepancy::{Discrepancy, Load, Sensitivity};
 use slipgrid_model::material::{Condition, MaterialError};
 use slipgrid_model::pattern::Pattern;
-use slipgrid_model::springblock::Scene;
+use slipgrid_model::springblock::{Scene, block_refinement};
 
-use crate::operating_conditions::Further;
+use crate::DesignError;
+use crate::prepared_task::PreparedTask;
 use crate::steady_model::SteadyModel;
-use crate::task::DesignTask;
-use crate::{DesignError, Refusal, TaskPart};
 
+/// Maximum number of multiplications to solve a cell in smaller blocks: some hundredths of a second.
+const MAX_REFINED: f64 = 2e8;
 /// Step of the logarithm of Young's modulus to each side for the derivative of ln R.
 const LOG_MODULUS_STEP: f64 = 0.05;
 /// The report of a design mentions the local law if it changes ln R, R the friction ratio, by more than this.
@@ -33,14 +33,14 @@ pub struct Modelled {
     pub sensitivity: Vec<Sensitivity>,
 }
 
-/// Models for the changes of friction ratios with Young's modulus, and if friction follows the local instead of the
-/// nominal pressure.
-pub struct Sensitivities<'a> {
+/// Model of the search, with models for the changes of friction ratios with Young's modulus, and if friction follows
+/// the local instead of the nominal pressure.
+pub struct Models<'a> {
+    pub own: &'a SteadyModel<'a>,
     /// Models with a stiffer and a softer body; `None` if the modulus has no effect.
     both: Option<[SteadyModel<'a>; 2]>,
     /// Models for friction by the local pressure; `None` if flat friction follows the area law at every condition.
     by_local_pressure: Option<ByLocalPressure<'a>>,
-    loads: usize,
 }
 
 /// Models in which friction follows the local pressure, one per condition at which flat friction contradicts the area
@@ -54,36 +54,32 @@ struct ByLocalPressure<'a> {
 }
 
 impl<'a> ByLocalPressure<'a> {
-    /// Builds the models for the material of `own` at the condition of each load.
-    fn new(
-        own: &SteadyModel<'a>,
-        material: &MaterialUncertainty,
-        conditions: &[Option<Condition>],
-    ) -> Result<Option<Self>, MaterialError> {
-        let mut known: Vec<Option<Condition>> = Vec::new();
-        let (mut laws, mut places) = (Vec::new(), Vec::new());
-        for condition in conditions {
-            if known.iter().any(|other| Condition::is_same(other.as_ref(), condition.as_ref())) {
-                continue;
-            }
-            known.push(*condition);
-            let law = material.local_law(own.area_law(), condition.as_ref());
-            places.push(law.as_ref().map(|_| laws.len()));
-            if let Some(law) = law {
-                laws.push(own.beside(|scene: &Scene| with_local_law(scene, &law))?);
-            }
+    /// Builds the models for the material of `prepared` at the condition of each load of `own`.
+    fn new(own: &SteadyModel<'a>, prepared: &PreparedTask) -> Result<Option<Self>, MaterialError> {
+        let (mut laws, mut of_load) = (Vec::new(), Vec::new());
+        let mut known: Vec<(Option<Condition>, Option<usize>)> = Vec::new();
+        for setting in &prepared.settings {
+            let condition = setting.condition.as_ref();
+            let same = known.iter().find(|(other, _)| Condition::is_same(other.as_ref(), condition));
+            let place = match same {
+                Some((_, place)) => *place,
+                None => {
+                    let law = prepared.uncertainty.local_law(own.area_law(), condition);
+                    let place = law.as_ref().map(|_| laws.len());
+                    if let Some(law) = law {
+                        laws.push(own.beside(|scene: &Scene| with_local_law(scene, &law))?);
+                    }
+                    known.push((setting.condition, place));
+                    place
+                }
+            };
+            of_load.extend(std::iter::repeat_n(place, setting.loads.len()));
         }
         if laws.is_empty() {
             return Ok(None);
         }
-        let place = |condition: &Option<Condition>| {
-            known
-                .iter()
-                .position(|other| Condition::is_same(other.as_ref(), condition.as_ref()))
-                .and_then(|known| places[known])
-        };
         let still = own.beside(|scene: &Scene| Ok::<_, MaterialError>(scene.clone()))?;
-        Ok(Some(Self { still, laws, of_load: conditions.iter().map(place).collect() }))
+        Ok(Some(Self { still, laws, of_load }))
     }
 
     /// Change of ln R, R the friction ratio, of `design` at every load if friction follows the local pressure; 0 at
@@ -104,29 +100,24 @@ fn made(model: &SteadyModel<'_>, design: &Pattern) -> Result<Vec<f64>, ModelFail
     Ok(model.answer_made(design, &model.lay(design)?)?.ratio)
 }
 
-impl<'a> Sensitivities<'a> {
-    /// Builds the models for `own` and the uncertainty of `material`; `conditions` holds the condition of each load.
+impl<'a> Models<'a> {
+    /// Builds the models for `own` and the material of `prepared`.
     ///
     /// # Errors
     /// [`DesignError`] if the area law, changed by its errors, is invalid.
-    pub fn new(
-        own: &SteadyModel<'a>,
-        material: &MaterialUncertainty,
-        conditions: &[Option<Condition>],
-    ) -> Result<Self, DesignError> {
-        let loads = own.asked().loads.len();
-        let still = vec![0.0; loads];
-        let refused = |error: MaterialError| Refusal::new(TaskPart::Whole, error.to_string());
+    pub fn new(own: &'a SteadyModel<'a>, prepared: &PreparedTask) -> Result<Self, DesignError> {
+        let still = vec![0.0; own.asked().loads.len()];
+        let refused = |error: MaterialError| DesignError::refused(error.to_string());
         let at = |log: f64| {
             own.beside(|scene: &Scene| moved(scene, &still, ScaleShift { log, is_fitted: false }, 0.0)).map_err(refused)
         };
-        let moves = material.modulus_std(own.area_law()).is_some();
+        let moves = prepared.uncertainty.modulus_std(own.area_law()).is_some();
         let both = if moves { Some([at(LOG_MODULUS_STEP)?, at(-LOG_MODULUS_STEP)?]) } else { None };
-        Ok(Self { both, by_local_pressure: ByLocalPressure::new(own, material, conditions).map_err(refused)?, loads })
+        Ok(Self { own, both, by_local_pressure: ByLocalPressure::new(own, prepared).map_err(refused)? })
     }
 
-    /// All inputs except width, spacing and depth of a design, for cache keys.
-    pub(crate) fn content(&self) -> impl Debug + '_ {
+    /// All inputs of the sensitivities except width, spacing and depth of a design, for cache keys.
+    pub(crate) fn content_of_sensitivities(&self) -> impl Debug + '_ {
         let both = self.both.as_ref().map(|both| both.each_ref().map(SteadyModel::content));
         let laws = self
             .by_local_pressure
@@ -135,12 +126,14 @@ impl<'a> Sensitivities<'a> {
         (both, laws)
     }
 
-    /// Computes the sensitivities of ln R, R the friction ratio of `design`, at every load.
+    /// Computes the model values of `design`.
     ///
     /// # Errors
-    /// [`ModelFailure`] if the design cannot be computed.
-    pub fn at(&self, design: &Pattern) -> Result<Vec<Sensitivity>, ModelFailure> {
-        Ok(from_numbers(&self.numbers(design)?, self.loads))
+    /// [`ModelFailure`] if the design cannot be computed, or its cavities close.
+    pub fn at(&self, design: &Pattern) -> Result<Modelled, ModelFailure> {
+        let log_ratio: Vec<f64> = self.own.steady(design)?.ratio.iter().map(|ratio| ratio.ln()).collect();
+        let sensitivity = from_numbers(&self.numbers(design)?, log_ratio.len());
+        Ok(Modelled { log_ratio, sensitivity })
     }
 
     /// Computes d ln R / d ln E, R the friction ratio and E Young's modulus, of `design` at every load, followed by the
@@ -157,14 +150,31 @@ impl<'a> Sensitivities<'a> {
     }
 
     fn of_modulus(&self, design: &Pattern) -> Result<Vec<f64>, ModelFailure> {
-        let Some([stiffer, softer]) = &self.both else { return Ok(vec![0.0; self.loads]) };
+        let Some([stiffer, softer]) = &self.both else { return Ok(vec![0.0; self.own.asked().loads.len()]) };
         let (stiffer, softer) = rayon::join(|| made(stiffer, design), || made(softer, design));
         let slope = |(above, below): (&f64, &f64)| (above / below).ln() / (2.0 * LOG_MODULUS_STEP);
         Ok(stiffer?.iter().zip(&softer?).map(slope).collect())
     }
+
+    /// Change of each ratio of `design` by smaller blocks, and standard deviation due to the remaining block size;
+    /// `None` for rims in space, in several directions, and if smaller blocks are too expensive.
+    pub fn refined(&self, design: &Pattern) -> Option<(Vec<f64>, Vec<f64>)> {
+        if self.own.has_directions() {
+            return None;
+        }
+        let laid = self.own.lay(design).ok()?;
+        let share = laid.share(design);
+        let ratios = self.own.ratios_made(design, &laid).ok()?;
+        // Ratio of the cell, with the areal densities D of specimen and period: 1 - r = (1 - r_cell) D / D_period
+        let own: Vec<Option<f64>> = ratios.iter().map(|ratio| Some(1.0 - (1.0 - ratio) / share)).collect();
+        let refined = block_refinement(&self.own.cell(design, false), &own, MAX_REFINED)?;
+        // The error is an upper bound, taken as two standard deviations.
+        let open = refined.errors.iter().map(|error| 0.5 * share * error).collect();
+        Some((refined.shifts.iter().map(|shift| share * shift).collect(), open))
+    }
 }
 
-/// Decodes the sensitivities at `loads` loads from the numbers of [`Sensitivities::numbers`]; zeros if there are no
+/// Decodes the sensitivities at `loads` loads from the numbers of [`Models::numbers`]; zeros if there are no
 /// numbers.
 pub fn from_numbers(numbers: &[f64], loads: usize) -> Vec<Sensitivity> {
     let number = |place: usize| numbers.get(place).copied().unwrap_or(0.0);
@@ -192,27 +202,4 @@ pub fn usual_humidity(learned: &Discrepancy) -> f64 {
     let measured = learned.trials().iter().flat_map(|trial| trial.measured.iter().map(|at| at.load.humidity));
     let humidities: Vec<f64> = measured.collect();
     if humidities.is_empty() { USUAL_HUMIDITY } else { humidities.iter().sum::<f64>() / humidities.len() as f64 }
-}
-
-/// Loads of `task` in the form that trials have: pressure, speed and humidity at every load of `model`.
-pub fn loads_of(task: &DesignTask, learned: &Discrepancy, further: &[Further], model: &SteadyModel<'_>) -> Vec<Load> {
-    let usual = usual_humidity(learned);
-    let at = |(load, condition): (&slipgrid_model::springblock::Load, Option<Condition>)| Load {
-        pressure_pa: load.pressure_pa,
-        speed_m_s: condition.map_or(task.speed_m_s, |condition| condition.speed_m_s),
-        humidity: condition.map_or(usual, |condition| condition.humidity),
-    };
-    model.asked().loads.iter().zip(conditions_of(task, further)).map(at).collect()
-}
-
-/// Speed and humidity of every setting of `task`, the design condition first; `None` if coefficients are not given per
-/// condition.
-pub fn conditions(task: &DesignTask, further: &[Further]) -> impl Iterator<Item = Option<Condition>> {
-    std::iter::once(task.condition).chain(further.iter().map(|further| further.at.condition))
-}
-
-/// Speed and humidity at every load of `task`, setting by setting; `None` if coefficients are not given per condition.
-pub fn conditions_of(task: &DesignTask, further: &[Further]) -> Vec<Option<Condition>> {
-    let count = task.target.points().len().max(1);
-    conditions(task, further).flat_map(|condition| std::iter::repeat_n(condition, count)).collect()
 }

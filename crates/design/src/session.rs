@@ -14,9 +14,9 @@ use crate::evaluation_cache::{EvaluationCache, Evaluations};
 use crate::inputs::Inputs;
 use crate::prepared_task::PreparedTask;
 use crate::search::{SHARE_OF_LATTICES, SHARE_OF_RANKING, Search};
-use crate::sensitivities::conditions_of;
+use crate::sensitivities::Models;
 use crate::steady_model::SteadyModel;
-use crate::table::{Models, Table};
+use crate::table::Table;
 use crate::time_budget::{SEARCH_SHARE, TimeBudget};
 use crate::timings::Timings;
 
@@ -36,11 +36,11 @@ pub fn with_table<T>(
     timings: &mut Timings,
     then: impl FnOnce(&Search<'_>, &mut Timings) -> Result<T, DesignError>,
 ) -> Result<T, DesignError> {
-    let PreparedTask { task, material, uncertainty, loads, further, .. } = prepared;
+    let PreparedTask { task, material, settings, .. } = prepared;
     let began_s = monitor.seconds();
     let run = RunOptions { fidelity: Fidelity::Steady, dimensions: task.search.dimensions, ..RunOptions::default() };
-    let scene = task.flat_scene(material, loads.clone(), run);
-    let elsewhere: Vec<&[Load]> = further.iter().map(|at| &at.loads[..]).collect();
+    let scene = task.flat_scene(material, prepared.loads().to_vec(), run);
+    let elsewhere: Vec<&[Load]> = settings[1..].iter().map(|at| &at.loads[..]).collect();
     let model = SteadyModel::new(&scene, &elsewhere, &task.directions.different_deg, &task.space);
     let model = model.watched_by(monitor);
     // A sector is modelled as part of an infinite pattern: the pressed area has no outer rim.
@@ -56,9 +56,9 @@ pub fn with_table<T>(
         model.keep(evaluations);
     }
     let limited = Limited::of(task);
-    let asked = Asked::new(task, uncertainty, further, &model)?;
-    let models = Models::new(&model, uncertainty, &conditions_of(task, further))?;
-    let inputs = Inputs::new(task, uncertainty, &model, further)?;
+    let asked = Asked::new(prepared)?;
+    let models = Models::new(&model, prepared)?;
+    let inputs = Inputs::new(prepared, &model)?;
     let face = Some(task.specimen).filter(|_| division.is_none());
     let beyond = BeyondCells { model: &model, face, count: asked.count, seed: task.search.seed };
 

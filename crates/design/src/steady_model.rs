@@ -4,7 +4,6 @@ use std::fmt::Debug;
 
 use crate::optimize::{DesignSpace, ModelFailure};
 use slipgrid_base::monitor::{Monitor, Unwatched};
-use slipgrid_laser::export::ExportError;
 use slipgrid_model::material::AreaLaw;
 use slipgrid_model::pattern::{Pattern, Texture};
 use slipgrid_model::springblock::{Dimension, Extent, Fidelity, Load, RunOptions, Scene, Statements, Status};
@@ -103,11 +102,6 @@ impl<'a> SteadyModel<'a> {
     pub fn on(mut self, specimen: Specimen) -> Self {
         self.specimen = Some(specimen);
         self
-    }
-
-    /// Ratio of the areal density of the specimen to the areal density of the infinite pattern.
-    pub(crate) fn share(&self, design: &Pattern) -> Result<f64, ExportError> {
-        Ok(Laid::new(self.specimen.as_ref(), design, self.dimension())?.share(design))
     }
 
     /// Lays `design` out on the specimen; all samples of the design have this layout.

@@ -16,22 +16,16 @@ use serde::{Deserialize, Serialize};
 use slipgrid_base::monitor::{Cancelled, Monitor, Part, cached};
 use slipgrid_base::statistics::{Axis, Normals, ResponseSurface, median, normal_probability};
 use slipgrid_base::units::tidy;
-use slipgrid_infer::calibrate::uncertainty::MaterialUncertainty;
 use slipgrid_infer::discrepancy::DimensionShift;
-use slipgrid_model::material::Condition;
 use slipgrid_model::pattern::Pattern;
-use slipgrid_model::springblock::{Scene, block_refinement};
 
-use crate::DesignError;
 use crate::as_cut::BeyondCells;
 use crate::evaluation_cache::Answer;
 use crate::inputs::{made, of_dimensions, shift};
-use crate::sensitivities::{Modelled, Sensitivities, from_numbers};
+use crate::sensitivities::{Modelled, Models, from_numbers};
 use crate::steady_model::SteadyModel;
 use crate::task::DesignTask;
 
-/// Maximum number of multiplications to solve a cell in smaller blocks: some hundredths of a second.
-const MAX_REFINED: f64 = 2e8;
 /// Number of outputs besides ln R, R the friction ratio, at each load: logarithm of the maximum pressure in pascals,
 /// minimum ratio of local to nominal pressure, sag of the ceilings in metres.
 const BESIDE: usize = 3;
@@ -91,54 +85,6 @@ pub struct TableReport {
     pub bytes: usize,
 }
 
-/// Model of the search with the sensitivities of its ratios.
-pub struct Models<'a> {
-    pub own: &'a SteadyModel<'a>,
-    sensitivities: Sensitivities<'a>,
-}
-
-impl<'a> Models<'a> {
-    /// Builds the models for `own` and the uncertainty of `material`; `conditions` holds the condition of each load.
-    ///
-    /// # Errors
-    /// [`DesignError`] if the area law, changed by its errors, is invalid.
-    pub fn new(
-        own: &'a SteadyModel<'a>,
-        material: &MaterialUncertainty,
-        conditions: &[Option<Condition>],
-    ) -> Result<Self, DesignError> {
-        Ok(Self { own, sensitivities: Sensitivities::new(own, material, conditions)? })
-    }
-
-    /// Computes the model values of `design`.
-    ///
-    /// # Errors
-    /// [`ModelFailure`] if the design cannot be computed, or its cavities close.
-    pub fn at(&self, design: &Pattern) -> Result<Modelled, ModelFailure> {
-        Ok(Modelled {
-            log_ratio: self.own.steady(design)?.ratio.iter().map(|ratio| ratio.ln()).collect(),
-            sensitivity: self.sensitivities.at(design)?,
-        })
-    }
-
-    /// Change of each ratio of `design` by smaller blocks, and standard deviation due to the remaining block size;
-    /// `None` for rims in space, in several directions, and if smaller blocks are too expensive.
-    pub fn refined(&self, design: &Pattern) -> Option<(Vec<f64>, Vec<f64>)> {
-        if self.own.has_directions() {
-            return None;
-        }
-        let scene = Scene { pattern: Some(*design), ..self.own.asked().clone() };
-        let share = self.own.share(design).ok()?;
-        let ratios = self.own.steady(design).ok()?.ratio;
-        // Ratio of the cell, with the areal densities D of specimen and period: 1 - r = (1 - r_cell) D / D_period
-        let own: Vec<Option<f64>> = ratios.iter().map(|ratio| Some(1.0 - (1.0 - ratio) / share)).collect();
-        let refined = block_refinement(&scene, &own, MAX_REFINED)?;
-        // The error is an upper bound, taken as two standard deviations.
-        let open = refined.errors.iter().map(|error| 0.5 * share * error).collect();
-        Some((refined.shifts.iter().map(|shift| share * shift).collect(), open))
-    }
-}
-
 /// Interpolated model results (ratios, sensitivities, extreme pressures, clearance) for every texture within the
 /// bounds.
 #[derive(Clone)]
@@ -187,7 +133,7 @@ impl Table {
         }
         let surface = ResponseSurface::through(lattice, loads + BESIDE, values.concat());
         let part = Part::new(stage, 0.4 / 3.0);
-        let of = |design: &Pattern| models.sensitivities.numbers(design).ok();
+        let of = |design: &Pattern| models.numbers(design).ok();
         let sensitivities = Nodes::new(task, ("slopes", models), &of, scope.sensitivities, &part)?;
         // ln (r + s) / r, s the change by smaller blocks; zero if these are too expensive, as in the final evaluation.
         let smaller = |design: &Pattern| {
@@ -415,7 +361,7 @@ impl Nodes {
             if stage.cancelled() { Err(Cancelled) } else { Ok(nodes) }
         };
         let loads_of_face = (name == "face").then(|| task.target.points().len());
-        let content = (name, models.own.content(), models.sensitivities.content(), space, &axes, loads_of_face);
+        let content = (name, models.own.content(), models.content_of_sensitivities(), space, &axes, loads_of_face);
         let nodes = cached(stage, ("nodes", &content), 1.0, ask).ok()?;
         Some(Self { axes, nodes })
     }

@@ -30,13 +30,6 @@ pub enum ConstraintQuantity {
     LeastPressure,
 }
 
-impl ConstraintQuantity {
-    /// Whether the quantity requires the layout of a design on the specimen.
-    pub const fn takes_a_layout(self) -> bool {
-        matches!(self, Self::BearingArea | Self::ArealDensity | Self::LaserTime)
-    }
-}
-
 /// Design task. [`DesignTask::new`] gives the defaults of optional fields.
 #[derive(Clone, Debug)]
 pub struct DesignTask {
@@ -284,11 +277,6 @@ impl DesignTask {
         Ok(())
     }
 
-    /// Relative humidity of the design condition, from 0 to 1; `None` without a condition.
-    pub fn humidity(&self) -> Option<f64> {
-        self.condition.map(|condition| condition.humidity)
-    }
-
     /// Range that the design condition was chosen from; `None` if a single condition was given.
     pub fn range(&self) -> Option<&ConditionRange> {
         self.ranges.first().filter(|range| range.is_wide())
@@ -323,12 +311,13 @@ impl DesignTask {
         beyond_measured_range(&beyond_mpa, self.measured_mpa(material, outside))
     }
 
-    /// Returns the loads at a further `condition`, and whether each lies outside the measured range of `material`.
+    /// Returns the loads at a further `condition`.
     ///
     /// # Errors
     /// [`Refusal`] of the further conditions if `material` has no coefficients for `condition`.
-    pub fn loads_at(&self, material: &Material, condition: &Condition) -> Result<(Vec<Load>, Vec<bool>), Refusal> {
+    pub fn loads_at(&self, material: &Material, condition: &Condition) -> Result<Vec<Load>, Refusal> {
         loads(&material.friction, &self.pressures_pa(), Some(condition))
+            .map(|(loads, _)| loads)
             .map_err(|error| Refusal::new(TaskPart::FurtherConditions, error.to_string()))
     }
 

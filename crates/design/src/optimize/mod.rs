@@ -5,7 +5,7 @@
 //! | [`Target`], [`Demand`], [`Wanted`], [`Goal`] | values, bands and weights at pressures; goal to optimize |
 //! | [`DesignSpace`] | bounds of width, spacing and depth |
 //! | [`Constraints`], [`Limit`], [`Violation`] | manufacturing limits and limited quantities |
-//! | [`Tolerances`], [`Uncertainty`], [`with_rim_off`] | scatter of samples about a design, and uncertainty of a model's parameters |
+//! | [`Tolerances`], [`with_rim_off`] | scatter of samples about a design |
 //! | [`ModelFailure`] | reason why a model gives no result |
 //! | [`SearchError`] | reason why target, bounds or tolerances were refused |
 //!
@@ -24,11 +24,11 @@ mod error;
 mod model;
 mod space;
 mod target;
-mod uncertainty;
+mod tolerances;
 
 pub use constraints::{Bound, Constraints, Limit, Violation};
 pub use error::SearchError;
 pub use model::ModelFailure;
 pub use space::DesignSpace;
 pub use target::{Demand, Goal, Quantity, Target, TargetPoint, Wanted};
-pub use uncertainty::{Tolerances, Uncertainty, with_rim_off};
+pub use tolerances::{Tolerances, with_rim_off};

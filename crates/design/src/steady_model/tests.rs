@@ -161,7 +161,7 @@ fn a_sample_made_of_a_design_has_as_many_cavities_as_it() {
     let made = change(&|at| laid.ratios_made(at, &laid.lay(&design).unwrap()).unwrap()[1]);
     let designed = change(&|at| laid.steady(at).unwrap().ratio[1]);
     // The number of cavities stays constant: 264 um of the face as designed scale with the period as made.
-    let share = laid.share(&design).unwrap();
+    let share = laid.lay(&design).unwrap().share(&design);
     let on = |at: &Pattern| 1.0 - share * (at.pitch_m() / 264e-6).powi(2) * (1.0 - cell.steady(at).unwrap().ratio[1]);
     assert!((made - change(&on)).abs() < 1e-9 && made / of_cell > 1.0, "{made} of {of_cell}, share {share}");
     // A new layout keeps the number of cavities.
