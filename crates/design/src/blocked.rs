@@ -10,7 +10,6 @@ use serde::{Deserialize, Serialize};
 use slipgrid_base::units::{LENGTH_UM, tidy};
 use slipgrid_model::pattern::Pattern;
 
-use crate::constraint_quantities::Limited;
 use crate::prediction::Prediction;
 use crate::search::{ALIKE, Search};
 use crate::table::Table;
@@ -67,8 +66,7 @@ pub fn blocked_by(search: &Search<'_>, best: &Prediction) -> Vec<LiftedReport> {
     let task = search.task;
     let mut all = Vec::new();
     let mut add = |what: String, lifted: &DesignTask, table: &Table| {
-        let limited = Limited::of(lifted);
-        let relaxed = Search { task: lifted, table, limited: &limited, ..search.clone() };
+        let relaxed = Search { task: lifted, table, ..search.clone() };
         let (found, is_within_reach) = relaxed.greatest(&|_| true);
         let Some(found) = found.filter(|found| found.value() > best.value() + ALIKE || is_within_reach) else { return };
         all.push(LiftedReport {

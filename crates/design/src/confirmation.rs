@@ -16,14 +16,6 @@ use crate::steady_model::SteadyModel;
 /// of the usual tolerance.
 const MIN_CONTACTS: f64 = 100.0;
 
-/// Confirming run with its scene.
-pub struct Confirmed {
-    /// Scene of the run.
-    pub scene: Scene,
-    /// Result of the run.
-    pub run: Simulation,
-}
-
 /// Builds the scene of the confirming run of `pattern`, from an unloaded layer at rest if `from_rest`.
 pub fn confirming_scene(prepared: &PreparedTask, model: &SteadyModel<'_>, pattern: &Pattern, from_rest: bool) -> Scene {
     let task = &prepared.task;
@@ -57,7 +49,8 @@ pub fn run_in_time(scene: &Scene, specimen: &Specimen, monitor: &dyn Monitor) ->
 }
 
 /// Runs the confirmation of `pattern`, or takes the result `known` of a run that started from sliding, unless the task
-/// requires a start from rest. Friction is corrected to the calibrated friction of the flat surface.
+/// requires a start from rest. Friction is corrected to the calibrated friction of the flat surface. Returns the scene
+/// and the result of the run.
 ///
 /// # Errors
 /// [`DesignError`] where the specimen does not take the pattern.
@@ -66,7 +59,7 @@ pub fn confirm(
     model: &SteadyModel<'_>,
     (pattern, known): (&Pattern, Option<&Simulation>),
     monitor: &dyn Monitor,
-) -> Result<Confirmed, DesignError> {
+) -> Result<(Scene, Simulation), DesignError> {
     let task = &prepared.task;
     let scene = confirming_scene(prepared, model, pattern, task.search.from_rest);
     let mut run = match known.filter(|_| !task.search.from_rest) {
@@ -75,5 +68,5 @@ pub fn confirm(
     };
     let excess = prepared.uncertainty.excess(&task.pressures_pa(), task.condition.as_ref());
     correct(&mut run, &scene, excess.as_deref());
-    Ok(Confirmed { scene, run })
+    Ok((scene, run))
 }

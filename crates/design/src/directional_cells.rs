@@ -17,9 +17,6 @@ pub struct Solver {
     pub each: Vec<(Option<f64>, SteadyCell)>,
     /// Dimension of the cells, equal in every direction.
     pub dimension: Dimension,
-    /// Number of designs solved.
-    #[cfg(test)]
-    pub asked: std::sync::atomic::AtomicUsize,
 }
 
 impl Solver {
@@ -33,26 +30,19 @@ impl Solver {
             (angle_deg, cell.balanced_to(SEARCH_BALANCE))
         };
         let dimension = Dimension::of(scene.run.dimensions, texture);
-        Self {
-            each: each.zip(scene.loads.chunks(own)).map(cell).collect(),
-            dimension,
-            #[cfg(test)]
-            asked: std::sync::atomic::AtomicUsize::default(),
-        }
+        Self { each: each.zip(scene.loads.chunks(own)).map(cell).collect(), dimension }
     }
 
     /// Solves the cells of `design` in every direction: one outcome per load, or [`ModelFailure`] if a cell exceeds the
     /// memory limit or `monitor` cancels.
     pub fn solve(&self, design: &Pattern, monitor: &dyn Monitor) -> Result<Vec<CellOutcome>, ModelFailure> {
-        #[cfg(test)]
-        self.asked.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
         let mut outcomes = Vec::new();
         for (angle_deg, cell) in &self.each {
             let turned = turned(design, *angle_deg);
             let (bytes, most_bytes) = (cell.bytes(&turned), cell.most_bytes());
             if bytes > most_bytes {
                 let reason = format!("its cell takes {bytes:.1e} bytes, more than {most_bytes:.1e}");
-                return Err(ModelFailure::Trial { reason });
+                return Err(ModelFailure::Trial(reason));
             }
             let mut found = cell.solve_heeding(&turned, monitor);
             if found.iter().any(|outcome| outcome.surface.status == Status::Cancelled) {

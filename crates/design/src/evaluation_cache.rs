@@ -182,13 +182,12 @@ impl<'a> Evaluations<'a> {
         let lengths_m = [block_m, design.width_m(), design.spacing_m(), design.depth_m()];
         let lengths_um = lengths_m.map(|length_m| length_m * 1e6);
         let key: Key = lengths_um.map(f64::to_bits);
-        let trial = |reason: String| ModelFailure::Trial { reason };
         if let Some(known) = self.known().get(&key) {
-            return known.clone().map_err(trial);
+            return known.clone().map_err(ModelFailure::Trial);
         }
         let answered = match model() {
             Ok(answer) => Ok(answer),
-            Err(ModelFailure::Trial { reason }) => Err(reason),
+            Err(ModelFailure::Trial(reason)) => Err(reason),
             Err(other) => return Err(other),
         };
         // Two threads may solve one design at once: the first readable answer is kept.
@@ -198,9 +197,9 @@ impl<'a> Evaluations<'a> {
             && let Some(cache) = self.cache
         {
             let evaluation = Evaluation { lengths_um, answered: answered.clone() };
-            cache.keep(&evaluation).map_err(|reason| ModelFailure::Broken { reason })?;
+            cache.keep(&evaluation).map_err(ModelFailure::Broken)?;
         }
-        answered.map_err(trial)
+        answered.map_err(ModelFailure::Trial)
     }
 
     /// Locks the known evaluations. Entries are inserted complete, so that entries of a panicked thread are valid.

@@ -259,7 +259,7 @@ impl<'a> Inputs<'a> {
             let [width_m, spacing_m, depth_m] =
                 std::array::from_fn(|axis| lengths_m[axis] + side * widest * by_m[axis]);
             let made = Pattern::new(*design.texture(), width_m, spacing_m, depth_m);
-            let made = made.map_err(|error| ModelFailure::Trial { reason: error.to_string() })?;
+            let made = made.map_err(|error| ModelFailure::Trial(error.to_string()))?;
             Ok(self.still.answer_made(&made, &laid)?.ratio)
         };
         let log = |above: &[f64], below: &[f64], sides: f64| -> Vec<f64> {
@@ -268,8 +268,8 @@ impl<'a> Inputs<'a> {
         match rayon::join(|| at(1.0), || at(-1.0)) {
             (Ok(above), Ok(below)) => Ok(log(&above, &below, 2.0)),
             // One-sided next to designs that cannot be computed.
-            (Ok(above), Err(ModelFailure::Trial { .. })) => Ok(log(&above, &at(0.0)?, 1.0)),
-            (Err(ModelFailure::Trial { .. }), Ok(below)) => Ok(log(&at(0.0)?, &below, 1.0)),
+            (Ok(above), Err(ModelFailure::Trial(_))) => Ok(log(&above, &at(0.0)?, 1.0)),
+            (Err(ModelFailure::Trial(_)), Ok(below)) => Ok(log(&at(0.0)?, &below, 1.0)),
             (Err(failure), _) | (_, Err(failure)) => Err(failure),
         }
     }

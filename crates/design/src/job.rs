@@ -11,13 +11,12 @@ use slipgrid_model::springblock::{Load, Scene, Simulation};
 use crate::DesignError;
 use crate::advice::Advice;
 use crate::blocked::{blocked_by, bounds_reached};
-use crate::confirmation::{Confirmed, confirm};
+use crate::confirmation::confirm;
 use crate::design_report::{DesignReport, GoalReport, SCHEMA};
 use crate::evaluation_cache::EvaluationCache;
 use crate::explorer::Explorer;
 use crate::lattice_table::Lattice;
 use crate::operating_conditions::statements;
-use crate::prediction::Prediction;
 use crate::prepared_task::PreparedTask;
 use crate::search::{Found, Search};
 use crate::sensitivities::local_law_note;
@@ -94,7 +93,7 @@ fn every_step(
         let found = search.best(&|_| true, 1);
         timings.search += monitor.seconds() - searching_s;
         monitor.heed()?;
-        reported(prepared, search, &found, (budget, monitor), timings)
+        reported(search, &found, (budget, monitor), timings)
     })?;
     outcome.report.wall_s = monitor.seconds() - started_s;
     timings.count_rest(outcome.report.wall_s);
@@ -105,13 +104,12 @@ fn every_step(
 
 /// Builds the report of `found` with its confirming run.
 fn reported(
-    prepared: &PreparedTask,
     search: &Search<'_>,
     found: &Found,
     (budget, monitor): (TimeBudget<'_>, &dyn Monitor),
     timings: &mut Timings,
 ) -> Result<DesignOutcome, DesignError> {
-    let (task, asked) = (&prepared.task, search.asked);
+    let Search { prepared, task, asked, .. } = *search;
     let mut cut_short: Vec<&'static str> = Vec::new();
     if search.stage.cancelled() {
         cut_short.push("search");
@@ -124,13 +122,11 @@ fn reported(
     };
     let pattern = best.texture.pattern;
     let stage = budget.stage("confirmation");
-    let Confirmed { scene, run: confirmed } =
-        confirm(prepared, search.models.own, (&pattern, best.texture.run.as_deref()), &stage)?;
+    let (scene, confirmed) = confirm(prepared, search.models.own, (&pattern, best.texture.run.as_deref()), &stage)?;
     cut_short.extend(stage.is_out_of_time().then_some("confirmation"));
     timings.confirm = stage.finish();
     monitor.heed()?;
 
-    let modulus_std = prepared.modulus_std();
     let advice = Advice::of(search, best, found.is_within_reach);
     let beside_s = monitor.seconds();
     let is_out_of_reach = asked.has_demands() && !found.is_within_reach && advice != Advice::DoNotTexture;
@@ -139,12 +135,10 @@ fn reported(
     let reached = if can_gain { bounds_reached(task, &pattern) } else { Vec::new() };
     let slopes = slopes(search, best);
     let (trade_offs, compared) = trade_offs::of(search, best).unzip();
-    let sample = |of: &Prediction| of.report(asked, modulus_std, task.laser_time_s(&of.texture.pattern));
-    let limited_by = best.limited_by(asked, &search.predictor, modulus_std);
-    let own = crate::prediction::SampleReport { limited_by, ..sample(best) };
+    let own = best.full_report(search);
     let worth_cutting = if advice == Advice::CannotBeMet { 1 } else { 1 + OTHERS };
     let others = search.unlike(&found.solved, 1, worth_cutting);
-    let others = others.iter().skip(1).map(|of| sample(of).beside(&own)).collect();
+    let others = others.iter().skip(1).map(|of| of.report(search).beside(&own)).collect();
     timings.trade_offs = monitor.seconds() - beside_s;
     monitor.heed()?;
     let lattice = task.search.table.then(|| Lattice::new(search));

@@ -10,7 +10,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use slipgrid_base::monitor::Monitor;
 use slipgrid_base::units::tidy;
-use slipgrid_infer::discrepancy::{Features, Prediction as Distribution};
+use slipgrid_infer::discrepancy::Prediction as Distribution;
 use slipgrid_laser::export::Division;
 use slipgrid_model::pattern::{Pattern, Planform, Texture};
 
@@ -23,7 +23,7 @@ use crate::optimize::DesignSpace;
 use crate::prediction::{MEASURED_STD, Prediction, percent};
 use crate::prepared_task::PreparedTask;
 use crate::results::{SCREEN_WIDTH, Table, believed, wrapped};
-use crate::search::{Search, is_same};
+use crate::search::Search;
 use crate::session::with_table;
 use crate::steps::Steps;
 use crate::task::{DesignTask, FurtherDirections, SearchOptions};
@@ -88,9 +88,8 @@ pub struct SectorRatios {
 }
 
 impl LearningReport {
-    /// Describes `pair` with the joint `distribution` of the ratios of both sectors, the information `bits` and the
-    /// reason `why`.
-    fn new(pair: &[Prediction; SECTORS], bits: f64, distribution: &Distribution, asked: &Asked, why: String) -> Self {
+    /// Describes `pair` with the joint `distribution` of the ratios of both sectors and the reason `why`.
+    fn new(pair: &[Prediction; SECTORS], distribution: &Distribution, asked: &Asked, why: String) -> Self {
         let n = asked.loads.len();
         let modelled = |sector: usize, load: usize| pair[sector].texture.ratio[load];
         let mut mechanisms: Vec<MechanismReport> = Vec::new();
@@ -128,7 +127,7 @@ impl LearningReport {
         let by_load: Vec<f64> =
             (0..n).map(|load| distribution.difference(load, n + load).family_bits(MEASURED_STD)).collect();
         Self {
-            bits: tidy(bits),
+            bits: tidy(distribution.family_bits(MEASURED_STD)),
             open_bits: tidy(open_bits),
             why,
             second_disc: SECOND_DISC.to_owned(),
@@ -220,53 +219,31 @@ fn tasks(task: &DesignTask) -> Result<Vec<PreparedTask>, DesignError> {
     [false, true].into_iter().map(of).collect()
 }
 
-/// Candidate textures with grooves in one direction, across or along sliding, or of another planform, with the model
-/// that solves them.
-struct Side<'s> {
-    textures: Vec<CutTexture>,
-    solve: &'s dyn Fn(&Pattern) -> Result<Prediction, DesignError>,
-}
-
 /// Finds the two textures of `task` for the sectors of `division`.
 ///
 /// # Errors
 /// [`DesignError`] for a task that is refused, that the monitor cancels, or whose bounds leave a single texture.
-pub fn choose(
-    task: &DesignTask,
-    options: &NextOptions,
-    division: &Division,
-    monitor: &dyn Monitor,
-) -> Result<(NextReport, Vec<Pattern>), DesignError> {
-    let prepared = tasks(task)?;
+pub fn choose(task: &DesignTask, options: &NextOptions, division: &Division, monitor: &dyn Monitor) -> Chosen {
     let budget = (TimeBudget::new(monitor, None), monitor);
-    let on_disc = |prepared: &PreparedTask, then: &mut dyn FnMut(&Search<'_>, Side<'_>) -> Chosen| {
-        with_table(prepared, Some(division), None, budget, &mut Timings::default(), |search, _| {
-            let textures = candidates(search, options, division);
-            let failed = |failure| DesignError::Failed(format!("a sector cannot be computed: {failure}"));
-            then(search, Side { textures, solve: &|pattern| search.solved(pattern).map_err(failed) })
-        })
+    let on_disc = |prepared: &PreparedTask, then: &dyn Fn(&Search<'_>) -> Chosen| {
+        with_table(prepared, Some(division), None, budget, &mut Timings::default(), |search, _| then(search))
     };
-    match &prepared[..] {
-        [across, along] => on_disc(across, &mut |search, first| {
-            let mut first = Some(first);
-            on_disc(along, &mut |_, second| {
-                pair(across, search, first.take().into_iter().chain([second]).collect(), options, division)
-            })
-        }),
-        all => on_disc(&all[0], &mut |search, own| pair(&all[0], search, vec![own], options, division)),
+    match &tasks(task)?[..] {
+        [across, along] => {
+            on_disc(across, &|across| on_disc(along, &|along| pair(&[across, along], options, division)))
+        }
+        all => on_disc(&all[0], &|search| pair(&[search], options, division)),
     }
 }
 
+/// Report and textures of the sectors.
 type Chosen = Result<(NextReport, Vec<Pattern>), DesignError>;
 
 /// Designs of `search` that fit on a sector, keep all limits and are not pending, spread over the bounds.
 fn candidates(search: &Search<'_>, options: &NextOptions, division: &Division) -> Vec<CutTexture> {
-    let is_open = |pattern: &Pattern| {
-        let own = Features::from(pattern);
-        division.holds(pattern) && !options.pending.iter().any(|cut| is_same(&Features::from(cut), &own))
-    };
-    let spread = Steps::new(search.task).spread(CANDIDATES).into_iter().filter(is_open);
-    spread.filter_map(|pattern| search.interpolated(&pattern)).filter(|texture| texture.excess <= 0.0).collect()
+    let spread = Steps::new(search.task).spread(CANDIDATES).into_iter();
+    let open = spread.filter(|pattern| options.is_open(pattern, Some(division)));
+    open.filter_map(|pattern| search.interpolated(&pattern)).filter(|texture| texture.excess <= 0.0).collect()
 }
 
 /// Pair of indices of textures, with its information in bits.
@@ -297,26 +274,21 @@ fn greatest(
     Some([start, best])
 }
 
-/// Chooses the pair of textures of `sides` that gives most information, solves and reports it.
-fn pair(
-    prepared: &PreparedTask,
-    search: &Search<'_>,
-    sides: Vec<Side<'_>>,
-    options: &NextOptions,
-    division: &Division,
-) -> Chosen {
-    let asked = search.asked;
-    let all: Vec<(usize, &CutTexture)> = sides
-        .iter()
-        .enumerate()
-        .flat_map(|(side, of)| of.textures.iter().map(move |texture| (side, texture)))
-        .collect();
+/// Chooses the pair of textures that gives most information, solves and reports it. `searches` are of grooves across
+/// and along sliding, or one of another planform.
+fn pair(searches: &[&Search<'_>], options: &NextOptions, division: &Division) -> Chosen {
+    let search = searches[0];
+    let of_side = |(side, of): (usize, &&Search<'_>)| {
+        candidates(of, options, division).into_iter().map(move |texture| (side, texture))
+    };
+    let all: Vec<(usize, CutTexture)> = searches.iter().enumerate().flat_map(of_side).collect();
     let joint = |pair: [&CutTexture; SECTORS]| search.predictor.on_one_disc(&pair.map(CutTexture::candidate));
-    let bits = |[a, b]: [usize; SECTORS]| joint([all[a].1, all[b].1]).family_bits(MEASURED_STD);
+    let bits = |[a, b]: [usize; SECTORS]| joint([&all[a].1, &all[b].1]).family_bits(MEASURED_STD);
     let is_equal = |a: usize, b: usize| all[a].1.pattern.lengths_m() == all[b].1.pattern.lengths_m();
     let pairs = |first: usize| (0..all.len()).map(move |second| [first, second]);
     // Grooves across and along with equal dimensions, or the first and the last texture with each other one.
-    let starts: Vec<[usize; SECTORS]> = if sides.len() == SECTORS {
+    let has_directions = searches.len() == SECTORS;
+    let starts: Vec<[usize; SECTORS]> = if has_directions {
         (0..all.len()).flat_map(pairs).filter(|[a, b]| all[*a].0 < all[*b].0 && is_equal(*a, *b)).collect()
     } else {
         [0, all.len().saturating_sub(1)].into_iter().flat_map(pairs).filter(|[a, b]| a != b).collect()
@@ -327,10 +299,11 @@ fn pair(
     };
     search.stage.heed()?;
     let [a, b] = if all[best.0[0]].0 > all[best.0[1]].0 { [best.0[1], best.0[0]] } else { best.0 };
-    let solved = |place: usize| (sides[all[place].0].solve)(&all[place].1.pattern);
+    let failed = |failure| DesignError::Failed(format!("a sector cannot be computed: {failure}"));
+    let solved = |place: usize| searches[all[place].0].solved(&all[place].1.pattern).map_err(failed);
     let chosen = [solved(a)?, solved(b)?];
     search.stage.heed()?;
-    let why = match (sides.len() == SECTORS, is_equal(a, b)) {
+    let why = match (has_directions, is_equal(a, b)) {
         (true, true) => "equal dimensions: mechanisms that no direction changes predict equal model errors".to_owned(),
         (true, false) => format!(
             "this pair teaches {:.2} bits, the best pair of equal dimensions across and along {:.2}",
@@ -342,16 +315,14 @@ fn pair(
         ),
     };
     let distribution = joint([&chosen[0].texture, &chosen[1].texture]);
-    let learning = LearningReport::new(&chosen, distribution.family_bits(MEASURED_STD), &distribution, asked, why);
-    let modulus_std = prepared.modulus_std();
-    let report = |of: &Prediction| of.report(asked, modulus_std, prepared.task.laser_time_s(&of.texture.pattern));
+    let learning = LearningReport::new(&chosen, &distribution, search.asked, why);
     let next = NextReport {
         advice: "learn".to_owned(),
         words: "cut one disc of two sectors to learn which mechanism the model lacks".to_owned(),
         compared: all.len(),
-        samples: chosen.iter().map(report).collect(),
+        samples: chosen.iter().map(|of| of.report(search)).collect(),
         learning: Some(learning),
-        ..new_report(prepared, asked, options)
+        ..new_report(search, options)
     };
     Ok((next, chosen.iter().map(|of| of.texture.pattern).collect()))
 }
@@ -363,7 +334,9 @@ const ONE_TEXTURE: &str =
 #[cfg(test)]
 mod tests {
     use super::*;
-    use slipgrid_infer::discrepancy::{Candidate, Conditions, Discrepancy, Hyperparameters, Load, Sensitivity};
+    use slipgrid_infer::discrepancy::{
+        Candidate, Conditions, Discrepancy, Features, Hyperparameters, Load, Sensitivity,
+    };
 
     /// Grooves of several widths, spacings and depths before any trial: the pair found against all pairs.
     #[test]

@@ -118,14 +118,15 @@ pub use lattice_table::{Lattice, LatticeSample};
 pub use learning_disc::{LearningReport, MechanismReport, SectorRatios};
 pub use next_report::{NextReport, OneDiscReport, RatioPrediction, SectorReport};
 pub use next_trial::{NextOptions, NextTrials, next_trials};
+pub use optimize::ConstraintQuantity;
 pub use prediction::{Expected, LimitedBy, ModelledRatio, SampleReport, percent};
 pub use scene_errors::{Solved, of_scene};
 pub use slipgrid_laser::specimen::{SpecimenError, simulate_on};
 pub use slipgrid_model::springblock::Expense;
 pub use stored_result::{StoredDesign, StoredError};
 pub use task::{
-    ConstraintQuantity, DEFAULT_SPEED_M_S, DesignTask, FurtherDirections, KnownMaterial, MAX_STRAIN, SearchOptions,
-    TradeOffGoal, TradeOffsWanted, check_pressures, loads,
+    DEFAULT_SPEED_M_S, DesignTask, FurtherDirections, KnownMaterial, MAX_STRAIN, SearchOptions, TradeOffGoal,
+    TradeOffsWanted, check_pressures, loads,
 };
 pub use trade_offs::{Compared, TradeOff};
 pub use whole_steps::lattice;

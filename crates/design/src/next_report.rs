@@ -16,7 +16,7 @@ use crate::prediction::{SampleReport, percent};
 use crate::search::ALIKE;
 
 /// Samples to cut next.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct NextReport {
     /// Program name.
     pub program: String,

@@ -8,7 +8,6 @@ use slipgrid_base::monitor::Monitor;
 use slipgrid_base::units::tidy;
 use slipgrid_infer::discrepancy::{Features, Scenarios};
 use slipgrid_laser::export::{Division, MIN_PERIODS, Outline, Sector};
-use slipgrid_model::material::Provenance;
 use slipgrid_model::pattern::Pattern;
 
 use crate::DesignError;
@@ -17,7 +16,7 @@ use crate::band::Asked;
 use crate::design_report::SCHEMA;
 use crate::learning_disc;
 use crate::next_report::{NextReport, OneDiscReport};
-use crate::prediction::{Prediction, SampleReport};
+use crate::prediction::Prediction;
 use crate::prepared_task::PreparedTask;
 use crate::search::{Search, is_same};
 use crate::session::with_table;
@@ -50,6 +49,15 @@ pub struct NextOptions {
     pub discs: Vec<String>,
 }
 
+impl NextOptions {
+    /// Whether `pattern` is not pending and, if `division` is given, fits on its sectors.
+    pub fn is_open(&self, pattern: &Pattern, division: Option<&Division>) -> bool {
+        let own = Features::from(pattern);
+        !self.pending.iter().any(|cut| is_same(&Features::from(cut), &own))
+            && division.is_none_or(|division| division.holds(pattern))
+    }
+}
+
 /// Samples to cut next, as a report and as patterns.
 #[derive(Clone, Debug)]
 pub struct NextTrials {
@@ -59,8 +67,6 @@ pub struct NextTrials {
     pub patterns: Vec<Pattern>,
     /// Sectors of one specimen; empty if not requested.
     pub sectors: Vec<Sector>,
-    /// Material and its provenance.
-    pub material: Provenance,
 }
 
 /// Finds the samples of `task` to cut next. Stages of the monitor: "table", "search".
@@ -83,7 +89,7 @@ pub fn next_trials(task: &DesignTask, options: &NextOptions, monitor: &dyn Monit
             let budget = (TimeBudget::new(monitor, None), monitor);
             let division = division.as_ref();
             with_table(prepared, division, None, budget, &mut Timings::default(), |search, _| {
-                choose(prepared, search, options, division)
+                choose(search, options, division)
             })?
         }
     };
@@ -97,8 +103,7 @@ pub fn next_trials(task: &DesignTask, options: &NextOptions, monitor: &dyn Monit
     report.one_disc = OneDiscReport::of(new_name(&report.name, task, &cut), &sectors);
     // The user's samples are numbered after the samples to cut, in the order of the list.
     report.warnings = laser_warnings(task, patterns.iter().chain(&options.own));
-    let material = report.material.clone();
-    Ok(NextTrials { report, patterns, sectors, material })
+    Ok(NextTrials { report, patterns, sectors })
 }
 
 /// Finds a name for a specimen of `design` that is not in `cut`.
@@ -110,18 +115,12 @@ fn new_name(design: &str, task: &DesignTask, cut: &[&str]) -> String {
 
 /// Chooses the samples of `search` to cut next by `options`, on sectors of `division` if given.
 fn choose(
-    prepared: &PreparedTask,
     search: &Search<'_>,
     options: &NextOptions,
     division: Option<&Division>,
 ) -> Result<(NextReport, Vec<Pattern>), DesignError> {
-    let Search { task, asked, .. } = *search;
-    let pending: Vec<Features> = options.pending.iter().map(Features::from).collect();
-    let is_open = |pattern: &Pattern| {
-        let own = Features::from(pattern);
-        !pending.iter().any(|cut| is_same(cut, &own)) && division.is_none_or(|division| division.holds(pattern))
-    };
-    let found = search.best(&is_open, options.count);
+    let asked = search.asked;
+    let found = search.best(&|pattern| options.is_open(pattern, division), options.count);
     search.stage.heed()?;
     let Some(best) = found.solved.first() else {
         return Err(match division {
@@ -161,30 +160,24 @@ fn choose(
         let together = one_on_target(&chosen, &pending, options.count, &draws);
         (chosen, together)
     };
-    let modulus_std = prepared.modulus_std();
-    let report = |of: &Prediction| of.report(asked, modulus_std, task.laser_time_s(&of.texture.pattern));
-    let with_limits = |of: &Prediction| SampleReport {
-        limited_by: of.limited_by(asked, &search.predictor, modulus_std),
-        ..report(of)
-    };
-    let first = report(best);
+    let first = best.report(search);
     let is_chosen = |of: &&Prediction| !chosen.iter().any(|own| own.texture.pattern == of.texture.pattern);
     let next = NextReport {
         compared: found.compared,
         advice: advice.name().to_owned(),
         words: advice.words(best.chance(), asked.has_demands(), found.is_within_reach),
-        samples: chosen.iter().map(with_limits).collect(),
+        samples: chosen.iter().map(|of| of.full_report(search)).collect(),
         one_on_target: tidy(together),
-        others: listed.iter().filter(is_chosen).map(|of| report(of).beside(&first)).collect(),
-        own: own.iter().map(report).collect(),
-        ..new_report(prepared, asked, options)
+        others: listed.iter().filter(is_chosen).map(|of| of.report(search).beside(&first)).collect(),
+        own: own.iter().map(|of| of.report(search)).collect(),
+        ..new_report(search, options)
     };
     Ok((next, chosen.iter().map(|of| of.texture.pattern).collect()))
 }
 
-/// Creates the report of `prepared` without samples and advice.
-pub fn new_report(prepared: &PreparedTask, asked: &Asked, options: &NextOptions) -> NextReport {
-    let task = &prepared.task;
+/// Creates the report on the task of `search` without samples and advice.
+pub fn new_report(search: &Search<'_>, options: &NextOptions) -> NextReport {
+    let Search { prepared, task, asked, .. } = *search;
     NextReport {
         program: "slipgrid".to_owned(),
         version: VERSION.to_owned(),
@@ -192,22 +185,13 @@ pub fn new_report(prepared: &PreparedTask, asked: &Asked, options: &NextOptions)
         name: task.name.clone(),
         trials: asked.learned.trials().len(),
         pending: options.pending.len(),
-        compared: 0,
-        advice: String::new(),
-        words: String::new(),
-        samples: Vec::new(),
-        one_on_target: 0.0,
-        one_disc: None,
-        learning: None,
-        others: Vec::new(),
-        own: Vec::new(),
-        warnings: Vec::new(),
         beyond_measured: task.beyond_measured(&prepared.material, &prepared.outside),
         material: prepared.material.provenance.clone(),
         specimen: (&task.specimen).into(),
         laser: task.laser,
         tolerances: task.assumed_tolerances(),
         seed: task.search.seed,
+        ..NextReport::default()
     }
 }
 

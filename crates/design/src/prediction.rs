@@ -10,6 +10,7 @@ use slipgrid_infer::discrepancy::{Prediction as Distribution, Predictor, Score, 
 use crate::as_cut::{CutTexture, Known, sums};
 use crate::band::Asked;
 use crate::inputs::{FLAT_FRICTION, InputEffect, LOCAL_LAW, MODULUS, Part, SCATTER};
+use crate::search::Search;
 
 /// Assumed relative standard deviation of a measured ratio, to compute the information that a trial gives.
 pub const MEASURED_STD: f64 = 0.01;
@@ -219,19 +220,25 @@ impl Prediction {
         all
     }
 
-    /// Builds the report of the sample; `modulus_std` is the relative standard deviation of Young's modulus, `laser_s`
-    /// the laser time in seconds.
-    pub fn report(&self, asked: &Asked, modulus_std: f64, laser_s: Option<f64>) -> SampleReport {
+    /// Builds the report of the sample for the task of `search`, without the inputs that limit the chance.
+    pub fn report(&self, search: &Search<'_>) -> SampleReport {
+        let asked = search.asked;
         SampleReport {
             design: PatternReport::from(&self.texture.pattern),
             chance: asked.has_demands().then(|| tidy(self.chance())),
             expected: self.expected(asked),
-            modelled: self.modelled(asked, modulus_std),
+            modelled: self.modelled(asked, search.prepared.modulus_std()),
             limited_by: Vec::new(),
             information_bits: tidy(self.information_bits()),
-            laser_s: laser_s.map(tidy),
+            laser_s: search.task.laser_time_s(&self.texture.pattern).map(tidy),
             is_as_cut: self.texture.known == Known::AsCut,
         }
+    }
+
+    /// Like [`Self::report`], with the inputs that limit the chance.
+    pub fn full_report(&self, search: &Search<'_>) -> SampleReport {
+        let limited_by = self.limited_by(search.asked, &search.predictor, search.prepared.modulus_std());
+        SampleReport { limited_by, ..self.report(search) }
     }
 }
 

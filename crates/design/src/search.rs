@@ -10,10 +10,10 @@ mod ranking;
 
 use std::sync::Arc;
 
-use crate::optimize::{ModelFailure, Tolerances, Violation};
+use crate::optimize::{ConstraintQuantity, ModelFailure, Violation};
 use rayon::prelude::*;
 use slipgrid_base::monitor::{Monitor, Part as Share, cached};
-use slipgrid_infer::discrepancy::{DimensionShift, Features, Predictor};
+use slipgrid_infer::discrepancy::{Features, Predictor};
 use slipgrid_model::pattern::Pattern;
 use slipgrid_model::springblock::{Correction, Effect, LoadOutcome, Simulation, TILT_RELATIVE_ERROR};
 
@@ -21,7 +21,6 @@ use crate::as_cut::{BeyondCells, CutTexture, Known};
 use crate::band::Asked;
 use crate::between_designs::BetweenDesigns;
 use crate::confirmation::{confirming_scene, run_in_time};
-use crate::constraint_quantities::Limited;
 use crate::evaluation_cache::Answer;
 use crate::inputs::{InputEffect, Inputs, Part, percent};
 use crate::prediction::Prediction;
@@ -29,7 +28,7 @@ use crate::prepared_task::PreparedTask;
 use crate::sensitivities::Models;
 use crate::steps::{Place, Steps, climb};
 use crate::table::Table;
-use crate::task::{ConstraintQuantity, DesignTask};
+use crate::task::DesignTask;
 
 /// Total weight of the likeliest members of the predictor's mixture that preselect textures; the whole mixture ranks
 /// these textures. After one trial, such members are a sixth of all.
@@ -81,7 +80,6 @@ pub struct Search<'a> {
     pub beyond: &'a BeyondCells<'a>,
     pub table: &'a Table,
     pub inputs: &'a Inputs<'a>,
-    pub limited: &'a Limited,
     /// Receives progress and can cancel the search.
     pub stage: &'a dyn Monitor,
 }
@@ -132,14 +130,9 @@ impl Progress {
 }
 
 impl Search<'_> {
-    fn tolerances(&self) -> Tolerances {
-        self.task.tolerances.unwrap_or_default()
-    }
-
-    /// Sum of the violations of limits by `pattern` with the model's `answer`, each relative to its limit; `None` if
-    /// the specimen does not take the pattern.
-    fn excess(&self, pattern: &Pattern, answer: &Answer) -> Option<f64> {
-        Some(self.violations(pattern, answer).ok()?.iter().map(Violation::excess).sum())
+    /// Sum of the violations of limits by `pattern` with the model's `answer`, each relative to its limit.
+    fn excess(&self, pattern: &Pattern, answer: &Answer) -> Result<f64, ModelFailure> {
+        Ok(self.violations(pattern, answer)?.iter().map(Violation::excess).sum())
     }
 
     /// Lists the limits that `pattern` with the model's `answer` violates.
@@ -147,18 +140,19 @@ impl Search<'_> {
     /// # Errors
     /// [`ModelFailure`] if the specimen does not take the pattern.
     pub fn violations(&self, pattern: &Pattern, answer: &Answer) -> Result<Vec<Violation>, ModelFailure> {
-        self.limited.check(pattern)?;
-        Ok(self.task.constraints.violations(pattern, &self.limited.values(pattern, answer)?))
+        // The laser can cut the pattern only if some cavities fit the specimen, and not far too many do.
+        self.task.specimen.check(*pattern).map_err(|error| ModelFailure::Trial(error.to_string()))?;
+        Ok(self.task.constraints.violations(pattern, &self.task.limited(pattern, answer)?))
     }
 
     /// Interpolates `pattern` in the table; `None` next to a node that the model cannot compute, if cavities close
     /// under load, or if the specimen does not take `pattern`.
     pub fn interpolated(&self, pattern: &Pattern) -> Option<CutTexture> {
         let (modelled, answer) = self.table.at(pattern)?;
-        let shifts: Vec<DimensionShift> = self.table.dimension_shifts(pattern, &self.tolerances())?;
+        let shifts = self.table.dimension_shifts(pattern, &self.task.tolerances.unwrap_or_default())?;
         let texture = CutTexture::interpolated(*pattern, modelled, shifts);
         let texture = texture.moved(&self.table.by_blocks(pattern)).moved(&self.table.by_face(pattern));
-        Some(CutTexture { excess: self.excess(pattern, &answer)?, ..texture })
+        Some(CutTexture { excess: self.excess(pattern, &answer).ok()?, ..texture })
     }
 
     /// Interpolates `pattern` in the table, corrected by the known errors of the table at solved textures.
@@ -233,7 +227,7 @@ impl Search<'_> {
         }
         let parts = self.inputs.parts(pattern, &ratio, refined.map(|(_, open)| open))?;
         let answer = self.models.own.steady(pattern)?;
-        let excess = self.violations(pattern, &answer)?.iter().map(Violation::excess).sum();
+        let excess = self.excess(pattern, &answer)?;
         let texture = CutTexture::interpolated(*pattern, modelled, Vec::new()).with_parts(parts);
         let texture = CutTexture { ratio, known: Known::Solved, excess, ..texture };
         Ok(self.predicted(texture.moved(&self.table.by_face(pattern))))
@@ -289,8 +283,8 @@ impl Search<'_> {
     /// Relative excess of the maximum pressure of `run` over its limit; 0 without a limit. The outer lands of a
     /// specimen carry a higher pressure than an infinite pattern, and stick-slip adds to it.
     fn excess_of(&self, run: &Simulation) -> f64 {
-        let mut limits = self.task.quantities.iter().zip(&self.task.constraints.quantities);
-        let limit = limits.find(|(of, _)| **of == ConstraintQuantity::PeakPressure).map(|(_, limit)| limit);
+        let mut limits = self.task.constraints.quantities.iter();
+        let limit = limits.find(|limit| limit.quantity == ConstraintQuantity::PeakPressure);
         limit.map_or(0.0, |limit| limit.excess(run.peak_pressure_pa()).max(0.0))
     }
 

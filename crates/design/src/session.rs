@@ -8,7 +8,6 @@ use crate::DesignError;
 use crate::as_cut::BeyondCells;
 use crate::band::Asked;
 use crate::cache_key::cache_key;
-use crate::constraint_quantities::Limited;
 use crate::cost_estimate::announce;
 use crate::evaluation_cache::{EvaluationCache, Evaluations};
 use crate::inputs::Inputs;
@@ -55,7 +54,6 @@ pub fn with_table<T>(
         }
         model.keep(evaluations);
     }
-    let limited = Limited::of(task);
     let asked = Asked::new(prepared)?;
     let models = Models::new(&model, prepared)?;
     let inputs = Inputs::new(prepared, &model)?;
@@ -87,7 +85,6 @@ pub fn with_table<T>(
         beyond: &beyond,
         table: &table,
         inputs: &inputs,
-        limited: &limited,
         stage: &stage,
     };
     timings.search = monitor.seconds() - searching_s;

@@ -25,11 +25,11 @@ const MIN_GUIDE_PITCH: f64 = 2.0;
 
 /// Computes friction ratios of designs by steady periodic cells, scaled to the areal density of the specimen.
 pub struct SteadyModel<'a> {
-    /// Scene with the loads of the design condition.
-    scene: Scene,
     /// Scene with the loads of every condition in every direction, the design condition first. Conditions differ in the
     /// local coefficients alone, so one factorization serves all conditions of a direction.
     asked: Scene,
+    /// Number of loads of the design condition, the first of `asked`.
+    own_loads: usize,
     /// Sliding directions besides the designs' own, in degrees; their loads come last.
     directions_deg: Vec<f64>,
     /// Texture of the designs without their lengths, which determines the dimension of the cells.
@@ -55,10 +55,9 @@ impl<'a> SteadyModel<'a> {
             dimensions: scene.run.dimensions,
             ..RunOptions::default()
         };
-        let scene = Scene { pattern: None, run, ..scene.clone() };
-        let loads: Vec<Load> =
-            scene.loads.iter().chain(further.iter().flat_map(|loads| loads.iter())).copied().collect();
-        let asked = Scene { loads, ..scene.clone() };
+        let loads = [&scene.loads[..], &further.concat()].concat();
+        let asked = Scene { pattern: None, run, loads, ..scene.clone() };
+        let model = Self::without_guide(asked, scene.loads.len(), *space.texture(), directions_deg);
         let rows = scene.layer.rows();
         let shortest_pitch_m = space.width_m()[0] + space.spacing_m()[0];
         let serves = |factor: &usize| {
@@ -66,24 +65,28 @@ impl<'a> SteadyModel<'a> {
                 && rows / factor >= MIN_GUIDE_ROWS
                 && shortest_pitch_m >= MIN_GUIDE_PITCH * scene.layer.block_m * *factor as f64
         };
-        let texture = *space.texture();
-        let solver = Solver::new(&asked, &texture, directions_deg);
-        let is_dear = !solver.dimension.is_cheap_per_design();
+        let is_dear = !model.is_cheap_per_design();
         let guide = GUIDE_FACTORS.into_iter().find(serves).filter(|_| is_dear).map(|factor| {
-            let mut coarse = asked.clone();
+            let mut coarse = model.asked.clone();
             coarse.layer.block_m *= factor as f64;
             // The cell has no specimen, so any whole number of blocks is valid.
             coarse.layer.length_m = coarse.layer.height_m;
-            let solver = Solver::new(&coarse, &texture, directions_deg);
+            let solver = Solver::new(&coarse, &model.texture, directions_deg);
             (coarse, solver)
         });
+        Self { guide, ..model }
+    }
+
+    /// Creates a model of `asked`, the scene with the loads of every condition, for infinite patterns and without a
+    /// guide.
+    fn without_guide(asked: Scene, own_loads: usize, texture: Texture, directions_deg: &[f64]) -> Self {
         Self {
-            solver,
-            texture,
-            directions_deg: directions_deg.to_vec(),
-            guide,
-            scene,
+            solver: Solver::new(&asked, &texture, directions_deg),
             asked,
+            own_loads,
+            directions_deg: directions_deg.to_vec(),
+            texture,
+            guide: None,
             evaluations: Evaluations::default(),
             monitor: &Unwatched,
             specimen: None,
@@ -110,7 +113,7 @@ impl<'a> SteadyModel<'a> {
     /// [`ModelFailure::Trial`] if the specimen does not take the design.
     pub fn lay(&self, design: &Pattern) -> Result<Laid, ModelFailure> {
         Laid::new(self.specimen.as_ref(), design, self.dimension())
-            .map_err(|error| ModelFailure::Trial { reason: error.to_string() })
+            .map_err(|error| ModelFailure::Trial(error.to_string()))
     }
 
     /// Scene with the loads of every condition.
@@ -126,7 +129,7 @@ impl<'a> SteadyModel<'a> {
     /// All inputs that results for a texture depend on, except its width, spacing and depth; for cache keys.
     pub(crate) fn content(&self) -> impl Debug + '_ {
         let guide = self.guide.as_ref().map(|(scene, _)| scene);
-        (&self.asked, self.scene.loads.len(), &self.directions_deg, &self.texture, guide, &self.specimen)
+        (&self.asked, self.own_loads, &self.directions_deg, &self.texture, guide, &self.specimen)
     }
 
     /// Whether designs slide in more than one direction.
@@ -160,11 +163,6 @@ impl<'a> SteadyModel<'a> {
     /// total, counted by [`SteadyCell::draws`](slipgrid_model::springblock::SteadyCell::draws).
     pub fn draws(&self, design: &Pattern, contacts: f64) -> u64 {
         self.solver.each.first().map_or(1, |(_, cell)| cell.draws(design, contacts))
-    }
-
-    /// Scene of `design` with the loads of the design condition.
-    pub fn scene(&self, design: &Pattern) -> Scene {
-        Scene { pattern: Some(*design), ..self.scene.clone() }
     }
 
     /// Computes the ratios of `made`, a sample with the layout `laid`, at every load of every condition.
@@ -204,7 +202,7 @@ impl<'a> SteadyModel<'a> {
             return;
         }
         let um = |length_m: f64| tidy(LENGTH_UM.from_si(length_m));
-        let block_um = um(self.scene.layer.block_m);
+        let block_um = um(self.asked.layer.block_m);
         said.method(match &self.guide {
             Some((scene, _)) => format!(
                 "tabulated in space: steady cells in blocks of {} um, lifted by cells in blocks of {block_um} um",
@@ -225,21 +223,6 @@ impl<'a> SteadyModel<'a> {
         open(self.answer_made(design, &self.lay(design)?)?)
     }
 
-    /// Builds a model of `scene` and of `asked`, the scene with the loads of every condition, without a guide.
-    fn of_scenes(&self, scene: Scene, asked: Scene) -> Self {
-        Self {
-            solver: Solver::new(&asked, &self.texture, &self.directions_deg),
-            texture: self.texture,
-            directions_deg: self.directions_deg.clone(),
-            guide: None,
-            evaluations: Evaluations::default(),
-            monitor: self.monitor,
-            specimen: self.specimen,
-            scene,
-            asked,
-        }
-    }
-
     /// Builds a model for derivatives, with the scene that `change` makes of the scene with the loads of every
     /// condition. In space the guide's blocks are used, which change derivatives by one fifth, unless they do not
     /// resolve the rims.
@@ -248,7 +231,9 @@ impl<'a> SteadyModel<'a> {
     /// The error of `change`.
     pub fn beside<E>(&self, change: impl FnOnce(&Scene) -> Result<Scene, E>) -> Result<Self, E> {
         let asked = change(self.serving_guide().unwrap_or(&self.asked))?;
-        Ok(self.of_scenes(asked.clone(), asked))
+        let (monitor, specimen, own_loads) = (self.monitor, self.specimen, asked.loads.len());
+        let model = Self::without_guide(asked, own_loads, self.texture, &self.directions_deg);
+        Ok(Self { monitor, specimen, ..model })
     }
 
     /// Scene of the guide, if its blocks resolve the rims, which requires blocks of at most half the width of a rim.
@@ -259,27 +244,27 @@ impl<'a> SteadyModel<'a> {
 
     /// Area law of the designs.
     pub const fn area_law(&self) -> Option<&AreaLaw> {
-        self.scene.area_law.as_ref()
+        self.asked.area_law.as_ref()
     }
 
     /// Computes the results for the cell of `design` by `solver`, which was created from `scene`; ratios are not scaled
     /// to the specimen.
     fn answer(&self, scene: &Scene, solver: &Solver, design: &Pattern) -> Result<Answer, ModelFailure> {
-        let trial = |reason: String| ModelFailure::Trial { reason };
+        let trial = |reason: &str| ModelFailure::Trial(reason.to_owned());
         let scene = Scene { pattern: Some(*design), ..scene.clone() };
-        scene.validate().map_err(|error| trial(error.to_string()))?;
+        scene.validate().map_err(|error| ModelFailure::Trial(error.to_string()))?;
         let mut ratio = Vec::new();
         let (mut peak_pressure_pa, mut least_pressure) = (0.0_f64, f64::INFINITY);
         let mut clearance_m: Option<f64> = None;
         for (outcome, load) in solver.solve(design, self.monitor)?.iter().zip(&scene.loads) {
             let surface = &outcome.surface;
             if surface.status != Status::Converged {
-                return Err(trial(match surface.status {
-                    Status::NotConverged => "the steady solution was not found in the steps allowed".to_owned(),
-                    other => format!("steady run: {}", other.name()),
-                }));
+                return Err(match surface.status {
+                    Status::NotConverged => trial("the steady solution was not found in the steps allowed"),
+                    other => ModelFailure::Trial(format!("steady run: {}", other.name())),
+                });
             }
-            ratio.push(outcome.ratio.ok_or_else(|| trial("friction is not defined".to_owned()))?);
+            ratio.push(outcome.ratio.ok_or_else(|| trial("friction is not defined"))?);
             peak_pressure_pa = peak_pressure_pa.max(surface.peak_pressure_pa);
             let least_pa = surface.interface.iter().map(|point| point.pressure_pa).fold(f64::INFINITY, f64::min);
             least_pressure = least_pressure.min(least_pa / load.pressure_pa);
@@ -293,7 +278,7 @@ impl<'a> SteadyModel<'a> {
 /// Returns `answer` if the cavities stay open under load, otherwise [`ModelFailure::Trial`].
 fn open(answer: Answer) -> Result<Answer, ModelFailure> {
     if answer.clearance_m().is_some_and(|clearance_m| clearance_m <= 0.0) {
-        return Err(ModelFailure::Trial { reason: "the cavity closes under load".to_owned() });
+        return Err(ModelFailure::Trial("the cavity closes under load".to_owned()));
     }
     Ok(answer)
 }

@@ -292,7 +292,7 @@ fn solved(
         stage.advance(1.0 / lengths.len() as f64);
         let answer = task.space.pattern(*lengths_m).ok().map(|design| (design, models.own.tabulated(&design, coarse)));
         match answer {
-            Some((_, Err(failure @ (ModelFailure::Cancelled | ModelFailure::Broken { .. })))) => Err(failure),
+            Some((_, Err(failure @ (ModelFailure::Cancelled | ModelFailure::Broken(_))))) => Err(failure),
             Some((design, Ok(answer))) => {
                 let sag_m = answer.clearance_m().map_or(0.0, |clearance_m| design.depth_m() - clearance_m);
                 let log = answer.ratio.iter().map(|ratio| ratio.ln());

@@ -13,23 +13,6 @@ use slipgrid_model::springblock::{Layer, Load, RunOptions, Scene, SceneError, re
 
 use crate::error::{Refusal, TaskPart};
 
-/// Quantity of a design that can be limited.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ConstraintQuantity {
-    /// Maximum local pressure over all target pressures, in the periodic cell and in dynamic runs of the specimen.
-    PeakPressure,
-    /// Fraction of the face that is land.
-    BearingArea,
-    /// Fraction of the face that is cavity.
-    ArealDensity,
-    /// Laser time for the specimen.
-    LaserTime,
-    /// Minimum height of a cavity's ceiling above the counterface over all target pressures.
-    Clearance,
-    /// Minimum ratio of local to nominal pressure over all target pressures; negative under tension.
-    LeastPressure,
-}
-
 /// Design task. [`DesignTask::new`] gives the defaults of optional fields.
 #[derive(Clone, Debug)]
 pub struct DesignTask {
@@ -57,8 +40,6 @@ pub struct DesignTask {
     pub space: DesignSpace,
     /// Constraints besides the bounds.
     pub constraints: Constraints,
-    /// Quantity that each limit of `constraints.quantities` refers to, in the same order.
-    pub quantities: Vec<ConstraintQuantity>,
     /// Laser settings, for laser times, depth steps and the process sheet.
     pub laser: Laser,
     /// Specimen that the design is cut into.
@@ -238,7 +219,6 @@ impl DesignTask {
             target,
             space,
             constraints: Constraints::default(),
-            quantities: Vec::new(),
             laser: Laser::default(),
             specimen,
             layer,

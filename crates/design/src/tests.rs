@@ -358,6 +358,7 @@ fn what_to_do_follows_from_the_chance_and_from_what_is_within_reach() {
     }
     // A limit that keeps the target out of reach is named.
     let limit = Limit {
+        quantity: ConstraintQuantity::PeakPressure,
         name: "largest local pressure",
         unit: "MPa",
         unit_si: 1e6,
@@ -366,7 +367,6 @@ fn what_to_do_follows_from_the_chance_and_from_what_is_within_reach() {
         loosest: f64::INFINITY,
     };
     let mut limited = taught(&wanting(0.85, 0.03), vec![cut]);
-    limited.quantities.push(ConstraintQuantity::PeakPressure);
     limited.constraints.quantities.push(limit);
     let report = advised(&limited);
     assert_eq!(report.advice, "cannot_be_met", "{}", report.words);

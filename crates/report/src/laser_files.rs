@@ -213,7 +213,7 @@ pub fn draw_next(found: &NextTrials, task: &DesignTask) -> Result<Vec<Outputs>, 
         outline: task.specimen,
         laser: task.laser,
         tolerances: task.assumed_tolerances(),
-        material: &found.material,
+        material: &found.report.material,
     };
     let drawn = |drawing: &dyn Fn(&mut Outputs) -> Result<(), ExportError>| {
         let mut outputs = Outputs::default();

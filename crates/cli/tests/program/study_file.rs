@@ -47,7 +47,7 @@ fn written(path: &Path) -> Vec<u8> {
         assert_eq!(study.answer(10e-6, &design(width_um), || Ok(answer(width_um))).unwrap(), answer(width_um));
         assert_eq!(study.answer(10e-6, &design(width_um), never).unwrap(), answer(width_um));
     }
-    let failure = || Err(ModelFailure::Trial { reason: "too \"wide\"\n".to_owned() });
+    let failure = || Err(ModelFailure::Trial("too \"wide\"\n".to_owned()));
     assert!(study.answer(10e-6, &design(400.0), failure).is_err());
     fs::read(path).unwrap()
 }
@@ -63,7 +63,7 @@ fn what_was_written_is_known_to_the_last_bit() {
         assert_eq!(study.answer(10e-6, &design(width_um), never).unwrap(), answer(width_um));
     }
     let failed = study.answer(10e-6, &design(400.0), never);
-    assert_eq!(failed, Err(ModelFailure::Trial { reason: "too \"wide\"\n".to_owned() }));
+    assert_eq!(failed, Err(ModelFailure::Trial("too \"wide\"\n".to_owned())));
     assert_eq!(fs::read(&path).unwrap(), before, "nothing new, nothing written");
     // Other blocks are another question, and a study without `resume` begins anew.
     assert_eq!(study.answer(40e-6, &design(100.0), || Ok(answer(1.0))).unwrap(), answer(1.0));
@@ -80,7 +80,7 @@ fn a_file_cut_at_any_byte_of_its_last_line_loses_that_line_alone() {
         fs::write(&path, &whole[..cut]).unwrap();
         let (study, resumed) = begin(&path, 0.38, true).unwrap();
         assert_eq!(resumed, 3, "{cut}");
-        let failure = || Err(ModelFailure::Trial { reason: "too \"wide\"\n".to_owned() });
+        let failure = || Err(ModelFailure::Trial("too \"wide\"\n".to_owned()));
         assert!(study.answer(10e-6, &design(400.0), failure).is_err());
         assert_eq!(fs::read(&path).unwrap(), whole, "{cut}");
     }

@@ -19,20 +19,30 @@ impl Bound {
             Self::AtMost(limit) | Self::AtLeast(limit) => limit,
         }
     }
+}
 
-    /// Returns a bound on the same side with another limit.
-    #[must_use]
-    pub const fn with_limit(self, limit: f64) -> Self {
-        match self {
-            Self::AtMost(_) => Self::AtMost(limit),
-            Self::AtLeast(_) => Self::AtLeast(limit),
-        }
-    }
+/// Quantity of a design that can be limited.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ConstraintQuantity {
+    /// Maximum local pressure over all target pressures, in the periodic cell and in dynamic runs of the specimen.
+    PeakPressure,
+    /// Fraction of the face that is land.
+    BearingArea,
+    /// Fraction of the face that is cavity.
+    ArealDensity,
+    /// Laser time for the specimen.
+    LaserTime,
+    /// Minimum height of a cavity's ceiling above the counterface over all target pressures.
+    Clearance,
+    /// Minimum ratio of local to nominal pressure over all target pressures; negative under tension.
+    LeastPressure,
 }
 
 /// Quantity of a design computed by the model, with its limit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limit {
+    /// Limited quantity.
+    pub quantity: ConstraintQuantity,
     /// Name of the quantity, in words.
     pub name: &'static str,
     /// Unit of the quantity in messages; may be empty.
@@ -59,7 +69,10 @@ impl Limit {
     /// Replaces the limit by the loosest one.
     #[must_use]
     pub const fn relaxed(mut self) -> Self {
-        self.bound = self.bound.with_limit(self.loosest);
+        self.bound = match self.bound {
+            Bound::AtMost(_) => Bound::AtMost(self.loosest),
+            Bound::AtLeast(_) => Bound::AtLeast(self.loosest),
+        };
         self
     }
 
@@ -144,6 +157,7 @@ mod tests {
     #[test]
     fn limits_hold_on_their_side_and_say_so_in_their_unit() {
         let peak = Limit {
+            quantity: ConstraintQuantity::PeakPressure,
             name: "peak pressure",
             unit: "MPa",
             unit_si: 1e6,
@@ -152,6 +166,7 @@ mod tests {
             loosest: f64::INFINITY,
         };
         let land = Limit {
+            quantity: ConstraintQuantity::BearingArea,
             name: "bearing area",
             unit: "",
             unit_si: 1.0,

@@ -26,7 +26,7 @@ mod space;
 mod target;
 mod tolerances;
 
-pub use constraints::{Bound, Constraints, Limit, Violation};
+pub use constraints::{Bound, ConstraintQuantity, Constraints, Limit, Violation};
 pub use error::SearchError;
 pub use model::ModelFailure;
 pub use space::DesignSpace;

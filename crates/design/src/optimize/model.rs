@@ -3,18 +3,12 @@
 /// Reason why a model gives no result for a design.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ModelFailure {
-    /// Failure of this design only; the search continues.
-    #[error("{reason}")]
-    Trial {
-        /// Reason of the failure.
-        reason: String,
-    },
-    /// Failure of all designs: the search ends with an error.
-    #[error("{reason}")]
-    Broken {
-        /// Reason of the failure.
-        reason: String,
-    },
+    /// Failure of this design only, with the reason; the search continues.
+    #[error("{0}")]
+    Trial(String),
+    /// Failure of all designs, with the reason: the search ends with an error.
+    #[error("{0}")]
+    Broken(String),
     /// Cancelled: the search ends with its best design so far.
     #[error("cancelled")]
     Cancelled,

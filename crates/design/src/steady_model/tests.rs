@@ -42,8 +42,8 @@ fn the_search_sees_what_simulate_reports() {
         let design = Pattern::new(planform, 130.3e-6, 171e-6, 13e-6).unwrap();
         let run = RunOptions { dimensions, ..RunOptions::default() };
         let model = SteadyModel::new(&Scene { run, ..scene() }, &[], &[], &space(planform));
-        assert_eq!([model.dimension(), model.scene(&design).dimension()].map(Dimension::number), [expected; 2]);
-        let simulation = simulate(&model.scene(&design), &Unwatched).unwrap();
+        assert_eq!([model.dimension(), model.cell(&design, false).dimension()].map(Dimension::number), [expected; 2]);
+        let simulation = simulate(&model.cell(&design, false), &Unwatched).unwrap();
         let [ratio, pressure] = if expected == 3 { [LOOSE, LOOSE_PRESSURE] } else { [1e-9; 2] };
         let answer = model.steady(&design).unwrap();
         for (found, outcome) in answer.ratio.iter().zip(&simulation.loads) {
@@ -60,7 +60,7 @@ fn the_search_sees_what_simulate_reports() {
     }
     let deep = Pattern::new(Planform::Groove, 130e-6, 370e-6, 250e-6).unwrap();
     let model = SteadyModel::new(&scene(), &[], &[], &space(Planform::Groove));
-    assert!(matches!(model.steady(&deep), Err(ModelFailure::Trial { .. })));
+    assert!(matches!(model.steady(&deep), Err(ModelFailure::Trial(_))));
 }
 
 #[test]

@@ -214,7 +214,7 @@ impl Design {
         check_fits(&document, (&file.specimen, wide), &specimen, &texture, (width_m, spacing_m, depth_m))?;
         check_face(&document, &file.specimen, &specimen, &layer)?;
         file.limits.check_peak(&document, &file.target.get_ref().pressure_mpa)?;
-        let (measures, quantities) = read_limited(&document, &file.limits, &laser)?;
+        let quantities = read_limited(&document, &file.limits, &laser)?;
         let mut told =
             unusual::of_shares(&document, file.condition.iter().chain(file.also_at.iter().flat_map(Spanned::get_ref)));
         told.extend(unmeasured_fluence(&document, file.laser.as_ref(), &laser));
@@ -239,7 +239,6 @@ impl Design {
             ranges,
             directions,
             constraints: Constraints { limits, quantities },
-            quantities: measures,
             laser,
             search: SearchOptions { dimensions, ..search },
             tolerances: file.tolerances.map(Spanned::into_inner),

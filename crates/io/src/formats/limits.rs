@@ -2,8 +2,7 @@
 
 use schemars::JsonSchema;
 use serde::Deserialize;
-use slipgrid_design::ConstraintQuantity;
-use slipgrid_design::optimize::{Bound, Limit, Tolerances};
+use slipgrid_design::optimize::{Bound, ConstraintQuantity, Limit, Tolerances};
 use slipgrid_laser::export::Laser;
 
 use super::values::{Number, Numbers, list, number_span};
@@ -71,59 +70,59 @@ impl LimitsFile {
 /// Divisor that makes an excess over a limit of 0 dimensionless, in SI units; chosen for clearances, in metres.
 const CLEARANCE_SCALE_M: f64 = 1e-6;
 
-/// Reads the limited quantities and, in the same order, their limits.
+/// Reads the limited quantities with their limits.
 ///
 /// # Errors
 /// [`Diagnostic`] if a number is out of range, or if the time under the laser is limited but cannot be estimated.
-pub fn read_limited(
-    document: &Document,
-    file: &LimitsFile,
-    laser: &Laser,
-) -> Result<(Vec<ConstraintQuantity>, Vec<Limit>), Diagnostic> {
-    let (mut measures, mut limits) = (Vec::new(), Vec::new());
+pub fn read_limited(document: &Document, file: &LimitsFile, laser: &Laser) -> Result<Vec<Limit>, Diagnostic> {
+    let mut limits = Vec::new();
     let read = |given: &Option<Number>, quantity| document.optional(given.as_ref(), quantity);
-    let mut add = |measure, limit| {
-        measures.push(measure);
-        limits.push(limit);
-    };
     if let Some(most_pa) = read(&file.max_peak_pressure_mpa, PRESSURE_MPA)? {
-        add(ConstraintQuantity::PeakPressure, limit("peak pressure", "MPa", PRESSURE_MPA, Bound::AtMost(most_pa)));
+        let named = (ConstraintQuantity::PeakPressure, "peak pressure", "MPa");
+        limits.push(limit(named, PRESSURE_MPA, Bound::AtMost(most_pa)));
     }
     if let Some(least) = read(&file.min_bearing_area, FRACTION)? {
-        add(ConstraintQuantity::BearingArea, limit("bearing area", "", FRACTION, Bound::AtLeast(least)));
+        let named = (ConstraintQuantity::BearingArea, "bearing area", "");
+        limits.push(limit(named, FRACTION, Bound::AtLeast(least)));
     }
     if let Some(most) = read(&file.max_areal_density, FRACTION)? {
-        let limit = limit("share of the face that is cavity", "", FRACTION, Bound::AtMost(most));
-        add(ConstraintQuantity::ArealDensity, Limit { loosest: 1.0, ..limit });
+        let named = (ConstraintQuantity::ArealDensity, "share of the face that is cavity", "");
+        limits.push(Limit { loosest: 1.0, ..limit(named, FRACTION, Bound::AtMost(most)) });
     }
     if let Some(given) = &file.max_laser_time_s {
         let most_s = document.number(given, TIME_S)?;
         needs_time(document, given, laser)?;
-        add(ConstraintQuantity::LaserTime, limit("time under the laser", "s", TIME_S, Bound::AtMost(most_s)));
+        let named = (ConstraintQuantity::LaserTime, "time under the laser", "s");
+        limits.push(limit(named, TIME_S, Bound::AtMost(most_s)));
     }
     let clearance = LENGTH_UM.or_zero();
     if let Some(least_m) = read(&file.min_clearance_um, clearance)? {
-        let limit = limit("clearance under the ceiling", "um", clearance, Bound::AtLeast(least_m));
-        add(ConstraintQuantity::Clearance, limit);
+        let named = (ConstraintQuantity::Clearance, "clearance under the ceiling", "um");
+        limits.push(limit(named, clearance, Bound::AtLeast(least_m)));
     }
     if let Some(lift_off) = &file.lift_off
         && document.choice(lift_off, &[true, false], |refused| if refused { "refuse" } else { "allow" })?
     {
-        let limit = limit("least local pressure over the nominal one", "", FRACTION, Bound::AtLeast(0.0));
-        add(ConstraintQuantity::LeastPressure, Limit { scale: 1.0, loosest: f64::NEG_INFINITY, ..limit });
+        let named = (ConstraintQuantity::LeastPressure, "least local pressure over the nominal one", "");
+        let limit = limit(named, FRACTION, Bound::AtLeast(0.0));
+        limits.push(Limit { scale: 1.0, loosest: f64::NEG_INFINITY, ..limit });
     }
-    Ok((measures, limits))
+    Ok(limits)
 }
 
-/// Creates the limit `bound`, in SI units, on the quantity `name`. The loosest value is infinity for a maximum and 0
-/// for a minimum.
-fn limit(name: &'static str, unit: &'static str, quantity: Quantity, bound: Bound) -> Limit {
+/// Creates the limit `bound`, in SI units, on a quantity with a name and a unit in words, whose values in files are
+/// `in_files`. The loosest value is infinity for a maximum and 0 for a minimum.
+fn limit(
+    (quantity, name, unit): (ConstraintQuantity, &'static str, &'static str),
+    in_files: Quantity,
+    bound: Bound,
+) -> Limit {
     let (value, loosest) = match bound {
         Bound::AtMost(most) => (most, f64::INFINITY),
         Bound::AtLeast(least) => (least, 0.0),
     };
     let scale = if value > 0.0 { value } else { CLEARANCE_SCALE_M };
-    Limit { name, unit, unit_si: quantity.to_si(1.0), bound, scale, loosest }
+    Limit { quantity, name, unit, unit_si: in_files.to_si(1.0), bound, scale, loosest }
 }
 
 /// Refuses a time limit if the time cannot be estimated.

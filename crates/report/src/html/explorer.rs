@@ -101,20 +101,20 @@ impl Subject<'_> {
             let Some(bound) = bound_m.map(|m| LENGTH_UM.from_si(m)) else { continue };
             all.push(LimitData { kind, words: format!("{name}, {} µm", number(bound, 1)), bound, is_most: false });
         }
-        for (quantity, limit) in task.quantities.iter().zip(&task.constraints.quantities) {
-            let (kind, unit_si) = match quantity {
-                ConstraintQuantity::PeakPressure => ("peak", 1e6),
-                ConstraintQuantity::ArealDensity => ("density", 1.0),
-                ConstraintQuantity::BearingArea => ("bearing", 1.0),
-                ConstraintQuantity::LaserTime => ("laser", 1.0),
-                ConstraintQuantity::Clearance => ("clearance", 1e-6),
-                ConstraintQuantity::LeastPressure => ("least", 1.0),
+        for limit in &task.constraints.quantities {
+            let kind = match limit.quantity {
+                ConstraintQuantity::PeakPressure => "peak",
+                ConstraintQuantity::ArealDensity => "density",
+                ConstraintQuantity::BearingArea => "bearing",
+                ConstraintQuantity::LaserTime => "laser",
+                ConstraintQuantity::Clearance => "clearance",
+                ConstraintQuantity::LeastPressure => "least",
             };
             let bound = limit.bound.limit();
             if bound.is_finite() {
                 let is_most = matches!(limit.bound, Bound::AtMost(_));
                 let words = format!("{}, {}", limit.name, limit.tell(bound));
-                all.push(LimitData { kind, words, bound: bound / unit_si, is_most });
+                all.push(LimitData { kind, words, bound: bound / limit.unit_si, is_most });
             }
         }
         all
