@@ -78,8 +78,9 @@ pub fn blocked_by(search: &Search<'_>, best: &Prediction) -> Vec<LiftedReport> {
     };
     for (place, limit) in task.constraints.quantities.iter().enumerate() {
         let mut lifted = task.clone();
-        lifted.constraints.quantities[place] = limit.relaxed();
-        add(format!("the limit of {}, {}", limit.name, limit.tell(limit.bound.limit())), &lifted, search.table);
+        lifted.constraints.quantities.remove(place);
+        let (name, told) = (limit.quantity.name(), limit.quantity.tell(limit.bound.limit()));
+        add(format!("the limit of {name}, {told}"), &lifted, search.table);
     }
     if let Some(land_m) = task.constraints.limits.min_land_m {
         let mut lifted = task.clone();

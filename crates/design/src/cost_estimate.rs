@@ -3,15 +3,16 @@
 use slipgrid_base::monitor::Monitor;
 use slipgrid_infer::calibrate::uncertainty::{MaterialUncertainty, Slopes};
 use slipgrid_model::material::Condition;
+use slipgrid_model::pattern::Pattern;
 use slipgrid_model::springblock::{
     Expense, Fidelity, Scene, SceneError, Unwatched, bounded, cell_expense, expense, simulate,
 };
 
-use crate::DesignError;
 use crate::confirmation::confirming_scene;
 use crate::prepared_task::PreparedTask;
 use crate::steady_model::SteadyModel;
 use crate::table::nodes;
+use crate::{DesignError, Refusal};
 
 /// Duration up to which no estimate is reported, in seconds.
 const SHORT_S: f64 = 30.0;
@@ -55,13 +56,15 @@ pub fn announce(
         return Ok(());
     }
     if is_confirmed {
-        bounded(&confirmed).map_err(|error| prepared.task.refuse_blocks(&error))?;
+        bounded(&confirmed).map_err(|error| Refusal::of_cost("confirming runs", &error))?;
     }
     // The nodes cover the whole space, and the largest cells cost most.
     let widest = space.pattern([space.width_m()[1], space.spacing_m()[1], pattern.depth_m()]).ok();
+    let largest =
+        |scene: &dyn Fn(&Pattern) -> Scene| widest.as_ref().map(scene).filter(|scene| scene.validate().is_ok());
     let spread_s = |coarse: bool| {
         let own_s = cell_expense(&model.cell(&pattern, coarse)).core_s;
-        let largest = widest.as_ref().map(|widest| model.cell(widest, coarse)).filter(|scene| scene.validate().is_ok());
+        let largest = largest(&|widest| model.cell(widest, coarse));
         f64::midpoint(own_s, largest.map_or(own_s, |scene| cell_expense(&scene).core_s))
     };
     let [nodes, lifting] = nodes(&prepared.task, model);
@@ -71,14 +74,12 @@ pub fn announce(
     let of_guide = if lifting > 0.0 { nodes * spread_s(true) } else { 0.0 };
     let search_s = share * (of_guide + asked * (1.0 + after) * spread_s(false));
     let threads = rayon::current_num_threads() as f64;
-    let largest = widest.as_ref().map(|widest| model.cell(widest, false)).filter(|scene| scene.validate().is_ok());
-    let bytes = cell_expense(largest.as_ref().unwrap_or(&cell)).bytes * threads;
-    let longest = widest.map(|widest| confirming_scene(prepared, model, &widest, prepared.task.search.from_rest));
+    let bytes = cell_expense(&largest(&|widest| model.cell(widest, false)).unwrap_or(cell)).bytes * threads;
     let run = expense(&confirmed);
     // Cost of a cell grows with the square of the pitch; the texture found is equally likely on either side of the
     // geometric mean.
-    let run =
-        longest.filter(|scene| scene.validate().is_ok()).map_or(run, |longest| geometric_mean(run, expense(&longest)));
+    let longest = largest(&|widest| confirming_scene(prepared, model, widest, prepared.task.search.from_rest));
+    let run = longest.map_or(run, |longest| geometric_mean(run, expense(&longest)));
     let (of_run, bytes) = if is_confirmed { (CONFIRMED_TIMES, run.bytes.max(bytes)) } else { (0.0, bytes) };
     let all =
         Expense { core_s: search_s + of_run * run.core_s, wall_s: search_s / threads + of_run * run.wall_s, bytes };

@@ -173,12 +173,6 @@ impl GoalReport {
 }
 
 impl DesignReport {
-    /// Warnings about cavities that the laser makes differently from the design, by passes over lines or by bursts on
-    /// spots.
-    pub fn of_laser(&self) -> impl Iterator<Item = &String> {
-        self.removal.iter().flat_map(|removal| &removal.warnings).chain(&self.laser_warnings)
-    }
-
     /// Whether the target is a ratio to the flat surface.
     pub fn is_ratio(&self) -> bool {
         self.target.quantity == Quantity::Ratio.name()

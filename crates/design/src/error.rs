@@ -1,7 +1,7 @@
 //! Errors of design jobs.
 
 use slipgrid_base::monitor::Cancelled;
-use slipgrid_model::material::MaterialError;
+use slipgrid_model::springblock::SceneError;
 
 use crate::SpecimenError;
 
@@ -11,9 +11,6 @@ pub enum DesignError {
     /// Part of the task that is invalid in combination with the rest.
     #[error(transparent)]
     Refused(#[from] Refusal),
-    /// Material data that give an invalid material.
-    #[error(transparent)]
-    Material(#[from] MaterialError),
     /// Stored results of the model that belong to another task or cannot be read.
     #[error("{0}")]
     Cache(String),
@@ -61,6 +58,23 @@ impl Refusal {
     /// Creates a refusal of `part`.
     pub fn new(part: TaskPart, reason: impl Into<String>) -> Self {
         Self { part, reason: reason.into(), expected: None }
+    }
+
+    /// Creates the refusal of a block size with which `what` takes too much memory or time, as `error` states.
+    pub fn of_cost(what: &str, error: &SceneError) -> Self {
+        let gib = |bytes: f64| bytes / (1_u64 << 30) as f64;
+        let days = |seconds: f64| seconds / 86_400.0;
+        let (takes, most) = match error {
+            SceneError::TooLarge { bytes, most_bytes } => {
+                (format!("{:.0} GiB of memory", gib(*bytes)), format!("{:.0} GiB", gib(*most_bytes)))
+            }
+            SceneError::TooLong { core_s, most_s } => {
+                (format!("{:.0} days of one core", days(*core_s)), format!("{:.0} days", days(*most_s)))
+            }
+            other => return Self::new(TaskPart::Whole, other.to_string()),
+        };
+        Self::new(TaskPart::BlockSize, format!("um makes {what} that take about {takes}"))
+            .expected(format!("larger blocks, a smaller layer or specimen, or a higher speed, for at most {most}"))
     }
 
     /// Adds the accepted values.

@@ -15,13 +15,13 @@ use crate::prediction::Prediction;
 use crate::prepared_task::PreparedTask;
 use crate::search::Search;
 use crate::session::with_table;
-use crate::table::{axes_between, filled, random_places};
+use crate::table::{Density, axes_between, filled, random_places};
 use crate::task::{DesignTask, KnownMaterial};
 use crate::time_budget::TimeBudget;
 use crate::timings::Timings;
 
-/// Numbers of nodes along width, spacing and depth: per factor e between the bounds, and at most.
-const NODES: ([f64; 3], [usize; 3]) = ([4.0, 3.5, 2.2], [11, 12, 8]);
+/// Nodes along width, spacing and depth.
+const NODES: Density = ([4.0, 3.5, 2.2], [11, 12, 8]);
 /// Number of random textures at which the interpolation error is estimated.
 const CHECKS: usize = 60;
 /// Range of the correction of nodes around the design to the reported values: standard deviation of a Gaussian weight
@@ -145,7 +145,7 @@ impl Explored {
 pub fn explore_bounds(task: &DesignTask, monitor: &dyn Monitor) -> Result<Explored, DesignError> {
     let prepared = &PreparedTask::new(task)?;
     let budget = TimeBudget::new(monitor, None);
-    let found = with_table(prepared, None, None, (budget, monitor), &mut Timings::default(), |search, _| {
+    let found = with_table(prepared, None, None, budget, &mut Timings::default(), |search, _| {
         let about_best = |open: &(dyn Fn(&Pattern) -> bool + Sync)| -> Result<(Pattern, Explorer), DesignError> {
             let (best, _) = search.greatest(open);
             monitor.heed()?;

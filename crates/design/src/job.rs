@@ -88,12 +88,12 @@ fn every_step(
     let budget = TimeBudget::new(monitor, task.search.max_seconds);
     let prepared = &PreparedTask::new(task)?;
     let mut timings = Timings::default();
-    let mut outcome = with_table(prepared, None, Some(cache), (budget, monitor), &mut timings, |search, timings| {
+    let mut outcome = with_table(prepared, None, Some(cache), budget, &mut timings, |search, timings| {
         let searching_s = monitor.seconds();
         let found = search.best(&|_| true, 1);
         timings.search += monitor.seconds() - searching_s;
         monitor.heed()?;
-        reported(search, &found, (budget, monitor), timings)
+        reported(search, &found, budget, timings)
     })?;
     outcome.report.wall_s = monitor.seconds() - started_s;
     timings.count_rest(outcome.report.wall_s);
@@ -106,10 +106,11 @@ fn every_step(
 fn reported(
     search: &Search<'_>,
     found: &Found,
-    (budget, monitor): (TimeBudget<'_>, &dyn Monitor),
+    budget: TimeBudget<'_>,
     timings: &mut Timings,
 ) -> Result<DesignOutcome, DesignError> {
     let Search { prepared, task, asked, .. } = *search;
+    let monitor = budget.monitor;
     let mut cut_short: Vec<&'static str> = Vec::new();
     if search.stage.cancelled() {
         cut_short.push("search");

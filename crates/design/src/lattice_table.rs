@@ -32,7 +32,7 @@ pub struct LatticeSample {
 impl Lattice {
     /// Builds the lattice for the task of `search`.
     pub fn new(search: &Search<'_>) -> Self {
-        let (patterns, _) = lattice(search.task);
+        let patterns = lattice(search.task);
         let sample = |pattern: &Pattern| {
             let found = search.roughly(pattern).filter(|_| !search.stage.cancelled())?;
             let limited = search.task.limited(pattern, &search.table.at(pattern)?.1).ok()?;

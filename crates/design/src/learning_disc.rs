@@ -224,7 +224,7 @@ fn tasks(task: &DesignTask) -> Result<Vec<PreparedTask>, DesignError> {
 /// # Errors
 /// [`DesignError`] for a task that is refused, that the monitor cancels, or whose bounds leave a single texture.
 pub fn choose(task: &DesignTask, options: &NextOptions, division: &Division, monitor: &dyn Monitor) -> Chosen {
-    let budget = (TimeBudget::new(monitor, None), monitor);
+    let budget = TimeBudget::new(monitor, None);
     let on_disc = |prepared: &PreparedTask, then: &dyn Fn(&Search<'_>) -> Chosen| {
         with_table(prepared, Some(division), None, budget, &mut Timings::default(), |search, _| then(search))
     };

@@ -86,7 +86,7 @@ pub fn next_trials(task: &DesignTask, options: &NextOptions, monitor: &dyn Monit
     let (mut report, patterns) = match &division {
         Some(division) if options.learn => learning_disc::choose(task, options, division, monitor)?,
         division => {
-            let budget = (TimeBudget::new(monitor, None), monitor);
+            let budget = TimeBudget::new(monitor, None);
             let division = division.as_ref();
             with_table(prepared, division, None, budget, &mut Timings::default(), |search, _| {
                 choose(search, options, division)

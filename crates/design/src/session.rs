@@ -1,6 +1,5 @@
 //! Session that `optimize` and `next` share: the table over the bounds and the search in it.
 
-use slipgrid_base::monitor::Monitor;
 use slipgrid_laser::export::Division;
 use slipgrid_model::springblock::{Fidelity, Load, RunOptions};
 
@@ -31,11 +30,12 @@ pub fn with_table<T>(
     prepared: &PreparedTask,
     division: Option<&Division>,
     cache: Option<&mut dyn EvaluationCache>,
-    (budget, monitor): (TimeBudget<'_>, &dyn Monitor),
+    budget: TimeBudget<'_>,
     timings: &mut Timings,
     then: impl FnOnce(&Search<'_>, &mut Timings) -> Result<T, DesignError>,
 ) -> Result<T, DesignError> {
     let PreparedTask { task, material, settings, .. } = prepared;
+    let monitor = budget.monitor;
     let began_s = monitor.seconds();
     let run = RunOptions { fidelity: Fidelity::Steady, dimensions: task.search.dimensions, ..RunOptions::default() };
     let scene = task.flat_scene(material, prepared.loads().to_vec(), run);

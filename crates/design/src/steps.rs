@@ -28,20 +28,29 @@ pub struct Steps<'a> {
 impl<'a> Steps<'a> {
     /// Creates the lattice of `task`.
     pub fn new(task: &'a DesignTask) -> Self {
-        Self { task, axes: axes(task).0 }
+        Self { task, axes: axes(task) }
     }
 
     /// Returns all designs, or at most `most` of them spread evenly over the bounds, without those that the laser
     /// cannot cut.
     pub fn spread(&self, most: usize) -> Vec<Pattern> {
-        let [widths, spacings, depths] = [0, 1, 2].map(|axis: usize| self.axes[axis].len());
-        let all = widths.saturating_mul(spacings).saturating_mul(depths);
-        let least = all.div_ceil(most).max(1);
+        let [_, spacings, depths] = self.axes.each_ref().map(Vec::len);
+        let least = self.count().div_ceil(most).max(1);
         // A stride coprime to the axis lengths spreads the omitted designs evenly.
         let is_apart = |stride: &usize| common_divisor(*stride, spacings) == 1 && common_divisor(*stride, depths) == 1;
-        let stride = (least..).find(is_apart).unwrap_or(least);
-        let place = |number: usize| [number / (spacings * depths), number / depths % spacings, number % depths];
-        (0..all).step_by(stride).filter_map(|number| self.design(place(number))).collect()
+        self.every((least..).find(is_apart).unwrap_or(least)).collect()
+    }
+
+    /// Number of designs, with those that the laser cannot cut.
+    fn count(&self) -> usize {
+        self.axes.iter().fold(1, |count, axis| count.saturating_mul(axis.len()))
+    }
+
+    /// Every `stride`-th of all designs, width varying slowest, without those that the laser cannot cut.
+    pub fn every(&self, stride: usize) -> impl Iterator<Item = Pattern> + '_ {
+        let [_, spacings, depths] = self.axes.each_ref().map(Vec::len);
+        let place = move |number: usize| [number / (spacings * depths), number / depths % spacings, number % depths];
+        (0..self.count()).step_by(stride).filter_map(move |number| self.design(place(number)))
     }
 
     /// Index of `design`; `None` if it is not on the lattice.

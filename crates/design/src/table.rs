@@ -30,12 +30,15 @@ use crate::task::DesignTask;
 /// minimum ratio of local to nominal pressure, sag of the ceilings in metres.
 const BESIDE: usize = 3;
 
+/// Number of nodes along width, spacing and depth per factor e between the bounds, and maximum number.
+pub type Density = ([f64; 3], [usize; 3]);
+
 /// Numbers of nodes of a table, and of textures for the error estimate.
 pub struct Scope {
-    /// Number of nodes along width, spacing and depth per factor e between the bounds, and maximum number.
-    nodes: ([f64; 3], [usize; 3]),
+    /// Nodes of ratios, maximum and minimum pressure, and sag.
+    nodes: Density,
     /// Like `nodes`, for cells in space in the requested blocks, which correct the table in larger blocks.
-    lift: ([f64; 3], [usize; 3]),
+    lift: Density,
     /// Maximum number of nodes along width, spacing and depth for the sensitivities of the ratio to inputs.
     sensitivities: [usize; 3],
     /// Maximum number of nodes along width, spacing and depth for changes by smaller blocks.
@@ -66,6 +69,23 @@ impl Scope {
         checks: 12,
         ..Self::PLANE
     };
+
+    /// Scope of a table by `model`.
+    const fn of(model: &SteadyModel<'_>) -> Self {
+        if model.is_cheap_per_design() { Self::PLANE } else { Self::SPACE }
+    }
+
+    /// Densities of the nodes of a table by `model`, and of its correction from larger to the requested blocks; `None`
+    /// if there is no model in larger blocks.
+    const fn densities(&self, model: &SteadyModel<'_>) -> (Density, Option<Density>) {
+        if model.has_guide() {
+            (self.nodes, Some(self.lift))
+        } else if model.is_cheap_per_design() {
+            (self.nodes, None)
+        } else {
+            (self.lift, None)
+        }
+    }
 }
 
 /// Error and cost of a table.
@@ -105,20 +125,20 @@ impl Table {
     /// Solves `models` at the nodes over the bounds of `task`, and the effects of the specimen's ends and pressure tilt
     /// by `beyond`; advances `stage` to its end. `None` if cancelled or if the model can compute no node.
     pub fn new(task: &DesignTask, models: &Models<'_>, beyond: &BeyondCells<'_>, stage: &dyn Monitor) -> Option<Self> {
-        let is_guided = models.own.has_guide();
-        let scope = if models.own.is_cheap_per_design() { Scope::PLANE } else { Scope::SPACE };
+        let scope = Scope::of(models.own);
+        let (own, lift) = scope.densities(models.own);
         let loads = models.own.asked().loads.len();
-        let lattice = axes(task, if is_guided || models.own.is_cheap_per_design() { scope.nodes } else { scope.lift });
-        let (of_nodes, of_lift) = if is_guided { (0.2, 0.4) } else { (0.6, 0.0) };
+        let lattice = axes(task, own);
+        let (of_nodes, of_lift) = if lift.is_some() { (0.2, 0.4) } else { (0.6, 0.0) };
         let ask = |lengths: &[[f64; 3]], coarse: bool, share: f64| {
             solved(task, models, lengths, coarse, &Part::new(stage, share))
         };
         let nodes = ResponseSurface::nodes(&lattice);
-        let answers = ask(&nodes, is_guided, of_nodes)?;
+        let answers = ask(&nodes, lift.is_some(), of_nodes)?;
         let holes: Vec<usize> = (0..nodes.len()).filter(|place| answers[*place].is_none()).collect();
         let mut values = filled(answers, &lattice)?;
-        if is_guided {
-            let few_axes = axes(task, scope.lift);
+        if let Some(lift) = lift {
+            let few_axes = axes(task, lift);
             let few = ResponseSurface::nodes(&few_axes);
             let (fine, coarse) = (ask(&few, false, of_lift)?, ask(&few, true, 0.0)?);
             // A node without a result takes the difference of fine and coarse blocks from one other node, not from two.
@@ -238,13 +258,13 @@ impl Table {
     }
 }
 
-/// Axes over the bounds of `task`; `nodes` gives the nodes per factor e along each length, and the maximum numbers.
-fn axes(task: &DesignTask, nodes: ([f64; 3], [usize; 3])) -> [Axis; 3] {
-    axes_between(task.space.lengths_m(), nodes)
+/// Axes over the bounds of `task`.
+fn axes(task: &DesignTask, density: Density) -> [Axis; 3] {
+    axes_between(task.space.lengths_m(), density)
 }
 
-/// Axes between `bounds` in any unit; the pair gives the nodes per factor e along each length, and the maximum numbers.
-pub fn axes_between(bounds: [[f64; 2]; 3], (each, most): ([f64; 3], [usize; 3])) -> [Axis; 3] {
+/// Axes between `bounds` in any unit.
+pub fn axes_between(bounds: [[f64; 2]; 3], (each, most): Density) -> [Axis; 3] {
     std::array::from_fn(|axis| {
         let [from, to] = bounds[axis];
         // At most some dozens, so the cast is exact.
@@ -263,15 +283,9 @@ pub fn random_places(axes: &[Axis; 3], count: usize, seed: u64) -> Vec<[f64; 3]>
 /// Numbers of nodes of the table of `task` by `model`: of the table itself, and of its correction from larger to the
 /// requested blocks, 0 if there is no model in larger blocks.
 pub fn nodes(task: &DesignTask, model: &SteadyModel<'_>) -> [f64; 2] {
-    let scope = if model.is_cheap_per_design() { Scope::PLANE } else { Scope::SPACE };
-    let count = |scope: ([f64; 3], [usize; 3])| axes(task, scope).iter().map(|axis| axis.nodes as f64).product();
-    if model.has_guide() {
-        [count(scope.nodes), count(scope.lift)]
-    } else if model.is_cheap_per_design() {
-        [count(scope.nodes), 0.0]
-    } else {
-        [count(scope.lift), 0.0]
-    }
+    let count = |density: Density| axes(task, density).iter().map(|axis| axis.nodes as f64).product();
+    let (own, lift) = Scope::of(model).densities(model);
+    [count(own), lift.map_or(0.0, count)]
 }
 
 /// Solves the designs with `lengths`, in metres: ln R at each load, ln of the peak pressure in pascals, minimum ratio

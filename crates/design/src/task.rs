@@ -9,7 +9,7 @@ use slipgrid_infer::calibrate::uncertainty::MaterialUncertainty;
 use slipgrid_laser::export::{Laser, Specimen, Tolerances as SheetTolerances, laser_time_s};
 use slipgrid_model::material::{Condition, ConditionRange, Friction, Material, MaterialError};
 use slipgrid_model::pattern::Pattern;
-use slipgrid_model::springblock::{Layer, Load, RunOptions, Scene, SceneError, read_dimensions};
+use slipgrid_model::springblock::{Layer, Load, RunOptions, Scene, read_dimensions};
 
 use crate::error::{Refusal, TaskPart};
 
@@ -329,32 +329,6 @@ impl DesignTask {
             speed_m_s: self.speed_m_s,
             run,
         }
-    }
-
-    /// Creates the refusal of a block size with which confirming runs take too much memory or time, as `error` states.
-    pub fn refuse_blocks(&self, error: &SceneError) -> Refusal {
-        Self::refuse_cost("confirming runs", error)
-    }
-
-    /// Creates the refusal of a block size with which samples of the calibration take too much memory or time.
-    pub fn refuse_samples(&self, error: &SceneError) -> Refusal {
-        Self::refuse_cost("samples of the calibration", error)
-    }
-
-    fn refuse_cost(what: &str, error: &SceneError) -> Refusal {
-        let gib = |bytes: f64| bytes / (1_u64 << 30) as f64;
-        let days = |seconds: f64| seconds / 86_400.0;
-        let (takes, most) = match error {
-            SceneError::TooLarge { bytes, most_bytes } => {
-                (format!("{:.0} GiB of memory", gib(*bytes)), format!("{:.0} GiB", gib(*most_bytes)))
-            }
-            SceneError::TooLong { core_s, most_s } => {
-                (format!("{:.0} days of one core", days(*core_s)), format!("{:.0} days", days(*most_s)))
-            }
-            other => return Refusal::new(TaskPart::Whole, other.to_string()),
-        };
-        Refusal::new(TaskPart::BlockSize, format!("um makes {what} that take about {takes}"))
-            .expected(format!("larger blocks, a smaller layer or specimen, or a higher speed, for at most {most}"))
     }
 
     /// Block size, in micrometres.

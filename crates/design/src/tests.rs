@@ -1,8 +1,6 @@
 //! Tests of the whole job: `optimize` and `next` give consistent predictions and searches.
 
-use crate::optimize::{
-    Bound, Demand, DesignSpace, Goal, Limit, Quantity, Target, TargetPoint, Tolerances, Wanted as Accepted,
-};
+use crate::optimize::{Demand, DesignSpace, Goal, Quantity, Target, TargetPoint, Tolerances, Wanted as Accepted};
 use slipgrid_base::monitor::{CachingMonitor, Monitor, Unwatched};
 use slipgrid_base::statistics::{NORMAL_95, Normals, normal_probability};
 use slipgrid_infer::calibrate::uncertainty::{CoefficientEstimate, MaterialUncertainty};
@@ -122,7 +120,7 @@ fn searched<T>(task: &DesignTask, then: impl FnOnce(&Search<'_>) -> T) -> T {
     let prepared = PreparedTask::new(task).unwrap();
     let budget = TimeBudget::new(&*KNOWN, None);
     let timings = &mut Timings::default();
-    with_table(&prepared, None, None, (budget, &*KNOWN), timings, |search, _| Ok(then(search))).unwrap()
+    with_table(&prepared, None, None, budget, timings, |search, _| Ok(then(search))).unwrap()
 }
 
 /// Tasks of grooves with no, one and three trials.
@@ -357,21 +355,12 @@ fn what_to_do_follows_from_the_chance_and_from_what_is_within_reach() {
         assert!(report.sample.expected.iter().any(|at| !at.is_within()));
     }
     // A limit that keeps the target out of reach is named.
-    let limit = Limit {
-        quantity: ConstraintQuantity::PeakPressure,
-        name: "largest local pressure",
-        unit: "MPa",
-        unit_si: 1e6,
-        bound: Bound::AtMost(3.0e6),
-        scale: 3.0e6,
-        loosest: f64::INFINITY,
-    };
     let mut limited = taught(&wanting(0.85, 0.03), vec![cut]);
-    limited.constraints.quantities.push(limit);
+    limited.constraints.quantities.push(ConstraintQuantity::PeakPressure.limited_to(3.0e6));
     let report = advised(&limited);
     assert_eq!(report.advice, "cannot_be_met", "{}", report.words);
     let lifted = &report.blocked_by[0];
-    assert!(lifted.what.contains("largest local pressure") && lifted.is_within_reach, "{lifted:?}");
+    assert!(lifted.what.contains("peak pressure") && lifted.is_within_reach, "{lifted:?}");
     assert!(lifted.chance > report.sample.chance.unwrap() + 0.01, "{lifted:?}");
 }
 

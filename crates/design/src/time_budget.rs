@@ -9,7 +9,8 @@ pub const SEARCH_SHARE: f64 = 0.6;
 /// Deadline of a job, by the clock of its monitor.
 #[derive(Clone, Copy)]
 pub struct TimeBudget<'a> {
-    monitor: &'a dyn Monitor,
+    /// Monitor of the job.
+    pub monitor: &'a dyn Monitor,
     until_s: Option<f64>,
 }
 

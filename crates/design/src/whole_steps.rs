@@ -4,6 +4,7 @@ use slipgrid_model::pattern::Pattern;
 use slipgrid_model::springblock::Dimension;
 
 use crate::DesignError;
+use crate::steps::Steps;
 use crate::task::DesignTask;
 
 /// Step of the depth if the depth per burst is unknown, in metres.
@@ -13,12 +14,10 @@ const MAX_NODES: usize = 1_000_000;
 /// Tolerance for rounding at bounds that are whole steps, as a fraction of a step.
 const WHOLE: f64 = 1e-6;
 
-/// Returns the widths, spacings and depths in whole blocks and bursts within the bounds of `design`, and the steps of
-/// the three, all in metres.
-pub fn axes(design: &DesignTask) -> ([Vec<f64>; 3], [f64; 3]) {
-    let (space, limits) = (&design.space, &design.constraints.limits);
-    let block_m = design.layer.block_m;
-    let steps_m = [block_m, block_m, limits.depth_per_burst_m.unwrap_or(DEPTH_STEP_M)];
+/// Returns the widths, spacings and depths in whole blocks and bursts within the bounds of `design`, in metres.
+pub fn axes(design: &DesignTask) -> [Vec<f64>; 3] {
+    let (space, block_m) = (&design.space, design.layer.block_m);
+    let burst_m = design.constraints.limits.depth_per_burst_m.unwrap_or(DEPTH_STEP_M);
     let axis = |[lower_m, upper_m]: [f64; 2], step_m: f64| -> Vec<f64> {
         if lower_m == upper_m {
             return vec![lower_m];
@@ -30,26 +29,13 @@ pub fn axes(design: &DesignTask) -> ([Vec<f64>; 3], [f64; 3]) {
         // If the bounds lie between two steps, the bounds and their middle are used.
         if whole.is_empty() { vec![lower_m, f64::midpoint(lower_m, upper_m), upper_m] } else { whole }
     };
-    let axes =
-        [axis(space.width_m(), steps_m[0]), axis(space.spacing_m(), steps_m[1]), axis(space.depth_m(), steps_m[2])];
-    (axes, steps_m)
+    [axis(space.width_m(), block_m), axis(space.spacing_m(), block_m), axis(space.depth_m(), burst_m)]
 }
 
-/// All designs in whole blocks and bursts within bounds and limits of the laser, width varying slowest, with the steps
-/// of width, spacing and depth in metres. Stops after a million and one designs, which shows that there are too many.
-pub fn lattice(design: &DesignTask) -> (Vec<Pattern>, [f64; 3]) {
-    let (space, limits) = (&design.space, &design.constraints.limits);
-    let ([widths, spacings, depths], steps_m) = axes(design);
-    let makeable = |pattern: &Pattern| limits.violations(pattern).is_empty();
-    let patterns = widths
-        .iter()
-        .flat_map(|width_m| spacings.iter().map(move |spacing_m| (*width_m, *spacing_m)))
-        .flat_map(|(width_m, spacing_m)| depths.iter().map(move |depth_m| (width_m, spacing_m, *depth_m)))
-        .filter_map(|(width_m, spacing_m, depth_m)| space.pattern([width_m, spacing_m, depth_m]).ok())
-        .filter(makeable)
-        .take(MAX_NODES + 1)
-        .collect();
-    (patterns, steps_m)
+/// All designs in whole blocks and bursts within bounds and limits of the laser, width varying slowest. Stops after a
+/// million and one designs, which shows that there are too many.
+pub fn lattice(design: &DesignTask) -> Vec<Pattern> {
+    Steps::new(design).every(1).take(MAX_NODES + 1).collect()
 }
 
 /// Checks that the table of all designs can be made, before anything is computed.
@@ -62,7 +48,7 @@ pub fn check(design: &DesignTask) -> Result<(), DesignError> {
             "a table takes the vertical plane: in space it would take hours, which a campaign with work = \"table\" spreads over machines",
         ));
     }
-    match lattice(design).0.len() {
+    match lattice(design).len() {
         0 => Err(DesignError::refused("no whole blocks and bursts lie within bounds and limits: the table is empty")),
         nodes if nodes > MAX_NODES => {
             Err(DesignError::refused(format!("the table has more than {MAX_NODES} designs: narrow the bounds")))

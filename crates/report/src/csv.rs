@@ -67,8 +67,9 @@ pub fn lattice(design: &DesignTask, lattice: &Lattice) -> String {
         }
     }
     for limit in &design.constraints.quantities {
-        let unit = if limit.unit.is_empty() { String::new() } else { format!("_{}", limit.unit.to_lowercase()) };
-        text += &format!(",{}{unit}", limit.name.replace(' ', "_"));
+        let (unit, _) = limit.quantity.unit();
+        let unit = if unit.is_empty() { String::new() } else { format!("_{}", unit.to_lowercase()) };
+        text += &format!(",{}{unit}", limit.quantity.name().replace(' ', "_"));
     }
     // Number of empty fields of a design without a prediction: all columns except the three lengths and `keeps_limits`.
     let columns = text.matches(',').count() - 1;
@@ -82,7 +83,7 @@ pub fn lattice(design: &DesignTask, lattice: &Lattice) -> String {
                     text += &format!(",{median:.6}");
                 }
                 for (limit, value) in design.constraints.quantities.iter().zip(&found.limited) {
-                    text += &format!(",{}", tidy(value / limit.unit_si));
+                    text += &format!(",{}", tidy(value / limit.quantity.unit().1));
                 }
                 text += &format!(",{:.4},{}\n", found.chance, found.keeps_limits);
             }

@@ -3,8 +3,8 @@
 use std::fmt::Write as _;
 
 use super::DesignReport;
-use crate::prediction::percent;
-use crate::results::{SCREEN_WIDTH, Table, believed_interval, doubts_in_brief, fixed, length_in_words, wrapped};
+use crate::prediction::{ModelledRatio, SampleReport, percent};
+use crate::results::{SCREEN_WIDTH, doubts_in_brief, wrapped};
 
 /// Maximum number of loads that the screen lists; the others are counted.
 const MAX_LOADS: usize = 8;
@@ -15,19 +15,11 @@ impl DesignReport {
     /// Formats the report for the screen; [`DesignReport::summary`] has all details.
     pub fn brief(&self) -> String {
         let mut text = wrapped(&format!("{}: {}", self.name, self.words), SCREEN_WIDTH, "  ", 3) + "\n\n";
-        let design = &self.sample.design;
-        let texture = format!(
-            "  {} {} um wide, spacing {} um, {} um deep{}{}; {:.1} % of the face",
-            design.planform(),
-            length_in_words(design.width_um),
-            length_in_words(design.spacing_um),
-            length_in_words(design.depth_um),
-            design.texture_words(),
-            self.exposure_words(),
-            100.0 * self.specimen_areal_density,
-        );
+        let texture = format!("  {}; {:.1} % of the face", self.design_in_words(), 100.0 * self.specimen_areal_density);
         let _ = writeln!(text, "{}", wrapped(&texture, SCREEN_WIDTH, "  ", 2));
-        text += &self.loads_in_brief();
+        let of_model = |modelled: &ModelledRatio| vec![format!("{:.3} +- {:.3}", modelled.ratio, modelled.std)];
+        let table = self.table_of_loads(&[], of_model).brief(MAX_LOADS);
+        let _ = write!(text, "\n  {}\n{table}", self.quantity_in_words());
         self.below_the_table().iter().for_each(|line| {
             let _ = writeln!(text, "{}", wrapped(&format!("  {line}"), SCREEN_WIDTH, "    ", 2));
         });
@@ -37,35 +29,13 @@ impl DesignReport {
         text
     }
 
-    /// Table of target, expected values and values of the model alone, one row per load.
-    fn loads_in_brief(&self) -> String {
-        let expected = &self.sample.expected;
-        let has_several = expected.iter().any(|at| !at.is_at_condition_of(&expected[0]));
-        let mut columns = vec!["P MPa"];
-        columns.extend(has_several.then_some("at"));
-        columns.extend(["target", "expected", "95 % of samples", self.model_alone()]);
-        let mut table = Table::new(columns);
-        for (at, modelled) in expected.iter().zip(&self.sample.modelled) {
-            let mut row = vec![at.pressure_mpa.to_string()];
-            row.extend(has_several.then(|| at.condition_in_words()));
-            row.extend([
-                at.target_in_words(),
-                fixed(Some(at.median), 3),
-                believed_interval([at.low_95, at.high_95]),
-                format!("{:.3} +- {:.3}", modelled.ratio, modelled.std),
-            ]);
-            table.row(row);
-        }
-        format!("\n  {}\n{}", self.quantity_in_words(), table.brief(MAX_LOADS))
-    }
-
     /// Lines below the table: expected value of the goal, number of trials, main limit of the chance, other textures
     /// worth cutting, and bounds or limits that keep the target out of reach.
     fn below_the_table(&self) -> Vec<String> {
         let mut lines: Vec<String> = self.goal_in_words().into_iter().chain([self.trials_in_words()]).collect();
         lines.extend(self.limit_in_words());
         if !self.others.is_empty() {
-            let other = |of: &crate::prediction::SampleReport| {
+            let other = |of: &SampleReport| {
                 let chance = of.chance.map_or_else(String::new, |chance| format!(" ({})", percent(chance)));
                 of.design.lengths_in_words().replace(' ', "") + &chance
             };
@@ -81,7 +51,7 @@ impl DesignReport {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::prediction::{Expected, ModelledRatio, SampleReport};
+    use crate::prediction::Expected;
     use crate::results::LoadReport;
     use slipgrid_model::material::Provenance;
 

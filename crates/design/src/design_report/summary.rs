@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use super::DesignReport;
 use crate::blocked::LiftedReport;
-use crate::prediction::{Expected, LimitedBy, SampleReport, percent};
+use crate::prediction::{Expected, LimitedBy, ModelledRatio, SampleReport, percent};
 use crate::results::{
     Table, believed_interval, beyond_measured, beyond_measured_range, duration_in_words, fixed, length_in_words,
     material_doubts, notes,
@@ -22,19 +22,13 @@ impl DesignReport {
 
     /// Advice and texture.
     fn texture_text(&self) -> String {
-        let design = &self.sample.design;
         let mut text = format!(
-            "{}: {}\n\n  {} {} um wide, spacing {} um, {} um deep{}{}\n  {:.1} % of the specimen's face, {:.1} % of a period\n",
+            "{}: {}\n\n  {}\n  {:.1} % of the specimen's face, {:.1} % of a period\n",
             self.name,
             self.words,
-            design.planform(),
-            length_in_words(design.width_um),
-            length_in_words(design.spacing_um),
-            length_in_words(design.depth_um),
-            design.texture_words(),
-            self.exposure_words(),
+            self.design_in_words(),
             100.0 * self.specimen_areal_density,
-            100.0 * design.areal_density,
+            100.0 * self.sample.design.areal_density,
         );
         if let Some(removal) = &self.removal {
             let _ = writeln!(text, "  {}", removal.words());
@@ -46,26 +40,49 @@ impl DesignReport {
         text + "\n"
     }
 
-    /// Expected values of a sample at every load, and values of the model alone.
-    fn expected_text(&self) -> String {
+    /// Describes the lengths of the texture, its other properties, and the exposures by the laser.
+    pub(super) fn design_in_words(&self) -> String {
+        let design = &self.sample.design;
+        format!(
+            "{} {} um wide, spacing {} um, {} um deep{}{}",
+            design.planform(),
+            length_in_words(design.width_um),
+            length_in_words(design.spacing_um),
+            length_in_words(design.depth_um),
+            design.texture_words(),
+            self.exposure_words(),
+        )
+    }
+
+    /// Table of target and expected values, one row per load, with the columns `of_model` of the model alone, the first
+    /// of which is its ratio, under the headings `further`.
+    pub(super) fn table_of_loads<'a>(
+        &'a self,
+        further: &[&'a str],
+        of_model: impl Fn(&ModelledRatio) -> Vec<String>,
+    ) -> Table {
         let expected = &self.sample.expected;
         let has_several = expected.iter().any(|at| !at.is_at_condition_of(&expected[0]));
         let mut columns = vec!["P MPa"];
         columns.extend(has_several.then_some("at"));
-        columns.extend(["target", "expected", "95 % of samples", self.model_alone(), "+-"]);
+        columns.extend(["target", "expected", "95 % of samples", self.model_alone()]);
+        columns.extend(further);
         let mut table = Table::new(columns);
         for (at, modelled) in expected.iter().zip(&self.sample.modelled) {
             let mut row = vec![at.pressure_mpa.to_string()];
             row.extend(has_several.then(|| at.condition_in_words()));
-            row.extend([
-                at.target_in_words(),
-                fixed(Some(at.median), 3),
-                believed_interval([at.low_95, at.high_95]),
-                fixed(Some(modelled.ratio), 3),
-                fixed(Some(modelled.std), 3),
-            ]);
+            let interval = believed_interval([at.low_95, at.high_95]);
+            row.extend([at.target_in_words(), fixed(Some(at.median), 3), interval]);
+            row.extend(of_model(modelled));
             table.row(row);
         }
+        table
+    }
+
+    /// Expected values of a sample at every load, and values of the model alone.
+    fn expected_text(&self) -> String {
+        let of_model = |modelled: &ModelledRatio| [modelled.ratio, modelled.std].map(|value| fixed(Some(value), 3));
+        let table = self.table_of_loads(&["+-"], |modelled| of_model(modelled).to_vec());
         let mut text = format!("  {}\n{table}", self.quantity_in_words());
         let lines = [self.trials_in_words()].into_iter().chain(self.limit_in_words()).chain(self.goal_in_words());
         for line in lines.chain(self.bounds_in_words()) {
@@ -86,7 +103,7 @@ impl DesignReport {
     }
 
     /// Heading of the column with values of the model alone, which are ratios even if the target is friction.
-    pub(super) fn model_alone(&self) -> &'static str {
+    fn model_alone(&self) -> &'static str {
         if self.is_ratio() { "model alone" } else { "ratio, model alone" }
     }
 
@@ -173,7 +190,9 @@ impl DesignReport {
         let beyond = beyond_measured(&self.beyond_mpa());
         let loads = crate::results::warnings(&self.confirmed);
         let loads = loads.into_iter().filter(|warning| Some(warning) != beyond.as_ref());
-        let laser = self.of_laser().map(|warning| format!("laser: {warning}"));
+        // Cavities that the laser makes differently from the design, by passes over lines or by bursts on spots.
+        let of_laser = self.removal.iter().flat_map(|removal| &removal.warnings).chain(&self.laser_warnings);
+        let laser = of_laser.map(|warning| format!("laser: {warning}"));
         [self.violations.iter().cloned().chain(loads).collect(), self.unresolved().into_iter().chain(laser).collect()]
     }
 

@@ -162,7 +162,7 @@ fn base(
         (Some(FileKind::Design), _) if work == WORK[1] => {
             let mut design = Design::from_document(Document::within(files, path, text))?;
             complete(&mut design, files, monitor)?;
-            let (patterns, _) = lattice(&design.task);
+            let patterns = lattice(&design.task);
             let first = patterns.first().ok_or_else(|| {
                 document
                     .refuse(file.base.span(), "has no design of whole blocks and bursts within its bounds and limits")

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use slipgrid_base::monitor::{Cancelled, Key, Monitor};
-use slipgrid_design::KnownMaterial;
+use slipgrid_design::{KnownMaterial, Refusal};
 use slipgrid_infer::calibrate::area_law::AreaLawError;
 use slipgrid_infer::calibrate::{
     CalibrationError, CalibrationOutcome, CalibrationTask, FitError, Learned, Selection, measured_friction,
@@ -81,15 +81,16 @@ pub fn complete_by(
     let selection = Selection { conditions, pressures_pa: task.pressures_pa() };
     let asked = calibration.task(files, (task.layer, task.search.seed), selection, monitor)?;
     // The design sets the block size, so an error in the number of blocks is not reported as one of the calibration.
+    let refused = |error: &SceneError| design.refuse(&Refusal::of_cost("samples of the calibration", error)).into();
     if let Err(CalibrationError::Scene(error)) = sample_bytes(&asked) {
-        return Err(design.refuse(&task.refuse_samples(&error)).into());
+        return Err(refused(&error));
     }
     let material = known_material(&asked, monitor).map_err(|error| match &error {
         // The blocks of the flat sample are set by the design as well.
         CalibrationError::Fit {
             error: FitError::Scene(error @ (SceneError::TooLarge { .. } | SceneError::TooLong { .. })),
             ..
-        } => design.refuse(&task.refuse_samples(error)).into(),
+        } => refused(error),
         _ => failed(&error, &path, calibration),
     })?;
     design.task.material = Some(material);

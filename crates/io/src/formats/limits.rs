@@ -2,14 +2,14 @@
 
 use schemars::JsonSchema;
 use serde::Deserialize;
-use slipgrid_design::optimize::{Bound, ConstraintQuantity, Limit, Tolerances};
+use slipgrid_design::optimize::{ConstraintQuantity, Limit, Tolerances};
 use slipgrid_laser::export::Laser;
 
 use super::values::{Number, Numbers, list, number_span};
 use crate::formats::{Diagnostic, Document, Spanned};
 use slipgrid_base::key_error::KeyError;
 use slipgrid_base::units::{
-    CORRELATION, FRACTION, LENGTH_STD_UM, LENGTH_UM, PRESSURE_MPA, Quantity, RIM_HEIGHT_UM, TIME_S, in_digits,
+    CORRELATION, FRACTION, LENGTH_STD_UM, LENGTH_UM, PRESSURE_MPA, RIM_HEIGHT_UM, TIME_S, in_digits,
 };
 
 /// The table `[limits]` of a design file.
@@ -67,62 +67,29 @@ impl LimitsFile {
     }
 }
 
-/// Divisor that makes an excess over a limit of 0 dimensionless, in SI units; chosen for clearances, in metres.
-const CLEARANCE_SCALE_M: f64 = 1e-6;
-
 /// Reads the limited quantities with their limits.
 ///
 /// # Errors
 /// [`Diagnostic`] if a number is out of range, or if the time under the laser is limited but cannot be estimated.
 pub fn read_limited(document: &Document, file: &LimitsFile, laser: &Laser) -> Result<Vec<Limit>, Diagnostic> {
-    let mut limits = Vec::new();
     let read = |given: &Option<Number>, quantity| document.optional(given.as_ref(), quantity);
-    if let Some(most_pa) = read(&file.max_peak_pressure_mpa, PRESSURE_MPA)? {
-        let named = (ConstraintQuantity::PeakPressure, "peak pressure", "MPa");
-        limits.push(limit(named, PRESSURE_MPA, Bound::AtMost(most_pa)));
-    }
-    if let Some(least) = read(&file.min_bearing_area, FRACTION)? {
-        let named = (ConstraintQuantity::BearingArea, "bearing area", "");
-        limits.push(limit(named, FRACTION, Bound::AtLeast(least)));
-    }
-    if let Some(most) = read(&file.max_areal_density, FRACTION)? {
-        let named = (ConstraintQuantity::ArealDensity, "share of the face that is cavity", "");
-        limits.push(Limit { loosest: 1.0, ..limit(named, FRACTION, Bound::AtMost(most)) });
-    }
-    if let Some(given) = &file.max_laser_time_s {
+    let most_s = |given: &Number| {
         let most_s = document.number(given, TIME_S)?;
-        needs_time(document, given, laser)?;
-        let named = (ConstraintQuantity::LaserTime, "time under the laser", "s");
-        limits.push(limit(named, TIME_S, Bound::AtMost(most_s)));
-    }
-    let clearance = LENGTH_UM.or_zero();
-    if let Some(least_m) = read(&file.min_clearance_um, clearance)? {
-        let named = (ConstraintQuantity::Clearance, "clearance under the ceiling", "um");
-        limits.push(limit(named, clearance, Bound::AtLeast(least_m)));
-    }
-    if let Some(lift_off) = &file.lift_off
-        && document.choice(lift_off, &[true, false], |refused| if refused { "refuse" } else { "allow" })?
-    {
-        let named = (ConstraintQuantity::LeastPressure, "least local pressure over the nominal one", "");
-        let limit = limit(named, FRACTION, Bound::AtLeast(0.0));
-        limits.push(Limit { scale: 1.0, loosest: f64::NEG_INFINITY, ..limit });
-    }
-    Ok(limits)
-}
-
-/// Creates the limit `bound`, in SI units, on a quantity with a name and a unit in words, whose values in files are
-/// `in_files`. The loosest value is infinity for a maximum and 0 for a minimum.
-fn limit(
-    (quantity, name, unit): (ConstraintQuantity, &'static str, &'static str),
-    in_files: Quantity,
-    bound: Bound,
-) -> Limit {
-    let (value, loosest) = match bound {
-        Bound::AtMost(most) => (most, f64::INFINITY),
-        Bound::AtLeast(least) => (least, 0.0),
+        needs_time(document, given, laser).map(|()| most_s)
     };
-    let scale = if value > 0.0 { value } else { CLEARANCE_SCALE_M };
-    Limit { quantity, name, unit, unit_si: in_files.to_si(1.0), bound, scale, loosest }
+    let least = |lift_off: &Spanned<String>| {
+        let refuses = document.choice(lift_off, &[true, false], |refused| if refused { "refuse" } else { "allow" });
+        refuses.map(|refuses| refuses.then_some(0.0))
+    };
+    let limits = [
+        (ConstraintQuantity::PeakPressure, read(&file.max_peak_pressure_mpa, PRESSURE_MPA)?),
+        (ConstraintQuantity::BearingArea, read(&file.min_bearing_area, FRACTION)?),
+        (ConstraintQuantity::ArealDensity, read(&file.max_areal_density, FRACTION)?),
+        (ConstraintQuantity::LaserTime, file.max_laser_time_s.as_ref().map(most_s).transpose()?),
+        (ConstraintQuantity::Clearance, read(&file.min_clearance_um, LENGTH_UM.or_zero())?),
+        (ConstraintQuantity::LeastPressure, file.lift_off.as_ref().map(least).transpose()?.flatten()),
+    ];
+    Ok(limits.into_iter().filter_map(|(quantity, limit)| Some(quantity.limited_to(limit?))).collect())
 }
 
 /// Refuses a time limit if the time cannot be estimated.

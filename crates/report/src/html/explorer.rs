@@ -113,8 +113,9 @@ impl Subject<'_> {
             let bound = limit.bound.limit();
             if bound.is_finite() {
                 let is_most = matches!(limit.bound, Bound::AtMost(_));
-                let words = format!("{}, {}", limit.name, limit.tell(bound));
-                all.push(LimitData { kind, words, bound: bound / limit.unit_si, is_most });
+                let words = format!("{}, {}", limit.quantity.name(), limit.quantity.tell(bound));
+                let (_, unit_si) = limit.quantity.unit();
+                all.push(LimitData { kind, words, bound: bound / unit_si, is_most });
             }
         }
         all

@@ -97,7 +97,6 @@ pub fn refused(error: DesignError, design: &Design, study: Option<&StudyFile>) -
         DesignError::Cache(reason) => {
             study.and_then(|study| study.refused().cloned()).map_or(CliError::Other(reason), CliError::Input)
         }
-        DesignError::Material(error) => error.into(),
         DesignError::Cancelled => CliError::Interrupted,
         DesignError::OutOfTime(reason) => CliError::OutOfTime(reason),
         DesignError::Failed(reason) => CliError::Other(reason),
