@@ -1,7 +1,5 @@
 //! Reports on the real contact area of a map or of Persson's theory: record, text, table and picture.
 
-use std::fmt::Write as _;
-
 use serde::Serialize;
 
 use crate::charts::{self, AreaPoint, Estimate};
@@ -163,29 +161,18 @@ fn resolution_table(report: &AreaLawReport) -> Table {
 
 /// Formats the results as CSV, one row per pressure.
 pub fn table_csv(report: &AreaLawReport) -> String {
-    let mut text = String::from("pressure_mpa,area_fraction,area_fraction_corrected,factor,factor_std");
+    let rows: Vec<(usize, &AreaReport)> = report.results.iter().enumerate().collect();
+    let mut table = Table::of(&rows);
+    table.numbers("pressure_mpa", |(_, at)| at.pressure_mpa);
+    table.numbers("area_fraction", |(_, at)| at.area_fraction);
+    table.numbers("area_fraction_corrected", |(_, at)| at.area_fraction_corrected);
+    table.numbers("factor", |(_, at)| at.factor);
+    table.numbers("factor_std", |(_, at)| at.factor_std);
     for coarse in &report.resolutions {
-        // Writing to a string cannot fail.
-        let _ = write!(text, ",factor_at_{}_um", coarse.pixel_um);
+        let name = format!("factor_at_{}_um", coarse.pixel_um);
+        table.numbers(name, |(row, _)| coarse.factor.as_ref().map(|factor| factor[*row]));
     }
-    text.push('\n');
-    let known = |value: Option<f64>| value.map_or_else(String::new, |value| value.to_string());
-    for (n, point) in report.results.iter().enumerate() {
-        let _ = write!(
-            text,
-            "{},{},{},{},{}",
-            point.pressure_mpa,
-            point.area_fraction,
-            point.area_fraction_corrected,
-            known(point.factor),
-            known(point.factor_std)
-        );
-        for coarse in &report.resolutions {
-            let _ = write!(text, ",{}", known(coarse.factor.as_ref().map(|factor| factor[n])));
-        }
-        text.push('\n');
-    }
-    text
+    table.table().csv()
 }
 
 /// Title of an area law's picture, for a synthetic or a measured surface.

@@ -18,30 +18,20 @@ use crate::{ChartError, Outputs};
 pub fn files(conditions: &[ConditionTraces]) -> Result<Outputs, ChartError> {
     let mut outputs = Outputs::default();
     for kind in SurfaceKind::ALL {
-        let of_kind =
-            conditions.iter().filter(|traces| traces.condition.surface == kind && traces.condition.trial.is_none());
-        let rows: Vec<Measurement> = of_kind.clone().map(ConditionTraces::measurement).collect();
-        if !rows.is_empty() {
-            let comment = format!(
-                "By slipgrid traces {VERSION}, schema {SCHEMA}: {} samples, mean of repeats, and how far another sample may be as a standard deviation{}",
-                kind.name(),
-                static_parts(of_kind)
-            );
-            outputs.add(format!("{}.csv", kind.name()), measurements::table(&comment, &rows));
+        let is_own = |traces: &&ConditionTraces| traces.condition.surface == kind && traces.condition.trial.is_none();
+        let of_kind: Vec<&ConditionTraces> = conditions.iter().filter(is_own).collect();
+        if !of_kind.is_empty() {
+            let table = measured(&format!("{} samples", kind.name()), &of_kind);
+            outputs.add(format!("{}.csv", kind.name()), table);
         }
     }
     for of_trial in conditions.chunk_by(|a, b| a.condition.trial == b.condition.trial) {
-        if let Some(OfTrial { number, name }) = of_trial.first().and_then(|traces| traces.condition.trial.as_ref()) {
-            let rows: Vec<Measurement> = of_trial.iter().map(ConditionTraces::measurement).collect();
+        if let Some(OfTrial { number, name }) = &of_trial[0].condition.trial {
             // A spreadsheet splits the comment at commas: no part may begin like a formula.
             let words: String =
                 name.chars().filter(|c| !c.is_control()).map(|c| if ",;".contains(c) { ' ' } else { c }).collect();
-            let comment = format!(
-                "By slipgrid traces {VERSION}, schema {SCHEMA}: trial \"{words}\", mean of repeats, and how far another \
-                 sample may be as a standard deviation{}",
-                static_parts(of_trial)
-            );
-            outputs.add(format!("trial-{number}-measured.csv"), measurements::table(&comment, &rows));
+            let table = measured(&format!("trial \"{words}\""), &of_trial.iter().collect::<Vec<_>>());
+            outputs.add(format!("trial-{number}-measured.csv"), table);
         }
     }
     outputs.add("traces.csv", table(conditions));
@@ -62,9 +52,19 @@ pub fn files(conditions: &[ConditionTraces]) -> Result<Outputs, ChartError> {
     Ok(outputs)
 }
 
+/// Table of what was measured of `samples` in `conditions`, for a calibration.
+fn measured(samples: &str, conditions: &[&ConditionTraces]) -> String {
+    let rows: Vec<Measurement> = conditions.iter().map(|traces| traces.measurement()).collect();
+    let comment = format!(
+        "By slipgrid traces {VERSION}, schema {SCHEMA}: {samples}, mean of repeats, and how far another sample may be as a standard deviation{}",
+        static_parts(conditions)
+    );
+    measurements::table(&comment, &rows)
+}
+
 /// Comments of a table that list the error sources of static friction; empty if no condition has a static peak.
-fn static_parts<'a>(conditions: impl IntoIterator<Item = &'a ConditionTraces>) -> String {
-    let of_condition = |traces: &ConditionTraces| {
+fn static_parts(conditions: &[&ConditionTraces]) -> String {
+    let of_condition = |traces: &&ConditionTraces| {
         let (peak, missed) = traces.mean.mu_static.zip(traces.mean.mu_static_missed)?;
         let [_, force, speed, humidity] = words(&traces.condition);
         Some(format!(
@@ -75,7 +75,7 @@ fn static_parts<'a>(conditions: impl IntoIterator<Item = &'a ConditionTraces>) -
             if traces.mean.count > 1 { "the standard deviation of repeats" } else { "the noise of the one trace" },
         ))
     };
-    let all: Vec<String> = conditions.into_iter().filter_map(of_condition).collect();
+    let all: Vec<String> = conditions.iter().filter_map(of_condition).collect();
     if all.is_empty() {
         return String::new();
     }
@@ -140,38 +140,27 @@ fn loops(traces: &ConditionTraces) -> Result<Option<String>, ChartError> {
 }
 
 /// Formats the values read from all traces as CSV, one row per repeat.
-fn table(conditions: &[ConditionTraces]) -> String {
-    let mut text = String::from(
-        "surface,force_n,speed_mm_s,humidity_pct,trace,mu_dynamic,mu_dynamic_stderr,drift,drift_stderr,mu_static,\
-         mu_static_time_s,stick_slip_amplitude,stick_slip_period_s,stick_slips,normal_force_n,flags\n",
-    );
-    for traces in conditions {
-        let condition = words(&traces.condition);
-        for trace in &traces.traces {
-            let found = &trace.findings;
-            let optional = |value: Option<f64>| value.map_or_else(String::new, |value| tidy(value).to_string());
-            let cells = [
-                quoted(&trace.label),
-                tidy(found.window.mu).to_string(),
-                tidy(found.window.stderr).to_string(),
-                tidy(found.window.drift).to_string(),
-                tidy(found.window.drift_stderr).to_string(),
-                optional(found.static_peak.map(|peak| peak.mu)),
-                optional(found.static_peak.map(|peak| peak.time_s)),
-                optional(found.stick_slip.map(|slip| slip.amplitude)),
-                optional(found.stick_slip.map(|slip| slip.period_s)),
-                found.stick_slip.map_or_else(String::new, |slip| slip.slips.to_string()),
-                tidy(found.normal_force_n).to_string(),
-                quoted(&trace.flags.join("; ")),
-            ];
-            text += &format!("{},{}\n", condition.join(","), cells.join(","));
-        }
+fn table<'a>(conditions: &'a [ConditionTraces]) -> String {
+    let quoted = |text: &str| format!("\"{}\"", guard_formula(text).replace('"', "'"));
+    let of_condition = |of: &'a ConditionTraces| of.traces.iter().map(|trace| (words(&of.condition), trace));
+    let rows: Vec<([String; 4], &ReadTrace)> = conditions.iter().flat_map(of_condition).collect();
+    let mut table = Table::of(&rows);
+    for (place, name) in ["surface", "force_n", "speed_mm_s", "humidity_pct"].into_iter().enumerate() {
+        table.column(name, |(condition, _)| condition[place].clone());
     }
-    text
-}
-
-fn quoted(text: &str) -> String {
-    format!("\"{}\"", guard_formula(text).replace('"', "'"))
+    table.column("trace", |(_, of)| quoted(&of.label));
+    table.numbers("mu_dynamic", |(_, of)| tidy(of.findings.window.mu));
+    table.numbers("mu_dynamic_stderr", |(_, of)| tidy(of.findings.window.stderr));
+    table.numbers("drift", |(_, of)| tidy(of.findings.window.drift));
+    table.numbers("drift_stderr", |(_, of)| tidy(of.findings.window.drift_stderr));
+    table.numbers("mu_static", |(_, of)| of.findings.static_peak.map(|peak| tidy(peak.mu)));
+    table.numbers("mu_static_time_s", |(_, of)| of.findings.static_peak.map(|peak| tidy(peak.time_s)));
+    table.numbers("stick_slip_amplitude", |(_, of)| of.findings.stick_slip.map(|slip| tidy(slip.amplitude)));
+    table.numbers("stick_slip_period_s", |(_, of)| of.findings.stick_slip.map(|slip| tidy(slip.period_s)));
+    table.numbers("stick_slips", |(_, of)| of.findings.stick_slip.map(|slip| slip.slips as f64));
+    table.numbers("normal_force_n", |(_, of)| tidy(of.findings.normal_force_n));
+    table.column("flags", |(_, of)| quoted(&of.flags.join("; ")));
+    table.table().csv()
 }
 
 /// Formats the values read from the traces as text, one table per condition.

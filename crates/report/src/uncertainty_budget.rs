@@ -53,6 +53,10 @@ impl Input {
         TYPE_A.contains(&self.name.as_str())
     }
 
+    fn kind(&self) -> &'static str {
+        if self.is_type_a() { "A" } else { "B" }
+    }
+
     fn contribution(&self) -> f64 {
         self.sensitivity * self.std
     }
@@ -161,7 +165,7 @@ impl UncertaintyBudget {
         inputs.sort_by(|a, b| b.contribution().total_cmp(&a.contribution()));
         let mut table = Table::of(&inputs);
         table.column("input", |input| input.name.clone());
-        table.column("type", |input| if input.is_type_a() { "A" } else { "B" }.to_owned());
+        table.column("type", |input| input.kind().to_owned());
         table.column("standard uncertainty", |input| fixed(Some(input.std), 4));
         table.column("degrees of freedom", |input| if input.is_type_a() { "-" } else { "∞" }.to_owned());
         table.column("sensitivity", |input| fixed(Some(input.sensitivity), 3));
@@ -171,35 +175,27 @@ impl UncertaintyBudget {
 
     /// Formats `budgets` as CSV, one row per input.
     pub fn csv(budgets: &[Self]) -> String {
-        let mut text = "quantity,pressure_mpa,speed_mm_s,humidity_pct,value,input,type,standard_uncertainty,degrees_of_freedom,sensitivity,\
-                        contribution,combined_uncertainty,coverage_factor,expanded_uncertainty,low_95,high_95\n"
-            .to_owned();
-        let number = |value: Option<f64>| value.map_or_else(String::new, |value| significant(value, 6).to_string());
-        for of in budgets {
-            for input in &of.inputs {
-                let [kind, freedom] = if input.is_type_a() { ["A", ""] } else { ["B", "inf"] };
-                let cells = [
-                    of.quantity.to_owned(),
-                    of.pressure_mpa.to_string(),
-                    of.speed_mm_s.to_string(),
-                    of.humidity_pct.map_or_else(String::new, |humidity| humidity.to_string()),
-                    number(Some(of.value)),
-                    input.name.clone(),
-                    kind.to_owned(),
-                    number(Some(input.std)),
-                    freedom.to_owned(),
-                    number(Some(input.sensitivity)),
-                    number(Some(input.contribution())),
-                    number(Some(of.combined)),
-                    number(of.coverage_factor()),
-                    number(Some(of.expanded())),
-                    number(Some(of.interval_95[0])),
-                    number(Some(of.interval_95[1])),
-                ];
-                text += &(cells.join(",") + "\n");
-            }
-        }
-        text
+        let rows: Vec<(&Self, &Input)> =
+            budgets.iter().flat_map(|of| of.inputs.iter().map(move |input| (of, input))).collect();
+        let six = |value: f64| significant(value, 6);
+        let mut table = Table::of(&rows);
+        table.column("quantity", |(of, _)| of.quantity.to_owned());
+        table.numbers("pressure_mpa", |(of, _)| of.pressure_mpa);
+        table.numbers("speed_mm_s", |(of, _)| of.speed_mm_s);
+        table.numbers("humidity_pct", |(of, _)| of.humidity_pct);
+        table.numbers("value", |(of, _)| six(of.value));
+        table.column("input", |(_, input)| input.name.clone());
+        table.column("type", |(_, input)| input.kind().to_owned());
+        table.numbers("standard_uncertainty", |(_, input)| six(input.std));
+        table.numbers("degrees_of_freedom", |(_, input)| (!input.is_type_a()).then_some(f64::INFINITY));
+        table.numbers("sensitivity", |(_, input)| six(input.sensitivity));
+        table.numbers("contribution", |(_, input)| six(input.contribution()));
+        table.numbers("combined_uncertainty", |(of, _)| six(of.combined));
+        table.numbers("coverage_factor", |(of, _)| of.coverage_factor().map(six));
+        table.numbers("expanded_uncertainty", |(of, _)| six(of.expanded()));
+        table.numbers("low_95", |(of, _)| six(of.interval_95[0]));
+        table.numbers("high_95", |(of, _)| six(of.interval_95[1]));
+        table.table().csv()
     }
 }
 

@@ -33,6 +33,11 @@ impl Table {
         self.rows.get(1..).unwrap_or_default()
     }
 
+    /// Formats the table as CSV, without quotes.
+    pub fn csv(&self) -> String {
+        self.rows.iter().map(|row| row.join(",") + "\n").collect()
+    }
+
     /// Appends a row.
     pub fn row(&mut self, cells: impl IntoIterator<Item = String>) {
         self.rows.push(cells.into_iter().collect());
@@ -58,6 +63,12 @@ impl<T> Records<'_, T> {
     pub fn column(&mut self, name: impl Into<String>, cell: impl Fn(&T) -> String) {
         let cells = std::iter::once(name.into()).chain(self.records.iter().map(cell));
         self.table.rows.iter_mut().zip(cells).for_each(|(row, cell)| row.push(cell));
+    }
+
+    /// Adds the column `name` of numbers, each with the fewest digits that read back as the same number; an unknown
+    /// number gives an empty cell.
+    pub fn numbers<N: Into<Option<f64>>>(&mut self, name: impl Into<String>, number: impl Fn(&T) -> N) {
+        self.column(name, |record| number(record).into().map_or_else(String::new, |number| number.to_string()));
     }
 
     /// The table with the columns added so far.

@@ -1,7 +1,5 @@
 //! Cavities of a map: record, tables and the picture of their edges.
 
-use std::fmt::Write as _;
-
 use serde::{Serialize, Serializer};
 use serde_json::json;
 use slipgrid_base::units::{LENGTH_UM, significant, tidy};
@@ -219,41 +217,29 @@ impl Cavities {
 /// Formats the cavities as CSV, one row per cavity; fields are empty if the map's border cuts the cavity or a value was
 /// not measured.
 pub fn cavities_csv(metrology: &CavityMetrology) -> String {
-    let mut text = String::from(
-        "x_um,y_um,width_x_um,width_y_um,depth_um,area_um2,rim_height_um,rim_height_error_um,wall_angle_deg,floor_sq_um\n",
-    );
-    let field = |length_m: Option<f64>| length_m.map_or_else(String::new, |length_m| um(length_m).to_string());
-    for cavity in &metrology.cavities {
-        let [x_m, y_m] = cavity.center_m;
-        // Writing to a string cannot fail.
-        let _ = writeln!(
-            text,
-            "{},{},{},{},{},{},{},{},{},{}",
-            um(x_m),
-            um(y_m),
-            field(cavity.width_m[0]),
-            field(cavity.width_m[1]),
-            field(cavity.depth_m),
-            tidy(cavity.area_m2 * 1e12),
-            field(cavity.rim_height_m.map(|height| height.value)),
-            field(cavity.rim_height_m.and_then(|height| height.error)),
-            cavity.wall_angle_deg.map_or_else(String::new, |angle_deg| tidy(angle_deg).to_string()),
-            field(cavity.floor_sq_m),
-        );
-    }
-    text
+    let mut table = Table::of(&metrology.cavities);
+    table.numbers("x_um", |cavity| um(cavity.center_m[0]));
+    table.numbers("y_um", |cavity| um(cavity.center_m[1]));
+    table.numbers("width_x_um", |cavity| cavity.width_m[0].map(um));
+    table.numbers("width_y_um", |cavity| cavity.width_m[1].map(um));
+    table.numbers("depth_um", |cavity| cavity.depth_m.map(um));
+    table.numbers("area_um2", |cavity| tidy(cavity.area_m2 * 1e12));
+    table.numbers("rim_height_um", |cavity| cavity.rim_height_m.map(|height| um(height.value)));
+    table.numbers("rim_height_error_um", |cavity| cavity.rim_height_m.and_then(|height| height.error).map(um));
+    table.numbers("wall_angle_deg", |cavity| cavity.wall_angle_deg.map(tidy));
+    table.numbers("floor_sq_um", |cavity| cavity.floor_sq_m.map(um));
+    table.table().csv()
 }
 
 /// Formats the mean height of the land against the distance from the cavities' edges as CSV, one row per distance, with
 /// the fitted rim.
 pub fn edge_profile_csv(rim: &RimMetrology) -> String {
-    let mut text = String::from("distance_um,height_um,height_error_um,rim_um\n");
-    for point in &rim.edge_profile {
-        let fitted_m = rim.fitted_m(point.distance_m);
-        let _ =
-            writeln!(text, "{},{},{},{}", um(point.distance_m), um(point.height_m), um(point.error_m), um(fitted_m));
-    }
-    text
+    let mut table = Table::of(&rim.edge_profile);
+    table.numbers("distance_um", |point| um(point.distance_m));
+    table.numbers("height_um", |point| um(point.height_m));
+    table.numbers("height_error_um", |point| um(point.error_m));
+    table.numbers("rim_um", |point| um(rim.fitted_m(point.distance_m)));
+    table.table().csv()
 }
 
 /// Draws the mean height of the land against the distance from the cavities' edges, with the fitted rim; `None` without

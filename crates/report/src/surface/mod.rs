@@ -8,8 +8,6 @@ pub use cavities::{cavities_csv, edge_profile_csv, edge_profile_svg};
 pub use files::{FILES, Measured, files};
 pub use period::{period_note, period_text};
 
-use std::fmt::Write as _;
-
 use cavities::{Cavities, um};
 use serde::{Serialize, Serializer};
 use serde_json::json;
@@ -283,21 +281,20 @@ fn significant(value: f64) -> String {
 /// Formats the section along x through the pixels with the index `column` along y as CSV, one row per point, in
 /// micrometres.
 pub fn section_csv(map: &HeightMap, column: usize) -> String {
-    let mut text = String::from("x_um,height_um\n");
-    for i in 0..map.rows() {
-        // Writing to a string cannot fail.
-        let _ = writeln!(text, "{},{}", um(i as f64 * map.dx_m()), um(map.heights_m()[i * map.cols() + column]));
-    }
-    text
+    let places: Vec<usize> = (0..map.rows()).collect();
+    let mut table = Table::of(&places);
+    table.numbers("x_um", |i| um(*i as f64 * map.dx_m()));
+    table.numbers("height_um", |i| um(map.heights_m()[i * map.cols() + column]));
+    table.table().csv()
 }
 
 /// Formats the power spectrum as CSV, one row per ring of wave vectors.
 pub fn spectrum_csv(spectrum: &[SpectrumBin]) -> String {
-    let mut text = String::from("q_per_um,psd_um4,waves\n");
-    for bin in spectrum {
-        let _ = writeln!(text, "{},{},{}", tidy(bin.q_per_m * 1e-6), tidy(bin.psd_m4 * 1e24), bin.waves);
-    }
-    text
+    let mut table = Table::of(spectrum);
+    table.numbers("q_per_um", |bin| tidy(bin.q_per_m * 1e-6));
+    table.numbers("psd_um4", |bin| tidy(bin.psd_m4 * 1e24));
+    table.numbers("waves", |bin| bin.waves);
+    table.table().csv()
 }
 
 #[cfg(test)]

@@ -181,39 +181,30 @@ impl TrialsReport {
 
     /// Formats the ledger as CSV, one row per measured ratio.
     pub fn csv(&self) -> String {
-        let mut text = "trial,date,areal_density,edge_per_mm,width_um,spacing_um,depth_um,pressure_mpa,speed_mm_s,humidity_pct,measured_ratio,\
-                        modelled_ratio,predicted_before,predicted_before_low_95,predicted_before_high_95,surprise_before,\
-                        predicted_without_trial,surprise_without_trial,predicted_without_condition,\
-                        surprise_without_condition\n"
-            .to_owned();
-        for trial in &self.trials {
-            let [name, date] = [&trial.name, &trial.date].map(|text| guard_formula(text).replace('"', "\"\""));
-            for at in &trial.measured {
-                let numbers = [
-                    trial.areal_density,
-                    trial.edge_per_mm,
-                    trial.width_um,
-                    trial.spacing_um,
-                    trial.depth_um,
-                    at.pressure_mpa,
-                    at.speed_mm_s,
-                    at.humidity_pct,
-                    at.measured,
-                    at.modelled,
-                    at.before.ratio,
-                    at.before.interval_95[0],
-                    at.before.interval_95[1],
-                    at.before.surprise,
-                    at.without_trial.ratio,
-                    at.without_trial.surprise,
-                    at.without_condition.ratio,
-                    at.without_condition.surprise,
-                ];
-                let numbers: Vec<String> = numbers.iter().map(f64::to_string).collect();
-                text += &format!("\"{name}\",\"{date}\",{}\n", numbers.join(","));
-            }
-        }
-        text
+        let quoted = |text: &str| format!("\"{}\"", guard_formula(text).replace('"', "\"\""));
+        let rows = self.rows();
+        let mut table = Table::of(&rows);
+        table.column("trial", |(trial, _)| quoted(&trial.name));
+        table.column("date", |(trial, _)| quoted(&trial.date));
+        table.numbers("areal_density", |(trial, _)| trial.areal_density);
+        table.numbers("edge_per_mm", |(trial, _)| trial.edge_per_mm);
+        table.numbers("width_um", |(trial, _)| trial.width_um);
+        table.numbers("spacing_um", |(trial, _)| trial.spacing_um);
+        table.numbers("depth_um", |(trial, _)| trial.depth_um);
+        table.numbers("pressure_mpa", |(_, at)| at.pressure_mpa);
+        table.numbers("speed_mm_s", |(_, at)| at.speed_mm_s);
+        table.numbers("humidity_pct", |(_, at)| at.humidity_pct);
+        table.numbers("measured_ratio", |(_, at)| at.measured);
+        table.numbers("modelled_ratio", |(_, at)| at.modelled);
+        table.numbers("predicted_before", |(_, at)| at.before.ratio);
+        table.numbers("predicted_before_low_95", |(_, at)| at.before.interval_95[0]);
+        table.numbers("predicted_before_high_95", |(_, at)| at.before.interval_95[1]);
+        table.numbers("surprise_before", |(_, at)| at.before.surprise);
+        table.numbers("predicted_without_trial", |(_, at)| at.without_trial.ratio);
+        table.numbers("surprise_without_trial", |(_, at)| at.without_trial.surprise);
+        table.numbers("predicted_without_condition", |(_, at)| at.without_condition.ratio);
+        table.numbers("surprise_without_condition", |(_, at)| at.without_condition.surprise);
+        table.table().csv()
     }
 }
 
