@@ -112,6 +112,10 @@ fn pixels(points: &[[f64; 2]]) -> Vec<(i32, i32)> {
     points.iter().copied().map(pixel).collect()
 }
 
+fn font(size: f64) -> FontDesc<'static> {
+    ("sans-serif", size * FONT_FACTOR * PRECISION).into_font()
+}
+
 fn stroke(color: RGBColor, width: f64) -> ShapeStyle {
     ShapeStyle::from(&color).stroke_width((width * PRECISION).round() as u32)
 }
@@ -185,53 +189,41 @@ impl Canvas<'_> {
         anchor: (HPos, VPos),
         color: RGBColor,
     ) -> Result<(), ChartError> {
-        self.styled_text(text, at, anchor, color, TEXT_SIZE, FontStyle::Normal, FontTransform::None)
+        self.write(text, at, anchor, color, font(TEXT_SIZE))
     }
 
     /// Writes small text for a label beside a point; the text starts at `at`.
     pub(super) fn small_text(&self, text: &str, at: [f64; 2], color: RGBColor) -> Result<(), ChartError> {
-        let anchor = (HPos::Left, VPos::Center);
-        self.styled_text(text, at, anchor, color, SMALL_SIZE, FontStyle::Normal, FontTransform::None)
+        self.write(text, at, (HPos::Left, VPos::Center), color, font(SMALL_SIZE))
     }
 
     /// Writes text that reads upwards, as for the title of a vertical axis.
     pub(super) fn upward_text(&self, text: &str, at: [f64; 2]) -> Result<(), ChartError> {
-        let anchor = (HPos::Center, VPos::Top);
-        self.styled_text(text, at, anchor, INK, TEXT_SIZE, FontStyle::Normal, FontTransform::Rotate270)
+        let upward = font(TEXT_SIZE).transform(FontTransform::Rotate270);
+        self.write(text, at, (HPos::Center, VPos::Top), INK, upward)
     }
 
-    #[allow(clippy::too_many_arguments)] // all properties of a text, set by a single function
-    fn styled_text(
+    fn write(
         &self,
         text: &str,
         at: [f64; 2],
         (horizontal, vertical): (HPos, VPos),
         color: RGBColor,
-        size: f64,
-        style: FontStyle,
-        transform: FontTransform,
+        font: FontDesc<'_>,
     ) -> Result<(), ChartError> {
         let text: String = text.chars().filter(|c| is_xml_letter(*c)).collect();
-        let style = TextStyle::from(("sans-serif", size * FONT_FACTOR * PRECISION, style).into_font())
-            .transform(transform)
-            .color(&color)
-            .pos(Pos::new(horizontal, vertical));
+        let style = font.color(&color).pos(Pos::new(horizontal, vertical));
         self.root.draw(&Text::new(text, pixel(at), style)).map_err(failed)
     }
 
     /// Writes the title at the top of the picture.
     pub(super) fn title(&self, title: &str) -> Result<(), ChartError> {
-        let anchor = (HPos::Left, VPos::Center);
-        self.styled_text(title, [LEFT, 24.0], anchor, INK, TITLE_SIZE, FontStyle::Bold, FontTransform::None)
+        let bold = font(TITLE_SIZE).style(FontStyle::Bold);
+        self.write(title, [LEFT, 24.0], (HPos::Left, VPos::Center), INK, bold)
     }
 
     /// Draws an entry of the legend, symbol and label, from `[x, y]` to the right.
     pub(super) fn entry(&self, swatch: Swatch, label: &str, [x, y]: [f64; 2]) -> Result<(), ChartError> {
-        self.swatch(swatch, [x, y])?;
-        self.text(label, [x + SWATCH + 8.0, y], (HPos::Left, VPos::Center), INK)
-    }
-
-    fn swatch(&self, swatch: Swatch, [x, y]: [f64; 2]) -> Result<(), ChartError> {
         let ends = [[x, y], [x + SWATCH, y]];
         match swatch {
             Swatch::Line(color) => self.line(&ends, color, 2.5),
@@ -244,7 +236,8 @@ impl Canvas<'_> {
                 self.arrow(at(-1.0), at(1.0), color)
             }
             Swatch::Arrow(color) => self.arrow([x + SWATCH / 2.0, y - 8.0], [x + SWATCH / 2.0, y + 7.0], color),
-        }
+        }?;
+        self.text(label, [x + SWATCH + 8.0, y], (HPos::Left, VPos::Center), INK)
     }
 }
 

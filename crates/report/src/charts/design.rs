@@ -195,7 +195,16 @@ pub(crate) fn trade_offs(name: &str, compared: &Compared, chosen: &Pattern) -> R
     let chosen = all().find(|known| known.design == *chosen);
     let titles: Vec<&str> = wanted.goals.iter().map(|goal| goal.words()).collect();
     let column = |goal: usize| all().map(move |known| known.goals[goal]);
-    let scales: Vec<Scale> = (0..titles.len()).map(|goal| Scale::of(column(goal))).collect();
+    let is_wide = |goal: usize| {
+        let [low, high] = extremes(column(goal));
+        low > 0.0 && high > WIDE * low
+    };
+    let is_logarithmic: Vec<bool> = (0..titles.len()).map(is_wide).collect();
+    let at = |goal: usize, value: f64| if is_logarithmic[goal] { value.log10() } else { value };
+    let axis = |goal: usize| {
+        let (title, values) = (titles[goal], column(goal).map(|value| at(goal, value)));
+        if is_logarithmic[goal] { Axis::logarithmic(title, values) } else { Axis::around(title, values) }
+    };
     let [blue, vermilion, ..] = PALETTE;
     let mut legend = vec![(Swatch::Mark(Mark::Square, blue), "no other beats it in every goal")];
     if !others.is_empty() {
@@ -211,8 +220,8 @@ pub(crate) fn trade_offs(name: &str, compared: &Compared, chosen: &Pattern) -> R
     let [left, top, right, _] = chart.frame();
     for goal in 1..titles.len() {
         let top = top + PANEL_HEIGHT * (goal - 1) as f64;
-        let place = |known: &TradeOff| [0, goal].map(|goal| scales[goal].at(known.goals[goal]));
-        let [x, y] = [0, goal].map(|goal| scales[goal].axis(titles[goal], column(goal)));
+        let place = |known: &TradeOff| [0, goal].map(|goal| at(goal, known.goals[goal]));
+        let [x, y] = [0, goal].map(axis);
         let mut plot = Plot::new([left, top, right, top + PANEL_HEIGHT - 68.0], x, y);
         let every = others.len().div_ceil(MAX_OTHERS).max(1);
         // A dot on top of another dot is not visible.
@@ -222,7 +231,7 @@ pub(crate) fn trade_offs(name: &str, compared: &Compared, chosen: &Pattern) -> R
             let [x, y] = plot.at(place(known)).map(|length| (length * PRECISION).round());
             background += &format!("M{x} {y}h0");
         }
-        plot.layers.extend(has_limit.then(|| Layer::Vertical(scales[0].at(1.0), "missed beyond")));
+        plot.layers.extend(has_limit.then(|| Layer::Vertical(at(0, 1.0), "missed beyond")));
         plot.layers.push(Layer::Dots(front.iter().map(place).collect(), blue, LARGE));
         plot.layers.push(Layer::marks(Mark::Diamond, chosen.map(place), vermilion));
         plot.layers.push(Layer::marks(Mark::Ring, chosen.map(place), INK));
@@ -248,35 +257,6 @@ fn behind(svg: &str, dots: &str) -> String {
 
 /// Colour of background designs, lighter than the axes.
 const PALE: RGBColor = RGBColor(200, 200, 200);
-
-/// Scale of the axis of a goal.
-#[derive(Clone, Copy)]
-enum Scale {
-    Linear,
-    Logarithmic,
-}
-
-impl Scale {
-    /// Chooses a logarithmic scale if all values are positive and their maximum over their minimum exceeds [`WIDE`].
-    fn of(values: impl Iterator<Item = f64>) -> Self {
-        let [low, high] = extremes(values);
-        if low > 0.0 && high > WIDE * low { Self::Logarithmic } else { Self::Linear }
-    }
-
-    fn at(self, value: f64) -> f64 {
-        match self {
-            Self::Linear => value,
-            Self::Logarithmic => value.log10(),
-        }
-    }
-
-    fn axis(self, title: &str, values: impl Iterator<Item = f64>) -> Axis {
-        match self {
-            Self::Linear => Axis::around(title, values),
-            Self::Logarithmic => Axis::logarithmic(title, values.map(f64::log10)),
-        }
-    }
-}
 
 /// Name of the file with the picture of [`mechanisms`].
 pub const MECHANISMS_FILE: &str = "mechanisms.svg";
