@@ -101,7 +101,7 @@ pub fn calibration(fitted: Fitted<'_>, outputs: &Outputs) -> String {
     page.part("How every value was obtained", |page| {
         page.paragraph(&format!("Source: {}.", calibration.stated.source));
         page.fold("Notes", |page| {
-            page.list(&outcome.material.provenance.notes.iter().map(|note| sentence(note)).collect::<Vec<_>>())
+            page.sentences(&outcome.material.provenance.notes)
         });
     });
     page.finish(&title, VERSION)
@@ -364,22 +364,14 @@ fn fit(page: &mut Page, task: &CalibrationTask, outcome: &CalibrationOutcome, ou
 
 /// Adds the pictures of tribometer traces, in a collapsed section.
 fn traces(page: &mut Page, outputs: &Outputs) {
-    let drawn: Vec<(String, String)> = outputs
-        .names()
-        .into_iter()
-        .filter(|name| name.ends_with("pct.svg"))
-        .filter_map(|name| {
-            let shown = if name.contains(LOOPS) {
-                "The last loops of friction against position, as recorded"
-            } else {
-                "Repeats against time, with what was read from them"
-            };
-            Some((outputs.text(name)?, format!("{shown} ({})", name.trim_end_matches(".svg"))))
-        })
-        .collect();
-    if !drawn.is_empty() {
-        page.fold("Traces of the tribometer", |page| {
-            page.pictures(drawn.iter().map(|(svg, caption)| (svg.as_str(), caption.as_str())))
-        });
-    }
+    let names = outputs.names().into_iter().filter(|name| name.ends_with("pct.svg"));
+    let captioned = names.map(|name| {
+        let shown = if name.contains(LOOPS) {
+            "The last loops of friction against position, as recorded"
+        } else {
+            "Repeats against time, with what was read from them"
+        };
+        (name, format!("{shown} ({})", name.trim_end_matches(".svg")))
+    });
+    page.pictures("Traces of the tribometer", outputs, captioned);
 }

@@ -52,7 +52,7 @@ pub fn design(
     page.part("Files", |page| {
         page.files(&outputs.names());
         page.fold("The pattern on the specimen", |page| {
-            page.section(&report.sample.design);
+            page.section(&report.sample.design, true);
             page.picture_of(outputs, "pattern.svg", "The specimen seen from above, with two periods enlarged");
         });
         page.fold("The laser, as the design gives it", |page| laser(page, &report.laser));
@@ -92,21 +92,14 @@ fn expected(page: &mut Page, report: &DesignReport) {
         goal(page, found);
     }
     limited_by(page, report);
-    budgets(page, report);
-    slopes(page, report);
-}
-
-/// Adds the uncertainty budgets of all loads, folded.
-fn budgets(page: &mut Page, report: &DesignReport) {
-    let budgets = UncertaintyBudget::of_design(report);
     page.fold("Uncertainty budget in the form of the GUM", |page| {
-        for budget in &budgets {
-            page.table(&sentence(&budget.result_in_words()), &budget.table());
-        }
+        let budgets = UncertaintyBudget::of_design(report);
+        budgets.iter().for_each(|budget| page.table(&sentence(&budget.result_in_words()), &budget.table()));
         if !budgets.is_empty() {
             page.paragraph(uncertainty_budget::WORDS);
         }
     });
+    slopes(page, report);
 }
 
 /// Adds a paragraph on the goal: expected and modelled value.
@@ -266,20 +259,13 @@ fn confirmed(page: &mut Page, report: &DesignReport) {
 /// Adds the pictures whose names begin with `prefix` for the first and the last load, folded. Pictures of the loads
 /// between are accompanying files; they would double the size of the page.
 fn pictures(page: &mut Page, outputs: &Outputs, heading: &str, prefix: &str, what: &str) {
-    let named: Vec<(String, String)> = outputs
-        .names()
-        .into_iter()
-        .filter(|name| name.starts_with(prefix) && name.ends_with(".svg"))
-        .filter_map(|name| {
-            let load = name.strip_prefix(prefix)?.strip_suffix("mpa.svg")?;
-            Some((outputs.text(name)?, format!("{heading} at {load} MPa: {what}")))
-        })
-        .collect();
-    let mut named = named.into_iter();
-    let shown: Vec<_> = named.next().into_iter().chain(named.next_back()).collect();
-    if !shown.is_empty() {
-        page.fold(heading, |page| page.pictures(shown.iter().map(|(svg, caption)| (svg.as_str(), caption.as_str()))));
-    }
+    let names = outputs.names();
+    let mut captioned = names.into_iter().filter_map(|name| {
+        let load = name.strip_prefix(prefix)?.strip_suffix("mpa.svg")?;
+        Some((name, format!("{heading} at {load} MPa: {what}")))
+    });
+    let shown = captioned.next().into_iter().chain(captioned.next_back());
+    page.pictures(heading, outputs, shown);
 }
 
 fn material(page: &mut Page, report: &DesignReport, (area_law, loads): (Option<&AreaLaw>, &[Load])) {
@@ -287,7 +273,7 @@ fn material(page: &mut Page, report: &DesignReport, (area_law, loads): (Option<&
     if !name.is_empty() {
         page.paragraph(&if source.is_empty() { name.clone() } else { format!("{name}. Source: {source}.") });
     }
-    page.list(&report.material.notes.iter().map(|note| sentence(note)).collect::<Vec<_>>());
+    page.sentences(&report.material.notes);
     background::coefficients(page, loads);
     if let Some(law) = area_law {
         background::area_law(page, law);
@@ -295,43 +281,28 @@ fn material(page: &mut Page, report: &DesignReport, (area_law, loads): (Option<&
 }
 
 fn laser(page: &mut Page, laser: &Laser) {
-    // Alphabetical by name.
-    let Laser {
-        depth_per_burst_um,
-        exposure,
-        hatch_um,
-        min_land_um,
-        power_density_gw_cm2,
-        pulse_ns,
-        repetition_hz,
-        speed_mm_s,
-        spot_um,
-        wall_taper_deg,
-        wavelength_nm,
-        ablation,
-    } = *laser;
-    let exposure = exposure.map(|exposure| match exposure {
+    let exposure = laser.exposure.map(|exposure| match exposure {
         Exposure::Hatch => "hatch".to_owned(),
         Exposure::Mask => "mask".to_owned(),
     });
     let rows: Vec<(&str, String)> = [
-        ("depth per burst", depth_per_burst_um, "µm"),
-        ("distance of hatch lines", hatch_um, "µm"),
-        ("smallest land", min_land_um, "µm"),
-        ("power density", power_density_gw_cm2, "GW/cm²"),
-        ("pulse length", pulse_ns, "ns"),
-        ("repetition rate", repetition_hz, "Hz"),
-        ("speed", speed_mm_s, "mm/s"),
-        ("spot", spot_um, "µm"),
-        ("taper of the walls", wall_taper_deg, "°"),
-        ("wavelength", wavelength_nm, "nm"),
+        ("depth per burst", laser.depth_per_burst_um, "µm"),
+        ("distance of hatch lines", laser.hatch_um, "µm"),
+        ("smallest land", laser.min_land_um, "µm"),
+        ("power density", laser.power_density_gw_cm2, "GW/cm²"),
+        ("pulse length", laser.pulse_ns, "ns"),
+        ("repetition rate", laser.repetition_hz, "Hz"),
+        ("speed", laser.speed_mm_s, "mm/s"),
+        ("spot", laser.spot_um, "µm"),
+        ("taper of the walls", laser.wall_taper_deg, "°"),
+        ("wavelength", laser.wavelength_nm, "nm"),
     ]
     .into_iter()
     .filter_map(|(name, value, unit)| Some((name, format!("{} {unit}", plain(value?)))))
     .chain(exposure.map(|exposure| ("exposure", exposure)))
     .collect();
     page.facts("", &rows);
-    if let Some(law) = ablation {
+    if let Some(law) = laser.ablation {
         page.paragraph(&format!(
             "Depth per burst d = delta ln(F / F_th): delta {} µm, F_th {} J/cm², at {} J/cm² {} µm ({} fluences).",
             with_error(law.delta_um, law.delta_stderr_um, 3),

@@ -14,7 +14,7 @@ use slipgrid_model::springblock::Load;
 
 use self::surfaces::{AxisData, LENGTHS, Packed, axes_data};
 use super::page::{Page, number};
-use super::points::{Among, Point};
+use super::points::Point;
 use crate::Outputs;
 
 const SCRIPT: &str = include_str!("explorer.js");
@@ -76,15 +76,15 @@ impl Data {
 }
 
 /// Task whose designs a page explores, with the predictions.
-struct Subject<'a> {
-    task: &'a DesignTask,
-    material: &'a KnownMaterial,
+pub(super) struct Subject<'a> {
+    pub(super) task: &'a DesignTask,
+    pub(super) material: &'a KnownMaterial,
     pattern: &'a Pattern,
-    explorer: &'a Explorer,
+    pub(super) explorer: &'a Explorer,
     /// Design found, if a search was run.
-    report: Option<&'a DesignReport>,
+    pub(super) report: Option<&'a DesignReport>,
     /// Dynamic friction coefficient of the flat surface at each target pressure.
-    flat_mu: &'a [f64],
+    pub(super) flat_mu: &'a [f64],
     /// Scene file with the initial pattern.
     toml: String,
 }
@@ -125,14 +125,6 @@ impl Subject<'_> {
         let (task, explorer) = (self.task, self.explorer);
         let target: TargetReport = (&task.target).into();
         let (count, loads) = (target.pressure_mpa.len(), explorer.expected.outputs() / 3);
-        let among = Among {
-            task,
-            material: self.material,
-            explorer,
-            flat_mu: self.flat_mu,
-            pressure_mpa: &target.pressure_mpa,
-        };
-        let points = among.points(self.report);
         let own = PatternReport::from(self.pattern);
         let design = [own.width_um, own.spacing_um, own.depth_um];
         // The page interpolates between pressures, which a file may list in any order.
@@ -161,7 +153,7 @@ impl Subject<'_> {
             has_passes: task.laser.bursts_per_pass().is_some(),
             has_laser_time: explorer.beside.at(&design).get(SECONDS).is_some_and(|seconds| *seconds > 0.0),
             design,
-            points,
+            points: self.points(),
             toml: self.toml.clone(),
         }
     }
@@ -198,9 +190,9 @@ impl Subject<'_> {
         // The JSON text must not close the script element that contains it.
         let json = json.replace("</", "<\\/").replace("<!--", "<\\u0021--");
         page.add(&html! { div class="screen" { h2 { "Explore" } p { (self.words()) } (controls(&data)) } });
-        page.script(&format!(
+        page.add(&PreEscaped(format!(
             "<script type=\"application/json\" id=\"explorer-data\">{json}</script>\n<script>\n{SCRIPT}</script>"
-        ));
+        )));
     }
 }
 

@@ -45,7 +45,9 @@ const TERMS: [(&str, &str); 11] = [
 /// Adds the first screen of `report`, with details from the design `found` if available.
 pub(super) fn first_screen(page: &mut Page, report: &DesignReport, outputs: &Outputs, found: Option<&DesignOutcome>) {
     let doubts = report.doubts();
-    page.block(if is_worth_cutting(report) { "decision" } else { "decision missed" }, |page| {
+    // A sample is worth cutting, or a cut sample is on target.
+    let is_good = matches!(&*report.advice, "series" | "trial" | "trial_meets_it");
+    page.block(if is_good { "decision" } else { "decision missed" }, |page| {
         page.block("", |page| {
             page.marked("headline", &sentence(&report.words));
             if let Some(words) = expected_words(report) {
@@ -61,8 +63,11 @@ pub(super) fn first_screen(page: &mut Page, report: &DesignReport, outputs: &Out
     page.block("first three", |page| {
         page.block("cut", |page| to_cut(page, report, outputs, found));
         page.block("plot", |page| {
+            let several = report.sample.expected.len() > report.target.pressure_mpa.len();
+            let conditions = if several { "; conditions side by side, in the order of the table below" } else { "" };
+            let caption = format!("Friction of a cut sample against pressure{conditions}; earlier trials have textures and loads of their own");
             if let Ok(svg) = target("", report, found) {
-                page.picture(&svg, &plot_caption(report));
+                page.picture(&svg, &caption);
             }
         });
         page.block("limits", |page| limits(page, report, found));
@@ -70,11 +75,6 @@ pub(super) fn first_screen(page: &mut Page, report: &DesignReport, outputs: &Out
     basis(page, report);
     page.part("Doubts, the gravest first", |page| page.doubts(&doubts));
     page.terms(&TERMS);
-}
-
-/// Whether the advice is to cut a sample, or a cut sample is on target.
-fn is_worth_cutting(report: &DesignReport) -> bool {
-    matches!(&*report.advice, "series" | "trial" | "trial_meets_it")
 }
 
 /// Describes the expected value at the load that the first screen shows, and the strongest limit of the chance; `None`
@@ -109,14 +109,6 @@ fn shown(report: &DesignReport) -> usize {
     let rows = report.sample.expected.iter().take(count).enumerate();
     let farthest = rows.max_by(|(_, a), (_, b)| miss(a).total_cmp(&miss(b))).map(|(row, _)| row);
     farthest.filter(|_| report.advice == "cannot_be_met").unwrap_or(count.saturating_sub(1))
-}
-
-fn plot_caption(report: &DesignReport) -> String {
-    let several = report.sample.expected.len() > report.target.pressure_mpa.len();
-    let conditions = if several { "; conditions side by side, in the order of the table below" } else { "" };
-    format!(
-        "Friction of a cut sample against pressure{conditions}; earlier trials have textures and loads of their own"
-    )
 }
 
 /// Adds the texture to cut, the laser exposure and links to the files for the laser.
@@ -159,7 +151,7 @@ fn to_cut(page: &mut Page, report: &DesignReport, outputs: &Outputs, found: Opti
     rows.extend(report.sample.laser_s.map(|seconds| ("time under the laser", duration_in_words(seconds))));
     let is_to_be_cut = matches!(&*report.advice, "series" | "trial");
     page.subheading(if is_to_be_cut { "What to cut" } else { "The likeliest texture" });
-    page.outline(design);
+    page.section(design, false);
     page.facts("", &rows);
     let files: Vec<&str> = outputs.names().into_iter().filter(|name| LASER_FILES.contains(name)).collect();
     if !files.is_empty() {

@@ -7,7 +7,7 @@ use slipgrid_laser::export::{is_xml_letter, not_modelled};
 
 use super::section::section;
 use super::words::brief;
-pub use super::words::{known, length_um, micrometres, number, percent, plain, sentence, with_error, yes_or_no};
+pub use super::words::{known, length_um, micrometres, number, percent, plain, sentence, with_error};
 use crate::Outputs;
 
 const STYLE: &str = include_str!("style.css");
@@ -121,12 +121,6 @@ impl Page {
         self.body.push('\n');
     }
 
-    /// Adds a script verbatim.
-    pub(super) fn script(&mut self, text: &str) {
-        self.body.push_str(text);
-        self.body.push('\n');
-    }
-
     /// Adds the title of the page.
     pub fn title(&mut self, text: &str) {
         self.add(&html! { h1 { (Text(text)) } });
@@ -142,11 +136,16 @@ impl Page {
         self.add(&html! { h3 { (Text(text)) } });
     }
 
-    /// Adds the content written by `write` under a heading; adds nothing if `write` adds nothing.
-    pub fn part(&mut self, name: &str, write: impl FnOnce(&mut Self)) {
+    /// Returns the content written by `write`, which is not added.
+    fn written(&mut self, write: impl FnOnce(&mut Self)) -> String {
         let before = std::mem::take(&mut self.body);
         write(self);
-        let inside = std::mem::replace(&mut self.body, before);
+        std::mem::replace(&mut self.body, before)
+    }
+
+    /// Adds the content written by `write` under a heading; adds nothing if `write` adds nothing.
+    pub fn part(&mut self, name: &str, write: impl FnOnce(&mut Self)) {
+        let inside = self.written(write);
         if !inside.is_empty() {
             self.heading(name);
             self.body.push_str(&inside);
@@ -155,9 +154,7 @@ impl Page {
 
     /// Adds the content written by `write`, folded under a name; adds nothing if `write` adds nothing.
     pub fn fold(&mut self, name: &str, write: impl FnOnce(&mut Self)) {
-        let before = std::mem::take(&mut self.body);
-        write(self);
-        let inside = std::mem::replace(&mut self.body, before);
+        let inside = self.written(write);
         if !inside.is_empty() {
             self.add(&html! { details { summary { (Text(name)) } (NL) (PreEscaped(inside)) } });
         }
@@ -283,6 +280,11 @@ impl Page {
         self.add(&html! { ul { (NL) @for item in items { li { (Text(item)) } (NL) } } });
     }
 
+    /// Adds a bulleted list of words, formatted as sentences; adds nothing for an empty list.
+    pub fn sentences(&mut self, items: &[String]) {
+        self.list(&items.iter().map(|words| sentence(words)).collect::<Vec<_>>());
+    }
+
     /// Adds a table that a click on a column title sorts. Writes `+-` as ±, and replaces short titles and units by
     /// those of a page. Adds nothing for a table without rows.
     pub fn table(&mut self, caption: &str, table: &Table) {
@@ -370,24 +372,17 @@ impl Page {
         });
     }
 
-    /// Adds a picture of two periods of a pattern in vertical section, without labels; adds nothing if a length is not
-    /// positive.
-    pub(super) fn outline(&mut self, pattern: &PatternReport) {
-        let rim = pattern.rim();
-        let svg = section(pattern.width_um, pattern.spacing_um, pattern.depth_um, rim.as_ref(), false);
+    /// Adds a picture of two periods of a pattern in vertical section; adds nothing if a length is not positive.
+    pub fn section(&mut self, pattern: &PatternReport, is_labelled: bool) {
+        let svg = section(pattern, is_labelled);
+        let rim = pattern.rim_words().map_or_else(String::new, |rim| format!("; {rim}"));
+        let caption = if is_labelled {
+            &format!("Vertical section through the centres of cavities, along their row{rim}")
+        } else {
+            "Section of two periods, to scale"
+        };
         if !svg.is_empty() {
-            self.picture(&svg, "Section of two periods, to scale");
-        }
-    }
-
-    /// Adds a labelled picture of two periods of a pattern in vertical section; adds nothing if a length is not
-    /// positive.
-    pub fn section(&mut self, pattern: &PatternReport) {
-        let rim = pattern.rim();
-        let svg = section(pattern.width_um, pattern.spacing_um, pattern.depth_um, rim.as_ref(), true);
-        if !svg.is_empty() {
-            let words = pattern.rim_words().map_or_else(String::new, |rim| format!("; {rim}"));
-            self.picture(&svg, &format!("Vertical section through the centres of cavities, along their row{words}"));
+            self.picture(&svg, caption);
         }
     }
 
@@ -395,20 +390,27 @@ impl Page {
     /// model includes rims.
     pub fn model(&mut self, [model, method]: [&[String]; 2], has_rim: bool) {
         self.heading("What was modelled, and why");
-        self.list(&model.iter().map(|stated| sentence(stated)).collect::<Vec<_>>());
+        self.sentences(model);
         self.paragraph(&format!("Not modelled: {}.", not_modelled(has_rim).join("; ")));
-        self.fold("How it was computed", |page| {
-            page.list(&method.iter().map(|step| sentence(step)).collect::<Vec<_>>());
-        });
+        self.fold("How it was computed", |page| page.sentences(method));
     }
 
-    /// Adds pictures, each an SVG text with a caption, side by side if the window is wide enough.
-    pub fn pictures<'a>(&mut self, pictures: impl IntoIterator<Item = (&'a str, &'a str)>) {
-        self.body.push_str("<div class=\"pair\">\n");
-        for (svg, caption) in pictures {
-            self.picture(svg, caption);
+    /// Adds pictures of `outputs`, each a name and a caption, folded under a heading and side by side if the window is
+    /// wide enough; adds nothing without pictures.
+    pub(super) fn pictures<'a>(
+        &mut self,
+        heading: &str,
+        outputs: &Outputs,
+        captioned: impl Iterator<Item = (&'a str, String)>,
+    ) {
+        let mut captioned = captioned.peekable();
+        if captioned.peek().is_some() {
+            self.fold(heading, |page| {
+                page.block("pair", |page| {
+                    captioned.for_each(|(name, caption)| page.picture_of(outputs, name, &caption))
+                });
+            });
         }
-        self.body.push_str("</div>\n");
     }
 
     /// Adds links to the accompanying files, with a description of each kind of file; files of an unknown kind get no

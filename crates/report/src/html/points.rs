@@ -4,10 +4,10 @@ use serde::Serialize;
 use slipgrid_base::units::{HUMIDITY_PCT, LENGTH_UM, PRESSURE_MPA, SPEED_MM_S, tidy};
 use slipgrid_design::optimize::Quantity;
 use slipgrid_design::results::PatternReport;
-use slipgrid_design::{DesignReport, DesignTask, Explorer, KnownMaterial};
 use slipgrid_infer::discrepancy::{Features, Trial};
 use slipgrid_model::pattern::{Pattern, Texture};
 
+use super::explorer::Subject;
 use super::page::{number, plain};
 use crate::charts::is_at_condition;
 
@@ -32,24 +32,14 @@ pub(super) struct Point {
     pub measured: String,
 }
 
-/// Task, material and predictions that the points of the map refer to.
-pub(super) struct Among<'a> {
-    pub task: &'a DesignTask,
-    pub material: &'a KnownMaterial,
-    pub explorer: &'a Explorer,
-    /// Dynamic friction of the flat surface at each target pressure.
-    pub flat_mu: &'a [f64],
-    /// Nominal pressures of the target.
-    pub pressure_mpa: &'a [f64],
-}
-
-impl Among<'_> {
-    /// Points of the design and the trade-offs of `report`, and of the trials of the material.
-    pub fn points(&self, report: Option<&DesignReport>) -> Vec<Point> {
+impl Subject<'_> {
+    /// Points of the design and the trade-offs found, and of the trials of the material.
+    pub(super) fn points(&self) -> Vec<Point> {
         let lengths = |of: &PatternReport| [of.width_um, of.spacing_um, of.depth_um];
         let point = |kind, at, name: String| Point { kind, at, on_map: self.holds(&at), name, measured: String::new() };
-        let found = report.map(|report| point("found", lengths(&report.sample.design), "the design found".to_owned()));
-        let listed = report.and_then(|report| report.trade_offs.as_ref()).map_or(&[][..], |found| &found.listed);
+        let found =
+            self.report.map(|report| point("found", lengths(&report.sample.design), "the design found".to_owned()));
+        let listed = self.report.and_then(|report| report.trade_offs.as_ref()).map_or(&[][..], |found| &found.listed);
         let traded = listed
             .iter()
             .enumerate()
@@ -107,7 +97,9 @@ impl Among<'_> {
     /// pressures.
     fn ratio(&self, at: &[f64; 3], pressure_pa: f64) -> Option<f64> {
         let values = self.explorer.expected.at(at);
-        let (pressures, pressure_mpa) = (self.pressure_mpa, PRESSURE_MPA.from_si(pressure_pa));
+        let pressure_mpa = PRESSURE_MPA.from_si(pressure_pa);
+        let points = self.task.target.points().iter();
+        let pressures: Vec<f64> = points.map(|point| PRESSURE_MPA.from_si(point.pressure_pa)).collect();
         let ratio = |load: usize| match self.task.target.quantity() {
             Quantity::Ratio => values.get(load).copied(),
             Quantity::DynamicFriction => Some(values.get(load)? / self.flat_mu.get(load)?),

@@ -2,7 +2,7 @@
 //! higher.
 
 use slipgrid_base::units::LENGTH_UM;
-use slipgrid_design::results::fixed;
+use slipgrid_design::results::{PatternReport, fixed};
 use slipgrid_model::pattern::{Rim, RimProfile};
 
 /// Width of the picture, in picture units.
@@ -77,7 +77,8 @@ impl Drawn {
 
 /// Draws the section through the centres of cavities along a row, with the counterface below, as SVG text. Has no
 /// labels unless `is_labelled`. The text is empty if a length is not positive.
-pub fn section(width_um: f64, spacing_um: f64, depth_um: f64, rim: Option<&Rim>, is_labelled: bool) -> String {
+pub fn section(pattern: &PatternReport, is_labelled: bool) -> String {
+    let &PatternReport { width_um, spacing_um, depth_um, .. } = pattern;
     let pitch_um = width_um + spacing_um;
     let positive = [width_um, spacing_um, depth_um].iter().all(|length_um| length_um.is_finite() && *length_um > 0.0);
     if !positive {
@@ -88,7 +89,7 @@ pub fn section(width_um: f64, spacing_um: f64, depth_um: f64, rim: Option<&Rim>,
     let body = (3.0 * depth).clamp(40.0, MAX_HEIGHT);
     let depth = depth.min(body);
     let (top, face) = (46.0, 46.0 + body);
-    let rim = rim.and_then(|rim| Drawn::new(rim, [spacing_um, depth_um], scale));
+    let rim = pattern.rim().and_then(|rim| Drawn::new(&rim, [spacing_um, depth_um], scale));
     // The body stands on its rims.
     let counterface = face + rim.as_ref().map_or(0.0, |rim| rim.height);
     let height = counterface + 78.0;

@@ -58,7 +58,7 @@ pub fn surface(report: &SurfaceReport, outputs: &Outputs) -> String {
                 &cavities.lengths(),
             );
             page.table("Edges and floors, with their standard errors.", &cavities.edges());
-            page.list(&cavities.words().iter().map(|words| symbol(words)).collect::<Vec<_>>());
+            page.list(&cavities.words().iter().map(|words| words.replace(" deg ", " ° ")).collect::<Vec<_>>());
             page.picture_of(
                 outputs,
                 "edge-profile.svg",
@@ -79,9 +79,7 @@ pub fn surface(report: &SurfaceReport, outputs: &Outputs) -> String {
         );
         page.picture_of(outputs, "spectrum.svg", "Power against wave number, both axes logarithmic");
     });
-    page.part("What was done to the map", |page| {
-        page.list(&report.model.iter().map(|done| sentence(done)).collect::<Vec<_>>())
-    });
+    page.part("What was done to the map", |page| page.sentences(&report.model));
     page.finish(&title, report.version)
 }
 
@@ -180,18 +178,4 @@ fn parameters(page: &mut Page, report: &SurfaceReport) {
         ),
         &table.table(),
     );
-}
-
-/// Replaces the words um and deg by the signs µm and °.
-fn symbol(words: &str) -> String {
-    let one = |word: &str| {
-        let (own, end) = word.strip_suffix('.').map_or((word, ""), |own| (own, "."));
-        let own = match own {
-            "um" => "µm",
-            "deg" => "°",
-            other => other,
-        };
-        format!("{own}{end}")
-    };
-    words.split(' ').map(one).collect::<Vec<_>>().join(" ")
 }

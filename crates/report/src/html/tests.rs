@@ -1,7 +1,8 @@
 use slipgrid_design::records::TableReport;
+use slipgrid_design::results::PatternReport;
 use slipgrid_design::{DesignReport, SampleReport};
 use slipgrid_model::material::{AreaLaw, LocalFriction};
-use slipgrid_model::pattern::{Rim, RimProfile};
+use slipgrid_model::pattern::{RimProfile, TextureRecord};
 use slipgrid_model::springblock::Load;
 
 use super::*;
@@ -290,19 +291,29 @@ fn text_is_escaped_and_loses_its_control_characters_wherever_it_stands() {
 
 #[test]
 fn the_section_is_to_scale() {
-    let svg = super::section::section(130.0, 370.0, 20.0, None, true);
+    let drawn = |depth_um, is_labelled| {
+        let design = PatternReport { depth_um, texture: TextureRecord::default(), ..report().sample.design };
+        super::section::section(&design, is_labelled)
+    };
+    let svg = drawn(20.0, true);
     // 1000 um over 760 units: the first cavity from 185 to 315 um, 15.2 units deep.
     assert!(svg.contains("H309.40V86.00H210.60V101.20") || svg.contains("H309.40V76.40H210.60V91.60"), "{svg}");
-    assert!(super::section::section(130.0, 370.0, f64::NAN, None, true).is_empty());
-    let bare = super::section::section(130.0, 370.0, 20.0, None, false);
+    assert!(drawn(f64::NAN, true).is_empty());
+    let bare = drawn(20.0, false);
     assert!(!bare.contains("<text") && bare.contains("H309.40"), "{bare}");
 }
 
 #[test]
 fn rims_are_drawn_to_scale_where_that_can_be_seen_and_stretched_by_a_number_that_is_said() {
     let drawn = |height_um: f64, profile: RimProfile| {
-        let rim = Rim::new(height_um * 1e-6, 100e-6, profile).unwrap();
-        super::section::section(130.0, 370.0, 20.0, Some(&rim), true)
+        let (height, width, profile) = (Some(height_um), Some(100.0), Some(profile.name().to_owned()));
+        let texture = TextureRecord {
+            rim_height_um: height,
+            rim_width_um: width,
+            rim_profile: profile,
+            ..TextureRecord::default()
+        };
+        super::section::section(&PatternReport { texture, ..report().sample.design }, true)
     };
     // 10 um are 7.6 units below the land, 100 um 76 units from the edge at 309.40.
     let flat = drawn(10.0, RimProfile::Flat);

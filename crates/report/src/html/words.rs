@@ -1,6 +1,6 @@
 //! Words and numbers of a page.
 
-use slipgrid_design::results::{ABOUT_MATERIAL, fixed};
+use slipgrid_design::results::{self, ABOUT_MATERIAL, fixed};
 
 /// Beginnings of doubts that name the source of the doubt.
 const PREFIXES: [&str; 2] = [ABOUT_MATERIAL, "laser: "];
@@ -93,16 +93,7 @@ pub fn percent(share: impl Into<Option<f64>>, digits: usize) -> String {
 
 /// Formats a number, with ± and the error if the error is known, or as a dash if the number is unknown.
 pub fn with_error(value: impl Into<Option<f64>>, error: impl Into<Option<f64>>, digits: usize) -> String {
-    let value = known(value);
-    match known(error).filter(|_| value.is_some()) {
-        Some(error) => format!("{} ± {}", number(value, digits), number(error.abs(), digits)),
-        None => number(value, digits),
-    }
-}
-
-/// Formats a Boolean as yes or no.
-pub fn yes_or_no(is_so: bool) -> String {
-    if is_so { "yes" } else { "no" }.to_owned()
+    results::with_error(value, error, digits).replace("+-", "±")
 }
 
 #[cfg(test)]

@@ -79,7 +79,7 @@ pub fn validation(report: &ValidationReport, outputs: &Outputs) -> String {
     }
     page.part("All that was measured", |page| add(page, tables::measured(&report.measured)));
     page.heading("The modelled pattern");
-    page.section(&report.pattern);
+    page.section(&report.pattern, true);
     page.paragraph(&format!("Depth of the measured cavities: {} µm.", plain(report.measured_depth_um)));
     page.model([&report.model, &[]], false);
     page.finish(&title, report.version)

@@ -1,7 +1,7 @@
 //! Tables of a validation, equal on the screen and on the page.
 
 use slipgrid_design::results::{Records, Table, with_error};
-use slipgrid_report::html::page::{number, percent, plain, yes_or_no};
+use slipgrid_report::html::page::{number, percent, plain};
 
 use super::laws::ScaledLaw;
 use super::ratios::{MeasuredLawRatio, MeasuredReport, ModelledRatio, RatioReport};
@@ -158,7 +158,7 @@ pub fn solves(report: &ValidationReport) -> Captioned {
     if report.has_squares() {
         table.column("peak, squares, in MPa", |(.., model)| number(model.peak_pressure_square_mpa, 2));
     }
-    table.column("cavity closes", |(.., model)| yes_or_no(model.cavity_closed));
+    table.column("cavity closes", |(.., model)| if model.cavity_closed { "yes" } else { "no" }.to_owned());
     table.column("status", |(.., model)| match [model.status, model.status_square] {
         [grooves, squares] if grooves == squares => grooves.to_owned(),
         both => both.join(", "),
