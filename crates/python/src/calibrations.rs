@@ -19,7 +19,7 @@ use slipgrid::report::trials::TrialsReport;
 use slipgrid::results::json;
 
 use crate::errors::{Failure, failed};
-use crate::origin::{Anchored, Contents, Given, Origin, Parts};
+use crate::origin::{Anchored, Contents, Origin, Parts};
 use crate::output::{Named, Told, contents};
 use crate::progress::watched;
 use crate::threads::{detached, in_pool};
@@ -77,7 +77,7 @@ impl Calibration {
         copied: Option<(bool, Contents)>,
     ) -> Result<Self, Failure> {
         let (origin, read) = in_pool(py, || {
-            let origin = Origin::new(FileKind::Calibration, Given { text, objects, copied }, path)?;
+            let origin = Origin::new(FileKind::Calibration, (text, objects, copied), path)?;
             let read = Read::from_document(&origin.document(FileKind::Calibration)?)?;
             Ok::<_, Diagnostic>((origin, read))
         })??;

@@ -24,7 +24,7 @@ use slipgrid::units::{PRESSURE_MPA, tidy};
 
 use crate::counts::{shown, to_count};
 use crate::errors::{Failure, failed, undesigned};
-use crate::origin::{Contents, Given, Origin, Parts};
+use crate::origin::{Contents, Origin, Parts};
 use crate::output::{Named, Told, contents};
 use crate::progress::{Watch, watched};
 use crate::threads::in_pool;
@@ -129,7 +129,7 @@ impl Design {
         copied: Option<(bool, Contents)>,
     ) -> Result<Self, Failure> {
         let (origin, read) = in_pool(py, || {
-            let origin = Origin::new(FileKind::Design, Given { text, objects, copied }, path)?;
+            let origin = Origin::new(FileKind::Design, (text, objects, copied), path)?;
             let read = Read::from_document(origin.document(FileKind::Design)?)?;
             Ok::<_, Diagnostic>((origin, read))
         })??;

@@ -122,16 +122,9 @@ impl Files for Anchored {
     }
 }
 
-/// Input for a scene, design or calibration: its text, if it is not to be read from a file; contents of objects in the
-/// text by path; and for a copy whether the text came from a file, and all files that it reads.
-pub struct Given {
-    /// Text of the scene, design or calibration; `None` to read it from its file.
-    pub text: Option<String>,
-    /// Contents of the objects in the text, by path; `None` without such objects.
-    pub objects: Option<Contents>,
-    /// For a copy: whether the text came from a file, and contents of all its files by path.
-    pub copied: Option<(bool, Contents)>,
-}
+/// Input for a scene, design or calibration: its text, `None` to read it from its file; contents of objects in the text
+/// by path; and for a copy whether the text came from a file, and contents of all files that it reads by path.
+pub type Given = (Option<String>, Option<Contents>, Option<(bool, Contents)>);
 
 /// Arguments from which a copy is made: text, path, no objects, and the value of `copied`.
 pub type Parts = (String, OsString, Option<Contents>, (bool, Contents));
@@ -159,7 +152,7 @@ impl Origin {
     /// # Errors
     /// [`Diagnostic`] if the file at `path` cannot be read, is not text, or seems to be another kind of file.
     pub fn new(kind: FileKind, given: Given, path: PathBuf) -> Result<Self, Diagnostic> {
-        let Given { text, objects, copied } = given;
+        let (text, objects, copied) = given;
         let (is_copy, is_read) = (copied.is_some(), text.is_none());
         let text = text.map_or_else(|| Ok(Document::read(&disk(), &path, kind)?.text().to_owned()), Ok)?;
         let disk = Anchored::here();

@@ -24,7 +24,7 @@ use slipgrid::springblock::{self, Extent, Fidelity, Load, Simulation, SteadyCell
 use slipgrid::units::{PRESSURE_MPA, tidy};
 
 use crate::errors::{Failure, failed};
-use crate::origin::{Contents, Given, Origin};
+use crate::origin::{Contents, Origin};
 use crate::output::{Named, Told, contents};
 use crate::progress::watched;
 use crate::threads::{detached, in_pool};
@@ -84,7 +84,7 @@ impl Scene {
             extent: extent.as_deref().map(|own| named("extent", own, &Extent::ALL, Extent::name)).transpose()?,
         };
         let (origin, input) = in_pool(py, || {
-            let origin = Origin::new(FileKind::Scene, Given { text, objects, copied }, path)?;
+            let origin = Origin::new(FileKind::Scene, (text, objects, copied), path)?;
             let input = SceneInput::from_document(origin.document(FileKind::Scene)?, overrides)?;
             Ok::<_, Diagnostic>((origin, input))
         })??;
