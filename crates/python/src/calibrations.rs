@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use pyo3::prelude::*;
 use pyo3::types::PyType;
-use slipgrid::calibrate::{CalibrationOutcome, CalibrationTask, Selection};
+use slipgrid::calibrate::Selection;
 use slipgrid::disk::disk;
 use slipgrid::formats::calibrated::{self, calibrate, learn};
 use slipgrid::formats::calibration::Calibration as Read;
@@ -14,7 +14,7 @@ use slipgrid::formats::material::read_known;
 use slipgrid::formats::scene::DEFAULT_SPECIMEN;
 use slipgrid::formats::written_material::material_toml;
 use slipgrid::formats::{Diagnostic, Document};
-use slipgrid::report::calibration::{files, fit_json, ledger, summary};
+use slipgrid::report::calibration::Fitted as Found;
 use slipgrid::report::trials::TrialsReport;
 use slipgrid::results::json;
 
@@ -54,12 +54,9 @@ pub struct Calibration {
 /// A fitted calibration.
 #[pyclass(frozen, module = "slipgrid")]
 pub struct Fitted {
-    read: Read,
+    found: Found,
     path: PathBuf,
     disk: Anchored,
-    task: CalibrationTask,
-    outcome: CalibrationOutcome,
-    ledger: Option<TrialsReport>,
 }
 
 #[pymethods]
@@ -106,23 +103,19 @@ impl Calibration {
     #[pyo3(signature = (progress=None))]
     fn fit(&self, py: Python<'_>, progress: Option<&Bound<'_, PyAny>>) -> Result<([String; 2], Told, Fitted), Failure> {
         let sample = (DEFAULT_SPECIMEN, SEED);
-        let (found, records, text) = watched(py, progress, |watch| {
-            let (read, path, files) = (self.read.clone(), self.origin.path.clone(), self.origin.source());
-            let (task, outcome) = calibrate(&read, &path, &files, sample, Selection::default(), watch)?;
-            let ledger = ledger(&read, &outcome, watch)?;
-            let text = summary(&read, &task, &outcome, ledger.as_ref());
-            let material = material_toml(&task, &outcome, None).map_err(failed)?;
-            let records = [fit_json(&task, &outcome).map_err(failed)?, material];
-            Ok::<_, Failure>((
-                Fitted { read, path, disk: self.origin.disk.clone(), task, outcome, ledger },
-                records,
-                text,
-            ))
+        let (found, records) = watched(py, progress, |watch| {
+            let (path, files) = (&self.origin.path, self.origin.source());
+            let fit = calibrate(&self.read, path, &files, sample, Selection::default(), watch)?;
+            let found = Found::new(self.read.clone(), fit, watch)?;
+            let material = material_toml(&found.task, &found.outcome, None).map_err(failed)?;
+            let records = [found.fit_json().map_err(failed)?, material];
+            Ok::<_, Failure>((found, records))
         })??;
         let of_material = &found.outcome.material.provenance.warnings;
         warn_all(py, of_material)?;
         let warnings = [self.read.stated.notes.clone(), of_material.clone()].concat();
-        Ok((records, (text, warnings, self.inputs.clone()), found))
+        let told = (found.summary(), warnings, self.inputs.clone());
+        Ok((records, told, Fitted { found, path: self.origin.path.clone(), disk: self.origin.disk.clone() }))
     }
 
     /// Ledger of the trials: JSON as `slipgrid trials --json` writes it, and text.
@@ -145,13 +138,12 @@ impl Fitted {
     /// The material file at `output`, with `[made_from]` if the calibration is a file.
     fn material_toml(&self, py: Python<'_>, output: PathBuf) -> Result<String, Failure> {
         let output = self.disk.to_absolute(output);
-        let made_from = MadeFrom::new(&self.read, &self.path, &output, &self.disk.source());
-        in_pool(py, || material_toml(&self.task, &self.outcome, made_from))?.map_err(failed)
+        let made_from = MadeFrom::new(&self.found.calibration, &self.path, &output, &self.disk.source());
+        in_pool(py, || material_toml(&self.found.task, &self.found.outcome, made_from))?.map_err(failed)
     }
 
     /// All files of the fit that the command line writes, by name.
     fn files(&self, py: Python<'_>) -> Result<Vec<Named>, Failure> {
-        let outputs = in_pool(py, || files(&self.read, &self.task, &self.outcome, self.ledger.as_ref()))?;
-        contents(&outputs.map_err(failed)?)
+        contents(&in_pool(py, || self.found.files())?.map_err(failed)?)
     }
 }

@@ -12,7 +12,7 @@ use slipgrid_io::formats::calibration::Calibration;
 use slipgrid_io::formats::made_from::MadeFrom;
 use slipgrid_io::formats::scene::DEFAULT_SPECIMEN;
 use slipgrid_io::formats::written_material::material_toml;
-use slipgrid_report::calibration;
+use slipgrid_report::calibration::{FILES, Fitted};
 
 /// Default seed of the flat sample's local coefficients.
 pub const DEFAULT_SEED: u64 = 1;
@@ -24,7 +24,7 @@ pub fn run(args: &CalibrateArgs, console: &mut Console<'_>) -> Result<u8, CliErr
         check_file(Place::output(path), &read.inputs)?;
     }
     let of_traces = if read.traces.is_empty() { &[][..] } else { &super::traces::FILES };
-    let names = [&calibration::FILES[..], of_traces].concat();
+    let names = [&FILES[..], of_traces].concat();
     let report = args.report.as_ref().map(|path| Place { flag: "--report", path });
     let report = report.map(|place| ResultFolder::open(place, &names, &read.inputs)).transpose()?;
     // Warnings may explain a fit that fails after minutes, and are printed first.
@@ -37,13 +37,11 @@ pub fn run(args: &CalibrateArgs, console: &mut Console<'_>) -> Result<u8, CliErr
     if let Some(path) = &args.output {
         write_file(path, file.as_bytes())?;
     }
-    let ledger = calibration::ledger(&read, &outcome, &Job::new(console))?;
+    let fitted = Fitted::new(read, (task, outcome), &Job::new(console))?;
     if let Some(folder) = &report {
-        let outputs = calibration::files(&read, &task, &outcome, ledger.as_ref())?;
-        console.keep(&outputs, folder)?;
+        console.keep(&fitted.files()?, folder)?;
     }
-    let text = if args.details { calibration::summary } else { calibration::brief };
-    console.answer(&text(&read, &task, &outcome, ledger.as_ref()))?;
+    console.answer(&if args.details { fitted.summary() } else { fitted.brief() })?;
     match &args.output {
         Some(path) => console.note(&format!("wrote {}", path.display())),
         None => console.note("nothing written; -o MATERIAL.toml keeps the material"),

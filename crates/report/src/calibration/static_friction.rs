@@ -2,9 +2,11 @@
 
 use schemars::JsonSchema;
 use serde::Serialize;
-use slipgrid_base::units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, tidy};
+use slipgrid_base::units::{HUMIDITY_PCT, SPEED_MM_S, tidy};
 use slipgrid_design::results::{Table, fixed};
-use slipgrid_infer::calibrate::{CalibrationOutcome, CalibrationTask};
+use slipgrid_infer::calibrate::{Measurement, Prediction};
+
+use super::Fitted;
 
 /// Measured static peak with its modelled value.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
@@ -27,24 +29,24 @@ pub struct StaticRow {
     pub residual: Option<f64>,
 }
 
-/// One row per measured static peak.
-pub fn rows(task: &CalibrationTask, outcome: &CalibrationOutcome) -> Vec<StaticRow> {
-    let both = outcome.measurements.iter().enumerate();
-    both.filter_map(|(row, measured)| {
-        let peak = measured.static_peak?;
-        let modelled = outcome.fit.predictions.get(row).and_then(|predicted| predicted.mu_static);
-        Some(StaticRow {
-            force_n: measured.force_n,
-            pressure_mpa: PRESSURE_MPA.from_si(task.pressure_pa(measured)),
-            speed_mm_s: SPEED_MM_S.from_si(measured.speed_m_s),
-            humidity_pct: HUMIDITY_PCT.from_si(measured.humidity),
-            measured: tidy(peak.mu),
-            measured_std: tidy(peak.std),
-            modelled: modelled.map(tidy),
-            residual: modelled.map(|modelled| tidy(modelled - peak.mu)),
-        })
-    })
-    .collect()
+impl Fitted {
+    /// One row per measured static peak.
+    pub(crate) fn static_rows(&self) -> Vec<StaticRow> {
+        let row = |(measured, predicted): (&Measurement, &Prediction)| {
+            let peak = measured.static_peak?;
+            Some(StaticRow {
+                force_n: measured.force_n,
+                pressure_mpa: self.pressure_mpa(measured),
+                speed_mm_s: SPEED_MM_S.from_si(measured.speed_m_s),
+                humidity_pct: HUMIDITY_PCT.from_si(measured.humidity),
+                measured: tidy(peak.mu),
+                measured_std: tidy(peak.std),
+                modelled: predicted.mu_static.map(tidy),
+                residual: predicted.mu_static.map(|modelled| tidy(modelled - peak.mu)),
+            })
+        };
+        self.measured().filter_map(row).collect()
+    }
 }
 
 /// Describes the mean and the largest difference between modelled and measured static friction; `None` without a

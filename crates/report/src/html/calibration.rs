@@ -4,21 +4,16 @@ use slipgrid_base::statistics::median;
 use slipgrid_base::units::{HUMIDITY_PCT, MODULUS_GPA, PRESSURE_MPA, SPEED_MM_S};
 use slipgrid_design::results::VERSION;
 use slipgrid_infer::calibrate::{
-    AreaLawOrigin, CalibrationOutcome, CalibrationTask, Coefficients, FittedPair, Measurement, Parameter, Surface,
+    AreaLawOrigin, CalibrationOutcome, Coefficients, FittedPair, Measurement, Parameter, Surface,
 };
-use slipgrid_io::formats::calibration::Calibration;
 
 use super::page::{Page, number, percent, plain, sentence, with_error};
 use super::{background, trials};
 use crate::Outputs;
-use crate::calibration::{
-    flat_friction, flat_samples, in_words, pair_of, parameter_table, static_rows, static_table, static_words,
-    which_errors,
-};
+use crate::calibration::{Fitted, parameter_value, static_table, static_words};
 use crate::charts::extremes;
 use crate::friction_sheet::FrictionSheet;
 use crate::traces::LOOPS;
-use crate::trials::TrialsReport;
 
 /// Relative error of Young's modulus above which the page suggests a measurement.
 const LOOSE_MODULUS: f64 = 0.1;
@@ -45,31 +40,16 @@ const TERMS: [(&str, &str); 6] = [
     ),
 ];
 
-/// Calibration with the task and the outcome of the fit, for a page.
-#[derive(Clone, Copy, Debug)]
-pub struct Fitted<'a> {
-    /// The calibration as read.
-    pub calibration: &'a Calibration,
-    /// Task of the fit.
-    pub task: &'a CalibrationTask,
-    /// Outcome of the fit.
-    pub outcome: &'a CalibrationOutcome,
-    /// Ledger of trials, if a trial was measured.
-    pub ledger: Option<&'a TrialsReport>,
-    /// Sheet of the friction measurements.
-    pub sheet: &'a FrictionSheet,
-}
-
-/// Makes the page of a calibration, with the pictures in `outputs`.
-pub fn calibration(fitted: Fitted<'_>, outputs: &Outputs) -> String {
-    let Fitted { calibration, task, outcome, ledger, sheet } = fitted;
+/// Makes the page of a fitted calibration, with the `sheet` of the friction measurements and the pictures in `outputs`.
+pub fn calibration(fitted: &Fitted, sheet: &FrictionSheet, outputs: &Outputs) -> String {
+    let Fitted { calibration, outcome, ledger, .. } = fitted;
     let mut page = Page::default();
     let title = format!("{}: calibration", calibration.stated.name);
     page.title(&title);
     page.beside_picture(
         |page| {
             verdict(page, outcome);
-            found(page, task, outcome);
+            found(page, fitted);
             caveat(page, outcome);
             page.terms(&TERMS);
         },
@@ -77,15 +57,15 @@ pub fn calibration(fitted: Fitted<'_>, outputs: &Outputs) -> String {
             page.picture_of_both(
                 outputs,
                 "flat-friction.svg",
-                flat_friction("", task, outcome).ok(),
+                fitted.flat_friction("").ok(),
                 "Friction of flat samples: measured with its standard deviation, and by the fitted model. Marks of one pressure stand \
                  side by side",
             );
-            page.named_list("What to measure next", &next(&fitted));
-            page.named_list("What the data do not determine", &open(task, outcome));
+            page.named_list("What to measure next", &next(fitted));
+            page.named_list("What the data do not determine", &open(fitted));
         },
     );
-    page.part("The fit", |page| fit(page, task, outcome, outputs));
+    page.part("The fit", |page| fit(page, fitted, outputs));
     page.part("Contact and the area law", |page| {
         page.picture_of(outputs, "area-law.svg", "Real contact area and the factor f against pressure. Edges of cavities see several times the highest nominal pressure");
         if let Some(law) = &outcome.surface.law {
@@ -100,9 +80,7 @@ pub fn calibration(fitted: Fitted<'_>, outputs: &Outputs) -> String {
     trials::statements(&mut page, sheet);
     page.part("How every value was obtained", |page| {
         page.paragraph(&format!("Source: {}.", calibration.stated.source));
-        page.fold("Notes", |page| {
-            page.sentences(&outcome.material.provenance.notes)
-        });
+        page.fold("Notes", |page| page.sentences(&outcome.material.provenance.notes));
     });
     page.finish(&title, VERSION)
 }
@@ -117,42 +95,27 @@ fn verdict(page: &mut Page, outcome: &CalibrationOutcome) {
         [pair] => with_error(pair.dynamic_mean, pair.dynamic_std_error, 4),
         _ => format!("{} to {}", number(low, 3), number(high, 3)),
     };
+    let relative_error = |pair: &FittedPair| Some(pair.dynamic_std_error? / pair.dynamic_mean);
     let mut errors: Vec<f64> = fit.pairs.iter().filter_map(relative_error).collect();
-    let words = if fit.pairs.len() > 1 {
-        median(&mut errors).map_or_else(String::new, |error| {
-            format!(
-                " Each is known to {} % in the median, errors of Young's modulus and of the area law included.",
-                percent(error, 1)
-            )
-        })
-    } else {
-        String::new()
-    };
+    let words = median(&mut errors).filter(|_| fit.pairs.len() > 1).map_or_else(String::new, |error| {
+        let error = percent(error, 1);
+        format!(" Each is known to {error} % in the median, errors of Young's modulus and of the area law included.")
+    });
     page.lead(&format!("Local dynamic friction is {known}: {count} measurements on flat samples.{words}"));
     let off =
         outcome.measurements.iter().zip(&fit.predictions).map(|(of, at)| (at.residual / of.mu_dynamic_std).powi(2));
-    let off = (off.sum::<f64>() / count.max(1) as f64).sqrt();
+    let off = number((off.sum::<f64>() / count.max(1) as f64).sqrt(), 1);
     if fit.degrees_of_freedom == 0 {
         page.paragraph("As many numbers were fitted as were measured: the model follows every measurement, and none is left to check it by.");
     } else if fit.is_poor() {
         page.marked("verdict missed", &format!(
-            "The model does not describe these measurements: it is off by {} of their standard deviations (root mean square). Fit coefficients per condition.",
-            number(off, 1)
+            "The model does not describe these measurements: it is off by {off} of their standard deviations (root mean square). Fit coefficients per condition."
         ));
     } else {
-        page.marked(
-            "verdict",
-            &format!(
-                "The model is off the measurements by {} of their standard deviations (root mean square).",
-                number(off, 1)
-            ),
-        );
+        let words =
+            format!("The model is off the measurements by {off} of their standard deviations (root mean square).");
+        page.marked("verdict", &words);
     }
-}
-
-/// Relative standard error of the dynamic coefficient of a fitted pair of local coefficients; `None` if unknown.
-fn relative_error(pair: &FittedPair) -> Option<f64> {
-    Some(pair.dynamic_std_error? / pair.dynamic_mean)
 }
 
 /// Relative standard error of the dynamic coefficient of a pair due to measured flat friction alone, which repeated
@@ -166,7 +129,8 @@ fn assumes_static(outcome: &CalibrationOutcome) -> bool {
     outcome.fit.pairs.iter().any(|pair| pair.static_std_error.is_none())
 }
 
-fn found(page: &mut Page, task: &CalibrationTask, outcome: &CalibrationOutcome) {
+fn found(page: &mut Page, fitted: &Fitted) {
+    let Fitted { task, outcome, .. } = fitted;
     let (fit, surface) = (&outcome.fit, &outcome.surface);
     let mut rows: Vec<(&str, String)> = Vec::new();
     let ends = |of: fn(&FittedPair) -> f64| {
@@ -205,7 +169,7 @@ fn found(page: &mut Page, task: &CalibrationTask, outcome: &CalibrationOutcome) 
     };
     rows.push(("area law", law));
     rows.extend(surface.rms_slope.map(|slope| ("rms slope of the surface", number(slope, 4))));
-    let [low, high] = extremes(outcome.measurements.iter().map(|of| PRESSURE_MPA.from_si(task.pressure_pa(of))));
+    let [low, high] = extremes(outcome.measurements.iter().map(|of| fitted.pressure_mpa(of)));
     rows.push(("nominal pressures measured", format!("{} to {} MPa", number(low, 2), number(high, 2))));
     if let (Some(law), true) = (&surface.law, high.is_finite()) {
         rows.push(("f at the highest of them", number(law.factor(PRESSURE_MPA.to_si(high)), 3)));
@@ -224,7 +188,8 @@ fn caveat(page: &mut Page, outcome: &CalibrationOutcome) {
 }
 
 /// Lists quantities that the measurements do not determine.
-fn open(task: &CalibrationTask, outcome: &CalibrationOutcome) -> Vec<String> {
+fn open(fitted: &Fitted) -> Vec<String> {
+    let Fitted { task, outcome, .. } = fitted;
     let fit = &outcome.fit;
     let mut all = Vec::new();
     if assumes_static(outcome) {
@@ -245,16 +210,20 @@ fn open(task: &CalibrationTask, outcome: &CalibrationOutcome) -> Vec<String> {
     if task.youngs_modulus_std_pa.is_none() {
         all.push("How well Young's modulus is known: no error is given, and none is in any prediction.".to_owned());
     }
+    let value = |of: &Parameter, end: Option<f64>| {
+        let unit = if of.name.ends_with("_pa") { " MPa" } else { "" };
+        parameter_value(of, end) + unit
+    };
     all.extend(fit.parameters.iter().filter_map(|parameter| {
         let ends = match parameter.interval {
             [Some(_), Some(_)] if parameter.std_error.is_finite() => return None,
-            [Some(low), None] => format!("above {}", value(parameter, low)),
-            [None, Some(high)] => format!("below {}", value(parameter, high)),
+            [Some(_), None] => format!("above {}", value(parameter, parameter.interval[0])),
+            [None, Some(_)] => format!("below {}", value(parameter, parameter.interval[1])),
             _ => "anywhere within its bounds".to_owned(),
         };
         let bound =
             if parameter.at_bound { "; the fit ended at a bound, and the data ask for a value beyond it" } else { "" };
-        Some(format!("{}: it lies {ends} (95 %){bound}.", in_words(outcome, &parameter.name)))
+        Some(format!("{}: it lies {ends} (95 %){bound}.", fitted.in_words(&parameter.name)))
     }));
     if !fit.settled {
         all.push("The coefficients themselves: they still changed when the fit ended.".to_owned());
@@ -262,18 +231,9 @@ fn open(task: &CalibrationTask, outcome: &CalibrationOutcome) -> Vec<String> {
     all
 }
 
-/// Formats a parameter's value in its displayed unit.
-fn value(parameter: &Parameter, value: f64) -> String {
-    if parameter.name.ends_with("_pa") {
-        format!("{} MPa", number(PRESSURE_MPA.from_si(value), 3))
-    } else {
-        number(value, 4)
-    }
-}
-
 /// Suggests further measurements, the most important first.
-fn next(fitted: &Fitted<'_>) -> Vec<String> {
-    let Fitted { task, outcome, ledger, .. } = *fitted;
+fn next(fitted: &Fitted) -> Vec<String> {
+    let Fitted { task, outcome, ledger, .. } = fitted;
     let mut all = Vec::new();
     let is_measured = outcome.surface.origin == Some(AreaLawOrigin::Map) && !outcome.surface.synthetic;
     if !is_measured && outcome.surface.origin != Some(AreaLawOrigin::Measured) {
@@ -289,15 +249,12 @@ fn next(fitted: &Fitted<'_>) -> Vec<String> {
     if ledger.is_none() {
         all.push("A trial: one sample that is cut and measured says how far the model is off.".to_owned());
     }
-    let rows = outcome
-        .measurements
-        .iter()
-        .enumerate()
-        .filter_map(|(row, of)| Some((of, measured_error(pair_of(outcome, row)?)?)));
+    let rows = outcome.measurements.iter().zip(fitted.pairs());
+    let rows = rows.filter_map(|(of, pair)| Some((of, measured_error(pair)?)));
     if let Some((of, error)) = rows.max_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, error)| *error > LOOSE_FRICTION) {
         all.push(format!(
             "Repeats on flat samples at {}: friction itself is known to {} % there.",
-            condition(task, of),
+            condition(fitted, of),
             percent(error, 1)
         ));
     }
@@ -312,10 +269,10 @@ fn next(fitted: &Fitted<'_>) -> Vec<String> {
 }
 
 /// States the nominal pressure, speed and humidity of a measurement.
-fn condition(task: &CalibrationTask, of: &Measurement) -> String {
+fn condition(fitted: &Fitted, of: &Measurement) -> String {
     format!(
         "{} MPa, {} mm/s and {} % humidity",
-        number(PRESSURE_MPA.from_si(task.pressure_pa(of)), 2),
+        number(fitted.pressure_mpa(of), 2),
         plain(SPEED_MM_S.from_si(of.speed_m_s)),
         plain(HUMIDITY_PCT.from_si(of.humidity))
     )
@@ -326,16 +283,16 @@ fn folded(page: &mut Page, is_long: bool, name: &str, add: impl FnOnce(&mut Page
     if is_long { page.fold(name, add) } else { add(page) }
 }
 
-fn fit(page: &mut Page, task: &CalibrationTask, outcome: &CalibrationOutcome, outputs: &Outputs) {
-    let is_long = task.coefficients == Coefficients::PerCondition;
+fn fit(page: &mut Page, fitted: &Fitted, outputs: &Outputs) {
+    let is_long = fitted.task.coefficients == Coefficients::PerCondition;
     folded(page, is_long, "Every measurement with its coefficients", |page| {
         page.table(
             "Measured friction of flat samples +- one standard deviation, the local coefficients mu_d and mu_s +- one standard error, and the \
              difference of the fitted model; all dimensionless. A static coefficient without an error is assumed.",
-            &flat_samples(task, outcome),
+            &fitted.flat_samples(),
         );
     });
-    let peaks = static_rows(task, outcome);
+    let peaks = fitted.static_rows();
     if let Some(words) = static_words(&peaks) {
         page.paragraph(&sentence(&words));
         page.table(
@@ -344,13 +301,13 @@ fn fit(page: &mut Page, task: &CalibrationTask, outcome: &CalibrationOutcome, ou
             &static_table(&peaks),
         );
     }
-    folded(page, outcome.fit.parameters.len() > FEW, "Every fitted number with its interval", |page| {
+    folded(page, fitted.outcome.fit.parameters.len() > FEW, "Every fitted number with its interval", |page| {
         page.table(
             &format!(
                 "Fitted numbers with their 95 % intervals by profile likelihood, {}. A dash: the data do not end the interval.",
-                which_errors(outcome)
+                fitted.which_errors()
             ),
-            &parameter_table(outcome),
+            &fitted.parameter_table(),
         );
     });
     page.fold("What the model leaves of each measurement", |page| {

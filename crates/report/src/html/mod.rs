@@ -24,7 +24,7 @@ mod surface;
 mod trials;
 mod words;
 
-pub use calibration::{Fitted, calibration};
+pub use calibration::calibration;
 pub use design::design;
 pub use explorer::exploration;
 pub use surface::surface;
