@@ -9,8 +9,8 @@ use slipgrid_infer::calibrate::area_law::{AreaLawRequest, CONTACT_TOLERANCE, sur
 use slipgrid_model::pattern::RimProfile;
 use slipgrid_report::surface::{Measured, SurfaceReport, files};
 use slipgrid_surface::topography::{
-    CorrelationLengths, CutPattern, CutRim, CutShape, Form, HeightMap, LengthUnit, MaterialRatioCurve, MatrixStyle,
-    Preparation, PreparedMap, ReadMap, ReadOptions, SelfAffine, Sides, read_map,
+    CutPattern, CutRim, CutShape, Form, HeightMap, LengthUnit, MaterialRatioCurve, MatrixStyle, Preparation,
+    PreparedMap, ReadMap, ReadOptions, SelfAffine, Sides, read_map,
 };
 
 /// Monitor that counts polls, and cancels from the poll `cancels_at` on.
@@ -105,12 +105,9 @@ const STEPS: [Step; 10] = [
     ("bearing curve", |made, monitor| MaterialRatioCurve::new(&made.surface.map, monitor).is_ok()),
     ("lengths", |made, monitor| made.surface.map.correlation_lengths(Sides::Open, monitor).is_ok()),
     ("report", |made, monitor| {
-        let Made { surface, .. } = made;
-        let Ok(curve) = MaterialRatioCurve::new(&surface.map, monitor) else { return false };
-        let lengths = CorrelationLengths { sal_m: None, slowest_m: None, str_ratio: None, fastest_deg: None, block: 1 };
-        let report = SurfaceReport::new(Path::new("map"), surface, &curve, &lengths, &[], None, monitor);
-        let of = Measured { surface, curve: &curve, spectrum: &[], cavities: None, column: 0 };
-        report.is_ok_and(|report| files(&report, of, monitor).is_ok())
+        let Ok(measured) = Measured::new(made.surface.clone(), None, monitor) else { return false };
+        let report = SurfaceReport::new(Path::new("map"), &measured, monitor);
+        report.is_ok_and(|report| files(&report, &measured, 0, monitor).is_ok())
     }),
     ("spectrum", |made, monitor| made.surface.map.radial_spectrum(Sides::Open, monitor).is_ok()),
     ("area law", |made, monitor| {

@@ -1,6 +1,6 @@
 //! Altitude maps.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use numpy::ndarray::{ArrayView2, ShapeBuilder};
 use numpy::{PyArray2, PyReadonlyArray2};
@@ -10,12 +10,11 @@ use pyo3::types::PyTuple;
 use slipgrid::calibrate::area_law::{AreaLawError, AreaLawRequest, DEFAULT_PRESSURES_MPA, surface_area_law};
 use slipgrid::formats::altitude_map::{open, refuse, refuse_law};
 use slipgrid::formats::{Diagnostic, checked};
-use slipgrid::monitor::Cancelled;
 use slipgrid::report::area_law::AreaLawOptions;
-use slipgrid::report::surface::SurfaceReport;
+use slipgrid::report::surface::{Measured, SurfaceReport};
 use slipgrid::topography::{
-    Crop, Decimation, DecimationMethod, Form, HeightMap, MAX_POINTS, MapError, MapFormat, MaterialRatioCurve, Missing,
-    Preparation, PreparedMap, ReadMap, ReadOptions,
+    Crop, Decimation, DecimationMethod, Form, HeightMap, MAX_POINTS, MapFormat, Missing, Preparation, PreparedMap,
+    ReadMap, ReadOptions,
 };
 use slipgrid::units::{MODULUS_GPA, PIXEL_UM, POISSON, PRESSURE_MPA, TOLERANCE};
 
@@ -267,13 +266,9 @@ impl Map {
 impl Map {
     fn measure(&self, how: Preparation, watch: &Watch) -> Result<String, Diagnostic> {
         let plain = |reason: String| Diagnostic::file(&self.path, reason);
-        let cancelled = |ended: Cancelled| plain(MapError::from(ended).to_string());
         let surface = PreparedMap::new(self.read.clone(), how, watch).map_err(|error| refuse(&self.path, &error))?;
-        let map = &surface.map;
-        let curve = MaterialRatioCurve::new(map, watch).map_err(cancelled)?;
-        let lengths = map.correlation_lengths(surface.sides(), watch).map_err(|error| plain(error.to_string()))?;
-        let spectrum = map.radial_spectrum(surface.sides(), watch).map_err(|error| plain(error.to_string()))?;
-        let report = SurfaceReport::new(Path::new(&self.path), &surface, &curve, &lengths, &spectrum, None, watch);
-        slipgrid::results::json(&report.map_err(cancelled)?).map_err(|error| plain(error.to_string()))
+        let report = Measured::new(surface, None, watch).and_then(|of| SurfaceReport::new(&self.path, &of, watch));
+        let report = report.map_err(|error| plain(error.to_string()))?;
+        slipgrid::results::json(&report).map_err(|error| plain(error.to_string()))
     }
 }

@@ -1,7 +1,7 @@
 //! `surface`: parameters, pictures and cavities of an altitude map.
 
 use slipgrid_base::monitor::Cancelled;
-use slipgrid_surface::topography::{MapDoubt, MapError, MaterialRatioCurve, PreparedMap};
+use slipgrid_surface::topography::{MapDoubt, MapError, PreparedMap};
 
 use super::area_law::map_options;
 use crate::args::SurfaceArgs;
@@ -24,15 +24,14 @@ pub fn run(args: &SurfaceArgs, console: &mut Console<'_>) -> Result<u8, CliError
     let job = Job::new(console);
     let (read, how) = read_for(&slipgrid_io::disk::disk(), &args.map, &options, &job)?;
     let refuse = |error: MapError| Diagnostic::file(&args.map, error.to_string());
-    let cancelled = |ended: Cancelled| refuse(ended.into());
     // Cavities are detected on the map as measured, which keeps its form and its missing points.
-    let mut measured = args.cavities.then(|| read.map.clone());
-    if let Some(measured) = measured.as_mut().filter(|_| how.despike) {
-        measured.despike(&job).map_err(cancelled)?;
+    let mut as_read = args.cavities.then(|| read.map.clone());
+    if let Some(map) = as_read.as_mut().filter(|_| how.despike) {
+        map.despike(&job).map_err(|ended: Cancelled| refuse(ended.into()))?;
     }
     let cavities =
-        measured.as_ref().map(|map| map.measure_cavities(options.how.form, &job)).transpose().map_err(refuse)?;
-    let period = args.period_out.as_deref().zip(measured.as_ref());
+        as_read.as_ref().map(|map| map.measure_cavities(options.how.form, &job)).transpose().map_err(refuse)?;
+    let period = args.period_out.as_deref().zip(as_read.as_ref());
     let period = period
         .map(|(file, map)| map.mean_cavity_period(options.how.form, &job).map(|period| (file, period)))
         .transpose()
@@ -52,19 +51,14 @@ pub fn run(args: &SurfaceArgs, console: &mut Console<'_>) -> Result<u8, CliError
         let refused = Diagnostic::flag("--section-um", section_um.to_string(), "lies outside the map");
         return Err(refused.expected(format!("less than {side_um} um")).into());
     }
-    let curve = MaterialRatioCurve::new(map, &job).map_err(cancelled)?;
-    let lengths = map.correlation_lengths(surface.sides(), &job).map_err(refuse)?;
-    let spectrum = map.radial_spectrum(surface.sides(), &job).map_err(refuse)?;
-    let report = SurfaceReport::new(&args.map, &surface, &curve, &lengths, &spectrum, cavities.as_ref(), &job);
-    let report = report.map_err(cancelled)?;
+    let measured = Measured::new(surface, cavities, &job).map_err(refuse)?;
+    let report = SurfaceReport::new(&args.map, &measured, &job).map_err(refuse)?;
     if let Some(folder) = &folder {
-        let of =
-            Measured { surface: &surface, curve: &curve, spectrum: &spectrum, cavities: cavities.as_ref(), column };
-        let outputs = files(&report, of, &job)?;
+        let outputs = files(&report, &measured, column, &job)?;
         console.keep(&outputs, folder)?;
     }
     if let Some((file, period)) = &period {
-        write_file(file, period_text(period, surface.synthetic).as_bytes())?;
+        write_file(file, period_text(period, measured.surface.synthetic).as_bytes())?;
         console.note(&format!("{}: {}", file.display(), period_note(period)));
     }
     console.report(args.json, &report, || report.table())?;

@@ -3,10 +3,12 @@
 use slipgrid_base::monitor::{Cancelled, Monitor};
 use slipgrid_design::results::json;
 use slipgrid_surface::topography::{
-    CavityMetrology, Decimation, DecimationMethod, HeightMap, MaterialRatioCurve, PreparedMap, SpectrumBin,
+    CavityMetrology, CorrelationLengths, Decimation, DecimationMethod, HeightMap, MapError, MaterialRatioCurve,
+    PreparedMap, SpectrumBin,
 };
 
-use super::{SurfaceReport, cavities_csv, edge_profile_csv, edge_profile_svg, section_csv, spectrum_csv};
+use super::cavities::{cavities_csv, edge_profile_csv, edge_profile_svg};
+use super::{SurfaceReport, section_csv, spectrum_csv};
 use crate::charts::{self, SurfaceValues};
 use crate::{Outputs, ReportError, html};
 
@@ -32,26 +34,48 @@ const CURVE_POINTS: u32 = 400;
 const SPIKES: f64 = 5e-4;
 
 /// Measured map with its results.
-#[derive(Clone, Copy, Debug)]
-pub struct Measured<'a> {
+pub struct Measured {
     /// The map.
-    pub surface: &'a PreparedMap,
-    /// Bearing curve of the map.
-    pub curve: &'a MaterialRatioCurve,
-    /// Power spectrum of the map.
-    pub spectrum: &'a [SpectrumBin],
+    pub surface: PreparedMap,
     /// Cavities of the map, if they were detected.
-    pub cavities: Option<&'a CavityMetrology>,
-    /// Index along y of the pixels of the section, which runs along x.
-    pub column: usize,
+    pub(super) cavities: Option<CavityMetrology>,
+    /// Bearing curve of the map.
+    pub(super) curve: MaterialRatioCurve,
+    /// Correlation lengths of the map.
+    pub(super) lengths: CorrelationLengths,
+    /// Power spectrum of the map.
+    pub(super) spectrum: Vec<SpectrumBin>,
 }
 
-/// Makes the files of a map described by `report`: record, tables, pictures and page.
+impl Measured {
+    /// Measures a map, whose `cavities` are known if they were detected.
+    ///
+    /// # Errors
+    /// [`MapError`] for a map without spectrum, and if `monitor` cancels.
+    pub fn new(
+        surface: PreparedMap,
+        cavities: Option<CavityMetrology>,
+        monitor: &dyn Monitor,
+    ) -> Result<Self, MapError> {
+        let curve = MaterialRatioCurve::new(&surface.map, monitor)?;
+        let lengths = surface.map.correlation_lengths(surface.sides(), monitor)?;
+        let spectrum = surface.map.radial_spectrum(surface.sides(), monitor)?;
+        Ok(Self { surface, cavities, curve, lengths, spectrum })
+    }
+}
+
+/// Makes the files of a map described by `report`: record, tables, pictures and page. `column` is the index along y of
+/// the pixels of the section, which runs along x.
 ///
 /// # Errors
 /// [`ReportError`] if a picture cannot be drawn, if the record has no JSON form, or if `monitor` cancels.
-pub fn files(report: &SurfaceReport, of: Measured<'_>, monitor: &dyn Monitor) -> Result<Outputs, ReportError> {
-    let Measured { surface, spectrum, cavities, column, .. } = of;
+pub fn files(
+    report: &SurfaceReport,
+    of: &Measured,
+    column: usize,
+    monitor: &dyn Monitor,
+) -> Result<Outputs, ReportError> {
+    let Measured { surface, spectrum, cavities, .. } = of;
     let mut outputs = Outputs::default();
     outputs.add("result.json", json(report)?);
     outputs.add("section.csv", section_csv(&surface.map, column));
@@ -63,7 +87,7 @@ pub fn files(report: &SurfaceReport, of: Measured<'_>, monitor: &dyn Monitor) ->
             outputs.add("edge-profile.svg", svg);
         }
     }
-    add_pictures(&mut outputs, of, monitor)?;
+    add_pictures(&mut outputs, of, column, monitor)?;
     monitor.heed()?;
     let page = html::surface(report, &outputs);
     outputs.add("report.html", page);
@@ -71,8 +95,8 @@ pub fn files(report: &SurfaceReport, of: Measured<'_>, monitor: &dyn Monitor) ->
 }
 
 /// Adds the pictures of the map, its heights, its section and its spectrum to `outputs`.
-fn add_pictures(outputs: &mut Outputs, of: Measured<'_>, monitor: &dyn Monitor) -> Result<(), ReportError> {
-    let Measured { surface, curve, spectrum, column, .. } = of;
+fn add_pictures(outputs: &mut Outputs, of: &Measured, column: usize, monitor: &dyn Monitor) -> Result<(), ReportError> {
+    let Measured { surface, curve, spectrum, .. } = of;
     let map = &surface.map;
     let titled = |title: &str| {
         if surface.synthetic { format!("{title} (synthetic surface)") } else { title.to_owned() }

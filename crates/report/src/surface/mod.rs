@@ -4,17 +4,14 @@ mod cavities;
 mod files;
 mod period;
 
-pub use cavities::{cavities_csv, edge_profile_csv, edge_profile_svg};
 pub use files::{FILES, Measured, files};
 pub use period::{period_note, period_text};
 
 use cavities::{Cavities, um};
 use serde::{Serialize, Serializer};
 use serde_json::json;
-use slipgrid_base::monitor::{Cancelled, Monitor};
-use slipgrid_surface::topography::{
-    CavityMetrology, CorrelationLengths, HeightMap, MapError, MaterialRatioCurve, PreparedMap, ShortWaves, SpectrumBin,
-};
+use slipgrid_base::monitor::Monitor;
+use slipgrid_surface::topography::{HeightMap, MapError, PreparedMap, ShortWaves, SpectrumBin};
 
 use slipgrid_base::units::tidy;
 use slipgrid_design::results::{SCHEMA, SCREEN_WIDTH, Table, VERSION, fixed, wrapped};
@@ -142,19 +139,12 @@ fn by_key<S: Serializer>(parameters: &[Parameter], serializer: S) -> Result<S::O
 }
 
 impl SurfaceReport {
-    /// Computes the parameters of `surface`, read from `path`, and assembles the report with the other results.
+    /// Computes the parameters of the map `of`, read from `path`, and assembles the report with the other results.
     ///
     /// # Errors
-    /// [`Cancelled`] once `monitor` cancels.
-    pub fn new(
-        path: &std::path::Path,
-        surface: &PreparedMap,
-        curve: &MaterialRatioCurve,
-        lengths: &CorrelationLengths,
-        spectrum: &[SpectrumBin],
-        cavities: Option<&CavityMetrology>,
-        monitor: &dyn Monitor,
-    ) -> Result<Self, Cancelled> {
+    /// [`MapError::Cancelled`] once `monitor` cancels.
+    pub fn new(path: &std::path::Path, of: &Measured, monitor: &dyn Monitor) -> Result<Self, MapError> {
+        let Measured { surface, cavities, curve, lengths, spectrum } = of;
         let map = &surface.map;
         let heights = map.height_parameters(monitor)?;
         monitor.heed()?;
@@ -194,7 +184,7 @@ impl SurfaceReport {
         ];
         let parameters = parameters.map(|(key, symbol, value, unit)| Parameter { key, symbol, value, unit }).to_vec();
         let short_waves = match map.short_waves(monitor) {
-            Err(MapError::Cancelled) => return Err(Cancelled),
+            Err(MapError::Cancelled) => return Err(MapError::Cancelled),
             found => found.ok(),
         };
         Ok(Self {
@@ -212,9 +202,9 @@ impl SurfaceReport {
             warnings: surface.warnings.iter().map(told).collect(),
             parameters,
             filters: FilterReport::new(surface),
-            cavities: cavities.cloned().map(Cavities),
+            cavities: cavities.clone().map(Cavities),
             short_waves,
-            spectrum: spectrum.to_vec(),
+            spectrum: spectrum.clone(),
         })
     }
 
@@ -270,12 +260,10 @@ impl SurfaceReport {
 
 /// Formats `value` with four significant digits.
 fn significant(value: f64) -> String {
-    const DIGITS: i32 = 4;
     if value == 0.0 || !value.is_finite() {
         return value.to_string();
     }
-    let decimals = (DIGITS - 1 - value.abs().log10().floor() as i32).clamp(0, 12) as usize;
-    fixed(Some(value), decimals)
+    fixed(Some(value), (3 - value.abs().log10().floor() as i32).clamp(0, 12) as usize)
 }
 
 /// Formats the section along x through the pixels with the index `column` along y as CSV, one row per point, in
