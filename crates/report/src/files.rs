@@ -1,12 +1,14 @@
 //! Files of a designed texture or a solved scene, identical for every caller.
 
 use slipgrid_design::DesignOutcome;
-use slipgrid_design::results::{SimulationReport, VERSION};
+use slipgrid_design::results::{SCHEMA, SimulationReport, VERSION};
 use slipgrid_io::formats::confirmed_scene::DesignScene;
 use slipgrid_model::springblock::{Scene, Simulation};
 
 use crate::uncertainty_budget::{self, UncertaintyBudget};
-use crate::{DrawingInput, LaserFile, Outputs, ReportError, charts, csv, draw, html, linked_data, pictures};
+use crate::{
+    DrawingInput, LaserFile, Outputs, ProcessInput, ReportError, charts, csv, draw, html, linked_data, pictures,
+};
 
 /// Makes the files of the design `found`, except record and page (see `add_report`): scene of the run that confirms the
 /// design, laser drawings, tables and pictures.
@@ -62,17 +64,17 @@ pub fn add_report(found: &DesignOutcome, outputs: &mut Outputs) -> Result<(), Re
 }
 
 /// Input for the drawings of `found`.
-pub fn drawing(found: &DesignOutcome) -> DrawingInput<'_> {
-    DrawingInput {
-        name: &found.task.name,
-        version: VERSION,
+pub fn drawing(found: &DesignOutcome) -> DrawingInput {
+    let about = ProcessInput {
+        name: found.task.name.clone(),
+        version: VERSION.to_owned(),
+        schema: SCHEMA,
         seed: found.task.search.seed,
-        pattern: found.pattern,
-        outline: found.task.specimen,
         laser: found.task.laser,
         tolerances: found.task.assumed_tolerances(),
-        material: &found.report.material,
-    }
+        material: (&found.report.material).into(),
+    };
+    DrawingInput { pattern: found.pattern, outline: found.task.specimen, about }
 }
 
 /// Makes the files of a solved `scene`: record, tables and pictures.

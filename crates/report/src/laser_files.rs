@@ -6,11 +6,10 @@ use std::sync::Arc;
 use slipgrid_design::{DesignTask, NextTrials};
 use slipgrid_io::formats::trials::sector_trials;
 use slipgrid_laser::export::{
-    ExportError, GcodePlan, Heading, HeightMap, Laser, Layout, Marking, MaterialNote, ProcessInput, ProcessSheet,
-    Removal, Sector, SectorsSheet, Tolerances, check_stl, corners_csv, csv, dxf, dxf_of_sectors, gcode, hatch_csv,
-    height_map, hpgl, stl, svg, svg_of_sectors,
+    ExportError, GcodePlan, Heading, HeightMap, Layout, Marking, ProcessInput, ProcessSheet, Removal, Sector,
+    SectorsSheet, check_stl, corners_csv, csv, dxf, dxf_of_sectors, gcode, hatch_csv, height_map, hpgl, stl, svg,
+    svg_of_sectors,
 };
-use slipgrid_model::material::Provenance;
 use slipgrid_model::pattern::Pattern;
 
 use crate::Outputs;
@@ -76,24 +75,14 @@ impl LaserFile {
     }
 }
 
-/// Design, laser and metadata from which the files are made.
-pub struct DrawingInput<'a> {
-    /// Name of the design.
-    pub name: &'a str,
-    /// Program version that made the design.
-    pub version: &'a str,
-    /// Random seed of the design.
-    pub seed: u64,
+/// Pattern, specimen, laser and metadata from which the files are made.
+pub struct DrawingInput {
     /// The pattern to cut.
     pub pattern: Pattern,
     /// The specimen, with the outline of its face.
     pub outline: Specimen,
-    /// Parameters of the laser.
-    pub laser: Laser,
-    /// Assumed manufacturing tolerances; `None` if the design assumes none.
-    pub tolerances: Option<Tolerances>,
-    /// Name and source of the material.
-    pub material: &'a Provenance,
+    /// Laser and metadata.
+    pub about: ProcessInput,
 }
 
 /// Format that cannot be written, and the reason.
@@ -111,7 +100,7 @@ pub struct Unwritten {
 /// # Errors
 /// [`ExportError`] if no cavity or far too many fit on the specimen, or if a format needs a value that the design
 /// lacks.
-pub fn draw(input: &DrawingInput<'_>, formats: &[LaserFile], outputs: &mut Outputs) -> Result<(), ExportError> {
+pub fn draw(input: &DrawingInput, formats: &[LaserFile], outputs: &mut Outputs) -> Result<(), ExportError> {
     let unwritten = draw_with(input, formats, None, outputs)?;
     unwritten.into_iter().next().map_or(Ok(()), |first| Err(first.error))
 }
@@ -123,21 +112,21 @@ pub fn draw(input: &DrawingInput<'_>, formats: &[LaserFile], outputs: &mut Outpu
 /// [`ExportError`] for errors that affect every format: an invalid laser or depth, no cavity on the specimen, or far
 /// too many.
 pub fn draw_with(
-    input: &DrawingInput<'_>,
+    input: &DrawingInput,
     formats: &[LaserFile],
     pixel_um: Option<f64>,
     outputs: &mut Outputs,
 ) -> Result<Vec<Unwritten>, ExportError> {
     let layout = input.outline.layout(input.pattern)?;
-    input.laser.validate()?;
-    input.laser.check_depth(input.pattern.depth_m())?;
-    let drawing = Arc::new(Drawing::new(input, layout));
+    input.about.laser.validate()?;
+    input.about.laser.check_depth(input.pattern.depth_m())?;
+    let drawing = Arc::new(Drawing { drawn: layout, about: input.about.clone() });
     let mut unwritten = Vec::new();
     for (place, &format) in formats.iter().enumerate() {
         if formats[..place].contains(&format) {
             continue;
         }
-        if let Err(error) = add(format, input, &drawing, pixel_um, outputs) {
+        if let Err(error) = add(format, &drawing, pixel_um, outputs) {
             unwritten.push(Unwritten { format, error });
         }
     }
@@ -147,17 +136,16 @@ pub fn draw_with(
 /// Adds the file of `format` to `outputs`; adds nothing on an error.
 fn add(
     format: LaserFile,
-    input: &DrawingInput<'_>,
-    drawing: &Arc<Drawing>,
+    drawing: &Arc<Drawing<Layout>>,
     pixel_um: Option<f64>,
     outputs: &mut Outputs,
 ) -> Result<(), ExportError> {
-    let (layout, laser, drawing) = (drawing.layout, input.laser, Arc::clone(drawing));
+    let (layout, laser, drawing) = (drawing.drawn, drawing.about.laser, Arc::clone(drawing));
     match format {
         LaserFile::Dxf => outputs.add_stream("pattern.dxf", move |to| drawing.write(to, dxf)),
         LaserFile::Svg => outputs.add_stream("pattern.svg", move |to| drawing.write(to, svg)),
         LaserFile::Csv => {
-            let bursts = laser.bursts(input.pattern.depth_m());
+            let bursts = laser.bursts(layout.pattern().depth_m());
             outputs.add_stream("pattern.csv", move |to| csv(&layout, bursts, to));
         }
         LaserFile::Corners => outputs.add_stream("corners.csv", move |to| corners_csv(&layout, to)),
@@ -192,7 +180,7 @@ fn add(
             });
         }
         LaserFile::Process => {
-            let sheet = ProcessSheet::new(&layout, process_input(input))?;
+            let sheet = ProcessSheet::new(&layout, drawing.about.clone())?;
             outputs.add("process.toml", sheet.to_toml()?);
         }
     }
@@ -205,100 +193,65 @@ fn add(
 /// # Errors
 /// Same as [`draw`].
 pub fn draw_next(found: &NextTrials, task: &DesignTask) -> Result<Vec<Outputs>, ExportError> {
-    let input = |name, pattern: &Pattern| DrawingInput {
-        name,
-        version: VERSION,
+    let about = |name: &str| ProcessInput {
+        name: name.to_owned(),
+        version: VERSION.to_owned(),
+        schema: SCHEMA,
         seed: task.search.seed,
-        pattern: *pattern,
-        outline: task.specimen,
         laser: task.laser,
         tolerances: task.assumed_tolerances(),
-        material: &found.report.material,
+        material: (&found.report.material).into(),
     };
     let drawn = |drawing: &dyn Fn(&mut Outputs) -> Result<(), ExportError>| {
         let mut outputs = Outputs::default();
         drawing(&mut outputs).map(|()| outputs)
     };
-    match (&found.report.one_disc, found.patterns.first()) {
-        (Some(disc), Some(first)) => {
-            let input = input(&disc.name, first);
-            Ok(vec![drawn(&|outputs| draw_sectors(&found.sectors, &input, outputs))?])
-        }
-        _ => {
-            let each =
-                |pattern| drawn(&|outputs| draw(&input(&found.report.name, pattern), &LaserFile::ALWAYS, outputs));
-            found.patterns.iter().map(each).collect()
-        }
+    if let Some(disc) = &found.report.one_disc {
+        return Ok(vec![drawn(&|outputs| draw_sectors(&found.sectors, about(&disc.name), outputs))?]);
     }
+    let of_pattern = |pattern: &Pattern| {
+        let input = DrawingInput { pattern: *pattern, outline: task.specimen, about: about(&found.report.name) };
+        drawn(&|outputs| draw(&input, &LaserFile::ALWAYS, outputs))
+    };
+    found.patterns.iter().map(of_pattern).collect()
 }
 
-/// Adds the files of `sectors` to `outputs`, each with the metadata of `input`.
-fn draw_sectors(sectors: &[Sector], input: &DrawingInput<'_>, outputs: &mut Outputs) -> Result<(), ExportError> {
-    let laser = input.laser;
+/// Adds the files of `sectors` to `outputs`, each with the metadata `about` the specimen.
+fn draw_sectors(sectors: &[Sector], about: ProcessInput, outputs: &mut Outputs) -> Result<(), ExportError> {
+    let laser = about.laser;
     laser.validate()?;
     sectors.iter().try_for_each(|sector| laser.check_depth(sector.pattern().depth_m()))?;
-    let sheet = SectorsSheet::new(sectors, process_input(input))?;
+    let sheet = SectorsSheet::new(sectors, about.clone())?;
     let patterns: Vec<Pattern> = sectors.iter().map(|sector| *sector.pattern()).collect();
     let densities: Vec<f64> = sectors.iter().map(Sector::areal_density).collect();
-    let drawing = Arc::new((sectors.to_vec(), notes(input.material), input.name.to_owned(), input.version.to_owned()));
-    for (name, is_dxf) in [("pattern.dxf", true), ("pattern.svg", false)] {
-        let drawing = Arc::clone(&drawing);
-        outputs.add_stream(name, move |to| {
-            let (sectors, notes, name, version) = &*drawing;
-            let heading = Heading { name, version, notes };
-            if is_dxf {
-                dxf_of_sectors(sectors, &laser, &heading, to)
-            } else {
-                svg_of_sectors(sectors, &laser, &heading, to)
-            }
-        });
-    }
+    let trials = sector_trials(&about.name, &patterns, &densities);
+    let of_dxf = Arc::new(Drawing { drawn: sectors.to_vec(), about });
+    let of_svg = Arc::clone(&of_dxf);
+    outputs.add_stream("pattern.dxf", move |to| {
+        of_dxf.write(to, |sectors, heading, to| dxf_of_sectors(sectors, &laser, heading, to))
+    });
+    outputs.add_stream("pattern.svg", move |to| {
+        of_svg.write(to, |sectors, heading, to| svg_of_sectors(sectors, &laser, heading, to))
+    });
     outputs.add("process.toml", sheet.to_toml()?);
-    outputs.add("trials.toml", sector_trials(input.name, &patterns, &densities));
+    outputs.add("trials.toml", trials);
     Ok(())
 }
 
-/// Converts `input` to the input of the process sheet.
-fn process_input(input: &DrawingInput<'_>) -> ProcessInput {
-    ProcessInput {
-        name: input.name.to_owned(),
-        version: input.version.to_owned(),
-        schema: SCHEMA,
-        seed: input.seed,
-        laser: input.laser,
-        tolerances: input.tolerances.clone(),
-        material: MaterialNote {
-            name: input.material.name.clone(),
-            source: input.material.source.clone(),
-            synthetic_surface: input.material.synthetic_surface,
-        },
-    }
+/// What is drawn: the layout of a pattern or sectors, with the laser and the metadata that drawings state.
+struct Drawing<T> {
+    drawn: T,
+    about: ProcessInput,
 }
 
-fn notes(material: &Provenance) -> Vec<&'static str> {
-    let note = "the area law behind this design rests on a synthetic surface";
-    if material.synthetic_surface { vec![note] } else { Vec::new() }
-}
-
-/// Layout of the pattern on the specimen, with the metadata that drawings state.
-struct Drawing {
-    layout: Layout,
-    name: String,
-    version: String,
-    notes: Vec<&'static str>,
-}
-
-impl Drawing {
-    fn new(input: &DrawingInput<'_>, layout: Layout) -> Self {
-        let notes = notes(input.material);
-        Self { layout, name: input.name.to_owned(), version: input.version.to_owned(), notes }
-    }
-
+impl<T> Drawing<T> {
     fn write(
         &self,
         to: &mut dyn Write,
-        format: impl FnOnce(&Layout, &Heading<'_>, &mut dyn Write) -> io::Result<()>,
+        format: impl FnOnce(&T, &Heading<'_>, &mut dyn Write) -> io::Result<()>,
     ) -> io::Result<()> {
-        format(&self.layout, &Heading { name: &self.name, version: &self.version, notes: &self.notes }, to)
+        let ProcessInput { name, version, material, .. } = &self.about;
+        let note = material.synthetic_surface.then_some("the area law behind this design rests on a synthetic surface");
+        format(&self.drawn, &Heading { name, version, notes: note.as_slice() }, to)
     }
 }

@@ -34,3 +34,4 @@ pub use charts::ChartError;
 pub use error::ReportError;
 pub use laser_files::{DrawingInput, LaserFile, Unwritten, draw, draw_next, draw_with};
 pub use slipgrid_io::{Content, Outputs};
+pub use slipgrid_laser::export::ProcessInput;

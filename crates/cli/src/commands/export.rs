@@ -13,8 +13,7 @@ use slipgrid_io::formats::Diagnostic;
 use slipgrid_io::formats::file_kind::FileKind;
 use slipgrid_io::formats::source::read_text;
 use slipgrid_io::formats::stored_pattern::{stored_pattern, stored_specimen};
-use slipgrid_report::Outputs;
-use slipgrid_report::{DrawingInput, draw_with};
+use slipgrid_report::{DrawingInput, Outputs, ProcessInput, draw_with};
 
 /// Name of the result file in its folder.
 const RESULT: &str = "result.json";
@@ -33,16 +32,17 @@ pub fn run(args: &ExportArgs, console: &mut Console<'_>) -> Result<u8, CliError>
     let stored = read(result, args.sample)?;
     let refuse = |reason: String| Diagnostic::file(result, reason);
     let pattern = stored_pattern(result, &stored.design)?;
-    let input = DrawingInput {
-        name: &stored.name,
-        version: &stored.version,
+    let outline = stored_specimen(result, &stored.specimen)?;
+    let about = ProcessInput {
+        name: stored.name,
+        version: stored.version,
+        schema: slipgrid_design::results::SCHEMA,
         seed: stored.seed,
-        pattern,
-        outline: stored_specimen(result, &stored.specimen)?,
         laser: stored.laser,
-        tolerances: stored.tolerances.clone(),
-        material: &stored.material,
+        tolerances: stored.tolerances,
+        material: (&stored.material).into(),
     };
+    let input = DrawingInput { pattern, outline, about };
     let pixel_um = args.pixel_um.filter(|&pixel_um| LENGTH_UM.accepts(pixel_um));
     if let Some(refused) = args.pixel_um.filter(|_| pixel_um.is_none()) {
         let refused = Diagnostic::flag("--pixel-um", refused.to_string(), "is out of range");

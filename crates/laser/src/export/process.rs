@@ -2,6 +2,7 @@
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use slipgrid_model::material::Provenance;
 use slipgrid_model::pattern::{Pattern, Planform, TextureRecord};
 
 use crate::export::removal::removed_volume_m3;
@@ -47,6 +48,12 @@ pub struct MaterialNote {
     pub source: String,
     /// Whether the height map of the area law is synthetic.
     pub synthetic_surface: bool,
+}
+
+impl From<&Provenance> for MaterialNote {
+    fn from(of: &Provenance) -> Self {
+        Self { name: of.name.clone(), source: of.source.clone(), synthetic_surface: of.synthetic_surface }
+    }
 }
 
 /// Data for a process sheet in addition to the layout.
