@@ -54,10 +54,14 @@ pub fn compare(folder: &Path, listed: &BTreeSet<(String, String)>) -> (BTreeSet<
     (seen, missing)
 }
 
-/// Whether the code that writes the tables of commands without a chapter contains these titles.
+/// Whether the code that writes the tables of commands without a chapter contains these titles, in one text or column
+/// by column.
 pub fn is_written_by_code(titles: &str) -> bool {
+    let titles = titles.trim_end_matches(MORE);
     WRITERS.iter().any(|file| {
         let code: String = text(&root().join(file)).split("\\\n").map(str::trim_start).collect();
-        code.contains(&format!("\"{}", titles.trim_end_matches(MORE)))
+        let after = |rest: &str, title: &str| rest.find(&format!("(\"{title}\",")).map(|place| place + title.len());
+        let by_column = titles.split(',').try_fold(0, |from, title| Some(from + after(&code[from..], title)?));
+        code.contains(&format!("\"{titles}")) || by_column.is_some()
     })
 }

@@ -3,18 +3,19 @@
 use std::fmt::Write;
 
 use slipgrid_base::units::{HUMIDITY_PCT, LENGTH_UM, PRESSURE_MPA, SPEED_MM_S, significant, tidy};
-use slipgrid_design::results::PatternReport;
+use slipgrid_design::results::{PatternReport, Table};
 use slipgrid_design::{Compared, DesignTask, Lattice};
 use slipgrid_model::pattern::Pattern;
 use slipgrid_model::springblock::{Simulation, SurfaceOutcome};
+
+use crate::pictures;
 
 /// Returns (nominal pressure in MPa, name of the surface in tables, outcome) of each surface at every load; at each
 /// load the patterned surface comes first.
 fn surfaces(simulation: &Simulation) -> impl Iterator<Item = (f64, &'static str, &SurfaceOutcome)> {
     simulation.loads.iter().flat_map(|load| {
-        let own = if load.flat.is_some() { "patterned" } else { "flat" };
-        let both = [Some((own, &load.surface)), load.flat.as_ref().map(|flat| ("flat", flat))];
-        both.into_iter().flatten().map(|(name, surface)| (PRESSURE_MPA.from_si(load.pressure_pa), name, surface))
+        let load_mpa = PRESSURE_MPA.from_si(load.pressure_pa);
+        pictures::surfaces(load).into_iter().rev().map(move |(name, surface)| (load_mpa, name, surface))
     })
 }
 
@@ -51,7 +52,11 @@ pub fn interface(simulation: &Simulation) -> String {
 /// fields without a prediction are empty.
 pub fn lattice(design: &DesignTask, lattice: &Lattice) -> String {
     let quantity = design.target.quantity().name();
-    let mut text = "width_um,spacing_um,depth_um".to_owned();
+    let rows: Vec<_> = lattice.patterns.iter().zip(&lattice.predicted).collect();
+    let mut table = Table::of(&rows);
+    table.numbers("width_um", |(pattern, _)| LENGTH_UM.from_si(pattern.width_m()));
+    table.numbers("spacing_um", |(pattern, _)| LENGTH_UM.from_si(pattern.spacing_m()));
+    table.numbers("depth_um", |(pattern, _)| LENGTH_UM.from_si(pattern.depth_m()));
     let elsewhere = design.also_at.iter().map(|condition| {
         let [speed, humidity] = [SPEED_MM_S.from_si(condition.speed_m_s), HUMIDITY_PCT.from_si(condition.humidity)];
         format!("_{}_mm_s_{}_pct", tidy(speed), tidy(humidity))
@@ -59,65 +64,42 @@ pub fn lattice(design: &DesignTask, lattice: &Lattice) -> String {
     let conditions: Vec<String> = std::iter::once(String::new()).chain(elsewhere).collect();
     let turned = design.directions.different_deg.iter().map(|angle_deg| format!("_at_{angle_deg}_deg"));
     let directions = std::iter::once(String::new()).chain(turned);
-    for condition in
-        directions.flat_map(|turned| conditions.iter().map(move |condition| format!("{condition}{turned}")))
-    {
-        for point in design.target.points() {
-            text += &format!(",{quantity}_at_{}_mpa{condition}", PRESSURE_MPA.from_si(point.pressure_pa));
-        }
+    let conditions =
+        directions.flat_map(|turned| conditions.iter().map(move |condition| format!("{condition}{turned}")));
+    let points = || design.target.points().iter().map(|point| PRESSURE_MPA.from_si(point.pressure_pa));
+    let titles = conditions
+        .flat_map(|condition| points().map(move |pressure_mpa| format!("{quantity}_at_{pressure_mpa}_mpa{condition}")));
+    let fixed = |value: Option<f64>, digits: usize| value.map_or_else(String::new, |value| format!("{value:.digits$}"));
+    for (place, title) in titles.enumerate() {
+        table.column(title, |(_, found)| fixed(found.as_ref().and_then(|found| found.medians.get(place).copied()), 6));
     }
-    for limit in &design.constraints.quantities {
-        let (unit, _) = limit.quantity.unit();
+    for (place, limit) in design.constraints.quantities.iter().enumerate() {
+        let (unit, unit_si) = limit.quantity.unit();
         let unit = if unit.is_empty() { String::new() } else { format!("_{}", unit.to_lowercase()) };
-        text += &format!(",{}{unit}", limit.quantity.name().replace(' ', "_"));
+        let title = format!("{}{unit}", limit.quantity.name().replace(' ', "_"));
+        table.numbers(title, |(_, found)| found.as_ref().map(|found| tidy(found.limited[place] / unit_si)));
     }
-    // Number of empty fields of a design without a prediction: all columns except the three lengths and `keeps_limits`.
-    let columns = text.matches(',').count() - 1;
-    text += ",chance,keeps_limits\n";
-    for (pattern, predicted) in lattice.patterns.iter().zip(&lattice.predicted) {
-        let um = |length_m: f64| LENGTH_UM.from_si(length_m);
-        text += &format!("{},{},{}", um(pattern.width_m()), um(pattern.spacing_m()), um(pattern.depth_m()));
-        match predicted {
-            Some(found) => {
-                for median in &found.medians {
-                    text += &format!(",{median:.6}");
-                }
-                for (limit, value) in design.constraints.quantities.iter().zip(&found.limited) {
-                    text += &format!(",{}", tidy(value / limit.quantity.unit().1));
-                }
-                text += &format!(",{:.4},{}\n", found.chance, found.keeps_limits);
-            }
-            None => text += &format!("{},false\n", ",".repeat(columns + 1)),
-        }
-    }
-    text
+    table.column("chance", |(_, found)| fixed(found.as_ref().map(|found| found.chance), 4));
+    table.column("keeps_limits", |(_, found)| found.as_ref().is_some_and(|found| found.keeps_limits).to_string());
+    table.table().csv()
 }
 
 /// Formats the Pareto front of a comparison as CSV, one row per design. The chosen design is marked, and listed even if
 /// it is not on the front.
 pub fn trade_offs(compared: &Compared, chosen: &Pattern) -> String {
     let goals = &compared.wanted.goals;
-    let columns: Vec<&str> = goals.iter().map(|goal| goal.column()).collect();
-    let mut text = format!("width_um,spacing_um,depth_um,areal_density,{},on_front,chosen\n", columns.join(","));
     let own = compared.dominated.iter().filter(|known| known.design == *chosen).map(|known| (known, false));
-    for (known, is_on_front) in compared.front.iter().map(|known| (known, true)).chain(own) {
-        let design = PatternReport::from(&known.design);
-        let values: Vec<String> = known.goals.iter().map(|goal| rounded(*goal)).collect();
-        text += &format!(
-            "{},{},{},{},{},{},{}\n",
-            design.width_um,
-            design.spacing_um,
-            design.depth_um,
-            rounded(design.areal_density),
-            values.join(","),
-            u8::from(is_on_front),
-            u8::from(known.design == *chosen),
-        );
+    let rows = compared.front.iter().map(|known| (known, true)).chain(own);
+    let rows: Vec<_> = rows.map(|(known, on_front)| (known, PatternReport::from(&known.design), on_front)).collect();
+    let mut table = Table::of(&rows);
+    table.numbers("width_um", |(_, design, _)| design.width_um);
+    table.numbers("spacing_um", |(_, design, _)| design.spacing_um);
+    table.numbers("depth_um", |(_, design, _)| design.depth_um);
+    table.numbers("areal_density", |(_, design, _)| significant(design.areal_density, 6));
+    for (place, goal) in goals.iter().enumerate() {
+        table.numbers(goal.column(), |(known, ..)| significant(known.goals[place], 6));
     }
-    text
-}
-
-/// Formats `value` with six significant digits.
-fn rounded(value: f64) -> String {
-    significant(value, 6).to_string()
+    table.numbers("on_front", |(.., on_front)| f64::from(u8::from(*on_front)));
+    table.numbers("chosen", |(known, ..)| f64::from(u8::from(known.design == *chosen)));
+    table.table().csv()
 }

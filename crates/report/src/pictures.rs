@@ -37,7 +37,7 @@ fn run_words(scene: &Scene, load: &LoadOutcome) -> [&'static str; 2] {
 }
 
 /// Surfaces of a load with their names, the flat surface first.
-fn surfaces(load: &LoadOutcome) -> Vec<(&'static str, &SurfaceOutcome)> {
+pub(crate) fn surfaces(load: &LoadOutcome) -> Vec<(&'static str, &SurfaceOutcome)> {
     match &load.flat {
         Some(flat) => vec![(FLAT, flat), ("patterned", &load.surface)],
         None => vec![(FLAT, &load.surface)],

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use slipgrid_design::results::fixed;
+use slipgrid_design::results::{Table, fixed};
 use slipgrid_report::charts::{self, ChartError, WorkPoint, WorkPrecisionPanel};
 
 use super::Accuracy;
@@ -110,37 +110,32 @@ fn three_digits(value: f64) -> String {
 
 /// Formats the comparison as CSV, one row per method.
 pub fn csv(of: &Accuracy) -> String {
-    let mut text = String::from(
-        "family,name,default_of,status,step_ns,site_updates,\
-         mu_dynamic,mu_dynamic_stderr,mu_dynamic_difference_pct,mu_dynamic_difference_stderr_pct,\
-         mu_static,mu_static_stderr,mu_static_difference_pct,mu_static_difference_stderr_pct,\
-         ratio,ratio_stderr,ratio_difference_pct,ratio_difference_stderr_pct,\
-         wall_s,site_updates_per_s\n",
-    );
-    let number = |value: Option<f64>| value.map_or_else(String::new, |value| value.to_string());
-    for compared in &of.methods {
-        let quoted = |text: &str| format!("\"{}\"", text.replace('"', "\"\""));
-        let mut cells = vec![
-            Family::NAMES[compared.method.family as usize].to_owned(),
-            quoted(&compared.method.name),
-            quoted(compared.method.default_of.unwrap_or_default()),
-            quoted(&compared.status),
-            number(compared.step_ns),
-            compared.site_updates.map_or_else(String::new, |updates| updates.to_string()),
-        ];
-        for value in &compared.values {
-            let of = |get: fn(&Value) -> Option<f64>| number(value.as_ref().and_then(get));
-            cells.extend([
-                of(|value| Some(value.mean)),
-                of(|value| value.stderr),
-                of(|value| value.difference_pct),
-                of(|value| value.difference_stderr_pct),
-            ]);
-        }
-        cells.extend([compared.wall_s.to_string(), number(compared.site_updates_per_s)]);
-        let _ = writeln!(text, "{}", cells.join(","));
-    }
-    text
+    let quoted = |text: &str| format!("\"{}\"", text.replace('"', "\"\""));
+    let mut table = Table::of(&of.methods);
+    table.column("family", |of| Family::NAMES[of.method.family as usize].to_owned());
+    table.column("name", |of| quoted(&of.method.name));
+    table.column("default_of", |of| quoted(of.method.default_of.unwrap_or_default()));
+    table.column("status", |of| quoted(&of.status));
+    table.numbers("step_ns", |of| of.step_ns);
+    table.numbers("site_updates", |of| of.site_updates.map(|updates| updates as f64));
+    let mut column = |title: &str, place: usize, get: fn(&Value) -> Option<f64>| {
+        table.numbers(title, |of| of.values[place].as_ref().and_then(get));
+    };
+    column("mu_dynamic", 0, |value| Some(value.mean));
+    column("mu_dynamic_stderr", 0, |value| value.stderr);
+    column("mu_dynamic_difference_pct", 0, |value| value.difference_pct);
+    column("mu_dynamic_difference_stderr_pct", 0, |value| value.difference_stderr_pct);
+    column("mu_static", 1, |value| Some(value.mean));
+    column("mu_static_stderr", 1, |value| value.stderr);
+    column("mu_static_difference_pct", 1, |value| value.difference_pct);
+    column("mu_static_difference_stderr_pct", 1, |value| value.difference_stderr_pct);
+    column("ratio", 2, |value| Some(value.mean));
+    column("ratio_stderr", 2, |value| value.stderr);
+    column("ratio_difference_pct", 2, |value| value.difference_pct);
+    column("ratio_difference_stderr_pct", 2, |value| value.difference_stderr_pct);
+    table.numbers("wall_s", |of| of.wall_s);
+    table.numbers("site_updates_per_s", |of| of.site_updates_per_s);
+    table.table().csv()
 }
 
 /// Draws wall time against error; `None` if no method has an error.

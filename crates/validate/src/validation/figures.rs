@@ -16,7 +16,7 @@ use crate::StudyError;
 use slipgrid_base::monitor::{Monitor, Stage, Unwatched};
 use slipgrid_base::units::{LENGTH_UM, PRESSURE_MPA, SPEED_MM_S, tidy};
 use slipgrid_design::Solved;
-use slipgrid_design::results::{PressureErrors, fixed};
+use slipgrid_design::results::{PressureErrors, Table, fixed};
 use slipgrid_report::charts::{
     self, AreaPoint, ChartError, Estimate, Series, Trace, area_law, friction_trace, interface_pressure,
 };
@@ -246,16 +246,14 @@ fn ratios_csv(report: &ValidationReport) -> String {
         let records = [serde_json::to_value(row), serde_json::to_value(modelled)].map(Result::unwrap_or_default);
         let cell = |key: &str| match key {
             "depth_um" => depth_um.to_string(),
-            _ => or_empty(records.iter().find_map(|record| record.get(key)?.as_f64())),
+            _ => {
+                let number = records.iter().find_map(|record| record.get(key)?.as_f64());
+                number.map_or_else(String::new, |number| number.to_string())
+            }
         };
         text += &(RATIOS.split(',').map(cell).collect::<Vec<_>>().join(",") + "\n");
     }
     text
-}
-
-/// Formats a number with the fewest digits that read back as the same number; an unknown number gives empty text.
-pub fn or_empty(value: Option<f64>) -> String {
-    value.map_or_else(String::new, |value| value.to_string())
 }
 
 /// Draws measured and modelled ratios against pressure, at the speed and humidity of the first result.
@@ -316,19 +314,15 @@ pub fn beside_measured(
 }
 
 fn areas_csv(tables: &[ScaledLaw]) -> String {
-    let mut text = String::from("slope_factor,rms_slope,pressure_mpa,area_fraction,factor\n");
-    for table in tables {
-        let slope = table.rms_slope.map_or_else(String::new, |slope| slope.to_string());
-        for ((pressure, area), factor) in table.pressure_mpa.iter().zip(&table.area_fraction).zip(&table.factor) {
-            text += &format!(
-                "{},{slope},{pressure},{},{}\n",
-                table.slope_factor,
-                fixed(Some(*area), 6),
-                fixed(Some(*factor), 6)
-            );
-        }
-    }
-    text
+    let rows = tables.iter().flat_map(|law| (0..law.pressure_mpa.len()).map(move |row| (law, row)));
+    let rows: Vec<(&ScaledLaw, usize)> = rows.collect();
+    let mut table = Table::of(&rows);
+    table.numbers("slope_factor", |(law, _)| law.slope_factor);
+    table.numbers("rms_slope", |(law, _)| law.rms_slope);
+    table.numbers("pressure_mpa", |(law, row)| law.pressure_mpa[*row]);
+    table.column("area_fraction", |(law, row)| fixed(Some(law.area_fraction[*row]), 6));
+    table.column("factor", |(law, row)| fixed(Some(law.factor[*row]), 6));
+    table.table().csv()
 }
 
 #[cfg(test)]

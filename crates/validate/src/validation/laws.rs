@@ -25,7 +25,7 @@ const FIT_SEED: u64 = 1;
 
 /// Area law of the surface with all heights multiplied by one factor, and the contact area at each tabulated pressure;
 /// without a surface, the lists of pressures and areas are empty.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct ScaledLaw {
     /// Factor on heights and slopes of the surface.
     pub slope_factor: f64,
@@ -45,8 +45,7 @@ pub struct ScaledLaw {
 impl ScaledLaw {
     /// Creates an entry for a calibration without a surface, whose `law` does not depend on a slope.
     pub fn without_surface(law: Option<AreaLaw>) -> Self {
-        let none = Vec::new;
-        Self { slope_factor: 1.0, rms_slope: None, law, pressure_mpa: none(), area_fraction: none(), factor: none() }
+        Self { slope_factor: 1.0, law, ..Self::default() }
     }
 }
 

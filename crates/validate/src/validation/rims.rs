@@ -15,7 +15,7 @@ use slipgrid_model::springblock::{Layer, Scene, SteadyCell};
 use slipgrid_report::charts::{ChartError, Estimate};
 use slipgrid_report::html::page::{number, plain};
 
-use super::figures::{beside_measured, or_empty};
+use super::figures::beside_measured;
 use super::model::{Body, FlatPoint, scene, squares};
 use super::ratios::{MeasuredReport, RatioReport};
 use super::tables::Captioned;
@@ -222,19 +222,18 @@ pub fn table(report: &RimsReport) -> Captioned {
 
 /// Formats the table as CSV, one line per planform, rim width, rim height and pressure.
 pub fn csv(report: &RimsReport) -> String {
-    let mut text = String::from(
-        "planform,rim_width_um,rim_height_um,pressure_mpa,ratio,measured,measured_std,peak_pressure_mpa\n",
-    );
-    for row in &report.rows {
-        for (at, ratio) in row.ratio.iter().enumerate() {
-            let of = |values: &[f64]| values.get(at).copied();
-            let rim = [row.rim_width_um, Some(row.rim_height_um)];
-            let measured = [of(&report.measured), of(&report.measured_std), Some(row.peak_pressure_mpa)];
-            let cells = rim.into_iter().chain([of(&report.pressure_mpa), *ratio]).chain(measured);
-            text += &format!("{},{}\n", row.planform, cells.map(or_empty).collect::<Vec<_>>().join(","));
-        }
-    }
-    text
+    let rows: Vec<(&RimsRow, usize)> =
+        report.rows.iter().flat_map(|row| (0..row.ratio.len()).map(move |at| (row, at))).collect();
+    let mut table = Table::of(&rows);
+    table.column("planform", |(row, _)| row.planform.clone());
+    table.numbers("rim_width_um", |(row, _)| row.rim_width_um);
+    table.numbers("rim_height_um", |(row, _)| row.rim_height_um);
+    table.numbers("pressure_mpa", |(_, at)| report.pressure_mpa[*at]);
+    table.numbers("ratio", |(row, at)| row.ratio[*at]);
+    table.numbers("measured", |(_, at)| report.measured[*at]);
+    table.numbers("measured_std", |(_, at)| report.measured_std[*at]);
+    table.numbers("peak_pressure_mpa", |(row, _)| row.peak_pressure_mpa);
+    table.table().csv()
 }
 
 /// Draws the ratios of squares with the wider rims and without rims, and the measured ratios.
