@@ -26,14 +26,8 @@ const TYPES: [(&str, &str); 8] = [
 ];
 /// Code of UN/CEFACT and symbol of the unit of dimensionless quantities.
 const ONE: [&str; 2] = ["C62", "1"];
-/// Code of UN/CEFACT and symbol of the megapascal.
-const MEGAPASCAL: [&str; 2] = ["MPA", "MPa"];
 /// Code of UN/CEFACT and symbol of the micrometre.
 const MICROMETRE: [&str; 2] = ["4H", "µm"];
-/// Code of UN/CEFACT and symbol of the millimetre per second.
-const MILLIMETRE_PER_SECOND: [&str; 2] = ["C16", "mm/s"];
-/// Code of UN/CEFACT and symbol of the per cent.
-const PER_CENT: [&str; 2] = ["P1", "%"];
 
 /// Describes a measured or computed quantity. The unit is given as its code of UN/CEFACT and its symbol; `term` is a
 /// name in the ontology tribAIn.
@@ -51,9 +45,9 @@ fn quantity(name: &str, value: Option<f64>, [code, unit]: [&str; 2], term: Optio
 /// Describes the nominal pressure, sliding speed and relative humidity at which a value holds.
 fn condition([pressure_mpa, speed_mm_s, humidity_pct]: [f64; 3]) -> Value {
     json!([
-        quantity("nominal pressure", Some(pressure_mpa), MEGAPASCAL, Some("ContactPressure")),
-        quantity("sliding speed", Some(speed_mm_s), MILLIMETRE_PER_SECOND, Some("Speed")),
-        quantity("relative humidity", Some(humidity_pct), PER_CENT, Some("RelativeHumidity")),
+        quantity("nominal pressure", Some(pressure_mpa), ["MPA", "MPa"], Some("ContactPressure")),
+        quantity("sliding speed", Some(speed_mm_s), ["C16", "mm/s"], Some("Speed")),
+        quantity("relative humidity", Some(humidity_pct), ["P1", "%"], Some("RelativeHumidity")),
     ])
 }
 

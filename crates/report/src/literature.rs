@@ -5,37 +5,19 @@ use crate::trials::TrialsReport;
 
 /// Published friction of textured and flat surfaces with references, as CSV.
 const TABLE: &str = include_str!("../data/dry_textured_friction.csv");
+/// Kind of a comparison of textured with flat dry polymer or rubber.
+const DRY_POLYMER: &str = "measured";
 
-/// Published comparison of a textured with a flat surface.
-#[derive(Clone, Debug, PartialEq)]
-struct Published {
-    source: String,
-    reference: String,
-    /// Ratio of friction, textured over flat, if it is a number.
-    ratio: Option<f64>,
-    /// Compares textured with flat dry polymer or rubber; false for lubricated or metal surfaces and for other
-    /// comparisons.
-    is_dry_polymer: bool,
-}
-
-/// Parses all rows of `TABLE`.
-fn published() -> Vec<Published> {
-    let mut lines = TABLE.lines().filter(|line| !line.starts_with('#'));
-    let header = cells(lines.next().unwrap_or_default());
-    let row = |line: &str| {
-        let cells = cells(line);
-        let cell = |name: &str| {
-            let place = header.iter().position(|own| own == name);
-            place.and_then(|place| cells.get(place)).cloned().unwrap_or_default()
-        };
-        Published {
-            source: cell("source"),
-            reference: cell("reference"),
-            ratio: cell("ratio").parse().ok(),
-            is_dry_polymer: cell("kind") == "measured",
-        }
-    };
-    lines.map(row).collect()
+/// Source, reference, kind of the comparison and ratio of textured over flat friction of each row of `TABLE`; ratios
+/// that are no numbers are not known.
+fn published() -> impl Iterator<Item = ([String; 3], Option<f64>)> {
+    let mut lines = TABLE.lines().filter(|line| !line.starts_with('#')).map(cells);
+    let header = lines.next().unwrap_or_default();
+    lines.map(move |cells| {
+        let place = |name: &str| header.iter().position(|own| own == name);
+        let cell = |name: &str| place(name).and_then(|place| cells.get(place)).cloned().unwrap_or_default();
+        (["source", "reference", "kind"].map(cell), cell("ratio").parse().ok())
+    })
 }
 
 /// Cells of a line of comma-separated values; commas within quotes do not separate.
@@ -57,14 +39,14 @@ fn cells(line: &str) -> Vec<String> {
 }
 
 /// Sources with ratios of dry polymers, in the order of the table: name, reference, and ratios of textured over flat
-/// friction.
+/// friction. Lubricated and metal surfaces, and other comparisons, are left out.
 pub fn sources() -> Vec<(String, String, Vec<f64>)> {
     let mut found: Vec<(String, String, Vec<f64>)> = Vec::new();
-    for of in published().into_iter().filter(|of| of.is_dry_polymer) {
-        let Some(ratio) = of.ratio else { continue };
-        match found.iter_mut().find(|(source, ..)| *source == of.source) {
+    for ([source, reference, kind], ratio) in published() {
+        let Some(ratio) = ratio.filter(|_| kind == DRY_POLYMER) else { continue };
+        match found.iter_mut().find(|(known, ..)| *known == source) {
             Some((.., ratios)) => ratios.push(ratio),
-            None => found.push((of.source, of.reference, vec![ratio])),
+            None => found.push((source, reference, vec![ratio])),
         }
     }
     found
@@ -88,12 +70,12 @@ mod tests {
 
     #[test]
     fn every_row_has_a_source_a_reference_and_a_kind_and_numbers_are_those_of_coefficients() {
-        let all = published();
-        assert!(all.len() >= 40 && all.iter().all(|of| !of.source.is_empty() && !of.reference.is_empty()));
-        let contrasts = all.iter().filter(|of| !of.is_dry_polymer).count();
+        let all: Vec<_> = published().collect();
+        assert!(all.len() >= 40 && all.iter().flat_map(|(words, _)| words).all(|words| !words.is_empty()));
+        let contrasts = all.iter().filter(|([.., kind], _)| kind != DRY_POLYMER).count();
         assert!((3..10).contains(&contrasts), "{contrasts}");
-        assert_eq!(all.iter().filter(|of| of.source == "Balestra 2022").count(), 18);
-        assert!(all.iter().filter_map(|of| of.ratio).all(|ratio| (0.1..3.0).contains(&ratio)));
+        assert_eq!(all.iter().filter(|([source, ..], _)| source == "Balestra 2022").count(), 18);
+        assert!(all.iter().filter_map(|(_, ratio)| *ratio).all(|ratio| (0.1..3.0).contains(&ratio)));
         assert_eq!(cells("a,\"b, c\",,d"), ["a", "b, c", "", "d"]);
     }
 }
