@@ -5,7 +5,7 @@ use slipgrid_design::results::{SCHEMA, Table, VERSION, fixed, guard_formula};
 use slipgrid_infer::calibrate::Measurement;
 use slipgrid_io::formats::measurements;
 use slipgrid_io::formats::traces::{ConditionTraces, OfTrial, ReadTrace, SurfaceKind, TraceCondition, notes};
-use slipgrid_traces::DEFAULT_WINDOW_S;
+use slipgrid_traces::{DEFAULT_WINDOW_S, TraceFindings};
 
 use crate::charts::{RepeatTrace, Series, friction_loops, tribometer};
 use crate::pictures::name_part;
@@ -168,47 +168,27 @@ pub fn summary(conditions: &[ConditionTraces]) -> String {
     let mut text = String::new();
     for traces in conditions {
         text += &format!("{}\n", title(&traces.condition));
-        let mut table = Table::new([
-            "trace",
-            "mu",
-            "error of mu",
-            "std of repeats",
-            "of another",
-            "drift %",
-            "static peak",
-            "at s",
-            "slip",
-            "period s",
-        ]);
-        for trace in &traces.traces {
-            let found = &trace.findings;
-            table.row([
-                trace.label.clone(),
-                fixed(Some(found.window.mu), 4),
-                fixed(Some(found.window.stderr), 4),
-                String::new(),
-                String::new(),
-                fixed(Some(100.0 * found.window.drift / found.window.mu), 1),
-                fixed(found.static_peak.map(|peak| peak.mu), 4),
-                fixed(found.static_peak.map(|peak| peak.time_s), 2),
-                fixed(found.stick_slip.map(|slip| slip.amplitude), 4),
-                fixed(found.stick_slip.map(|slip| slip.period_s), 2),
-            ]);
-        }
         let mean = &traces.mean;
-        table.row([
-            format!("mean of {}", mean.count),
-            fixed(Some(mean.mu_dynamic.mean), 4),
-            String::new(),
-            fixed(Some(mean.mu_dynamic.std), 4),
-            fixed(Some(mean.mu_dynamic_predictive_std()), 4),
-            String::new(),
-            fixed(mean.mu_static.map(|peak| peak.mean), 4),
-            String::new(),
-            String::new(),
-            String::new(),
-        ]);
-        text += &format!("{table}\n");
+        // The last row has the mean of the repeats.
+        let rows: Vec<Option<&ReadTrace>> = traces.traces.iter().map(Some).chain([None]).collect();
+        let of_trace = |digits: usize, value: fn(&TraceFindings) -> Option<f64>| {
+            move |of: &Option<&ReadTrace>| of.map_or_else(String::new, |of| fixed(value(&of.findings), digits))
+        };
+        let of_mean =
+            |value: f64| move |of: &Option<&ReadTrace>| of.map_or_else(|| fixed(Some(value), 4), |_| String::new());
+        let mut table = Table::of(&rows);
+        table.column("trace", |of| of.map_or_else(|| format!("mean of {}", mean.count), |of| of.label.clone()));
+        table.column("mu", |of| fixed(Some(of.map_or(mean.mu_dynamic.mean, |of| of.findings.window.mu)), 4));
+        table.column("error of mu", of_trace(4, |found| Some(found.window.stderr)));
+        table.column("std of repeats", of_mean(mean.mu_dynamic.std));
+        table.column("of another", of_mean(mean.mu_dynamic_predictive_std()));
+        table.column("drift %", of_trace(1, |found| Some(100.0 * found.window.drift / found.window.mu)));
+        let peak = |of: &ReadTrace| of.findings.static_peak.map(|peak| peak.mu);
+        table.column("static peak", |of| fixed(of.map_or(mean.mu_static.map(|peak| peak.mean), peak), 4));
+        table.column("at s", of_trace(2, |found| found.static_peak.map(|peak| peak.time_s)));
+        table.column("slip", of_trace(4, |found| found.stick_slip.map(|slip| slip.amplitude)));
+        table.column("period s", of_trace(2, |found| found.stick_slip.map(|slip| slip.period_s)));
+        text += &format!("{}\n", table.table());
     }
     for note in notes(conditions) {
         text += &format!("- {note}\n");
