@@ -60,7 +60,7 @@ export async function show(root, signal) {
       decision(record),
       record.design && h("p", {}, cutButton(record.design)),
       h("p", { class: "line" }, "Download: ", files.map((name) => link(fileUrl(`${out}/${name}`, true), name)),
-        link(`/api/zip?${new URLSearchParams({ folder: out })}`, "all files as zip", { download: `${stem(out)}.zip` })),
+        link(`/api/zip?${new URLSearchParams({ path: out })}`, "all files as zip", { download: `${stem(out)}.zip` })),
       record.others?.length > 0 && textures("Also worth cutting", record.others),
       has(`${out}/report.html`) && reportFrame(`${out}/report.html`, `Report of ${record.name}`),
     ].filter(Boolean));

@@ -199,7 +199,7 @@ export async function show(root, signal) {
     drawMap(map, doc, signal);
     try {
       if (doc.values?.measurements?.flat) return await drawTables();
-      const answer = await get("/api/traces", { calibration: path });
+      const answer = await get("/api/traces", { path });
       drawConditions(conditions, doc, { ...answer, error: answer.error?.message }, open);
     } catch (error) { conditions.replaceChildren(alert(error)); }
   }, 60);

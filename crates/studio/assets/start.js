@@ -30,7 +30,7 @@ export function startMaterial(root) {
 
 /// First speed and humidity that the calibration measured, for a new design.
 async function firstCondition(calibration) {
-  const { conditions } = await get("/api/traces", { calibration }).catch(() => ({ conditions: [] }));
+  const { conditions } = await get("/api/traces", { path: calibration }).catch(() => ({ conditions: [] }));
   if (conditions[0]) return { speed_mm_s: conditions[0].speed_mm_s, humidity_pct: conditions[0].humidity_pct };
   const measured = await measuredTable(await load(calibration));
   const cell = (key) => Number(measured.rows[0][measured.titles.indexOf(key)]);

@@ -58,7 +58,6 @@ fn found(name: &str) -> Result<Response, Refused> {
         "html" => "text/html; charset=utf-8",
         "css" => "text/css; charset=utf-8",
         "js" => "text/javascript; charset=utf-8",
-        "svg" => "image/svg+xml",
         _ => "text/plain; charset=utf-8",
     };
     // Another version of the program may answer at the next start.

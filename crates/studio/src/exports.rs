@@ -17,6 +17,7 @@ use slipgrid_traces::export::titles_in;
 use slipgrid_traces::{Tangential, TraceChannels};
 
 use crate::error::{Answer, aside};
+use crate::folder::At;
 use crate::places::inside;
 use crate::texts::message;
 
@@ -131,12 +132,6 @@ fn columns_found(text: &str, titles: &Titles) -> Vec<Value> {
     found.iter().enumerate().map(of_title).collect()
 }
 
-/// Path of a calibration in the query of a request.
-#[derive(Deserialize)]
-pub struct OfCalibration {
-    calibration: String,
-}
-
 /// Mean over the repeats of a condition, and the curve of every repeat, as JSON.
 fn averaged_condition(traces: &ConditionTraces) -> Value {
     let (condition, measured) = (&traces.condition, traces.measurement());
@@ -165,10 +160,10 @@ fn averaged_condition(traces: &ConditionTraces) -> Value {
     })
 }
 
-/// Answers with the averaged traces of a calibration, as far as they can be read, and with the first error.
-pub async fn averaged(Query(of): Query<OfCalibration>) -> Answer<Value> {
+/// Answers with the averaged traces of the calibration at a path, as far as they can be read, and with the first error.
+pub async fn averaged(Query(at): Query<At>) -> Answer<Value> {
     aside(move || {
-        let path = inside(&of.calibration)?;
+        let path = inside(&at.path)?;
         let document = Document::read(&disk(), &path, FileKind::Calibration);
         let read = document.and_then(|document| ReadableTraces::read(&document));
         let conditions: Vec<Value> = read.iter().flat_map(|read| &read.found).map(averaged_condition).collect();

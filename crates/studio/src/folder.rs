@@ -182,15 +182,9 @@ fn with_type(bytes: Vec<u8>, content_type: &'static str, name: Option<&str>) -> 
     response
 }
 
-/// Folder in the query of a request.
-#[derive(Deserialize)]
-pub struct InFolder {
-    folder: String,
-}
-
 /// Answers with all files of a folder as one zip archive.
-pub async fn zipped(Query(at): Query<InFolder>) -> Result<Response, Refused> {
-    let folder = inside(&at.folder)?;
+pub async fn zipped(Query(at): Query<At>) -> Result<Response, Refused> {
+    let folder = inside(&at.path)?;
     let name = folder.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
     let archive = tokio::task::spawn_blocking(move || archive(&folder)).await??;
     Ok(with_type(archive, "application/zip", Some(&format!("{name}.zip"))))

@@ -1,6 +1,5 @@
 //! Jobs: commands that run one after another, with progress and cancelling.
 
-use std::io::Write;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -39,9 +38,10 @@ type Event = (&'static str, String);
 /// Command of a job that computes the predictions for every texture of a design; it is not a command of the program.
 const EXPLORE: &str = "explore";
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 enum JobState {
+    #[default]
     Queued,
     Running,
     Done,
@@ -50,6 +50,7 @@ enum JobState {
 }
 
 /// Progress and result of a job.
+#[derive(Default)]
 struct Progress {
     state: JobState,
     stage: String,
@@ -111,22 +112,13 @@ impl Jobs {
     fn add(&self, words: Vec<String>) -> Result<Arc<Job>, Refused> {
         let mut all = locked(&self.all);
         let id = all.last().map_or(1, |last| last.id + 1);
-        let progress = Progress {
-            state: JobState::Queued,
-            stage: String::new(),
-            exit_code: None,
-            out: String::new(),
-            err: String::new(),
-            started: None,
-            seconds: 0.0,
-        };
         let job = Arc::new(Job {
             id,
             words,
-            progress: Mutex::new(progress),
-            share: AtomicU64::new(0.0_f64.to_bits()),
-            is_cancelled: AtomicBool::new(false),
-            told_ms: AtomicU64::new(0),
+            progress: Mutex::default(),
+            share: AtomicU64::default(),
+            is_cancelled: AtomicBool::default(),
+            told_ms: AtomicU64::default(),
             born: Instant::now(),
             events: self.events.clone(),
         });
@@ -156,13 +148,13 @@ impl Jobs {
             let run = std::panic::AssertUnwindSafe(|| match &job.words[..] {
                 [command, path] if command == EXPLORE => {
                     let explored = computing.install(|| exploring::explore(path, shared, &watched));
-                    explored.map_or_else(
-                        |reason| {
-                            let _ = write!(err, "error: {reason}");
+                    match explored {
+                        Ok(()) => 0,
+                        Err(reason) => {
+                            err = format!("error: {reason}").into_bytes();
                             1
-                        },
-                        |()| 0,
-                    )
+                        }
+                    }
                 }
                 words => (program.run)(words, &mut out, &mut err, &watched),
             });

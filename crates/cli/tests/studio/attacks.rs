@@ -74,7 +74,7 @@ fn no_path_leaves_the_folder() {
         refused("POST", &format!("/api/edit?path={path}"), r#"{"digest": "", "edits": []}"#);
         refused("PUT", &format!("/api/upload?path={path}"), "gone");
         refused("GET", &format!("/api/trace?path={path}"), "");
-        refused("GET", &format!("/api/zip?folder={path}"), "");
+        refused("GET", &format!("/api/zip?path={path}"), "");
         refused("GET", &format!("{files_at}{path}"), "");
         let path = path.replace("%2e", ".").replace("%5c", "\\");
         refused("POST", "/api/explore", &json!({ "path": path }).to_string());

@@ -45,7 +45,7 @@ fn a_job_writes_what_the_command_line_writes() {
         assert!(read(page.path()) == read(line.path()), "{}", name.display());
     }
     // All files as one archive.
-    let zip = server.ask("GET", "/api/zip?folder=out/quick", b"");
+    let zip = server.ask("GET", "/api/zip?path=out/quick", b"");
     assert!(zip.status == 200 && zip.body.starts_with(b"PK"));
     // An input that is refused is a failed job with the message of the command line.
     fs::write(page.path().join("quick.toml"), DESIGN.replace("width_um", "widht_um")).unwrap();
@@ -136,7 +136,7 @@ fn traces_are_understood_and_averaged_as_on_the_command_line() {
     let count = |key: &str| repeat[key].as_array().unwrap().len();
     assert!(count("time_s") > 100 && count("time_s") == count("friction") && count("time_s") == count("force_n"));
 
-    let averaged = server.get("/api/traces?calibration=calibration.toml");
+    let averaged = server.get("/api/traces?path=calibration.toml");
     run(folder.path(), &["traces", "calibration.toml", "-o", "out/traces"]);
     let table = fs::read_to_string(folder.path().join("out/traces/flat.csv")).unwrap();
     let rows: Vec<Vec<f64>> = table
@@ -157,7 +157,7 @@ fn traces_are_understood_and_averaged_as_on_the_command_line() {
     let text = fs::read_to_string(&path).unwrap().replace("[fit]", "[surface]\nmap = \"none.asc\"\n[fit]");
     fs::write(&path, text).unwrap();
     fs::write(folder.path().join("traces/flat-30N-1.csv"), "spoilt").unwrap();
-    let partly = server.get("/api/traces?calibration=calibration.toml");
+    let partly = server.get("/api/traces?path=calibration.toml");
     assert_eq!(partly["conditions"].as_array().unwrap().len(), averaged["conditions"].as_array().unwrap().len() - 1);
     assert!(partly["error"]["message"].as_str().unwrap().contains("flat-30N-1.csv"), "{partly}");
     // A file that is no trace is named with the reason, and its columns are shown.
