@@ -161,7 +161,7 @@ pub struct OptimizeArgs {
     /// Print everything in the report: all doubts, other textures, trade-offs and the numerical method
     #[arg(long, conflicts_with = "json")]
     pub details: bool,
-    /// Print result.json instead of a summary
+    /// Print result.json, with times, instead of a summary
     #[arg(long)]
     pub json: bool,
 }

@@ -60,15 +60,17 @@ pub fn bounds_reached(task: &DesignTask, pattern: &Pattern) -> Vec<ReachedBound>
 }
 
 /// Computes the maximum chance by the table with, separately, each limit removed and each bound that `best` rests on
-/// widened. Returns only limits and bounds for which this improves the result, those that bring the target within reach
-/// first, then by decreasing chance.
+/// widened. Returns only limits and bounds that bring the target within reach, or admit a better texture: those that
+/// bring it within reach first, then by decreasing chance.
 pub fn blocked_by(search: &Search<'_>, best: &Prediction) -> Vec<LiftedReport> {
     let task = search.task;
     let mut all = Vec::new();
     let mut add = |what: String, lifted: &DesignTask, table: &Table| {
         let relaxed = Search { task: lifted, table, ..search.clone() };
         let (found, is_within_reach) = relaxed.greatest(&|_| true);
-        let Some(found) = found.filter(|found| found.value() > best.value() + ALIKE || is_within_reach) else { return };
+        let is_better =
+            |found: &Prediction| found.value() > best.value() + ALIKE && !search.is_admitted(&found.texture.pattern);
+        let Some(found) = found.filter(|found| is_within_reach || is_better(found)) else { return };
         all.push(LiftedReport {
             what,
             chance: tidy(found.chance()),

@@ -158,11 +158,14 @@ impl GoalReport {
         };
         let of = |ratios: &[f64]| asked.goal_value(ratios).map(tidy);
         let at = |p: f64| of(&best.ratios(asked.loads.len(), p));
+        let mut weights = search.task.target.points().iter().map(|demand| demand.weight);
+        let first = weights.next();
+        let weighted = if weights.all(|weight| Some(weight) == first) { "" } else { "weighted " };
         let worst = if asked.count < asked.loads.len() { ", at the worst condition" } else { "" };
         Some(Self {
             goal: goal.name().into(),
             of: match goal {
-                Goal::Lowest | Goal::Highest => format!("mean {quantity} over the pressures{worst}"),
+                Goal::Lowest | Goal::Highest => format!("{weighted}mean {quantity} over the pressures{worst}"),
                 Goal::Even => format!("standard deviation of the {quantity} over its mean{worst}"),
             },
             expected: at(0.5)?,

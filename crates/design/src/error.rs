@@ -86,11 +86,6 @@ impl Refusal {
 }
 
 impl DesignError {
-    /// Creates the error that no design within the bounds can be computed.
-    pub fn nothing_computed() -> Self {
-        Self::Failed("no design within the bounds can be computed".to_owned())
-    }
-
     /// Creates a refusal of the whole task, for a reason that only a solver or the search finds.
     pub fn refused(reason: impl Into<String>) -> Self {
         Refusal::new(TaskPart::Whole, reason).into()

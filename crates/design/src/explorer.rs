@@ -147,16 +147,17 @@ pub fn explore_bounds(task: &DesignTask, monitor: &dyn Monitor) -> Result<Explor
     let budget = TimeBudget::new(monitor, None);
     let found = with_table(prepared, None, None, budget, &mut Timings::default(), |search, _| {
         let about_best = |open: &(dyn Fn(&Pattern) -> bool + Sync)| -> Result<(Pattern, Explorer), DesignError> {
+            let nothing_computed = || search.models.own.nothing_computed(&task.space);
             let (best, _) = search.greatest(open);
             monitor.heed()?;
-            let best = best.ok_or_else(DesignError::nothing_computed)?;
+            let best = best.ok_or_else(nothing_computed)?;
             let pattern = best.texture.pattern;
             // Same accuracy as in `optimize`: with the effects of the specimen's ends, pressure tilt and time for this
             // texture.
             let about = search.solved(&pattern).map_or(best, |solved| search.as_cut(&solved));
             let explorer = Explorer::new(search, &about, about.texture.run.as_deref());
             monitor.heed()?;
-            Ok((pattern, explorer.ok_or_else(DesignError::nothing_computed)?))
+            Ok((pattern, explorer.ok_or_else(nothing_computed)?))
         };
         let (pattern, explorer) = about_best(&|_| true)?;
         // A page begins at a texture that has a prediction.

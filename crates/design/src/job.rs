@@ -117,7 +117,7 @@ fn reported(
     }
     let Some(best) = found.solved.first() else {
         return Err(match cut_short[..] {
-            [] => DesignError::nothing_computed(),
+            [] => search.models.own.nothing_computed(&task.space),
             _ => DesignError::OutOfTime("the seconds allowed were spent before a design was found".to_owned()),
         });
     };

@@ -2,7 +2,7 @@
 //!
 //! The pair of textures has the greatest mutual information between the mechanism, which is the family of the
 //! discrepancy's form, and the two measured ratios. Both sectors share the scatter of the disc, so that the quotient of
-//! the model errors, whatever their size, distinguishes mechanisms. Grooves may lie across or along the sliding
+//! the two ratios is known better than either. Grooves may lie across or along the sliding
 //! direction; other planforms keep their directions.
 
 use rayon::prelude::*;
@@ -71,9 +71,6 @@ pub struct MechanismReport {
     pub mechanism: String,
     /// Probability of the mechanism, given the trials.
     pub weight: f64,
-    /// Lowest and highest value, over the forms of the mechanism, of the quotient of the model errors ln(measured /
-    /// modelled ratio) of sectors 2 and 1; null if the mechanism predicts no error of sector 1.
-    pub error_quotient: Option<[f64; 2]>,
     /// Predictions, one per load.
     pub loads: Vec<SectorRatios>,
 }
@@ -109,19 +106,7 @@ impl LearningReport {
             // H = -sum p log2 p
             open_bits -= weight * weight.log2();
             let loads = (0..n).map(at).collect();
-            // ln (r2 / R2) / ln (r1 / R1) = h(x2) / h(x1), but for the residual
-            let [first, second] = pair.each_ref().map(|of| &of.texture.features);
-            let quotients = own.components.iter().map(|of| of.form.value(second) / of.form.value(first));
-            let error_quotient = quotients.filter(|quotient| quotient.is_finite()).map(tidy).fold(None, |ends, own| {
-                let [low, high] = ends.unwrap_or([own; 2]);
-                Some([own.min(low), own.max(high)])
-            });
-            mechanisms.push(MechanismReport {
-                mechanism: family.to_owned(),
-                weight: tidy(weight),
-                error_quotient,
-                loads,
-            });
+            mechanisms.push(MechanismReport { mechanism: family.to_owned(), weight: tidy(weight), loads });
         }
         mechanisms.sort_by(|a, b| b.weight.total_cmp(&a.weight));
         let by_load: Vec<f64> =
@@ -149,31 +134,23 @@ impl LearningReport {
         text += &format!(
             "\n  ratio to the flat surface at {pressure_mpa} MPa (95 % of samples), if the model error grows with\n"
         );
-        let mut table = Table::new(["", "weight", "sector 1", "sector 2", "error 2 / 1"]);
+        let mut table = Table::new(["", "weight", "sector 1", "sector 2", "sector 2 / 1"]);
         for of in &self.mechanisms {
             let Some(at) = of.loads.get(self.load) else { continue };
-            let [first, second] = &at.ratios;
             let words = |of: &RatioPrediction| {
-                let [low, high] = of.interval_95.map(|end| believed(end, 2));
-                format!("{:.2} ({low} to {high})", of.ratio)
+                let [median, low, high] = [of.ratio, of.interval_95[0], of.interval_95[1]].map(|own| believed(own, 2));
+                format!("{median} ({low} to {high})")
             };
-            let cells = [of.mechanism.clone(), percent(of.weight), words(first), words(second)];
-            table.row(cells.into_iter().chain([of.error_quotient.map_or_else(|| "-".to_owned(), range_in_words)]));
+            let [first, second] = at.ratios.each_ref().map(words);
+            table.row([of.mechanism.clone(), percent(of.weight), first, second, words(&at.quotient)]);
         }
         text += &table.to_string();
-        text += "error: ln(measured / modelled ratio); its quotient tells mechanisms apart, whatever its size\n";
         text += &format!(
             "measuring both sectors would teach {:.2} of the {:.2} bits that tell the mechanisms apart\n",
             self.bits, self.open_bits
         );
         text + &wrapped(&format!("second disc, if you can cut one: {}", self.second_disc), SCREEN_WIDTH, "  ", 2) + "\n"
     }
-}
-
-/// Formats a range with two decimals, or as one number where both ends are equal.
-fn range_in_words(ends: [f64; 2]) -> String {
-    let [low, high] = ends.map(|end| format!("{end:.2}"));
-    if low == high { low } else { format!("{low} to {high}") }
 }
 
 /// Describes the texture of a sector in words.
@@ -305,10 +282,9 @@ fn pair(searches: &[&Search<'_>], options: &NextOptions, division: &Division) ->
     search.stage.heed()?;
     let why = match (has_directions, is_equal(a, b)) {
         (true, true) => "equal dimensions: mechanisms that no direction changes predict equal model errors".to_owned(),
-        (true, false) => format!(
-            "this pair teaches {:.2} bits, the best pair of equal dimensions across and along {:.2}",
-            best.1, start.1
-        ),
+        (true, false) => {
+            format!("teaches more than the best pair of equal dimensions across and along, {:.2} bits", start.1)
+        }
         _ => format!(
             "{}s have no direction across or along: of the textures within the bounds these two teach most",
             all[a].1.pattern.texture().planform().name()

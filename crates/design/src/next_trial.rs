@@ -125,7 +125,7 @@ fn choose(
     let Some(best) = found.solved.first() else {
         return Err(match division {
             Some(division) => DesignError::Failed(coarse(division)),
-            None => DesignError::nothing_computed(),
+            None => search.models.own.nothing_computed(&search.task.space),
         });
     };
     if division.is_some() && found.solved.len() < options.count {

@@ -352,19 +352,27 @@ impl Search<'_> {
         (sorted(all).into_iter().next(), is_within_reach)
     }
 
+    fn is_within_bounds(&self, pattern: &Pattern) -> bool {
+        let mut bounds = self.task.space.lengths_m().into_iter().zip(pattern.lengths_m());
+        bounds.all(|([low, high], own)| low * (1.0 - 1e-9) <= own && own <= high * (1.0 + 1e-9))
+    }
+
+    /// Whether `pattern` lies within the bounds and, by the table, keeps all limits.
+    pub fn is_admitted(&self, pattern: &Pattern) -> bool {
+        self.is_within_bounds(pattern) && self.interpolated(pattern).is_some_and(|texture| texture.excess == 0.0)
+    }
+
     /// Textures of trials that are designs of the task: within bounds and limits, with the features of the task's
     /// texture.
     fn cut(&self) -> Vec<Pattern> {
         let of = |features: &Features| {
             let lengths_m = [features.width_m, features.pitch_m - features.width_m, features.depth_m];
             let pattern = self.task.space.pattern(lengths_m).ok()?;
-            let bounds = self.task.space.lengths_m().into_iter().zip(lengths_m);
-            let is_within =
-                bounds.into_iter().all(|([low, high], own)| low * (1.0 - 1e-9) <= own && own <= high * (1.0 + 1e-9));
             // Measured depths need not be whole bursts.
             let is_makeable = self.task.constraints.limits.violations(&pattern).is_empty()
                 && self.task.laser.check_depth(pattern.depth_m()).is_ok();
-            (is_within && is_makeable && is_same(features, &Features::from(&pattern))).then_some(pattern)
+            (self.is_within_bounds(&pattern) && is_makeable && is_same(features, &Features::from(&pattern)))
+                .then_some(pattern)
         };
         self.asked.learned.trials().iter().filter_map(|trial| of(&trial.features)).collect()
     }

@@ -69,7 +69,7 @@ pub fn with_table<T>(
     let table = match table {
         Some(table) => table,
         None if is_out_of_time => return Err(DesignError::OutOfTime(NO_TABLE.to_owned())),
-        None => return Err(DesignError::nothing_computed()),
+        None => return Err(model.nothing_computed(&task.space)),
     };
     let searching_s = monitor.seconds();
     let stage = budget.stage_of_share("search", SEARCH_SHARE);

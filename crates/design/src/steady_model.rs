@@ -8,6 +8,7 @@ use slipgrid_model::material::AreaLaw;
 use slipgrid_model::pattern::{Pattern, Texture};
 use slipgrid_model::springblock::{Dimension, Extent, Fidelity, Load, RunOptions, Scene, Statements, Status};
 
+use crate::DesignError;
 use crate::directional_cells::Solver;
 use crate::evaluation_cache::{Answer, Evaluations};
 use slipgrid_base::units::{LENGTH_UM, tidy};
@@ -221,6 +222,14 @@ impl<'a> SteadyModel<'a> {
     /// [`ModelFailure::Trial`] if the design cannot be computed, or a cavity closes under load.
     pub fn steady(&self, design: &Pattern) -> Result<Answer, ModelFailure> {
         open(self.answer_made(design, &self.lay(design)?)?)
+    }
+
+    /// Returns the error that no design of `space` can be computed, with the reason for the one in the middle of the bounds.
+    pub fn nothing_computed(&self, space: &DesignSpace) -> DesignError {
+        let middle = space.pattern(space.lengths_m().map(|[low, high]| (low * high).sqrt())).ok();
+        let failure = middle.and_then(|design| self.steady(&design).err());
+        let reason = failure.map_or_else(String::new, |failure| format!("; of the one in their middle: {failure}"));
+        DesignError::Failed(format!("no design within the bounds can be computed{reason}"))
     }
 
     /// Builds a model for derivatives, with the scene that `change` makes of the scene with the loads of every

@@ -81,14 +81,18 @@ pub fn of(search: &Search<'_>, best: &Prediction) -> Option<(TradeOffsReport, Co
     let own = best.texture.pattern;
     let patterns = Steps::new(search.task).spread(wanted.designs);
     let off = search.off_at(best);
+    // The run of a specimen adds borders and stick-slip to the peak pressure by the table: taken as equal for all.
+    let peak_off = best.texture.run.as_ref().zip(search.table.at(&own));
+    let peak_off = peak_off.map_or(1.0, |(run, (_, own))| run.peak_pressure_pa() / own.peak_pressure_pa());
+    let value = |found: &Prediction, goal: &TradeOffGoal| value(search, found, *goal, peak_off);
     let one = |pattern: &Pattern| {
         let found = search.roughly_with(pattern, &off, &best.texture.covariance);
         let found = found.filter(|found| found.texture.excess == 0.0 && !search.stage.cancelled())?;
-        let goals = wanted.goals.iter().map(|goal| value(search, &found, *goal)).collect::<Option<Vec<f64>>>()?;
+        let goals = wanted.goals.iter().map(|goal| value(&found, goal)).collect::<Option<Vec<f64>>>()?;
         Some(TradeOff { design: *pattern, goals })
     };
     let mut all: Vec<TradeOff> = patterns.par_iter().filter(|pattern| **pattern != own).filter_map(one).collect();
-    let chosen: Vec<f64> = wanted.goals.iter().map(|goal| value(search, best, *goal).unwrap_or(f64::NAN)).collect();
+    let chosen: Vec<f64> = wanted.goals.iter().map(|goal| value(best, goal).unwrap_or(f64::NAN)).collect();
     if chosen.iter().all(|goal| goal.is_finite()) {
         all.push(TradeOff { design: own, goals: chosen.clone() });
     }
@@ -118,8 +122,9 @@ pub fn of(search: &Search<'_>, best: &Prediction) -> Option<(TradeOffsReport, Co
     Some((report, Compared { wanted, front, dominated }))
 }
 
-/// Value of `found` by `goal`, in the unit of [`TradeOffGoal::column`]; `None` if unknown.
-fn value(search: &Search<'_>, found: &Prediction, goal: TradeOffGoal) -> Option<f64> {
+/// Value of `found` by `goal`, in the unit of [`TradeOffGoal::column`], with `peak_off` times the peak pressure by the
+/// table; `None` if unknown.
+fn value(search: &Search<'_>, found: &Prediction, goal: TradeOffGoal, peak_off: f64) -> Option<f64> {
     let pattern = &found.texture.pattern;
     match goal {
         TradeOffGoal::Chance => Some(found.chance()),
@@ -127,12 +132,7 @@ fn value(search: &Search<'_>, found: &Prediction, goal: TradeOffGoal) -> Option<
         TradeOffGoal::LaserTime => search.task.laser_time_s(pattern),
         TradeOffGoal::Volume => Some(1e9 * search.task.specimen.layout(*pattern).ok()?.cavity_volume_m3()),
         TradeOffGoal::PeakPressure => {
-            // A specimen that was run has the pressure of the run.
-            let peak_pa = match &found.texture.run {
-                Some(run) => run.peak_pressure_pa(),
-                None => search.table.at(pattern)?.1.peak_pressure_pa(),
-            };
-            Some(PRESSURE_MPA.from_si(peak_pa))
+            Some(PRESSURE_MPA.from_si(peak_off * search.table.at(pattern)?.1.peak_pressure_pa()))
         }
         TradeOffGoal::Spread => {
             let (medians, stds) = (found.medians(), found.log_stds());

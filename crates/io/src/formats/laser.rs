@@ -135,7 +135,13 @@ fn with_ablation(
 ) -> Result<Laser, Diagnostic> {
     let file = laser_table.get_ref();
     let fluence_j_cm2 = document.optional(file.fluence_j_cm2.as_ref(), POSITIVE)?;
-    let Some(table) = &file.ablation else { return Ok(laser) };
+    let Some(table) = &file.ablation else {
+        let unused = file.fluence_j_cm2.as_ref().map(|fluence| {
+            let refused = document.refuse(fluence.span(), "J/cm2 gives no depth without [laser.ablation]");
+            refused.expected("measured depths in [laser.ablation], or depth_per_burst_um in [limits] alone")
+        });
+        return unused.map_or(Ok(laser), Err);
+    };
     if let Some(depth) = depth_per_burst {
         return Err(document
             .refuse(depth.span(), "is given beside laser.ablation, which gives it too")
@@ -153,8 +159,16 @@ fn with_ablation(
         depth_std_um: deviations.as_ref().map(|all| all[place]),
     };
     let points: Vec<AblationPoint> = (0..fluences.len()).map(point).collect();
-    let law = Ablation::fit(&points, fluence_j_cm2)
-        .map_err(|error| document.refuse(given.fluence_j_cm2.span(), error.to_string()))?;
+    let law = Ablation::fit(&points, fluence_j_cm2).map_err(|error| {
+        // If the law holds at the highest measured fluence, the fluence used lies below its threshold.
+        let highest = fluences.iter().copied().fold(0.0, f64::max);
+        match (Ablation::fit(&points, highest), &file.fluence_j_cm2) {
+            (Ok(law), Some(used)) => document
+                .refuse(used.span(), "J/cm2 removes nothing by [laser.ablation]")
+                .expected(format!("more than the fitted threshold, {} J/cm2", law.threshold_j_cm2)),
+            _ => document.refuse(given.fluence_j_cm2.span(), error.to_string()),
+        }
+    })?;
     Ok(Laser { depth_per_burst_um: Some(law.depth_per_burst_um), ablation: Some(law), ..laser })
 }
 

@@ -81,7 +81,7 @@ impl Ablation {
         let delta = sum(&|point| (x(point) - mean_x) * (point.depth_um - mean_d)) / square;
         // NaN if a weight overflows; refused as well.
         if delta.is_nan() || delta <= 0.0 {
-            return Err(ExportError::out_of_range("delta_um", delta, "a depth that grows with fluence"));
+            return Err(ExportError::Refused("depths per burst do not grow with fluence".to_owned()));
         }
         let residual = sum(&|point| {
             let left = point.depth_um - mean_d - delta * (x(point) - mean_x);

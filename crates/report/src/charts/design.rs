@@ -418,7 +418,6 @@ mod tests {
         let row = |name: &str, median: f64| MechanismReport {
             mechanism: name.to_owned(),
             weight: 0.5,
-            error_quotient: None,
             loads: vec![SectorRatios {
                 ratios: [at(median, [0.5, 7.0]), at(1.0, [0.9, 1.1])],
                 quotient: at(1.0, [0.9, 1.1]),

@@ -181,7 +181,7 @@ fn others(page: &mut Page, report: &DesignReport, outputs: &Outputs) {
     table.column("chance", |of| of.chance.map_or_else(|| "-".to_owned(), chance_words));
     table.column("laser", |of| of.laser_s.map_or_else(|| "-".to_owned(), duration_in_words));
     table.column("learns", |of| of.learns().to_owned());
-    table.column("share in %", |of| percent(of.design.areal_density, 1));
+    table.column("share of endless pattern in %", |of| percent(of.design.areal_density, 1));
     table.column("expected at the first load (95 %)", |of| ends(of.expected.first()));
     table.column("at the last", |of| ends(of.expected.last()));
     page.table(

@@ -56,7 +56,8 @@ impl Document {
         let said = plain.iter().fold(message.to_owned(), |said, (code, word)| replace_word(&said, code, word));
         // Names of the program's own types mean nothing to the user.
         let said = said.find("expected struct ").map_or(said.clone(), |at| format!("{}expected a table", &said[..at]));
-        let is_listed = self.line_text(span.start).trim_start().starts_with("[[");
+        let line = self.line_text(span.start).trim_start();
+        let (is_table, is_listed) = (line.starts_with('['), line.starts_with("[["));
         let mut refused = self.refuse(span, "");
         // A reader takes the table that a list holds for the first key of the table it expects.
         if is_listed && (said.ends_with("expected a table") || said.starts_with("invalid type: table")) {
@@ -64,6 +65,12 @@ impl Document {
             refused.value = None;
             "stands in double brackets, as one of a list".clone_into(&mut refused.reason);
             return refused.expected(format!("one table, [{key}]"));
+        }
+        if is_table && !is_listed && said.ends_with("expected a list") {
+            let key = refused.key.clone().unwrap_or_default();
+            refused.value = None;
+            "stands in single brackets, and is one of a list".clone_into(&mut refused.reason);
+            return refused.expected(format!("double brackets, [[{key}]]"));
         }
         if let Some((what, expected)) = said.rsplit_once(", expected ") {
             what.clone_into(&mut refused.reason);
@@ -85,8 +92,11 @@ impl Document {
     /// Refuses a key or table heading that occurs for the second time at `span`.
     fn duplicate(&self, span: Range<usize>) -> Diagnostic {
         let is_heading = self.line_text(span.start).trim_start().starts_with('[');
-        let expected =
-            if is_heading { "one table with all of its keys" } else { "one line with this key in its table" };
+        let expected = if is_heading {
+            "one table with all of its keys, or a list of tables, [[NAME]]"
+        } else {
+            "one line with this key in its table"
+        };
         let key = self.text.get(span.clone()).unwrap_or_default().trim_matches(['"', '\'']).into();
         let refused = self.refuse(span, "occurs a second time").expected(expected);
         Diagnostic { key: Some(key), value: None, ..refused }

@@ -114,7 +114,7 @@ fn what_occurs_twice_is_named_where_it_occurs_again() {
         ),
         (
             "[inner]\nwidth_um = 2\n[other]\nwidth_um = 1\n[inner]\ncount = 3",
-            "a.toml:5: inner: occurs a second time; expected one table with all of its keys",
+            "a.toml:5: inner: occurs a second time; expected one table with all of its keys, or a list of tables, [[NAME]]",
         ),
         ("inner = { width_um = 2, width_um = 3 }", "a.toml:1: width_um: occurs a second time"),
     ] {
