@@ -18,18 +18,7 @@ pub enum Extrapolation {
     Logarithmic,
 }
 
-impl Extrapolation {
-    /// All kinds, in the order in which help texts list them.
-    pub const ALL: [Self; 2] = [Self::Constant, Self::Logarithmic];
-
-    /// The name used in files.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Constant => "constant",
-            Self::Logarithmic => "logarithmic",
-        }
-    }
-}
+names!(Extrapolation { Constant = "constant", Logarithmic = "logarithmic" });
 
 /// Maximum tabulated local pressure, in pascals; no polymer carries a higher pressure.
 const MAX_PRESSURE_PA: f64 = 1e9;

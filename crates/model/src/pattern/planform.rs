@@ -1,5 +1,3 @@
-use std::fmt;
-
 /// Shape of a cavity seen from above. Its sides lie along the pattern's axes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Planform {
@@ -19,32 +17,19 @@ pub enum Planform {
     Crosshatch,
 }
 
+names!(Planform {
+    Groove = "groove",
+    Square = "square",
+    Rectangle = "rectangle",
+    Disc = "disc",
+    Polygon = "polygon",
+    Crosshatch = "crosshatch",
+});
+
 impl Planform {
-    /// All planforms, in the order in which help texts list them.
-    pub const ALL: [Self; 6] =
-        [Self::Groove, Self::Square, Self::Rectangle, Self::Disc, Self::Polygon, Self::Crosshatch];
-
-    /// The name used in files.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Groove => "groove",
-            Self::Square => "square",
-            Self::Rectangle => "rectangle",
-            Self::Disc => "disc",
-            Self::Polygon => "polygon",
-            Self::Crosshatch => "crosshatch",
-        }
-    }
-
     /// Whether cavities are grooves, crossing or not; grooves have no ends.
     pub const fn is_grooves(self) -> bool {
         matches!(self, Self::Groove | Self::Crosshatch)
-    }
-}
-
-impl fmt::Display for Planform {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
     }
 }
 
@@ -60,27 +45,11 @@ pub enum Arrangement {
     Hexagonal,
 }
 
+names!(Arrangement { Square = "square", Staggered = "staggered", Hexagonal = "hexagonal" });
+
 impl Arrangement {
-    /// All arrangements, in the order in which help texts list them.
-    pub const ALL: [Self; 3] = [Self::Square, Self::Staggered, Self::Hexagonal];
-
-    /// The name used in files.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Square => "square",
-            Self::Staggered => "staggered",
-            Self::Hexagonal => "hexagonal",
-        }
-    }
-
     /// Whether every second row is shifted along x by half a pitch.
     pub const fn shifts_rows(self) -> bool {
         matches!(self, Self::Staggered | Self::Hexagonal)
-    }
-}
-
-impl fmt::Display for Arrangement {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
     }
 }

@@ -20,19 +20,7 @@ pub enum Fidelity {
     Reference,
 }
 
-impl Fidelity {
-    /// All fidelities, cheapest first.
-    pub const ALL: [Self; 3] = [Self::Steady, Self::Dynamic, Self::Reference];
-
-    /// Name used in files.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Steady => "steady",
-            Self::Dynamic => "dynamic",
-            Self::Reference => "reference",
-        }
-    }
-}
+names!(Fidelity { Steady = "steady", Dynamic = "dynamic", Reference = "reference" });
 
 /// Part of the specimen that is modelled.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
@@ -47,19 +35,9 @@ pub enum Extent {
     Strip,
 }
 
+names!(Extent { Cell = "cell", Sample = "sample", Strip = "strip" });
+
 impl Extent {
-    /// All extents, cheapest first.
-    pub const ALL: [Self; 3] = [Self::Cell, Self::Sample, Self::Strip];
-
-    /// Name used in files.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Cell => "cell",
-            Self::Sample => "sample",
-            Self::Strip => "strip",
-        }
-    }
-
     /// Whether the model has ends.
     pub const fn has_ends(self) -> bool {
         !matches!(self, Self::Cell)
@@ -76,18 +54,7 @@ pub enum Springs {
     Exact,
 }
 
-impl Springs {
-    /// All spring laws.
-    pub const ALL: [Self; 2] = [Self::Linear, Self::Exact];
-
-    /// Name used in files.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Linear => "linear",
-            Self::Exact => "exact",
-        }
-    }
-}
+names!(Springs { Linear = "linear", Exact = "exact" });
 
 /// Options that control how a scene is solved.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]

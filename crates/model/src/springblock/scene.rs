@@ -16,18 +16,7 @@ pub enum Holder {
     SelfAligning,
 }
 
-impl Holder {
-    /// All holders.
-    pub const ALL: [Self; 2] = [Self::Rigid, Self::SelfAligning];
-
-    /// Name used in files.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Rigid => "rigid",
-            Self::SelfAligning => "self-aligning",
-        }
-    }
-}
+names!(Holder { Rigid = "rigid", SelfAligning = "self-aligning" });
 
 /// Modelled layer of the specimen.
 #[derive(Clone, Copy, Debug, PartialEq)]
