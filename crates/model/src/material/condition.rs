@@ -28,10 +28,7 @@ impl Condition {
 
     /// Whether the two conditions match, or both are unknown (`None`).
     pub fn is_same(one: Option<&Self>, other: Option<&Self>) -> bool {
-        match (one, other) {
-            (Some(one), Some(other)) => one.matches(other),
-            (one, other) => one.is_none() && other.is_none(),
-        }
+        one.is_some() == other.is_some() && one.zip(other).is_none_or(|(one, other)| one.matches(other))
     }
 
     pub(crate) fn in_words(&self) -> String {
@@ -89,10 +86,10 @@ fn bracket(places: &[f64], wanted: f64) -> Option<Vec<(usize, f64)>> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
 
-    fn at(speed_mm_s: f64, humidity_pct: f64) -> Condition {
+    pub fn at(speed_mm_s: f64, humidity_pct: f64) -> Condition {
         Condition { speed_m_s: speed_mm_s * 1e-3, humidity: humidity_pct * 1e-2 }
     }
 

@@ -88,26 +88,16 @@ impl ConditionRange {
         // A condition whose weights are interpolated from its neighbours along one direction cannot be extreme at any
         // pressure.
         let logs: Vec<f64> = speeds.iter().map(|speed| speed.ln()).collect();
-        let along_speed = |i: usize, j: usize| {
-            i > 0
-                && i + 1 < speeds.len()
-                && is_between(
-                    [&shares[i - 1][j], &shares[i][j], &shares[i + 1][j]],
-                    [logs[i - 1], logs[i], logs[i + 1]],
-                )
-        };
-        let along_humidity = |i: usize, j: usize| {
-            j > 0
-                && j + 1 < humidities.len()
-                && is_between(
-                    [&shares[i][j - 1], &shares[i][j], &shares[i][j + 1]],
-                    [humidities[j - 1], humidities[j], humidities[j + 1]],
-                )
+        let is_interpolated = |places: &[f64], n: usize, weights: &[&Vec<f64>]| {
+            let around = [n.wrapping_sub(1), n, n + 1];
+            n > 0 && n + 1 < places.len() && is_between(around.map(|n| weights[n]), around.map(|n| places[n]))
         };
         let mut extremes = Vec::new();
         for (i, at_speed) in conditions.iter().enumerate() {
             for (j, condition) in at_speed.iter().enumerate() {
-                if !along_speed(i, j) && !along_humidity(i, j) {
+                let along: Vec<&Vec<f64>> = shares.iter().map(|row| &row[j]).collect();
+                let across: Vec<&Vec<f64>> = shares[i].iter().collect();
+                if !is_interpolated(&logs, i, &along) && !is_interpolated(&humidities, j, &across) {
                     extremes.push(*condition);
                 }
             }
@@ -152,7 +142,7 @@ impl Friction {
     }
 
     /// Conditions at which coefficients were measured, repeated for each pressure.
-    fn measured(&self) -> Vec<Condition> {
+    pub(super) fn measured(&self) -> Vec<Condition> {
         self.table().iter().filter_map(|row| row.condition).collect()
     }
 }
@@ -209,11 +199,8 @@ fn is_between([before, here, after]: [&Vec<f64>; 3], [from, at, to]: [f64; 3]) -
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::material::condition::tests::at;
     use crate::material::{ConditionFriction, LocalFriction};
-
-    fn at(speed_mm_s: f64, humidity_pct: f64) -> Condition {
-        Condition { speed_m_s: speed_mm_s * 1e-3, humidity: humidity_pct * 1e-2 }
-    }
 
     fn range(speed_mm_s: [f64; 2], humidity_pct: [f64; 2]) -> ConditionRange {
         ConditionRange::new(speed_mm_s.map(|v| v * 1e-3), humidity_pct.map(|h| h * 1e-2)).unwrap()

@@ -92,7 +92,7 @@ impl Friction {
             Self::Single(friction) => return Ok(FrictionAt { friction: *friction, outside_measured_range: false }),
             Self::PerCondition(table) => table,
         };
-        let measured: Vec<Condition> = table.iter().filter_map(|row| row.condition).collect();
+        let measured = self.measured();
         // Rows without a condition hold for all conditions; a table has only such rows or none.
         if measured.is_empty() {
             let rows: Vec<&ConditionFriction> = table.iter().collect();
@@ -128,7 +128,7 @@ impl Friction {
     /// is interpolated, this is the range that all contributing conditions cover. `None` for [`Friction::Single`], for
     /// unknown conditions, and if the conditions have no pressure in common.
     pub fn measured_pressures_pa(&self, condition: Option<&Condition>) -> Option<[f64; 2]> {
-        let measured: Vec<Condition> = self.table().iter().filter_map(|row| row.condition).collect();
+        let measured = self.measured();
         let about: Vec<Option<Condition>> = if measured.is_empty() {
             vec![None]
         } else {
@@ -149,9 +149,7 @@ impl Friction {
     /// Sentence on the measured conditions from which coefficients under `condition` are interpolated; `None` without
     /// interpolation.
     pub fn interpolation(&self, condition: Option<&Condition>) -> Option<String> {
-        let Self::PerCondition(table) = self else { return None };
-        let measured: Vec<Condition> = table.iter().filter_map(|row| row.condition).collect();
-        let shares = between(&measured, condition?).filter(|shares| shares.len() > 1)?;
+        let shares = between(&self.measured(), condition?).filter(|shares| shares.len() > 1)?;
         let each = shares.iter().map(|(own, share)| format!("{} ({:.2})", own.in_words(), share));
         Some(format!(
             "coefficients at {} are interpolated, linear in the logarithm of speed and in humidity, between those measured at {}",
