@@ -32,21 +32,16 @@ impl Pattern {
             spacing_m: length("spacing", spacing_m)?,
             depth_m: length("depth", depth_m)?,
         };
-        if let (Arrangement::Hexagonal, Some(outline)) = (pattern.texture.arrangement(), pattern.texture.outline()) {
-            // Rows of polygons may interlock.
-            let (length_m, pitch_across_m) = (outline.length() * width_m, HEXAGONAL_ROW_RATIO * pattern.pitch_m());
-            let is_apart = length_m < 2.0 * pitch_across_m && pattern.least_land_m() > 0.0;
-            return if is_apart { Ok(pattern) } else { Err(rows_overlap(pitch_across_m, length_m)) };
-        }
         let across = pattern.length_m().zip(pattern.pitch_across_m());
-        match (pattern.texture.arrangement(), pattern.planform(), across) {
-            // Rows of discs may interlock.
-            (_, Planform::Disc, _) | (Arrangement::Square | Arrangement::Staggered, ..) => Ok(pattern),
-            (_, _, Some((length_m, pitch_across_m))) if pitch_across_m <= length_m => {
-                Err(rows_overlap(pitch_across_m, length_m))
-            }
-            _ => Ok(pattern),
-        }
+        let across = across.filter(|_| pattern.texture.arrangement() == Arrangement::Hexagonal);
+        let Some((length_m, pitch_across_m)) = across else { return Ok(pattern) };
+        // Rows of discs and of polygons may interlock.
+        let is_apart = match (pattern.planform(), pattern.texture.outline()) {
+            (Planform::Disc, _) => true,
+            (_, Some(_)) => length_m < 2.0 * pitch_across_m && pattern.least_land_m() > 0.0,
+            _ => pitch_across_m > length_m,
+        };
+        if is_apart { Ok(pattern) } else { Err(rows_overlap(pitch_across_m, length_m)) }
     }
 
     /// Texture: all properties except width, spacing and depth.
@@ -179,7 +174,9 @@ impl Pattern {
     /// the rectangle and in every dimension of the pattern. Values within 1e-12 of 0 or 1 are rounded, so that blocks
     /// without an edge are exactly 0 or 1. An empty or non-finite rectangle has the fraction 0.
     pub fn coverage(&self, x0_m: f64, x1_m: f64, y0_m: f64, y1_m: f64) -> f64 {
-        snap_fraction(self.coverage_within(0.0, [x0_m, x1_m], [y0_m, y1_m]))
+        // Values within this distance of 0 or 1 are rounding errors.
+        const ROUNDING: f64 = 1e-12;
+        snap_fraction(self.coverage_within(0.0, [x0_m, x1_m], [y0_m, y1_m]), ROUNDING)
     }
 
     /// Fraction of a rectangle that lies in a cavity or within the Euclidean distance `distance_m` of one. `distance_m`
@@ -391,12 +388,11 @@ fn proper_area_m2([x0_m, x1_m]: [f64; 2], [y0_m, y1_m]: [f64; 2]) -> Option<f64>
     (x1_m > x0_m && y1_m > y0_m && area_m2.is_finite() && area_m2 > 0.0).then_some(area_m2)
 }
 
-/// Rounds a fraction within 1e-12 of 0 or 1 to that value.
-fn snap_fraction(share: f64) -> f64 {
-    const ROUNDING: f64 = 1e-12;
-    if share < ROUNDING {
+/// Rounds a fraction within `tolerance` of 0 or 1 to that value.
+pub(crate) fn snap_fraction(share: f64, tolerance: f64) -> f64 {
+    if share < tolerance {
         0.0
-    } else if share > 1.0 - ROUNDING {
+    } else if share > 1.0 - tolerance {
         1.0
     } else {
         share

@@ -61,6 +61,7 @@ mod rim_share;
 mod texture;
 
 pub use array::Pattern;
+pub(crate) use array::snap_fraction;
 pub use error::PatternError;
 pub use limits::{LimitViolation, ManufacturingLimits};
 pub use planform::{Arrangement, Planform};
@@ -70,5 +71,7 @@ pub use relief_map::{LandRelief, ReliefMap};
 pub use rim::{Rim, RimProfile};
 pub use texture::{Texture, folded_deg};
 
+#[cfg(test)]
+pub(crate) use polygon::tests::regular;
 #[cfg(test)]
 mod tests;

@@ -342,4 +342,4 @@ impl Symmetries {
 }
 
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;

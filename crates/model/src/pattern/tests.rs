@@ -94,17 +94,13 @@ fn densities_of_the_published_pattern() {
 
 #[test]
 fn plain_planforms_given_as_polygons_have_the_same_coverage() {
-    let regular = |corners: u32| -> Vec<[f64; 2]> {
-        let angle = |k: u32| 2.0 * PI * f64::from(k) / f64::from(corners);
-        (0..corners).map(|k| [angle(k).cos(), angle(k).sin()]).collect()
-    };
     let box_of = |length: f64| vec![[0.0, 0.0], [3.0, 0.0], [3.0, 3.0 * length], [0.0, 3.0 * length]];
     let rectangle = Texture::new(Planform::Rectangle).with_length_m(77.7e-6).unwrap();
     for (plain, outline, tolerance) in [
         (Texture::new(Planform::Square), box_of(1.0), 1e-12),
         (rectangle, box_of(77.7 / 130.0), 1e-12),
         // Segments between chords and arcs: (2 pi/n)^2/6 of the area, all of it near the edge.
-        (Texture::new(Planform::Disc), regular(720), 4e-4),
+        (Texture::new(Planform::Disc), regular(720, 0.0), 4e-4),
     ] {
         let polygon = Texture::new(Planform::Polygon).with_outline(Polygon::new(&outline).unwrap()).unwrap();
         for arrangement in [Arrangement::Square, Arrangement::Staggered] {
@@ -166,14 +162,6 @@ fn crossing_grooves_cover_what_either_family_covers() {
     assert!(Texture::new(Planform::Groove).with_crossing_angle_deg(60.0).is_err());
     assert!(texture.with_spacing_across_m(1e-5).is_err() && texture.with_length_m(1e-5).is_err());
     assert!(texture.with_arrangement(Arrangement::Staggered).is_err());
-}
-
-#[test]
-fn lengths_that_mean_nothing_are_refused() {
-    for bad in [0.0, -1e-6, f64::NAN, f64::INFINITY] {
-        let refused = Pattern::new(Planform::Groove, 1e-4, bad, 1e-5).unwrap_err();
-        assert!(refused.to_string().contains("spacing"));
-    }
 }
 
 #[test]
@@ -424,9 +412,8 @@ fn coverage_is_the_share_of_points_inside() {
 #[test]
 fn edges_are_what_a_grown_cavity_gains() {
     let um = 1e-6;
-    let hexagon: Vec<[f64; 2]> =
-        (0..6).map(|k| std::f64::consts::PI / 3.0 * f64::from(k)).map(|t| [t.cos(), t.sin()]).collect();
-    let polygon = Texture::new(Planform::Polygon).with_outline(Polygon::new(&hexagon).unwrap()).unwrap();
+    let hexagon = Polygon::new(&regular(6, 0.0)).unwrap();
+    let polygon = Texture::new(Planform::Polygon).with_outline(hexagon).unwrap();
     let of = |texture: Texture, by: f64| Pattern::new(texture, 130.0 * um + by, 370.0 * um - by, 20.0 * um).unwrap();
     for planform in [Planform::Groove, Planform::Square, Planform::Disc, Planform::Crosshatch] {
         // d(areal density) / dw at constant pitches, where each edge moves by dw / 2.

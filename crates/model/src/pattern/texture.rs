@@ -341,6 +341,7 @@ fn unit_vector(angle_deg: f64) -> [f64; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::pattern::Pattern;
 
     #[test]
     fn right_angles_are_exact_and_others_are_the_cosine_and_sine() {
@@ -426,6 +427,7 @@ mod tests {
             let rectangle = Texture::new(Planform::Rectangle);
             assert!(matches!(rectangle.with_length_m(bad), Err(PatternError::Refused(_))));
             assert!(matches!(rectangle.with_spacing_across_m(bad), Err(PatternError::Refused(_))));
+            assert!(Pattern::new(groove, 1e-4, bad, 1e-5).unwrap_err().to_string().contains("spacing"));
         }
     }
 }

@@ -8,7 +8,7 @@
 //! fractions of a row, the relief (heights of rims or of a measured face) as the mean over the land part of a column's
 //! face.
 
-use crate::pattern::{Pattern, ReliefMap, Texture};
+use crate::pattern::{Pattern, ReliefMap, Texture, snap_fraction};
 
 use crate::springblock::rims::{PLANE_STRAIN, Rims};
 
@@ -48,7 +48,7 @@ impl Column {
 const WHOLE_TOLERANCE: f64 = 1e-9;
 
 /// Rounds `blocks` to a whole number if the difference is only a rounding error.
-fn round_if_whole(blocks: f64) -> f64 {
+pub fn round_if_whole(blocks: f64) -> f64 {
     if (blocks - blocks.round()).abs() < WHOLE_TOLERANCE * blocks.max(1.0) { blocks.round() } else { blocks }
 }
 
@@ -75,20 +75,16 @@ impl Period {
         }
     }
 
-    fn land_columns(&self) -> usize {
-        columns_in(self.spacing)
+    /// Column of a land, and number of such columns.
+    fn land(&self) -> (Column, usize) {
+        let count = columns_in(self.spacing);
+        (Column::land(self.spacing / count as f64), count)
     }
 
-    fn cavity_columns(&self) -> usize {
-        columns_in(self.width)
-    }
-
-    fn land(&self) -> Column {
-        Column::land(self.spacing / self.land_columns() as f64)
-    }
-
-    fn cavity(&self) -> Column {
-        Column::cavity(self.width / self.cavity_columns() as f64, self.depth)
+    /// Column of a cavity, and number of such columns.
+    fn cavity(&self) -> (Column, usize) {
+        let count = columns_in(self.width);
+        (Column::cavity(self.width / count as f64, self.depth), count)
     }
 }
 
@@ -117,13 +113,7 @@ pub fn divide(blocks: f64) -> (usize, usize, f64) {
 
 /// Rounds a fraction of a column to 0 or 1 if it is within [`MIN_COVERAGE`] of that value.
 pub fn round_share(share: f64) -> f64 {
-    if share > 1.0 - MIN_COVERAGE {
-        1.0
-    } else if share < MIN_COVERAGE {
-        0.0
-    } else {
-        share
-    }
+    snap_fraction(share, MIN_COVERAGE)
 }
 
 /// Divides one period of `pattern` into columns.
@@ -199,7 +189,8 @@ pub fn sample_with_map(pattern: &Pattern, block_m: f64, length: usize, map: Opti
     let length = length as f64;
     let mut columns: Vec<Column> = Vec::new();
     let mut filled = 0.0;
-    let mut piece = (period.land(), period.land_columns() / 2);
+    let (column, count) = period.land();
+    let mut piece = (column, count / 2);
     while filled < length - WHOLE_TOLERANCE * length {
         let (column, count) = piece;
         let left = round_if_whole(length - filled);
@@ -211,11 +202,7 @@ pub fn sample_with_map(pattern: &Pattern, block_m: f64, length: usize, map: Opti
             clip(&mut columns, column, left);
             filled = length;
         }
-        piece = if column.is_land() {
-            (period.cavity(), period.cavity_columns())
-        } else {
-            (period.land(), period.land_columns())
-        };
+        piece = if column.is_land() { period.cavity() } else { period.land() };
     }
     with_relief(columns, pattern, block_m, map)
 }

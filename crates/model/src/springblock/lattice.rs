@@ -288,12 +288,11 @@ impl Lattice {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::pattern::{Pattern, Planform};
     use crate::springblock::columns::{cell, flat, sample};
+    use crate::springblock::tests::samples::groove;
 
     fn published_cell() -> Lattice {
-        let pattern = Pattern::new(Planform::Groove, 130e-6, 370e-6, 20e-6).unwrap();
-        Lattice::new(cell(&pattern, 10e-6), 20, true)
+        Lattice::new(cell(&groove(130.0, 370.0, 20.0), 10e-6), 20, true)
     }
 
     #[test]
@@ -322,8 +321,7 @@ mod tests {
 
     #[test]
     fn a_lone_land_column_weighs_at_least_a_quarter() {
-        let pattern = Pattern::new(Planform::Groove, 20e-6, 10e-6, 20e-6).unwrap();
-        let lattice = Lattice::new(cell(&pattern, 10e-6), 5, true);
+        let lattice = Lattice::new(cell(&groove(20.0, 10.0, 20.0), 10e-6), 5, true);
         let land = lattice.contacts().next().unwrap();
         assert_eq!(lattice.mass(land, 0), 0.25);
     }
@@ -378,8 +376,7 @@ mod tests {
 
     #[test]
     fn partial_ceiling_rows_scale_their_springs() {
-        let pattern = Pattern::new(Planform::Groove, 130e-6, 370e-6, 14e-6).unwrap();
-        let lattice = Lattice::new(cell(&pattern, 10e-6), 20, true);
+        let lattice = Lattice::new(cell(&groove(130.0, 370.0, 14.0), 10e-6), 20, true);
         assert!((lattice.presence(20, 1) - 0.6).abs() < 1e-9 && lattice.presence(20, 0) == 0.0);
         assert_eq!(lattice.lowest_row(20), 1);
         assert!(!lattice.is_plain());
@@ -415,8 +412,7 @@ mod tests {
 
     #[test]
     fn a_free_sample_has_one_diagonal_to_the_bulk_at_each_side() {
-        let pattern = Pattern::new(Planform::Groove, 130e-6, 370e-6, 20e-6).unwrap();
-        let lattice = Lattice::new(sample(&pattern, 10e-6, 100), 20, false);
+        let lattice = Lattice::new(sample(&groove(130.0, 370.0, 20.0), 10e-6, 100), 20, false);
         let mut to_bulk = vec![0; 100];
         lattice.for_each_bond(|bond| {
             if bond.b.is_none() {

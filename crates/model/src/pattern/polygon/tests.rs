@@ -4,7 +4,8 @@ use crate::pattern::{Arrangement, Pattern, Planform, Texture};
 /// An L with arms 4 and 3 wide, 10 by 12.
 const L: [[f64; 2]; 6] = [[0.0, 0.0], [10.0, 0.0], [10.0, 3.0], [4.0, 3.0], [4.0, 12.0], [0.0, 12.0]];
 
-fn regular(corners: u32, start_deg: f64) -> Vec<[f64; 2]> {
+/// Corners of a regular polygon, the first at the angle `start_deg`.
+pub fn regular(corners: u32, start_deg: f64) -> Vec<[f64; 2]> {
     let angle = |k: u32| (start_deg + 360.0 * f64::from(k) / f64::from(corners)).to_radians();
     (0..corners).map(|k| [libm::cos(angle(k)), libm::sin(angle(k))]).collect()
 }

@@ -1,5 +1,5 @@
 use super::*;
-use crate::pattern::{Arrangement, Pattern, Planform, Polygon, Texture};
+use crate::pattern::{Arrangement, Pattern, Planform, Polygon, Texture, regular};
 
 fn rimmed(planform: Planform, profile: RimProfile) -> Pattern {
     let rim = Rim::new(0.5e-6, 20e-6, profile).unwrap();
@@ -151,38 +151,27 @@ fn rims_are_as_wide_around_corners_as_along_edges() {
 }
 
 #[test]
-fn a_square_and_its_outline_have_one_rim() {
-    let square = Polygon::new(&[[0.0, 0.0], [40.0, 0.0], [40.0, 40.0], [0.0, 40.0]]).unwrap();
+fn the_rims_of_outlines_and_of_crossing_grooves_are_those_of_the_plain_shapes() {
+    let outlined = |corners: &[[f64; 2]], profile| {
+        let texture = Texture::new(Planform::Polygon).with_outline(Polygon::new(corners).unwrap()).unwrap();
+        let rim = Rim::new(0.5e-6, 20e-6, profile).unwrap();
+        Pattern::new(texture.with_rim(rim), 130e-6, 70e-6, 20e-6).unwrap()
+    };
+    let square = [[0.0, 0.0], [40.0, 0.0], [40.0, 40.0], [0.0, 40.0]];
     for profile in RimProfile::ALL {
-        let rim = Rim::new(0.05e-6, 10e-6, profile).unwrap();
-        let outlined = Texture::new(Planform::Polygon).with_outline(square).unwrap();
-        let [plain, outlined] = [Texture::new(Planform::Square), outlined]
-            .map(|texture| Pattern::new(texture.with_rim(rim), 40e-6, 60e-6, 20e-6).unwrap());
-        for (i, j) in [(5, 5), (4, 4), (3, 5), (4, 0), (5, 4)] {
-            let [x, y] = [i, j].map(|n: i32| [f64::from(n) * 5e-6, f64::from(n + 1) * 5e-6]);
-            let [one, other] = [plain, outlined].map(|pattern| pattern.rim_share(x[0], x[1], y[0], y[1]));
-            // Chords of the outline's arcs deviate by 1e-4 of the width.
-            assert!((one - other).abs() < 4e-4, "{profile} {i} {j}: {one} {other}");
+        // Chords of the outline's arcs deviate by 1e-4 of the width. A disc is compared with 360 corners.
+        for (plain, polygon, tolerance) in [
+            (rimmed(Planform::Square, profile), outlined(&square, profile), 4e-4),
+            (rimmed(Planform::Disc, profile), outlined(&regular(360, 0.0), profile), 2e-3),
+        ] {
+            for (x, y) in [(63.0, 3.0), (71.5, -12.0), (48.0, 48.0), (10.0, 72.0), (63.0, 63.0)] {
+                let [x, y] = [x, y].map(|from: f64| [from * 1e-6, (from + 8.0) * 1e-6]);
+                let [one, other] = [plain, polygon].map(|pattern| pattern.rim_share(x[0], x[1], y[0], y[1]));
+                assert!((one - other).abs() < tolerance, "{plain:?} {x:?}: {one} {other}");
+            }
         }
     }
-}
-
-#[test]
-fn the_rims_of_outlines_and_of_crossing_grooves_are_those_of_the_plain_shapes() {
-    let rim = Rim::new(0.5e-6, 20e-6, RimProfile::Ramp).unwrap();
-    let of = |texture: Texture| Pattern::new(texture.with_rim(rim), 130e-6, 70e-6, 20e-6).unwrap();
-    // A disc compared with a polygon of 360 corners, whose rim is equal except for flattened arcs.
-    let corners: Vec<[f64; 2]> = (0..360).map(|n| f64::from(n).to_radians()).map(|a| [a.cos(), a.sin()]).collect();
-    let outline = Polygon::new(&corners).unwrap();
-    let polygon = of(Texture::new(Planform::Polygon).with_outline(outline).unwrap());
-    let disc = of(Texture::new(Planform::Disc));
-    let crossing = of(Texture::new(Planform::Crosshatch));
-    let groove = of(Texture::new(Planform::Groove));
-    for (x, y) in [(63.0, 3.0), (71.5, -12.0), (48.0, 48.0), (10.0, 72.0)] {
-        let [x, y] = [x, y].map(|from: f64| [from * 1e-6, (from + 8.0) * 1e-6]);
-        let share = |pattern: &Pattern| pattern.rim_share(x[0], x[1], y[0], y[1]);
-        assert!((share(&polygon) - share(&disc)).abs() < 2e-3, "{x:?}: {} {}", share(&polygon), share(&disc));
-    }
+    let [crossing, groove] = [Planform::Crosshatch, Planform::Groove].map(|of| rimmed(of, RimProfile::Ramp));
     // Far from the other family, the land next to a groove equals that of parallel grooves: its middle is half a pitch
     // away.
     let share = |pattern: &Pattern| pattern.rim_share(66e-6, 73e-6, 97e-6, 103e-6);

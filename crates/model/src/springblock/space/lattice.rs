@@ -11,7 +11,7 @@
 use crate::pattern::{Pattern, ReliefMap};
 
 use super::springs::{LEVEL, Spring, springs};
-use crate::springblock::columns::{divide, round_share};
+use crate::springblock::columns::{divide, round_if_whole, round_share};
 use crate::springblock::lattice::{joint_presence, stiffness_share};
 use crate::springblock::rims;
 
@@ -46,8 +46,6 @@ pub struct SpaceBond {
     pub share: f64,
 }
 
-/// Tolerance within which a depth counts as a whole number of blocks, for rounding errors of divisions.
-const WHOLE_TOLERANCE: f64 = 1e-9;
 impl SpaceLattice {
     /// Number of columns along x and y of a cell of `pattern` in blocks `block_m` metres apart.
     pub fn columns_of(pattern: &Pattern, block_m: f64) -> [f64; 2] {
@@ -113,9 +111,7 @@ impl SpaceLattice {
                 (0..count).map(sides).map(|[x0, x1, y0, y1]| lands.mean_m([x0, x1], [y0, y1]) / block_m).collect()
             }
         };
-        let depth = pattern.depth_m() / block_m;
-        let depth =
-            if (depth - depth.round()).abs() < WHOLE_TOLERANCE * depth.max(1.0) { depth.round() } else { depth };
+        let depth = round_if_whole(pattern.depth_m() / block_m);
         Self { columns, rows, spacing, coverage, depth, relief, gap: 0 }
     }
 
@@ -238,6 +234,11 @@ impl SpaceLattice {
     /// Fraction of the area of column (i, j) that touches the counterface.
     pub fn contact_share(&self, i: usize, j: usize) -> f64 {
         1.0 - self.coverage[j * self.columns[0] + i]
+    }
+
+    /// Columns j * nx + i that touch the counterface, at least in part, in ascending order.
+    pub fn contacts(&self) -> impl Iterator<Item = usize> + '_ {
+        (0..self.coverage.len()).filter(|&column| self.coverage[column] < 1.0)
     }
 
     /// Number of rows into which a cavity reaches, at least in part.

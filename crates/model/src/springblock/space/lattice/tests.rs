@@ -1,9 +1,9 @@
 use super::*;
 use crate::pattern::Planform;
+use crate::springblock::tests::samples::{groove, pattern};
 
 fn squares(width_um: f64, spacing_um: f64, depth_um: f64) -> SpaceLattice {
-    let pattern = Pattern::new(Planform::Square, width_um * 1e-6, spacing_um * 1e-6, depth_um * 1e-6).unwrap();
-    SpaceLattice::cell(&pattern, 10e-6, 20)
+    SpaceLattice::cell(&pattern(Planform::Square, width_um, spacing_um, depth_um), 10e-6, 20)
 }
 
 #[test]
@@ -70,7 +70,7 @@ fn nearest_whole_blocks_are_the_lattice_itself_or_half_a_block_away() {
     let post = squares(46.0, 4.0, 20.0).nearest_whole();
     assert!((0..25).any(|n| post.contact_share(n % 5, n / 5) == 1.0));
     assert!(squares(100.0, 100.0, 199.0).nearest_whole().depth() == 19.0);
-    let groove = SpaceLattice::cell(&Pattern::new(Planform::Groove, 20e-6, 30e-6, 20e-6).unwrap(), 10e-6, 5);
+    let groove = SpaceLattice::cell(&groove(20.0, 30.0, 20.0), 10e-6, 5);
     let long = groove.repeated_along_y(4);
     assert!((0..20).all(|n| long.contact_share(n % 5, n / 5) == groove.contact_share(n % 5, 0)));
 }
